@@ -1,0 +1,197 @@
+// The paper's own example (Fig. 1, Table 1) in a 3D box: a ball of radius r hangs on a rope of
+// length 1 from a hinge at (0, 0, 1) and swings in the xz-plane; the HIP is a ball of the same
+// radius at p = (x, y, z) that pushes it. The state is the angle α of the rope, the ball's centre
+// is c(α) = (sin α, 0, 1 - cos α).
+//
+// About the hinge, p is at the distance ρ and the angle φ = atan2(x, 1 - z). With m = 4r² - y² the
+// balls would overlap for |α - φ| < δ, cos δ = (1 + ρ² - m) / (2ρ); there is no such arc when m <=
+// 0 or the quotient is >= 1. A ball right of the HIP (α >= φ) settles at max(0, φ + δ), one left of
+// it at min(0, φ - δ), and at 0 where there is no arc or the contact angle reaches ±π.
+//
+// Written with angles this costs three transcendental functions a substep, acos loses half of its
+// digits near the tear-off, and α, φ and φ ± δ each have a branch to wrap. So C compares directions
+// from the hinge as vectors (sine, cosine) of any positive length, and takes one atan2 at the end:
+//
+//   e = ρ² - 1 = x² + z (z - 2)      w = 1 - z
+//   (2ρ sin δ)² = 4ρ² - (1 + ρ² - m)² = 4m - (e - m)²     (the right side has little to cancel)
+//   2ρ cos δ = 2 + e - m
+//   2ρ² sin(φ ± δ) = x 2ρ cos δ ± w 2ρ sin δ
+//   2ρ² cos(φ ± δ) = w 2ρ cos δ ∓ x 2ρ sin δ
+//
+// There is an arc when 4m - (e - m)² > 0, which m <= 0 never reaches. As r < 1/2, m < 1 and so
+// 0 < δ < π/2, hence φ + δ lies in (-π, 3π/2), and "φ + δ <= 0 or φ + δ >= π", the two ways to
+// settle at 0 on the right, is sin(φ + δ) <= 0. On the left it is sin(φ - δ) >= 0. All states
+// reached therefore lie in (-π, π) and none overlaps the HIP.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "libcore/model/plugin.hpp"
+
+namespace {
+
+class HungBall {
+ public:
+  explicit HungBall(hapgrid::PluginParameters& parameters)
+      : radius_(finite(parameters, "radius", 0.1)),
+        weight_(finite(parameters, "weight", 1)),
+        max_force_(finite(parameters, "max_force", 3)),
+        tolerance_(finite(parameters, "tolerance", 1e-6)) {
+    parameters.finish();
+    if (!(radius_ > 0 && radius_ < 0.5)) refuse("radius", radius_, "above 0 and below 0.5");
+    if (!(weight_ > 0)) refuse("weight", weight_, "positive");
+    if (!(max_force_ > 0)) refuse("max_force", max_force_, "positive");
+    if (!(tolerance_ >= 0)) refuse("tolerance", tolerance_, "0 or more");
+    substep_ = radius_ / 16;
+    d_max_ = 2 * std::sqrt(radius_ * (radius_ + 1)) - 2 * radius_;
+  }
+
+  hapgrid_model_info info() const {
+    hapgrid_model_info info{};
+    info.state_size = 1;
+    info.d_max = d_max_;
+    info.tolerance = tolerance_;
+    std::snprintf(info.tolerance_unit, sizeof info.tolerance_unit, "rad");
+    info.spheres = 1 + kBeads;
+    return info;
+  }
+
+  /// The ball at rest, wherever it does not overlap the HIP.
+  std::vector<double> known_states(const double* p) const {
+    const double distance_squared = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+    if (distance_squared >= 4 * radius_ * radius_) return {0};
+    return {};
+  }
+
+  /// Walks in substeps: only a move that is small against the balls tells on which side the ball
+  /// is.
+  void convert(const double* s, const double* x, const double* d, double* result) const {
+    const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    // The slack takes a d of the length d_max that was rounded up.
+    if (!(length <= d_max_ * (1 + 1e-9)))
+      throw std::runtime_error("a shift of " + text(length) + ", d_max is " + text(d_max_));
+    const double substeps = std::ceil(length / substep_);
+    if (substeps == 0) {
+      result[0] = s[0];
+      return;
+    }
+    // Without an arc at the end the ball hangs at 0 whatever happened before: most calls end here.
+    const double end[3] = {x[0] + d[0], x[1] + d[1], x[2] + d[2]};
+    if (!Arc(end, radius_).exists()) {
+      result[0] = 0;
+      return;
+    }
+    Rope rope{std::sin(s[0]), std::cos(s[0])};
+    for (double k = 1; k <= substeps; ++k) {
+      const double f = k / substeps;
+      const double p[3] = {x[0] + f * d[0], x[1] + f * d[1], x[2] + f * d[2]};
+      rope = Arc(p, radius_).settle(rope);
+    }
+    result[0] = std::atan2(rope.sine, rope.cosine);
+  }
+
+  bool equal(const double* a, const double* b) const { return std::abs(a[0] - b[0]) <= tolerance_; }
+
+  /// The HIP pushes the ball with N along u = (c - p) / |c - p|; along the ball's path, with the
+  /// tangent τ, N u·τ balances the weight W sin α, and the HIP feels -N u. u·τ goes to 0 at the
+  /// tear-off, where max_force bounds N. A state that is a blend of two branches can have the ball
+  /// on the wrong side of the balance: then there is no force.
+  void force(const double* p, const double* s, double* f) const {
+    const double sine = std::sin(s[0]);
+    const double cosine = std::cos(s[0]);
+    const double u[3] = {sine - p[0], -p[1], 1 - cosine - p[2]};  // times |c - p|
+    const double distance = std::hypot(u[0], u[1], u[2]);
+    const double along = (u[0] * cosine + u[2] * sine) / distance;
+    f[0] = f[1] = f[2] = 0;
+    if (!(along * sine > 0)) return;  // also for a state that is not a number, and for c = p
+    const double pushed = std::min(max_force_, weight_ * sine / along);
+    for (int a = 0; a < 3; ++a) f[a] = -pushed * u[a] / distance;
+  }
+
+  /// The ball, then the rope as beads from the hinge down.
+  void shape(const double* s, hapgrid_sphere* spheres) const {
+    const double sine = std::sin(s[0]);
+    const double cosine = std::cos(s[0]);
+    for (unsigned i = 0; i <= kBeads; ++i) {
+      const double along = i == 0 ? 1 : (i - 1.0) / kBeads;
+      spheres[i] = {{static_cast<float>(along * sine), 0, static_cast<float>(1 - along * cosine)},
+                    static_cast<float>(i == 0 ? radius_ : radius_ / 8),
+                    {0.9F, 0.9F, 0.9F}};
+    }
+    spheres[0].colour[2] = 0.3F;
+  }
+
+ private:
+  static constexpr unsigned kBeads = 9;
+
+  /// The direction of the rope from the hinge: sin α and cos α times any positive factor.
+  struct Rope {
+    double sine, cosine;
+  };
+
+  /// The angles at which the ball would overlap a HIP at p. The names are those of the page's top.
+  class Arc {
+   public:
+    Arc(const double* p, double radius) : x_(p[0]), w_(1 - p[2]) {
+      const double m = (2 * radius - p[1]) * (2 * radius + p[1]);
+      const double e = p[0] * p[0] + p[2] * (p[2] - 2);
+      sine_squared_ = 4 * m - (e - m) * (e - m);
+      cosine_ = 2 + e - m;
+    }
+    bool exists() const { return sine_squared_ > 0; }
+
+    /// Where the ball settles that hung at `rope` a small move ago.
+    Rope settle(const Rope& rope) const {
+      constexpr Rope kRest{0, 1};
+      if (!exists()) return kRest;
+      const double sine = std::sqrt(sine_squared_);
+      if (right(rope)) {
+        const Rope contact{x_ * cosine_ + w_ * sine, w_ * cosine_ - x_ * sine};
+        return contact.sine > 0 ? contact : kRest;
+      }
+      const Rope contact{x_ * cosine_ - w_ * sine, w_ * cosine_ + x_ * sine};
+      return contact.sine < 0 ? contact : kRest;
+    }
+
+   private:
+    /// α >= φ, both in (-π, π]. Angles of one sign compare as the sign of sin(α - φ); the sign of φ
+    /// is that of x. The one case this leaves open, α = 0 below a HIP straight above the hinge,
+    /// settles at 0 on either side.
+    bool right(const Rope& rope) const {
+      const bool ahead = rope.sine * w_ - rope.cosine * x_ >= 0;
+      return rope.sine >= 0 ? x_ < 0 || ahead : x_ < 0 && ahead;
+    }
+
+    double x_, w_;
+    double sine_squared_;  // (2ρ sin δ)²
+    double cosine_;        // 2ρ cos δ
+  };
+
+  [[noreturn]] static void refuse(const std::string& key, double value, const std::string& limit) {
+    throw std::runtime_error("parameter " + key + " is " + text(value) + ", it must be " + limit);
+  }
+  static std::string text(double value) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%g", value);
+    return digits;
+  }
+  static double finite(hapgrid::PluginParameters& parameters, const char* key, double value) {
+    value = parameters.number(key, value);
+    if (!std::isfinite(value)) refuse(key, value, "finite");
+    return value;
+  }
+
+  double radius_;     // r, in rope lengths
+  double weight_;     // W, newtons
+  double max_force_;  // newtons
+  double tolerance_;  // radians
+  double substep_;    // longest substep of convert(), in rope lengths
+  double d_max_;      // t - 2r, in rope lengths; Table 1 assumes no longer shifts
+};
+
+}  // namespace
+
+HAPGRID_MODEL_PLUGIN(HungBall, "a ball that hangs on a rope and is pushed by another ball")

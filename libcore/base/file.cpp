@@ -1,0 +1,201 @@
+#include "libcore/base/file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <system_error>
+#include <utility>
+
+#include "libcore/base/error.hpp"
+
+namespace hapgrid {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void fail(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+void write_all(int fd, std::span<const std::byte> bytes, const std::string& name) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(name);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+fs::path temporary_directory() {
+  const char* directory = std::getenv("TMPDIR");
+  return directory && *directory ? directory : "/tmp";
+}
+
+/// A fresh file `directory`/.`stem`.XXXXXX; sets `name`.
+int named_temporary(const fs::path& directory, const std::string& stem, std::string& name) {
+  name = (directory / ("." + stem + ".XXXXXX")).string();
+  const int fd = ::mkostemp(name.data(), O_CLOEXEC);
+  if (fd < 0) fail(directory.string() + ": cannot create a file");
+  return fd;
+}
+
+}  // namespace
+
+FileDescriptor& FileDescriptor::operator=(FileDescriptor&& other) noexcept {
+  std::swap(fd_, other.fd_);
+  return *this;
+}
+
+FileDescriptor::~FileDescriptor() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+FileDescriptor unlinked_file(const fs::path& directory) {
+  const int fd = ::open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (fd >= 0) return FileDescriptor(fd);
+  std::string name;
+  FileDescriptor file(named_temporary(directory, "hapgrid", name));
+  ::unlink(name.c_str());
+  return file;
+}
+
+OutputFile::OutputFile(std::string name, bool binary) : shown_name_(std::move(name)) {
+  if (shown_name_ == "-") {
+    fd_ = STDOUT_FILENO;
+    shown_name_ = "standard output";
+    if (binary && ::isatty(fd_))
+      throw Error("standard output is a terminal: redirect it, or name a file with -o");
+    return;
+  }
+  struct stat status {};
+  if (::stat(shown_name_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
+    owned_ = FileDescriptor(::open(shown_name_.c_str(), O_WRONLY | O_CLOEXEC));
+    if (!owned_) fail(shown_name_);
+    fd_ = owned_.get();
+    return;
+  }
+  // A symbolic link is followed, so that the file it names is replaced and not the link; also one
+  // that leads nowhere yet, which weakly_canonical() would not follow.
+  std::error_code ignored;
+  fs::path resolved = fs::absolute(shown_name_, ignored);
+  constexpr int kMaxLinks = 40;  // as the kernel
+  for (int i = 0; i < kMaxLinks && fs::is_symlink(resolved, ignored); ++i)
+    resolved = resolved.parent_path() / fs::read_symlink(resolved, ignored);
+  resolved = fs::weakly_canonical(resolved, ignored);
+  target_ = ignored ? shown_name_ : resolved.string();
+  const fs::path directory = fs::path(target_).parent_path();
+  owned_ = FileDescriptor(::open(directory.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
+  if (!owned_) {
+    if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL) fail(shown_name_);
+    owned_ = FileDescriptor(
+        named_temporary(directory, fs::path(target_).filename().string(), temporary_));
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    if (::fchmod(owned_.get(), 0666 & ~mask) != 0) fail(shown_name_);
+  }
+  fd_ = owned_.get();
+}
+
+OutputFile::~OutputFile() {
+  if (!temporary_.empty() && owned_) ::unlink(temporary_.c_str());
+}
+
+void OutputFile::write(std::span<const std::byte> bytes) { write_all(fd_, bytes, shown_name_); }
+
+void OutputFile::commit() {
+  if (target_.empty()) {
+    if (owned_ && ::close(std::exchange(owned_, FileDescriptor()).get()) != 0) fail(shown_name_);
+    return;
+  }
+  if (::fsync(fd_) != 0) fail(shown_name_);
+  if (temporary_.empty()) {
+    // An O_TMPFILE gets its name in two steps, since linkat() cannot replace an existing file.
+    const std::string self = "/proc/self/fd/" + std::to_string(fd_);
+    const fs::path target(target_);
+    const std::string name = (target.parent_path() /
+                              ("." + target.filename().string() + "." + std::to_string(::getpid())))
+                                 .string();
+    ::unlink(name.c_str());
+    if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0)
+      fail(shown_name_);
+    temporary_ = name;
+  }
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(shown_name_);
+  temporary_.clear();
+  owned_ = FileDescriptor();
+  fd_ = -1;
+}
+
+InputFile::InputFile(std::string name) : shown_name_(std::move(name)) {
+  if (shown_name_ == "-") {
+    fd_ = STDIN_FILENO;
+    shown_name_ = "standard input";
+  } else {
+    owned_ = FileDescriptor(::open(shown_name_.c_str(), O_RDONLY | O_CLOEXEC));
+    if (!owned_) fail(shown_name_);
+    fd_ = owned_.get();
+  }
+  struct stat status {};
+  if (::fstat(fd_, &status) != 0) fail(shown_name_);
+  if (S_ISDIR(status.st_mode)) {
+    errno = EISDIR;
+    fail(shown_name_);
+  }
+  if (S_ISREG(status.st_mode)) {
+    const off_t position = ::lseek(fd_, 0, SEEK_CUR);
+    start_ = position > 0 ? static_cast<std::uint64_t>(position) : 0;
+    const auto end = static_cast<std::uint64_t>(status.st_size);
+    size_ = end > start_ ? end - start_ : 0;
+    return;
+  }
+  FileDescriptor spool = unlinked_file(temporary_directory());
+  std::array<std::byte, 1 << 16> buffer;
+  for (;;) {
+    const ssize_t count = ::read(fd_, buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail(shown_name_);
+    if (count == 0) break;
+    write_all(spool.get(), std::span(buffer).first(static_cast<std::size_t>(count)),
+              shown_name_ + ", copied to " + temporary_directory().string());
+    size_ += static_cast<std::uint64_t>(count);
+  }
+  owned_ = std::move(spool);
+  fd_ = owned_.get();
+}
+
+InputFile::InputFile(FileDescriptor file, std::string name)
+    : shown_name_(std::move(name)), owned_(std::move(file)), fd_(owned_.get()) {
+  struct stat status {};
+  if (::fstat(fd_, &status) != 0) fail(shown_name_);
+  size_ = static_cast<std::uint64_t>(status.st_size);
+}
+
+std::size_t InputFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t count = ::pread(fd_, bytes.data() + done, bytes.size() - done,
+                                  static_cast<off_t>(start_ + offset + done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail(shown_name_);
+    if (count == 0) break;
+    done += static_cast<std::size_t>(count);
+  }
+  return done;
+}
+
+std::string read_text(const std::string& name, std::uint64_t limit) {
+  const InputFile file(name);
+  if (file.size() > limit)
+    throw Error(file.name() + ": " + std::to_string(file.size()) + " bytes, the limit is " +
+                std::to_string(limit));
+  std::string text(file.size(), '\0');
+  text.resize(file.read(0, std::as_writable_bytes(std::span(text))));
+  return text;
+}
+
+}  // namespace hapgrid

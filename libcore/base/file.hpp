@@ -1,0 +1,88 @@
+// Files as the filters need them: an output that appears whole or not at all, and an input that
+// can be read at any offset even when it comes through a pipe.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace hapgrid {
+
+/// An open file descriptor that closes itself.
+class FileDescriptor {
+ public:
+  FileDescriptor() = default;
+  explicit FileDescriptor(int fd) : fd_(fd) {}
+  FileDescriptor(FileDescriptor&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept;
+  ~FileDescriptor();
+  int get() const { return fd_; }
+  explicit operator bool() const { return fd_ >= 0; }
+
+ private:
+  int fd_ = -1;
+};
+
+/// A file that is written beside its final name, synced, and renamed by commit(); without commit()
+/// nothing is left of it, not even after SIGKILL where the file system has O_TMPFILE.
+/// "-" is standard output; a device or pipe is written directly.
+class OutputFile {
+ public:
+  /// @throw std::system_error when it cannot be created; Error when "-" is a terminal and `binary`.
+  explicit OutputFile(std::string name, bool binary = true);
+  OutputFile(OutputFile&&) = default;
+  OutputFile& operator=(OutputFile&&) = delete;
+  ~OutputFile();
+
+  /// The name for messages: "standard output" for "-".
+  const std::string& name() const { return shown_name_; }
+  int fd() const { return fd_; }
+
+  /// @throw std::system_error
+  void write(std::span<const std::byte> bytes);
+  void write(const std::string& text) { write(std::as_bytes(std::span(text))); }
+  /// Makes the file appear. @throw std::system_error
+  void commit();
+
+ private:
+  std::string target_;     // empty: written directly
+  std::string temporary_;  // named temporary file, where O_TMPFILE is missing
+  std::string shown_name_;
+  FileDescriptor owned_;
+  int fd_ = -1;
+};
+
+/// An input of which any part can be read at any time. A pipe is copied to an unlinked temporary
+/// file first (in TMPDIR, else /tmp): a merge needs several places of its input at once.
+class InputFile {
+ public:
+  /// "-" is standard input. @throw std::system_error
+  explicit InputFile(std::string name);
+  /// A regular file that is open already, from its start.
+  InputFile(FileDescriptor file, std::string name);
+
+  /// The name for messages: "standard input" for "-".
+  const std::string& name() const { return shown_name_; }
+  std::uint64_t size() const { return size_; }
+  /// Reads at most bytes.size() bytes at `offset`; fewer only at the end.
+  /// @throw std::system_error
+  std::size_t read(std::uint64_t offset, std::span<std::byte> bytes) const;
+
+ private:
+  std::string shown_name_;
+  FileDescriptor owned_;
+  int fd_ = -1;
+  std::uint64_t start_ = 0;
+  std::uint64_t size_ = 0;
+};
+
+/// An unlinked file in `directory`, gone when it is closed. @throw std::system_error
+FileDescriptor unlinked_file(const std::filesystem::path& directory);
+
+/// The whole of a text file, or of standard input for "-". @throw std::system_error; Error when it
+/// is larger than `limit` bytes.
+std::string read_text(const std::string& name, std::uint64_t limit);
+
+}  // namespace hapgrid

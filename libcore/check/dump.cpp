@@ -1,0 +1,27 @@
+#include "libcore/check/dump.hpp"
+
+#include "libcore/check/text.hpp"
+
+namespace hapgrid {
+
+void append_record(std::string& text, const Grid& grid, RecordIndex r) {
+  for (const std::uint32_t c : grid.box().coordinates(grid.point(r)))
+    text += std::to_string(c) + '\t';
+  text += std::to_string(grid.level(r));
+  for (const double value : grid.state(r)) {
+    text += '\t';
+    append_digits17(text, value);
+  }
+  for (const Level level : grid.links(r)) {
+    text += '\t';
+    if (level == kLeavesBox)
+      text += '-';
+    else if (level == kUnsettled)
+      text += '?';
+    else
+      text += std::to_string(level);
+  }
+  text += '\n';
+}
+
+}  // namespace hapgrid

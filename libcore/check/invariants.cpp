@@ -1,0 +1,232 @@
+#include "libcore/check/invariants.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "libcore/check/text.hpp"
+#include "libcore/grid/describe.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+/// What is wrong with one destination level, empty when nothing is.
+/// @param inside whether the direction stays in the box
+std::string link_fault(const Grid& grid, RecordIndex r, int q, bool inside) {
+  const Level level = grid.links(r)[q];
+  const std::string shown = "destination level " + std::to_string(level);
+  if (!inside) return level == kLeavesBox ? "" : shown + ", but the direction leaves the box";
+  if (level == kLeavesBox) return "marked as leaving the box, but it stays inside";
+  if (grid.in_frontier(r))
+    return level == kUnsettled ? "" : shown + ", but the record is in the frontier";
+  if (level == kUnsettled) return "not settled, but the record is not in the frontier";
+  const auto target = static_cast<PointIndex>(grid.point(r) + grid.neighbourhood().offset(q));
+  if (level < grid.levels(target)) return "";
+  return shown + ", but " + describe(grid.box(), target) + " has " +
+         std::to_string(grid.levels(target)) + " levels";
+}
+
+/// Whether the record that each corner of a cell gets from the destination levels of `start` has
+/// links to the same records. The corners are those that the box has: fewer than eight where an
+/// axis has one plane.
+bool is_blend(const Grid& grid, RecordIndex start, const GridCoordinates& cell,
+              const GridCoordinates& size) {
+  struct Corner {
+    std::array<int, 3> at;
+    RecordIndex record;
+  };
+  std::array<Corner, 8> corners;
+  std::size_t count = 0;
+  const auto from = grid.box().coordinates(grid.point(start));
+  for (std::uint32_t k = 0; k < size[2]; ++k)
+    for (std::uint32_t j = 0; j < size[1]; ++j)
+      for (std::uint32_t i = 0; i < size[0]; ++i) {
+        const std::array<int, 3> at{static_cast<int>(i), static_cast<int>(j), static_cast<int>(k)};
+        std::array<int, 3> step;
+        for (int a = 0; a < 3; ++a)
+          step[a] = at[a] - (static_cast<int>(from[a]) - static_cast<int>(cell[a]));
+        const bool is_start = step == std::array<int, 3>{0, 0, 0};
+        const RecordIndex record =
+            is_start ? start
+                     : grid.destination(start, Direction::of(step[0], step[1], step[2]).q());
+        if (record == Grid::kNoRecord) return false;  // not settled: nothing to judge yet
+        corners[count++] = {at, record};
+      }
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = 0; b < count; ++b) {
+      if (a == b) continue;
+      const Direction towards =
+          Direction::of(corners[b].at[0] - corners[a].at[0], corners[b].at[1] - corners[a].at[1],
+                        corners[b].at[2] - corners[a].at[2]);
+      const RecordIndex reached = grid.destination(corners[a].record, towards.q());
+      if (reached != Grid::kNoRecord && reached != corners[b].record) return true;
+    }
+  return false;
+}
+
+}  // namespace
+
+Check check_complete(const Grid& grid) {
+  Check check{"complete", "records", "records that no expand has looked at (the frontier)", {}};
+  check.found.counted = grid.records();
+  for (RecordIndex r = 0; r < grid.records(); ++r)
+    if (grid.in_frontier(r)) check.found.offend([&] { return describe(grid, r); });
+  return check;
+}
+
+Check check_coverage(const Grid& grid) {
+  Check check{"coverage", "points", "points without a level", {}};
+  check.found.counted = grid.box().points();
+  for (std::uint64_t p = 0; p < grid.box().points(); ++p) {
+    const auto point = static_cast<PointIndex>(p);
+    if (grid.levels(point) == 0) check.found.offend([&] { return describe(grid.box(), point); });
+  }
+  return check;
+}
+
+Check check_links(const Grid& grid) {
+  Check check{"links", "directions", "destination levels that cannot be", {}};
+  check.found.counted = std::uint64_t{grid.records()} * kDirections;
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    const DirectionMask inside = grid.neighbourhood().inside(grid.point(r));
+    const auto links = grid.links(r);
+    for (int q = 0; q < kDirections; ++q) {
+      const bool is_inside = inside >> q & 1;
+      // The ordinary case without strings: this loop runs 26 times for each record.
+      if (!is_inside && links[q] == kLeavesBox) continue;
+      if (is_inside && !grid.in_frontier(r) && links[q] < kMaxLevels &&
+          links[q] <
+              grid.levels(static_cast<PointIndex>(grid.point(r) + grid.neighbourhood().offset(q))))
+        continue;
+      const std::string fault = link_fault(grid, r, q, is_inside);
+      if (!fault.empty())
+        check.found.offend([&] { return describe_link(grid, r, q) + ": " + fault; });
+    }
+  }
+  return check;
+}
+
+bool is_finite(std::span<const double> state) {
+  return std::all_of(state.begin(), state.end(), [](double v) { return std::isfinite(v); });
+}
+
+Check check_finite(const Grid& grid) {
+  Check check{"finite", "records", "states with a component that is no finite number", {}};
+  check.found.counted = grid.records();
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    if (is_finite(grid.state(r))) continue;
+    check.found.offend([&] {
+      const auto state = grid.state(r);
+      const auto bad =
+          std::find_if_not(state.begin(), state.end(), [](double v) { return std::isfinite(v); });
+      return describe(grid, r) + ": component " + std::to_string(bad - state.begin()) + " is " +
+             to_text(*bad);
+    });
+  }
+  return check;
+}
+
+Check check_distinct(const Grid& grid, const SameState& same) {
+  Check check{"distinct",
+              "pairs of levels",
+              "levels of one point that are the same state under the tolerance function",
+              {}};
+  for (std::uint64_t p = 0; p < grid.box().points(); ++p) {
+    const RecordIndex begin = grid.first(static_cast<PointIndex>(p));
+    const RecordIndex end = begin + grid.levels(static_cast<PointIndex>(p));
+    for (RecordIndex a = begin; a < end; ++a)
+      for (RecordIndex b = a + 1; b < end; ++b) {
+        ++check.found.counted;
+        if (!is_finite(grid.state(a)) || !is_finite(grid.state(b))) continue;
+        if (!same(grid.state(a).data(), grid.state(b).data())) continue;
+        check.found.offend([&] {
+          return describe(grid, a) + " and level " + std::to_string(grid.level(b)) + ": states " +
+                 state_text(grid.state(a)) + " and " + state_text(grid.state(b));
+        });
+      }
+  }
+  return check;
+}
+
+std::vector<Check> check_reachable(const Grid& grid) {
+  Check reachable{
+      "reachable", "records", "records that no chain of links leads to from the seeds", {}};
+  Check generations{"generations",
+                    "records",
+                    "records whose generation is not their distance from the seeds, in links",
+                    {}};
+  constexpr std::uint32_t kUnreached = ~std::uint32_t{0};
+  std::vector<std::uint32_t> distance(grid.records(), kUnreached);
+  // Breadth first: `reached` is the queue, and keeps what has left it.
+  std::vector<RecordIndex> reached;
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    if (grid.record_generation(r) != 0) continue;
+    distance[r] = 0;
+    reached.push_back(r);
+  }
+  for (std::size_t head = 0; head < reached.size(); ++head) {
+    const RecordIndex r = reached[head];
+    for (int q = 0; q < kDirections; ++q) {
+      const RecordIndex target = grid.destination(r, q);
+      if (target == Grid::kNoRecord || distance[target] != kUnreached) continue;
+      distance[target] = distance[r] + 1;
+      reached.push_back(target);
+    }
+  }
+  reachable.found.counted = grid.records();
+  generations.found.counted = reached.size();
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    if (distance[r] == kUnreached) {
+      reachable.found.offend([&] { return describe(grid, r); });
+    } else if (distance[r] != grid.record_generation(r)) {
+      generations.found.offend([&] {
+        return describe(grid, r) + ": generation " + std::to_string(grid.record_generation(r)) +
+               ", distance " + std::to_string(distance[r]);
+      });
+    }
+  }
+  return {std::move(reachable), std::move(generations)};
+}
+
+Check check_blends(const Grid& grid) {
+  Check check{"blends", "cells", "cells whose corners can belong to different branches", {}, true};
+  const Box& box = grid.box();
+  GridCoordinates cells;
+  GridCoordinates size;  // corners along each axis
+  for (int a = 0; a < 3; ++a) {
+    cells[a] = std::max(1u, box.counts[a] - 1);
+    size[a] = std::min(2u, box.counts[a]);
+  }
+  check.found.counted = std::uint64_t{cells[0]} * cells[1] * cells[2];
+  for (std::uint32_t k = 0; k < cells[2]; ++k)
+    for (std::uint32_t j = 0; j < cells[1]; ++j)
+      for (std::uint32_t i = 0; i < cells[0]; ++i) {
+        const GridCoordinates cell{i, j, k};
+        std::array<PointIndex, 8> points;
+        std::size_t count = 0;
+        bool has_choice = false;  // with one level at each corner nothing can be mixed
+        for (std::uint32_t dk = 0; dk < size[2]; ++dk)
+          for (std::uint32_t dj = 0; dj < size[1]; ++dj)
+            for (std::uint32_t di = 0; di < size[0]; ++di) {
+              points[count] = box.index({i + di, j + dj, k + dk});
+              has_choice |= grid.levels(points[count++]) > 1;
+            }
+        if (!has_choice) continue;
+        std::optional<RecordIndex> blend;
+        for (std::size_t c = 0; c < count && !blend; ++c)
+          for (RecordIndex l = 0; l < grid.levels(points[c]) && !blend; ++l)
+            if (is_blend(grid, grid.first(points[c]) + l, cell, size))
+              blend = grid.first(points[c]) + l;
+        if (!blend) continue;
+        check.found.offend([&] {
+          return "cell (" + std::to_string(i) + ", " + std::to_string(j) + ", " +
+                 std::to_string(k) + ") from " + describe(grid, *blend);
+        });
+      }
+  return check;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,90 @@
+#include "libcore/check/motion_log.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "libcore/base/error.hpp"
+#include "libcore/check/text.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> cells;
+  for (;;) {
+    const std::size_t tab = line.find('\t');
+    cells.push_back(line.substr(0, tab));
+    if (tab == std::string_view::npos) return cells;
+    line.remove_prefix(tab + 1);
+  }
+}
+
+}  // namespace
+
+std::vector<XY> read_log(std::istream& log, const std::string& name, const std::string& x,
+                         const std::string& y) {
+  std::size_t number = 1;
+  const auto fail = [&](const std::string& what) {
+    throw Error(name + ": line " + std::to_string(number) + ": " + what);
+  };
+  std::string line;
+  if (!std::getline(log, line) || line.empty() || line[0] != '#')
+    fail("no '#' and names of columns, as play --log writes them");
+  std::string_view header = std::string_view(line).substr(1);
+  if (!header.empty() && header[0] == ' ') header.remove_prefix(1);
+  const std::vector<std::string_view> names = split(header);
+  const auto column = [&](const std::string& wanted) {
+    const auto found = std::find(names.begin(), names.end(), wanted);
+    if (found == names.end()) fail("no column '" + wanted + "' in: " + printable(header));
+    return static_cast<std::size_t>(found - names.begin());
+  };
+  const std::size_t x_column = column(x);
+  const std::size_t y_column = column(y);
+  const std::size_t columns = names.size();
+
+  std::vector<XY> ticks;
+  while (std::getline(log, line)) {
+    ++number;
+    const std::vector<std::string_view> cells = split(line);
+    if (cells.size() != columns)
+      fail(std::to_string(cells.size()) + " columns instead of " + std::to_string(columns));
+    const auto value = [&](std::size_t c, const std::string& column_name) {
+      double result = 0;
+      const char* end = cells[c].data() + cells[c].size();
+      const auto read = std::from_chars(cells[c].data(), end, result);
+      if (read.ec != std::errc() || read.ptr != end || !std::isfinite(result))
+        fail("column " + column_name + ": '" + printable(cells[c].substr(0, 40)) +
+             "' is no finite number");
+      return result;
+    };
+    ticks.emplace_back(value(x_column, x), value(y_column, y));
+  }
+  if (log.bad()) throw Error(name + ": cannot be read");
+  if (ticks.empty()) fail("no ticks after the names of the columns");
+  return ticks;
+}
+
+Motion split_motion(const std::vector<XY>& ticks) {
+  Motion motion;
+  int sign = 0;  // of the line that is being drawn; 0 before x has moved
+  std::size_t begin = 0;
+  const auto draw = [&](std::size_t end) {  // ticks begin .. end
+    auto& lines = sign < 0 ? motion.back : motion.there;
+    lines.emplace_back(ticks.begin() + static_cast<std::ptrdiff_t>(begin),
+                       ticks.begin() + static_cast<std::ptrdiff_t>(end) + 1);
+    begin = end;
+  };
+  for (std::size_t i = 1; i < ticks.size(); ++i) {
+    const double dx = ticks[i].first - ticks[i - 1].first;
+    const int moved = dx > 0 ? 1 : dx < 0 ? -1 : sign;
+    if (sign != 0 && moved != sign) draw(i - 1);
+    sign = moved;
+  }
+  draw(ticks.size() - 1);
+  return motion;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,89 @@
+#include "libcore/check/report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "libcore/check/text.hpp"
+
+namespace hapgrid {
+
+bool is_fine(const std::vector<Check>& checks) {
+  return std::none_of(checks.begin(), checks.end(),
+                      [](const Check& c) { return !c.is_note && c.found.offenders > 0; });
+}
+
+std::string verdict_line(const std::vector<Check>& checks) {
+  std::string broken;
+  std::size_t passed = 0;
+  for (const Check& c : checks) {
+    if (c.is_note) continue;
+    if (c.found.offenders == 0) {
+      ++passed;
+    } else {
+      broken += (broken.empty() ? "" : ", ") + c.name + " (" + std::to_string(c.found.offenders) +
+                " of " + std::to_string(c.found.counted) + ")";
+    }
+  }
+  return broken.empty() ? "fine: " + std::to_string(passed) + " checks" : "broken: " + broken;
+}
+
+std::string report_text(const Grid& grid, const std::vector<Check>& checks) {
+  using Row = std::array<std::string, 5>;
+  std::vector<Row> rows{{"check", "counted", "", "offenders", "verdict"}};
+  for (const Check& c : checks)
+    rows.push_back({c.name, std::to_string(c.found.counted), c.unit,
+                    std::to_string(c.found.offenders), c.verdict()});
+  std::array<std::size_t, 5> width{};
+  for (const Row& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
+
+  const auto& n = grid.box().counts;
+  std::string text = printable(grid.spec().model) + ": " + std::to_string(n[0]) + " x " +
+                     std::to_string(n[1]) + " x " + std::to_string(n[2]) + " points, " +
+                     std::to_string(grid.records()) + " records, generation " +
+                     std::to_string(grid.generation()) + "\n\n";
+  constexpr std::array kRightAligned{false, true, false, true, false};
+  for (const Row& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string gap(width[i] - row[i].size(), ' ');
+      if (i > 0) line += i == 2 ? " " : "  ";
+      line += kRightAligned[i] ? gap + row[i] : row[i] + gap;
+    }
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  for (const Check& c : checks) {
+    if (c.found.offenders == 0) continue;
+    text += "\n" + c.name + ": " + c.meaning + "\n";
+    for (const std::string& offender : c.found.first) text += "  " + offender + "\n";
+    if (c.found.offenders > c.found.first.size())
+      text += "  and " + std::to_string(c.found.offenders - c.found.first.size()) + " more\n";
+  }
+  return text;
+}
+
+std::string report_json(const Grid& grid, const std::vector<Check>& checks) {
+  nlohmann::ordered_json json;
+  json["model"] = grid.spec().model;
+  json["counts"] = grid.box().counts;
+  json["records"] = grid.records();
+  json["generation"] = grid.generation();
+  json["fine"] = is_fine(checks);
+  json["checks"] = nlohmann::ordered_json::array();
+  for (const Check& c : checks) {
+    nlohmann::ordered_json row;
+    row["name"] = c.name;
+    row["verdict"] = c.verdict();
+    row["counted"] = c.found.counted;
+    row["unit"] = c.unit;
+    row["offenders"] = c.found.offenders;
+    row["meaning"] = c.meaning;
+    row["first"] = c.found.first;
+    json["checks"].push_back(std::move(row));
+  }
+  // "replace": a shard's strings need not be UTF-8.
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,59 @@
+// What verify found: a row for each check, as a table for people or as JSON for programs.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "libcore/grid/grid.hpp"
+
+namespace hapgrid {
+
+/// How many things were looked at, how many of them offend, and the first few in words.
+struct Findings {
+  static constexpr std::size_t kShown = 5;
+
+  std::uint64_t counted = 0;
+  std::uint64_t offenders = 0;
+  std::vector<std::string> first;  ///< at most kShown, in ascending order of the grid
+
+  /// `describe()` is only called while the text is wanted.
+  template <class Describe>
+  void offend(Describe&& describe) {
+    ++offenders;
+    if (first.size() < kShown) first.push_back(describe());
+  }
+  /// Appends what was found in a later part of the grid.
+  void add(Findings&& later) {
+    counted += later.counted;
+    offenders += later.offenders;
+    for (std::string& text : later.first)
+      if (first.size() < kShown) first.push_back(std::move(text));
+  }
+};
+
+struct Check {
+  std::string name;     ///< stable: scripts look for it
+  std::string unit;     ///< what was counted: "records"
+  std::string meaning;  ///< what an offender is, in one phrase
+  Findings found;
+  bool is_note = false;  ///< worth knowing, but no fault
+  /// "ok", "broken" or "note"
+  std::string verdict() const { return is_note ? "note" : found.offenders == 0 ? "ok" : "broken"; }
+};
+
+/// Whether no check is broken.
+bool is_fine(const std::vector<Check>& checks);
+
+/// One line: "fine: 8 checks" or "broken: links (3 of 104), distinct (1 of 2)".
+std::string verdict_line(const std::vector<Check>& checks);
+
+/// A table with a row a check, then the first offenders of each check that has any.
+std::string report_text(const Grid& grid, const std::vector<Check>& checks);
+
+/// {"model", "counts", "records", "generation", "fine", "checks": [{"name", "verdict", "counted",
+/// "unit", "offenders", "meaning", "first"}]}; keys are only ever added.
+std::string report_json(const Grid& grid, const std::vector<Check>& checks);
+
+}  // namespace hapgrid

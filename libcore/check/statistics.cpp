@@ -1,0 +1,202 @@
+#include "libcore/check/statistics.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <string_view>
+
+#include "libcore/base/error.hpp"
+#include "libcore/check/text.hpp"
+
+namespace hapgrid {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json ratio(double part, std::uint64_t whole) {
+  return whole == 0 ? Json() : Json(part / static_cast<double>(whole));
+}
+
+std::string percent(std::uint64_t part, std::uint64_t whole) {
+  if (whole == 0) return "none";
+  return fixed(100.0 * static_cast<double>(part) / static_cast<double>(whole), 2) + " %";
+}
+
+std::string megabytes(std::uint64_t bytes) {
+  return fixed(static_cast<double>(bytes) / 1e6, bytes < 1'000'000 ? 3 : 1) + " MB";
+}
+
+std::string vector_text(const Vec3& v) {
+  return "(" + rounded(v[0]) + ", " + rounded(v[1]) + ", " + rounded(v[2]) + ")";
+}
+
+std::string left(std::string text, std::size_t width) {
+  if (text.size() < width) text.append(width - text.size(), ' ');
+  return text;
+}
+
+std::string right(const std::string& text, std::size_t width) {
+  return text.size() < width ? std::string(width - text.size(), ' ') + text : text;
+}
+
+Json value_json(const ParameterValue& value) {
+  return std::visit([](const auto& v) { return Json(v); }, value);
+}
+
+double hours(const ReportSums& reports) { return reports.cpu_seconds / 3600; }
+
+}  // namespace
+
+Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes) {
+  Statistics s;
+  s.points = grid.box().points();
+  s.records = grid.records();
+  s.generation = grid.generation();
+  s.stored_bytes = stored_bytes;
+  s.levels_histogram.assign(1, 0);
+  for (std::uint64_t p = 0; p < s.points; ++p) {
+    const RecordIndex levels = grid.levels(static_cast<PointIndex>(p));
+    if (levels >= s.levels_histogram.size()) s.levels_histogram.resize(levels + 1, 0);
+    ++s.levels_histogram[levels];
+  }
+  s.points_reached = s.points - s.levels_histogram[0];
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    s.generations = std::max(s.generations, std::uint64_t{grid.record_generation(r)} + 1);
+    if (grid.in_frontier(r)) {
+      ++s.frontier;
+      continue;
+    }
+    s.conversions +=
+        static_cast<std::uint64_t>(std::popcount(grid.neighbourhood().inside(grid.point(r))));
+    for (int q = 0; q < kDirections; ++q) {
+      const RecordIndex there = grid.destination(r, q);
+      if (there == Grid::kNoRecord) continue;
+      const RecordIndex back = grid.destination(there, Direction(q).opposite().q());
+      if (back == Grid::kNoRecord) continue;
+      ++s.links;
+      s.irreversible_links += back != r;
+    }
+  }
+  return s;
+}
+
+void add_reports(ReportSums& sums, const std::string& name, const std::string& text) {
+  std::size_t number = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view line(text.data() + begin, end - begin);
+    begin = end + 1;
+    ++number;
+    const auto json = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
+    const auto fail = [&](const std::string& what) {
+      throw Error(name + ": line " + std::to_string(number) + ": " + what);
+    };
+    if (!json.is_object()) fail("no JSON object");
+    const auto seconds = json.find("cpu_seconds");
+    if (seconds == json.end() || !seconds->is_number() || !(seconds->get<double>() >= 0))
+      fail("\"cpu_seconds\" is no number of 0 or more");
+    const auto conversions = json.find("conversions");
+    if (conversions == json.end() || !conversions->is_number_unsigned())
+      fail("\"conversions\" is no whole number of 0 or more");
+    ++sums.lines;
+    sums.cpu_seconds += seconds->get<double>();
+    sums.conversions += conversions->get<std::uint64_t>();
+  }
+}
+
+Json statistics_json(const GridSpec& spec, const Statistics& s, const ReportSums* reports) {
+  Json json;
+  json["model"] = spec.model;
+  json["parameters"] = Json::object();
+  for (const Parameter& p : spec.parameters) json["parameters"][p.key] = value_json(p.value);
+  json["state_size"] = spec.state_size;
+  json["tolerance"] = spec.tolerance;
+  json["tolerance_unit"] = spec.tolerance_unit;
+  json["max_levels"] = spec.max_levels;
+  json["box"] = {
+      {"origin", spec.box.origin}, {"spacing", spec.box.spacing}, {"counts", spec.box.counts}};
+  json["points"] = s.points;
+  json["points_reached"] = s.points_reached;
+  json["share_reached"] = ratio(static_cast<double>(s.points_reached), s.points);
+  json["records"] = s.records;
+  json["frontier"] = s.frontier;
+  json["generation"] = s.generation;
+  json["generations"] = s.generations;
+  json["average_levels"] = ratio(static_cast<double>(s.records), s.points_reached);
+  json["levels_histogram"] = s.levels_histogram;
+  json["links"] = s.links;
+  json["irreversible_links"] = s.irreversible_links;
+  json["irreversible_share"] = ratio(static_cast<double>(s.irreversible_links), s.links);
+  json["conversions"] = s.conversions;
+  json["bytes"] = s.stored_bytes;
+  json["bytes_per_record"] = ratio(static_cast<double>(s.stored_bytes), s.records);
+  json["cpu_hours"] = reports ? Json(hours(*reports)) : Json();
+  json["reports"] = Json();
+  if (reports)
+    json["reports"] = {{"lines", reports->lines},
+                       {"conversions", reports->conversions},
+                       {"cpu_seconds", reports->cpu_seconds}};
+  return json;
+}
+
+std::string statistics_text(const GridSpec& spec, const Statistics& s, const ReportSums* reports) {
+  const std::string model = printable(spec.model);
+  std::string text;
+  const auto row = [&](const std::string& name, const std::string& value) {
+    text += left(name, 13) + value + "\n";
+  };
+  row("model", model);
+  for (const Parameter& p : spec.parameters)
+    row("parameter", printable(p.key) + " = " +
+                         value_json(p.value).dump(-1, ' ', /*ensure_ascii=*/true,
+                                                  Json::error_handler_t::replace));
+  const auto& n = spec.box.counts;
+  row("box", std::to_string(n[0]) + " x " + std::to_string(n[1]) + " x " + std::to_string(n[2]) +
+                 " points, " + rounded(spec.box.spacing) + " apart, from " +
+                 vector_text(spec.box.origin) + " to " +
+                 vector_text(spec.box.position(GridCoordinates{n[0] - 1, n[1] - 1, n[2] - 1})));
+  row("state", std::to_string(spec.state_size) + " component" + (spec.state_size == 1 ? "" : "s") +
+                   ", tolerance " + rounded(spec.tolerance) + " " + printable(spec.tolerance_unit));
+  row("points", std::to_string(s.points) + ", of these " + std::to_string(s.points_reached) +
+                    " reached (" + percent(s.points_reached, s.points) + ")");
+  row("records",
+      std::to_string(s.records) + " in " + std::to_string(s.generations) + " generations");
+  row("frontier", std::to_string(s.frontier) + " records" +
+                      (s.frontier == 0 ? " (complete)" : " are still to be expanded"));
+  std::string histogram;
+  for (std::size_t k = 0; k < s.levels_histogram.size(); ++k)
+    if (s.levels_histogram[k] > 0)
+      histogram += (histogram.empty() ? "" : ", ") + std::to_string(k) + ": " +
+                   std::to_string(s.levels_histogram[k]);
+  row("levels", histogram + " (levels: points that have so many; at most " +
+                    std::to_string(spec.max_levels) + ")");
+  row("irreversible", percent(s.irreversible_links, s.links) + " of " + std::to_string(s.links) +
+                          " links (there and back does not return to the level)");
+  row("conversions",
+      std::to_string(s.conversions) + " that this grid needed" +
+          (reports ? ", " + std::to_string(reports->conversions) + " in the reports" : ""));
+  row("size", std::to_string(s.stored_bytes) + " bytes" +
+                  (s.records == 0 ? ""
+                                  : ", " +
+                                        fixed(static_cast<double>(s.stored_bytes) /
+                                                  static_cast<double>(s.records),
+                                              2) +
+                                        " a record"));
+  const std::size_t name_width = std::max<std::size_t>(model.size(), 5);
+  text += "\n" + left("model", name_width) + "  avg. levels  data size  CPU hours\n";
+  text +=
+      left(model, name_width) + "  " +
+      right(s.points_reached == 0
+                ? "-"
+                : fixed(static_cast<double>(s.records) / static_cast<double>(s.points_reached), 3),
+            11) +
+      "  " + right(megabytes(s.stored_bytes), 9) + "  " +
+      right(reports ? fixed(hours(*reports), hours(*reports) < 1 ? 5 : 1) : "-", 9) + "\n";
+  text +=
+      "(average levels: records per point that has a level; data size: the shards as stored, in\n"
+      "10^6 bytes; CPU hours: the sum of --reports)\n";
+  return text;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,55 @@
+// What is in a grid, in numbers: the row of the paper's Table 2 and what explains it.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "libcore/grid/grid.hpp"
+
+namespace hapgrid {
+
+/// Counts of one grid, which may be incomplete.
+struct Statistics {
+  std::uint64_t points = 0;
+  std::uint64_t points_reached = 0;  ///< points that have a level
+  std::uint64_t records = 0;
+  std::uint64_t frontier = 0;     ///< records that no expand has looked at
+  std::uint32_t generation = 0;   ///< of the grid: the round that wrote it
+  std::uint64_t generations = 0;  ///< the largest generation of a record + 1; 0 without records
+  std::vector<std::uint64_t> levels_histogram;  ///< entry k: points that have k levels
+  /// Links that can be followed there and back: both destination levels are settled and exist.
+  std::uint64_t links = 0;
+  std::uint64_t irreversible_links = 0;  ///< of these, such that do not come back to the level
+  /// In-box directions of the records that are not in the frontier: Algorithm 1 evaluates C once
+  /// for each.
+  std::uint64_t conversions = 0;
+  std::uint64_t stored_bytes = 0;
+};
+
+/// @param stored_bytes size of the shards as they are stored, compressed
+Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes);
+
+/// What the lines of `expand --report` and `merge --report` add up to.
+struct ReportSums {
+  std::uint64_t lines = 0;
+  std::uint64_t conversions = 0;
+  double cpu_seconds = 0;
+};
+
+/// Adds the JSON lines in `text`, each an object with at least "cpu_seconds" (a number >= 0) and
+/// "conversions" (a whole number >= 0).
+/// @throw Error with `name` and line number at the first line that is not.
+void add_reports(ReportSums& sums, const std::string& name, const std::string& text);
+
+/// The report; "cpu_hours" and "reports" are null without `reports`, shares and averages of nothing
+/// are null. Keys are only ever added.
+nlohmann::ordered_json statistics_json(const GridSpec& spec, const Statistics& statistics,
+                                       const ReportSums* reports);
+
+/// The same for people, with the definition of each number.
+std::string statistics_text(const GridSpec& spec, const Statistics& statistics,
+                            const ReportSums* reports);
+
+}  // namespace hapgrid

@@ -1,0 +1,87 @@
+#include "libcore/device/path.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";  // '\r': files from other systems
+constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
+
+/// Takes the next word off the line; empty at its end.
+std::string_view next_word(std::string_view& line) {
+  line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
+  const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
+  line.remove_prefix(word.size());
+  return word;
+}
+
+/// A word for a message: not endless, and without the bytes of a file that is no text.
+std::string quoted(std::string_view word) {
+  std::string shown(word.substr(0, 40));
+  const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  std::replace_if(shown.begin(), shown.end(), control, '?');
+  return "'" + shown + "'";
+}
+
+/// One coordinate; answers what is wrong with it, empty when nothing is.
+std::string_view parse_coordinate(std::string_view word, double& value) {
+  // from_chars knows no plus sign.
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  const char* const end = word.data() + word.size();
+  const auto [rest, error] = std::from_chars(word.data(), end, value);
+  if (error == std::errc::result_out_of_range) return "is beyond double precision";
+  if (error != std::errc() || rest != end) return "is not a number";
+  if (!std::isfinite(value)) return "is not finite";
+  return {};
+}
+
+}  // namespace
+
+std::vector<Vec3> parse_path(std::string_view text, const std::string& name) {
+  std::vector<Vec3> positions;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    line = line.substr(0, line.find('#'));
+    const auto refuse = [&](const std::string& what) {
+      throw Error(name + ": line " + std::to_string(number) + ": " + what);
+    };
+    Vec3 x;
+    int count = 0;
+    for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
+      if (count == 3) refuse("more than the 3 numbers x y z");
+      const std::string_view wrong = parse_coordinate(word, x[count]);
+      if (!wrong.empty()) refuse(quoted(word) + " " + std::string(wrong));
+    }
+    if (count == 0) continue;
+    if (count != 3) refuse("the 3 numbers x y z are needed, found " + std::to_string(count));
+    positions.push_back(x);
+  }
+  if (positions.empty()) throw Error(name + ": no position in it");
+  return positions;
+}
+
+PathDevice PathDevice::open(const std::string& file) {
+  return PathDevice(parse_path(read_text(file, kMaxBytes), file == "-" ? "standard input" : file));
+}
+
+DeviceStatus PathDevice::read(Vec3& hip) noexcept {
+  if (next_ == positions_.size()) return DeviceStatus::kEnd;
+  hip = positions_[next_++];
+  return DeviceStatus::kOk;
+}
+
+DeviceStatus PathDevice::send(const Vec3& force) noexcept {
+  force_ = force;
+  return DeviceStatus::kOk;
+}
+
+}  // namespace hapgrid

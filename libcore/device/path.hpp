@@ -1,0 +1,41 @@
+// A device that is a text: it moves the HIP through listed positions and feels nothing.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "libcore/device/device.hpp"
+
+namespace hapgrid {
+
+/// Positions x y z, one a line, in the model's unit of length, separated by spaces or tabs; '#'
+/// starts a comment, blank lines are skipped. Numbers are read as in the C locale.
+/// `name` is for messages.
+/// @throw Error "NAME: line N: ..." for anything else, or when there is no position at all.
+std::vector<Vec3> parse_path(std::string_view text, const std::string& name);
+
+/// Each read() gives the next position, however late it comes.
+class PathDevice : public Device {
+ public:
+  explicit PathDevice(std::vector<Vec3> positions) : positions_(std::move(positions)) {}
+
+  /// Reads a whole file, "-" for standard input. @throw Error; std::system_error
+  static PathDevice open(const std::string& file);
+
+  std::size_t size() const { return positions_.size(); }
+  /// The force that was sent last.
+  const Vec3& force() const { return force_; }
+
+  DeviceStatus read(Vec3& hip) noexcept override;
+  DeviceStatus send(const Vec3& force) noexcept override;
+  std::string error() const override { return "a path does not fail"; }
+
+ private:
+  std::vector<Vec3> positions_;
+  std::size_t next_ = 0;
+  Vec3 force_{0, 0, 0};
+};
+
+}  // namespace hapgrid

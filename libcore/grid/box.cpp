@@ -1,0 +1,57 @@
+#include "libcore/grid/box.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <string>
+
+#include "libcore/base/error.hpp"
+
+namespace hapgrid {
+
+void Box::validate() const {
+  for (int a = 0; a < 3; ++a) {
+    if (!std::isfinite(origin[a])) throw Error("box: origin is not finite");
+    if (counts[a] == 0) throw Error("box: a count is 0; each axis needs at least one point");
+  }
+  if (!std::isfinite(spacing) || spacing <= 0)
+    throw Error("box: spacing is " + std::to_string(spacing) + ", it must be positive");
+  constexpr std::uint64_t kLimit = std::numeric_limits<PointIndex>::max();
+  // Two factors first: the product of three 32-bit counts can overflow 64 bits.
+  if (std::uint64_t{counts[0]} * counts[1] > kLimit || points() > kLimit)
+    throw Error("box: more than 4294967295 grid points");
+}
+
+Neighbourhood::Neighbourhood(const Box& box) : box_(box) {
+  const std::int64_t nx = box.counts[0];
+  const std::int64_t ny = box.counts[1];
+  for (int q = 0; q < kDirections; ++q) {
+    const auto step = Direction(q).step();
+    offset_[q] = step[0] + nx * (step[1] + ny * step[2]);
+    reach_ = std::max(reach_, std::abs(offset_[q]));
+    for (int a = 0; a < 3; ++a) shift_[q][a] = box.spacing * step[a];
+  }
+  for (unsigned sides = 0; sides < inside_.size(); ++sides) {
+    inside_[sides] = 0;
+    for (int q = 0; q < kDirections; ++q) {
+      const auto step = Direction(q).step();
+      bool leaves = false;
+      for (int a = 0; a < 3; ++a) {
+        leaves |= step[a] < 0 && (sides >> (2 * a) & 1);
+        leaves |= step[a] > 0 && (sides >> (2 * a + 1) & 1);
+      }
+      if (!leaves) inside_[sides] |= DirectionMask{1} << q;
+    }
+  }
+}
+
+DirectionMask Neighbourhood::inside(const GridCoordinates& c) const {
+  unsigned sides = 0;
+  for (int a = 0; a < 3; ++a) {
+    sides |= unsigned{c[a] == 0} << (2 * a);
+    sides |= unsigned{c[a] + 1 == box_.counts[a]} << (2 * a + 1);
+  }
+  return inside_[sides];
+}
+
+}  // namespace hapgrid

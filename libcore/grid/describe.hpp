@@ -1,0 +1,17 @@
+// How points and records are named in messages.
+#pragma once
+
+#include <string>
+
+#include "libcore/grid/box.hpp"
+
+namespace hapgrid {
+
+/// "point 17 (2, 1, 0)"
+std::string describe(const Box& box, PointIndex point);
+/// "point 17 (2, 1, 0) level 1"
+std::string describe(const Box& box, PointIndex point, Level level);
+/// A number with as many digits as it needs, whatever the locale.
+std::string to_text(double value);
+
+}  // namespace hapgrid

@@ -1,0 +1,74 @@
+// A whole grid in memory, read-only: the array X[x, l] of the paper (Sect. 2.2).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "libcore/grid/spec.hpp"
+
+namespace hapgrid {
+
+/// The position of a record in a Grid; records ascend by (point, level).
+using RecordIndex = std::uint32_t;
+
+/// Records in columns, ascending by (point, level).
+/// Shapes, for R records and state size n: `state` R x n row-major (a record's state is
+/// contiguous), `links` R x 26 row-major, slot q is the destination level in direction q.
+struct RecordColumns {
+  std::vector<PointIndex> point;
+  std::vector<Level> level;
+  std::vector<std::uint32_t> generation;
+  std::vector<double> state;
+  std::vector<Level> links;
+
+  std::size_t size() const { return point.size(); }
+};
+
+/// Levels of a point are contiguous records. Building one checks what makes access safe: each
+/// point is in the box, records ascend, and the levels of a point are 0, 1, 2, ...
+/// Links are *not* trusted: destination() answers kNoRecord for one that leads nowhere, and
+/// check/invariants.hpp reports it.
+class Grid {
+ public:
+  static constexpr RecordIndex kNoRecord = ~RecordIndex{0};
+
+  /// @param generation the round that wrote the grid: records of this generation are the frontier.
+  /// @throw FormatError when the records are not a grid's.
+  Grid(GridSpec spec, std::uint32_t generation, RecordColumns columns);
+
+  const GridSpec& spec() const { return spec_; }
+  const Box& box() const { return spec_.box; }
+  const Neighbourhood& neighbourhood() const { return neighbourhood_; }
+  std::uint32_t generation() const { return generation_; }
+  std::uint32_t state_size() const { return spec_.state_size; }
+
+  RecordIndex records() const { return static_cast<RecordIndex>(columns_.size()); }
+  /// The records of point p are first(p) .. first(p + 1) - 1, by level.
+  RecordIndex first(PointIndex p) const { return first_[p]; }
+  RecordIndex levels(PointIndex p) const { return first_[p + 1] - first_[p]; }
+
+  PointIndex point(RecordIndex r) const { return columns_.point[r]; }
+  Level level(RecordIndex r) const { return columns_.level[r]; }
+  std::uint32_t record_generation(RecordIndex r) const { return columns_.generation[r]; }
+  bool in_frontier(RecordIndex r) const { return columns_.generation[r] == generation_; }
+  std::span<const double> state(RecordIndex r) const {
+    return {columns_.state.data() + std::size_t{r} * spec_.state_size, spec_.state_size};
+  }
+  std::span<const Level, kDirections> links(RecordIndex r) const {
+    return std::span<const Level, kDirections>(columns_.links.data() + std::size_t{r} * kDirections,
+                                               kDirections);
+  }
+  /// The record that direction q leads to from record r; kNoRecord where the direction leaves the
+  /// box, is not settled, or leads to a level that does not exist. Real-time safe.
+  RecordIndex destination(RecordIndex r, int q) const;
+
+ private:
+  GridSpec spec_;
+  Neighbourhood neighbourhood_;
+  std::uint32_t generation_;
+  RecordColumns columns_;
+  std::vector<RecordIndex> first_;  // points + 1
+};
+
+}  // namespace hapgrid

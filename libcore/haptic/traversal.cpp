@@ -1,0 +1,349 @@
+#include "libcore/haptic/traversal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "libcore/base/error.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::uint8_t kKept = 255;
+
+/// One of the 26 moves from a cell to a cell that shares a vertex with it: for each corner of the
+/// new cell the corner of the old cell that supplies it, and the direction of that conversion, or
+/// kKept where both are the same grid point.
+struct CellSwitch {
+  std::array<std::uint8_t, 8> from{};
+  std::array<std::uint8_t, 8> direction{};
+};
+
+/// Sect. 2.4, i) to iii) in one rule: along the axes of the move the source is the common corner,
+/// along the others it has the new corner's own index. Across a face that leaves axis conversions,
+/// across an edge three in the plane across it from each end, across a vertex seven from the one.
+constexpr std::array<CellSwitch, kDirections> cell_switches() {
+  std::array<CellSwitch, kDirections> switches{};
+  for (int q = 0; q < kDirections; ++q) {
+    const auto move = Direction(q).step();
+    for (int corner = 0; corner < 8; ++corner) {
+      int from = 0;
+      std::array<int, 3> d{};
+      for (int a = 0; a < 3; ++a) {
+        const int own = corner >> a & 1;
+        const int common = move[a] > 0 ? 0 : move[a] < 0 ? 1 : own;  // in the new cell
+        from |= (common + move[a]) << a;
+        d[a] = own - common;
+      }
+      switches[q].from[corner] = static_cast<std::uint8_t>(from);
+      const bool kept = d == std::array<int, 3>{0, 0, 0};
+      switches[q].direction[corner] =
+          kept ? kKept : static_cast<std::uint8_t>(Direction::of(d[0], d[1], d[2]).q());
+    }
+  }
+  return switches;
+}
+
+constexpr auto kCellSwitches = cell_switches();
+
+bool finite(const Vec3& x) {
+  return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
+}
+
+std::int64_t farthest(const std::array<std::int64_t, 3>& cells) {
+  return std::max({std::abs(cells[0]), std::abs(cells[1]), std::abs(cells[2])});
+}
+
+void blend(const std::array<double, 8>& w, const std::array<const double*, 8>& s,
+           std::span<double> out) noexcept {
+  const auto [s0, s1, s2, s3, s4, s5, s6, s7] = s;
+  const auto [w0, w1, w2, w3, w4, w5, w6, w7] = w;
+  double* const o = out.data();
+  const std::size_t n = out.size();
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < n; ++i)
+    o[i] = ((w0 * s0[i] + w1 * s1[i]) + (w2 * s2[i] + w3 * s3[i])) +
+           ((w4 * s4[i] + w5 * s5[i]) + (w6 * s6[i] + w7 * s7[i]));
+}
+
+}  // namespace
+
+Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
+    : grid_(grid),
+      box_(grid.box()),
+      max_sub_steps_(std::max<int>(max_sub_steps, 1)),
+      state_(grid.state_size(), 0.0) {
+  for (int a = 0; a < 3; ++a) {
+    box_low_[a] = face(a, 0);
+    box_high_[a] = face(a, box_.counts[a] - 1);
+    for (std::int64_t c = 1; c < box_.counts[a]; ++c) {
+      const double width = face(a, c) - face(a, c - 1);
+      if (!(width > 0 && std::isfinite(1 / width)))
+        throw Error("grid: neighbouring points coincide in double precision along axis " +
+                    std::to_string(a) + ", near " + std::to_string(face(a, c)));
+    }
+    if (!std::isfinite(box_high_[a] - box_low_[a]))
+      throw Error("grid: the box is too large for double precision along axis " +
+                  std::to_string(a));
+  }
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    GridCoordinates c{};
+    for (int a = 0; a < 3; ++a) c[a] = box_.counts[a] > 1 ? corner >> a & 1 : 0;
+    corner_offset_[corner] = box_.index(c);
+  }
+}
+
+StepResult Traversal::start(const Vec3& hip) noexcept {
+  StepResult result;
+  started_ = false;
+  if (!finite(hip)) {
+    result.not_finite = true;
+    return result;
+  }
+  Vec3 x = hip;
+  result.outside = clamp(x);
+
+  GridCoordinates cell{};
+  int nearest = 0;
+  for (int a = 0; a < 3; ++a) {
+    if (box_.counts[a] == 1) continue;
+    const std::int64_t last = std::int64_t{box_.counts[a]} - 2;
+    auto c = std::min(static_cast<std::int64_t>((x[a] - box_.origin[a]) / box_.spacing), last);
+    while (c > 0 && x[a] < face(a, c)) --c;
+    while (c < last && x[a] >= face(a, c + 1)) ++c;
+    cell[a] = static_cast<std::uint32_t>(c);
+    if (x[a] - face(a, c) > face(a, c + 1) - x[a]) nearest |= 1 << a;
+  }
+
+  const PointIndex base = box_.index(cell);
+  const PointIndex nearest_point = base + corner_offset_[nearest];
+  if (grid_.levels(nearest_point) == 0) {
+    result.blocked = true;
+    return result;
+  }
+  Corners corners;
+  corners.level.fill(0);
+  corners.record.fill(grid_.first(nearest_point));
+  for (int corner = 0; corner < 8; ++corner) {
+    std::array<int, 3> d{};
+    for (int a = 0; a < 3; ++a)
+      if (box_.counts[a] > 1) d[a] = (corner >> a & 1) - (nearest >> a & 1);
+    if (d == std::array<int, 3>{0, 0, 0}) continue;
+    if (!follow(corners.record[nearest], Direction::of(d[0], d[1], d[2]).q(),
+                base + corner_offset_[corner], corners, corner)) {
+      result.blocked = true;
+      return result;
+    }
+  }
+  enter(cell, base, corners);
+  started_ = true;
+  position_ = x;
+  interpolate(x);
+  return result;
+}
+
+StepResult Traversal::step(const Vec3& hip) noexcept {
+  StepResult result;
+  // The most frequent case first: what is in the closed cell is finite and in the box.
+  if (started_ && hip[0] >= low_[0] && hip[0] <= high_[0] && hip[1] >= low_[1] &&
+      hip[1] <= high_[1] && hip[2] >= low_[2] && hip[2] <= high_[2]) {
+    position_ = hip;
+    interpolate(hip);
+    return result;
+  }
+  if (!started_) return start(hip);
+  if (!finite(hip)) {
+    result.not_finite = true;
+    return result;
+  }
+  Vec3 x = hip;
+  result.outside = clamp(x);
+  travel(x, result);
+  interpolate(position_);
+  return result;
+}
+
+bool Traversal::clamp(Vec3& x) const noexcept {
+  bool outside = false;
+  for (int a = 0; a < 3; ++a) {
+    if (x[a] < box_low_[a]) {
+      x[a] = box_low_[a];
+      outside = true;
+    } else if (x[a] > box_high_[a]) {
+      x[a] = box_high_[a];
+      outside = true;
+    }
+  }
+  return outside;
+}
+
+/// How many cells from the current one x is along an axis; a coordinate on a face belongs to the
+/// cell that is nearer. x is inside the box. The first guess is off by one at most where the
+/// spacing is well above the rounding of the coordinates; the loops end at the box in any case.
+std::int64_t Traversal::cells_away(int a, double x) const noexcept {
+  const std::int64_t here = cell_[a];
+  const auto guess = [&] { return static_cast<std::int64_t>((x - box_.origin[a]) / box_.spacing); };
+  if (x > high_[a]) {
+    const std::int64_t last = std::int64_t{box_.counts[a]} - 2;
+    std::int64_t c = std::clamp(guess(), here + 1, last);
+    while (c > here + 1 && x <= face(a, c)) --c;
+    while (c < last && x > face(a, c + 1)) ++c;
+    return c - here;
+  }
+  if (x < low_[a]) {
+    std::int64_t c = std::clamp(guess(), std::int64_t{0}, here - 1);
+    while (c < here - 1 && x >= face(a, c + 1)) ++c;
+    while (c > 0 && x < face(a, c)) --c;
+    return c - here;
+  }
+  return 0;
+}
+
+std::array<std::int64_t, 3> Traversal::cells_away(const Vec3& x) const noexcept {
+  return {cells_away(0, x[0]), cells_away(1, x[1]), cells_away(2, x[2])};
+}
+
+/// Moves to x, which is inside the box and outside the cell, as far as links and the bound allow.
+void Traversal::travel(const Vec3& x, StepResult& result) noexcept {
+  for (int sub_steps = 0;; ++sub_steps) {
+    auto move = cells_away(x);
+    const std::int64_t distance = farthest(move);
+    Vec3 y = x;
+    if (distance > 1) {
+      result.split = true;
+      if (sub_steps == max_sub_steps_) {
+        result.lagging = true;
+        return;
+      }
+      // One part in `distance` ends in a neighbouring cell, but for rounding, which then costs a
+      // shorter part: position_ is in the cell, so some part is short enough.
+      for (auto parts = static_cast<double>(distance);; parts *= 2) {
+        for (int a = 0; a < 3; ++a) y[a] = position_[a] + (x[a] - position_[a]) / parts;
+        move = cells_away(y);
+        if (farthest(move) <= 1) break;
+      }
+    } else if (sub_steps == max_sub_steps_ && distance == 1) {
+      result.lagging = true;
+      return;
+    }
+    if (farthest(move) > 0 && !switch_cell(move, result)) {
+      result.blocked = true;
+      return;
+    }
+    position_ = y;
+    if (distance <= 1) return;
+  }
+}
+
+/// To the cell at `move`, components in {-1, 0, 1}; leaves everything as it was when a link is
+/// missing.
+bool Traversal::switch_cell(const std::array<std::int64_t, 3>& move, StepResult& result) noexcept {
+  const int q =
+      Direction::of(static_cast<int>(move[0]), static_cast<int>(move[1]), static_cast<int>(move[2]))
+          .q();
+  const CellSwitch& table = kCellSwitches[q];
+  const auto base = static_cast<PointIndex>(base_ + grid_.neighbourhood().offset(q));
+  Corners corners;
+  bool changed = false;
+  for (int corner = 0; corner < 8; ++corner) {
+    const int from = table.from[corner];
+    if (table.direction[corner] == kKept) {
+      corners.record[corner] = corners_.record[from];
+      corners.level[corner] = corners_.level[from];
+      continue;
+    }
+    if (!follow(corners_.record[from], table.direction[corner], base + corner_offset_[corner],
+                corners, corner))
+      return false;
+    changed |= corners.level[corner] != corners_.level[from];
+  }
+  GridCoordinates cell;
+  for (int a = 0; a < 3; ++a) cell[a] = static_cast<std::uint32_t>(cell_[a] + move[a]);
+  enter(cell, base, corners);
+  result.level_changed |= changed;
+  const int axes = (move[0] != 0) + (move[1] != 0) + (move[2] != 0);
+  ++(axes == 1 ? result.face_switches : axes == 2 ? result.edge_switches : result.vertex_switches);
+  return true;
+}
+
+/// The destination of a link whose target point is known to be in the box; Grid::destination()
+/// would compute the target and its neighbourhood again.
+bool Traversal::follow(RecordIndex from, int q, PointIndex target, Corners& corners,
+                       int corner) const noexcept {
+  const Level level = grid_.links(from)[q];
+  if (level >= grid_.levels(target)) return false;  // kUnsettled and kLeavesBox among them
+  corners.level[corner] = level;
+  corners.record[corner] = grid_.first(target) + level;
+  return true;
+}
+
+void Traversal::enter(const GridCoordinates& cell, PointIndex base,
+                      const Corners& corners) noexcept {
+  cell_ = cell;
+  base_ = base;
+  corners_ = corners;
+  for (int corner = 0; corner < 8; ++corner) {
+    const double* const state = grid_.state(corners.record[corner]).data();
+    corner_states_[corner] = state;
+    // The states are wanted now, all at once; the links at the next switch.
+    const Level* const links = grid_.links(corners.record[corner]).data();
+    __builtin_prefetch(state);
+    __builtin_prefetch(state + state_.size() - 1);
+    __builtin_prefetch(links);
+    __builtin_prefetch(links + kDirections - 1);
+  }
+  for (int a = 0; a < 3; ++a) {
+    low_[a] = face(a, cell[a]);
+    high_[a] = low_[a];
+    if (box_.counts[a] == 1) continue;
+    high_[a] = face(a, std::int64_t{cell[a]} + 1);
+    const double width = high_[a] - low_[a];
+    scale_[a] = 1 / width;
+    if (width * scale_[a] < 1) scale_[a] = std::nextafter(scale_[a], kInfinity);
+  }
+}
+
+void Traversal::interpolate(const Vec3& x) noexcept {
+  const auto xbar = [&](int a) { return std::min((x[a] - low_[a]) * scale_[a], 1.0); };
+  blend(corner_weights({xbar(0), xbar(1), xbar(2)}), corner_states_, state_);
+}
+
+std::array<double, 8> corner_weights(const Vec3& xbar) noexcept {
+  const auto [x, y, z] = xbar;
+  const double u = 1 - x, v = 1 - y, w = 1 - z;
+  const double uv = u * v, xv = x * v, uy = u * y, xy = x * y;
+  return {uv * w, xv * w, uy * w, xy * w, uv * z, xv * z, uy * z, xy * z};
+}
+
+void require_playable(const Grid& grid, const std::string& name) {
+  std::uint64_t frontier = 0, without_level = 0, broken = 0, not_finite = 0;
+  const Box& box = grid.box();
+  const Neighbourhood& around = grid.neighbourhood();
+  for (std::uint64_t point = 0; point < box.points(); ++point) {
+    const auto p = static_cast<PointIndex>(point);
+    without_level += grid.levels(p) == 0;
+    const DirectionMask inside = around.inside(p);
+    for (RecordIndex r = grid.first(p); r < grid.first(p) + grid.levels(p); ++r) {
+      frontier += grid.in_frontier(r);
+      const auto links = grid.links(r);
+      for (int q = 0; q < kDirections; ++q)
+        if (inside >> q & 1)
+          broken += links[q] >= grid.levels(static_cast<PointIndex>(p + around.offset(q)));
+      const auto state = grid.state(r);
+      not_finite +=
+          !std::all_of(state.begin(), state.end(), [](double s) { return std::isfinite(s); });
+    }
+  }
+  const auto refuse = [&](std::uint64_t count, const std::string& what) {
+    if (count != 0) throw Error(name + ": " + std::to_string(count) + what);
+  };
+  refuse(frontier, " records are still in the frontier: finish the grid with expand --complete");
+  refuse(without_level, " grid points have no level: the seeds do not reach them, see verify");
+  refuse(broken, " links lead to no record: the grid is damaged, see verify");
+  refuse(not_finite, " records have a state that is not finite, see verify");
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,134 @@
+// Algorithm 2 (Sect. 2.4): from a stream of HIP positions to a continuous stream of states.
+//
+// Problem. A tick of the haptic loop has a millisecond at most, and what it does must never depend
+// on luck: no allocation, lock, input or output, and a defined outcome for every position, also one
+// that is not finite, outside the box, or a hundred cells away.
+//
+// Where is the HIP? Rounding (x - origin) / h decides differently from Box::position() near a grid
+// point, and then a HIP on a face is in neither cell or in both. Here the cell's faces are the
+// values of Box::position() themselves, the cell is closed, and the HIP leaves it only when it is
+// beyond a face. So a HIP at rest on a face does not flap, a grid point gives exactly its stored
+// state, and on a shared face, edge or vertex both cells give the same bits: the other corners have
+// the weight 0 and the common ones the same weights in the same order of summation.
+//
+// Which corners? Eight records, and eight pointers to their states where the grid has them. In a
+// cell a copy of the states in an n x 8 block is no faster (n = 9: 19.0 against 18.8 ns), and each
+// switch would have to make it; a copy of the whole grid in another layout would double the memory.
+// What does help is to ask for the links of the new corners while their states are being fetched:
+// the next switch finds them in the cache (tests/bench/traversal.cpp).
+//
+// Jumps. A HIP that moved to a cell which shares no vertex is taken there along the straight line
+// in as many equal parts as the farthest axis has cells between; each part then ends in a cell that
+// shares at least a vertex with the one before (the alternative, a march through each face that
+// the line crosses, takes more conversions and replaces diagonal ones by pairs, which Sect. 2.4
+// warns of). The number of parts in one tick has a bound; beyond it the traversal stays on the line
+// and goes on from there in the next tick.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libcore/grid/grid.hpp"
+
+namespace hapgrid {
+
+/// What a step met. Everything false and zero: the HIP stayed in its cell.
+struct StepResult {
+  bool not_finite = false;     ///< the HIP was not finite: nothing changed, the state is held
+  bool outside = false;        ///< the HIP was outside the box and is held at the box's edge
+  bool split = false;          ///< the HIP jumped to a cell that shares no vertex
+  bool lagging = false;        ///< the bound on sub-steps was reached before the HIP
+  bool blocked = false;        ///< a link leads nowhere (never in a playable grid): stayed behind
+  bool level_changed = false;  ///< some conversion led to another level number than it came from
+  std::uint16_t face_switches = 0;
+  std::uint16_t edge_switches = 0;
+  std::uint16_t vertex_switches = 0;
+
+  /// Whether state() belongs to this HIP or at least to where it was a moment ago.
+  bool usable() const { return !not_finite && !blocked; }
+};
+
+/// The traversal of one grid by one HIP; for one thread.
+/// start() and step() are real-time safe. The grid must outlive the traversal and is not trusted:
+/// whatever its links are, no step reads outside it.
+class Traversal {
+ public:
+  static constexpr std::uint16_t kDefaultMaxSubSteps = 64;
+
+  /// @param max_sub_steps the most sub-steps (cells, for a straight jump) in one step, >= 1.
+  /// @throw Error when neighbouring grid points coincide in double precision.
+  explicit Traversal(const Grid& grid, std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
+
+  /// Takes the cell of the HIP afresh: the corner nearest to the HIP (the lower one of two) at
+  /// level 0, the other seven from its destination levels. Source: Sect. 2.4. Deviation: level 0 in
+  /// all corners, as printed, can mix branches.
+  StepResult start(const Vec3& hip) noexcept;
+
+  /// Follows the HIP; like start() until a start has succeeded.
+  StepResult step(const Vec3& hip) noexcept;
+
+  /// The interpolated state, n values in the model's units; zeros before the first start.
+  std::span<const double> state() const { return state_; }
+  /// Where state() is: the HIP, but clamped to the box, and the former place after a step that was
+  /// not usable or is lagging. In the model's unit of length.
+  const Vec3& position() const { return position_; }
+  /// The current level in corner i + 2j + 4k of the cell. Along an axis with one point the cell is
+  /// flat: both its corners are the same grid point.
+  const std::array<Level, 8>& levels() const { return corners_.level; }
+  const std::array<RecordIndex, 8>& records() const { return corners_.record; }
+  /// The corner (0,0,0) of the cell.
+  const GridCoordinates& cell() const { return cell_; }
+
+ private:
+  struct Corners {
+    std::array<RecordIndex, 8> record{};
+    std::array<Level, 8> level{};
+  };
+
+  double face(int axis, std::int64_t c) const {
+    return box_.origin[axis] + box_.spacing * static_cast<double>(c);
+  }
+  bool clamp(Vec3& x) const noexcept;
+  std::int64_t cells_away(int axis, double x) const noexcept;
+  std::array<std::int64_t, 3> cells_away(const Vec3& x) const noexcept;
+  void travel(const Vec3& x, StepResult& result) noexcept;
+  bool switch_cell(const std::array<std::int64_t, 3>& move, StepResult& result) noexcept;
+  bool follow(RecordIndex from, int q, PointIndex target, Corners& corners,
+              int corner) const noexcept;
+  void enter(const GridCoordinates& cell, PointIndex base, const Corners& corners) noexcept;
+  void interpolate(const Vec3& x) noexcept;
+
+  const Grid& grid_;
+  const Box box_;
+  const int max_sub_steps_;
+  Vec3 box_low_;
+  Vec3 box_high_;
+  std::array<PointIndex, 8> corner_offset_;  // from the corner (0,0,0), as point indices
+
+  bool started_ = false;
+  Vec3 position_{0, 0, 0};
+  GridCoordinates cell_{0, 0, 0};
+  PointIndex base_ = 0;  // the point of cell_
+  Vec3 low_{0, 0, 0};    // the closed cell: low_ <= x <= high_
+  Vec3 high_{0, 0, 0};
+  Vec3 scale_{1, 1, 1};  // 1 / (high_ - low_), rounded so that high_ gives at least 1
+  Corners corners_;
+  std::array<const double*, 8> corner_states_{};
+  std::vector<double> state_;
+};
+
+/// Weights of the corners i + 2j + 4k at xbar, dimensionless in [0,1]^3; they are >= 0, sum to 1
+/// within 4 epsilon, and at a corner one is exactly 1 and the others exactly 0.
+/// Source: Sect. 2.4. Deviation: the printed weights are mirrored; (1-i)(1-x) + i x is used.
+std::array<double, 8> corner_weights(const Vec3& xbar) noexcept;
+
+/// Refuses a grid that cannot be played as a whole, and says what to do about it; `name` is the
+/// grid's, for messages.
+/// @throw Error when records wait in the frontier, a point has no level, a link inside the box
+/// leads nowhere, or a state is not finite.
+void require_playable(const Grid& grid, const std::string& name);
+
+}  // namespace hapgrid

@@ -1,0 +1,231 @@
+#include "libcore/model/definition.hpp"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <sstream>
+#include <string_view>
+
+#include "libcore/base/error.hpp"
+#include "libcore/grid/describe.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+// Beyond this a whole number has no exact double.
+constexpr std::int64_t kExact = std::int64_t{1} << 53;
+
+class Reader {
+ public:
+  Reader(const std::string& text, const std::string& name,
+         const std::vector<std::string>& overrides)
+      : name_(name) {
+    try {
+      root_ = toml::parse(text, std::string_view());
+    } catch (const toml::parse_error& e) {
+      fail(e.source().begin.line, std::string(e.description()));
+    }
+    for (const std::string& entry : overrides) set(entry);
+  }
+
+  Definition read() const {
+    Definition d;
+    only_keys(root_, "", {"model", "grid", "search", "seeds"});
+    const toml::table& model = table(root_, "model");
+    only_keys(model, "model.", {"plugin", "parameters"});
+    d.plugin = text(required(model, "model.", "plugin"), "model.plugin");
+    if (model.contains("parameters")) parameters(table(model, "parameters"), "", d.parameters);
+    std::sort(d.parameters.begin(), d.parameters.end(),
+              [](const Parameter& a, const Parameter& b) { return a.key < b.key; });
+
+    const toml::table& grid = table(root_, "grid");
+    only_keys(grid, "grid.", {"origin", "spacing", "counts"});
+    d.box.origin = position(required(grid, "grid.", "origin"), "grid.origin");
+    d.box.spacing = number(required(grid, "grid.", "spacing"), "grid.spacing");
+    const toml::array& counts = array(required(grid, "grid.", "counts"), "grid.counts");
+    if (counts.size() != 3) fail(counts, "grid.counts has three entries");
+    for (int a = 0; a < 3; ++a)
+      d.box.counts[a] = static_cast<std::uint32_t>(
+          whole(*counts.get(a), "grid.counts", 1, std::int64_t{0xffffffff}));
+    try {
+      d.box.validate();
+    } catch (const Error& e) {
+      fail(grid, e.what());
+    }
+
+    if (root_.contains("search")) {
+      const toml::table& search = table(root_, "search");
+      only_keys(search, "search.", {"max_levels"});
+      if (const toml::node* limit = search.get("max_levels"))
+        d.max_levels =
+            static_cast<std::uint32_t>(whole(*limit, "search.max_levels", 1, kMaxLevels));
+    }
+    if (root_.contains("seeds")) seeds(table(root_, "seeds"), d.seeds);
+    return d;
+  }
+
+ private:
+  [[noreturn]] void fail(std::uint64_t line, const std::string& what) const {
+    // Nodes that an override made have no place in the file.
+    throw Error(name_ + ": " + (line ? "line " + std::to_string(line) + ": " : "") + what);
+  }
+  [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
+    fail(node.source().begin.line, what);
+  }
+
+  /// Sets one "key=value".
+  void set(const std::string& entry) {
+    const std::size_t equals = entry.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw Error("--set " + entry + ": needs the form key=value");
+    const std::string key = entry.substr(0, equals);
+    const std::string value = entry.substr(equals + 1);
+    toml::table parsed;
+    try {
+      parsed = toml::parse("value = " + value);
+      if (parsed.size() != 1) throw Error("--set " + entry + ": more than one value");
+    } catch (const toml::parse_error&) {
+      parsed = toml::table{{"value", value}};
+    }
+    toml::table* at = &root_;
+    std::istringstream parts(key);
+    std::vector<std::string> names;
+    for (std::string part; std::getline(parts, part, '.');) names.push_back(part);
+    if (std::count(names.begin(), names.end(), "") > 0 || key.back() == '.')
+      throw Error("--set " + entry + ": an empty key");
+    for (std::size_t i = 0; i + 1 < names.size(); ++i) {
+      toml::node* next = at->get(names[i]);
+      if (!next) next = &at->insert(names[i], toml::table{}).first->second;
+      at = next->as_table();
+      if (!at) throw Error("--set " + entry + ": " + names[i] + " is no table");
+    }
+    at->insert_or_assign(names.back(), *parsed.get("value"));
+  }
+
+  void only_keys(const toml::table& table, const std::string& prefix,
+                 std::initializer_list<std::string_view> known) const {
+    for (const auto& [key, value] : table) {
+      if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
+      std::string names;
+      for (const std::string_view k : known) names += (names.empty() ? "" : ", ") + std::string(k);
+      fail(key.source().begin.line,
+           "unknown key " + prefix + std::string(key.str()) + " (known: " + names + ")");
+    }
+  }
+
+  const toml::table& table(const toml::table& in, const std::string& key) const {
+    const toml::node* node = in.get(key);
+    if (!node) fail(0, "the table [" + key + "] is missing");
+    if (!node->is_table()) fail(*node, key + " must be a table");
+    return *node->as_table();
+  }
+  const toml::node& required(const toml::table& in, const std::string& prefix,
+                             const char* key) const {
+    const toml::node* node = in.get(key);
+    if (!node) fail(in, "the key " + prefix + key + " is missing");
+    return *node;
+  }
+  std::string text(const toml::node& node, const std::string& key) const {
+    if (!node.is_string()) fail(node, key + " must be a text in quotes");
+    return **node.as_string();
+  }
+  const toml::array& array(const toml::node& node, const std::string& key) const {
+    if (!node.is_array()) fail(node, key + " must be an array");
+    return *node.as_array();
+  }
+  double number(const toml::node& node, const std::string& key) const {
+    double value = 0;
+    if (node.is_integer()) {
+      const std::int64_t whole_value = **node.as_integer();
+      if (whole_value > kExact || whole_value < -kExact) fail(node, key + " is beyond 2^53");
+      value = static_cast<double>(whole_value);
+    } else if (node.is_floating_point()) {
+      value = **node.as_floating_point();
+    } else {
+      fail(node, key + " must be a number");
+    }
+    if (!std::isfinite(value)) fail(node, key + " is not finite");
+    return value;
+  }
+  std::int64_t whole(const toml::node& node, const std::string& key, std::int64_t least,
+                     std::int64_t most) const {
+    const std::string range =
+        " must be a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+    if (!node.is_integer()) fail(node, key + range);
+    const std::int64_t value = **node.as_integer();
+    if (value < least || value > most) fail(node, key + range + ", not " + std::to_string(value));
+    return value;
+  }
+  std::vector<double> numbers(const toml::node& node, const std::string& key) const {
+    std::vector<double> values;
+    for (const toml::node& entry : array(node, key)) values.push_back(number(entry, key));
+    return values;
+  }
+  Vec3 position(const toml::node& node, const std::string& key) const {
+    const std::vector<double> values = numbers(node, key);
+    if (values.size() != 3) fail(node, key + " has three entries");
+    return {values[0], values[1], values[2]};
+  }
+
+  void parameters(const toml::table& in, const std::string& prefix,
+                  std::vector<Parameter>& out) const {
+    for (const auto& [k, node] : in) {
+      const std::string key = prefix + std::string(k.str());
+      const std::string shown = "model.parameters." + key;
+      if (node.is_table()) {
+        parameters(*node.as_table(), key + ".", out);
+      } else if (node.is_boolean()) {
+        out.push_back({key, **node.as_boolean()});
+      } else if (node.is_number()) {
+        out.push_back({key, number(node, shown)});
+      } else if (node.is_string()) {
+        out.push_back({key, text(node, shown)});
+      } else if (node.is_array()) {
+        const toml::array& entries = *node.as_array();
+        if (!entries.empty() && entries.get(0)->is_string()) {
+          std::vector<std::string> texts;
+          for (const toml::node& entry : entries) texts.push_back(text(entry, shown));
+          out.push_back({key, std::move(texts)});
+        } else {
+          out.push_back({key, numbers(node, shown)});
+        }
+      } else {
+        fail(node,
+             shown + " must be a number, a text, true or false, or an array of numbers or texts");
+      }
+    }
+  }
+
+  void seeds(const toml::table& in, std::vector<SeedDefinition>& out) const {
+    only_keys(in, "seeds.", {"points", "states"});
+    const toml::array& points = array(required(in, "seeds.", "points"), "seeds.points");
+    if (points.empty()) fail(points, "seeds.points is empty");
+    for (const toml::node& point : points) out.push_back({position(point, "seeds.points"), {}});
+    const toml::node* states = in.get("states");
+    if (!states) return;
+    const toml::array& lists = array(*states, "seeds.states");
+    if (lists.size() != out.size())
+      fail(lists, "seeds.states has " + std::to_string(lists.size()) + " entries for " +
+                      std::to_string(out.size()) + " points");
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      for (const toml::node& state : array(*lists.get(i), "seeds.states"))
+        out[i].states.push_back(numbers(state, "seeds.states"));
+      if (out[i].states.empty()) fail(*lists.get(i), "seeds.states has a point without a state");
+    }
+  }
+
+  const std::string& name_;
+  toml::table root_;
+};
+
+}  // namespace
+
+Definition read_definition(const std::string& text, const std::string& name,
+                           const std::vector<std::string>& overrides) {
+  return Reader(text, name, overrides).read();
+}
+
+}  // namespace hapgrid

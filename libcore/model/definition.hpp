@@ -1,0 +1,38 @@
+// MODEL.toml: what a user writes to define a grid (design section 4).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libcore/grid/spec.hpp"
+
+namespace hapgrid {
+
+/// A seed point as it is written: a position, and its states where the file gives them.
+struct SeedDefinition {
+  Vec3 position{};
+  std::vector<std::vector<double>> states;
+};
+
+struct Definition {
+  std::string plugin;
+  std::vector<Parameter> parameters;  ///< ascending by key
+  Box box;
+  std::uint32_t max_levels = 8;
+  std::vector<SeedDefinition> seeds;  ///< empty: the corners of the box
+};
+
+/// Reads a definition. Keys:
+///   [model] plugin; [model.parameters] the model's own;
+///   [grid] origin (3 numbers), spacing, counts (3 whole numbers);
+///   [search] max_levels (default 8);
+///   [seeds] points (positions), states (optional: for each point a list of states).
+/// @param name the file's name, for messages.
+/// @param overrides "key=value" each, the key dotted ("grid.spacing"), the value as TOML writes it;
+/// a value that is no TOML is taken as a text.
+/// @throw Error "NAME: line L: ..." for a missing, unknown or ill-typed key.
+Definition read_definition(const std::string& text, const std::string& name,
+                           const std::vector<std::string>& overrides);
+
+}  // namespace hapgrid

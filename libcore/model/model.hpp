@@ -1,0 +1,88 @@
+// A model as the tools use it: a plug-in that was found by its plain name, loaded, and created
+// from a grid's parameters (Sect. 2.1 of the paper: C, the tolerance function, F).
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libcore/grid/spec.hpp"
+#include "libcore/model/plugin.h"
+
+namespace hapgrid {
+
+/// The directories in which plug-ins are looked for, in this order: `given` (--model-path), the
+/// entries of the environment's HAPGRID_MODEL_PATH, then ../models beside the running program.
+std::vector<std::filesystem::path> model_path(const std::vector<std::string>& given);
+
+class Model;
+
+/// A loaded plug-in. Names come from shards, which are hostile: only letters, digits, '-' and '_'
+/// are taken, so that a name never is a path.
+class Plugin {
+ public:
+  /// @throw ModelError when the name is not plain, no directory has NAME.so, or what is there is
+  /// no plug-in of this interface version.
+  Plugin(const std::string& name, const std::vector<std::filesystem::path>& directories);
+
+  const std::string& name() const { return name_; }
+  const std::string& summary() const { return summary_; }
+
+  /// @throw ModelError when the model refuses the parameters or describes itself impossibly.
+  Model create(const std::vector<Parameter>& parameters) const;
+
+ private:
+  friend class Model;
+  std::string name_;
+  std::string summary_;
+  std::shared_ptr<void> library_;
+  const hapgrid_model_table* table_ = nullptr;
+};
+
+/// One model, for one thread at a time. Movable; keeps its plug-in loaded.
+class Model {
+ public:
+  const hapgrid_model_info& info() const { return info_; }
+  std::uint32_t state_size() const { return info_.state_size; }
+  bool has_force() const { return table_->force != nullptr; }
+  bool has_shape() const { return table_->shape != nullptr; }
+
+  /// The states known a priori at x, row after row (count x n).
+  /// @throw ModelError
+  std::vector<double> known_states(const Vec3& x) const;
+
+  /// C(s, x, d) into `result` (n doubles). Answers whether it succeeded and every component is
+  /// finite; error() then says what went wrong. No exception: this is the search's inner loop.
+  bool convert(const double* s, const Vec3& x, const Vec3& d, double* result);
+  /// What the last failed convert() said.
+  const std::string& error() const { return error_; }
+
+  /// The tolerance function. Real-time safe.
+  bool equal(const double* a, const double* b) const {
+    return table_->equal(model_.get(), a, b) != 0;
+  }
+  /// F(x, s) in newtons; needs has_force(). As real-time safe as the model.
+  Vec3 force(const Vec3& x, const double* s) const {
+    Vec3 f{0, 0, 0};
+    table_->force(model_.get(), x.data(), s, f.data());
+    return f;
+  }
+  /// The spheres of state s; `spheres` holds info().spheres; needs has_shape().
+  void shape(const double* s, std::span<hapgrid_sphere> spheres) const {
+    table_->shape(model_.get(), s, spheres.data());
+  }
+
+ private:
+  friend class Plugin;
+  Model(const Plugin& plugin, hapgrid_model* model);
+
+  std::shared_ptr<void> library_;  // declared first: outlives the model
+  const hapgrid_model_table* table_;
+  std::unique_ptr<hapgrid_model, void (*)(hapgrid_model*)> model_;
+  hapgrid_model_info info_;
+  std::string error_;
+};
+
+}  // namespace hapgrid

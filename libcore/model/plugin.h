@@ -1,0 +1,107 @@
+/* The interface between hapgrid and a model, in C, so that a model can be written in C, C++,
+ * Fortran or Rust. A plug-in is a shared object NAME.so that exports one function,
+ * hapgrid_model_plugin(), which returns a table that lives as long as the object is loaded.
+ * C++ models derive from the class in plugin.hpp instead of filling the table themselves.
+ *
+ * Shapes and units. A position or shift is double[3] in the model's unit of length; a state is
+ * double[n], n = state_size, in whatever units the model has; a force is double[3] in newtons.
+ *
+ * Ownership. The caller owns every array that is passed, in and out; nothing is kept after a call.
+ *
+ * Threads. A model (what create() returned) is used by one thread at a time. A program that
+ * computes in parallel creates one model a thread, all from the same parameters, and expects the
+ * same bits from each: convert() must depend on its arguments and the parameters alone.
+ *
+ * Errors. A function that can fail returns 0 for success and anything else for failure, and then
+ * has written one line into `error` (at most `error_size` bytes, with the final NUL). No C++
+ * exception may leave a plug-in.
+ *
+ * Real time. force() and shape() are called inside the haptic loop: no allocation, no lock, no
+ * input or output.
+ */
+#ifndef HAPGRID_MODEL_PLUGIN_H
+#define HAPGRID_MODEL_PLUGIN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Raised by every change that a compiled plug-in would notice. */
+#define HAPGRID_MODEL_INTERFACE 1
+
+enum hapgrid_parameter_type {
+  HAPGRID_BOOLEAN = 0, /* numbers[0] is 0 or 1 */
+  HAPGRID_NUMBER = 1,
+  HAPGRID_TEXT = 2,
+  HAPGRID_NUMBERS = 3,
+  HAPGRID_TEXTS = 4
+};
+
+/* One entry of [model.parameters]; tables are flattened ("probe.radius"). */
+typedef struct hapgrid_parameter {
+  const char* key;
+  int32_t type;             /* enum hapgrid_parameter_type */
+  size_t count;             /* 1 for the first three types */
+  const double* numbers;    /* double[count], NULL for text */
+  const char* const* texts; /* NUL-terminated strings [count], NULL for numbers */
+} hapgrid_parameter;
+
+typedef struct hapgrid_model_info {
+  uint32_t state_size; /* n >= 1 */
+  double d_max;        /* convert() is defined for |d| <= d_max (Sect. 2.1, condition a) */
+  double tolerance;    /* the bound that equal() applies; for messages and the shard's header */
+  char tolerance_unit[16];
+  uint32_t spheres; /* how many spheres shape() writes; 0 without shape() */
+} hapgrid_model_info;
+
+typedef struct hapgrid_sphere {
+  float centre[3]; /* the model's unit of length */
+  float radius;
+  float colour[3]; /* red, green, blue in [0, 1] */
+} hapgrid_sphere;
+
+typedef struct hapgrid_model hapgrid_model; /* the plug-in's own */
+
+typedef struct hapgrid_model_table {
+  /* HAPGRID_MODEL_INTERFACE; looked at before anything else, so it stays first. */
+  uint32_t interface_version;
+  const char* summary; /* one line for people */
+
+  /* A key that the model does not know, a missing one or a value out of range is an error. */
+  hapgrid_model* (*create)(const hapgrid_parameter* parameters, size_t count, char* error,
+                           size_t error_size);
+  void (*destroy)(hapgrid_model* model);
+  void (*info)(const hapgrid_model* model, hapgrid_model_info* info);
+
+  /* The states known a priori at x (seed states, Sect. 2.1): writes at most `capacity` states,
+   * row after row, and sets *count to how many it knows, which can be 0 or more than capacity. */
+  int (*known_states)(hapgrid_model* model, const double* x, double* states, size_t capacity,
+                      size_t* count, char* error, size_t error_size);
+
+  /* The conversion function C(s, x, d): the state reached when the HIP moves from x, where the
+   * model is in state s, straight to x + d. */
+  int (*convert)(hapgrid_model* model, const double* s, const double* x, const double* d,
+                 double* result, char* error, size_t error_size);
+
+  /* The tolerance function (Sect. 2.3): nonzero when a and b count as the same state.
+   * Reflexive and symmetric; no force and no allocation needed, it is called very often. */
+  int (*equal)(const hapgrid_model* model, const double* a, const double* b);
+
+  /* Optional (NULL): the force on the HIP at x in state s, F(x, s), in newtons. */
+  void (*force)(hapgrid_model* model, const double* x, const double* s, double* force);
+
+  /* Optional (NULL): the spheres that show state s, `info.spheres` of them. */
+  void (*shape)(hapgrid_model* model, const double* s, hapgrid_sphere* spheres);
+} hapgrid_model_table;
+
+/* The one symbol that a plug-in exports. */
+const hapgrid_model_table* hapgrid_model_plugin(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,164 @@
+// What a plug-in in C++ includes: it writes a class and one macro line, and the table of plugin.h
+// is filled from the class. Header-only, so that a plug-in links nothing of hapgrid.
+//
+//   class Spring {
+//    public:
+//     explicit Spring(hapgrid::PluginParameters& parameters);   // throws std::exception
+//     hapgrid_model_info info() const;
+//     std::vector<double> known_states(const double* x) const;  // states row after row
+//     void convert(const double* s, const double* x, const double* d, double* result);
+//     bool equal(const double* a, const double* b) const;
+//     void force(const double* x, const double* s, double* f);         // may be left out
+//     void shape(const double* s, hapgrid_sphere* spheres);            // may be left out
+//   };
+//   HAPGRID_MODEL_PLUGIN(Spring, "a mass on a spring")
+#pragma once
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "libcore/model/plugin.h"
+
+namespace hapgrid {
+
+/// The parameters as a constructor reads them: each key is asked for once, and finish() refuses
+/// the keys that nobody asked for.
+class PluginParameters {
+ public:
+  PluginParameters(const hapgrid_parameter* parameters, std::size_t count)
+      : parameters_(parameters), count_(count) {}
+
+  /// @throw std::runtime_error when the key is there with another type.
+  double number(const std::string& key, double default_value) {
+    const hapgrid_parameter* p = find(key, HAPGRID_NUMBER, "a number");
+    return p ? p->numbers[0] : default_value;
+  }
+  /// A number > 0. @throw std::runtime_error when it is not.
+  double positive(const std::string& key, double default_value) {
+    const double value = number(key, default_value);
+    if (!(value > 0)) throw std::runtime_error("parameter " + key + " must be positive");
+    return value;
+  }
+  bool boolean(const std::string& key, bool default_value) {
+    const hapgrid_parameter* p = find(key, HAPGRID_BOOLEAN, "true or false");
+    return p ? p->numbers[0] != 0 : default_value;
+  }
+  std::string text(const std::string& key, const std::string& default_value) {
+    const hapgrid_parameter* p = find(key, HAPGRID_TEXT, "a text");
+    return p ? p->texts[0] : default_value;
+  }
+  std::vector<double> numbers(const std::string& key) {
+    const hapgrid_parameter* p = find(key, HAPGRID_NUMBERS, "an array of numbers");
+    return p ? std::vector<double>(p->numbers, p->numbers + p->count) : std::vector<double>();
+  }
+  std::vector<std::string> texts(const std::string& key) {
+    const hapgrid_parameter* p = find(key, HAPGRID_TEXTS, "an array of texts");
+    return p ? std::vector<std::string>(p->texts, p->texts + p->count) : std::vector<std::string>();
+  }
+  /// @throw std::runtime_error that names the keys that are given but unknown, and those known.
+  void finish() const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (asked_.count(parameters_[i].key)) continue;
+      std::string known;
+      for (const std::string& key : asked_) known += (known.empty() ? "" : ", ") + key;
+      throw std::runtime_error(std::string("unknown parameter ") + parameters_[i].key +
+                               " (known: " + known + ")");
+    }
+  }
+
+ private:
+  const hapgrid_parameter* find(const std::string& key, int type, const char* expected) {
+    asked_.insert(key);
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (key != parameters_[i].key) continue;
+      if (parameters_[i].type != type)
+        throw std::runtime_error("parameter " + key + " must be " + expected);
+      return &parameters_[i];
+    }
+    return nullptr;
+  }
+
+  const hapgrid_parameter* parameters_;
+  std::size_t count_;
+  std::set<std::string> asked_;
+};
+
+namespace plugin_detail {
+
+template <class F>
+int guarded(char* error, std::size_t error_size, F&& f) noexcept {
+  try {
+    f();
+    return 0;
+  } catch (const std::exception& e) {
+    std::snprintf(error, error_size, "%s", e.what());
+  } catch (...) {
+    std::snprintf(error, error_size, "unknown exception");
+  }
+  return 1;
+}
+
+template <class Model>
+hapgrid_model_table table(const char* summary) {
+  hapgrid_model_table t{};
+  t.interface_version = HAPGRID_MODEL_INTERFACE;
+  t.summary = summary;
+  t.create = [](const hapgrid_parameter* parameters, std::size_t count, char* error,
+                std::size_t error_size) -> hapgrid_model* {
+    Model* model = nullptr;
+    guarded(error, error_size, [&] {
+      PluginParameters p(parameters, count);
+      model = new Model(p);
+    });
+    return reinterpret_cast<hapgrid_model*>(model);
+  };
+  t.destroy = [](hapgrid_model* m) { delete reinterpret_cast<Model*>(m); };
+  t.info = [](const hapgrid_model* m, hapgrid_model_info* info) {
+    *info = reinterpret_cast<const Model*>(m)->info();
+  };
+  t.known_states = [](hapgrid_model* m, const double* x, double* states, std::size_t capacity,
+                      std::size_t* count, char* error, std::size_t error_size) -> int {
+    return guarded(error, error_size, [&] {
+      const Model& model = *reinterpret_cast<const Model*>(m);
+      const std::vector<double> known = model.known_states(x);
+      const std::size_t n = model.info().state_size;
+      *count = known.size() / n;
+      std::copy_n(known.begin(), std::min(*count, capacity) * n, states);
+    });
+  };
+  t.convert = [](hapgrid_model* m, const double* s, const double* x, const double* d,
+                 double* result, char* error, std::size_t error_size) -> int {
+    return guarded(error, error_size,
+                   [&] { reinterpret_cast<Model*>(m)->convert(s, x, d, result); });
+  };
+  t.equal = [](const hapgrid_model* m, const double* a, const double* b) -> int {
+    return reinterpret_cast<const Model*>(m)->equal(a, b);
+  };
+  if constexpr (requires(Model & m, const double* x, double* f) { m.force(x, x, f); })
+    t.force = [](hapgrid_model* m, const double* x, const double* s, double* f) {
+      reinterpret_cast<Model*>(m)->force(x, s, f);
+    };
+  if constexpr (requires(Model & m, const double* s, hapgrid_sphere* spheres) {
+                  m.shape(s, spheres);
+                })
+    t.shape = [](hapgrid_model* m, const double* s, hapgrid_sphere* spheres) {
+      reinterpret_cast<Model*>(m)->shape(s, spheres);
+    };
+  return t;
+}
+
+}  // namespace plugin_detail
+}  // namespace hapgrid
+
+#define HAPGRID_MODEL_PLUGIN(Model, summary)                                                \
+  extern "C" __attribute__((visibility("default"))) const hapgrid_model_table*              \
+  hapgrid_model_plugin(void) {                                                              \
+    static const hapgrid_model_table table = hapgrid::plugin_detail::table<Model>(summary); \
+    return &table;                                                                          \
+  }

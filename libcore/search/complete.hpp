@@ -1,0 +1,18 @@
+// Algorithm 1 in one process: rounds of expand and merge in memory until the frontier is empty.
+#pragma once
+
+#include <functional>
+
+#include "libcore/search/converter.hpp"
+#include "libcore/shard/reader.hpp"
+#include "libcore/shard/writer.hpp"
+
+namespace hapgrid {
+
+/// Completes the grid in `sections`. `open` is called once, with the header of the finished grid,
+/// and gives the writer for it. The bytes are those that rounds of expand and merge end with.
+/// @throw Error (level limit), ModelError, FormatError, std::system_error
+void complete(const std::vector<Section>& sections, Converter& converter, Progress& progress,
+              const std::function<SectionWriter(const SectionHeader&)>& open);
+
+}  // namespace hapgrid

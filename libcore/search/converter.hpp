@@ -1,0 +1,47 @@
+// Evaluating the conversion function for many records at once.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "libcore/model/model.hpp"
+#include "libcore/search/wavefront.hpp"
+
+namespace hapgrid {
+
+/// What a search has done so far; read by whoever shows it, while it goes on.
+struct Progress {
+  std::atomic<std::uint64_t> conversions{0};           ///< done in this run
+  std::atomic<std::uint64_t> frontier_conversions{0};  ///< asked for by the current frontier
+  std::atomic<std::uint64_t> frontier_done{0};         ///< of these, done
+  std::atomic<std::uint64_t> frontier_records{0};
+  std::atomic<std::uint64_t> records{0};  ///< records of the grid so far
+  std::atomic<std::uint32_t> generation{0};
+};
+
+/// A model a thread; the answers do not depend on how many there are.
+class Converter {
+ public:
+  /// @param threads >= 1. @throw ModelError when the plug-in refuses the spec's parameters, or now
+  /// describes itself otherwise than the grid does (state size, tolerance).
+  Converter(const Plugin& plugin, const GridSpec& spec, unsigned threads, Progress& progress);
+
+  /// Computes all conversions of slots [begin, end) of `wave`.
+  /// @throw ModelError naming point, level and direction of the first that failed.
+  void convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot end);
+
+  /// A model for the caller's own thread, between calls of convert().
+  const Model& model() const { return models_.front(); }
+
+ private:
+  Box box_;
+  std::vector<Model> models_;
+  Progress& progress_;
+};
+
+/// A model that fits the description of a grid.
+/// @throw ModelError as the Converter does.
+Model create_model(const Plugin& plugin, const GridSpec& spec);
+
+}  // namespace hapgrid

@@ -1,0 +1,206 @@
+#include "libcore/search/merge.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "libcore/base/error.hpp"
+#include "libcore/grid/describe.hpp"
+#include "libcore/search/levels.hpp"
+
+namespace hapgrid {
+
+MergeInput::MergeInput(const std::vector<Section>& sections) {
+  for (const Section& section : sections) {
+    if (section.header.content == Content::kFrontier)
+      throw FormatError(section.file->name() +
+                        ": holds a part of a frontier; merge takes a grid and requests");
+    (section.header.content == Content::kGrid ? grid_ : requests_).push_back(section);
+  }
+  if (grid_.empty())
+    throw FormatError(sections.front().file->name() + ": requests, but no grid to merge them into");
+  require_content(grid_, Content::kGrid);
+  for (const Section& section : requests_)
+    if (section.header.generation != generation())
+      throw FormatError(section.file->name() + ": requests of generation " +
+                        std::to_string(section.header.generation) + ", the grid's frontier is " +
+                        std::to_string(generation()));
+  for (const Section& section : grid_) conversions_ += section.footer.conversions;
+}
+
+SectionHeader MergeInput::merged_header() const {
+  SectionHeader header = grid_.front().header;
+  if (conversions_ > 0) ++header.generation;
+  return header;
+}
+
+namespace {
+
+class Merge {
+ public:
+  Merge(const MergeInput& input, const Model& model, SectionWriter& out, SectionWriter* frontier,
+        Progress& progress)
+      : input_(input),
+        n_(input.spec().state_size),
+        reach_(static_cast<std::uint64_t>(Neighbourhood(input.spec().box).reach())),
+        levels_(input.spec(), model),
+        grid_rows_(input.grid()),
+        out_(out),
+        frontier_(frontier),
+        progress_(progress) {
+    if (input.grid().size() == 1) opener_.emplace(input.grid().front());
+  }
+
+  void run() {
+    const std::uint32_t generation = input_.merged_header().generation;
+    MergedRows<RequestRows> requests(input_.requests());
+    for (Run<RequestRows> run = requests.next(); run.rows; run = requests.next()) {
+      const RequestRows& rows = *run.rows;
+      for (std::size_t r = run.begin; r < run.end; ++r) {
+        const PointIndex target = rows.target[r];
+        // A source lies at most `reach` behind its target, and is touched at most `reach` later.
+        advance(target + reach_, target > reach_ ? target - reach_ : 0);
+        open_block(target / levels_.block_points());
+        levels_.settle(target, rows.direction[r], rows.level[r], &rows.state[r * n_], generation);
+      }
+      progress_.conversions += run.end - run.begin;
+    }
+    const std::uint64_t end = levels_.blocks() * levels_.block_points();
+    advance(end, end);
+    if (missing_ > 0)
+      throw FormatError("requests are missing: " + std::to_string(missing_) + " of the " +
+                        std::to_string(input_.conversions()) + " conversions of generation " +
+                        std::to_string(input_.generation()) + ", the first from " + first_missing_ +
+                        "; was a shard lost, or is one still to be expanded?");
+  }
+
+ private:
+  /// Reads the grid's records up to the point `wanted`, and writes the blocks that lie wholly
+  /// before the point `settled`: nothing will touch them again.
+  void advance(std::uint64_t wanted, std::uint64_t settled) {
+    while (loaded_ <= wanted) {
+      if (!run_.rows || run_.begin == run_.end) {
+        if (hold(settled)) continue;
+        run_ = grid_rows_.next();
+        if (!run_.rows) {
+          loaded_ = ~std::uint64_t{0};
+          break;
+        }
+        emit_before(std::min<std::uint64_t>(settled, run_.rows->point[run_.begin]));
+      }
+      const RecordRows& rows = *run_.rows;
+      open_block(rows.point[run_.begin] / levels_.block_points());
+      std::size_t r = run_.begin;
+      for (; r < run_.end && rows.point[r] <= wanted; ++r) append(rows, r);
+      run_.begin = r;
+      loaded_ = r < run_.end ? rows.point[r] : rows.point[r - 1];
+    }
+    emit_before(settled);
+  }
+
+  void append(const RecordRows& rows, std::size_t r) {
+    levels_.append(rows.point[r], rows.level[r], rows.generation[r], &rows.state[r * n_],
+                   &rows.links[r * kDirections]);
+  }
+
+  /// Keeps the next chunk as it is stored, if it is without frontier: where no request comes for
+  /// its points, it is copied, and neither decoded nor compressed again. Answers whether it did.
+  bool hold(std::uint64_t settled) {
+    if (!opener_) return false;
+    SectionReader* section = grid_rows_.whole_chunk_next();
+    if (!section) return false;
+    const ChunkInfo& next = *section->peek();
+    const std::uint64_t block = next.first_point / levels_.block_points();
+    if (next.frontier > 0 || next.last_point / levels_.block_points() != block ||
+        block >= levels_.blocks() || levels_.holds(block))
+      return false;
+    // Blocks before the next record are read in full.
+    emit_before(std::min<std::uint64_t>(settled, next.first_point));
+    loaded_ = next.last_point;
+    StoredChunk chunk;
+    if (!spare_.empty()) {
+      chunk = std::move(spare_.back());
+      spare_.pop_back();
+    }
+    section->next_stored(chunk);
+    held_[block].push_back(std::move(chunk));
+    return true;
+  }
+
+  /// Decodes the chunks that are held for a block: the block changes.
+  void open_block(std::uint64_t block) {
+    if (held_.empty()) return;
+    const auto held = held_.find(block);
+    if (held == held_.end()) return;
+    for (StoredChunk& chunk : held->second) {
+      opener_->decode(chunk, opened_);
+      for (std::size_t r = 0; r < opened_.size(); ++r) append(opened_, r);
+      spare_.push_back(std::move(chunk));
+    }
+    held_.erase(held);
+  }
+
+  /// Writes the blocks that lie wholly before `point`.
+  void emit_before(std::uint64_t point) {
+    while ((emitted_ + 1) * levels_.block_points() <= point) {
+      if (const auto held = held_.find(emitted_); held != held_.end()) {
+        for (StoredChunk& chunk : held->second) {
+          out_.copy(chunk);
+          spare_.push_back(std::move(chunk));
+        }
+        held_.erase(held);
+      } else {
+        levels_.visit(emitted_, [this](PointIndex p, Level level, std::uint32_t generation,
+                                       const double* state, const Level* links) {
+          emit(p, level, generation, state, links);
+        });
+        levels_.release(emitted_);
+      }
+      ++emitted_;
+    }
+  }
+
+  void emit(PointIndex point, Level level, std::uint32_t generation, const double* state,
+            const Level* links) {
+    if (generation == input_.generation()) {
+      if (const DirectionMask left = levels_.unsettled(point, level)) {
+        if (missing_ == 0) first_missing_ = describe(input_.spec().box, point, level);
+        missing_ += static_cast<std::uint64_t>(std::popcount(left));
+      }
+    } else if (generation > input_.generation() && frontier_) {
+      frontier_->frontier(point, level, state, levels_.unsettled(point, level));
+    }
+    out_.record(point, level, generation, state, links);
+  }
+
+  const MergeInput& input_;
+  std::uint32_t n_;
+  std::uint64_t reach_;
+  Levels levels_;
+  MergedRows<RecordRows> grid_rows_;
+  Run<RecordRows> run_;
+  SectionWriter& out_;
+  SectionWriter* frontier_;
+  Progress& progress_;
+  std::optional<SectionReader> opener_;  // decodes chunks; only where the grid is one section
+  std::map<std::uint64_t, std::vector<StoredChunk>> held_;  // by block
+  std::vector<StoredChunk> spare_;
+  RecordRows opened_;
+  std::uint64_t loaded_ = 0;   // the next record's point is at least this
+  std::uint64_t emitted_ = 0;  // blocks below are written
+  std::uint64_t missing_ = 0;
+  std::string first_missing_;
+};
+
+}  // namespace
+
+void merge(const MergeInput& input, const Model& model, SectionWriter& out, SectionWriter* frontier,
+           Progress& progress) {
+  Merge(input, model, out, frontier, progress).run();
+  out.finish();
+  if (frontier) frontier->finish();
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,46 @@
+// The merge filter: lines 10 to 20 of Algorithm 1 for one generation.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libcore/model/model.hpp"
+#include "libcore/search/converter.hpp"
+#include "libcore/shard/reader.hpp"
+#include "libcore/shard/writer.hpp"
+
+namespace hapgrid {
+
+/// What a merge starts from: sections sorted into the grid and the requests.
+class MergeInput {
+ public:
+  /// @throw FormatError when there is no grid, a part of a frontier among them, or requests of
+  /// another generation than the grid's.
+  explicit MergeInput(const std::vector<Section>& sections);
+
+  const std::vector<Section>& grid() const { return grid_; }
+  const std::vector<Section>& requests() const { return requests_; }
+  const GridSpec& spec() const { return grid_.front().header.spec; }
+  std::uint32_t generation() const { return grid_.front().header.generation; }
+  /// Conversions that the grid's frontier asks for.
+  std::uint64_t conversions() const { return conversions_; }
+  /// The header of the merged grid. A grid whose frontier is empty stays what it is.
+  SectionHeader merged_header() const;
+
+ private:
+  std::vector<Section> grid_;
+  std::vector<Section> requests_;
+  std::uint64_t conversions_ = 0;
+};
+
+/// Merges a whole generation: each of the frontier's conversions must be among the requests.
+/// Streams: the records between three slices of the grid are in memory at a time.
+/// @param out the merged grid, begun with merged_header(). @param frontier the new frontier,
+/// nullptr when nobody wants it.
+/// @throw FormatError when requests are missing (it counts them), contradict each other, or were
+/// not asked for; Error (level limit), ModelError, std::system_error.
+void merge(const MergeInput& input, const Model& model, SectionWriter& out, SectionWriter* frontier,
+           Progress& progress);
+
+}  // namespace hapgrid

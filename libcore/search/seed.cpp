@@ -1,0 +1,127 @@
+#include "libcore/search/seed.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "libcore/base/error.hpp"
+#include "libcore/grid/describe.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+// A seed's position is written in decimal: it names the grid point within this share of the
+// spacing.
+constexpr double kPositionTolerance = 1e-6;
+
+std::string to_text(const Vec3& x) {
+  return "(" + hapgrid::to_text(x[0]) + ", " + hapgrid::to_text(x[1]) + ", " +
+         hapgrid::to_text(x[2]) + ")";
+}
+
+PointIndex point_at(const Box& box, const Vec3& position) {
+  GridCoordinates c{};
+  for (int a = 0; a < 3; ++a) {
+    const double steps = (position[a] - box.origin[a]) / box.spacing;
+    const double nearest = std::round(steps);
+    if (!(nearest >= 0 && nearest < box.counts[a]))
+      throw Error("seed " + to_text(position) + ": outside the box, which spans " +
+                  to_text(box.origin) + " to " +
+                  to_text(box.position(
+                      GridCoordinates{box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1})));
+    if (std::abs(steps - nearest) > kPositionTolerance)
+      throw Error("seed " + to_text(position) + ": not a grid point");
+    c[a] = static_cast<std::uint32_t>(nearest);
+  }
+  return box.index(c);
+}
+
+/// A point's known states, row after row.
+using States = std::vector<double>;
+
+States known_states(const Model& model, const Box& box, PointIndex point) {
+  States states = model.known_states(box.position(point));
+  if (states.empty())
+    throw Error("seed " + describe(box, point) + " at " + to_text(box.position(point)) +
+                ": the model knows no state there; choose other seeds, or give their states");
+  return states;
+}
+
+std::map<PointIndex, States> collect(const Definition& definition, const Box& box,
+                                     const Model& model) {
+  std::map<PointIndex, States> seeds;
+  for (const SeedDefinition& seed : definition.seeds) {
+    const PointIndex point = point_at(box, seed.position);
+    States states;
+    for (const std::vector<double>& state : seed.states) {
+      if (state.size() != model.state_size())
+        throw Error("seed " + to_text(seed.position) + ": a state of " +
+                    std::to_string(state.size()) + " components, the model's have " +
+                    std::to_string(model.state_size()));
+      states.insert(states.end(), state.begin(), state.end());
+    }
+    if (states.empty()) states = known_states(model, box, point);
+    if (!seeds.emplace(point, std::move(states)).second)
+      throw Error("seed " + to_text(seed.position) + ": given twice");
+  }
+  if (!seeds.empty()) return seeds;
+  // The corners; along an axis with one point, two of them are the same.
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    GridCoordinates c{};
+    for (int a = 0; a < 3; ++a) c[a] = corner >> a & 1 ? box.counts[a] - 1 : 0;
+    const PointIndex point = box.index(c);
+    if (!seeds.contains(point)) seeds[point] = known_states(model, box, point);
+  }
+  return seeds;
+}
+
+}  // namespace
+
+GridSpec describe_grid(const Definition& definition, const Model& model) {
+  const hapgrid_model_info& info = model.info();
+  const double reach = std::sqrt(3.0) * definition.box.spacing;
+  if (info.d_max < reach)
+    throw Error("grid.spacing " + to_text(definition.box.spacing) +
+                " is too coarse: a step along the diagonal is " + to_text(reach) +
+                ", and the model's conversion is defined up to d_max = " + to_text(info.d_max) +
+                "; a spacing of at most " + to_text(info.d_max / std::sqrt(3.0)) + " works");
+  GridSpec spec;
+  spec.box = definition.box;
+  spec.model = definition.plugin;
+  spec.parameters = definition.parameters;
+  spec.state_size = info.state_size;
+  spec.tolerance = info.tolerance;
+  spec.tolerance_unit = info.tolerance_unit;
+  spec.max_levels = definition.max_levels;
+  return spec;
+}
+
+void write_seeds(const Definition& definition, const GridSpec& spec, const Model& model,
+                 SectionWriter& out) {
+  const Neighbourhood neighbourhood(spec.box);
+  const std::uint32_t n = spec.state_size;
+  for (const auto& [point, states] : collect(definition, spec.box, model)) {
+    const std::string where = "seed " + describe(spec.box, point);
+    const std::size_t count = states.size() / n;
+    if (count > spec.max_levels)
+      throw Error(where + ": " + std::to_string(count) + " states, the level limit is " +
+                  std::to_string(spec.max_levels) + " (search.max_levels)");
+    Level links[kDirections];
+    const DirectionMask inside = neighbourhood.inside(point);
+    for (int q = 0; q < kDirections; ++q) links[q] = inside >> q & 1 ? kUnsettled : kLeavesBox;
+    for (std::size_t l = 0; l < count; ++l) {
+      const double* state = &states[l * n];
+      for (std::uint32_t c = 0; c < n; ++c)
+        if (!std::isfinite(state[c])) throw Error(where + ": a state that is not finite");
+      for (std::size_t other = 0; other < l; ++other)
+        if (model.equal(&states[other * n], state))
+          throw Error(where + ": states " + std::to_string(other) + " and " + std::to_string(l) +
+                      " are equal within the tolerance " + to_text(spec.tolerance));
+      out.record(point, static_cast<Level>(l), 0, state, links);
+    }
+  }
+  out.finish();
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,39 @@
+#include "libcore/shard/format.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace hapgrid {
+
+namespace {
+constexpr std::uint64_t kChunkBytes = 1 << 20;
+}
+
+const char* to_string(Content content) {
+  switch (content) {
+    case Content::kGrid:
+      return "grid";
+    case Content::kFrontier:
+      return "frontier";
+    case Content::kRequests:
+      return "requests";
+  }
+  return "unknown";
+}
+
+std::uint64_t record_bytes(std::uint32_t state_size) {
+  return sizeof(PointIndex) + sizeof(Level) + sizeof(std::uint32_t) +
+         sizeof(double) * std::uint64_t{state_size} + kDirections;
+}
+
+std::uint32_t chunk_points(std::uint32_t state_size) {
+  const std::uint64_t fit = kChunkBytes / record_bytes(state_size);
+  return static_cast<std::uint32_t>(std::bit_floor(std::max<std::uint64_t>(fit, 1)));
+}
+
+std::uint32_t chunk_rows(std::uint32_t state_size) {
+  const std::uint64_t row = sizeof(PointIndex) + 2 + sizeof(double) * std::uint64_t{state_size};
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(kChunkBytes / row, 1));
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,102 @@
+// The messages of a shard as C++ values: what schemas/shard.capnp says, in the shapes that the
+// search works with. Only the sources of this folder see Cap'n Proto and zstd.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libcore/grid/grid.hpp"
+#include "libcore/grid/spec.hpp"
+#include "libcore/shard/digest.hpp"
+
+namespace hapgrid {
+
+enum class Content { kGrid, kFrontier, kRequests };
+
+/// "grid", "frontier" or "requests".
+const char* to_string(Content content);
+
+struct SectionHeader {
+  Content content = Content::kGrid;
+  std::uint32_t generation = 0;  ///< the youngest generation; of requests: their source records'
+  GridSpec spec;
+};
+
+/// What the footer says of one chunk.
+struct ChunkInfo {
+  std::uint32_t rows = 0;
+  std::uint32_t frontier = 0;
+  PointIndex first_point = 0;
+  PointIndex last_point = 0;
+  Digest digest;             ///< of the message
+  std::uint64_t stored = 0;  ///< hash of the frame
+};
+
+struct SectionFooter {
+  std::vector<ChunkInfo> chunks;
+  std::uint64_t records = 0;
+  std::uint64_t requests = 0;
+  std::uint64_t frontier = 0;
+  std::uint64_t conversions = 0;
+  Digest digest;
+
+  PointIndex first_point() const { return chunks.empty() ? 0 : chunks.front().first_point; }
+};
+
+/// One chunk as it is stored.
+struct StoredChunk {
+  ChunkInfo info;
+  std::vector<std::byte> frame;
+};
+
+/// One chunk of a section, decoded. The columns look into the message; states are row-major.
+struct Chunk {
+  std::vector<std::uint64_t> message;
+  std::vector<double> transposed;  ///< the states, where n > 1
+};
+
+/// R records. A grid's have links (R x 26) and no todo, a frontier's have todo and no links.
+struct RecordRows : Chunk {
+  std::span<const PointIndex> point;
+  std::span<const Level> level;
+  std::span<const std::uint32_t> generation;
+  std::span<const double> state;  ///< R x n
+  std::span<const Level> links;
+  std::span<const DirectionMask> todo;
+
+  std::size_t size() const { return point.size(); }
+};
+
+/// R requests: target, direction q, source level, state reached (R x n).
+struct RequestRows : Chunk {
+  std::span<const PointIndex> target;
+  std::span<const std::uint8_t> direction;
+  std::span<const Level> level;
+  std::span<const double> state;
+
+  std::size_t size() const { return target.size(); }
+};
+
+/// Where a row stands in its section's order: records by (point, level), requests by
+/// (target, source point, source level). For one target the source point ascends as q descends.
+using RowKey = std::uint64_t;
+inline RowKey record_key(PointIndex point, Level level) { return RowKey{point} << 16 | level; }
+inline RowKey request_key(PointIndex target, int q, Level level) {
+  return RowKey{target} << 16 | RowKey(kDirections - 1 - q) << 8 | level;
+}
+inline PointIndex key_point(RowKey key) { return static_cast<PointIndex>(key >> 16); }
+
+/// Bytes of one row of a grid before compression.
+std::uint64_t record_bytes(std::uint32_t state_size);
+
+/// How many points one chunk of a grid covers: the power of two that keeps a chunk at one level a
+/// point at or below 1 MiB (at least 1).
+std::uint32_t chunk_points(std::uint32_t state_size);
+
+/// How many rows a chunk of requests, or of a frontier, has at most.
+std::uint32_t chunk_rows(std::uint32_t state_size);
+
+}  // namespace hapgrid

@@ -1,0 +1,22 @@
+// Between the structs of format.hpp and Cap'n Proto's builders and readers. Only for the sources of
+// this folder.
+#pragma once
+
+#include <capnp/any.h>
+
+#include "libcore/shard/format.hpp"
+#include "shard.capnp.h"
+
+namespace hapgrid {
+
+inline constexpr std::uint64_t kMagic = 0x6861706772696431;  // "hapgrid1"
+inline constexpr std::uint32_t kFormatVersion = 1;
+
+void encode_header(const SectionHeader& header, schema::Header::Builder out);
+void encode_footer(const SectionFooter& footer, schema::Footer::Builder out);
+
+/// @throw FormatError (without the file's name) when the header cannot be a grid's.
+SectionHeader decode_header(schema::Header::Reader in);
+SectionFooter decode_footer(schema::Footer::Reader in);
+
+}  // namespace hapgrid

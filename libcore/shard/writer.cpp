@@ -1,0 +1,246 @@
+#include "libcore/shard/writer.hpp"
+
+#include <capnp/message.h>
+#include <capnp/serialize.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <system_error>
+
+#include "libcore/base/error.hpp"
+#include "libcore/shard/frame.hpp"
+#include "libcore/shard/schema.hpp"
+
+namespace hapgrid {
+
+static_assert(std::endian::native == std::endian::little,
+              "columns are copied as they are in memory, and Cap'n Proto is little-endian");
+
+namespace {
+
+template <class List, class T>
+void copy_column(List list, const std::unique_ptr<T[]>& column) {
+  const auto bytes = capnp::AnyList::Reader(list.asReader()).getRawBytes();
+  std::memcpy(const_cast<kj::byte*>(bytes.begin()), column.get(), list.size() * sizeof(T));
+}
+
+/// Row-major to component-major.
+void copy_states(capnp::List<double>::Builder list, const std::unique_ptr<double[]>& state,
+                 std::uint32_t n) {
+  if (n == 1) return copy_column(list, state);
+  const auto bytes = capnp::AnyList::Reader(list.asReader()).getRawBytes();
+  auto* out = reinterpret_cast<double*>(const_cast<kj::byte*>(bytes.begin()));
+  const std::size_t rows = list.size() / n;
+  for (std::size_t r = 0; r < rows; ++r)
+    for (std::uint32_t c = 0; c < n; ++c) out[c * rows + r] = state[r * n + c];
+}
+
+kj::ArrayPtr<const kj::byte> bytes_of(const std::unique_ptr<std::uint8_t[]>& column,
+                                      std::size_t size) {
+  return kj::arrayPtr(column.get(), size);
+}
+
+}  // namespace
+
+/// Messages to digest, frames and the file.
+class SectionWriter::Encoder {
+ public:
+  Encoder(int fd, std::string name) : fd_(fd), name_(std::move(name)) {}
+
+  /// Builds one message with `fill(schema::Message::Builder)`, which needs at most `words`, and
+  /// writes it. Sets the digests of `info` where it is not null.
+  template <class F>
+  void write(std::size_t words, ChunkInfo* info, F&& fill) {
+    // The message is built one word behind the start of the buffer: its segment table goes in
+    // front, so that no copy is needed. Cap'n Proto clears the segment again when it is done.
+    reserve(words + kSpareWords);
+    auto* first = reinterpret_cast<capnp::word*>(scratch_.get() + 1);
+    capnp::MallocMessageBuilder builder(kj::arrayPtr(first, scratch_words_ - 1));
+    fill(builder.initRoot<schema::Message>());
+    const auto segments = builder.getSegmentsForOutput();
+    if (segments.size() == 1) {
+      const auto size = static_cast<std::uint32_t>(segments[0].size());
+      const std::uint32_t table[2] = {0, size};
+      std::memcpy(scratch_.get(), table, sizeof table);
+      encode(std::as_bytes(std::span(scratch_.get(), size + 1)), info);
+    } else {
+      const auto flat = capnp::messageToFlatArray(segments);
+      const auto bytes = flat.asBytes();
+      encode(std::as_bytes(std::span(bytes.begin(), bytes.size())), info);
+    }
+  }
+
+  void copy(const StoredChunk& chunk) {
+    digester_->add(chunk.info.digest);
+    write(chunk.frame);
+  }
+
+  Digest digest() const { return digester_->digest(); }
+
+ private:
+  static constexpr std::size_t kSpareWords = 256;
+
+  /// Cap'n Proto wants its memory cleared; calloc's pages are, and cost nothing until used.
+  void reserve(std::size_t words) {
+    if (scratch_words_ >= words) return;
+    scratch_.reset(static_cast<std::uint64_t*>(std::calloc(words, sizeof(std::uint64_t))));
+    if (!scratch_) throw std::bad_alloc();
+    scratch_words_ = words;
+  }
+
+  void encode(std::span<const std::byte> message, ChunkInfo* info) {
+    const std::span<const std::byte> frame = frames_.encode(message);
+    if (info) {
+      info->digest = digest_of(message);
+      info->stored = hash_of(frame);
+      digester_->add(info->digest);
+    } else if (!digester_) {  // the first message is the header
+      digester_.emplace(message);
+    }
+    write(frame);
+  }
+
+  void write(std::span<const std::byte> frame) {
+    while (!frame.empty()) {
+      const ssize_t written = ::write(fd_, frame.data(), frame.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) throw std::system_error(errno, std::generic_category(), name_);
+      frame = frame.subspan(static_cast<std::size_t>(written));
+    }
+  }
+
+  int fd_;
+  std::string name_;
+  FrameEncoder frames_;
+  std::optional<SectionDigester> digester_;
+  struct Free {
+    void operator()(void* memory) const { std::free(memory); }
+  };
+  std::unique_ptr<std::uint64_t[], Free> scratch_;
+  std::size_t scratch_words_ = 0;
+};
+
+SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeader& header)
+    : header_(header),
+      neighbourhood_(header.spec.box),
+      encoder_(std::make_unique<Encoder>(fd, name)),
+      row_limit_(header.content == Content::kGrid ? chunk_points(header.spec.state_size)
+                                                  : chunk_rows(header.spec.state_size)) {
+  const std::size_t rows = row_limit_;
+  columns_.point = std::make_unique_for_overwrite<PointIndex[]>(rows);
+  columns_.level = std::make_unique_for_overwrite<Level[]>(rows);
+  columns_.state = std::make_unique_for_overwrite<double[]>(rows * header.spec.state_size);
+  if (header.content == Content::kRequests) {
+    columns_.direction = std::make_unique_for_overwrite<std::uint8_t[]>(rows);
+  } else {
+    columns_.generation = std::make_unique_for_overwrite<std::uint32_t[]>(rows);
+    if (header.content == Content::kGrid)
+      columns_.links = std::make_unique_for_overwrite<Level[]>(rows * kDirections);
+    else
+      columns_.todo = std::make_unique_for_overwrite<DirectionMask[]>(rows);
+  }
+  encoder_->write(1024, nullptr, [&](schema::Message::Builder message) {
+    encode_header(header, message.initHeader());
+  });
+}
+SectionWriter::~SectionWriter() = default;
+SectionWriter::SectionWriter(SectionWriter&&) noexcept = default;
+
+std::size_t SectionWriter::add_row(PointIndex point, Level level, const double* state) {
+  if (rows_ == row_limit_) flush();
+  columns_.point[rows_] = point;
+  columns_.level[rows_] = level;
+  const std::uint32_t n = header_.spec.state_size;
+  if (n == 1) {
+    columns_.state[rows_] = *state;
+  } else {
+    std::memcpy(&columns_.state[rows_ * n], state, n * sizeof(double));
+  }
+  return rows_++;
+}
+
+void SectionWriter::record(PointIndex point, Level level, std::uint32_t generation,
+                           const double* state, const Level* links) {
+  // A chunk ends where its range of points ends, and when it is full.
+  if (rows_ > 0 && columns_.point[0] / row_limit_ != point / row_limit_) flush();
+  const std::size_t row = add_row(point, level, state);
+  ++footer_.records;
+  if (generation == header_.generation) {
+    ++frontier_;
+    footer_.conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood_.inside(point)));
+  }
+  columns_.generation[row] = generation;
+  std::memcpy(&columns_.links[row * kDirections], links, kDirections);
+}
+
+void SectionWriter::frontier(PointIndex point, Level level, const double* state,
+                             DirectionMask todo) {
+  const std::size_t row = add_row(point, level, state);
+  ++footer_.records;
+  ++frontier_;
+  footer_.conversions += static_cast<std::uint64_t>(std::popcount(todo));
+  columns_.generation[row] = header_.generation;
+  columns_.todo[row] = todo;
+}
+
+void SectionWriter::request(PointIndex target, int q, Level level, const double* state) {
+  const std::size_t row = add_row(target, level, state);
+  ++footer_.requests;
+  columns_.direction[row] = static_cast<std::uint8_t>(q);
+}
+
+void SectionWriter::copy(const StoredChunk& chunk) {
+  flush();
+  footer_.records += chunk.info.rows;
+  footer_.chunks.push_back(chunk.info);
+  encoder_->copy(chunk);
+}
+
+void SectionWriter::flush() {
+  if (rows_ == 0) return;
+  const std::uint32_t n = header_.spec.state_size;
+  const auto rows = static_cast<unsigned>(rows_);
+  const std::size_t words =
+      row_limit_ * (record_bytes(n) + sizeof(DirectionMask)) / sizeof(std::uint64_t) + 64;
+  ChunkInfo info{rows, frontier_, columns_.point[0], columns_.point[rows - 1], {}, 0};
+  encoder_->write(words, &info, [&](schema::Message::Builder message) {
+    if (header_.content == Content::kRequests) {
+      auto chunk = message.initRequests();
+      copy_column(chunk.initTarget(rows), columns_.point);
+      chunk.setDirection(bytes_of(columns_.direction, rows));
+      chunk.setLevel(bytes_of(columns_.level, rows));
+      copy_states(chunk.initState(rows * n), columns_.state, n);
+      return;
+    }
+    auto chunk = message.initRecords();
+    copy_column(chunk.initPoint(rows), columns_.point);
+    chunk.setLevel(bytes_of(columns_.level, rows));
+    copy_column(chunk.initGeneration(rows), columns_.generation);
+    copy_states(chunk.initState(rows * n), columns_.state, n);
+    if (header_.content == Content::kGrid) {
+      chunk.setLinks(bytes_of(columns_.links, rows * kDirections));
+    } else {
+      copy_column(chunk.initTodo(rows), columns_.todo);
+    }
+  });
+  footer_.frontier += frontier_;
+  footer_.chunks.push_back(info);
+  rows_ = 0;
+  frontier_ = 0;
+}
+
+void SectionWriter::finish() {
+  flush();
+  footer_.digest = encoder_->digest();
+  const std::size_t words = 64 + footer_.chunks.size() * sizeof(ChunkInfo) / sizeof(std::uint64_t);
+  encoder_->write(words, nullptr, [&](schema::Message::Builder message) {
+    encode_footer(footer_, message.initFooter());
+  });
+}
+
+}  // namespace hapgrid

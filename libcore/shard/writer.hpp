@@ -1,0 +1,67 @@
+// Writing one section of a shard: header, chunks, footer.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "libcore/base/file.hpp"
+#include "libcore/shard/format.hpp"
+
+namespace hapgrid {
+
+/// Rows are given in order, one by one, and leave in chunks whose boundaries depend on the rows
+/// alone; so the same rows give the same bytes. finish() writes the footer: without it the section
+/// is truncated, and no tool takes it.
+class SectionWriter {
+ public:
+  /// Writes to `fd`, which the caller keeps open; `name` is for messages. The header is written
+  /// at once. @throw std::system_error
+  SectionWriter(int fd, const std::string& name, const SectionHeader& header);
+  ~SectionWriter();
+  SectionWriter(SectionWriter&&) noexcept;
+
+  /// A record of a grid. `state` n doubles, `links` 26 levels. @throw std::system_error
+  void record(PointIndex point, Level level, std::uint32_t generation, const double* state,
+              const Level* links);
+  /// A record of a frontier with the directions to be expanded. @throw std::system_error
+  void frontier(PointIndex point, Level level, const double* state, DirectionMask todo);
+  /// A request. @throw std::system_error
+  void request(PointIndex target, int q, Level level, const double* state);
+
+  /// A whole chunk of a grid as it is stored: no record of it is in the frontier, and no other
+  /// record of its range of points is written. @throw std::system_error
+  void copy(const StoredChunk& chunk);
+
+  /// Writes what is left and the footer. @throw std::system_error
+  void finish();
+
+ private:
+  class Encoder;
+  /// The rows of the chunk that is being filled, row_limit_ at most. Not initialised: a small
+  /// section touches little of it.
+  struct Columns {
+    std::unique_ptr<PointIndex[]> point;
+    std::unique_ptr<Level[]> level;
+    std::unique_ptr<double[]> state;
+    std::unique_ptr<std::uint32_t[]> generation;  // records
+    std::unique_ptr<Level[]> links;               // grids
+    std::unique_ptr<DirectionMask[]> todo;        // frontiers
+    std::unique_ptr<std::uint8_t[]> direction;    // requests
+  };
+
+  /// Adds one more row and answers its number in the chunk.
+  std::size_t add_row(PointIndex point, Level level, const double* state);
+  void flush();
+
+  SectionHeader header_;
+  Neighbourhood neighbourhood_;
+  std::unique_ptr<Encoder> encoder_;
+  SectionFooter footer_;
+  Columns columns_;
+  std::size_t rows_ = 0;
+  std::uint32_t frontier_ = 0;  // of the rows
+  std::uint32_t row_limit_;     // of a chunk; of a grid's chunk also the points of its range
+};
+
+}  // namespace hapgrid

@@ -1,0 +1,167 @@
+# The stream format of hapgrid's shards. A shard is a sequence of zstd frames, each with its content
+# checksum; each frame holds one Cap'n Proto message with the root Message. A section is a header,
+# any number of chunks, and a footer; shards are concatenated by concatenating their sections.
+#
+#   zstd -dc x.grid | capnp decode schemas/shard.capnp Message
+#
+# prints any of them. schemas/README.md says how this file may change.
+@0xc1d5f0a96e3b7d42;
+
+# The annotation of capnp/c++.capnp, repeated so that this file needs no other one to be decoded with.
+annotation namespace @0xb9c6f99ebf805f2c (file) :Text;
+$namespace("hapgrid::schema");
+
+struct Message {
+  union {
+    header @0 :Header;
+    records @1 :RecordChunk;
+    requests @2 :RequestChunk;
+    footer @3 :Footer;
+  }
+}
+
+struct Header {
+  magic @0 :UInt64;
+  # 0x6861706772696431, "hapgrid1" in ASCII.
+
+  version @1 :UInt32;
+  # Format version, 1. A reader refuses any other.
+
+  content @2 :Content;
+
+  generation @3 :UInt32;
+  # The youngest generation. In a grid, the records of this generation are the frontier; a frontier
+  # shard holds some of them, and requests were found from them.
+
+  box @4 :Box;
+  model @5 :Text;
+  # The plug-in's plain name, never a path.
+
+  parameters @6 :List(Parameter);
+  # The model's parameters in full, ascending by key.
+
+  stateSize @7 :UInt32;
+  # n, the number of components of a state.
+
+  tolerance @8 :Float64;
+  # The bound that the model's tolerance function applies, in toleranceUnit.
+
+  toleranceUnit @9 :Text;
+
+  maxLevels @10 :UInt32;
+  # Level limit: how many levels a point may have, 1 to 254.
+
+  enum Content {
+    grid @0;
+    # All records that are known.
+    frontier @1;
+    # A part of the frontier's conversions: records with the directions to be expanded.
+    requests @2;
+  }
+}
+
+struct Box {
+  originX @0 :Float64;
+  originY @1 :Float64;
+  originZ @2 :Float64;
+  # Position of the point (0, 0, 0), in the model's unit of length.
+
+  spacing @3 :Float64;
+  countX @4 :UInt32;
+  countY @5 :UInt32;
+  countZ @6 :UInt32;
+}
+
+struct Parameter {
+  key @0 :Text;
+  # Tables are flattened: "probe.radius".
+
+  value :union {
+    boolean @1 :Bool;
+    number @2 :Float64;
+    text @3 :Text;
+    numbers @4 :List(Float64);
+    texts @5 :List(Text);
+  }
+}
+
+# Chunks are columnar: entry r of each column belongs to row r, and a chunk is near 1 MiB. In a grid
+# a chunk never crosses a multiple of the points that one chunk holds at one level a point, so that
+# a change of one record leaves the other chunks' bytes alone.
+
+struct RecordChunk {
+  # Records ascend by (point, level) through a section.
+
+  point @0 :List(UInt32);
+  # p = i + nx (j + ny k).
+
+  level @1 :Data;
+  # One byte a record.
+
+  generation @2 :List(UInt32);
+  # The round in which the record was stored; 0 are the seed records.
+
+  state @3 :List(Float64);
+  # Component by component: component c of row r is state[c * rows + r].
+
+  links @4 :Data;
+  # Grids only. 26 bytes a record, q ascending: the destination level in direction
+  # q = (d1+1) + 3 (d2+1) + 9 (d3+1), the centre left out; 255 where the direction leaves the box,
+  # 254 where it is not settled yet (the record is in the frontier).
+
+  todo @5 :List(UInt32);
+  # Frontier shards only. Bit q: the direction q is to be expanded by the taker of this shard.
+}
+
+struct RequestChunk {
+  # What conversions found. Requests ascend by (target, source point, source level). The source
+  # point is target - offset(direction), where offset = d1 + nx (d2 + ny d3).
+
+  target @0 :List(UInt32);
+  direction @1 :Data;
+  # One byte a request, 0 to 25.
+
+  level @2 :Data;
+  # One byte a request: the level of the source record.
+
+  state @3 :List(Float64);
+  # The state reached; component by component, as in RecordChunk.
+}
+
+struct Footer {
+  chunks @0 :List(ChunkInfo);
+  # The messages between header and footer, in order.
+
+  records @1 :UInt64;
+  requests @2 :UInt64;
+
+  frontier @3 :UInt64;
+  # Records whose generation is the header's: no expand has looked at them yet.
+
+  conversions @4 :UInt64;
+  # Conversions that the section's frontier asks for.
+
+  digestLow @5 :UInt64;
+  digestHigh @6 :UInt64;
+  # XXH3-128 (seed 0) of the section's decoded content: of the header's message, followed by the
+  # digests of the chunks, each as its low and its high word, little-endian. So a chunk that a round
+  # does not touch is copied without being decoded.
+}
+
+struct ChunkInfo {
+  rows @0 :UInt32;
+
+  frontier @1 :UInt32;
+  # How many of its records are in the frontier: expand passes over a chunk without any.
+
+  firstPoint @2 :UInt32;
+  lastPoint @3 :UInt32;
+  # Of requests: the first and last target.
+
+  digestLow @4 :UInt64;
+  digestHigh @5 :UInt64;
+  # XXH3-128 of the chunk's message.
+
+  stored @6 :UInt64;
+  # XXH3-64 of the chunk's frame as it is stored: what a copy checks instead of decoding.
+}

@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# The cost of the search beyond the model: CPU nanoseconds a request, single thread, on the hung ball.
+#
+#   tests/bench/search.sh [BUILD] [POINTS A SIDE] [REPEATS]        (default: build 64 3)
+#
+# Three ways to the same grid, as medians: in memory (expand --complete), rounds of `expand | merge`
+# through a pipe, and rounds through 8 shard files. C's own cost is measured by build/bench/bench_conversions
+# and taken off. CPU time is what the kernel accounts to the processes, their start-up included; how
+# much of it is start-up is said too.
+set -euo pipefail
+build=$(realpath "${1:-build}") n=${2:-64} repeats=${3:-3}
+source=$(realpath "$(dirname "$0")/../..")
+PATH=$build/bench:$build/bin:$PATH
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+TIMEFORMAT='%U %S'
+
+# Adds the user and system seconds that the commands took to the file `cpu`.
+cpu() { { time "$@" 2>&3; } 3>&2 2>>cpu; }
+total() { awk '{ s += $1 + $2 } END { printf "%.3f", s }' cpu; rm cpu; }
+
+# What it costs to start a filter that does nothing, CPU seconds.
+starting() { for _ in $(seq 100); do cpu expand --version; done >/dev/null; total | awk '{ print $1 / 100 }'; }
+
+in_memory() { cpu expand --complete seeds -o complete; }
+piped() {
+  cp seeds grid; cp seeds frontier.1
+  while [ "$(stats --get frontier grid)" -gt 0 ]; do
+    pipe() { expand frontier.1 | merge grid - --frontier 'frontier.{}' -o next; }
+    cpu pipe
+    mv next grid
+  done
+  cmp grid complete
+}
+files() {
+  cp seeds grid; rm -f frontier.*; cp seeds frontier.1
+  while [ "$(stats --get frontier grid)" -gt 0 ]; do
+    for f in frontier.*; do cpu expand "$f" -o "requests.${f#*.}"; done
+    cpu merge grid requests.* --frontier 'frontier.{}' --parts 8 -o next
+    rm -f requests.*
+    mv next grid
+  done
+  cmp grid complete
+}
+
+side=$(awk -v n="$n" 'BEGIN { print 1.95 / (n - 1) }')
+seed "$source/examples/hung-ball/hung-ball.toml" --set "grid.counts=[$n,$n,$n]" \
+  --set "grid.spacing=$side" --set 'grid.origin=[-0.975,-0.975,-0.975]' -o seeds
+in_memory; rm cpu
+requests=$(stats --get conversions complete)
+generations=$(stats --get generation complete)
+start=$(starting)
+echo "hung ball, $n^3 points, $requests requests, $generations generations"
+for _ in $(seq "$repeats"); do bench_conversions complete 2>/dev/null; done | sort -g |
+  awk '{ v[NR] = $1 } END { print v[int((NR + 1) / 2)] }' > own
+printf '%-10s %6s ns\n' 'C itself' "$(cat own)"
+for way in in_memory piped files; do
+  case $way in in_memory) processes=1 ;; piped) processes=$((2 * generations)) ;; files) processes=$((9 * generations)) ;; esac
+  for _ in $(seq "$repeats"); do "$way"; total; echo; done | sort -g |
+    awk -v way="$way" -v requests="$requests" -v own="$(cat own)" -v started="$processes" -v start="$start" '
+      { v[NR] = $1 }
+      END { ns = v[int((NR + 1) / 2)] / requests * 1e9
+            printf "%-10s %6.1f ns a request, %.1f beyond C, %.1f of them to start %d processes\n",
+                   way, ns, ns - own, started * start / requests * 1e9, started }'
+done

@@ -1,0 +1,33 @@
+# cmake --install puts the launcher on the PATH, the filters beside no coreutils, and manual pages.
+source "$(dirname "$0")/../lib.sh"
+
+DESTDIR=$PWD/root cmake --install "$HAPGRID_BUILD" >install.log || fail "$(cat install.log)"
+prefix=$(dirname "$(dirname "$(find root -path '*/bin/hapgrid')")")
+hapgrid=$prefix/bin/hapgrid
+[[ $(ls "$prefix/bin") == hapgrid ]]
+
+# It finds its filters, and they their plug-ins, wherever the tree was put.
+mv root moved; hapgrid=${hapgrid/#root/moved}
+bin=$("$hapgrid" bin)
+expect 0 "export PATH=\"$bin:\$PATH\"" '' -- "$hapgrid" env
+for tool in seed expand merge verify stats play; do
+  expect 0 "hapgrid $tool 0.1.0" '' -- "$hapgrid" "$tool" --version
+done
+"$hapgrid" seed "$ball" | "$hapgrid" expand --complete -o installed.grid
+seed "$ball" | expand --complete -o built.grid
+cmp installed.grid built.grid
+# Through a link, as administrators make them.
+ln -s "$PWD/$hapgrid" link
+expect 0 "$bin" '' -- ./link bin
+(PATH=/usr/bin:/bin; eval "$("$hapgrid" env)"; [[ $(command -v expand) == "$bin/expand" ]])
+
+expect 2 '' "hapgrid: no tool 'exapnd' (see hapgrid --help)" -- "$hapgrid" exapnd
+expect 2 '' 'hapgrid: which tool? (see hapgrid --help)' -- "$hapgrid"
+expect 0 'hapgrid 0.1.0' '' -- "$hapgrid" --version
+
+# A manual page says what the help says.
+man=moved${prefix#root}/share/man/man1
+[[ $(ls "$man" | tr '\n' ' ') == 'hapgrid-expand.1 hapgrid-merge.1 hapgrid-play.1 hapgrid-seed.1 hapgrid-stats.1 hapgrid-verify.1 hapgrid.1 ' ]]
+grep -q 'equal parts of the frontier' "$man/hapgrid-expand.1"
+# What a plug-in's author includes compiles from the installation.
+printf '#include "libcore/model/plugin.h"\n' | gcc -fsyntax-only -xc -I "moved${prefix#root}/include/hapgrid" -

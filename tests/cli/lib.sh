@@ -1,0 +1,102 @@
+# What the command-line tests share: sourced as the first line of a script,
+#
+#   source "$(dirname "$0")/../lib.sh"
+#
+# it sets -euo pipefail, puts the filters of HAPGRID_BIN first on the PATH (`expand` is also a program
+# of coreutils), and goes to a new empty directory that is removed at the end.
+# ctest sets HAPGRID_BIN, HAPGRID_SOURCE and HAPGRID_BUILD; by hand they are guessed.
+set -euo pipefail
+
+HAPGRID_SOURCE=${HAPGRID_SOURCE:-$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)}
+HAPGRID_BUILD=${HAPGRID_BUILD:-$HAPGRID_SOURCE/build}
+HAPGRID_BIN=${HAPGRID_BIN:-$HAPGRID_BUILD/bin}
+export HAPGRID_SOURCE HAPGRID_BUILD HAPGRID_BIN PATH="$HAPGRID_BIN:$PATH" PYTHONDONTWRITEBYTECODE=1
+unset HAPGRID_MODEL_PATH
+
+here=$(cd "$(dirname "$0")" && pwd)  # the script's directory
+schema=$HAPGRID_SOURCE/schemas/shard.capnp
+ball=$HAPGRID_SOURCE/examples/hung-ball/hung-ball.toml
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mkdir "$work/in" "$work/got"
+cd "$work/in"
+
+# fail WHAT...: ends the test, saying where the script was.
+fail() {
+  echo "$0: line ${BASH_LINENO[-2]}: $*" >&2
+  exit 1
+}
+
+# same WHAT EXPECTED GOT: compares a text. EXPECTED is the text itself, or ~REGEX, an extended
+# regular expression that must fit all of it (for text that carries a path, an id or a time).
+same() {
+  if [[ $2 == "~"* ]]; then
+    [[ $3 =~ ^(${2:1})$ ]] && return
+  elif [[ $3 == "$2" ]]; then
+    return
+  fi
+  fail "$1"$'\n'"  expected: $2"$'\n'"  got:      $3"
+}
+
+# expect CODE STDOUT STDERR -- COMMAND...: runs a command and pins all that is seen of it from
+# outside. STDOUT and STDERR as same() takes them. Standard input is the caller's.
+expect() {
+  local code=$1 out=$2 err=$3 got=0
+  [[ $4 == -- ]] || fail "expect: -- is missing"
+  shift 4
+  "$@" >"$work/got/out" 2>"$work/got/err" || got=$?
+  [[ $got == "$code" ]] || fail "exit code $got, not $code: $*"$'\n'"$(head -c 2000 "$work/got/err")"
+  # $(...) drops final newlines; the dot keeps them, and each text must end with just one.
+  local text
+  for stream in out err; do
+    text=$(tr -d '\0' <"$work/got/$stream"; echo .)
+    text=${text%.}
+    [[ -z $text || $text == *$'\n' ]] || fail "std$stream does not end its line: $*"
+    same "std$stream of: $*" "${!stream}" "${text%$'\n'}"
+  done
+}
+
+# refuses REGEX -- COMMAND...: exit code 1, nothing on standard output, and one line that fits.
+refuses() {
+  local regex=$1
+  shift
+  expect 1 '' "~$regex" "$@"
+  [[ $(wc -l <"$work/got/err") == 1 ]] || fail "not one line: $(cat "$work/got/err")"
+}
+
+# message_of FILE...: the shards as JSON, a message a line, by the stock tools.
+decode() { zstd -dc "$@" | capnp convert binary:json --short "$schema" Message; }
+
+# header FILE FIELD: a number or name in a shard's first header, by the stock tools.
+header() {
+  zstd -dc "$1" | capnp decode --short "$schema" Message |
+    sed -nE "1s/.*[( ]$2 = \"?([^,\") ]*).*/\1/p"
+}
+
+# nothing_left DIRECTORY NAME...: the directory holds just these, hidden files too.
+nothing_left() {
+  local directory=$1
+  shift
+  same "files in $directory" "$(printf '%s\n' "$@" | sort)" "$(ls -A "$directory" | sort)"
+}
+
+# rounds GRID OUT: rounds of expand and merge through a pipe until the frontier is empty.
+rounds() {
+  cp "$1" "$2"
+  local old=-1 new
+  while new=$(header "$2" generation); [[ $new != "$old" ]]; do
+    old=$new
+    expand "$2" | merge "$2" - -o "$2.new"
+    mv "$2.new" "$2"
+  done
+}
+
+# Sanitizers cost memory and time: tests that measure either look here first.
+sanitized() { grep -q '^HAPGRID_SANITIZE:[A-Z]*=.' "$HAPGRID_BUILD/CMakeCache.txt"; }
+
+# skip WHY: ends the test as skipped.
+skip() {
+  echo "skipped: $*"
+  exit 77
+}

@@ -1,0 +1,98 @@
+#!/bin/bash
+# -o FILE appears whole or not at all; nothing is left beside it, hidden files included.
+source "$(dirname "$0")/../lib.sh"
+export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
+
+cat >toy.toml <<END
+grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 3, 3]}
+model = {plugin = "toy", parameters = {}}
+END
+seed toy.toml -o seeds
+expand seeds -o requests
+merge seeds requests -o merged
+head -c 300 requests >cut
+mkdir d
+
+# A tool that fails leaves an existing file as it was, and makes none.
+tools=(
+  "seed toy.toml --set grid.spacing=2"
+  "seed toy.toml --set grid.spacing=x"
+  "expand cut"
+  "expand requests"
+  "expand --complete cut"
+  "merge seeds cut"
+  "merge seeds"
+  "merge merged requests"
+)
+for tool in "${tools[@]}"; do
+  echo old >d/out
+  refuses '.*' -- $tool -o d/out
+  same "old content after $tool" old "$(cat d/out)"
+  nothing_left d out
+  rm d/out
+  refuses '.*' -- $tool -o d/out
+  nothing_left d
+done
+# Nor does merge leave frontier shards.
+refuses '.*' -- merge seeds -o d/out --frontier 'd/f.{}' --parts 3
+nothing_left d
+
+# A new file replaces the old one; a symbolic link stays, and what it names is replaced.
+echo old >d/real
+echo new-link >d/other
+ln -s real d/link
+ln -s nowhere d/dangling
+seed toy.toml -o d/link
+[[ -L d/link ]] || fail "the link was replaced"
+cmp d/real seeds
+seed toy.toml -o d/dangling
+cmp d/nowhere seeds
+[[ -L d/dangling ]] || fail "the dangling link was replaced"
+(cd d && seed ../toy.toml -o real)
+cmp d/real seeds
+nothing_left d dangling link nowhere other real
+rm d/*
+# The usual permissions.
+(umask 027 && seed toy.toml -o d/out)
+same "mode" 640 "$(stat -c %a d/out)"
+rm d/out
+
+# Where there is no file to be made.
+refuses 'seed: missing/out: No such file or directory' -- seed toy.toml -o missing/out
+refuses 'seed: d: Is a directory' -- seed toy.toml -o d
+refuses 'seed: toy.toml/out: Not a directory' -- seed toy.toml -o toy.toml/out
+refuses 'merge: missing: .*No such file or directory' -- merge seeds requests -o out --frontier 'missing/f.{}'
+[[ ! -e out ]] || fail "the grid is there, and its frontier is not"
+if [[ $(id -u) != 0 ]]; then
+  chmod a-w d
+  refuses 'seed: d/out: Permission denied' -- seed toy.toml -o d/out
+  chmod u+w d
+fi
+# A device and a pipe are written to, and not replaced.
+expect 0 '' '' -- seed toy.toml -o /dev/null
+[[ -c /dev/null ]] || fail "/dev/null was replaced"
+mkfifo pipe
+cat pipe >read & seed toy.toml -o pipe
+wait $!
+cmp read seeds
+
+# Killed in the middle: nothing is left, not even of the merge in memory.
+seed toy.toml --set model.parameters.milliseconds=50 -o slow
+for signal in TERM INT HUP KILL; do
+  for command in "expand slow" "expand -j 2 slow" "expand --complete slow"; do
+    echo old >d/out
+    # In a shell of its own, which ignores no signal; INT is ignored in the background otherwise.
+    python3 -c '
+import signal, subprocess, sys, time
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
+tool = subprocess.Popen(sys.argv[2:])
+time.sleep(0.15)
+assert tool.poll() is None, "over too soon"
+number = getattr(signal, "SIG" + sys.argv[1])
+tool.send_signal(number)
+assert tool.wait(5) == -number, tool.returncode' $signal $command -o d/out
+    same "old content" old "$(cat d/out)"
+    nothing_left d out
+  done
+done

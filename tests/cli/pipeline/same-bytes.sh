@@ -1,0 +1,86 @@
+#!/bin/bash
+# The same model and grid give the same bytes, however they were computed (design section 2).
+source "$(dirname "$0")/../lib.sh"
+
+# A long box through the ball's path: many generations, points with two levels, both sides.
+seed "$ball" --set 'grid.counts=[82,7,6]' --set 'grid.origin=[-2.025,-0.15,-0.125]' -o seeds
+expand --complete seeds -o whole
+generations=$(header whole generation)
+((generations >= 40)) || fail "only $generations generations"
+records=$(decode whole | tail -n 1 | sed 's/.*"records":"\([0-9]*\)".*/\1/')
+((records > 82 * 7 * 6)) || fail "no point has two levels: the order of requests was not tried"
+
+same_grid() { cmp "$1" whole || fail "$2"; }
+
+for threads in 1 2 7; do
+  expand --complete -j $threads <seeds >j
+  same_grid j "--complete -j $threads"
+done
+
+rounds seeds piped
+same_grid piped "rounds through a pipe"
+
+# Rounds through files. How: `part` cuts the grid with --part, `frontier` takes the shards that merge
+# writes; the requests go to merge in the order that `order` makes of their names.
+in_rounds() {
+  local how=$1 parts=$2 order=$3 g=0
+  rm -f g.* f.* r.*
+  cp seeds g.0
+  while :; do
+    if [[ $how == part || $g == 0 ]]; then
+      seq "$parts" | xargs -P 4 -I{} expand g.$g --part "{}/$parts" -j 2 -o r.{}
+    else
+      seq "$parts" | xargs -P 4 -I{} expand f.$g.{} -o r.{}
+    fi
+    local next=$((g + 1)) requests
+    mapfile -t requests < <(ls r.* | $order)
+    merge "${requests[@]:0:1}" g.$g "${requests[@]:1}" -o g.$next \
+      --frontier "f.$next.{}" --parts "$parts"
+    rm f.$g.* r.* 2>/dev/null || true
+    cmp -s g.$g g.$next && break
+    rm g.$g
+    g=$next
+  done
+  same_grid g.$g "rounds: $*"
+  same "generations" "$generations" "$g"
+  rm -f g.* f.*
+}
+shuffled() { shuf --random-source=<(yes); }
+in_rounds part 1 cat
+in_rounds part 3 "sort -r"
+in_rounds part 7 shuffled
+in_rounds frontier 1 cat
+in_rounds frontier 3 shuffled
+in_rounds frontier 7 "sort -r"
+
+# Halfway, where records of many generations and of both levels are there.
+cp seeds half
+for ((g = 0; g < generations / 2; ++g)); do
+  expand half | merge half - -o next
+  mv next half
+done
+expand half | merge half - -o expected
+expand --complete half -o resumed
+same_grid resumed "--complete from generation $((generations / 2))"
+rounds half resumed
+same_grid resumed "rounds from generation $((generations / 2))"
+
+for k in 1 2 3 4 5; do expand half --part $k/5 -o r.$k; done
+same_step() { cmp - expected || fail "$1"; }
+merge half r.5 r.4 r.3 r.2 r.1 | same_step "requests in reverse"
+merge r.3 r.1 half r.5 r.2 r.4 | same_step "the grid among the requests"
+cat r.* | merge half - | same_step "requests concatenated"
+cat r.4 r.1 | merge r.2 half - r.5 r.3 | same_step "requests partly concatenated"
+cat half r.* | merge | same_step "grid and requests concatenated"
+cat r.2 r.5 half r.1 r.4 r.3 | merge - | same_step "concatenated in another order"
+merge half r.* r.* | same_step "requests given twice"
+expand half -o r.all
+merge half r.2 r.all r.4 | same_step "requests given in part twice"
+
+# Frontier shards: several of them in one expand, some of them twice, parts of their parts.
+merge half r.* --frontier 'f.{}' --parts 5 | same_step "with --frontier"
+expand expected | merge expected - -o after
+expand f.3 f.1 f.5 f.2 f.4 | merge expected - | cmp - after
+cat f.* | expand | merge expected - | cmp - after
+expand f.2 f.1 f.5 f.2 f.4 f.3 | merge expected - | cmp - after
+for k in 1 2 3; do expand f.* --part $k/3; done | merge expected - | cmp - after

@@ -1,0 +1,148 @@
+"""stock_tools.py MODEL.toml SHARD...: what shards say, judged from outside.
+
+The shards come from stock-tools.sh with its --set options.
+"""
+
+import os
+import sys
+import tomllib
+
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), ".."))
+import shard
+
+OVERRIDES = {
+    "counts": [40, 22, 20],
+    "origin": [-0.975, -0.525, -0.475],
+    "max_levels": 17,
+    "weight": 2.5,
+}
+CHUNK_BYTES = 1 << 20
+
+
+def check(what, expected, got):
+    if expected != got:
+        sys.exit("%s: %s: expected %r, got %r" % (name, what, expected, got))
+
+
+def check_header(header):
+    check("magic", int.from_bytes(b"hapgrid1", "big"), int(header["magic"]))
+    check("version", 1, header["version"])
+    box = header["box"]
+    check("origin", OVERRIDES["origin"], [box["originX"], box["originY"], box["originZ"]])
+    check("counts", OVERRIDES["counts"], list(shard.counts(box)))
+    check("spacing", model["grid"]["spacing"], box["spacing"])
+    check("model", model["model"]["plugin"], header["model"])
+    parameters = {**model["model"]["parameters"], "weight": OVERRIDES["weight"]}
+    check("parameters", [{"key": k, "value": {"number": v}} for k, v in sorted(parameters.items())],
+          header["parameters"])
+    check("state size", 1, header["stateSize"])
+    check("tolerance", parameters["tolerance"], header["tolerance"])
+    check("unit", "rad", header["toleranceUnit"])
+    check("level limit", OVERRIDES["max_levels"], header["maxLevels"])
+
+
+def ascending(keys):
+    return all(a < b for a, b in zip(keys, keys[1:]))
+
+
+def check_section(messages, raw, stored):
+    header = messages[0]["header"]
+    footer = dict(messages[-1]["footer"])
+    infos = footer.pop("chunks", [])
+    footer = {k: int(v) for k, v in footer.items()}
+    chunks = messages[1:-1]
+    box = header["box"]
+    points = box["countX"] * box["countY"] * box["countZ"]
+    content = header["content"]
+    check_header(header)
+    check("chunks", [shard.chunk_info(header, *chunk) for chunk in zip(chunks, raw[1:], stored[1:])], infos)
+    digests = [(int(i["digestLow"]), int(i["digestHigh"])) for i in infos]
+    check("digest", shard.section_digest(raw[0], digests), (footer["digestLow"], footer["digestHigh"]))
+    for message in raw:
+        check("a message is near 1 MiB", True, len(message) < 1.1 * CHUNK_BYTES)
+
+    inside = {}
+
+    def directions(p):
+        if p not in inside:
+            inside[p] = [q for q in range(26) if shard.neighbour(box, p, q) is not None]
+        return inside[p]
+
+    keys = []
+    frontier = conversions = 0
+    for message in chunks:
+        if content == "requests":
+            rows = message["requests"]
+            check("columns", [len(rows["target"])] * 3, [len(rows[k]) for k in ("direction", "level", "state")])
+            for target, q, level in zip(rows["target"], rows["direction"], rows["level"]):
+                source = shard.neighbour(box, target, 25 - q)
+                check("a request's source is in the box", True, source is not None)
+                keys.append((target, source, level))
+            continue
+        rows = message["records"]
+        size = len(rows["point"])
+        check("columns", [size] * 3, [len(rows[k]) for k in ("level", "generation", "state")])
+        keys += zip(rows["point"], rows["level"])
+        mine = [r for r in range(size) if rows["generation"][r] == header["generation"]]
+        frontier += len(mine)
+        if content == "frontier":
+            check("all rows are frontier", size, len(mine))
+            check("no links", 0, len(rows.get("links", [])))
+            for p, todo in zip(rows["point"], rows["todo"]):
+                asked = [q for q in range(32) if todo >> q & 1]
+                check("directions inside", True, set(asked) <= set(directions(p)))
+                conversions += len(asked)
+            continue
+        check("no todo", 0, len(rows.get("todo", [])))
+        check("links", 26 * size, len(rows["links"]))
+        unsettled = set(mine)
+        for r, p in enumerate(rows["point"]):
+            links = rows["links"][26 * r : 26 * r + 26]
+            check("255 where a direction leaves the box", [q for q in range(26) if q not in directions(p)],
+                  [q for q in range(26) if links[q] == 255])
+            check("254 in the frontier alone", r in unsettled, 254 in links)
+            conversions += len(directions(p)) if r in unsettled else 0
+    check("rows ascend", True, ascending(keys))
+    check("all points are in the box", True, not keys or max(k[0] for k in keys) < points)
+    requests = content == "requests"
+    check("records", 0 if requests else len(keys), footer["records"])
+    check("requests", len(keys) if requests else 0, footer["requests"])
+    check("frontier", frontier, footer["frontier"])
+    check("conversions", conversions, footer["conversions"])
+    return content, footer, len(chunks), header["generation"]
+
+
+with open(sys.argv[1], "rb") as file:
+    model = tomllib.load(file)
+facts = {}
+for name in sys.argv[2:]:
+    with open(name, "rb") as file:
+        stored = file.read()
+    frames = shard.frames(stored)
+    raw = shard.split(shard.decompress(stored))
+    check("a message a frame", raw, [shard.decompress(f) for f in frames])
+    messages = shard.decode(stored)
+    sections = facts.setdefault(os.path.basename(name), [])
+    begin = 0
+    for i, message in enumerate(messages):
+        if "footer" in message:
+            sections.append(check_section(messages[begin : i + 1], raw[begin : i + 1], frames[begin : i + 1]))
+            begin = i + 1
+    check("ends with a footer", len(messages), begin)
+
+# What the shards say about each other.
+name = "all shards"
+one = {k: v[0] for k, v in facts.items()}
+check("kinds", ["grid", "requests", "frontier", "grid"], [s[0] for s in facts["concatenated"]])
+check("seeds", 8, one["seeds.grid"][1]["records"])
+middle, whole = one["middle.grid"], one["complete.grid"]
+check("generations", (0, 11, 11, 12), tuple(one[k][3] for k in ("seeds.grid", "middle.grid", "all.requests", "next.grid")))
+check("a request a conversion", middle[1]["conversions"], one["all.requests"][1]["requests"])
+check("a third", True, abs(one["part.requests"][1]["requests"] - middle[1]["conversions"] / 3) < 1)
+parts = [one["%d.frontier" % k][1]["conversions"] for k in (1, 2, 3)]
+check("frontier shards", one["next.grid"][1]["conversions"], sum(parts))
+check("equal parts", True, max(parts) - min(parts) <= 1)
+check("a complete grid has no frontier", (0, 0), (whole[1]["frontier"], whole[1]["conversions"]))
+check("levels", True, whole[1]["records"] > 40 * 22 * 20)
+check("several chunks were tried", True, whole[2] >= 2)
+check("empty sections", (0, 0), (one["empty.requests"][2], one["empty1.frontier"][2]))

@@ -1,0 +1,64 @@
+# What play does not take: one line on stderr, the exit code, and no log left behind.
+source "$(dirname "$0")/../lib.sh"
+seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
+echo '0 0 0' >path
+
+help='(see play --help)'
+expect 2 '' "play: grid is required $help" -- play
+expect 2 '' "play: --device is required $help" -- play grid
+expect 2 '' "play: --device: 'falcon' is not a device: path:FILE $help" -- play grid --device falcon
+expect 2 '' "play: --device: 'path:' is not a device: path:FILE $help" -- play grid --device path:
+expect 2 '' "play: the grid and the path cannot both be standard input $help" -- play - --device path:-
+for rate in 0 -1 nan 1e7 fast; do
+  expect 2 '' "play: --rate: '$rate' is not a rate from 0.001 to 1000000 Hz $help" \
+    -- play grid --device path:path --rate "$rate"
+done
+expect 2 '' "play: --max-force: '-1' is not a force from 0 to 1000000 N $help" \
+  -- play grid --device path:path --max-force -1
+expect 2 '' "play: --max-sub-steps: '0' is not a count from 1 to 65535 $help" \
+  -- play grid --device path:path --max-sub-steps 0
+
+# Paths.
+printf '0 0 0\n# comment\n0 over 0\n' >word
+expect 1 '' "play: word: line 3: 'over' is not a number" -- play grid --device path:word --log log
+expect 1 '' "play: standard input: line 3: 'over' is not a number" -- play grid --device path:- <word
+printf '0 0\n' >two
+expect 1 '' "play: two: line 1: the 3 numbers x y z are needed, found 2" -- play grid --device path:two
+printf '0 0 inf\n' >inf
+expect 1 '' "play: inf: line 1: 'inf' is not finite" -- play grid --device path:inf
+expect 1 '' "play: /dev/null: no position in it" -- play grid --device path:/dev/null
+expect 1 '' "play: none: No such file or directory" -- play grid --device path:none
+
+# Grids.
+expect 1 '' "play: none.grid: No such file or directory" -- play none.grid --device path:path
+seed "$ball" -o seeds
+expect 1 '' "play: seeds: 8 records are still in the frontier: finish the grid with expand --complete" \
+  -- play seeds --device path:path --log log
+head -c 1000 grid >cut
+refuses 'play: cut: .*' -- play cut --device path:path --log log
+
+# Models. The directory beside a copy of play has none.
+mkdir bin
+cp "$HAPGRID_BIN/play" bin/
+refuses "play: model hung-ball: no plug-in hung-ball.so in: $PWD/models .*" -- \
+  bin/play grid --device path:path
+puppets=$HAPGRID_BUILD/tests/plugins
+cat >puppet.toml <<'TOML'
+[model]
+plugin = "puppet"
+[grid]
+origin = [0, 0, 0]
+spacing = 0.5
+counts = [2, 2, 2]
+[search]
+max_levels = 1
+TOML
+seed puppet.toml --model-path "$puppets" | expand --complete --model-path "$puppets" -o puppet.grid
+expect 1 '' "play: model puppet: has no force function, forces cannot be computed" \
+  -- play puppet.grid --device path:path --model-path "$puppets" --log log
+
+# Logs. A file that was there stays as it was.
+expect 1 '' "play: nowhere/log: No such file or directory" \
+  -- play grid --device path:path --log nowhere/log
+expect 1 '' "play: /dev/full: No space left on device" -- play grid --device path:path --log /dev/full
+nothing_left . bin cut grid inf path puppet.grid puppet.toml seeds two word

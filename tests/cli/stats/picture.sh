@@ -1,0 +1,75 @@
+# Pictures: PNG files of the promised kind, whole or not at all.
+source "$(dirname "$0")/../lib.sh"
+command -v gnuplot >/dev/null || skip "gnuplot is not installed"
+
+# png_size FILE: signature, width and height as they stand in the file's header.
+png_size() {
+  local bytes
+  bytes=$(od -An -tx1 -v -N 24 "$1" | tr -d ' \n')
+  [[ ${bytes:0:32} == 89504e470d0a1a0a0000000d49484452 ]] || fail "$1 is no PNG"
+  # It ends with the chunk IEND: gnuplot has written all of it.
+  [[ $(tail -c 8 "$1" | od -An -tx1 | tr -d ' \n') == 49454e44ae426082 ]] || fail "$1 is cut off"
+  echo "$((16#${bytes:32:8})) x $((16#${bytes:40:8}))"
+}
+
+seed "$ball" -o seeds
+expand --complete seeds -o grid
+# 700 pixels for the longer side; margins of 110 + 245 and 75 + 80.
+expect 0 '' '' -- stats grid --slice z=0 --png z.png
+same "size" "1055 x 505" "$(png_size z.png)"
+expect 0 '' '' -- stats --slice x=-0.1 --png x.png <grid
+same "size" "1055 x 855" "$(png_size x.png)"
+stats grid --slice y=0.475 --png - >y.png
+same "size" "1055 x 505" "$(png_size y.png)"
+expect 0 '' '' -- stats seeds --slice z=0.475 --png seeds.png
+# Boxes of one plane or one row.
+seed "$ball" --set 'grid.counts=[1,1,30]' | expand --complete -o line
+for slice in x=-0.975 y=-0.475 z=0; do
+  expect 0 '' '' -- stats line --slice $slice --png line.png
+  png_size line.png >/dev/null
+done
+
+printf '# t\tx\ty\ts0\n0\t-1\t0\t0\n1\t0\t0\t0.5\n2\t0.5\t0\t0\n3\t-1\t0\t-0.5\n' >log
+expect 0 '' '' -- stats --log log --plot x,s0 --png log.png
+same "size" "1000 x 665" "$(png_size log.png)"
+expect 0 '' '' -- stats --log - --plot t,x --labels "it's time,\`id\` \"α\" / rad" --png two.png <log
+png_size two.png >/dev/null
+
+# Refused: no picture is left, and an old one stays as it was.
+mkdir empty
+refuses 'stats: slice z=0.6 is outside the box: z goes from -0.475 to 0.475' -- \
+  stats grid --slice z=0.6 --png empty/z.png
+printf '# t\tx\ty\ts0\n0\t-1\t0\tup\n' >word
+refuses "stats: word: line 2: column s0: 'up' is no finite number" -- \
+  stats --log word --plot x,s0 --png empty/log.png
+refuses "stats: log: line 1: no column 's1' in: t\?x\?y\?s0" -- \
+  stats --log log --plot x,s1 --png empty/log.png
+refuses 'stats: none: No such file or directory' -- \
+  stats --log none --plot x,s1 --png empty/log.png
+# A PATH without gnuplot, then with one that fails halfway.
+mkdir tools
+ln -s "$HAPGRID_BIN/stats" tools/
+refuses 'stats: gnuplot: not found: install gnuplot-nox' -- \
+  env PATH="$PWD/tools" stats grid --slice z=0 --png empty/z.png
+printf '#!/bin/sh\necho half a picture\nexec /bin/sh -c "echo; echo no fonts >&2; exit 1"\n' \
+  >tools/gnuplot
+chmod +x tools/gnuplot
+cp z.png old.png
+refuses 'stats: gnuplot: no fonts' -- env PATH="$PWD/tools" stats grid --slice x=0 --png old.png
+cmp z.png old.png
+refuses 'stats: gnuplot: no fonts' -- env PATH="$PWD/tools" stats grid --slice x=0 --png empty/x.png
+nothing_left empty
+
+see='\(see stats --help\)'
+needs="stats: --png needs --slice or --log, and each of them needs --png $see"
+expect 2 '' "~$needs" -- stats grid --slice z=0
+expect 2 '' "~$needs" -- stats grid --png z.png
+expect 2 '' "~stats: --log and --plot need each other $see" -- stats --log log --png z.png
+expect 2 '' "~stats: --log draws a log and reads no shard $see" -- \
+  stats grid --log log --plot x,s0 --png z.png
+for slice in w=0 z z= z=up z=nan z=0,5 'z =0'; do
+  expect 2 '' "~stats: --slice: '$slice' is not like z=0\.25 $see" -- \
+    stats grid --slice "$slice" --png z.png
+done
+expect 2 '' "~stats: --plot: 'x' is not two texts with a comma between $see" -- \
+  stats --log log --plot x --png z.png

@@ -1,0 +1,87 @@
+# The report, single values of it, and the sums of --reports.
+source "$(dirname "$0")/../lib.sh"
+
+# 4 x 3 x 2 points far left of where the ball hangs: one level each, and every link leads back.
+seed "$ball" --set 'grid.counts=[4,3,2]' --set 'grid.origin=[-0.9,0.0,0.0]' -o seeds
+expand --complete seeds -o grid
+bytes=$(stat -c %s grid)
+
+# In-box directions: (3 * 4 - 2) (3 * 3 - 2) (3 * 2 - 2) - 24 = 256.
+per_record=$(awk -v b="$bytes" 'BEGIN { printf "%.2f", b / 24 }')
+megabytes=$(awk -v b="$bytes" 'BEGIN { printf "%.3f", b / 1e6 }')
+report="model        hung-ball
+parameter    max_force = 3.0
+parameter    radius = 0.1
+parameter    tolerance = 1e-06
+parameter    weight = 1.0
+box          4 x 3 x 2 points, 0.05 apart, from (-0.9, 0, 0) to (-0.75, 0.1, 0.05)
+state        1 component, tolerance 1e-06 rad
+points       24, of these 24 reached (100.00 %)
+records      24 in 2 generations
+frontier     0 records (complete)
+levels       1: 24 (levels: points that have so many; at most 8)
+irreversible 0.00 % of 256 links (there and back does not return to the level)
+conversions  256 that this grid needed
+size         $bytes bytes, $per_record a record
+
+model      avg. levels  data size  CPU hours
+hung-ball        1.000   $megabytes MB          -
+(average levels: records per point that has a level; data size: the shards as stored, in
+10^6 bytes; CPU hours: the sum of --reports)"
+expect 0 "$report" '' -- stats grid
+expect 0 "$report" '' -- stats <grid
+expect 0 "$report" '' -- stats - <grid
+expect 0 '' '' -- stats grid -o report
+same "the report in a file" "$report" "$(cat report)"
+
+# Single values; those from the footers agree with those from the whole report.
+for pair in points=24 records=24 frontier=0 generation=2 generations=2 average_levels=1.0 \
+  levels_histogram='[0,24]' conversions=256 irreversible_share=0.0 bytes="$bytes" model=hung-ball \
+  parameters.radius=0.1 box.spacing=0.05 box.counts='[4,3,2]' cpu_hours=null; do
+  expect 0 "${pair#*=}" '' -- stats grid --get "${pair%%=*}"
+done
+stats grid --format json >json
+for key in records frontier generation; do
+  grep -qx "  \"$key\": $(stats grid --get $key)," json || fail "$key in the JSON report"
+done
+
+# An incomplete grid: 8 corners that were never expanded.
+expect 0 8 '' -- stats seeds --get frontier
+expect 0 0 '' -- stats seeds --get generation
+expect 0 0 '' -- stats seeds --get conversions
+expect 0 1.0 '' -- stats seeds --get average_levels
+expect 0 0.3333333333333333 '' -- stats seeds --get share_reached
+expect 0 null '' -- stats seeds --get irreversible_share
+
+# Reports of the tools, and such that are none.
+expand seeds --part 1/2 --report r1 -o q1
+expand seeds --part 2/2 --report r2 -o q2
+merge seeds q1 q2 --report r2 -o second
+expect 0 3 '' -- stats second --get reports.lines --reports r1 r2
+expect 0 "$(stats second --get conversions)" '' -- \
+  stats second --get reports.conversions --reports r1 r2
+echo '{"cpu_seconds": 7200, "conversions": 5}' >hours
+expect 0 2.0 '' -- stats --get cpu_hours --reports hours -- grid
+stats grid --reports hours | grep -qx 'hung-ball        1.000   [0-9.]* MB        2.0' ||
+  fail "CPU hours in the table"
+echo '{"cpu_seconds": 1' >>hours
+refuses 'stats: hours: line 2: no JSON object' -- stats grid --reports r1 hours
+refuses 'stats: missing: No such file or directory' -- stats grid --reports missing
+
+# What is refused.
+refuses 'stats: --get: this grid has no value parameters.mass' -- stats grid --get parameters.mass
+refuses 'stats: none: No such file or directory' -- stats none
+head -c 300 grid >cut
+refuses 'stats: cut: .*' -- stats cut
+refuses 'stats: cut: .*' -- stats cut --get frontier
+refuses 'stats: q1: .*' -- stats q1
+refuses 'stats: q1: .*' -- stats q1 --get records
+see='\(see stats --help\)'
+expect 2 '' "~stats: --get: no value mass \(there are: model, .*, reports\) $see" -- \
+  stats grid --get mass
+expect 2 '' "~stats: --get, --dump, --slice and --log exclude each other $see" -- \
+  stats grid --dump --get records
+expect 2 '' "~stats: standard input can be read only once $see" -- stats - - <grid
+expect 2 '' "~stats: --format: xml not in .*$see" -- stats grid --format xml
+refuses 'stats: .*No space left on device' -- stats grid -o /dev/full
+refuses 'stats: .*No space left on device' -- bash -c 'stats grid --dump >/dev/full'

@@ -1,0 +1,20 @@
+// A plug-in that passes for the hung ball, but whose ball follows no HIP: who verifies a grid with
+// it hears that the model has changed.
+#include <cmath>
+#include <stdexcept>
+
+#include "libcore/model/plugin.hpp"
+
+class ChangedBall {
+ public:
+  explicit ChangedBall(hapgrid::PluginParameters&) {}
+  hapgrid_model_info info() const { return {1, 1.0, 1e-6, "rad", 0}; }
+  std::vector<double> known_states(const double*) const { return {0.0}; }
+  void convert(const double* s, const double* x, const double* d, double* result) {
+    if (x[0] + d[0] > -0.76) throw std::runtime_error("the rope is torn");
+    *result = d[2] > 0 ? 0.25 : *s;
+  }
+  bool equal(const double* a, const double* b) const { return std::abs(*a - *b) <= 1e-6; }
+};
+
+HAPGRID_MODEL_PLUGIN(ChangedBall, "a hung ball that has changed")

@@ -1,0 +1,106 @@
+# Verdicts on grids that are complete, incomplete, and faulty, and what verify cannot read.
+source "$(dirname "$0")/../lib.sh"
+
+seed "$ball" --set 'grid.counts=[4,3,2]' --set 'grid.origin=[-0.9,0.0,0.0]' -o seeds
+expand --complete seeds -o grid
+
+# In-box directions: (3 * 4 - 2) (3 * 3 - 2) (3 * 2 - 2) - 24 = 256; cells: 3 * 2 * 1.
+fine='hung-ball: 4 x 3 x 2 points, 24 records, generation 2
+
+check        counted                  offenders  verdict
+complete          24 records                  0  ok
+coverage          24 points                   0  ok
+links            624 directions               0  ok
+finite            24 records                  0  ok
+distinct           0 pairs of levels          0  ok
+reachable         24 records                  0  ok
+generations       24 records                  0  ok
+fidelity         256 conversions              0  ok
+blends             6 cells                    0  note'
+expect 0 "$fine" 'verify: fine: 8 checks' -- verify grid
+expect 0 "$fine" 'verify: fine: 8 checks' -- verify <grid
+expect 0 "$fine" 'verify: fine: 8 checks' -- verify grid --recompute all -j 3
+expect 0 '' 'verify: fine: 8 checks' -- verify grid -o report
+same "the report in a file" "$fine" "$(cat report)"
+expect 0 "$(grep -v ^fidelity report)" 'verify: fine: 7 checks' -- verify grid --recompute none
+
+# The whole ball, all of it evaluated again; a sample is the same each time, with any -j.
+seed "$ball" | expand --complete -o ball.grid
+verify ball.grid --recompute all -j 2 >all 2>err
+same "verdict" 'verify: fine: 8 checks' "$(cat err)"
+same "conversions" "$(stats ball.grid --get conversions)" "$(awk '$1 == "fidelity" { print $2 }' all)"
+verify ball.grid --recompute 37 --sample-seed 5 --format json >one 2>err
+verify ball.grid --recompute 37 --sample-seed 5 --format json -j 2 2>err | cmp - one
+
+# Incomplete: an answer, not a failure.
+expect 3 'hung-ball: 4 x 3 x 2 points, 8 records, generation 0
+
+check        counted                  offenders  verdict
+complete           8 records                  8  broken
+coverage          24 points                  16  broken
+links            208 directions               0  ok
+finite             8 records                  0  ok
+distinct           0 pairs of levels          0  ok
+reachable          8 records                  0  ok
+generations        8 records                  0  ok
+fidelity           0 conversions              0  ok
+blends             6 cells                    0  note
+
+complete: records that no expand has looked at (the frontier)
+  point 0 (0, 0, 0) level 0
+  point 3 (3, 0, 0) level 0
+  point 8 (0, 2, 0) level 0
+  point 11 (3, 2, 0) level 0
+  point 12 (0, 0, 1) level 0
+  and 3 more
+
+coverage: points without a level
+  point 1 (1, 0, 0)
+  point 2 (2, 0, 0)
+  point 4 (0, 1, 0)
+  point 5 (1, 1, 0)
+  point 6 (2, 1, 0)
+  and 11 more' 'verify: broken: complete (8 of 8), coverage (16 of 24)' -- verify seeds
+
+# A model that has changed since: fidelity finds it, and nothing else can. It fails on the way to
+# the last plane of x, 28 times from the plane before and 28 - 6 within; of the others with d3 > 0
+# (8 pairs of planes along x, 7 along y, 1 along z) it answers 0.25.
+mkdir changed
+"${CXX:-c++}" -std=c++20 -shared -fPIC -I"$HAPGRID_SOURCE" -o changed/hung-ball.so \
+  "$HAPGRID_SOURCE/tests/cli/verify/changed_ball.cpp"
+changed=${fine/'256 conversions              0  ok'/'256 conversions            106  broken'}
+expect 3 "$changed
+
+fidelity: links to a state that C, evaluated again, does not reach
+  point 0 (0, 0, 0) level 0 direction 21 (0, 0, 1): C gives 0.25, stored at level 0 is 0
+  point 0 (0, 0, 0) level 0 direction 22 (1, 0, 1): C gives 0.25, stored at level 0 is 0
+  point 0 (0, 0, 0) level 0 direction 24 (0, 1, 1): C gives 0.25, stored at level 0 is 0
+  point 0 (0, 0, 0) level 0 direction 25 (1, 1, 1): C gives 0.25, stored at level 0 is 0
+  point 1 (1, 0, 0) level 0 direction 20 (-1, 0, 1): C gives 0.25, stored at level 0 is 0
+  and 101 more" 'verify: broken: fidelity (106 of 256)' -- verify grid --model-path changed
+verify grid --model-path changed --recompute all --format json >found 2>err || code=$?
+same "exit code" 3 "${code:-0}"
+grep -q '"fine": false' found || fail "JSON verdict"
+HAPGRID_MODEL_PATH=changed verify grid -j 2 >found 2>err || true
+same "the same with HAPGRID_MODEL_PATH and two threads" 'verify: broken: fidelity (106 of 256)' \
+  "$(cat err)"
+
+# What cannot be read or evaluated is no verdict.
+refuses 'verify: none: No such file or directory' -- verify none
+head -c 300 grid >cut
+refuses 'verify: cut: .*' -- verify cut
+refuses 'verify: standard input: .*' -- verify </dev/null
+expand seeds -o requests
+refuses 'verify: requests: .*' -- verify requests
+mkdir -p elsewhere moved/bin
+cp "$HAPGRID_BIN/verify" moved/bin/
+refuses 'verify: model hung-ball: no plug-in hung-ball.so in: elsewhere, .*/moved/models .*' -- \
+  moved/bin/verify grid --model-path elsewhere
+refuses 'verify: .*No space left on device' -- verify grid -o /dev/full
+
+see='\(see verify --help\)'
+for count in some -1 1.5 ''; do
+  expect 2 '' "~verify: --recompute: .*$see" -- verify grid --recompute "$count"
+done
+expect 2 '' "~verify: standard input can be read only once $see" -- verify - -
+expect 2 '' "~verify: -j: .*|verify: --threads: .*" -- verify grid -j 0

@@ -1,0 +1,85 @@
+#!/bin/bash
+# The rules of house-style.md that no compiler checks: which folder of libcore may include which,
+# who may use capnp and zstd, and that libcore never prints or exits. Run with a directory, it looks
+# at that one instead.
+set -euo pipefail
+cd "${1:-${HAPGRID_SOURCE:-$(dirname "$0")/..}}"
+
+# What a folder may include besides itself.
+declare -A allowed=(
+  [base]=""
+  [grid]="base"
+  [model]="base grid"
+  [shard]="base grid"
+  [search]="base grid model shard"
+  [check]="base grid model shard"
+  [haptic]="base grid model"
+  [device]="base grid"  # beyond house-style.md: a device's positions are grid's Vec3
+  [scene]="base grid"
+)
+
+bad=0
+complain() {
+  echo "$1" >&2
+  bad=1
+}
+
+sources() { find "$@" -name '*.[hc]pp' -o -name '*.[hc]' | sort; }
+
+for file in $(sources libcore); do
+  folder=${file#libcore/}
+  folder=${folder%%/*}
+  [[ -v allowed[$folder] ]] || complain "$file: folder $folder is not in $0"
+  while read -r include; do
+    path=${include#*[<\"]}
+    path=${path%%[>\"]*}
+    case $path in
+      libcore/*)
+        [[ -e $path ]] || complain "$file: includes $path, which is not there"
+        to=${path#libcore/}
+        to=${to%%/*}
+        [[ $to == "$folder" || " ${allowed[$folder]} " == *" $to "* ]] ||
+          complain "$file: $folder must not include $to ($path)"
+        ;;
+      capnp/* | kj/* | *.capnp.h | zstd*.h | xxh*.h | xxhash.h)
+        [[ $folder == shard ]] || complain "$file: only shard/ uses $path"
+        ;;
+      hidapi*)
+        [[ $folder == device ]] || complain "$file: only device/ uses $path"
+        ;;
+      iostream | cstdio | stdio.h | print | syncstream)
+        # plugin.hpp is compiled into plug-ins, and snprintf() is no printing.
+        [[ $file == libcore/model/plugin.hpp ]] || complain "$file: libcore never prints ($path)"
+        ;;
+      tools/* | tests/* | examples/*)
+        complain "$file: libcore stands below $path"
+        ;;
+      */*)
+        ;;
+      *)
+        # Ours carry the full path.
+        [[ $include == *\"* && $path != *.capnp.h ]] && complain "$file: includes \"$path\" without its path"
+        ;;
+    esac
+  done < <(grep -hE '^[[:space:]]*#[[:space:]]*include' "$file" || true)
+  # A source includes its own header first.
+  if [[ $file == *.cpp && -e ${file%.cpp}.hpp ]]; then
+    first=$(grep -m1 '^#include' "$file")
+    [[ $first == "#include \"${file%.cpp}.hpp\"" ]] || complain "$file: its own header is not first"
+  fi
+  [[ $file != *.hpp ]] || grep -q '^#pragma once' "$file" || complain "$file: no #pragma once"
+  # Comments aside; std::exit, exit(, _exit(, abort(, quick_exit(, and printing.
+  if sed -E 's://.*$::; s:/\*.*\*/::; /^[[:space:]]*\*/d' "$file" |
+    grep -nE '(^|[^[:alnum:]_>.])(std::)?(_?exit|_Exit|quick_exit|abort|terminate|v?f?printf|puts|fputs|perror)[[:space:]]*\(|std::(cout|cerr|clog)' >&2; then
+    complain "$file: libcore never prints nor exits"
+  fi
+done
+
+# haptic, device and model meet only in tools/play.cpp.
+for file in $(sources tools); do
+  folders=$(sed -nE 's:^#include "libcore/(haptic|device|model)/.*:\1:p' "$file" | sort -u | wc -l)
+  if ((folders == 3)) && [[ $file != tools/play.cpp ]]; then
+    complain "$file: haptic, device and model meet only in tools/play.cpp"
+  fi
+done
+exit $bad

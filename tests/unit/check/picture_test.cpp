@@ -1,0 +1,102 @@
+// What the pictures of stats are drawn from.
+#include <catch2/catch.hpp>
+#include <sstream>
+
+#include "libcore/base/error.hpp"
+#include "libcore/check/motion_log.hpp"
+#include "libcore/check/slice.hpp"
+#include "tests/unit/check/tiny_grid.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+std::vector<XY> read(const std::string& text) {
+  std::istringstream log(text);
+  return read_log(log, "p.log", "x", "s0");
+}
+
+using Lines = std::vector<std::vector<XY>>;
+
+}  // namespace
+
+TEST_CASE("a slice has the levels of each point of the nearest plane") {
+  const Grid grid = tiny::grid();  // planes x = 0.5, 0.75, 1, 1.25
+  const Slice z = slice_levels(grid, 2, 0);
+  CHECK(z.levels == std::vector<RecordIndex>{1, 2, 2, 1});
+  CHECK((z.u == 0 && z.v == 1));
+  const Slice x = slice_levels(grid, 0, 0.76);
+  CHECK(x.levels == std::vector<RecordIndex>{2});
+  CHECK(x.coordinate == 0.75);
+  CHECK((x.u == 1 && x.v == 2));
+  CHECK(slice_levels(grid, 0, 0.875).coordinate == 0.75);  // the lower of two
+  CHECK(slice_levels(grid, 0, 1.25).coordinate == 1.25);
+  const Slice y = slice_levels(grid, 1, 0);
+  CHECK((y.u == 0 && y.v == 2));
+}
+
+TEST_CASE("a slice runs through the right points of a box with three sides") {
+  GridSpec spec = tiny::spec();
+  spec.box = {{0, 0, 0}, 1, {2, 3, 4}};
+  RecordColumns records;  // one level at (1, 2, 3) and (0, 1, 2), two at (1, 0, 2)
+  for (const GridCoordinates c : {GridCoordinates{1, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 2, 3}}) {
+    const PointIndex p = spec.box.index(c);
+    const bool again = !records.point.empty() && records.point.back() == p;
+    tiny::add(records, p, again ? 1 : 0, 0, again, 0, 0);
+  }
+  const Grid grid(spec, 0, records);
+  CHECK(slice_levels(grid, 2, 2).levels == std::vector<RecordIndex>{0, 2, 1, 0, 0, 0});
+  CHECK(slice_levels(grid, 1, 0).levels == std::vector<RecordIndex>{0, 0, 0, 0, 0, 2, 0, 0});
+  CHECK(slice_levels(grid, 0, 1).levels ==
+        std::vector<RecordIndex>{0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1});
+}
+
+TEST_CASE("a slice outside the box is refused") {
+  const Grid grid = tiny::grid();
+  CHECK_THROWS_WITH(slice_levels(grid, 0, 1.4),
+                    "slice x=1.4 is outside the box: x goes from 0.5 to 1.25");
+  CHECK_THROWS_AS(slice_levels(grid, 0, 0.49), Error);
+  CHECK_THROWS_AS(slice_levels(grid, 2, 0.1), Error);
+}
+
+TEST_CASE("columns of a log are found by name") {
+  const std::vector<XY> expected{{1, 3}, {-1.5, 4e-3}};
+  CHECK(read("# t\tx\ty\ts0\n0\t1\t2\t3\n0.1\t-1.5\t2\t4e-3\n") == expected);
+  CHECK(read("#t\ts0\tx\n0\t3\t1\n0\t4e-3\t-1.5") == expected);
+}
+
+TEST_CASE("a malformed log is named with its line") {
+  CHECK_THROWS_WITH(read(""),
+                    "p.log: line 1: no '#' and names of columns, as play --log writes them");
+  CHECK_THROWS_WITH(read("0\t1\n"),
+                    "p.log: line 1: no '#' and names of columns, as play --log writes them");
+  CHECK_THROWS_WITH(read("# t\tx\n"), "p.log: line 1: no column 's0' in: t?x");
+  CHECK_THROWS_WITH(read("# x\ts0\n"), "p.log: line 1: no ticks after the names of the columns");
+  CHECK_THROWS_WITH(read("# x\ts0\n1\t2\n1\n"), "p.log: line 3: 1 columns instead of 2");
+  CHECK_THROWS_WITH(read("# x\ts0\n1\t2\t3\n"), "p.log: line 2: 3 columns instead of 2");
+  CHECK_THROWS_WITH(read("# x\ts0\n1\tword\n"),
+                    "p.log: line 2: column s0: 'word' is no finite number");
+  CHECK_THROWS_WITH(read("# x\ts0\n1,5\t1\n"),
+                    "p.log: line 2: column x: '1,5' is no finite number");
+  CHECK_THROWS_AS(read("# x\ts0\nnan\t1\n"), Error);
+  CHECK_THROWS_AS(read("# x\ts0\n\t1\n"), Error);
+}
+
+TEST_CASE("motion is split where x turns") {
+  const std::vector<XY> there{{0, 0}, {1, 1}};
+  const std::vector<XY> back{{1, 1}, {0, 2}};
+  const auto motion = split_motion({{0, 0}, {1, 1}, {0, 2}});
+  CHECK(motion.there == Lines{there});
+  CHECK(motion.back == Lines{back});
+  SECTION("a step straight up keeps the direction") {
+    const auto up = split_motion({{0, 0}, {1, 1}, {1, 5}, {0, 2}});
+    CHECK(up.there == Lines{{{0, 0}, {1, 1}, {1, 5}}});
+    CHECK(up.back == Lines{{{1, 5}, {0, 2}}});
+  }
+  SECTION("a rest at the beginning goes to the first motion") {
+    const auto rest = split_motion({{1, 0}, {1, 1}, {0, 1}});
+    CHECK(rest.there.empty());
+    CHECK(rest.back == Lines{{{1, 0}, {1, 1}, {0, 1}}});
+  }
+  SECTION("one tick is a point") { CHECK(split_motion({{1, 2}}).there == Lines{{{1, 2}}}); }
+}

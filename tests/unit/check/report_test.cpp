@@ -1,0 +1,70 @@
+#include "libcore/check/report.hpp"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/unit/check/tiny_grid.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+std::vector<Check> checks() {
+  Check fine{"finite", "records", "states that are not", {}};
+  fine.found.counted = 6;
+  Check bad{"links", "directions", "levels that cannot be", {}};
+  bad.found.counted = 156;
+  for (int i = 0; i < 7; ++i) bad.found.offend([&] { return "offender " + std::to_string(i); });
+  Check note{"blends", "cells", "mixed cells", {}, true};
+  note.found.counted = 3;
+  note.found.offend([] { return "cell"; });
+  return {fine, bad, note};
+}
+
+}  // namespace
+
+TEST_CASE("the report as text") {
+  CHECK(report_text(tiny::grid(), checks()) ==
+        "tiny: 4 x 1 x 1 points, 6 records, generation 3\n"
+        "\n"
+        "check   counted             offenders  verdict\n"
+        "finite        6 records             0  ok\n"
+        "links       156 directions          7  broken\n"
+        "blends        3 cells               1  note\n"
+        "\n"
+        "links: levels that cannot be\n"
+        "  offender 0\n"
+        "  offender 1\n"
+        "  offender 2\n"
+        "  offender 3\n"
+        "  offender 4\n"
+        "  and 2 more\n"
+        "\n"
+        "blends: mixed cells\n"
+        "  cell\n");
+}
+
+TEST_CASE("the verdict names what is broken, and notes are no faults") {
+  auto rows = checks();
+  CHECK_FALSE(is_fine(rows));
+  CHECK(verdict_line(rows) == "broken: links (7 of 156)");
+  rows.erase(rows.begin() + 1);
+  CHECK(is_fine(rows));
+  CHECK(verdict_line(rows) == "fine: 1 checks");
+}
+
+TEST_CASE("the report as JSON, also when the shard's strings are no UTF-8") {
+  GridSpec spec = tiny::spec();
+  spec.model = "bad\xff";
+  const Grid grid(spec, tiny::kGeneration, tiny::records());
+  const auto json = nlohmann::json::parse(report_json(grid, checks()));
+  CHECK(json["fine"] == false);
+  CHECK(json["counts"] == std::vector<int>{4, 1, 1});
+  CHECK(json["records"] == 6);
+  CHECK(json["checks"].size() == 3);
+  CHECK(json["checks"][1]["name"] == "links");
+  CHECK(json["checks"][1]["verdict"] == "broken");
+  CHECK(json["checks"][1]["offenders"] == 7);
+  CHECK(json["checks"][1]["first"].size() == 5);
+  CHECK(report_text(grid, {}).substr(0, 5) == "bad?:");
+}

@@ -1,0 +1,56 @@
+// Grids with random states and random links, for tests of whatever walks over grids.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "libcore/grid/grid.hpp"
+
+namespace hapgrid::testing {
+
+/// A complete grid: each point has 1 .. `levels` levels, each with a random state in [-1, 1)^n and
+/// links to random levels that exist. Generation 0, written by round 1: no frontier.
+inline RecordColumns random_columns(const Box& box, std::uint32_t n, unsigned levels,
+                                    std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const Neighbourhood around(box);
+  std::vector<unsigned> count(box.points());
+  for (unsigned& c : count) c = 1 + static_cast<unsigned>(random() % levels);
+  RecordColumns columns;
+  for (PointIndex p = 0; p < box.points(); ++p) {
+    const DirectionMask inside = around.inside(p);
+    for (unsigned l = 0; l < count[p]; ++l) {
+      columns.point.push_back(p);
+      columns.level.push_back(static_cast<Level>(l));
+      columns.generation.push_back(0);
+      for (std::uint32_t i = 0; i < n; ++i)
+        columns.state.push_back(static_cast<double>(random() >> 11) * 0x1p-52 - 1);
+      for (int q = 0; q < kDirections; ++q)
+        columns.links.push_back(
+            inside >> q & 1 ? static_cast<Level>(
+                                  random() % count[static_cast<std::size_t>(p + around.offset(q))])
+                            : kLeavesBox);
+    }
+  }
+  return columns;
+}
+
+inline GridSpec spec_for(const Box& box, std::uint32_t n) {
+  GridSpec spec;
+  spec.box = box;
+  spec.state_size = n;
+  return spec;
+}
+
+inline Grid random_grid(const Box& box, std::uint32_t n, unsigned levels, std::uint64_t seed) {
+  return Grid(spec_for(box, n), 1, random_columns(box, n, levels, seed));
+}
+
+/// A number in [low, high).
+inline double uniform(std::mt19937_64& random, double low, double high) {
+  return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
+}
+
+}  // namespace hapgrid::testing

@@ -1,0 +1,183 @@
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "tests/unit/hung_ball/reference.hpp"
+
+using namespace hapgrid;
+using namespace hung_ball;
+
+namespace {
+
+double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+constexpr double kWeight = 2.5;
+constexpr double kMaxForce = 4;
+
+Model heavy() { return make({{"weight", kWeight}, {"max_force", kMaxForce}}); }
+
+}  // namespace
+
+TEST_CASE("a HIP that pushes the ball to the right feels it to the left") {
+  const Model model = make();
+  const double alpha = static_cast<double>(alpha_1(0, kRadius));
+  const double mirrored = -alpha;
+  const Vec3 f = model.force({0, 0, 0}, &alpha);
+  CHECK(f[0] < 0);
+  CHECK(f[1] == 0);
+  // The ball is higher than the HIP and rests on it.
+  CHECK(f[2] < 0);
+  const Vec3 g = model.force({0, 0, 0}, &mirrored);
+  CHECK(g[0] == -f[0]);
+  CHECK(g[2] == f[2]);
+  const double rest = 0;
+  CHECK(model.force({-0.2, 0, 0}, &rest) == Vec3{0, 0, 0});
+  CHECK(model.force({0, 0, 0}, &rest) == Vec3{0, 0, 0});
+}
+
+TEST_CASE("the work that the HIP does is what the ball gains in height") {
+  const Model model = heavy();
+  // Along the branch, from the contact to near where the bound begins, the work of -Fx is held
+  // between the sum at midpoints and that of trapezoids: where -Fx is convex the former is below
+  // the integral and the latter above, where it is concave the other way round. In the two panels
+  // at an inflection -Fx rises or falls, and the integral is off by no more than that. The ball is
+  // highest at x = 0.6, above the HIP; from there on -Fx is negative.
+  const int samples = 20000;
+  const double from = -2 * kRadius;
+  const double to = 0.62;
+  const double h = (to - from) / samples;
+  const auto pushing = [&](double x) {
+    const double alpha = static_cast<double>(alpha_1(x, kRadius));
+    const Vec3 f = model.force({x, 0, 0}, &alpha);
+    REQUIRE(norm(f) < kMaxForce);
+    return -f[0];
+  };
+  double below = 0;
+  double above = 0;
+  int inflections = 0;
+  bool was_convex = false;
+  double last = pushing(from);
+  for (int i = 0; i < samples; ++i) {
+    const double middle = pushing(from + h * (i + 0.5));
+    const double next = pushing(from + h * (i + 1));
+    const bool convex = (last + next) / 2 > middle;
+    if (i > 0 && convex != was_convex) {
+      ++inflections;
+      REQUIRE((last < middle) == (middle < next));
+      below -= 2 * h * std::abs(next - last);
+      above += 2 * h * std::abs(next - last);
+    }
+    was_convex = convex;
+    below += h * std::min(middle, (last + next) / 2);
+    above += h * std::max(middle, (last + next) / 2);
+    last = next;
+  }
+  CHECK(inflections <= 2);
+  CHECK(last < 0);
+  const double gained = kWeight * (1 - std::cos(static_cast<double>(alpha_1(to, kRadius)))) -
+                        kWeight * (1 - std::cos(static_cast<double>(alpha_1(from, kRadius))));
+  // The rounding of a sum of `samples` terms.
+  const double rounding = samples * kU * kMaxForce;
+  CHECK(below - rounding <= gained);
+  CHECK(gained <= above + rounding);
+  CHECK(above - below < 1e-7);
+}
+
+TEST_CASE("in 3D the force is the slope of the ball's height") {
+  Model model = heavy();
+  int tested = 0;
+  walk(model, kRadius, 7, 50000, 0.1, [&](double alpha, const Vec3& x, const Vec3& d) {
+    const Vec3 p = sum(x, d);
+    const double reached = convert(model, alpha, x, d);
+    const auto a = arc(p, kRadius);
+    // Away from the first contact and the tear-off, so that the whole stencil is on the branch.
+    if (reached == 0 || std::abs(reached) < 0.01 || a->delta < 0.05L) return;
+    const Vec3 f = model.force(p, &reached);
+    if (norm(f) > 0.999 * kMaxForce) return;
+    ++tested;
+    const auto height = [&](Vec3 q, int axis, double shift) {
+      q[axis] += shift;
+      const Arc there = *arc(q, kRadius);
+      const Real angle = reached > 0 ? there.phi + there.delta : there.phi - there.delta;
+      return static_cast<Real>(kWeight) * (1 - std::cos(angle));
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto slope = [&](double h) {
+        return (height(p, axis, h) - height(p, axis, -h)) / (2 * h);
+      };
+      // Central differences: halving h leaves a quarter of the error, so that the change is three
+      // times what is left; shifts by powers of 2 round q by up to u, times a slope of 4 / 2h.
+      const double coarse = static_cast<double>(slope(0x1p-13));
+      const double fine = static_cast<double>(slope(0x1p-14));
+      INFO("α " << reached << " p " << p[0] << ' ' << p[1] << ' ' << p[2] << " axis " << axis);
+      CHECK(std::abs(-f[axis] - fine) <= std::abs(fine - coarse) + 16 * kU / 0x1p-14);
+    }
+  });
+  CHECK(tested > 1000);
+}
+
+TEST_CASE("the force is finite and bounded, whatever the state; it is 0 at rest only") {
+  Model model = heavy();
+  walk(model, kRadius, 8, 20000, model.info().d_max,
+       [&](double alpha, const Vec3& x, const Vec3& d) {
+         const Vec3 p = sum(x, d);
+         const double reached = convert(model, alpha, x, d);
+         const Vec3 f = model.force(p, &reached);
+         const double size = norm(f);
+         CHECK(size <= kMaxForce * (1 + 4 * kU));
+         CHECK((size == 0) == (reached == 0));
+         // It points from the ball to the HIP.
+         const Vec3 u{std::sin(reached) - p[0], -p[1], 1 - std::cos(reached) - p[2]};
+         if (size > 0) CHECK(dot(f, u) == Approx(-size * norm(u)).epsilon(1e-12));
+       });
+
+  Random random(9);
+  const double nan = std::nan("");
+  const double inf = std::numeric_limits<double>::infinity();
+  std::vector<double> states{nan, inf, -inf, 1e300, -1e300, 5e-324, 0, 3.2, -3.2};
+  for (int i = 0; i < 1000; ++i) states.push_back(random.between(-10, 10));
+  for (const double state : states) {
+    std::vector<Vec3> places{{0, 0, 0},     {std::sin(state), 0, 1 - std::cos(state)},
+                             {1e200, 0, 0}, {nan, 0, 0},
+                             {0, inf, 0},   {0, 0, 1}};
+    for (int i = 0; i < 100; ++i) places.push_back(random.point());
+    for (const Vec3& p : places) {
+      const double size = norm(model.force(p, &state));
+      CHECK(size <= kMaxForce * (1 + 4 * kU));
+    }
+  }
+}
+
+TEST_CASE("near the tear-off the force is the bound, along the line of centres") {
+  Model model = heavy();
+  const double x = 2 * std::sqrt(kRadius * (kRadius + 1)) - 1e-9;
+  const double alpha = static_cast<double>(alpha_1(x, kRadius));
+  CHECK(norm(model.force({x, 0, 0}, &alpha)) == Approx(kMaxForce).epsilon(1e-14));
+}
+
+TEST_CASE("the shape is the ball where the state has it, and its rope") {
+  const Model model = make();
+  REQUIRE(model.info().spheres == 10);
+  std::vector<hapgrid_sphere> spheres(10);
+  for (const double alpha : {0.0, 0.3, -0.7, 2.0}) {
+    model.shape(&alpha, spheres);
+    // float has 2^-24; all coordinates are below 2.
+    const double bound = 2 * 0x1p-24;
+    CHECK(std::abs(spheres[0].centre[0] - std::sin(alpha)) <= bound);
+    CHECK(spheres[0].centre[1] == 0);
+    CHECK(std::abs(spheres[0].centre[2] - (1 - std::cos(alpha))) <= bound);
+    CHECK(spheres[0].radius == 0.1F);
+    CHECK(spheres[1].centre[0] == 0);
+    CHECK(spheres[1].centre[2] == 1);
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      for (const float c : spheres[i].colour) CHECK((c >= 0 && c <= 1));
+      if (i == 0) continue;
+      // The beads are between the hinge and the ball, on the rope.
+      const double x = spheres[i].centre[0];
+      const double w = 1 - spheres[i].centre[2];
+      CHECK(std::abs(x * std::cos(alpha) - w * std::sin(alpha)) <= 2 * bound);
+      CHECK(std::hypot(x, w) < 1);
+      CHECK(spheres[i].radius < spheres[0].radius);
+    }
+  }
+}

@@ -1,0 +1,4 @@
+/* A shared object, but no plug-in. */
+int hapgrid_model_plug(void);
+
+int hapgrid_model_plug(void) { return 0; }

@@ -1,0 +1,375 @@
+// The search against the paper's Algorithm 1, written down line by line in reference.hpp.
+#include <fcntl.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <functional>
+#include <random>
+
+#include "libcore/base/error.hpp"
+#include "libcore/search/complete.hpp"
+#include "libcore/search/expand.hpp"
+#include "libcore/search/merge.hpp"
+#include "libcore/search/seed.hpp"
+#include "libcore/shard/load.hpp"
+#include "tests/unit/search/reference.hpp"
+#include "tests/unit/temporary.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+const Plugin& toy_plugin() {
+  static const Plugin plugin("toy", {std::string(HAPGRID_BUILD_DIR) + "/tests/plugins"});
+  return plugin;
+}
+
+using Random = std::mt19937_64;
+
+int draw(Random& random, int least, int most) {
+  return std::uniform_int_distribution<int>(least, most)(random);
+}
+
+/// A random model, box and seeds, twice: for libcore and for the reference.
+struct Case {
+  Definition definition;
+  toy::Toy toy;
+  reference::Grid grid;
+  std::vector<std::pair<std::array<int, 3>, std::vector<std::vector<double>>>> seeds;
+
+  explicit Case(Random& random, int max_count = 6) {
+    toy.state_size = draw(random, 0, 3) ? 2 : static_cast<std::uint32_t>(draw(random, 1, 5));
+    toy.salt = static_cast<std::uint64_t>(draw(random, 0, 1 << 30));
+    toy.amplitude = std::array{0.05, 0.3, 1.0}[static_cast<std::size_t>(draw(random, 0, 2))];
+    toy.tolerance = std::array{0.2, 0.35, 0.5}[static_cast<std::size_t>(draw(random, 0, 2))];
+    definition.plugin = "toy";
+    definition.parameters = {{"amplitude", toy.amplitude},
+                             {"salt", static_cast<double>(toy.salt)},
+                             {"state_size", static_cast<double>(toy.state_size)},
+                             {"tolerance", toy.tolerance}};
+    definition.max_levels = 254;
+    grid.origin = {-1.5, 0.25, 2};
+    grid.spacing = 1.125;
+    for (int a = 0; a < 3; ++a) grid.counts[a] = draw(random, 1, max_count);
+    definition.box.origin = grid.origin;
+    definition.box.spacing = grid.spacing;
+    for (int a = 0; a < 3; ++a) definition.box.counts[a] = static_cast<std::uint32_t>(grid.counts[a]);
+
+    for (int i = draw(random, 1, 4); i > 0; --i) {
+      std::array<int, 3> at;
+      for (int a = 0; a < 3; ++a) at[a] = draw(random, 0, grid.counts[a] - 1);
+      if (std::any_of(seeds.begin(), seeds.end(), [&](const auto& s) { return s.first == at; }))
+        continue;
+      std::vector<std::vector<double>> states;
+      for (int l = draw(random, 1, 2); l > 0; --l) {
+        std::vector<double> s(toy.state_size);
+        for (double& c : s) c = std::uniform_real_distribution<double>(0, 1)(random);
+        const bool known = std::any_of(states.begin(), states.end(), [&](const auto& other) {
+          return toy::equal(toy, s.data(), other.data());
+        });
+        if (!known) states.push_back(s);
+      }
+      seeds.emplace_back(at, states);
+      SeedDefinition seed;
+      for (int a = 0; a < 3; ++a) seed.position[a] = grid.origin[a] + grid.spacing * at[a];
+      seed.states = states;
+      definition.seeds.push_back(seed);
+    }
+  }
+
+  reference::Search search() const {
+    reference::Search search(grid, toy);
+    for (const auto& [at, states] : seeds) search.seed(at, states);
+    return search;
+  }
+};
+
+/// Not an OutputFile: thousands of syncs would take longer than the tests. Neither is a file
+/// truncated or renamed over another one: ext4 syncs that too.
+FileDescriptor open_plain(const std::string& name) {
+  std::filesystem::remove(name);
+  FileDescriptor file(::open(name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
+  REQUIRE(file);
+  return file;
+}
+
+void move_file(const std::string& from, const std::string& to) {
+  std::filesystem::remove(to);
+  std::filesystem::rename(from, to);
+}
+
+/// Writes one shard into a file; `write` finishes the writer.
+void write_shard(const std::string& name, const SectionHeader& header,
+                 const std::function<void(SectionWriter&)>& write) {
+  const FileDescriptor file = open_plain(name);
+  SectionWriter out(file.get(), name, header);
+  write(out);
+}
+
+void write_seed_shard(const Case& c, const std::string& name) {
+  const Model model = toy_plugin().create(c.definition.parameters);
+  const GridSpec spec = describe_grid(c.definition, model);
+  write_shard(name, {Content::kGrid, 0, spec},
+              [&](SectionWriter& out) { write_seeds(c.definition, spec, model, out); });
+}
+
+void complete_shard(const std::string& from, const std::string& to, unsigned threads) {
+  const auto sections = open_sections({from});
+  Progress progress;
+  Converter converter(toy_plugin(), sections.front().header.spec, threads, progress);
+  const FileDescriptor file = open_plain(to);
+  complete(sections, converter, progress, [&](const SectionHeader& header) {
+    return SectionWriter(file.get(), to, header);
+  });
+}
+
+void expand_shards(const std::vector<std::string>& from, Part part, const std::string& to) {
+  const auto sections = open_sections(from);
+  Progress progress;
+  SectionHeader header = sections.front().header;
+  Converter converter(toy_plugin(), header.spec, 1, progress);
+  FrontierReader frontier(sections, part);
+  const std::uint64_t expected = frontier.conversions();
+  header.content = Content::kRequests;
+  write_shard(to, header, [&](SectionWriter& out) {
+    expand(frontier, converter, header.spec, out);
+    out.finish();
+  });
+  REQUIRE(open_sections({to}).front().footer.requests == expected);
+}
+
+void merge_shards(const std::vector<std::string>& from, const std::string& to,
+                  const std::string& frontier_name = "") {
+  const MergeInput input(open_sections(from));
+  const Model model = toy_plugin().create(input.spec().parameters);
+  Progress progress;
+  SectionHeader frontier_header = input.merged_header();
+  frontier_header.content = Content::kFrontier;
+  write_shard(to, input.merged_header(), [&](SectionWriter& out) {
+    if (frontier_name.empty()) {
+      merge(input, model, out, nullptr, progress);
+    } else {
+      write_shard(frontier_name, frontier_header, [&](SectionWriter& frontier) {
+        merge(input, model, out, &frontier, progress);
+      });
+    }
+  });
+}
+
+/// Compares a grid with X, record by record.
+void require_same(const std::string& shard, const reference::Search& search) {
+  const Grid grid = load_grid({shard}).grid;
+  REQUIRE(grid.generation() == search.generation());
+  REQUIRE(grid.records() == search.x().size());
+  RecordIndex r = 0;
+  for (const auto& [key, record] : search.x()) {
+    CAPTURE(key.first, key.second);
+    REQUIRE(grid.point(r) == key.first);
+    REQUIRE(grid.level(r) == key.second);
+    REQUIRE(grid.record_generation(r) == record.generation);
+    const auto state = grid.state(r);
+    REQUIRE(std::vector<double>(state.begin(), state.end()) == record.s);
+    const auto links = grid.links(r);
+    REQUIRE(std::vector<int>(links.begin(), links.end()) ==
+            std::vector<int>(record.D.begin(), record.D.end()));
+    ++r;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("rounds of expand and merge are Algorithm 1, generation by generation") {
+  Random random(20031);
+  std::size_t most_levels = 0;
+  for (int i = 0; i < 120; ++i) {
+    CAPTURE(i);
+    const TemporaryDirectory dir;
+    const Case c(random);
+    reference::Search search = c.search();
+    const std::string grid = dir.file("grid");
+    write_seed_shard(c, grid);
+    require_same(grid, search);
+    std::vector<std::string> frontier;  // of generation 0 there are no frontier shards
+    for (bool more = true; more;) {
+      // The generation in parts, from the grid or from frontier shards; merged in any order, and
+      // some of the requests twice.
+      const int parts = draw(random, 1, 4);
+      const bool from_frontier = !frontier.empty() && draw(random, 0, 1);
+      std::vector<std::string> inputs{grid};
+      for (int k = 1; k <= parts; ++k) {
+        inputs.push_back(dir.file("requests" + std::to_string(k)));
+        expand_shards(from_frontier ? frontier : std::vector{grid},
+                      {static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(parts)},
+                      inputs.back());
+      }
+      if (draw(random, 0, 2) == 0) inputs.push_back(inputs[1]);
+      std::shuffle(inputs.begin(), inputs.end(), random);
+      const std::string next = dir.file("next");
+      merge_shards(inputs, next, dir.file("frontier"));
+      move_file(next, grid);
+      frontier = {dir.file("frontier")};
+      more = search.round();
+      require_same(grid, search);
+    }
+    for (const auto& [key, record] : search.x())
+      most_levels = std::max(most_levels, std::size_t(key.second) + 1);
+  }
+  // Else the order of requests was not put to the test.
+  REQUIRE(most_levels >= 4);
+}
+
+TEST_CASE("complete() is Algorithm 1, with any number of threads") {
+  Random random(20032);
+  for (int i = 0; i < 100; ++i) {
+    CAPTURE(i);
+    const TemporaryDirectory dir;
+    const Case c(random, i % 10 ? 6 : 10);
+    reference::Search search = c.search();
+    write_seed_shard(c, dir.file("seeds"));
+    // From the seeds, or from a generation on the way.
+    if (draw(random, 0, 1)) {
+      for (int g = draw(random, 1, 3); g > 0 && search.round(); --g) {
+        expand_shards({dir.file("seeds")}, {}, dir.file("requests"));
+        merge_shards({dir.file("seeds"), dir.file("requests")}, dir.file("next"));
+        move_file(dir.file("next"), dir.file("seeds"));
+      }
+    }
+    complete_shard(dir.file("seeds"), dir.file("grid"), static_cast<unsigned>(draw(random, 1, 4)));
+    while (search.round()) {
+    }
+    require_same(dir.file("grid"), search);
+  }
+}
+
+TEST_CASE("expand's requests are the queue, and its parts cut it without overlap") {
+  Random random(20033);
+  for (int i = 0; i < 60; ++i) {
+    CAPTURE(i);
+    const TemporaryDirectory dir;
+    const Case c(random);
+    reference::Search search = c.search();
+    const std::string grid = dir.file("grid");
+    write_seed_shard(c, grid);
+    for (int g = draw(random, 0, 4); g > 0 && search.round(); --g) {
+      expand_shards({grid}, {}, dir.file("requests"));
+      merge_shards({grid, dir.file("requests")}, dir.file("next"));
+      move_file(dir.file("next"), grid);
+    }
+    using Row = std::tuple<std::uint64_t, std::uint64_t, int, int, std::vector<double>>;
+    std::vector<Row> expected;
+    for (const reference::Request& r : search.queue())
+      expected.emplace_back(r.target, r.source, r.level, r.q, r.s);
+    std::sort(expected.begin(), expected.end());
+
+    const auto parts = static_cast<std::uint64_t>(draw(random, 1, 9));
+    std::vector<Row> found;
+    for (std::uint64_t k = 1; k <= parts; ++k) {
+      expand_shards({grid}, {k, parts}, dir.file("part"));
+      const auto sections = open_sections({dir.file("part")});
+      const std::uint32_t n = sections.front().header.spec.state_size;
+      const Neighbourhood neighbourhood(sections.front().header.spec.box);
+      MergedRows<RequestRows> rows(sections);
+      const std::size_t before = found.size();
+      for (auto run = rows.next(); run.rows; run = rows.next())
+        for (std::size_t r = run.begin; r < run.end; ++r) {
+          const int q = run.rows->direction[r];
+          const auto target = run.rows->target[r];
+          const double* s = &run.rows->state[r * n];
+          found.emplace_back(target, static_cast<std::uint64_t>(target - neighbourhood.offset(q)),
+                             run.rows->level[r], q, std::vector<double>(s, s + n));
+        }
+      REQUIRE(std::is_sorted(found.begin() + static_cast<std::ptrdiff_t>(before), found.end()));
+      // Equal parts.
+      const double share = double(expected.size()) / double(parts);
+      REQUIRE(std::abs(double(found.size() - before) - share) < 1);
+    }
+    std::sort(found.begin(), found.end());
+    REQUIRE(found == expected);
+  }
+}
+
+TEST_CASE("the level limit stops a model that is not finite") {
+  Random random(20034);
+  Case c(random);
+  while (c.toy.state_size != 2 || c.toy.tolerance > 0.2 || c.grid.counts < std::array{5, 5, 5})
+    c = Case(random);
+  c.definition.max_levels = 3;
+  const TemporaryDirectory dir;
+  write_seed_shard(c, dir.file("seeds"));
+  REQUIRE_THROWS_WITH(complete_shard(dir.file("seeds"), dir.file("grid"), 1),
+                      Catch::Matchers::Matches(
+                          "level limit: point [0-9]+ \\([0-9]+, [0-9]+, [0-9]+\\) has 3 levels "
+                          "\\(search\\.max_levels\\), .* within the tolerance 0\\.2 turns: .*"));
+}
+
+TEST_CASE("merge counts the requests that are missing, and refuses those nobody asked for") {
+  Random random(20035);
+  Case c(random);
+  while (c.grid.counts < std::array{4, 4, 4} || c.seeds.size() < 2) c = Case(random);
+  const TemporaryDirectory dir;
+  const std::string grid = dir.file("grid");
+  write_seed_shard(c, grid);
+  for (std::uint64_t k = 1; k <= 3; ++k)
+    expand_shards({grid}, {k, 3}, dir.file("r" + std::to_string(k)));
+  const auto count = [&](const std::string& name) {
+    return open_sections({dir.file(name)}).front().footer.requests;
+  };
+  const std::uint64_t missing = count("r2");
+  const std::uint64_t all = missing + count("r1") + count("r3");
+  REQUIRE_THROWS_WITH(
+      merge_shards({grid, dir.file("r1"), dir.file("r3")}, dir.file("next")),
+      Catch::Matchers::StartsWith("requests are missing: " + std::to_string(missing) + " of the " +
+                                  std::to_string(all) + " conversions of generation 0, the first"));
+  REQUIRE_THROWS_WITH(merge_shards({grid}, dir.file("next")),
+                      Catch::Matchers::StartsWith("requests are missing: " + std::to_string(all) +
+                                                  " of the " + std::to_string(all)));
+
+  // The same requests, one of them with another state: before or behind the right one.
+  const auto sections = open_sections({dir.file("r1")});
+  const std::uint32_t n = sections.front().header.spec.state_size;
+  write_shard(dir.file("wrong"), sections.front().header, [&](SectionWriter& out) {
+    MergedRows<RequestRows> rows(sections);
+    const auto run = rows.next();
+    std::vector<double> state(&run.rows->state[0], &run.rows->state[0] + n);
+    state[0] += 1e-9;
+    out.request(run.rows->target[0], run.rows->direction[0], run.rows->level[0], state.data());
+    out.finish();
+  });
+  const std::vector<std::string> right{grid, dir.file("r1"), dir.file("r2"), dir.file("r3")};
+  std::vector<std::string> names = right;
+  names.push_back(dir.file("wrong"));
+  for (int i = 0; i < 2; ++i) {
+    REQUIRE_THROWS_WITH(merge_shards(names, dir.file("next")),
+                        Catch::Matchers::EndsWith(": two different answers"));
+    std::reverse(names.begin(), names.end());
+  }
+
+  merge_shards(right, dir.file("next"));
+  REQUIRE_THROWS_WITH(merge_shards({dir.file("next"), dir.file("r1")}, dir.file("x")),
+                      Catch::Matchers::Contains("requests of generation 0, the grid's frontier is 1"));
+  // The right generation, but a conversion that no record asks for.
+  SectionHeader header = sections.front().header;
+  header.generation = 1;
+  write_shard(dir.file("unasked"), header, [&](SectionWriter& out) {
+    const std::vector<double> state(n, 0.5);
+    out.request(0, 25 - Direction::of(1, 1, 1).q(), 200, state.data());
+    out.finish();
+  });
+  REQUIRE_THROWS_WITH(merge_shards({dir.file("next"), dir.file("unasked")}, dir.file("x")),
+                      Catch::Matchers::EndsWith("the grid's frontier asks for no such conversion"));
+}
+
+TEST_CASE("a conversion that fails is named, the same with any number of threads") {
+  Random random(20036);
+  Case c(random);
+  while (c.grid.counts < std::array{5, 5, 5}) c = Case(random);
+  c.definition.parameters.push_back({"fail", c.grid.origin[0] + 2 * c.grid.spacing});
+  std::sort(c.definition.parameters.begin(), c.definition.parameters.end(),
+            [](const Parameter& a, const Parameter& b) { return a.key < b.key; });
+  const TemporaryDirectory dir;
+  write_seed_shard(c, dir.file("seeds"));
+  for (unsigned threads = 1; threads <= 3; ++threads)
+    REQUIRE_THROWS_WITH(complete_shard(dir.file("seeds"), dir.file("grid"), threads),
+                        Catch::Matchers::Matches("conversion at point [0-9]+ \\(2, [0-9], [0-9]\\) "
+                                                 "level [0-9]+, direction [0-9]+: told to fail"));
+}

@@ -1,0 +1,269 @@
+#include "tools/common/gnuplot.hpp"
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <filesystem>
+#include <initializer_list>
+#include <system_error>
+
+#include "libcore/base/error.hpp"
+#include "libcore/check/text.hpp"
+#include "libcore/grid/describe.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+[[noreturn]] void fail(int error, const std::string& what) {
+  throw std::system_error(error, std::generic_category(), what);
+}
+
+/// An unlinked file with `text`, to be read from its beginning.
+FileDescriptor file_with(const std::string& text) {
+  FileDescriptor file = unlinked_file(std::filesystem::temp_directory_path());
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t written = ::write(file.get(), text.data() + done, text.size() - done);
+    if (written < 0 && errno != EINTR) fail(errno, "script for gnuplot");
+    if (written > 0) done += static_cast<std::size_t>(written);
+  }
+  if (::lseek(file.get(), 0, SEEK_SET) != 0) fail(errno, "script for gnuplot");
+  return file;
+}
+
+/// What gnuplot says is wrong: the last line that is more than the '^' below a place in the script
+/// and no warning.
+std::string complaint(int fd) {
+  std::array<char, 4096> buffer;
+  const ssize_t count = ::pread(fd, buffer.data(), buffer.size(), 0);
+  const std::string text(buffer.data(), count > 0 ? static_cast<std::size_t>(count) : 0);
+  std::string last = "no reason given";
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    const std::size_t word = line.find_first_not_of(" \t^");
+    if (word != line.npos && line.find("arning") == line.npos) last = printable(line.substr(word));
+    begin = end + 1;
+  }
+  return last;
+}
+
+// Okabe and Ito's palette, which the colour-blind can tell apart. The index is the number of
+// levels; the last colour stands for that many and more.
+constexpr std::array kColours{0xdddddd, 0x56b4e9, 0xe69f00, 0x009e73,
+                              0xcc79a7, 0x0072b2, 0xd55e00, 0x000000};
+constexpr std::size_t kMostLevels = kColours.size() - 1;
+
+std::string hex(int colour) {
+  std::string text = "#";
+  for (int shift = 20; shift >= 0; shift -= 4) text += "0123456789abcdef"[colour >> shift & 15];
+  return text;
+}
+
+/// Pixels. The margins hold titles, labels and tics whatever the plot's own size is.
+struct Canvas {
+  double plot_width;
+  double plot_height;
+  double left;
+  double right;
+  double bottom;
+  double top;
+
+  double width() const { return left + plot_width + right; }
+  double height() const { return bottom + plot_height + top; }
+};
+
+/// The title is a label over the whole picture, since gnuplot's own would be centred on the plot,
+/// however narrow that is. A long one is cut, not squeezed.
+std::string setup(const Canvas& canvas, const std::string& title, const std::string& subtitle,
+                  const std::string& x_label, const std::string& y_label) {
+  const auto fraction = [](double part, double whole) { return "screen " + rounded(part / whole); };
+  const double w = canvas.width();
+  const double h = canvas.height();
+  std::string script = "set encoding utf8\nset terminal pngcairo noenhanced size " +
+                       rounded(std::round(w)) + "," + rounded(std::round(h)) + " font 'sans,12'\n";
+  script += "set lmargin at " + fraction(canvas.left, w) + "\n";
+  script += "set rmargin at " + fraction(canvas.left + canvas.plot_width, w) + "\n";
+  script += "set bmargin at " + fraction(canvas.bottom, h) + "\n";
+  script += "set tmargin at " + fraction(canvas.bottom + canvas.plot_height, h) + "\n";
+  script += "set label 1 " + gnuplot_string(title) + " at screen 0.5, " + fraction(h - 25, h) +
+            " center font 'sans,14'\n";
+  script += "set label 2 " + gnuplot_string(subtitle) + " at screen 0.5, " + fraction(h - 50, h) +
+            " center\n";
+  script += "set xlabel " + gnuplot_string(x_label) + "\n";
+  script += "set ylabel " + gnuplot_string(y_label) + "\n";
+  return script + "set tics out nomirror\n";
+}
+
+void append_numbers(std::string& script, std::initializer_list<double> values) {
+  for (const double value : values) script += to_text(value) + ' ';
+  script += '\n';
+}
+
+/// Where the squares of one axis are drawn; gnuplot wants two at least, so the only plane of an
+/// axis is drawn as two halves.
+std::vector<double> square_centres(const Box& box, int axis) {
+  if (box.counts[axis] == 1)
+    return {box.origin[axis] - box.spacing / 4, box.origin[axis] + box.spacing / 4};
+  std::vector<double> centres;
+  for (std::uint32_t c = 0; c < box.counts[axis]; ++c)
+    centres.push_back(box.origin[axis] + box.spacing * c);
+  return centres;
+}
+
+std::string axis_range(const Box& box, int axis) {
+  const double low = box.origin[axis] - box.spacing / 2;
+  return "[" + to_text(low) + ":" + to_text(low + box.spacing * box.counts[axis]) + "]\n";
+}
+
+}  // namespace
+
+std::string plain(std::string_view text) {
+  std::string safe(text);
+  for (char& c : safe) {
+    const bool is_alphanumeric =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (!is_alphanumeric && c != '-' && c != '_' && c != '.') c = '?';
+  }
+  return safe;
+}
+
+std::string gnuplot_string(std::string_view text) {
+  std::string result = "'";
+  for (const char c : text) {
+    const bool is_control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    if (c == '\'')
+      result += "''";
+    else
+      result += is_control || c == '\\' || c == '`' ? '?' : c;
+  }
+  return result + "'";
+}
+
+void run_gnuplot(const std::string& script, OutputFile& png) {
+  // Files instead of pipes: no order of reading and writing can block, and nothing is left over.
+  const FileDescriptor input = file_with(script);
+  const FileDescriptor errors = file_with("");
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_adddup2(&actions, png.fd(), STDOUT_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions, input.get(), STDIN_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions, errors.get(), STDERR_FILENO);
+  // --default-settings: a user's ~/.gnuplot must not change the picture.
+  std::array<std::string, 3> words{"gnuplot", "--default-settings", "-"};
+  std::array<char*, 4> argv{words[0].data(), words[1].data(), words[2].data(), nullptr};
+  pid_t child = 0;
+  const int error = ::posix_spawnp(&child, "gnuplot", &actions, nullptr, argv.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (error == ENOENT) throw Error("gnuplot: not found: install gnuplot-nox");
+  if (error != 0) fail(error, "gnuplot");
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) fail(errno, "gnuplot");
+  if (WIFSIGNALED(status))
+    throw Error("gnuplot: ended by signal " + std::to_string(WTERMSIG(status)));
+  if (WEXITSTATUS(status) != 0) throw Error("gnuplot: " + complaint(errors.get()));
+}
+
+std::string slice_script(const GridSpec& spec, const Slice& slice) {
+  const Box& box = spec.box;
+  const std::uint32_t nu = box.counts[slice.u];
+  const std::uint32_t nv = box.counts[slice.v];
+  // Equal scales on both axes, the longer one 700 pixels. Beside the plot there is room for the
+  // legend and for labels that are longer than a narrow plot.
+  const double pixels = 700.0 / std::max(nu, nv);
+  Canvas canvas{nu * pixels, nv * pixels, 110, 245, 75, 80};
+  canvas.right += std::max(0.0, 300 - canvas.plot_width);
+  const double missing = std::max(0.0, 140 - canvas.plot_height);
+  canvas.bottom += missing / 2;
+  canvas.top += missing / 2;
+  const auto name = [](int axis) { return std::string(1, "xyz"[axis]); };
+  const std::string unit = " / model's unit of length";
+  constexpr std::size_t kLongestName = 32;
+  std::string model = plain(spec.model);
+  if (model.size() > kLongestName) model = model.substr(0, kLongestName - 3) + "...";
+  std::string script = setup(
+      canvas,
+      model + ": levels of each point at " + name(slice.axis) + " = " + rounded(slice.coordinate),
+      "grid of " + std::to_string(box.counts[0]) + " × " + std::to_string(box.counts[1]) + " × " +
+          std::to_string(box.counts[2]) + " points",
+      name(slice.u) + unit, name(slice.v) + unit);
+  script += "set xrange " + axis_range(box, slice.u) + "set yrange " + axis_range(box, slice.v);
+  // Along a short axis tics would run into each other: one in its middle plane has to do.
+  const auto one_tic = [&](const char* tics, int axis) {
+    const std::string middle = rounded(box.origin[axis] + box.spacing * (box.counts[axis] / 2));
+    script += std::string("set ") + tics + " (" + gnuplot_string(middle) + " " + middle + ")\n";
+  };
+  if (canvas.plot_width < 200) one_tic("xtics", slice.u);
+  if (canvas.plot_height < 100) one_tic("ytics", slice.v);
+  script += "set key at screen " +
+            rounded((canvas.left + canvas.plot_width + 15) / canvas.width()) + ", screen " +
+            rounded((canvas.bottom + canvas.plot_height) / canvas.height()) +
+            " left top vertical maxrows 8 Left reverse samplen 1.5 spacing 1.4\n"
+            "set style fill solid border rgb '#555555'\n"
+            "$levels << END\n";
+
+  std::array<std::uint64_t, kColours.size()> points{};
+  for (const RecordIndex levels : slice.levels)
+    ++points[std::min<std::size_t>(levels, kMostLevels)];
+  const std::vector<double> u = square_centres(box, slice.u);
+  const std::vector<double> v = square_centres(box, slice.v);
+  for (std::size_t j = 0; j < v.size(); ++j)
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      const std::size_t point =
+          std::min<std::size_t>(i, nu - 1) + std::size_t{nu} * std::min<std::size_t>(j, nv - 1);
+      const int colour = kColours[std::min<std::size_t>(slice.levels[point], kMostLevels)];
+      append_numbers(script,
+                     {u[i], v[j], static_cast<double>(colour >> 16),
+                      static_cast<double>(colour >> 8 & 255), static_cast<double>(colour & 255)});
+    }
+  script += "END\nplot $levels with rgbimage notitle";
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (points[k] == 0) continue;
+    const std::string what = k == 0 ? "not reached"
+                             : k == 1
+                                 ? "1 level"
+                                 : std::to_string(k) + (k == kMostLevels ? "+ levels" : " levels");
+    script += ", NaN with boxes lc rgb '" + hex(kColours[k]) + "' title " +
+              gnuplot_string(what + ": " + std::to_string(points[k]) +
+                             (points[k] == 1 ? " point" : " points"));
+  }
+  return script + "\n";
+}
+
+std::string motion_script(const Motion& motion, const std::string& title,
+                          const std::string& subtitle, const std::string& x_label,
+                          const std::string& y_label) {
+  std::string script = setup({880, 480, 95, 25, 75, 110}, title, subtitle, x_label, y_label);
+  script +=
+      "set grid lc rgb '#dddddd' lt 1\n"
+      "set autoscale fix\n"
+      "set offsets graph 0.02, graph 0.02, graph 0.05, graph 0.05\n"
+      "set key at screen 0.5, screen 0.87 center horizontal Left reverse samplen 3 width 2\n";
+  const auto append_lines = [&](const char* name, const std::vector<std::vector<XY>>& lines) {
+    script += std::string("$") + name + " << END\n";
+    for (const auto& line : lines) {
+      for (const auto& [x, y] : line) append_numbers(script, {x, y});
+      script += "\n";  // an empty line ends a polyline
+    }
+    script += "END\n";
+  };
+  append_lines("there", motion.there);
+  append_lines("back", motion.back);
+  // The way there is broad and light, the way back thin and dark, so that both are seen where they
+  // run over each other.
+  std::string plots;
+  if (!motion.there.empty())
+    plots += "$there with lines lw 7 lc rgb '#56b4e9' title 'there (rightwards →)'";
+  if (!motion.back.empty())
+    plots += std::string(plots.empty() ? "" : ", ") +
+             "$back with lines lw 2.5 lc rgb '#d55e00' title 'back (leftwards ←)'";
+  return script + "plot " + plots + "\n";
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,39 @@
+// Pictures, drawn by the program gnuplot.
+//
+// A script is data and commands at once, and some of its strings come from shards, which are
+// hostile. Strings enter a script through gnuplot_string() only, and those of shards through
+// plain() first.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "libcore/base/file.hpp"
+#include "libcore/check/motion_log.hpp"
+#include "libcore/check/slice.hpp"
+#include "libcore/grid/spec.hpp"
+
+namespace hapgrid {
+
+/// Letters, digits, '-', '_' and '.' of `text`; everything else becomes '?'.
+std::string plain(std::string_view text);
+
+/// `text` as a string of a gnuplot script, in single quotes, where gnuplot expands nothing; control
+/// characters, backslashes and backquotes become '?' all the same.
+std::string gnuplot_string(std::string_view text);
+
+/// Runs gnuplot on `script`, which leaves `set output` alone, and puts the picture into `png`
+/// (without committing it).
+/// @throw Error when gnuplot is not installed or fails, with what it complained about;
+/// std::system_error.
+void run_gnuplot(const std::string& script, OutputFile& png);
+
+/// The levels of each point in a plane: a coloured square a point, and what the colours mean.
+std::string slice_script(const GridSpec& spec, const Slice& slice);
+
+/// The lines of `motion`, there and back in two colours. Titles and labels may be any text.
+std::string motion_script(const Motion& motion, const std::string& title,
+                          const std::string& subtitle, const std::string& x_label,
+                          const std::string& y_label);
+
+}  // namespace hapgrid

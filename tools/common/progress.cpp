@@ -1,0 +1,99 @@
+#include "tools/common/progress.hpp"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "libcore/base/file.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+const Clock::time_point process_start = Clock::now();
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+ProgressLine::ProgressLine(bool forced, std::function<std::string(double)> text)
+    : text_(std::move(text)) {
+  if (forced || ::isatty(STDERR_FILENO)) thread_ = std::jthread([this] { show(); });
+}
+
+ProgressLine::~ProgressLine() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    done_ = true;
+  }
+  wake_.notify_one();
+  thread_.join();
+}
+
+void ProgressLine::show() {
+  const Clock::time_point start = Clock::now();
+  bool shown = false;
+  std::unique_lock lock(mutex_);
+  while (!wake_.wait_for(lock, std::chrono::milliseconds(250), [this] { return done_; })) {
+    std::fprintf(stderr, "\r\033[K%s", text_(seconds_since(start)).c_str());
+    std::fflush(stderr);
+    shown = true;
+  }
+  if (shown) std::fputs("\r\033[K", stderr);
+}
+
+std::string short_number(double value) {
+  static constexpr std::array<const char*, 5> kUnits = {"", " k", " M", " G", " T"};
+  std::size_t unit = 0;
+  for (; value >= 999.5 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
+  char text[32];
+  std::snprintf(text, sizeof text, unit == 0 ? "%.0f%s" : "%.3g%s", value, kUnits[unit]);
+  return text;
+}
+
+void append_report(const std::string& file, const RunReport& report) {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  const nlohmann::ordered_json line = {{"tool", report.tool},
+                                       {"generation", report.generation},
+                                       {"part", report.part},
+                                       {"parts", report.parts},
+                                       {"conversions", report.conversions},
+                                       {"wall_seconds", seconds_since(process_start)},
+                                       {"cpu_seconds", cpu_seconds()},
+                                       {"host", host.data()}};
+  // One write to a file opened for appending: lines of processes that share the file stay whole.
+  const FileDescriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+  const std::string text = line.dump() + "\n";
+  if (!out || ::write(out.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+    throw std::system_error(errno, std::generic_category(), file);
+}
+
+void allow_open_files(std::size_t files) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  const rlim_t wanted = std::min<rlim_t>(files + 64, limit.rlim_max);
+  if (limit.rlim_cur >= wanted) return;
+  limit.rlim_cur = wanted;
+  ::setrlimit(RLIMIT_NOFILE, &limit);  // where it is refused, opening says what is wrong
+}
+
+}  // namespace hapgrid

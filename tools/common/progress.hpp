@@ -1,0 +1,53 @@
+// What long work tells while it goes on, and what it reports when it is done.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "libcore/shard/reader.hpp"
+
+namespace hapgrid {
+
+/// A line on standard error, written again several times a second while this object lives: only
+/// when standard error is a terminal, or when asked for.
+class ProgressLine {
+ public:
+  /// `text` makes the line from the seconds since the start; it is called from another thread.
+  ProgressLine(bool forced, std::function<std::string(double seconds)> text);
+  /// Takes the line away again.
+  ~ProgressLine();
+
+ private:
+  void show();
+
+  std::function<std::string(double)> text_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool done_ = false;
+  std::jthread thread_;
+};
+
+/// 1234567 as "1.23 M".
+std::string short_number(double value);
+
+/// The cost of one run, appended as one JSON line to the file of --report: what must not enter a
+/// shard (design section 2).
+struct RunReport {
+  std::string tool;
+  std::uint32_t generation = 0;
+  std::uint64_t conversions = 0;
+  std::uint64_t part = 1;
+  std::uint64_t parts = 1;
+};
+
+/// Wall and CPU seconds are the process's own. @throw std::system_error
+void append_report(const std::string& file, const RunReport& report);
+
+/// Opens at least `files` files at once where the system allows it.
+void allow_open_files(std::size_t files);
+
+}  // namespace hapgrid

@@ -1,0 +1,97 @@
+#include "tools/common/tool.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <system_error>
+
+#include "libcore/base/error.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+/// A message is one line, whatever a file name or a library put into it.
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return text;
+}
+
+int report(const std::string& tool, const std::string& message, int code) {
+  std::fprintf(stderr, "%s: %s\n", tool.c_str(), one_line(message).c_str());
+  return code;
+}
+
+}  // namespace
+
+void describe(CLI::App& app, const std::string& name, const std::string& details,
+              const std::string& more_exits) {
+  app.name(name);
+  app.set_version_flag("--version", "hapgrid " + name + " " HAPGRID_VERSION);
+  app.get_formatter()->column_width(32);
+  app.footer(details + (details.empty() ? "" : "\n") +
+             "Exit codes:\n"
+             "  0  done\n"
+             "  1  could not: input, I/O, model, device, level limit\n"
+             "  2  the command line is wrong; nothing was read or written\n" +
+             more_exits);
+}
+
+void add_model_path(CLI::App& app, std::vector<std::string>& directories) {
+  app.add_option("--model-path", directories,
+                 "Directory to look for plug-ins in, before those of HAPGRID_MODEL_PATH "
+                 "(separated by ':') and ../models beside this program; repeatable")
+      ->type_name("DIR")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+CLI::Option* add_inputs(CLI::App& app, std::vector<std::string>& names, const std::string& help) {
+  return app.add_option("shard", names, help + " ('-' or none: standard input)")
+      ->type_name("SHARD");
+}
+
+std::vector<std::string> inputs_or_stdin(std::vector<std::string> names) {
+  if (names.empty()) names.push_back("-");
+  if (std::count(names.begin(), names.end(), "-") > 1)
+    throw CLI::ValidationError("standard input can be read only once");
+  return names;
+}
+
+void add_output(CLI::App& app, std::string& name) {
+  app.add_option("-o,--output", name,
+                 "File to write; it appears when it is complete ('-': standard output)")
+      ->type_name("FILE")
+      ->capture_default_str();
+}
+
+int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run) {
+  const std::string tool = app.get_name();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {  // --help, --version
+    app.exit(e, std::cout, std::cerr);
+    return std::cout.flush() ? kExitDone
+                             : report(tool, "cannot write to standard output", kExitFailed);
+  } catch (const CLI::ParseError& e) {
+    return report(tool, std::string(e.what()) + " (see " + tool + " --help)", kExitUsage);
+  }
+  try {
+    const int code = run();
+    if (!std::cout.flush()) return report(tool, "cannot write to standard output", kExitFailed);
+    return code;
+  } catch (const CLI::ParseError& e) {  // found wrong only when put together
+    return report(tool, std::string(e.what()) + " (see " + tool + " --help)", kExitUsage);
+  } catch (const std::bad_alloc&) {
+    return report(tool, "out of memory", kExitFailed);
+  } catch (const std::exception& e) {
+    return report(tool, e.what(), kExitFailed);
+  } catch (...) {
+    return report(tool, "unknown failure", kExitFailed);
+  }
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,39 @@
+// What the filters share: help with the table of exit codes, and the one place where failures
+// become messages and exit codes.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace hapgrid {
+
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitFailed = 1;   ///< input, I/O, model, device, level limit
+inline constexpr int kExitUsage = 2;    ///< wrong command line; nothing was read or written
+inline constexpr int kExitInvalid = 3;  ///< verify: an invariant is broken
+
+/// Gives `app` the name, --version, and the exit codes at the end of its help; `more_exits` are
+/// further lines of that table ("  130  ...\n"), `details` stands in front of it.
+void describe(CLI::App& app, const std::string& name, const std::string& details = "",
+              const std::string& more_exits = "");
+
+/// The option --model-path DIR, repeatable.
+void add_model_path(CLI::App& app, std::vector<std::string>& directories);
+
+/// The positional SHARD...
+CLI::Option* add_inputs(CLI::App& app, std::vector<std::string>& names, const std::string& help);
+
+/// What add_inputs() collected, with "-" where nothing was named.
+/// @throw CLI::ValidationError when standard input is named twice: it can be read only once.
+std::vector<std::string> inputs_or_stdin(std::vector<std::string> names);
+
+/// The option -o, --output FILE, by default "-".
+void add_output(CLI::App& app, std::string& name);
+
+/// Parses the command line and calls `run`, whose result is the exit code; every exception becomes
+/// one line "NAME: message" on standard error and an exit code.
+int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run);
+
+}  // namespace hapgrid

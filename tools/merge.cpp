@@ -1,0 +1,120 @@
+// merge: a generation's requests into the grid.
+
+#include "libcore/search/merge.hpp"
+
+#include <filesystem>
+#include <optional>
+
+#include "libcore/base/file.hpp"
+#include "libcore/search/expand.hpp"
+#include "tools/common/progress.hpp"
+#include "tools/common/tool.hpp"
+
+namespace {
+
+using namespace hapgrid;
+
+struct Options {
+  std::vector<std::string> shards;
+  std::string output = "-";
+  std::vector<std::string> model_path;
+  std::string frontier;
+  std::uint64_t parts = 1;
+  bool progress = false;
+  std::string report;
+};
+
+constexpr const char* kPartMark = "{}";
+
+std::string part_name(std::string pattern, std::uint64_t part) {
+  return pattern.replace(pattern.find(kPartMark), 2, std::to_string(part));
+}
+
+/// Cuts the frontier that was collected in `file` into shards of equally many conversions.
+void write_parts(const std::shared_ptr<const InputFile>& file, const Options& options) {
+  const std::vector<Section> sections = open_sections(file);
+  const SectionHeader& header = sections.front().header;
+  for (std::uint64_t part = 1; part <= options.parts; ++part) {
+    OutputFile out(part_name(options.frontier, part));
+    SectionWriter writer(out.fd(), out.name(), header);
+    FrontierReader frontier(sections, {part, options.parts});
+    FrontierReader::Record record;
+    while (frontier.next(record))
+      writer.frontier(record.point, record.level, record.state, record.todo);
+    writer.finish();
+    out.commit();
+  }
+}
+
+int run(const Options& options) {
+  const bool cut = !options.frontier.empty();
+  if (cut && options.frontier.find(kPartMark) == std::string::npos)
+    throw CLI::ValidationError("--frontier",
+                               "'" + options.frontier + "' has no {} for the part's number");
+  const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
+  allow_open_files(inputs.size());
+  const MergeInput input(open_sections(inputs));
+  const Plugin plugin(input.spec().model, model_path(options.model_path));
+  const Model model = create_model(plugin, input.spec());
+  const SectionHeader header = input.merged_header();
+  SectionHeader frontier_header = header;
+  frontier_header.content = Content::kFrontier;
+
+  OutputFile out(options.output);
+  SectionWriter writer(out.fd(), out.name(), header);
+  // How to cut the frontier is known only when all of it is: it waits in a file without a name.
+  std::optional<SectionWriter> frontier;
+  FileDescriptor collected;
+  if (cut) {
+    const auto directory = std::filesystem::path(options.frontier).parent_path();
+    collected = unlinked_file(directory.empty() ? "." : directory);
+    frontier.emplace(collected.get(), options.frontier, frontier_header);
+  }
+  Progress progress;
+  {
+    const ProgressLine line(options.progress, [&](double seconds) {
+      const double done = static_cast<double>(progress.conversions);
+      return "merge: generation " + std::to_string(header.generation) + ", " + short_number(done) +
+             " of " + short_number(static_cast<double>(input.conversions())) + " requests, " +
+             short_number(done / std::max(seconds, 1e-3)) + "/s";
+    });
+    merge(input, model, writer, frontier ? &*frontier : nullptr, progress);
+  }
+  // The grid appears last: where it is, its frontier is too.
+  if (cut)
+    write_parts(std::make_shared<const InputFile>(std::move(collected), options.frontier), options);
+  out.commit();
+  if (!options.report.empty()) append_report(options.report, {"merge", header.generation, 0, 1, 1});
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{
+      "Merges the requests of one whole generation into a grid: finds or stores each state that "
+      "was\n"
+      "reached, and settles the destination levels (Algorithm 1, lines 10 to 20). Grid and "
+      "requests\n"
+      "come in any order and any number of shards; requests that are missing are an error. A grid\n"
+      "whose frontier is empty stays as it is."};
+  hapgrid::describe(app, "merge");
+  hapgrid::add_inputs(app, options.shards, "The grid and all requests of its frontier");
+  hapgrid::add_output(app, options.output);
+  app.add_option("--frontier", options.frontier,
+                 "Write the new frontier too, as --parts shards; {} in PATTERN becomes the part's "
+                 "number, from 1")
+      ->type_name("PATTERN");
+  app.add_option("--parts", options.parts, "Number of frontier shards (1 to 1000000)")
+      ->type_name("N")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}))
+      ->capture_default_str();
+  app.add_option("--report", options.report,
+                 "Append one JSON line to FILE: wall and CPU seconds, host")
+      ->type_name("FILE");
+  app.add_flag("--progress", options.progress,
+               "Show progress on standard error even if it is no terminal");
+  hapgrid::add_model_path(app, options.model_path);
+  return hapgrid::run_tool(app, argc, argv, [&] { return run(options); });
+}

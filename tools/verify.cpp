@@ -1,0 +1,116 @@
+// verify: whether a grid is what Algorithm 1 promises, and what the model says today.
+
+#include <atomic>
+#include <charconv>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "libcore/base/file.hpp"
+#include "libcore/check/fidelity.hpp"
+#include "libcore/check/invariants.hpp"
+#include "libcore/check/report.hpp"
+#include "libcore/model/model.hpp"
+#include "libcore/search/converter.hpp"
+#include "libcore/shard/load.hpp"
+#include "tools/common/progress.hpp"
+#include "tools/common/tool.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+struct Options {
+  std::vector<std::string> shards;
+  std::string recompute = "1000";
+  std::uint64_t sample_seed = 1;
+  int threads = 1;
+  std::string format = "text";
+  std::vector<std::string> model_directories;
+  std::string output = "-";
+};
+
+/// How many records --recompute asks for; false when it is none of all, none and a number.
+bool parse_recompute(const std::string& text, std::uint64_t& count) {
+  count = text == "all" ? std::numeric_limits<std::uint64_t>::max() : 0;
+  if (text == "all" || text == "none") return true;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, count);
+  return read.ec == std::errc() && read.ptr == end;
+}
+
+int run(const Options& options) {
+  const LoadedGrid loaded = load_grid(inputs_or_stdin(options.shards));
+  const Grid& grid = loaded.grid;
+  const Plugin plugin(grid.spec().model, model_path(options.model_directories));
+  const auto make_model = [&] { return model_functions(create_model(plugin, grid.spec())); };
+
+  std::vector<Check> checks{check_complete(grid), check_coverage(grid), check_links(grid),
+                            check_finite(grid), check_distinct(grid, make_model().same)};
+  for (Check& check : check_reachable(grid)) checks.push_back(std::move(check));
+  std::uint64_t count = 0;
+  parse_recompute(options.recompute, count);
+  if (count > 0) {
+    const auto sample = sample_records(grid, count, options.sample_seed);
+    std::atomic<std::uint64_t> done{0};
+    const ProgressLine progress(false, [&](double) {
+      return "verify: fidelity: " + std::to_string(done) + " of " + std::to_string(sample.size()) +
+             " records";
+    });
+    checks.push_back(check_fidelity(grid, sample, make_model, options.threads, done));
+  }
+  checks.push_back(check_blends(grid));
+
+  OutputFile output(options.output, /*binary=*/false);
+  output.write(options.format == "json" ? report_json(grid, checks) : report_text(grid, checks));
+  output.commit();
+  std::fprintf(stderr, "verify: %s\n", verdict_line(checks).c_str());
+  return is_fine(checks) ? kExitDone : kExitInvalid;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Checks a whole grid: the streams, what Algorithm 1 promises of every record, and C itself\n"
+      "evaluated again. The report goes to standard output, the verdict to standard error.");
+  Options options;
+  add_inputs(app, options.shards, "Shards that hold one grid together");
+  app.add_option("--recompute", options.recompute,
+                 "Records for which C is evaluated again in all 26 directions: all, none, or how "
+                 "many to draw as a sample")
+      ->type_name("all|N|none")
+      ->check([](const std::string& text) {
+        std::uint64_t count = 0;
+        return parse_recompute(text, count) ? "" : "'" + text + "' is not all, none or a number";
+      })
+      ->capture_default_str();
+  app.add_option("--sample-seed", options.sample_seed,
+                 "Draws another sample; the same number draws the same records everywhere")
+      ->type_name("S")
+      ->capture_default_str();
+  app.add_option("-j,--threads", options.threads,
+                 "Threads that evaluate C; the report does not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--format", options.format, "How the report is written")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  add_model_path(app, options.model_directories);
+  add_output(app, options.output);
+  describe(app, "verify",
+           "Checks:\n"
+           "  complete     no record is left in the frontier\n"
+           "  coverage     each point of the box has a level\n"
+           "  links        directions lead to levels that exist, or are marked as leaving the box\n"
+           "  finite       states are finite numbers\n"
+           "  distinct     levels of a point differ by more than the tolerance function forgives\n"
+           "  reachable    links lead to each record from the seeds (generation 0)\n"
+           "  generations  a record's generation is its distance from the seeds, in links\n"
+           "  fidelity     C(s, x, d), evaluated again, is the state where the link leads\n"
+           "  blends       (no fault) cells where play may mix branches, near tear-offs\n",
+           "  3  read everything, and an invariant is broken\n");
+  return run_tool(app, argc, argv, [&] { return run(options); });
+}
