@@ -103,10 +103,9 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app{
-      "Evaluates the model's conversion function in 26 directions for each record of the "
-      "frontier,\n"
-      "and writes what was found as requests for merge. Reads a grid, or the frontier shards that\n"
-      "merge writes."};
+      "Evaluates the model's conversion function in 26 directions for each record of the\n"
+      "frontier, and writes what was found as requests for merge. Reads a grid, or the frontier\n"
+      "shards that merge writes."};
   hapgrid::describe(
       app, "expand",
       "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
@@ -124,11 +123,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--complete", options.complete,
                "Merge in memory and go on until the frontier is empty; writes the complete grid");
-  app.add_option("--report", options.report,
-                 "Append one JSON line to FILE: wall and CPU seconds, conversions, host")
-      ->type_name("FILE");
-  app.add_flag("--progress", options.progress,
-               "Show progress on standard error even if it is no terminal");
+  hapgrid::add_run_options(app, options.report, options.progress);
   hapgrid::add_model_path(app, options.model_path);
   return hapgrid::run_tool(app, argc, argv, [&] { return run(options); });
 }

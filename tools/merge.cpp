@@ -93,12 +93,10 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app{
-      "Merges the requests of one whole generation into a grid: finds or stores each state that "
-      "was\n"
-      "reached, and settles the destination levels (Algorithm 1, lines 10 to 20). Grid and "
-      "requests\n"
-      "come in any order and any number of shards; requests that are missing are an error. A grid\n"
-      "whose frontier is empty stays as it is."};
+      "Merges the requests of one whole generation into a grid: finds or stores each state that\n"
+      "was reached, and settles the destination levels (Algorithm 1, lines 10 to 20). Grid and\n"
+      "requests come in any order and any number of shards; requests that are missing are an\n"
+      "error. A grid whose frontier is empty stays as it is."};
   hapgrid::describe(app, "merge");
   hapgrid::add_inputs(app, options.shards, "The grid and all requests of its frontier");
   hapgrid::add_output(app, options.output);
@@ -110,11 +108,7 @@ int main(int argc, char** argv) {
       ->type_name("N")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}))
       ->capture_default_str();
-  app.add_option("--report", options.report,
-                 "Append one JSON line to FILE: wall and CPU seconds, host")
-      ->type_name("FILE");
-  app.add_flag("--progress", options.progress,
-               "Show progress on standard error even if it is no terminal");
+  hapgrid::add_run_options(app, options.report, options.progress);
   hapgrid::add_model_path(app, options.model_path);
   return hapgrid::run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <charconv>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -14,6 +13,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/device/path.hpp"
 #include "libcore/haptic/loop.hpp"
 #include "libcore/model/model.hpp"
@@ -86,11 +86,8 @@ class Log {
   static constexpr std::size_t kWriteBytes = 1 << 16;
 
   void append(double value, const char* separator) {
-    char digits[32];  // 17 digits, sign, point, e-308
-    const auto [end, error] =
-        std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 17);
     text_ += separator;
-    text_.append(digits, error == std::errc() ? end : digits);
+    append_digits17(text_, value);
   }
 
   OutputFile output_;

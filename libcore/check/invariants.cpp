@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "libcore/base/text.hpp"
 #include "libcore/check/text.hpp"
 #include "libcore/grid/describe.hpp"
 

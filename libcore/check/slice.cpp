@@ -5,8 +5,8 @@
 #include <string>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/check/text.hpp"
-#include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
 

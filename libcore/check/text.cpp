@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 
+#include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
@@ -28,13 +29,6 @@ std::string rounded(double value) {
   const auto end =
       std::to_chars(digits.begin(), digits.end(), value, std::chars_format::general, 6).ptr;
   return std::string(digits.begin(), end);
-}
-
-void append_digits17(std::string& text, double value) {
-  Digits digits;
-  const auto end =
-      std::to_chars(digits.begin(), digits.end(), value, std::chars_format::general, 17).ptr;
-  text.append(digits.begin(), end);
 }
 
 std::string printable(std::string_view text) {

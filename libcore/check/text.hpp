@@ -15,10 +15,6 @@ std::string fixed(double value, int decimals);
 /// `value` with at most six significant digits, for people ("0.025", "1e-06").
 std::string rounded(double value);
 
-/// Appends `value` with 17 significant digits, as %.17g in the C locale: reads back to the same
-/// double, and equal texts mean equal doubles.
-void append_digits17(std::string& text, double value);
-
 /// Strings from shards are hostile: everything but printable ASCII becomes '?'.
 std::string printable(std::string_view text);
 

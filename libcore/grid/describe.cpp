@@ -1,7 +1,5 @@
 #include "libcore/grid/describe.hpp"
 
-#include <charconv>
-
 namespace hapgrid {
 
 std::string describe(const Box& box, PointIndex point) {
@@ -12,12 +10,6 @@ std::string describe(const Box& box, PointIndex point) {
 
 std::string describe(const Box& box, PointIndex point, Level level) {
   return describe(box, point) + " level " + std::to_string(level);
-}
-
-std::string to_text(double value) {
-  char buffer[32];
-  const auto result = std::to_chars(buffer, buffer + sizeof buffer, value);
-  return std::string(buffer, result.ptr);
 }
 
 }  // namespace hapgrid

@@ -11,7 +11,5 @@ namespace hapgrid {
 std::string describe(const Box& box, PointIndex point);
 /// "point 17 (2, 1, 0) level 1"
 std::string describe(const Box& box, PointIndex point, Level level);
-/// A number with as many digits as it needs, whatever the locale.
-std::string to_text(double value);
 
 }  // namespace hapgrid

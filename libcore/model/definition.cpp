@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "libcore/base/error.hpp"
-#include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
 

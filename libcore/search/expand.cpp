@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
-#include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/shard/format.hpp"
 

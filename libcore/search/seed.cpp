@@ -5,6 +5,7 @@
 #include <map>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 
 namespace hapgrid {

@@ -67,8 +67,8 @@ def decode(shard):
 
 def encode(messages, schema=SCHEMA):
     """Messages in JSON as Cap'n Proto messages."""
-    text = "\n".join(json.dumps(m) for m in messages).encode()
-    return split(run(["capnp", "convert", "json:binary", schema, "Message"], text))
+    command = ["capnp", "convert", "json:binary", schema, "Message"]
+    return [run(command, json.dumps(m).encode()) for m in messages]
 
 
 def frame(content, *options):
@@ -99,8 +99,8 @@ def chunk_info(header, message, content, stored):
     return {
         "rows": len(point),
         "frontier": 0 if kind == "requests" else young,
-        "firstPoint": point[0] if point else 0,
-        "lastPoint": point[-1] if point else 0,
+        "firstPoint": int(point[0] or 0) if point else 0,
+        "lastPoint": int(point[-1] or 0) if point else 0,
         "digestLow": str(low),
         "digestHigh": str(high),
         "stored": str(xxh3_64(stored)),

@@ -13,8 +13,8 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/check/text.hpp"
-#include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
 

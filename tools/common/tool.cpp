@@ -68,6 +68,13 @@ void add_output(CLI::App& app, std::string& name) {
       ->capture_default_str();
 }
 
+void add_run_options(CLI::App& app, std::string& report, bool& progress) {
+  app.add_option("--report", report,
+                 "Append one JSON line to FILE: wall and CPU seconds, conversions, host")
+      ->type_name("FILE");
+  app.add_flag("--progress", progress, "Show progress on standard error even if it is no terminal");
+}
+
 int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run) {
   const std::string tool = app.get_name();
   try {

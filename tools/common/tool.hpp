@@ -32,6 +32,9 @@ std::vector<std::string> inputs_or_stdin(std::vector<std::string> names);
 /// The option -o, --output FILE, by default "-".
 void add_output(CLI::App& app, std::string& name);
 
+/// The options of work that can take long: --report FILE (see append_report()) and --progress.
+void add_run_options(CLI::App& app, std::string& report, bool& progress);
+
 /// Parses the command line and calls `run`, whose result is the exit code; every exception becomes
 /// one line "NAME: message" on standard error and an exit code.
 int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run);

@@ -1,3 +1,4 @@
+#include "libcore/base/text.hpp"
 #include "libcore/check/text.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,0 +1,540 @@
+"""streams.py SLOW [CASES]: feeds bad shards to the filters; called by streams.sh in its directory.
+
+SLOW: the filters have sanitizers, which take memory and time. CASES: only tests whose name has this.
+"""
+
+import concurrent.futures
+import copy
+import itertools
+import os
+import re
+import resource
+import struct
+import subprocess
+import sys
+import threading
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
+import shard
+
+SLOW = sys.argv[1] == "1"
+ONLY = sys.argv[2] if len(sys.argv) > 2 else ""
+MEMORY_MB = 200  # an honest shard of this size takes some 10 MB
+SECONDS = 60 if SLOW else 10
+numbers = itertools.count()
+failures = []
+
+
+def read(name):
+    with open(name, "rb") as file:
+        return file.read()
+
+
+if not SLOW:  # so that a wrong size ends a filter and not the machine
+    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+
+
+def run(command, stdin=b""):
+    """(exit code or -signal, stdout, stderr, peak memory in MB)"""
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE)
+    timer = threading.Timer(SECONDS, process.kill)
+    timer.start()
+    try:
+        process.stdin.write(stdin)
+        process.stdin.close()
+    except BrokenPipeError:
+        pass
+    out = process.stdout.read()
+    err = process.stderr.read()
+    _, status, usage = os.wait4(process.pid, 0)
+    timer.cancel()
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return process.returncode, out, err.decode(errors="replace"), usage.ru_maxrss / 1000
+
+
+def refused(name, command, bad, message, may_pass=False):
+    """The command, in which BAD stands for the bad shard, must refuse it with this message (a
+    regular expression that is found in the one line)."""
+    if ONLY not in name:
+        return
+    file = "bad.%d" % next(numbers)
+    out = file + ".out"
+    with open(file, "wb") as stream:
+        stream.write(bad)
+    words = [file if w == "BAD" else w for w in command.split()] + ["-o", out]
+    code, stdout, stderr, memory = run(words)
+    line = stderr.replace(file, "BAD")
+    problems = []
+    if may_pass and code == 0 and not stderr:
+        os.unlink(out)
+        return
+    if code != 1:
+        problems.append("exit code %d" % code)
+    if stdout:
+        problems.append("writes to standard output")
+    if os.path.exists(out):
+        problems.append("leaves half a file")
+        os.unlink(out)
+    if not re.fullmatch("%s: [^\n]+\n" % words[0], line):
+        problems.append("not one line of the tool")
+    elif not re.search(message, line):
+        problems.append("another message than /%s/" % message)
+    if memory > MEMORY_MB and not SLOW:
+        problems.append("%d MB of memory" % memory)
+    if problems:
+        failures.append("%s: %s: %s\n  %s" % (name, command, "; ".join(problems), line[:400]))
+    os.unlink(file)
+
+
+pool = concurrent.futures.ThreadPoolExecutor(4)
+jobs = []
+
+
+def later(function, *arguments):
+    jobs.append(pool.submit(function, *arguments))
+
+
+def later_refused(*arguments):
+    later(refused, *arguments)
+
+
+SEEDS, REQUESTS, FRONTIER, GRID, NEXT = map(read, ("seeds", "requests", "frontier", "grid", "next"))
+TOY_SEEDS, TOY_REQUESTS = map(read, ("toy.seeds", "toy.requests"))
+
+# The commands that read each kind of shard.
+READERS = {
+    "seeds": (SEEDS, ["expand BAD", "expand --complete BAD", "merge BAD requests", "stats BAD", "verify BAD"]),
+    "requests": (REQUESTS, ["merge seeds BAD"]),
+    "frontier": (FRONTIER, ["expand BAD"]),
+    "next": (NEXT, ["merge BAD next.requests", "stats --dump BAD"]),
+    "grid": (GRID, ["merge BAD", "expand BAD", "verify BAD", "stats BAD"]),
+    "toy.seeds": (TOY_SEEDS, ["expand BAD", "merge toy.requests BAD"]),
+    "toy.requests": (TOY_REQUESTS, ["merge toy.seeds BAD"]),
+}
+
+# ---- Cut, at every byte ---------------------------------------------------------------------------
+
+for kind, (whole, commands) in READERS.items():
+    ends = list(itertools.accumulate(len(f) for f in shard.frames(whole)))
+    edges = {0, 1, 2, 3, 4, 5, 17, 18, len(whole) - 1}
+    for end in ends[:-1]:
+        edges |= {end - 5, end - 4, end - 1, end, end + 1, end + 3, end + 4, end + 10}
+    for i, command in enumerate(commands):
+        cuts = range(len(whole)) if i == 0 and not SLOW and kind in ("seeds", "requests") else sorted(edges)
+        for cut in cuts:
+            message = (
+                "empty, not a shard" if cut == 0 else
+                "truncated: the shard does not end with a footer" if cut in ends else
+                "truncated or damaged: a frame is cut")
+            later_refused("cut %s at %d" % (kind, cut), command, whole[:cut], message)
+    # Frames that are missing inside.
+    parts = shard.frames(whole)
+    for command in commands:
+        later_refused("%s without header" % kind, command, b"".join(parts[1:]), "truncated: a footer counts 1 chunks, 1 mess")
+        later_refused("%s without chunk" % kind, command, parts[0] + parts[-1], "truncated: a footer counts 1 chunks, 1 mess")
+        later_refused("%s: footer alone" % kind, command, parts[-1], "truncated: a footer counts 1 chunks, 0 mess")
+        later_refused("%s: header alone" % kind, command, parts[0], "does not end with a footer")
+        later_refused("%s: chunk twice" % kind, command, b"".join([parts[0], parts[1], parts[1], parts[2]]), "damaged|truncated")
+        later_refused("%s: footer twice" % kind, command, whole + parts[-1], "damaged|truncated")
+        later_refused("%s: header twice" % kind, command, parts[0] + whole, "does not end with a footer")
+        later_refused("%s: bytes behind" % kind, command, whole + b"\n", "not a shard: no zstd frame")
+        later_refused("%s: bytes before" % kind, command, b"\n" + whole, "not a shard: no zstd frame")
+        later_refused("%s: zeros behind" % kind, command, whole + bytes(4096), "not a shard: no zstd frame")
+        later_refused("%s: skippable frame" % kind, command, struct.pack("<II", 0x184D2A50, 4) + b"text" + whole, "not a shard: no zstd frame")
+        later_refused("%s: one frame for all" % kind, command, shard.frame(shard.decompress(whole)), "bytes behind the message")
+        later_refused("%s: two messages in a frame" % kind, command,
+                      shard.frame(b"".join(map(shard.decompress, parts[:2]))) + parts[2], "truncated: a footer counts 1 chunks, 1 mess")
+
+# ---- Flipped, every byte --------------------------------------------------------------------------
+
+
+def flipped(kind, command, whole, at, mask, right):
+    name = "flip %s at %d by %d" % (kind, at, mask)
+    if ONLY not in name:
+        return
+    file = "bad.%d" % next(numbers)
+    bad = bytearray(whole)
+    bad[at] ^= mask
+    with open(file, "wb") as stream:
+        stream.write(bad)
+    words = [file if w == "BAD" else w for w in command.split()]
+    code, stdout, stderr, _ = run(words)
+    os.unlink(file)
+    # A bit without meaning, in a frame's header, may be overlooked.
+    if code == 0 and stdout == right and not stderr:
+        return
+    if code != 1 or not re.fullmatch("%s: [^\n]+\n" % words[0], stderr):
+        failures.append("%s: %s: exit code %d\n  %s" % (name, command, code, stderr[:400]))
+
+
+for kind, command in (
+    ("seeds", "expand BAD"),
+    ("requests", "merge seeds BAD"),
+    ("next", "merge next.requests BAD"),
+    ("grid", "stats --dump BAD"),
+    ("toy.requests", "merge BAD toy.seeds"),
+    ("frontier", "expand BAD"),
+):
+    whole = READERS[kind][0]
+    code, right, stderr, _ = run([kind if w == "BAD" else w for w in command.split()])
+    assert code == 0, stderr
+    for at in range(0, len(whole), 7 if SLOW else 1):
+        later(flipped, kind, command, whole, at, 1 << at % 8, right)
+        if kind in ("seeds", "requests"):
+            later(flipped, kind, command, whole, at, 255, right)
+
+# ---- Sealed again after a fault was put in --------------------------------------------------------
+
+
+def crafted(name, kind, message, change, commands=None, **options):
+    """`change` changes the messages; checksums, digests and what the footer says of chunks are right."""
+    def work():
+        messages = shard.decode(READERS[kind][0])
+        change(messages)
+        try:
+            bad = shard.seal(messages, **options)
+        except subprocess.CalledProcessError as error:
+            failures.append("%s: %s: the fault was not made: %s" % (name, kind, error))
+            return
+        for command in commands or READERS[kind][1]:
+            refused(name, command, bad, message)
+    if ONLY in name:
+        later(work)
+
+
+def header(**changes):
+    return lambda messages: messages[0]["header"].update(changes)
+
+
+def box(**changes):
+    return lambda messages: messages[0]["header"]["box"].update(changes)
+
+
+# Sealed without a fault they are what they were (but for the compressor's level): else the faults
+# below would prove nothing.
+for kind, (whole, commands) in READERS.items():
+    again, before = shard.decode(shard.seal(shard.decode(whole))), shard.decode(whole)
+    for messages in (again, before):
+        messages[-1]["footer"]["chunks"][0].pop("stored")
+    assert again == before, kind
+
+BEYOND = 12  # points of the ball's box
+for kind in ("seeds", "requests", "frontier"):
+    crafted("magic", kind, "not a hapgrid shard", header(magic="7521416442288890930"))
+    for version in (0, 2, 4294967295):
+        crafted("version", kind, "byte 0: format version %d, this program reads version 1" % version, header(version=version))
+    crafted("state size 0", kind, "a state of 0 components; 1 to 1048576 are possible", header(stateSize=0))
+    crafted("state size 2^20 + 1", kind, "a state of 1048577 components", header(stateSize=1048577))
+    crafted("state size", kind, "states of 1 components, the grid has 3|another grid|does not fit", header(stateSize=3))
+    crafted("level limit 0", kind, "a level limit of 0; 1 to 254 are possible", header(maxLevels=0))
+    crafted("level limit 255", kind, "a level limit of 255; 1 to 254", header(maxLevels=255))
+    crafted("tolerance nan", kind, "the tolerance is not finite", header(tolerance="NaN"))
+    crafted("spacing 0", kind, "box: spacing is 0", box(spacing=0))
+    crafted("spacing nan", kind, "box: spacing is -?nan", box(spacing="NaN"))
+    crafted("spacing inf", kind, "box: spacing is inf", box(spacing="Infinity"))
+    crafted("origin inf", kind, "box: origin is not finite", box(originY="-Infinity"))
+    crafted("count 0", kind, "box: a count is 0", box(countY=0))
+    crafted("counts", kind, "box: more than 4294967295 grid points", box(countX=65536, countY=65536, countZ=65536))
+    crafted("counts 2^32", kind, "box: more than 4294967295 grid points", box(countX=65536, countY=65536, countZ=1))
+    crafted("no header", kind, "no header where", lambda m: m.__setitem__(0, copy.deepcopy(m[1])))
+
+# Plug-ins are never found by a path from a shard; the line stays a line.
+for model, message in (
+    ("../models/hung-ball", "a plug-in's name has only letters"),
+    ("/tmp/x", "a plug-in's name has only letters"),
+    ("", "a plug-in's name has only letters"),
+    ("hung-ball\nexpand: fine", "model 'hung-ball expand: fine': a plug-in's name has only letters"),
+    ("x" * 101, "a plug-in's name has only letters"),
+    ("x" * 100000, "a plug-in's name has only letters"),
+    ("-rf", "a plug-in's name has only letters"),
+    (".", "a plug-in's name has only letters"),
+    ("nothing", "no plug-in nothing.so in: .*/tests/plugins, .*models"),
+):
+    crafted("model name", "seeds", message, header(model=model), ["expand BAD", "expand --complete BAD", "merge BAD", "verify BAD"])
+
+
+def parameters(*list):
+    return header(parameters=list)
+
+
+crafted("parameters", "seeds", "unknown parameter radios", parameters({"key": "radios", "value": {"number": 1}}), ["expand BAD"])
+crafted("parameters", "seeds", "parameter radius must be a number", parameters({"key": "radius", "value": {"text": "x"}}), ["expand BAD"])
+crafted("parameters", "seeds", "radius", parameters({"key": "radius", "value": {"number": "NaN"}}), ["expand BAD"])
+crafted("many parameters", "seeds", "parameter|message of", parameters(*({"key": "k%d" % i, "value": {"numbers": [0] * 100}} for i in range(2000))), ["expand BAD"])
+
+
+def column(kind, **changes):
+    """Each change gets the column's list, or replaces it."""
+    def edit(messages):
+        rows = messages[1]["requests" if kind.endswith("requests") else "records"]
+        for name, change in changes.items():
+            rows[name] = change(rows.get(name, [])) if callable(change) else change
+    return edit
+
+
+def put(row, value):
+    def change(values):
+        values = list(values)
+        values[row] = value
+        return values
+    return change
+
+
+def swap_rows(messages):
+    rows = messages[1]["requests" if "requests" in messages[1] else "records"]
+    size = len(rows["target" if "target" in rows else "point"])
+    for name, values in rows.items():
+        width = len(values) // size
+        rows[name] = values[width : 2 * width] + values[:width] + values[2 * width :]
+
+
+def repeat_row(messages):
+    rows = messages[1]["requests" if "requests" in messages[1] else "records"]
+    size = len(rows["target" if "target" in rows else "point"])
+    for name, values in rows.items():
+        rows[name] = values[: len(values) // size] + values
+    footer = messages[-1]["footer"]
+    for name in ("records", "requests"):
+        if footer[name] != "0":
+            footer[name] = str(int(footer[name]) + 1)
+
+
+for kind in ("seeds", "requests", "frontier", "toy.requests"):
+    point = "target" if kind.endswith("requests") else "point"
+    crafted("point outside", kind, "point %s is outside the box" % ("6" if kind.startswith("toy") else BEYOND),
+            column(kind, **{point: put(-1, 6 if kind.startswith("toy") else BEYOND)}))
+    crafted("point far outside", kind, "point 4294967295 is outside the box", column(kind, **{point: put(-1, 4294967295)}))
+    crafted("level beyond", kind, "level 8 at point [0-9]+, the limit is 8", column(kind, level=put(0, 8)))
+    crafted("level 255", kind, "level 255 at point [0-9]+, the limit is 8", column(kind, level=put(-1, 255)))
+    if not kind.startswith("toy"):  # its first rows have one point
+        crafted("rows out of order", kind, "rows out of order at point", swap_rows)
+    crafted("row twice", kind, "rows out of order at point", repeat_row)
+    names = {"seeds": ["level", "generation", "state", "links"], "frontier": ["level", "generation", "state", "todo"]}
+    for name in names.get(kind, ["direction", "level", "state"]):
+        crafted("column %s short" % name, kind, "column %s does not fit the chunk" % name, column(kind, **{name: lambda v: v[:-1]}))
+        crafted("column %s long" % name, kind, "column %s does not fit the chunk" % name, column(kind, **{name: lambda v: v + v[:1]}))
+        crafted("column %s empty" % name, kind, "column %s does not fit the chunk|counts in the footer" % name, column(kind, **{name: []}))
+    everything = {"todo", "links", "generation", "direction", "level", "state", "point", "target"}
+    crafted("no rows", kind, "a chunk without rows|counts in the footer", lambda m, k=kind: column(k, **{n: [] for n in everything & set(next(iter(m[1].values())))})(m))
+    # Sums in the footer.
+    for name in ("records", "requests", "frontier", "conversions"):
+        for change in (1, 1000000, 1 << 63):
+            def edit(m, name=name, change=change):
+                m[-1]["footer"][name] = str(int(m[-1]["footer"][name]) + change)
+            commands = [c for c in READERS[kind][1]]
+            crafted("sum of %s" % name, kind, "the counts in the footer do not fit|requests are missing", edit, commands)
+    # What it says of a chunk.
+    for name, value in (("rows", 1), ("frontier", 3), ("firstPoint", 7), ("lastPoint", 1), ("digestLow", "1"), ("digestHigh", "1")):
+        def edit(footer, name=name, value=value):
+            footer["chunks"][0][name] = value
+        message = "does not fit (what the footer says|the footer's digest)"
+        crafted("footer's %s" % name, kind, message, lambda m: None, edit=edit)
+    crafted("footer's digest", kind, "digest in the footer does not fit", lambda m: None, edit_last=lambda f: f.update(digestLow="1"))
+    crafted("footer's digest", kind, "digest in the footer does not fit", lambda m: None, edit_last=lambda f: f.update(digestHigh="1"))
+    crafted("a header changed", kind, "digest in the footer does not fit",
+            lambda m: m[0]["header"].update(toleranceUnit="furlong"),
+            edit_last=lambda f, k=kind: f.update({n: shard.decode(READERS[k][0])[-1]["footer"][n] for n in ("digestLow", "digestHigh")}))
+    crafted("more chunks", kind, "truncated: a footer counts 2 chunks, 2 mess", lambda m: None, edit=lambda f: f["chunks"].append(f["chunks"][0]))
+    crafted("fewer chunks", kind, "no header where|bytes|damaged", lambda m: None, edit=lambda f: f["chunks"].clear())
+    crafted("100,000 chunks", kind, "truncated: a footer counts 100000 chunks", lambda m: None, edit=lambda f: f.update(chunks=f["chunks"] * 100000))
+    # Content of another kind.
+    for content in ("grid", "frontier", "requests"):
+        if content != ("requests" if "requests" in kind else "frontier" if kind == "frontier" else "grid"):
+            crafted("content %s" % content, kind,
+                    "holds|expected|column|a part of a frontier|but no grid|damaged", header(content=content))
+
+crafted("generation from the future", "seeds", "a record of generation 1", column("seeds", generation=put(-1, 1)))
+crafted("generation from the future", "seeds", "a record of generation 4294967295", column("seeds", generation=put(0, 4294967295)))
+crafted("frontier of the past", "frontier", "a record of generation 0", column("frontier", generation=put(0, 0)))
+crafted("todo outside", "frontier", "a direction to be expanded leaves the box", column("frontier", todo=put(0, (1 << 26) - 1)))
+crafted("todo beyond", "frontier", "a direction to be expanded leaves the box", column("frontier", todo=put(-1, 1 << 26)))
+for q in (26, 27, 254, 255):
+    crafted("direction %d" % q, "requests", "a direction beyond 25", column("requests", direction=put(0, q)))
+crafted("request from outside", "requests", "a request from outside the box|rows out of order", column("requests", direction=put(0, 25)))
+crafted("request from outside", "toy.requests", "a request from outside the box|rows out of order", column("toy.requests", direction=put(0, 0)))
+for number in ("NaN", "Infinity", "-Infinity"):
+    for row in (0, -1):
+        crafted("state %s" % number, "requests", "a request's state is not finite", column("requests", state=put(row, number)))
+        crafted("state %s" % number, "toy.requests", "a request's state is not finite", column("toy.requests", state=put(row, number)))
+
+# Levels that do not start at 0, and links that were settled before their time.
+crafted("level 1 alone", "seeds", "level 1 where level 0 (of at most 8 )?was expected", column("seeds", level=put(0, 1)),
+        ["expand --complete BAD", "merge BAD requests", "stats BAD", "verify BAD"])
+crafted("settled too early", "seeds", "the grid's frontier asks for no such conversion",
+        column("seeds", links=lambda v: [0 if x == 254 else x for x in v]), ["merge BAD requests", "expand --complete BAD"])
+crafted("unsettled outside", "seeds", "requests are missing|asks for no such", column("seeds", links=lambda v: [254] * len(v)), ["merge BAD requests"])
+
+# Lists that were encoded with elements of another size: a schema that differs in one column.
+SCHEMA = read(shard.SCHEMA).decode()
+for kind, name, old, types in (
+    ("seeds", "point @0", "List(UInt32)", ("List(UInt64)", "List(UInt16)", "List(UInt8)", "List(Bool)", "List(Void)", "List(Float32)")),
+    ("seeds", "generation @2", "List(UInt32)", ("List(UInt64)", "List(UInt16)", "List(Bool)", "List(Void)")),
+    ("seeds", "state @3", "List(Float64)", ("List(Float32)", "List(UInt8)", "List(Void)", "List(Bool)", "List(Text)")),
+    ("seeds", "links @4", "Data", ("List(UInt16)", "List(UInt32)", "List(Void)")),
+    ("seeds", "level @1", "Data", ("List(UInt64)", "List(Bool)", "List(Void)")),
+    ("frontier", "todo @5", "List(UInt32)", ("List(UInt64)", "List(UInt16)", "List(Void)")),
+    ("requests", "target @0", "List(UInt32)", ("List(UInt64)", "List(UInt16)", "List(Void)")),
+    ("requests", "direction @1", "Data", ("List(UInt64)", "List(Bool)")),
+    ("requests", "state @3", "List(Float64)", ("List(Float32)", "List(Void)", "List(Text)")),
+):
+    struct_name = "RequestChunk" if kind == "requests" else "RecordChunk"
+    for other in types:
+        begin = SCHEMA.index("struct %s " % struct_name)
+        field = SCHEMA.index("%s :%s;" % (name, old), begin)
+        text = SCHEMA[:field] + "%s :%s;" % (name, other) + SCHEMA[field + len("%s :%s;" % (name, old)) :]
+        file = "other.%d.capnp" % next(numbers)
+        with open(file, "w") as stream:
+            stream.write(text)
+
+        def edit(messages, name=name.split()[0], other=other):
+            rows = next(iter(messages[1].values()))
+            convert = {"Bool": bool, "Void": lambda v: None, "UInt16": lambda v: v % 65536, "UInt8": lambda v: v % 256, "Text": lambda v: "x"}
+            rows[name] = list(map(convert.get(other[5:-1], lambda v: v), rows[name]))
+        # Four bytes are four bytes, whatever they are called.
+        message = "damaged|does not fit"
+        if other == "List(Float32)" and "point" in name:
+            message = "outside the box|damaged"
+        crafted("%s as %s" % (name, other), kind, message, edit, schema=file)
+
+# Kinds of values that a later version may have.
+future = SCHEMA.replace("requests @2;\n    # What", "requests @2;\n    # What")
+future = re.sub(r"(texts @5 :List\(Text\);)", r"\1\n    complex @6 :Float64;", future)
+future = re.sub(r"(enum Content \{)", r"\1\n    beyond @3;", future)
+future = re.sub(r"(footer @3 :Footer;)", r"\1\n    more @4 :UInt64;", future)
+with open("future.capnp", "w") as stream:
+    stream.write(future)
+crafted("parameter of another kind", "seeds", "a parameter of a kind that this version does not know",
+        parameters({"key": "radius", "value": {"complex": 1}}), schema="future.capnp")
+crafted("content of another kind", "seeds", "content", header(content="beyond"), schema="future.capnp")
+
+
+def message_of_another_kind():
+    body = shard.encode([{"more": "1"}], "future.capnp")
+    parts = shard.frames(SEEDS)
+    bad = parts[0] + shard.frame(body[0]) + parts[2]
+    refused("message of another kind", "expand BAD", bad, "damaged")
+    refused("message of another kind", "expand BAD", b"".join(parts[:2]) + shard.frame(body[0]), "does not end with a footer")
+
+
+later(message_of_another_kind)
+
+# ---- Messages that are no messages ----------------------------------------------------------------
+
+
+def with_chunk(content, **options):
+    """SEEDS with another chunk, right digests."""
+    messages = shard.decode(SEEDS)
+    parts = shard.frames(SEEDS)
+    info = shard.chunk_info(messages[0]["header"], messages[1], content, shard.frame(content))
+    footer = messages[-1]["footer"]
+    footer["chunks"] = [info]
+    low, high = shard.section_digest(shard.decompress(parts[0]), [(int(info["digestLow"]), int(info["digestHigh"]))])
+    footer.update(digestLow=str(low), digestHigh=str(high))
+    return parts[0] + shard.frame(content, *options.get("zstd", ())) + shard.frame(shard.encode([messages[-1]])[0])
+
+
+def not_messages():
+    good = shard.decompress(shard.frames(SEEDS)[1])
+    refused("zeros", "expand BAD", with_chunk(bytes(4096)), "bytes behind the message")
+    refused("a word of zeros", "expand BAD", with_chunk(bytes(8)), "damaged")
+    refused("ones", "expand BAD", with_chunk(b"\xff" * 4096), "damaged")
+    refused("text", "expand BAD", with_chunk(b"The quick brown fox.... " * 10), "damaged")
+    refused("no words", "expand BAD", with_chunk(good + b"\0"), "not a shard: no Cap'n Proto message")
+    refused("a word behind", "expand BAD", with_chunk(good + bytes(8)), "bytes behind the message")
+    refused("a word short", "expand BAD", with_chunk(good[:-8]), "damaged")
+    refused("many segments", "expand BAD", with_chunk(struct.pack("<II", 0xFFFFFFFE, 0) + good), "damaged")
+    refused("a giant segment", "expand BAD", with_chunk(struct.pack("<II", 0, 0xFFFFFFFF) + good[8:]), "damaged")
+    # Every pointer of the message made wild, one after the other.
+    for at in range(8, min(len(good), 120), 8):
+        for wild in (b"\xff" * 8, struct.pack("<Q", 0x7FFFFFFFFFFFFFF9), struct.pack("<Q", 0xFFFFFFFF00000001),
+                     struct.pack("<Q", 0xFFFFFFF800000005), struct.pack("<Q", 2)):
+            # In a state or in padding it means no harm.
+            refused("wild word at %d" % at, "expand BAD", with_chunk(good[:at] + wild + good[at + 8 :]), "BAD: ", may_pass=True)
+
+
+def hostile_frames():
+    parts = shard.frames(SEEDS)
+    # A frame that says it holds 2^62 bytes, 8 TB, 64 MiB and a word; and one that does not say.
+    for size in (1 << 62, 1 << 43, (64 << 20) + 8):
+        claim = b"\x28\xb5\x2f\xfd\xe4" + struct.pack("<Q", size) + b"\x01\x00\x00" + b"\0\0\0\0"
+        for at in range(3):
+            bad = parts[:at] + [claim] + parts[at + 1 :]
+            refused("a frame of %d bytes" % size, "expand BAD", b"".join(bad), "a message of %d bytes, the limit is|does not end|damaged" % size)
+    silent = shard.run(["zstd", "-qc", "--check"], shard.decompress(parts[1]))
+    refused("a frame without its size", "expand BAD", parts[0] + silent + parts[2], "a frame without its content's size")
+    # Bombs: what 64 MiB of zeros become, in each place. Only a footer may be so large.
+    bomb = shard.frame(bytes(64 << 20))
+    for at in range(3):
+        bad = parts[:at] + [bomb] + parts[at + 1 :]
+        refused("a bomb at %d" % at, "expand BAD", b"".join(bad), "the limit is|damaged|bytes behind|does not end")
+        refused("a bomb at %d" % at, "merge BAD requests", b"".join(bad), "the limit is|damaged|bytes behind|does not end")
+    refused("a hundred bombs", "expand BAD", bomb * 100 + SEEDS, "bytes behind|damaged|does not end")
+    # Long, with nothing in it.
+    empty = shard.frame(b"")
+    refused("empty frames", "expand BAD", empty * 200000, "no Cap'n Proto message")
+    noise = os.urandom(1 << 20)
+    refused("noise", "expand BAD", noise, "not a shard: no zstd frame")
+    refused("noise in a frame", "expand BAD", shard.frame(noise), "damaged|does not end|bytes behind")
+    refused("a frame that never ends", "expand BAD", b"\x28\xb5\x2f\xfd\x04\x58" + b"\0\x80\0" * 1, "a frame is cut|truncated")
+
+
+later(not_messages)
+later(hostile_frames)
+
+
+# ---- What must work all the same ------------------------------------------------------------------
+
+
+def accepted(name, command, good, right):
+    file = "good.%d" % next(numbers)
+    with open(file, "wb") as stream:
+        stream.write(good)
+    code, out, err, memory = run([file if w == "GOOD" else w for w in command.split()])
+    if code != 0 or err or (right is not None and out != right) or (memory > MEMORY_MB and not SLOW):
+        failures.append("%s: %s: exit code %d, %d MB, %s output\n  %s" %
+                        (name, command, code, memory, "right" if out == right else "another", err[:400]))
+
+
+def segments():
+    """Cap'n Proto messages of many segments; frames from another compressor level."""
+    for kind, command in (("seeds", "expand GOOD"), ("requests", "merge seeds GOOD")):
+        whole = READERS[kind][0]
+        right = run([kind if w == "GOOD" else w for w in command.split()])[1]
+        text = shard.run(["capnp", "decode", shard.SCHEMA, "Message"], shard.decompress(whole))
+        original = shard.encode
+        body = shard.split(shard.run(["capnp", "encode", "--segment-size=1", shard.SCHEMA, "Message"], text))
+        if not any(struct.unpack_from("<I", m)[0] > 0 for m in body):
+            failures.append("segments: capnp made none")
+        messages = shard.decode(whole)
+        infos = [shard.chunk_info(messages[0]["header"], messages[1], body[1], shard.frame(body[1], "-19"))]
+        low, high = shard.section_digest(body[0], [(int(i["digestLow"]), int(i["digestHigh"])) for i in infos])
+        messages[-1]["footer"].update(chunks=infos, digestLow=str(low), digestHigh=str(high))
+        footer = original([messages[-1]])[0]
+        accepted("segments", command, shard.frame(body[0]) + shard.frame(body[1], "-19") + shard.frame(footer), right)
+
+
+def four_billion_points():
+    """A header that counts 2^32 - 2^17 + 1 points costs no memory in the filters of a round."""
+    definition = (b'grid = {origin = [0, 0, 0], spacing = 1, counts = [65535, 65535, 1]}\n'
+                  b'model = {plugin = "toy", parameters = {}}\n')
+    code, seeds, err, memory = run(["seed", "-"], definition)
+    assert code == 0 and memory < MEMORY_MB or SLOW, (err, memory)
+    with open("huge.seeds", "wb") as stream:
+        stream.write(seeds)
+    _, requests, err, memory = run(["expand", "huge.seeds"])
+    accepted("four billion points", "expand GOOD", seeds, requests)
+    accepted("four billion points", "merge huge.seeds GOOD", requests, None)
+    refused("four billion points", "merge BAD", seeds, "requests are missing: 12 of the 12 conversions")
+
+
+later(segments)
+later(four_billion_points)
+
+for job in concurrent.futures.as_completed(jobs):
+    job.result()
+pool.shutdown()
+print("%d shards" % next(numbers))
+if failures:
+    failures.sort()
+    sys.exit("\n".join(failures[:40]) + "\n%d faults" % len(failures))
