@@ -20,7 +20,7 @@
 #include "libcore/check/statistics.hpp"
 #include "libcore/check/text.hpp"
 #include "libcore/shard/load.hpp"
-#include "libcore/shard/reader.hpp"
+#include "libcore/shard/section.hpp"
 #include "tools/common/gnuplot.hpp"
 #include "tools/common/tool.hpp"
 

@@ -18,6 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kErrorSize = 512;
+// Viewers get them 25 times a second.
+constexpr std::uint32_t kMaxSpheres = 1u << 20;
 
 bool is_plain(const std::string& name) {
   if (name.empty() || name.size() > 100 || name[0] == '-') return false;
@@ -150,6 +152,10 @@ Model::Model(const Plugin& plugin, hapgrid_model* model)
     throw ModelError(who + "a state of " + std::to_string(info_.state_size) + " components; 1 to " +
                      std::to_string(kMaxStateSize) + " are possible");
   if (!(info_.d_max > 0)) throw ModelError(who + "d_max is not positive");
+  if (!table_->shape) info_.spheres = 0;
+  if (info_.spheres > kMaxSpheres)
+    throw ModelError(who + "a shape of " + std::to_string(info_.spheres) + " spheres; " +
+                     std::to_string(kMaxSpheres) + " are possible");
   if (!std::isfinite(info_.tolerance) || info_.tolerance < 0)
     throw ModelError(who + "the tolerance is negative or not finite");
 }

@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "libcore/search/levels.hpp"
+#include "libcore/shard/merged_rows.hpp"
 
 namespace hapgrid {
 

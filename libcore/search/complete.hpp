@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "libcore/search/converter.hpp"
-#include "libcore/shard/reader.hpp"
+#include "libcore/shard/section.hpp"
 #include "libcore/shard/writer.hpp"
 
 namespace hapgrid {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "libcore/search/converter.hpp"
-#include "libcore/shard/reader.hpp"
+#include "libcore/shard/merged_rows.hpp"
 #include "libcore/shard/writer.hpp"
 
 namespace hapgrid {

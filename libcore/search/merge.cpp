@@ -9,6 +9,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/search/levels.hpp"
+#include "libcore/shard/merged_rows.hpp"
 
 namespace hapgrid {
 

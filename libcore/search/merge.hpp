@@ -7,7 +7,7 @@
 
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
-#include "libcore/shard/reader.hpp"
+#include "libcore/shard/section.hpp"
 #include "libcore/shard/writer.hpp"
 
 namespace hapgrid {

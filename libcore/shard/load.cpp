@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
-#include "libcore/shard/reader.hpp"
+#include "libcore/shard/merged_rows.hpp"
 
 namespace hapgrid {
 

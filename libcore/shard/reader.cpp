@@ -1,16 +1,14 @@
 #include "libcore/shard/reader.hpp"
 
-#include <capnp/serialize.h>
-#include <kj/exception.h>
-
-#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/shard/digest.hpp"
 #include "libcore/shard/frame.hpp"
 #include "libcore/shard/schema.hpp"
 
@@ -18,37 +16,9 @@ namespace hapgrid {
 
 namespace {
 
-// A header carries the model's parameters in full; a footer some 50 bytes a chunk.
-constexpr std::uint64_t kMaxHeaderBytes = 8 << 20;
-constexpr std::uint64_t kMaxFooterBytes = 64 << 20;
-
 /// The largest message that a section can hold: a chunk near 1 MiB, or a single large row.
 std::uint64_t chunk_limit(std::uint32_t state_size) {
   return (4 << 20) + 4 * record_bytes(state_size);
-}
-/// Decodes one message and hands it to `use`; everything that Cap'n Proto throws becomes a
-/// FormatError.
-template <class F>
-auto read_message(const std::vector<std::uint64_t>& words, const std::string& where, F&& use) {
-  try {
-    capnp::ReaderOptions options;
-    // Columns are looked at once to validate and once to copy; lists of texts in headers more.
-    options.traversalLimitInWords = 4 * words.size() + 1024;
-    options.nestingLimit = 8;
-    const auto* begin = reinterpret_cast<const capnp::word*>(words.data());
-    capnp::FlatArrayMessageReader reader(kj::arrayPtr(begin, words.size()), options);
-    if (reader.getEnd() != begin + words.size())
-      throw FormatError("bytes behind the message in a frame");
-    return use(reader.getRoot<schema::Message>());
-  } catch (const FormatError& e) {
-    throw FormatError(where + ": " + e.what());
-  } catch (const kj::Exception& e) {
-    throw FormatError(where + ": damaged: " + std::string(e.getDescription().cStr()));
-  }
-}
-
-std::string at(const InputFile& file, std::uint64_t offset) {
-  return file.name() + ": byte " + std::to_string(offset);
 }
 
 /// A column of `count` primitive values. A hostile list may have been encoded with another element
@@ -82,89 +52,6 @@ std::span<const double> state_column(capnp::List<double>::Reader list, std::size
 }
 
 }  // namespace
-
-std::vector<Section> open_sections(const std::shared_ptr<const InputFile>& file) {
-  if (file->size() == 0) throw FormatError(file->name() + ": empty, not a shard");
-  constexpr std::uint64_t kMaxFrame = kMaxFooterBytes;
-  FrameReader frames(*file, 0, file->size());
-  FrameDecoder decoder;
-  std::vector<std::uint64_t> words;
-  std::vector<std::uint64_t> offsets;
-  while (!frames.at_end()) {
-    offsets.push_back(frames.offset());
-    frames.next(kMaxFrame);
-  }
-  offsets.push_back(file->size());
-  const auto message = [&](std::size_t frame, std::uint64_t limit, auto&& use) {
-    frames.seek(offsets[frame]);
-    const std::string where = at(*file, offsets[frame]);
-    try {
-      decoder.decode(frames.next(kMaxFrame), limit, words);
-    } catch (const FormatError& e) {
-      throw FormatError(where + ": " + e.what());
-    }
-    read_message(words, where, use);
-  };
-  // From the end backwards: a footer says how many chunks stand between it and its header.
-  std::vector<Section> found;
-  for (std::size_t end = offsets.size() - 1; end > 0;) {
-    Section section;
-    section.file = file;
-    section.end = offsets[end];
-    message(end - 1, kMaxFooterBytes, [&](schema::Message::Reader last) {
-      if (!last.isFooter()) throw FormatError("truncated: the shard does not end with a footer");
-      section.footer = decode_footer(last.getFooter());
-    });
-    const std::size_t chunks = section.footer.chunks.size();
-    if (chunks + 2 > end)
-      throw FormatError(file->name() + ": truncated: a footer counts " + std::to_string(chunks) +
-                        " chunks, " + std::to_string(end - 1) + " messages stand before it");
-    const std::size_t first = end - 2 - chunks;
-    section.begin = offsets[first + 1];
-    section.stored_bytes = section.end - offsets[first];
-    message(first, kMaxHeaderBytes, [&](schema::Message::Reader head) {
-      if (!head.isHeader()) throw FormatError("damaged: no header where a footer's section starts");
-      section.header = decode_header(head.getHeader());
-      SectionDigester digester(std::as_bytes(std::span(words)));
-      for (const ChunkInfo& chunk : section.footer.chunks) digester.add(chunk.digest);
-      if (digester.digest() != section.footer.digest)
-        throw FormatError("damaged: the digest in the footer does not fit the content");
-    });
-    found.push_back(std::move(section));
-    end = first;
-  }
-  std::reverse(found.begin(), found.end());
-  return found;
-}
-
-std::vector<Section> open_sections(const std::vector<std::string>& names) {
-  std::vector<Section> sections;
-  for (const std::string& name : names) {
-    std::vector<Section> found = open_sections(std::make_shared<const InputFile>(name));
-    sections.insert(sections.end(), std::make_move_iterator(found.begin()),
-                    std::make_move_iterator(found.end()));
-  }
-  for (const Section& section : sections) {
-    const Section& first = sections.front();
-    if (section.header.spec == first.header.spec) continue;
-    throw FormatError(section.file->name() + ": another grid than " + first.file->name() + ": " +
-                      difference(section.header.spec, first.header.spec));
-  }
-  return sections;
-}
-
-void require_content(const std::vector<Section>& sections, Content content) {
-  for (const Section& section : sections) {
-    if (section.header.content != content)
-      throw FormatError(section.file->name() + ": holds " + to_string(section.header.content) +
-                        " where a shard of " + to_string(content) + " is needed");
-    const std::uint32_t expected = sections.front().header.generation;
-    if (section.header.generation != expected)
-      throw FormatError(
-          section.file->name() + ": generation " + std::to_string(section.header.generation) +
-          ", but " + sections.front().file->name() + " has generation " + std::to_string(expected));
-  }
-}
 
 class SectionReader::State {
  public:
@@ -353,107 +240,5 @@ void SectionReader::next_stored(StoredChunk& chunk) { state_->next_stored(chunk)
 void SectionReader::decode(const StoredChunk& chunk, RecordRows& rows) {
   state_->decode_stored(chunk, rows);
 }
-
-namespace {
-RowKey key(const RecordRows& rows, std::size_t r) {
-  return record_key(rows.point[r], rows.level[r]);
-}
-RowKey key(const RequestRows& rows, std::size_t r) {
-  return request_key(rows.target[r], rows.direction[r], rows.level[r]);
-}
-}  // namespace
-
-template <class Rows>
-struct MergedRows<Rows>::Source {
-  explicit Source(const Section& section) : reader(section) {}
-  RowKey head() const { return key(rows, position); }
-  /// Makes head() valid; false behind the last row.
-  bool fill() {
-    while (position == rows.size()) {
-      position = 0;
-      if (!reader.next(rows)) return false;
-    }
-    return true;
-  }
-
-  SectionReader reader;
-  Rows rows;
-  std::size_t position = 0;
-};
-
-template <class Rows>
-MergedRows<Rows>::MergedRows(const std::vector<Section>& sections) {
-  for (const Section& section : sections) waiting_.push_back(&section);
-  std::stable_sort(waiting_.begin(), waiting_.end(), [](const Section* a, const Section* b) {
-    return a->footer.first_point() > b->footer.first_point();
-  });
-}
-
-template <class Rows>
-MergedRows<Rows>::~MergedRows() = default;
-
-template <class Rows>
-void MergedRows<Rows>::open_next() {
-  open_.push_back(std::make_unique<Source>(*waiting_.back()));
-  waiting_.pop_back();
-  if (!open_.back()->fill()) open_.pop_back();
-}
-
-template <class Rows>
-void MergedRows<Rows>::end_run() {
-  // The rows of the last run are given back only now.
-  if (current_ && !current_->fill())
-    std::erase_if(open_, [&](const auto& source) { return source.get() == current_; });
-  current_ = nullptr;
-}
-
-template <class Rows>
-SectionReader* MergedRows<Rows>::whole_chunk_next() {
-  if (open_.empty() && waiting_.size() == 1) {
-    open_.push_back(std::make_unique<Source>(*waiting_.back()));
-    waiting_.pop_back();
-    current_ = open_.back().get();
-  }
-  if (!waiting_.empty() || open_.size() != 1) return nullptr;
-  Source& source = *open_.front();
-  return source.position == source.rows.size() && source.reader.peek() ? &source.reader : nullptr;
-}
-
-template <class Rows>
-Run<Rows> MergedRows<Rows>::next() {
-  end_run();
-  while (open_.empty() && !waiting_.empty()) open_next();
-  if (open_.empty()) return {};
-  const auto smallest = [&] {
-    return std::min_element(open_.begin(), open_.end(),
-                            [](const auto& a, const auto& b) { return a->head() < b->head(); })
-        ->get();
-  };
-  Source* source = smallest();
-  while (!waiting_.empty() && waiting_.back()->footer.first_point() <= key_point(source->head())) {
-    open_next();
-    source = smallest();
-  }
-  // The run ends where another source, or a section that is still closed, has the next row.
-  RowKey limit = std::numeric_limits<RowKey>::max();
-  for (const auto& other : open_)
-    if (other.get() != source) limit = std::min(limit, other->head());
-  if (!waiting_.empty())
-    limit = std::min(limit, record_key(waiting_.back()->footer.first_point(), 0));
-  const Rows& rows = source->rows;
-  const std::size_t begin = source->position;
-  std::size_t end = begin + 1;
-  if (key(rows, rows.size() - 1) < limit) {
-    end = rows.size();
-  } else {
-    while (end < rows.size() && key(rows, end) < limit) ++end;
-  }
-  source->position = end;
-  current_ = source;
-  return {&rows, begin, end};
-}
-
-template class MergedRows<RecordRows>;
-template class MergedRows<RequestRows>;
 
 }  // namespace hapgrid

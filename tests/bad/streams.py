@@ -528,6 +528,19 @@ def four_billion_points():
     refused("four billion points", "merge BAD", seeds, "requests are missing: 12 of the 12 conversions")
 
 
+def not_finite():
+    """A state that is not finite is a shard's content and not a fault of the stream: verify tells."""
+    for number in ("NaN", "-Infinity"):
+        messages = shard.decode(GRID)
+        messages[1]["records"]["state"][3] = number
+        with open("not_finite", "wb") as stream:
+            stream.write(shard.seal(messages))
+        code, out, err, _ = run(["verify", "not_finite"])
+        if code != 3 or not re.search(r"\nfinite +12 records +1 ", out.decode()):
+            failures.append("state %s in a grid: verify: exit code %d, %s" % (number, code, err))
+
+
+later(not_finite)
 later(segments)
 later(four_billion_points)
 

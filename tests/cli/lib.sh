@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2034  # variables are for the scripts
 # What the command-line tests share: sourced as the first line of a script,
 #
 #   source "$(dirname "$0")/../lib.sh"
@@ -48,7 +49,7 @@ expect() {
   "$@" >"$work/got/out" 2>"$work/got/err" || got=$?
   [[ $got == "$code" ]] || fail "exit code $got, not $code: $*"$'\n'"$(head -c 2000 "$work/got/err")"
   # $(...) drops final newlines; the dot keeps them, and each text must end with just one.
-  local text
+  local text stream
   for stream in out err; do
     text=$(tr -d '\0' <"$work/got/$stream"; echo .)
     text=${text%.}

@@ -8,8 +8,6 @@
 #include <string>
 #include <thread>
 
-#include "libcore/shard/reader.hpp"
-
 namespace hapgrid {
 
 /// A line on standard error, written again several times a second while this object lives: only

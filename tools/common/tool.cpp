@@ -1,5 +1,7 @@
 #include "tools/common/tool.hpp"
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -18,6 +20,13 @@ std::string one_line(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
   return text;
+}
+
+/// A standard stream that was closed (`tool <&-`) would be taken by the first file that is opened, and
+/// a message could end up in a shard. What is put in its place fails when it is used.
+void occupy_standard_streams() {
+  for (int fd = 0; fd <= 2; ++fd)
+    if (::fcntl(fd, F_GETFD) < 0) ::open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
 }
 
 int report(const std::string& tool, const std::string& message, int code) {
@@ -77,6 +86,7 @@ void add_run_options(CLI::App& app, std::string& report, bool& progress) {
 
 int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run) {
   const std::string tool = app.get_name();
+  occupy_standard_streams();
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {  // --help, --version

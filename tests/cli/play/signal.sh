@@ -3,12 +3,13 @@ source "$(dirname "$0")/../lib.sh"
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 for i in {1..500}; do echo "0.0$i 0 0"; done >path # 500 s at 1 Hz
 
-# The handlers are there when all three signals are in SigCgt (bits 0, 1 and 14).
+# The handlers are there when all three signals are in SigCgt (bits 0, 1 and 14) of play itself: the
+# shell that becomes it catches them too, for its trap.
 await_handlers() {
   local mask
   for _ in {1..500}; do
     mask=$(sed -n 's/^SigCgt:\t//p' "/proc/$1/status")
-    [ $((0x$mask & 0x4003)) = $((0x4003)) ] && return
+    [[ $(cat "/proc/$1/comm") == play && $((0x$mask & 0x4003)) == $((0x4003)) ]] && return
     sleep 0.02
   done
   fail "no handlers after 10 s"

@@ -92,7 +92,8 @@ class Search {
     return at;
   }
 
-  void store(const std::array<int, 3>& at, int l, const std::vector<double>& s, unsigned generation) {
+  void store(const std::array<int, 3>& at, int l, const std::vector<double>& s,
+             unsigned generation) {
     Record& record = x_[{index(at), l}];
     record.s = s;
     record.generation = generation;

@@ -53,7 +53,8 @@ struct Case {
     for (int a = 0; a < 3; ++a) grid.counts[a] = draw(random, 1, max_count);
     definition.box.origin = grid.origin;
     definition.box.spacing = grid.spacing;
-    for (int a = 0; a < 3; ++a) definition.box.counts[a] = static_cast<std::uint32_t>(grid.counts[a]);
+    for (int a = 0; a < 3; ++a)
+      definition.box.counts[a] = static_cast<std::uint32_t>(grid.counts[a]);
 
     for (int i = draw(random, 1, 4); i > 0; --i) {
       std::array<int, 3> at;
@@ -118,9 +119,8 @@ void complete_shard(const std::string& from, const std::string& to, unsigned thr
   Progress progress;
   Converter converter(toy_plugin(), sections.front().header.spec, threads, progress);
   const FileDescriptor file = open_plain(to);
-  complete(sections, converter, progress, [&](const SectionHeader& header) {
-    return SectionWriter(file.get(), to, header);
-  });
+  complete(sections, converter, progress,
+           [&](const SectionHeader& header) { return SectionWriter(file.get(), to, header); });
 }
 
 void expand_shards(const std::vector<std::string>& from, Part part, const std::string& to) {
@@ -149,9 +149,8 @@ void merge_shards(const std::vector<std::string>& from, const std::string& to,
     if (frontier_name.empty()) {
       merge(input, model, out, nullptr, progress);
     } else {
-      write_shard(frontier_name, frontier_header, [&](SectionWriter& frontier) {
-        merge(input, model, out, &frontier, progress);
-      });
+      write_shard(frontier_name, frontier_header,
+                  [&](SectionWriter& frontier) { merge(input, model, out, &frontier, progress); });
     }
   });
 }
@@ -345,8 +344,9 @@ TEST_CASE("merge counts the requests that are missing, and refuses those nobody 
   }
 
   merge_shards(right, dir.file("next"));
-  REQUIRE_THROWS_WITH(merge_shards({dir.file("next"), dir.file("r1")}, dir.file("x")),
-                      Catch::Matchers::Contains("requests of generation 0, the grid's frontier is 1"));
+  REQUIRE_THROWS_WITH(
+      merge_shards({dir.file("next"), dir.file("r1")}, dir.file("x")),
+      Catch::Matchers::Contains("requests of generation 0, the grid's frontier is 1"));
   // The right generation, but a conversion that no record asks for.
   SectionHeader header = sections.front().header;
   header.generation = 1;

@@ -80,7 +80,9 @@ void require_sorted(Wavefront& wave, const GridSpec& spec, const std::vector<Sou
 
 TEST_CASE("requests leave the wavefront in order") {
   Random random(2003);
-  const auto count = [&](std::uint32_t most) { return 1 + static_cast<std::uint32_t>(random() % most); };
+  const auto count = [&](std::uint32_t most) {
+    return 1 + static_cast<std::uint32_t>(random() % most);
+  };
   for (int i = 0; i < 60; ++i) {
     CAPTURE(i);
     GridSpec spec;

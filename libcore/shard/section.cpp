@@ -1,0 +1,104 @@
+#include "libcore/shard/section.hpp"
+
+#include <algorithm>
+#include <span>
+
+#include "libcore/base/error.hpp"
+#include "libcore/shard/digest.hpp"
+#include "libcore/shard/frame.hpp"
+#include "libcore/shard/schema.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+// A header carries the model's parameters in full; a footer some 50 bytes a chunk.
+constexpr std::uint64_t kMaxHeaderBytes = 8 << 20;
+constexpr std::uint64_t kMaxFooterBytes = 64 << 20;
+
+}  // namespace
+
+std::vector<Section> open_sections(const std::shared_ptr<const InputFile>& file) {
+  if (file->size() == 0) throw FormatError(file->name() + ": empty, not a shard");
+  constexpr std::uint64_t kMaxFrame = kMaxFooterBytes;
+  FrameReader frames(*file, 0, file->size());
+  FrameDecoder decoder;
+  std::vector<std::uint64_t> words;
+  std::vector<std::uint64_t> offsets;
+  while (!frames.at_end()) {
+    offsets.push_back(frames.offset());
+    frames.next(kMaxFrame);
+  }
+  offsets.push_back(file->size());
+  const auto message = [&](std::size_t frame, std::uint64_t limit, auto&& use) {
+    frames.seek(offsets[frame]);
+    const std::string where = at(*file, offsets[frame]);
+    try {
+      decoder.decode(frames.next(kMaxFrame), limit, words);
+    } catch (const FormatError& e) {
+      throw FormatError(where + ": " + e.what());
+    }
+    read_message(words, where, use);
+  };
+  // From the end backwards: a footer says how many chunks stand between it and its header.
+  std::vector<Section> found;
+  for (std::size_t end = offsets.size() - 1; end > 0;) {
+    Section section;
+    section.file = file;
+    section.end = offsets[end];
+    message(end - 1, kMaxFooterBytes, [&](schema::Message::Reader last) {
+      if (!last.isFooter()) throw FormatError("truncated: the shard does not end with a footer");
+      section.footer = decode_footer(last.getFooter());
+    });
+    const std::size_t chunks = section.footer.chunks.size();
+    if (chunks + 2 > end)
+      throw FormatError(file->name() + ": truncated: a footer counts " + std::to_string(chunks) +
+                        " chunks, " + std::to_string(end - 1) + " messages stand before it");
+    const std::size_t first = end - 2 - chunks;
+    section.begin = offsets[first + 1];
+    section.stored_bytes = section.end - offsets[first];
+    message(first, kMaxHeaderBytes, [&](schema::Message::Reader head) {
+      if (!head.isHeader()) throw FormatError("damaged: no header where a footer's section starts");
+      section.header = decode_header(head.getHeader());
+      SectionDigester digester(std::as_bytes(std::span(words)));
+      for (const ChunkInfo& chunk : section.footer.chunks) digester.add(chunk.digest);
+      if (digester.digest() != section.footer.digest)
+        throw FormatError("damaged: the digest in the footer does not fit the content");
+    });
+    found.push_back(std::move(section));
+    end = first;
+  }
+  std::reverse(found.begin(), found.end());
+  return found;
+}
+
+std::vector<Section> open_sections(const std::vector<std::string>& names) {
+  std::vector<Section> sections;
+  for (const std::string& name : names) {
+    std::vector<Section> found = open_sections(std::make_shared<const InputFile>(name));
+    sections.insert(sections.end(), std::make_move_iterator(found.begin()),
+                    std::make_move_iterator(found.end()));
+  }
+  for (const Section& section : sections) {
+    const Section& first = sections.front();
+    if (section.header.spec == first.header.spec) continue;
+    throw FormatError(section.file->name() + ": another grid than " + first.file->name() + ": " +
+                      difference(section.header.spec, first.header.spec));
+  }
+  return sections;
+}
+
+void require_content(const std::vector<Section>& sections, Content content) {
+  for (const Section& section : sections) {
+    if (section.header.content != content)
+      throw FormatError(section.file->name() + ": holds " + to_string(section.header.content) +
+                        " where a shard of " + to_string(content) + " is needed");
+    const std::uint32_t expected = sections.front().header.generation;
+    if (section.header.generation != expected)
+      throw FormatError(
+          section.file->name() + ": generation " + std::to_string(section.header.generation) +
+          ", but " + sections.front().file->name() + " has generation " + std::to_string(expected));
+  }
+}
+
+}  // namespace hapgrid

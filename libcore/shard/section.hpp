@@ -1,0 +1,35 @@
+// Which sections an input holds, known from their headers and footers.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "libcore/base/file.hpp"
+#include "libcore/shard/format.hpp"
+
+namespace hapgrid {
+
+/// One section of an input, known from its header and footer.
+struct Section {
+  std::shared_ptr<const InputFile> file;
+  std::uint64_t begin = 0;         ///< offset behind the header's frame
+  std::uint64_t end = 0;           ///< offset behind the footer's frame
+  std::uint64_t stored_bytes = 0;  ///< of the whole section
+  SectionHeader header;
+  SectionFooter footer;
+};
+
+/// The sections of all inputs, by input and place. Only headers and footers are decoded.
+/// @throw FormatError when an input is empty, truncated or damaged, or when the headers do not
+/// describe the same grid; std::system_error.
+std::vector<Section> open_sections(const std::vector<std::string>& names);
+/// Of one input.
+std::vector<Section> open_sections(const std::shared_ptr<const InputFile>& file);
+
+/// @throw FormatError, naming input and content, unless every section holds `content`; and unless
+/// all are of one generation.
+void require_content(const std::vector<Section>& sections, Content content);
+
+}  // namespace hapgrid

@@ -1,0 +1,100 @@
+#!/bin/bash
+# Plug-ins that are not there, are no plug-ins, or misbehave. (Names with a path in a shard:
+# streams.py.)
+source "$(dirname "$0")/../cli/lib.sh"
+plugins=$HAPGRID_BUILD/tests/plugins
+models=$(readlink -f "$HAPGRID_BIN/../models")
+
+# define NAME [PARAMETER = VALUE,...]
+define() {
+  cat <<END
+grid = {origin = [0, 0, 0], spacing = 0.5, counts = [2, 2, 2]}
+model = {plugin = "$1", parameters = {${2:-}}}
+END
+}
+define nothing >nothing.toml
+advice='\(add a directory with --model-path or HAPGRID_MODEL_PATH\)'
+
+# Which directories were searched, in order.
+refuses "seed: model nothing: no plug-in nothing\.so in: $models $advice" -- seed nothing.toml -o out
+export HAPGRID_MODEL_PATH=/nowhere:$plugins:
+refuses "seed: model nothing: no plug-in nothing\.so in: a, /b/c, /nowhere, $plugins, $models $advice" \
+  -- seed nothing.toml -o out --model-path a --model-path /b/c
+
+# The first directory that has one counts; also when what it has is none.
+mkdir first second
+echo "no shared object" >first/toy.so
+cp "$plugins/toy.so" second
+define toy >toy.toml
+expect 0 '' '' -- seed toy.toml -o seeds
+expect 0 '' '' -- seed toy.toml -o seeds --model-path second --model-path first
+refuses "seed: model toy: .*/first/toy\.so: .*" -- seed toy.toml -o out --model-path first --model-path second
+HAPGRID_MODEL_PATH=$work/in/first refuses "expand: model toy: .*/first/toy\.so: .*" -- expand seeds -o out
+HAPGRID_MODEL_PATH='' refuses "expand: model toy: no plug-in toy\.so in: $models $advice" -- expand seeds -o out
+HAPGRID_MODEL_PATH='' refuses "merge: model toy: no plug-in toy\.so in: $models $advice" -- merge seeds -o out
+HAPGRID_MODEL_PATH='' expect 0 '' '' -- expand seeds --model-path second -o requests
+
+# Names are plain.
+for name in ../toy ./toy toy.so /etc/passwd '' -toy 'to y'; do
+  define "$name" >bad.toml
+  refuses "seed: model '.*': a plug-in's name has only letters, digits, '-' and '_'" -- seed bad.toml -o out
+done
+
+# No plug-ins, or of another version of the interface.
+for plugin in wrong_version no_entry null_table null_create null_equal; do
+  define $plugin >bad.toml
+  refuses "seed: model $plugin: .*" -- seed bad.toml -o out
+done
+define wrong_version >bad.toml
+refuses 'seed: model wrong_version: .*version [0-9]+.*' -- seed bad.toml -o out
+
+# What it says of itself must make sense, and be what it was when the grid was seeded.
+puppet() {
+  define puppet "$1" >bad.toml
+  refuses "seed: $2" -- seed bad.toml -o out
+}
+puppet 'state_size = 0' 'model puppet: a state of 0 components; 1 to 1048576 are possible'
+puppet 'state_size = 1048577' 'model puppet: a state of 1048577 components; .*'
+puppet 'd_max = 0' 'model puppet: d_max is not positive'
+puppet 'd_max = nan' '.*d_max.*not finite'
+puppet 'tolerance = -1' 'model puppet: the tolerance is negative or not finite'
+puppet 'refuse = "no\nway"' 'model puppet: no way'
+puppet 'refuse = ""' 'model puppet: no reason given'
+puppet 'overrun = 1' 'model puppet: x+'
+puppet 'known = 0' 'seed point 0 \(0, 0, 0\) at \(0, 0, 0\): the model knows no state there; .*'
+puppet 'known = 9' 'seed point 0 \(0, 0, 0\): 9 states, the level limit is 8 \(search\.max_levels\)'
+puppet 'known = 255' 'known states: 255 states at one point, the limit is 254'
+puppet 'lose = "lost it"' 'known states: lost it'
+
+# Conversions that fail are named; those that are not finite are failures.
+define puppet 'component = 0' >puppet.toml
+seed puppet.toml -o puppet.seeds
+python3 - "$HAPGRID_SOURCE/tests/cli" <<'END'
+import sys
+sys.path.insert(0, sys.argv[1])
+import shard
+for name, parameter in (
+    ("inf", {"key": "component", "value": {"number": "Infinity"}}),
+    ("lose", {"key": "lose", "value": {"text": "lost\nit"}}),
+    ("size", {"key": "state_size", "value": {"number": 2}}),
+    ("tolerance", {"key": "tolerance", "value": {"number": 0.5}}),
+):
+    messages = shard.decode(open("puppet.seeds", "rb").read())
+    messages[0]["header"]["parameters"] = [parameter]
+    open(name, "wb").write(shard.seal(messages))
+END
+conversion='conversion at point 0 \(0, 0, 0\) level 0, direction [0-9]+'
+for threads in 1 2; do
+  for tool in "expand" "expand --complete"; do
+    refuses "expand: $conversion: component 0 of the state reached is not finite" -- $tool inf -o out -j $threads
+    refuses "expand: $conversion: lost it" -- $tool lose -o out -j $threads
+  done
+done
+changed='was the plug-in changed since the grid was seeded\?'
+for tool in expand "expand --complete" merge; do
+  name=${tool%% *}
+  refuses "$name: model puppet: states of 2 components, the grid has 1; $changed" -- $tool size -o out
+  refuses "$name: model puppet: another tolerance than the grid.s; $changed" -- $tool tolerance -o out
+done
+
+[[ ! -e out ]] || fail "half a file"

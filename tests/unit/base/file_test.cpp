@@ -1,0 +1,177 @@
+// Files that appear whole or not at all, and inputs that can be read anywhere.
+#include "libcore/base/file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+#include <thread>
+
+#include "libcore/base/error.hpp"
+#include "tests/unit/temporary.hpp"
+
+using namespace hapgrid;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string content(const std::string& name) {
+  std::ostringstream out;
+  out << std::ifstream(name, std::ios::binary).rdbuf();
+  return out.str();
+}
+
+void put(const std::string& name, const std::string& text) {
+  std::ofstream(name, std::ios::binary) << text;
+}
+
+std::size_t entries(const fs::path& directory) {
+  return static_cast<std::size_t>(
+      std::distance(fs::directory_iterator(directory), fs::directory_iterator()));
+}
+
+std::string read(const InputFile& file, std::uint64_t offset, std::size_t size) {
+  std::string text(size, '?');
+  text.resize(file.read(offset, std::as_writable_bytes(std::span(text))));
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("an output file appears with commit(), and not before") {
+  const TemporaryDirectory dir;
+  const std::string name = dir.file("out");
+  {
+    OutputFile out(name);
+    out.write("half");
+    REQUIRE(entries(dir.path()) == 0);
+  }
+  REQUIRE(entries(dir.path()) == 0);
+  put(name, "old");
+  {
+    OutputFile out(name);
+    out.write("new");
+    REQUIRE(content(name) == "old");
+  }
+  REQUIRE(content(name) == "old");
+  {
+    OutputFile out(name);
+    REQUIRE(out.name() == name);
+    out.write("new ");
+    out.write(std::string(300000, 'x'));
+    REQUIRE(content(name) == "old");
+    out.commit();
+    REQUIRE(content(name) == "new " + std::string(300000, 'x'));
+  }
+  REQUIRE(entries(dir.path()) == 1);
+}
+
+TEST_CASE("two that write the same file: the last commit() wins, whole") {
+  const TemporaryDirectory dir;
+  OutputFile a(dir.file("out"));
+  OutputFile b(dir.file("out"));
+  a.write("a");
+  b.write("b");
+  b.commit();
+  REQUIRE(content(dir.file("out")) == "b");
+  a.commit();
+  REQUIRE(content(dir.file("out")) == "a");
+  REQUIRE(entries(dir.path()) == 1);
+}
+
+TEST_CASE("symbolic links are followed, also one to nowhere and a chain") {
+  const TemporaryDirectory dir;
+  fs::create_directory(dir.path() / "d");
+  fs::create_symlink("d/real", dir.path() / "link");
+  fs::create_symlink("link", dir.path() / "chain");
+  for (const char* text : {"first", "second"}) {
+    OutputFile out(dir.file("chain"));
+    out.write(text);
+    out.commit();
+    REQUIRE(content((dir.path() / "d" / "real").string()) == text);
+  }
+  REQUIRE(fs::is_symlink(dir.path() / "link"));
+  REQUIRE(fs::is_symlink(dir.path() / "chain"));
+  fs::create_symlink("loop", dir.path() / "loop");
+  REQUIRE_THROWS_AS(InputFile(dir.file("loop")), std::system_error);
+}
+
+TEST_CASE("what cannot be created or written says so") {
+  const TemporaryDirectory dir;
+  REQUIRE_THROWS_WITH(OutputFile(dir.file("missing/out")),
+                      Catch::Contains("missing/out: No such file"));
+  REQUIRE_THROWS_WITH(OutputFile(dir.path().string()), Catch::Contains("Is a directory"));
+  OutputFile full("/dev/full");
+  REQUIRE_THROWS_WITH(full.write("x"), "/dev/full: No space left on device");
+}
+
+TEST_CASE("an input can be read at any offset, from a file and from a pipe") {
+  const TemporaryDirectory dir;
+  std::string text;
+  for (int i = 0; i < 50000; ++i) text += std::to_string(i) + ' ';
+  put(dir.file("in"), text);
+  const auto check = [&](const InputFile& file) {
+    REQUIRE(file.size() == text.size());
+    for (const std::uint64_t offset : {std::uint64_t{0}, std::uint64_t{70000}, std::uint64_t{3},
+                                       file.size() - 5, file.size(), file.size() + 9}) {
+      REQUIRE(read(file, offset, 1000) == (offset < text.size() ? text.substr(offset, 1000) : ""));
+    }
+    REQUIRE(read(file, 0, 2 * text.size()) == text);
+  };
+  check(InputFile(dir.file("in")));
+  check(InputFile(FileDescriptor(::open(dir.file("in").c_str(), O_RDONLY)), "given"));
+
+  const std::string pipe = dir.file("pipe");
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  {
+    std::jthread writer([&] { put(pipe, text); });
+    check(InputFile(pipe));
+  }
+  // Standard input that a shell has read from before: from where it stands.
+  const int saved = ::dup(STDIN_FILENO);
+  const int file = ::open(dir.file("in").c_str(), O_RDONLY);
+  ::lseek(file, 10, SEEK_SET);
+  ::dup2(file, STDIN_FILENO);
+  {
+    const InputFile input("-");
+    REQUIRE(input.name() == "standard input");
+    REQUIRE(input.size() == text.size() - 10);
+    REQUIRE(read(input, 5, 20) == text.substr(15, 20));
+  }
+  ::dup2(saved, STDIN_FILENO);
+  ::close(saved);
+  ::close(file);
+}
+
+TEST_CASE("inputs that are none") {
+  const TemporaryDirectory dir;
+  REQUIRE_THROWS_WITH(InputFile(dir.file("missing")),
+                      dir.file("missing") + ": No such file or directory");
+  REQUIRE_THROWS_WITH(InputFile(dir.path().string()), dir.path().string() + ": Is a directory");
+  REQUIRE(InputFile("/dev/null").size() == 0);
+}
+
+TEST_CASE("texts are limited") {
+  const TemporaryDirectory dir;
+  put(dir.file("text"), "abc");
+  REQUIRE(read_text(dir.file("text"), 3) == "abc");
+  REQUIRE_THROWS_AS(read_text(dir.file("text"), 2), Error);
+}
+
+TEST_CASE("an unlinked file leaves nothing") {
+  const TemporaryDirectory dir;
+  {
+    const FileDescriptor file = unlinked_file(dir.path());
+    REQUIRE(entries(dir.path()) == 0);
+    REQUIRE(::write(file.get(), "abc", 3) == 3);
+    char back[3];
+    REQUIRE(::pread(file.get(), back, 3, 0) == 3);
+    REQUIRE(std::memcmp(back, "abc", 3) == 0);
+  }
+  REQUIRE_THROWS_AS(unlinked_file(dir.path() / "missing"), std::system_error);
+}

@@ -1,0 +1,368 @@
+// What is written comes back, row by row; sections merge in order, whatever they are.
+#include <fcntl.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <random>
+#include <tuple>
+
+#include "libcore/base/error.hpp"
+#include "libcore/search/expand.hpp"
+#include "libcore/shard/load.hpp"
+#include "libcore/shard/reader.hpp"
+#include "libcore/shard/writer.hpp"
+#include "tests/unit/temporary.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+using Random = std::mt19937_64;
+
+std::uint32_t draw(Random& random, std::uint32_t least, std::uint32_t most) {
+  return std::uniform_int_distribution<std::uint32_t>(least, most)(random);
+}
+
+GridSpec make_spec(std::uint32_t n, GridCoordinates counts) {
+  GridSpec spec;
+  spec.box = {{-1.5, 0.1, 1e-300}, 0.1, counts};
+  spec.model = "some-model_2";
+  spec.parameters = {{"flag", true},
+                     {"number", -0.1},
+                     {"numbers", std::vector<double>{1, 2.5, 1e308}},
+                     {"text", std::string("x\n\xff\xc3\xa9 \"")},
+                     {"texts", std::vector<std::string>{"", "a", "b"}}};
+  spec.state_size = n;
+  spec.tolerance = 1e-7;
+  spec.tolerance_unit = "rad";
+  spec.max_levels = 254;
+  return spec;
+}
+
+/// Any row of any content; what does not belong to the content stays empty.
+struct Row {
+  PointIndex point = 0;
+  int q = 0;  // requests
+  Level level = 0;
+  std::uint32_t generation = 0;
+  std::vector<double> state;
+  std::vector<Level> links;
+  DirectionMask todo = 0;
+
+  RowKey key(Content content) const {
+    return content == Content::kRequests ? request_key(point, q, level) : record_key(point, level);
+  }
+  friend bool operator==(const Row&, const Row&) = default;
+};
+
+std::vector<double> random_state(Random& random, std::uint32_t n) {
+  static constexpr double kSpecial[] = {0.0, -0.0, 1e-310, std::numeric_limits<double>::max()};
+  std::vector<double> state(n);
+  for (double& c : state)
+    c = random() % 8 == 0 ? kSpecial[random() % 4] : static_cast<double>(random()) * 1e-18 - 9;
+  return state;
+}
+
+/// Some rows in order.
+std::vector<Row> random_rows(Random& random, const SectionHeader& header, std::size_t wanted) {
+  const Neighbourhood neighbourhood(header.spec.box);
+  const auto last = static_cast<PointIndex>(header.spec.box.points() - 1);
+  std::map<RowKey, Row> rows;
+  for (std::size_t i = 0; i < wanted; ++i) {
+    Row row;
+    row.point = draw(random, 0, last);
+    const DirectionMask inside = neighbourhood.inside(row.point);
+    row.level = static_cast<Level>(draw(random, 0, 3));
+    if (header.content == Content::kRequests) {
+      row.q = static_cast<int>(draw(random, 0, 25));
+      if (!(inside >> (25 - row.q) & 1)) continue;
+    } else {
+      row.generation = header.generation;
+      if (header.content == Content::kFrontier)
+        row.todo = inside & static_cast<DirectionMask>(random());
+      else
+        row.generation -= draw(random, 0, header.generation);
+    }
+    row.state = random_state(random, header.spec.state_size);
+    if (header.content == Content::kGrid)
+      for (int q = 0; q < kDirections; ++q) row.links.push_back(static_cast<Level>(random()));
+    rows[row.key(header.content)] = row;
+  }
+  std::vector<Row> sorted;
+  for (auto& [key, row] : rows) sorted.push_back(std::move(row));
+  return sorted;
+}
+
+void write(const std::string& name, const SectionHeader& header, const std::vector<Row>& rows) {
+  const FileDescriptor file(::open(name.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+  REQUIRE(file);
+  SectionWriter out(file.get(), name, header);
+  for (const Row& row : rows) {
+    switch (header.content) {
+      case Content::kGrid:
+        out.record(row.point, row.level, row.generation, row.state.data(), row.links.data());
+        break;
+      case Content::kFrontier:
+        out.frontier(row.point, row.level, row.state.data(), row.todo);
+        break;
+      case Content::kRequests:
+        out.request(row.point, row.q, row.level, row.state.data());
+    }
+  }
+  out.finish();
+}
+
+Row row_of(const RecordRows& rows, std::size_t r, std::uint32_t n) {
+  Row row{rows.point[r], 0, rows.level[r], rows.generation[r], {}, {}, 0};
+  row.state.assign(&rows.state[r * n], &rows.state[r * n] + n);
+  if (!rows.links.empty())
+    row.links.assign(&rows.links[r * kDirections], &rows.links[r * kDirections] + kDirections);
+  if (!rows.todo.empty()) row.todo = rows.todo[r];
+  return row;
+}
+Row row_of(const RequestRows& rows, std::size_t r, std::uint32_t n) {
+  Row row{rows.target[r], rows.direction[r], rows.level[r], 0, {}, {}, 0};
+  row.state.assign(&rows.state[r * n], &rows.state[r * n] + n);
+  return row;
+}
+
+template <class Rows>
+std::vector<Row> read_section(const Section& section) {
+  std::vector<Row> found;
+  SectionReader reader(section);
+  for (Rows rows; reader.next(rows);)
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      found.push_back(row_of(rows, r, section.header.spec.state_size));
+  return found;
+}
+
+template <class Rows>
+std::vector<Row> read_merged(const std::vector<Section>& sections) {
+  std::vector<Row> found;
+  MergedRows<Rows> merged(sections);
+  for (Run<Rows> run = merged.next(); run.rows; run = merged.next()) {
+    REQUIRE(run.begin < run.end);
+    REQUIRE(run.end <= run.rows->size());
+    for (std::size_t r = run.begin; r < run.end; ++r)
+      found.push_back(row_of(*run.rows, r, sections.front().header.spec.state_size));
+  }
+  return found;
+}
+
+std::vector<Row> read_any(const std::vector<Section>& sections, bool merged) {
+  if (sections.front().header.content == Content::kRequests)
+    return merged ? read_merged<RequestRows>(sections) : read_section<RequestRows>(sections[0]);
+  return merged ? read_merged<RecordRows>(sections) : read_section<RecordRows>(sections[0]);
+}
+
+constexpr Content kContents[] = {Content::kGrid, Content::kFrontier, Content::kRequests};
+
+}  // namespace
+
+TEST_CASE("rows come back from a shard as they were") {
+  Random random(2003);
+  for (const Content content : kContents) {
+    for (const std::uint32_t n : {1u, 2u, 1500u}) {
+      // Nothing, one row, and several chunks: 60,000 points, some of 3,000 rows with n = 1500.
+      for (const std::size_t wanted :
+           {std::size_t{0}, std::size_t{1}, n == 1500 ? std::size_t{1500} : 150000}) {
+        CAPTURE(to_string(content), n, wanted);
+        const TemporaryDirectory dir;
+        const SectionHeader header{content, 7, make_spec(n, {60, 50, 20})};
+        const std::vector<Row> rows = random_rows(random, header, wanted);
+        write(dir.file("shard"), header, rows);
+        const auto sections = open_sections({dir.file("shard")});
+        REQUIRE(sections.size() == 1);
+        const Section& section = sections[0];
+        REQUIRE(section.header.content == content);
+        REQUIRE(section.header.generation == 7);
+        REQUIRE(section.header.spec == header.spec);
+        REQUIRE(section.footer.records + section.footer.requests == rows.size());
+        REQUIRE((content == Content::kRequests ? section.footer.records
+                                               : section.footer.requests) == 0);
+        REQUIRE(section.footer.chunks.size() >= (wanted > 1 ? 2 : wanted));
+        REQUIRE(read_any(sections, false) == rows);
+        REQUIRE(read_any(sections, true) == rows);
+        // The same rows are the same bytes.
+        write(dir.file("again"), header, rows);
+        std::ifstream a(dir.file("shard"), std::ios::binary);
+        std::ifstream b(dir.file("again"), std::ios::binary);
+        REQUIRE(std::equal(std::istreambuf_iterator<char>(a), {}, std::istreambuf_iterator<char>(b),
+                           {}));
+      }
+    }
+  }
+}
+
+TEST_CASE("chunks stay near 1 MiB") {
+  Random random(2004);
+  for (const std::uint32_t n : {1u, 9u, 1500u, 200000u}) {
+    CAPTURE(n);
+    const TemporaryDirectory dir;
+    const SectionHeader header{Content::kGrid, 0, make_spec(n, {40, 40, 40})};
+    std::vector<Row> rows = random_rows(random, header, n > 1500 ? 5 : n > 9 ? 1000 : 40000);
+    write(dir.file("shard"), header, rows);
+    const auto sections = open_sections({dir.file("shard")});
+    for (const ChunkInfo& chunk : sections[0].footer.chunks) {
+      const std::uint64_t bytes = chunk.rows * record_bytes(n);
+      REQUIRE((chunk.rows == 1 || bytes <= 1 << 20));
+    }
+    REQUIRE(read_any(sections, false) == rows);
+  }
+}
+
+TEST_CASE("sections merge in order, whatever they are and wherever they come from") {
+  Random random(2005);
+  for (int i = 0; i < 150; ++i) {
+    CAPTURE(i);
+    const TemporaryDirectory dir;
+    const Content content = kContents[i % 3];
+    const SectionHeader header{
+        content, 2,
+        make_spec(draw(random, 1, 3),
+                  {draw(random, 1, 30), draw(random, 1, 9), draw(random, 1, 9)})};
+    const std::vector<Row> rows = random_rows(random, header, i % 10 ? draw(random, 0, 60) : 30000);
+    // Each row goes to one section or to several of them: equal keys, one after the other.
+    const std::uint32_t count = draw(random, 1, 6);
+    std::vector<std::vector<Row>> sections(count);
+    std::vector<Row> expected;
+    const bool slices = random() % 2;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const std::size_t home = slices ? r * count / rows.size() : draw(random, 0, count - 1);
+      sections[home].push_back(rows[r]);
+      expected.push_back(rows[r]);
+      for (std::size_t s = 0; s < count; ++s) {
+        if (s == home || random() % 5 != 0) continue;
+        sections[s].push_back(rows[r]);
+        expected.push_back(rows[r]);
+      }
+    }
+    // In random order over some files.
+    std::shuffle(sections.begin(), sections.end(), random);
+    std::vector<std::string> names;
+    for (const auto& section : sections) {
+      if (names.empty() || random() % 2) names.push_back(dir.file(std::to_string(names.size())));
+      write(names.back(), header, section);
+    }
+    std::shuffle(names.begin(), names.end(), random);
+    const std::vector<Section> opened = open_sections(names);
+    REQUIRE(opened.size() == count);
+    REQUIRE(read_any(opened, true) == expected);
+  }
+}
+
+TEST_CASE("a frontier is cut into parts that cover each conversion exactly once") {
+  Random random(2006);
+  for (int i = 0; i < 200; ++i) {
+    CAPTURE(i);
+    const TemporaryDirectory dir;
+    const Content content = i % 2 ? Content::kGrid : Content::kFrontier;
+    const SectionHeader header{
+        content, 3, make_spec(2, {draw(random, 1, 7), draw(random, 1, 7), draw(random, 1, 7)})};
+    const Neighbourhood neighbourhood(header.spec.box);
+    const std::vector<Row> rows = random_rows(random, header, draw(random, 0, 80));
+    // Frontier shards may share a record, each with its own directions.
+    std::vector<Row> halves[2];
+    std::map<std::tuple<PointIndex, Level, int>, int> asked;
+    std::map<RowKey, std::vector<double>> states;
+    for (const Row& row : rows) {
+      if (row.generation != 3) {
+        halves[0].push_back(row);
+        continue;
+      }
+      const DirectionMask todo =
+          content == Content::kGrid ? neighbourhood.inside(row.point) : row.todo;
+      for (int q = 0; q < kDirections; ++q)
+        if (todo >> q & 1) asked[{row.point, row.level, q}] = 0;
+      states[record_key(row.point, row.level)] = row.state;
+      Row half[2] = {row, row};
+      if (content == Content::kFrontier) {
+        half[0].todo &= static_cast<DirectionMask>(random());
+        half[1].todo &= ~half[0].todo;
+        halves[1].push_back(half[1]);
+      }
+      halves[0].push_back(half[0]);
+    }
+    write(dir.file("a"), header, halves[0]);
+    write(dir.file("b"), header, halves[1]);
+    const auto sections = open_sections({dir.file("b"), dir.file("a")});
+    const std::uint64_t parts = draw(random, 1, 12);
+    for (std::uint64_t k = 1; k <= parts; ++k) {
+      FrontierReader reader(sections, {k, parts});
+      std::uint64_t found = 0;
+      FrontierReader::Record record;
+      RowKey last = 0;
+      for (bool first = true; reader.next(record); first = false) {
+        const RowKey key = record_key(record.point, record.level);
+        REQUIRE((first || key > last));
+        last = key;
+        REQUIRE(record.todo != 0);
+        REQUIRE(std::vector<double>(record.state, record.state + 2) == states.at(key));
+        for (int q = 0; q < kDirections; ++q) {
+          if (!(record.todo >> q & 1)) continue;
+          ++asked.at({record.point, record.level, q});
+          ++found;
+        }
+      }
+      REQUIRE(found == reader.conversions());
+      REQUIRE(std::abs(double(found) - double(asked.size()) / double(parts)) < 1);
+    }
+    for (const auto& [conversion, times] : asked) REQUIRE(times == 1);
+  }
+}
+
+TEST_CASE("a frontier's record with two states is refused") {
+  const TemporaryDirectory dir;
+  const SectionHeader header{Content::kFrontier, 3, make_spec(1, {3, 3, 3})};
+  write(dir.file("a"), header, {{4, 0, 0, 3, {0.5}, {}, 1u << 25}});
+  write(dir.file("b"), header, {{4, 0, 0, 3, {0.25}, {}, 1u << 25}});
+  const auto sections = open_sections({dir.file("a"), dir.file("b")});
+  FrontierReader reader(sections);
+  FrontierReader::Record record;
+  REQUIRE_THROWS_AS(reader.next(record), FormatError);
+}
+
+TEST_CASE("load_grid() holds what was written, from any number of shards") {
+  Random random(2007);
+  const TemporaryDirectory dir;
+  const SectionHeader header{Content::kGrid, 5, make_spec(3, {13, 11, 7})};
+  const Neighbourhood neighbourhood(header.spec.box);
+  std::vector<Row> rows;
+  for (PointIndex p = 0; p < header.spec.box.points(); ++p) {
+    const std::uint32_t levels = draw(random, 0, 3);
+    for (Level l = 0; l < levels; ++l) {
+      Row row{p, 0, l, draw(random, 0, 5), random_state(random, 3), {}, 0};
+      for (int q = 0; q < kDirections; ++q)
+        row.links.push_back(neighbourhood.inside(p) >> q & 1 ? Level{0} : kLeavesBox);
+      rows.push_back(row);
+    }
+  }
+  std::vector<Row> parts[3];
+  for (std::size_t r = 0; r < rows.size(); ++r) parts[random() % 3].push_back(rows[r]);
+  for (int k = 0; k < 3; ++k) write(dir.file(std::to_string(k)), header, parts[k]);
+  const LoadedGrid loaded = load_grid({dir.file("2"), dir.file("0"), dir.file("1")});
+  const Grid& grid = loaded.grid;
+  REQUIRE(grid.records() == rows.size());
+  REQUIRE(loaded.stored_bytes == std::filesystem::file_size(dir.file("0")) +
+                                     std::filesystem::file_size(dir.file("1")) +
+                                     std::filesystem::file_size(dir.file("2")));
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    REQUIRE(grid.point(r) == rows[r].point);
+    REQUIRE(grid.level(r) == rows[r].level);
+    REQUIRE(grid.record_generation(r) == rows[r].generation);
+    REQUIRE(std::equal(grid.state(r).begin(), grid.state(r).end(), rows[r].state.begin()));
+    REQUIRE(std::equal(grid.links(r).begin(), grid.links(r).end(), rows[r].links.begin()));
+    for (int q = 0; q < kDirections; ++q) {
+      const RecordIndex to = grid.destination(r, q);
+      const auto target = static_cast<std::uint64_t>(rows[r].point + neighbourhood.offset(q));
+      const bool there = rows[r].links[static_cast<std::size_t>(q)] == 0 &&
+                         std::any_of(rows.begin(), rows.end(),
+                                     [&](const Row& row) { return row.point == target; });
+      REQUIRE((to != Grid::kNoRecord) == there);
+      if (there) REQUIRE((grid.point(to) == target && grid.level(to) == 0));
+    }
+  }
+}
