@@ -61,9 +61,12 @@ class Merge {
       const RequestRows& rows = *run.rows;
       for (std::size_t r = run.begin; r < run.end; ++r) {
         const PointIndex target = rows.target[r];
-        // A source lies at most `reach` behind its target, and is touched at most `reach` later.
-        advance(target + reach_, target > reach_ ? target - reach_ : 0);
-        open_block(target / levels_.block_points());
+        if (target != prepared_) {
+          // A source lies at most `reach` behind its target, and is touched at most `reach` later.
+          advance(target + reach_, target > reach_ ? target - reach_ : 0);
+          open_block(target / levels_.block_points());
+          prepared_ = target;
+        }
         levels_.settle(target, rows.direction[r], rows.level[r], &rows.state[r * n_], generation);
       }
       progress_.conversions += run.end - run.begin;
@@ -189,8 +192,9 @@ class Merge {
   std::map<std::uint64_t, std::vector<StoredChunk>> held_;  // by block
   std::vector<StoredChunk> spare_;
   RecordRows opened_;
-  std::uint64_t loaded_ = 0;   // the next record's point is at least this
-  std::uint64_t emitted_ = 0;  // blocks below are written
+  std::uint64_t prepared_ = ~std::uint64_t{0};  // target whose surroundings are in levels_
+  std::uint64_t loaded_ = 0;                    // the next record's point is at least this
+  std::uint64_t emitted_ = 0;                   // blocks below are written
   std::uint64_t missing_ = 0;
   std::string first_missing_;
 };

@@ -58,6 +58,7 @@ class SectionReader::State {
   explicit State(const Section& section)
       : section_(&section),
         neighbourhood_(section.header.spec.box),
+        points_(section.header.spec.box.points()),
         frames_(*section.file, section.begin, section.end) {}
 
   const ChunkInfo* peek() const {
@@ -201,7 +202,7 @@ class SectionReader::State {
   }
 
   void check_row(PointIndex point, RowKey key, Level level) {
-    if (point >= spec().box.points())
+    if (point >= points_)
       throw FormatError("damaged: point " + std::to_string(point) + " is outside the box");
     if (level >= spec().max_levels)
       throw FormatError("damaged: level " + std::to_string(level) + " at point " +
@@ -215,6 +216,7 @@ class SectionReader::State {
 
   const Section* section_;
   Neighbourhood neighbourhood_;
+  std::uint64_t points_;
   FrameReader frames_;
   FrameDecoder decoder_;
   std::string where_;       // the chunk at hand, for messages

@@ -167,7 +167,10 @@ std::size_t SectionWriter::add_row(PointIndex point, Level level, const double* 
 void SectionWriter::record(PointIndex point, Level level, std::uint32_t generation,
                            const double* state, const Level* links) {
   // A chunk ends where its range of points ends, and when it is full.
-  if (rows_ > 0 && columns_.point[0] / row_limit_ != point / row_limit_) flush();
+  if (point >= range_end_) {
+    flush();
+    range_end_ = (std::uint64_t{point} / row_limit_ + 1) * row_limit_;
+  }
   const std::size_t row = add_row(point, level, state);
   ++footer_.records;
   if (generation == header_.generation) {

@@ -60,8 +60,9 @@ class SectionWriter {
   SectionFooter footer_;
   Columns columns_;
   std::size_t rows_ = 0;
-  std::uint32_t frontier_ = 0;  // of the rows
-  std::uint32_t row_limit_;     // of a chunk; of a grid's chunk also the points of its range
+  std::uint32_t frontier_ = 0;   // of the rows
+  std::uint64_t range_end_ = 0;  // of a grid's chunk: the first point behind its range
+  std::uint32_t row_limit_;      // of a chunk; of a grid's chunk also the points of its range
 };
 
 }  // namespace hapgrid
