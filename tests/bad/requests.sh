@@ -18,6 +18,11 @@ cat r0.2 r0.3 >cat
 lost 18 -- merge g0 - -o out <cat
 refuses 'merge: requests are missing: .*' -- merge g1 -o out
 
+# Also a single one.
+seed "$ball" --set 'grid.counts=[2,1,1]' -o two
+expand two --part 1/2 -o two.1
+refuses 'merge: requests are missing: 1 of the 2 conversions .* from point 1 \(1, 0, 0\) level 0; .*' -- merge two two.1 -o out
+
 # Of another generation.
 refuses 'merge: r0: requests of generation 0, the grid.s frontier is 1' -- merge g1 r0 -o out
 refuses 'merge: r0\.2: requests of generation 0, the grid.s frontier is 1' -- merge g1 r1 r0.2 -o out

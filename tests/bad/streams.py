@@ -528,6 +528,35 @@ def four_billion_points():
     refused("four billion points", "merge BAD", seeds, "requests are missing: 12 of the 12 conversions")
 
 
+def copied_chunks():
+    """merge copies chunks without frontier as they are stored: what it checks of them all the same."""
+    whole = read("toy.grid")
+    parts = shard.frames(whole)
+    if len(parts) < 5:
+        failures.append("copied chunks: there are only %d messages" % len(parts))
+    accepted("copied chunks", "merge GOOD", whole, whole)
+    begin = len(parts[0])
+    for chunk in parts[1:-1]:
+        for at in (begin + 6, begin + 40, begin + len(chunk) // 2, begin + len(chunk) - 9):
+            bad = bytearray(whole)
+            bad[at] ^= 4
+            refused("flip in a copied chunk at %d" % at, "merge BAD", bytes(bad), "a chunk does not fit the footer's hash")
+        begin += len(chunk)
+    for cut in (begin - 1, begin, len(whole) - len(parts[-1]) // 2):
+        refused("cut behind copied chunks", "merge BAD", whole[:cut], "truncated")
+    swapped = [parts[0], parts[2], parts[1]] + parts[3:]
+    refused("swapped chunks", "merge BAD", b"".join(swapped), "a chunk does not fit the footer's hash")
+    # The footer swaps them too.
+    header, footer = shard.decompress(parts[0]), shard.decode(parts[-1])[0]["footer"]
+    chunks = footer["chunks"]
+    chunks[0], chunks[1] = chunks[1], chunks[0]
+    low, high = shard.section_digest(header, [(int(c["digestLow"]), int(c["digestHigh"])) for c in chunks])
+    footer.update(digestLow=str(low), digestHigh=str(high))
+    sealed = swapped[:-1] + [shard.frame(shard.encode([{"footer": footer}])[0])]
+    for command in ("merge BAD", "expand --complete BAD", "stats BAD"):
+        refused("swapped chunks, sealed", command, b"".join(sealed), "out of order|was expected")
+
+
 def not_finite():
     """A state that is not finite is a shard's content and not a fault of the stream: verify tells."""
     for number in ("NaN", "-Infinity"):
@@ -540,6 +569,7 @@ def not_finite():
             failures.append("state %s in a grid: verify: exit code %d, %s" % (number, code, err))
 
 
+later(copied_chunks)
 later(not_finite)
 later(segments)
 later(four_billion_points)

@@ -10,7 +10,7 @@ merge seeds requests -o next --frontier 'next.{}'
 expand next -o next.requests
 merge next next.requests -o grid
 mv next.1 frontier
-# Two chunks and two components.
+# Two components.
 cat >toy.toml <<END
 grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 2, 1]}
 model = {plugin = "toy", parameters = {state_size = 2, amplitude = 0.5}}
@@ -18,6 +18,9 @@ seeds = {points = [[0, 0, 0]], states = [[[0.5, 0.25], [0.1, 0.9]]]}
 END
 seed toy.toml -o toy.seeds
 expand toy.seeds -o toy.requests
+# Several chunks, which merge copies without decoding them.
+seed toy.toml --set model.parameters.state_size=3000 --set search.max_levels=25 --set 'grid.counts=[5,5,5]' \
+  --set 'seeds={points = [[0, 0, 0]]}' | expand --complete -o toy.grid
 
 slow=0
 if sanitized; then slow=1; fi

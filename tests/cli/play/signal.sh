@@ -6,10 +6,11 @@ for i in {1..500}; do echo "0.0$i 0 0"; done >path # 500 s at 1 Hz
 # The handlers are there when all three signals are in SigCgt (bits 0, 1 and 14) of play itself: the
 # shell that becomes it catches them too, for its trap.
 await_handlers() {
-  local mask
+  local program mask
   for _ in {1..500}; do
+    program=$(cat "/proc/$1/comm")  # before the mask: afterwards it stays play
     mask=$(sed -n 's/^SigCgt:\t//p' "/proc/$1/status")
-    [[ $(cat "/proc/$1/comm") == play && $((0x$mask & 0x4003)) == $((0x4003)) ]] && return
+    [[ $program == play && $((0x$mask & 0x4003)) == $((0x4003)) ]] && return
     sleep 0.02
   done
   fail "no handlers after 10 s"
