@@ -5,10 +5,12 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "libcore/base/error.hpp"
@@ -161,6 +163,9 @@ int run(const Options& options) {
   const std::string path = options.device.substr(kPathDevice.size());
   if (options.grid == "-" && path == "-")
     throw CLI::ValidationError("the grid and the path cannot both be standard input");
+  std::error_code ignored;  // one of them is no file: then they are not the same
+  if (std::filesystem::equivalent(options.log, options.grid, ignored))
+    throw CLI::ValidationError("--log", "the log would replace the grid");
 
   PathDevice device = PathDevice::open(path);
   const LoadedGrid loaded = load_grid({options.grid});

@@ -57,7 +57,12 @@ seed puppet.toml --model-path "$puppets" | expand --complete --model-path "$pupp
 expect 1 '' "play: model puppet: has no force function, forces cannot be computed" \
   -- play puppet.grid --device path:path --model-path "$puppets" --log log
 
-# Logs. A file that was there stays as it was.
+# Logs. A file that was there stays as it was, the grid first of all.
+cp grid kept
+expect 2 '' "play: --log: the log would replace the grid $help" \
+  -- play grid --device path:path --log ./grid
+cmp grid kept
+rm kept
 expect 1 '' "play: nowhere/log: No such file or directory" \
   -- play grid --device path:path --log nowhere/log
 expect 1 '' "play: /dev/full: No space left on device" -- play grid --device path:path --log /dev/full
