@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "libcore/base/file.hpp"
-#include "libcore/search/expand.hpp"
+#include "libcore/search/frontier.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/tool.hpp"
 

@@ -1,59 +1,11 @@
 // The expand filter: C in 26 directions for each frontier record (procedure expand_state).
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "libcore/search/converter.hpp"
-#include "libcore/shard/merged_rows.hpp"
+#include "libcore/search/frontier.hpp"
 #include "libcore/shard/writer.hpp"
 
 namespace hapgrid {
-
-/// Part K of N, 1 <= K <= N: an N-th of the conversions, in their order.
-struct Part {
-  std::uint64_t number = 1;
-  std::uint64_t of = 1;
-};
-
-/// The frontier of a grid or of frontier shards, record by record, cut to a part.
-class FrontierReader {
- public:
-  /// @param sections grids or frontiers of one generation; must outlive this object.
-  /// @throw FormatError when there are requests among them.
-  explicit FrontierReader(const std::vector<Section>& sections, Part part = {});
-
-  /// Conversions that the part asks for.
-  std::uint64_t conversions() const { return end_ - begin_; }
-
-  struct Record {
-    PointIndex point;
-    Level level;
-    const double* state;
-    DirectionMask todo;
-  };
-  /// The next record, valid until the next call; false behind the last.
-  /// @throw FormatError when one record comes with two different states.
-  bool next(Record& record);
-
- private:
-  bool next_row(Record& record);
-
-  Neighbourhood neighbourhood_;
-  std::uint32_t n_;
-  std::uint32_t generation_;
-  MergedRows<RecordRows> rows_;
-  Run<RecordRows> run_;
-  StoredChunk passed_over_;
-  std::uint64_t begin_ = 0;  // the part's conversions, counted through the frontier
-  std::uint64_t end_ = 0;
-  std::uint64_t passed_ = 0;
-  bool waiting_ = false;  // next_ holds a row that was read ahead
-  Record next_{};
-  std::vector<double> state_;
-  std::vector<double> next_state_;
-};
 
 /// Evaluates every conversion that `frontier` asks for and writes the requests to `out`.
 /// Memory: the frontier records between two slices of the grid, and one batch.

@@ -1,0 +1,92 @@
+#include "libcore/search/frontier.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "libcore/base/error.hpp"
+
+namespace hapgrid {
+
+FrontierReader::FrontierReader(const std::vector<Section>& sections, Part part)
+    : neighbourhood_(sections.front().header.spec.box),
+      n_(sections.front().header.spec.state_size),
+      generation_(sections.front().header.generation),
+      rows_(sections),
+      state_(n_),
+      next_state_(n_) {
+  if (sections.front().header.content == Content::kRequests)
+    throw FormatError(sections.front().file->name() +
+                      ": holds requests where a grid or a frontier is needed");
+  require_content(sections, sections.front().header.content);
+  std::uint64_t total = 0;
+  for (const Section& section : sections) total += section.footer.conversions;
+  // Without overflow for any count: the whole parts first, then the rest.
+  const auto cut = [&](std::uint64_t k) {
+    return total / part.of * k + total % part.of * k / part.of;
+  };
+  begin_ = cut(part.number - 1);
+  end_ = cut(part.number);
+}
+
+bool FrontierReader::next_row(Record& record) {
+  for (;;) {
+    if (!run_.rows || run_.begin == run_.end) {
+      // Chunks without frontier are passed over as they are stored.
+      while (SectionReader* section = rows_.whole_chunk_next()) {
+        if (section->peek()->frontier > 0) break;
+        section->next_stored(passed_over_);
+      }
+      run_ = rows_.next();
+    }
+    if (!run_.rows) return false;
+    const RecordRows& rows = *run_.rows;
+    const std::size_t r = run_.begin++;
+    if (rows.generation[r] != generation_) continue;
+    const PointIndex p = rows.point[r];
+    const DirectionMask todo = rows.todo.empty() ? neighbourhood_.inside(p) : rows.todo[r];
+    record = {p, rows.level[r], &rows.state[r * n_], todo};
+    return true;
+  }
+}
+
+bool FrontierReader::next(Record& record) {
+  for (;;) {
+    if (passed_ >= end_) {
+      // The rest is read all the same: only then is the input known to be whole.
+      while (waiting_ || next_row(next_)) waiting_ = false;
+      return false;
+    }
+    if (waiting_) {
+      std::swap(state_, next_state_);
+      record = next_;
+      record.state = state_.data();
+      waiting_ = false;
+    } else {
+      if (!next_row(record)) return false;
+      std::copy_n(record.state, n_, state_.data());
+      record.state = state_.data();
+    }
+    // Concatenated frontier shards can hold one record twice, with different directions.
+    while (next_row(next_)) {
+      if (next_.point != record.point || next_.level != record.level) {
+        std::copy_n(next_.state, n_, next_state_.data());
+        waiting_ = true;
+        break;
+      }
+      if (std::memcmp(next_.state, record.state, n_ * sizeof(double)) != 0)
+        throw FormatError("frontier: one record with two different states: point " +
+                          std::to_string(record.point) + " level " + std::to_string(record.level));
+      record.todo |= next_.todo;
+    }
+    // The directions whose place in the sequence of conversions lies in the part.
+    DirectionMask mine = 0;
+    for (DirectionMask left = record.todo; left; left &= left - 1, ++passed_)
+      if (passed_ >= begin_ && passed_ < end_) mine |= left & -left;
+    record.todo = mine;
+    if (mine) return true;
+  }
+}
+
+}  // namespace hapgrid
