@@ -2,6 +2,8 @@
 
 #include "libcore/search/seed.hpp"
 
+#include <filesystem>
+
 #include "libcore/base/file.hpp"
 #include "libcore/model/definition.hpp"
 #include "tools/common/tool.hpp"
@@ -20,8 +22,10 @@ constexpr std::uint64_t kMaxDefinitionBytes = 16 << 20;
 int run(const Options& options) {
   using namespace hapgrid;
   const std::string name = options.definition == "-" ? "standard input" : options.definition;
-  const Definition definition =
-      read_definition(read_text(options.definition, kMaxDefinitionBytes), name, options.overrides);
+  const std::filesystem::path directory = std::filesystem::path(options.definition).parent_path();
+  const Definition definition = read_definition(
+      read_text(options.definition, kMaxDefinitionBytes), name, options.overrides,
+      [&](const std::string& file) { return read_text(directory / file, kMaxDefinitionBytes); });
   const Plugin plugin(definition.plugin, model_path(options.model_path));
   const Model model = plugin.create(definition.parameters);
   const GridSpec spec = describe_grid(definition, model);
@@ -45,6 +49,7 @@ int main(int argc, char** argv) {
       "MODEL.toml (lengths in the model's unit of length):\n"
       "  [model] plugin = \"NAME\"        the plug-in NAME.so\n"
       "  [model.parameters]             the model's own\n"
+      "  [model.files]                  text files beside MODEL.toml; the contents are parameters\n"
       "  [grid] origin = [x, y, z]      position of the point (0, 0, 0)\n"
       "         spacing = h             distance of neighbouring points; sqrt(3) h <= d_max\n"
       "         counts = [nx, ny, nz]   points along each axis\n"

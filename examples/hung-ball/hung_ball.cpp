@@ -55,6 +55,9 @@ class HungBall {
     info.d_max = d_max_;
     info.tolerance = tolerance_;
     std::snprintf(info.tolerance_unit, sizeof info.tolerance_unit, "rad");
+    std::snprintf(info.length_unit, sizeof info.length_unit, "rope lengths");
+    std::snprintf(info.energy_unit, sizeof info.energy_unit, "N rope lengths");
+    info.force_scale = 1;
     info.spheres = 1 + kBeads;
     return info;
   }
@@ -111,17 +114,27 @@ class HungBall {
     for (int a = 0; a < 3; ++a) f[a] = -pushed * u[a] / distance;
   }
 
+  /// What the ball has gained in height: there is no friction, so it is the work of the HIP.
+  double energy(const double*, const double* s) const {
+    const double half = std::sin(s[0] / 2);
+    return weight_ * 2 * half * half;
+  }
+
   /// The ball, then the rope as beads from the hinge down.
-  void shape(const double* s, hapgrid_sphere* spheres) const {
+  void spheres(hapgrid_sphere* spheres) const {
+    for (unsigned i = 0; i <= kBeads; ++i)
+      spheres[i] = {static_cast<float>(i == 0 ? radius_ : radius_ / 8), {0.9F, 0.9F, 0.9F}, ""};
+    spheres[0].colour[2] = 0.3F;
+  }
+  void shape(const double* s, float* centres) const {
     const double sine = std::sin(s[0]);
     const double cosine = std::cos(s[0]);
     for (unsigned i = 0; i <= kBeads; ++i) {
       const double along = i == 0 ? 1 : (i - 1.0) / kBeads;
-      spheres[i] = {{static_cast<float>(along * sine), 0, static_cast<float>(1 - along * cosine)},
-                    static_cast<float>(i == 0 ? radius_ : radius_ / 8),
-                    {0.9F, 0.9F, 0.9F}};
+      centres[3 * i] = static_cast<float>(along * sine);
+      centres[3 * i + 1] = 0;
+      centres[3 * i + 2] = static_cast<float>(1 - along * cosine);
     }
-    spheres[0].colour[2] = 0.3F;
   }
 
  private:

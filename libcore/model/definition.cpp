@@ -22,6 +22,9 @@ constexpr std::int64_t kExact = std::int64_t{1} << 53;
 // by recursion: a key of a megabyte of dots would overflow the stack.
 constexpr unsigned kMaxKeyParts = 1000;
 
+// The contents of all files together: they go into every shard's header.
+constexpr std::size_t kMaxFileBytes = 2 << 20;
+
 /// The line of a key with too many parts, 0 when there is none. Takes any 1000 dots without a comma,
 /// bracket or equals sign between them for one.
 std::uint64_t overlong_key(const std::string& text) {
@@ -50,13 +53,14 @@ class Reader {
     for (const std::string& entry : overrides) set(entry);
   }
 
-  Definition read() const {
+  Definition read(const std::function<std::string(const std::string&)>& read_file) const {
     Definition d;
     only_keys(root_, "", {"model", "grid", "search", "seeds"});
     const toml::table& model = table(root_, "model");
-    only_keys(model, "model.", {"plugin", "parameters"});
+    only_keys(model, "model.", {"plugin", "parameters", "files"});
     d.plugin = text(required(model, "model.", "plugin"), "model.plugin");
     if (model.contains("parameters")) parameters(table(model, "parameters"), "", d.parameters);
+    if (model.contains("files")) files(table(model, "files"), read_file, d.parameters);
     std::sort(d.parameters.begin(), d.parameters.end(),
               [](const Parameter& a, const Parameter& b) { return a.key < b.key; });
 
@@ -218,6 +222,34 @@ class Reader {
     }
   }
 
+  void files(const toml::table& in,
+             const std::function<std::string(const std::string&)>& read_file,
+             std::vector<Parameter>& out) const {
+    std::size_t bytes = 0;
+    const auto contents = [&](const toml::node& node, const std::string& shown) {
+      std::string text_of_file = read_file(text(node, shown));
+      if (text_of_file.find('\0') != std::string::npos) fail(node, shown + ": is no text file");
+      bytes += text_of_file.size();
+      if (bytes > kMaxFileBytes)
+        fail(node, "the files of [model.files] have more than " + std::to_string(kMaxFileBytes) +
+                       " bytes in all");
+      return text_of_file;
+    };
+    for (const auto& [k, node] : in) {
+      const std::string key(k.str());
+      const std::string shown = "model.files." + key;
+      if (std::any_of(out.begin(), out.end(), [&](const Parameter& p) { return p.key == key; }))
+        fail(node, key + " is both in [model.parameters] and in [model.files]");
+      if (!node.is_array()) {
+        out.push_back({key, contents(node, shown)});
+        continue;
+      }
+      std::vector<std::string> texts;
+      for (const toml::node& entry : *node.as_array()) texts.push_back(contents(entry, shown));
+      out.push_back({key, std::move(texts)});
+    }
+  }
+
   void seeds(const toml::table& in, std::vector<SeedDefinition>& out) const {
     only_keys(in, "seeds.", {"points", "states"});
     const toml::array& points = array(required(in, "seeds.", "points"), "seeds.points");
@@ -243,8 +275,9 @@ class Reader {
 }  // namespace
 
 Definition read_definition(const std::string& text, const std::string& name,
-                           const std::vector<std::string>& overrides) {
-  return Reader(text, name, overrides).read();
+                           const std::vector<std::string>& overrides,
+                           const std::function<std::string(const std::string&)>& read_file) {
+  return Reader(text, name, overrides).read(read_file);
 }
 
 }  // namespace hapgrid

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,14 +26,18 @@ struct Definition {
 
 /// Reads a definition. Keys:
 ///   [model] plugin; [model.parameters] the model's own;
+///   [model.files] names of text files, whose contents become parameters of the same keys: a grid
+///   carries everything that its model was made from;
 ///   [grid] origin (3 numbers), spacing, counts (3 whole numbers);
 ///   [search] max_levels (default 8);
 ///   [seeds] points (positions), states (optional: for each point a list of states).
 /// @param name the file's name, for messages.
 /// @param overrides "key=value" each, the key dotted ("grid.spacing"), the value as TOML writes it;
 /// a value that is no TOML is taken as a text.
-/// @throw Error "NAME: line L: ..." for a missing, unknown or ill-typed key.
+/// @param read_file the text of a file of [model.files], by the name that stands there.
+/// @throw Error "NAME: line L: ..." for a missing, unknown or ill-typed key; what read_file throws.
 Definition read_definition(const std::string& text, const std::string& name,
-                           const std::vector<std::string>& overrides);
+                           const std::vector<std::string>& overrides,
+                           const std::function<std::string(const std::string&)>& read_file);
 
 }  // namespace hapgrid

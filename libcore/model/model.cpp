@@ -132,6 +132,8 @@ Plugin::Plugin(const std::string& name, const std::vector<fs::path>& directories
   if (!table_->create || !table_->destroy || !table_->info || !table_->known_states ||
       !table_->convert || !table_->equal)
     throw ModelError("model " + name + ": a required function of the plug-in's table is NULL");
+  if (!table_->spheres != !table_->shape)
+    throw ModelError("model " + name + ": one of spheres() and shape() is NULL, the other is not");
   if (table_->summary) summary_ = one_line(table_->summary);
 }
 
@@ -146,7 +148,8 @@ Model Plugin::create(const std::vector<Parameter>& parameters) const {
 Model::Model(const Plugin& plugin, hapgrid_model* model)
     : library_(plugin.library_), table_(plugin.table_), model_(model, table_->destroy), info_{} {
   table_->info(model, &info_);
-  info_.tolerance_unit[sizeof info_.tolerance_unit - 1] = '\0';
+  for (char* unit : {info_.tolerance_unit, info_.length_unit, info_.energy_unit})
+    unit[sizeof info_.tolerance_unit - 1] = '\0';
   const std::string who = "model " + plugin.name() + ": ";
   if (info_.state_size == 0 || info_.state_size > kMaxStateSize)
     throw ModelError(who + "a state of " + std::to_string(info_.state_size) + " components; 1 to " +
@@ -158,6 +161,18 @@ Model::Model(const Plugin& plugin, hapgrid_model* model)
                      std::to_string(kMaxSpheres) + " are possible");
   if (!std::isfinite(info_.tolerance) || info_.tolerance < 0)
     throw ModelError(who + "the tolerance is negative or not finite");
+  if (info_.stored & ~std::uint32_t{HAPGRID_STORE_FORCE | HAPGRID_STORE_SHAPE})
+    throw ModelError(who + "info.stored has unknown bits");
+  if (((info_.stored & HAPGRID_STORE_FORCE) && !has_force()) ||
+      ((info_.stored & HAPGRID_STORE_SHAPE) && !has_shape()))
+    throw ModelError(who + "info.stored names a function that is NULL");
+}
+
+std::vector<hapgrid_sphere> Model::spheres() const {
+  std::vector<hapgrid_sphere> spheres(info_.spheres);
+  if (has_shape()) table_->spheres(model_.get(), spheres.data());
+  for (hapgrid_sphere& sphere : spheres) sphere.label[sizeof sphere.label - 1] = '\0';
+  return spheres;
 }
 
 std::vector<double> Model::known_states(const Vec3& x) const {

@@ -47,6 +47,7 @@ class Model {
   const hapgrid_model_info& info() const { return info_; }
   std::uint32_t state_size() const { return info_.state_size; }
   bool has_force() const { return table_->force != nullptr; }
+  bool has_energy() const { return table_->energy != nullptr; }
   bool has_shape() const { return table_->shape != nullptr; }
 
   /// The states known a priori at x, row after row (count x n).
@@ -69,9 +70,15 @@ class Model {
     table_->force(model_.get(), x.data(), s, f.data());
     return f;
   }
-  /// The spheres of state s; `spheres` holds info().spheres; needs has_shape().
-  void shape(const double* s, std::span<hapgrid_sphere> spheres) const {
-    table_->shape(model_.get(), s, spheres.data());
+  /// The energy of state s with the HIP at x, in info().energy_unit; needs has_energy().
+  double energy(const Vec3& x, const double* s) const {
+    return table_->energy(model_.get(), x.data(), s);
+  }
+  /// The info().spheres spheres that show a state; empty without has_shape().
+  std::vector<hapgrid_sphere> spheres() const;
+  /// The centres of the spheres in state s, x y z by sphere; needs has_shape().
+  void shape(const double* s, std::span<float> centres) const {
+    table_->shape(model_.get(), s, centres.data());
   }
 
  private:

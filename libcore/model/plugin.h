@@ -16,8 +16,8 @@
  * has written one line into `error` (at most `error_size` bytes, with the final NUL). No C++
  * exception may leave a plug-in.
  *
- * Real time. force() and shape() are called inside the haptic loop: no allocation, no lock, no
- * input or output.
+ * Real time. force(), energy() and shape() are called inside the haptic loop: no allocation, no
+ * lock, no input or output. Those that info.stored names are called by expand alone, and may.
  */
 #ifndef HAPGRID_MODEL_PLUGIN_H
 #define HAPGRID_MODEL_PLUGIN_H
@@ -30,7 +30,7 @@ extern "C" {
 #endif
 
 /* Raised by every change that a compiled plug-in would notice. */
-#define HAPGRID_MODEL_INTERFACE 1
+#define HAPGRID_MODEL_INTERFACE 2
 
 enum hapgrid_parameter_type {
   HAPGRID_BOOLEAN = 0, /* numbers[0] is 0 or 1 */
@@ -49,18 +49,30 @@ typedef struct hapgrid_parameter {
   const char* const* texts; /* NUL-terminated strings [count], NULL for numbers */
 } hapgrid_parameter;
 
+/* Bits of hapgrid_model_info.stored: what takes too long for the haptic loop. expand evaluates it
+ * once for each state that it finds, the grid carries it, and play interpolates it without the
+ * model (Sect. 2.2 of the paper). */
+enum hapgrid_stored { HAPGRID_STORE_FORCE = 1, HAPGRID_STORE_SHAPE = 2 };
+
+/* Texts are NUL-terminated UTF-8. The table's caller has set everything to zero before info(). */
 typedef struct hapgrid_model_info {
   uint32_t state_size; /* n >= 1 */
+  uint32_t stored;     /* bits of enum hapgrid_stored */
   double d_max;        /* convert() is defined for |d| <= d_max (Sect. 2.1, condition a) */
   double tolerance;    /* the bound that equal() applies; for messages and the shard's header */
   char tolerance_unit[16];
-  uint32_t spheres; /* how many spheres shape() writes; 0 without shape() */
+  char length_unit[16]; /* of positions, for people: "angstrom"; may be empty */
+  char energy_unit[16]; /* of energy(), for people: "kJ/mol"; may be empty */
+  double force_scale;   /* newtons that one energy unit per length unit is on the device: along a
+                         * smooth branch, force = -force_scale * gradient of energy; with energy() */
+  uint32_t spheres;     /* how many spheres show a state; 0 without spheres() and shape() */
 } hapgrid_model_info;
 
+/* What stays the same of a sphere, whatever the state. */
 typedef struct hapgrid_sphere {
-  float centre[3]; /* the model's unit of length */
-  float radius;
+  float radius;    /* the model's unit of length */
   float colour[3]; /* red, green, blue in [0, 1] */
+  char label[8];   /* of an atom its element's symbol; NUL-terminated, may be empty */
 } hapgrid_sphere;
 
 typedef struct hapgrid_model hapgrid_model; /* the plug-in's own */
@@ -93,8 +105,14 @@ typedef struct hapgrid_model_table {
   /* Optional (NULL): the force on the HIP at x in state s, F(x, s), in newtons. */
   void (*force)(hapgrid_model* model, const double* x, const double* s, double* force);
 
-  /* Optional (NULL): the spheres that show state s, `info.spheres` of them. */
-  void (*shape)(hapgrid_model* model, const double* s, hapgrid_sphere* spheres);
+  /* Optional (NULL): the energy of state s with the HIP at x, in info.energy_unit. */
+  double (*energy)(hapgrid_model* model, const double* x, const double* s);
+
+  /* Optional (NULL, both or none): the info.spheres spheres that show a state. spheres() writes
+   * what stays the same, shape() the centres in state s: float[3 * info.spheres], x y z by
+   * sphere, in the model's unit of length. */
+  void (*spheres)(const hapgrid_model* model, hapgrid_sphere* spheres);
+  void (*shape)(hapgrid_model* model, const double* s, float* centres);
 } hapgrid_model_table;
 
 /* The one symbol that a plug-in exports. */

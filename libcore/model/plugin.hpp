@@ -8,8 +8,10 @@
 //     std::vector<double> known_states(const double* x) const;  // states row after row
 //     void convert(const double* s, const double* x, const double* d, double* result);
 //     bool equal(const double* a, const double* b) const;
-//     void force(const double* x, const double* s, double* f);         // may be left out
-//     void shape(const double* s, hapgrid_sphere* spheres);            // may be left out
+//     void force(const double* x, const double* s, double* f);  // each may be left out
+//     double energy(const double* x, const double* s);
+//     void spheres(hapgrid_sphere* spheres) const;                // both or none
+//     void shape(const double* s, float* centres);
 //   };
 //   HAPGRID_MODEL_PLUGIN(Spring, "a mass on a spring")
 #pragma once
@@ -144,12 +146,18 @@ hapgrid_model_table table(const char* summary) {
     t.force = [](hapgrid_model* m, const double* x, const double* s, double* f) {
       reinterpret_cast<Model*>(m)->force(x, s, f);
     };
-  if constexpr (requires(Model & m, const double* s, hapgrid_sphere* spheres) {
-                  m.shape(s, spheres);
-                })
-    t.shape = [](hapgrid_model* m, const double* s, hapgrid_sphere* spheres) {
-      reinterpret_cast<Model*>(m)->shape(s, spheres);
+  if constexpr (requires(Model & m, const double* x) { m.energy(x, x); })
+    t.energy = [](hapgrid_model* m, const double* x, const double* s) -> double {
+      return reinterpret_cast<Model*>(m)->energy(x, s);
     };
+  if constexpr (requires(Model & m, const double* s, float* centres) { m.shape(s, centres); }) {
+    t.spheres = [](const hapgrid_model* m, hapgrid_sphere* spheres) {
+      reinterpret_cast<const Model*>(m)->spheres(spheres);
+    };
+    t.shape = [](hapgrid_model* m, const double* s, float* centres) {
+      reinterpret_cast<Model*>(m)->shape(s, centres);
+    };
+  }
   return t;
 }
 

@@ -39,9 +39,20 @@ bad '5,8d' 'the table \[grid\] is missing'
 bad '1,4d' 'the table \[model\] is missing'
 bad 1,20d 'the table \[model\] is missing'
 
+# Files whose contents are parameters.
+printf '\0' >zeros
+head -c 1100000 /dev/zero | tr '\0' x >big
+bad '4a [model.files]\nradius = "big"' 'line 6: radius is both in \[model.parameters\] and in \[model.files\]'
+sed '4a [model.files]\nnotes = "gone"' good.toml >bad.toml
+refuses 'seed: gone: No such file or directory' -- seed bad.toml -o out
+bad '4a [model.files]\nnotes = "zeros"' 'line 6: model\.files\.notes: is no text file'
+bad '4a [model.files]\nnotes = ["big", "big"]' 'line 6: the files of \[model\.files\] have more than 2097152 bytes in all'
+bad '4a [model.files]\nnotes = 3' 'line 6: model\.files\.notes must be a text in quotes'
+rm zeros big
+
 # Unknown ones.
 bad '7a colour = 1' 'line 8: unknown key grid\.colour \(known: origin, spacing, counts\)'
-bad '2a type = 1' 'line 3: unknown key model\.type \(known: plugin, parameters\)'
+bad '2a type = 1' 'line 3: unknown key model\.type \(known: plugin, parameters, files\)'
 bad '10a levels = 1' 'line 11: unknown key search\.levels \(known: max_levels\)'
 bad '13a colour = 1' 'line 14: unknown key seeds\.colour \(known: points, states\)'
 bad '13a [grids]' 'line 14: unknown key grids \(known: model, grid, search, seeds\)'

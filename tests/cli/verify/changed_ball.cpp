@@ -1,6 +1,7 @@
 // A plug-in that passes for the hung ball, but whose ball follows no HIP: who verifies a grid with
 // it hears that the model has changed.
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 
 #include "libcore/model/plugin.hpp"
@@ -8,7 +9,14 @@
 class ChangedBall {
  public:
   explicit ChangedBall(hapgrid::PluginParameters&) {}
-  hapgrid_model_info info() const { return {1, 1.0, 1e-6, "rad", 0}; }
+  hapgrid_model_info info() const {
+    hapgrid_model_info info{};
+    info.state_size = 1;
+    info.d_max = 1;
+    info.tolerance = 1e-6;
+    std::snprintf(info.tolerance_unit, sizeof info.tolerance_unit, "rad");
+    return info;
+  }
   std::vector<double> known_states(const double*) const { return {0.0}; }
   void convert(const double* s, const double* x, const double* d, double* result) {
     if (x[0] + d[0] > -0.76) throw std::runtime_error("the rope is torn");

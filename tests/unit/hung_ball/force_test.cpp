@@ -158,26 +158,47 @@ TEST_CASE("near the tear-off the force is the bound, along the line of centres")
 TEST_CASE("the shape is the ball where the state has it, and its rope") {
   const Model model = make();
   REQUIRE(model.info().spheres == 10);
-  std::vector<hapgrid_sphere> spheres(10);
+  const std::vector<hapgrid_sphere> spheres = model.spheres();
+  REQUIRE(spheres.size() == 10);
+  CHECK(spheres[0].radius == 0.1F);
+  std::vector<float> centres(30);
   for (const double alpha : {0.0, 0.3, -0.7, 2.0}) {
-    model.shape(&alpha, spheres);
+    model.shape(&alpha, centres);
     // float has 2^-24; all coordinates are below 2.
     const double bound = 2 * 0x1p-24;
-    CHECK(std::abs(spheres[0].centre[0] - std::sin(alpha)) <= bound);
-    CHECK(spheres[0].centre[1] == 0);
-    CHECK(std::abs(spheres[0].centre[2] - (1 - std::cos(alpha))) <= bound);
-    CHECK(spheres[0].radius == 0.1F);
-    CHECK(spheres[1].centre[0] == 0);
-    CHECK(spheres[1].centre[2] == 1);
+    CHECK(std::abs(centres[0] - std::sin(alpha)) <= bound);
+    CHECK(centres[1] == 0);
+    CHECK(std::abs(centres[2] - (1 - std::cos(alpha))) <= bound);
+    CHECK(centres[3] == 0);
+    CHECK(centres[5] == 1);
     for (std::size_t i = 0; i < spheres.size(); ++i) {
       for (const float c : spheres[i].colour) CHECK((c >= 0 && c <= 1));
       if (i == 0) continue;
       // The beads are between the hinge and the ball, on the rope.
-      const double x = spheres[i].centre[0];
-      const double w = 1 - spheres[i].centre[2];
+      const double x = centres[3 * i];
+      const double w = 1 - centres[3 * i + 2];
       CHECK(std::abs(x * std::cos(alpha) - w * std::sin(alpha)) <= 2 * bound);
       CHECK(std::hypot(x, w) < 1);
       CHECK(spheres[i].radius < spheres[0].radius);
     }
+  }
+}
+
+TEST_CASE("the force is the work's gradient where the ball is pushed") {
+  const Model model = make();
+  REQUIRE(model.has_energy());
+  REQUIRE(model.info().force_scale == 1);
+  // Along y = z = 0, pushed from the left: α_1 from its closed form, the energy W (1 - cos α_1).
+  constexpr double kStep = 1e-4;
+  for (double x = -0.15; x < 0.6; x += 0.05) {
+    const auto energy = [&](double at) {
+      const double alpha = static_cast<double>(alpha_1(at, kRadius));
+      return model.energy({at, 0, 0}, &alpha);
+    };
+    const double alpha = static_cast<double>(alpha_1(x, kRadius));
+    const double slope = (energy(x + kStep) - energy(x - kStep)) / (2 * kStep);
+    // The difference is off by step²/6 times the third derivative of the energy, which is below 1e3
+    // up to x = 0.6 (it grows towards the tear-off at 0.663).
+    CHECK(std::abs(model.force({x, 0, 0}, &alpha)[0] + slope) < kStep * kStep / 6 * 1e3);
   }
 }

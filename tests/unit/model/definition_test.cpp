@@ -1,0 +1,47 @@
+#include "libcore/model/definition.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "libcore/base/error.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+const std::string kDefinition = R"(
+[model]
+plugin = "some-model"
+[model.parameters]
+stiffness = 2
+[model.files]
+shape = "a.xyz"
+paths = ["b.xyz", "c.xyz"]
+[grid]
+origin = [0, 0, 0]
+spacing = 1
+counts = [2, 2, 2]
+)";
+
+std::string contents_of(const std::string& file) { return "contents of " + file; }
+
+}  // namespace
+
+TEST_CASE("files become parameters with their contents") {
+  const Definition d = read_definition(kDefinition, "some.toml", {}, contents_of);
+  const std::vector<Parameter> expected{
+      {"paths", std::vector<std::string>{"contents of b.xyz", "contents of c.xyz"}},
+      {"shape", std::string("contents of a.xyz")},
+      {"stiffness", 2.0}};
+  CHECK(d.parameters == expected);
+}
+
+TEST_CASE("an override names another file") {
+  const Definition d =
+      read_definition(kDefinition, "some.toml", {"model.files.shape=z.xyz"}, contents_of);
+  CHECK(d.parameters[1] == Parameter{"shape", std::string("contents of z.xyz")});
+}
+
+TEST_CASE("what reading a file throws comes through") {
+  const auto fails = [](const std::string& file) -> std::string { throw Error(file + ": gone"); };
+  CHECK_THROWS_WITH(read_definition(kDefinition, "some.toml", {}, fails), "b.xyz: gone");
+}
