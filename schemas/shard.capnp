@@ -35,7 +35,8 @@ struct Header {
 
   box @4 :Box;
   model @5 :Text;
-  # The plug-in's plain name, never a path.
+  # The plug-in's plain name, never a path; of a model that is a process (equality says so), the
+  # name that its user gave it. What to run never stands in a shard.
 
   parameters @6 :List(Parameter);
   # The model's parameters in full, ascending by key.
@@ -50,6 +51,21 @@ struct Header {
 
   maxLevels @10 :UInt32;
   # Level limit: how many levels a point may have, 1 to 254.
+
+  stored @11 :Stored;
+  # What each record of a grid, and each request, carries beside its state.
+
+  spheres @12 :List(Sphere);
+  # The spheres whose centres are stored; empty where the shape is not.
+
+  equality @13 :Equality;
+  # The tolerance function, so that merge and verify need no model process.
+
+  lengthUnit @14 :Text;
+  energyUnit @15 :Text;
+  hipRadius @16 :Float64;
+  # For people and pictures; empty or 0 where the model does not say. hipRadius: of the ball that
+  # the HIP moves.
 
   enum Content {
     grid @0;
@@ -70,6 +86,42 @@ struct Box {
   countX @4 :UInt32;
   countY @5 :UInt32;
   countZ @6 :UInt32;
+}
+
+struct Equality {
+  norm @0 :Norm;
+  weights @1 :List(Float64);
+  # One a component of the state, finite and not negative; empty: all 1.
+
+  enum Norm {
+    plugin @0;
+    # The model is a plug-in, and its own function decides.
+    max @1;
+    # The model is a process; states a and b are equal when max_c w_c |a_c - b_c| <= tolerance.
+    rms @2;
+    # The same, with sqrt((1/n) sum_c (w_c (a_c - b_c))^2) <= tolerance.
+  }
+}
+
+struct Stored {
+  force @0 :Bool;
+  energy @1 :Bool;
+  shape @2 :Bool;
+}
+
+struct Sphere {
+  # What stays the same, whatever the state.
+
+  radius @0 :Float32;
+  # In the model's unit of length.
+
+  red @1 :Float32;
+  green @2 :Float32;
+  blue @3 :Float32;
+  # 0 to 1.
+
+  label @4 :Text;
+  # Of an atom its element's symbol; at most 7 bytes.
 }
 
 struct Parameter {
@@ -111,6 +163,13 @@ struct RecordChunk {
 
   todo @5 :List(UInt32);
   # Frontier shards only. Bit q: the direction q is to be expanded by the taker of this shard.
+
+  force @6 :List(Float64);
+  energy @7 :List(Float64);
+  shape @8 :List(Float32);
+  # Grids only, where the header says that they are stored; else empty. Force on the HIP in newtons
+  # (3 components), energy (1), centres of the spheres (x y z by sphere), each component by
+  # component like the states.
 }
 
 struct RequestChunk {
@@ -126,6 +185,11 @@ struct RequestChunk {
 
   state @3 :List(Float64);
   # The state reached; component by component, as in RecordChunk.
+
+  force @4 :List(Float64);
+  energy @5 :List(Float64);
+  shape @6 :List(Float32);
+  # What is stored with the state reached, as in RecordChunk.
 }
 
 struct Footer {

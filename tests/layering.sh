@@ -41,8 +41,15 @@ for file in $(sources libcore); do
         [[ $to == "$folder" || " ${allowed[$folder]} " == *" $to "* ]] ||
           complain "$file: $folder must not include $to ($path)"
         ;;
-      capnp/* | kj/* | *.capnp.h | zstd*.h | xxh*.h | xxhash.h)
+      zstd*.h | xxh*.h | xxhash.h)
         [[ $folder == shard ]] || complain "$file: only shard/ uses $path"
+        ;;
+      capnp/* | kj/* | *.capnp.h)
+        [[ $folder == shard || $folder == scene ]] ||
+          complain "$file: only shard/ and scene/ use $path"
+        ;;
+      png.h)
+        [[ $folder == scene ]] || complain "$file: only scene/ uses $path"
         ;;
       hidapi*)
         [[ $folder == device ]] || complain "$file: only device/ uses $path"

@@ -9,6 +9,7 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/search/complete.hpp"
+#include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/tool.hpp"
 
@@ -19,7 +20,7 @@ using namespace hapgrid;
 struct Options {
   std::vector<std::string> shards;
   std::string output = "-";
-  std::vector<std::string> model_path;
+  ModelOptions model;
   unsigned threads = 1;
   std::string part = "1/1";
   bool complete = false;
@@ -67,13 +68,13 @@ int run(const Options& options) {
   const std::vector<Section> sections = open_sections(inputs);
   SectionHeader header = sections.front().header;
   const std::uint32_t first_generation = header.generation;
-  const Plugin plugin(header.spec.model, model_path(options.model_path));
+  const auto source = model_source(header.spec, options.model);
   Progress progress;
   progress.generation = header.generation;
-  Converter converter(plugin, header.spec, options.threads, progress);
 
   OutputFile out(options.output);
   {
+    Converter converter(*source, header.spec, options.threads, progress);
     const ProgressLine line(options.progress, [&](double seconds) {
       return progress_text(progress, header.spec, options.complete, seconds);
     });
@@ -112,7 +113,7 @@ int main(int argc, char** argv) {
   hapgrid::add_inputs(app, options.shards, "Grid, or frontier shards");
   hapgrid::add_output(app, options.output);
   app.add_option("-j,--threads", options.threads,
-                 "Threads, each with a model of its own (1 to 1024)")
+                 "Threads, each with a model (a plug-in or a process) of its own (1 to 1024)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
@@ -124,6 +125,6 @@ int main(int argc, char** argv) {
   app.add_flag("--complete", options.complete,
                "Merge in memory and go on until the frontier is empty; writes the complete grid");
   hapgrid::add_run_options(app, options.report, options.progress);
-  hapgrid::add_model_path(app, options.model_path);
+  hapgrid::add_model_options(app, options.model);
   return hapgrid::run_tool(app, argc, argv, [&] { return run(options); });
 }

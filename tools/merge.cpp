@@ -7,6 +7,7 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/search/frontier.hpp"
+#include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/tool.hpp"
 
@@ -54,8 +55,7 @@ int run(const Options& options) {
   const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
   allow_open_files(inputs.size());
   const MergeInput input(open_sections(inputs));
-  const Plugin plugin(input.spec().model, model_path(options.model_path));
-  const Model model = create_model(plugin, input.spec());
+  const Model model = judging_model(input.spec(), options.model_path);
   const SectionHeader header = input.merged_header();
   SectionHeader frontier_header = header;
   frontier_header.content = Content::kFrontier;

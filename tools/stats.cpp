@@ -264,6 +264,8 @@ int main(int argc, char** argv) {
   add_output(app, options.output);
   describe(app, "stats",
            "What the numbers mean (null or '-' where there is nothing to divide by):\n"
+           "  norm                how the tolerance is applied: max or rms of the components'\n"
+           "                      differences; plug-in: its own function\n"
            "  average_levels      records per point that has a level\n"
            "  share_reached       points that have a level, of all points\n"
            "  levels_histogram    entry k: points that have k levels, k = 0, 1, ...\n"

@@ -14,6 +14,7 @@
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
 #include "libcore/shard/load.hpp"
+#include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/tool.hpp"
 
@@ -27,7 +28,7 @@ struct Options {
   std::uint64_t sample_seed = 1;
   int threads = 1;
   std::string format = "text";
-  std::vector<std::string> model_directories;
+  ModelOptions model;
   std::string output = "-";
 };
 
@@ -43,14 +44,17 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
 int run(const Options& options) {
   const LoadedGrid loaded = load_grid(inputs_or_stdin(options.shards));
   const Grid& grid = loaded.grid;
-  const Plugin plugin(grid.spec().model, model_path(options.model_directories));
-  const auto make_model = [&] { return model_functions(create_model(plugin, grid.spec())); };
-
-  std::vector<Check> checks{check_complete(grid), check_coverage(grid), check_links(grid),
-                            check_finite(grid), check_distinct(grid, make_model().same)};
-  for (Check& check : check_reachable(grid)) checks.push_back(std::move(check));
   std::uint64_t count = 0;
   parse_recompute(options.recompute, count);
+  const auto source =
+      count > 0 ? model_source(grid.spec(), options.model, " (or leave C out: --recompute none)")
+                : nullptr;
+  const auto make_model = [&] { return model_functions(create_model(*source, grid.spec())); };
+  const SameState same = model_functions(judging_model(grid.spec(), options.model.path)).same;
+
+  std::vector<Check> checks{check_complete(grid), check_coverage(grid), check_links(grid),
+                            check_finite(grid), check_distinct(grid, same)};
+  for (Check& check : check_reachable(grid)) checks.push_back(std::move(check));
   if (count > 0) {
     const auto sample = sample_records(grid, count, options.sample_seed);
     std::atomic<std::uint64_t> done{0};
@@ -59,6 +63,8 @@ int run(const Options& options) {
              " records";
     });
     checks.push_back(check_fidelity(grid, sample, make_model, options.threads, done));
+    if (grid.spec().row_size() > grid.state_size())
+      checks.push_back(check_stored(grid, sample, make_model, options.threads));
   }
   checks.push_back(check_blends(grid));
 
@@ -98,18 +104,19 @@ int main(int argc, char** argv) {
   app.add_option("--format", options.format, "How the report is written")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
-  add_model_path(app, options.model_directories);
+  add_model_options(app, options.model);
   add_output(app, options.output);
   describe(app, "verify",
            "Checks:\n"
            "  complete     no record is left in the frontier\n"
            "  coverage     each point of the box has a level\n"
            "  links        directions lead to levels that exist, or are marked as leaving the box\n"
-           "  finite       states are finite numbers\n"
+           "  finite       states, and what is stored with them, are finite numbers\n"
            "  distinct     levels of a point differ by more than the tolerance function forgives\n"
            "  reachable    links lead to each record from the seeds (generation 0)\n"
            "  generations  a record's generation is its distance from the seeds, in links\n"
            "  fidelity     C(s, x, d), evaluated again, is the state where the link leads\n"
+           "  stored       force, energy and shape, evaluated again, are what is stored\n"
            "  blends       (no fault) cells where play may mix branches, near tear-offs\n",
            "  3  read everything, and an invariant is broken\n");
   return run_tool(app, argc, argv, [&] { return run(options); });

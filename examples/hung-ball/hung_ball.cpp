@@ -39,7 +39,8 @@ class HungBall {
       : radius_(finite(parameters, "radius", 0.1)),
         weight_(finite(parameters, "weight", 1)),
         max_force_(finite(parameters, "max_force", 3)),
-        tolerance_(finite(parameters, "tolerance", 1e-6)) {
+        tolerance_(finite(parameters, "tolerance", 1e-6)),
+        stored_(parameters.boolean("stored", false)) {
     parameters.finish();
     if (!(radius_ > 0 && radius_ < 0.5)) refuse("radius", radius_, "above 0 and below 0.5");
     if (!(weight_ > 0)) refuse("weight", weight_, "positive");
@@ -58,6 +59,8 @@ class HungBall {
     std::snprintf(info.length_unit, sizeof info.length_unit, "rope lengths");
     std::snprintf(info.energy_unit, sizeof info.energy_unit, "N rope lengths");
     info.force_scale = 1;
+    info.hip_radius = radius_;
+    if (stored_) info.stored = HAPGRID_STORE_FORCE | HAPGRID_STORE_ENERGY | HAPGRID_STORE_SHAPE;
     info.spheres = 1 + kBeads;
     return info;
   }
@@ -201,6 +204,7 @@ class HungBall {
   double weight_;     // W, newtons
   double max_force_;  // newtons
   double tolerance_;  // radians
+  bool stored_;       // whether the grid keeps force, energy and shape: to compare both ways
   double substep_;    // longest substep of convert(), in rope lengths
   double d_max_;      // t - 2r, in rope lengths; Table 1 assumes no longer shifts
 };

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <future>
 #include <memory>
 #include <utility>
 
+#include "libcore/base/text.hpp"
+#include "libcore/check/random.hpp"
 #include "libcore/check/text.hpp"
 
 namespace hapgrid {
@@ -16,34 +19,60 @@ namespace {
 // nothing, and still few enough to keep all threads busy until the end with a slow model.
 constexpr std::size_t kBlock = 64;
 
-/// SplitMix64 (Steele, Lea, Flood 2014): the standard library's distributions differ between
-/// implementations, and the sample must not.
-class SplitMix64 {
- public:
-  explicit SplitMix64(std::uint64_t seed) : state_(seed) {}
-  /// A number below `bound`; the bias of the remainder is below 2^-32 for 32-bit bounds.
-  std::uint64_t below(std::uint64_t bound) {
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (z ^ (z >> 31)) % bound;
-  }
+// The search evaluates force and shape at x + d, this at the point's own position: half a unit in
+// the last place of x apart, which the stiffest contacts make 1e-10 of a force.
+constexpr double kStoredTolerance = 1e-6;
 
- private:
-  std::uint64_t state_;
-};
+/// Whether the link in direction q of a record can be compared.
+bool is_settled(const Grid& grid, RecordIndex r, int q) {
+  const RecordIndex target = grid.destination(r, q);
+  return target != Grid::kNoRecord && is_finite(grid.state(target));
+}
+
+/// All conversions of a record by a model that takes many at once: rows and errors by direction.
+void convert_many(const Grid& grid, RecordIndex r, const ModelFunctions& model, double* rows,
+                  std::string* errors) {
+  int q = -1;
+  model.convert_many(
+      [&](Conversion& conversion, bool) {
+        do ++q;
+        while (q < kDirections && !is_settled(grid, r, q));
+        if (q >= kDirections) {
+          q = kDirections - 1;  // it may be asked again
+          return false;
+        }
+        conversion = {grid.state(r).data(), grid.box().position(grid.point(r)),
+                      grid.neighbourhood().shift(q),
+                      rows + static_cast<std::size_t>(q) * grid.spec().row_size(),
+                      static_cast<std::uint64_t>(q)};
+        return true;
+      },
+      [&](const Conversion& conversion, const std::string& error) {
+        errors[conversion.tag] = error;
+      });
+}
 
 void recompute(const Grid& grid, RecordIndex r, const ModelFunctions& model,
                std::vector<double>& reached, Findings& found) {
   if (!is_finite(grid.state(r))) return;
   const Vec3 x = grid.box().position(grid.point(r));
-  std::string error;
+  const bool many = model.convert_many != nullptr;
+  std::vector<double> rows(many ? kDirections * reached.size() : 0);
+  std::string errors[kDirections];
+  if (many) convert_many(grid, r, model, rows.data(), errors);
   for (int q = 0; q < kDirections; ++q) {
+    if (!is_settled(grid, r, q)) continue;
     const RecordIndex target = grid.destination(r, q);
-    if (target == Grid::kNoRecord || !is_finite(grid.state(target))) continue;
     ++found.counted;
-    if (!model.convert(grid.state(r).data(), x, grid.neighbourhood().shift(q), reached.data(),
-                       error)) {
+    std::string& error = errors[q];
+    bool converted = error.empty();
+    if (many)
+      std::copy_n(&rows[static_cast<std::size_t>(q) * reached.size()], reached.size(),
+                  reached.begin());
+    else
+      converted = model.convert(grid.state(r).data(), x, grid.neighbourhood().shift(q),
+                                reached.data(), error);
+    if (!converted) {
       found.offend([&] { return describe_link(grid, r, q) + ": conversion failed: " + error; });
     } else if (!model.same(reached.data(), grid.state(target).data())) {
       found.offend([&] {
@@ -55,16 +84,71 @@ void recompute(const Grid& grid, RecordIndex r, const ModelFunctions& model,
   }
 }
 
+void recompute_stored(const Grid& grid, RecordIndex r, const ModelFunctions& model,
+                      std::vector<double>& row, Findings& found) {
+  if (!is_finite(grid.row(r))) return;
+  ++found.counted;
+  const std::size_t n = grid.state_size();
+  std::copy_n(grid.state(r).begin(), n, row.begin());
+  std::string error;
+  if (!model.complete(grid.box().position(grid.point(r)), row.data(), error))
+    return found.offend([&] { return describe(grid, r) + ": " + error; });
+  for (std::size_t i = n; i < row.size(); ++i) {
+    const double stored = grid.row(r)[i];
+    if (std::abs(row[i] - stored) <= kStoredTolerance * std::max(1.0, std::abs(stored))) continue;
+    return found.offend([&] {
+      return describe(grid, r) + ": stored number " + std::to_string(i - n) + " is " +
+             to_text(stored) + ", the model gives " + to_text(row[i]);
+    });
+  }
+}
+
+/// Runs work(model, record, row, findings) for all records, in threads. Findings are kept by block
+/// and joined in order, so that the threads leave no trace.
+template <class Work>
+Findings for_each_record(const Grid& grid, const std::vector<RecordIndex>& records,
+                         const std::function<ModelFunctions()>& make_model, int threads,
+                         std::atomic<std::uint64_t>& records_done, Work&& work_on) {
+  std::vector<Findings> blocks((records.size() + kBlock - 1) / kBlock);
+  std::atomic<std::size_t> next_block{0};
+  const auto work = [&](const ModelFunctions& model) {
+    std::vector<double> row(grid.spec().row_size());
+    for (std::size_t b; (b = next_block++) < blocks.size();) {
+      const std::size_t end = std::min(records.size(), (b + 1) * kBlock);
+      for (std::size_t i = b * kBlock; i < end; ++i)
+        work_on(grid, records[i], model, row, blocks[b]);
+      records_done += end - b * kBlock;
+    }
+  };
+  std::vector<std::future<void>> others;
+  for (int t = 1; t < threads; ++t)
+    others.push_back(std::async(std::launch::async, work, make_model()));
+  work(make_model());
+  for (std::future<void>& other : others) other.get();
+  Findings all;
+  for (Findings& found : blocks) all.add(std::move(found));
+  return all;
+}
+
 }  // namespace
 
 ModelFunctions model_functions(Model model_to_own) {
   const auto model = std::make_shared<Model>(std::move(model_to_own));
   ModelFunctions functions;
-  functions.convert = [model](const double* s, const Vec3& x, const Vec3& d, double* result,
+  functions.convert = [model](const double* s, const Vec3& x, const Vec3& d, double* row,
                               std::string& error) {
-    const bool converted = model->convert(s, x, d, result);
+    const bool converted = model->convert(s, x, d, row);
     if (!converted) error = model->error();
     return converted;
+  };
+  if (model->is_process())
+    functions.convert_many = [model](const NextConversion& next, const ConversionDone& done) {
+      model->convert(next, done);
+    };
+  functions.complete = [model](const Vec3& x, double* row, std::string& error) {
+    const bool completed = model->complete(x, row);
+    if (!completed) error = model->error();
+    return completed;
   };
   functions.same = [model](const double* a, const double* b) { return model->equal(a, b); };
   return functions;
@@ -95,24 +179,18 @@ Check check_fidelity(const Grid& grid, const std::vector<RecordIndex>& records,
                      std::atomic<std::uint64_t>& records_done) {
   Check check{
       "fidelity", "conversions", "links to a state that C, evaluated again, does not reach", {}};
-  // Findings are kept by block and joined in order, so that the threads leave no trace.
-  std::vector<Findings> blocks((records.size() + kBlock - 1) / kBlock);
-  std::atomic<std::size_t> next_block{0};
-  const auto work = [&](const ModelFunctions& model) {
-    std::vector<double> reached(grid.state_size());
-    for (std::size_t b; (b = next_block++) < blocks.size();) {
-      const std::size_t end = std::min(records.size(), (b + 1) * kBlock);
-      for (std::size_t i = b * kBlock; i < end; ++i)
-        recompute(grid, records[i], model, reached, blocks[b]);
-      records_done += end - b * kBlock;
-    }
-  };
-  std::vector<std::future<void>> others;
-  for (int t = 1; t < threads; ++t)
-    others.push_back(std::async(std::launch::async, work, make_model()));
-  work(make_model());
-  for (std::future<void>& other : others) other.get();
-  for (Findings& found : blocks) check.found.add(std::move(found));
+  check.found = for_each_record(grid, records, make_model, threads, records_done, recompute);
+  return check;
+}
+
+Check check_stored(const Grid& grid, const std::vector<RecordIndex>& records,
+                   const std::function<ModelFunctions()>& make_model, int threads) {
+  Check check{"stored",
+              "records",
+              "forces, energies or shapes that the model, asked again, does not give",
+              {}};
+  std::atomic<std::uint64_t> records_done{0};
+  check.found = for_each_record(grid, records, make_model, threads, records_done, recompute_stored);
   return check;
 }
 

@@ -17,10 +17,15 @@ namespace hapgrid {
 
 /// What these checks ask of a model. One is used by one thread at a time.
 struct ModelFunctions {
-  /// C(s, x, d) into `result` (n doubles); answers false and says why in `error` when it fails.
-  std::function<bool(const double* s, const Vec3& x, const Vec3& d, double* result,
+  /// C(s, x, d) and what is stored with it into `row`; answers false and says why in `error` when
+  /// it fails.
+  std::function<bool(const double* s, const Vec3& x, const Vec3& d, double* row,
                      std::string& error)>
       convert;
+  /// Of a model process, which takes many at once; else empty.
+  std::function<void(const NextConversion&, const ConversionDone&)> convert_many;
+  /// Fills in what is stored with the state at the beginning of `row`, for the HIP at x.
+  std::function<bool(const Vec3& x, double* row, std::string& error)> complete;
   SameState same;
 };
 
@@ -30,6 +35,11 @@ ModelFunctions model_functions(Model model);
 /// `count` of the records that are not in the frontier, ascending; all of them when there are no
 /// more. Depends on the grid's records, `count` and `seed` only, not on the platform.
 std::vector<RecordIndex> sample_records(const Grid& grid, std::uint64_t count, std::uint64_t seed);
+
+/// `stored`: evaluates force, energy and shape of `records` again and compares them with what is
+/// stored. Arguments as below.
+Check check_stored(const Grid& grid, const std::vector<RecordIndex>& records,
+                   const std::function<ModelFunctions()>& make_model, int threads);
 
 /// `fidelity`: evaluates C in all settled directions of `records` and compares what it reaches
 /// with what is stored there. Counts conversions; one that fails is an offender with the model's

@@ -115,16 +115,18 @@ bool is_finite(std::span<const double> state) {
 }
 
 Check check_finite(const Grid& grid) {
-  Check check{"finite", "records", "states with a component that is no finite number", {}};
+  Check check{"finite", "records", "rows with a number that is not finite", {}};
   check.found.counted = grid.records();
   for (RecordIndex r = 0; r < grid.records(); ++r) {
-    if (is_finite(grid.state(r))) continue;
+    if (is_finite(grid.row(r))) continue;
     check.found.offend([&] {
-      const auto state = grid.state(r);
+      const auto row = grid.row(r);
       const auto bad =
-          std::find_if_not(state.begin(), state.end(), [](double v) { return std::isfinite(v); });
-      return describe(grid, r) + ": component " + std::to_string(bad - state.begin()) + " is " +
-             to_text(*bad);
+          std::find_if_not(row.begin(), row.end(), [](double v) { return std::isfinite(v); });
+      const auto index = static_cast<std::size_t>(bad - row.begin());
+      const bool in_state = index < grid.state_size();
+      return describe(grid, r) + ": " + (in_state ? "component " : "stored number ") +
+             std::to_string(in_state ? index : index - grid.state_size()) + " is " + to_text(*bad);
     });
   }
   return check;

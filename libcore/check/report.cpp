@@ -28,7 +28,7 @@ std::string verdict_line(const std::vector<Check>& checks) {
   return broken.empty() ? "fine: " + std::to_string(passed) + " checks" : "broken: " + broken;
 }
 
-std::string report_text(const Grid& grid, const std::vector<Check>& checks) {
+std::string checks_text(const std::vector<Check>& checks) {
   using Row = std::array<std::string, 5>;
   std::vector<Row> rows{{"check", "counted", "", "offenders", "verdict"}};
   for (const Check& c : checks)
@@ -38,11 +38,7 @@ std::string report_text(const Grid& grid, const std::vector<Check>& checks) {
   for (const Row& row : rows)
     for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
 
-  const auto& n = grid.box().counts;
-  std::string text = printable(grid.spec().model) + ": " + std::to_string(n[0]) + " x " +
-                     std::to_string(n[1]) + " x " + std::to_string(n[2]) + " points, " +
-                     std::to_string(grid.records()) + " records, generation " +
-                     std::to_string(grid.generation()) + "\n\n";
+  std::string text;
   constexpr std::array kRightAligned{false, true, false, true, false};
   for (const Row& row : rows) {
     std::string line;
@@ -63,14 +59,15 @@ std::string report_text(const Grid& grid, const std::vector<Check>& checks) {
   return text;
 }
 
-std::string report_json(const Grid& grid, const std::vector<Check>& checks) {
-  nlohmann::ordered_json json;
-  json["model"] = grid.spec().model;
-  json["counts"] = grid.box().counts;
-  json["records"] = grid.records();
-  json["generation"] = grid.generation();
-  json["fine"] = is_fine(checks);
-  json["checks"] = nlohmann::ordered_json::array();
+std::string report_text(const Grid& grid, const std::vector<Check>& checks) {
+  const auto& n = grid.box().counts;
+  return printable(grid.spec().model) + ": " + std::to_string(n[0]) + " x " + std::to_string(n[1]) +
+         " x " + std::to_string(n[2]) + " points, " + std::to_string(grid.records()) +
+         " records, generation " + std::to_string(grid.generation()) + "\n\n" + checks_text(checks);
+}
+
+nlohmann::ordered_json checks_json(const std::vector<Check>& checks) {
+  auto json = nlohmann::ordered_json::array();
   for (const Check& c : checks) {
     nlohmann::ordered_json row;
     row["name"] = c.name;
@@ -80,8 +77,19 @@ std::string report_json(const Grid& grid, const std::vector<Check>& checks) {
     row["offenders"] = c.found.offenders;
     row["meaning"] = c.meaning;
     row["first"] = c.found.first;
-    json["checks"].push_back(std::move(row));
+    json.push_back(std::move(row));
   }
+  return json;
+}
+
+std::string report_json(const Grid& grid, const std::vector<Check>& checks) {
+  nlohmann::ordered_json json;
+  json["model"] = grid.spec().model;
+  json["counts"] = grid.box().counts;
+  json["records"] = grid.records();
+  json["generation"] = grid.generation();
+  json["fine"] = is_fine(checks);
+  json["checks"] = checks_json(checks);
   // "replace": a shard's strings need not be UTF-8.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,6 +51,11 @@ bool is_fine(const std::vector<Check>& checks);
 std::string verdict_line(const std::vector<Check>& checks);
 
 /// A table with a row a check, then the first offenders of each check that has any.
+std::string checks_text(const std::vector<Check>& checks);
+/// [{"name", "verdict", "counted", "unit", "offenders", "meaning", "first"}]
+nlohmann::ordered_json checks_json(const std::vector<Check>& checks);
+
+/// What grid it is, and checks_text().
 std::string report_text(const Grid& grid, const std::vector<Check>& checks);
 
 /// {"model", "counts", "records", "generation", "fine", "checks": [{"name", "verdict", "counted",

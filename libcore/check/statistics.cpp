@@ -40,11 +40,34 @@ std::string right(const std::string& text, std::size_t width) {
   return text.size() < width ? std::string(width - text.size(), ' ') + text : text;
 }
 
+const char* norm_name(Equality::Norm norm) {
+  switch (norm) {
+    case Equality::Norm::kPlugin:
+      return "plug-in";
+    case Equality::Norm::kMax:
+      return "max";
+    case Equality::Norm::kRms:
+      break;
+  }
+  return "rms";
+}
+
 Json value_json(const ParameterValue& value) {
   return std::visit([](const auto& v) { return Json(v); }, value);
 }
 
 double hours(const ReportSums& reports) { return reports.cpu_seconds / 3600; }
+
+// How much of a parameter the text shows.
+constexpr std::size_t kLongValue = 100;
+
+std::vector<std::string> stored_names(const GridSpec& spec) {
+  std::vector<std::string> names;
+  if (spec.stored.force) names.push_back("force");
+  if (spec.stored.energy) names.push_back("energy");
+  if (spec.stored.shape) names.push_back("shape");
+  return names;
+}
 
 }  // namespace
 
@@ -113,7 +136,11 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const ReportSums
   json["state_size"] = spec.state_size;
   json["tolerance"] = spec.tolerance;
   json["tolerance_unit"] = spec.tolerance_unit;
+  json["norm"] = norm_name(spec.equality.norm);
   json["max_levels"] = spec.max_levels;
+  json["stored"] = Json::array();
+  for (const std::string& name : stored_names(spec)) json["stored"].push_back(name);
+  json["spheres"] = spec.spheres.size();
   json["box"] = {
       {"origin", spec.box.origin}, {"spacing", spec.box.spacing}, {"counts", spec.box.counts}};
   json["points"] = s.points;
@@ -146,11 +173,15 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Rep
   const auto row = [&](const std::string& name, const std::string& value) {
     text += left(name, 13) + value + "\n";
   };
-  row("model", model);
-  for (const Parameter& p : spec.parameters)
-    row("parameter", printable(p.key) + " = " +
-                         value_json(p.value).dump(-1, ' ', /*ensure_ascii=*/true,
-                                                  Json::error_handler_t::replace));
+  row("model", model + (spec.equality.is_declared() ? ", a process" : ""));
+  for (const Parameter& p : spec.parameters) {
+    std::string value =
+        value_json(p.value).dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace);
+    // Contents of files; --format json has them in full.
+    if (value.size() > kLongValue)
+      value = value.substr(0, kLongValue) + "... (" + std::to_string(value.size()) + " bytes)";
+    row("parameter", printable(p.key) + " = " + value);
+  }
   const auto& n = spec.box.counts;
   row("box", std::to_string(n[0]) + " x " + std::to_string(n[1]) + " x " + std::to_string(n[2]) +
                  " points, " + rounded(spec.box.spacing) + " apart, from " +
@@ -158,6 +189,10 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Rep
                  vector_text(spec.box.position(GridCoordinates{n[0] - 1, n[1] - 1, n[2] - 1})));
   row("state", std::to_string(spec.state_size) + " component" + (spec.state_size == 1 ? "" : "s") +
                    ", tolerance " + rounded(spec.tolerance) + " " + printable(spec.tolerance_unit));
+  std::string stored;
+  for (const std::string& name : stored_names(spec)) stored += (stored.empty() ? "" : ", ") + name;
+  if (spec.stored.shape) stored += " of " + std::to_string(spec.spheres.size()) + " spheres";
+  if (!stored.empty()) row("stored", stored);
   row("points", std::to_string(s.points) + ", of these " + std::to_string(s.points_reached) +
                     " reached (" + percent(s.points_reached, s.points) + ")");
   row("records",

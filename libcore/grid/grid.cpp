@@ -11,12 +11,12 @@ Grid::Grid(GridSpec spec, std::uint32_t generation, RecordColumns columns)
     : spec_(std::move(spec)),
       neighbourhood_(spec_.box),
       generation_(generation),
+      row_size_(spec_.row_size()),
       columns_(std::move(columns)) {
   const std::size_t count = columns_.size();
   if (count >= kNoRecord) throw FormatError("grid: more than 4294967294 records");
   if (columns_.level.size() != count || columns_.generation.size() != count ||
-      columns_.state.size() != count * spec_.state_size ||
-      columns_.links.size() != count * kDirections)
+      columns_.rows.size() != count * row_size_ || columns_.links.size() != count * kDirections)
     throw FormatError("grid: columns of different lengths");
   const std::uint64_t points = spec_.box.points();
   first_.assign(points + 1, 0);

@@ -13,13 +13,13 @@ namespace hapgrid {
 using RecordIndex = std::uint32_t;
 
 /// Records in columns, ascending by (point, level).
-/// Shapes, for R records and state size n: `state` R x n row-major (a record's state is
+/// Shapes, for R records: `rows` R x spec.row_size() row-major (a record's row, its state first, is
 /// contiguous), `links` R x 26 row-major, slot q is the destination level in direction q.
 struct RecordColumns {
   std::vector<PointIndex> point;
   std::vector<Level> level;
   std::vector<std::uint32_t> generation;
-  std::vector<double> state;
+  std::vector<double> rows;
   std::vector<Level> links;
 
   std::size_t size() const { return point.size(); }
@@ -52,8 +52,10 @@ class Grid {
   Level level(RecordIndex r) const { return columns_.level[r]; }
   std::uint32_t record_generation(RecordIndex r) const { return columns_.generation[r]; }
   bool in_frontier(RecordIndex r) const { return columns_.generation[r] == generation_; }
-  std::span<const double> state(RecordIndex r) const {
-    return {columns_.state.data() + std::size_t{r} * spec_.state_size, spec_.state_size};
+  std::span<const double> state(RecordIndex r) const { return row(r).first(spec_.state_size); }
+  /// The state and what is stored with it.
+  std::span<const double> row(RecordIndex r) const {
+    return {columns_.rows.data() + std::size_t{r} * row_size_, row_size_};
   }
   std::span<const Level, kDirections> links(RecordIndex r) const {
     return std::span<const Level, kDirections>(columns_.links.data() + std::size_t{r} * kDirections,
@@ -67,6 +69,7 @@ class Grid {
   GridSpec spec_;
   Neighbourhood neighbourhood_;
   std::uint32_t generation_;
+  std::uint32_t row_size_;
   RecordColumns columns_;
   std::vector<RecordIndex> first_;  // points + 1
 };

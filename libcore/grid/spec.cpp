@@ -38,7 +38,11 @@ std::string difference(const GridSpec& a, const GridSpec& b) {
     }
     return "the set of model parameters";
   }
-  return a == b ? "" : "the tolerance's unit";
+  if (!(a.equality == b.equality)) return "the tolerance function";
+  if (!(a.stored == b.stored)) return "what is stored with each state";
+  if (a.spheres != b.spheres) return "the spheres that show the model";
+  if (a.hip_radius != b.hip_radius) return both("radius of the HIP", a.hip_radius, b.hip_radius);
+  return a == b ? "" : "the units";
 }
 
 }  // namespace hapgrid

@@ -113,7 +113,7 @@ void drive(D& device, Traversal& traversal, SafetyCore& safety, Force& force, Si
     // is not playable, is a fault like a force that is not finite.
     if (!step.usable()) safety.trip();
     const SafeForce safe =
-        safety.apply(safety.faulted() ? Vec3{} : force(traversal.position(), traversal.state()));
+        safety.apply(safety.faulted() ? Vec3{} : force(traversal.position(), traversal.row()));
     if (device.send(safe.force) != Status::kOk) {
       summary.end = LoopEnd::kDeviceFailed;
       return;
@@ -126,8 +126,9 @@ void drive(D& device, Traversal& traversal, SafetyCore& safety, Force& force, Si
 }  // namespace loop_detail
 
 /// Drives `device` until it ends or fails or `stop` is nonzero.
-/// @param force  Vec3 (const Vec3& x, std::span<const double> s): the force in newtons on a HIP at
-///               x, clamped to the box, in state s. Real-time safe.
+/// @param force  Vec3 (const Vec3& x, std::span<const double> row): the force in newtons on a HIP
+/// at
+///               x, clamped to the box; the row begins with the state. Real-time safe.
 /// @param sink   void (const Tick&), after the force was sent; real-time safe when paced.
 /// @param rate_hz ticks a second, 0 for as fast as possible.
 /// @throw whatever force and sink throw, after a zero force was sent.

@@ -75,7 +75,7 @@ Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
     : grid_(grid),
       box_(grid.box()),
       max_sub_steps_(std::max<int>(max_sub_steps, 1)),
-      state_(grid.state_size(), 0.0) {
+      row_(grid.spec().row_size(), 0.0) {
   for (int a = 0; a < 3; ++a) {
     box_low_[a] = face(a, 0);
     box_high_[a] = face(a, box_.counts[a] - 1);
@@ -286,12 +286,12 @@ void Traversal::enter(const GridCoordinates& cell, PointIndex base,
   base_ = base;
   corners_ = corners;
   for (int corner = 0; corner < 8; ++corner) {
-    const double* const state = grid_.state(corners.record[corner]).data();
-    corner_states_[corner] = state;
-    // The states are wanted now, all at once; the links at the next switch.
+    const double* const row = grid_.row(corners.record[corner]).data();
+    corner_rows_[corner] = row;
+    // The rows are wanted now, all at once; the links at the next switch.
     const Level* const links = grid_.links(corners.record[corner]).data();
-    __builtin_prefetch(state);
-    __builtin_prefetch(state + state_.size() - 1);
+    __builtin_prefetch(row);
+    __builtin_prefetch(row + row_.size() - 1);
     __builtin_prefetch(links);
     __builtin_prefetch(links + kDirections - 1);
   }
@@ -308,7 +308,7 @@ void Traversal::enter(const GridCoordinates& cell, PointIndex base,
 
 void Traversal::interpolate(const Vec3& x) noexcept {
   const auto xbar = [&](int a) { return std::min((x[a] - low_[a]) * scale_[a], 1.0); };
-  blend(corner_weights({xbar(0), xbar(1), xbar(2)}), corner_states_, state_);
+  blend(corner_weights({xbar(0), xbar(1), xbar(2)}), corner_rows_, row_);
 }
 
 std::array<double, 8> corner_weights(const Vec3& xbar) noexcept {
@@ -332,9 +332,8 @@ void require_playable(const Grid& grid, const std::string& name) {
       for (int q = 0; q < kDirections; ++q)
         if (inside >> q & 1)
           broken += links[q] >= grid.levels(static_cast<PointIndex>(p + around.offset(q)));
-      const auto state = grid.state(r);
-      not_finite +=
-          !std::all_of(state.begin(), state.end(), [](double s) { return std::isfinite(s); });
+      const auto row = grid.row(r);
+      not_finite += !std::all_of(row.begin(), row.end(), [](double s) { return std::isfinite(s); });
     }
   }
   const auto refuse = [&](std::uint64_t count, const std::string& what) {
@@ -343,7 +342,7 @@ void require_playable(const Grid& grid, const std::string& name) {
   refuse(frontier, " records are still in the frontier: finish the grid with expand --complete");
   refuse(without_level, " grid points have no level: the seeds do not reach them, see verify");
   refuse(broken, " links lead to no record: the grid is damaged, see verify");
-  refuse(not_finite, " records have a state that is not finite, see verify");
+  refuse(not_finite, " records have a state, force or shape that is not finite, see verify");
 }
 
 }  // namespace hapgrid

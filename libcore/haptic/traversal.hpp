@@ -71,7 +71,11 @@ class Traversal {
   StepResult step(const Vec3& hip) noexcept;
 
   /// The interpolated state, n values in the model's units; zeros before the first start.
-  std::span<const double> state() const { return state_; }
+  std::span<const double> state() const {
+    return std::span<const double>(row_).first(grid_.state_size());
+  }
+  /// The interpolated row: the state and what the grid stores with it; spec().row_size() values.
+  std::span<const double> row() const { return row_; }
   /// Where state() is: the HIP, but clamped to the box, and the former place after a step that was
   /// not usable or is lagging. In the model's unit of length.
   const Vec3& position() const { return position_; }
@@ -116,8 +120,8 @@ class Traversal {
   Vec3 high_{0, 0, 0};
   Vec3 scale_{1, 1, 1};  // 1 / (high_ - low_), rounded so that high_ gives at least 1
   Corners corners_;
-  std::array<const double*, 8> corner_states_{};
-  std::vector<double> state_;
+  std::array<const double*, 8> corner_rows_{};
+  std::vector<double> row_;
 };
 
 /// Weights of the corners i + 2j + 4k at xbar, dimensionless in [0,1]^3; they are >= 0, sum to 1

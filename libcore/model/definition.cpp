@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "libcore/base/error.hpp"
+#include "libcore/model/model.hpp"
 
 namespace hapgrid {
 
@@ -25,8 +26,8 @@ constexpr unsigned kMaxKeyParts = 1000;
 // The contents of all files together: they go into every shard's header.
 constexpr std::size_t kMaxFileBytes = 2 << 20;
 
-/// The line of a key with too many parts, 0 when there is none. Takes any 1000 dots without a comma,
-/// bracket or equals sign between them for one.
+/// The line of a key with too many parts, 0 when there is none. Takes any 1000 dots without a
+/// comma, bracket or equals sign between them for one.
 std::uint64_t overlong_key(const std::string& text) {
   std::uint64_t line = 1;
   unsigned dots = 0;
@@ -57,8 +58,14 @@ class Reader {
     Definition d;
     only_keys(root_, "", {"model", "grid", "search", "seeds"});
     const toml::table& model = table(root_, "model");
-    only_keys(model, "model.", {"plugin", "parameters", "files"});
-    d.plugin = text(required(model, "model.", "plugin"), "model.plugin");
+    only_keys(model, "model.", {"plugin", "process", "name", "parameters", "files"});
+    if (model.contains("process")) {
+      d.process = process(model);
+    } else {
+      d.plugin = text(required(model, "model.", "plugin"), "model.plugin");
+      if (const toml::node* name = model.get("name"))
+        fail(*name, "model.name is for a model.process; a plug-in has its own");
+    }
     if (model.contains("parameters")) parameters(table(model, "parameters"), "", d.parameters);
     if (model.contains("files")) files(table(model, "files"), read_file, d.parameters);
     std::sort(d.parameters.begin(), d.parameters.end(),
@@ -88,6 +95,12 @@ class Reader {
     }
     if (root_.contains("seeds")) seeds(table(root_, "seeds"), d.seeds);
     return d;
+  }
+
+  ProcessDefinition read_process() const {
+    const toml::table& model = table(root_, "model");
+    if (!model.contains("process")) fail(model, "the key model.process is missing");
+    return process(model);
   }
 
  private:
@@ -193,6 +206,25 @@ class Reader {
     return {values[0], values[1], values[2]};
   }
 
+  ProcessDefinition process(const toml::table& model) const {
+    if (const toml::node* plugin = model.get("plugin"))
+      fail(*plugin, "model.plugin and model.process exclude each other");
+    ProcessDefinition process;
+    const toml::node& name = required(model, "model.", "name");
+    process.name = text(name, "model.name");
+    if (!is_plain(process.name))
+      fail(name, "model.name '" + process.name + "': it has only letters, digits, '-' and '_'");
+    const toml::array& words = array(*model.get("process"), "model.process");
+    for (const toml::node& word : words) {
+      process.command.push_back(text(word, "model.process"));
+      if (process.command.back().find('\0') != std::string::npos)
+        fail(word, "model.process has a text with a zero byte");
+    }
+    if (words.empty() || process.command.front().empty())
+      fail(words, "model.process names no program");
+    return process;
+  }
+
   void parameters(const toml::table& in, const std::string& prefix,
                   std::vector<Parameter>& out) const {
     for (const auto& [k, node] : in) {
@@ -222,8 +254,7 @@ class Reader {
     }
   }
 
-  void files(const toml::table& in,
-             const std::function<std::string(const std::string&)>& read_file,
+  void files(const toml::table& in, const std::function<std::string(const std::string&)>& read_file,
              std::vector<Parameter>& out) const {
     std::size_t bytes = 0;
     const auto contents = [&](const toml::node& node, const std::string& shown) {
@@ -278,6 +309,10 @@ Definition read_definition(const std::string& text, const std::string& name,
                            const std::vector<std::string>& overrides,
                            const std::function<std::string(const std::string&)>& read_file) {
   return Reader(text, name, overrides).read(read_file);
+}
+
+ProcessDefinition read_process(const std::string& text, const std::string& name) {
+  return Reader(text, name, {}).read_process();
 }
 
 }  // namespace hapgrid

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,17 @@ struct SeedDefinition {
   std::vector<std::vector<double>> states;
 };
 
+/// The model as a process: the name that grids know it by, and the command.
+struct ProcessDefinition {
+  std::string name;
+  std::vector<std::string> command;
+};
+
 struct Definition {
-  std::string plugin;
+  std::string plugin;                        ///< empty: a process
+  std::optional<ProcessDefinition> process;  ///< one of the two is there
+  const std::string& model_name() const { return process ? process->name : plugin; }
+
   std::vector<Parameter> parameters;  ///< ascending by key
   Box box;
   std::uint32_t max_levels = 8;
@@ -25,7 +35,8 @@ struct Definition {
 };
 
 /// Reads a definition. Keys:
-///   [model] plugin; [model.parameters] the model's own;
+///   [model] plugin, or process (texts: program and arguments) and name;
+///   [model.parameters] the model's own;
 ///   [model.files] names of text files, whose contents become parameters of the same keys: a grid
 ///   carries everything that its model was made from;
 ///   [grid] origin (3 numbers), spacing, counts (3 whole numbers);
@@ -39,5 +50,9 @@ struct Definition {
 Definition read_definition(const std::string& text, const std::string& name,
                            const std::vector<std::string>& overrides,
                            const std::function<std::string(const std::string&)>& read_file);
+
+/// The model of a definition alone, from a file that a user names to allow its command.
+/// @throw Error as above, and when the model is a plug-in.
+ProcessDefinition read_process(const std::string& text, const std::string& name);
 
 }  // namespace hapgrid

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 
@@ -18,15 +19,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kErrorSize = 512;
-// Viewers get them 25 times a second.
-constexpr std::uint32_t kMaxSpheres = 1u << 20;
-
-bool is_plain(const std::string& name) {
-  if (name.empty() || name.size() > 100 || name[0] == '-') return false;
-  for (const char c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') return false;
-  return true;
-}
 
 /// One line, whatever the plug-in or a shard wrote.
 std::string one_line(std::string line) {
@@ -84,6 +76,13 @@ class CParameters {
 };
 
 }  // namespace
+
+bool is_plain(const std::string& name) {
+  if (name.empty() || name.size() > 100 || name[0] == '-') return false;
+  for (const char c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') return false;
+  return true;
+}
 
 std::vector<fs::path> model_path(const std::vector<std::string>& given) {
   std::vector<fs::path> directories(given.begin(), given.end());
@@ -161,23 +160,72 @@ Model::Model(const Plugin& plugin, hapgrid_model* model)
                      std::to_string(kMaxSpheres) + " are possible");
   if (!std::isfinite(info_.tolerance) || info_.tolerance < 0)
     throw ModelError(who + "the tolerance is negative or not finite");
-  if (info_.stored & ~std::uint32_t{HAPGRID_STORE_FORCE | HAPGRID_STORE_SHAPE})
+  if (info_.stored &
+      ~std::uint32_t{HAPGRID_STORE_FORCE | HAPGRID_STORE_ENERGY | HAPGRID_STORE_SHAPE})
     throw ModelError(who + "info.stored has unknown bits");
-  if (((info_.stored & HAPGRID_STORE_FORCE) && !has_force()) ||
-      ((info_.stored & HAPGRID_STORE_SHAPE) && !has_shape()))
+  if (!std::isfinite(info_.hip_radius) || info_.hip_radius < 0)
+    throw ModelError(who + "the radius of the HIP is negative or not finite");
+  const Stored kept = stored();
+  if ((kept.force && !has_force()) || (kept.energy && !has_energy()) ||
+      (kept.shape && !has_shape()))
     throw ModelError(who + "info.stored names a function that is NULL");
+  if (kept.shape && info_.spheres == 0)
+    throw ModelError(who + "info.stored names a shape without spheres");
+  row_size_ = info_.state_size + (kept.force ? 3 : 0) + (kept.energy ? 1 : 0) +
+              (kept.shape ? 3 * info_.spheres : 0);
+  if (kept.shape) centres_.resize(std::size_t{3} * info_.spheres);
+  for (const Sphere& sphere : spheres())
+    if (!std::isfinite(sphere.radius) || sphere.radius < 0)
+      throw ModelError(who + "a sphere whose radius is negative or not finite");
 }
 
-std::vector<hapgrid_sphere> Model::spheres() const {
-  std::vector<hapgrid_sphere> spheres(info_.spheres);
-  if (has_shape()) table_->spheres(model_.get(), spheres.data());
-  for (hapgrid_sphere& sphere : spheres) sphere.label[sizeof sphere.label - 1] = '\0';
+Model::Model(std::unique_ptr<ProcessModel> process)
+    : table_(&process->table()),
+      model_(reinterpret_cast<hapgrid_model*>(process.get()),
+             [](hapgrid_model* model) { delete reinterpret_cast<ProcessModel*>(model); }),
+      process_(process.release()),
+      info_{} {
+  const Description& d = process_->description();
+  info_.state_size = d.state_size;
+  if (d.stored.force) info_.stored |= HAPGRID_STORE_FORCE;
+  if (d.stored.energy) info_.stored |= HAPGRID_STORE_ENERGY;
+  if (d.stored.shape) info_.stored |= HAPGRID_STORE_SHAPE;
+  info_.d_max = d.d_max;
+  info_.tolerance = d.tolerance;
+  d.tolerance_unit.copy(info_.tolerance_unit, sizeof info_.tolerance_unit - 1);
+  d.length_unit.copy(info_.length_unit, sizeof info_.length_unit - 1);
+  d.energy_unit.copy(info_.energy_unit, sizeof info_.energy_unit - 1);
+  info_.force_scale = d.force_scale;
+  info_.hip_radius = d.hip_radius;
+  info_.spheres = static_cast<std::uint32_t>(d.spheres.size());
+  row_size_ = d.row_size();
+}
+
+Stored Model::stored() const {
+  return {(info_.stored & HAPGRID_STORE_FORCE) != 0, (info_.stored & HAPGRID_STORE_ENERGY) != 0,
+          (info_.stored & HAPGRID_STORE_SHAPE) != 0};
+}
+
+std::vector<Sphere> Model::spheres() const {
+  if (process_) return process_->description().spheres;
+  std::vector<hapgrid_sphere> written(info_.spheres);
+  if (has_shape()) table_->spheres(model_.get(), written.data());
+  std::vector<Sphere> spheres;
+  for (hapgrid_sphere& s : written) {
+    s.label[sizeof s.label - 1] = '\0';
+    spheres.push_back({s.radius, {s.colour[0], s.colour[1], s.colour[2]}, one_line(s.label)});
+  }
   return spheres;
 }
 
 std::vector<double> Model::known_states(const Vec3& x) const {
   char error[kErrorSize] = "";
   std::vector<double> states(info_.state_size);
+  if (process_) {
+    const std::string why = process_->known_states(x, states);
+    if (!why.empty()) throw ModelError("known states: " + why);
+    return states;
+  }
   for (std::size_t capacity = 1;;) {
     std::size_t count = 0;
     if (table_->known_states(model_.get(), x.data(), states.data(), capacity, &count, error,
@@ -192,20 +240,53 @@ std::vector<double> Model::known_states(const Vec3& x) const {
   }
 }
 
-bool Model::convert(const double* s, const Vec3& x, const Vec3& d, double* result) {
+bool Model::convert(const double* s, const Vec3& x, const Vec3& d, double* row) {
+  if (process_) {
+    bool given = false;
+    process_->convert(
+        [&](Conversion& conversion, bool) {
+          conversion = {s, x, d, row, 0};
+          return !std::exchange(given, true);
+        },
+        [this](const Conversion&, const std::string& error) { error_ = error; });
+    return error_.empty();
+  }
   char error[kErrorSize];
   error[0] = '\0';
-  if (table_->convert(model_.get(), s, x.data(), d.data(), result, error, sizeof error) != 0) {
+  if (table_->convert(model_.get(), s, x.data(), d.data(), row, error, sizeof error) != 0) {
     error_ = reason(error);
     return false;
   }
   for (std::uint32_t c = 0; c < info_.state_size; ++c) {
-    if (!std::isfinite(result[c])) {
+    if (!std::isfinite(row[c])) {
       error_ = "component " + std::to_string(c) + " of the state reached is not finite";
       return false;
     }
   }
-  return true;
+  return row_size_ == info_.state_size || complete({x[0] + d[0], x[1] + d[1], x[2] + d[2]}, row);
+}
+
+bool Model::complete(const Vec3& x, double* row) {
+  if (process_) {
+    error_ = process_->evaluate(x, row);
+    return error_.empty();
+  }
+  double* out = row + info_.state_size;
+  const char* what = nullptr;
+  const auto keep = [&](double value, const char* name) {
+    if (!std::isfinite(value)) what = name;
+    *out++ = value;
+  };
+  const Stored kept = stored();
+  if (kept.force)
+    for (const double f : force(x, row)) keep(f, "force");
+  if (kept.energy) keep(energy(x, row), "energy");
+  if (kept.shape) {
+    shape(row, centres_);
+    for (const float c : centres_) keep(c, "shape");
+  }
+  if (what) error_ = std::string("the ") + what + " is not finite";
+  return what == nullptr;
 }
 
 }  // namespace hapgrid

@@ -10,8 +10,13 @@
 
 #include "libcore/grid/spec.hpp"
 #include "libcore/model/plugin.h"
+#include "libcore/model/process_model.hpp"
 
 namespace hapgrid {
+
+/// Whether a model can have this name: only letters, digits, '-' and '_', so that it never is a
+/// path.
+bool is_plain(const std::string& name);
 
 /// The directories in which plug-ins are looked for, in this order: `given` (--model-path), the
 /// entries of the environment's HAPGRID_MODEL_PATH, then ../models beside the running program.
@@ -19,9 +24,20 @@ std::vector<std::filesystem::path> model_path(const std::vector<std::string>& gi
 
 class Model;
 
+/// Where models come from: a plug-in, or a command that the user allowed (process_source.hpp).
+class ModelSource {
+ public:
+  virtual ~ModelSource() = default;
+  /// "plug-in" or "process", for messages.
+  virtual const char* kind() const = 0;
+  /// One model of several that are used at a time, for one thread each; called by one thread.
+  /// @throw ModelError when the model refuses the parameters or describes itself impossibly.
+  virtual Model create(const std::vector<Parameter>& parameters) const = 0;
+};
+
 /// A loaded plug-in. Names come from shards, which are hostile: only letters, digits, '-' and '_'
 /// are taken, so that a name never is a path.
-class Plugin {
+class Plugin : public ModelSource {
  public:
   /// @throw ModelError when the name is not plain, no directory has NAME.so, or what is there is
   /// no plug-in of this interface version.
@@ -30,8 +46,8 @@ class Plugin {
   const std::string& name() const { return name_; }
   const std::string& summary() const { return summary_; }
 
-  /// @throw ModelError when the model refuses the parameters or describes itself impossibly.
-  Model create(const std::vector<Parameter>& parameters) const;
+  const char* kind() const override { return "plug-in"; }
+  Model create(const std::vector<Parameter>& parameters) const override;
 
  private:
   friend class Model;
@@ -44,6 +60,9 @@ class Plugin {
 /// One model, for one thread at a time. Movable; keeps its plug-in loaded.
 class Model {
  public:
+  /// One that is a process, or nothing but what a shard says of one.
+  explicit Model(std::unique_ptr<ProcessModel> process);
+
   const hapgrid_model_info& info() const { return info_; }
   std::uint32_t state_size() const { return info_.state_size; }
   bool has_force() const { return table_->force != nullptr; }
@@ -54,11 +73,32 @@ class Model {
   /// @throw ModelError
   std::vector<double> known_states(const Vec3& x) const;
 
-  /// C(s, x, d) into `result` (n doubles). Answers whether it succeeded and every component is
-  /// finite; error() then says what went wrong. No exception: this is the search's inner loop.
-  bool convert(const double* s, const Vec3& x, const Vec3& d, double* result);
-  /// What the last failed convert() said.
+  /// What a grid of this model keeps beside each state, and how many numbers a row has with it
+  /// (GridSpec says in which order).
+  Stored stored() const;
+  std::uint32_t row_size() const { return row_size_; }
+
+  /// C(s, x, d), and what is stored with the state reached, into `row` (row_size() doubles).
+  /// Answers whether it succeeded and every number is finite; error() then says what went wrong.
+  /// No exception: this is the search's inner loop.
+  bool convert(const double* s, const Vec3& x, const Vec3& d, double* row);
+  /// Fills in what is stored with the state at the beginning of `row`, for the HIP at x. As above.
+  bool complete(const Vec3& x, double* row);
+  /// What the last call that failed said.
   const std::string& error() const { return error_; }
+
+  /// A process is asked for many conversions at once, and not for one after the other.
+  bool is_process() const { return process_ != nullptr; }
+  /// Of a process: all conversions that `next` gives, in its own order.
+  void convert(const NextConversion& next, const ConversionDone& done) {
+    process_->convert(next, done);
+  }
+  /// Of a process: says that nothing more will be asked, so that it ends while others still work.
+  void hang_up() {
+    if (process_) process_->hang_up();
+  }
+  /// The tolerance function in words, where the model has it in words.
+  Equality equality() const { return process_ ? process_->description().equality : Equality{}; }
 
   /// The tolerance function. Real-time safe.
   bool equal(const double* a, const double* b) const {
@@ -75,7 +115,7 @@ class Model {
     return table_->energy(model_.get(), x.data(), s);
   }
   /// The info().spheres spheres that show a state; empty without has_shape().
-  std::vector<hapgrid_sphere> spheres() const;
+  std::vector<Sphere> spheres() const;
   /// The centres of the spheres in state s, x y z by sphere; needs has_shape().
   void shape(const double* s, std::span<float> centres) const {
     table_->shape(model_.get(), s, centres.data());
@@ -88,7 +128,10 @@ class Model {
   std::shared_ptr<void> library_;  // declared first: outlives the model
   const hapgrid_model_table* table_;
   std::unique_ptr<hapgrid_model, void (*)(hapgrid_model*)> model_;
+  ProcessModel* process_ = nullptr;  // what model_ is then
   hapgrid_model_info info_;
+  std::uint32_t row_size_;
+  std::vector<float> centres_;  // a shape on its way into a row
   std::string error_;
 };
 

@@ -52,7 +52,11 @@ typedef struct hapgrid_parameter {
 /* Bits of hapgrid_model_info.stored: what takes too long for the haptic loop. expand evaluates it
  * once for each state that it finds, the grid carries it, and play interpolates it without the
  * model (Sect. 2.2 of the paper). */
-enum hapgrid_stored { HAPGRID_STORE_FORCE = 1, HAPGRID_STORE_SHAPE = 2 };
+enum hapgrid_stored {
+  HAPGRID_STORE_FORCE = 1,
+  HAPGRID_STORE_SHAPE = 2,
+  HAPGRID_STORE_ENERGY = 4
+};
 
 /* Texts are NUL-terminated UTF-8. The table's caller has set everything to zero before info(). */
 typedef struct hapgrid_model_info {
@@ -65,6 +69,7 @@ typedef struct hapgrid_model_info {
   char energy_unit[16]; /* of energy(), for people: "kJ/mol"; may be empty */
   double force_scale;   /* newtons that one energy unit per length unit is on the device: along a
                          * smooth branch, force = -force_scale * gradient of energy; with energy() */
+  double hip_radius;    /* of the ball that the HIP moves, for pictures; 0 when it is none */
   uint32_t spheres;     /* how many spheres show a state; 0 without spheres() and shape() */
 } hapgrid_model_info;
 

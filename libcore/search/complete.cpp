@@ -11,7 +11,6 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
               const std::function<SectionWriter(const SectionHeader&)>& open) {
   require_content(sections, Content::kGrid);
   SectionHeader header = sections.front().header;
-  const std::uint32_t n = header.spec.state_size;
   Levels levels(header.spec, converter.model());
   Wavefront wave(header.spec);
   std::vector<Levels::Stored> frontier;
@@ -20,7 +19,7 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
   for (Run<RecordRows> run = rows.next(); run.rows; run = rows.next()) {
     for (std::size_t r = run.begin; r < run.end; ++r) {
       const RecordRows& in = *run.rows;
-      levels.append(in.point[r], in.level[r], in.generation[r], &in.state[r * n],
+      levels.append(in.point[r], in.level[r], in.generation[r], in.row(r),
                     &in.links[r * kDirections]);
       if (in.generation[r] == header.generation) frontier.push_back({in.point[r], in.level[r]});
     }
@@ -39,8 +38,8 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
     progress.records = levels.records();
 
     const std::uint32_t generation = header.generation + 1;
-    const auto settle = [&](PointIndex target, int q, Wavefront::Slot slot, const double* state) {
-      if (levels.settle(target, q, wave.level(slot), state, generation))
+    const auto settle = [&](PointIndex target, int q, Wavefront::Slot slot, const double* row) {
+      if (levels.settle(target, q, wave.level(slot), row, generation))
         found.push_back(levels.last_stored());
     };
     found.clear();
@@ -63,9 +62,9 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
 
   SectionWriter out = open(header);
   for (std::uint64_t b = 0; b < levels.blocks(); ++b) {
-    levels.visit(
-        b, [&out](PointIndex point, Level level, std::uint32_t generation, const double* state,
-                  const Level* links) { out.record(point, level, generation, state, links); });
+    levels.visit(b,
+                 [&out](PointIndex point, Level level, std::uint32_t generation, const double* row,
+                        const Level* links) { out.record(point, level, generation, row, links); });
     levels.release(b);
   }
   out.finish();

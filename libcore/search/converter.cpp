@@ -1,6 +1,7 @@
 #include "libcore/search/converter.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -16,28 +17,88 @@ namespace {
 constexpr std::uint64_t kMaxShare = 16;
 }  // namespace
 
-Model create_model(const Plugin& plugin, const GridSpec& spec) {
-  Model model = plugin.create(spec.parameters);
+Model create_model(const ModelSource& source, const GridSpec& spec) {
+  Model model = source.create(spec.parameters);
+  const std::string changed =
+      std::string("; was the ") + source.kind() + " changed since the grid was seeded?";
   const hapgrid_model_info& info = model.info();
   if (info.state_size != spec.state_size)
     throw ModelError("model " + spec.model + ": states of " + std::to_string(info.state_size) +
-                     " components, the grid has " + std::to_string(spec.state_size) +
-                     "; was the plug-in changed since the grid was seeded?");
+                     " components, the grid has " + std::to_string(spec.state_size) + changed);
   if (info.tolerance != spec.tolerance || spec.tolerance_unit != info.tolerance_unit)
+    throw ModelError("model " + spec.model + ": another tolerance than the grid's" + changed);
+  if (!(model.equality() == spec.equality))
+    throw ModelError("model " + spec.model + ": another tolerance function than the grid's" +
+                     changed);
+  if (!(model.stored() == spec.stored) || (spec.stored.shape && model.spheres() != spec.spheres))
     throw ModelError("model " + spec.model +
-                     ": another tolerance than the grid's; was the plug-in changed since the grid "
-                     "was seeded?");
+                     ": keeps other forces or shapes with its states than the grid does" + changed);
   return model;
 }
 
-Converter::Converter(const Plugin& plugin, const GridSpec& spec, unsigned threads,
+Converter::Converter(const ModelSource& source, const GridSpec& spec, unsigned threads,
                      Progress& progress)
     : box_(spec.box), progress_(progress) {
   for (unsigned i = 0; i < std::max(threads, 1u); ++i)
-    models_.push_back(create_model(plugin, spec));
+    models_.push_back(create_model(source, spec));
+}
+
+Converter::~Converter() {
+  for (Model& model : models_) model.hang_up();  // before the first of them is waited for
+}
+
+/// Conversions are given out one by one, so that a process that answers slowly holds up nothing but
+/// what it has. Which failure is named does not depend on the processes: no conversion behind one
+/// that failed is given out, and all before it are.
+void Converter::convert_by_processes(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot end) {
+  std::uint64_t left = 0;
+  for (Wavefront::Slot slot = begin; slot < end; ++slot)
+    left += static_cast<std::uint64_t>(std::popcount(wave.todo(slot)));
+  const std::uint64_t workers = std::min<std::uint64_t>(models_.size(), left);
+  constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  std::mutex mutex;
+  Wavefront::Slot slot = begin;
+  DirectionMask todo = begin < end ? wave.todo(begin) : 0;
+  std::uint64_t failed = kNone;  // a tag: 32 slot + direction
+  std::string failure;
+
+  const auto next = [&](Conversion& conversion, bool idle) {
+    const std::lock_guard lock(mutex);
+    // The last ones are for those that have nothing to do, not for a second place in a queue.
+    if (left == 0 || (!idle && left < workers)) return false;
+    while (todo == 0) todo = wave.todo(++slot);
+    const int q = std::countr_zero(todo);
+    const std::uint64_t tag = slot * 32 + static_cast<unsigned>(q);
+    if (tag > failed) return false;
+    todo &= todo - 1;
+    --left;
+    conversion = {wave.state(slot), box_.position(wave.point(slot)), wave.neighbourhood().shift(q),
+                  wave.reached(slot, q), tag};
+    return true;
+  };
+  const auto done = [&](const Conversion& conversion, const std::string& error) {
+    if (error.empty()) {
+      progress_.conversions.fetch_add(1, std::memory_order_relaxed);
+      progress_.frontier_done.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    const std::lock_guard lock(mutex);
+    if (conversion.tag >= failed) return;
+    failed = conversion.tag;
+    failure = describe(box_, wave.point(failed / 32), wave.level(failed / 32)) + ", direction " +
+              std::to_string(failed % 32) + ": " + error;
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (std::uint64_t i = 1; i < workers; ++i)
+      threads.emplace_back([&, i] { models_[i].convert(next, done); });
+    if (workers > 0) models_.front().convert(next, done);
+  }
+  if (failed != kNone) throw ModelError("conversion at " + failure);
 }
 
 void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot end) {
+  if (models_.front().is_process()) return convert_by_processes(wave, begin, end);
   const std::uint64_t count = end - begin;
   const std::uint64_t share = std::clamp<std::uint64_t>(count / (8 * models_.size()), 1, kMaxShare);
   std::atomic<Wavefront::Slot> next{begin};

@@ -23,9 +23,11 @@ struct Progress {
 /// A model a thread; the answers do not depend on how many there are.
 class Converter {
  public:
-  /// @param threads >= 1. @throw ModelError when the plug-in refuses the spec's parameters, or now
-  /// describes itself otherwise than the grid does (state size, tolerance).
-  Converter(const Plugin& plugin, const GridSpec& spec, unsigned threads, Progress& progress);
+  /// @param threads >= 1. @throw ModelError when the model refuses the spec's parameters, or now
+  /// describes itself otherwise than the grid does (state size, tolerance function, what is
+  /// stored).
+  Converter(const ModelSource& source, const GridSpec& spec, unsigned threads, Progress& progress);
+  ~Converter();
 
   /// Computes all conversions of slots [begin, end) of `wave`.
   /// @throw ModelError naming point, level and direction of the first that failed.
@@ -35,6 +37,8 @@ class Converter {
   const Model& model() const { return models_.front(); }
 
  private:
+  void convert_by_processes(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot end);
+
   Box box_;
   std::vector<Model> models_;
   Progress& progress_;
@@ -42,6 +46,6 @@ class Converter {
 
 /// A model that fits the description of a grid.
 /// @throw ModelError as the Converter does.
-Model create_model(const Plugin& plugin, const GridSpec& spec);
+Model create_model(const ModelSource& source, const GridSpec& spec);
 
 }  // namespace hapgrid

@@ -7,8 +7,8 @@ void expand(FrontierReader& frontier, Converter& converter, const GridSpec& spec
   Wavefront wave(spec);
   Wavefront::Slot converted = wave.end();
   const auto emit = [&out, &wave](PointIndex target, int q, Wavefront::Slot slot,
-                                  const double* state) {
-    out.request(target, q, wave.level(slot), state);
+                                  const double* row) {
+    out.request(target, q, wave.level(slot), row);
   };
   FrontierReader::Record record;
   while (frontier.next(record)) {

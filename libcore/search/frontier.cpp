@@ -46,7 +46,7 @@ bool FrontierReader::next_row(Record& record) {
     if (rows.generation[r] != generation_) continue;
     const PointIndex p = rows.point[r];
     const DirectionMask todo = rows.todo.empty() ? neighbourhood_.inside(p) : rows.todo[r];
-    record = {p, rows.level[r], &rows.state[r * n_], todo};
+    record = {p, rows.level[r], rows.row(r), todo};
     return true;
   }
 }

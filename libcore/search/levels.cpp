@@ -16,10 +16,11 @@ Levels::Levels(const GridSpec& spec, const Model& model)
     : spec_(spec),
       model_(model),
       neighbourhood_(spec.box),
-      block_points_(chunk_points(spec.state_size)),
+      row_size_(spec.row_size()),
+      block_points_(chunk_points(row_size_)),
       block_bits_(static_cast<unsigned>(std::countr_zero(block_points_))),
-      stride_(spec.state_size + (sizeof(Tail) + sizeof(double) - 1) / sizeof(double)),
-      last_state_(spec.state_size) {
+      stride_(row_size_ + (sizeof(Tail) + sizeof(double) - 1) / sizeof(double)),
+      last_row_(row_size_) {
   blocks_.resize((spec.box.points() + block_points_ - 1) >> block_bits_);
 }
 
@@ -37,7 +38,7 @@ Levels::Block& Levels::block(PointIndex point) {
   return *block;
 }
 
-std::uint32_t Levels::add(Block& block, const double* state, std::uint32_t generation) {
+std::uint32_t Levels::add(Block& block, const double* numbers, std::uint32_t generation) {
   const std::uint32_t r = block.records++;
   if (block.records > block.capacity) {
     // Room for one level a point is only touched as far as it is used.
@@ -48,7 +49,7 @@ std::uint32_t Levels::add(Block& block, const double* state, std::uint32_t gener
     block.capacity = capacity;
   }
   double* here = row(block, r);
-  std::copy_n(state, spec_.state_size, here);
+  std::copy_n(numbers, row_size_, here);
   Tail& t = tail(here);
   t.next = kNone;
   t.generation = generation;
@@ -74,7 +75,7 @@ DirectionMask Levels::unsettled(PointIndex point, Level level) const {
   return mask;
 }
 
-void Levels::append(PointIndex point, Level level, std::uint32_t generation, const double* state,
+void Levels::append(PointIndex point, Level level, std::uint32_t generation, const double* numbers,
                     const Level* links) {
   Block& here = block(point);
   std::uint32_t* slot = &here.first[in_block(point)];
@@ -87,12 +88,12 @@ void Levels::append(PointIndex point, Level level, std::uint32_t generation, con
   if (level != next)
     throw FormatError("grid: " + describe(spec_.box, point) + ": level " + std::to_string(level) +
                       " where level " + std::to_string(next) + " was expected");
-  const std::uint32_t r = add(here, state, generation);
+  const std::uint32_t r = add(here, numbers, generation);
   std::copy_n(links, kDirections, tail(row(here, r)).links);
   (last == kNone ? *slot : tail(row(here, last)).next) = r;
 }
 
-bool Levels::settle(PointIndex target, int q, Level source_level, const double* state,
+bool Levels::settle(PointIndex target, int q, Level source_level, const double* numbers,
                     std::uint32_t generation) {
   const auto source = static_cast<PointIndex>(std::int64_t{target} - neighbourhood_.offset(q));
   auto* from = const_cast<double*>(find(source, source_level));
@@ -100,7 +101,7 @@ bool Levels::settle(PointIndex target, int q, Level source_level, const double* 
   if (!link || *link != kUnsettled) {
     const bool repeated =
         link && target == last_target_ && q == last_q_ && source_level == last_source_level_;
-    if (repeated && std::memcmp(state, last_state_.data(), spec_.state_size * sizeof(double)) == 0)
+    if (repeated && std::memcmp(numbers, last_row_.data(), row_size_ * sizeof(double)) == 0)
       return false;
     throw FormatError("requests: " + describe(spec_.box, source, source_level) + ", direction " +
                       std::to_string(q) +
@@ -110,7 +111,7 @@ bool Levels::settle(PointIndex target, int q, Level source_level, const double* 
   last_target_ = target;
   last_q_ = q;
   last_source_level_ = source_level;
-  std::copy_n(state, spec_.state_size, last_state_.data());
+  std::copy_n(numbers, row_size_, last_row_.data());
 
   Block& here = block(target);
   std::uint32_t r = here.first[in_block(target)];
@@ -118,7 +119,7 @@ bool Levels::settle(PointIndex target, int q, Level source_level, const double* 
   Level level = 0;
   while (r != kNone) {
     const double* known = row(here, r);
-    if (model_.equal(known, state)) {
+    if (model_.equal(known, numbers)) {
       *link = level;
       return false;
     }
@@ -129,7 +130,7 @@ bool Levels::settle(PointIndex target, int q, Level source_level, const double* 
   if (level >= spec_.max_levels) fail_level_limit(target, q, source_level);
   *link = level;
   // `link` ends here: adding a record may move the rows of its block.
-  r = add(here, state, generation);
+  r = add(here, numbers, generation);
   (last == kNone ? here.first[in_block(target)] : tail(row(here, last)).next) = r;
   Tail& t = tail(row(here, r));
   const DirectionMask inside = neighbourhood_.inside(target);

@@ -27,17 +27,19 @@ class Levels {
 
   std::uint32_t block_points() const { return block_points_; }
 
-  /// Adds a record that is known already; a point's records come by level.
+  /// Adds a record that is known already; a point's records come by level. `numbers` is its row,
+  /// spec.row_size() of them, the state first.
   /// @throw FormatError when its level is not the next one at its point.
-  void append(PointIndex point, Level level, std::uint32_t generation, const double* state,
+  void append(PointIndex point, Level level, std::uint32_t generation, const double* numbers,
               const Level* links);
 
-  /// Finds or stores `state` at `target` (lines 11 to 19) and sets the destination level of the
-  /// source record (line 20). The same request twice in a row counts once.
+  /// Finds or stores a state at `target` (lines 11 to 19) and sets the destination level of the
+  /// source record (line 20). `numbers` is the row that was reached. The same request twice in a
+  /// row counts once.
   /// @param generation that a new record gets. Answers whether a record was stored.
   /// @throw FormatError when the source is not there, is not in the frontier, or was answered with
   /// another state before; Error when the level limit is reached.
-  bool settle(PointIndex target, int q, Level source_level, const double* state,
+  bool settle(PointIndex target, int q, Level source_level, const double* numbers,
               std::uint32_t generation);
   /// The record that settle() stored last.
   Stored last_stored() const { return last_stored_; }
@@ -47,7 +49,7 @@ class Levels {
   /// Directions of a record that are not settled.
   DirectionMask unsettled(PointIndex point, Level level) const;
 
-  /// Calls f(point, level, generation, state, links) for the records of block `number`, ascending.
+  /// Calls f(point, level, generation, row, links) for the records of block `number`, ascending.
   template <class F>
   void visit(std::uint64_t number, F&& f) const;
   /// Blocks: points / block_points(), rounded up.
@@ -62,8 +64,8 @@ class Levels {
  private:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-  // A record is state, links, next record of its point, generation, in one row of stride_ doubles:
-  // what a request touches is one or two cache lines.
+  // A record is its row, links, next record of its point, generation, in one row of stride_
+  // doubles: what a request touches is one or two cache lines.
   struct Block {
     std::vector<std::uint32_t> first;  // block_points, first record of each point
     std::unique_ptr<double[]> rows;    // not initialised beyond `records`
@@ -82,19 +84,20 @@ class Levels {
   const double* row(const Block& block, std::uint32_t r) const {
     return &block.rows[std::size_t{r} * stride_];
   }
-  Tail& tail(double* row) { return *reinterpret_cast<Tail*>(row + spec_.state_size); }
+  Tail& tail(double* row) { return *reinterpret_cast<Tail*>(row + row_size_); }
   const Tail& tail(const double* row) const {
-    return *reinterpret_cast<const Tail*>(row + spec_.state_size);
+    return *reinterpret_cast<const Tail*>(row + row_size_);
   }
   std::uint32_t in_block(PointIndex point) const { return point & (block_points_ - 1); }
   /// The row of a record, nullptr where there is none.
   const double* find(PointIndex point, Level level) const;
-  std::uint32_t add(Block& block, const double* state, std::uint32_t generation);
+  std::uint32_t add(Block& block, const double* numbers, std::uint32_t generation);
   [[noreturn]] void fail_level_limit(PointIndex target, int q, Level source_level) const;
 
   const GridSpec& spec_;
   const Model& model_;
   Neighbourhood neighbourhood_;
+  std::uint32_t row_size_;
   std::uint32_t block_points_;
   unsigned block_bits_;
   std::size_t stride_;
@@ -106,7 +109,7 @@ class Levels {
   PointIndex last_target_ = 0;
   int last_q_ = -1;
   Level last_source_level_ = 0;
-  std::vector<double> last_state_;
+  std::vector<double> last_row_;
 };
 
 template <class F>

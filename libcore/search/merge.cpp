@@ -44,7 +44,6 @@ class Merge {
   Merge(const MergeInput& input, const Model& model, SectionWriter& out, SectionWriter* frontier,
         Progress& progress)
       : input_(input),
-        n_(input.spec().state_size),
         reach_(static_cast<std::uint64_t>(Neighbourhood(input.spec().box).reach())),
         levels_(input.spec(), model),
         grid_rows_(input.grid()),
@@ -67,7 +66,7 @@ class Merge {
           open_block(target / levels_.block_points());
           prepared_ = target;
         }
-        levels_.settle(target, rows.direction[r], rows.level[r], &rows.state[r * n_], generation);
+        levels_.settle(target, rows.direction[r], rows.level[r], rows.row(r), generation);
       }
       progress_.conversions += run.end - run.begin;
     }
@@ -105,7 +104,7 @@ class Merge {
   }
 
   void append(const RecordRows& rows, std::size_t r) {
-    levels_.append(rows.point[r], rows.level[r], rows.generation[r], &rows.state[r * n_],
+    levels_.append(rows.point[r], rows.level[r], rows.generation[r], rows.row(r),
                    &rows.links[r * kDirections]);
   }
 
@@ -157,8 +156,8 @@ class Merge {
         held_.erase(held);
       } else {
         levels_.visit(emitted_, [this](PointIndex p, Level level, std::uint32_t generation,
-                                       const double* state, const Level* links) {
-          emit(p, level, generation, state, links);
+                                       const double* numbers, const Level* links) {
+          emit(p, level, generation, numbers, links);
         });
         levels_.release(emitted_);
       }
@@ -166,7 +165,7 @@ class Merge {
     }
   }
 
-  void emit(PointIndex point, Level level, std::uint32_t generation, const double* state,
+  void emit(PointIndex point, Level level, std::uint32_t generation, const double* numbers,
             const Level* links) {
     if (generation == input_.generation()) {
       if (const DirectionMask left = levels_.unsettled(point, level)) {
@@ -174,13 +173,12 @@ class Merge {
         missing_ += static_cast<std::uint64_t>(std::popcount(left));
       }
     } else if (generation > input_.generation() && frontier_) {
-      frontier_->frontier(point, level, state, levels_.unsettled(point, level));
+      frontier_->frontier(point, level, numbers, levels_.unsettled(point, level));
     }
-    out_.record(point, level, generation, state, links);
+    out_.record(point, level, generation, numbers, links);
   }
 
   const MergeInput& input_;
-  std::uint32_t n_;
   std::uint64_t reach_;
   Levels levels_;
   MergedRows<RecordRows> grid_rows_;

@@ -1,8 +1,8 @@
 #include "libcore/search/seed.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
@@ -38,23 +38,22 @@ PointIndex point_at(const Box& box, const Vec3& position) {
   return box.index(c);
 }
 
-/// A point's known states, row after row.
-using States = std::vector<double>;
-
-States known_states(const Model& model, const Box& box, PointIndex point) {
-  States states = model.known_states(box.position(point));
+std::vector<double> known_states(const Model& model, const Box& box, PointIndex point) {
+  std::vector<double> states = model.known_states(box.position(point));
   if (states.empty())
     throw Error("seed " + describe(box, point) + " at " + to_text(box.position(point)) +
                 ": the model knows no state there; choose other seeds, or give their states");
   return states;
 }
 
-std::map<PointIndex, States> collect(const Definition& definition, const Box& box,
-                                     const Model& model) {
-  std::map<PointIndex, States> seeds;
+}  // namespace
+
+Seeds seed_states(const Definition& definition, const Model& model) {
+  const Box& box = definition.box;
+  Seeds seeds;
   for (const SeedDefinition& seed : definition.seeds) {
     const PointIndex point = point_at(box, seed.position);
-    States states;
+    std::vector<double> states;
     for (const std::vector<double>& state : seed.states) {
       if (state.size() != model.state_size())
         throw Error("seed " + to_text(seed.position) + ": a state of " +
@@ -77,8 +76,6 @@ std::map<PointIndex, States> collect(const Definition& definition, const Box& bo
   return seeds;
 }
 
-}  // namespace
-
 GridSpec describe_grid(const Definition& definition, const Model& model) {
   const hapgrid_model_info& info = model.info();
   const double reach = std::sqrt(3.0) * definition.box.spacing;
@@ -89,20 +86,27 @@ GridSpec describe_grid(const Definition& definition, const Model& model) {
                 "; a spacing of at most " + to_text(info.d_max / std::sqrt(3.0)) + " works");
   GridSpec spec;
   spec.box = definition.box;
-  spec.model = definition.plugin;
+  spec.model = definition.model_name();
   spec.parameters = definition.parameters;
   spec.state_size = info.state_size;
   spec.tolerance = info.tolerance;
   spec.tolerance_unit = info.tolerance_unit;
+  spec.equality = model.equality();
   spec.max_levels = definition.max_levels;
+  spec.length_unit = info.length_unit;
+  spec.energy_unit = info.energy_unit;
+  spec.hip_radius = info.hip_radius;
+  spec.stored = model.stored();
+  if (spec.stored.shape) spec.spheres = model.spheres();
   return spec;
 }
 
-void write_seeds(const Definition& definition, const GridSpec& spec, const Model& model,
+void write_seeds(const Definition& definition, const GridSpec& spec, Model& model,
                  SectionWriter& out) {
   const Neighbourhood neighbourhood(spec.box);
   const std::uint32_t n = spec.state_size;
-  for (const auto& [point, states] : collect(definition, spec.box, model)) {
+  std::vector<double> row(spec.row_size());
+  for (const auto& [point, states] : seed_states(definition, model)) {
     const std::string where = "seed " + describe(spec.box, point);
     const std::size_t count = states.size() / n;
     if (count > spec.max_levels)
@@ -119,7 +123,10 @@ void write_seeds(const Definition& definition, const GridSpec& spec, const Model
         if (model.equal(&states[other * n], state))
           throw Error(where + ": states " + std::to_string(other) + " and " + std::to_string(l) +
                       " are equal within the tolerance " + to_text(spec.tolerance));
-      out.record(point, static_cast<Level>(l), 0, state, links);
+      std::copy_n(state, n, row.begin());
+      if (row.size() > n && !model.complete(spec.box.position(point), row.data()))
+        throw ModelError(where + ": " + model.error());
+      out.record(point, static_cast<Level>(l), 0, row.data(), links);
     }
   }
   out.finish();

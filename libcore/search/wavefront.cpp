@@ -11,8 +11,11 @@ constexpr std::size_t kMaxBatch = 2048;
 }  // namespace
 
 Wavefront::Wavefront(const GridSpec& spec)
-    : neighbourhood_(spec.box), points_(spec.box.points()), n_(spec.state_size) {
-  const std::size_t slot_bytes = sizeof(double) * kDirections * n_;
+    : neighbourhood_(spec.box),
+      points_(spec.box.points()),
+      n_(spec.state_size),
+      row_size_(spec.row_size()) {
+  const std::size_t slot_bytes = sizeof(double) * kDirections * row_size_;
   batch_size_ = std::bit_floor(std::clamp<std::size_t>(kBatchBytes / slot_bytes, 1, kMaxBatch));
   batch_bits_ = static_cast<unsigned>(std::countr_zero(batch_size_));
   blocks_.resize((points_ >> kBlockBits) + 1);
@@ -43,7 +46,8 @@ void Wavefront::add(PointIndex point, Level level, const double* state, Directio
       fresh.level = std::make_unique_for_overwrite<Level[]>(batch_size_);
       fresh.todo = std::make_unique_for_overwrite<DirectionMask[]>(batch_size_);
       fresh.state = std::make_unique_for_overwrite<double[]>(batch_size_ * n_);
-      fresh.reached = std::make_unique_for_overwrite<double[]>(batch_size_ * kDirections * n_);
+      fresh.reached =
+          std::make_unique_for_overwrite<double[]>(batch_size_ * kDirections * row_size_);
     } else {
       batches_.push_back(std::move(free_batches_.back()));
       free_batches_.pop_back();

@@ -42,12 +42,12 @@ class Wavefront {
   Level level(Slot slot) const { return batch(slot).level[in_batch(slot)]; }
   DirectionMask todo(Slot slot) const { return batch(slot).todo[in_batch(slot)]; }
   const double* state(Slot slot) const { return &batch(slot).state[in_batch(slot) * n_]; }
-  /// Where the state that conversion q of a slot reaches is to be written: n doubles.
+  /// Where the row that conversion q of a slot reaches is to be written: row_size() doubles.
   double* reached(Slot slot, int q) {
-    return &batches_[batch_of(slot)].reached[(in_batch(slot) * kDirections + q) * n_];
+    return &batches_[batch_of(slot)].reached[(in_batch(slot) * kDirections + q) * row_size_];
   }
 
-  /// Calls f(target, q, slot, state reached) for every request with target < `end`, ascending, and
+  /// Calls f(target, q, slot, row reached) for every request with target < `end`, ascending, and
   /// forgets it. All conversions of slots whose point is below end + reach must be computed.
   template <class F>
   void drain(std::uint64_t end, F&& f);
@@ -70,7 +70,7 @@ class Wavefront {
     std::unique_ptr<Level[]> level;
     std::unique_ptr<DirectionMask[]> todo;
     std::unique_ptr<double[]> state;    // batch_size x n
-    std::unique_ptr<double[]> reached;  // batch_size x 26 x n
+    std::unique_ptr<double[]> reached;  // batch_size x 26 x row_size
   };
   /// What is known of 2^12 consecutive points.
   struct Block {
@@ -90,7 +90,8 @@ class Wavefront {
 
   Neighbourhood neighbourhood_;
   std::uint64_t points_;
-  std::uint32_t n_;
+  std::uint32_t n_;         // of a state, which conversions start from
+  std::uint32_t row_size_;  // of what they reach
   unsigned batch_bits_;
   std::size_t batch_size_;
   std::deque<Batch> batches_;

@@ -21,18 +21,22 @@ const char* to_string(Content content) {
   return "unknown";
 }
 
-std::uint64_t record_bytes(std::uint32_t state_size) {
-  return sizeof(PointIndex) + sizeof(Level) + sizeof(std::uint32_t) +
-         sizeof(double) * std::uint64_t{state_size} + kDirections;
+std::uint32_t row_size(const SectionHeader& header) {
+  return header.content == Content::kFrontier ? header.spec.state_size : header.spec.row_size();
 }
 
-std::uint32_t chunk_points(std::uint32_t state_size) {
-  const std::uint64_t fit = kChunkBytes / record_bytes(state_size);
+std::uint64_t record_bytes(std::uint32_t row_size) {
+  return sizeof(PointIndex) + sizeof(Level) + sizeof(std::uint32_t) +
+         sizeof(double) * std::uint64_t{row_size} + kDirections;
+}
+
+std::uint32_t chunk_points(std::uint32_t row_size) {
+  const std::uint64_t fit = kChunkBytes / record_bytes(row_size);
   return static_cast<std::uint32_t>(std::bit_floor(std::max<std::uint64_t>(fit, 1)));
 }
 
-std::uint32_t chunk_rows(std::uint32_t state_size) {
-  const std::uint64_t row = sizeof(PointIndex) + 2 + sizeof(double) * std::uint64_t{state_size};
+std::uint32_t chunk_rows(std::uint32_t row_size) {
+  const std::uint64_t row = sizeof(PointIndex) + 2 + sizeof(double) * std::uint64_t{row_size};
   return static_cast<std::uint32_t>(std::max<std::uint64_t>(kChunkBytes / row, 1));
 }
 

@@ -52,10 +52,14 @@ struct StoredChunk {
   std::vector<std::byte> frame;
 };
 
-/// One chunk of a section, decoded. The columns look into the message; states are row-major.
+/// One chunk of a section, decoded. The columns look into the message.
 struct Chunk {
   std::vector<std::uint64_t> message;
-  std::vector<double> transposed;  ///< the states, where n > 1
+  std::vector<double> transposed;   ///< the rows, where they have more than one number
+  std::size_t width = 0;            ///< numbers a row: row_size() of the section's header
+  std::span<const double> numbers;  ///< R x width; each row begins with the state
+
+  const double* row(std::size_t r) const { return &numbers[r * width]; }
 };
 
 /// R records. A grid's have links (R x 26) and no todo, a frontier's have todo and no links.
@@ -63,19 +67,17 @@ struct RecordRows : Chunk {
   std::span<const PointIndex> point;
   std::span<const Level> level;
   std::span<const std::uint32_t> generation;
-  std::span<const double> state;  ///< R x n
   std::span<const Level> links;
   std::span<const DirectionMask> todo;
 
   std::size_t size() const { return point.size(); }
 };
 
-/// R requests: target, direction q, source level, state reached (R x n).
+/// R requests: target, direction q, source level; the rows are what was reached.
 struct RequestRows : Chunk {
   std::span<const PointIndex> target;
   std::span<const std::uint8_t> direction;
   std::span<const Level> level;
-  std::span<const double> state;
 
   std::size_t size() const { return target.size(); }
 };
@@ -89,14 +91,18 @@ inline RowKey request_key(PointIndex target, int q, Level level) {
 }
 inline PointIndex key_point(RowKey key) { return static_cast<PointIndex>(key >> 16); }
 
-/// Bytes of one row of a grid before compression.
-std::uint64_t record_bytes(std::uint32_t state_size);
+/// How many numbers a row of the section has: a frontier's are the states alone, which is all that
+/// a conversion starts from.
+std::uint32_t row_size(const SectionHeader& header);
+
+/// Bytes of one record of a grid before compression, for rows of `row_size` numbers.
+std::uint64_t record_bytes(std::uint32_t row_size);
 
 /// How many points one chunk of a grid covers: the power of two that keeps a chunk at one level a
 /// point at or below 1 MiB (at least 1).
-std::uint32_t chunk_points(std::uint32_t state_size);
+std::uint32_t chunk_points(std::uint32_t row_size);
 
 /// How many rows a chunk of requests, or of a frontier, has at most.
-std::uint32_t chunk_rows(std::uint32_t state_size);
+std::uint32_t chunk_rows(std::uint32_t row_size);
 
 }  // namespace hapgrid

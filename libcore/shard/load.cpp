@@ -22,27 +22,27 @@ LoadedGrid load_grid(const std::vector<std::string>& names) {
     stored_bytes += section.stored_bytes;
   }
   const SectionHeader& header = sections.front().header;
-  const std::uint32_t n = header.spec.state_size;
+  const std::uint32_t width = header.spec.row_size();
   RecordColumns columns;
   // A footer is not believed before its section was read: memory is taken at once only where the
   // claim is in proportion to the size of the shards; else it grows with the rows that come.
-  const bool plausible = records <= kMaxRatio * stored_bytes / record_bytes(n);
+  const bool plausible = records <= kMaxRatio * stored_bytes / record_bytes(width);
   const std::size_t expected = plausible ? records : 0;
   columns.point.reserve(expected);
   columns.level.reserve(expected);
   columns.generation.reserve(expected);
-  columns.state.reserve(expected * n);
+  columns.rows.reserve(expected * width);
   columns.links.reserve(expected * kDirections);
   MergedRows<RecordRows> rows(sections);
   for (Run<RecordRows> run = rows.next(); run.rows; run = rows.next()) {
-    const auto append = [&run](auto& out, const auto& in, std::size_t width) {
-      out.insert(out.end(), in.begin() + static_cast<std::ptrdiff_t>(run.begin * width),
-                 in.begin() + static_cast<std::ptrdiff_t>(run.end * width));
+    const auto append = [&run](auto& out, const auto& in, std::size_t each) {
+      out.insert(out.end(), in.begin() + static_cast<std::ptrdiff_t>(run.begin * each),
+                 in.begin() + static_cast<std::ptrdiff_t>(run.end * each));
     };
     append(columns.point, run.rows->point, 1);
     append(columns.level, run.rows->level, 1);
     append(columns.generation, run.rows->generation, 1);
-    append(columns.state, run.rows->state, n);
+    append(columns.rows, run.rows->numbers, width);
     append(columns.links, run.rows->links, kDirections);
   }
   return {Grid(header.spec, header.generation, std::move(columns)), stored_bytes};

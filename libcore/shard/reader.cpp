@@ -17,9 +17,7 @@ namespace hapgrid {
 namespace {
 
 /// The largest message that a section can hold: a chunk near 1 MiB, or a single large row.
-std::uint64_t chunk_limit(std::uint32_t state_size) {
-  return (4 << 20) + 4 * record_bytes(state_size);
-}
+std::uint64_t chunk_limit(std::uint32_t row_size) { return (4 << 20) + 4 * record_bytes(row_size); }
 
 /// A column of `count` primitive values. A hostile list may have been encoded with another element
 /// size.
@@ -40,15 +38,44 @@ std::span<const std::uint8_t> column(capnp::Data::Reader data, std::size_t bytes
   return {data.begin(), bytes};
 }
 
-/// The states of a chunk, row-major.
-std::span<const double> state_column(capnp::List<double>::Reader list, std::size_t rows,
-                                     std::uint32_t n, std::vector<double>& transposed) {
-  const std::span<const double> in = column<double>(list, rows * n, "state");
-  if (n == 1) return in;
-  transposed.resize(rows * n);
-  for (std::uint32_t c = 0; c < n; ++c)
-    for (std::size_t r = 0; r < rows; ++r) transposed[r * n + c] = in[c * rows + r];
-  return transposed;
+/// Puts components that stand one after the other into the numbers [first, last) of each row.
+template <class T>
+void place(std::span<const T> components, std::size_t rows, std::uint32_t first, std::uint32_t last,
+           std::size_t width, double* numbers) {
+  for (std::uint32_t c = first; c < last; ++c)
+    for (std::size_t r = 0; r < rows; ++r)
+      numbers[r * width + c] = components[(c - first) * rows + r];
+}
+
+/// The rows of a chunk of `rows` rows: the state and what is stored with it.
+template <class ChunkReader>
+void read_rows(ChunkReader in, std::size_t rows, const SectionHeader& header, Chunk& chunk) {
+  const GridSpec& spec = header.spec;
+  const std::uint32_t n = spec.state_size;
+  const bool frontier = header.content == Content::kFrontier;
+  const auto size = [&](bool stored, std::size_t width) {
+    return stored && !frontier ? rows * width : 0;
+  };
+  const std::size_t shape_width = spec.row_size() - spec.shape_offset();
+  const auto state = column<double>(in.getState(), rows * n, "state");
+  const auto force = column<double>(in.getForce(), size(spec.stored.force, 3), "force");
+  const auto energy = column<double>(in.getEnergy(), size(spec.stored.energy, 1), "energy");
+  const auto shape = column<float>(in.getShape(), size(spec.stored.shape, shape_width), "shape");
+  chunk.width = row_size(header);
+  if (chunk.width == 1) {
+    chunk.numbers = state;
+    return;
+  }
+  chunk.transposed.resize(rows * chunk.width);
+  double* const numbers = chunk.transposed.data();
+  place(state, rows, 0, n, chunk.width, numbers);
+  if (!force.empty())
+    place(force, rows, spec.force_offset(), spec.force_offset() + 3, chunk.width, numbers);
+  if (!energy.empty())
+    place(energy, rows, spec.energy_offset(), spec.energy_offset() + 1, chunk.width, numbers);
+  if (!shape.empty())
+    place(shape, rows, spec.shape_offset(), spec.row_size(), chunk.width, numbers);
+  chunk.numbers = chunk.transposed;
 }
 
 }  // namespace
@@ -107,7 +134,7 @@ class SectionReader::State {
 
  private:
   const GridSpec& spec() const { return section_->header.spec; }
-  std::uint64_t limit() const { return chunk_limit(spec().state_size); }
+  std::uint64_t limit() const { return chunk_limit(row_size(section_->header)); }
 
   template <class Rows>
   void decode_frame(std::span<const std::byte> frame, const ChunkInfo& info, Rows& rows) {
@@ -149,14 +176,13 @@ class SectionReader::State {
   void read(schema::Message::Reader message, RecordRows& rows) {
     if (!message.isRecords()) throw FormatError("damaged: a chunk of records was expected");
     const schema::RecordChunk::Reader chunk = message.getRecords();
-    const std::uint32_t n = spec().state_size;
     const std::size_t count = chunk.getPoint().size();
     const bool grid = section_->header.content == Content::kGrid;
     if (count == 0) throw FormatError("damaged: a chunk without rows");
     rows.point = column<PointIndex>(chunk.getPoint(), count, "point");
     rows.level = column(chunk.getLevel(), count, "level");
     rows.generation = column<std::uint32_t>(chunk.getGeneration(), count, "generation");
-    rows.state = state_column(chunk.getState(), count, n, rows.transposed);
+    read_rows(chunk, count, section_->header, rows);
     rows.links = column(chunk.getLinks(), grid ? count * kDirections : 0, "links");
     rows.todo = column<DirectionMask>(chunk.getTodo(), grid ? 0 : count, "todo");
     for (std::size_t r = 0; r < count; ++r) {
@@ -177,13 +203,12 @@ class SectionReader::State {
   void read(schema::Message::Reader message, RequestRows& rows) {
     if (!message.isRequests()) throw FormatError("damaged: a chunk of requests was expected");
     const schema::RequestChunk::Reader chunk = message.getRequests();
-    const std::uint32_t n = spec().state_size;
     const std::size_t count = chunk.getTarget().size();
     if (count == 0) throw FormatError("damaged: a chunk without rows");
     rows.target = column<PointIndex>(chunk.getTarget(), count, "target");
     rows.direction = column(chunk.getDirection(), count, "direction");
     rows.level = column(chunk.getLevel(), count, "level");
-    rows.state = state_column(chunk.getState(), count, n, rows.transposed);
+    read_rows(chunk, count, section_->header, rows);
     for (std::size_t r = 0; r < count; ++r) {
       const PointIndex t = rows.target[r];
       const int q = rows.direction[r];
@@ -197,8 +222,8 @@ class SectionReader::State {
       if (!(inside_mask_ >> Direction(q).opposite().q() & 1))
         throw FormatError("damaged: a request from outside the box");
     }
-    for (const double component : rows.state)
-      if (!std::isfinite(component)) throw FormatError("damaged: a request's state is not finite");
+    for (const double number : rows.numbers)
+      if (!std::isfinite(number)) throw FormatError("damaged: a request's state is not finite");
   }
 
   void check_row(PointIndex point, RowKey key, Level level) {

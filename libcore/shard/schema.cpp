@@ -90,6 +90,30 @@ Content decode_content(schema::Header::Content content) {
   throw FormatError("content of a kind that this version does not know");
 }
 
+schema::Equality::Norm encode_norm(Equality::Norm norm) {
+  switch (norm) {
+    case Equality::Norm::kPlugin:
+      return schema::Equality::Norm::PLUGIN;
+    case Equality::Norm::kMax:
+      return schema::Equality::Norm::MAX;
+    case Equality::Norm::kRms:
+      break;
+  }
+  return schema::Equality::Norm::RMS;
+}
+
+Equality::Norm decode_norm(schema::Equality::Norm norm) {
+  switch (norm) {
+    case schema::Equality::Norm::PLUGIN:
+      return Equality::Norm::kPlugin;
+    case schema::Equality::Norm::MAX:
+      return Equality::Norm::kMax;
+    case schema::Equality::Norm::RMS:
+      return Equality::Norm::kRms;
+  }
+  throw FormatError("a tolerance function of a kind that this version does not know");
+}
+
 }  // namespace
 
 void encode_header(const SectionHeader& header, schema::Header::Builder out) {
@@ -114,6 +138,26 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   out.setTolerance(spec.tolerance);
   out.setToleranceUnit(spec.tolerance_unit);
   out.setMaxLevels(spec.max_levels);
+  // In the order of the ordinals, so that a header is the same bytes as when capnp encodes it.
+  auto stored = out.initStored();
+  stored.setForce(spec.stored.force);
+  stored.setEnergy(spec.stored.energy);
+  stored.setShape(spec.stored.shape);
+  auto spheres = out.initSpheres(static_cast<unsigned>(spec.spheres.size()));
+  for (unsigned i = 0; i < spheres.size(); ++i) {
+    const Sphere& sphere = spec.spheres[i];
+    spheres[i].setRadius(sphere.radius);
+    spheres[i].setRed(sphere.colour[0]);
+    spheres[i].setGreen(sphere.colour[1]);
+    spheres[i].setBlue(sphere.colour[2]);
+    spheres[i].setLabel(sphere.label);
+  }
+  auto equality = out.initEquality();
+  equality.setNorm(encode_norm(spec.equality.norm));
+  equality.setWeights(kj::arrayPtr(spec.equality.weights.data(), spec.equality.weights.size()));
+  out.setLengthUnit(spec.length_unit);
+  out.setEnergyUnit(spec.energy_unit);
+  out.setHipRadius(spec.hip_radius);
 }
 
 SectionHeader decode_header(schema::Header::Reader in) {
@@ -148,6 +192,29 @@ SectionHeader decode_header(schema::Header::Reader in) {
   if (spec.max_levels == 0 || spec.max_levels > static_cast<unsigned>(kMaxLevels))
     throw FormatError("a level limit of " + std::to_string(spec.max_levels) + "; 1 to " +
                       std::to_string(kMaxLevels) + " are possible");
+  spec.equality.norm = decode_norm(in.getEquality().getNorm());
+  for (const double weight : in.getEquality().getWeights()) spec.equality.weights.push_back(weight);
+  if (!spec.equality.fits(spec.state_size))
+    throw FormatError("impossible weights of the tolerance function");
+  spec.length_unit = in.getLengthUnit();
+  spec.energy_unit = in.getEnergyUnit();
+  spec.hip_radius = in.getHipRadius();
+  if (!std::isfinite(spec.hip_radius) || spec.hip_radius < 0)
+    throw FormatError("the radius of the HIP is negative or not finite");
+  spec.stored = {in.getStored().getForce(), in.getStored().getEnergy(), in.getStored().getShape()};
+  const auto spheres = in.getSpheres();
+  if (spec.stored.shape != (spheres.size() > 0) || spheres.size() > kMaxSpheres)
+    throw FormatError("a shape of " + std::to_string(spheres.size()) + " spheres");
+  for (const auto sphere : spheres) {
+    spec.spheres.push_back({sphere.getRadius(),
+                            {sphere.getRed(), sphere.getGreen(), sphere.getBlue()},
+                            sphere.getLabel()});
+    const Sphere& s = spec.spheres.back();
+    if (!std::isfinite(s.radius) || s.radius < 0 || !std::isfinite(s.colour[0]) ||
+        !std::isfinite(s.colour[1]) || !std::isfinite(s.colour[2]) ||
+        s.label.size() > kMaxLabelSize)
+      throw FormatError("a sphere whose radius, colour or label is impossible");
+  }
   return header;
 }
 

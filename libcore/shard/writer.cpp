@@ -29,15 +29,34 @@ void copy_column(List list, const std::unique_ptr<T[]>& column) {
   std::memcpy(const_cast<kj::byte*>(bytes.begin()), column.get(), list.size() * sizeof(T));
 }
 
-/// Row-major to component-major.
-void copy_states(capnp::List<double>::Builder list, const std::unique_ptr<double[]>& state,
-                 std::uint32_t n) {
-  if (n == 1) return copy_column(list, state);
+/// The numbers [first, last) of each row, component by component. `numbers` is row-major.
+template <class T>
+void copy_components(typename capnp::List<T>::Builder list, const double* numbers,
+                     std::size_t width, std::uint32_t first, std::uint32_t last) {
   const auto bytes = capnp::AnyList::Reader(list.asReader()).getRawBytes();
-  auto* out = reinterpret_cast<double*>(const_cast<kj::byte*>(bytes.begin()));
-  const std::size_t rows = list.size() / n;
+  auto* out = reinterpret_cast<T*>(const_cast<kj::byte*>(bytes.begin()));
+  const std::size_t rows = list.size() / (last - first);
   for (std::size_t r = 0; r < rows; ++r)
-    for (std::uint32_t c = 0; c < n; ++c) out[c * rows + r] = state[r * n + c];
+    for (std::uint32_t c = first; c < last; ++c)
+      out[(c - first) * rows + r] = static_cast<T>(numbers[r * width + c]);
+}
+
+/// The numbers of the rows into the columns that they belong to.
+template <class ChunkBuilder>
+void copy_rows(ChunkBuilder chunk, unsigned rows, const double* numbers, std::size_t width,
+               const GridSpec& spec) {
+  const std::uint32_t n = spec.state_size;
+  copy_components<double>(chunk.initState(rows * n), numbers, width, 0, n);
+  if (width == n) return;
+  if (spec.stored.force)
+    copy_components<double>(chunk.initForce(rows * 3), numbers, width, spec.force_offset(),
+                            spec.force_offset() + 3);
+  if (spec.stored.energy)
+    copy_components<double>(chunk.initEnergy(rows), numbers, width, spec.energy_offset(),
+                            spec.energy_offset() + 1);
+  if (spec.stored.shape)
+    copy_components<float>(chunk.initShape(rows * (spec.row_size() - spec.shape_offset())), numbers,
+                           width, spec.shape_offset(), spec.row_size());
 }
 
 kj::ArrayPtr<const kj::byte> bytes_of(const std::unique_ptr<std::uint8_t[]>& column,
@@ -127,14 +146,15 @@ class SectionWriter::Encoder {
 
 SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeader& header)
     : header_(header),
+      row_size_(row_size(header)),
       neighbourhood_(header.spec.box),
       encoder_(std::make_unique<Encoder>(fd, name)),
-      row_limit_(header.content == Content::kGrid ? chunk_points(header.spec.state_size)
-                                                  : chunk_rows(header.spec.state_size)) {
+      row_limit_(header.content == Content::kGrid ? chunk_points(row_size_)
+                                                  : chunk_rows(row_size_)) {
   const std::size_t rows = row_limit_;
   columns_.point = std::make_unique_for_overwrite<PointIndex[]>(rows);
   columns_.level = std::make_unique_for_overwrite<Level[]>(rows);
-  columns_.state = std::make_unique_for_overwrite<double[]>(rows * header.spec.state_size);
+  columns_.numbers = std::make_unique_for_overwrite<double[]>(rows * row_size_);
   if (header.content == Content::kRequests) {
     columns_.direction = std::make_unique_for_overwrite<std::uint8_t[]>(rows);
   } else {
@@ -144,6 +164,7 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
     else
       columns_.todo = std::make_unique_for_overwrite<DirectionMask[]>(rows);
   }
+  // A guess: what does not fit is put together from more segments.
   encoder_->write(1024, nullptr, [&](schema::Message::Builder message) {
     encode_header(header, message.initHeader());
   });
@@ -151,27 +172,26 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
 SectionWriter::~SectionWriter() = default;
 SectionWriter::SectionWriter(SectionWriter&&) noexcept = default;
 
-std::size_t SectionWriter::add_row(PointIndex point, Level level, const double* state) {
+std::size_t SectionWriter::add_row(PointIndex point, Level level, const double* numbers) {
   if (rows_ == row_limit_) flush();
   columns_.point[rows_] = point;
   columns_.level[rows_] = level;
-  const std::uint32_t n = header_.spec.state_size;
-  if (n == 1) {
-    columns_.state[rows_] = *state;
+  if (row_size_ == 1) {
+    columns_.numbers[rows_] = *numbers;
   } else {
-    std::memcpy(&columns_.state[rows_ * n], state, n * sizeof(double));
+    std::memcpy(&columns_.numbers[rows_ * row_size_], numbers, row_size_ * sizeof(double));
   }
   return rows_++;
 }
 
 void SectionWriter::record(PointIndex point, Level level, std::uint32_t generation,
-                           const double* state, const Level* links) {
+                           const double* row_numbers, const Level* links) {
   // A chunk ends where its range of points ends, and when it is full.
   if (point >= range_end_) {
     flush();
     range_end_ = (std::uint64_t{point} / row_limit_ + 1) * row_limit_;
   }
-  const std::size_t row = add_row(point, level, state);
+  const std::size_t row = add_row(point, level, row_numbers);
   ++footer_.records;
   if (generation == header_.generation) {
     ++frontier_;
@@ -191,8 +211,8 @@ void SectionWriter::frontier(PointIndex point, Level level, const double* state,
   columns_.todo[row] = todo;
 }
 
-void SectionWriter::request(PointIndex target, int q, Level level, const double* state) {
-  const std::size_t row = add_row(target, level, state);
+void SectionWriter::request(PointIndex target, int q, Level level, const double* row_numbers) {
+  const std::size_t row = add_row(target, level, row_numbers);
   ++footer_.requests;
   columns_.direction[row] = static_cast<std::uint8_t>(q);
 }
@@ -206,10 +226,9 @@ void SectionWriter::copy(const StoredChunk& chunk) {
 
 void SectionWriter::flush() {
   if (rows_ == 0) return;
-  const std::uint32_t n = header_.spec.state_size;
   const auto rows = static_cast<unsigned>(rows_);
   const std::size_t words =
-      row_limit_ * (record_bytes(n) + sizeof(DirectionMask)) / sizeof(std::uint64_t) + 64;
+      row_limit_ * (record_bytes(row_size_) + sizeof(DirectionMask)) / sizeof(std::uint64_t) + 64;
   ChunkInfo info{rows, frontier_, columns_.point[0], columns_.point[rows - 1], {}, 0};
   encoder_->write(words, &info, [&](schema::Message::Builder message) {
     if (header_.content == Content::kRequests) {
@@ -217,14 +236,14 @@ void SectionWriter::flush() {
       copy_column(chunk.initTarget(rows), columns_.point);
       chunk.setDirection(bytes_of(columns_.direction, rows));
       chunk.setLevel(bytes_of(columns_.level, rows));
-      copy_states(chunk.initState(rows * n), columns_.state, n);
+      copy_rows(chunk, rows, columns_.numbers.get(), row_size_, header_.spec);
       return;
     }
     auto chunk = message.initRecords();
     copy_column(chunk.initPoint(rows), columns_.point);
     chunk.setLevel(bytes_of(columns_.level, rows));
     copy_column(chunk.initGeneration(rows), columns_.generation);
-    copy_states(chunk.initState(rows * n), columns_.state, n);
+    copy_rows(chunk, rows, columns_.numbers.get(), row_size_, header_.spec);
     if (header_.content == Content::kGrid) {
       chunk.setLinks(bytes_of(columns_.links, rows * kDirections));
     } else {

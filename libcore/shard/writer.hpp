@@ -21,13 +21,15 @@ class SectionWriter {
   ~SectionWriter();
   SectionWriter(SectionWriter&&) noexcept;
 
-  /// A record of a grid. `state` n doubles, `links` 26 levels. @throw std::system_error
-  void record(PointIndex point, Level level, std::uint32_t generation, const double* state,
+  /// A record of a grid. `row_numbers`: row_size() of them, the state first; `links` 26 levels.
+  /// @throw std::system_error
+  void record(PointIndex point, Level level, std::uint32_t generation, const double* row_numbers,
               const Level* links);
-  /// A record of a frontier with the directions to be expanded. @throw std::system_error
+  /// A record of a frontier with the directions to be expanded; `state` n doubles. @throw
+  /// std::system_error
   void frontier(PointIndex point, Level level, const double* state, DirectionMask todo);
-  /// A request. @throw std::system_error
-  void request(PointIndex target, int q, Level level, const double* state);
+  /// A request; `row_numbers` is what was reached. @throw std::system_error
+  void request(PointIndex target, int q, Level level, const double* row_numbers);
 
   /// A whole chunk of a grid as it is stored: no record of it is in the frontier, and no other
   /// record of its range of points is written. @throw std::system_error
@@ -43,7 +45,7 @@ class SectionWriter {
   struct Columns {
     std::unique_ptr<PointIndex[]> point;
     std::unique_ptr<Level[]> level;
-    std::unique_ptr<double[]> state;
+    std::unique_ptr<double[]> numbers;            // row_limit_ x row_size_
     std::unique_ptr<std::uint32_t[]> generation;  // records
     std::unique_ptr<Level[]> links;               // grids
     std::unique_ptr<DirectionMask[]> todo;        // frontiers
@@ -51,10 +53,11 @@ class SectionWriter {
   };
 
   /// Adds one more row and answers its number in the chunk.
-  std::size_t add_row(PointIndex point, Level level, const double* state);
+  std::size_t add_row(PointIndex point, Level level, const double* numbers);
   void flush();
 
   SectionHeader header_;
+  std::uint32_t row_size_;
   Neighbourhood neighbourhood_;
   std::unique_ptr<Encoder> encoder_;
   SectionFooter footer_;

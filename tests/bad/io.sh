@@ -46,7 +46,7 @@ for tool in "stats grid" "stats --dump grid" "verify grid --recompute none"; do
   same "exit code of $tool > /dev/full" 1 "$code"
   grep -q "No space left on device\|cannot write" err || fail "$(cat err)"
 done
-for tool in seed expand merge stats verify play; do
+for tool in seed expand merge stats verify play view check-model; do
   refuses "$tool: cannot write to standard output" -- bash -c "exec $tool --help >/dev/full"
 done
 # A file that may not grow: what was written so far goes, whether the tool hears of it or is killed.

@@ -10,7 +10,7 @@ hapgrid=$prefix/bin/hapgrid
 mv root moved; hapgrid=${hapgrid/#root/moved}
 bin=$("$hapgrid" bin)
 expect 0 "export PATH=\"$bin:\$PATH\"" '' -- "$hapgrid" env
-for tool in seed expand merge verify stats play; do
+for tool in seed expand merge verify stats play view check-model; do
   expect 0 "hapgrid $tool 0.1.0" '' -- "$hapgrid" "$tool" --version
 done
 "$hapgrid" seed "$ball" | "$hapgrid" expand --complete -o installed.grid
@@ -27,7 +27,7 @@ expect 0 'hapgrid 0.1.0' '' -- "$hapgrid" --version
 
 # A manual page says what the help says.
 man=moved${prefix#root}/share/man/man1
-[[ $(ls "$man" | tr '\n' ' ') == 'hapgrid-expand.1 hapgrid-merge.1 hapgrid-play.1 hapgrid-seed.1 hapgrid-stats.1 hapgrid-verify.1 hapgrid.1 ' ]]
+[[ $(ls "$man" | tr '\n' ' ') == 'hapgrid-check-model.1 hapgrid-expand.1 hapgrid-merge.1 hapgrid-play.1 hapgrid-seed.1 hapgrid-stats.1 hapgrid-verify.1 hapgrid-view.1 hapgrid.1 ' ]]
 grep -q 'equal parts of the frontier' "$man/hapgrid-expand.1"
 # What a plug-in's author includes compiles from the installation.
 printf '#include "libcore/model/plugin.h"\n' | gcc -fsyntax-only -xc -I "moved${prefix#root}/include/hapgrid" -

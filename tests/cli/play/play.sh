@@ -13,8 +13,8 @@ play: ticks outside the box 0, with a jump split 0, lagging behind a jump 0, wit
   -- play grid --device path:path --log log
 
 # The log: one line that names the columns, a line a tick.
-[ "$(head -1 log)" = $'# t\tx\ty\tz\tfx\tfy\tfz\tl0\tl1\tl2\tl3\tl4\tl5\tl6\tl7\ts0' ] || fail "header"
-awk -F '\t' 'NR > 1 && (NF != 16 || $1 != (NR - 2) / 1000) { bad = 1 } END { exit bad || NR != 363 }' log ||
+[ "$(head -1 log)" = $'# t\tx\ty\tz\tfx\tfy\tfz\tl0\tl1\tl2\tl3\tl4\tl5\tl6\tl7\ts0\tenergy' ] || fail "header"
+awk -F '\t' 'NR > 1 && (NF != 17 || $1 != (NR - 2) / 1000) { bad = 1 } END { exit bad || NR != 363 }' log ||
   fail "lines of the log"
 [[ $(sed -n 3p log) == $'0.001\t-0.89000000000000001\t0\t0\t'* ]] || fail "17 digits: $(sed -n 3p log)"
 

@@ -42,9 +42,9 @@ TEST_CASE("a link to another state than the model reaches") {
 
 TEST_CASE("a state that is off by more than the tolerance, and by less") {
   auto records = tiny::records();
-  records.state[1] = 1 + 0.5e-6;
+  records.rows[1] = 1 + 0.5e-6;
   CHECK(fidelity(Grid(tiny::spec(), tiny::kGeneration, records)).found.offenders == 0);
-  records.state[1] = 1 + 2e-6;
+  records.rows[1] = 1 + 2e-6;
   // Both links that lead there, and the one from there to a state of exactly 1.
   CHECK(fidelity(Grid(tiny::spec(), tiny::kGeneration, records)).found.first ==
         std::vector<std::string>{"point 0 (0, 0, 0) level 0 direction 13 (1, 0, 0): C gives 1, "

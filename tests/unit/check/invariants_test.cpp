@@ -124,8 +124,8 @@ TEST_CASE("a settled link in the frontier is a fault") {
 
 TEST_CASE("a state that is not finite") {
   auto records = tiny::records();
-  records.state[2] = std::numeric_limits<double>::quiet_NaN();
-  records.state[4] = -std::numeric_limits<double>::infinity();
+  records.rows[2] = std::numeric_limits<double>::quiet_NaN();
+  records.rows[4] = -std::numeric_limits<double>::infinity();
   CHECK(broken(records) == Broken{{"finite",
                                    {"point 1 (1, 0, 0) level 1: component 0 is nan",
                                     "point 2 (2, 0, 0) level 1: component 0 is -inf"}}});

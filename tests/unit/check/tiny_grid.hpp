@@ -33,7 +33,7 @@ inline void add(RecordColumns& c, PointIndex point, Level level, std::uint32_t g
   c.point.push_back(point);
   c.level.push_back(level);
   c.generation.push_back(generation);
-  c.state.push_back(state);
+  c.rows.push_back(state);
   for (int q = 0; q < kDirections; ++q)
     c.links.push_back(q == kLeft ? left : q == kRight ? right : kLeavesBox);
 }

@@ -26,7 +26,7 @@ inline RecordColumns random_columns(const Box& box, std::uint32_t n, unsigned le
       columns.level.push_back(static_cast<Level>(l));
       columns.generation.push_back(0);
       for (std::uint32_t i = 0; i < n; ++i)
-        columns.state.push_back(static_cast<double>(random() >> 11) * 0x1p-52 - 1);
+        columns.rows.push_back(static_cast<double>(random() >> 11) * 0x1p-52 - 1);
       for (int q = 0; q < kDirections; ++q)
         columns.links.push_back(
             inside >> q & 1 ? static_cast<Level>(

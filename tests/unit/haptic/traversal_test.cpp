@@ -365,7 +365,7 @@ TEST_CASE("the way there and the way back differ where the grid says so") {
     columns.point.push_back(p);
     columns.level.push_back(level);
     columns.generation.push_back(0);
-    columns.state.push_back(state);
+    columns.rows.push_back(state);
     columns.links.resize(columns.links.size() + kDirections, kLeavesBox);
     Level* const links = &columns.links[columns.links.size() - kDirections];
     if (p > 0) links[left] = to_left;
@@ -608,7 +608,7 @@ TEST_CASE("only a complete grid is playable") {
     without_last.point.pop_back();
     without_last.level.pop_back();
     without_last.generation.pop_back();
-    without_last.state.erase(without_last.state.end() - 2, without_last.state.end());
+    without_last.rows.erase(without_last.rows.end() - 2, without_last.rows.end());
     without_last.links.erase(without_last.links.end() - kDirections, without_last.links.end());
   }
   CHECK(refusal(without_last) ==
@@ -623,8 +623,9 @@ TEST_CASE("only a complete grid is playable") {
     CHECK(refusal(columns) == "x.grid: 1 links lead to no record: the grid is damaged, see verify");
   }
   RecordColumns columns = good;
-  columns.state[middle * 2 + 1] = std::nan("");
-  CHECK(refusal(columns) == "x.grid: 1 records have a state that is not finite, see verify");
+  columns.rows[middle * 2 + 1] = std::nan("");
+  CHECK(refusal(columns) ==
+        "x.grid: 1 records have a state, force or shape that is not finite, see verify");
 }
 
 TEST_CASE("a box whose points coincide in double precision is refused") {

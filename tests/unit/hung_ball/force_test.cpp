@@ -158,7 +158,7 @@ TEST_CASE("near the tear-off the force is the bound, along the line of centres")
 TEST_CASE("the shape is the ball where the state has it, and its rope") {
   const Model model = make();
   REQUIRE(model.info().spheres == 10);
-  const std::vector<hapgrid_sphere> spheres = model.spheres();
+  const std::vector<Sphere> spheres = model.spheres();
   REQUIRE(spheres.size() == 10);
   CHECK(spheres[0].radius == 0.1F);
   std::vector<float> centres(30);

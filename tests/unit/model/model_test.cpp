@@ -241,7 +241,8 @@ TEST_CASE("a C++ model refuses parameters by name") {
     return refusal([&] { plugin.create({{key, std::move(value)}}); });
   };
   CHECK(create_refusal("raduis", 0.1) ==
-        "model hung-ball: unknown parameter raduis (known: max_force, radius, tolerance, weight)");
+        "model hung-ball: unknown parameter raduis (known: max_force, radius, stored, tolerance, "
+        "weight)");
   CHECK(create_refusal("radius", std::string("big")) ==
         "model hung-ball: parameter radius must be a number");
   CHECK(create_refusal("weight", true) == "model hung-ball: parameter weight must be a number");

@@ -108,7 +108,7 @@ void write_shard(const std::string& name, const SectionHeader& header,
 }
 
 void write_seed_shard(const Case& c, const std::string& name) {
-  const Model model = toy_plugin().create(c.definition.parameters);
+  Model model = toy_plugin().create(c.definition.parameters);
   const GridSpec spec = describe_grid(c.definition, model);
   write_shard(name, {Content::kGrid, 0, spec},
               [&](SectionWriter& out) { write_seeds(c.definition, spec, model, out); });
@@ -273,7 +273,7 @@ TEST_CASE("expand's requests are the queue, and its parts cut it without overlap
         for (std::size_t r = run.begin; r < run.end; ++r) {
           const int q = run.rows->direction[r];
           const auto target = run.rows->target[r];
-          const double* s = &run.rows->state[r * n];
+          const double* s = run.rows->row(r);
           found.emplace_back(target, static_cast<std::uint64_t>(target - neighbourhood.offset(q)),
                              run.rows->level[r], q, std::vector<double>(s, s + n));
         }
@@ -329,7 +329,7 @@ TEST_CASE("merge counts the requests that are missing, and refuses those nobody 
   write_shard(dir.file("wrong"), sections.front().header, [&](SectionWriter& out) {
     MergedRows<RequestRows> rows(sections);
     const auto run = rows.next();
-    std::vector<double> state(&run.rows->state[0], &run.rows->state[0] + n);
+    std::vector<double> state(run.rows->row(0), run.rows->row(0) + n);
     state[0] += 1e-9;
     out.request(run.rows->target[0], run.rows->direction[0], run.rows->level[0], state.data());
     out.finish();

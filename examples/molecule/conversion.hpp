@@ -1,0 +1,38 @@
+// The conversion function C(s, x, d) of a molecule: the HIP moves in small steps, and at each the
+// hybrid energy falls to the minimum whose basin the state is in.
+#pragma once
+
+#include <cstdint>
+
+#include "examples/molecule/energy.hpp"
+#include "examples/molecule/minimiser.hpp"
+
+namespace hapgrid::molecule {
+
+/// States are rounded to multiples of this (Å, rad, 1): far below any tolerance that makes sense,
+/// and what is left compresses well and compares equal where the same minimum was reached twice.
+inline constexpr double kStateUnit = 0x1p-20;
+
+class Conversion {
+ public:
+  /// @param substep of the HIP, at most, Å.
+  Conversion(HybridEnergy& energy, double substep, const MinimiserLimits& limits);
+
+  /// C(s, x, d) into `result` (n numbers; may be s).
+  /// @throw std::runtime_error when a minimisation does not converge.
+  void convert(const double* s, const double* x, const double* d, double* result);
+
+  /// What convert() has cost since construction.
+  struct Work {
+    std::uint64_t conversions = 0, minimisations = 0, evaluations = 0;
+  };
+  const Work& work() const { return work_; }
+
+ private:
+  HybridEnergy& energy_;
+  double substep_;
+  Minimiser minimiser_;
+  Work work_;
+};
+
+}  // namespace hapgrid::molecule

@@ -1,0 +1,191 @@
+#include "examples/molecule/minimiser.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+namespace hapgrid::molecule {
+
+namespace {
+// After so many moves the second derivatives of the morph are computed anew.
+constexpr int kMovesPerCurvature = 3;
+// A transition state from which no step of this length, Å, leads down is held there.
+constexpr double kLeastNudge = 1e-3;
+}  // namespace
+
+/// Least value of g·p + ½ p·B p for |p| <= radius, nearly: Moré and Sorensen 1983, but where the
+/// least shift that makes B positive definite already gives a step inside, that step is taken.
+Minimiser::Vector Minimiser::within(double radius, const Matrix& b, const Vector& g) const {
+  double shift = 0;
+  double too_low = 0;  // a shift with which B was not positive definite
+  const double size = std::max(b.diagonal().cwiseAbs().maxCoeff(), 1e-6);
+  Vector p;
+  for (int round = 0; round < 40; ++round) {
+    Matrix shifted = b;
+    shifted.diagonal().array() += shift;
+    const Eigen::LLT<Matrix> factors(shifted);
+    if (factors.info() != Eigen::Success || !(factors.matrixLLT().diagonal().minCoeff() > 0)) {
+      too_low = shift;
+      shift = std::max(4 * shift, 1e-3 * size);
+      continue;
+    }
+    p = -factors.solve(g);
+    const double length = p.norm();
+    if (length <= 1.1 * radius) return p;
+    const Vector q = factors.matrixL().solve(p);
+    const double better = shift + p.squaredNorm() / q.squaredNorm() * (length - radius) / radius;
+    shift = std::max(better, 0.5 * (shift + too_low));
+  }
+  return -g * (radius / std::max(g.norm(), 1e-300));
+}
+
+/// The step within the radius and the bounds; false when the model promises no descent.
+bool Minimiser::step(double radius, Vector& p) const {
+  const Eigen::Index n = y_.size();
+  const auto paths = static_cast<Eigen::Index>(energy_.morph().paths());
+  std::array<bool, kMaxVariables> fixed{};
+  p.setZero(n);
+  for (Eigen::Index k = 0; k < paths; ++k)
+    fixed[k] =
+        (y_[k] <= 0 && gradient_[k] >= 0) || (y_[k] >= energy_.scale(k) && gradient_[k] <= 0);
+  for (Eigen::Index round = 0; round <= paths; ++round) {
+    std::array<Eigen::Index, kMaxVariables> free;
+    Eigen::Index count = 0;
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (!fixed[i]) free[count++] = i;
+    Matrix b(count, count);
+    Vector g(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      g[i] = gradient_[free[i]];
+      for (Eigen::Index j = 0; j < n; ++j)
+        if (fixed[j]) g[i] += hessian_(free[i], j) * p[j];
+      for (Eigen::Index j = 0; j < count; ++j) b(i, j) = hessian_(free[i], free[j]);
+    }
+    const Vector part = within(radius, b, g);
+    bool over = false;
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Eigen::Index k = free[i];
+      p[k] = part[i];
+      if (k >= paths) continue;
+      const double to = y_[k] + p[k];
+      if (to >= 0 && to <= energy_.scale(k)) continue;
+      p[k] = (to < 0 ? 0 : energy_.scale(k)) - y_[k];
+      fixed[k] = true;
+      over = true;
+    }
+    if (!over) break;
+  }
+  return gradient_.dot(p) + 0.5 * p.dot(hessian_ * p) < 0;
+}
+
+void Minimiser::differentiate(const double* s, bool anew) {
+  const auto n = static_cast<Eigen::Index>(energy_.variables());
+  y_.resize(n);
+  gradient_.resize(n);
+  hessian_.resize(n, n);
+  energy_.derivatives(gradient_.data(), hessian_.data(), anew);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    y_[i] = s[i] * energy_.scale(i);
+    gradient_[i] /= energy_.scale(i);
+    for (Eigen::Index j = 0; j < n; ++j) hessian_(i, j) /= energy_.scale(i) * energy_.scale(j);
+  }
+}
+
+void Minimiser::add(const Vector& p, double* trial) const {
+  const auto paths = static_cast<Eigen::Index>(energy_.morph().paths());
+  for (Eigen::Index i = 0; i < p.size(); ++i) {
+    const double y = y_[i] + p[i], scale = energy_.scale(i);
+    trial[i] = i < paths && y <= 0 ? 0 : i < paths && y >= scale ? 1 : y / scale;
+  }
+}
+
+int Minimiser::minimise(double* s, const double* x) { return descend(s, x, energy_.value(s, x)); }
+
+void Minimiser::start(const double* s, const double* x) {
+  energy_.value(s, x);
+  differentiate(s, true);
+}
+
+// The contacts depend on the shift less the probe's position. So moving the probe by d adds to the
+// gradient what moving the shift by -d would, and of that the Hessian knows all but the anchor.
+int Minimiser::follow(double* s, const double* x, const double* d) {
+  const auto n = static_cast<Eigen::Index>(energy_.variables());
+  const auto shift = static_cast<Eigen::Index>(energy_.morph().paths());
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    gradient_ -= hessian_.col(shift + a) * d[a];
+    gradient_[shift + a] += energy_.parameters().shift_stiffness * d[a];
+  }
+  Vector p(n);
+  std::array<double, kMaxVariables> trial;
+  const bool moves = step(limits_.max_step, p);
+  if (moves) add(p, trial.data());
+  const double stays = energy_.value(s, x);  // the shape is known: this costs next to nothing
+  if (!moves) return descend(s, x, stays);
+  const double lower = energy_.value(trial.data(), x);
+  if (!(lower < stays)) return 1 + descend(s, x, energy_.value(s, x));
+  std::copy_n(trial.begin(), n, s);
+  return descend(s, x, lower);
+}
+
+/// `value` is H(s, x), which was evaluated last.
+int Minimiser::descend(double* s, const double* x, double value) {
+  const auto n = static_cast<Eigen::Index>(energy_.variables());
+  const auto paths = static_cast<Eigen::Index>(energy_.morph().paths());
+  Vector p(n);
+  std::array<double, kMaxVariables> trial;
+  double radius = limits_.max_step;
+  int moves = 0;
+  for (int evaluations = 1; evaluations < limits_.max_evaluations; ++moves) {
+    differentiate(s, moves % kMovesPerCurvature == 0);
+    double largest = 0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const bool held = i < paths && ((y_[i] <= 0 && gradient_[i] >= 0) ||
+                                      (y_[i] >= energy_.scale(i) && gradient_[i] <= 0));
+      if (!held) largest = std::max(largest, std::abs(gradient_[i]));
+    }
+    const bool stationary = !(largest > limits_.tolerance);
+    if (stationary) {
+      // A transition state is stationary and yet no place to rest: the energy falls to the inside.
+      bool rests = true;
+      for (Eigen::Index k = 0; k < paths; ++k) {
+        if (y_[k] < energy_.scale(k) || gradient_[k] < -limits_.tolerance || !(hessian_(k, k) < 0))
+          continue;
+        gradient_[k] = limits_.tolerance;
+        rests = false;
+      }
+      if (rests) return evaluations;
+    }
+    for (;;) {
+      if (step(radius, p)) {
+        add(p, trial.data());
+        const double lower = energy_.value(trial.data(), x);
+        ++evaluations;
+        const double promised = -(gradient_.dot(p) + 0.5 * p.dot(hessian_ * p));
+        const double ratio = (value - lower) / promised;
+        if (ratio < 0.25) radius = 0.25 * std::min(p.norm(), radius);
+        if (ratio > 0.75) radius = std::min(2 * radius, limits_.max_step);
+        if (lower < value) {
+          value = lower;
+          std::copy_n(trial.begin(), n, s);
+          break;
+        }
+      } else {
+        radius *= 0.25;
+      }
+      if (stationary && radius < kLeastNudge) return evaluations;
+      if (evaluations >= limits_.max_evaluations || radius < 1e-12) {
+        evaluations = limits_.max_evaluations;
+        break;
+      }
+    }
+  }
+  char line[160];
+  std::snprintf(line, sizeof line,
+                "the minimisation at (%.6g, %.6g, %.6g) does not converge in %d evaluations", x[0],
+                x[1], x[2], limits_.max_evaluations);
+  throw std::runtime_error(line);
+}
+
+}  // namespace hapgrid::molecule

@@ -1,0 +1,259 @@
+// molecule-check: whether a MODEL.toml of the molecule plug-in makes sense, in a table; or a shape
+// of it as XYZ, for other programs to look at.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "examples/molecule/energy.hpp"
+#include "examples/molecule/setup.hpp"
+#include "libcore/base/error.hpp"
+#include "libcore/grid/box.hpp"
+#include "tools/common/definition.hpp"
+#include "tools/common/tool.hpp"
+
+namespace {
+
+using namespace hapgrid;
+using namespace hapgrid::molecule;
+
+// Nearer than this share of their radii's sum, atoms that are three bonds apart or more overlap as
+// no molecule's do. Along one path quantum chemistry has looked at the shapes; where two are
+// combined nobody has, and a clash is a reason to drop one of them.
+constexpr double kMinShareOnPath = 0.55;
+constexpr double kMinShareOnPair = 0.4;
+// What the morph may miss a node by, Å RMS: rounding, and the conformation's own file.
+constexpr double kMaxMiss = 1e-6;
+
+struct Options {
+  DefinitionOptions definition;
+  std::vector<double> shape;
+};
+
+/// The parameters as a plug-in gets them.
+Setup setup_of(const Definition& definition) {
+  std::vector<hapgrid_parameter> parameters;
+  std::vector<std::vector<const char*>> texts(definition.parameters.size());
+  for (std::size_t i = 0; i < definition.parameters.size(); ++i) {
+    const Parameter& given = definition.parameters[i];
+    hapgrid_parameter p{given.key.c_str(), HAPGRID_NUMBER, 1, nullptr, nullptr};
+    if (const auto* number = std::get_if<double>(&given.value)) {
+      p.numbers = number;
+    } else if (const auto* numbers = std::get_if<std::vector<double>>(&given.value)) {
+      p.type = HAPGRID_NUMBERS;
+      p.count = numbers->size();
+      p.numbers = numbers->data();
+    } else if (const auto* text = std::get_if<std::string>(&given.value)) {
+      p.type = HAPGRID_TEXT;
+      texts[i].push_back(text->c_str());
+    } else if (const auto* list = std::get_if<std::vector<std::string>>(&given.value)) {
+      p.type = HAPGRID_TEXTS;
+      for (const std::string& entry : *list) texts[i].push_back(entry.c_str());
+      p.count = list->size();
+    } else {
+      throw Error("parameter " + given.key + ": the molecule has no such switch");
+    }
+    if (!p.numbers) p.texts = texts[i].data();
+    parameters.push_back(p);
+  }
+  PluginParameters reader(parameters.data(), parameters.size());
+  return read_setup(reader);
+}
+
+struct Pair {
+  double share = std::numeric_limits<double>::infinity();  // of the sum of the radii
+  double distance = 0;
+  std::size_t a = 0, b = 0;
+};
+
+class Checker {
+ public:
+  Checker(const Definition& definition, const Setup& setup)
+      : box_(definition.box), setup_(setup), energy_(setup.molecule, setup.energy) {
+    const std::size_t n = molecule().atoms.size();
+    separation_.assign(n * n, static_cast<int>(n));
+    for (std::size_t i = 0; i < n; ++i) separation_[i * n + i] = 0;
+    for (const auto& [a, b] : molecule().bonds) separation_[a * n + b] = separation_[b * n + a] = 1;
+    for (std::size_t k = 0; k < n; ++k)  // Floyd and Warshall
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n; ++j)
+          separation_[i * n + j] =
+              std::min(separation_[i * n + j], separation_[i * n + k] + separation_[k * n + j]);
+  }
+
+  bool report() {
+    const std::size_t paths = molecule().paths.size();
+    std::printf("atoms              %zu, %zu bonds, radius of gyration %.2f Å\n",
+                molecule().atoms.size(), molecule().bonds.size(), energy_.morph().gyration());
+    std::printf("transition states  %zu\n\n", paths);
+    std::printf("path  nodes  barrier   length    misses nodes by  nearest atoms\n");
+    std::printf("             kJ/mol    Å RMS     Å RMS            Å, share of radii, at t\n");
+    for (std::size_t k = 0; k < paths; ++k) {
+      const Path& path = molecule().paths[k];
+      const double miss = worst_miss(k);
+      double at = 0;
+      Pair nearest;
+      for (int step = 0; step <= 100; ++step) {
+        std::vector<double> t(paths);
+        t[k] = step / 100.0;
+        const Pair pair = nearest_pair(t);
+        if (pair.share < nearest.share) nearest = pair, at = t[k];
+      }
+      std::printf("%-5zu %-6zu %-9.2f %-9.3f %-16.1e %s, %.2f\n", k, path.nodes.size(),
+                  path.energies.back(), energy_.morph().length(k), miss, describe(nearest).c_str(),
+                  at);
+      expect(miss <= kMaxMiss, "path " + std::to_string(k) + " misses its nodes");
+      expect(nearest.share >= kMinShareOnPath, "atoms overlap on path " + std::to_string(k) +
+                                                   ": share below " +
+                                                   std::to_string(kMinShareOnPath).substr(0, 4));
+    }
+    if (paths > 1) std::printf("\npaths combined     nearest atoms on an 11 x 11 lattice\n");
+    for (std::size_t k = 0; k < paths; ++k)
+      for (std::size_t l = k + 1; l < paths; ++l) report_pair(k, l);
+    report_box();
+    for (const std::string& fault : faults_) std::printf("NOT SANE: %s\n", fault.c_str());
+    return faults_.empty();
+  }
+
+  void print_xyz(const std::vector<double>& t) {
+    std::vector<double> s = t;
+    s.resize(energy_.variables());
+    std::vector<double> p(3 * molecule().atoms.size());
+    energy_.positions(s.data(), p.data());
+    std::printf("%zu\ndE=%.4f t=", molecule().atoms.size(), energy_.shape_energy(s.data()));
+    for (std::size_t k = 0; k < t.size(); ++k) std::printf("%s%g", k ? "," : "", t[k]);
+    std::printf("\n");
+    for (std::size_t i = 0; i < molecule().atoms.size(); ++i)
+      std::printf("%-2s %15.8f %15.8f %15.8f\n", molecule().atoms[i]->symbol, p[3 * i],
+                  p[3 * i + 1], p[3 * i + 2]);
+  }
+
+ private:
+  const Molecule& molecule() const { return setup_.molecule; }
+  void expect(bool good, const std::string& fault) {
+    if (!good) faults_.push_back(fault);
+  }
+  std::string describe(const Pair& pair) const {
+    char line[80];
+    std::snprintf(line, sizeof line, "%.2f, %.2f %s%zu %s%zu", pair.distance, pair.share,
+                  molecule().atoms[pair.a]->symbol, pair.a + 1, molecule().atoms[pair.b]->symbol,
+                  pair.b + 1);
+    return line;
+  }
+
+  Positions shape(const std::vector<double>& t) {
+    std::vector<double> s = t;
+    s.resize(energy_.variables());
+    std::vector<double> p(3 * molecule().atoms.size());
+    energy_.positions(s.data(), p.data());
+    Positions positions;
+    for (std::size_t i = 0; i < p.size(); i += 3) positions.emplace_back(p[i], p[i + 1], p[i + 2]);
+    return positions;
+  }
+
+  /// The first node is the conformation itself, from its own text.
+  double worst_miss(std::size_t k) {
+    const Path& path = molecule().paths[k];
+    double worst =
+        aligned_rmsd(shape(std::vector<double>(molecule().paths.size())), molecule().conformation);
+    for (std::size_t m = 1; m < path.nodes.size(); ++m) {
+      std::vector<double> t(molecule().paths.size());
+      t[k] = static_cast<double>(m) / static_cast<double>(path.nodes.size() - 1);
+      worst = std::max(worst, aligned_rmsd(shape(t), path.nodes[m]));
+    }
+    return worst;
+  }
+
+  Pair nearest_pair(const std::vector<double>& t) {
+    const Positions p = shape(t);
+    const std::size_t n = p.size();
+    Pair nearest;
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = a + 1; b < n; ++b) {
+        if (separation_[a * n + b] < 3) continue;
+        const double distance = (p[a] - p[b]).norm();
+        const double share = distance / (molecule().atoms[a]->radius + molecule().atoms[b]->radius);
+        if (share < nearest.share) nearest = {share, distance, a, b};
+      }
+    return nearest;
+  }
+
+  void report_pair(std::size_t k, std::size_t l) {
+    Pair nearest;
+    double at[2] = {};
+    for (int i = 0; i <= 10; ++i)
+      for (int j = 0; j <= 10; ++j) {
+        std::vector<double> t(molecule().paths.size());
+        t[k] = i / 10.0;
+        t[l] = j / 10.0;
+        const Pair pair = nearest_pair(t);
+        if (pair.share < nearest.share) nearest = pair, at[0] = t[k], at[1] = t[l];
+      }
+    std::printf("%zu and %zu            %s, at t = %.1f and %.1f\n", k, l,
+                describe(nearest).c_str(), at[0], at[1]);
+    expect(nearest.share >= kMinShareOnPair,
+           "atoms overlap where paths " + std::to_string(k) + " and " + std::to_string(l) +
+               " are combined: share below " + std::to_string(kMinShareOnPair).substr(0, 3));
+  }
+
+  void report_box() {
+    double clearance = std::numeric_limits<double>::infinity();
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      GridCoordinates c{};
+      for (int a = 0; a < 3; ++a) c[a] = corner >> a & 1 ? box_.counts[a] - 1 : 0;
+      const Vec3 x = box_.position(c);
+      for (std::size_t i = 0; i < molecule().atoms.size(); ++i) {
+        const Eigen::Vector3d d = molecule().conformation[i] - Eigen::Vector3d(x.data());
+        clearance = std::min(clearance,
+                             d.norm() - molecule().atoms[i]->radius - setup_.energy.probe_radius);
+      }
+    }
+    std::printf(
+        "\nbox                the probe in its corners is at least %.2f Å away from touching\n",
+        clearance);
+    expect(clearance > 0,
+           "the probe touches the conformation in a corner of the box: make it larger");
+  }
+
+  const Box& box_;
+  const Setup& setup_;
+  HybridEnergy energy_;
+  std::vector<int> separation_;  // in bonds, atoms x atoms
+  std::vector<std::string> faults_;
+};
+
+int run(const Options& options) {
+  const Definition definition = load_definition(options.definition);
+  const Setup setup = setup_of(definition);
+  Checker checker(definition, setup);
+  if (options.shape.empty()) return checker.report() ? kExitDone : kExitFailed;
+  if (options.shape.size() != setup.molecule.paths.size())
+    throw Error("--xyz: " + std::to_string(options.shape.size()) + " numbers for " +
+                std::to_string(setup.molecule.paths.size()) + " transition states");
+  for (const double t : options.shape)
+    if (!(t >= 0 && t <= 1)) throw Error("--xyz: numbers from 0 to 1");
+  checker.print_xyz(options.shape);
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{
+      "Looks at the molecule of a MODEL.toml: its paths, how near atoms come on them and where "
+      "two\n"
+      "of them are combined, and the box. Exits with 1 when something is not sane."};
+  describe(
+      app, "molecule-check",
+      "Not sane: atoms three bonds apart or more nearer than 0.55 of the sum of their radii on a\n"
+      "path, 0.4 where two are combined; a morph that misses a node by more than 1e-6 Å RMS; a\n"
+      "corner of the box where the probe touches the conformation.\n");
+  add_definition(app, options.definition);
+  app.add_option(
+         "--xyz", options.shape,
+         "Print the shape at these morphing parameters as XYZ instead, e.g. --xyz 0.5,0,0,1")
+      ->delimiter(',');
+  return run_tool(app, argc, argv, [&] { return run(options); });
+}

@@ -1,0 +1,587 @@
+#include "examples/molecule/morph.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "examples/molecule/elementary.hpp"
+
+namespace hapgrid::molecule {
+
+namespace {
+
+// Two numbers at once, with what every x86-64 has. GCC and Clang know the type on all processors.
+using Two = double __attribute__((vector_size(16)));
+static_assert(sizeof(Two) == 2 * sizeof(double));
+
+inline Two load(const double* p) {
+  Two v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+inline void store(double* p, Two v) { std::memcpy(p, &v, sizeof v); }
+
+std::size_t even(std::size_t n) { return n + n % 2; }
+
+/// Second derivatives times h²/6 of the natural cubic spline through equidistant values, in place:
+/// the tridiagonal system z_{i-1} + 4 z_i + z_{i+1} = v_{i-1} - 2 v_i + v_{i+1}, z zero at the
+/// ends.
+std::vector<double> spline_bends(const std::vector<double>& v) {
+  const std::size_t n = v.size();
+  std::vector<double> z(n), pivot(n);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double factor = i > 1 ? 1 / pivot[i - 1] : 0;
+    pivot[i] = 4 - factor;
+    z[i] = v[i - 1] - 2 * v[i] + v[i + 1] - factor * z[i - 1];
+  }
+  for (std::size_t i = n - 1; i-- > 1;) z[i] = (z[i] - z[i + 1]) / pivot[i];
+  return z;
+}
+
+/// The nearest of [0, 1], and 0 for what is not a number.
+double clamped(double t) { return t > 0 ? (t < 1 ? t : 1) : 0; }
+
+}  // namespace
+
+Morph::Morph(const Molecule& molecule)
+    : tree_(spanning_tree(molecule)),
+      stride_(even(tree_.size())),
+      width_(even(molecule.paths.size())) {
+  if (molecule.paths.size() > kMaxPaths)
+    throw std::runtime_error(std::to_string(molecule.paths.size()) +
+                             " transition states, at most " + std::to_string(kMaxPaths) +
+                             " are possible");
+  const std::size_t n = tree_.size();
+  centre_.setZero();
+  for (const int atom : tree_.order) {
+    mass_.push_back(molecule.atoms[atom]->mass);
+    total_mass_ += mass_.back();
+    centre_ += mass_.back() * molecule.conformation[atom];
+  }
+  centre_ /= total_mass_;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector3d c = molecule.conformation[tree_.order[i]] - centre_;
+    x0_.push_back(c.x());
+    y0_.push_back(c.y());
+    z0_.push_back(c.z());
+    mass_x_.push_back(mass_[i] * c.x());
+    mass_y_.push_back(mass_[i] * c.y());
+    mass_z_.push_back(mass_[i] * c.z());
+    square_ += mass_[i] * c.squaredNorm();
+    gyration_ += c.squaredNorm();
+  }
+  gyration_ = std::sqrt(gyration_ / static_cast<double>(n));
+  const Eigen::Matrix3d root = root_frame(tree_, molecule.conformation);
+  std::copy_n(root.data(), 9, root_frame_.begin());  // column by column: axis after axis
+
+  const auto flat = [&](const Internal& internal) {
+    std::vector<double> q(3 * stride_);
+    std::copy(internal.length.begin(), internal.length.end(), q.begin());
+    std::copy(internal.deflection.begin(), internal.deflection.end(), q.begin() + stride_);
+    std::copy(internal.torsion.begin(), internal.torsion.end(), q.begin() + 2 * stride_);
+    return q;
+  };
+  const Internal conformation =
+      internal_coordinates(tree_, molecule.conformation, nullptr, "conformation");
+  q0_ = flat(conformation);
+  for (std::size_t k = 0; k < molecule.paths.size(); ++k) {
+    const Path& path = molecule.paths[k];
+    const std::size_t segments = path.nodes.size() - 1;
+    std::vector<std::vector<double>> nodes{q0_};
+    Internal last = conformation;
+    for (std::size_t m = 1; m <= segments; ++m) {
+      last = internal_coordinates(
+          tree_, path.nodes[m], &last,
+          "transition_states[" + std::to_string(k) + "] node " + std::to_string(m + 1));
+      nodes.push_back(flat(last));
+    }
+    Spline spline{segments, std::vector<double>(segments * 4 * q0_.size()), 0};
+    std::vector<double> values(segments + 1);
+    for (std::size_t c = 0; c < q0_.size(); ++c) {
+      for (std::size_t m = 0; m <= segments; ++m) values[m] = nodes[m][c] - q0_[c];
+      const std::vector<double> bend = spline_bends(values);
+      for (std::size_t m = 0; m < segments; ++m) {
+        double* a = &spline.coefficients[m * 4 * q0_.size() + c];
+        a[0] = values[m];
+        a[q0_.size()] = values[m + 1] - values[m] - 2 * bend[m] - bend[m + 1];
+        a[2 * q0_.size()] = 3 * bend[m];
+        a[3 * q0_.size()] = bend[m + 1] - bend[m];
+      }
+    }
+    paths_.push_back(std::move(spline));
+  }
+  Shape end = make_shape();
+  for (std::size_t k = 0; k < paths_.size(); ++k) {
+    std::vector<double> t(paths_.size());
+    t[k] = 1;
+    shape(t.data(), end);
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double d[3] = {end.x[i] - x0_[i], end.y[i] - y0_[i], end.z[i] - z0_[i]};
+      sum += d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    }
+    paths_[k].length = std::sqrt(sum / static_cast<double>(n));
+    if (paths_[k].length < 1e-3)
+      throw std::runtime_error("transition_states[" + std::to_string(k) +
+                               "]: the transition state has the shape of the conformation");
+  }
+}
+
+Morph::Shape Morph::make_shape() const {
+  Shape s;
+  const std::size_t n = tree_.size();
+  for (std::vector<double>* v : {&s.x, &s.y, &s.z}) v->resize(stride_, 1e30);  // touches nothing
+  s.t.resize(paths_.size());
+  s.q.resize(3 * stride_);
+  s.sine.resize(2 * stride_);
+  s.cosine.resize(2 * stride_);
+  s.frame.resize(9 * n);
+  s.local.resize(3 * n);
+  s.rate.resize(3 * stride_ * width_);
+  s.turning.resize(3 * width_ * n);
+  s.moving.resize(3 * width_ * n);
+  s.centre_moving.resize(3 * width_);
+  s.aligning.resize(3 * width_);
+  s.overlap_rate.resize(9 * width_);
+  const std::size_t pairs = paths_.size() * width_;
+  s.rate_rate.resize(3 * stride_ * width_);
+  s.turning_turning.resize(3 * pairs * n);
+  s.moving_moving.resize(3 * pairs * n);
+  s.centre_moving_moving.resize(3 * pairs);
+  s.aligning_aligning.resize(3 * pairs);
+  return s;
+}
+
+void Morph::interpolate(Shape& s) const {
+  const std::size_t n = q0_.size();
+  std::copy(q0_.begin(), q0_.end(), s.q.begin());
+  for (std::size_t k = 0; k < paths_.size(); ++k) {
+    if (s.t[k] == 0) continue;
+    const Spline& path = paths_[k];
+    const double at = s.t[k] * static_cast<double>(path.segments);
+    const std::size_t segment = std::min(static_cast<std::size_t>(at), path.segments - 1);
+    const double u = at - static_cast<double>(segment);
+    const double* a = &path.coefficients[segment * 4 * n];
+    double* q = s.q.data();
+    for (std::size_t c = 0; c < n; c += 2) {
+      const Two value = load(q + c) + load(a + c) +
+                        u * (load(a + n + c) + u * (load(a + 2 * n + c) + u * load(a + 3 * n + c)));
+      store(q + c, value);
+    }
+  }
+}
+
+void Morph::build(Shape& s) const {
+  sines_and_cosines(&s.q[stride_], s.sine.data(), s.cosine.data(), 2 * stride_);
+  std::copy(root_frame_.begin(), root_frame_.end(), s.frame.begin());
+  s.local[0] = s.local[1] = s.local[2] = 0;
+  for (std::size_t i = 1; i < tree_.size(); ++i) {
+    const auto parent = static_cast<std::size_t>(tree_.parent[i]);
+    const double* from = &s.frame[9 * parent];
+    double* to = &s.frame[9 * i];
+    const double sd = s.sine[i], cd = s.cosine[i];
+    const double st = s.sine[stride_ + i], ct = s.cosine[stride_ + i];
+    for (int a = 0; a < 3; ++a) {
+      const double across = ct * from[3 + a] + st * from[6 + a];
+      to[a] = cd * from[a] + sd * across;
+      to[3 + a] = cd * across - sd * from[a];
+      to[6 + a] = ct * from[6 + a] - st * from[3 + a];
+      s.local[3 * i + a] = s.local[3 * parent + a] + s.q[i] * to[a];
+    }
+  }
+}
+
+// Theobald, Acta Cryst. A61 (2005) 478: the quaternion that maximises Σ m c·(R y) is the
+// eigenvector of a symmetric 4x4 matrix for its largest eigenvalue, which Newton's iteration finds
+// from the upper bound Σ m (|c|² + |y|²) / 2. One more Newton step on the rotation itself removes
+// what the quartic's rounding leaves.
+void Morph::align(Shape& s) const {
+  const std::size_t n = tree_.size();
+  double m[9] = {}, centre[3] = {}, square = 0;  // m[3 a + b] = Σ m y_a c_b
+  for (std::size_t i = 0; i < n; ++i) {
+    const double* y = &s.local[3 * i];
+    for (int a = 0; a < 3; ++a) {
+      m[3 * a] += y[a] * mass_x_[i];
+      m[3 * a + 1] += y[a] * mass_y_[i];
+      m[3 * a + 2] += y[a] * mass_z_[i];
+      centre[a] += mass_[i] * y[a];
+    }
+    square += mass_[i] * (y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
+  }
+  for (double& c : centre) c /= total_mass_;
+  square -= total_mass_ * (centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2]);
+
+  const double xx = m[0], xy = m[1], xz = m[2], yx = m[3], yy = m[4], yz = m[5], zx = m[6],
+               zy = m[7], zz = m[8];
+  // Horn's matrix, less the eigenvalue on the diagonal further down.
+  const double k00 = xx + yy + zz, k11 = xx - yy - zz, k22 = yy - xx - zz, k33 = zz - xx - yy;
+  const double k01 = yz - zy, k02 = zx - xz, k03 = xy - yx, k12 = xy + yx, k13 = zx + xz,
+               k23 = yz + zy;
+  // Characteristic polynomial λ⁴ + c2 λ² + c1 λ + c0; the trace is 0.
+  const double c2 = -2 * (xx * xx + xy * xy + xz * xz + yx * yx + yy * yy + yz * yz + zx * zx +
+                          zy * zy + zz * zz);
+  const double c1 =
+      -8 * (xx * (yy * zz - yz * zy) - xy * (yx * zz - yz * zx) + xz * (yx * zy - yy * zx));
+  const auto det2 = [](double a, double b, double c, double d) { return a * d - b * c; };
+  const auto det3 = [&](double a, double b, double c, double d, double e, double f, double g,
+                        double h, double i) {
+    return a * det2(e, f, h, i) - b * det2(d, f, g, i) + c * det2(d, e, g, h);
+  };
+  const double c0 = k00 * det3(k11, k12, k13, k12, k22, k23, k13, k23, k33) -
+                    k01 * det3(k01, k12, k13, k02, k22, k23, k03, k23, k33) +
+                    k02 * det3(k01, k11, k13, k02, k12, k23, k03, k13, k33) -
+                    k03 * det3(k01, k11, k12, k02, k12, k22, k03, k13, k23);
+  double lambda = (square + square_) / 2;
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    const double l2 = lambda * lambda;
+    const double slope = 4 * l2 * lambda + 2 * c2 * lambda + c1;
+    const double value = (l2 + c2) * l2 + c1 * lambda + c0;
+    if (!(slope > 0) || !(value > 0)) break;
+    const double step = value / slope;
+    lambda -= step;
+    if (step < 1e-12 * lambda) break;
+  }
+  // The eigenvector is any column of the adjugate of K - λ; the one with the largest diagonal entry
+  // has the most digits.
+  const double a00 = k00 - lambda, a11 = k11 - lambda, a22 = k22 - lambda, a33 = k33 - lambda;
+  const double d0 = det3(a11, k12, k13, k12, a22, k23, k13, k23, a33);
+  const double d1 = det3(a00, k02, k03, k02, a22, k23, k03, k23, a33);
+  const double d2 = det3(a00, k01, k03, k01, a11, k13, k03, k13, a33);
+  const double d3 = det3(a00, k01, k02, k01, a11, k12, k02, k12, a22);
+  double q0, q1, q2, q3;
+  const double most = std::max({std::abs(d0), std::abs(d1), std::abs(d2), std::abs(d3)});
+  const double o01 = -det3(k01, k12, k13, k02, a22, k23, k03, k23, a33);
+  const double o02 = det3(k01, a11, k13, k02, k12, k23, k03, k13, a33);
+  const double o03 = -det3(k01, a11, k12, k02, k12, a22, k03, k13, k23);
+  const double o12 = -det3(a00, k01, k03, k02, k12, k23, k03, k13, a33);
+  const double o13 = det3(a00, k01, k02, k02, k12, a22, k03, k13, k23);
+  const double o23 = -det3(a00, k01, k02, k01, a11, k12, k03, k13, k23);
+  if (most == std::abs(d0)) {
+    q0 = d0, q1 = o01, q2 = o02, q3 = o03;
+  } else if (most == std::abs(d1)) {
+    q0 = o01, q1 = d1, q2 = o12, q3 = o13;
+  } else if (most == std::abs(d2)) {
+    q0 = o02, q1 = o12, q2 = d2, q3 = o23;
+  } else {
+    q0 = o03, q1 = o13, q2 = o23, q3 = d3;
+  }
+  std::array<double, 9>& r = s.rotation;
+  const auto to_matrix = [&] {
+    const double norm = q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3;
+    const double f = 2 / norm;
+    r = {1 - f * (q2 * q2 + q3 * q3), f * (q1 * q2 - q0 * q3),     f * (q1 * q3 + q0 * q2),
+         f * (q1 * q2 + q0 * q3),     1 - f * (q1 * q1 + q3 * q3), f * (q2 * q3 - q0 * q1),
+         f * (q1 * q3 - q0 * q2),     f * (q2 * q3 + q0 * q1),     1 - f * (q1 * q1 + q2 * q2)};
+  };
+  to_matrix();
+  for (int refinement = 0; refinement < 2; ++refinement) {
+    // A = R M = Σ m a cᵀ; at the optimum it is symmetric, and turning by ω changes the torque
+    // Σ m c × a by (tr(A) 1 - A) ω.
+    double a[9];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        a[3 * i + j] = r[3 * i] * m[j] + r[3 * i + 1] * m[3 + j] + r[3 * i + 2] * m[6 + j];
+    const double b00 = a[4] + a[8], b11 = a[0] + a[8], b22 = a[0] + a[4];
+    const double b01 = -(a[1] + a[3]) / 2, b02 = -(a[2] + a[6]) / 2, b12 = -(a[5] + a[7]) / 2;
+    const double i00 = b11 * b22 - b12 * b12, i01 = b02 * b12 - b01 * b22,
+                 i02 = b01 * b12 - b02 * b11;
+    const double f = 1 / (b00 * i00 + b01 * i01 + b02 * i02);
+    s.inverse = {f * i00,
+                 f * i01,
+                 f * i02,
+                 f * i01,
+                 f * (b00 * b22 - b02 * b02),
+                 f * (b01 * b02 - b00 * b12),
+                 f * i02,
+                 f * (b01 * b02 - b00 * b12),
+                 f * (b00 * b11 - b01 * b01)};
+    if (refinement == 1) {
+      std::copy_n(a, 9, s.overlap.begin());
+      break;
+    }
+    const double torque[3] = {a[7] - a[5], a[2] - a[6], a[3] - a[1]};  // Σ m c × a
+    double w[3];
+    for (int i = 0; i < 3; ++i)
+      w[i] = -(s.inverse[3 * i] * torque[0] + s.inverse[3 * i + 1] * torque[1] +
+               s.inverse[3 * i + 2] * torque[2]) /
+             2;
+    const double p0 = q0 - w[0] * q1 - w[1] * q2 - w[2] * q3;
+    const double p1 = q1 + w[0] * q0 + w[1] * q3 - w[2] * q2;
+    const double p2 = q2 + w[1] * q0 + w[2] * q1 - w[0] * q3;
+    const double p3 = q3 + w[2] * q0 + w[0] * q2 - w[1] * q1;
+    q0 = p0, q1 = p1, q2 = p2, q3 = p3;
+    to_matrix();
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const double y0 = s.local[3 * i] - centre[0], y1 = s.local[3 * i + 1] - centre[1],
+                 y2 = s.local[3 * i + 2] - centre[2];
+    s.x[i] = r[0] * y0 + r[1] * y1 + r[2] * y2;
+    s.y[i] = r[3] * y0 + r[4] * y1 + r[5] * y2;
+    s.z[i] = r[6] * y0 + r[7] * y1 + r[8] * y2;
+  }
+}
+
+void Morph::shape(const double* t, Shape& s) const {
+  bool same = s.derivatives >= 0;
+  for (std::size_t k = 0; k < paths_.size(); ++k) {
+    const double next = clamped(t[k]);
+    same = same && next == s.t[k];
+    s.t[k] = next;
+  }
+  if (same) return;
+  s.derivatives = 0;
+  interpolate(s);
+  build(s);
+  align(s);
+}
+
+void Morph::differentiate(Shape& s) const {
+  if (s.derivatives >= 1) return;
+  s.derivatives = 1;
+  const std::size_t n = tree_.size();
+  const std::size_t w = width_;
+  const std::size_t coordinates = q0_.size();
+  for (std::size_t k = 0; k < paths_.size(); ++k) {
+    const Spline& path = paths_[k];
+    const double segments = static_cast<double>(path.segments);
+    const double at = s.t[k] * segments;
+    const std::size_t segment = std::min(static_cast<std::size_t>(at), path.segments - 1);
+    const double u = at - static_cast<double>(segment);
+    const double* a = &path.coefficients[segment * 4 * coordinates];
+    const double f1 = segments, f2 = 2 * u * segments, f3 = 3 * u * u * segments;
+    for (std::size_t c = 0; c < coordinates; c += 2) {
+      const Two rate = f1 * load(a + coordinates + c) + f2 * load(a + 2 * coordinates + c) +
+                       f3 * load(a + 3 * coordinates + c);
+      s.rate[c * w + k] = rate[0];
+      s.rate[(c + 1) * w + k] = rate[1];
+    }
+  }
+  std::fill_n(s.turning.begin(), 3 * w, 0.0);
+  std::fill_n(s.moving.begin(), 3 * w, 0.0);
+  // A frame turns as its parent's does, about the parent's x with the torsion and about its own z
+  // with the deflection. All paths are done at once, two a vector.
+  for (std::size_t i = 1; i < n; ++i) {
+    const auto parent = static_cast<std::size_t>(tree_.parent[i]);
+    const double* from = &s.frame[9 * parent];
+    const double* to = &s.frame[9 * i];
+    const double* length_rate = &s.rate[i * w];
+    const double* deflection_rate = &s.rate[(stride_ + i) * w];
+    const double* torsion_rate = &s.rate[(2 * stride_ + i) * w];
+    const double* turning_from = &s.turning[3 * w * parent];
+    const double* moving_from = &s.moving[3 * w * parent];
+    double* turning = &s.turning[3 * w * i];
+    double* moving = &s.moving[3 * w * i];
+    const double length = s.q[i];
+    for (std::size_t k = 0; k < w; k += 2) {
+      const Two torsion = load(torsion_rate + k), deflection = load(deflection_rate + k),
+                stretch = load(length_rate + k);
+      const Two w0 = load(turning_from + k) + torsion * from[0] + deflection * to[6];
+      const Two w1 = load(turning_from + w + k) + torsion * from[1] + deflection * to[7];
+      const Two w2 = load(turning_from + 2 * w + k) + torsion * from[2] + deflection * to[8];
+      store(turning + k, w0);
+      store(turning + w + k, w1);
+      store(turning + 2 * w + k, w2);
+      store(moving + k,
+            load(moving_from + k) + stretch * to[0] + length * (w1 * to[2] - w2 * to[1]));
+      store(moving + w + k,
+            load(moving_from + w + k) + stretch * to[1] + length * (w2 * to[0] - w0 * to[2]));
+      store(moving + 2 * w + k,
+            load(moving_from + 2 * w + k) + stretch * to[2] + length * (w0 * to[1] - w1 * to[0]));
+    }
+  }
+  // The alignment follows: with W = Σ m v cᵀ (v local), the torque changes by Σ m c × (R v), and
+  // (tr(A) 1 - A) ω takes it back.
+  const std::array<double, 9>& r = s.rotation;
+  for (std::size_t k = 0; k < w; k += 2) {
+    Two sum[9] = {}, centre[3] = {};
+    for (std::size_t i = 1; i < n; ++i) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        const Two v = load(&s.moving[(3 * i + a) * w + k]);
+        sum[3 * a] += v * mass_x_[i];
+        sum[3 * a + 1] += v * mass_y_[i];
+        sum[3 * a + 2] += v * mass_z_[i];
+        centre[a] += v * mass_[i];
+      }
+    }
+    for (std::size_t a = 0; a < 3; ++a) store(&s.centre_moving[a * w + k], centre[a] / total_mass_);
+    Two p[9];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        p[3 * i + j] = r[3 * i] * sum[j] + r[3 * i + 1] * sum[3 + j] + r[3 * i + 2] * sum[6 + j];
+    for (std::size_t a = 0; a < 9; ++a) store(&s.overlap_rate[a * w + k], p[a]);
+    const Two torque[3] = {p[7] - p[5], p[2] - p[6], p[3] - p[1]};
+    for (std::size_t a = 0; a < 3; ++a)
+      store(&s.aligning[a * w + k],
+            -(s.inverse[3 * a] * torque[0] + s.inverse[3 * a + 1] * torque[1] +
+              s.inverse[3 * a + 2] * torque[2]));
+  }
+}
+
+void Morph::velocity(const Shape& s, std::size_t i, double* v) const {
+  const std::array<double, 9>& r = s.rotation;
+  for (std::size_t k = 0; k < paths_.size(); ++k) {
+    const double m0 = s.moving[(3 * i) * width_ + k] - s.centre_moving[k];
+    const double m1 = s.moving[(3 * i + 1) * width_ + k] - s.centre_moving[width_ + k];
+    const double m2 = s.moving[(3 * i + 2) * width_ + k] - s.centre_moving[2 * width_ + k];
+    const double w0 = s.aligning[k], w1 = s.aligning[width_ + k], w2 = s.aligning[2 * width_ + k];
+    v[3 * k] = r[0] * m0 + r[1] * m1 + r[2] * m2 + w1 * s.z[i] - w2 * s.y[i];
+    v[3 * k + 1] = r[3] * m0 + r[4] * m1 + r[5] * m2 + w2 * s.x[i] - w0 * s.z[i];
+    v[3 * k + 2] = r[6] * m0 + r[7] * m1 + r[8] * m2 + w0 * s.y[i] - w1 * s.x[i];
+  }
+}
+
+// The derivatives by t_l of what differentiate() computes for t_k, term by term; paths add up in q,
+// so that only k = l has second derivatives of q.
+void Morph::differentiate_twice(Shape& s) const {
+  if (s.derivatives >= 2) return;
+  s.derivatives = 2;
+  const std::size_t n = tree_.size(), w = width_, paths = paths_.size();
+  const std::size_t pairs = paths * w;
+  const std::size_t coordinates = q0_.size();
+  for (std::size_t k = 0; k < paths; ++k) {
+    const Spline& path = paths_[k];
+    const double segments = static_cast<double>(path.segments);
+    const double at = s.t[k] * segments;
+    const std::size_t segment = std::min(static_cast<std::size_t>(at), path.segments - 1);
+    const double u = at - static_cast<double>(segment);
+    const double* a = &path.coefficients[segment * 4 * coordinates];
+    const double f2 = 2 * segments * segments, f3 = 6 * u * segments * segments;
+    for (std::size_t c = 0; c < coordinates; ++c)
+      s.rate_rate[c * w + k] = f2 * a[2 * coordinates + c] + f3 * a[3 * coordinates + c];
+  }
+  std::fill_n(s.turning_turning.begin(), 3 * pairs, 0.0);
+  std::fill_n(s.moving_moving.begin(), 3 * pairs, 0.0);
+  for (std::size_t i = 1; i < n; ++i) {
+    const auto parent = static_cast<std::size_t>(tree_.parent[i]);
+    const double* x0 = &s.frame[9 * parent];
+    const double* x = &s.frame[9 * i];
+    const double* z = x + 6;
+    const double* turning_from = &s.turning[3 * w * parent];
+    const double* turning = &s.turning[3 * w * i];
+    const std::size_t of_length = i * w, of_deflection = (stride_ + i) * w,
+                      of_torsion = (2 * stride_ + i) * w;
+    const double length = s.q[i];
+    for (std::size_t k = 0; k < paths; ++k) {
+      const double torsion = s.rate[of_torsion + k], deflection = s.rate[of_deflection + k],
+                   stretch = s.rate[of_length + k];
+      const double wk[3] = {turning[k], turning[w + k], turning[2 * w + k]};
+      for (std::size_t l = k - k % 2; l < w; l += 2) {
+        const Two same = {l == k ? 1.0 : 0.0, l + 1 == k ? 1.0 : 0.0};
+        const std::size_t at = k * w + l;
+        const Two from[3] = {load(turning_from + l), load(turning_from + w + l),
+                             load(turning_from + 2 * w + l)};
+        const Two wl[3] = {load(turning + l), load(turning + w + l), load(turning + 2 * w + l)};
+        const Two bends = same * s.rate_rate[of_torsion + k],
+                  folds = same * s.rate_rate[of_deflection + k],
+                  grows = same * s.rate_rate[of_length + k],
+                  stretch_l = load(&s.rate[of_length + l]);
+        Two turn[3], along[3];
+        for (std::size_t a = 0; a < 3; ++a) {
+          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+          turn[a] = load(&s.turning_turning[(3 * parent + a) * pairs + at]) + bends * x0[a] +
+                    torsion * (from[b] * x0[c] - from[c] * x0[b]) + folds * z[a] +
+                    deflection * (wl[b] * z[c] - wl[c] * z[b]);
+          store(&s.turning_turning[(3 * i + a) * pairs + at], turn[a]);
+          along[a] = wl[b] * x[c] - wl[c] * x[b];
+        }
+        for (std::size_t a = 0; a < 3; ++a) {
+          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+          const Two move =
+              grows * x[a] + stretch * along[a] + stretch_l * (wk[b] * x[c] - wk[c] * x[b]) +
+              length * (turn[b] * x[c] - turn[c] * x[b] + wk[b] * along[c] - wk[c] * along[b]);
+          store(&s.moving_moving[(3 * i + a) * pairs + at],
+                load(&s.moving_moving[(3 * parent + a) * pairs + at]) + move);
+        }
+      }
+    }
+  }
+  const std::array<double, 9>& r = s.rotation;
+  for (std::size_t k = 0; k < paths; ++k) {
+    for (std::size_t l = k - k % 2; l < w; l += 2) {
+      const std::size_t at = k * w + l;
+      Two sum[9] = {}, centre[3] = {};
+      for (std::size_t i = 1; i < n; ++i) {
+        for (std::size_t a = 0; a < 3; ++a) {
+          const Two v = load(&s.moving_moving[(3 * i + a) * pairs + at]);
+          sum[3 * a] += v * mass_x_[i];
+          sum[3 * a + 1] += v * mass_y_[i];
+          sum[3 * a + 2] += v * mass_z_[i];
+          centre[a] += v * mass_[i];
+        }
+      }
+      for (std::size_t a = 0; a < 3; ++a)
+        store(&s.centre_moving_moving[a * pairs + at], centre[a] / total_mass_);
+      // R W + [ω_l] P_k + [ω_k] (P_l + [ω_l] A)
+      double wk[3], pk[9];
+      Two wl[3], pl[9], p[9];
+      for (std::size_t a = 0; a < 3; ++a) {
+        wk[a] = s.aligning[a * w + k];
+        wl[a] = load(&s.aligning[a * w + l]);
+      }
+      for (std::size_t a = 0; a < 9; ++a) {
+        pk[a] = s.overlap_rate[a * w + k];
+        pl[a] = load(&s.overlap_rate[a * w + l]);
+      }
+      for (std::size_t j = 0; j < 3; ++j) {
+        Two turned[3];
+        for (std::size_t a = 0; a < 3; ++a) {
+          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+          turned[a] = pl[3 * a + j] + wl[b] * s.overlap[3 * c + j] - wl[c] * s.overlap[3 * b + j];
+        }
+        for (std::size_t a = 0; a < 3; ++a) {
+          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+          p[3 * a + j] = r[3 * a] * sum[j] + r[3 * a + 1] * sum[3 + j] + r[3 * a + 2] * sum[6 + j] +
+                         wl[b] * pk[3 * c + j] - wl[c] * pk[3 * b + j] + wk[b] * turned[c] -
+                         wk[c] * turned[b];
+        }
+      }
+      const Two torque[3] = {p[7] - p[5], p[2] - p[6], p[3] - p[1]};
+      for (std::size_t a = 0; a < 3; ++a)
+        store(&s.aligning_aligning[a * pairs + at],
+              -(s.inverse[3 * a] * torque[0] + s.inverse[3 * a + 1] * torque[1] +
+                s.inverse[3 * a + 2] * torque[2]));
+    }
+  }
+}
+
+void Morph::curvature(const Shape& s, std::size_t i, const double* normal, double* out) const {
+  const std::size_t w = width_, paths = paths_.size(), pairs = paths * w;
+  const std::array<double, 9>& r = s.rotation;
+  const double position[3] = {s.x[i], s.y[i], s.z[i]};
+  double local_normal[3];  // Rᵀ n
+  for (std::size_t a = 0; a < 3; ++a)
+    local_normal[a] = r[a] * normal[0] + r[3 + a] * normal[1] + r[6 + a] * normal[2];
+  double turned[kMaxPaths][3];  // R v, centred
+  double across[kMaxPaths][3];  // n x ω_k: n · (ω_k x b) = (n x ω_k) · b
+  for (std::size_t k = 0; k < paths; ++k) {
+    double v[3];
+    for (std::size_t a = 0; a < 3; ++a)
+      v[a] = s.moving[(3 * i + a) * w + k] - s.centre_moving[a * w + k];
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+      turned[k][a] = r[3 * a] * v[0] + r[3 * a + 1] * v[1] + r[3 * a + 2] * v[2];
+      across[k][a] = normal[b] * s.aligning[c * w + k] - normal[c] * s.aligning[b * w + k];
+    }
+  }
+  for (std::size_t k = 0; k < paths; ++k) {
+    for (std::size_t l = k; l < paths; ++l) {
+      const std::size_t at = k * w + l;
+      double sum = 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+        const double moved = turned[l][a] + s.aligning[b * w + l] * position[c] -
+                             s.aligning[c * w + l] * position[b];
+        sum += local_normal[a] * (s.moving_moving[(3 * i + a) * pairs + at] -
+                                  s.centre_moving_moving[a * pairs + at]) +
+               across[l][a] * turned[k][a] + across[k][a] * moved +
+               normal[a] * (s.aligning_aligning[b * pairs + at] * position[c] -
+                            s.aligning_aligning[c * pairs + at] * position[b]);
+      }
+      out[k * paths + l] = out[l * paths + k] = sum;
+    }
+  }
+}
+
+}  // namespace hapgrid::molecule

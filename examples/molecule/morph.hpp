@@ -1,0 +1,119 @@
+// The shape of the molecule for given morphing parameters t, and how it changes with them.
+//
+// Internal coordinates (tree.hpp) are added up: q(t) = q(0) + Σ_k (spline_k(t_k) - q(0)), spline_k
+// the natural cubic spline through the nodes of path k. Along each path alone the nodes are
+// reproduced exactly. The shape is rebuilt from q in a local frame and aligned to the conformation:
+// centres of mass together and the rotation that makes the mass-weighted sum of squared distances
+// least, so that a change of shape is no change of place.
+//
+// The haptic loop wants a shape in microseconds. So the coefficients lie one coordinate beside the
+// other, all sines are computed in one loop that vectorises, the rebuilding only carries frames
+// from parents to children, and the alignment is the largest root of a quartic (Theobald 2005).
+//
+// Derivatives are carried forward, for all t_k at once: the frames' angular velocities and the
+// atoms' velocities down the tree. Backward accumulation would be cheaper for one gradient, but the
+// minimiser wants the gradient of the distance to each atom that the probe touches, and with them
+// its second-order terms; forward they cost one pass in all, K numbers wide.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "examples/molecule/input.hpp"
+#include "examples/molecule/tree.hpp"
+
+namespace hapgrid::molecule {
+
+/// Transition states at most: what is allocated in a fixed size.
+inline constexpr std::size_t kMaxPaths = 16;
+
+class Morph {
+ public:
+  /// Everything about one t; written by shape() and differentiate(). Made once, reused: neither
+  /// allocates. What is there already is not computed again.
+  class Shape {
+   public:
+    /// Atoms by place in the tree's order; positions in Å in the frame of the conformation, the
+    /// origin its centre of mass.
+    std::vector<double> x, y, z;
+
+   private:
+    friend class Morph;
+    std::vector<double> t;
+    int derivatives = -1;   // 0: the shape is that of t, 1, 2: and so are these derivatives
+    std::vector<double> q;  // length, deflection, torsion: 3 x stride_
+    std::vector<double> sine, cosine;   // of deflection and torsion: 2 x stride_
+    std::vector<double> frame;          // 9 an atom: axes x, y, z in the local frame
+    std::vector<double> local;          // 3 an atom: position in the local frame
+    std::array<double, 9> rotation;     // local to the conformation's frame, row by row
+    std::array<double, 9> inverse;      // of tr(A) 1 - A, A = Σ m a cᵀ
+    std::vector<double> rate;           // dq/dt: 3 x stride_ x width_
+    std::vector<double> turning;        // angular velocities, local: 3 x width_ an atom
+    std::vector<double> moving;         // velocities, local: 3 x width_ an atom
+    std::vector<double> centre_moving;  // of the centre of mass, local: 3 x width_
+    std::vector<double> aligning;       // angular velocity of the alignment: 3 x width_
+    std::array<double, 9> overlap;      // A, row by row
+    std::vector<double> overlap_rate;   // Σ m (R v) cᵀ: 9 x width_
+    // Second derivatives, [component][k][width_]: what belongs to (k, l) stands where l >= k.
+    std::vector<double> rate_rate;  // d²q/dt_k²: 3 x stride_ x width_
+    std::vector<double> turning_turning;
+    std::vector<double> moving_moving;
+    std::vector<double> centre_moving_moving;
+    std::vector<double> aligning_aligning;
+  };
+
+  /// @throw std::runtime_error when the molecule has torsions that are not defined, more than
+  /// kMaxPaths paths, or a transition state that is the conformation.
+  explicit Morph(const Molecule& molecule);
+
+  std::size_t atoms() const { return tree_.size(); }
+  std::size_t paths() const { return paths_.size(); }
+  const Tree& tree() const { return tree_; }
+  /// The centre of mass of the conformation as its text has it, Å.
+  const Eigen::Vector3d& centre() const { return centre_; }
+  /// RMS displacement of the atoms between t = 0 and t_k = 1, Å: above 0.
+  double length(std::size_t k) const { return paths_[k].length; }
+  /// RMS distance of the conformation's atoms from its centre of mass, Å.
+  double gyration() const { return gyration_; }
+
+  Shape make_shape() const;
+  /// The shape for t (paths() numbers in [0, 1]; others are taken for the nearest of these, one
+  /// that is not a number for 0). Real-time safe.
+  void shape(const double* t, Shape& shape) const;
+  /// What velocity() needs, for the t of the last shape(). Real-time safe.
+  void differentiate(Shape& shape) const;
+  /// ∂(position)/∂t_k of the atom at a place of the tree's order, Å: v[3 k] is the first of three.
+  void velocity(const Shape& shape, std::size_t place, double* v) const;
+  /// What curvature() needs, after differentiate(). Real-time safe.
+  void differentiate_twice(Shape& shape) const;
+  /// n · ∂²(position)/∂t_k∂t_l of an atom for k <= l, Å: into c[paths() k + l] and its mirror.
+  void curvature(const Shape& shape, std::size_t place, const double* n, double* c) const;
+
+ private:
+  struct Spline {
+    std::size_t segments;
+    std::vector<double> coefficients;  // [segment][power 0..3][3 x stride_], less q(0)
+    double length;
+  };
+
+  void interpolate(Shape& shape) const;
+  void build(Shape& shape) const;
+  void align(Shape& shape) const;
+
+  Tree tree_;
+  std::size_t stride_;  // atoms, rounded up to an even number
+  std::size_t width_;   // paths, rounded up to an even number
+  std::vector<double> mass_;
+  double total_mass_ = 0;
+  Eigen::Vector3d centre_;
+  double gyration_ = 0;
+  std::vector<double> q0_;                        // as Shape::q
+  std::array<double, 9> root_frame_;              // axes of the conformation's
+  std::vector<double> mass_x_, mass_y_, mass_z_;  // mass times position of the conformation
+  std::vector<double> x0_, y0_, z0_;              // the conformation
+  double square_ = 0;                             // Σ m |c|²
+  std::vector<Spline> paths_;
+};
+
+}  // namespace hapgrid::molecule

@@ -1,0 +1,124 @@
+"""What is written: XYZ files and the report. All beside their place first, then renamed."""
+
+import os
+
+import numpy as np
+
+from . import geometry
+from .xtb import BOHR, HARTREE, SYMBOLS
+
+
+def write_whole(path, text):
+    """The file is there in full, or as it was before."""
+    beside = f"{path}.new.{os.getpid()}"
+    try:
+        with open(beside, "w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(beside, path)
+    except BaseException:
+        if os.path.exists(beside):
+            os.remove(beside)
+        raise
+
+
+def frame(numbers, x, comment):
+    lines = [str(len(numbers)), comment]
+    for z, row in zip(numbers, np.asarray(x) * BOHR):
+        lines.append(f"{SYMBOLS[z]:<2}" + "".join(f" {v + 0.0:13.8f}" for v in row))
+    return "\n".join(lines) + "\n"
+
+
+def angles(torsions, x):
+    """Torsions in whole degrees, -179 to 180, by name."""
+    whole = {t.name: round(float(np.degrees(geometry.torsion(x, *t.atoms)))) for t in torsions}
+    return {name: 180 if value == -180 else value for name, value in whole.items()}
+
+
+def words(torsions, x):
+    return " ".join(f"{name}={value}" for name, value in angles(torsions, x).items())
+
+
+def imaginary(wave_number):
+    return f"i{-wave_number:.0f}"
+
+
+def conformation_text(result):
+    return frame(result.numbers, result.x,
+                 f"dE=0.0000 E={result.energy:.9f} method={result.method} nimag=0 "
+                 + words(result.torsions, result.x))
+
+
+def path_text(result, found):
+    out = []
+    last = len(found.nodes) - 1
+    for k, (x, energy) in enumerate(zip(found.nodes, found.energies)):
+        rise = 0.0 if k == 0 else (energy - result.energy) * HARTREE
+        comment = f"dE={rise:.4f} t={k / last:.1f} E={energy:.9f} method={result.method}"
+        if k == 0:
+            comment += " nimag=0 " + words(result.torsions, x)
+        if k == last:
+            comment += (f" nimag=1 nu1={imaginary(found.nu1)} torsion={found.torsion} "
+                        + words(result.torsions, x))
+        out.append(frame(result.numbers, x, comment))
+    return "".join(out)
+
+
+def report_text(result, command):
+    """The stationary points, tab-separated; lines with # are remarks."""
+    header = ("name", "kind", "energy_kJ_mol", "imaginary", "nu1_cm-1", "joins", "method",
+              "torsions_deg")
+    rows = [("conformation", "minimum", "0.00", "0", f"{result.nu1:.0f}", "-", result.method,
+             words(result.torsions, result.x))]
+    before = angles(result.torsions, result.x)
+    for found in result.found:
+        after = angles(result.torsions, found.nodes[-1])
+        change = " ".join(f"{n}={before[n]}>{after[n]}" for n in before)
+        far = f"{found.name}:far"
+        if found.far_is_equal:
+            far = "conformation, equal atoms exchanged"
+        rise = (found.energies[-1] - result.energy) * HARTREE
+        rows.append((found.name, "saddle", f"{rise:.2f}", "1", imaginary(found.nu1),
+                     "conformation and " + far, result.method, change))
+        if not found.far_is_equal:
+            rise = (found.far_energy - result.energy) * HARTREE
+            rows.append((f"{found.name}:far", "minimum", f"{rise:.2f}", "0",
+                         f"{found.far_nu1:.0f}", "-", result.method,
+                         words(result.torsions, found.far)))
+    lines = ["# " + command,
+             "# energies above the conformation; torsions in degrees, of a saddle before>after",
+             "\t".join(header)]
+    lines += ["\t".join(row) for row in rows]
+    lines += [f"# no path: {name}: {why}" for name, why in result.dropped]
+    return "\n".join(lines) + "\n"
+
+
+def listed(report):
+    """The path files that an earlier report speaks of."""
+    try:
+        with open(report, encoding="utf-8") as file:
+            rows = [line.split("\t") for line in file if not line.startswith("#")]
+    except FileNotFoundError:
+        return []
+    return [row[0] + ".xyz" for row in rows if len(row) > 1 and row[1] == "saddle"]
+
+
+def write_set(directory, result, command):
+    """All files of a molecule; the report comes last, so where there is one the set is whole.
+    Returns the names."""
+    report = os.path.join(directory, "report.tsv")
+    texts = {"conformation.xyz": conformation_text(result)}
+    for found in result.found:
+        texts[found.name + ".xyz"] = path_text(result, found)
+    old = listed(report)
+    os.makedirs(directory, exist_ok=True)
+    if os.path.exists(report):
+        os.remove(report)
+    for name in set(old) - set(texts):  # paths from another conformation would lie
+        if os.path.exists(os.path.join(directory, name)):
+            os.remove(os.path.join(directory, name))
+    for name, text in texts.items():
+        write_whole(os.path.join(directory, name), text)
+    write_whole(report, report_text(result, command))
+    return [*texts, "report.tsv"]

@@ -1,0 +1,233 @@
+"""Shapes: superposition, internal coordinates, and what makes two shapes the same.
+
+Positions in bohr, arrays (atoms, 3); angles in radians.
+"""
+
+import numpy as np
+
+# Covalent radii (Cordero et al. 2008), angstrom: atoms closer than 1.25 times the sum are bonded.
+RADII = {1: 0.31, 3: 1.28, 5: 0.84, 6: 0.76, 7: 0.71, 8: 0.66, 9: 0.57, 11: 1.66, 12: 1.41,
+         14: 1.11, 15: 1.07, 16: 1.05, 17: 1.02, 19: 2.03, 20: 1.76, 30: 1.22, 34: 1.20, 35: 1.20,
+         53: 1.39}
+
+
+def bonds_of(numbers, positions_angstrom):
+    """Neighbours of each atom, ascending, read off the distances."""
+    x = np.asarray(positions_angstrom)
+    radius = np.array([RADII.get(z, 1.5) for z in numbers])
+    distance = np.linalg.norm(x[:, None] - x[None], axis=2)
+    bonded = distance < 1.25 * (radius[:, None] + radius[None])
+    np.fill_diagonal(bonded, False)
+    return [[int(j) for j in np.flatnonzero(row)] for row in bonded]
+
+
+def centred(x, masses):
+    return x - masses @ x / masses.sum()
+
+
+def on_principal_axes(x, masses):
+    """Centred, the longest axis of the molecule along x and the shortest along z; which way an axis
+    points is settled by its farthest atom, the first of those that are equally far."""
+    c = centred(x, masses)
+    _, axes = np.linalg.eigh((masses[:, None] * c).T @ c)
+    axes = axes[:, ::-1].copy()
+    for k in (0, 1):
+        along = c @ axes[:, k]
+        far = np.flatnonzero(np.abs(along) > np.abs(along).max() - 0.001)[0]
+        axes[:, k] *= np.sign(along[far])
+    axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])  # no reflection
+    return c @ axes
+
+
+def aligned(x, reference, masses):
+    """x turned and shifted to the least mass-weighted distance from the reference (Kabsch)."""
+    a = centred(x, masses)
+    centre = masses @ reference / masses.sum()
+    u, _, vt = np.linalg.svd(a.T @ (masses[:, None] * (reference - centre)))
+    u[:, -1] *= np.sign(np.linalg.det(u @ vt))  # no reflection
+    return a @ (u @ vt) + centre
+
+
+def rms(x, y):
+    """Root mean square displacement of the atoms, without superposition."""
+    return np.sqrt(((x - y) ** 2).sum() / len(x))
+
+
+def rigid_vectors(x, weights):
+    """Orthonormal columns (3 atoms, 6): shifts and turns, of coordinates times sqrt(weights)."""
+    root = np.sqrt(weights)[:, None]
+    c = centred(x, weights)
+    columns = []
+    for axis in np.eye(3):
+        columns.append((root * axis).ravel())
+        columns.append((root * np.cross(axis, c)).ravel())
+    u, s, _ = np.linalg.svd(np.array(columns).T, full_matrices=False)
+    return u[:, s > 1e-6 * s[0]]
+
+
+def torsion(x, i, j, k, l):
+    """Torsion angle, (-pi, pi], IUPAC sign."""
+    b1, b2, b3 = x[j] - x[i], x[k] - x[j], x[l] - x[k]
+    n1, n2 = np.cross(b1, b2), np.cross(b2, b3)
+    return np.arctan2(np.linalg.norm(b2) * (b1 @ n2), n1 @ n2)
+
+
+def torsion_gradient(x, i, j, k, l):
+    """Derivative (atoms, 3) of the torsion. Source: Blondel and Karplus 1996."""
+    f, g, h = x[i] - x[j], x[j] - x[k], x[l] - x[k]
+    a, b = np.cross(f, g), np.cross(h, g)
+    a2, b2, gn = a @ a, b @ b, np.linalg.norm(g)
+    out = np.zeros_like(x)
+    out[i] = -gn / a2 * a
+    out[l] = gn / b2 * b
+    fg, hg = f @ g / (a2 * gn) * a, h @ g / (b2 * gn) * b
+    out[j] = gn / a2 * a + fg - hg
+    out[k] = -gn / b2 * b - fg + hg
+    return out
+
+
+def angle(x, i, j, k):
+    u, v = x[i] - x[j], x[k] - x[j]
+    return np.arctan2(np.linalg.norm(np.cross(u, v)), u @ v)
+
+
+def wrapped(a):
+    """An angle, or an array of them, in (-pi, pi]."""
+    return -((-np.asarray(a) + np.pi) % (2 * np.pi) - np.pi)
+
+
+def rotated_about(x, j, k, side, turn):
+    """x with the atoms of `side` turned by an angle about the bond from j to k."""
+    axis = (x[k] - x[j]) / np.linalg.norm(x[k] - x[j])
+    out = x.copy()
+    v = x[side] - x[k]
+    out[side] = (x[k] + v * np.cos(turn) + np.cross(axis, v) * np.sin(turn)
+                 + np.outer(v @ axis, axis) * (1 - np.cos(turn)))
+    return out
+
+
+def side_of(neighbours, j, k):
+    """Atoms on k's side of the bond j-k, k left out. None where the bond is in a ring."""
+    seen, stack = {k}, [k]
+    while stack:
+        at = stack.pop()
+        for n in neighbours[at]:
+            if at == k and n == j:
+                continue
+            if n == j:
+                return None
+            if n not in seen:
+                seen.add(n)
+                stack.append(n)
+    return sorted(seen - {k})
+
+
+class Tree:
+    """A tree of internal coordinates: every atom by a bond, an angle and a torsion.
+
+    The second and later children of an atom take their torsion relative to the first child, so
+    that turning about one bond is one number. What consumers of the paths do; here it tells
+    whether a spline through the nodes makes sense between them.
+    """
+
+    def __init__(self, neighbours, numbers):
+        heavy = [a for a in range(len(numbers)) if len(neighbours[a]) > 1]
+        self.root = heavy[0] if heavy else 0
+        self.rows = []  # (atom, a, b, c, first child or None)
+        parent, order = {self.root: None}, [self.root]
+        for at in order:
+            for n in sorted(neighbours[at], key=lambda n: (numbers[n] == 1, n)):
+                if n not in parent:
+                    parent[n] = at
+                    order.append(n)
+        first = {}
+        for atom in order[1:]:
+            a = parent[atom]
+            b = parent[a]
+            c = parent[b] if b is not None else None
+            self.rows.append((atom, a, b, c, first.get(a)))
+            first.setdefault(a, atom)
+        self.order = order
+
+    def _frame(self, row):
+        """The three atoms that an atom hangs on, None for those that the first atoms lack."""
+        atom, a, b, c, sibling = row
+        if b is None:  # children of the root: the first child, then torsions about nothing
+            others = [r[0] for r in self.rows if r[1] == self.root]
+            place = others.index(atom)
+            if place == 0:
+                return a, None, None
+            if place == 1:
+                return a, others[0], None
+            return a, others[0], others[1]
+        if c is None:
+            others = [r[0] for r in self.rows if r[1] == self.root and r[0] != a]
+            c = others[0] if others else None
+        return a, b, c
+
+    def read(self, x):
+        """Internal coordinates (3, atoms - 1) of a shape: bonds, angles, torsions."""
+        out = np.zeros((3, len(self.rows)))
+        for n, row in enumerate(self.rows):
+            a, b, c = self._frame(row)
+            atom, sibling = row[0], row[4]
+            out[0, n] = np.linalg.norm(x[atom] - x[a])
+            if b is not None:
+                out[1, n] = angle(x, atom, a, b)
+            if c is not None:
+                out[2, n] = torsion(x, atom, a, b, c)
+                if row[2] is not None and sibling is not None:
+                    out[2, n] -= torsion(x, sibling, a, b, c)
+        out[2] = wrapped(out[2])
+        return out
+
+    def build(self, q):
+        """A shape with these internal coordinates, anywhere in space."""
+        x = np.zeros((len(self.order), 3))
+        turn = {}
+        for n, row in enumerate(self.rows):
+            a, b, c = self._frame(row)
+            atom, sibling = row[0], row[4]
+            r, theta, tau = q[:, n]
+            if b is None:
+                x[atom] = x[a] + [r, 0, 0]
+                continue
+            if c is None:
+                x[atom] = x[a] + _placed(r, theta, 0.0, x[b] - x[a], np.array([0.0, 1.0, 0.0]))
+                continue
+            if row[2] is not None and sibling is not None:
+                tau = tau + turn[sibling]
+            turn[atom] = tau
+            x[atom] = x[a] + _placed(r, theta, tau, x[b] - x[a], x[c] - x[b])
+        return x
+
+    def moved(self, x, step):
+        """x after a step (atoms, 3) that is straight in internal coordinates. To first order it is
+        x + step, but groups turn on arcs and keep their bonds however far they go."""
+        small = 1e-4 / max(np.abs(step).max(), 1e-12)
+        here, ahead = self.read(x), self.read(x + small * step)
+        change = ahead - here
+        change[2] = wrapped(change[2])
+        straight = x + step
+        return aligned(self.build(here + change / small), straight, np.ones(len(x)))
+
+
+def _placed(r, theta, tau, to_b, b_to_c):
+    """Where an atom is, seen from its parent: bond r, angle theta to b, torsion tau to c."""
+    e1 = to_b / np.linalg.norm(to_b)
+    e2 = b_to_c - (b_to_c @ e1) * e1
+    e2 /= np.linalg.norm(e2)
+    e3 = np.cross(e2, e1)  # IUPAC: clockwise, seen along the bond
+    return r * (np.cos(theta) * e1 + np.sin(theta) * (np.cos(tau) * e2 + np.sin(tau) * e3))
+
+
+def fingerprint(numbers, x):
+    """Sorted distances of each pair of elements: the same for a shape, its mirror image, and one
+    with equal atoms exchanged."""
+    distance = np.linalg.norm(x[:, None] - x[None], axis=2)
+    pairs = {}
+    for i in range(len(x)):
+        for j in range(i):
+            key = tuple(sorted((numbers[i], numbers[j])))
+            pairs.setdefault(key, []).append(distance[i, j])
+    return np.concatenate([np.sort(pairs[key]) for key in sorted(pairs)])

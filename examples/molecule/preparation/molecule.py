@@ -1,0 +1,175 @@
+"""Reading molecules and sampling their conformers, with Open Babel."""
+
+import itertools
+import os
+import re
+
+import numpy as np
+
+from . import geometry
+from . import torsions as torsions_of
+
+FORCE_FIELD = "MMFF94"
+
+
+class BadInput(Exception):
+    """A molecule that cannot be read or built; the message names it."""
+
+
+class Molecule:
+    """numbers: elements; positions: angstrom; neighbours: of each atom; double: pairs (j < k) that
+    do not turn: double bonds, and amides with them; charge: e; ob: Open Babel's."""
+
+    def __init__(self, ob, what):
+        from openbabel import openbabel
+        self.ob = ob
+        atoms = [ob.GetAtom(n + 1) for n in range(ob.NumAtoms())]
+        self.numbers = [a.GetAtomicNum() for a in atoms]
+        self.positions = np.array([[a.GetX(), a.GetY(), a.GetZ()] for a in atoms])
+        self.charge = ob.GetTotalCharge()
+        if len(atoms) < 4 or 0 in self.numbers:
+            raise BadInput(f"{what}: not a molecule of four atoms or more")
+        self.neighbours = [[] for _ in atoms]
+        self.double, self.amides = set(), []
+        for bond in openbabel.OBMolBondIter(ob):
+            j, k = sorted((bond.GetBeginAtomIdx() - 1, bond.GetEndAtomIdx() - 1))
+            self.neighbours[j].append(k)
+            self.neighbours[k].append(j)
+            if bond.GetBondOrder() != 1 or bond.IsAmide():
+                self.double.add((j, k))
+            if bond.IsAmide() and not bond.IsInRing():
+                self.amides.append((j, k))
+        self.neighbours = [sorted(n) for n in self.neighbours]
+        if len(_reached(self.neighbours)) < len(atoms):
+            raise BadInput(f"{what}: more than one molecule")
+
+    def amide_torsions(self):
+        return [torsions_of.make(self.numbers, self.neighbours, f"{j + 1}-{k + 1}", None, None, j, k,
+                                 None, None)
+                for j, k in self.amides if min(len(self.neighbours[j]), len(self.neighbours[k])) > 1]
+
+    def relaxed(self, positions, steps=500):
+        """(energy, positions in angstrom) after some steps of the force field; energies only
+        compare."""
+        from openbabel import openbabel
+        field = openbabel.OBForceField.FindForceField(FORCE_FIELD)
+        ob = openbabel.OBMol(self.ob)
+        for n, (x, y, z) in enumerate(positions):
+            ob.GetAtom(n + 1).SetVector(float(x), float(y), float(z))
+        if not field.Setup(ob):
+            raise BadInput(f"{FORCE_FIELD} has no parameters for this molecule: give a start "
+                           "structure and --keep-conformation")
+        field.ConjugateGradients(steps, 1e-6)
+        field.GetCoordinates(ob)
+        atoms = [ob.GetAtom(n + 1) for n in range(ob.NumAtoms())]
+        return field.Energy(False), np.array([[a.GetX(), a.GetY(), a.GetZ()] for a in atoms])
+
+
+def _reached(neighbours):
+    seen, stack = {0}, [0]
+    while stack:
+        for n in neighbours[stack.pop()]:
+            if n not in seen:
+                seen.add(n)
+                stack.append(n)
+    return seen
+
+
+def _quiet():
+    try:
+        from openbabel import openbabel
+    except ImportError:
+        raise BadInput(
+            "Open Babel not found: install the Debian package python3-openbabel") from None
+    openbabel.obErrorLog.SetOutputLevel(-1)
+    return openbabel
+
+
+def from_smiles(smiles):
+    openbabel = _quiet()
+    conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
+    conversion.SetInFormat("smi")
+    what = f"SMILES '{smiles}'"
+    # Open Babel reads on over an open bracket, a second word, and rings that cannot be aromatic.
+    if not re.fullmatch(r"\S+", smiles) or smiles.count("(") != smiles.count(")"):
+        raise BadInput(f"{what}: not understood")
+    log = openbabel.obErrorLog
+    before = log.GetErrorMessageCount() + log.GetWarningMessageCount()
+    if (not conversion.ReadString(ob, smiles) or ob.NumAtoms() == 0
+            or log.GetErrorMessageCount() + log.GetWarningMessageCount() > before):
+        raise BadInput(f"{what}: not understood")
+    ob.AddHydrogens()
+    if not openbabel.OBBuilder().Build(ob):
+        raise BadInput(f"{what}: no shape could be built")
+    return _repeatable(Molecule(ob, what))
+
+
+def _repeatable(molecule):
+    """Open Babel puts a molecule down in a random orientation: its internal coordinates, without
+    their last digits, are the same each time, and so is a shape made of them. (Where it joins
+    rings to chains, a torsion is random too; conformers() sets those that turn.)"""
+    tree = geometry.Tree(molecule.neighbours, molecule.numbers)
+    molecule.positions = tree.build(np.round(tree.read(molecule.positions), 6))
+    return molecule
+
+
+def from_file(path):
+    openbabel = _quiet()
+    conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
+    kind = os.path.splitext(path)[1][1:].lower()
+    if kind not in ("xyz", "sdf", "mol"):
+        raise BadInput(f"{path}: not an .xyz, .sdf or .mol file")
+    with open(path, encoding="utf-8") as file:  # so that the message is the system's
+        text = file.read()
+    conversion.SetInFormat(kind)
+    if not conversion.ReadString(ob, text) or ob.NumAtoms() == 0:
+        raise BadInput(f"{path}: not understood as {kind.upper()}")
+    molecule = Molecule(ob, path)
+    if np.ptp(molecule.positions, axis=0).max() < 0.1 or not np.isfinite(molecule.positions).all():
+        raise BadInput(f"{path}: no coordinates")
+    return molecule
+
+
+def _clash(molecule, x):
+    """Atoms three bonds apart or more that are closer than 1.5 angstrom (bonded ones never are)."""
+    distance = np.linalg.norm(x[:, None] - x[None], axis=2)
+    for a, near in enumerate(molecule.neighbours):
+        distance[a, a] = 9
+        for n in near:
+            distance[a, n] = 9
+            distance[a, molecule.neighbours[n]] = 9
+    return distance.min() < 1.5
+
+
+def conformers(molecule, torsions, number, seed):
+    """Up to `number` shapes (angstrom), relaxed by the force field, lowest first, none twice.
+
+    Each torsion in steps of 60 degrees, and amides cis and trans; all of the combinations where
+    these are few, else random ones.
+    """
+    turns = [(t, np.radians(np.arange(-180, 180, 60))) for t in torsions if not t.rotor]
+    driven = {tuple(sorted(t.atoms[1:3])) for t in torsions}
+    turns += [(t, np.radians([180, 0])) for t in molecule.amide_torsions()
+              if tuple(sorted(t.atoms[1:3])) not in driven]
+    combinations = np.prod([len(angles) for _, angles in turns], dtype=float)
+    tries = 20 * number
+    if combinations <= tries:
+        choices = itertools.product(*(angles for _, angles in turns))
+    else:
+        random = np.random.default_rng(seed)
+        choices = ([random.choice(angles) for _, angles in turns] for _ in range(tries))
+    _, first = molecule.relaxed(molecule.positions)
+    found = []
+    for choice in choices:
+        x = first
+        for (t, _), wanted in zip(turns, choice):
+            turn = wanted - geometry.torsion(x, *t.atoms)
+            x = geometry.rotated_about(x, *t.atoms[1:3], list(t.moved), turn)
+        if _clash(molecule, x):
+            continue
+        energy, x = molecule.relaxed(x)
+        print_ = geometry.fingerprint(molecule.numbers, x)
+        if all(abs(energy - e) > 0.02 or np.abs(print_ - p).max() > 0.1 for e, p, _ in found):
+            found.append((energy, print_, x))
+    found.sort(key=lambda f: f[0])
+    return [x for _, _, x in found[:number]] or [first]

@@ -1,0 +1,163 @@
+"""Minima and saddles: quasi-Newton steps in a trust radius.
+
+Energies of peptides bend by five orders of magnitude from a bond to a soft torsion, so steps are
+taken in the eigenvectors of a Hessian, never along the gradient. A saddle is the same search with
+one eigenvector climbed instead of descended (P-RFO, Banerjee et al. 1985).
+"""
+
+import numpy as np
+
+from . import geometry
+from .xtb import WAVE_NUMBER
+
+
+class NotConverged(Exception):
+    """The steps ran out; the message says how far it came."""
+
+
+def projected(hessian, x, weights=None):
+    """(eigenvalues ascending, eigenvectors) without shifts and turns; with masses as weights, of
+    mass-weighted coordinates."""
+    weights = np.ones(len(x)) if weights is None else weights
+    root = np.repeat(1 / np.sqrt(weights), 3)
+    rigid = geometry.rigid_vectors(x, weights)
+    # Internal directions: the orthogonal complement, so that no eigenvalue is an artificial zero.
+    basis = np.linalg.svd(rigid, full_matrices=True)[0][:, rigid.shape[1]:]
+    values, vectors = np.linalg.eigh(basis.T @ (root[:, None] * hessian * root) @ basis)
+    return values, basis @ vectors
+
+
+def wave_numbers(hessian, x, masses):
+    """Normal modes in cm^-1, ascending; imaginary ones negative."""
+    values, _ = projected(hessian, x, masses)
+    return np.sign(values) * np.sqrt(np.abs(values)) * WAVE_NUMBER
+
+
+def bfgs(hessian, s, y):
+    hs = hessian @ s
+    if s @ y < 1e-12:  # it would no longer be positive
+        return hessian
+    return hessian + np.outer(y, y) / (s @ y) - np.outer(hs, hs) / (s @ hs)
+
+
+def bofill(hessian, s, y):
+    """The update that may keep a negative eigenvalue. Source: Bofill 1994."""
+    r = y - hessian @ s
+    ss, rs, rr = s @ s, r @ s, r @ r
+    if ss < 1e-20 or rr < 1e-20:
+        return hessian
+    phi = rs * rs / (rr * ss)
+    powell = (np.outer(r, s) + np.outer(s, r)) / ss - rs / ss**2 * np.outer(s, s)
+    if abs(rs) < 1e-14:
+        return hessian + powell
+    return hessian + phi * np.outer(r, r) / rs + (1 - phi) * powell
+
+
+def _rfo(values, f, climbed):
+    """Step in eigenvector components: one climbed (or None), the others descended."""
+    step = np.zeros_like(f)
+    down = np.ones(len(f), bool)
+    if climbed is not None:
+        down[climbed] = False
+        b, g = values[climbed], f[climbed]
+        step[climbed] = -g / (b - (b + np.sqrt(b * b + 4 * g * g)) / 2) if g != 0 else 0
+    n = down.sum()
+    matrix = np.zeros((n + 1, n + 1))
+    matrix[range(n), range(n)] = values[down]
+    matrix[:n, n] = matrix[n, :n] = f[down]
+    shift = np.linalg.eigvalsh(matrix)[0]
+    step[down] = -f[down] / (values[down] - shift)
+    return step
+
+
+def _climbed(values, vectors, mode):
+    """The mode to climb. Soft modes mix from step to step, so likeness alone may lead astray: one
+    that falls already comes first, and stiff ones never come."""
+    falling = int((values < 0).sum())
+    among = falling if falling else min(8, len(values))
+    return int(np.argmax(np.abs(vectors[:, :among].T @ mode)))
+
+
+def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust=0.2, longest=0.3,
+           renew=None, every=0, tree=None):
+    """A stationary point near x: a minimum, or with `climb` a saddle.
+
+    function(x): (energy, gradient). hessian: to start from. climb: a vector (3 atoms); the mode
+    nearest to it is climbed, from then on the mode nearest to that one. tolerance: largest
+    component of the gradient (hartree/bohr). renew(x): an exact Hessian, taken every `every` steps.
+    tree: steps are straight in its coordinates.
+    Returns (x, energy, hessian as updated).
+    """
+    energy, gradient = function(x)
+    mode = climb
+    for count in range(steps):
+        g = gradient.ravel()
+        values, vectors = projected(hessian, x)
+        f = vectors.T @ g
+        if np.abs(g).max() < tolerance:
+            return x, energy, hessian
+        chosen = None
+        if climb is not None:
+            chosen = _climbed(values, vectors, mode)
+            mode = vectors[:, chosen]
+        step = _rfo(values, f, chosen)
+        length = np.linalg.norm(step)
+        if length > trust:
+            step *= trust / length
+            length = trust
+        expected = f @ step + step @ (values * step) / 2
+        s = vectors @ step
+        s = s.reshape(-1, 3)
+        moved = x + s if tree is None else tree.moved(x, s)
+        s = (moved - x).ravel()
+        new_energy, new_gradient = function(moved)
+        gain = new_energy - energy
+        update = bfgs if climb is None else bofill
+        hessian = update(hessian, s, new_gradient.ravel() - g)
+        ratio = gain / expected if abs(expected) > 1e-9 else 1.0
+        if climb is None and gain > 1e-6 and ratio < 0:
+            trust = max(length / 4, 1e-4)  # uphill: the step is not taken, the Hessian has learnt
+            continue
+        if climb is not None and (ratio < -1 or ratio > 3):
+            trust = max(length / 2, 0.01)
+        elif ratio < 0.25:
+            trust = max(length / 2, 0.01)
+        elif ratio > 0.75 and length > 0.8 * trust:
+            trust = min(2 * trust, longest)
+        x, energy, gradient = moved, new_energy, new_gradient
+        if renew and every and (count + 1) % every == 0:
+            hessian = renew(x)
+    left = np.abs(gradient).max()
+    raise NotConverged(f"{steps} steps left a gradient of {left:.1e} hartree/bohr")
+
+
+def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
+    """The minimum down from x, with its exact Hessian: (x, energy, hessian). longest: of a step,
+    bohr; short ones stay in the valley where they start."""
+    renew = surface.hessian
+    if hessian is None:
+        hessian = renew(x)
+    x, energy, _ = search(surface, x, hessian, tolerance=1e-4, steps=steps, renew=renew,
+                          every=3 * surface.renewal, tree=surface.tree,
+                          trust=min(0.2, longest), longest=longest)
+    for _ in range(3):
+        exact = renew(x)
+        x, energy, _ = search(surface, x, exact, tolerance=tolerance, steps=100, renew=renew,
+                              every=surface.renewal, tree=surface.tree)
+        exact = renew(x)
+        values, vectors = projected(exact, x)
+        if values[0] > 0:
+            return x, energy, exact
+        # A saddle by symmetry: off it, along the mode that falls.
+        x = x + 0.1 * vectors[:, 0].reshape(-1, 3)
+    raise NotConverged("no minimum near a point of symmetry")
+
+
+def saddle(surface, x, direction, tolerance=3e-6, steps=150):
+    """The first-order saddle up along the mode nearest to `direction` (3 atoms), with its exact
+    Hessian: (x, energy, hessian)."""
+    renew = surface.hessian
+    x, energy, _ = search(surface, x, renew(x), climb=direction, tolerance=tolerance, steps=steps,
+                          trust=0.1, longest=0.5, renew=renew, every=surface.renewal,
+                          tree=surface.tree)
+    return x, energy, renew(x)

@@ -1,0 +1,160 @@
+"""The way from a saddle down to a minimum, and eleven nodes along it.
+
+Steepest descent in mass-weighted coordinates (the intrinsic reaction coordinate), by local
+quadratic steps (Page and McIver 1988): a plain gradient step would zigzag across the valley,
+whose walls are a thousand times steeper than its floor.
+"""
+
+import numpy as np
+
+from . import geometry, optimise
+from .xtb import BOHR, HARTREE
+
+
+class NotSane(Exception):
+    """A path that no consumer should get; the message says why."""
+
+
+def _arc_step(values, f, length):
+    """Components of the steepest-descent step of a given arc length on a quadratic surface; the
+    step to its lowest point where that is nearer."""
+    def at(t):
+        # -f (1 - exp(-values t)) / values, and its limit -f t for small values t
+        z = np.clip(values * t, -50, 700)
+        safe = np.where(values == 0, 1, values)
+        return -f * np.where(np.abs(z) < 1e-8, t, -np.expm1(-z) / safe)
+    if values[0] > 0 and np.linalg.norm(f / values) < length:
+        return -f / values
+    low, high = 0.0, 1.0
+    while np.linalg.norm(at(high)) < length and high < 1e12:
+        high *= 2
+    for _ in range(80):
+        middle = (low + high) / 2
+        low, high = (middle, high) if np.linalg.norm(at(middle)) < length else (low, middle)
+    return at(high)
+
+
+def descend(surface, x, hessian, sign, stop, step=0.2, steps=1200, every=12):
+    """Shapes from the saddle x downhill, x itself first. sign: which way along the falling mode.
+    stop(shape, energy): true where it is enough. step: sqrt(amu) bohr. every: steps to the next
+    exact Hessian; updates alone let the way leave the floor of the valley."""
+    root = np.repeat(np.sqrt(surface.masses), 3)
+    values, vectors = optimise.projected(hessian, x, surface.masses)
+    shapes = [x]
+    energy = surface.energy(x)
+    x = x + (sign * step * vectors[:, 0] / root).reshape(-1, 3)
+    new, gradient = surface(x)
+    shapes.append(x)
+    energies = [energy, new]
+    trial = step
+    for count in range(steps):
+        if stop(x, energies[-1]) or np.abs(gradient).max() < 1e-6:
+            break
+        if count % every == 0:
+            hessian = surface.hessian(x)
+        values, vectors = optimise.projected(hessian, x, surface.masses)
+        f = vectors.T @ (gradient.ravel() / root)
+        moved = x + ((vectors @ _arc_step(values, f, trial)) / root).reshape(-1, 3)
+        new, new_gradient = surface(moved)
+        if new > energies[-1] + 1e-8 and trial > 0.01:
+            trial /= 2
+            hessian = surface.hessian(x)
+            continue
+        trial = min(step, trial * 1.5)
+        hessian = optimise.bofill(hessian, (moved - x).ravel(), (new_gradient - gradient).ravel())
+        x, gradient = moved, new_gradient
+        shapes.append(x)
+        energies.append(new)
+    return shapes, energies
+
+
+def aligned_chain(shapes, masses):
+    """Each shape superposed on the one before: what is left is motion inside the molecule."""
+    out = [shapes[0]]
+    for x in shapes[1:]:
+        out.append(geometry.aligned(x, out[-1], masses))
+    return out
+
+
+def resampled(shapes, masses, nodes=11):
+    """Shapes at equal distances (root mean square displacement) along a chain of close shapes."""
+    chain = aligned_chain(shapes, masses)
+    along = np.concatenate([[0], np.cumsum([geometry.rms(a, b) for a, b in zip(chain, chain[1:])])])
+    out = []
+    for want in np.linspace(0, along[-1], nodes):
+        k = min(int(np.searchsorted(along, want, side="right")) - 1, len(chain) - 2)
+        part = (want - along[k]) / (along[k + 1] - along[k])
+        out.append((1 - part) * chain[k] + part * chain[k + 1])
+    out[0], out[-1] = chain[0], chain[-1]
+    return out
+
+
+def natural_spline(y):
+    """f(t) through rows y at t = 0 ... 1 in equal steps, natural ends."""
+    y = np.asarray(y)
+    n = len(y) - 1
+    h = 1 / n
+    a = np.eye(n + 1)
+    b = np.zeros_like(y)
+    for k in range(1, n):
+        a[k, k - 1:k + 2] = (1, 4, 1)
+        b[k] = 6 * (y[k - 1] - 2 * y[k] + y[k + 1]) / h**2
+    m = np.linalg.solve(a, b.reshape(n + 1, -1)).reshape(y.shape)
+
+    def at(t):
+        k = min(int(t * n), n - 1)
+        u, v = t - k * h, (k + 1) * h - t
+        return ((m[k] * v**3 + m[k + 1] * u**3) / (6 * h)
+                + (y[k] / h - m[k] * h / 6) * v + (y[k + 1] / h - m[k + 1] * h / 6) * u)
+    return at
+
+
+def internal_nodes(tree, shapes):
+    """Internal coordinates of the shapes, torsions unwrapped from one to the next."""
+    q = [tree.read(x) for x in shapes]
+    for a, b in zip(q, q[1:]):
+        b[2] = a[2] + geometry.wrapped(b[2] - a[2])
+    return np.array(q)
+
+
+def between(surface, tree, shapes):
+    """Energies (hartree) half way between nodes, of shapes splined through internal coordinates."""
+    spline = natural_spline(internal_nodes(tree, shapes))
+    n = len(shapes) - 1
+    return [surface.energy(tree.build(spline((k + 0.5) / n))) for k in range(n)]
+
+
+def nodes(surface, tree, saddle, hessian, sign, x0, energy0, count=11):
+    """(shapes, energies) from the conformation x0 to the saddle, at equal distances.
+    Raises NotSane where the way down ends elsewhere, or a consumer would meet a bump."""
+    masses = surface.masses
+
+    def there(x, energy):
+        # From here straight on: in the bowl of a minimum a straight line to it never rises.
+        return ((energy - energy0) * HARTREE < 0.02
+                and geometry.rms(geometry.aligned(x, x0, masses), x0) < 0.1)
+    shapes, _ = descend(surface, saddle, hessian, sign, there)
+    away = geometry.rms(geometry.aligned(shapes[-1], x0, masses), x0)
+    if away > 0.4:
+        raise NotSane(f"the way down ends {away * BOHR:.2f} angstrom from the conformation")
+    shapes = resampled([x0] + shapes[::-1], masses, count)
+    shapes = [x0] + [geometry.aligned(x, x0, masses) for x in shapes[1:]]
+    # As the file has them, so that its energies are those of its shapes.
+    shapes = [np.round(x * BOHR, 8) / BOHR for x in shapes]
+    energies = [energy0] + [surface.energy(x) for x in shapes[1:]]
+    check(energies, between(surface, tree, shapes), energy0)
+    return shapes, energies
+
+
+def check(energies, halfway, energy0):
+    """Raises NotSane unless the energy climbs from the minimum to the saddle, at the nodes and,
+    nearly so, half way between them. Slack: 0.05 kJ/mol, half way another 5 % of the barrier."""
+    at = [(e - energy0) * HARTREE for e in energies]
+    mid = [(e - energy0) * HARTREE for e in halfway]
+    slack = 0.05
+    for k, (a, b) in enumerate(zip(at, at[1:])):
+        if b < a - slack:
+            raise NotSane(f"the energy falls by {a - b:.2f} kJ/mol before node {k + 1}")
+        loose = slack + 0.05 * at[-1]
+        if not a - loose < mid[k] < b + loose:
+            raise NotSane(f"{mid[k]:.2f} kJ/mol between nodes of {a:.2f} and {b:.2f} kJ/mol")

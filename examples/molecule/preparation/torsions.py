@@ -1,0 +1,167 @@
+"""Which torsions are driven, and how: a relaxed scan towards a barrier.
+
+A scan only guesses. What it finds is refined to a saddle and proved by its frequencies elsewhere;
+some torsions lead to no saddle from a given minimum, and their scans just climb.
+"""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import geometry, optimise
+from .xtb import HARTREE
+
+STIFFNESS = 0.5  # hartree/rad^2, of the restraint: ten times the stiffest torsion
+
+
+class BadTorsion(Exception):
+    """A torsion that cannot be turned; the message names it."""
+
+
+class NoBarrier(Exception):
+    """The scan ended without a maximum; the message says how."""
+
+
+@dataclass(frozen=True)
+class Torsion:
+    name: str
+    atoms: tuple  # four, counted from 0
+    moved: tuple  # atoms that turn with the last one, about the bond in the middle
+    signs: tuple  # the directions to drive: +1, -1
+    rotor: bool  # a methyl: both directions are one, and the names of its files need no direction
+
+    def file_name(self, sign):
+        return self.name if self.rotor else self.name + ("-plus" if sign > 0 else "-minus")
+
+
+def _is_methyl(numbers, neighbours, atom, partner):
+    others = [n for n in neighbours[atom] if n != partner]
+    return numbers[atom] == 6 and len(others) == 3 and all(numbers[n] == 1 for n in others)
+
+
+def _end(numbers, neighbours, atom, partner):
+    """The neighbour a torsion ends at: the heaviest, then the first."""
+    others = [n for n in neighbours[atom] if n != partner]
+    return min(others, key=lambda n: (-numbers[n], n)) if others else None
+
+
+def make(numbers, neighbours, word, name, i, j, k, l, signs):
+    """A torsion about the bond j-k; its smaller side is the one that turns."""
+    if k not in neighbours[j]:
+        raise BadTorsion(f"torsion {word}: atoms {j + 1} and {k + 1} are not bonded")
+    side = geometry.side_of(neighbours, j, k)
+    if side is None:
+        raise BadTorsion(f"torsion {word}: bond {j + 1}-{k + 1} is in a ring")
+    i = _end(numbers, neighbours, j, k) if i is None else i
+    l = _end(numbers, neighbours, k, j) if l is None else l
+    if i not in neighbours[j] or l not in neighbours[k] or i == k or l == j:
+        raise BadTorsion(f"torsion {word}: not a chain of bonded atoms")
+    rotor = any(_is_methyl(numbers, neighbours, a, b) for a, b in ((j, k), (k, j)))
+    return Torsion(name or f"torsion-{j + 1}-{k + 1}", (i, j, k, l), tuple(side),
+                   signs or ((1,) if rotor else (1, -1)), rotor and not signs)
+
+
+def automatic(numbers, neighbours, double):
+    """Every bond that turns: not in a ring, not double (a set of pairs, amides among them), and
+    with more than one atom on either side."""
+    out = []
+    for j in range(len(numbers)):
+        for k in neighbours[j]:
+            if j > k or (j, k) in double or min(len(neighbours[j]), len(neighbours[k])) < 2:
+                continue
+            if geometry.side_of(neighbours, j, k) is None:
+                continue
+            word = f"{j + 1}-{k + 1}"
+            out.append(make(numbers, neighbours, word, None, None, j, k, None, None))
+    return out
+
+
+def parse(text, numbers, neighbours, double):
+    """The torsions of --torsions: auto, or [NAME=]J-K or [NAME=]I-J-K-L, with + or - at the end
+    for one direction only; several with commas."""
+    out = []
+    for word in text.split(","):
+        if word == "auto":
+            out += automatic(numbers, neighbours, double)
+            continue
+        found = re.fullmatch(r"(?:([A-Za-z][\w-]*)=)?(\d+)-(\d+)(?:-(\d+)-(\d+))?([+-]?)", word)
+        if not found:
+            raise BadTorsion(f"torsion '{word}': not auto, [NAME=]J-K or [NAME=]I-J-K-L")
+        name, *atoms, sign = found.groups()
+        atoms = [int(a) - 1 for a in atoms if a]
+        bad = [a + 1 for a in atoms if not 0 <= a < len(numbers)]
+        if bad:
+            raise BadTorsion(f"torsion {word}: no atom {bad[0]}: there are {len(numbers)}")
+        i, j, k, l = atoms if len(atoms) == 4 else (None, *atoms, None)
+        signs = {"+": (1,), "-": (-1,), "": None}[sign]
+        out.append(make(numbers, neighbours, word, name, i, j, k, l, signs))
+    names = [t.name for t in out]
+    twice = next((n for n in names if names.count(n) > 1), None)
+    if twice:
+        raise BadTorsion(f"torsion {twice}: given twice")
+    if not out:
+        raise BadTorsion("no torsion: no bond of this molecule turns")
+    return out
+
+
+def _restrained(surface, atoms, target):
+    def function(x):
+        energy, gradient = surface(x)
+        off = geometry.wrapped(geometry.torsion(x, *atoms) - target)
+        slope = STIFFNESS * off * geometry.torsion_gradient(x, *atoms)
+        return energy + STIFFNESS * off * off / 2, gradient + slope
+    return function
+
+
+def scan(surface, x, hessian, torsion, sign, *, step=np.radians(10), highest=150 / HARTREE):
+    """The first barrier: (shape, tangent), a guess of a saddle.
+
+    From the minimum x, with its Hessian, the torsion is turned in steps; all else relaxes. The top
+    is taken where the energy has fallen after it. step: radians; highest: hartree above x.
+    """
+    start = surface.energy(x)
+    shapes, energies = [x], [start]
+    angle = geometry.torsion(x, *torsion.atoms)
+    for count in range(1, round(np.pi / step) + 1):
+        turned = geometry.rotated_about(shapes[-1], *torsion.atoms[1:3], list(torsion.moved),
+                                        sign * step)
+        function = _restrained(surface, torsion.atoms, angle + sign * step * count)
+        bend = torsion_hessian(turned, torsion.atoms)
+        try:
+            y, _, hessian = optimise.search(function, turned, hessian + bend, tolerance=3e-4,
+                                            steps=200, tree=surface.tree)
+        except optimise.NotConverged:
+            turn = np.degrees(sign * step * count)
+            raise NoBarrier(f"the scan did not relax at {turn:+.0f} degrees") from None
+        hessian = hessian - torsion_hessian(y, torsion.atoms)
+        shapes.append(y)
+        energies.append(surface.energy(y))
+        top = int(np.argmax(energies))
+        if energies[top] - start > highest:
+            raise NoBarrier(f"still climbing at {HARTREE * highest:.0f} kJ/mol")
+        if 0 < top and (energies[top] - energies[-1]) * HARTREE > 0.1:
+            return _on_top(surface, *shapes[top - 1:top + 2])
+    raise NoBarrier("no maximum within 180 degrees")
+
+
+def torsion_hessian(x, atoms):
+    """What the restraint adds to the Hessian, near its target."""
+    b = geometry.torsion_gradient(x, *atoms).ravel()
+    return STIFFNESS * np.outer(b, b)
+
+
+def _on_top(surface, before, top, after):
+    """(shape, tangent) from three shapes about the top of a scan.
+
+    Where the rest of the molecule snaps over while the torsion turns, the shapes lie in the one
+    valley or the other and none is near the saddle: a search from there wanders off.
+    """
+    before, after = (geometry.aligned(x, top, surface.masses) for x in (before, after))
+    back, ahead = geometry.rms(before, top), geometry.rms(after, top)
+    if max(back, ahead) > 3 * min(back, ahead):
+        values, _ = optimise.projected(surface.hessian(top), top)
+        if values[0] > 0:
+            raise NoBarrier("the molecule snaps over, far from a saddle; a --guess may help")
+        return top, ((after - top) if ahead < back else (top - before)).ravel()
+    return top, (after - before).ravel()

@@ -1,0 +1,300 @@
+"""One molecule from start to end. Each step is kept until all are done, so that a run that was
+stopped goes on where it was."""
+
+import hashlib
+import json
+import os
+import sys
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from . import files, geometry, optimise, path, torsions
+from .molecule import conformers
+from .xtb import BOHR, HARTREE, Surface, XtbError
+
+VERSION = 1  # of the algorithm: a kept step of another version is computed anew
+SAME_SHAPE = 0.1  # bohr, root mean square: minima closer than this are one
+SAME_ENERGY = 0.02  # kJ/mol
+
+
+class Failed(Exception):
+    """The molecule has no such set; the message says why."""
+
+
+class Dropped(Exception):
+    """A torsion and direction that gives no path; the message says why."""
+
+
+@dataclass
+class Found:
+    """A saddle and its way to the conformation. nodes: aligned to it; energies: hartree; far: the
+    minimum on the other side; far_is_equal: that is the conformation with equal atoms exchanged."""
+    name: str
+    torsion: str
+    nodes: list
+    energies: list
+    nu1: float
+    far: np.ndarray
+    far_energy: float
+    far_nu1: float
+    far_is_equal: bool
+
+
+@dataclass
+class Result:
+    """Lengths in bohr, energies in hartree; dropped: (path, why)."""
+    numbers: list
+    masses: np.ndarray
+    method: str
+    torsions: list
+    x: np.ndarray
+    energy: float
+    nu1: float
+    found: list = field(default_factory=list)
+    dropped: list = field(default_factory=list)
+
+    def lie_like(self, reference):
+        """Turns everything so that the conformation lies as the reference, if it is the same but
+        for the numbers of its hydrogens."""
+        heavy = np.array(self.numbers) > 1
+        x = geometry.aligned(self.x, reference, np.where(heavy, self.masses, 0.0))
+        if geometry.rms(x[heavy], reference[heavy]) < SAME_SHAPE:
+            self.x = geometry.centred(x, self.masses)
+            for found in self.found:
+                found.nodes = [geometry.aligned(y, self.x, self.masses) for y in found.nodes]
+                found.nodes[0] = self.x
+
+
+class Steps:
+    """Results of steps as JSON files, by what went into them."""
+
+    def __init__(self, directory, again):
+        self.directory = directory
+        self.again = again
+
+    def take(self, key, compute):
+        text = json.dumps([VERSION, key], sort_keys=True)
+        digest = hashlib.sha256(text.encode()).hexdigest()[:20]
+        name = os.path.join(self.directory, digest + ".json")
+        if not self.again:
+            try:
+                with open(name, encoding="utf-8") as file:
+                    return json.load(file)
+            except (FileNotFoundError, ValueError):
+                pass
+        value = compute()
+        os.makedirs(self.directory, exist_ok=True)
+        files.write_whole(name, json.dumps(value))
+        return value
+
+    def remove(self):
+        if os.path.isdir(self.directory):
+            for name in os.listdir(self.directory):
+                if name.endswith(".json"):
+                    os.remove(os.path.join(self.directory, name))
+            if not os.listdir(self.directory):
+                os.rmdir(self.directory)
+
+
+class Work:
+    """The steps for one molecule. options: of the command line, see cli.py; guesses: shapes near
+    saddles (angstrom) by the name of their path."""
+
+    def __init__(self, molecule, driven, options, guesses):
+        self.molecule = molecule
+        self.driven = driven
+        self.options = options
+        self.guesses = guesses
+        self.charge = molecule.charge if options.charge is None else options.charge
+        self.steps = Steps(options.work, options.again)
+        self.tree = geometry.Tree(molecule.neighbours, molecule.numbers)
+        self.started = time.monotonic()
+
+    def say(self, text):
+        if not self.options.quiet:
+            print(f"prepare: {time.monotonic() - self.started:6.1f} s  {text}", file=sys.stderr,
+                  flush=True)
+
+    def run(self):
+        self._find_conformation()
+        found, dropped = [], []
+        for torsion in self.driven:
+            for sign in torsion.signs:
+                name = torsion.file_name(sign)
+                try:
+                    one = self._drive(name, torsion, sign, found)
+                except Dropped as why:
+                    dropped.append((name, str(why)))
+                    self.say(f"{name}: no path: {why}")
+                else:
+                    found.append(one)
+                    self.say(f"{name}: saddle {self._above(one.energies[-1]):.2f} kJ/mol, "
+                             f"{files.imaginary(one.nu1)} cm^-1; beyond it "
+                             f"{self._above(one.far_energy):.2f} kJ/mol")
+        if not found:
+            raise Failed("no torsion leads to a saddle of this conformation")
+        order = sorted(range(len(found)), key=lambda n: found[n].energies[-1])
+        if self.options.paths is not None:
+            for n in order[self.options.paths:]:
+                dropped.append((found[n].name, f"{self._above(found[n].energies[-1]):.2f} kJ/mol, "
+                                               f"not among the {self.options.paths} lowest"))
+            order = sorted(order[:self.options.paths])
+            found = [found[n] for n in order]
+        return Result(self.molecule.numbers, self.surface.masses, self.options.method, self.driven,
+                      self.x, self.energy, self.nu1, found, dropped)
+
+    # The conformation
+
+    def _surface(self, x):
+        return Surface(self.molecule.numbers, x, self.options.method, self.charge, self.tree)
+
+    def _find_conformation(self):
+        o = self.options
+        start = o.smiles if o.file is None else self.molecule.positions.tolist()
+        key = ["conformation", self.molecule.numbers, start, o.method, self.charge,
+               o.keep_conformation, o.conformers, o.seed,
+               [t.atoms for t in self.driven if not t.rotor and not o.keep_conformation]]
+        kept = self.steps.take(key, self._compute_conformation)
+        self.x = np.array(kept["x"])
+        self.surface = self._surface(self.x)
+        self.energy = self.surface.energy(self.x)
+        self.hessian = np.array(kept["hessian"])
+        self.nu1 = float(optimise.wave_numbers(self.hessian, self.x, self.surface.masses)[0])
+        self.say("conformation: " + files.words(self.driven, self.x))
+
+    def _compute_conformation(self):
+        o = self.options
+        if o.keep_conformation:
+            starts = [self.molecule.positions]
+        else:
+            starts = conformers(self.molecule, self.driven, o.conformers, o.seed)
+            self.say(f"{len(starts)} conformers")
+        best = None
+        for n, start in enumerate(starts):
+            try:
+                x, energy = self._roughly(start / BOHR)
+            except (optimise.NotConverged, XtbError) as why:
+                self.say(f"conformer {n + 1}: left out: {why}")
+                continue
+            if not self._intact(x):
+                self.say(f"conformer {n + 1}: left out: its bonds change")
+                continue
+            if best is None or energy < best[0]:
+                best = energy, x
+        if best is None:
+            raise Failed("no conformation: none of the start structures relaxes")
+        # The bonds of GFN-FF are read off the conformation itself, whatever it came from: then one
+        # run of xtb on its file gives the same energy.
+        x = best[1]
+        for _ in range(2):
+            surface = self._surface(x)
+            x, _, hessian = optimise.minimum(surface, x)
+        x = geometry.on_principal_axes(x, surface.masses)
+        # As the file has it: the nodes of paths are compared with what a reader sees.
+        x = np.round(x * BOHR, 8) / BOHR
+        return {"x": x.tolist(), "hessian": surface.hessian(x).tolist()}
+
+    def _roughly(self, x):
+        surface = self._surface(x)
+        x, energy, _ = optimise.search(surface, x, surface.hessian(x), tolerance=1e-4, steps=400,
+                                       renew=surface.hessian, every=50, tree=surface.tree)
+        return x, energy
+
+    def _intact(self, x):
+        return geometry.bonds_of(self.molecule.numbers, x * BOHR) == self.molecule.neighbours
+
+    # Saddles and paths
+
+    def _above(self, energy):
+        return (energy - self.energy) * HARTREE
+
+    def _away(self, x):
+        """Root mean square distance from the conformation, bohr."""
+        return geometry.rms(geometry.aligned(x, self.x, self.surface.masses), self.x)
+
+    def _equal(self, x, y):
+        a, b = (geometry.fingerprint(self.molecule.numbers, z) for z in (x, y))
+        return np.abs(a - b).max() < SAME_SHAPE
+
+    def _drive(self, name, torsion, sign, earlier):
+        o = self.options
+        key = [self.molecule.numbers, self.x.tolist(), o.method, self.charge, torsion.atoms, sign,
+               o.highest]
+        guess = self.guesses.get(name)
+        key.append(None if guess is None else guess.tolist())
+        top = self.steps.take(["saddle", *key],
+                              lambda: self._guarded(self._saddle, torsion, sign, guess))
+        if "dropped" in top:
+            raise Dropped(top["dropped"])
+        self._refuse_known(top, earlier)
+        way = self.steps.take(["path", *key], lambda: self._guarded(self._path, top))
+        if "dropped" in way:
+            raise Dropped(way["dropped"])
+        nodes = [np.array(x) for x in way["nodes"]]
+        return Found(name, torsion.name, nodes, way["energies"], top["nu1"], np.array(way["far"]),
+                     way["far_energy"], way["far_nu1"], way["far_is_equal"])
+
+    def _refuse_known(self, top, earlier):
+        x = np.array(top["x"])
+        for other in earlier:
+            if abs(top["energy"] - other.energies[-1]) * HARTREE > SAME_ENERGY:
+                continue
+            y = other.nodes[-1]
+            if geometry.rms(geometry.aligned(x, y, self.surface.masses), y) < SAME_SHAPE:
+                raise Dropped(f"the saddle of {other.name}")
+            if not self.options.keep_equal and self._equal(x, y):
+                raise Dropped(f"the saddle of {other.name} by symmetry")
+
+    def _guarded(self, compute, *arguments):
+        """What compute gives, or why there is nothing, in a form that can be kept."""
+        try:
+            return compute(*arguments)
+        except (Dropped, torsions.NoBarrier, path.NotSane) as why:
+            return {"dropped": str(why)}
+        except optimise.NotConverged as why:
+            return {"dropped": f"not converged: {why}"}
+        except XtbError as why:
+            return {"dropped": str(why)}
+
+    def _saddle(self, torsion, sign, guess):
+        if guess is None:
+            guess, tangent = torsions.scan(self.surface, self.x, self.hessian, torsion, sign,
+                                           highest=self.options.highest / HARTREE)
+        else:
+            guess = guess / BOHR
+            tangent = sign * geometry.torsion_gradient(guess, *torsion.atoms).ravel()
+        x, energy, hessian = optimise.saddle(self.surface, guess, tangent)
+        waves = optimise.wave_numbers(hessian, x, self.surface.masses)
+        count = int((waves < 0).sum())
+        if count != 1:
+            raise Dropped(f"{count} imaginary frequencies")
+        if not self._intact(x):
+            raise Dropped("bonds change")
+        return {"x": x.tolist(), "energy": energy, "hessian": hessian.tolist(), "nu1": waves[0]}
+
+    def _sides(self, x, hessian):
+        """The minima that the saddle joins: (sign, x, energy, hessian) each."""
+        masses = self.surface.masses
+        _, vectors = optimise.projected(hessian, x, masses)
+        mode = vectors[:, 0] / np.repeat(np.sqrt(masses), 3)
+        mode = 0.15 * mode / np.linalg.norm(mode)
+        return [(sign, *optimise.minimum(self.surface, x + sign * mode.reshape(-1, 3), hessian,
+                                         longest=0.15)) for sign in (1, -1)]
+
+    def _path(self, top):
+        x, hessian = np.array(top["x"]), np.array(top["hessian"])
+        sides = sorted(self._sides(x, hessian), key=lambda side: self._away(side[1]))
+        (sign, near, near_energy, _), (_, far, far_energy, far_hessian) = sides
+        if self._away(near) > SAME_SHAPE:
+            energies = (top["energy"], near_energy, far_energy)
+            at, one, two = (f"{self._above(e):.2f} kJ/mol" for e in energies)
+            raise Dropped(f"the saddle at {at} joins other minima, at {one} and {two}")
+        nodes, energies = path.nodes(self.surface, self.tree, x, hessian, sign, self.x,
+                                     self.energy)
+        far = geometry.aligned(far, self.x, self.surface.masses)
+        nu1 = optimise.wave_numbers(far_hessian, far, self.surface.masses)[0]
+        equal = abs(self._above(far_energy)) < SAME_ENERGY and self._equal(far, self.x)
+        return {"nodes": [n.tolist() for n in nodes], "energies": energies, "far": far.tolist(),
+                "far_energy": far_energy, "far_nu1": nu1, "far_is_equal": bool(equal)}

@@ -1,0 +1,408 @@
+#include "examples/soft-tissue/block.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <stdexcept>
+
+namespace soft_tissue {
+
+using Matrix3 = Eigen::Matrix3d;
+
+namespace {
+
+/// A factorisation is kept as long as each step leaves less than this part of the forces that are
+/// out of balance.
+constexpr double kKeep = 0.3;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// The points of the rule that is exact for quadratic functions, in barycentric coordinates; each
+/// has a third of the area.
+constexpr double kRule[3][3] = {
+    {2.0 / 3, 1.0 / 6, 1.0 / 6}, {1.0 / 6, 2.0 / 3, 1.0 / 6}, {1.0 / 6, 1.0 / 6, 2.0 / 3}};
+
+Vec3 displacement(const Vector& u, int node) {
+  return node < 0 ? Vec3::Zero() : Vec3(u.segment<3>(3 * node));
+}
+
+}  // namespace
+
+Block::Block(const Options& options) : options_(options) {
+  const double e = options_.young_modulus;
+  const double v = options_.poisson_ratio;
+  lambda_ = e * v / ((1 + v) * (1 - 2 * v));
+  mu_ = e / (2 * (1 + v));
+  const auto [nx, ny, nz] = options_.elements;
+  for (int k = 0; k <= nz; ++k)
+    for (int j = 0; j <= ny; ++j)
+      for (int i = 0; i <= nx; ++i) {
+        // The centre of the block's top and ground is at x = y = 0; written so that mirrored nodes
+        // have coordinates of the same size to the last bit.
+        rest_.emplace_back(options_.size[0] * (2 * i - nx) / (2 * nx),
+                           options_.size[1] * (2 * j - ny) / (2 * ny), options_.size[2] * k / nz);
+      }
+  first_free_ = static_cast<std::size_t>((nx + 1) * (ny + 1));
+  build_tetrahedra();
+  build_triangles();
+  build_pattern();
+}
+
+int Block::free_node(int i, int j, int k) const {
+  const auto [nx, ny, nz] = options_.elements;
+  return k == 0 ? -1 : i + (nx + 1) * (j + (ny + 1) * (k - 1));
+}
+
+void Block::build_tetrahedra() {
+  const auto [nx, ny, nz] = options_.elements;
+  constexpr int kOrders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  for (int k = 0; k < nz; ++k)
+    for (int j = 0; j < ny; ++j)
+      for (int i = 0; i < nx; ++i)
+        for (const auto& order : kOrders) {
+          // From a corner to the opposite one, an axis at a time; the corner alternates.
+          int at[3] = {i + i % 2, j + j % 2, k};
+          const int step[3] = {i % 2 ? -1 : 1, j % 2 ? -1 : 1, 1};
+          Tetrahedron t{};
+          Vec3 x[4];
+          for (int a = 0; a < 4; ++a) {
+            if (a > 0) at[order[a - 1]] += step[order[a - 1]];
+            t.node[a] = free_node(at[0], at[1], at[2]);
+            x[a] = rest_[static_cast<std::size_t>(at[0] + (nx + 1) * (at[1] + (ny + 1) * at[2]))];
+          }
+          Matrix3 edges;
+          edges << x[1] - x[0], x[2] - x[0], x[3] - x[0];
+          // The gradients of shape functions 1 to 3 are the rows of the inverse.
+          const Matrix3 inverse = edges.inverse();
+          for (int a = 1; a < 4; ++a) t.slope[a] = inverse.row(a - 1).transpose();
+          t.slope[0] = -(t.slope[1] + t.slope[2] + t.slope[3]);
+          t.volume = std::abs(edges.determinant()) / 6;
+          tetrahedra_.push_back(t);
+        }
+}
+
+void Block::build_triangles() {
+  const auto [nx, ny, nz] = options_.elements;
+  // A brick's face, spanned by two axes from a corner; its diagonal is the tetrahedra's.
+  const auto add_face = [&](std::array<int, 3> corner, int first, int second, int step_first,
+                            int step_second) {
+    for (const bool swap : {false, true}) {
+      std::array<std::array<int, 3>, 3> at{corner, corner, corner};
+      at[1][swap ? second : first] += swap ? step_second : step_first;
+      at[2][first] += step_first;
+      at[2][second] += step_second;
+      Triangle t{};
+      for (int a = 0; a < 3; ++a) {
+        const auto [i, j, k] = at[a];
+        t.node[a] = free_node(i, j, k);
+        t.rest[a] = rest_[static_cast<std::size_t>(i + (nx + 1) * (j + (ny + 1) * k))];
+      }
+      t.area = (t.rest[1] - t.rest[0]).cross(t.rest[2] - t.rest[0]).norm() / 2;
+      triangles_.push_back(t);
+    }
+  };
+  const auto start = [](int i) { return i + i % 2; };
+  const auto step = [](int i) { return i % 2 ? -1 : 1; };
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) add_face({start(i), start(j), nz}, 0, 1, step(i), step(j));
+  for (int k = 0; k < nz; ++k)
+    for (const bool far : {false, true}) {
+      for (int j = 0; j < ny; ++j) add_face({far ? nx : 0, start(j), k}, 1, 2, step(j), 1);
+      for (int i = 0; i < nx; ++i) add_face({start(i), far ? ny : 0, k}, 0, 2, step(i), 1);
+    }
+  for (std::size_t node = 0; node < nodes(); ++node) {
+    bool is_on_surface = false;
+    for (const Triangle& t : triangles_)
+      is_on_surface |=
+          std::find(t.node.begin(), t.node.end(), static_cast<int>(node)) != t.node.end();
+    if (is_on_surface) surface_.push_back(node);
+  }
+}
+
+/// Finds the pattern of the second derivative, where each element's blocks go in it, and the order
+/// of elimination.
+void Block::build_pattern() {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Tetrahedron& t : tetrahedra_)
+    for (const int a : t.node)
+      for (const int b : t.node) {
+        if (b < 0 || a < b) continue;
+        for (int c = 0; c < 3; ++c)
+          for (int r = a == b ? c : 0; r < 3; ++r) entries.emplace_back(3 * a + r, 3 * b + c, 0.0);
+      }
+  const auto n = static_cast<Eigen::Index>(unknowns());
+  pattern_.resize(n, n);
+  pattern_.setFromTriplets(entries.begin(), entries.end());
+  pattern_.makeCompressed();
+  for (Tetrahedron& t : tetrahedra_)
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < 4; ++b) t.slot[a][b] = find_slots(t.node[a], t.node[b]);
+  for (Triangle& t : triangles_)
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) t.slot[a][b] = find_slots(t.node[a], t.node[b]);
+  solver_.analyzePattern(pattern_);
+
+  Matrix k;
+  tangent(Vector::Zero(n), Vec3(0, 0, kInfinity), k);
+  typical_stiffness_ = Vector(k.diagonal()).mean();
+}
+
+std::array<int, 3> Block::find_slots(int a, int b) const {
+  std::array<int, 3> slots{-1, -1, -1};
+  if (b < 0 || a < b) return slots;
+  for (int c = 0; c < 3; ++c) {
+    const int row = 3 * a + (a == b ? c : 0);
+    const int* begin = pattern_.innerIndexPtr() + pattern_.outerIndexPtr()[3 * b + c];
+    const int* end = pattern_.innerIndexPtr() + pattern_.outerIndexPtr()[3 * b + c + 1];
+    const int* found = std::lower_bound(begin, end, row);
+    // So that row r of the block is at slot + r, also on the diagonal, which has rows r >= c alone.
+    slots[c] = static_cast<int>(found - pattern_.innerIndexPtr()) - (a == b ? c : 0);
+  }
+  return slots;
+}
+
+namespace {
+
+/// Adds the 3 x 3 block of a pair of nodes to the lower triangle's values.
+void add_block(const std::array<int, 3>& slots, bool on_diagonal, const Matrix3& block,
+               double* values) {
+  for (int c = 0; c < 3; ++c)
+    for (int r = on_diagonal ? c : 0; r < 3; ++r) values[slots[c] + r] += block(r, c);
+}
+
+}  // namespace
+
+/// The pull grows from 0 at the range to its strongest at a third of it and is 0 again at the
+/// touch: 27/4 t (1 - t)^2 with t = gap / range. Then the pressure grows with the depth, at first
+/// as steeply as the pull has ended and after `smoothing` with the full stiffness.
+Block::Contact Block::contact(double gap) const {
+  const double range = options_.adhesion_range;
+  const double pull = 27.0 / 4 * options_.adhesion;
+  if (gap > 0) {
+    const double t = gap / range;
+    const double v = 1 - t;
+    return {-pull * range * v * v * v * (1.0 / 3 - v / 4), -pull * t * v * v,
+            pull / range * v * (1 - 3 * t)};
+  }
+  const double depth = -gap;
+  const double smoothing = options_.contact_smoothing;
+  const double soft = pull / range;
+  const double stiff = options_.contact_stiffness - soft;
+  const double touch = -pull * range / 12;
+  if (depth < smoothing) {
+    const double grown = depth * depth / (2 * smoothing);
+    return {touch + soft * depth * depth / 2 + stiff * grown * depth / 3,
+            soft * depth + stiff * grown, soft + stiff * depth / smoothing};
+  }
+  return {touch + soft * depth * depth / 2 +
+              stiff * (depth * (depth - smoothing) / 2 + smoothing * smoothing / 6),
+          soft * depth + stiff * (depth - smoothing / 2), soft + stiff};
+}
+
+/// Calls f(triangle, weights of its nodes, area, direction from the ball, distance from its centre,
+/// contact) for the points that the ball touches or attracts.
+template <class F>
+void Block::for_contacts(const Vector& u, const Vec3& centre, F&& f) const {
+  const double range = options_.adhesion > 0 ? options_.adhesion_range : 0;
+  const double reach = options_.probe_radius + range;
+  for (const Triangle& t : triangles_) {
+    Vec3 x[3];
+    for (int a = 0; a < 3; ++a) x[a] = t.rest[a] + displacement(u, t.node[a]) - centre;
+    for (const auto& weights : kRule) {
+      const Vec3 from = weights[0] * x[0] + weights[1] * x[1] + weights[2] * x[2];
+      const double squared = from.squaredNorm();
+      if (!(squared < reach * reach)) continue;
+      // A point in the very centre has no direction; it is pushed nowhere.
+      const double distance = std::max(std::sqrt(squared), 1e-9);
+      f(t, weights, t.area / 3, Vec3(from / distance), distance,
+        contact(distance - options_.probe_radius));
+    }
+  }
+}
+
+bool Block::is_clear(const Vec3& centre) const {
+  bool clear = true;
+  for_contacts(Vector::Zero(static_cast<Eigen::Index>(unknowns())), centre,
+               [&](auto&&...) { clear = false; });
+  return clear;
+}
+
+double Block::energy(const Vector& u, const Vec3& centre, Vector& gradient) const {
+  gradient.setZero(u.size());
+  double total = 0;
+  for (const Tetrahedron& t : tetrahedra_) {
+    Matrix3 f = Matrix3::Identity();
+    for (int a = 0; a < 4; ++a)
+      if (t.node[a] >= 0) f.noalias() += u.segment<3>(3 * t.node[a]) * t.slope[a].transpose();
+    if (!(f.determinant() > 0)) return kInfinity;
+    const Matrix3 strain = (f.transpose() * f - Matrix3::Identity()) / 2;
+    const double trace = strain.trace();
+    total += t.volume * (lambda_ / 2 * trace * trace + mu_ * strain.squaredNorm());
+    const Matrix3 stress =
+        t.volume * f * (lambda_ * trace * Matrix3::Identity() + 2 * mu_ * strain);
+    for (int a = 0; a < 4; ++a)
+      if (t.node[a] >= 0) gradient.segment<3>(3 * t.node[a]).noalias() += stress * t.slope[a];
+  }
+  for_contacts(u, centre,
+               [&](const Triangle& t, const double(&weights)[3], double area, const Vec3& direction,
+                   double, const Contact& c) {
+                 total += area * c.energy;
+                 for (int a = 0; a < 3; ++a)
+                   if (t.node[a] >= 0)
+                     gradient.segment<3>(3 * t.node[a]) -=
+                         area * weights[a] * c.pressure * direction;
+               });
+  return total;
+}
+
+/// With the second Piola-Kirchhoff stress S and gradients a, b of two shape functions, the block of
+/// an element is V [(a.S b) I + lambda (Fa)(Fb)^T + mu ((a.b) F F^T + (Fb)(Fa)^T)].
+void Block::tangent(const Vector& u, const Vec3& centre, Matrix& k) const {
+  if (k.nonZeros() != pattern_.nonZeros()) k = pattern_;
+  double* values = k.valuePtr();
+  std::fill_n(values, k.nonZeros(), 0.0);
+  for (const Tetrahedron& t : tetrahedra_) {
+    Matrix3 f = Matrix3::Identity();
+    for (int a = 0; a < 4; ++a)
+      if (t.node[a] >= 0) f.noalias() += u.segment<3>(3 * t.node[a]) * t.slope[a].transpose();
+    const Matrix3 strain = (f.transpose() * f - Matrix3::Identity()) / 2;
+    const Matrix3 stress = lambda_ * strain.trace() * Matrix3::Identity() + 2 * mu_ * strain;
+    const Matrix3 left = mu_ * f * f.transpose();
+    Vec3 turned[4];
+    for (int a = 0; a < 4; ++a) turned[a] = f * t.slope[a];
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < 4; ++b) {
+        if (t.slot[a][b][0] < 0) continue;
+        Matrix3 block = t.slope[a].dot(t.slope[b]) * left;
+        block.noalias() += lambda_ * turned[a] * turned[b].transpose();
+        block.noalias() += mu_ * turned[b] * turned[a].transpose();
+        block.diagonal().array() += t.slope[a].dot(stress * t.slope[b]);
+        add_block(t.slot[a][b], t.node[a] == t.node[b], t.volume * block, values);
+      }
+  }
+  for_contacts(u, centre,
+               [&](const Triangle& t, const double(&weights)[3], double area, const Vec3& direction,
+                   double distance, const Contact& c) {
+                 const double around = c.pressure / distance;
+                 Matrix3 block = (c.slope + around) * direction * direction.transpose();
+                 block.diagonal().array() -= around;
+                 for (int a = 0; a < 3; ++a)
+                   for (int b = 0; b < 3; ++b)
+                     if (t.slot[a][b][0] >= 0)
+                       add_block(t.slot[a][b], t.node[a] == t.node[b],
+                                 area * weights[a] * weights[b] * block, values);
+               });
+}
+
+Vec3 Block::force(const Vector& u, const Vec3& centre) const {
+  Vec3 force = Vec3::Zero();
+  for_contacts(u, centre,
+               [&](const Triangle&, const double(&)[3], double area, const Vec3& direction, double,
+                   const Contact& c) { force -= area * c.pressure * direction; });
+  return force;
+}
+
+/// Whether k + shift I is positive definite; it is factorised then.
+bool Block::factorise(const Matrix& k, double shift) {
+  ++factorisations_;
+  solver_.setShift(shift);
+  solver_.factorize(k);
+  return solver_.info() == Eigen::Success && solver_.vectorD().minCoeff() > 0;
+}
+
+void Block::relax(Vector& u, const Vec3& centre) { relax(u, centre, false); }
+
+/// Only within one call is a factorisation kept: what it reaches must not depend on other calls.
+void Block::follow(Vector& u, const Vec3& from, const Vec3& to, double substep) {
+  const Vec3 d = to - from;
+  const double steps = std::ceil(d.norm() / substep);
+  for (double k = 0; k < steps; ++k) {
+    const Vec3 here = from + k / steps * d;
+    const Vec3 next = k + 1 < steps ? Vec3(from + (k + 1) / steps * d) : to;
+    relax(u, next, predict(u, here, next - here));
+  }
+}
+
+/// Moves u, in equilibrium at `centre`, by what it changes to first order when the ball moves by d.
+/// Newton's method would find it, too, but starting where the ball is deep in the surface it takes
+/// some detours. Answers whether there is a factorisation that can be kept.
+bool Block::predict(Vector& u, const Vec3& centre, const Vec3& d) {
+  Vector push = Vector::Zero(u.size());
+  bool touched = false;
+  for_contacts(u, centre,
+               [&](const Triangle& t, const double(&weights)[3], double area, const Vec3& direction,
+                   double distance, const Contact& c) {
+                 touched = true;
+                 const double along = direction.dot(d);
+                 const Vec3 force =
+                     c.slope * along * direction - c.pressure / distance * (d - along * direction);
+                 for (int a = 0; a < 3; ++a)
+                   if (t.node[a] >= 0) push.segment<3>(3 * t.node[a]) += area * weights[a] * force;
+               });
+  if (!touched) return false;
+  Matrix k;
+  tangent(u, centre, k);
+  if (!factorise(k, 0)) return false;
+  const Vector step = solver_.solve(push);
+  // Near the loss of stability it is no small change.
+  if (step.lpNorm<Eigen::Infinity>() > 2 * d.norm()) return false;
+  Vector gradient;
+  const Vector moved = u + step;
+  if (energy(moved, centre + d, gradient) == kInfinity) return false;
+  u = moved;
+  return true;
+}
+
+void Block::relax(Vector& u, const Vec3& centre, bool keep) {
+  const auto [nx, ny, nz] = options_.elements;
+  // A step turns or moves no element by more than half its size.
+  const double longest =
+      std::min({options_.size[0] / nx, options_.size[1] / ny, options_.size[2] / nz}) / 2;
+  Vector gradient, trial_gradient, step, trial;
+  Matrix k;
+  double energy_here = energy(u, centre, gradient);
+  double out_of_balance = gradient.lpNorm<Eigen::Infinity>();
+  char why[160];
+  if (energy_here == kInfinity)
+    throw std::runtime_error("an element of the state to start from is inverted");
+  for (int iteration = 0; out_of_balance > options_.residual; ++iteration) {
+    if (iteration == options_.max_iterations) {
+      std::snprintf(why, sizeof why, "no equilibrium after %d iterations: %.3g N out of balance",
+                    iteration, out_of_balance);
+      throw std::runtime_error(why);
+    }
+    if (!keep) {
+      tangent(u, centre, k);
+      // Where the state is not stable a shift makes the step lead downhill.
+      double shift = 0;
+      while (!factorise(k, shift)) shift = shift > 0 ? 4 * shift : 0.01 * typical_stiffness_;
+    }
+    step = solver_.solve(-gradient);
+    const double size = step.lpNorm<Eigen::Infinity>();
+    if (size > longest) step *= longest / size;
+    const double slope = gradient.dot(step);
+    // What rounding does to an energy; the mechanical scale is that of one element.
+    const double rounding = 1e-13 * (std::abs(energy_here) + options_.young_modulus);
+    double part = 1;
+    double trial_energy = kInfinity;
+    for (;; part /= 2) {
+      if (part < 1e-6) {
+        std::snprintf(why, sizeof why, "no equilibrium: %.3g N out of balance%s", out_of_balance,
+                      trial_energy == kInfinity ? ", and any step inverts an element" : "");
+        throw std::runtime_error(why);
+      }
+      trial = u + part * step;
+      trial_energy = energy(trial, centre, trial_gradient);
+      if (trial_energy <= energy_here + 1e-4 * part * slope + rounding) break;
+    }
+    u.swap(trial);
+    gradient.swap(trial_gradient);
+    energy_here = trial_energy;
+    const double reached = gradient.lpNorm<Eigen::Infinity>();
+    // A step with the old factorisation costs a twentieth of one with a new one.
+    keep = part == 1 && size <= longest && reached < kKeep * out_of_balance;
+    out_of_balance = reached;
+  }
+}
+
+}  // namespace soft_tissue

@@ -1,0 +1,167 @@
+// The plug-in around block.hpp: parameters, states, and what a grid stores of them (README.md).
+//
+// A state is the displacement of all free nodes: too many numbers for a force to be summed over
+// the surface in the haptic loop, so force, energy and shape are stored with each state.
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "examples/soft-tissue/block.hpp"
+#include "libcore/model/plugin.hpp"
+
+namespace {
+
+using soft_tissue::Block;
+using soft_tissue::Vec3;
+using soft_tissue::Vector;
+
+class SoftTissue {
+ public:
+  explicit SoftTissue(hapgrid::PluginParameters& parameters) {
+    soft_tissue::Options& o = options_;
+    const std::vector<double> size = triple(parameters, "size", {72, 72, 18});
+    const std::vector<double> elements = triple(parameters, "elements", {12, 12, 3});
+    o.young_modulus = kPa * number(parameters, "young_modulus", 6);
+    o.poisson_ratio = number(parameters, "poisson_ratio", 0.4);
+    o.probe_radius = number(parameters, "probe_radius", 15);
+    o.contact_stiffness = kPa * number(parameters, "contact_stiffness", 20);
+    o.contact_smoothing = number(parameters, "contact_smoothing", 0.5);
+    o.adhesion = kPa * number(parameters, "adhesion", 4);
+    o.adhesion_range = number(parameters, "adhesion_range", 2);
+    substep_ = number(parameters, "substep", 1.5);
+    tolerance_ = number(parameters, "tolerance", 0.01);
+    parameters.finish();
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const int step = axis < 2 ? 2 : 1;
+      if (!(size[a] > 0)) refuse("size", size[a], "positive");
+      if (!(elements[a] >= step && elements[a] <= 100 && std::fmod(elements[a], step) == 0))
+        refuse("elements", elements[a],
+               axis < 2 ? "an even number from 2 to 100 along x and y"
+                        : "a whole number from 1 to 100 along z");
+      o.size[a] = size[a];
+      o.elements[a] = static_cast<int>(elements[a]);
+    }
+    if (!(o.young_modulus > 0)) refuse("young_modulus", o.young_modulus / kPa, "positive");
+    // Linear tetrahedra lock when the material keeps its volume.
+    if (!(o.poisson_ratio >= 0 && o.poisson_ratio <= 0.45))
+      refuse("poisson_ratio", o.poisson_ratio, "from 0 to 0.45");
+    if (!(o.probe_radius > 0)) refuse("probe_radius", o.probe_radius, "positive");
+    if (!(o.contact_stiffness > 0))
+      refuse("contact_stiffness", o.contact_stiffness / kPa, "positive");
+    if (!(o.contact_smoothing > 0)) refuse("contact_smoothing", o.contact_smoothing, "positive");
+    if (!(o.adhesion_range > 0)) refuse("adhesion_range", o.adhesion_range, "positive");
+    // The pull ends with the slope 27/4 adhesion / range, where the pressure goes on.
+    const double most = 4.0 / 27 * o.contact_stiffness * o.adhesion_range;
+    if (!(o.adhesion >= 0 && o.adhesion <= most))
+      refuse("adhesion", o.adhesion / kPa,
+             "from 0 to 4/27 contact_stiffness adhesion_range, " + text(most / kPa));
+    if (!(substep_ > 0)) refuse("substep", substep_, "positive");
+    if (!(tolerance_ >= 0)) refuse("tolerance", tolerance_, "0 or more");
+    block_ = std::make_unique<Block>(o);
+    u_.setZero(static_cast<Eigen::Index>(block_->unknowns()));
+  }
+
+  hapgrid_model_info info() const {
+    hapgrid_model_info info{};
+    info.state_size = static_cast<std::uint32_t>(block_->unknowns());
+    info.stored = HAPGRID_STORE_FORCE | HAPGRID_STORE_SHAPE | HAPGRID_STORE_ENERGY;
+    info.d_max = options_.probe_radius;
+    info.tolerance = tolerance_;
+    std::snprintf(info.tolerance_unit, sizeof info.tolerance_unit, "mm");
+    std::snprintf(info.length_unit, sizeof info.length_unit, "mm");
+    std::snprintf(info.energy_unit, sizeof info.energy_unit, "N mm");
+    info.force_scale = 1;
+    info.hip_radius = options_.probe_radius;
+    info.spheres = static_cast<std::uint32_t>(block_->surface().size());
+    return info;
+  }
+
+  /// At rest, wherever the ball touches nothing.
+  std::vector<double> known_states(const double* x) const {
+    if (!block_->is_clear(Vec3(x))) return {};
+    return std::vector<double>(block_->unknowns(), 0.0);
+  }
+
+  void convert(const double* s, const double* x, const double* d, double* result) {
+    u_ = Eigen::Map<const Vector>(s, u_.size());
+    block_->follow(u_, Vec3(x), Vec3(x) + Vec3(d), substep_);
+    Eigen::Map<Vector>(result, u_.size()) = u_;
+  }
+
+  /// No node is farther apart than the tolerance.
+  bool equal(const double* a, const double* b) const {
+    const double most = tolerance_ * tolerance_;
+    for (std::size_t i = 0; i < block_->unknowns(); i += 3) {
+      const double x = a[i] - b[i], y = a[i + 1] - b[i + 1], z = a[i + 2] - b[i + 2];
+      if (!(x * x + y * y + z * z <= most)) return false;
+    }
+    return true;
+  }
+
+  void force(const double* x, const double* s, double* f) {
+    u_ = Eigen::Map<const Vector>(s, u_.size());
+    Eigen::Map<Vec3>{f} = block_->force(u_, Vec3(x));
+  }
+
+  double energy(const double* x, const double* s) {
+    u_ = Eigen::Map<const Vector>(s, u_.size());
+    return block_->energy(u_, Vec3(x), gradient_);
+  }
+
+  /// The nodes of the free surface, a third of an element in size.
+  void spheres(hapgrid_sphere* spheres) const {
+    double edge = options_.size[0] / options_.elements[0];
+    for (std::size_t a = 1; a < 3; ++a)
+      edge = std::min(edge, options_.size[a] / options_.elements[a]);
+    for (std::size_t i = 0; i < block_->surface().size(); ++i)
+      spheres[i] = {static_cast<float>(edge / 3), {0.85F, 0.45F, 0.4F}, ""};
+  }
+  void shape(const double* s, float* centres) const {
+    for (const std::size_t node : block_->surface())
+      for (int a = 0; a < 3; ++a)
+        *centres++ =
+            static_cast<float>(block_->rest(node)[a] + s[3 * node + static_cast<std::size_t>(a)]);
+  }
+
+ private:
+  static constexpr double kPa = 1e-3;  // N/mm^2
+
+  [[noreturn]] static void refuse(const std::string& key, double value, const std::string& limit) {
+    throw std::runtime_error("parameter " + key + " is " + text(value) + ", it must be " + limit);
+  }
+  static std::string text(double value) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%g", value);
+    return digits;
+  }
+  static double number(hapgrid::PluginParameters& parameters, const char* key, double value) {
+    value = parameters.number(key, value);
+    if (!std::isfinite(value)) refuse(key, value, "finite");
+    return value;
+  }
+  static std::vector<double> triple(hapgrid::PluginParameters& parameters, const char* key,
+                                    const std::vector<double>& value) {
+    const std::vector<double> given = parameters.numbers(key);
+    if (given.empty()) return value;
+    if (given.size() != 3)
+      throw std::runtime_error(std::string("parameter ") + key + " has " +
+                               std::to_string(given.size()) + " numbers, it needs 3");
+    for (const double x : given)
+      if (!std::isfinite(x)) refuse(key, x, "finite");
+    return given;
+  }
+
+  soft_tissue::Options options_;
+  double substep_ = 0;    // mm
+  double tolerance_ = 0;  // mm
+  std::unique_ptr<Block> block_;
+  Vector u_, gradient_;  // workspace
+};
+
+}  // namespace
+
+HAPGRID_MODEL_PLUGIN(SoftTissue, "a ball pokes into a block of soft tissue")

@@ -1,0 +1,330 @@
+#include "libcore/check/model_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "libcore/base/text.hpp"
+#include "libcore/check/random.hpp"
+#include "libcore/check/text.hpp"
+#include "libcore/grid/describe.hpp"
+#include "libcore/shard/format.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+using State = std::vector<double>;
+
+// Of the spacing: small against what bends forces, large against rounding in energies.
+constexpr double kDifferenceStep = 1e-3;
+// Of the largest force: what a force may be off from the energy's gradient. A central difference
+// over 2e-3 of the spacing is exact to some 1e-6; iterative models leave a residue.
+constexpr double kForceTolerance = 0.02;
+constexpr double kNightHours = 10;
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+CallTimes summary(std::vector<double> seconds) {
+  CallTimes times;
+  times.calls = seconds.size();
+  if (seconds.empty()) return times;
+  std::sort(seconds.begin(), seconds.end());
+  const auto at = [&](double share) {
+    return seconds[static_cast<std::size_t>(share * static_cast<double>(seconds.size() - 1))];
+  };
+  times.median = at(0.5);
+  times.p99 = at(0.99);
+  times.worst = seconds.back();
+  times.mean =
+      std::accumulate(seconds.begin(), seconds.end(), 0.0) / static_cast<double>(seconds.size());
+  return times;
+}
+
+class Walker {
+ public:
+  Walker(const GridSpec& spec, const std::map<PointIndex, State>& seeds,
+         const std::function<Model()>& make_model, const ModelCheckLimits& limits)
+      : spec_(spec),
+        seeds_(seeds),
+        limits_(limits),
+        model_(make_model()),
+        second_(make_model()),
+        around_(spec.box),
+        random_(limits.walk_seed),
+        reached_(spec.row_size()),
+        other_(spec.row_size()) {}
+
+  ModelCheck run() {
+    const double start = now();
+    std::uint64_t steps = 0;
+    while (steps < limits_.conversions) {
+      auto seed = seeds_.begin();
+      std::advance(seed, static_cast<std::ptrdiff_t>(random_.below(seeds_.size())));
+      point_ = seed->first;
+      const std::size_t n = spec_.state_size;
+      const std::size_t level = random_.below(seed->second.size() / n);
+      state_.assign(seed->second.begin() + static_cast<std::ptrdiff_t>(level * n),
+                    seed->second.begin() + static_cast<std::ptrdiff_t>((level + 1) * n));
+      // Some targets a walk: over there, and on from there.
+      for (int leg = 0; leg < kLegs && steps < limits_.conversions; ++leg) {
+        const auto target = static_cast<PointIndex>(random_.below(spec_.box.points()));
+        while (point_ != target && steps < limits_.conversions) {
+          if (steps > 0 && now() - start > limits_.seconds) return result();
+          ++steps;
+          if (!step(direction_to(target))) leg = kLegs;
+          if (leg == kLegs) break;
+        }
+      }
+      if (spec_.box.points() == 1) break;
+    }
+    return result();
+  }
+
+ private:
+  static constexpr int kLegs = 4;
+
+  int direction_to(PointIndex target) const {
+    const GridCoordinates from = spec_.box.coordinates(point_);
+    const GridCoordinates to = spec_.box.coordinates(target);
+    std::array<int, 3> d{};
+    for (int a = 0; a < 3; ++a) d[a] = to[a] > from[a] ? 1 : to[a] < from[a] ? -1 : 0;
+    return Direction::of(d[0], d[1], d[2]).q();
+  }
+
+  std::string here(int q) const {
+    return describe(spec_.box, point_) + " direction " + std::to_string(q) + " from state " +
+           state_text(state_);
+  }
+
+  bool same(const State& a, const State& b) const { return model_.equal(a.data(), b.data()); }
+
+  /// One step of the walk and everything that is tried there. Answers whether the walk can go on.
+  bool step(int q) {
+    const Vec3 x = spec_.box.position(point_);
+    const Vec3& d = around_.shift(q);
+    ++defined_.counted;
+    const double before = now();
+    const bool converted = model_.convert(state_.data(), x, d, reached_.data());
+    convert_seconds_.push_back(now() - before);
+    if (!converted) {
+      defined_.offend([&] { return here(q) + ": " + model_.error(); });
+      return false;
+    }
+    const State arrived(reached_.begin(), reached_.begin() + spec_.state_size);
+    const Vec3 there{x[0] + d[0], x[1] + d[1], x[2] + d[2]};
+
+    // The same bits again, from this model, whatever it did in between, and from another one.
+    const State row = reached_;
+    for (Model* model : {&second_, &model_}) {
+      ++deterministic_.counted;
+      if (!model->convert(state_.data(), x, d, other_.data()) ||
+          std::memcmp(other_.data(), row.data(), row.size() * sizeof(double)) != 0)
+        deterministic_.offend([&] {
+          return here(q) + ": " + state_text(arrived) + ", then " +
+                 state_text(std::span(other_).first(spec_.state_size));
+        });
+    }
+
+    ++stays_.counted;
+    if (!convert(arrived, there, {0, 0, 0}, other_) || !same(other_, arrived))
+      stays_.offend([&] {
+        return describe(spec_.box, point_) + ": from " + state_text(arrived) + " to " +
+               state_text(std::span(other_).first(spec_.state_size));
+      });
+
+    ++returns_.counted;
+    if (!convert(arrived, there, {-d[0], -d[1], -d[2]}, other_) || !same(other_, state_))
+      returns_.offend([&] {
+        return here(q) + ": back in " + state_text(std::span(other_).first(spec_.state_size));
+      });
+
+    ++halves_.counted;
+    const Vec3 half{d[0] / 2, d[1] / 2, d[2] / 2};
+    const Vec3 middle{x[0] + half[0], x[1] + half[1], x[2] + half[2]};
+    State halfway(spec_.row_size());
+    if (!convert(state_, x, half, halfway) || !convert(halfway, middle, half, other_) ||
+        !same(other_, arrived))
+      halves_.offend([&] {
+        return here(q) + ": at once " + state_text(arrived) + ", in two halves " +
+               state_text(std::span(other_).first(spec_.state_size));
+      });
+
+    try_tolerance(arrived);
+    try_force(there, arrived);
+    point_ = static_cast<PointIndex>(std::int64_t{point_} + around_.offset(q));
+    state_ = arrived;
+    return true;
+  }
+
+  bool convert(const State& s, const Vec3& x, const Vec3& d, State& row) {
+    return model_.convert(s.data(), x, d, row.data());
+  }
+
+  void try_tolerance(const State& arrived) {
+    ++reflexive_.counted;
+    if (!same(arrived, arrived)) reflexive_.offend([&] { return state_text(arrived); });
+    ++symmetric_.counted;
+    if (same(arrived, state_) != same(state_, arrived))
+      symmetric_.offend([&] { return state_text(arrived) + " and " + state_text(state_); });
+  }
+
+  /// Force, energy and shape in `s` at x: finite, and the force the energy's gradient.
+  void try_force(const Vec3& x, const State& s) {
+    State row = s;
+    row.resize(spec_.row_size());
+    if (model_.has_shape() && !spec_.stored.shape) {
+      std::vector<float> centres(std::size_t{3} * model_.info().spheres);
+      const double before = now();
+      model_.shape(s.data(), centres);
+      shape_seconds_.push_back(now() - before);
+      ++finite_.counted;
+      if (!std::all_of(centres.begin(), centres.end(), [](float c) { return std::isfinite(c); }))
+        finite_.offend([&] { return "shape in state " + state_text(s); });
+    }
+    if (!model_.has_force() && !spec_.stored.force) return;
+    Vec3 force{};
+    if (spec_.stored.force) {
+      if (!model_.complete(x, row.data())) return;  // convert() has said so
+      std::copy_n(row.begin() + spec_.force_offset(), 3, force.begin());
+    } else {
+      const double before = now();
+      force = model_.force(x, s.data());
+      force_seconds_.push_back(now() - before);
+    }
+    ++finite_.counted;
+    const double magnitude = std::hypot(force[0], force[1], force[2]);
+    if (!std::isfinite(magnitude))
+      return finite_.offend([&] { return "force in state " + state_text(s); });
+    largest_force_ = std::max(largest_force_, magnitude);
+    if (!model_.has_energy() && !spec_.stored.energy) return;
+
+    // E of the state that the model takes on when the HIP moves a little: C of both sides, where
+    // both come back to s (no tear-off in between).
+    const int axis = static_cast<int>(gradients_.size() % 3);
+    const double e = kDifferenceStep * spec_.box.spacing;
+    std::array<double, 2> energy{};
+    for (int side = 0; side < 2; ++side) {
+      Vec3 d{0, 0, 0};
+      d[axis] = side ? e : -e;
+      const Vec3 beside{x[0] + d[0], x[1] + d[1], x[2] + d[2]};
+      State moved(spec_.row_size()), back(spec_.row_size());
+      if (!convert(s, x, d, moved) || !convert(moved, beside, {-d[0], -d[1], -d[2]}, back) ||
+          !same(back, s) || !same(moved, s))
+        return;
+      energy[static_cast<std::size_t>(side)] =
+          spec_.stored.energy ? moved[spec_.energy_offset()] : model_.energy(beside, moved.data());
+    }
+    gradients_.push_back(
+        {force[axis], -model_.info().force_scale * (energy[1] - energy[0]) / (2 * e), x, axis});
+  }
+
+  ModelCheck result() {
+    ModelCheck out;
+    out.convert = summary(convert_seconds_);
+    out.force = summary(force_seconds_);
+    out.shape = summary(shape_seconds_);
+    out.largest_force = largest_force_;
+    Findings gradient;
+    std::vector<double> errors;
+    for (const Gradient& g : gradients_) {
+      ++gradient.counted;
+      errors.push_back(std::abs(g.force - g.difference) / std::max(largest_force_, 1e-300));
+      if (!(errors.back() <= kForceTolerance))
+        gradient.offend([&] {
+          return std::string("at (") + to_text(g.x[0]) + ", " + to_text(g.x[1]) + ", " +
+                 to_text(g.x[2]) + "): force " + "xyz"[g.axis] + " " + to_text(g.force) +
+                 " N, the energy's gradient gives " + to_text(g.difference);
+        });
+    }
+    if (!errors.empty()) {
+      std::nth_element(errors.begin(),
+                       errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
+                       errors.end());
+      out.median_force_error = errors[errors.size() / 2];
+    }
+    const auto add = [&](const char* name, const char* unit, const char* meaning, Findings& found,
+                         bool note = false) {
+      if (found.counted > 0) out.checks.push_back({name, unit, meaning, std::move(found), note});
+    };
+    add("defined", "conversions", "steps of the grid that C fails on", defined_);
+    add("deterministic", "conversions",
+        "C, asked again, answers with other bits: no two runs "
+        "will give the same grid",
+        deterministic_);
+    add("stays", "states", "C(s, x, 0) is another state than s: what is stored is no rest", stays_);
+    add("reflexive", "states", "the tolerance function holds a state for different from itself",
+        reflexive_);
+    add("symmetric", "pairs", "the tolerance function depends on the order of its arguments",
+        symmetric_);
+    add("finite", "calls", "force or shape that is not finite", finite_);
+    add("gradient", "forces",
+        "the force is not the energy's negative gradient: a loop of the hand "
+        "would gain or lose energy",
+        gradient);
+    add("halves", "conversions",
+        "a step in two halves ends in another state: near a tear-off "
+        "that is right; elsewhere C walks too coarsely",
+        halves_, true);
+    add("returns", "conversions",
+        "a step there and back ends in another state: hysteresis, which "
+        "is what levels are for; many of them mean a C less exact than its tolerance",
+        returns_, true);
+    return out;
+  }
+
+  struct Gradient {
+    double force, difference;
+    Vec3 x;
+    int axis;
+  };
+
+  const GridSpec& spec_;
+  const std::map<PointIndex, State>& seeds_;
+  ModelCheckLimits limits_;
+  Model model_;
+  Model second_;
+  Neighbourhood around_;
+  SplitMix64 random_;
+  PointIndex point_ = 0;
+  State state_;
+  State reached_;  // rows
+  State other_;
+  Findings defined_, deterministic_, stays_, returns_, halves_, reflexive_, symmetric_, finite_;
+  std::vector<double> convert_seconds_, force_seconds_, shape_seconds_;
+  std::vector<Gradient> gradients_;
+  double largest_force_ = 0;
+};
+
+}  // namespace
+
+ModelCheck check_model(const GridSpec& spec, const std::map<PointIndex, std::vector<double>>& seeds,
+                       const std::function<Model()>& make_model, const ModelCheckLimits& limits) {
+  return Walker(spec, seeds, make_model, limits).run();
+}
+
+GridEstimate estimate_grid(const GridSpec& spec, double seconds_a_conversion) {
+  GridEstimate estimate;
+  // Pairs of neighbours: along each axis n - 1 to each side and n in place, less the points.
+  const auto& n = spec.box.counts;
+  std::uint64_t pairs = 1;
+  for (const std::uint32_t count : n) pairs *= 3 * std::uint64_t{count} - 2;
+  estimate.conversions = pairs - spec.box.points();
+  estimate.cpu_hours = static_cast<double>(estimate.conversions) * seconds_a_conversion / 3600;
+  estimate.workers_for_a_night = std::max<std::uint64_t>(
+      1, static_cast<std::uint64_t>(std::ceil(estimate.cpu_hours / kNightHours)));
+  estimate.play_bytes = spec.box.points() * (record_bytes(spec.row_size()) + sizeof(RecordIndex));
+  const auto slices = static_cast<std::uint64_t>(2 * Neighbourhood(spec.box).reach());
+  estimate.expand_bytes = std::min(spec.box.points(), slices) * kDirections * sizeof(double) *
+                          std::uint64_t{spec.row_size()};
+  return estimate;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,58 @@
+// What will go wrong in the search of a grid, found on the model itself before the search is paid
+// for: the conditions of Sect. 2.1 and the assumptions of Algorithms 1 and 2, tried on states along
+// walks through the box.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "libcore/check/report.hpp"
+#include "libcore/model/model.hpp"
+
+namespace hapgrid {
+
+struct ModelCheckLimits {
+  std::uint64_t conversions = 2000;  ///< steps along the walks
+  double seconds = 20;               ///< no further step is begun after them
+  std::uint64_t walk_seed = 1;       ///< another one draws other walks
+};
+
+/// Median and tails of one kind of call, in seconds.
+struct CallTimes {
+  std::uint64_t calls = 0;
+  double median = 0;
+  double mean = 0;
+  double p99 = 0;
+  double worst = 0;
+};
+
+struct ModelCheck {
+  std::vector<Check> checks;
+  CallTimes convert;
+  CallTimes force;  ///< no calls: the model has none, or has it stored
+  CallTimes shape;
+  double median_force_error = 0;  ///< against the energy's gradient, share of the largest force
+  double largest_force = 0;       ///< newtons
+};
+
+/// Walks from random seeds to random points of the box, straight on, one grid step after the other,
+/// as a hand would, and tries the model at each step.
+/// @param make_model two are made, to compare them.
+/// @param seeds by point the states known there, row after row; at least one.
+/// @throw ModelError when a model cannot be made.
+ModelCheck check_model(const GridSpec& spec, const std::map<PointIndex, std::vector<double>>& seeds,
+                       const std::function<Model()>& make_model, const ModelCheckLimits& limits);
+
+/// What the whole grid would take.
+struct GridEstimate {
+  std::uint64_t conversions = 0;  ///< with one level a point
+  double cpu_hours = 0;
+  std::uint64_t workers_for_a_night = 0;  ///< that finish in ten hours
+  std::uint64_t play_bytes = 0;           ///< of the grid in memory, with one level a point
+  std::uint64_t expand_bytes = 0;         ///< of the requests around the wave
+};
+GridEstimate estimate_grid(const GridSpec& spec, double seconds_a_conversion);
+
+}  // namespace hapgrid

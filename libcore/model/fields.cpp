@@ -1,0 +1,49 @@
+#include "libcore/model/fields.hpp"
+
+#include <algorithm>
+
+#include "libcore/base/error.hpp"
+
+namespace hapgrid {
+
+Fields::Fields(const GridSpec& spec, const std::function<Model()>& create, bool wants_shape)
+    : spec_(spec) {
+  const std::string who = "model " + spec.model + ": ";
+  const bool is_process = spec.equality.is_declared();
+  if (is_process && !spec.stored.force)
+    throw ModelError(who +
+                     "is a process, which is too slow for forces, and this grid stores none "
+                     "(\"stored\": [\"force\"])");
+  const bool shape_missing = wants_shape && !spec.stored.shape && !is_process;
+  if (!spec.stored.force || shape_missing) {
+    model_.emplace(create());
+    if (model_->state_size() != spec.state_size)
+      throw ModelError(who + "states of " + std::to_string(model_->state_size()) +
+                       " values, the grid has " + std::to_string(spec.state_size));
+    if (!spec.stored.force && !model_->has_force())
+      throw ModelError(who + "has no force function, forces cannot be computed");
+  }
+  if (spec.stored.shape)
+    spheres_ = spec.spheres;
+  else if (model_)
+    spheres_ = model_->spheres();
+}
+
+Vec3 Fields::force(const Vec3& x, std::span<const double> row) const noexcept {
+  if (!spec_.stored.force) return model_->force(x, row.data());
+  const double* f = row.data() + spec_.force_offset();
+  return {f[0], f[1], f[2]};
+}
+
+double Fields::energy(const Vec3& x, std::span<const double> row) const noexcept {
+  return spec_.stored.energy ? row[spec_.energy_offset()] : model_->energy(x, row.data());
+}
+
+void Fields::shape(std::span<const double> row, std::span<float> centres) const noexcept {
+  if (spec_.stored.shape)
+    std::copy_n(row.data() + spec_.shape_offset(), centres.size(), centres.begin());
+  else if (!spheres_.empty())
+    model_->shape(row.data(), centres);
+}
+
+}  // namespace hapgrid

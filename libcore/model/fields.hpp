@@ -1,0 +1,41 @@
+// Force, energy and shape while a grid is played: interpolated from what it keeps with its states
+// (Sect. 2.2 of the paper), or evaluated by its model where it keeps nothing.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "libcore/model/model.hpp"
+
+namespace hapgrid {
+
+/// One is used by one thread. A row is what the player interpolates: spec.row_size() numbers, the
+/// state first.
+class Fields {
+ public:
+  /// @param spec outlives this.
+  /// @param create makes the model; called only where the force, or a wanted shape, is not stored.
+  /// @throw ModelError when no force can be had: the model has none, or it is a process, which no
+  /// haptic loop can wait for; when the model is not the grid's; what `create` throws.
+  Fields(const GridSpec& spec, const std::function<Model()>& create, bool wants_shape);
+
+  bool has_energy() const { return spec_.stored.energy || (model_ && model_->has_energy()); }
+  /// The spheres of shape(); empty where no shape can be had.
+  const std::vector<Sphere>& spheres() const { return spheres_; }
+
+  /// F(x, s) in newtons. Real-time safe, as far as the model is.
+  Vec3 force(const Vec3& x, std::span<const double> row) const noexcept;
+  /// In the model's unit; needs has_energy(). Real-time safe, as far as the model is.
+  double energy(const Vec3& x, std::span<const double> row) const noexcept;
+  /// Centres of the spheres, x y z by sphere. Real-time safe, as far as the model is.
+  void shape(std::span<const double> row, std::span<float> centres) const noexcept;
+
+ private:
+  const GridSpec& spec_;
+  std::optional<Model> model_;
+  std::vector<Sphere> spheres_;
+};
+
+}  // namespace hapgrid

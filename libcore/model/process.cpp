@@ -1,0 +1,331 @@
+#include "libcore/model/process.hpp"
+
+#include <fcntl.h>
+#include <linux/close_range.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <system_error>
+#include <utility>
+
+#include "libcore/base/error.hpp"
+
+namespace hapgrid {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::size_t kReadBytes = 1 << 16;
+constexpr auto kGrace = 2s;        // after the end of its input
+constexpr auto kTermGrace = 1s;    // after SIGTERM
+constexpr auto kEndingGrace = 1s;  // between closing its output and being gone
+constexpr std::size_t kShownCommand = 200;
+
+[[noreturn]] void fail(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// The file to execute. Looked up here and not between fork and exec, where hardly anything is
+/// allowed.
+fs::path find_program(const Command& command) {
+  const std::string& program = command.words.at(0);
+  if (program.find('/') != std::string::npos)
+    return fs::current_path() / command.directory / program;
+  const char* path = std::getenv("PATH");
+  std::string_view left = path ? path : "/usr/local/bin:/usr/bin:/bin";
+  while (!left.empty()) {
+    const std::size_t colon = left.find(':');
+    const std::string_view entry = left.substr(0, colon);
+    left.remove_prefix(colon == left.npos ? left.size() : colon + 1);
+    const fs::path file = fs::absolute(fs::path(entry) / program);
+    std::error_code ignored;
+    if (!entry.empty() && fs::is_regular_file(file, ignored) && ::access(file.c_str(), X_OK) == 0)
+      return file;
+  }
+  throw Error("cannot be started: no program " + program + " in PATH");
+}
+
+struct Pipe {
+  FileDescriptor read, write;
+  Pipe() {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0) fail("a pipe to a model process");
+    read = FileDescriptor(ends[0]);
+    write = FileDescriptor(ends[1]);
+  }
+};
+
+void set_nonblocking(int fd) {
+  if (::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) | O_NONBLOCK) != 0) fail("a pipe");
+}
+
+/// What the child does between fork and exec: only what is allowed while other threads of the
+/// parent may have held any lock. Writes errno to `failed` when it cannot.
+[[noreturn]] void become(const char* file, char* const* arguments, const char* directory, int in,
+                         int out, int failed, pid_t parent) {
+  ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::raise(SIGKILL);  // it died before prctl()
+  struct sigaction action {};
+  action.sa_handler = SIG_DFL;
+  ::sigaction(SIGPIPE, &action, nullptr);
+  sigset_t none;
+  sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  // `in` and `out` are above 2 (standard streams are always open in the tools), so none of them is
+  // overwritten before it is used.
+  const bool placed = ::dup2(in, STDIN_FILENO) >= 0 && ::dup2(out, STDOUT_FILENO) >= 0 &&
+                      (*directory == '\0' || ::chdir(directory) == 0);
+  if (placed) {
+    // Also what this program itself inherited; where the kernel is too old, ours still close.
+    ::syscall(SYS_close_range, 3u, ~0u, CLOSE_RANGE_CLOEXEC);
+    ::execv(file, arguments);
+  }
+  const int error = errno;
+  (void)!::write(failed, &error, sizeof error);
+  ::raise(SIGKILL);
+  for (;;) ::pause();
+}
+
+int milliseconds_until(ChildProcess::Clock::time_point deadline) {
+  const auto left =
+      std::chrono::ceil<std::chrono::milliseconds>(deadline - ChildProcess::Clock::now());
+  return static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 1'000'000));
+}
+
+}  // namespace
+
+std::string to_text(const Command& command) {
+  std::string text;
+  for (const std::string& word : command.words) text += (text.empty() ? "" : " ") + word;
+  if (text.size() > kShownCommand) text = text.substr(0, kShownCommand) + "...";
+  return text;
+}
+
+ChildProcess::ChildProcess(const Command& command) : buffer_(kReadBytes, '\0') {
+  const fs::path file = find_program(command);
+  std::vector<char*> arguments;
+  for (const std::string& word : command.words)
+    arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  Pipe in, out, exec;
+  const pid_t parent = ::getpid();
+  // Nothing that the parent's threads are told may run in the child before exec.
+  sigset_t all, before;
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  pid_ = ::fork();
+  if (pid_ == 0)
+    become(file.c_str(), arguments.data(), command.directory.c_str(), in.read.get(),
+           out.write.get(), exec.write.get(), parent);
+  const int fork_error = errno;
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  if (pid_ < 0) {
+    errno = fork_error;
+    fail("a model process");
+  }
+  ::setpgid(pid_, pid_);  // whichever of the two comes first
+  exec.write = FileDescriptor();
+  in.read = FileDescriptor();
+  out.write = FileDescriptor();
+  int error = 0;
+  ssize_t got;
+  do got = ::read(exec.read.get(), &error, sizeof error);
+  while (got < 0 && errno == EINTR);
+  if (got == static_cast<ssize_t>(sizeof error)) {
+    kill();
+    throw Error("cannot be started in " + (fs::current_path() / command.directory).string() + ": " +
+                std::generic_category().message(error));
+  }
+  to_ = std::move(in.write);
+  from_ = std::move(out.read);
+  set_nonblocking(to_.get());
+  set_nonblocking(from_.get());
+}
+
+ChildProcess::~ChildProcess() { end(); }
+
+ChildProcess::Event ChildProcess::pump(Clock::time_point deadline) {
+  // Taken lines are forgotten here, where no view of one is in use any more.
+  if (read_ > 0) {
+    in_.erase(0, read_);
+    scanned_ -= read_;
+    read_ = 0;
+  }
+  for (;;) {
+    while (written_ < out_.size()) {
+      const ssize_t n = ::write(to_.get(), out_.data() + written_, out_.size() - written_);
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0 && errno != EAGAIN) return Event::kEnded;
+      if (n < 0) break;
+      written_ += static_cast<std::size_t>(n);
+    }
+    if (written_ == out_.size()) {
+      out_.clear();
+      written_ = 0;
+    }
+    pollfd fds[2] = {{from_.get(), POLLIN, 0}, {to_.get(), POLLOUT, 0}};
+    const int ready = ::poll(fds, out_.empty() ? 1 : 2, milliseconds_until(deadline));
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready < 0) fail("a pipe from a model process");
+    if (ready == 0) {
+      if (Clock::now() < deadline) continue;
+      return Event::kTimeout;
+    }
+    if (fds[0].revents == 0) continue;
+    ssize_t n;
+    do n = ::read(from_.get(), buffer_.data(), buffer_.size());
+    while (n < 0 && errno == EINTR);
+    if (n > 0) {
+      in_.append(buffer_.data(), static_cast<std::size_t>(n));
+      return Event::kMoved;
+    }
+    if (n == 0 || errno != EAGAIN) return Event::kEnded;
+  }
+}
+
+bool ChildProcess::next_line(std::string_view& line) {
+  const std::size_t end = in_.find('\n', scanned_);
+  if (end == std::string::npos) {
+    scanned_ = in_.size();
+    return false;
+  }
+  line = std::string_view(in_).substr(read_, end - read_);
+  read_ = scanned_ = end + 1;
+  return true;
+}
+
+void ChildProcess::hang_up() { to_ = FileDescriptor(); }
+
+bool ChildProcess::ended() const {
+  siginfo_t info{};
+  return ::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+         info.si_pid != 0;
+}
+
+bool ChildProcess::wait_until(Clock::time_point deadline) {
+  // Most end at once when their input does.
+  for (auto pause = 100us; !ended(); pause = std::min(2 * pause, 20'000us)) {
+    if (Clock::now() >= deadline) return false;
+    // Who still writes must not wait for a reader.
+    char ignored[4096];
+    if (from_)
+      while (::read(from_.get(), ignored, sizeof ignored) > 0) {
+      }
+    std::this_thread::sleep_for(pause);
+  }
+  return true;
+}
+
+std::string ChildProcess::reap() {
+  // The whole group, while its leader's number cannot be anybody else's.
+  ::kill(-pid_, SIGKILL);
+  int status = 0;
+  while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  }
+  pid_ = -1;
+  if (WIFSIGNALED(status)) {
+    const char* name = ::sigdescr_np(WTERMSIG(status));
+    return "was killed by signal " + std::to_string(WTERMSIG(status)) +
+           (name ? std::string(" (") + name + ")" : "");
+  }
+  return "exited with status " + std::to_string(WEXITSTATUS(status));
+}
+
+void ChildProcess::end() {
+  if (pid_ < 0) return;
+  hang_up();
+  if (!wait_until(Clock::now() + kGrace)) {
+    ::kill(-pid_, SIGTERM);
+    wait_until(Clock::now() + kTermGrace);
+  }
+  reap();
+}
+
+void ChildProcess::kill() {
+  if (pid_ >= 0) reap();
+}
+
+std::string ChildProcess::how_it_ended() {
+  if (pid_ < 0) return "ended";
+  hang_up();
+  const bool by_itself = wait_until(Clock::now() + kEndingGrace);
+  const std::string how = reap();
+  return by_itself ? how : "closed its standard output and stayed";
+}
+
+Starter::Starter() : thread_([this] { work(); }) {}
+
+Starter::~Starter() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void Starter::work() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return stop_ || task_; });
+    if (!task_) return;
+    task_();
+    task_ = nullptr;
+    changed_.notify_all();
+  }
+}
+
+std::unique_ptr<ChildProcess> Starter::start(const Command& command) {
+  std::unique_ptr<ChildProcess> child;
+  std::exception_ptr failure;
+  bool done = false;
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return !task_; });
+  task_ = [&] {
+    try {
+      child = std::make_unique<ChildProcess>(command);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    done = true;
+  };
+  changed_.notify_all();
+  changed_.wait(lock, [&done] { return done; });
+  if (failure) std::rethrow_exception(failure);
+  return child;
+}
+
+NoSigpipe::NoSigpipe() {
+  sigset_t pipe, before, pending;
+  sigemptyset(&pipe);
+  sigaddset(&pipe, SIGPIPE);
+  ::sigpending(&pending);
+  ::pthread_sigmask(SIG_BLOCK, &pipe, &before);
+  hold_ = !sigismember(&before, SIGPIPE) && !sigismember(&pending, SIGPIPE);
+}
+
+NoSigpipe::~NoSigpipe() {
+  if (!hold_) return;
+  sigset_t pipe;
+  sigemptyset(&pipe);
+  sigaddset(&pipe, SIGPIPE);
+  const timespec at_once{};
+  while (::sigtimedwait(&pipe, nullptr, &at_once) < 0 && errno == EINTR) {
+  }
+  ::pthread_sigmask(SIG_UNBLOCK, &pipe, nullptr);
+}
+
+}  // namespace hapgrid

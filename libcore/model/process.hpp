@@ -1,0 +1,119 @@
+// A child process that is spoken to in lines: what it takes to start one, feed it, hear it, notice
+// how it ended, and be sure that it is gone.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "libcore/base/file.hpp"
+
+namespace hapgrid {
+
+/// What is run: no shell in between.
+struct Command {
+  std::vector<std::string> words;   ///< program and arguments; the program is looked up in PATH
+  std::filesystem::path directory;  ///< where it runs, and where "./program" is looked for
+};
+
+/// The words with spaces between, for messages; long ones are cut.
+std::string to_text(const Command& command);
+
+/// The child has pipes as standard input and output and inherits standard error; every other file
+/// of this process is closed in it, and it leads a process group of its own, so that a Ctrl-C at
+/// the terminal is this program's alone. The kernel kills it when the thread that started it ends:
+/// use a Starter.
+class ChildProcess {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// @throw Error "cannot be started: ..." when the program is not found or cannot be executed.
+  explicit ChildProcess(const Command& command);
+  /// As end().
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  /// Text that pump() is to write.
+  void send(std::string_view text) { out_ += text; }
+
+  enum class Event { kMoved, kTimeout, kEnded };
+  /// Writes and reads what can be without waiting; waits until `deadline` at most when nothing can.
+  /// kEnded: the child has closed its output, or its input while there was something to write.
+  /// The calling thread must hold SIGPIPE back (NoSigpipe).
+  Event pump(Clock::time_point deadline);
+  /// The next whole line that came, without its end; valid until the next call of pump().
+  bool next_line(std::string_view& line);
+  /// What came behind the last whole line.
+  std::string_view rest() const { return std::string_view(in_).substr(read_); }
+
+  /// Closes its standard input: a process that reads to the end ends by itself.
+  void hang_up();
+  /// hang_up(), then after a grace of 2 s SIGTERM, after another 1 s SIGKILL.
+  void end();
+  /// Kills it at once.
+  void kill();
+  /// After kEnded: how it did, "exited with status 3". Kills one that lives on.
+  std::string how_it_ended();
+
+ private:
+  bool ended() const;
+  bool wait_until(Clock::time_point deadline);
+  std::string reap();
+
+  pid_t pid_ = -1;  // -1: reaped
+  FileDescriptor to_, from_;
+  std::string out_;
+  std::size_t written_ = 0;
+  std::string in_;
+  std::string buffer_;       // that read() fills
+  std::size_t read_ = 0;     // lines before are taken
+  std::size_t scanned_ = 0;  // no line ends in [read_, scanned_)
+};
+
+/// Starts children from a thread of its own, which lives as long as this object: workers come and
+/// go, and a child is killed with the thread that started it - so it dies with this program,
+/// however that ends. Children must not outlive it.
+class Starter {
+ public:
+  Starter();
+  ~Starter();
+  Starter(const Starter&) = delete;
+  Starter& operator=(const Starter&) = delete;
+
+  /// From any thread. @throw what ChildProcess throws.
+  std::unique_ptr<ChildProcess> start(const Command& command);
+
+ private:
+  void work();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::function<void()> task_;
+  bool stop_ = false;
+  std::thread thread_;
+};
+
+/// Holds SIGPIPE back in the calling thread, so that writing to a child that died is an error and
+/// not the end of this program, for whose own standard output SIGPIPE keeps its meaning.
+class NoSigpipe {
+ public:
+  NoSigpipe();
+  ~NoSigpipe();
+  NoSigpipe(const NoSigpipe&) = delete;
+  NoSigpipe& operator=(const NoSigpipe&) = delete;
+
+ private:
+  bool hold_ = false;  // nobody held it back or had it pending before
+};
+
+}  // namespace hapgrid

@@ -1,0 +1,77 @@
+#include "libcore/scene/output.hpp"
+
+#include <limits.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+namespace hapgrid {
+
+namespace {
+
+constexpr int kAskEvery_ms = 20;
+
+/// While it lives the calling thread gets EPIPE and no SIGPIPE. The signal that came with it is
+/// taken away, so that it does not arrive later.
+class NoSigpipe {
+ public:
+  NoSigpipe() {
+    ::sigemptyset(&pipe_);
+    ::sigaddset(&pipe_, SIGPIPE);
+    ::pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+  }
+  ~NoSigpipe() {
+    if (::sigismember(&before_, SIGPIPE)) return;
+    const timespec now{};
+    while (::sigtimedwait(&pipe_, nullptr, &now) < 0 && errno == EINTR) {
+    }
+    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  NoSigpipe(const NoSigpipe&) = delete;
+  NoSigpipe& operator=(const NoSigpipe&) = delete;
+
+ private:
+  sigset_t pipe_;
+  sigset_t before_;
+};
+
+}  // namespace
+
+FrameOutput::FrameOutput(OutputFile file) : file_(std::move(file)) {
+  // A pipe that poll() calls writable takes PIPE_BUF bytes. O_NONBLOCK would say the same of any
+  // number, but belongs to the pipe and not to us: whoever else writes to it would see it.
+  struct stat status {};
+  const bool regular = ::fstat(file_.fd(), &status) == 0 && S_ISREG(status.st_mode);
+  piece_ = regular ? std::numeric_limits<std::size_t>::max() : PIPE_BUF;
+}
+
+FrameOutput::Status FrameOutput::write(std::span<const std::byte> message,
+                                       const std::function<bool()>& give_up) {
+  const NoSigpipe no_sigpipe;
+  const auto fail = [&] { throw std::system_error(errno, std::generic_category(), file_.name()); };
+  while (!message.empty()) {
+    pollfd viewer{file_.fd(), POLLOUT, 0};
+    const int ready = ::poll(&viewer, 1, kAskEvery_ms);
+    if (ready < 0 && errno != EINTR) fail();
+    if (ready <= 0) {
+      if (give_up()) return Status::kGivenUp;
+      continue;
+    }
+    const ssize_t count = ::write(file_.fd(), message.data(), std::min(message.size(), piece_));
+    if (count < 0 && errno == EPIPE) return Status::kClosed;
+    if (count < 0 && errno != EINTR && errno != EAGAIN) fail();
+    if (count > 0) message = message.subspan(static_cast<std::size_t>(count));
+  }
+  return Status::kWritten;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,48 @@
+// What a viewer is told of a running play (schemas/frame.capnp): a scene once, and a frame 25 times
+// a second. Lengths and positions are in the model's unit of length.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "libcore/grid/spec.hpp"
+
+namespace hapgrid {
+
+/// Frames a second of play's time: what an eye takes for motion (Sect. 2.4).
+inline constexpr int kFramesPerSecond = 25;
+
+/// What stays the same in all frames.
+struct Scene {
+  std::string model;
+  std::string length_unit;  ///< for people; may be empty
+  std::string energy_unit;  ///< for people; may be empty
+  Box box;
+  std::uint32_t state_size = 1;
+  double hip_radius = 0;  ///< of the ball that the HIP moves; 0: unknown
+  std::vector<Sphere> spheres;
+  friend bool operator==(const Scene&, const Scene&) = default;
+};
+
+/// One tick as the haptic loop knows it.
+struct Snapshot {
+  std::uint64_t tick = 0;
+  double time_s = 0;
+  Vec3 hip{};        ///< as the device gave it; may be outside the box or not finite
+  Vec3 position{};   ///< held in the box: where state, energy and force belong to
+  Vec3 force{};      ///< newtons, as sent
+  Vec3 raw_force{};  ///< newtons, before the safety core; NaN where it was not computed
+  std::array<std::uint8_t, 8> levels{};  ///< in the corners i + 2j + 4k of the cell
+  std::vector<double> row;  ///< the state, then what the grid keeps with it, which no stream has
+};
+
+/// A snapshot with what takes too long for the haptic loop.
+struct Frame : Snapshot {
+  double energy = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the model has none
+  std::vector<float> centres;                                ///< of the spheres, x y z by sphere
+};
+
+}  // namespace hapgrid

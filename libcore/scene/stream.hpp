@@ -1,0 +1,74 @@
+// The stream of frames (schemas/frame.capnp), written and read.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libcore/base/file.hpp"
+#include "libcore/scene/scene.hpp"
+
+namespace hapgrid {
+
+/// Makes messages. Memory is taken for the first message of a size and kept.
+class SceneEncoder {
+ public:
+  /// The message is valid until the next call.
+  std::span<const std::byte> encode(const Scene& scene);
+  /// @param state_size how many numbers of the frame's row are its state.
+  std::span<const std::byte> encode(const Frame& frame, std::size_t state_size);
+
+ private:
+  template <class F>
+  std::span<const std::byte> build(std::size_t words, F&& fill);
+
+  std::vector<std::uint64_t> segment_;  // where a message is built
+  std::vector<std::uint64_t> message_;  // with its segment table in front
+};
+
+/// Reads a stream as it comes: a frame is given out as soon as its last byte is there, so that a
+/// live viewer is never behind. The stream is hostile: sizes are checked before memory is taken,
+/// and what was read agrees with the scene.
+class SceneReader {
+ public:
+  /// Takes the scene off the stream; "-" is standard input.
+  /// @throw std::system_error; FormatError "NAME: byte N: ..." when there is none.
+  explicit SceneReader(const std::string& name);
+  /// A file that is open already, from where it stands.
+  SceneReader(FileDescriptor file, std::string name);
+
+  /// The name for messages: "standard input" for "-".
+  const std::string& name() const { return name_; }
+  const Scene& scene() const { return scene_; }
+
+  /// The next frame; false where the stream ends behind a whole message. Every frame has the
+  /// scene's sizes, a finite time, and a tick above the one before.
+  /// @throw std::system_error; FormatError "NAME: byte N: ...", the byte where the message starts.
+  bool next(Frame& frame);
+
+ private:
+  /// Gets the next message into words_; false at the end. `limit` is in bytes.
+  bool take_message(std::uint64_t limit);
+  bool take(std::byte* to, std::size_t size);
+  void take_scene();
+  template <class F>
+  void decode(F&& use) const;
+
+  std::string name_;
+  FileDescriptor owned_;
+  int fd_ = -1;
+  std::vector<std::byte> buffer_;  // what was read and not taken yet: begin_ .. end_
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  std::uint64_t taken_ = 0;    // bytes of the stream
+  std::uint64_t message_ = 0;  // where the message starts, in bytes
+  std::vector<std::uint64_t> words_;
+  Scene scene_;
+  std::uint64_t frame_limit_ = 0;
+  bool any_frame_ = false;
+  std::uint64_t last_tick_ = 0;
+};
+
+}  // namespace hapgrid

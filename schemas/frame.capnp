@@ -1,0 +1,115 @@
+# The stream of play for viewers: what the hand feels, 25 times a second. It is a sequence of
+# Cap'n Proto messages with the root Message in standard stream framing, uncompressed: one scene,
+# then any number of frames, ascending by tick.
+#
+#   capnp decode schemas/frame.capnp Message < x.frames
+#
+# prints it. It may end behind any message: play was stopped then, or is over. schemas/README.md says
+# how this file may change.
+@0xfaee0b0fb5fb4886;
+
+# The annotation of capnp/c++.capnp, repeated so that this file needs no other one to be decoded with.
+annotation namespace @0xb9c6f99ebf805f2c (file) :Text;
+$namespace("hapgrid::scene_schema");
+
+struct Message {
+  union {
+    scene @0 :Scene;
+    frame @1 :Frame;
+  }
+}
+
+struct Scene {
+  # What stays the same in all frames. Lengths and positions are in lengthUnit.
+
+  magic @0 :UInt64;
+  # 0x6861706772696466, "hapgridf" in ASCII.
+
+  version @1 :UInt32;
+  # Format version, 1. A reader refuses any other.
+
+  model @2 :Text;
+  # The plug-in's plain name, never a path.
+
+  lengthUnit @3 :Text;
+  # For people: "angstrom"; may be empty.
+
+  energyUnit @4 :Text;
+  # For people: "kJ/mol"; may be empty.
+
+  box @5 :Box;
+
+  stateSize @6 :UInt32;
+  # n, the number of components of a state.
+
+  hipRadius @7 :Float64;
+  # Of the ball that the HIP moves; 0 is unknown.
+
+  spheres @8 :List(Sphere);
+  # What shows a state; empty where the model has no shape.
+}
+
+struct Box {
+  originX @0 :Float64;
+  originY @1 :Float64;
+  originZ @2 :Float64;
+  # Position of the grid's point (0, 0, 0).
+
+  spacing @3 :Float64;
+  countX @4 :UInt32;
+  countY @5 :UInt32;
+  countZ @6 :UInt32;
+}
+
+struct Sphere {
+  radius @0 :Float32;
+
+  red @1 :Float32;
+  green @2 :Float32;
+  blue @3 :Float32;
+  # In [0, 1].
+
+  label @4 :Text;
+  # Of an atom its element's symbol; may be empty.
+}
+
+struct Vector {
+  x @0 :Float64;
+  y @1 :Float64;
+  z @2 :Float64;
+}
+
+struct Frame {
+  # One tick of the haptic loop.
+
+  time @0 :Float64;
+  # Seconds of play: the tick's number divided by the rate of play.
+
+  tick @1 :UInt64;
+  # The tick's number; missed ticks count.
+
+  hip @2 :Vector;
+  # As the device gave it; it can be outside the box, or no number.
+
+  position @3 :Vector;
+  # Held in the box: where state, energy and force belong to.
+
+  force @4 :Vector;
+  # Newtons, as it was sent to the device.
+
+  rawForce @5 :Vector;
+  # Newtons, as the model gave it, before the safety core; NaN where the model was not asked, since
+  # the output was held at zero.
+
+  energy @6 :Float64;
+  # In energyUnit; NaN where the model has none.
+
+  state @7 :List(Float64);
+  # The interpolated state, stateSize components.
+
+  levels @8 :List(UInt8);
+  # Eight: the levels in the corners i + 2j + 4k of the cell.
+
+  centres @9 :List(Float32);
+  # Of the scene's spheres, x y z by sphere.
+}

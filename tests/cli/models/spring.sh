@@ -1,0 +1,59 @@
+#!/bin/bash
+# The bead between two wells, from plug-ins in C and in Fortran: complete grids that verify, the same
+# states from both, and refusals in one line.
+source "$(dirname "$0")/../lib.sh"
+models=$(readlink -f "$HAPGRID_BIN/../models")
+names=(spring-c)
+if [[ -e $models/spring-fortran.so ]]; then names+=(spring-fortran); fi
+
+small=(--set 'grid.origin=[-12.5, -14.5, -0.5]' --set 'grid.counts=[26, 30, 2]')
+for name in "${names[@]}"; do
+  toml=$HAPGRID_SOURCE/examples/$name/$name.toml
+  seed "$toml" "${small[@]}" | expand --complete -j 2 -o "$name.grid"
+  expect 0 '~.*' '~verify: fine: [0-9]+ checks' -- verify "$name.grid" --recompute all
+  seed "$toml" "${small[@]}" -o seeds
+  rounds seeds rounds.grid
+  cmp rounds.grid "$name.grid"
+  stats --dump "$name.grid" >"$name.dump"
+
+  refuses "seed: model $name: unknown parameter weight \(known: wells, depth, stiffness, reach, strength, tolerance\)" \
+    -- seed "$toml" --set model.parameters.weight=1
+  refuses "seed: model $name: parameter reach is -1(\.0*E\+00)?, it must be positive" \
+    -- seed "$toml" --set model.parameters.reach=-1.0
+  refuses "seed: model $name: parameter depth must be a number" \
+    -- seed "$toml" --set 'model.parameters.depth="deep"'
+  # The spring breaks on the way: where, and from which state.
+  seed "$toml" "${small[@]}" --set model.parameters.strength=12 -o weak.seeds
+  refuses "expand: conversion at point [0-9]+ \([0-9, ]+\) level [01], direction [0-9]+: the spring broke: stretched to [0-9.eE+]+ mm, its strength is [0-9.eE+]+ mm" \
+    -- expand --complete weak.seeds -o out
+  [[ ! -e out ]] || fail 'half a grid'
+done
+
+# Both wells off the rail, one branch on it.
+python3 - spring-c.dump <<'END2'
+import sys
+levels = {}
+for line in open(sys.argv[1]):
+    if line.startswith("#"):
+        continue
+    i, j, k, level, s = line.split("\t")[:5]
+    levels.setdefault((int(i), int(j), int(k)), []).append(float(s))
+two = [p for p, s in levels.items() if len(s) == 2]
+assert all(min(levels[p]) < 0 < max(levels[p]) for p in two)
+assert all(len(s) <= 2 for s in levels.values())
+assert (12, 0, 0) in two and (12, 14, 0) not in two, two
+END2
+
+# The same records with the same links, and states that differ by rounding (cbrt against a power).
+if (( ${#names[@]} == 2 )); then
+  python3 - spring-c.dump spring-fortran.dump <<'END2'
+import sys
+a, b = (open(name).read().splitlines() for name in sys.argv[1:])
+assert len(a) == len(b) > 700, (len(a), len(b))
+for x, y in zip(a, b):
+    x, y = x.split("\t"), y.split("\t")
+    assert x[:4] + x[5:] == y[:4] + y[5:], (x, y)
+    if not x[0].startswith("#"):
+        assert abs(float(x[4]) - float(y[4])) < 1e-9, (x, y)
+END2
+fi

@@ -1,0 +1,115 @@
+# The frames of play: which ticks they are, what is in them, and viewers of all kinds.
+source "$(dirname "$0")/../lib.sh"
+frames=$HAPGRID_SOURCE/schemas/frame.capnp
+seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
+
+# 362 ticks there and back: frames at 0, 40, ..., 360, and the last one, 361.
+for i in {-90..90} {90..-90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
+expect 0 '' "~play: 362 ticks, .*
+play: ticks outside the box 0, .*
+play: frames written 11, dropped 0" -- play grid --device path:path --frames x.frames --log log
+capnp convert binary:json --short "$frames" Message <x.frames >json
+same "messages" 12 "$(wc -l <json)"
+python3 - <<'PYTHON'
+import json, math
+scene, *frames = [json.loads(line) for line in open("json")]
+scene, frames = scene["scene"], [f["frame"] for f in frames]
+assert scene["model"] == "hung-ball" and scene["lengthUnit"] == "rope lengths", scene
+assert scene["box"]["countX"] == 20 and scene["stateSize"] == 1 and scene["hipRadius"] == 0.1
+assert len(scene["spheres"]) == 10 and abs(scene["spheres"][0]["radius"] - 0.1) < 1e-8
+assert [int(f["tick"]) for f in frames] == [*range(0, 361, 40), 361], frames
+log = [line.rstrip("\n").split("\t") for line in open("log")]
+names = {name: i for i, name in enumerate(["t", *log[0][1:]])}
+touched = 0
+for f in frames:
+    row = log[1 + int(f["tick"])]
+    at = lambda name: float(row[names[name]])
+    triple = lambda v: [f[v][a] for a in "xyz"]
+    assert f["time"] == at("t")
+    assert triple("hip") == triple("position") == [at("x"), at("y"), at("z")]
+    assert triple("force") == triple("rawForce") == [at("fx"), at("fy"), at("fz")]
+    assert f["levels"] == [int(row[names[f"l{i}"]]) for i in range(8)]
+    assert f["state"] == [at("s0")] and f["energy"] == at("energy")
+    assert len(f["centres"]) == 30
+    assert abs(f["centres"][0] - math.sin(at("s0"))) < 1e-7
+    assert abs(f["energy"] - (1 - math.cos(at("s0")))) < 1e-15
+    touched += f["energy"] > 0
+assert 2 < touched < 9
+PYTHON
+capnp decode "$frames" Message <x.frames | grep 'tick = 361' >/dev/null || fail "capnp decode"
+
+# The same bytes again, through a pipe, and with the log elsewhere.
+play grid --device path:path --frames - 2>/dev/null | cmp - x.frames
+play grid --device path:path --frames again --log - 2>/dev/null | cmp - log
+cmp again x.frames
+# A single tick is one frame, held in the box; a force that is limited is there as it was, too.
+echo '-9 0 0' >one
+play grid --device path:one --frames one.frames 2>/dev/null
+capnp decode --short "$frames" Message <one.frames | tail -1 >text
+grep -q 'tick = 0, hip = (x = -9, y = 0, z = 0), position = (x = -0.975, y = 0, z = 0)' text ||
+  fail "$(cat text)"
+play grid --device path:path --frames limited.frames --max-force 0.05 2>/dev/null
+capnp convert binary:json --short "$frames" Message <limited.frames | python3 -c '
+import json, math, sys
+norm = lambda v: math.hypot(v["x"], v["y"], v["z"])
+frames = [json.loads(line)["frame"] for line in list(sys.stdin)[1:]]
+limited = [f for f in frames if norm(f["rawForce"]) > 0.05]
+assert limited and all(abs(norm(f["force"]) - 0.05) < 1e-15 for f in limited)'
+
+# Paced: the newest tick 25 times a second, and the last one; a viewer that reads misses nothing
+# that can be asserted on a machine which may stall, but it gets whole frames in their order.
+head -301 path | tail -300 >short
+play grid --device path:short --rate 1000 --frames - --log paced.log 2>err | view --format json >json
+python3 - <<'PYTHON'
+import json
+report = json.load(open("json"))
+last = open("paced.log").readlines()[-1].split("\t")
+assert report["last_s"] == float(last[0]), (report, last[0])
+# At 0, 40, ..., at the latest with the last tick, and that one itself.
+assert 1 <= report["frames"] <= report["last_s"] * 25 + 3, report
+PYTHON
+same "paced frames" "$(sed -nE 's/.*"frames": ([0-9]+),.*/\1/p' json)" \
+  "$(sed -nE 's/play: frames written ([0-9]+), dropped [0-9]+/\1/p' err)"
+
+# Viewers that die, sleep or wake up late.
+python3 "$here/viewers.py" grid path
+
+# A signal: the frames so far are a whole file.
+# A shell starts background commands with SIGINT ignored; env undoes that.
+for i in {1..500}; do echo "0.0$i 0 0"; done >slow
+env --default-signal=INT,HUP,TERM play grid --device path:slow --rate 100 --frames signal.frames 2>err &
+pid=$!
+for _ in {1..500}; do # until the handlers are there, as in signal.sh
+  program=$(cat /proc/$pid/comm)
+  mask=$(sed -n 's/^SigCgt:\t//p' /proc/$pid/status)
+  [[ $program == play && $((0x$mask & 0x4003)) == $((0x4003)) ]] && break
+  sleep 0.02
+done
+sleep 0.3
+kill -TERM $pid
+code=0
+wait $pid || code=$?
+same "exit code" 143 "$code"
+expect 0 '~model .*' '' -- view signal.frames
+
+# Refused.
+help='(see play --help)'
+expect 2 '' "play: --frames: the frames would replace the grid $help" \
+  -- play grid --device path:path --frames ./grid
+expect 2 '' "play: --log and --frames cannot both be - $help" \
+  -- play grid --device path:path --frames - --log -
+expect 2 '' "play: --log and --frames cannot both be both $help" \
+  -- play grid --device path:path --frames both --log both
+expect 1 '' "play: nowhere/x: No such file or directory" \
+  -- play grid --device path:path --frames nowhere/x
+for rate in '' '--rate 1000'; do
+  # shellcheck disable=SC2086  # two words or none
+  refuses 'play: /dev/full: No space left on device' -- \
+    play grid --device path:one --frames /dev/full $rate
+done
+refuses 'play: standard output: Bad file descriptor' -- \
+  bash -c 'exec play grid --device path:path --frames - >&-'
+if command -v script >/dev/null; then
+  same "a terminal" "play: standard output is a terminal: redirect it, or name a file after --frames" \
+    "$(script -qec 'play grid --device path:path --frames -' /dev/null </dev/null | tr -d '\r')"
+fi

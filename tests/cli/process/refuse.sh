@@ -1,0 +1,139 @@
+#!/bin/bash
+# What a model process is not allowed, cannot do, or does wrong: one line, and no half of a file.
+source "$(dirname "$0")/../lib.sh"
+processes=$HAPGRID_SOURCE/tests/unit/model/processes
+
+define() {  # NAME WORD...: the puppet, told to do something
+  local words
+  words=$(printf ', "%s"' "${@:2}")
+  cat <<TOML
+model = {name = "$1", process = ["python3", "$processes/puppet.py"$words]}
+grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 3, 3]}
+seeds = {points = [[0, 0, 0]]}
+TOML
+}
+define puppet >good.toml
+who="process 'python3 [^ ]*/puppet\.py"
+
+# Nothing is started that the command line does not allow.
+cat >touch.toml <<TOML
+model = {name = "puppet", process = ["touch", "started"]}
+grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 3, 3]}
+TOML
+refuses "seed: touch\.toml: the model is a process, 'touch started', which is only started with --allow-process" \
+  -- seed touch.toml -o out
+[[ ! -e started ]] || fail "it was started"
+seed good.toml --allow-process -o seeds
+expand --complete seeds --allow-process good.toml -o grid
+only='is a process, which is only started with --allow-process MODEL\.toml'
+refuses "expand: model puppet: $only" -- expand seeds -o out
+refuses "expand: model puppet: $only" -- expand --complete seeds -o out
+refuses "verify: model puppet: $only \(or leave C out: --recompute none\)" -- verify grid -o out
+expect 0 '' '~verify: .*' -- verify grid --recompute none -o report
+# Its force is not stored.
+echo '0 0 0' >path
+refuses "play: .*model puppet.*force.*" -- play grid --device path:path
+
+# A definition that is not the grid's.
+define other >other.toml
+refuses "expand: other\.toml: defines the model other, the grid's is puppet" -- \
+  expand seeds --allow-process other.toml -o out
+refuses "expand: $ball: (line [0-9]+: )?the key model\.process is missing" -- expand seeds --allow-process "$ball" -o out
+refuses "expand: gone\.toml: No such file or directory" -- expand seeds --allow-process gone.toml -o out
+expect 2 '' '~expand: .*' -- expand seeds --allow-process
+for bad in 0 -1 nan x; do
+  expect 2 '' '~expand: .*--process-timeout.*' -- expand seeds --allow-process good.toml --process-timeout $bad
+done
+expect 2 '' '~expand: .*--in-flight.*' -- expand seeds --allow-process good.toml --in-flight 0
+
+# Definitions.
+bad() {  # SED MESSAGE
+  sed "$1" good.toml >bad.toml
+  refuses "seed: bad\.toml: (line [0-9]+: )?$2" -- seed bad.toml --allow-process -o out
+}
+bad 's/name = "puppet", //' 'the key model\.name is missing'
+bad 's/"puppet"/"..\/puppet"/' "model\.name '\.\./puppet': it has only letters, digits, '-' and '_'"
+bad 's/name = "puppet"/name = "puppet", plugin = "toy"/' 'model\.plugin and model\.process exclude each other'
+bad 's/process = \[.*\]}/process = []}/' 'model\.process names no program'
+bad 's/process = \[.*\]}/process = "python3"}/' 'model\.process must be an array'
+bad 's/process = \[.*\]}/process = [1]}/' 'model\.process must be a text in quotes'
+bad 's/process = \[.*\]}/plugin = "toy"}/' 'model\.name is for a model\.process; a plug-in has its own'
+
+# Processes that do not start, or say something impossible of themselves.
+starts() {  # WORD MESSAGE
+  define puppet $1 >told.toml
+  refuses "seed: model puppet: $who $1' $2" -- seed told.toml --allow-process -o out
+  refuses "expand: model puppet: $who $1' $2" -- expand seeds --allow-process told.toml -o out
+}
+starts version 'it speaks version 2 of the protocol, this hapgrid speaks 1'
+starts unknown-key 'unknown key "tolerence" in its description \(known: .*\)'
+starts no-size 'its description has no "state_size"'
+starts dead 'exited with status 5 before it had said what it is'
+starts binary 'its first line is no JSON: .*'
+define puppet refuse >told.toml
+refuses "seed: model puppet: no way" -- seed told.toml --allow-process -o out
+sed 's/"python3"/"no-such-program"/' good.toml >bad.toml
+refuses "seed: model puppet: process 'no-such-program .*' cannot be started: no program no-such-program in PATH" \
+  -- seed bad.toml --allow-process -o out
+sed "s/\"python3\"/\".\/good.toml\"/" good.toml >bad.toml
+refuses "seed: model puppet: process '\./good\.toml .*' cannot be started in .*: Permission denied" \
+  -- seed bad.toml --allow-process -o out
+# Another tolerance function than the grid's.
+define puppet rms >told.toml
+changed='was the process changed since the grid was seeded\?'
+refuses "expand: model puppet: another tolerance function than the grid's; $changed" -- \
+  expand seeds --allow-process told.toml -o out
+seed told.toml --allow-process -o rms.seeds
+expand rms.seeds --allow-process told.toml -o rms.requests
+refuses "merge: rms\.requests: another grid than seeds: the tolerance function" -- merge seeds rms.requests -o out
+
+# Conversions that fail are named, the same with any number of processes; what was there stays.
+echo before >out
+conversion='conversion at point 0 \(0, 0, 0\) level 0, direction 13'
+fails() {  # WORDS MESSAGE
+  define puppet $1 >told.toml
+  refuses "expand: $conversion: $who $1' $2; asked 3 times" -- \
+    expand seeds --allow-process told.toml -o out "${@:3}"
+}
+fails 'die 1' 'exited with status 7'
+fails 'die 1' 'exited with status 7' -j 3
+fails 'crash 1' 'was killed by signal 11 \(Segmentation fault\)'
+fails 'garbage 1' "answered 'Segmentation fault \(core dumped\)': no JSON: .*"
+fails 'id 1' 'answered a request 4000000000 that it does not have'
+fails 'long 1' 'an answer with 3 numbers in "s", not 2'
+fails 'nan 1' "answered '.*': no JSON: .*"
+fails 'huge 1' 'wrote a line of more than 4224 bytes'
+fails 'close 1' 'closed its standard output and stayed'
+fails 'hang 1' 'gave no answer within 0\.5 s' --process-timeout 0.5
+define puppet fail >told.toml
+refuses "expand: $conversion: told to fail" -- expand seeds --allow-process told.toml -o out
+same "what was there" before "$(cat out)"
+rm out
+
+# Standard error passes through; nothing else of this program's is open in the model.
+define puppet stderr >told.toml
+expect 0 '' 'hello from the model' -- expand seeds --allow-process told.toml -o requests
+cat >fds.py <<'PYTHON'
+import os, sys
+exec(open(sys.argv[1]).read().replace('fault = ', 'say_fds = sorted(int(f) for f in os.listdir("/proc/self/fd") if os.path.exists(f"/proc/self/fd/{f}"))\nprint(say_fds, file=sys.stderr)\nfault = ', 1).replace("sys.argv", "['']"))
+PYTHON
+sed "s|\"$processes/puppet.py\"|\"fds.py\", &|" good.toml >fds.toml
+expect 0 '' '[0, 1, 2]' -- expand seeds --allow-process fds.toml -o requests 9</dev/null
+
+# No process is left after a signal to the tool, and no half of a file.
+for signal in TERM HUP KILL; do
+  define puppet "hang" >told.toml
+  mark=$RANDOM$RANDOM
+  sed -i "s/\"hang\"/\"hang\", \"1\", \"$mark\"/" told.toml
+  "$HAPGRID_BIN/expand" seeds --allow-process "$PWD/told.toml" -j 2 -o half &
+  tool=$!
+  until [[ $(pgrep -c -f "puppet.py hang 1 $mark") -ge 2 ]]; do sleep 0.05; done
+  kill -$signal $tool
+  wait $tool 2>/dev/null || true
+  for try in $(seq 100); do
+    pgrep -f "puppet.py hang 1 $mark" >/dev/null || break
+    sleep 0.05
+  done
+  ! pgrep -f "puppet.py hang 1 $mark" >/dev/null || fail "a model is left after $signal"
+  [[ ! -e half ]] || fail "half a file after $signal"
+done

@@ -1,0 +1,135 @@
+# What view makes of frames: report, trajectory, picture; and what it refuses.
+source "$(dirname "$0")/../lib.sh"
+frames=$HAPGRID_SOURCE/schemas/frame.capnp
+seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
+for i in {-90..90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
+play grid --device path:path --frames x.frames 2>/dev/null # 181 ticks: 6 frames
+
+# The report.
+report='model    hung-ball
+frames   6, from 0 s to 0\.18 s
+spheres  10, in x -0\.1 \.\. 0\.[0-9]+, y -0\.1 \.\. 0\.1, z -0\.1 \.\. 1\.0125 rope lengths
+force    at most 0\.[0-9]+ N, at 0\.[0-9]+ s
+energy   0 \.\. 0\.[0-9]+ N rope lengths'
+expect 0 "~$report" '' -- view x.frames
+expect 0 "~$report" '' -- view <x.frames
+expect 0 "~$report" '' -- view - --info <x.frames
+view x.frames --format json | python3 -c '
+import json, sys
+r = json.load(sys.stdin)
+assert list(r) == ["model", "length_unit", "energy_unit", "box", "state_size", "spheres", "frames",
+                   "first_s", "last_s", "bounds", "largest_force", "largest_force_s", "energy"], list(r)
+assert r["box"]["counts"] == [20, 10, 10] and r["frames"] == 6 and r["last_s"] == 0.18
+assert r["largest_force_s"] in [0.04, 0.08, 0.12, 0.16] and 0 < r["largest_force"] < 3
+assert len(r["bounds"]) == 3 and r["energy"][0] == 0'
+
+# A scene alone is a stream, and so is one that ends behind any message.
+size=$(capnp decode --short "$frames" Message <x.frames | sed -n 1p |
+  capnp encode "$frames" Message | wc -c)
+head -c "$size" x.frames >scene
+expect 0 $'model    hung-ball\nframes   0\nspheres  10\nforce    none' '' -- view scene
+expect 0 '' '' -- view scene --xyz -
+view --format json <scene | grep -q '"last_s": null' || fail "nulls"
+
+# Other writers cut messages into segments.
+capnp decode "$frames" Message <x.frames |
+  capnp encode --segment-size=20 "$frames" Message >segments
+view segments | cmp - <(view x.frames)
+
+# The trajectory: as a file, on standard output, live through a pipe.
+expect 0 '' '' -- view x.frames --xyz x.xyz
+view --xyz - <x.frames | cmp - x.xyz
+play grid --device path:path --frames - 2>/dev/null | view --xyz - | cmp - x.xyz
+same "lines" $((6 * 12)) "$(wc -l <x.xyz)"
+same "first lines" $'10\ntime=0 tick=0 hip=-0.9,0.01,0 force=0,0,0 energy=0\nX 0.000000 0.000000 0.000000' \
+  "$(head -3 x.xyz)"
+view x.frames --xyz hip.xyz --hip-label Xx --info | grep -q '^frames   6' || fail "--info"
+same "the HIP" 'Xx -0.900000 0.010000 0.000000' "$(sed -n 13p hip.xyz)"
+if command -v obabel >/dev/null; then
+  for file in "x.xyz 10" "hip.xyz 11"; do
+    # A molecule a frame; the fourth line of a MOL block starts with the number of its atoms.
+    obabel -ixyz "${file% *}" -omol -m -O mol.mol 2>err || fail "$(cat err)"
+    grep -q '^6 molecules converted' err || fail "Open Babel: $(cat err)"
+    same "atoms" "${file#* }" "$(awk 'NR == 4 { print substr($0, 1, 3) + 0 }' mol6.mol)"
+  done
+fi
+
+# Pictures. python3 "$here/png.py" decodes them with zlib alone and prints "W x H colours...".
+expect 0 '' '' -- view x.frames --png last.png
+same "size" "800 x 600" "$(python3 "$here/png.py" size last.png)"
+view --png - <x.frames | cmp - last.png
+view x.frames --at 1e6 --png - | cmp - last.png
+play grid --device path:path --frames - 2>/dev/null | view --png piped.png
+cmp piped.png last.png
+# The nearest frame, the earlier of two.
+view x.frames --png at.png --at 0.12
+for at in 0.101 0.13 0.1399; do view x.frames --png - --at $at | cmp - at.png; done
+view x.frames --png - --at 0.02 | cmp - <(view x.frames --png - --at 0)
+cmp -s at.png last.png && fail "all frames look the same"
+# Pushed at x = 0.3: the ball (yellow) is right of the HIP (blue), the arrow (red) points to the left.
+view x.frames --at 0.12 --azimuth 0 --elevation 0 --size 640x320 --hip-radius 0.1 --arrow 0.6 \
+  --png front.png
+same "size" "640 x 320" "$(python3 "$here/png.py" size front.png)"
+python3 "$here/png.py" order front.png red blue yellow
+view x.frames --at 0.12 --azimuth 180 --elevation -5 --size 640x320 --hip-radius 0.1 --arrow 0.6 \
+  --png back.png
+python3 "$here/png.py" order back.png yellow blue red
+expect 0 '' '' -- view x.frames --png tiny.png --size 1x1 --azimuth -30
+same "size" "1 x 1" "$(python3 "$here/png.py" size tiny.png)"
+
+# Refused: one line, and no file is left.
+mkdir empty
+see='(see view --help)'
+refuses 'view: none: No such file or directory' -- view none --xyz empty/x
+refuses 'view: standard input: empty, not a stream of frames' -- view --xyz empty/x </dev/null
+refuses 'view: grid: byte 0: .*' -- view grid
+refuses 'view: x.xyz: byte 0: .*' -- view x.xyz
+refuses 'view: empty: Is a directory' -- view empty
+refuses 'view: scene: no frame in it, nothing to draw' -- view scene --png empty/x.png
+head -c -1 x.frames >cut
+refuses 'view: cut: byte [0-9]*: truncated: a message is cut' -- \
+  view cut --xyz empty/x --png empty/x.png
+head -c $((size + 4)) x.frames >cut
+refuses "view: cut: byte $size: truncated: a message is cut" -- view cut
+cat x.frames scene >twice
+refuses "view: twice: byte $(stat -c %s x.frames): a second scene" -- view twice
+tail -c +$((size + 1)) x.frames >headless
+refuses 'view: headless: byte 0: not a stream of frames: no scene in front' -- view headless
+# Another version, and values that cannot be, by the stock tools.
+capnp decode "$frames" Message <scene >text
+change() { sed "$1" text | capnp encode "$frames" Message; }
+change 's/version = 1/version = 2/' >changed
+refuses 'view: changed: byte 0: format version 2, this program reads version 1' -- view changed
+change 's/magic = 7/magic = 6/' >changed
+refuses 'view: changed: byte 0: not a stream of frames' -- view changed
+change 's/countX = 20/countX = 0/' >changed
+refuses 'view: changed: byte 0: .*' -- view changed
+change 's/red = 0.9/red = -1/' >changed
+refuses 'view: changed: byte 0: a colour is not in \[0, 1\]' -- view changed
+nothing_left empty
+
+expect 2 '' "view: only one of --xyz, --png and the report can be standard output $see" \
+  -- view x.frames --xyz - --info
+expect 2 '' "view: only one of --xyz, --png and the report can be standard output $see" \
+  -- view x.frames --xyz - --png -
+expect 2 '' "view: --at requires --png $see" -- view x.frames --at 1
+expect 2 '' "view: --hip-label requires --xyz $see" -- view x.frames --hip-label Xx
+for size in 800 x600 800x 0x1 1x8193 -1x1 1x1x1 axb; do
+  expect 2 '' "view: --size: '$size' is not like 800x600, at most 8192 each $see" \
+    -- view x.frames --png x --size=$size
+done
+expect 2 '' "view: --elevation: '91' is not an angle from -90 to 90 degrees $see" \
+  -- view x.frames --png x --elevation 91
+expect 2 '' "view: --azimuth: 'nan' is not an angle from -360 to 360 degrees $see" \
+  -- view x.frames --png x --azimuth nan
+expect 2 '' "view: --hip-radius: '0' is not a length from 1e-12 to 1e12 $see" \
+  -- view x.frames --png x --hip-radius 0
+expect 2 '' "view: --hip-label: 'X 1' is not a letter, then letters or digits $see" \
+  -- view x.frames --xyz x --hip-label 'X 1'
+
+# Outputs that cannot be written.
+refuses 'view: nowhere/x: No such file or directory' -- view x.frames --xyz nowhere/x
+refuses 'view: /dev/full: No space left on device' -- view x.frames --png /dev/full
+for what in '' '--xyz -' '--png -' --help; do
+  refuses 'view: .*standard output.*' -- bash -c "exec view x.frames $what >/dev/full"
+done

@@ -1,0 +1,340 @@
+// The conversion function as the filters call it, through the plug-in.
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <deque>
+#include <map>
+
+#include "examples/molecule/conversion.hpp"
+#include "tests/unit/molecule/reference.hpp"
+
+using namespace molecules;
+using hapgrid::Model;
+using hapgrid::Vec3;
+
+namespace {
+
+using State = std::vector<double>;
+
+State convert(Model& model, const State& s, const Vec3& x, const Vec3& d) {
+  State result(s.size());
+  INFO(model.error());
+  REQUIRE(model.convert(s.data(), x, d, result.data()));
+  return result;
+}
+
+Vec3 sum(const Vec3& x, const Vec3& d) { return {x[0] + d[0], x[1] + d[1], x[2] + d[2]}; }
+
+/// A walk of the HIP through and about the molecule: f(s, x, d, reached).
+template <class F>
+void walk(Model& model, double reach, unsigned seed, int steps, double length, F&& f) {
+  Random random(seed);
+  Vec3 x{reach, reach, reach};
+  Eigen::Vector3d heading(-1, -1, -1);
+  State s(model.state_size());
+  for (int i = 0; i < steps; ++i) {
+    for (int a = 0; a < 3; ++a) heading[a] += random.between(-0.5, 0.5);
+    heading.normalize();
+    Vec3 d{};
+    for (int a = 0; a < 3; ++a) {
+      if (std::abs(x[a] + length * heading[a]) > reach) heading[a] = -heading[a];
+      d[a] = length * heading[a];
+    }
+    const State reached = convert(model, s, x, d);
+    f(s, x, d, reached);
+    s = reached;
+    x = sum(x, d);
+  }
+}
+
+bool is_rest(const State& s) {
+  return std::all_of(s.begin(), s.end(), [](double v) { return v == 0; });
+}
+
+}  // namespace
+
+TEST_CASE("what the model says of itself") {
+  const Model model = kDipeptide.make({{"tolerance", 0.2}, {"force_scale", 0.01}});
+  CHECK(model.info().state_size == 10);
+  CHECK(model.info().tolerance == 0.2);
+  CHECK(model.info().force_scale == 0.01);
+  CHECK(model.info().tolerance_unit == std::string("angstrom RMSD"));
+  CHECK(model.info().length_unit == std::string("angstrom"));
+  CHECK(model.info().energy_unit == std::string("kJ/mol"));
+  CHECK(model.info().stored == 0);
+  REQUIRE(model.info().spheres == 22);
+  const auto spheres = model.spheres();
+  CHECK(spheres[0].label == std::string("C"));
+  CHECK(spheres[0].radius == 1.70F);
+  CHECK(spheres[2].label == std::string("O"));
+  CHECK(spheres[2].radius == 1.52F);
+  CHECK(spheres[3].label == std::string("N"));
+  CHECK(spheres[3].radius == 1.55F);
+  CHECK(spheres[21].label == std::string("H"));
+  CHECK(spheres[21].radius == 1.20F);
+  // The shape at rest is the conformation.
+  const State rest(10);
+  std::vector<float> centres(66);
+  model.shape(rest.data(), centres);
+  const Molecule molecule = kDipeptide.read();
+  for (std::size_t i = 0; i < 22; ++i)
+    for (std::size_t a = 0; a < 3; ++a)
+      CHECK(std::abs(centres[3 * i + a] - molecule.conformation[i][static_cast<int>(a)]) < 1e-6);
+}
+
+TEST_CASE("without contact the model knows the state 0 and stays there") {
+  Model model = kDipeptide.make();
+  const State rest(10);
+  CHECK(model.known_states({9, 9, 9}) == rest);
+  CHECK(model.known_states({0, 0, 0}).empty());
+  CHECK(is_rest(convert(model, rest, {9, 9, 9}, {-1, 1, 0})));
+  // Through the molecule in one go and out again.
+  CHECK(is_rest(convert(model, rest, {9, 9, 9}, {0, 0, 1})));
+  Vec3 f = model.force({9, 9, 9}, rest.data());
+  CHECK((f == Vec3{0, 0, 0}));
+}
+
+TEST_CASE("states that are reached are minima, with t in [0, 1]") {
+  for (const Source& source : {kButane, kDipeptide}) {
+    Model model = source.make();
+    HybridEnergy energy(source.read(), {});
+    const std::size_t n = energy.variables(), paths = source.paths.size();
+    Random random(9);
+    int touched = 0;
+    walk(model, 4, 10, 400, 0.5, [&](const State&, const Vec3& x, const Vec3& d, const State& s) {
+      const Vec3 p = sum(x, d);
+      for (std::size_t k = 0; k < paths; ++k) CHECK((s[k] >= 0 && s[k] <= 1));
+      const double least = energy.value(s.data(), p.data());
+      if (!energy.touches()) return;
+      ++touched;
+      std::vector<double> g(n), h(n * n);
+      energy.derivatives(g.data(), h.data(), true);
+      for (std::size_t i = 0; i < n; ++i) {
+        const bool held = i < paths && ((s[i] == 0 && g[i] > 0) || (s[i] == 1 && g[i] < 0));
+        // The minimiser's bound, and the rounding of every variable, times the curvature.
+        double bound = hapgrid::molecule::MinimiserLimits().tolerance;
+        for (std::size_t j = 0; j < n; ++j)
+          bound += std::abs(h[i * n + j]) / energy.scale(i) * hapgrid::molecule::kStateUnit / 2;
+        if (!held) CHECK(std::abs(g[i]) / energy.scale(i) < 1.01 * bound);
+      }
+      // Nothing in the neighbourhood is lower, by more than what is left of the gradient.
+      for (int trial = 0; trial < 50; ++trial) {
+        State other = s;
+        const double size = trial % 2 ? 0.01 : 0.002;
+        for (std::size_t i = 0; i < n; ++i)
+          other[i] += random.between(-size, size) / energy.scale(i);
+        for (std::size_t k = 0; k < paths; ++k) other[k] = std::clamp(other[k], 0.0, 1.0);
+        CHECK(energy.value(other.data(), p.data()) > least - 2e-3 * size * static_cast<double>(n));
+      }
+    });
+    CHECK(touched > 50);
+  }
+}
+
+TEST_CASE("the minimum is where a plain descent in tiny steps arrives") {
+  Model model = kButane.make();
+  HybridEnergy energy(kButane.read(), {});
+  const std::size_t n = energy.variables(), paths = kButane.paths.size();
+  int compared = 0, apart = 0;
+  walk(model, 4, 11, 150, 0.2,
+       [&](const State& from, const Vec3& x, const Vec3& d, const State& reached) {
+         if (is_rest(reached)) return;
+         // The HIP in ten steps; at each the state slides down the scaled gradient, no move longer
+         // than 0.002 Å, until the gradient is gone.
+         State s = from;
+         std::vector<double> g(n), h(n * n);
+         for (int part = 1; part <= 10; ++part) {
+           const Vec3 p{x[0] + d[0] * part / 10, x[1] + d[1] * part / 10, x[2] + d[2] * part / 10};
+           for (int step = 0; step < 20000; ++step) {
+             energy.value(s.data(), p.data());
+             energy.derivatives(g.data(), h.data(), true);
+             double norm = 0;
+             for (std::size_t i = 0; i < n; ++i) {
+               g[i] /= energy.scale(i);
+               if (i < paths && ((s[i] == 0 && g[i] > 0) || (s[i] == 1 && g[i] < 0))) g[i] = 0;
+               norm += g[i] * g[i];
+             }
+             norm = std::sqrt(norm);
+             if (norm < 1e-4) break;
+             const double size = std::min(0.002, 0.001 * norm);
+             for (std::size_t i = 0; i < n; ++i) {
+               s[i] -= size * g[i] / norm / energy.scale(i);
+               if (i < paths) s[i] = std::clamp(s[i], 0.0, 1.0);
+             }
+           }
+         }
+         ++compared;
+         apart += !model.equal(s.data(), reached.data());
+       });
+  REQUIRE(compared > 30);
+  // At a tear-off the two may part: a descent in steps jumps a moment earlier or later.
+  CHECK(apart <= compared / 50);
+}
+
+TEST_CASE("a shift of zero stays") {
+  for (const Source& source : {kButane, kDipeptide}) {
+    Model model = source.make();
+    walk(model, 4, 12, 300, 0.5, [&](const State&, const Vec3& x, const Vec3& d, const State& s) {
+      const State again = convert(model, s, sum(x, d), {0, 0, 0});
+      HybridEnergy energy(source.read(), {});
+      CHECK(energy.displacement(s.data(), again.data()) < 1e-3);
+    });
+  }
+}
+
+TEST_CASE("when the HIP has left, the molecule is back at rest") {
+  for (const Source& source : kAll) {
+    Model model = source.make({{"morph_stiffness", 1.0}});
+    int left = 0;
+    walk(model, 6, 13, 200, 0.5, [&](const State&, const Vec3& x, const Vec3& d, const State& s) {
+      if (is_rest(s) || ++left > 20) return;
+      // Straight away from the middle, in steps.
+      Vec3 p = sum(x, d);
+      State now = s;
+      for (int step = 0; step < 40; ++step) {
+        const double norm = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+        const Vec3 out{0.6 * p[0] / norm, 0.6 * p[1] / norm, 0.6 * p[2] / norm};
+        now = convert(model, now, p, out);
+        p = sum(p, out);
+      }
+      CHECK(is_rest(now));
+    });
+    CHECK(left > 10);
+  }
+}
+
+TEST_CASE("a conversion depends on its arguments alone") {
+  Model one = kDipeptide.make(), other = kDipeptide.make();
+  struct Call {
+    State s;
+    Vec3 x, d;
+    State reached;
+  };
+  std::vector<Call> calls;
+  walk(one, 4, 14, 300, 0.5,
+       [&](const State& s, const Vec3& x, const Vec3& d, const State& reached) {
+         calls.push_back({s, x, d, reached});
+       });
+  // Backwards, and by another model.
+  for (auto call = calls.rbegin(); call != calls.rend(); ++call) {
+    CHECK(convert(one, call->s, call->x, call->d) == call->reached);
+    CHECK(convert(other, call->s, call->x, call->d) == call->reached);
+  }
+}
+
+TEST_CASE("states are multiples of 2^-20") {
+  Model model = kDipeptide.make();
+  walk(model, 4, 15, 200, 0.5, [&](const State&, const Vec3&, const Vec3&, const State& s) {
+    for (const double v : s) {
+      CHECK(std::nearbyint(v * 0x1p20) == v * 0x1p20);
+      CHECK(!(v == 0 && std::signbit(v)));
+    }
+  });
+}
+
+TEST_CASE("equal states are no farther apart than the tolerance, and it is symmetric") {
+  Model model = kDipeptide.make();
+  HybridEnergy energy(kDipeptide.read(), {});
+  Random random(16);
+  int same = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const State a = random.state(energy);
+    State b = a;
+    const double size = random.between(0, 0.08);
+    for (double& v : b) v += random.between(-size, size);
+    for (std::size_t k = 0; k < 4; ++k) b[k] = std::clamp(b[k], 0.0, 1.0);
+    const bool equal = model.equal(a.data(), b.data());
+    same += equal;
+    CHECK(equal == model.equal(b.data(), a.data()));
+    CHECK(equal == (rmsd(positions(energy, a), positions(energy, b)) <= 0.1));
+    CHECK(model.equal(a.data(), a.data()));
+  }
+  CHECK((same > 100 && same < 1900));
+}
+
+TEST_CASE("along a smooth branch the force is minus the slope of the energy") {
+  constexpr double kStep = 0.01;
+  for (const Source& source : {kButane, kDipeptide}) {
+    Model model = source.make();
+    int compared = 0, off = 0;
+    walk(model, 4, 17, 400, 0.3, [&](const State&, const Vec3& x, const Vec3& d, const State& s) {
+      if (is_rest(s)) return;
+      const Vec3 p = sum(x, d);
+      const Vec3 f = model.force(p, s.data());
+      for (int a = 0; a < 3; ++a) {
+        Vec3 step{0, 0, 0};
+        const auto energy_at = [&](double by) {
+          step[a] = by;
+          const State moved = convert(model, s, p, step);
+          return model.energy(sum(p, step), moved.data());
+        };
+        const double up = energy_at(kStep), down = energy_at(-kStep), here = energy_at(0);
+        const double slope = (up - down) / (2 * kStep);
+        const double curvature = std::abs(up - 2 * here + down) / kStep;
+        ++compared;
+        // A smooth function's third derivative and the kinks where an atom begins to touch or t
+        // meets a bound change the slope by less than the second difference does.
+        off += !(std::abs(-f[a] / model.info().force_scale - slope) < 0.5 * curvature + 0.05);
+      }
+    });
+    REQUIRE(compared > 100);
+    // Steps over a tear-off.
+    CHECK(off <= compared / 100);
+  }
+}
+
+TEST_CASE("force and energy are finite whatever the state") {
+  Model model = kDipeptide.make();
+  Random random(18);
+  const double odd[] = {std::nan(""), INFINITY, -INFINITY, 1e300, -1e300, 1e9, 5e-324, 0};
+  for (int trial = 0; trial < 5000; ++trial) {
+    State s(10);
+    for (double& v : s) v = random.below(2) ? odd[random.below(8)] : random.between(-2, 2);
+    const Vec3 f = model.force({random.between(-3, 3), 0, 0}, s.data());
+    for (const double v : f) CHECK(std::isfinite(v));
+  }
+}
+
+// Every conversion of a coarse grid of butane, with the substep and with half of it.
+TEST_CASE("half the substep gives the same states") {
+  constexpr int kCount = 8;
+  constexpr double kSpacing = 1.6, kOrigin = -5.6;
+  Model model = kButane.make(), finer = kButane.make({{"substep", 0.1}});
+  std::map<std::array<int, 3>, std::vector<State>> levels;
+  std::deque<std::pair<std::array<int, 3>, State>> queue;
+  const auto at = [&](const std::array<int, 3>& c) {
+    return Vec3{kOrigin + kSpacing * c[0], kOrigin + kSpacing * c[1], kOrigin + kSpacing * c[2]};
+  };
+  const std::array<int, 3> corner{0, 0, 0};
+  REQUIRE(model.known_states(at(corner)).size() == model.state_size());
+  levels[corner].push_back(State(model.state_size()));
+  queue.emplace_back(corner, State(model.state_size()));
+  int conversions = 0, apart = 0;
+  while (!queue.empty()) {
+    const auto [c, s] = queue.front();
+    queue.pop_front();
+    for (int q = 0; q < 27; ++q) {
+      const std::array<int, 3> to{c[0] + q % 3 - 1, c[1] + q / 3 % 3 - 1, c[2] + q / 9 - 1};
+      if (q == 13 || *std::min_element(to.begin(), to.end()) < 0 ||
+          *std::max_element(to.begin(), to.end()) >= kCount)
+        continue;
+      const Vec3 x = at(c),
+                 d{kSpacing * (q % 3 - 1), kSpacing * (q / 3 % 3 - 1), kSpacing * (q / 9 - 1)};
+      const State reached = convert(model, s, x, d), fine = convert(finer, s, x, d);
+      ++conversions;
+      apart += !model.equal(reached.data(), fine.data());
+      auto& there = levels[to];
+      if (std::none_of(there.begin(), there.end(), [&](const State& other) {
+            return model.equal(other.data(), reached.data());
+          })) {
+        there.push_back(reached);
+        queue.emplace_back(to, reached);
+      }
+    }
+  }
+  std::size_t records = 0;
+  for (const auto& [point, states] : levels) records += states.size();
+  INFO(apart << " of " << conversions << " conversions differ; " << records << " records");
+  CHECK(levels.size() == kCount * kCount * kCount);
+  CHECK(conversions > 9000);
+  CHECK(apart * 1000 <= conversions);
+}

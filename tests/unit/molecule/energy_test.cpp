@@ -1,0 +1,210 @@
+#include "examples/molecule/energy.hpp"
+
+#include <catch2/catch.hpp>
+#include <sstream>
+
+#include "tests/unit/molecule/reference.hpp"
+
+using namespace molecules;
+
+namespace {
+
+const EnergyParameters kParameters{1.3, 150, 30, 120, 4};
+
+/// The numbers after dE= of every frame.
+std::vector<double> energies(const std::string& xyz) {
+  std::vector<double> found;
+  std::istringstream lines(xyz);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("dE=", 0) == 0) found.push_back(std::stod(line.substr(3)));
+  return found;
+}
+
+/// The probe near some atom, so that it touches one or more.
+std::array<double, 3> touching(Random& random, HybridEnergy& energy, const std::vector<double>& s) {
+  const Positions p = positions(energy, s);
+  const Eigen::Vector3d direction =
+      Eigen::Vector3d(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1))
+          .normalized();
+  const Eigen::Vector3d x = p[random.below(p.size())] + random.between(1, 2.4) * direction;
+  return {x.x(), x.y(), x.z()};
+}
+
+}  // namespace
+
+TEST_CASE("the molecule's energy is that of the texts at the nodes, and flat at both ends") {
+  for (const Source& source : kAll) {
+    const HybridEnergy energy(source.read(), {});
+    for (std::size_t k = 0; k < source.paths.size(); ++k) {
+      const std::vector<double> given = energies(source.transition_states()[k]);
+      REQUIRE(given.size() == 11);
+      std::vector<double> t(source.paths.size());
+      for (std::size_t m = 0; m < given.size(); ++m) {
+        t[k] = static_cast<double>(m) / 10;
+        CHECK(energy.shape_energy(t.data()) == Approx(given[m]).margin(1e-12));
+      }
+      t[k] = 0;
+      CHECK(energy.shape_energy(t.data()) == 0);
+      t[k] = 1;
+      CHECK(energy.shape_energy(t.data()) == given.back());
+      const hapgrid::molecule::Profile profile(given);
+      CHECK(profile.at(0).slope == 0);
+      CHECK(std::abs(profile.at(1).slope) < 1e-12 * given.back());
+      // No extremum between nodes.
+      for (double at = 0; at <= 1; at += 1.0 / 1024) {
+        const std::size_t m = std::min<std::size_t>(static_cast<std::size_t>(at * 10), 9);
+        const double e = profile.at(at).energy;
+        CHECK(e >= std::min(given[m], given[m + 1]) - 1e-12);
+        CHECK(e <= std::max(given[m], given[m + 1]) + 1e-12);
+      }
+    }
+  }
+}
+
+TEST_CASE("paths add up: two transition states at once have the sum of their energies") {
+  const HybridEnergy energy(kDipeptide.read(), {});
+  const double both[4] = {1, 1, 0, 0}, one[4] = {1, 0, 0, 0}, other[4] = {0, 1, 0, 0};
+  CHECK(energy.shape_energy(both) == energy.shape_energy(one) + energy.shape_energy(other));
+}
+
+TEST_CASE("the hybrid energy is its definition, evaluated from the positions") {
+  Random random(4);
+  for (const Source& source : kAll) {
+    const Molecule molecule = source.read();
+    HybridEnergy energy(molecule, kParameters);
+    const std::size_t paths = source.paths.size();
+    for (int trial = 0; trial < 200; ++trial) {
+      const std::vector<double> s = random.state(energy);
+      const auto x = touching(random, energy, s);
+      const Positions p = positions(energy, s);
+      double expected = energy.shape_energy(s.data());
+      for (std::size_t i = 0; i < p.size(); ++i) {
+        const double overlap = molecule.atoms[i]->radius + kParameters.probe_radius -
+                               (p[i] - Eigen::Vector3d(x.data())).norm();
+        if (overlap > 0) expected += 0.5 * kParameters.penalty * overlap * overlap;
+      }
+      for (std::size_t i = 0; i < s.size(); ++i)
+        expected += 0.5 * s[i] * s[i] *
+                    (i < paths       ? kParameters.morph_stiffness
+                     : i < paths + 3 ? kParameters.shift_stiffness
+                                     : kParameters.rotation_stiffness);
+      CHECK(energy.value(s.data(), x.data()) == Approx(expected).epsilon(1e-12));
+    }
+  }
+}
+
+TEST_CASE("shift and rotation move the shape about the centre of mass") {
+  const Molecule molecule = kDipeptide.read();
+  HybridEnergy energy(molecule, {});
+  const Eigen::Vector3d centre = energy.morph().centre();
+  Random random(5);
+  for (const double size : {1e-9, 1e-3, 0.099, 0.101, 1.0, 3.0}) {
+    std::vector<double> s(energy.variables());
+    s[0] = 0.4;
+    const Positions before = positions(energy, s);
+    const Eigen::Vector3d axis =
+        Eigen::Vector3d(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1))
+            .normalized();
+    for (int a = 0; a < 3; ++a) s[4 + a] = a + 0.5, s[7 + a] = size * axis[a];
+    const Positions after = positions(energy, s);
+    const Eigen::Matrix3d r = Eigen::AngleAxisd(size, axis).toRotationMatrix();
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const Eigen::Vector3d expected =
+          r * (before[i] - centre) + centre + Eigen::Vector3d(0.5, 1.5, 2.5);
+      CHECK((after[i] - expected).norm() < 1e-14 * 50);
+    }
+  }
+}
+
+TEST_CASE("the gradient is that of central differences, and the Hessian the gradient's") {
+  Random random(6);
+  constexpr double kStep = 1e-5;
+  for (const Source& source : kAll) {
+    HybridEnergy energy(source.read(), kParameters);
+    const std::size_t n = energy.variables(), paths = source.paths.size();
+    std::vector<double> g(n), h(n * n), above(n), below(n), unused(n * n);
+    double worst = 0, worst_second = 0;
+    for (int trial = 0; trial < 200; ++trial) {
+      std::vector<double> s = random.state(energy);
+      // The Hessian leaves out the second derivatives of the rotation's parametrisation: they are 0
+      // without a rotation.
+      const bool turned = trial % 2;
+      for (std::size_t i = 0; i < 3; ++i)
+        if (!turned) s[paths + 3 + i] = 0;
+      // Away from the nodes, where the curvature jumps.
+      for (std::size_t k = 0; k < paths; ++k)
+        s[k] = (std::floor(s[k] * 9.99) + random.between(0.1, 0.9)) / 10;
+      const auto x = touching(random, energy, s);
+      energy.value(s.data(), x.data());
+      const bool touched = energy.touches();
+      energy.derivatives(g.data(), h.data(), true);
+      for (std::size_t i = 0; i < n; ++i) {
+        std::vector<double> moved = s;
+        moved[i] = s[i] + kStep;
+        const double up = energy.value(moved.data(), x.data());
+        energy.derivatives(above.data(), unused.data(), true);
+        moved[i] = s[i] - kStep;
+        const double down = energy.value(moved.data(), x.data());
+        energy.derivatives(below.data(), unused.data(), true);
+        // Half the step leaves a quarter of the error: three times what is left is the change.
+        moved[i] = s[i] + kStep / 2;
+        const double near_up = energy.value(moved.data(), x.data());
+        moved[i] = s[i] - kStep / 2;
+        const double near_down = energy.value(moved.data(), x.data());
+        const double coarse = (up - down) / (2 * kStep), fine = (near_up - near_down) / kStep;
+        // Energies of up to 1e4 kJ/mol are rounded to 2e-12, some ten times on the way.
+        worst = std::max(worst, std::abs(fine - g[i]) - std::abs(fine - coarse));
+        for (std::size_t j = 0; j < n && !turned && touched; ++j) {
+          const double second = (above[j] - below[j]) / (2 * kStep);
+          // Where an atom begins to touch within the step the gradient has a corner.
+          const double scale = 1 + std::abs(h[i * n + j]);
+          worst_second = std::max(worst_second, std::abs(second - h[i * n + j]) / scale);
+        }
+      }
+    }
+    INFO(source.name << " off by " << worst << " and " << worst_second);
+    CHECK(worst < 2e-11 / kStep);
+    CHECK(worst_second < 1e-3);
+  }
+}
+
+TEST_CASE("the force is minus the gradient by the probe's position") {
+  Random random(7);
+  constexpr double kStep = 1e-5;
+  for (const Source& source : kAll) {
+    HybridEnergy energy(source.read(), kParameters);
+    for (int trial = 0; trial < 200; ++trial) {
+      const std::vector<double> s = random.state(energy);
+      const auto x = touching(random, energy, s);
+      double f[3];
+      energy.force(s.data(), x.data(), f);
+      for (int a = 0; a < 3; ++a) {
+        auto moved = x;
+        moved[a] = x[a] + kStep;
+        const double up = energy.value(s.data(), moved.data());
+        moved[a] = x[a] - kStep;
+        const double down = energy.value(s.data(), moved.data());
+        CHECK(std::abs((up - down) / (2 * kStep) + f[a]) < 1e-5);
+      }
+    }
+    const std::vector<double> rest(energy.variables());
+    const double far[3] = {50, 0, 0};
+    double f[3] = {1, 1, 1};
+    energy.force(rest.data(), far, f);
+    CHECK((f[0] == 0 && f[1] == 0 && f[2] == 0));
+  }
+}
+
+TEST_CASE("the displacement of two states is that of their positions") {
+  Random random(8);
+  for (const Source& source : kAll) {
+    HybridEnergy energy(source.read(), {});
+    for (int trial = 0; trial < 50; ++trial) {
+      const std::vector<double> a = random.state(energy), b = random.state(energy);
+      const double expected = rmsd(positions(energy, a), positions(energy, b));
+      CHECK(energy.displacement(a.data(), b.data()) == Approx(expected).epsilon(1e-12));
+      CHECK(energy.displacement(a.data(), b.data()) == energy.displacement(b.data(), a.data()));
+      CHECK(energy.displacement(a.data(), a.data()) == 0);
+    }
+  }
+}

@@ -1,0 +1,209 @@
+// Bad input: each one line that says which text, which frame, which atoms.
+#include "examples/molecule/input.hpp"
+
+#include <catch2/catch.hpp>
+#include <locale>
+
+#include "libcore/base/error.hpp"
+#include "tests/unit/molecule/reference.hpp"
+
+using namespace molecules;
+using Catch::Matchers::Equals;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+const std::string kWater3 = "3\nwater\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n";
+const std::string kPeroxide =
+    "4\nE=-151.0\n"
+    "O 0.0000 0.7300 -0.0500\nO 0.0000 -0.7300 -0.0500\n"
+    "H 0.8000 0.9000 0.4000\nH -0.8000 -0.9000 0.4000\n";
+// trans, higher
+const std::string kTransPeroxide =
+    "4\nE=-150.999\n"
+    "O 0.0000 0.7300 -0.0500\nO 0.0000 -0.7300 -0.0500\n"
+    "H 0.9100 0.9000 -0.0500\nH -0.9100 -0.9000 -0.0500\n";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+Molecule read(const std::string& conformation, const std::string& path,
+              const std::vector<double>& energies = {}) {
+  return read_molecule(conformation, {path}, energies);
+}
+
+}  // namespace
+
+TEST_CASE("a molecule of four atoms is read, its energy in hartree") {
+  const Molecule molecule = read(kPeroxide, kTransPeroxide);
+  CHECK(molecule.atoms.size() == 4);
+  CHECK(molecule.bonds == std::vector<std::pair<int, int>>{{0, 1}, {0, 2}, {1, 3}});
+  REQUIRE(molecule.paths.size() == 1);
+  REQUIRE(molecule.paths[0].energies.size() == 2);
+  CHECK(molecule.paths[0].energies[0] == 0);
+  CHECK(molecule.paths[0].energies[1] == Approx(2.6255).epsilon(1e-4));
+  CHECK(molecule.conformation[2].x() == 0.8);
+  CHECK(read(kPeroxide, replaced(kTransPeroxide, "E=-150.999", "dE=12.5 E=-1"))
+            .paths[0]
+            .energies[1] == 12.5);
+  // As xtb writes it.
+  CHECK(read(replaced(kPeroxide, "E=-151.0", " energy: -151.0 gnorm: 0.0002 xtb: 6.5.1"),
+             replaced(kTransPeroxide, "E=-150.999", " energy: -150.999 xtb: 6.5.1"))
+            .paths[0]
+            .energies[1] == Approx(2.6255).epsilon(1e-4));
+  CHECK(read(kPeroxide, replaced(kTransPeroxide, "E=-150.999", "nothing"), {7})
+            .paths[0]
+            .energies[1] == 7);
+}
+
+TEST_CASE("SDF is read, its bonds as they stand there") {
+  const std::string sdf =
+      "peroxide\n\n\n"
+      "  4  3  0  0  0  0  0  0  0  0999 V2000\n"
+      "    0.0000    0.7300   -0.0500 O   0  0\n"
+      "    0.0000   -0.7300   -0.0500 O   0  0\n"
+      "    0.8000    0.9000    0.4000 H   0  0\n"
+      "   -0.8000   -0.9000    0.4000 H   0  0\n"
+      "  1  2  1  0\n  1  3  1  0\n  2  4  1  0\nM  END\n$$$$\n";
+  const Molecule molecule = read(sdf, replaced(kTransPeroxide, "E=-150.999", "dE=3"));
+  CHECK(molecule.bonds.size() == 3);
+  CHECK(molecule.conformation[3].z() == 0.4);
+}
+
+TEST_CASE("numbers are read the same whatever the locale") {
+  const char* const previous = std::setlocale(LC_ALL, nullptr);
+  const std::string kept = previous ? previous : "C";
+  // Where it is not installed this tests nothing.
+  const bool installed =
+      std::setlocale(LC_ALL, "de_DE.UTF-8") || std::setlocale(LC_ALL, "cs_CZ.UTF-8");
+  const Molecule molecule = read(kPeroxide, kTransPeroxide);
+  std::setlocale(LC_ALL, kept.c_str());
+  CHECK(molecule.conformation[0].y() == 0.73);
+  CHECK(molecule.paths[0].energies[1] == Approx(2.6255).epsilon(1e-4));
+  if (!installed) WARN("no locale with a decimal comma is installed");
+}
+
+TEST_CASE("what is no molecule") {
+  CHECK_THROWS_WITH(read("", kTransPeroxide),
+                    Equals("conformation: neither an XYZ nor an SDF text"));
+  CHECK_THROWS_WITH(read("garbage\nmore\n", kTransPeroxide),
+                    Equals("conformation: neither an XYZ nor an SDF text"));
+  CHECK_THROWS_WITH(read("4\nonly a title\n", kTransPeroxide),
+                    Equals("conformation frame 1: Open Babel cannot read it as xyz"));
+  CHECK_THROWS_WITH(read(kWater3, kTransPeroxide),
+                    Equals("conformation frame 1: 3 atoms, at least 4 are needed"));
+  CHECK_THROWS_WITH(read(kPeroxide + kPeroxide, kTransPeroxide),
+                    Equals("conformation: 2 frames, it must be one"));
+  CHECK_THROWS_WITH(
+      read(replaced(kPeroxide, "H -0.8000 -0.9000 0.4000", "H 8 8 8"), kTransPeroxide),
+      Equals("conformation: not one molecule: no bonds lead from O1 to H4"));
+  CHECK_THROWS_WITH(
+      read(replaced(kPeroxide, "H -0.8000 -0.9000 0.4000", "H 0.8 0.9 0.3"), kTransPeroxide),
+      Equals("conformation frame 1: H3 and H4 are only 0.1 Å apart"));
+  CHECK_THROWS_WITH(
+      read(replaced(kPeroxide, "H -0.8000", "U -0.8000"), kTransPeroxide),
+      Equals("conformation frame 1: atom 4 has the atomic number 92, for which no van "
+             "der Waals radius is known"));
+  CHECK_THROWS_WITH(read_molecule(kPeroxide, {}, {}),
+                    Equals("transition_states: none; at least one is needed"));
+}
+
+TEST_CASE("transition states that do not belong to the conformation") {
+  CHECK_THROWS_WITH(read(kPeroxide, ""),
+                    Equals("transition_states[0]: neither an XYZ nor an SDF text"));
+  CHECK_THROWS_WITH(read(kButane.conformation(), kTransPeroxide),
+                    Equals("transition_states[0] frame 1: 4 atoms, the conformation has 14"));
+  CHECK_THROWS_WITH(
+      read(kPeroxide, replaced(kTransPeroxide, "O 0.0000 -0.7300", "S 0.0000 -0.7300")),
+      Equals("transition_states[0] frame 1: atom 2 is S, in the conformation O; is the "
+             "order of the atoms the same?"));
+  // The hydrogens exchanged.
+  CHECK_THROWS_WITH(
+      read(kPeroxide,
+           "4\ndE=1\n"
+           "O 0.0000 0.7300 -0.0500\nO 0.0000 -0.7300 -0.0500\n"
+           "H -0.9100 -0.9000 -0.0500\nH 0.9100 0.9000 -0.0500\n"),
+      Equals("transition_states[0] frame 1: O1 and H3 are bonded in the conformation but not here; "
+             "is the order of the atoms the same?"));
+  CHECK_THROWS_WITH(read(kPeroxide, replaced(kTransPeroxide, "0.9100", "nan")),
+                    StartsWith("transition_states[0] frame 1: "));
+  // A path that starts elsewhere.
+  CHECK_THROWS_WITH(read(kPeroxide, replaced(kTransPeroxide, "E=-150.999", "dE=0") +
+                                        replaced(kTransPeroxide, "E=-150.999", "dE=3")),
+                    StartsWith("transition_states[0] frame 1: is not the conformation: 0."));
+  // A frame cut off.
+  const std::string path = text("butane", "phi-plus.xyz");
+  CHECK_THROWS_WITH(read(kButane.conformation(), path.substr(0, path.size() - 60)),
+                    StartsWith("transition_states[0] frame 11: "));
+  CHECK_THROWS_WITH(read(kButane.conformation(), path + "and more\n"),
+                    StartsWith("transition_states[0] frame 12: "));
+}
+
+TEST_CASE("energies that cannot be") {
+  CHECK_THROWS_WITH(
+      read(kPeroxide, replaced(kTransPeroxide, "E=-150.999", "trans")),
+      Equals("transition_states[0] frame 1: no energy: its title needs dE= (kJ/mol above "
+             "the conformation) or E= (hartree)"));
+  CHECK_THROWS_WITH(read(replaced(kPeroxide, "E=-151.0", "gauche"), kTransPeroxide),
+                    Equals("transition_states[0] frame 1: its energy is absolute, but the "
+                           "conformation's title has no E= (hartree)"));
+  CHECK_THROWS_WITH(
+      read(kPeroxide, replaced(kTransPeroxide, "E=-150.999", "dE=-3")),
+      Equals("transition_states[0] frame 1: the transition state is -3 kJ/mol above the "
+             "conformation, it must be above 0"));
+  CHECK_THROWS_WITH(read(kPeroxide, kTransPeroxide, {1, 2}),
+                    Equals("energies: 2 numbers for 1 transition states"));
+  std::string path = text("butane", "phi-plus.xyz");
+  const std::size_t third = path.find("t=0.2");
+  const std::size_t title = path.rfind("dE=", third);
+  CHECK_THROWS_WITH(
+      read(kButane.conformation(), path.substr(0, title) + "dE=-0.5 " + path.substr(third)),
+      Equals("transition_states[0] frame 3: is 0.5 kJ/mol below the conformation, which must be a "
+             "minimum"));
+}
+
+TEST_CASE("shapes without torsions") {
+  // Butadiyne is a line.
+  const std::string line =
+      "6\ndE=0\nC 0 0 0.69\nC 0 0 -0.69\nC 0 0 1.89\nC 0 0 -1.89\nH 0 0 2.95\nH 0 0 -2.95\n";
+  CHECK_THROWS_WITH(Morph(read(line, replaced(line, "dE=0", "dE=1"))),
+                    Equals("conformation: all atoms lie on a line, it has no torsions"));
+  // But-2-yne has torsions beyond a line.
+  const std::string butyne =
+      "10\ndE=0\nC 0 0 0.6\nC 0 0 -0.6\nC 0 0 2.06\nC 0 0 -2.06\n"
+      "H 1.02 0 2.45\nH -0.51 0.883 2.45\nH -0.51 -0.883 2.45\n"
+      "H 1.02 0 -2.45\nH -0.51 0.883 -2.45\nH -0.51 -0.883 -2.45\n";
+  CHECK_THROWS_WITH(Morph(read(butyne, replaced(butyne, "dE=0", "dE=1"))),
+                    Catch::Matchers::EndsWith("lie on a line, torsions there are not defined"));
+  const Molecule still = read(kPeroxide, replaced(kPeroxide, "E=-151.0", "dE=1"));
+  CHECK_THROWS_WITH(Morph(still),
+                    Equals("transition_states[0]: the transition state has the shape of "
+                           "the conformation"));
+}
+
+TEST_CASE("parameters out of range are refused through the plug-in") {
+  using hapgrid::ModelError;
+  const auto refused = [](const char* key, double value, const std::string& line) {
+    CHECK_THROWS_WITH(kButane.make({{key, value}}), Equals("model molecule: " + line));
+  };
+  refused("probe_radius", 0, "parameter probe_radius is 0, it must be from 0.1 to 10");
+  refused("penalty", -1, "parameter penalty is -1, it must be from 1 to 100000");
+  refused("substep", 2, "parameter substep is 2, it must be from 0.001 to 1");
+  refused("tolerance", 0, "parameter tolerance is 0, it must be from 0.001 to 1");
+  refused("morph_stiffness", -1, "parameter morph_stiffness is -1, it must be from 0 to 100000");
+  CHECK_THROWS_WITH(kButane.make({{"penalti", 3.0}}),
+                    StartsWith("model molecule: unknown parameter penalti (known: "));
+  CHECK_THROWS_WITH(kButane.make({{"penalty", std::string("soft")}}),
+                    Equals("model molecule: parameter penalty must be a number"));
+  CHECK_THROWS_WITH(
+      hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"}).create({}),
+      Equals("model molecule: parameter conformation is missing: a text in XYZ or SDF format"));
+  // An exception of the plug-in with a C++ library of its own arrives as a line.
+  CHECK_THROWS_WITH(hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"})
+                        .create({{"conformation", std::string("garbage")},
+                                 {"transition_states", std::vector<std::string>{"more"}}}),
+                    Equals("model molecule: conformation: neither an XYZ nor an SDF text"));
+}

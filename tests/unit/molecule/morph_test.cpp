@@ -1,0 +1,264 @@
+#include "examples/molecule/morph.hpp"
+
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "examples/molecule/elementary.hpp"
+#include "tests/unit/molecule/reference.hpp"
+
+using namespace molecules;
+
+namespace {
+
+Positions of(const Morph& morph, const Morph::Shape& shape) {
+  Positions p(morph.atoms());
+  for (std::size_t i = 0; i < morph.atoms(); ++i)
+    p[morph.tree().order[i]] = {shape.x[i], shape.y[i], shape.z[i]};
+  return p;
+}
+
+Positions shape_at(const Morph& morph, const std::vector<double>& t) {
+  Morph::Shape shape = morph.make_shape();
+  morph.shape(t.data(), shape);
+  return of(morph, shape);
+}
+
+}  // namespace
+
+TEST_CASE("sines, cosines and angles are those of the C library") {
+  Random random(1);
+  for (int i = 0; i < 100000; ++i) {
+    const double range = i % 2 ? 10 : 1e4;
+    const double angles[2] = {random.between(-range, range), random.between(-range, range)};
+    double sines[2], cosines[2];
+    hapgrid::molecule::sines_and_cosines(angles, sines, cosines, 2);
+    for (int j = 0; j < 2; ++j) {
+      // 2 ulp of 1, and what the reduction leaves of a large angle: none of it is rounded off.
+      CHECK(std::abs(sines[j] - std::sin(static_cast<long double>(angles[j]))) < 4.5e-16L);
+      CHECK(std::abs(cosines[j] - std::cos(static_cast<long double>(angles[j]))) < 4.5e-16L);
+    }
+    const double x = random.between(-1, 1), y = random.between(-1, 1);
+    const long double exact = std::atan2(static_cast<long double>(y), static_cast<long double>(x));
+    CHECK(std::abs(hapgrid::molecule::angle_of(y, x) - exact) < 9e-16L);  // 2 ulp of π
+  }
+  CHECK(hapgrid::molecule::angle_of(0, -1) == Approx(M_PI).epsilon(1e-15));
+  CHECK(hapgrid::molecule::angle_of(1, 0) == Approx(M_PI / 2).epsilon(1e-15));
+  CHECK(hapgrid::molecule::angle_of(0, 0) == 0);
+}
+
+TEST_CASE("the spanning tree has every atom once, parents first, along bonds") {
+  for (const Source& source : kAll) {
+    const Molecule molecule = source.read();
+    const hapgrid::molecule::Tree tree = hapgrid::molecule::spanning_tree(molecule);
+    REQUIRE(tree.size() == molecule.atoms.size());
+    CHECK(std::set<int>(tree.order.begin(), tree.order.end()).size() == tree.size());
+    for (std::size_t i = 1; i < tree.size(); ++i) {
+      REQUIRE(tree.parent[i] < static_cast<int>(i));
+      const int a = tree.order[i], b = tree.order[tree.parent[i]];
+      const std::pair<int, int> bond{std::min(a, b), std::max(a, b)};
+      CHECK(std::count(molecule.bonds.begin(), molecule.bonds.end(), bond) == 1);
+    }
+  }
+  // A ring each of phenylalanine and tyrosine: two bonds more than a tree of 77 atoms has.
+  CHECK(kEnkephalin.read().bonds.size() == 78);
+}
+
+TEST_CASE("along each path the nodes of its text are reproduced") {
+  for (const Source& source : kAll) {
+    const Morph morph(source.read());
+    for (std::size_t k = 0; k < source.paths.size(); ++k) {
+      const std::vector<Positions> nodes = frames(source.transition_states()[k]);
+      REQUIRE(nodes.size() == 11);
+      for (std::size_t m = 0; m < nodes.size(); ++m) {
+        std::vector<double> t(source.paths.size());
+        t[k] = static_cast<double>(m) / 10;
+        const Positions shape = shape_at(morph, t);
+        INFO(source.name << " path " << k << " node " << m);
+        // The first one is the conformation of another text, rounded to 1e-8 Å both times.
+        CHECK(superposed_rmsd(shape, nodes[m]) < (m == 0 ? 1e-5 : 1e-10));
+        for (std::size_t a = 0; a + 3 < shape.size(); ++a) {
+          // Any four atoms have a torsion, bonded or not; those near a line tell nothing.
+          const int i = static_cast<int>(a);
+          const Eigen::Vector3d u = nodes[m][i + 1] - nodes[m][i],
+                                v = nodes[m][i + 2] - nodes[m][i + 1],
+                                w = nodes[m][i + 3] - nodes[m][i + 2];
+          if (u.cross(v).norm() < 0.1 || v.cross(w).norm() < 0.1 || m == 0) continue;
+          const double difference =
+              torsion(shape, i, i + 1, i + 2, i + 3) - torsion(nodes[m], i, i + 1, i + 2, i + 3);
+          CHECK(std::abs(std::remainder(difference, 2 * M_PI)) < 1e-8);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("at t = 0 the shape is the conformation, where its text has it") {
+  for (const Source& source : kAll) {
+    const Molecule molecule = source.read();
+    HybridEnergy energy(molecule, {});
+    CHECK(rmsd(positions(energy, std::vector<double>(energy.variables())), molecule.conformation) <
+          1e-13);
+  }
+}
+
+TEST_CASE("bond lengths between nodes stay those of the nodes") {
+  for (const Source& source : kAll) {
+    const Molecule molecule = source.read();
+    const Morph morph(molecule);
+    const hapgrid::molecule::Tree& tree = morph.tree();
+    for (std::size_t k = 0; k < source.paths.size(); ++k) {
+      for (double at = 0; at <= 1; at += 0.03125) {
+        std::vector<double> t(source.paths.size());
+        t[k] = at;
+        const Positions shape = shape_at(morph, t);
+        for (std::size_t i = 1; i < tree.size(); ++i) {
+          const int a = tree.order[i], b = tree.order[tree.parent[i]];
+          double least = 1e9, most = 0;
+          for (const Positions& node : molecule.paths[k].nodes) {
+            least = std::min(least, (node[a] - node[b]).norm());
+            most = std::max(most, (node[a] - node[b]).norm());
+          }
+          const double length = (shape[a] - shape[b]).norm();
+          // A spline swings past its nodes by a part of their range.
+          const double margin = 0.25 * (most - least) + 1e-9;
+          CHECK(length > least - margin);
+          CHECK(length < most + margin);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("the alignment leaves no shift and no turn") {
+  Random random(2);
+  for (const Source& source : kAll) {
+    const Molecule molecule = source.read();
+    const Morph morph(molecule);
+    for (int trial = 0; trial < 100; ++trial) {
+      std::vector<double> t;
+      for (std::size_t k = 0; k < morph.paths(); ++k) t.push_back(random.between(0, 1));
+      const Positions shape = shape_at(morph, t);
+      Eigen::Vector3d shift = Eigen::Vector3d::Zero(), turn = shift;
+      double mass = 0, size = 0;
+      for (std::size_t i = 0; i < shape.size(); ++i) {
+        const double m = molecule.atoms[i]->mass;
+        const Eigen::Vector3d c = molecule.conformation[i] - morph.centre();
+        shift += m * shape[i];
+        turn += m * c.cross(shape[i]);
+        mass += m;
+        size += m * c.squaredNorm();
+      }
+      // Sums of 77 products, each rounded.
+      CHECK(shift.norm() / mass < 1e-13);
+      CHECK(turn.norm() / size < 1e-14);
+      // No small turn brings it nearer, and neither does a large one.
+      const auto squares = [&](const Eigen::Matrix3d& r) {
+        double sum = 0;
+        for (std::size_t i = 0; i < shape.size(); ++i)
+          sum += molecule.atoms[i]->mass *
+                 (r * shape[i] - (molecule.conformation[i] - morph.centre())).squaredNorm();
+        return sum;
+      };
+      const double least = squares(Eigen::Matrix3d::Identity());
+      for (int other = 0; other < 20; ++other) {
+        const Eigen::Vector3d axis =
+            Eigen::Vector3d(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1))
+                .normalized();
+        const double angle = other % 2 ? 1e-3 : random.between(0, M_PI);
+        CHECK(squares(Eigen::AngleAxisd(angle, axis).toRotationMatrix()) > least);
+      }
+    }
+  }
+}
+
+TEST_CASE("the shape is continuous in t") {
+  for (const Source& source : kAll) {
+    const Morph morph(source.read());
+    for (std::size_t k = 0; k < morph.paths(); ++k) {
+      std::vector<double> t(morph.paths(), 0.3);
+      t[k] = 0;
+      Positions last = shape_at(morph, t);
+      for (int step = 1; step <= 1000; ++step) {
+        t[k] = step / 1000.0;
+        const Positions next = shape_at(morph, t);
+        // A thousandth of the path; no part of it is ten times as fast as its length says.
+        CHECK(rmsd(last, next) < 10 * morph.length(k) / 1000);
+        last = next;
+      }
+    }
+  }
+}
+
+TEST_CASE("derivatives of the shape are those of central differences") {
+  Random random(3);
+  constexpr double kStep = 1e-4;
+  for (const Source& source : kAll) {
+    const Morph morph(source.read());
+    Morph::Shape shape = morph.make_shape(), up = shape, down = shape;
+    const std::size_t paths = morph.paths();
+    std::vector<double> v(3 * paths), above(3 * paths), below(3 * paths), c(paths * paths);
+    double worst = 0, worst_second = 0;
+    for (int trial = 0; trial < 50; ++trial) {
+      std::vector<double> t;
+      // Away from the nodes, where third derivatives jump.
+      for (std::size_t k = 0; k < paths; ++k)
+        t.push_back((static_cast<double>(random.below(10)) + random.between(0.1, 0.9)) / 10);
+      morph.shape(t.data(), shape);
+      morph.differentiate(shape);
+      morph.differentiate_twice(shape);
+      for (std::size_t k = 0; k < paths; ++k) {
+        std::vector<double> moved = t;
+        moved[k] = t[k] + kStep;
+        morph.shape(moved.data(), up);
+        morph.differentiate(up);
+        moved[k] = t[k] - kStep;
+        morph.shape(moved.data(), down);
+        morph.differentiate(down);
+        for (std::size_t i = 0; i < morph.atoms(); ++i) {
+          morph.velocity(shape, i, v.data());
+          const double difference[3] = {(up.x[i] - down.x[i]) / (2 * kStep),
+                                        (up.y[i] - down.y[i]) / (2 * kStep),
+                                        (up.z[i] - down.z[i]) / (2 * kStep)};
+          const double normal[3] = {0.48, -0.6, 0.64};
+          morph.curvature(shape, i, normal, c.data());
+          morph.velocity(up, i, above.data());
+          morph.velocity(down, i, below.data());
+          for (int a = 0; a < 3; ++a)
+            worst = std::max(worst, std::abs(difference[a] - v[3 * k + a]));
+          for (std::size_t l = 0; l < paths; ++l) {
+            double second = 0;
+            for (int a = 0; a < 3; ++a)
+              second += normal[a] * (above[3 * l + a] - below[3 * l + a]) / (2 * kStep);
+            worst_second = std::max(worst_second, std::abs(second - c[paths * k + l]));
+          }
+        }
+      }
+    }
+    INFO(source.name << " off by " << worst << " and " << worst_second);
+    // Step²/6 times the third (fourth) derivative: atoms move some 10 Å a unit of t, and turn by
+    // ten radians a unit at most, so that derivatives grow by a factor of 10: 10^4 (10^5).
+    CHECK(worst < kStep * kStep / 6 * 1e4);
+    CHECK(worst_second < kStep * kStep / 6 * 1e6);
+  }
+}
+
+TEST_CASE("values of t outside are taken for the nearest inside") {
+  const Morph morph(kButane.read());
+  CHECK(rmsd(shape_at(morph, {-3, 0.5}), shape_at(morph, {0, 0.5})) == 0);
+  CHECK(rmsd(shape_at(morph, {0.5, 1e9}), shape_at(morph, {0.5, 1})) == 0);
+  CHECK(rmsd(shape_at(morph, {std::nan(""), 0.5}), shape_at(morph, {0, 0.5})) == 0);
+}
+
+TEST_CASE("one frame is enough for a path: the way there is straight in internal coordinates") {
+  const std::string path = text("butane", "phi-plus.xyz");
+  const std::size_t last = path.rfind("\n14\n") + 1;
+  const Molecule molecule = read_molecule(kButane.conformation(), {path.substr(last)}, {});
+  REQUIRE(molecule.paths[0].nodes.size() == 2);
+  const Morph morph(molecule);
+  const Positions end = frames(path).back();
+  CHECK(superposed_rmsd(shape_at(morph, {1}), end) < 1e-10);
+  // The torsion of the carbons, atoms 1 to 4, is halfway in the middle.
+  const double from = torsion(molecule.conformation, 0, 1, 2, 3), to = torsion(end, 0, 1, 2, 3);
+  const double middle = torsion(shape_at(morph, {0.5}), 0, 1, 2, 3);
+  CHECK(std::abs(std::remainder(2 * middle - from - to, 2 * M_PI)) < 1e-9);
+}

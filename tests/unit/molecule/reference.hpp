@@ -1,0 +1,142 @@
+// Molecules for tests, and geometry from outside the code: frames read line by line, torsions from
+// cross products, superposition by singular values.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <cmath>
+#include <fstream>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "examples/molecule/energy.hpp"
+#include "examples/molecule/input.hpp"
+#include "libcore/model/model.hpp"
+
+namespace molecules {
+
+using hapgrid::molecule::EnergyParameters;
+using hapgrid::molecule::HybridEnergy;
+using hapgrid::molecule::Molecule;
+using hapgrid::molecule::Morph;
+using hapgrid::molecule::Positions;
+using hapgrid::molecule::read_molecule;
+
+inline std::string text(const std::string& molecule, const std::string& file) {
+  std::ifstream in(HAPGRID_SOURCE_DIR "/examples/molecule/" + molecule + "/" + file);
+  if (!in) throw std::runtime_error("no " + molecule + "/" + file);
+  std::ostringstream contents;
+  contents << in.rdbuf();
+  return contents.str();
+}
+
+struct Source {
+  std::string name;
+  std::vector<std::string> paths;
+
+  std::string conformation() const { return text(name, "conformation.xyz"); }
+  std::vector<std::string> transition_states() const {
+    std::vector<std::string> texts;
+    for (const std::string& path : paths) texts.push_back(text(name, path));
+    return texts;
+  }
+  Molecule read() const { return read_molecule(conformation(), transition_states(), {}); }
+  hapgrid::Model make(std::vector<hapgrid::Parameter> parameters = {}) const {
+    parameters.push_back({"conformation", conformation()});
+    parameters.push_back({"transition_states", transition_states()});
+    return hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"}).create(parameters);
+  }
+};
+
+inline const Source kButane{"butane", {"phi-plus.xyz", "chi.xyz"}};
+inline const Source kOnePath{"butane", {"phi-plus.xyz"}};
+inline const Source kDipeptide{"alanine-dipeptide",
+                               {"phi-plus.xyz", "psi-plus.xyz", "chi-b.xyz", "chi-n.xyz"}};
+// Phenylalanine and tyrosine: two rings.
+inline const Source kEnkephalin{
+    "leu-enkephalin", {"psi1-plus.xyz", "psi2-plus.xyz", "chi4_1-minus.xyz", "chi5_1-minus.xyz"}};
+inline const std::vector<Source> kAll{kOnePath, kButane, kDipeptide, kEnkephalin};
+
+/// The positions of every frame of an XYZ text.
+inline std::vector<Positions> frames(const std::string& xyz) {
+  std::istringstream in(xyz);
+  std::vector<Positions> frames;
+  std::size_t count = 0;
+  for (std::string line; in >> count;) {
+    std::getline(in, line);
+    std::getline(in, line);
+    frames.emplace_back();
+    for (std::size_t i = 0; i < count; ++i) {
+      std::string symbol;
+      Eigen::Vector3d p;
+      in >> symbol >> p.x() >> p.y() >> p.z();
+      frames.back().push_back(p);
+    }
+  }
+  return frames;
+}
+
+/// a superposed on b, unweighted; the RMS distance that is left, Å.
+inline double superposed_rmsd(const Positions& a, const Positions& b) {
+  Eigen::Vector3d ca = Eigen::Vector3d::Zero(), cb = ca;
+  for (std::size_t i = 0; i < a.size(); ++i) ca += a[i], cb += b[i];
+  ca /= static_cast<double>(a.size());
+  cb /= static_cast<double>(a.size());
+  Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < a.size(); ++i) h += (b[i] - cb) * (a[i] - ca).transpose();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d sign = Eigen::Matrix3d::Identity();
+  sign(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant();
+  const Eigen::Matrix3d r = svd.matrixU() * sign * svd.matrixV().transpose();
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (r * (a[i] - ca) - (b[i] - cb)).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+inline double rmsd(const Positions& a, const Positions& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+inline double torsion(const Positions& p, int a, int b, int c, int d) {
+  const Eigen::Vector3d u = p[b] - p[a], v = p[c] - p[b], w = p[d] - p[c];
+  const Eigen::Vector3d m = u.cross(v), n = v.cross(w);
+  return std::atan2(v.norm() * u.dot(n), m.dot(n));
+}
+
+inline Positions positions(HybridEnergy& energy, const std::vector<double>& s) {
+  std::vector<double> p(3 * energy.morph().atoms());
+  energy.positions(s.data(), p.data());
+  Positions out;
+  for (std::size_t i = 0; i < p.size(); i += 3) out.emplace_back(p[i], p[i + 1], p[i + 2]);
+  return out;
+}
+
+/// The same numbers everywhere.
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double between(double a, double b) { return a + (b - a) * (engine_() / 4294967296.0); }
+  std::size_t below(std::size_t n) { return engine_() % n; }
+
+  /// A state: t anywhere, or held at 0 for half of them, shifts and turns moderate.
+  std::vector<double> state(const HybridEnergy& energy) {
+    std::vector<double> s(energy.variables());
+    const std::size_t paths = energy.morph().paths();
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      s[i] = i < paths ? between(0, 1) : between(-0.4, 0.4);
+      if (i < paths && below(2)) s[i] = 0;
+    }
+    return s;
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+}  // namespace molecules

@@ -1,0 +1,300 @@
+// From a haptic loop to a viewer that is awake, slow, asleep or dead.
+#include "libcore/scene/publisher.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/scene/scenes.hpp"
+#include "tests/unit/temporary.hpp"
+
+using namespace hapgrid;
+using namespace hapgrid::testing;
+using namespace std::chrono_literals;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+const Scene kScene = small_scene();
+std::atomic<int> stop{0};
+
+/// Completes with what a snapshot says, so that a torn one shows.
+void complete(Frame& frame) {
+  frame.energy = frame.row[0] + frame.row[2];
+  std::fill(frame.centres.begin(), frame.centres.end(), static_cast<float>(frame.tick % 1000));
+}
+
+void offer(FramePublisher& publisher, std::uint64_t tick) {
+  Snapshot& s = publisher.next();
+  const auto t = static_cast<double>(tick);
+  s.tick = tick;
+  s.time_s = t / 1000;
+  s.hip = s.position = s.force = s.raw_force = {t, t, t};
+  s.levels.fill(static_cast<std::uint8_t>(tick));
+  s.row[0] = s.row[1] = s.row[2] = t;
+  publisher.publish();
+}
+
+FramePublisher::Complete slowly(std::chrono::milliseconds time) {
+  return [=](Frame& frame) {
+    std::this_thread::sleep_for(time);
+    complete(frame);
+  };
+}
+
+std::vector<Frame> read_all(const std::string& file) {
+  SceneReader reader(file);
+  CHECK(reader.scene() == kScene);
+  std::vector<Frame> frames;
+  for (Frame frame; reader.next(frame);) {
+    const auto t = static_cast<double>(frame.tick);
+    CHECK(frame.hip == Vec3{t, t, t});
+    CHECK(frame.force == Vec3{t, t, t});
+    CHECK(frame.levels[7] == static_cast<std::uint8_t>(frame.tick));
+    CHECK(frame.row == std::vector<double>{t, t});
+    CHECK(frame.energy == 2 * t);
+    CHECK(frame.centres[8] == static_cast<float>(frame.tick % 1000));
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+/// A named pipe of two pages, whose reading end is open. (One with a single page is full as soon as
+/// there is anything in it.)
+constexpr int kPipeBytes = 8192;
+constexpr std::uint64_t kPipeFrames = kPipeBytes / 300;  // more do not fit: a frame has 300 bytes
+struct Pipe {
+  TemporaryDirectory directory;
+  std::string name = directory.file("pipe");
+  FileDescriptor reader;
+
+  Pipe() {
+    REQUIRE(::mkfifo(name.c_str(), 0600) == 0);
+    reader = FileDescriptor(::open(name.c_str(), O_RDONLY | O_NONBLOCK));
+    REQUIRE(::fcntl(reader.get(), F_SETPIPE_SZ, kPipeBytes) == kPipeBytes);
+  }
+  OutputFile output() { return OutputFile(name, false); }
+};
+
+}  // namespace
+
+TEST_CASE("without a pace each tick that is due is a frame, and the last one") {
+  const TemporaryDirectory directory;
+  for (const std::uint64_t last : {0, 39, 40, 41, 100}) {
+    const std::string name = directory.file("f");
+    FramePublisher publisher(OutputFile(name, false), kScene, 3, complete, false, 1000, stop);
+    for (std::uint64_t tick = 0; tick <= last; ++tick) offer(publisher, tick);
+    const FrameCounts counts = publisher.finish();
+    std::vector<std::uint64_t> ticks;
+    for (const Frame& frame : read_all(name)) ticks.push_back(frame.tick);
+    std::vector<std::uint64_t> expected;
+    for (std::uint64_t tick = 0; tick <= last; tick += 40) expected.push_back(tick);
+    if (last % 40 != 0) expected.push_back(last);
+    CHECK(ticks == expected);
+    CHECK(counts.written == ticks.size());
+    CHECK(counts.dropped == 0);
+    CHECK_FALSE(counts.closed);
+    CHECK_FALSE(counts.cut);
+  }
+}
+
+TEST_CASE("a play without a tick is a stream without frames") {
+  const TemporaryDirectory directory;
+  for (const bool paced : {false, true}) {
+    const std::string name = directory.file("f");
+    FramePublisher publisher(OutputFile(name, false), kScene, 3, complete, paced, 1000, stop);
+    CHECK(publisher.finish().written == 0);
+    CHECK(read_all(name).empty());
+  }
+}
+
+TEST_CASE("without finish() no file appears") {
+  const TemporaryDirectory directory;
+  for (const bool paced : {false, true}) {
+    FramePublisher publisher(OutputFile(directory.file("f"), false), kScene, 3, complete, paced,
+                             1000, stop);
+    offer(publisher, 0);
+  }
+  CHECK(std::filesystem::is_empty(directory.path()));
+}
+
+TEST_CASE("paced, frames are ticks in their order, whole, and the last is the last") {
+  const TemporaryDirectory directory;
+  const std::string name = directory.file("f");
+  FramePublisher publisher(OutputFile(name, false), kScene, 3, complete, true, 1000, stop);
+  const auto begin = Clock::now();
+  std::uint64_t tick = 0;
+  while (Clock::now() - begin < 300ms) offer(publisher, tick++);
+  const FrameCounts counts = publisher.finish();
+  const std::vector<Frame> frames = read_all(name);
+  CHECK(frames.size() == counts.written);
+  CHECK(frames.size() <= 10);  // at 0, 40, ... 320 ms at the most, and the last one
+  CHECK(frames.back().tick == tick - 1);
+}
+
+TEST_CASE("a slow model makes frames rare and nothing else") {
+  const TemporaryDirectory directory;
+  const std::string name = directory.file("f");
+  FramePublisher publisher(OutputFile(name, false), kScene, 3, slowly(100ms), true, 1000, stop);
+  for (std::uint64_t tick = 0; tick < 400; ++tick) {
+    offer(publisher, tick);
+    std::this_thread::sleep_for(1ms);
+  }
+  const FrameCounts counts = publisher.finish();
+  CHECK(counts.dropped >= 2 * (counts.written - 1));  // 100 ms are two periods more than one
+  CHECK(read_all(name).back().tick == 399);
+}
+
+TEST_CASE("a viewer that sleeps costs frames, and a second at the end") {
+  Pipe pipe;
+  const auto begin = Clock::now();
+  FrameCounts counts;
+  {
+    FramePublisher publisher(pipe.output(), kScene, 3, complete, true, 1000, stop);
+    for (std::uint64_t tick = 0; Clock::now() - begin < 1s; ++tick) {
+      offer(publisher, tick);
+      std::this_thread::sleep_for(1ms);
+    }
+    counts = publisher.finish();
+  }
+  CHECK(counts.cut);
+  CHECK_FALSE(counts.closed);
+  CHECK(counts.written < kPipeFrames);
+  CHECK(counts.dropped > 0);
+  CHECK(Clock::now() - begin >= 2s);
+}
+
+TEST_CASE("a viewer that wakes up goes on with whole frames") {
+  Pipe pipe;
+  FramePublisher publisher(pipe.output(), kScene, 3, complete, true, 1000, stop);
+  std::thread viewer([&] {
+    std::this_thread::sleep_for(800ms);
+    ::fcntl(pipe.reader.get(), F_SETFL, 0);
+    SceneReader reader(std::move(pipe.reader), "pipe");
+    Frame frame;
+    std::uint64_t frames = 0;
+    for (; reader.next(frame); ++frames) CHECK(frame.energy == 2 * frame.row[1]);
+    CHECK(frame.tick == 1199);
+    CHECK(frames > 10);
+  });
+  for (std::uint64_t tick = 0; tick < 1200; ++tick) {
+    offer(publisher, tick);
+    std::this_thread::sleep_for(1ms);
+  }
+  const FrameCounts counts = publisher.finish();
+  viewer.join();
+  CHECK_FALSE(counts.cut);
+  CHECK(counts.dropped > 0);
+}
+
+TEST_CASE("a viewer that dies ends the frames, without a signal") {
+  // The default of SIGPIPE would end this test.
+  REQUIRE(::signal(SIGPIPE, SIG_DFL) == SIG_DFL);
+  for (const bool paced : {false, true}) {
+    Pipe pipe;
+    FramePublisher publisher(pipe.output(), kScene, 3, complete, paced, 1000, stop);
+    offer(publisher, 0);
+    if (paced) std::this_thread::sleep_for(10ms);
+    pipe.reader = FileDescriptor();
+    for (std::uint64_t tick = 40; tick < 200; tick += 40) {
+      offer(publisher, tick);
+      if (paced) std::this_thread::sleep_for(40ms);
+    }
+    const FrameCounts counts = publisher.finish();
+    CHECK(counts.closed);
+    CHECK_FALSE(counts.cut);
+    CHECK(counts.written <= 1);
+    sigset_t pending;
+    REQUIRE(::sigpending(&pending) == 0);
+    CHECK_FALSE(::sigismember(&pending, SIGPIPE));
+  }
+}
+
+TEST_CASE("without a pace the viewer is waited for until a signal asks to stop") {
+  Pipe pipe;
+  std::atomic<int> flag{0};
+  FramePublisher publisher(pipe.output(), kScene, 3, complete, false, 1000, flag);
+  std::thread signal([&] {
+    std::this_thread::sleep_for(200ms);
+    flag = SIGINT;
+  });
+  std::uint64_t tick = 0;
+  for (; flag == 0; tick += 40) offer(publisher, tick);
+  signal.join();
+  CHECK(tick / 40 < kPipeFrames + 2);
+  CHECK(publisher.finish().cut);
+}
+
+TEST_CASE("an error of the slow thread is heard at the end") {
+  FramePublisher full(OutputFile("/dev/full", false), kScene, 3, complete, true, 1000, stop);
+  offer(full, 0);
+  CHECK_THROWS_AS(full.finish(), std::system_error);
+  CHECK_THROWS_AS(
+      FramePublisher(OutputFile("/dev/full", false), kScene, 3, complete, false, 1000, stop),
+      std::system_error);
+}
+
+TEST_CASE("paced, publishing a tick allocates nothing, nor does the slow thread") {
+  FramePublisher publisher(OutputFile("/dev/null", false), kScene, 3, complete, true, 1000, stop);
+  std::this_thread::sleep_for(20ms);  // the thread has started
+  offer(publisher, 0);
+  std::this_thread::sleep_for(100ms);
+  const std::uint64_t before = allocations();
+  for (std::uint64_t tick = 1; tick < 300; ++tick) {
+    offer(publisher, tick);
+    std::this_thread::sleep_for(1ms);
+  }
+  CHECK(allocations() == before);
+  CHECK(before > 0);
+  CHECK(publisher.finish().written > 1);
+}
+
+TEST_CASE("a triple buffer gives the newest value, once") {
+  TripleBuffer<int> buffer(7);
+  CHECK_FALSE(buffer.update());
+  CHECK(buffer.front() == 7);
+  for (const int i : {1, 2, 3}) {
+    buffer.back() = i;
+    buffer.publish();
+  }
+  CHECK(buffer.update());
+  CHECK(buffer.front() == 3);
+  CHECK_FALSE(buffer.update());
+  CHECK(buffer.front() == 3);
+  buffer.back() = 4;
+  CHECK_FALSE(buffer.update());
+  CHECK(buffer.front() == 3);
+
+  // Two threads: values ascend and are whole.
+  struct Pair {
+    std::uint64_t a, b;
+  };
+  TripleBuffer<Pair> pairs({0, 0});
+  constexpr std::uint64_t kLast = 200000;
+  std::thread writer([&] {
+    for (std::uint64_t i = 1; i <= kLast; ++i) {
+      pairs.back() = {i, i};
+      pairs.publish();
+    }
+  });
+  bool whole = true, ascending = true;
+  for (std::uint64_t last = 0; last < kLast;) {
+    if (!pairs.update()) continue;
+    whole = whole && pairs.front().a == pairs.front().b;
+    ascending = ascending && pairs.front().a > last;
+    last = pairs.front().a;
+  }
+  writer.join();
+  CHECK(whole);
+  CHECK(ascending);
+}

@@ -1,0 +1,226 @@
+// The picture: silhouettes, occlusion, colours, what is fitted into it.
+#include "libcore/scene/render.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+
+#include "tests/unit/scene/scenes.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+constexpr Rgb kWhite{255, 255, 255};
+
+/// Spheres alone, seen along +y, 100 pixels a unit.
+struct Stage {
+  Scene scene;
+  Frame frame;
+  RenderOptions options{.width = 200, .height = 100, .box = false, .hip = false};
+  Camera camera{.azimuth_degrees = 0, .elevation_degrees = 0, .half_width = 0.5};
+
+  void add(float x, float y, float z, float radius, std::array<float, 3> colour) {
+    scene.spheres.push_back({radius, colour, ""});
+    frame.centres.insert(frame.centres.end(), {x, y, z});
+  }
+  Image render() const { return hapgrid::render(scene, frame, camera, options); }
+};
+
+/// How much of the picture is not white, in pixels; the spheres there must be black.
+double covered(const Image& image) {
+  double area = 0;
+  for (const Rgb& pixel : image.pixels) area += 1 - pixel[1] / 255.0;
+  return area;
+}
+
+bool reddish(const Rgb& p) { return p[0] > p[1] + 40 && p[0] > p[2] + 40; }
+bool greenish(const Rgb& p) { return p[1] > p[0] + 40 && p[1] > p[2] + 40; }
+bool bluish(const Rgb& p) { return p[2] > p[0] + 20 && p[2] > p[1] + 20; }
+
+}  // namespace
+
+TEST_CASE("a sphere covers a disc") {
+  for (const float radius : {0.4F, 0.1F, 0.025F}) {
+    Stage stage;
+    stage.add(0.123F, 5, 0.0456F, radius, {1, 1, 1});
+    const Image image = stage.render();
+    REQUIRE(image.width == 200);
+    REQUIRE(image.height == 100);
+    REQUIRE(image.pixels.size() == 20000);
+    // Lit white is no measure of an area: what is not the background is, to a pixel of the rim.
+    double any = 0;
+    for (const Rgb& pixel : image.pixels) any += pixel != kWhite;
+    const double r = 100 * static_cast<double>(radius);
+    CHECK(any <= std::numbers::pi * (r + 1.5) * (r + 1.5));
+    CHECK(any >= std::numbers::pi * (r - 1.5) * (r - 1.5) * 0.9);
+  }
+}
+
+TEST_CASE("supersampling measures the disc to a part of a pixel of its rim") {
+  // A black sphere is (nearly) black but for the highlight: count rays at one a pixel instead.
+  for (const int n : {1, 2, 3, 4}) {
+    Stage stage;
+    stage.options.supersampling = n;
+    stage.add(0.05F, 0, -0.03F, 0.3F, {0, 0, 0});
+    stage.camera.azimuth_degrees = 0;
+    const Image image = stage.render();
+    // The highlight is a quarter at most, inside a cap that is small against the disc.
+    const double area = std::numbers::pi * 30 * 30;
+    CHECK(covered(image) <= area + 2 * std::numbers::pi * 30 / n);
+    CHECK(covered(image) >= area * 0.97 - 2 * std::numbers::pi * 30 / n);
+  }
+}
+
+TEST_CASE("the nearer sphere hides the other, in whichever order they come") {
+  for (const bool swapped : {false, true}) {
+    Stage stage;
+    const auto red = [&] { stage.add(0, -1, 0, 0.2F, {1, 0, 0}); };  // nearer: smaller y
+    const auto green = [&] { stage.add(0, 1, 0, 0.4F, {0, 1, 0}); };
+    swapped ? (green(), red()) : (red(), green());
+    const Image front = stage.render();
+    CHECK(reddish(front.at(100, 50)));
+    CHECK(greenish(front.at(100 + 30, 50)));
+    CHECK(front.at(100 + 45, 50) == kWhite);
+    stage.camera.azimuth_degrees = 180;  // from behind: the large one is all that is seen
+    const Image back = stage.render();
+    for (const Rgb& pixel : back.pixels) CHECK_FALSE(reddish(pixel));
+    CHECK(greenish(back.at(100, 50)));
+    stage.camera = {.azimuth_degrees = 90, .elevation_degrees = 0, .half_width = 2};
+    const Image side = stage.render();  // from +x: y to the right, 25 pixels a unit
+    CHECK(reddish(side.at(100 - 25, 50)));
+    CHECK(greenish(side.at(100 + 25, 50)));
+  }
+}
+
+TEST_CASE("spheres that cut into each other meet halfway") {
+  Stage stage;
+  stage.add(-0.1F, 0, 0, 0.3F, {1, 0, 0});
+  stage.add(0.1F, 0, 0, 0.3F, {0, 1, 0});
+  const Image image = stage.render();
+  for (int y = 30; y < 70; ++y) {
+    CHECK(reddish(image.at(98, y)));
+    CHECK(greenish(image.at(101, y)));
+  }
+}
+
+TEST_CASE("the axes are where the help says") {
+  Stage stage;
+  stage.camera.half_width = 1;  // 50 pixels a unit
+  stage.add(0.5F, 0, 0, 0.1F, {1, 0, 0});
+  stage.add(0, 0, 0.5F, 0.1F, {0, 1, 0});
+  Image image = stage.render();
+  CHECK(reddish(image.at(125, 50)));   // x to the right
+  CHECK(greenish(image.at(100, 25)));  // z up
+  stage.camera.elevation_degrees = 90;
+  image = stage.render();
+  CHECK(reddish(image.at(125, 50)));
+  CHECK(greenish(image.at(100, 50)));
+  stage.camera = {.azimuth_degrees = 90, .elevation_degrees = 0, .half_width = 1};
+  image = stage.render();
+  CHECK(reddish(image.at(100, 50)));  // towards the viewer
+}
+
+TEST_CASE("the middle of a sphere has its colour, brighter where the light is") {
+  Stage stage;
+  stage.add(0, 0, 0, 0.4F, {0.2F, 0.4F, 0.8F});
+  const Image image = stage.render();
+  const Rgb middle = image.at(100, 50);
+  // Without the highlight, which adds the same to all three.
+  CHECK(middle[1] - middle[0] == Approx(0.5 * (middle[2] - middle[1])).margin(2));
+  CHECK(image.at(85, 35)[1] > image.at(100, 50)[1]);
+  CHECK(image.at(100, 50)[1] > image.at(120, 70)[1]);
+}
+
+TEST_CASE("the picture does not depend on where its bands are cut") {
+  // The same scene in the upper part of a higher picture.
+  Stage stage;
+  stage.options.width = 100;
+  stage.add(0, 0, 0, 0.4F, {1, 0.5F, 0});
+  stage.add(0.2F, -1, 0.1F, 0.2F, {0, 0.5F, 1});
+  const Image low = stage.render();
+  stage.options.height = 220;  // the middle goes down by 60 pixels
+  const Image high = stage.render();
+  for (int y = 0; y < 100; ++y)
+    for (int x = 0; x < 100; ++x) REQUIRE(low.at(x, y) == high.at(x, y + 60));
+}
+
+TEST_CASE("HIP, force and box are there, and can be left out") {
+  Stage stage;
+  stage.scene.box = {{-1, -1, -1}, 1, {3, 3, 3}};
+  stage.frame.position = {0, 0, 0};
+  stage.frame.force = {0, 0, 1};
+  stage.options = {.width = 300, .height = 300, .hip_radius = 0.2, .arrow = 0.5};
+  stage.camera = fit_camera(stage.scene, stage.frame, stage.options, 0, 0);
+  CHECK(stage.camera.half_width == Approx(1.06));
+  const auto pixel = [&](double u) { return static_cast<int>(150 + u * 150 / 1.06); };
+  Image image = stage.render();
+  CHECK(bluish(image.at(pixel(0.15), 150)));
+  CHECK(reddish(image.at(150, pixel(-0.35))));   // the shaft, up
+  CHECK(image.at(150, pixel(-0.55)) == kWhite);  // beyond the tip
+  CHECK(image.at(150, pixel(1)) != kWhite);      // the box's edge
+  CHECK(image.at(pixel(-1), 150) != kWhite);
+  CHECK(image.at(pixel(0.6), pixel(0.6)) == kWhite);
+  // What is behind the HIP shines through, what is in front hides it.
+  stage.add(0, 0.5F, 0, 0.3F, {0, 1, 0});
+  image = stage.render();
+  CHECK(image.at(pixel(0.12), 150)[1] > image.at(pixel(0.12), 150)[0] + 40);
+  CHECK(bluish(Rgb{image.at(pixel(0.12), 150)[0], 0, image.at(pixel(0.12), 150)[2]}));
+  CHECK(reddish(image.at(150, pixel(-0.35))));
+  stage.frame.centres[1] = -0.5F;
+  CHECK(greenish(stage.render().at(pixel(0.12), 150)));
+  stage.scene.spheres.clear();
+  stage.options.box = stage.options.hip = false;
+  for (const Rgb& p : stage.render().pixels) REQUIRE(p == kWhite);
+}
+
+TEST_CASE("the whole of it is in the picture, from every side") {
+  const Scene scene = testing::small_scene();
+  Frame frame = testing::small_frame(0);
+  frame.force = {3, -3, 8};
+  RenderOptions options{.width = 150, .height = 90, .supersampling = 1};
+  for (const double azimuth : {-200.0, -45.0, 0.0, 30.0, 90.0})
+    for (const double elevation : {-90.0, -20.0, 0.0, 70.0, 90.0}) {
+      const Image image =
+          render(scene, frame, fit_camera(scene, frame, options, azimuth, elevation), options);
+      bool edge = false, any = false;
+      for (int y = 0; y < 90; ++y)
+        for (int x = 0; x < 150; ++x) {
+          const bool drawn = image.at(x, y) != kWhite;
+          any = any || drawn;
+          edge = edge || (drawn && (x == 0 || y == 0 || x == 149 || y == 89));
+        }
+      CHECK(any);
+      CHECK_FALSE(edge);
+    }
+}
+
+TEST_CASE("values that are no places draw nothing and harm nothing") {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr float kHuge = std::numeric_limits<float>::max();
+  const Scene scene = testing::small_scene();
+  Frame frame = testing::small_frame(0);
+  RenderOptions options{.width = 40, .height = 30, .supersampling = 2};
+  const auto draw = [&] {
+    return render(scene, frame, fit_camera(scene, frame, options, 10, 10), options);
+  };
+  frame.centres.assign(9, std::numeric_limits<float>::quiet_NaN());
+  frame.force = {nan, 0, 0};
+  CHECK(draw().pixels.size() == 1200);
+  frame.position = {nan, 0, 0};
+  CHECK(draw().pixels.size() == 1200);
+  frame.centres = {kHuge, -kHuge, kHuge, std::numeric_limits<float>::infinity(), 0, 0, 0, 0, 0};
+  CHECK(draw().pixels.size() == 1200);
+  frame.position = {1e308, -1e308, 1e308};
+  frame.force = {1e308, 1e308, 1e308};
+  CHECK(draw().pixels.size() == 1200);
+}
+
+TEST_CASE("a picture becomes a PNG") {
+  const std::vector<std::byte> png = encode_png({2, 1, {{255, 0, 0}, {0, 255, 0}}});
+  REQUIRE(png.size() > 8);
+  CHECK(std::memcmp(png.data(), "\x89PNG\r\n\x1a\n", 8) == 0);
+  CHECK_THROWS(encode_png({0, 0, {}}));
+}

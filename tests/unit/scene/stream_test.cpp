@@ -1,0 +1,226 @@
+// The stream of frames: what was written is read, and nothing else is.
+#include "libcore/scene/stream.hpp"
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+
+#include "libcore/base/error.hpp"
+#include "tests/unit/scene/scenes.hpp"
+
+using namespace hapgrid;
+using namespace hapgrid::testing;
+using Catch::Matchers::Equals;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+Bytes scene_bytes(const Scene& scene) {
+  Bytes bytes;
+  append(bytes, SceneEncoder().encode(scene));
+  return bytes;
+}
+Bytes frame_bytes(const Frame& frame) {
+  Bytes bytes;
+  append(bytes, SceneEncoder().encode(frame, frame.row.size()));
+  return bytes;
+}
+Bytes operator+(Bytes a, const Bytes& b) {
+  append(a, b);
+  return a;
+}
+
+std::uint64_t read_all(const Bytes& bytes) {
+  SceneReader reader(file_of(bytes), "f");
+  std::uint64_t frames = 0;
+  for (Frame frame; reader.next(frame);) ++frames;
+  return frames;
+}
+
+/// Like read_all(), and damage may be found or not, but nothing else may happen.
+bool reads(const Bytes& bytes) {
+  try {
+    read_all(bytes);
+    return true;
+  } catch (const FormatError&) {
+    return false;
+  }
+}
+
+void check_same(const Frame& a, const Frame& b) {
+  CHECK(a.tick == b.tick);
+  CHECK(a.time_s == b.time_s);
+  CHECK(a.hip == b.hip);
+  CHECK(a.position == b.position);
+  CHECK(a.force == b.force);
+  CHECK(a.raw_force == b.raw_force);
+  CHECK((a.energy == b.energy || (std::isnan(a.energy) && std::isnan(b.energy))));
+  CHECK(a.row == b.row);
+  CHECK(a.levels == b.levels);
+  CHECK(a.centres == b.centres);
+}
+
+const Scene kScene = small_scene();
+const Bytes kStart = scene_bytes(kScene);
+
+}  // namespace
+
+TEST_CASE("scene and frames come back as they were") {
+  Bytes bytes;
+  SceneEncoder encoder;
+  append(bytes, encoder.encode(kScene));
+  for (const std::uint64_t tick : {0, 40, 41})
+    append(bytes, encoder.encode(small_frame(tick), kScene.state_size));
+  SceneReader reader(file_of(bytes), "f");
+  CHECK(reader.scene() == kScene);
+  Frame frame;
+  for (const std::uint64_t tick : {0, 40, 41}) {
+    REQUIRE(reader.next(frame));
+    check_same(frame, small_frame(tick));
+  }
+  CHECK_FALSE(reader.next(frame));
+  CHECK_FALSE(reader.next(frame));
+}
+
+TEST_CASE("a scene without spheres, and one with many") {
+  Scene scene = kScene;
+  scene.spheres.clear();
+  Frame frame = small_frame(1);
+  frame.centres.clear();
+  CHECK(read_all(scene_bytes(scene) + frame_bytes(frame)) == 1);
+  scene.spheres.assign(100000, {1, {1, 1, 1}, "Xe12345"});
+  frame.centres.assign(300000, 0.5F);
+  CHECK(read_all(scene_bytes(scene) + frame_bytes(frame)) == 1);
+}
+
+TEST_CASE("a frame is there as soon as its last byte is") {
+  int ends[2];
+  REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends) == 0);
+  const FileDescriptor writer(ends[0]);
+  const auto send = [&](const Bytes& bytes) {
+    REQUIRE(::write(writer.get(), bytes.data(), bytes.size()) ==
+            static_cast<ssize_t>(bytes.size()));
+  };
+  send(kStart);
+  SceneReader reader(FileDescriptor(ends[1]), "f");  // would wait for ever if it wanted more
+  Frame frame;
+  for (const std::uint64_t tick : {3, 4, 9}) {
+    send(frame_bytes(small_frame(tick)));
+    REQUIRE(reader.next(frame));
+    CHECK(frame.tick == tick);
+  }
+}
+
+TEST_CASE("a stream may end behind any message, and nowhere else") {
+  const Bytes first = kStart + frame_bytes(small_frame(0));
+  const Bytes bytes = first + frame_bytes(small_frame(40));
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const Bytes part(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    if (size == kStart.size() || size == first.size()) {
+      CHECK(read_all(part) == (size == first.size()));
+      continue;
+    }
+    const std::string where = size < kStart.size()  ? "0"
+                              : size < first.size() ? std::to_string(kStart.size())
+                                                    : std::to_string(first.size());
+    CHECK_THROWS_WITH(read_all(part), size == 0
+                                          ? "f: empty, not a stream of frames"
+                                          : "f: byte " + where + ": truncated: a message is cut");
+  }
+}
+
+TEST_CASE("no damage does more than being found") {
+  const Bytes bytes = kStart + frame_bytes(small_frame(0)) + frame_bytes(small_frame(40));
+  REQUIRE(reads(bytes));
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    for (int bit = 0; bit < 8; ++bit) {
+      Bytes damaged = bytes;
+      damaged[i] ^= std::byte{1} << bit;
+      found += !reads(damaged);
+    }
+    for (const auto value : {std::byte{0}, std::byte{0xff}, std::byte{0x7f}}) {
+      Bytes damaged = bytes;
+      damaged[i] = value;
+      reads(damaged);
+    }
+  }
+  CHECK(found > bytes.size());  // pointers, sizes, magic number: about a quarter of all bits
+}
+
+TEST_CASE("what is no stream of frames is refused by name and place") {
+  Bytes text(200);
+  std::memset(text.data(), 'a', text.size());
+  CHECK_THROWS_WITH(read_all(text), "f: byte 0: not a stream of frames, or damaged");
+  CHECK_THROWS_WITH(read_all(Bytes(200)), StartsWith("f: byte 0: "));
+  const std::string second = "f: byte " + std::to_string(kStart.size()) + ": ";
+  CHECK_THROWS_WITH(read_all(frame_bytes(small_frame(0))),
+                    "f: byte 0: not a stream of frames: no scene in front");
+  CHECK_THROWS_WITH(read_all(kStart + kStart), second + "a second scene");
+  CHECK_THROWS_WITH(read_all(kStart + frame_bytes(small_frame(3)) + frame_bytes(small_frame(3))),
+                    "f: byte " +
+                        std::to_string(kStart.size() + frame_bytes(small_frame(3)).size()) +
+                        ": tick 3 after tick 3");
+}
+
+TEST_CASE("a claim beyond the limit takes no memory") {
+  // A segment of 2^32 - 1 words.
+  Bytes bytes(8);
+  std::memset(bytes.data() + 4, 0xff, 4);
+  CHECK_THROWS_WITH(read_all(bytes),
+                    "f: byte 0: a message of 34359738368 bytes, the limit is 67108864");
+  CHECK_THROWS_WITH(
+      read_all(kStart + bytes),
+      StartsWith("f: byte " + std::to_string(kStart.size()) + ": a message of 34359738368 bytes"));
+  // 512 segments.
+  bytes = Bytes(4096);
+  bytes[0] = std::byte{0xff};
+  bytes[1] = std::byte{1};
+  CHECK_THROWS_AS(read_all(bytes), FormatError);
+  bytes[1] = std::byte{2};
+  CHECK_THROWS_WITH(read_all(bytes), "f: byte 0: not a stream of frames, or damaged");
+}
+
+TEST_CASE("values that cannot be are refused") {
+  const auto refuses_scene = [](auto&& change, const std::string& what) {
+    Scene scene = kScene;
+    change(scene);
+    CHECK_THROWS_WITH(read_all(scene_bytes(scene)), StartsWith("f: byte 0: " + what));
+  };
+  const double nan = std::nan("");
+  refuses_scene([](Scene& s) { s.box.spacing = 0; }, "");
+  refuses_scene([&](Scene& s) { s.box.origin[1] = nan; }, "");
+  refuses_scene([](Scene& s) { s.box.counts = {1u << 16, 1u << 16, 2}; }, "");
+  refuses_scene([](Scene& s) { s.state_size = 0; }, "a state of 0 components");
+  refuses_scene([](Scene& s) { s.state_size = kMaxStateSize + 1; },
+                "a state of 1048577 components");
+  refuses_scene([](Scene& s) { s.hip_radius = -1; }, "the radius of the HIP is negative");
+  refuses_scene([](Scene& s) { s.spheres[1].radius = -1; }, "a radius is negative or not finite");
+  refuses_scene([&](Scene& s) { s.spheres[1].radius = static_cast<float>(nan); }, "a radius");
+  refuses_scene([](Scene& s) { s.spheres[1].colour[2] = 1.5F; }, "a colour is not in [0, 1]");
+  refuses_scene([](Scene& s) { s.model.assign(256, 'm'); },
+                "a model's name of 256 bytes, the limit is 255");
+  refuses_scene([](Scene& s) { s.spheres[0].label.assign(256, 'm'); }, "a label of 256 bytes");
+
+  const auto refuses_frame = [](auto&& change, const std::string& what) {
+    Frame frame = small_frame(1);
+    change(frame);
+    CHECK_THROWS_WITH(read_all(kStart + frame_bytes(frame)),
+                      Equals("f: byte " + std::to_string(kStart.size()) + ": " + what));
+  };
+  refuses_frame([&](Frame& f) { f.time_s = nan; }, "the time is not finite");
+  refuses_frame([](Frame& f) { f.row.push_back(0); }, "state: 3 values, the scene has 2");
+  refuses_frame([](Frame& f) { f.row.clear(); }, "state: 0 values, the scene has 2");
+  refuses_frame([](Frame& f) { f.centres.pop_back(); }, "centres: 8 values, the scene has 9");
+}
+
+TEST_CASE("files that cannot be read") {
+  CHECK_THROWS_WITH(SceneReader("/nowhere/f"), StartsWith("/nowhere/f: No such file"));
+  CHECK_THROWS_WITH(SceneReader("/"), StartsWith("/: Is a directory"));
+}

@@ -1,0 +1,177 @@
+// check-model: what would go wrong in the search of a model's grid, before the search is paid for.
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "libcore/base/file.hpp"
+#include "libcore/check/model_check.hpp"
+#include "libcore/check/text.hpp"
+#include "libcore/search/converter.hpp"
+#include "libcore/search/seed.hpp"
+#include "tools/common/definition.hpp"
+#include "tools/common/models.hpp"
+#include "tools/common/tool.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What force and shape together may take of the 200 microseconds of a tick at 5 kHz.
+constexpr double kLoopBudget = 100e-6;
+
+struct Options {
+  DefinitionOptions definition;
+  DefinedModelOptions model;
+  ModelCheckLimits limits;
+  std::string format = "text";
+  std::string output = "-";
+};
+
+/// Three significant digits and a unit that suits.
+std::string time_text(double seconds) {
+  struct Unit {
+    double below, scale;
+    const char* name;
+  };
+  static constexpr Unit kUnits[] = {{1e-6, 1e9, "ns"},       {1e-3, 1e6, "us"},
+                                    {1, 1e3, "ms"},          {120, 1, "s"},
+                                    {7200, 1.0 / 60, "min"}, {INFINITY, 1.0 / 3600, "h"}};
+  const Unit* unit = kUnits;
+  while (seconds >= unit->below) ++unit;
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g %s", seconds * unit->scale, unit->name);
+  return text;
+}
+
+std::string megabytes(std::uint64_t bytes) {
+  return rounded(std::ceil(static_cast<double>(bytes) / 1e5) / 10) + " MB";
+}
+
+std::string calls_text(const CallTimes& t) {
+  return "median " + time_text(t.median) + ", mean " + time_text(t.mean) + ", 99 % below " +
+         time_text(t.p99) + ", longest " + time_text(t.worst) + " (" + std::to_string(t.calls) +
+         " calls)";
+}
+
+Json calls_json(const CallTimes& t) {
+  return {{"calls", t.calls},
+          {"median_seconds", t.median},
+          {"mean_seconds", t.mean},
+          {"p99_seconds", t.p99},
+          {"longest_seconds", t.worst}};
+}
+
+std::string report_text(const GridSpec& spec, const hapgrid_model_info& info, const ModelCheck& m,
+                        const GridEstimate& e) {
+  const std::string length = info.length_unit[0] ? " " + printable(info.length_unit) : "";
+  std::string text = checks_text(m.checks) + "\n";
+  const auto row = [&](const std::string& name, const std::string& value) {
+    text += name + std::string(13 - name.size(), ' ') + value + "\n";
+  };
+  row("d_max", rounded(info.d_max) + length + "; the longest step of this grid, sqrt(3) h, is " +
+                   rounded(std::sqrt(3.0) * spec.box.spacing) + length);
+  row("conversion", calls_text(m.convert));
+  if (m.force.calls) row("force", calls_text(m.force));
+  if (m.shape.calls) row("shape", calls_text(m.shape));
+  if (m.force.p99 + m.shape.p99 > kLoopBudget)
+    row("", "too slow for a haptic loop: let the grid store them (info.stored)");
+  if (m.largest_force > 0)
+    row("forces",
+        "up to " + rounded(m.largest_force) + " N" +
+            (info.force_scale > 0 ? "; against the energy's gradient off by " +
+                                        rounded(100 * m.median_force_error) + " % of that (median)"
+                                  : ""));
+  row("whole grid", std::to_string(e.conversions) + " conversions with one level a point, " +
+                        time_text(e.cpu_hours * 3600) +
+                        " of CPU time: " + std::to_string(e.workers_for_a_night) + " worker" +
+                        (e.workers_for_a_night == 1 ? "" : "s") + " for a night of ten hours");
+  row("memory", "play " + megabytes(e.play_bytes) + " with one level a point, expand up to " +
+                    megabytes(e.expand_bytes));
+  return text;
+}
+
+std::string report_json(const GridSpec& spec, const hapgrid_model_info& info, const ModelCheck& m,
+                        const GridEstimate& e) {
+  Json json;
+  json["model"] = spec.model;
+  json["fine"] = is_fine(m.checks);
+  json["checks"] = checks_json(m.checks);
+  json["d_max"] = info.d_max;
+  json["longest_step"] = std::sqrt(3.0) * spec.box.spacing;
+  json["convert"] = calls_json(m.convert);
+  json["force"] = m.force.calls ? calls_json(m.force) : Json();
+  json["shape"] = m.shape.calls ? calls_json(m.shape) : Json();
+  json["largest_force_newtons"] = m.largest_force;
+  json["median_force_error"] = info.force_scale > 0 ? Json(m.median_force_error) : Json();
+  json["grid"] = {{"conversions", e.conversions},
+                  {"cpu_hours", e.cpu_hours},
+                  {"workers_for_a_night", e.workers_for_a_night},
+                  {"play_bytes", e.play_bytes},
+                  {"expand_bytes", e.expand_bytes}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+int run(const Options& options) {
+  const Definition definition = load_definition(options.definition);
+  const auto source = model_source(definition, options.definition.file, options.model);
+  const Model model = source->create(definition.parameters);
+  const GridSpec spec = describe_grid(definition, model);
+  const Seeds seeds = seed_states(definition, model);
+
+  const ModelCheck found = check_model(
+      spec, seeds, [&] { return create_model(*source, spec); }, options.limits);
+  const GridEstimate estimate = estimate_grid(spec, found.convert.mean);
+  OutputFile output(options.output, /*binary=*/false);
+  output.write(options.format == "json" ? report_json(spec, model.info(), found, estimate)
+                                        : report_text(spec, model.info(), found, estimate));
+  output.commit();
+  std::fprintf(stderr, "check-model: %s\n", verdict_line(found.checks).c_str());
+  return is_fine(found.checks) ? kExitDone : kExitInvalid;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app(
+      "Tries a model before its grid is searched: walks through the box as a hand would, checks "
+      "at\n"
+      "each step what the search and the player rely on, and estimates what the whole grid takes.");
+  describe(
+      app, "check-model",
+      "Checks:\n"
+      "  defined        C answers at every step of the grid\n"
+      "  deterministic  C, asked again and asked of a second model, answers with the same bits\n"
+      "  stays          C(s, x, 0) = s within the tolerance\n"
+      "  reflexive, symmetric   of the tolerance function\n"
+      "  finite         forces and shapes are finite numbers\n"
+      "  gradient       the force is the energy's negative gradient, within 2 % of the largest\n"
+      "  halves         (no fault) steps that end elsewhere when they are made in two halves\n"
+      "  returns        (no fault) steps there and back that end in another state\n"
+      "\n"
+      "Times depend on the machine; everything else depends on the model alone, unless\n"
+      "--seconds ends the walks.\n",
+      "  3  the model breaks what the search relies on\n");
+  add_definition(app, options.definition);
+  app.add_option("--steps", options.limits.conversions, "Steps along the walks")
+      ->type_name("N")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
+      ->capture_default_str();
+  app.add_option("--seconds", options.limits.seconds,
+                 "No step is begun after this time, in seconds")
+      ->type_name("S")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--walk-seed", options.limits.walk_seed, "Draws other walks")
+      ->type_name("S")
+      ->capture_default_str();
+  app.add_option("--format", options.format, "How the report is written")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  add_model_options(app, options.model);
+  add_output(app, options.output);
+  return run_tool(app, argc, argv, [&] { return run(options); });
+}

@@ -1,0 +1,29 @@
+// The MODEL.toml of a command line, as the filters that start from one take it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "libcore/model/definition.hpp"
+
+namespace hapgrid {
+
+/// The largest MODEL.toml, and the largest file that one names.
+inline constexpr std::uint64_t kMaxDefinitionBytes = 16 << 20;
+
+struct DefinitionOptions {
+  std::string file = "-";
+  std::vector<std::string> overrides;
+};
+
+/// The positional MODEL.toml and --set KEY=VALUE.
+void add_definition(CLI::App& app, DefinitionOptions& options);
+
+/// What stands in MODEL.toml, in the help of a filter that reads one.
+extern const char* const kDefinitionHelp;
+
+/// Reads it, and the files that it names beside itself. @throw Error; std::system_error
+Definition load_definition(const DefinitionOptions& options);
+
+}  // namespace hapgrid

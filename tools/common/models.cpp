@@ -1,0 +1,98 @@
+#include "tools/common/models.hpp"
+
+#include <cmath>
+#include <filesystem>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
+#include "libcore/search/converter.hpp"
+#include "tools/common/tool.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+std::string shown(const std::string& file) { return file == "-" ? "standard input" : file; }
+
+void add_process_timeout(CLI::App& app, ProcessOptions& options) {
+  app.add_option("--process-timeout", options.timeout_seconds,
+                 "Seconds that a model process may take for an answer; one that takes longer is "
+                 "replaced, and each of its requests is asked three times at most")
+      ->type_name("S")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            double value = std::nan("");
+            const bool good = CLI::detail::lexical_cast(text, value) && value > 0 && value <= 1e6;
+            return good ? std::string() : "'" + text + "' is not above 0 and at most 1000000";
+          },
+          ""))
+      ->capture_default_str();
+}
+
+/// It runs in the directory of the definition's file.
+std::unique_ptr<ModelSource> process_source(const ProcessDefinition& process,
+                                            const std::string& file,
+                                            const ProcessOptions& options) {
+  return std::make_unique<ProcessSource>(
+      process.name, Command{process.command, std::filesystem::path(file).parent_path()}, options);
+}
+
+}  // namespace
+
+void add_model_options(CLI::App& app, ModelOptions& options) {
+  add_model_path(app, options.path);
+  app.add_option("--allow-process", options.allowed,
+                 "Where the grid's model is a process: the definition that names its command, "
+                 "which is then run")
+      ->type_name("MODEL.toml");
+  app.add_option("--in-flight", options.process.in_flight,
+                 "Requests that one model process has at a time (1 to 1024)")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 1024u))
+      ->capture_default_str();
+  add_process_timeout(app, options.process);
+}
+
+void add_model_options(CLI::App& app, DefinedModelOptions& options) {
+  add_model_path(app, options.path);
+  app.add_flag("--allow-process", options.allow_process,
+               "Run the command that MODEL.toml names as its model");
+  add_process_timeout(app, options.process);
+}
+
+std::unique_ptr<ModelSource> model_source(const Definition& definition, const std::string& file,
+                                          const DefinedModelOptions& options) {
+  if (!definition.process)
+    return std::make_unique<Plugin>(definition.plugin, model_path(options.path));
+  if (!options.allow_process)
+    throw Error(shown(file) + ": the model is a process, '" +
+                to_text(Command{definition.process->command, {}}) +
+                "', which is only started with --allow-process");
+  return process_source(*definition.process, file, options.process);
+}
+
+std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptions& options,
+                                          const std::string& instead) {
+  if (!spec.equality.is_declared())
+    return std::make_unique<Plugin>(spec.model, model_path(options.path));
+  if (!is_plain(spec.model))
+    throw ModelError("a model whose name has other than letters, digits, '-' and '_'");
+  if (options.allowed.empty())
+    throw ModelError("model " + spec.model +
+                     ": is a process, which is only started with --allow-process MODEL.toml" +
+                     instead);
+  const std::string name = shown(options.allowed);
+  const ProcessDefinition process =
+      read_process(read_text(options.allowed, kMaxDefinitionBytes), name);
+  if (process.name != spec.model)
+    throw ModelError(name + ": defines the model " + process.name + ", the grid's is " +
+                     spec.model);
+  return process_source(process, options.allowed, options.process);
+}
+
+Model judging_model(const GridSpec& spec, const std::vector<std::string>& path) {
+  if (spec.equality.is_declared()) return declared_model(spec);
+  return create_model(Plugin(spec.model, model_path(path)), spec);
+}
+
+}  // namespace hapgrid

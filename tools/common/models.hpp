@@ -1,0 +1,50 @@
+// Where the filters get their model from: a plug-in, or a process that the command line allows.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "libcore/model/definition.hpp"
+#include "libcore/model/process_source.hpp"
+#include "tools/common/definition.hpp"
+
+namespace hapgrid {
+
+/// Of a filter that reads a grid.
+struct ModelOptions {
+  std::vector<std::string> path;  ///< --model-path
+  std::string allowed;            ///< the MODEL.toml of --allow-process
+  ProcessOptions process;
+};
+
+/// Of a filter that reads a definition, which names the command itself.
+struct DefinedModelOptions {
+  std::vector<std::string> path;  ///< --model-path
+  bool allow_process = false;
+  ProcessOptions process;
+};
+
+/// --model-path, --allow-process MODEL.toml, --in-flight, --process-timeout.
+void add_model_options(CLI::App& app, ModelOptions& options);
+/// --model-path, --allow-process, --process-timeout.
+void add_model_options(CLI::App& app, DefinedModelOptions& options);
+
+/// The source of the model that `definition`, read from `file`, defines.
+/// @throw ModelError; Error when it is a process and not allowed
+std::unique_ptr<ModelSource> model_source(const Definition& definition, const std::string& file,
+                                          const DefinedModelOptions& options);
+
+/// The source of the grid's model. A process is never started because a shard says so: its command
+/// comes from the user's own definition, whose name must be the grid's.
+/// @param instead what else the user could do, for the message.
+/// @throw ModelError, Error, std::system_error
+std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptions& options,
+                                          const std::string& instead = "");
+
+/// A model that judges equality and is asked nothing else: of a process grid its header's words.
+/// @throw ModelError
+Model judging_model(const GridSpec& spec, const std::vector<std::string>& model_path);
+
+}  // namespace hapgrid

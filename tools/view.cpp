@@ -1,0 +1,285 @@
+// view: shows the frames of play: as a report, a trajectory, a picture.
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
+#include "libcore/check/text.hpp"
+#include "libcore/scene/render.hpp"
+#include "libcore/scene/stream.hpp"
+#include "libcore/scene/summary.hpp"
+#include "libcore/scene/xyz.hpp"
+#include "tools/common/tool.hpp"
+
+using namespace hapgrid;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr int kMaxPixels = 8192;  // of a side: 8192 x 8192 pixels are 200 MB
+
+struct Options {
+  std::string frames = "-";
+  bool info = false;
+  std::string format = "text";
+  std::string xyz;
+  std::string hip_label;
+  std::string png;
+  double at_s = std::numeric_limits<double>::infinity();  // beyond: the last frame
+  std::string size = "800x600";
+  double azimuth_degrees = Camera{}.azimuth_degrees;
+  double elevation_degrees = Camera{}.elevation_degrees;
+  double hip_radius = 0;
+  double arrow = 0;
+
+  bool wants_report() const { return info || (xyz.empty() && png.empty()); }
+};
+
+/// WxH in pixels; nothing when it is not that.
+std::optional<std::pair<int, int>> parse_size(const std::string& text) {
+  std::pair<int, int> size;
+  const char* const end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.first);
+  if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return std::nullopt;
+  const auto height = std::from_chars(width.ptr + 1, end, size.second);
+  if (height.ec != std::errc() || height.ptr != end) return std::nullopt;
+  for (const int side : {size.first, size.second})
+    if (side < 1 || side > kMaxPixels) return std::nullopt;
+  return size;
+}
+
+/// The frame that --png shows: the one nearest to a time, the earlier of two.
+class Chosen {
+ public:
+  explicit Chosen(double at_s) : at_s_(at_s) {}
+
+  void offer(const Frame& frame) {
+    // Frames come in the order of ticks; at infinity each one is nearer than those before.
+    const double distance = std::abs(frame.time_s - at_s_);
+    if (frame_ && std::isfinite(at_s_) && distance >= distance_) return;
+    frame_ = frame;
+    distance_ = distance;
+  }
+  const std::optional<Frame>& frame() const { return frame_; }
+
+ private:
+  double at_s_;
+  double distance_ = 0;
+  std::optional<Frame> frame_;
+};
+
+std::string with_unit(const std::string& text, const std::string& unit) {
+  return unit.empty() ? text : text + " " + printable(unit);
+}
+
+std::string report_text(const Scene& scene, const SceneSummary& s) {
+  std::string text;
+  const auto row = [&](std::string name, const std::string& value) {
+    name.resize(9, ' ');
+    text += name + value + "\n";
+  };
+  row("model", printable(scene.model));
+  row("frames",
+      std::to_string(s.frames) +
+          (s.frames == 0 ? ""
+                         : ", from " + rounded(s.first_s) + " s to " + rounded(s.last_s) + " s"));
+  std::string spheres = std::to_string(scene.spheres.size());
+  if (s.bounds) {
+    for (int a = 0; a < 3; ++a)
+      spheres += std::string(a == 0 ? ", in " : ", ") + "xyz"[a] + " " +
+                 rounded((*s.bounds)[a].low) + " .. " + rounded((*s.bounds)[a].high);
+    spheres = with_unit(spheres, scene.length_unit);
+  }
+  row("spheres", spheres);
+  row("force", s.largest_force > 0 ? "at most " + rounded(s.largest_force) + " N, at " +
+                                         rounded(s.largest_force_s) + " s"
+                                   : "none");
+  if (s.energy)
+    row("energy",
+        with_unit(rounded(s.energy->low) + " .. " + rounded(s.energy->high), scene.energy_unit));
+  return text;
+}
+
+std::string report_json(const Scene& scene, const SceneSummary& s) {
+  const Box& box = scene.box;
+  Json json = {{"model", scene.model},
+               {"length_unit", scene.length_unit},
+               {"energy_unit", scene.energy_unit},
+               {"box", {{"origin", box.origin}, {"spacing", box.spacing}, {"counts", box.counts}}},
+               {"state_size", scene.state_size},
+               {"spheres", scene.spheres.size()},
+               {"frames", s.frames}};
+  json["first_s"] = s.frames > 0 ? Json(s.first_s) : Json();
+  json["last_s"] = s.frames > 0 ? Json(s.last_s) : Json();
+  json["bounds"] = Json();
+  if (s.bounds)
+    for (const auto& [low, high] : *s.bounds) json["bounds"].push_back({low, high});
+  json["largest_force"] = s.largest_force;
+  json["largest_force_s"] = s.largest_force > 0 ? Json(s.largest_force_s) : Json();
+  json["energy"] = s.energy ? Json({s.energy->low, s.energy->high}) : Json();
+  // "replace": a stream's strings need not be UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// A picture of `frame` as --size, the angles and the sizes want it.
+Image picture(const Options& options, const Scene& scene, const Frame& frame) {
+  RenderOptions how;
+  std::tie(how.width, how.height) = *parse_size(options.size);
+  how.hip_radius = options.hip_radius;
+  how.arrow = options.arrow;
+  return render(scene, frame,
+                fit_camera(scene, frame, how, options.azimuth_degrees, options.elevation_degrees),
+                how);
+}
+
+int run(const Options& options) {
+  if ((options.xyz == "-") + (options.png == "-") + options.wants_report() > 1)
+    throw CLI::ValidationError("only one of --xyz, --png and the report can be standard output");
+
+  std::optional<OutputFile> xyz;
+  if (!options.xyz.empty()) xyz.emplace(options.xyz, /*binary=*/false);
+  std::optional<OutputFile> png;
+  if (!options.png.empty()) png.emplace(options.png);
+
+  SceneReader reader(options.frames);
+  const Scene& scene = reader.scene();
+  SceneSummary summary;
+  Chosen chosen(options.at_s);
+  std::string text;
+  for (Frame frame; reader.next(frame);) {
+    summary.add(scene, frame);
+    if (png) chosen.offer(frame);
+    if (!xyz) continue;
+    text.clear();
+    try {
+      append_xyz(text, scene, frame, options.hip_label);
+    } catch (const Error& e) {
+      throw Error(reader.name() + ": tick " + std::to_string(frame.tick) + ": " + e.what());
+    }
+    xyz->write(text);
+  }
+  if (png) {
+    if (!chosen.frame()) throw Error(reader.name() + ": no frame in it, nothing to draw");
+    png->write(encode_png(picture(options, scene, *chosen.frame())));
+    png->commit();
+  }
+  if (xyz) xyz->commit();
+  if (options.wants_report()) {
+    OutputFile output("-", /*binary=*/false);
+    output.write(options.format == "json" ? report_json(scene, summary)
+                                          : report_text(scene, summary));
+    output.commit();
+  }
+  return kExitDone;
+}
+
+/// A number in [low, high]; CLI::Range lets NaN pass.
+CLI::Validator number_within(double low, double high, const std::string& description) {
+  return CLI::Validator(
+      [=](const std::string& text) {
+        double value = std::nan("");
+        if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high)
+          return std::string();
+        return "'" + text + "' is not " + description;
+      },
+      "");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Shows the frames that play --frames wrote: as a report (unless something else is asked\n"
+      "for), a trajectory, a picture.");
+  Options options;
+  app.add_option("frames", options.frames, "Frames ('-': standard input)")
+      ->type_name("FRAMES")
+      ->capture_default_str();
+  app.add_flag("--info", options.info,
+               "Report on standard output what is in the frames, also beside --xyz and --png");
+  app.add_option("--format", options.format, "How the report is written")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  auto* const xyz =
+      app.add_option("--xyz", options.xyz,
+                     "Write the spheres of all frames as a trajectory in the XYZ format ('-': "
+                     "standard output)")
+          ->type_name("FILE");
+  app.add_option("--hip-label", options.hip_label,
+                 "Append the HIP to each frame of --xyz as an atom with this symbol, as in "
+                 "--hip-label Xx (default: no such atom)")
+      ->type_name("SYMBOL")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            return is_symbol(text) ? std::string()
+                                   : "'" + text + "' is not a letter, then letters or digits";
+          },
+          ""))
+      ->needs(xyz);
+  auto* const png =
+      app.add_option("--png", options.png, "Draw one frame as a PNG picture ('-': standard output)")
+          ->type_name("FILE");
+  app.add_option("--at", options.at_s,
+                 "Draw the frame nearest to this time of play, in seconds (default: the last one)")
+      ->type_name("T")
+      ->check(number_within(0, 1e12, "a time from 0 to 1e12 s"))
+      ->needs(png);
+  app.add_option("--size", options.size, "Width and height of the picture in pixels")
+      ->type_name("WxH")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            return parse_size(text) ? std::string()
+                                    : "'" + text + "' is not like 800x600, at most " +
+                                          std::to_string(kMaxPixels) + " each";
+          },
+          ""))
+      ->needs(png)
+      ->capture_default_str();
+  app.add_option("--azimuth", options.azimuth_degrees,
+                 "Where the picture is seen from: counterclockwise around z, in degrees; at 0 x "
+                 "goes to the right and y away")
+      ->type_name("DEGREES")
+      ->check(number_within(-360, 360, "an angle from -360 to 360 degrees"))
+      ->needs(png)
+      ->capture_default_str();
+  app.add_option("--elevation", options.elevation_degrees,
+                 "And from how far above the plane of x and y, in degrees")
+      ->type_name("DEGREES")
+      ->check(number_within(-90, 90, "an angle from -90 to 90 degrees"))
+      ->needs(png)
+      ->capture_default_str();
+  app.add_option("--hip-radius", options.hip_radius,
+                 "Radius of the translucent ball at the HIP, in the model's unit of length "
+                 "(default: the frames' own, or a 40th of the box's longest side)")
+      ->type_name("R")
+      ->check(number_within(1e-12, 1e12, "a length from 1e-12 to 1e12"))
+      ->needs(png);
+  app.add_option("--arrow", options.arrow,
+                 "Length of the arrow for a force of one newton, in the model's unit of length "
+                 "(default: a sixth of the box's longest side)")
+      ->type_name("LENGTH")
+      ->check(number_within(1e-12, 1e12, "a length from 1e-12 to 1e12"))
+      ->needs(png);
+  describe(
+      app, "view",
+      "The report (numbers rounded; --format json has them whole, null where there is none):\n"
+      "  frames   how many, and the time of play of the first and the last one, in seconds\n"
+      "  spheres  how many, and what they filled, in the model's unit of length\n"
+      "  force    the largest one that was sent, in newtons, and its time\n"
+      "  energy   the lowest and the highest one, if the model has one\n"
+      "\n"
+      "XYZ: a sphere's label is the atom's symbol, X where it has none; positions are in the\n"
+      "model's unit of length (XYZ means angstrom). The comment has time in seconds, tick, the\n"
+      "HIP as the device gave it, the force in newtons as it was sent, the energy.\n"
+      "\n"
+      "The picture has the spheres, the grid's box, the HIP held in the box, and the force as an\n"
+      "arrow, on white; no display is needed.\n");
+  return run_tool(app, argc, argv, [&] { return run(options); });
+}
