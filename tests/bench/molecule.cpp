@@ -58,7 +58,7 @@ void energy_and_derivatives(benchmark::State& state) {
 /// A random walk of the HIP in steps of 0.75 Å through the molecule's surroundings.
 void conversion(benchmark::State& state) {
   HybridEnergy energy(source(state).read(), {});
-  hapgrid::molecule::Conversion conversion(energy, 0.2, {});
+  hapgrid::molecule::Conversion conversion(energy, 0.1, {});
   Random random(2);
   std::vector<double> s(energy.variables());
   const double reach = 2 * energy.morph().gyration();

@@ -298,7 +298,7 @@ TEST_CASE("force and energy are finite whatever the state") {
 TEST_CASE("half the substep gives the same states") {
   constexpr int kCount = 8;
   constexpr double kSpacing = 1.6, kOrigin = -5.6;
-  Model model = kButane.make(), finer = kButane.make({{"substep", 0.1}});
+  Model model = kButane.make(), finer = kButane.make({{"substep", 0.05}});
   std::map<std::array<int, 3>, std::vector<State>> levels;
   std::deque<std::pair<std::array<int, 3>, State>> queue;
   const auto at = [&](const std::array<int, 3>& c) {
