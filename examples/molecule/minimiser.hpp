@@ -17,7 +17,7 @@
 namespace hapgrid::molecule {
 
 struct MinimiserLimits {
-  double max_step = 0.15;   // Å, in scaled variables
+  double max_step = 0.05;   // Å, in scaled variables
   double tolerance = 1e-3;  // kJ/(mol Å): the scaled gradient, less what bounds hold
   int max_evaluations = 2000;
 };

@@ -18,12 +18,12 @@ namespace hapgrid::molecule {
 ///   rotation_stiffness   kJ/(mol rad²), default 100: and in its orientation
 ///   morph_stiffness      kJ/mol, default 0: a stabiliser ½ m t² for each t; no part of the
 ///                        molecule's energy
-///   substep              Å, default 0.1: of the HIP between two minimisations
+///   substep              Å, default 0.05: of the HIP between two minimisations
 ///   tolerance            Å, default 0.1: states whose atoms are no farther apart, RMS, are one
 ///   force_scale          N per kJ/(mol Å), default 0.025: what the device shows of the force
 struct Setup {
   EnergyParameters energy;
-  double substep = 0.1;
+  double substep = 0.05;
   double tolerance = 0.1;
   double force_scale = 0.025;
   Molecule molecule;

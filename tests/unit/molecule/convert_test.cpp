@@ -176,7 +176,9 @@ TEST_CASE("a shift of zero stays") {
     walk(model, 4, 12, 300, 0.5, [&](const State&, const Vec3& x, const Vec3& d, const State& s) {
       const State again = convert(model, s, sum(x, d), {0, 0, 0});
       HybridEnergy energy(source.read(), {});
-      CHECK(energy.displacement(s.data(), again.data()) < 1e-3);
+      // A gradient of 1e-3 kJ/(mol Å) is left, which is 5e-3 Å where H is as soft as 0.2 kJ/(mol
+      // Å²).
+      CHECK(energy.displacement(s.data(), again.data()) < 5e-3);
     });
   }
 }
@@ -298,7 +300,7 @@ TEST_CASE("force and energy are finite whatever the state") {
 TEST_CASE("half the substep gives the same states") {
   constexpr int kCount = 8;
   constexpr double kSpacing = 1.6, kOrigin = -5.6;
-  Model model = kButane.make(), finer = kButane.make({{"substep", 0.05}});
+  Model model = kButane.make(), finer = kButane.make({{"substep", 0.025}});
   std::map<std::array<int, 3>, std::vector<State>> levels;
   std::deque<std::pair<std::array<int, 3>, State>> queue;
   const auto at = [&](const std::array<int, 3>& c) {
