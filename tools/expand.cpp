@@ -9,6 +9,7 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/search/complete.hpp"
+#include "tools/common/crash.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/tool.hpp"
@@ -60,6 +61,7 @@ std::string progress_text(const Progress& progress, const GridSpec& spec, bool c
 }
 
 int run(const Options& options) {
+  report_crashes("expand");
   const Part part = parse_part(options.part);
   if (options.complete && part.of != 1)
     throw CLI::ValidationError("--part", "--complete works on the whole frontier");

@@ -33,8 +33,9 @@ struct ModelCheck {
   CallTimes convert;
   CallTimes force;  ///< no calls: the model has none, or has it stored
   CallTimes shape;
-  double median_force_error = 0;  ///< against the energy's gradient, share of the largest force
-  double largest_force = 0;       ///< newtons
+  /// Of the components that are not zero against the energy's gradient, share of the largest force.
+  double median_force_error = 0;
+  double largest_force = 0;  ///< newtons
 };
 
 /// Walks from random seeds to random points of the box, straight on, one grid step after the other,

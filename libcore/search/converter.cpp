@@ -15,6 +15,8 @@ namespace {
 // A thread takes this many records at a time at most: enough to make taking them cheap, few enough
 // that the last ones do not wait for a single thread.
 constexpr std::uint64_t kMaxShare = 16;
+
+thread_local CurrentConversion current;
 }  // namespace
 
 Model create_model(const ModelSource& source, const GridSpec& spec) {
@@ -97,6 +99,8 @@ void Converter::convert_by_processes(Wavefront& wave, Wavefront::Slot begin, Wav
   if (failed != kNone) throw ModelError("conversion at " + failure);
 }
 
+const CurrentConversion& current_conversion() noexcept { return current; }
+
 void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot end) {
   if (models_.front().is_process()) return convert_by_processes(wave, begin, end);
   const std::uint64_t count = end - begin;
@@ -117,6 +121,7 @@ void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot 
         const double* state = wave.state(slot);
         for (DirectionMask left = wave.todo(slot); left; left &= left - 1) {
           const int q = std::countr_zero(left);
+          current = {wave.point(slot), wave.level(slot), q};
           if (!model.convert(state, x, wave.neighbourhood().shift(q), wave.reached(slot, q))) {
             stop = true;
             const std::lock_guard lock(mutex);
@@ -130,6 +135,7 @@ void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot 
           ++done;
         }
       }
+      current.q = -1;
       progress_.conversions.fetch_add(done, std::memory_order_relaxed);
       progress_.frontier_done.fetch_add(done, std::memory_order_relaxed);
     }

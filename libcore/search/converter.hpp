@@ -20,6 +20,15 @@ struct Progress {
   std::atomic<std::uint32_t> generation{0};
 };
 
+/// What a thread has asked its model for, for whoever has to say where a plug-in crashed.
+struct CurrentConversion {
+  PointIndex point = 0;
+  Level level = 0;
+  int q = -1;  ///< -1: nothing
+};
+/// Of the calling thread. May be called in a signal's handler.
+const CurrentConversion& current_conversion() noexcept;
+
 /// A model a thread; the answers do not depend on how many there are.
 class Converter {
  public:

@@ -119,6 +119,9 @@ void write_seeds(const Definition& definition, const GridSpec& spec, Model& mode
       const double* state = &states[l * n];
       for (std::uint32_t c = 0; c < n; ++c)
         if (!std::isfinite(state[c])) throw Error(where + ": a state that is not finite");
+      if (!model.equal(state, state))
+        throw ModelError(where + ": the model's tolerance function tells state " +
+                         std::to_string(l) + " from itself");
       for (std::size_t other = 0; other < l; ++other)
         if (model.equal(&states[other * n], state))
           throw Error(where + ": states " + std::to_string(other) + " and " + std::to_string(l) +

@@ -78,6 +78,8 @@ for name, parameter in (
     ("lose", {"key": "lose", "value": {"text": "lost\nit"}}),
     ("size", {"key": "state_size", "value": {"number": 2}}),
     ("tolerance", {"key": "tolerance", "value": {"number": 0.5}}),
+    ("crash", {"key": "crash", "value": {"number": 1}}),
+    ("unlike", {"key": "unlike", "value": {"number": 0}}),
 ):
     messages = shard.decode(open("puppet.seeds", "rb").read())
     messages[0]["header"]["parameters"] = [parameter]
@@ -95,6 +97,22 @@ for tool in expand "expand --complete" merge; do
   name=${tool%% *}
   refuses "$name: model puppet: states of 2 components, the grid has 1; $changed" -- $tool size -o out
   refuses "$name: model puppet: another tolerance than the grid.s; $changed" -- $tool tolerance -o out
+done
+
+# A state that the tolerance function tells from itself would become a level each time.
+define puppet 'unlike = 0' >bad.toml
+refuses 'seed: seed point 0 \(0, 0, 0\): .* tells state 0 from itself' -- seed bad.toml -o out
+expand unlike -o unlike.requests
+for tool in "expand --complete unlike" "merge unlike unlike.requests"; do
+  refuses "${tool%% *}: model puppet: its tolerance function tells a state from itself: point [01] \([01], 0, 0\) level [01], reached from .*, direction [0-9]+" -- $tool -o out
+done
+# A crash ends the process as a crash does, with a line that says where.
+for threads in 1 2; do
+  code=0
+  expand --complete crash -o out -j $threads 2>err || code=$?
+  same "exit code of a crash" 134 "$code"
+  grep -qE '^expand: the model crashed \(signal 6\) in the conversion at point 0 level 0, direction [0-9]+$' err ||
+    fail "$(cat err)"
 done
 
 [[ ! -e out ]] || fail "half a file"

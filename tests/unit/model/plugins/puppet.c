@@ -8,6 +8,8 @@
  *   known       the number of states that known_states() claims (1): {0, 0, ..}, {1, 1, ..}, ...
  *   lose        known_states() and convert() fail with this text
  *   component   every component of convert()'s result (0): try nan
+ *   crash       convert() aborts when it is not 0
+ *   unlike      equal() tells a state with this component from itself
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,6 +21,8 @@ struct hapgrid_model {
   hapgrid_model_info info;
   size_t known;
   double component;
+  double unlike;
+  int crash;
   char lose[64];
 };
 
@@ -70,6 +74,8 @@ static hapgrid_model* create(const hapgrid_parameter* list, size_t count, char* 
   if (lose) snprintf(model->lose, sizeof model->lose, "%s", lose->texts[0]);
   model->known = (size_t)number(list, count, "known", 1);
   model->component = number(list, count, "component", 0);
+  model->crash = number(list, count, "crash", 0) != 0;
+  model->unlike = number(list, count, "unlike", -1);
   model->info.state_size = (uint32_t)number(list, count, "state_size", 1);
   model->info.d_max = number(list, count, "d_max", 1);
   model->info.tolerance = number(list, count, "tolerance", 0);
@@ -102,13 +108,14 @@ static int convert(hapgrid_model* model, const double* s, const double* x, const
     snprintf(error, error_size, "%s", model->lose);
     return -1;
   }
+  if (model->crash) abort();
   for (uint32_t c = 0; c < model->info.state_size; ++c) result[c] = model->component;
   return 0;
 }
 
 static int equal(const hapgrid_model* model, const double* a, const double* b) {
   for (uint32_t c = 0; c < model->info.state_size; ++c)
-    if (a[c] != b[c]) return 0;
+    if (a[c] != b[c] || a[c] == model->unlike) return 0;
   return 1;
 }
 

@@ -1,0 +1,70 @@
+#!/bin/bash
+# check-model: a model that is fine, and one fault at a time in a model process that was, each found by
+# the check that is meant for it.
+source "$(dirname "$0")/../lib.sh"
+
+expect 0 '~.*gradient +[0-9]+ forces +0  ok.*whole grid +380952 conversions .*' '~check-model: fine: 7 checks' \
+  -- check-model "$ball"
+# The same walks, as numbers; what is counted does not depend on the run.
+check-model "$ball" --format json --steps 300 -o first 2>/dev/null
+check-model "$ball" --format json --steps 300 -o second 2>/dev/null
+python3 - <<'END'
+import json
+
+first, second = (json.load(open(name)) for name in ("first", "second"))
+assert first["fine"] and first["checks"] == second["checks"]
+# (3·40 - 2)(3·20 - 2)² pairs of neighbours, less the points.
+assert first["grid"]["conversions"] == 118 * 58 * 58 - 40 * 20 * 20
+assert first["convert"]["calls"] == 300 and first["median_force_error"] < 1e-3
+assert first["longest_step"] < first["d_max"]
+END
+
+cp "$HAPGRID_SOURCE/examples/hung-ball/hung_ball.py" .
+cat >faulty.py <<'END'
+import random
+from hung_ball import serve
+
+
+class Faulty:
+    """A spring between the HIP and a state that follows it; its faults are told by name."""
+
+    def __init__(self, fault):
+        self.fault = fault
+        self.description = {"state_size": 1, "d_max": 2.0, "tolerance": 1e-9, "energy_unit": "J",
+                            "force_scale": 1, "stored": ["force", "energy"]}
+
+    def known_states(self, x):
+        return {"states": [[x[0] / 2]]}
+
+    def convert(self, s, x, d):
+        s = [(x[0] + d[0]) / 2]
+        if self.fault == "deterministic":
+            s[0] += 1e-12 * random.random()
+        if self.fault == "stays":
+            s[0] += 1e-3 * (sum(map(abs, d)) > 0)
+        if self.fault == "defined" and x[0] + d[0] > 1:
+            raise ValueError("nothing is known beyond 1")
+        return {"s": s, **self.evaluate(s, [a + b for a, b in zip(x, d)])}
+
+    def evaluate(self, s, x):
+        force = -x[0] / 2 if self.fault != "gradient" else x[0] / 2
+        return {"force": [force, 0.0, 0.0], "energy": x[0]**2 / 4}
+
+
+if __name__ == "__main__":
+    serve(Faulty)
+END
+for fault in none deterministic stays defined gradient; do
+  cat >faulty.toml <<END
+model = {process = ["python3", "faulty.py"], name = "faulty", parameters = {fault = "$fault"}}
+grid = {origin = [-2, 0, 0], spacing = 0.5, counts = [9, 3, 3]}
+END
+  if [[ $fault == none ]]; then
+    expect 0 '~.*' '~check-model: fine: [0-9]+ checks' -- check-model faulty.toml --allow-process --steps 60
+  else
+    expect 3 "~.*$fault: .*" "~check-model: broken: $fault \([0-9]+ of [0-9]+\)" \
+      -- check-model faulty.toml --allow-process --steps 60
+  fi
+done
+refuses 'check-model: faulty\.toml: the model is a process, .*only started with --allow-process' -- check-model faulty.toml
+refuses 'check-model: gone\.toml: No such file or directory' -- check-model gone.toml
