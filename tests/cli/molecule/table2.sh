@@ -15,9 +15,9 @@ for m in alanine-dipeptide leu-enkephalin; do
   grid=work/$m.grid
   expect 0 '~.*' '~verify: fine: 8 checks' -- \
     verify "$grid" --recompute $(($(stats --get records "$grid") / 100 + 1))
-  # On these long steps more conversions pass a tear-off than on the shipped grids' (0.03 to 0.06 %).
+  # The substep is fine enough: at most one conversion in a thousand depends on it.
   "$HAPGRID_BUILD/bench/bench_substeps" "$grid" 200 >substeps
-  awk -F '[(%]' '/^substep/ { seen = 1; if ($2 > 1) exit 1 } END { exit !seen }' substeps || fail "$(tail -n 1 substeps)"
+  awk -F '[(%]' '/^substep/ { seen = 1; if ($2 > 0.1) exit 1 } END { exit !seen }' substeps || fail "$(tail -n 1 substeps)"
 done
 seed "$molecules/alanine-dipeptide/alanine-dipeptide.toml" --set "grid.counts=[12,12,12]" \
   --set "grid.spacing=$(stats --get box.spacing work/alanine-dipeptide.grid)" |
