@@ -16,6 +16,7 @@
 // its second-order terms; forward they cost one pass in all, K numbers wide.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -95,6 +96,17 @@ class Morph {
     std::size_t segments;
     std::vector<double> coefficients;  // [segment][power 0..3][3 x stride_], less q(0)
     double length;
+
+    /// Of the segment that t in [0, 1] lies in, and where in it, 0 to 1; for `coordinates` of them.
+    struct Piece {
+      const double* coefficients;  // [power][coordinate]
+      double u;
+    };
+    Piece piece(double t, std::size_t coordinates) const {
+      const double at = t * static_cast<double>(segments);
+      const std::size_t segment = std::min(static_cast<std::size_t>(at), segments - 1);
+      return {&coefficients[segment * 4 * coordinates], at - static_cast<double>(segment)};
+    }
   };
 
   void interpolate(Shape& shape) const;
