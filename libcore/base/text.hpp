@@ -1,7 +1,8 @@
-// Numbers as text, the same in every locale.
+// Numbers as text, the same in every locale; and what others wrote as a line for people.
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace hapgrid {
 
@@ -11,5 +12,9 @@ std::string to_text(double value);
 /// Appends `value` with 17 significant digits, as %.17g in the C locale: reads back to the same
 /// double, and equal texts mean equal doubles.
 void append_digits17(std::string& text, double value);
+
+/// One line of at most `limit` bytes, whatever a model or a shard wrote: control characters become
+/// blanks, what is no UTF-8 '?'.
+std::string printable_line(std::string_view text, std::size_t limit = 200);
 
 }  // namespace hapgrid

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
@@ -20,18 +21,10 @@ namespace {
 
 constexpr std::size_t kErrorSize = 512;
 
-/// One line, whatever the plug-in or a shard wrote.
-std::string one_line(std::string line) {
-  line.resize(std::min(line.size(), kErrorSize));
-  for (char& c : line)
-    if (std::iscntrl(static_cast<unsigned char>(c))) c = ' ';
-  return line;
-}
-
 /// Why a plug-in failed: `error` is what it wrote, perhaps nothing, perhaps without a final NUL.
 std::string reason(const char (&error)[kErrorSize]) {
   const std::size_t size = strnlen(error, kErrorSize);
-  return size == 0 ? "no reason given" : one_line(std::string(error, size));
+  return size == 0 ? "no reason given" : printable_line({error, size}, kErrorSize);
 }
 
 /// Parameters as the C interface wants them; points into `parameters` and into itself.
@@ -99,7 +92,7 @@ std::vector<fs::path> model_path(const std::vector<std::string>& given) {
 
 Plugin::Plugin(const std::string& name, const std::vector<fs::path>& directories) : name_(name) {
   if (!is_plain(name))
-    throw ModelError("model '" + one_line(name) +
+    throw ModelError("model '" + printable_line(name) +
                      "': a plug-in's name has only letters, digits, '-' and '_'");
   std::string searched;
   fs::path file;
@@ -115,7 +108,7 @@ Plugin::Plugin(const std::string& name, const std::vector<fs::path>& directories
     throw ModelError("model " + name + ": no plug-in " + name + ".so in: " + searched +
                      " (add a directory with --model-path or HAPGRID_MODEL_PATH)");
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!handle) throw ModelError("model " + name + ": " + one_line(dlerror()));
+  if (!handle) throw ModelError("model " + name + ": " + printable_line(dlerror()));
   library_ = std::shared_ptr<void>(handle, [](void* h) { dlclose(h); });
   using Entry = const hapgrid_model_table* (*)();
   const auto entry = reinterpret_cast<Entry>(dlsym(handle, "hapgrid_model_plugin"));
@@ -133,7 +126,7 @@ Plugin::Plugin(const std::string& name, const std::vector<fs::path>& directories
     throw ModelError("model " + name + ": a required function of the plug-in's table is NULL");
   if (!table_->spheres != !table_->shape)
     throw ModelError("model " + name + ": one of spheres() and shape() is NULL, the other is not");
-  if (table_->summary) summary_ = one_line(table_->summary);
+  if (table_->summary) summary_ = printable_line(table_->summary);
 }
 
 Model Plugin::create(const std::vector<Parameter>& parameters) const {
@@ -213,7 +206,7 @@ std::vector<Sphere> Model::spheres() const {
   std::vector<Sphere> spheres;
   for (hapgrid_sphere& s : written) {
     s.label[sizeof s.label - 1] = '\0';
-    spheres.push_back({s.radius, {s.colour[0], s.colour[1], s.colour[2]}, one_line(s.label)});
+    spheres.push_back({s.radius, {s.colour[0], s.colour[1], s.colour[2]}, printable_line(s.label)});
   }
   return spheres;
 }
