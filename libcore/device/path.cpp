@@ -73,9 +73,9 @@ PathDevice PathDevice::open(const std::string& file) {
   return PathDevice(parse_path(read_text(file, kMaxBytes), file == "-" ? "standard input" : file));
 }
 
-DeviceStatus PathDevice::read(Vec3& hip) noexcept {
+DeviceStatus PathDevice::read(DeviceInput& input) noexcept {
   if (next_ == positions_.size()) return DeviceStatus::kEnd;
-  hip = positions_[next_++];
+  input = {.position = positions_[next_++]};
   return DeviceStatus::kOk;
 }
 

@@ -28,8 +28,10 @@ class PathDevice : public Device {
   /// The force that was sent last.
   const Vec3& force() const { return force_; }
 
-  DeviceStatus read(Vec3& hip) noexcept override;
+  DeviceInfo info() const override { return {.name = "path"}; }
+  DeviceStatus read(DeviceInput& input) noexcept override;
   DeviceStatus send(const Vec3& force) noexcept override;
+  DeviceStatus stop() noexcept override { return send({0, 0, 0}); }
   std::string error() const override { return "a path does not fail"; }
 
  private:

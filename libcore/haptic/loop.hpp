@@ -2,31 +2,20 @@
 // compute the force, limit it, send it.
 //
 // The contract of one tick: nothing in here allocates, locks, throws, or does input or output.
-// Device, force function and sink are the caller's types, taken as templates: haptic knows neither
-// devices nor models, and no call goes through a std::function. Every way out of the loop, also an
-// exception in one of them, has sent a zero force.
+// Force function and sink are the caller's types, taken as templates: haptic knows no models, and
+// no call goes through a std::function. Of devices it knows the interface alone. Every way out of
+// the loop, also an exception in one of them, has sent a zero force.
 #pragma once
 
 #include <atomic>
-#include <concepts>
 #include <cstdint>
 #include <span>
 
+#include "libcore/device/device.hpp"
 #include "libcore/haptic/safety.hpp"
 #include "libcore/haptic/traversal.hpp"
 
 namespace hapgrid {
-
-/// What the loop needs of a device; hapgrid::Device (libcore/device) has it and explains it.
-template <class D>
-concept LoopDevice = requires(D& device, Vec3& hip, const Vec3& force) {
-  { device.read(hip) }
-  noexcept;
-  { device.send(force) }
-  noexcept->std::same_as<decltype(device.read(hip))>;
-  decltype(device.read(hip))::kOk;
-  decltype(device.read(hip))::kEnd;
-};
 
 /// When ticks are due. Paced: at start + k / rate, absolute, so that no error adds up; a tick that
 /// is missed is skipped and counted, never caught up.
@@ -90,10 +79,9 @@ struct LoopSummary {
 
 namespace loop_detail {
 
-template <class D, class Force, class Sink>
-void drive(D& device, Traversal& traversal, SafetyCore& safety, Force& force, Sink& sink,
+template <class Force, class Sink>
+void drive(Device& device, Traversal& traversal, SafetyCore& safety, Force& force, Sink& sink,
            const std::atomic<int>& stop, double rate_hz, LoopSummary& summary) {
-  using Status = decltype(device.send(Vec3{}));
   Pacer pacer(rate_hz);
   for (;;) {
     const std::uint64_t number = pacer.wait(stop);
@@ -102,19 +90,20 @@ void drive(D& device, Traversal& traversal, SafetyCore& safety, Force& force, Si
       summary.end = LoopEnd::kStopped;
       return;
     }
-    Vec3 hip;
-    const Status read = device.read(hip);
-    if (read != Status::kOk) {
-      summary.end = read == Status::kEnd ? LoopEnd::kDeviceEnd : LoopEnd::kDeviceFailed;
+    DeviceInput input;
+    const DeviceStatus read = device.read(input);
+    if (read != DeviceStatus::kOk) {
+      summary.end = read == DeviceStatus::kEnd ? LoopEnd::kDeviceEnd : LoopEnd::kDeviceFailed;
       return;
     }
+    const Vec3& hip = input.position;
     const StepResult step = traversal.step(hip);
     // A state that is not the HIP's gives a stale force: a device that reports NaN, or a grid that
     // is not playable, is a fault like a force that is not finite.
     if (!step.usable()) safety.trip();
     const SafeForce safe =
         safety.apply(safety.faulted() ? Vec3{} : force(traversal.position(), traversal.row()));
-    if (device.send(safe.force) != Status::kOk) {
+    if (device.send(safe.force) != DeviceStatus::kOk) {
       summary.end = LoopEnd::kDeviceFailed;
       return;
     }
@@ -132,18 +121,17 @@ void drive(D& device, Traversal& traversal, SafetyCore& safety, Force& force, Si
 /// @param sink   void (const Tick&), after the force was sent; real-time safe when paced.
 /// @param rate_hz ticks a second, 0 for as fast as possible.
 /// @throw whatever force and sink throw, after a zero force was sent.
-template <LoopDevice D, class Force, class Sink>
-LoopSummary run_loop(D& device, Traversal& traversal, SafetyCore& safety, Force&& force,
+template <class Force, class Sink>
+LoopSummary run_loop(Device& device, Traversal& traversal, SafetyCore& safety, Force&& force,
                      Sink&& sink, const std::atomic<int>& stop, double rate_hz = 0) {
-  constexpr Vec3 kZero{0, 0, 0};
   LoopSummary summary;
   try {
     loop_detail::drive(device, traversal, safety, force, sink, stop, rate_hz, summary);
   } catch (...) {
-    static_cast<void>(device.send(kZero));  // the exception is what the caller will hear about
+    static_cast<void>(device.stop());  // the exception is what the caller will hear about
     throw;
   }
-  summary.zero_sent = device.send(kZero) == decltype(device.send(kZero))::kOk;
+  summary.zero_sent = device.stop() == DeviceStatus::kOk;
   return summary;
 }
 

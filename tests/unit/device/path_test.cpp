@@ -53,14 +53,14 @@ TEST_CASE("the path device gives its positions once and keeps the last force") {
   PathDevice device = PathDevice::open(file);
   CHECK(device.size() == 2);
   CHECK(device.force() == Vec3{0, 0, 0});
-  Vec3 x{9, 9, 9};
+  DeviceInput x{.position = {9, 9, 9}};
   CHECK(device.read(x) == DeviceStatus::kOk);
-  CHECK(x == Vec3{1, 2, 3});
+  CHECK(x.position == Vec3{1, 2, 3});
   CHECK(device.send({1, 0, 2}) == DeviceStatus::kOk);
   CHECK(device.force() == Vec3{1, 0, 2});
   CHECK(device.read(x) == DeviceStatus::kOk);
   CHECK(device.read(x) == DeviceStatus::kEnd);
-  CHECK(x == Vec3{4, 5, 6});
+  CHECK(x.position == Vec3{4, 5, 6});
   CHECK(device.read(x) == DeviceStatus::kEnd);
   CHECK_THROWS_AS(PathDevice::open(HAPGRID_BUILD_DIR "/no such file"), std::system_error);
 }

@@ -16,8 +16,8 @@ using namespace hapgrid::testing;
 namespace {
 
 /// A device that misbehaves on command, and remembers.
-struct FakeDevice {
-  enum class Status { kOk, kEnd, kFailed };
+struct FakeDevice : Device {
+  using Status = DeviceStatus;
 
   std::vector<Vec3> path;
   std::size_t next = 0;
@@ -25,17 +25,33 @@ struct FakeDevice {
   std::size_t fail_send_at = ~std::size_t{0};
   std::vector<Vec3> sent;  // reserved by device(): a tick must not allocate
 
-  Status read(Vec3& hip) noexcept {
+  FakeDevice() = default;
+  // Copied only to start afresh.
+  FakeDevice(const FakeDevice& other) : Device(), path(other.path) {
+    sent.reserve(path.size() + 2);
+  }
+  FakeDevice& operator=(const FakeDevice& other) {
+    path = other.path;
+    next = 0;
+    fail_read_at = fail_send_at = ~std::size_t{0};
+    sent.clear();
+    return *this;
+  }
+
+  DeviceInfo info() const override { return {.name = "fake"}; }
+  Status read(DeviceInput& input) noexcept override {
     if (next == fail_read_at) return Status::kFailed;
     if (next == path.size()) return Status::kEnd;
-    hip = path[next++];
+    input.position = path[next++];
     return Status::kOk;
   }
-  Status send(const Vec3& force) noexcept {
+  Status send(const Vec3& force) noexcept override {
     const bool fails = sent.size() == fail_send_at;
     sent.push_back(force);
     return fails ? Status::kFailed : Status::kOk;
   }
+  Status stop() noexcept override { return send({0, 0, 0}); }
+  std::string error() const override { return "told to fail"; }
 };
 
 FakeDevice device(std::size_t count) {
