@@ -180,18 +180,6 @@ int run(const Options& options) {
   return kExitDone;
 }
 
-/// A number in [low, high]; CLI::Range lets NaN pass.
-CLI::Validator number_within(double low, double high, const std::string& description) {
-  return CLI::Validator(
-      [=](const std::string& text) {
-        double value = std::nan("");
-        if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high)
-          return std::string();
-        return "'" + text + "' is not " + description;
-      },
-      "");
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {

@@ -1,6 +1,7 @@
 // What every device is to the haptic loop, be it hardware, a keyboard, a scripted path or a replay.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <string>
 
@@ -23,6 +24,9 @@ struct DeviceInput {
   Vec3 rate{0, 0, 0};
   bool stalled = false;  ///< the hardware was silent for longer than it should be
   bool clutch = false;   ///< the handle is moved without the HIP
+  bool reset = false;    ///< the user wants the force back after a fault
+  /// Only in a replay: ticks that were missed before this one when it was recorded.
+  std::uint64_t missed = 0;
 };
 
 /// What does not change while a device is open.
@@ -31,6 +35,7 @@ struct DeviceInfo {
   enum class Unit {
     kModel,   ///< the model's unit of length, in the box's axes: nothing to map
     kMetres,  ///< metres, in the device's axes
+    kRate,    ///< there is no position: DeviceInput::rate steers the HIP
   };
   std::string name;  ///< for people: "Teensy RawHID (16c0:0486)"
   Unit unit = Unit::kModel;

@@ -1,52 +1,32 @@
 #include "libcore/haptic/loop.hpp"
 
-#include <time.h>
-
 #include <algorithm>
-#include <cerrno>
+#include <bit>
 #include <cmath>
 
 namespace hapgrid {
 
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-
-std::int64_t now_ns() noexcept {
-  timespec t{};
-  ::clock_gettime(CLOCK_MONOTONIC, &t);
-  return t.tv_sec * kSecond + t.tv_nsec;
-}
+double magnitude(const Vec3& f) { return std::hypot(f[0], f[1], f[2]); }
 
 }  // namespace
 
-std::uint64_t Pacer::tick_at(std::int64_t nanoseconds) const noexcept {
-  return static_cast<std::uint64_t>(static_cast<double>(nanoseconds) * rate_hz_ / kSecond);
+double loop_detail::Speed::next(const Vec3& hip, double dt) noexcept {
+  double speed = 0;
+  if (any_ && scale_ > 0)
+    speed = magnitude({hip[0] - last_[0], hip[1] - last_[1], hip[2] - last_[2]}) / (scale_ * dt);
+  last_ = hip;
+  any_ = true;
+  return std::min(speed, std::numeric_limits<double>::max());
 }
 
-std::uint64_t Pacer::wait(const std::atomic<int>& stop) noexcept {
-  if (rate_hz_ == 0) return next_++;
-  if (!started_) {
-    started_ = true;
-    start_ns_ = now_ns();
-    return next_++;
-  }
-  const std::uint64_t due = next_;
-  // The period of the tick before is over: the first deadline that is still ahead.
-  next_ = std::max(due, tick_at(now_ns() - start_ns_) + 1);
-  const auto offset =
-      static_cast<std::int64_t>(std::ceil(static_cast<double>(next_) / rate_hz_ * kSecond));
-  const std::int64_t deadline = start_ns_ + offset;
-  const timespec until{deadline / kSecond, deadline % kSecond};
-  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR)
-    if (stop.load(std::memory_order_relaxed) != 0) break;
-  // Woken a period late or more, it is another tick by now.
-  next_ = std::max(next_, tick_at(now_ns() - start_ns_));
-  missed_ += next_ - due;
-  return next_++;
+std::uint64_t LoopSummary::count_of(SafetyAction action) const {
+  return acted[std::countr_zero(static_cast<std::uint32_t>(action))];
 }
 
-void LoopSummary::count(const StepResult& step, const SafeForce& force) noexcept {
+void LoopSummary::count(const Tick& tick) noexcept {
+  const StepResult& step = tick.step;
   ++ticks;
   face_switches += step.face_switches;
   edge_switches += step.edge_switches;
@@ -57,8 +37,11 @@ void LoopSummary::count(const StepResult& step, const SafeForce& force) noexcept
   lagging += step.lagging;
   not_finite += step.not_finite;
   blocked += step.blocked;
-  clamped += force.clamped;
-  faulted += force.faulted;
+  for (std::size_t i = 0; i < kSafetyActions; ++i) acted[i] += (tick.force.acted >> i) & 1;
+  largest_raw = std::max(largest_raw, magnitude(tick.raw_force));  // a NaN changes nothing
+  largest_force = std::max(largest_force, magnitude(tick.force.force));
+  lateness.add(tick.lateness_ns);
+  compute.add(tick.compute_ns);
 }
 
 }  // namespace hapgrid

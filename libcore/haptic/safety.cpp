@@ -2,49 +2,183 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <string>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
 namespace {
 
+// What is left to whoever checks the two promises with roundings of his own.
+constexpr double kMargin = 1 - 1e-12;
+
+// The hand's speed is smoothed over this: one step of a coarse encoder at 5 kHz looks fast.
+constexpr double kSpeedTime = 0.01;
+// A hand that was too fast is trusted again below this part of the limit.
+constexpr double kCalmSpeed = 0.5;
+// Swings are counted over this: three times longer than a hand's slowest tremor.
+constexpr double kBuzzTime = 0.25;
+// Buzzing is over below this part of buzz_rate.
+constexpr double kCalmBuzz = 0.25;
+
 bool finite(const Vec3& f) {
   return std::isfinite(f[0]) && std::isfinite(f[1]) && std::isfinite(f[2]);
 }
+
+Vec3 plus(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vec3 times(const Vec3& a, double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Scales f to the magnitude `limit` when it is larger; answers whether it was.
 bool clamp_magnitude(Vec3& f, double limit) {
   // Through the largest component, since the square of a finite force can be infinite or zero.
   const double largest = std::max({std::abs(f[0]), std::abs(f[1]), std::abs(f[2])});
   if (largest == 0) return false;
-  const Vec3 unit{f[0] / largest, f[1] / largest, f[2] / largest};
-  const double length = std::sqrt(unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2]);
-  if (largest <= limit / length) return false;
-  // The few roundings here and in whoever checks the magnitude must not end above the limit.
-  const double scale = limit / length * (1 - 8 * std::numeric_limits<double>::epsilon());
-  for (int a = 0; a < 3; ++a) f[a] = unit[a] * scale;
+  const Vec3 unit = times(f, 1 / largest);
+  // 1 / largest of a denormal is infinite: such a force is nothing.
+  if (!finite(unit)) {
+    f = {0, 0, 0};
+    return false;
+  }
+  const double length = std::sqrt(dot(unit, unit));
+  const double scale = limit / length * kMargin;
+  if (largest <= scale) return false;
+  f = times(unit, scale);
   return true;
+}
+
+/// Zero at once; what follows starts from there.
+SafeForce let_go(SafetyState& state, std::uint32_t why) {
+  const SafetyState before = state;
+  state = {};
+  // What must outlive the zero to know when it is over.
+  state.faulted = before.faulted;
+  state.speed = before.speed;
+  state.too_fast = before.too_fast;
+  state.anchor = before.anchor;
+  state.extreme = before.extreme;
+  state.swings = before.swings;
+  state.buzzing = before.buzzing;
+  return {.force = {0, 0, 0}, .acted = why};
+}
+
+void watch_speed(const SafetyLimits& limits, SafetyState& state, const SafetyInput& input) {
+  state.speed += (input.speed - state.speed) * (input.dt / (kSpeedTime + input.dt));
+  if (state.speed > limits.max_speed) state.too_fast = true;
+  if (state.speed <= kCalmSpeed * limits.max_speed) state.too_fast = false;
+}
+
+/// Counts turning points of the force: a limit cycle at a stiff wall (on, off, on) has them, and
+/// so has a force that flips its direction. A turning point is the farthest from the one before,
+/// once the force has come back from it by buzz_force; no axis is preferred.
+void watch_buzz(const SafetyLimits& limits, SafetyState& state, Vec3 wanted, double dt) {
+  clamp_magnitude(wanted, limits.max_force);  // as far as it can be felt
+  state.swings *= kBuzzTime / (kBuzzTime + dt);
+  const auto apart = [](const Vec3& a, const Vec3& b) {
+    const Vec3 way = minus(a, b);
+    return std::sqrt(dot(way, way));
+  };
+  if (apart(wanted, state.anchor) >= apart(state.extreme, state.anchor)) {
+    state.extreme = wanted;
+  } else if (apart(wanted, state.extreme) >= limits.buzz_force) {
+    state.anchor = state.extreme;
+    state.extreme = wanted;
+    state.swings += 1;
+  }
+  const double rate = state.swings / kBuzzTime;
+  if (rate > kBuzzStop * limits.buzz_rate) state.buzzing = true;
+  if (rate < kCalmBuzz * limits.buzz_rate) state.buzzing = false;
 }
 
 }  // namespace
 
-SafetyCore::SafetyCore(const SafetyLimits& limits) : limits_(limits) {
-  if (!std::isfinite(limits.max_force) || limits.max_force < 0)
-    throw Error("safety: the force limit is " + std::to_string(limits.max_force) +
-                " N, it must be finite and not negative");
+SafeForce limit_force(const SafetyLimits& limits, SafetyState& state,
+                      const SafetyInput& input) noexcept {
+  const Vec3 scaled = times(input.force, limits.gain);
+  const bool sound = std::isfinite(input.dt) && input.dt > 0 && std::isfinite(input.speed) &&
+                     !std::isnan(input.outside_cells);
+  if (!sound || !finite(scaled) || input.unusable) state.faulted = true;
+  if (state.faulted) return let_go(state, kFault);
+  if (input.stalled) return let_go(state, kStalled);
+
+  watch_speed(limits, state, input);
+  watch_buzz(limits, state, scaled, input.dt);
+  if (static_cast<double>(input.missed) >= limits.watchdog_ticks) return let_go(state, kMissed);
+  if (state.too_fast) return let_go(state, kTooFast);
+  if (state.buzzing) return let_go(state, kBuzzing);
+
+  SafeForce safe;
+  const auto scale = [&](Vec3& f, double by, SafetyAction action) {
+    if (by >= 1) return;
+    f = times(f, by > 0 ? by : 0);  // also where it is no number
+    safe.acted |= action;
+  };
+
+  // Blend: at the switch the force stays what it was, and the difference goes away linearly.
+  if (input.level_changed && state.any && limits.blend_ms > 0) {
+    state.offset = minus(state.wanted, scaled);
+    state.blend_left = 1;
+  } else if (state.blend_left > 0) {
+    state.blend_left -= input.dt * 1000 / limits.blend_ms;
+  }
+  Vec3 force = scaled;
+  if (state.blend_left > 0) {
+    force = plus(scaled, times(state.offset, state.blend_left));
+    safe.acted |= kBlended;
+  }
+  if (!finite(force)) {  // the offset of two finite forces can be infinite
+    state.faulted = true;
+    return let_go(state, kFault);
+  }
+  state.wanted = force;
+  state.any = true;
+
+  if (limits.fade_cells > 0 && input.outside_cells > 0)
+    scale(force, 1 - input.outside_cells / limits.fade_cells, kFaded);
+  if (state.swings > 0) scale(force, limits.buzz_rate * kBuzzTime / state.swings, kDamped);
+  state.ramp =
+      limits.ramp_ms > 0 ? std::min(1.0, state.ramp + input.dt * 1000 / limits.ramp_ms) : 1;
+  if (input.clutch) {
+    state.ramp = 0;
+    scale(force, 0, kClutched);
+  } else {
+    scale(force, state.ramp, kRamped);
+  }
+
+  Vec3 step = minus(force, state.sent);
+  if (!finite(step) || clamp_magnitude(step, limits.slew * 1000 * input.dt)) {
+    // Two finite forces so far apart that their difference is not: a clamp brings both near.
+    if (!finite(step)) {
+      clamp_magnitude(force, limits.max_force);
+      step = minus(force, state.sent);
+      clamp_magnitude(step, limits.slew * 1000 * input.dt);
+    }
+    force = plus(state.sent, step);
+    safe.acted |= kSlewed;
+  }
+  if (clamp_magnitude(force, limits.max_force)) safe.acted |= kClamped;
+  safe.force = state.sent = force;
+  return safe;
 }
 
-SafeForce SafetyCore::apply(const Vec3& raw) noexcept {
-  SafeForce safe;
-  if (!finite(raw)) faulted_ = true;
-  safe.faulted = faulted_;
-  if (faulted_) return safe;
-  safe.force = raw;
-  safe.clamped = clamp_magnitude(safe.force, limits_.max_force);
-  return safe;
+SafetyCore::SafetyCore(const SafetyLimits& limits) : limits_(limits) {
+  const auto check = [](const char* what, double value, bool can_be_infinite) {
+    if (value >= 0 && (can_be_infinite || std::isfinite(value))) return;
+    throw Error(std::string("safety: ") + what + " is " + to_text(value) + ", it must " +
+                (can_be_infinite ? "" : "be finite and ") + "not be negative");
+  };
+  check("the gain", limits.gain, false);
+  check("the force limit", limits.max_force, false);
+  check("the slew limit", limits.slew, true);
+  check("the blend's time", limits.blend_ms, false);
+  check("the ramp's time", limits.ramp_ms, false);
+  check("the speed limit", limits.max_speed, true);
+  check("the swing of a buzz", limits.buzz_force, true);
+  check("the rate of a buzz", limits.buzz_rate, true);
+  check("the fade", limits.fade_cells, true);
+  check("the watchdog", limits.watchdog_ticks, true);
 }
 
 }  // namespace hapgrid

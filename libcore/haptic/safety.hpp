@@ -1,46 +1,133 @@
 // The safety core: the one thing between a computed force and the hand.
 //
-// Every force goes through apply() before a device sees it, whatever computed it. The stages stand
-// in apply() in the order in which they act, each with its bit of state here and its bound in
-// SafetyLimits; a fault at any of them latches the output at zero, because a force that comes back
-// by itself after a fault is a kick. Alternatives: a clamp in each device (forgotten in the next
-// one) or per axis (turns the force).
+// Every force goes through limit_force() before a device sees it, whatever computed it: a pure
+// function of the input, its limits, and a small state of its own. Two promises hold for every
+// sequence of inputs, hostile ones included:
+//
+//   |F| <= limits.max_force, always;
+//   |F - F of the tick before| <= slew dt, unless F is a zero that a fault has asked for.
+//
+// A fault (what is not finite, a device that is silent, a hand that is too fast, ticks that were
+// missed, buzzing that does not stop) gives zero in the very tick in which it is seen, without a
+// ramp: letting go is what a fault is for. The force comes back by a ramp, and after what was not
+// finite not before reset(), because it means that something is broken.
+//
+// The order. What scales the wanted force comes first (gain, blend, fade, damping, ramp); the slew
+// limit then sees everything that could step, and the clamp is last: taking a point to a ball is
+// no expansion, so a clamp after the slew limit breaks none of the two promises. The other way
+// round, or a clamp per axis (which turns the force), would.
+//
+// Alternatives: limits in each device (forgotten in the next one); limits in the model (a plug-in
+// is what cannot be trusted).
 #pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
 
 #include "libcore/grid/box.hpp"
 
 namespace hapgrid {
 
+/// What each stage may do; defaults are for a small desktop device of some 3 N.
 struct SafetyLimits {
-  double max_force = 3;  ///< newtons, of the magnitude; a small desktop device holds some 3 N
+  double gain = 1;          ///< newtons felt for a newton of the model
+  double max_force = 3;     ///< newtons, of the magnitude
+  double slew = 1;          ///< newtons a millisecond, of the vector's change; inf: none
+  double blend_ms = 20;     ///< from the force before a switch of levels to the one after; 0: none
+  double ramp_ms = 500;     ///< from zero to the full force, at the start and after a fault
+  double max_speed = 2;     ///< of the hand, m/s; a faster one is let go; inf: none
+  double buzz_force = 0.5;  ///< newtons: a swing of the force this large counts as one; inf: none
+  double buzz_rate = 30;    ///< swings a second from which on the force is damped, see kBuzzStop
+  double fade_cells = 1;    ///< outside the box the force fades to zero over so many cells; 0: none
+  double watchdog_ticks = 10;  ///< so many missed ticks give zero and a ramp; inf: none
 };
 
-/// What apply() let through.
+/// Times buzz_rate: from here on damping did not help, and the force is taken away.
+inline constexpr double kBuzzStop = 2;
+
+/// What the loop knows at a tick.
+struct SafetyInput {
+  Vec3 force{0, 0, 0};         ///< newtons, as the model gave it
+  double dt = 0.001;           ///< seconds since the tick before; > 0
+  std::uint64_t missed = 0;    ///< ticks that were missed in between
+  double speed = 0;            ///< of the hand, m/s; 0 where the mapping to metres is not known
+  double outside_cells = 0;    ///< how far the HIP is outside the box, in grid spacings
+  bool level_changed = false;  ///< a corner's level is another one than the tick before
+  bool stalled = false;        ///< the device says nothing: where the hand is, is not known
+  bool clutch = false;         ///< the hand moves without the HIP and must feel nothing
+  bool unusable = false;       ///< the state is not the HIP's: as bad as a force that is no number
+};
+
+/// What acted in a tick, as bits of SafeForce::acted.
+enum SafetyAction : std::uint32_t {
+  kFault = 1U << 0,     ///< latched at zero since something was not finite, or unusable
+  kStalled = 1U << 1,   ///< zero: the device was silent
+  kMissed = 1U << 2,    ///< zero: too many ticks were missed
+  kTooFast = 1U << 3,   ///< zero: the hand was too fast
+  kBuzzing = 1U << 4,   ///< zero: damping did not stop the buzz
+  kClutched = 1U << 5,  ///< on the way to zero: the clutch is held
+  kDamped = 1U << 6,    ///< the buzz detector made the force smaller
+  kFaded = 1U << 7,     ///< outside the box
+  kRamped = 1U << 8,    ///< on the way back from zero
+  kBlended = 1U << 9,   ///< on the way from the force before a switch of levels
+  kSlewed = 1U << 10,   ///< the change was above the limit
+  kClamped = 1U << 11,  ///< the magnitude was above the limit
+};
+inline constexpr std::size_t kSafetyActions = 12;
+/// Their names by bit, as logs and reports have them.
+inline constexpr std::array<const char*, kSafetyActions> kSafetyNames{
+    "fault",  "stalled", "missed", "too-fast", "buzzing", "clutch",
+    "damped", "faded",   "ramped", "blended",  "slewed",  "clamped"};
+/// Those that give zero at once.
+inline constexpr std::uint32_t kSafetyZero = kFault | kStalled | kMissed | kTooFast | kBuzzing;
+
 struct SafeForce {
-  Vec3 force{0, 0, 0};   ///< newtons, to be sent
-  bool clamped = false;  ///< the magnitude was above the limit
-  bool faulted = false;  ///< the output is latched at zero
+  Vec3 force{0, 0, 0};      ///< newtons, to be sent
+  std::uint32_t acted = 0;  ///< SafetyAction
 };
 
-/// For one thread. Real-time safe after construction.
+/// What limit_force() remembers from tick to tick.
+struct SafetyState {
+  Vec3 sent{0, 0, 0};  // the force of the tick before
+  bool faulted = false;
+  double ramp = 0;  // in [0, 1]
+  // Blend: what is still missing from the force before the last switch.
+  Vec3 wanted{0, 0, 0};  // of the tick before, behind gain and blend
+  Vec3 offset{0, 0, 0};
+  double blend_left = 0;  // 1 at the switch, 0 when it is over
+  bool any = false;       // there was a tick before, without a fault
+  // Velocity guard.
+  double speed = 0;  // m/s, smoothed
+  bool too_fast = false;
+  // Buzz: turning points of the wanted force.
+  Vec3 anchor{0, 0, 0};   // the last turning point
+  Vec3 extreme{0, 0, 0};  // the farthest from it since
+  double swings = 0;      // leaky count; swings a second times its time constant
+  bool buzzing = false;
+};
+
+/// The force to send for `input`. Real-time safe; pure: equal arguments give equal results.
+SafeForce limit_force(const SafetyLimits& limits, SafetyState& state,
+                      const SafetyInput& input) noexcept;
+
+/// Limits and state together, for one thread.
 class SafetyCore {
  public:
-  /// @throw Error when a limit is not finite or is negative.
+  /// @throw Error when a limit is negative or not a number, or max_force or gain is infinite.
   explicit SafetyCore(const SafetyLimits& limits = {});
 
-  /// The force to send instead of `raw` (newtons): within the limit in magnitude and in the
-  /// direction of `raw`, unchanged where it was within; zero from the first one on that is not
-  /// finite, until reset().
-  SafeForce apply(const Vec3& raw) noexcept;
-
-  /// Latches the output at zero: for a fault that is seen elsewhere.
-  void trip() noexcept { faulted_ = true; }
-  bool faulted() const noexcept { return faulted_; }
-  void reset() noexcept { faulted_ = false; }
+  /// Real-time safe.
+  SafeForce apply(const SafetyInput& input) noexcept { return limit_force(limits_, state_, input); }
+  bool faulted() const noexcept { return state_.faulted; }
+  /// Lets the force come back after a fault, by the ramp. Real-time safe.
+  void reset() noexcept { state_ = {}; }
+  const SafetyLimits& limits() const { return limits_; }
 
  private:
   SafetyLimits limits_;
-  bool faulted_ = false;
+  SafetyState state_;
 };
 
 }  // namespace hapgrid

@@ -1,15 +1,13 @@
 #include "libcore/model/definition.hpp"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <initializer_list>
 #include <sstream>
 #include <string_view>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/toml.hpp"
 #include "libcore/model/model.hpp"
 
 namespace hapgrid {
@@ -19,44 +17,20 @@ namespace {
 // Beyond this a whole number has no exact double.
 constexpr std::int64_t kExact = std::int64_t{1} << 53;
 
-// toml++ limits how deep values nest but not how many parts a dotted key has, and goes through them
-// by recursion: a key of a megabyte of dots would overflow the stack.
-constexpr unsigned kMaxKeyParts = 1000;
-
 // The contents of all files together: they go into every shard's header.
 constexpr std::size_t kMaxFileBytes = 2 << 20;
-
-/// The line of a key with too many parts, 0 when there is none. Takes any 1000 dots without a
-/// comma, bracket or equals sign between them for one.
-std::uint64_t overlong_key(const std::string& text) {
-  std::uint64_t line = 1;
-  unsigned dots = 0;
-  for (const char c : text) {
-    if (c == '.' && ++dots >= kMaxKeyParts) return line;
-    if (std::strchr(",=[]{}\n", c)) dots = 0;
-    line += c == '\n';
-  }
-  return 0;
-}
 
 class Reader {
  public:
   Reader(const std::string& text, const std::string& name,
          const std::vector<std::string>& overrides)
-      : name_(name) {
-    if (const std::uint64_t line = overlong_key(text))
-      fail(line, "a key of more than " + std::to_string(kMaxKeyParts) + " parts");
-    try {
-      root_ = toml::parse(text, std::string_view());
-    } catch (const toml::parse_error& e) {
-      fail(e.source().begin.line, std::string(e.description()));
-    }
+      : name_(name), root_(parse_toml(text, name)) {
     for (const std::string& entry : overrides) set(entry);
   }
 
   Definition read(const std::function<std::string(const std::string&)>& read_file) const {
     Definition d;
-    only_keys(root_, "", {"model", "grid", "search", "seeds"});
+    only_keys(root_, "", {"model", "grid", "search", "seeds", "play"});  // [play] is play's own
     const toml::table& model = table(root_, "model");
     only_keys(model, "model.", {"plugin", "process", "name", "parameters", "files"});
     if (model.contains("process")) {

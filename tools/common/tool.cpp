@@ -3,6 +3,7 @@
 #include <fcntl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -22,8 +23,8 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// A standard stream that was closed (`tool <&-`) would be taken by the first file that is opened, and
-/// a message could end up in a shard. What is put in its place fails when it is used.
+/// A standard stream that was closed (`tool <&-`) would be taken by the first file that is opened,
+/// and a message could end up in a shard. What is put in its place fails when it is used.
 void occupy_standard_streams() {
   for (int fd = 0; fd <= 2; ++fd)
     if (::fcntl(fd, F_GETFD) < 0) ::open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
@@ -47,6 +48,17 @@ void describe(CLI::App& app, const std::string& name, const std::string& details
              "  1  could not: input, I/O, model, device, level limit\n"
              "  2  the command line is wrong; nothing was read or written\n" +
              more_exits);
+}
+
+CLI::Validator number_within(double low, double high, const std::string& description) {
+  return CLI::Validator(
+      [=](const std::string& text) {
+        double value = std::nan("");
+        if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high)
+          return std::string();
+        return "'" + text + "' is not " + description;
+      },
+      "");
 }
 
 void add_model_path(CLI::App& app, std::vector<std::string>& directories) {

@@ -19,6 +19,9 @@ inline constexpr int kExitInvalid = 3;  ///< verify: an invariant is broken
 void describe(CLI::App& app, const std::string& name, const std::string& details = "",
               const std::string& more_exits = "");
 
+/// A number in [low, high], not NaN as with CLI::Range; `description` says so: "a rate from ...".
+CLI::Validator number_within(double low, double high, const std::string& description);
+
 /// The option --model-path DIR, repeatable.
 void add_model_path(CLI::App& app, std::vector<std::string>& directories);
 

@@ -1,4 +1,5 @@
-"""Forces and energies of two logs of the hung ball, evaluated and interpolated.
+"""Forces, before the safety core, and energies of two logs of the hung ball, evaluated and
+interpolated.
 
 States and levels must be the same. What was interpolated is compared with the closed form on the
 line y = z = 0 (Sect. 2.1): trilinear interpolation is off by at most h²/8 times the sum, over the
@@ -60,8 +61,8 @@ for i in range(10, len(stored), 10):
     if not -0.1 <= x <= 0.3:
         continue
     compared += 1
-    differences += tick["fx"] != evaluated[i]["fx"]
-    found = [side * tick["fx"], tick["fy"], tick["fz"], tick["energy"]]
+    differences += tick["rx"] != evaluated[i]["rx"]
+    found = [side * tick["rx"], tick["ry"], tick["rz"], tick["energy"]]
     for got, want, bound in zip(found, exact(x, 0, 0), bounds(x)):
         largest = max(largest, abs(got - want) / bound) if bound > 1e-9 else largest
         assert abs(got - want) <= bound + 1e-9, (tick, got, want, bound)

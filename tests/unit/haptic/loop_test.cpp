@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -64,11 +65,26 @@ FakeDevice device(std::size_t count) {
   return d;
 }
 
+/// Every stage off but the clamp: what is sent is what was computed.
+constexpr SafetyLimits kClampOnly{.slew = std::numeric_limits<double>::infinity(),
+                                  .blend_ms = 0,
+                                  .ramp_ms = 0,
+                                  .buzz_force = std::numeric_limits<double>::infinity(),
+                                  .fade_cells = 0,
+                                  .watchdog_ticks = std::numeric_limits<double>::infinity()};
+
 struct Fixture {
   Grid grid = random_grid({{0, 0, 0}, 1, {4, 4, 4}}, 2, 2, 1);
   Traversal traversal{grid};
-  SafetyCore safety;
+  SafetyCore safety{kClampOnly};
   std::atomic<int> stop{0};
+  std::atomic<std::uint64_t> heartbeat{0};
+
+  template <class Force, class Sink>
+  LoopSummary loop(FakeDevice& d, Force&& force, Sink&& sink, const LoopOptions& options = {}) {
+    Mapping mapping({}, d.info(), grid.box());
+    return run_loop(d, mapping, traversal, safety, force, sink, stop, heartbeat, options);
+  }
 };
 
 constexpr auto kConstant = [](const Vec3&, std::span<const double>) { return Vec3{1, 2, 0.5}; };
@@ -86,17 +102,14 @@ TEST_CASE_METHOD(Fixture, "each position gives a force, and a zero force ends th
     CHECK(x == (ticks == 50 ? Vec3{0, 1.5, 1.5} : d.path[ticks]));  // held in the box
     return Vec3{s[0], s[1], 0};
   };
-  const LoopSummary summary = run_loop(
-      d, traversal, safety, force,
-      [&](const Tick& tick) {
-        CHECK(tick.number == ticks);
-        CHECK(tick.hip == d.path[ticks]);
-        CHECK(tick.force.force == d.sent.back());
-        CHECK(d.sent.back() == Vec3{tick.traversal.state()[0], tick.traversal.state()[1], 0});
-        CHECK(tick.step.outside == (ticks == 50));
-        ++ticks;
-      },
-      stop);
+  const LoopSummary summary = loop(d, force, [&](const Tick& tick) {
+    CHECK(tick.number == ticks);
+    CHECK(tick.hip == d.path[ticks]);
+    CHECK(tick.force.force == d.sent.back());
+    CHECK(d.sent.back() == Vec3{tick.traversal.state()[0], tick.traversal.state()[1], 0});
+    CHECK(tick.step.outside == (ticks == 50));
+    ++ticks;
+  });
   CHECK(ticks == 100);
   CHECK(summary.ticks == 100);
   CHECK(summary.outside == 1);
@@ -115,7 +128,7 @@ TEST_CASE_METHOD(Fixture, "the stop flag ends the loop with a zero force") {
   for (const double rate : {0.0, 10000.0}) {
     stop = 0;
     d = device(100);
-    const LoopSummary summary = run_loop(d, traversal, safety, kConstant, sink, stop, rate);
+    const LoopSummary summary = loop(d, kConstant, sink, {.rate_hz = rate});
     CHECK(summary.end == LoopEnd::kStopped);
     CHECK(summary.ticks <= 10);
     CHECK(summary.zero_sent);
@@ -125,14 +138,14 @@ TEST_CASE_METHOD(Fixture, "the stop flag ends the loop with a zero force") {
   // Set before the first tick: nothing but the zero is ever sent.
   d = device(100);
   stop = 2;
-  CHECK(run_loop(d, traversal, safety, kConstant, kIgnore, stop).ticks == 0);
+  CHECK(loop(d, kConstant, kIgnore).ticks == 0);
   CHECK(d.sent == std::vector<Vec3>{kZero});
 }
 
 TEST_CASE_METHOD(Fixture, "a device that fails is left with a zero force, or it is said") {
   FakeDevice d = device(100);
   d.fail_read_at = 5;
-  LoopSummary summary = run_loop(d, traversal, safety, kConstant, kIgnore, stop);
+  LoopSummary summary = loop(d, kConstant, kIgnore);
   CHECK(summary.end == LoopEnd::kDeviceFailed);
   CHECK(summary.ticks == 5);
   CHECK(summary.zero_sent);
@@ -140,7 +153,7 @@ TEST_CASE_METHOD(Fixture, "a device that fails is left with a zero force, or it 
 
   d = device(100);
   d.fail_send_at = 5;
-  summary = run_loop(d, traversal, safety, kConstant, kIgnore, stop);
+  summary = loop(d, kConstant, kIgnore);
   CHECK(summary.end == LoopEnd::kDeviceFailed);
   CHECK(summary.ticks == 5);
   CHECK(summary.zero_sent);
@@ -149,7 +162,7 @@ TEST_CASE_METHOD(Fixture, "a device that fails is left with a zero force, or it 
 
   d = device(5);
   d.fail_send_at = 5;  // the last zero itself
-  summary = run_loop(d, traversal, safety, kConstant, kIgnore, stop);
+  summary = loop(d, kConstant, kIgnore);
   CHECK(summary.end == LoopEnd::kDeviceEnd);
   CHECK_FALSE(summary.zero_sent);
 }
@@ -160,7 +173,7 @@ TEST_CASE_METHOD(Fixture, "an exception in force or sink leaves a zero force beh
     if (d.sent.size() == 7) throw std::runtime_error("force");
     return {1, 1, 1};
   };
-  CHECK_THROWS_WITH(run_loop(d, traversal, safety, throwing_force, kIgnore, stop), "force");
+  CHECK_THROWS_WITH(loop(d, throwing_force, kIgnore), "force");
   CHECK(d.sent.size() == 8);
   CHECK(d.sent.back() == kZero);
 
@@ -168,7 +181,7 @@ TEST_CASE_METHOD(Fixture, "an exception in force or sink leaves a zero force beh
   const auto throwing_sink = [](const Tick& tick) {
     if (tick.number == 3) throw std::runtime_error("sink");
   };
-  CHECK_THROWS_WITH(run_loop(d, traversal, safety, kConstant, throwing_sink, stop), "sink");
+  CHECK_THROWS_WITH(loop(d, kConstant, throwing_sink), "sink");
   CHECK(d.sent.size() == 5);
   CHECK(d.sent.back() == kZero);
 }
@@ -177,17 +190,17 @@ TEST_CASE_METHOD(Fixture, "what is not finite makes all later forces zero") {
   FakeDevice d = device(100);
   SECTION("the HIP") {
     d.path[40][1] = std::nan("");
-    const LoopSummary summary = run_loop(d, traversal, safety, kConstant, kIgnore, stop);
+    const LoopSummary summary = loop(d, kConstant, kIgnore);
     CHECK(summary.not_finite == 1);
-    CHECK(summary.faulted == 60);
+    CHECK(summary.count_of(kFault) == 60);
   }
   SECTION("the force") {
     const auto force = [&](const Vec3&, std::span<const double>) {
       return d.sent.size() == 40 ? Vec3{1, std::nan(""), 1} : Vec3{1, 2, 0.5};
     };
-    const LoopSummary summary = run_loop(d, traversal, safety, force, kIgnore, stop);
+    const LoopSummary summary = loop(d, force, kIgnore);
     CHECK(summary.not_finite == 0);
-    CHECK(summary.faulted == 60);
+    CHECK(summary.count_of(kFault) == 60);
   }
   for (std::size_t i = 0; i < d.sent.size(); ++i)
     CHECK(d.sent[i] == (i < 40 ? Vec3{1, 2, 0.5} : kZero));
@@ -196,8 +209,8 @@ TEST_CASE_METHOD(Fixture, "what is not finite makes all later forces zero") {
 TEST_CASE_METHOD(Fixture, "a large force is limited and counted") {
   FakeDevice d = device(10);
   const auto force = [&](const Vec3&, std::span<const double>) { return Vec3{30, 0, -40}; };
-  const LoopSummary summary = run_loop(d, traversal, safety, force, kIgnore, stop);
-  CHECK(summary.clamped == 10);
+  const LoopSummary summary = loop(d, force, kIgnore);
+  CHECK(summary.count_of(kClamped) == 10);
   CHECK(d.sent[0][0] == Approx(3 * 0.6));
   CHECK(d.sent[0][2] == Approx(3 * -0.8));
 }
@@ -215,7 +228,7 @@ TEST_CASE_METHOD(Fixture, "a paced loop keeps absolute deadlines and skips what 
     CHECK(Clock::now() - begin >= std::chrono::milliseconds(last));
     if (d.sent.size() == 100) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   };
-  const LoopSummary summary = run_loop(d, traversal, safety, kConstant, sink, stop, 1000);
+  const LoopSummary summary = loop(d, kConstant, sink, {.rate_hz = 1000});
   CHECK(summary.ticks == 200);
   CHECK(summary.missed >= 9);
   CHECK(last == 199 + summary.missed);  // each missed tick is skipped, none is run late
@@ -230,7 +243,83 @@ TEST_CASE_METHOD(Fixture, "a tick allocates nothing") {
     if (tick.number == 0) before = allocations();
     after = allocations();
   };
-  run_loop(d, traversal, safety, kConstant, sink, stop, 100000);
+  loop(d, kConstant, sink, {.rate_hz = 100000});
   CHECK(after == before);
   CHECK(before > 0);
+}
+
+namespace {
+
+/// A handle in metres that says what a test tells it to.
+struct HeldDevice : FakeDevice {
+  std::vector<DeviceInput> inputs;
+  DeviceInfo info() const override {
+    return {.name = "held",
+            .unit = DeviceInfo::Unit::kMetres,
+            .low = {-0.1, -0.1, -0.1},
+            .high = {0.1, 0.1, 0.1}};
+  }
+  Status read(DeviceInput& input) noexcept override {
+    if (next == inputs.size()) return Status::kEnd;
+    input = inputs[next++];
+    return Status::kOk;
+  }
+};
+
+}  // namespace
+
+TEST_CASE_METHOD(Fixture, "a stalled device is let go; the HIP is not moved by the clutch") {
+  HeldDevice d;
+  for (int i = 0; i < 40; ++i)
+    d.inputs.push_back(
+        {.position = {i * 0.001, 0, 0}, .stalled = i >= 10 && i < 20, .clutch = i >= 25 && i < 30});
+  d.sent.reserve(100);
+  std::vector<double> x;
+  const LoopSummary summary =
+      loop(d, kConstant, [&](const Tick& tick) { x.push_back(tick.hip[0]); });
+  CHECK(summary.count_of(kStalled) == 10);
+  CHECK(summary.count_of(kClutched) == 5);
+  // 0.2 m of reach fill the box of 3: 0.015 a millimetre, from the middle.
+  for (int i = 0; i < 25; ++i) CHECK(x[i] == Approx(1.5 + 0.015 * i));
+  for (int i = 25; i < 30; ++i) CHECK(x[i] == x[24]);
+  for (int i = 31; i < 40; ++i) CHECK(x[i] == Approx(x[24] + 0.015 * (i - 30)));
+  for (int i = 10; i < 20; ++i) CHECK(d.sent[i] == kZero);
+  CHECK(d.sent[24] == Vec3{1, 2, 0.5});
+}
+
+TEST_CASE_METHOD(Fixture, "a fault ends with the user's reset") {
+  HeldDevice d;
+  for (int i = 0; i < 30; ++i) d.inputs.push_back({.reset = i == 5 || i == 20});
+  d.sent.reserve(100);
+  int ticks = 0;
+  const auto force = [&](const Vec3&, std::span<const double>) {
+    return ticks == 10 ? Vec3{std::nan(""), 0, 0} : Vec3{1, 0, 0};
+  };
+  loop(d, force, [&](const Tick&) { ++ticks; });
+  for (int i = 0; i < 30; ++i) CHECK(d.sent[i] == (i < 10 || i >= 20 ? Vec3{1, 0, 0} : kZero));
+}
+
+TEST_CASE_METHOD(Fixture, "a replay's missed ticks count as time and in the numbers") {
+  HeldDevice d;
+  for (int i = 0; i < 10; ++i) d.inputs.push_back({.missed = i == 4 ? 7U : 0U});
+  d.sent.reserve(100);
+  safety = SafetyCore({.slew = 0.1, .blend_ms = 0, .ramp_ms = 0});
+  std::vector<std::uint64_t> numbers;
+  const LoopSummary summary = loop(
+      d,
+      [](const Vec3&, std::span<const double>) {
+        return Vec3{3, 0, 0};
+      },
+      [&](const Tick& tick) { numbers.push_back(tick.number); });
+  CHECK(numbers == std::vector<std::uint64_t>{0, 1, 2, 3, 11, 12, 13, 14, 15, 16});
+  CHECK(summary.missed == 7);
+  CHECK(summary.overruns == 1);
+  CHECK(d.sent[3][0] == Approx(0.4));
+  CHECK(d.sent[4][0] == Approx(1.2));  // 8 ms at 0.1 N/ms
+}
+
+TEST_CASE_METHOD(Fixture, "the heart beats once a tick") {
+  FakeDevice d = device(100);
+  loop(d, kConstant, kIgnore);
+  CHECK(heartbeat == 101);  // the last one met the end of the device
 }

@@ -1,0 +1,180 @@
+#include "libcore/device/keyboard.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <system_error>
+
+#include "libcore/base/error.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr unsigned char kEscape = 0x1b;
+constexpr double kStepFactor = 1.5;
+constexpr int kPollMs = 50;
+// The HIP follows a key's step within some of these: a jump would feel like a blow.
+constexpr double kFollowSeconds = 0.05;
+
+FileDescriptor open_terminal() {
+  FileDescriptor terminal(::open("/dev/tty", O_RDWR | O_CLOEXEC | O_NOCTTY));
+  if (!terminal) throw DeviceError("keys: there is no terminal to read (with ssh use -t)");
+  return terminal;
+}
+
+std::int64_t now_ns() noexcept {
+  timespec t{};
+  ::clock_gettime(CLOCK_MONOTONIC, &t);
+  return t.tv_sec * std::int64_t{1'000'000'000} + t.tv_nsec;
+}
+
+}  // namespace
+
+KeyReader::KeyReader(const KeyboardOptions& options)
+    : options_(options), target_(options.start), step_(options.step) {}
+
+void KeyReader::move(int axis, double steps) {
+  target_[axis] =
+      std::clamp(target_[axis] + steps * step_, options_.low[axis], options_.high[axis]);
+}
+
+void KeyReader::key(unsigned char final_byte, int parameter) {
+  switch (final_byte) {
+    case 'A':
+      return move(2, 1);
+    case 'B':
+      return move(2, -1);
+    case 'C':
+      return move(0, 1);
+    case 'D':
+      return move(0, -1);
+    case '~':
+      if (parameter == 5) move(1, 1);
+      if (parameter == 6) move(1, -1);
+      return;
+    default:
+      return;
+  }
+}
+
+void KeyReader::take(unsigned char byte) {
+  switch (expect_) {
+    case Expect::kAfterEscape:
+      // ESC [ or, with application cursor keys, ESC O; anything else is a key after a lone escape.
+      if (byte == '[' || byte == 'O') {
+        expect_ = Expect::kSequence;
+        parameter_ = 0;
+        return;
+      }
+      expect_ = Expect::kKey;
+      break;
+    case Expect::kSequence:
+      // Digits of the first parameter count; those behind a ';' (modifiers) are passed over.
+      if (byte >= '0' && byte <= '9') {
+        if (parameter_ < 100) parameter_ = 10 * parameter_ + (byte - '0');
+        return;
+      }
+      if (byte == ';') {
+        parameter_ = parameter_ * 1000;
+        return;
+      }
+      while (parameter_ >= 1000) parameter_ /= 1000;
+      expect_ = Expect::kKey;
+      return key(byte, parameter_);
+    case Expect::kKey:
+      break;
+  }
+  switch (byte) {
+    case kEscape:
+      expect_ = Expect::kAfterEscape;
+      return;
+    case 'q':
+      quit_ = true;
+      return;
+    case 'r':
+      ++resets_;
+      return;
+    case '0':
+      target_ = options_.start;
+      return;
+    case '+':
+    case '=': {
+      const double longest =
+          std::max({options_.high[0] - options_.low[0], options_.high[1] - options_.low[1],
+                    options_.high[2] - options_.low[2]});
+      step_ = std::min(step_ * kStepFactor, longest / 4);
+      return;
+    }
+    case '-':
+      step_ = std::max(step_ / kStepFactor, options_.step / 1000);
+      return;
+    default:
+      return;
+  }
+}
+
+KeyboardDevice::KeyboardDevice(const KeyboardOptions& options)
+    : terminal_(open_terminal()), keys_(options), position_(options.start) {
+  if (::tcgetattr(terminal_.get(), &before_) != 0)
+    throw std::system_error(errno, std::generic_category(), "/dev/tty");
+  termios mode = before_;
+  mode.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+  mode.c_cc[VMIN] = 0;
+  mode.c_cc[VTIME] = 0;
+  if (::tcsetattr(terminal_.get(), TCSANOW, &mode) != 0)
+    throw std::system_error(errno, std::generic_category(), "/dev/tty");
+  for (int a = 0; a < 3; ++a) target_[a] = options.start[a];
+  listener_ = std::jthread([this](const std::stop_token& token) { listen(token); });
+}
+
+KeyboardDevice::~KeyboardDevice() { stop(); }
+
+DeviceStatus KeyboardDevice::stop() noexcept {
+  if (!given_back_.exchange(true)) ::tcsetattr(terminal_.get(), TCSANOW, &before_);
+  return DeviceStatus::kOk;
+}
+
+void KeyboardDevice::listen(const std::stop_token& token) {
+  sigset_t all;  // signals are the main thread's
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
+  while (!token.stop_requested()) {
+    pollfd waiting{terminal_.get(), POLLIN, 0};
+    const int ready = ::poll(&waiting, 1, kPollMs);
+    if (ready <= 0) continue;
+    unsigned char bytes[64];
+    const ssize_t count = ::read(terminal_.get(), bytes, sizeof bytes);
+    if (count <= 0 && (waiting.revents & (POLLHUP | POLLERR))) {
+      lost_ = true;
+      return;
+    }
+    for (ssize_t i = 0; i < count; ++i) keys_.take(bytes[i]);
+    for (int a = 0; a < 3; ++a) target_[a].store(keys_.target()[a], std::memory_order_relaxed);
+    resets_.store(keys_.resets(), std::memory_order_relaxed);
+    quit_.store(keys_.quit(), std::memory_order_relaxed);
+  }
+}
+
+DeviceStatus KeyboardDevice::read(DeviceInput& input) noexcept {
+  if (lost_.load(std::memory_order_relaxed)) return DeviceStatus::kFailed;
+  if (quit_.load(std::memory_order_relaxed)) return DeviceStatus::kEnd;
+  const std::int64_t now = now_ns();
+  const double dt = last_ns_ == 0 ? 0 : static_cast<double>(now - last_ns_) * 1e-9;
+  last_ns_ = now;
+  const double part = dt / (kFollowSeconds + dt);
+  for (int a = 0; a < 3; ++a)
+    position_[a] += part * (target_[a].load(std::memory_order_relaxed) - position_[a]);
+  const unsigned resets = resets_.load(std::memory_order_relaxed);
+  input = {.position = position_, .reset = resets != seen_resets_};
+  seen_resets_ = resets;
+  return DeviceStatus::kOk;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,85 @@
+// The keyboard of a terminal as a device: keys move the HIP, also over ssh. It has no force.
+#pragma once
+
+#include <termios.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <thread>
+
+#include "libcore/base/file.hpp"
+#include "libcore/device/device.hpp"
+
+namespace hapgrid {
+
+struct KeyboardOptions {
+  Vec3 start{0, 0, 0};  ///< where the HIP begins, and returns to; in the model's unit
+  Vec3 low{0, 0, 0};    ///< the box: keys do not lead out of it
+  Vec3 high{0, 0, 0};
+  double step = 0;  ///< a press of a key moves the HIP so far; model's unit
+};
+
+/// The keys, for a help text.
+inline constexpr const char* kKeyboardHelp =
+    "arrows left and right move the HIP along x, up and down along z, page up and down along y; "
+    "+ and - make the steps larger and smaller, 0 goes back to the start, r lets the force come "
+    "back after a fault, q ends";
+
+/// What keys have been pressed so far; takes the bytes that a terminal sends.
+class KeyReader {
+ public:
+  explicit KeyReader(const KeyboardOptions& options);
+  /// One byte; sequences may come in pieces.
+  void take(unsigned char byte);
+  const Vec3& target() const { return target_; }
+  bool quit() const { return quit_; }
+  unsigned resets() const { return resets_; }
+
+ private:
+  void key(unsigned char final_byte, int parameter);
+  void move(int axis, double steps);
+
+  KeyboardOptions options_;
+  Vec3 target_;
+  double step_;
+  bool quit_ = false;
+  unsigned resets_ = 0;
+  enum class Expect { kKey, kAfterEscape, kSequence } expect_ = Expect::kKey;
+  int parameter_ = 0;
+};
+
+/// The terminal is in a mode without lines and echo while it lives; Ctrl-C still interrupts.
+class KeyboardDevice : public Device {
+ public:
+  /// @throw DeviceError when the process has no terminal; std::system_error
+  explicit KeyboardDevice(const KeyboardOptions& options);
+  ~KeyboardDevice() override;
+
+  DeviceInfo info() const override { return {.name = "keys"}; }
+  DeviceStatus read(DeviceInput& input) noexcept override;
+  DeviceStatus send(const Vec3&) noexcept override { return DeviceStatus::kOk; }
+  /// Gives the terminal back.
+  DeviceStatus stop() noexcept override;
+  std::string error() const override { return "the terminal is gone"; }
+
+ private:
+  void listen(const std::stop_token& token);
+
+  FileDescriptor terminal_;
+  termios before_{};
+  KeyReader keys_;  // the listener's
+  std::array<std::atomic<double>, 3> target_;
+  std::atomic<unsigned> resets_{0};
+  std::atomic<bool> quit_{false};
+  std::atomic<bool> lost_{false};
+  std::atomic<bool> given_back_{false};
+  // The haptic thread's.
+  Vec3 position_;
+  std::int64_t last_ns_ = 0;
+  unsigned seen_resets_ = 0;
+  std::jthread listener_;
+};
+
+}  // namespace hapgrid

@@ -1,0 +1,57 @@
+#include "libcore/haptic/pacer.hpp"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+
+namespace hapgrid {
+
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+}  // namespace
+
+std::int64_t monotonic_ns() noexcept {
+  timespec t{};
+  ::clock_gettime(CLOCK_MONOTONIC, &t);
+  return t.tv_sec * kSecond + t.tv_nsec;
+}
+
+Pacer::Pacer(double rate_hz, double spin_us)
+    : rate_hz_(rate_hz), spin_ns_(static_cast<std::int64_t>(spin_us * 1000)) {}
+
+std::uint64_t Pacer::tick_at(std::int64_t nanoseconds) const noexcept {
+  return static_cast<std::uint64_t>(static_cast<double>(nanoseconds) * rate_hz_ / kSecond);
+}
+
+std::uint64_t Pacer::wait(const std::atomic<int>& stop) noexcept {
+  if (rate_hz_ == 0 || !started_) {
+    began_ns_ = monotonic_ns();
+    if (!started_) start_ns_ = began_ns_;
+    started_ = true;
+    return next_++;
+  }
+  const std::uint64_t due = next_;
+  // The period of the tick before is over: the first deadline that is still ahead.
+  next_ = std::max(due, tick_at(monotonic_ns() - start_ns_) + 1);
+  const auto offset =
+      static_cast<std::int64_t>(std::ceil(static_cast<double>(next_) / rate_hz_ * kSecond));
+  const std::int64_t deadline = start_ns_ + offset;
+  const std::int64_t wake = deadline - spin_ns_;
+  const timespec until{wake / kSecond, wake % kSecond};
+  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR)
+    if (stop.load(std::memory_order_relaxed) != 0) break;
+  do {
+    began_ns_ = monotonic_ns();
+  } while (began_ns_ < deadline && stop.load(std::memory_order_relaxed) == 0);
+  lateness_ns_ = std::max<std::int64_t>(0, began_ns_ - deadline);
+  // Woken a period late or more, it is another tick by now.
+  next_ = std::max(next_, tick_at(began_ns_ - start_ns_));
+  missed_ += next_ - due;
+  return next_++;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,76 @@
+#include "libcore/haptic/realtime.hpp"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <fstream>
+
+#include "libcore/base/error.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+/// Address space of the process in bytes: all of it is locked.
+std::uint64_t address_space() {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+std::string megabytes(std::uint64_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000); }
+
+/// Why the priority cannot be had; empty when it was.
+std::string take_priority() {
+  const sched_param priority{.sched_priority = kRealtimePriority};
+  const int error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
+  if (error == 0) return "";
+  return "no SCHED_FIFO (" + std::string(std::strerror(error)) + ": rtprio " +
+         std::to_string(kRealtimePriority) + " in /etc/security/limits.d)";
+}
+
+/// Why the memory cannot be locked; empty when it was.
+std::string lock_memory() {
+  // Looked at first: with MCL_FUTURE a lock that just fits makes every later allocation fail.
+  rlimit limit{};
+  const std::uint64_t wanted = address_space() + (std::uint64_t{16} << 20);
+  const bool privileged = ::geteuid() == 0;
+  if (!privileged && ::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur < wanted)
+    return "memory not locked (" + megabytes(wanted) + " MB, ulimit -l allows " +
+           megabytes(limit.rlim_cur) + ": memlock in /etc/security/limits.d)";
+  if (::mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return "";
+  return "memory not locked (" + std::string(std::strerror(errno)) + ")";
+}
+
+}  // namespace
+
+Realtime::Realtime(RealtimeMode mode) {
+  if (mode == RealtimeMode::kOff) {
+    got_ = "not asked for";
+    return;
+  }
+  const std::string memory = lock_memory();
+  locked_ = memory.empty();
+  const std::string priority = take_priority();
+  scheduled_ = priority.empty();
+  got_ = (scheduled_ ? "SCHED_FIFO " + std::to_string(kRealtimePriority) : priority) + ", " +
+         (locked_ ? "memory locked" : memory);
+  if (mode == RealtimeMode::kTry || (scheduled_ && locked_)) return;
+  const std::string why = got_;
+  if (locked_) ::munlockall();
+  throw Error("real time was required: " + why);
+}
+
+Realtime::~Realtime() {
+  if (scheduled_) {
+    const sched_param none{};
+    ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &none);
+  }
+  if (locked_) ::munlockall();
+}
+
+}  // namespace hapgrid

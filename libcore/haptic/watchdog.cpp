@@ -1,0 +1,41 @@
+#include "libcore/haptic/watchdog.hpp"
+
+#include <signal.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <utility>
+
+namespace hapgrid {
+
+Watchdog::Watchdog(const std::atomic<std::uint64_t>& heartbeat, std::chrono::milliseconds patience,
+                   std::function<void()> hung) {
+  thread_ = std::jthread([&heartbeat, patience, hung = std::move(hung)](std::stop_token token) {
+    sigset_t all;  // signals are the main thread's
+    sigfillset(&all);
+    ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    using Clock = std::chrono::steady_clock;
+    std::mutex mutex;
+    std::condition_variable_any wake;
+    std::unique_lock lock(mutex);
+    std::uint64_t last = heartbeat.load(std::memory_order_relaxed);
+    Clock::time_point changed = Clock::now();
+    while (!token.stop_requested()) {
+      const Clock::time_point before = Clock::now();
+      wake.wait_for(lock, token, patience / 4, [] { return false; });
+      const std::uint64_t now = heartbeat.load(std::memory_order_relaxed);
+      // A machine that stood still as a whole (a suspended laptop, a debugger) is no hung loop.
+      const bool stood_still = Clock::now() - before > patience;
+      if (now != last || stood_still) {
+        last = now;
+        changed = Clock::now();
+      } else if (Clock::now() - changed >= patience && !token.stop_requested()) {
+        hung();
+        return;
+      }
+    }
+  });
+}
+
+}  // namespace hapgrid

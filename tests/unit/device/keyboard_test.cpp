@@ -1,0 +1,59 @@
+// What a terminal sends for keys (ECMA-48, as xterm's documentation lists them), and a pseudo
+// terminal is tested with play itself: tests/cli/play/keys.sh.
+#include "libcore/device/keyboard.hpp"
+
+#include <catch2/catch.hpp>
+#include <random>
+#include <string_view>
+
+using namespace hapgrid;
+
+namespace {
+
+const KeyboardOptions kOptions{
+    .start = {0, 0, 0}, .low = {-1, -1, -1}, .high = {1, 1, 1}, .step = 0.25};
+
+Vec3 after(std::string_view bytes) {
+  KeyReader reader(kOptions);
+  for (const char c : bytes) reader.take(static_cast<unsigned char>(c));
+  return reader.target();
+}
+
+}  // namespace
+
+TEST_CASE("arrows and page keys, in both of a terminal's modes and with modifiers") {
+  CHECK(after("\x1b[C") == Vec3{0.25, 0, 0});
+  CHECK(after("\x1b[D") == Vec3{-0.25, 0, 0});
+  CHECK(after("\x1bOA") == Vec3{0, 0, 0.25});
+  CHECK(after("\x1bOB") == Vec3{0, 0, -0.25});
+  CHECK(after("\x1b[5~") == Vec3{0, 0.25, 0});
+  CHECK(after("\x1b[6~") == Vec3{0, -0.25, 0});
+  CHECK(after("\x1b[1;5C") == Vec3{0.25, 0, 0});
+  CHECK(after("\x1b[5;2~") == Vec3{0, 0.25, 0});
+  CHECK(after("\x1b[C\x1b[C\x1b[B") == Vec3{0.5, 0, -0.25});
+}
+
+TEST_CASE("other keys") {
+  CHECK(after("\x1b[C+\x1b[C")[0] == Approx(0.25 + 0.375));
+  CHECK(after("-\x1b[C")[0] == Approx(0.25 / 1.5));
+  CHECK(after("\x1b[C\x1b[A0") == Vec3{0, 0, 0});
+  CHECK(after("\x1b[H\x1b[3~xyz\x1bx") == Vec3{0, 0, 0});
+  CHECK(after("\x1b[C\x1b[C\x1b[C\x1b[C\x1b[C\x1b[C")[0] == 1);  // not out of the box
+  KeyReader reader(kOptions);
+  reader.take('r');
+  CHECK(reader.resets() == 1);
+  CHECK_FALSE(reader.quit());
+  reader.take('q');
+  CHECK(reader.quit());
+}
+
+TEST_CASE("whatever bytes come, the HIP stays in the box") {
+  std::mt19937_64 random(1);
+  KeyReader reader(kOptions);
+  for (int i = 0; i < 200000; ++i) {
+    const char* likely = "\x1b[O;~ABCD56+-=0";
+    reader.take(random() % 2 ? static_cast<unsigned char>(likely[random() % 15])
+                             : static_cast<unsigned char>(random()));
+    for (const double x : reader.target()) REQUIRE((x >= -1 && x <= 1));
+  }
+}

@@ -1,0 +1,96 @@
+// Histogram, pacer and watchdog.
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "libcore/haptic/histogram.hpp"
+#include "libcore/haptic/pacer.hpp"
+#include "libcore/haptic/watchdog.hpp"
+#include "tests/unit/haptic/random_grid.hpp"
+
+using namespace hapgrid;
+using hapgrid::testing::uniform;
+
+TEST_CASE("a histogram's quantiles are those of the sorted values, within a bin of 1/16") {
+  std::mt19937_64 random(3);
+  Histogram histogram;
+  std::vector<std::int64_t> values;
+  for (int i = 0; i < 20000; ++i) {
+    const auto value = static_cast<std::int64_t>(std::exp(uniform(random, 0, 30)));
+    values.push_back(value);
+    histogram.add(value);
+  }
+  std::sort(values.begin(), values.end());
+  for (const double p : {0.001, 0.25, 0.5, 0.9, 0.99, 0.999, 1.0}) {
+    const std::int64_t exact = values[static_cast<std::size_t>(std::ceil(p * 20000)) - 1];
+    CHECK(histogram.quantile(p) >= exact);
+    CHECK(static_cast<double>(histogram.quantile(p)) <= static_cast<double>(exact) * 17 / 16);
+  }
+  CHECK(histogram.max() == values.back());
+  CHECK(histogram.quantile(1) == values.back());
+  std::uint64_t count = 0;
+  std::int64_t last = 0;
+  for (const Histogram::Bin& bin : histogram.bins()) {
+    CHECK(bin.from >= last);
+    last = bin.to;
+    count += bin.count;
+    const auto within = std::upper_bound(values.begin(), values.end(), bin.to - 1) -
+                        std::lower_bound(values.begin(), values.end(), bin.from);
+    CHECK(static_cast<std::uint64_t>(within) == bin.count);
+  }
+  CHECK(count == 20000);
+}
+
+TEST_CASE("the ends of a histogram") {
+  Histogram histogram;
+  CHECK(histogram.quantile(0.5) == 0);
+  CHECK(histogram.bins().empty());
+  histogram.add(-5);
+  histogram.add(std::numeric_limits<std::int64_t>::max());
+  CHECK(histogram.quantile(0.5) == 0);
+  CHECK(histogram.quantile(1) == std::numeric_limits<std::int64_t>::max());
+  Histogram sum;
+  sum.add(histogram);
+  sum.add(histogram);
+  CHECK(sum.count() == 4);
+}
+
+TEST_CASE("a pacer that spins is never early, and tells how late it was") {
+  const std::atomic<int> stop{0};
+  for (const double spin_us : {0.0, 100.0}) {
+    Pacer pacer(2000, spin_us);
+    const std::int64_t before = monotonic_ns();
+    pacer.wait(stop);
+    for (int i = 0; i < 100; ++i) {
+      const std::uint64_t number = pacer.wait(stop);
+      // Its start lies behind `before`.
+      CHECK(pacer.began_ns() - before >= static_cast<std::int64_t>(number) * 500'000);
+      CHECK(pacer.lateness_ns() >= 0);
+    }
+  }
+}
+
+TEST_CASE("a watchdog barks once when the heart stops, and not while it beats") {
+  std::atomic<std::uint64_t> heart{0};
+  std::atomic<int> barks{0};
+  {
+    const Watchdog watchdog(heart, std::chrono::milliseconds(200), [&] { ++barks; });
+    const auto begin = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(500)) {
+      ++heart;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+  // A stall of this machine for 200 ms between two beats could bark; so this is no CHECK of 0.
+  CHECK(barks <= 1);
+  barks = 0;
+  const Watchdog watchdog(heart, std::chrono::milliseconds(50), [&] { ++barks; });
+  const auto begin = std::chrono::steady_clock::now();
+  while (barks == 0 && std::chrono::steady_clock::now() - begin < std::chrono::seconds(20))
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  CHECK(std::chrono::steady_clock::now() - begin >= std::chrono::milliseconds(50));
+  CHECK(barks == 1);
+}

@@ -1,0 +1,258 @@
+#include "tools/play/options.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <sstream>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
+#include "libcore/base/toml.hpp"
+#include "libcore/device/keyboard.hpp"
+#include "tools/common/tool.hpp"
+#include "tools/play/devices.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+/// The table [play] of a TOML file as options; what else is in the file is other filters'.
+class PlayTable : public CLI::Config {
+ public:
+  std::string to_config(const CLI::App*, bool, bool, std::string) const override { return ""; }
+
+  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
+    std::ostringstream text;
+    text << input.rdbuf();
+    try {
+      return items(parse_toml(text.str(), "--config"));
+    } catch (const Error& e) {
+      throw CLI::ConfigError(e.what(), CLI::ExitCodes::ConfigError);
+    }
+  }
+
+ private:
+  static std::string word(const toml::node& node, const std::string& key) {
+    if (node.is_string()) return **node.as_string();
+    if (node.is_boolean()) return **node.as_boolean() ? "true" : "false";
+    if (node.is_integer()) return std::to_string(**node.as_integer());
+    if (node.is_floating_point()) {
+      const double value = **node.as_floating_point();
+      return std::isinf(value) ? (value > 0 ? "inf" : "-inf") : to_text(value);
+    }
+    throw Error("--config: play." + key + " must be a number, a text, true or false, or an array");
+  }
+
+  static std::vector<CLI::ConfigItem> items(const toml::table& root) {
+    std::vector<CLI::ConfigItem> items;
+    const toml::node* play = root.get("play");
+    if (!play) return items;
+    if (!play->is_table()) throw Error("--config: play must be a table");
+    for (const auto& [k, node] : *play->as_table()) {
+      const std::string key(k.str());
+      if (key == "config") throw Error("--config: play.config is no key");
+      CLI::ConfigItem item;
+      item.name = key;
+      if (const toml::array* entries = node.as_array()) {
+        for (const toml::node& entry : *entries) item.inputs.push_back(word(entry, key));
+      } else {
+        item.inputs.push_back(word(node, key));
+      }
+      items.push_back(item);
+    }
+    return items;
+  }
+};
+
+/// "x,-z,y": what each of the box's axes follows.
+bool read_axes(const std::string& text, std::array<Vec3, 3>& axes) {
+  std::istringstream words(text);
+  std::string word;
+  std::array<Vec3, 3> read{};
+  int count = 0;
+  std::string used;
+  for (; std::getline(words, word, ','); ++count) {
+    if (count == 3) return false;
+    const double sign = word[0] == '-' ? -1 : 1;
+    if (word[0] == '-' || word[0] == '+') word.erase(0, 1);
+    if (word.size() != 1 || word[0] < 'x' || word[0] > 'z') return false;
+    if (used.find(word) != std::string::npos) return false;
+    used += word;
+    read[count][word[0] - 'x'] = sign;
+  }
+  if (count != 3) return false;
+  axes = read;
+  return true;
+}
+
+CLI::Option* add_number(CLI::App& app, const std::string& name, double& value,
+                        const std::string& unit, const std::string& help, double low, double high,
+                        const std::string& what) {
+  return app.add_option(name, value, help)
+      ->type_name(unit)
+      ->check(number_within(low, high, what))
+      ->capture_default_str();
+}
+
+void add_safety_options(CLI::App& app, SafetyLimits& s) {
+  const std::string group = "Safety (every force passes it; 'inf' switches a limit off)";
+  const auto add = [&](const char* name, double& value, const char* unit, const char* help,
+                       double high, const char* what) {
+    add_number(app, name, value, unit, help, 0, high, what)->group(group);
+  };
+  add("--gain", s.gain, "FACTOR", "Newtons felt for a newton of the model", 1e12,
+      "a factor from 0 to 1e12");
+  add("--max-force", s.max_force, "N",
+      "Largest magnitude of the force; a larger one is scaled down. The device's own limit counts "
+      "if it is smaller",
+      1e6, "a force from 0 to 1000000 N");
+  add("--slew", s.slew, "N/MS", "Largest change of the force in a millisecond", kInf,
+      "a change from 0 N/ms");
+  add("--blend", s.blend_ms, "MS", "A switch of levels changes the force over this time", 1e6,
+      "a time from 0 to 1000000 ms");
+  add("--ramp", s.ramp_ms, "MS",
+      "The force comes in over this time, at the start and after a fault", 1e6,
+      "a time from 0 to 1000000 ms");
+  add("--max-speed", s.max_speed, "M/S", "A faster hand is let go; needs a known --scale", kInf,
+      "a speed from 0 m/s");
+  add("--buzz-force", s.buzz_force, "N", "A swing of the force this large counts as one", kInf,
+      "a force from 0 N");
+  add("--buzz-rate", s.buzz_rate, "PER_S",
+      "Swings a second from which on the force is damped; at twice as many it is taken away", kInf,
+      "a rate from 0 a second");
+  add("--fade", s.fade_cells, "CELLS",
+      "Outside the box the force fades to zero over so many spacings of the grid; 0: not at all",
+      kInf, "a length from 0 cells");
+  add("--watchdog", s.watchdog_ticks, "TICKS", "So many missed ticks give zero force, and a ramp",
+      kInf, "a count from 0 ticks");
+}
+
+void add_mapping_options(CLI::App& app, PlayOptions& options) {
+  const std::string group = "From the device to the box, and back";
+  MappingOptions& m = options.mapping;
+  add_number(app, "--scale", m.scale, "UNITS/M",
+             "Model's units of length for a metre of the hand; 0: the device's reach fills the box",
+             0, 1e15, "a scale from 0 to 1e15")
+      ->group(group);
+  app.add_option_function<std::string>(
+         "--axes", [&m](const std::string& text) { read_axes(text, m.axes); },
+         "Which axes of the device the box's x, y and z follow, each with a sign: -z,x,y "
+         "(default: x,y,z)")
+      ->type_name("AXES")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            std::array<Vec3, 3> axes;
+            return read_axes(text, axes) ? std::string() : "'" + text + "' is not like -z,x,y";
+          },
+          ""))
+      ->group(group);
+  app.add_option_function<std::vector<double>>(
+         "--offset",
+         [&m](const std::vector<double>& v) {
+           m.offset = {v[0], v[1], v[2]};
+         },
+         "Where the middle of the device's reach is, from the middle of the box, in model's units "
+         "(default: 0,0,0)")
+      ->type_name("X,Y,Z")
+      ->expected(3)
+      ->delimiter(',')
+      ->group(group);
+  add_number(app, "--speed", m.speed, "UNITS/S",
+             "Of a HIP that is steered (spacemouse), at full deflection; 0: the longest side of "
+             "the box in 4 s",
+             0, 1e15, "a speed from 0 to 1e15")
+      ->group(group);
+  add_number(app, "--key-step", options.key_step, "UNITS",
+             "How far a key moves the HIP (keys); 0: half the grid's spacing", 0, 1e15,
+             "a length from 0 to 1e15")
+      ->group(group);
+  app.add_option("--key-start", options.key_start,
+                 "Where the HIP begins (keys), in model's units (default: the middle of the box)")
+      ->type_name("X,Y,Z")
+      ->expected(3)
+      ->delimiter(',')
+      ->group(group);
+}
+
+void add_realtime_options(CLI::App& app, PlayOptions& options) {
+  const std::string group = "Time";
+  app.add_option("--rate", options.rate_hz,
+                 "Ticks a second; missed ones are skipped and counted (default: 1000 for a live "
+                 "device; a path or replay as fast as possible)")
+      ->type_name("HZ")
+      ->check(number_within(1e-3, 1e6, "a rate from 0.001 to 1000000 Hz"))
+      ->group(group);
+  static const std::map<std::string, RealtimeMode> modes{{"require", RealtimeMode::kRequire},
+                                                         {"try", RealtimeMode::kTry},
+                                                         {"off", RealtimeMode::kOff}};
+  app.add_option("--realtime", options.realtime,
+                 "SCHED_FIFO and locked memory: 'require', 'try' or 'off' (default: try). What was "
+                 "got is said at the start")
+      ->type_name("MODE")
+      ->transform(CLI::Transformer(modes, CLI::ignore_case).description(""))
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            return text == "0" || text == "1" || text == "2"
+                       ? std::string()
+                       : "'" + text + "' is not require, try or off";
+          },
+          ""))
+      ->group(group);
+  add_number(app, "--spin", options.spin_us, "US",
+             "The end of the wait for a tick is spent awake: less late, for that much of a "
+             "processor",
+             0, 1000, "a time from 0 to 1000 us")
+      ->group(group);
+  app.add_flag("--selftest", options.selftest,
+               "Grade this machine without a device or grid: how late a loop at 1, 2 and 5 kHz "
+               "(or --rate) is, beside what the kernel alone gives")
+      ->group(group);
+  add_number(app, "--selftest-time", options.selftest_s, "S", "How long for each rate", 0.1, 3600,
+             "a time from 0.1 to 3600 s")
+      ->group(group);
+}
+
+}  // namespace
+
+void add_play_options(CLI::App& app, PlayOptions& options) {
+  app.config_formatter(std::make_shared<PlayTable>());
+  app.set_config("--config", "",
+                 "Take the options from the table [play] of a TOML file, for which the MODEL.toml "
+                 "is a good place; keys are the names below without '--'")
+      ->type_name("FILE");
+  app.add_option("grid", options.grid, "Complete grid ('-': standard input)")->type_name("GRID");
+  app.add_option("--device", options.device, "Device: " + std::string(kDeviceForms))
+      ->type_name("DEVICE")
+      ->check(CLI::Validator([](const std::string& name) { return device_mistake(name); }, ""));
+  app.add_flag("--list-devices", options.list_devices, "List the HID devices of this machine");
+  app.add_option("--dump-descriptor", options.dump_descriptor,
+                 "Print the report descriptor of a HID device: a path, VID:PID, or serial number, "
+                 "as --list-devices shows them")
+      ->type_name("WHICH");
+  app.add_option("--log", options.log,
+                 "File for the log ('-': standard output); FILE.session is compact and can be "
+                 "replayed, any other is text")
+      ->type_name("FILE");
+  app.add_option("--frames", options.frames,
+                 "File for the frames, 25 a second ('-': standard output), as in play ... "
+                 "--frames - | view")
+      ->type_name("FILE");
+  app.add_option("--report", options.report,
+                 "File for a report as JSON: ticks, lateness, computing time, what the safety core "
+                 "did")
+      ->type_name("FILE");
+  app.add_option("--max-sub-steps", options.max_sub_steps,
+                 "A jump over cells is split; with more parts than this it takes several ticks")
+      ->type_name("COUNT")
+      ->check(number_within(1, 65535, "a count from 1 to 65535"))
+      ->capture_default_str();
+  add_model_path(app, options.model_path);
+  add_realtime_options(app, options);
+  add_safety_options(app, options.safety);
+  add_mapping_options(app, options);
+}
+
+}  // namespace hapgrid

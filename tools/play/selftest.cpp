@@ -1,0 +1,146 @@
+#include "tools/play/selftest.hpp"
+
+#include <time.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "libcore/grid/grid.hpp"
+#include "tools/common/tool.hpp"
+#include "tools/play/report.hpp"
+#include "tools/play/signals.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+// Loop and kernel take turns of this length, so that a stall of the machine meets both.
+constexpr double kTurnSeconds = 0.25;
+
+/// A hand that circles in a box of one cell.
+class NoDevice : public Device {
+ public:
+  explicit NoDevice(std::uint64_t ticks) : left_(ticks) {}
+  DeviceInfo info() const override { return {.name = "none"}; }
+  DeviceStatus read(DeviceInput& input) noexcept override {
+    if (left_ == 0) return DeviceStatus::kEnd;
+    const double t = static_cast<double>(left_--) * 1e-3;
+    input.position = {0.5 + 0.4 * std::cos(t), 0.5 + 0.4 * std::sin(t), 0.5};
+    return DeviceStatus::kOk;
+  }
+  DeviceStatus send(const Vec3&) noexcept override { return DeviceStatus::kOk; }
+  DeviceStatus stop() noexcept override { return DeviceStatus::kOk; }
+  std::string error() const override { return ""; }
+
+ private:
+  std::uint64_t left_;
+};
+
+/// A grid of eight points, each in the one state 0.
+Grid one_cell() {
+  GridSpec spec;
+  spec.box = {{0, 0, 0}, 1, {2, 2, 2}};
+  spec.state_size = 1;
+  const Neighbourhood around(spec.box);
+  RecordColumns columns;
+  for (PointIndex p = 0; p < spec.box.points(); ++p) {
+    columns.point.push_back(p);
+    columns.level.push_back(0);
+    columns.generation.push_back(0);
+    columns.rows.push_back(0);
+    for (int q = 0; q < kDirections; ++q)
+      columns.links.push_back(around.inside(p) >> q & 1 ? Level{0} : kLeavesBox);
+  }
+  return Grid(spec, 1, std::move(columns));
+}
+
+/// What clock_nanosleep() alone gives: how late each absolute wake-up is.
+void measure_kernel(double rate_hz, std::uint64_t ticks, Histogram& lateness) {
+  const std::int64_t start = monotonic_ns();
+  for (std::uint64_t k = 1; k <= ticks && caught_signal.load() == 0; ++k) {
+    std::int64_t due = start + static_cast<std::int64_t>(static_cast<double>(k) / rate_hz * 1e9);
+    const timespec until{due / 1'000'000'000, due % 1'000'000'000};
+    while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR &&
+           caught_signal.load() == 0) {
+    }
+    lateness.add(monotonic_ns() - due);
+  }
+}
+
+struct Measured {
+  Histogram loop, kernel, compute;
+  std::uint64_t missed = 0;
+};
+
+void measure_loop(const Grid& grid, double rate_hz, double spin_us, std::uint64_t ticks,
+                  Measured& measured) {
+  NoDevice device(ticks);
+  Mapping mapping({}, device.info(), grid.box());
+  Traversal traversal(grid);
+  SafetyCore safety;
+  std::atomic<std::uint64_t> heartbeat{0};
+  const LoopSummary summary = run_loop(
+      device, mapping, traversal, safety,
+      [](const Vec3& x, std::span<const double>) {
+        return Vec3{x[0], x[1], 0};
+      },
+      [](const Tick&) {}, caught_signal, heartbeat, {.rate_hz = rate_hz, .spin_us = spin_us});
+  measured.loop.add(summary.lateness);
+  measured.compute.add(summary.compute);
+  measured.missed += summary.missed;
+}
+
+/// @return good, fair or poor
+const char* grade(const Measured& m, double rate_hz) {
+  const double period_ns = 1e9 / rate_hz;
+  const auto part = [&](double p) {
+    return static_cast<double>(m.loop.quantile(p) + m.compute.quantile(p)) / period_ns;
+  };
+  if (m.missed == 0 && part(0.999) <= 0.1) return "good";
+  const double missed = static_cast<double>(m.missed) / static_cast<double>(m.loop.count());
+  return missed <= 1e-3 && part(0.99) <= 0.25 ? "fair" : "poor";
+}
+
+}  // namespace
+
+int run_selftest(const PlayOptions& options) {
+  std::vector<double> rates{1000, 2000, 5000};
+  if (options.rate_hz > 0) rates = {options.rate_hz};
+  const Grid grid = one_cell();
+  const CaughtSignals signals;
+  std::printf(
+      "# good: no tick missed, and 99.9 %% of them done within a tenth of the period\n"
+      "# fair: at most one in 1000 missed, and 99 %% done within a quarter; else poor\n");
+  for (const double rate_hz : rates) {
+    Measured measured;
+    std::string got;
+    {
+      const Realtime realtime(options.realtime);
+      got = realtime.got();
+      const int turns = std::max(1, static_cast<int>(options.selftest_s / (2 * kTurnSeconds)));
+      const auto ticks = static_cast<std::uint64_t>(std::ceil(rate_hz * kTurnSeconds));
+      for (int turn = 0; turn < turns && caught_signal.load() == 0; ++turn) {
+        measure_loop(grid, rate_hz, options.spin_us, ticks, measured);
+        measure_kernel(rate_hz, ticks, measured.kernel);
+      }
+    }
+    if (caught_signal.load() != 0) return 128 + caught_signal.load();
+    std::printf("%g Hz: %s (%s)\n", rate_hz, grade(measured, rate_hz), got.c_str());
+    std::printf("  the loop's lateness    %s; missed %llu of %llu\n",
+                quantiles_text(measured.loop).c_str(),
+                static_cast<unsigned long long>(measured.missed),
+                static_cast<unsigned long long>(measured.loop.count()));
+    std::printf("  the kernel's lateness  %s\n", quantiles_text(measured.kernel).c_str());
+    std::printf("  the loop's computing   %s\n", quantiles_text(measured.compute).c_str());
+    std::fflush(stdout);
+  }
+  return kExitDone;
+}
+
+}  // namespace hapgrid
