@@ -1,11 +1,14 @@
 #include "libcore/haptic/realtime.hpp"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 
@@ -46,6 +49,15 @@ std::string lock_memory() {
   return "memory not locked (" + std::string(std::strerror(errno)) + ")";
 }
 
+/// Open while the processors are kept out of states that take longer than 0 us to leave.
+FileDescriptor keep_awake() {
+  FileDescriptor wish(::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC));
+  const std::int32_t microseconds = 0;
+  if (wish && ::write(wish.get(), &microseconds, sizeof microseconds) != sizeof microseconds)
+    return FileDescriptor();
+  return wish;
+}
+
 }  // namespace
 
 Realtime::Realtime(RealtimeMode mode) {
@@ -57,8 +69,9 @@ Realtime::Realtime(RealtimeMode mode) {
   locked_ = memory.empty();
   const std::string priority = take_priority();
   scheduled_ = priority.empty();
+  awake_ = keep_awake();
   got_ = (scheduled_ ? "SCHED_FIFO " + std::to_string(kRealtimePriority) : priority) + ", " +
-         (locked_ ? "memory locked" : memory);
+         (locked_ ? "memory locked" : memory) + (awake_ ? ", processors awake" : "");
   if (mode == RealtimeMode::kTry || (scheduled_ && locked_)) return;
   const std::string why = got_;
   if (locked_) ::munlockall();

@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "libcore/base/file.hpp"
+
 namespace hapgrid {
 
 enum class RealtimeMode {
@@ -17,8 +19,9 @@ enum class RealtimeMode {
 /// feeds its device.
 inline constexpr int kRealtimePriority = 40;
 
-/// While it lives the calling thread is under SCHED_FIFO and the process's memory is locked.
-/// Threads that exist already keep their policy.
+/// While it lives the calling thread is under SCHED_FIFO, the process's memory is locked, and the
+/// processors are asked not to sleep deeply (/dev/cpu_dma_latency; what waking up from there takes
+/// is lateness). Threads that exist already keep their policy.
 class Realtime {
  public:
   /// @throw Error with kRequire when something was refused: what, the limit, and how to raise it.
@@ -30,12 +33,13 @@ class Realtime {
 
   bool scheduled() const { return scheduled_; }  ///< SCHED_FIFO at kRealtimePriority
   bool locked() const { return locked_; }
-  /// One line on what was got, and why not more: "SCHED_FIFO 40, memory locked".
+  /// One line on what was got, and why not more: "SCHED_FIFO 40, memory locked, processors awake".
   const std::string& got() const { return got_; }
 
  private:
   bool scheduled_ = false;
   bool locked_ = false;
+  FileDescriptor awake_;  // the wish holds as long as it is open
   std::string got_;
 };
 

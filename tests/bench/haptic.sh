@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# The haptic loop: computing time of a tick, and how late ticks are beside cyclictest.
+#
+#   tests/bench/haptic.sh [BUILD] [SECONDS A TURN] [TURNS]        (default: build 5 4)
+#
+# Computing time, from when a tick began to when its force was sent, on the hung ball and on a molecule
+# of 77 atoms (leu-enkephalin at 12 points a side: a state of 6, the force from the penetration of the
+# spheres). Lateness of the paced loop at 1 and 5 kHz in turns with cyclictest at the same priority,
+# interval and length, since a virtual machine's own stalls come and go; medians over the turns.
+# As root, or with the limits that real time needs; cyclictest is in Debian's rt-tests.
+set -euo pipefail
+build=$(realpath "${1:-build}") seconds=${2:-5} turns=${3:-4}
+source=$(realpath "$(dirname "$0")/../..")
+PATH=$build/bin:$PATH
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+seed "$source/examples/hung-ball/hung-ball.toml" | expand --complete -j 2 -o hung-ball.grid
+molecule=$source/examples/molecule/leu-enkephalin/leu-enkephalin.toml
+spacing=$(seed "$molecule" | stats --get box.spacing | awk '{ printf "%.17g", $1 * 29 / 11 }')
+seed "$molecule" --set 'grid.counts=[12,12,12]' --set "grid.spacing=$spacing" |
+  expand --complete -j 2 -o leu-enkephalin.grid
+
+# A path that wanders through the box's inner half in contact and out of it, at 0.1 box sides a second.
+paths() { # GRID RATE
+  python3 - "$1" "$2" "$seconds" >path <<'PYTHON'
+import json, math, subprocess, sys
+grid, rate, seconds = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
+get = lambda key: json.loads(subprocess.check_output(["stats", "--get", key, grid]))
+origin, h, counts = get("box.origin"), get("box.spacing"), get("box.counts")
+for i in range(int(rate * seconds)):
+    t = i / rate
+    part = [0.5 + 0.3 * math.sin((0.7 + 0.3 * a) * t + a) for a in range(3)]
+    print(*(o + h * (n - 1) * p for o, n, p in zip(origin, counts, part)))
+PYTHON
+}
+key() { python3 -c 'import json,sys; r=json.load(open(sys.argv[1])); print(r[sys.argv[2]][sys.argv[3]])' "$@"; }
+median() { sort -g | awk '{ v[NR] = $1 } END { print (v[int((NR + 1) / 2)] + v[int(NR / 2) + 1]) / 2 }'; }
+
+echo "computing time of a tick, us (aim: p50 5, p99.9 20)"
+for model in hung-ball leu-enkephalin; do
+  paths "$model.grid" 1000
+  play "$model.grid" --device path:path --rate 1000 --report "$model.json" 2>/dev/null
+  printf '  %-16s p50 %s, p99 %s, p99.9 %s, max %s\n' "$model" \
+    "$(key "$model.json" compute p50_us)" "$(key "$model.json" compute p99_us)" \
+    "$(key "$model.json" compute p99.9_us)" "$(key "$model.json" compute max_us)"
+done
+
+# The 99th percentile of cyclictest's histogram of microseconds.
+cyclic() { # INTERVAL_US
+  cyclictest -q -m -t 1 -p 40 -i "$1" -D "$seconds" -h 20000 2>/dev/null |
+    awk '/^[0-9]/ { n += $2; v[$1 + 0] = $2 } END { for (i = 0; i < 20000; ++i) { s += v[i]; if (s >= 0.99 * n) { print i; exit } } }'
+}
+for rate in 1000 5000; do
+  paths hung-ball.grid "$rate"
+  rm -f loop spun kernel
+  for _ in $(seq "$turns"); do
+    cyclic $((1000000 / rate)) >>kernel
+    play hung-ball.grid --device path:path --rate "$rate" --report r.json 2>/dev/null
+    key r.json lateness p99_us >>loop
+    play hung-ball.grid --device path:path --rate "$rate" --spin 60 --report r.json 2>/dev/null
+    key r.json lateness p99_us >>spun
+  done
+  printf 'lateness at %s Hz, p99 in us: cyclictest %s, play %s, play --spin 60 %s\n' "$rate" \
+    "$(median <kernel)" "$(median <loop)" "$(median <spun)"
+done

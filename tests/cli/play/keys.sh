@@ -1,0 +1,65 @@
+# A session with the keyboard, in a pseudo terminal; the terminal is given back afterwards.
+source "$(dirname "$0")/../lib.sh"
+seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
+python3 - <<'PYTHON'
+import os, pty, re, select, signal, sys, termios, time
+
+def session(keys, ending, extra=()):
+    """Plays with `keys` pressed one by one; returns exit code, standard error, and the log."""
+    pid, terminal = pty.fork()
+    if pid == 0:
+        error = os.open("err", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(error, 2)
+        os.execvp("play", ["play", "grid", "--device", "keys", "--rate", "200", "--log", "log.session",
+                           "--key-step", "0.1", *extra])
+    before = None
+    deadline = time.monotonic() + 30
+    # The terminal is raw once play reads it: until then a key would only be echoed.
+    while time.monotonic() < deadline:
+        mode = termios.tcgetattr(terminal)[3]
+        if not mode & termios.ICANON:
+            break
+        before = mode
+        time.sleep(0.01)
+    else:
+        sys.exit("the terminal never became raw: " + open("err").read())
+    for key in keys:
+        os.write(terminal, key)
+        time.sleep(0.3)  # the HIP follows with a time constant of 50 ms
+    ending(pid, terminal)
+    _, status = os.waitpid(pid, 0)
+    try:
+        after = termios.tcgetattr(terminal)[3]
+        assert after & termios.ICANON and after & termios.ECHO, after
+    except termios.error:
+        pass  # the other end is closed already
+    return os.waitstatus_to_exitcode(status), open("err").read()
+
+def hips():
+    os.system("stats --log log.session --export log.txt >/dev/null")
+    rows = [line.split("\t") for line in open("log.txt") if not line.startswith("#")]
+    return [tuple(map(float, row[1:4])) for row in rows]
+
+code, error = session([b"\x1b[C", b"\x1b[C", b"\x1bOA", b"\x1b[6~"],
+                      lambda pid, terminal: os.write(terminal, b"q"))
+assert code == 0, (code, error)
+assert re.match(r"play: keys at 200 Hz; real time: .*\n", error), error
+path = hips()
+# From the middle of the box, steps of 0.1: two in x, one up z, one down y.
+start, end = path[0], path[-1]
+wanted = (start[0] + 0.2, start[1] - 0.1, start[2] + 0.1)
+assert all(abs(a - b) < 5e-3 for a, b in zip(end, wanted)), (start, end, wanted)
+# No step of a key is a jump of the HIP: 0.1 with 50 ms is at most 2 a second.
+assert all(abs(b[a] - a_[a]) < 0.1 for a_, b in zip(path, path[1:]) for a in range(3))
+
+code, error = session([b"\x1b[D"], lambda pid, terminal: os.write(terminal, b"\x03"))
+assert code == 130, (code, error)
+code, error = session([], lambda pid, terminal: os.kill(pid, signal.SIGTERM))
+assert code == 143, (code, error)
+code, error = session([], lambda pid, terminal: os.write(terminal, b"q"),
+                      ["--key-start", "0.3,0.2,0.1"])
+assert code == 0 and hips()[0] == (0.3, 0.2, 0.1), (code, error, hips()[0])
+PYTHON
+# Without a terminal there are no keys.
+refuses 'play: keys: there is no terminal to read \(with ssh use -t\)' \
+  -- setsid -w play grid --device keys
