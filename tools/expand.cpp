@@ -3,12 +3,14 @@
 #include "libcore/search/expand.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "libcore/base/file.hpp"
 #include "libcore/search/complete.hpp"
+#include "libcore/search/ranges.hpp"
+#include "libcore/shard/writer.hpp"
 #include "tools/common/crash.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
@@ -24,24 +26,11 @@ struct Options {
   ModelOptions model;
   unsigned threads = 1;
   std::string part = "1/1";
+  std::uint64_t ranges = 0;  // 0: one shard
   bool complete = false;
   bool progress = false;
   std::string report;
 };
-
-/// "K/N" with 1 <= K <= N. N below 2^32 keeps the arithmetic of cutting a frontier inside 64 bits.
-Part parse_part(const std::string& text) {
-  Part part;
-  const char* end = text.data() + text.size();
-  const auto number = std::from_chars(text.data(), end, part.number);
-  if (number.ec == std::errc() && number.ptr != end && *number.ptr == '/') {
-    const auto of = std::from_chars(number.ptr + 1, end, part.of);
-    if (of.ec == std::errc() && of.ptr == end && part.number >= 1 && part.number <= part.of &&
-        part.of < std::uint64_t{1} << 32)
-      return part;
-  }
-  throw CLI::ValidationError("--part", "'" + text + "' is not K/N with 1 <= K <= N < 2^32");
-}
 
 std::string progress_text(const Progress& progress, const GridSpec& spec, bool complete,
                           double seconds) {
@@ -60,21 +49,67 @@ std::string progress_text(const Progress& progress, const GridSpec& spec, bool c
   return text;
 }
 
+/// The requests of a run, in one shard or in one for each range of their targets.
+class RequestOutput {
+ public:
+  RequestOutput(const Options& options, const SectionHeader& header)
+      : options_(options), header_(header) {
+    if (options.ranges == 0) open(options.output);
+  }
+
+  void add(PointIndex target, int q, Level level, const double* row) {
+    if (options_.ranges > 0 && target >= end_) next_range(target);
+    writer_->request(target, q, level, row);
+  }
+
+  /// All shards appear, in the order of their ranges.
+  void commit() {
+    if (writer_) writer_->finish();
+    for (const auto& file : files_) file->commit();
+  }
+
+ private:
+  void open(const std::string& name) {
+    files_.push_back(std::make_unique<OutputFile>(name));
+    writer_.emplace(files_.back()->fd(), files_.back()->name(), header_);
+  }
+
+  /// Goes on in the shard of the range that holds `target`; those in between get none.
+  void next_range(PointIndex target) {
+    while (target >= end_) end_ = point_range(header_.spec, ++range_, options_.ranges).end;
+    if (writer_) writer_->finish();
+    open(numbered(options_.output, range_));
+  }
+
+  const Options& options_;
+  SectionHeader header_;
+  std::vector<std::unique_ptr<OutputFile>> files_;
+  std::optional<SectionWriter> writer_;
+  std::uint64_t range_ = 0;
+  std::uint64_t end_ = 0;  // of the range at hand
+};
+
 int run(const Options& options) {
   report_crashes("expand");
-  const Part part = parse_part(options.part);
+  const auto [number, of] = parse_part("--part", options.part);
+  const Part part{number, of};
   if (options.complete && part.of != 1)
     throw CLI::ValidationError("--part", "--complete works on the whole frontier");
+  if (options.complete && options.ranges > 0)
+    throw CLI::ValidationError("--ranges", "--complete writes a grid, and no requests");
+  if (options.ranges > 0) require_mark("--output", options.output);
   const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
   allow_open_files(inputs.size());
   const std::vector<Section> sections = open_sections(inputs);
   SectionHeader header = sections.front().header;
-  const std::uint32_t first_generation = header.generation;
+  const std::uint32_t first_generation = generation_of(sections);
   const auto source = model_source(header.spec, options.model);
   Progress progress;
-  progress.generation = header.generation;
+  progress.generation = first_generation;
 
-  OutputFile out(options.output);
+  std::optional<OutputFile> out;  // the grid of --complete
+  if (options.complete) out.emplace(options.output);
+  std::optional<RequestOutput> requests;
   {
     Converter converter(*source, header.spec, options.threads, progress);
     const ProgressLine line(options.progress, [&](double seconds) {
@@ -82,19 +117,23 @@ int run(const Options& options) {
     });
     if (options.complete) {
       complete(sections, converter, progress, [&out](const SectionHeader& finished) {
-        return SectionWriter(out.fd(), out.name(), finished);
+        return SectionWriter(out->fd(), out->name(), finished);
       });
     } else {
       FrontierReader frontier(sections, part);
       progress.frontier_conversions = frontier.conversions();
       for (const Section& section : sections) progress.frontier_records += section.footer.frontier;
       header.content = Content::kRequests;
-      SectionWriter writer(out.fd(), out.name(), header);
-      expand(frontier, converter, header.spec, writer);
-      writer.finish();
+      header.generation = generation_of(sections);
+      requests.emplace(options, header);
+      expand(frontier, converter, header.spec,
+             [&requests](PointIndex target, int q, Level level, const double* row) {
+               requests->add(target, q, level, row);
+             });
     }
   }
-  out.commit();
+  if (out) out->commit();
+  if (requests) requests->commit();
   if (!options.report.empty())
     append_report(options.report,
                   {"expand", first_generation, progress.conversions, part.number, part.of});
@@ -124,6 +163,12 @@ int main(int argc, char** argv) {
          "Only the K-th of N equal parts of the frontier's conversions (1 <= K <= N < 2^32)")
       ->type_name("K/N")
       ->capture_default_str();
+  app.add_option("--ranges", options.ranges,
+                 "Write the requests in shards by the range of their target, for merge --range; {} "
+                 "in the name of --output becomes the range's number, and a range without requests "
+                 "gets no shard")
+      ->type_name("R")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}));
   app.add_flag("--complete", options.complete,
                "Merge in memory and go on until the frontier is empty; writes the complete grid");
   hapgrid::add_run_options(app, options.report, options.progress);

@@ -21,22 +21,17 @@ struct Options {
   std::vector<std::string> model_path;
   std::string frontier;
   std::uint64_t parts = 1;
+  std::string range = "1/1";
   bool progress = false;
   std::string report;
 };
-
-constexpr const char* kPartMark = "{}";
-
-std::string part_name(std::string pattern, std::uint64_t part) {
-  return pattern.replace(pattern.find(kPartMark), 2, std::to_string(part));
-}
 
 /// Cuts the frontier that was collected in `file` into shards of equally many conversions.
 void write_parts(const std::shared_ptr<const InputFile>& file, const Options& options) {
   const std::vector<Section> sections = open_sections(file);
   const SectionHeader& header = sections.front().header;
   for (std::uint64_t part = 1; part <= options.parts; ++part) {
-    OutputFile out(part_name(options.frontier, part));
+    OutputFile out(numbered(options.frontier, part));
     SectionWriter writer(out.fd(), out.name(), header);
     FrontierReader frontier(sections, {part, options.parts});
     FrontierReader::Record record;
@@ -49,9 +44,8 @@ void write_parts(const std::shared_ptr<const InputFile>& file, const Options& op
 
 int run(const Options& options) {
   const bool cut = !options.frontier.empty();
-  if (cut && options.frontier.find(kPartMark) == std::string::npos)
-    throw CLI::ValidationError("--frontier",
-                               "'" + options.frontier + "' has no {} for the part's number");
+  if (cut) require_mark("--frontier", options.frontier);
+  const auto [number, of] = parse_part("--range", options.range);
   const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
   allow_open_files(inputs.size());
   const MergeInput input(open_sections(inputs));
@@ -78,7 +72,8 @@ int run(const Options& options) {
              " of " + short_number(static_cast<double>(input.conversions())) + " requests, " +
              short_number(done / std::max(seconds, 1e-3)) + "/s";
     });
-    merge(input, model, writer, frontier ? &*frontier : nullptr, progress);
+    merge(input, of == 1 ? PointRange{} : point_range(input.spec(), number, of), model, writer,
+          frontier ? &*frontier : nullptr, progress);
   }
   // The grid appears last: where it is, its frontier is too.
   if (cut)
@@ -107,6 +102,12 @@ int main(int argc, char** argv) {
   app.add_option("--parts", options.parts, "Number of frontier shards (1 to 1000000)")
       ->type_name("N")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}))
+      ->capture_default_str();
+  app.add_option("--range", options.range,
+                 "Write the K-th of R ranges of the grid alone, as expand --ranges R cuts them. "
+                 "What lies beside it, the ranges before and after it and their requests, must be "
+                 "among the inputs; the rest may be")
+      ->type_name("K/R")
       ->capture_default_str();
   hapgrid::add_run_options(app, options.report, options.progress);
   hapgrid::add_model_path(app, options.model_path);

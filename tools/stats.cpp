@@ -97,7 +97,7 @@ std::optional<Json> value_from_footers(const std::string& key,
   if (key != "frontier" && key != "records" && key != "generation") return std::nullopt;
   const std::vector<Section> sections = open_sections(shards);
   require_content(sections, Content::kGrid);
-  if (key == "generation") return sections.front().header.generation;
+  if (key == "generation") return generation_of(sections);
   std::uint64_t sum = 0;
   for (const Section& section : sections)
     sum += key == "frontier" ? section.footer.frontier : section.footer.records;

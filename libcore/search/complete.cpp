@@ -11,6 +11,7 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
               const std::function<SectionWriter(const SectionHeader&)>& open) {
   require_content(sections, Content::kGrid);
   SectionHeader header = sections.front().header;
+  header.generation = generation_of(sections);
   Levels levels(header.spec, converter.model());
   Wavefront wave(header.spec);
   std::vector<Levels::Stored> frontier;

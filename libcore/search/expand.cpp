@@ -3,13 +3,11 @@
 namespace hapgrid {
 
 void expand(FrontierReader& frontier, Converter& converter, const GridSpec& spec,
-            SectionWriter& out) {
+            const RequestSink& out) {
   Wavefront wave(spec);
   Wavefront::Slot converted = wave.end();
   const auto emit = [&out, &wave](PointIndex target, int q, Wavefront::Slot slot,
-                                  const double* row) {
-    out.request(target, q, wave.level(slot), row);
-  };
+                                  const double* row) { out(target, q, wave.level(slot), row); };
   FrontierReader::Record record;
   while (frontier.next(record)) {
     wave.add(record.point, record.level, record.state, record.todo);

@@ -12,7 +12,7 @@ namespace hapgrid {
 FrontierReader::FrontierReader(const std::vector<Section>& sections, Part part)
     : neighbourhood_(sections.front().header.spec.box),
       n_(sections.front().header.spec.state_size),
-      generation_(sections.front().header.generation),
+      generation_(generation_of(sections)),
       rows_(sections),
       state_(n_),
       next_state_(n_) {

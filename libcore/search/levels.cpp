@@ -129,10 +129,10 @@ bool Levels::settle(PointIndex target, int q, Level source_level, const double* 
   }
   if (level >= spec_.max_levels) fail_level_limit(target, q, source_level);
   if (!model_.equal(numbers, numbers))
-    throw ModelError("model " + spec_.model + ": its tolerance function tells a state from itself: " +
-                     describe(spec_.box, target, level) + ", reached from " +
-                     describe(spec_.box, source, source_level) + ", direction " +
-                     std::to_string(q));
+    throw ModelError(
+        "model " + spec_.model + ": its tolerance function tells a state from itself: " +
+        describe(spec_.box, target, level) + ", reached from " +
+        describe(spec_.box, source, source_level) + ", direction " + std::to_string(q));
   *link = level;
   // `link` ends here: adding a record may move the rows of its block.
   r = add(here, numbers, generation);

@@ -23,6 +23,7 @@ MergeInput::MergeInput(const std::vector<Section>& sections) {
   if (grid_.empty())
     throw FormatError(sections.front().file->name() + ": requests, but no grid to merge them into");
   require_content(grid_, Content::kGrid);
+  generation_ = generation_of(grid_);
   for (const Section& section : requests_)
     if (section.header.generation != generation())
       throw FormatError(section.file->name() + ": requests of generation " +
@@ -33,7 +34,7 @@ MergeInput::MergeInput(const std::vector<Section>& sections) {
 
 SectionHeader MergeInput::merged_header() const {
   SectionHeader header = grid_.front().header;
-  if (conversions_ > 0) ++header.generation;
+  header.generation = generation_ + (conversions_ > 0 ? 1 : 0);
   return header;
 }
 
@@ -41,16 +42,21 @@ namespace {
 
 class Merge {
  public:
-  Merge(const MergeInput& input, const Model& model, SectionWriter& out, SectionWriter* frontier,
-        Progress& progress)
+  Merge(const MergeInput& input, PointRange range, const Model& model, SectionWriter& out,
+        SectionWriter* frontier, Progress& progress)
       : input_(input),
+        range_(range),
         reach_(static_cast<std::uint64_t>(Neighbourhood(input.spec().box).reach())),
+        targets_(range.widened(reach_)),
+        sources_(targets_.widened(reach_)),
         levels_(input.spec(), model),
         grid_rows_(input.grid()),
         out_(out),
         frontier_(frontier),
         progress_(progress) {
-    if (input.grid().size() == 1) opener_.emplace(input.grid().front());
+    // Of the youngest generation: it takes the chunks of all.
+    for (const Section& section : input.grid())
+      if (section.header.generation == input.generation() && !opener_) opener_.emplace(section);
   }
 
   void run() {
@@ -60,6 +66,7 @@ class Merge {
       const RequestRows& rows = *run.rows;
       for (std::size_t r = run.begin; r < run.end; ++r) {
         const PointIndex target = rows.target[r];
+        if (!targets_.holds(target)) continue;
         if (target != prepared_) {
           // A source lies at most `reach` behind its target, and is touched at most `reach` later.
           advance(target + reach_, target > reach_ ? target - reach_ : 0);
@@ -74,7 +81,7 @@ class Merge {
     advance(end, end);
     if (missing_ > 0)
       throw FormatError("requests are missing: " + std::to_string(missing_) + " of the " +
-                        std::to_string(input_.conversions()) + " conversions of generation " +
+                        std::to_string(asked_) + " conversions of generation " +
                         std::to_string(input_.generation()) + ", the first from " + first_missing_ +
                         "; was a shard lost, or is one still to be expanded?");
   }
@@ -94,7 +101,8 @@ class Merge {
         emit_before(std::min<std::uint64_t>(settled, run_.rows->point[run_.begin]));
       }
       const RecordRows& rows = *run_.rows;
-      open_block(rows.point[run_.begin] / levels_.block_points());
+      if (sources_.holds(rows.point[run_.begin]))
+        open_block(rows.point[run_.begin] / levels_.block_points());
       std::size_t r = run_.begin;
       for (; r < run_.end && rows.point[r] <= wanted; ++r) append(rows, r);
       run_.begin = r;
@@ -104,6 +112,7 @@ class Merge {
   }
 
   void append(const RecordRows& rows, std::size_t r) {
+    if (!sources_.holds(rows.point[r])) return;
     levels_.append(rows.point[r], rows.level[r], rows.generation[r], rows.row(r),
                    &rows.links[r * kDirections]);
   }
@@ -111,13 +120,18 @@ class Merge {
   /// Keeps the next chunk as it is stored, if it is without frontier: where no request comes for
   /// its points, it is copied, and neither decoded nor compressed again. Answers whether it did.
   bool hold(std::uint64_t settled) {
-    if (!opener_) return false;
     SectionReader* section = grid_rows_.whole_chunk_next();
     if (!section) return false;
     const ChunkInfo& next = *section->peek();
     const std::uint64_t block = next.first_point / levels_.block_points();
+    if (next.last_point < sources_.begin || next.first_point >= sources_.end) {
+      loaded_ = next.last_point;
+      section->next_stored(passed_over_);
+      return true;
+    }
     if (next.frontier > 0 || next.last_point / levels_.block_points() != block ||
-        block >= levels_.blocks() || levels_.holds(block))
+        block >= levels_.blocks() || levels_.holds(block) ||
+        grid_rows_.next_section_point() / levels_.block_points() <= block)
       return false;
     // Blocks before the next record are read in full.
     emit_before(std::min<std::uint64_t>(settled, next.first_point));
@@ -148,7 +162,13 @@ class Merge {
   /// Writes the blocks that lie wholly before `point`.
   void emit_before(std::uint64_t point) {
     while ((emitted_ + 1) * levels_.block_points() <= point) {
-      if (const auto held = held_.find(emitted_); held != held_.end()) {
+      if (!range_.holds(emitted_ * levels_.block_points())) {
+        held_.erase(emitted_);
+        levels_.visit(emitted_,
+                      [this](PointIndex p, Level level, std::uint32_t generation, const double*,
+                             const Level*) { check_settled(p, level, generation); });
+        levels_.release(emitted_);
+      } else if (const auto held = held_.find(emitted_); held != held_.end()) {
         for (StoredChunk& chunk : held->second) {
           out_.copy(chunk);
           spare_.push_back(std::move(chunk));
@@ -167,41 +187,60 @@ class Merge {
 
   void emit(PointIndex point, Level level, std::uint32_t generation, const double* numbers,
             const Level* links) {
-    if (generation == input_.generation()) {
-      if (const DirectionMask left = levels_.unsettled(point, level)) {
-        if (missing_ == 0) first_missing_ = describe(input_.spec().box, point, level);
-        missing_ += static_cast<std::uint64_t>(std::popcount(left));
-      }
-    } else if (generation > input_.generation() && frontier_) {
+    check_settled(point, level, generation);
+    if (generation > input_.generation() && frontier_)
       frontier_->frontier(point, level, numbers, levels_.unsettled(point, level));
-    }
     out_.record(point, level, generation, numbers, links);
   }
 
+  /// Counts what is missing. Also around the range: a request that is missing there would give
+  /// another number to a level that one of the range's links leads to.
+  void check_settled(PointIndex point, Level level, std::uint32_t generation) {
+    if (generation != input_.generation()) return;
+    DirectionMask left = levels_.unsettled(point, level);
+    for (DirectionMask inside = inside_.inside(point); inside; inside &= inside - 1) {
+      const int q = std::countr_zero(inside);
+      if (!targets_.holds(static_cast<std::uint64_t>(point + inside_.offset(q)))) {
+        left &= ~(DirectionMask{1} << q);
+        continue;
+      }
+      ++asked_;
+    }
+    if (!left) return;
+    if (missing_ == 0) first_missing_ = describe(input_.spec().box, point, level);
+    missing_ += static_cast<std::uint64_t>(std::popcount(left));
+  }
+
   const MergeInput& input_;
+  PointRange range_;  // of the records that are wanted
   std::uint64_t reach_;
+  PointRange targets_;  // of the requests, and
+  PointRange sources_;  // of the records, that these depend on
+  Neighbourhood inside_{input_.spec().box};
   Levels levels_;
   MergedRows<RecordRows> grid_rows_;
   Run<RecordRows> run_;
   SectionWriter& out_;
   SectionWriter* frontier_;
   Progress& progress_;
-  std::optional<SectionReader> opener_;  // decodes chunks; only where the grid is one section
+  std::optional<SectionReader> opener_;                     // decodes chunks
   std::map<std::uint64_t, std::vector<StoredChunk>> held_;  // by block
   std::vector<StoredChunk> spare_;
+  StoredChunk passed_over_;
   RecordRows opened_;
   std::uint64_t prepared_ = ~std::uint64_t{0};  // target whose surroundings are in levels_
   std::uint64_t loaded_ = 0;                    // the next record's point is at least this
   std::uint64_t emitted_ = 0;                   // blocks below are written
-  std::uint64_t missing_ = 0;
+  std::uint64_t asked_ = 0;                     // conversions that must be settled
+  std::uint64_t missing_ = 0;                   // of these, not settled
   std::string first_missing_;
 };
 
 }  // namespace
 
-void merge(const MergeInput& input, const Model& model, SectionWriter& out, SectionWriter* frontier,
-           Progress& progress) {
-  Merge(input, model, out, frontier, progress).run();
+void merge(const MergeInput& input, PointRange range, const Model& model, SectionWriter& out,
+           SectionWriter* frontier, Progress& progress) {
+  Merge(input, range, model, out, frontier, progress).run();
   out.finish();
   if (frontier) frontier->finish();
 }

@@ -7,6 +7,7 @@
 
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
+#include "libcore/search/ranges.hpp"
 #include "libcore/shard/section.hpp"
 #include "libcore/shard/writer.hpp"
 
@@ -22,7 +23,7 @@ class MergeInput {
   const std::vector<Section>& grid() const { return grid_; }
   const std::vector<Section>& requests() const { return requests_; }
   const GridSpec& spec() const { return grid_.front().header.spec; }
-  std::uint32_t generation() const { return grid_.front().header.generation; }
+  std::uint32_t generation() const { return generation_; }
   /// Conversions that the grid's frontier asks for.
   std::uint64_t conversions() const { return conversions_; }
   /// The header of the merged grid. A grid whose frontier is empty stays what it is.
@@ -31,16 +32,20 @@ class MergeInput {
  private:
   std::vector<Section> grid_;
   std::vector<Section> requests_;
+  std::uint32_t generation_ = 0;
   std::uint64_t conversions_ = 0;
 };
 
-/// Merges a whole generation: each of the frontier's conversions must be among the requests.
-/// Streams: the records between three slices of the grid are in memory at a time.
+/// Merges a whole generation, or the range of it whose records are wanted: each of the conversions
+/// of its frontier must be among the requests. Streams: the records between three slices of the
+/// grid are in memory at a time.
+/// @param range as point_range() cuts them. Grid and requests must hold what lies around it
+/// (ranges.hpp); what is farther away is passed over.
 /// @param out the merged grid, begun with merged_header(). @param frontier the new frontier,
 /// nullptr when nobody wants it.
 /// @throw FormatError when requests are missing (it counts them), contradict each other, or were
 /// not asked for; Error (level limit), ModelError, std::system_error.
-void merge(const MergeInput& input, const Model& model, SectionWriter& out, SectionWriter* frontier,
-           Progress& progress);
+void merge(const MergeInput& input, PointRange range, const Model& model, SectionWriter& out,
+           SectionWriter* frontier, Progress& progress);
 
 }  // namespace hapgrid

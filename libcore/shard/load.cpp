@@ -45,7 +45,7 @@ LoadedGrid load_grid(const std::vector<std::string>& names) {
     append(columns.rows, run.rows->numbers, width);
     append(columns.links, run.rows->links, kDirections);
   }
-  return {Grid(header.spec, header.generation, std::move(columns)), stored_bytes};
+  return {Grid(header.spec, generation_of(sections), std::move(columns)), stored_bytes};
 }
 
 }  // namespace hapgrid

@@ -60,14 +60,30 @@ void MergedRows<Rows>::end_run() {
 
 template <class Rows>
 SectionReader* MergedRows<Rows>::whole_chunk_next() {
-  if (open_.empty() && waiting_.size() == 1) {
-    open_.push_back(std::make_unique<Source>(*waiting_.back()));
-    waiting_.pop_back();
-    current_ = open_.back().get();
+  if (open_.size() > 1) return nullptr;
+  if (!open_.empty()) {
+    Source& source = *open_.front();
+    if (source.position < source.rows.size()) return nullptr;
+    if (source.reader.peek()) return alone(source) ? &source.reader : nullptr;
+    // Behind the last chunk: this compares the sums of the footer, and ends the section.
+    current_ = nullptr;
+    source.fill();
+    open_.clear();
   }
-  if (!waiting_.empty() || open_.size() != 1) return nullptr;
+  if (waiting_.empty()) return nullptr;
+  const Section& section = *waiting_.back();
+  if (section.footer.chunks.empty()) return nullptr;
+  open_.push_back(std::make_unique<Source>(section));
+  waiting_.pop_back();
   Source& source = *open_.front();
-  return source.position == source.rows.size() && source.reader.peek() ? &source.reader : nullptr;
+  current_ = &source;
+  return alone(source) ? &source.reader : nullptr;
+}
+
+template <class Rows>
+bool MergedRows<Rows>::alone(const Source& source) const {
+  return waiting_.empty() ||
+         waiting_.back()->footer.first_point() > source.reader.peek()->last_point;
 }
 
 template <class Rows>

@@ -36,9 +36,16 @@ class MergedRows {
   /// last run.
   SectionReader* whole_chunk_next();
 
+  /// The first point of the next section that is not open yet; 2^64 - 1 behind the last.
+  std::uint64_t next_section_point() const {
+    return waiting_.empty() ? ~std::uint64_t{0} : waiting_.back()->footer.first_point();
+  }
+
  private:
   struct Source;
   void end_run();
+  /// Whether no other section has rows where the next chunk of this open one is.
+  bool alone(const Source& source) const;
   void open_next();
 
   std::vector<const Section*> waiting_;  // by first point, descending

@@ -116,6 +116,7 @@ class SectionReader::State {
       throw FormatError(where_ + ": damaged: chunks out of order");
     chunk.frame.assign(frame.begin(), frame.end());
     count(chunk.info);
+    if (chunk.info.frontier > 0) passed_over_ = true;
     any_ = true;
     last_ = record_key(chunk.info.last_point, 0);
   }
@@ -168,7 +169,7 @@ class SectionReader::State {
     const SectionFooter& footer = section_->footer;
     const bool requests = section_->header.content == Content::kRequests;
     if (footer.records != (requests ? 0 : rows_) || footer.requests != (requests ? rows_ : 0) ||
-        footer.frontier != frontier_sum_ || footer.conversions != conversions_)
+        footer.frontier != frontier_sum_ || (!passed_over_ && footer.conversions != conversions_))
       throw FormatError(section_->file->name() +
                         ": damaged: the counts in the footer do not fit the content");
   }
@@ -249,6 +250,7 @@ class SectionReader::State {
   std::uint64_t rows_ = 0;  // of the chunks before it
   std::uint64_t frontier_sum_ = 0;
   std::uint64_t conversions_ = 0;
+  bool passed_over_ = false;    // a chunk whose conversions are not known without decoding it
   std::uint32_t frontier_ = 0;  // of the chunk at hand
   bool any_ = false;
   RowKey last_ = 0;

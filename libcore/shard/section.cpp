@@ -88,16 +88,26 @@ std::vector<Section> open_sections(const std::vector<std::string>& names) {
   return sections;
 }
 
+std::uint32_t generation_of(const std::vector<Section>& sections) {
+  std::uint32_t youngest = 0;
+  for (const Section& section : sections) youngest = std::max(youngest, section.header.generation);
+  return youngest;
+}
+
 void require_content(const std::vector<Section>& sections, Content content) {
+  const std::uint32_t youngest = generation_of(sections);
+  const auto reference = std::find_if(sections.begin(), sections.end(), [&](const Section& s) {
+    return s.header.generation == youngest;
+  });
   for (const Section& section : sections) {
     if (section.header.content != content)
       throw FormatError(section.file->name() + ": holds " + to_string(section.header.content) +
                         " where a shard of " + to_string(content) + " is needed");
-    const std::uint32_t expected = sections.front().header.generation;
-    if (section.header.generation != expected)
-      throw FormatError(
-          section.file->name() + ": generation " + std::to_string(section.header.generation) +
-          ", but " + sections.front().file->name() + " has generation " + std::to_string(expected));
+    if (section.header.generation == youngest) continue;
+    if (content == Content::kGrid && section.footer.frontier == 0) continue;
+    throw FormatError(section.file->name() + ": generation " +
+                      std::to_string(section.header.generation) + ", but " +
+                      reference->file->name() + " has generation " + std::to_string(youngest));
   }
 }
 

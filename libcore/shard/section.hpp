@@ -28,8 +28,12 @@ std::vector<Section> open_sections(const std::vector<std::string>& names);
 /// Of one input.
 std::vector<Section> open_sections(const std::shared_ptr<const InputFile>& file);
 
+/// The generation of what the sections hold together: the youngest.
+std::uint32_t generation_of(const std::vector<Section>& sections);
+
 /// @throw FormatError, naming input and content, unless every section holds `content`; and unless
-/// all are of one generation.
+/// all are of one generation. A part of a grid may be older than the others if it has no frontier:
+/// the last rounds did not come near it.
 void require_content(const std::vector<Section>& sections, Content content);
 
 }  // namespace hapgrid

@@ -3,8 +3,10 @@
 #include <fcntl.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -15,6 +17,8 @@
 namespace hapgrid {
 
 namespace {
+
+constexpr const char* kMark = "{}";
 
 /// A message is one line, whatever a file name or a library put into it.
 std::string one_line(std::string text) {
@@ -87,6 +91,29 @@ void add_output(CLI::App& app, std::string& name) {
                  "File to write; it appears when it is complete ('-': standard output)")
       ->type_name("FILE")
       ->capture_default_str();
+}
+
+void require_mark(const std::string& option, const std::string& pattern) {
+  if (pattern.find(kMark) == std::string::npos)
+    throw CLI::ValidationError(option, "'" + pattern + "' has no {} for the number");
+}
+
+std::string numbered(std::string pattern, std::uint64_t k) {
+  return pattern.replace(pattern.find(kMark), std::strlen(kMark), std::to_string(k));
+}
+
+std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
+                                                   const std::string& text) {
+  std::uint64_t number = 0, of = 0;
+  const char* end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, number);
+  if (first.ec == std::errc() && first.ptr != end && *first.ptr == '/') {
+    const auto second = std::from_chars(first.ptr + 1, end, of);
+    if (second.ec == std::errc() && second.ptr == end && number >= 1 && number <= of &&
+        of < std::uint64_t{1} << 32)
+      return {number, of};
+  }
+  throw CLI::ValidationError(option, "'" + text + "' is not K/N with 1 <= K <= N < 2^32");
 }
 
 void add_run_options(CLI::App& app, std::string& report, bool& progress) {

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hapgrid {
@@ -34,6 +36,16 @@ std::vector<std::string> inputs_or_stdin(std::vector<std::string> names);
 
 /// The option -o, --output FILE, by default "-".
 void add_output(CLI::App& app, std::string& name);
+
+/// A name with {} in it, made that of number k. @param option for the message.
+/// @throw CLI::ValidationError without a {}.
+void require_mark(const std::string& option, const std::string& pattern);
+std::string numbered(std::string pattern, std::uint64_t k);
+
+/// "K/N" with 1 <= K <= N < 2^32, which keeps the arithmetic of cutting inside 64 bits.
+/// @throw CLI::ValidationError
+std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
+                                                   const std::string& text);
 
 /// The options of work that can take long: --report FILE (see append_report()) and --progress.
 void add_run_options(CLI::App& app, std::string& report, bool& progress);

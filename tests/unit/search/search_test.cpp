@@ -132,7 +132,10 @@ void expand_shards(const std::vector<std::string>& from, Part part, const std::s
   const std::uint64_t expected = frontier.conversions();
   header.content = Content::kRequests;
   write_shard(to, header, [&](SectionWriter& out) {
-    expand(frontier, converter, header.spec, out);
+    expand(frontier, converter, header.spec,
+           [&out](PointIndex target, int q, Level level, const double* row) {
+             out.request(target, q, level, row);
+           });
     out.finish();
   });
   REQUIRE(open_sections({to}).front().footer.requests == expected);
@@ -147,10 +150,11 @@ void merge_shards(const std::vector<std::string>& from, const std::string& to,
   frontier_header.content = Content::kFrontier;
   write_shard(to, input.merged_header(), [&](SectionWriter& out) {
     if (frontier_name.empty()) {
-      merge(input, model, out, nullptr, progress);
+      merge(input, {}, model, out, nullptr, progress);
     } else {
-      write_shard(frontier_name, frontier_header,
-                  [&](SectionWriter& frontier) { merge(input, model, out, &frontier, progress); });
+      write_shard(frontier_name, frontier_header, [&](SectionWriter& frontier) {
+        merge(input, {}, model, out, &frontier, progress);
+      });
     }
   });
 }
