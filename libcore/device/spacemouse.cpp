@@ -1,0 +1,32 @@
+#include "libcore/device/spacemouse.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace hapgrid {
+
+bool is_spacemouse(std::uint16_t vendor, std::uint16_t product) {
+  if (vendor == 0x046d) {  // Logitech's until 2013, among its mice
+    constexpr std::uint16_t kProducts[] = {0xc603, 0xc605, 0xc606, 0xc621, 0xc623, 0xc625,
+                                           0xc626, 0xc627, 0xc628, 0xc629, 0xc62b};
+    return std::find(std::begin(kProducts), std::end(kProducts), product) != std::end(kProducts);
+  }
+  // 3Dconnexion's own; from c650 on mice and keyboards, but for the universal receiver.
+  return vendor == 0x256f && ((product >= 0xc62e && product < 0xc650) || product == 0xc652);
+}
+
+bool SpaceMouseProtocol::decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept {
+  if (report.size() < 7 || report[0] != 1) return false;
+  const auto deflection = [&](std::size_t axis) {
+    const auto raw = static_cast<std::int16_t>(report[1 + 2 * axis] | report[2 + 2 * axis] << 8);
+    if (std::abs(raw) <= kDeadZone) return 0.0;
+    return std::clamp(raw / kFull, -1.0, 1.0);
+  };
+  // 0 - x: a rate of -0 would be no lie, but reads like one.
+  input.rate = {deflection(0), 0 - deflection(1), 0 - deflection(2)};
+  input.clutch = false;  // a cap on a spring has nothing to let go of
+  return true;
+}
+
+}  // namespace hapgrid
