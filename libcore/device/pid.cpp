@@ -111,11 +111,9 @@ bool PidProtocol::decode(std::span<const std::uint8_t> report, DeviceInput& inpu
     if (!value) return false;
     const auto low = static_cast<double>(element.logical_min);
     const auto high = static_cast<double>(element.logical_max);
-    const double middle = (low + high) / 2;
-    // Outside of the logical range is HID's "no value": nothing to hold an axis to.
-    if (static_cast<double>(*value) < low || static_cast<double>(*value) > high) return false;
-    position[axis] =
-        parameters_.half_range * (static_cast<double>(*value) - middle) / (high - middle);
+    // A stick that is pushed a little further than its range is at the end of it.
+    const double share = (static_cast<double>(*value) - low) / (high - low);
+    position[axis] = parameters_.half_range * (2 * std::clamp(share, 0.0, 1.0) - 1);
   }
   input.position = position;
   return true;

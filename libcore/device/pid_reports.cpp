@@ -32,6 +32,16 @@ class Finder {
   const HidDescriptor& descriptor_;
 };
 
+/// A number that is written must not lose its upper bits: a force would turn round.
+void fits(const std::string& what, const HidElement& element) {
+  const std::int64_t end = std::int64_t{1}
+                           << (element.logical_min < 0 ? element.bit_size - 1 : element.bit_size);
+  if (element.logical_max < end && element.logical_min >= -end) return;
+  throw DeviceError("no PID device with two axes: its " + what + " goes to " +
+                    std::to_string(element.logical_max) + " in " +
+                    std::to_string(element.bit_size) + " bits");
+}
+
 /// What is written or read together has to be in one report.
 void together(const std::string& report, std::initializer_list<HidElement> elements) {
   for (const HidElement& element : elements) {
@@ -89,6 +99,11 @@ PidReports find_pid_reports(const HidDescriptor& descriptor) {
   r.new_effect_type = feature("Create New Effect report (constant force)", 0x26, 0xab);
   r.load_index = feature("Block Load report (block index)", 0x22, 0x89);
   r.load_success = feature("Block Load report (success)", 0x8c, 0x89);
+  fits("magnitude", r.magnitude);
+  fits("direction", r.direction);
+  fits("gain", r.gain);
+  fits("device gain", r.device_gain);
+  fits("loop count", r.loop_count);
   together("X and Y axis", {r.axes[0], r.axes[1]});
   together("Set Effect report",
            {r.effect_index, r.effect_type, r.duration, r.gain, r.direction_enable, r.direction});

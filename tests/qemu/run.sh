@@ -16,7 +16,7 @@
 # is downloaded once, into HAPGRID_BUILD/qemu. No more than TIMEOUT (120) seconds, then 124.
 set -euo pipefail
 
-build=${HAPGRID_BUILD:-$(cd "$(dirname "$0")/../.." && pwd)/build}
+build=$(realpath -m "${HAPGRID_BUILD:-$(dirname "$0")/../../build}")
 cache=$build/qemu
 
 skip() {
@@ -45,15 +45,12 @@ mkdir -p "$cache"
   flock 9
   [[ ! -d $cache/kernel ]] || exit 0
   rm -rf "$cache/download"
-  mkdir "$cache/download"
-  cd "$cache/download"
+  mkdir "$cache/download" && cd "$cache/download" || exit 1  # behind `||` set -e is off
   package=$(apt-cache depends linux-image-cloud-amd64 2>/dev/null |
     awk '/Depends: linux-image-[0-9]/ { print $2; exit }')
   [[ -n $package ]] || { echo "apt knows no linux-image-cloud-amd64"; exit 1; }
   timeout 100 apt-get download "$package" >log 2>&1 || { echo "$package: $(tail -n 1 log)"; exit 1; }
-  dpkg-deb -x "$package"_*.deb tree
-  mv tree "$cache/kernel"
-  rm -r "$cache/download"
+  dpkg-deb -x "$package"_*.deb tree && mv tree "$cache/kernel" && rm -r "$cache/download"
 ) 9>"$cache/lock" >"$cache/why.$$" 2>&1 || {
   why=$(cat "$cache/why.$$")
   rm -f "$cache/why.$$"
@@ -78,7 +75,7 @@ for program in "${programs[@]}"; do
     cp "$program" "$root/"
     continue
   fi
-  cp "$program" "$root/bin/"
+  cp --remove-destination "$program" "$root/bin/"  # some have the name of an applet of busybox
   # The libraries with their paths; a static program and a script have none.
   { ldd "$program" 2>/dev/null | grep -oE '/[^ ]+' || true; } | while read -r library; do
     mkdir -p "$root$(dirname "$library")"

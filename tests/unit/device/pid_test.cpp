@@ -189,11 +189,12 @@ TEST_CASE("PID: positions in metres") {
   CHECK(input.position[0] == 0);
   CHECK(input.position[1] == Approx(0.03 * 16384 / 32767).epsilon(1e-15));
   const Vec3 last = input.position;
-  CHECK_FALSE(protocol.decode(Bytes{2, 0, 1, 0, 1, 0}, input));        // another report
-  CHECK_FALSE(protocol.decode(Bytes{3, 0, 1, 0, 1}, input));           // too short
-  CHECK_FALSE(protocol.decode(Bytes{3, 0, 0x00, 0x80, 1, 0}, input));  // -32768: no value
+  CHECK_FALSE(protocol.decode(Bytes{2, 0, 1, 0, 1, 0}, input));  // another report
+  CHECK_FALSE(protocol.decode(Bytes{3, 0, 1, 0, 1}, input));     // too short
   CHECK_FALSE(protocol.decode(Bytes{}, input));
   CHECK(input.position == last);
+  CHECK(protocol.decode(Bytes{3, 0, 0x00, 0x80, 0, 0}, input));  // -32768: past the end
+  CHECK(input.position[0] == -0.03);
   CHECK(protocol.info().low == Vec3{-0.03, -0.03, 0});
   CHECK(protocol.info().high == Vec3{0.03, 0.03, 0});
   CHECK(protocol.info().has_force);
@@ -249,6 +250,18 @@ TEST_CASE("PID: what a device lacks is named") {
   CHECK(pid_without({0x26, 0xff, 0x7f, 0x36, 0x01}, {0x26, 0x01, 0x80}) ==
         "no PID device with two axes: the range of its Set Constant Force report (magnitude) is "
         "empty");
+  // 16 bits of a force in 8 bits would wrap around.
+  CHECK(pid_without({0x75, 0x10, 0x95, 0x01, 0x91, 0x02, 0xc0, 0x09, 0x77}, {0x75, 0x08}) ==
+        "no PID device with two axes: its magnitude goes to 32767 in 8 bits");
+  // Another report begins between block index and magnitude.
+  Bytes split(std::begin(kPidBits), std::end(kPidBits));
+  const Bytes magnitude{0x09, 0x70, 0x16};
+  const Bytes other_id{0x85, 0x20};
+  split.insert(std::search(split.begin(), split.end(), magnitude.begin(), magnitude.end()),
+               other_id.begin(), other_id.end());
+  CHECK(
+      refusal(split) ==
+      "no PID device with two axes: its Set Constant Force report is spread over reports 5 and 32");
 }
 
 TEST_CASE("PID: parameters have ranges") {
