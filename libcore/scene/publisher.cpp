@@ -1,13 +1,12 @@
 #include "libcore/scene/publisher.hpp"
 
-#include <pthread.h>
-#include <signal.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
 #include <utility>
+
+#include "libcore/scene/blocked_signals.hpp"
 
 namespace hapgrid {
 
@@ -24,41 +23,25 @@ Snapshot empty_snapshot(std::size_t row_size) {
   return snapshot;
 }
 
-/// While it lives signals are blocked: a thread that is started now never gets one. The handlers of
-/// play have to interrupt the haptic loop, which is another thread.
-class BlockedSignals {
- public:
-  BlockedSignals() {
-    sigset_t all;
-    ::sigfillset(&all);
-    ::pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  BlockedSignals(const BlockedSignals&) = delete;
-  BlockedSignals& operator=(const BlockedSignals&) = delete;
-
- private:
-  sigset_t before_;
-};
-
 }  // namespace
 
-FramePublisher::FramePublisher(OutputFile output, const Scene& scene, std::size_t row_size,
-                               Complete complete, bool paced, double ticks_per_second,
-                               const std::atomic<int>& stop)
-    : output_(std::move(output)),
-      scene_(scene),
+FramePublisher::FramePublisher(std::optional<OutputFile> output, const Scene& scene,
+                               std::size_t row_size, Complete complete, bool paced,
+                               double ticks_per_second, const std::atomic<int>& stop, Show show)
+    : scene_(scene),
       complete_(std::move(complete)),
+      show_(std::move(show)),
       paced_(paced),
       ticks_per_frame_(static_cast<std::uint64_t>(
           std::max(1.0, std::round(ticks_per_second / kFramesPerSecond)))),
       stopped_([&stop] { return stop.load(std::memory_order_relaxed) != 0; }),
       buffer_(empty_snapshot(row_size)) {
+  if (output) output_.emplace(std::move(*output));
   static_cast<Snapshot&>(frame_) = buffer_.front();
   frame_.centres.resize(3 * scene.spheres.size());
-  encoder_.encode(frame_, scene_.state_size);  // takes the memory for all of them
+  if (output_) encoder_.encode(frame_, scene_.state_size);  // takes the memory for all of them
   if (!paced_) {
-    write(encoder_.encode(scene_), stopped_);
+    write_scene(stopped_);
     return;
   }
   const BlockedSignals blocked;
@@ -94,33 +77,46 @@ FrameCounts FramePublisher::finish() {
     buffer_.publish();
     write_newest(stopped_);
   }
-  output_.commit();
+  if (output_) output_->commit();
   return counts_;
 }
 
 /// The slow thread.
 void FramePublisher::run(const std::stop_token& token) {
+  const auto start = Clock::now();
   std::optional<Clock::time_point> patience;
+  std::uint64_t shown = 0;  // periods
   const GiveUp give_up = [&] {
+    // A file's viewer that sleeps is no reason for others to see nothing.
+    const auto period = static_cast<std::uint64_t>((Clock::now() - start) / kPeriod);
+    if (show_ && period > shown) {
+      shown = period;
+      complete_newest();
+    }
     if (!token.stop_requested()) return false;
     if (!patience) patience = Clock::now() + kLinger;
     return Clock::now() >= *patience;
   };
-  const auto start = Clock::now();
-  if (!write(encoder_.encode(scene_), give_up)) return;
+  write_scene(give_up);
   for (std::uint64_t due = 0;;) {
     const bool last = token.stop_requested();  // asked first: then nothing newer can come
-    const bool open = write_newest(give_up);
+    const bool was_open = open();
+    write_newest(give_up);
     const auto late = static_cast<std::uint64_t>((Clock::now() - start) / kPeriod);
-    if (late > due) counts_.dropped += late - due;
-    if (!open || last) return;
+    if (was_open && late > due) counts_.dropped += late - due;
+    if (last || (!open() && !show_)) return;
     due = std::max(due, late) + 1;
+    shown = std::max(shown, due);
     std::this_thread::sleep_until(start + due * kPeriod);
   }
 }
 
+void FramePublisher::write_scene(const GiveUp& give_up) {
+  if (output_) write(encoder_.encode(scene_), give_up);
+}
+
 bool FramePublisher::write(std::span<const std::byte> message, const GiveUp& give_up) {
-  switch (output_.write(message, give_up)) {
+  switch (output_->write(message, give_up)) {
     case FrameOutput::Status::kWritten:
       return true;
     case FrameOutput::Status::kClosed:
@@ -133,15 +129,22 @@ bool FramePublisher::write(std::span<const std::byte> message, const GiveUp& giv
   return false;
 }
 
-/// Completes and writes the newest snapshot, if there is a new one.
-bool FramePublisher::write_newest(const GiveUp& give_up) {
-  if (counts_.closed || counts_.cut) return false;
-  if (!buffer_.update()) return true;
+/// Completes and shows the newest snapshot, if there is a new one.
+void FramePublisher::complete_newest() {
+  if (!buffer_.update()) return;
   static_cast<Snapshot&>(frame_) = buffer_.front();  // vectors keep their sizes: no allocation
   complete_(frame_);
-  if (!write(encoder_.encode(frame_, scene_.state_size), give_up)) return false;
-  ++counts_.written;
-  return true;
+  unwritten_ = true;
+  if (show_) show_(frame_);
+}
+
+/// Also writes it, and what was only shown while the file's viewer slept.
+void FramePublisher::write_newest(const GiveUp& give_up) {
+  if (!open() && !show_) return;
+  complete_newest();
+  if (!open() || !unwritten_) return;
+  unwritten_ = false;
+  if (write(encoder_.encode(frame_, scene_.state_size), give_up)) ++counts_.written;
 }
 
 }  // namespace hapgrid

@@ -1,0 +1,109 @@
+// The bytes of IMD, the protocol by which simulations show themselves to VMD (version 2) and to
+// MDAnalysis (version 3: https://imdclient.readthedocs.io, "IMDv3 Protocol"). No sockets here.
+//
+// A message is a header, two big-endian int32: type and length; and a body in the byte order of the
+// one who serves, which the client learns from the handshake. The atoms are the scene's spheres in
+// their order, and one more at the end: the HIP, held in the box.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libcore/scene/scene.hpp"
+
+namespace hapgrid {
+
+enum class ImdType : std::int32_t {
+  kDisconnect = 0,
+  kEnergies = 1,
+  kCoordinates = 2,
+  kGo = 3,
+  kHandshake = 4,
+  kKill = 5,
+  kForcesOnAtoms = 6,  ///< MDCOMM: forces that the client would have on atoms
+  kPause = 7,
+  kRate = 8,  ///< TRATE
+  // Version 3.
+  kSessionInfo = 10,
+  kResume = 11,
+  kTime = 12,
+  kBox = 13,
+  kForces = 15,
+  kWait = 16,
+};
+
+/// What the model's numbers are multiplied with: to angstrom; to kcal/mol for version 2, to kJ/mol
+/// for version 3. A unit that is not known is sent unchanged.
+struct ImdUnits {
+  double length = 1;
+  double energy = 1;
+  bool length_known = false;
+  bool energy_known = false;
+  /// Known are m, mm, nm, angstrom, pm, bohr; kJ/mol, kcal/mol, J, eV, hartree.
+  ImdUnits(int version, const std::string& length_unit, const std::string& energy_unit);
+  static const char* energy_name(int version) { return version == 2 ? "kcal/mol" : "kJ/mol"; }
+};
+
+/// What a server says: a greeting to each client, then frames.
+///
+/// Version 2 has ENERGIES (where the model has energies) and FCOORDS. Version 3 has TIME, ENERGIES
+/// (likewise), BOX, FCOORDS and FORCES: time and the time of a tick in ps; the edges of the grid's
+/// box, which is not periodic and whose corner need not be at 0; the force on the HIP as it was
+/// sent to the device, its newtons as kJ/(mol angstrom), and zero for the spheres. The step is the
+/// tick; in ENERGIES, which has 32 bits for it, at most 2^31 - 1. Total and potential energy are
+/// the model's, all other energies and the temperature are 0.
+class ImdEncoder {
+ public:
+  /// @param version 2 or 3. @param tick_s seconds.
+  ImdEncoder(int version, const Scene& scene, bool has_energy, double tick_s);
+
+  /// HANDSHAKE, and SESSIONINFO with version 3.
+  std::vector<std::byte> greeting() const;
+  /// All messages of one frame; valid until the next call. The frame has the scene's spheres.
+  std::span<const std::byte> encode(const Frame& frame);
+
+ private:
+  int version_;
+  bool has_energy_;
+  ImdUnits units_;
+  double tick_ps_;
+  std::array<float, 9> box_{};
+  std::size_t spheres_;
+  std::vector<std::byte> bytes_;
+};
+
+/// What a client says. It is hostile: nothing of it is kept but where we are in a message, forces
+/// and rates are taken off the stream and thrown away. A type that a client has no business to
+/// send, a negative length, and forces on more atoms than there are, are a client's end.
+class ImdListener {
+ public:
+  enum class State {
+    kGreeted,  ///< has to say GO
+    kRunning,
+    kPaused,
+    kClosed,  ///< it asked for that (DISCONNECT, KILL), or broke the rules
+  };
+
+  /// @param atoms spheres and HIP.
+  ImdListener(int version, std::size_t atoms) : version_(version), atoms_(atoms) {}
+
+  /// Takes the next bytes, in pieces of any size.
+  State take(std::span<const std::byte> bytes);
+  State state() const { return state_; }
+
+ private:
+  void obey(std::int32_t type, std::int32_t length);
+
+  int version_;
+  std::size_t atoms_;
+  State state_ = State::kGreeted;
+  std::array<std::byte, 8> header_{};
+  std::size_t filled_ = 0;  // bytes of the header
+  std::uint64_t skip_ = 0;  // bytes of a body that are still to come
+};
+
+}  // namespace hapgrid
