@@ -18,7 +18,7 @@ constexpr double kElementaryCharge = 1.602176634e-19;
 constexpr double kHartree_joule = 4.3597447222071e-18;
 constexpr double kCalorie_joule = 4.184;
 constexpr double kJoule_kJmol = kAvogadro / 1000;
-constexpr double kNewton_kJmolAngstrom = kJoule_kJmol * 1e-10;
+constexpr double kNewton_kJmolAngstrom = 6.02214076e10;
 constexpr double kSecond_ps = 1e12;
 
 constexpr int kSessionInfoSize = 7;

@@ -146,6 +146,8 @@ ImdCounts ImdServer::finish() {
   lock.unlock();
   wake();
   if (thread_.joinable()) thread_.join();
+  for (const Client& client : clients_)
+    if (client.running()) counts_.dropped += number_ - client.seen;
   clients_.clear();
   port_ = FileDescriptor();
   if (failure_) std::rethrow_exception(failure_);
@@ -271,6 +273,7 @@ void ImdServer::check(Client& client, Clock::time_point now) {
       now - client.since > options_.patience) {
     client.dead = true;
     ++counts_.slow;
+    counts_.dropped += number_ - client.seen;
   }
 }
 

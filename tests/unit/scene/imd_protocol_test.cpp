@@ -1,0 +1,241 @@
+// The bytes of IMD against literals, written by hand from the protocol's text.
+#include "libcore/scene/imd_protocol.hpp"
+
+#include <catch2/catch.hpp>
+#include <cstdint>
+#include <cstring>
+#include <random>
+#include <string>
+
+#include "tests/unit/scene/scenes.hpp"
+
+using namespace hapgrid;
+using namespace hapgrid::testing;
+
+namespace {
+
+using State = ImdListener::State;
+
+/// "00 00 00 04": blanks are for people.
+std::vector<std::byte> bytes(const std::string& hex) {
+  std::vector<std::byte> result;
+  int digits = 0;
+  unsigned value = 0;
+  for (const char c : hex) {
+    if (c == ' ') continue;
+    value = value << 4 | static_cast<unsigned>(c <= '9' ? c - '0' : c - 'a' + 10);
+    if (++digits % 2 == 0) result.push_back(static_cast<std::byte>(value & 0xff));
+  }
+  return result;
+}
+
+std::vector<std::byte> copy(std::span<const std::byte> message) {
+  return {message.begin(), message.end()};
+}
+
+/// One sphere, in kJ/mol and angstrom.
+Scene one_sphere() {
+  Scene scene = small_scene();
+  scene.spheres.resize(1);
+  return scene;
+}
+
+Frame one_frame() {
+  Frame frame;
+  frame.tick = 258;  // 0x102
+  frame.time_s = 0.5;
+  frame.position = {1, -2, 0.5};
+  frame.hip = {9, 9, 9};
+  frame.force = {0, -1 / 6.02214076e10, 2 / 6.02214076e10};
+  frame.energy = -4.184;
+  frame.centres = {1.5F, 0, -1};
+  return frame;
+}
+
+const std::string kGo = "00000003 00000000";
+
+State say(ImdListener& listener, const std::string& hex) { return listener.take(bytes(hex)); }
+
+/// After GO.
+State answer(int version, const std::string& hex) {
+  ImdListener listener(version, 4);
+  say(listener, kGo);
+  return say(listener, hex);
+}
+
+}  // namespace
+
+TEST_CASE("IMD version 2, byte for byte") {
+  ImdEncoder encoder(2, one_sphere(), true, 1e-3);
+  CHECK(encoder.greeting() == bytes("00000004 02000000"));
+  CHECK(copy(encoder.encode(one_frame())) ==
+        bytes("00000001 00000001"                    // ENERGIES
+              "02010000 00000000 000080bf 000080bf"  // step, T, -1 kcal/mol twice
+              "00000000 00000000 00000000 00000000 00000000 00000000"
+              "00000002 00000002"              // FCOORDS of two atoms
+              "0000c03f 00000000 000080bf"     // 1.5 0 -1
+              "0000803f 000000c0 0000003f"));  // the HIP: 1 -2 0.5
+  // Without energies, and a second time.
+  ImdEncoder none(2, one_sphere(), false, 1e-3);
+  for (int i = 0; i < 2; ++i)
+    CHECK(copy(none.encode(one_frame())) == bytes("00000002 00000002"
+                                                  "0000c03f 00000000 000080bf"
+                                                  "0000803f 000000c0 0000003f"));
+}
+
+TEST_CASE("IMD version 3, byte for byte") {
+  // 4, 8 and 12 cells of 0.5 along the axes.
+  ImdEncoder encoder(3, one_sphere(), true, 0.25);
+  CHECK(encoder.greeting() == bytes("00000004 03000000"
+                                    "0000000a 00000007 01 01 01 01 00 00 01"));
+  Frame frame = one_frame();
+  frame.energy = -1;
+  CHECK(copy(encoder.encode(frame)) == bytes("0000000c 00000001"  // TIME
+                                             "000000a2941a4d42"   // 2.5e11 ps a tick
+                                             "000000a2941a5d42"   // 5e11 ps
+                                             "0201000000000000"
+                                             "00000001 00000001"  // ENERGIES
+                                             "02010000 00000000 000080bf 000080bf"
+                                             "00000000 00000000 00000000 00000000 00000000 00000000"
+                                             "0000000d 00000001"           // BOX
+                                             "00000040 00000000 00000000"  // 2 0 0
+                                             "00000000 00008040 00000000"  // 0 4 0
+                                             "00000000 00000000 0000c040"  // 0 0 6
+                                             "00000002 00000002"           // FCOORDS
+                                             "0000c03f 00000000 000080bf"
+                                             "0000803f 000000c0 0000003f"
+                                             "0000000f 00000002"  // FORCES: none on the sphere
+                                             "00000000 00000000 00000000"
+                                             "00000000 000080bf 00000040"));  // 0 -1 2
+  ImdEncoder none(3, one_sphere(), false, 0.25);
+  CHECK(none.greeting() == bytes("00000004 03000000"
+                                 "0000000a 00000007 01 00 01 01 00 00 01"));
+  CHECK(none.encode(frame).size() == encoder.encode(frame).size() - 48);
+}
+
+TEST_CASE("a step beyond 32 bits is the largest one in ENERGIES, and itself in TIME") {
+  Frame frame = one_frame();
+  frame.tick = 0x123456789a;
+  ImdEncoder two(2, one_sphere(), true, 1e-3);
+  CHECK(copy(two.encode(frame).subspan(8, 4)) == bytes("ffffff7f"));
+  ImdEncoder three(3, one_sphere(), true, 1e-3);
+  CHECK(copy(three.encode(frame).subspan(24, 8)) == bytes("9a78563412000000"));
+}
+
+TEST_CASE("units of IMD") {
+  const auto length = [](const std::string& unit) { return ImdUnits(3, unit, "").length; };
+  CHECK(length("m") == Approx(1e10));
+  CHECK(length("mm") == Approx(1e7));
+  CHECK(length("nm") == Approx(10));
+  CHECK(length("angstrom") == 1);
+  CHECK(length("pm") == Approx(0.01));
+  CHECK(length("bohr") == Approx(0.529177).epsilon(1e-6));
+  const auto energy = [](int version, const std::string& unit) {
+    return ImdUnits(version, "", unit).energy;
+  };
+  // One of each is so many kJ/mol, in the tables of textbooks.
+  CHECK(energy(3, "kJ/mol") == 1);
+  CHECK(energy(3, "kcal/mol") == Approx(4.184));
+  CHECK(energy(3, "eV") == Approx(96.485).epsilon(1e-5));
+  CHECK(energy(3, "hartree") == Approx(2625.5).epsilon(1e-5));
+  CHECK(energy(3, "J") == Approx(6.02214e20).epsilon(1e-5));
+  CHECK(energy(2, "kcal/mol") == Approx(1));
+  CHECK(energy(2, "eV") == Approx(23.0605).epsilon(1e-5));
+  CHECK(energy(2, "hartree") == Approx(627.51).epsilon(1e-5));
+  for (const int version : {2, 3}) {
+    const ImdUnits unknown(version, "rope lengths", "N rope lengths");
+    CHECK(unknown.length == 1);
+    CHECK(unknown.energy == 1);
+    CHECK_FALSE(unknown.length_known);
+    CHECK_FALSE(unknown.energy_known);
+    CHECK_FALSE(ImdUnits(version, "", "").length_known);
+  }
+  // In a frame, all that is a length is converted.
+  Scene scene = one_sphere();
+  scene.length_unit = "nm";
+  ImdEncoder encoder(3, scene, false, 1);
+  const auto frame = encoder.encode(one_frame());
+  CHECK(copy(frame.subspan(40, 4)) == bytes("0000a041"));                     // 20
+  CHECK(copy(frame.subspan(84, 12)) == bytes("00007041 00000000 000020c1"));  // 15 0 -10
+  CHECK(copy(frame.subspan(96, 12)) == bytes("00002041 0000a0c1 0000a040"));  // 10 -20 5
+}
+
+TEST_CASE("what an IMD client may say") {
+  ImdListener listener(2, 4);
+  CHECK(listener.state() == State::kGreeted);
+  CHECK(say(listener, "000000") == State::kGreeted);
+  CHECK(say(listener, "03 12345678") == State::kRunning);  // any value will do
+  CHECK(say(listener, "00000007 00000000") == State::kPaused);
+  CHECK(say(listener, "00000007 00000000") == State::kRunning);  // version 2: a toggle
+  CHECK(say(listener, "00000008 ffffffff") == State::kRunning);  // TRATE
+  // MDCOMM of no, one and four atoms; what looks like KILL in their bodies is none.
+  CHECK(say(listener, "00000006 00000000") == State::kRunning);
+  CHECK(say(listener, "00000006 00000001 00000005 00000000 00000005 00000000") == State::kRunning);
+  std::string body;
+  for (int i = 0; i < 8; ++i) body += "00000005 00000000";
+  CHECK(say(listener, "00000006 00000004" + body) == State::kRunning);
+  CHECK(say(listener, "00000005 00000000") == State::kClosed);
+  CHECK(say(listener, kGo) == State::kClosed);
+  CHECK(answer(2, "00000000 00000000") == State::kClosed);
+
+  // Version 3: PAUSE and RESUME are idempotent.
+  ImdListener three(3, 4);
+  CHECK(say(three, kGo + "00000010 00000001") == State::kRunning);  // WAIT
+  CHECK(say(three, "00000007 00000000 00000007 00000000") == State::kPaused);
+  CHECK(say(three, "0000000b 00000000 0000000b 00000000") == State::kRunning);
+}
+
+TEST_CASE("what closes an IMD client") {
+  for (const int version : {2, 3}) {
+    // Before GO all else, also HTTP.
+    for (const std::string first : {"00000005 00000000", "00000000 00000000", "03000000 00000000",
+                                    "47455420 2f204854", "ffffffff ffffffff"}) {
+      ImdListener listener(version, 4);
+      CHECK(say(listener, first) == State::kClosed);
+    }
+    // After it: types of the server's, unknown ones, forces on too many atoms or on -1.
+    for (const std::string later :
+         {"00000001 00000001", "00000002 00000001", "00000004 02000000", "00000009 00000000",
+          "0000000a 00000007", "0000000f 00000001", "00000011 00000000", "ffffffff 00000000",
+          "80000000 00000000", "00000006 00000005", "00000006 7fffffff", "00000006 ffffffff",
+          "00000006 80000000"})
+      CHECK(answer(version, later) == State::kClosed);
+  }
+  // Version 3's own, said in version 2.
+  CHECK(answer(2, "0000000b 00000000") == State::kClosed);
+  CHECK(answer(2, "00000010 00000000") == State::kClosed);
+}
+
+TEST_CASE("an IMD client's bytes mean the same in pieces of any size; random ones break nothing") {
+  std::mt19937 random(1);
+  const auto below = [&](unsigned n) { return static_cast<unsigned>(random()) % n; };
+  std::array<int, 4> states{};
+  for (int round = 0; round < 20000; ++round) {
+    const int version = 2 + round % 2;
+    // Mostly headers that mean something, so that it gets somewhere.
+    std::vector<std::byte> stream = bytes(below(8) ? kGo : "");
+    for (unsigned i = below(12); i > 0; --i) {
+      if (below(16) == 0) {
+        for (unsigned k = below(40); k > 0; --k) stream.push_back(static_cast<std::byte>(random()));
+        continue;
+      }
+      constexpr std::array<unsigned char, 6> kTypes{3, 6, 6, 7, 8, 11};
+      const unsigned type = kTypes[below(kTypes.size())];
+      const unsigned length = below(6);
+      for (const unsigned b : {0u, 0u, 0u, type, 0u, 0u, 0u, length})
+        stream.push_back(static_cast<std::byte>(b));
+      if (type == 6) stream.resize(stream.size() + 16 * length, static_cast<std::byte>(below(9)));
+    }
+    ImdListener whole(version, 4);
+    whole.take(stream);
+    ImdListener pieces(version, 4);
+    for (std::size_t at = 0; at < stream.size();) {
+      const std::size_t part = std::min<std::size_t>(1 + below(20), stream.size() - at);
+      pieces.take(std::span(stream).subspan(at, part));
+      at += part;
+    }
+    REQUIRE(pieces.state() == whole.state());
+    ++states[static_cast<std::size_t>(whole.state())];
+  }
+  for (const int count : states) CHECK(count > 100);  // all ends were reached
+}
