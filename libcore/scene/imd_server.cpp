@@ -24,7 +24,10 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr int kSendBuffer = 1 << 16;      // bytes; small, so that nobody sees what is long past
+constexpr int kSendBuffer = 1 << 16;  // bytes; small, so that nobody sees what is long past
+// Also how many are accepted, and mostly closed, a cycle: a storm of them must not fill the queue
+// that a good one stands in, too.
+constexpr int kBacklog = 128;
 constexpr std::size_t kReadBytes = 4096;  // of a client, a cycle
 constexpr auto kCycle = 1ms;              // at least, between two looks at what clients sent
 constexpr int kLook_ms = 50;              // at most, between two looks at the clock
@@ -76,7 +79,7 @@ ImdServer::ImdServer(const ImdOptions& options)
   if (!port_ || ::setsockopt(port_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0 ||
       ::setsockopt(port_.get(), SOL_SOCKET, SO_SNDBUF, &buffer, sizeof buffer) != 0 ||
       ::bind(port_.get(), address->ai_addr, address->ai_addrlen) != 0 ||
-      ::listen(port_.get(), kMaxClients) != 0)
+      ::listen(port_.get(), kBacklog) != 0)
     fail(name_);
   name_ = name_of(options.address, port_of(port_.get()));
   wake_ = FileDescriptor(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
@@ -199,7 +202,7 @@ void ImdServer::run() {
 }
 
 void ImdServer::accept_clients() {
-  for (std::size_t i = 0; i < kMaxClients; ++i) {
+  for (int i = 0; i < kBacklog; ++i) {
     FileDescriptor socket(::accept4(port_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     // Also where there are too many open files, or it has gone again: the next cycle looks again.
     if (!socket) return;

@@ -6,9 +6,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <optional>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -257,6 +260,80 @@ TEST_CASE("paced, publishing a tick allocates nothing, nor does the slow thread"
   CHECK(allocations() == before);
   CHECK(before > 0);
   CHECK(publisher.finish().written > 1);
+}
+
+TEST_CASE("a frame is completed once for all who see it, with a file and without") {
+  const TemporaryDirectory directory;
+  for (const bool with_file : {true, false}) {
+    std::vector<Frame> shown;
+    int completed = 0;
+    const std::string name = directory.file("f");
+    std::optional<OutputFile> file;
+    if (with_file) file.emplace(name, false);
+    FramePublisher publisher(
+        std::move(file), kScene, 3,
+        [&](Frame& frame) {
+          complete(frame);
+          ++completed;
+        },
+        false, 1000, stop, [&](const Frame& frame) { shown.push_back(frame); });
+    for (std::uint64_t tick = 0; tick <= 100; ++tick) offer(publisher, tick);
+    CHECK(publisher.finish().written == (with_file ? 4 : 0));
+    CHECK(completed == 4);
+    std::vector<std::uint64_t> ticks;
+    for (const Frame& frame : shown) ticks.push_back(frame.tick);
+    CHECK(ticks == std::vector<std::uint64_t>{0, 40, 80, 100});
+    if (!with_file) continue;
+    const std::vector<Frame> written = read_all(name);
+    REQUIRE(written.size() == 4);
+    for (std::size_t i = 0; i < 4; ++i) CHECK(written[i].centres == shown[i].centres);
+  }
+}
+
+TEST_CASE("paced, others see frames while the file's viewer sleeps, and after it died") {
+  for (const bool dies : {false, true}) {
+    Pipe pipe;
+    std::vector<std::uint64_t> shown;
+    FramePublisher publisher(pipe.output(), kScene, 3, complete, true, 1000, stop,
+                             [&](const Frame& frame) { shown.push_back(frame.tick); });
+    if (dies) pipe.reader = FileDescriptor();
+    // The pipe is full, or closed, after half of this at the latest.
+    std::uint64_t tick = 0;
+    for (const auto begin = Clock::now(); Clock::now() - begin < 2s; ++tick) {
+      offer(publisher, tick);
+      std::this_thread::sleep_for(1ms);
+    }
+    const FrameCounts counts = publisher.finish();
+    CHECK(counts.cut == !dies);
+    CHECK(counts.closed == dies);
+    CHECK(counts.written < kPipeFrames);
+    CHECK(std::is_sorted(shown.begin(), shown.end(), std::less_equal<>()));  // each one once
+    CHECK(shown.size() > counts.written + 5);
+    CHECK(shown.back() == tick - 1);
+  }
+}
+
+TEST_CASE("a file's viewer that wakes up gets the last frame, also if others saw it before") {
+  Pipe pipe;
+  std::atomic<std::uint64_t> shown{0};
+  FramePublisher publisher(pipe.output(), kScene, 3, complete, true, 1000, stop,
+                           [&](const Frame& frame) { shown = frame.tick; });
+  std::uint64_t tick = 1;
+  for (const auto begin = Clock::now(); Clock::now() - begin < 1500ms; ++tick) {
+    offer(publisher, tick);
+    std::this_thread::sleep_for(1ms);
+  }
+  while (shown != tick - 1) std::this_thread::sleep_for(1ms);
+  std::thread viewer([&] {
+    ::fcntl(pipe.reader.get(), F_SETFL, 0);
+    SceneReader reader(std::move(pipe.reader), "pipe");
+    Frame frame;
+    while (reader.next(frame)) {
+    }
+    CHECK(frame.tick == tick - 1);
+  });
+  CHECK_FALSE(publisher.finish().cut);
+  viewer.join();
 }
 
 TEST_CASE("a triple buffer gives the newest value, once") {

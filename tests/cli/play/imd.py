@@ -1,0 +1,295 @@
+"""Clients of play --imd, written from the text of the protocol, with sockets and struct alone. What
+must come is made of the frames in play's own file, which Cap'n Proto's tool has read.
+
+usage: imd.py ball|spring SCHEMA GRID PATH
+"""
+import json
+import random
+import re
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+
+MODEL, SCHEMA, GRID, PATH = sys.argv[1:]
+DISCONNECT, ENERGIES, FCOORDS, GO, HANDSHAKE, KILL, MDCOMM, PAUSE, TRATE, IOERROR = range(10)
+SESSIONINFO, RESUME, TIME, BOX, VELOCITIES, FORCES, WAIT = range(10, 17)
+LONG = 60  # seconds for what must happen
+# To angstrom: a model whose unit is not known is sent as it is.
+LENGTH = {"ball": 1, "spring": 1e7}[MODEL]
+NEWTON = 6.02214076e10  # kJ/(mol angstrom)
+
+
+def header(kind, length=0):
+    return struct.pack(">ii", kind, length)
+
+
+class Client:
+    """Says GO in the constructor, unless told otherwise; finds out version and byte order."""
+
+    def __init__(self, port, go=True, buffer=None):
+        self.socket = socket.socket()
+        self.socket.settimeout(LONG)
+        if buffer:
+            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
+        self.socket.connect(("127.0.0.1", port))
+        kind, = struct.unpack(">i", self.take(4))
+        assert kind == HANDSHAKE, kind
+        raw = self.take(4)
+        self.order = next(o for o in "<>" if struct.unpack(o + "i", raw)[0] in (2, 3))
+        self.version, = struct.unpack(self.order + "i", raw)
+        assert self.order == {"little": "<", "big": ">"}[sys.byteorder]
+        if self.version == 3:
+            assert struct.unpack(">ii", self.take(8)) == (SESSIONINFO, 7)
+            # Time, energies, box, coordinates, not wrapped, no velocities, forces.
+            assert self.take(7) == bytes([1, 1, 1, 1, 0, 0, 1])
+        if go:
+            self.socket.sendall(header(GO))
+
+    def take(self, size):
+        data = b""
+        while len(data) < size:
+            part = self.socket.recv(size - len(data))
+            assert part, "the server closed"
+            data += part
+        return data
+
+    def rest(self):
+        """All until the server closes."""
+        data = bytearray()
+        try:
+            while part := self.socket.recv(1 << 16):
+                data += part
+        except ConnectionResetError:
+            pass
+        self.socket.close()
+        return bytes(data)
+
+
+class Play:
+    """play with --imd 0; `port` is the one that the system chose."""
+
+    def __init__(self, *options, path=PATH):
+        self.process = subprocess.Popen(
+            ["play", GRID, "--device", "path:" + path, "--imd", "0", *options],
+            stderr=subprocess.PIPE, text=True)
+        line = self.process.stderr.readline()
+        match = re.fullmatch(r"play: IMD version ([23]) on 127\.0\.0\.1:(\d+)\n", line)
+        assert match, line + self.process.stderr.read()
+        self.port = int(match[2])
+
+    def end(self):
+        """Lines on stderr after the first one; all went well."""
+        err = self.process.stderr.read()  # communicate() would miss what is buffered already
+        assert self.process.wait() == 0, (self.process.returncode, err)
+        return err.splitlines()
+
+
+def counts(lines):
+    match = re.fullmatch(r"play: IMD viewers (\d+), frames sent (\d+), dropped (\d+); "
+                         r"closed because they did not read (\d+)", lines[-1])
+    assert match, lines
+    return [int(n) for n in match.groups()]
+
+
+def expected(name, version, rate, order):
+    """The bytes of each frame in the file `name`."""
+    with open(name, "rb") as file:
+        text = subprocess.run(["capnp", "convert", "binary:json", "--short", SCHEMA, "Message"],
+                              stdin=file, capture_output=True, check=True, text=True).stdout
+    # As floats also where the tool writes no point: -0 is no int.
+    scene, *frames = (json.loads(line, parse_int=float) for line in text.splitlines())
+    box = scene["scene"]["box"]
+    pack = lambda form, *values: struct.pack(order + form, *values)
+    floats = lambda values: pack(f"{len(values)}f", *values)
+    result = []
+    for frame in frames:
+        f = frame["frame"]
+        tick = int(f["tick"])
+        atoms = len(f["centres"]) // 3 + 1
+        energy = f["energy"]
+        message = b""
+        if version == 3:
+            message += header(TIME, 1) + pack("ddq", 1 / rate * 1e12, f["time"] * 1e12, tick)
+        message += header(ENERGIES, 1) + pack("i9f", tick, 0, energy, energy, *[0] * 6)
+        if version == 3:
+            edges = [LENGTH * box["spacing"] * (box["count" + axis] - 1) for axis in "XYZ"]
+            message += header(BOX, 1)
+            message += floats([edges[0], 0, 0, 0, edges[1], 0, 0, 0, edges[2]])
+        hip = [f["position"][axis] for axis in "xyz"]
+        message += header(FCOORDS, atoms) + floats([x * LENGTH for x in f["centres"] + hip])
+        if version == 3:
+            force = [f["force"][axis] * NEWTON for axis in "xyz"]
+            message += header(FORCES, atoms) + floats([0] * (3 * atoms - 3) + force)
+        result.append(message)
+    return result
+
+
+def exact():
+    """Without a pace: each frame of the file, byte for byte; a viewer that comes later has the end
+    of them; units that nobody knows are named."""
+    for version in 2, 3:
+        name = f"exact{version}.frames"
+        play = Play("--imd-version", str(version), "--imd-wait", str(LONG), "--frames", name)
+        first = Client(play.port, go=False)
+        second = Client(play.port, go=False)
+        assert first.version == second.version == version
+        first.socket.sendall(header(GO, 77))
+        try:
+            second.socket.sendall(header(GO) + header(TRATE, 5) + header(MDCOMM, 1) + b"x" * 16)
+        except OSError:
+            pass  # all is over already
+        got = [first.rest(), second.rest()]
+        frames = expected(name, version, 1000, first.order)
+        assert got[0] == b"".join(frames)
+        assert got[1] in [b"".join(frames[i:]) for i in range(len(frames) + 1)]
+        lines = play.end()
+        viewers, sent, dropped, slow = counts(lines)
+        assert viewers in (1, 2) and dropped == slow == 0, lines
+        assert sent >= len(frames) > 5, lines
+        lengths = "play: IMD: lengths go out in rope lengths, viewers take them for angstrom"
+        energies = {"ball": "N rope lengths", "spring": "N mm"}[MODEL]
+        unit = {2: "kcal/mol", 3: "kJ/mol"}[version]
+        assert (lengths in lines) == (MODEL == "ball"), lines
+        assert f"play: IMD: energies go out in {energies}, viewers take them for {unit}" in lines
+
+
+def run_log(log, *options):
+    subprocess.run(["play", GRID, "--device", "path:" + PATH, "--log", log, *options],
+                   stderr=subprocess.PIPE, check=True)
+
+
+class Hostile:
+    """Clients that do what they should not, in threads, until stop()."""
+
+    def __init__(self, port):
+        self.port = port
+        self.stopped = False
+        self.rounds = {}
+        self.threads = [threading.Thread(target=self.loop, args=(kind,)) for kind in
+                        (self.noise, self.lengths, self.halves, self.storm, self.flood)]
+        for thread in self.threads:
+            thread.start()
+
+    def loop(self, kind):
+        rng = random.Random(kind.__name__)
+        while not self.stopped:
+            try:
+                with socket.create_connection(("127.0.0.1", self.port), timeout=1) as s:
+                    kind(s, rng)
+                    self.rounds[kind.__name__] = self.rounds.get(kind.__name__, 0) + 1
+            except OSError:
+                time.sleep(1e-3)  # closed, as it should be
+
+    def noise(self, s, rng):
+        s.sendall((header(GO) if rng.random() < 0.5 else b"") + rng.randbytes(rng.randrange(5000)))
+
+    def lengths(self, s, rng):
+        length = rng.choice([-1, -2**31, 2**31 - 1, 2**28, 12])
+        s.sendall(header(GO) + header(MDCOMM, length) + rng.randbytes(100))
+        s.recv(100)
+
+    def halves(self, s, rng):
+        s.sendall(header(GO)[:rng.randrange(1, 8)] if rng.random() < 0.5 else
+                  header(GO) + header(MDCOMM, 1)[:rng.randrange(1, 8)])
+        time.sleep(0.2)
+
+    def storm(self, s, rng):
+        if rng.random() < 0.5:  # ends with a reset
+            s.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+
+    def flood(self, s, rng):
+        s.sendall(header(GO))
+        for _ in range(50):
+            s.sendall(header(TRATE, rng.randrange(100)) * 2000)
+
+    def stop(self):
+        self.stopped = True
+        for thread in self.threads:
+            thread.join()
+        assert len(self.rounds) == len(self.threads), self.rounds  # each of them had its turn
+
+
+def hostile():
+    """While others do their worst a viewer gets every frame, and no tick is lost."""
+    with open(PATH) as file:
+        lines = (file.readlines() * 9)[:2500]
+    with open("long", "w") as file:
+        file.writelines(lines)
+    play = Play("--rate", "1000", "--imd-wait", str(LONG), "--frames", "hostile.frames", path="long")
+    good = Client(play.port)
+    others = Hostile(play.port)
+    got = good.rest()
+    others.stop()
+    assert got == b"".join(expected("hostile.frames", 2, 1000, good.order))
+    out = play.end()
+    assert any(line.startswith("play: 2500 ticks, ") for line in out), out
+
+    # Without a pace, the log is as if nobody were there.
+    run_log("plain.log")
+    play = Play("--imd-wait", str(LONG), "--log", "hostile.log")
+    others = Hostile(play.port)
+    out = play.end()
+    others.stopped = True
+    for thread in others.threads:
+        thread.join()
+    with open("plain.log") as a, open("hostile.log") as b:
+        assert a.read() == b.read()
+
+
+def asleep():
+    """A viewer that never reads, without a pace: play ends, the other one gets whole frames in their
+    order, the last among them, and the sleeper is closed after 5 s."""
+    count = 1000 * 40
+    with open(PATH) as file:
+        lines = file.readlines()
+    with open("many", "w") as file:
+        file.writelines((lines * (count // len(lines) + 1))[:count])
+    play = Play("--imd-version", "3", "--imd-wait", str(LONG), "--frames", "asleep.frames",
+                path="many")
+    sleeper = Client(play.port, go=False, buffer=4096)
+    sleeper.socket.sendall(header(GO))
+    # Now play begins, and goes on slowly while the sleeper's buffers are full.
+    reader = Client(play.port)
+    got = reader.rest()
+    lines = play.end()
+    viewers, sent, dropped, slow = counts(lines)
+    assert viewers == 2 and slow == 1, lines
+    frames = expected("asleep.frames", 3, 1000, reader.order)
+    size = len(frames[0])
+    assert len(got) % size == 0
+    place = {frame: i for i, frame in enumerate(frames)}
+    numbers = [place[got[i:i + size]] for i in range(0, len(got), size)]
+    assert numbers == sorted(set(numbers)) and numbers[-1] == len(frames) - 1, numbers
+    sleeper.socket.close()
+
+
+def stopped():
+    """SIGINT while play waits for a viewer."""
+    play = Play("--imd-wait", str(LONG))
+    time.sleep(0.5)  # most likely it waits now; before that SIGINT just ends it
+    play.process.send_signal(signal.SIGINT)
+    assert play.process.wait() in (128 + signal.SIGINT, -signal.SIGINT), play.process.returncode
+
+
+def in_use():
+    """The port is looked at before anything else, the device too."""
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        done = subprocess.run(["play", "none", "--device", "path:none", "--imd", str(port)],
+                              capture_output=True, text=True)
+    assert done.returncode == 1 and done.stdout == ""
+    assert done.stderr == f"play: 127.0.0.1:{port}: Address already in use\n", done.stderr
+
+
+exact()
+if MODEL == "ball":
+    in_use()
+    hostile()
+    asleep()
+    stopped()
