@@ -34,3 +34,4 @@ expect 2 '' "play: --imd-address: 'localhost' is not an address in numbers $help
   -- play grid --device path:path --imd 0 --imd-address localhost
 expect 2 '' "play: --imd-wait: '-1' is not a time from 0 to 86400 s $help" \
   -- play grid --device path:path --imd 0 --imd-wait -1
+expect 2 '' "play: --imd-version requires --imd $help" -- play grid --device path:path --imd-version 3
