@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,7 +13,6 @@
 #include "libcore/base/error.hpp"
 #include "libcore/haptic/watchdog.hpp"
 #include "libcore/model/fields.hpp"
-#include "libcore/scene/publisher.hpp"
 #include "libcore/shard/load.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/devices.hpp"
@@ -24,6 +21,7 @@
 #include "tools/play/selftest.hpp"
 #include "tools/play/signals.hpp"
 #include "tools/play/text_log.hpp"
+#include "tools/play/viewers.hpp"
 
 using namespace hapgrid;
 
@@ -31,36 +29,6 @@ namespace {
 
 // A loop that is silent for so long does not come back by itself; devices let go long before.
 constexpr std::chrono::milliseconds kHungAfter{2000};
-
-/// What the frames show of the grid's model.
-Scene describe_scene(const GridSpec& spec, const Fields& fields) {
-  return {.model = spec.model,
-          .length_unit = spec.length_unit,
-          .energy_unit = spec.energy_unit,
-          .box = spec.box,
-          .state_size = spec.state_size,
-          .hip_radius = spec.hip_radius,
-          .spheres = fields.spheres()};
-}
-
-/// Energy and shape of a frame.
-void complete(const Fields& fields, Frame& frame) {
-  if (fields.has_energy()) frame.energy = fields.energy(frame.position, frame.row);
-  fields.shape(frame.row, frame.centres);
-}
-
-/// Real-time safe: the snapshot's vectors have their sizes already.
-void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
-  snapshot.tick = tick.number;
-  snapshot.time_s = static_cast<double>(tick.number) / rate_hz;
-  snapshot.hip = tick.hip;
-  snapshot.position = tick.traversal.position();
-  snapshot.force = tick.force.force;
-  snapshot.raw_force = tick.raw_force;
-  snapshot.levels = tick.traversal.levels();
-  const auto row = tick.traversal.row();
-  std::copy(row.begin(), row.end(), snapshot.row.begin());
-}
 
 /// @throw Error for a run that must not count as done.
 void require_good_end(const LoopSummary& s, const SafetyCore& safety, const Device& device) {
@@ -108,6 +76,7 @@ void check(const PlayOptions& options) {
 
 int play(const PlayOptions& options) {
   check(options);
+  Viewers viewers(options);
   const LoadedGrid loaded = load_grid({options.grid});
   const Grid& grid = loaded.grid;
   require_playable(grid, options.grid == "-" ? "standard input" : options.grid);
@@ -138,15 +107,7 @@ int play(const PlayOptions& options) {
   if (!options.log.empty())
     log.emplace(options.log, spec, fields, rate_hz,
                 paced ? open.ticks : std::min(open.ticks, kChunk));
-  std::optional<Fields> slow_fields;  // of the frames' thread
-  std::optional<FramePublisher> frames;
-  if (!options.frames.empty()) {
-    slow_fields.emplace(spec, create, /*wants_shape=*/true);
-    frames.emplace(
-        OutputFile(options.frames, /*binary=*/false), describe_scene(spec, *slow_fields),
-        spec.row_size(), [&](Frame& frame) { complete(*slow_fields, frame); }, paced, kUnpacedHz,
-        caught_signal);
-  }
+  viewers.start(spec, create, rate_hz, paced, caught_signal);
 
   const auto force = [&](const Vec3& x, std::span<const double> row) {
     return fields.force(x, row);
@@ -156,10 +117,7 @@ int play(const PlayOptions& options) {
       if (log->full()) log->flush();
       log->add(tick);
     }
-    if (frames) {
-      fill(frames->next(), tick, rate_hz);
-      frames->publish();
-    }
+    viewers.show(tick);
   };
   RunFacts facts{.model = spec.model, .device = info.name, .rate_hz = loop.rate_hz};
   LoopSummary summary;
@@ -180,6 +138,7 @@ int play(const PlayOptions& options) {
             ::_exit(kExitFailed);
           });
     const CaughtSignals signals;
+    viewers.wait(caught_signal);
     const Realtime realtime(paced ? options.realtime : RealtimeMode::kOff);
     facts.realtime = realtime.got();
     if (open.live || options.realtime == RealtimeMode::kRequire)
@@ -192,13 +151,13 @@ int play(const PlayOptions& options) {
     log->flush();
     log->commit();
   }
-  std::optional<FrameCounts> counts;
-  if (frames) counts = frames->finish();
-  facts.frames = counts ? &*counts : nullptr;
+  viewers.finish();
+  facts.frames = viewers.frames();
   facts.exit_code = summary.end == LoopEnd::kStopped ? 128 + caught_signal.load()
                     : summary.end == LoopEnd::kDeviceFailed || safety.faulted() ? kExitFailed
                                                                                 : kExitDone;
   print_summary(summary, facts);
+  viewers.print_summary();
   if (!options.report.empty()) write_report(options.report, summary, facts);
   require_good_end(summary, safety, device);
   return facts.exit_code;
@@ -239,6 +198,24 @@ int main(int argc, char** argv) {
           "read\n"
           "what is left. Without --rate a frame is a tick in 40, the first and the last one among\n"
           "them, and play waits for the viewer.\n"
+          "\n"
+          "With --imd viewers of molecules get the same frames over TCP, up to 8 at once: VMD "
+          "(IMD\n"
+          "version 2) and MDAnalysis (version 3). Atoms are the model's spheres, and the HIP, held "
+          "in\n"
+          "the box, as one more at the end; VMD and MDAnalysis want to know them beforehand, as "
+          "from\n"
+          "view --xyz FILE --hip-label Xx. Lengths are converted from m, mm, nm, angstrom, pm or\n"
+          "bohr to angstrom, energies from kJ/mol, kcal/mol, J, eV or hartree to kcal/mol (2) or\n"
+          "kJ/mol (3); other units go out as they are. Version 3 also has time (ps), the grid's "
+          "box,\n"
+          "which is not periodic, and the force on the HIP as it was sent, 1 N being 6.022e10\n"
+          "kJ/(mol angstrom). Viewers look on: forces and rates that they send are ignored; "
+          "pausing,\n"
+          "disconnecting and killing concern the viewer itself alone. One that reads too slowly\n"
+          "misses frames, and is closed when it takes more than 5 s for one. With --rate nobody "
+          "is\n"
+          "ever waited for, but a second after the end; without it a frame waits 40 ms at most.\n"
           "\n"
           "A force that is not finite is never sent: it is zero from there on, and the exit code\n"
           "is 1. A tick is late from when it was due to when it began; computing is from there to\n"

@@ -27,7 +27,7 @@ class SpaceMouseProtocol : public HidProtocol {
 
   explicit SpaceMouseProtocol(std::string name) : name_(std::move(name)) {}
 
-  DeviceInfo info() const override { return {.name = name_, .has_force = false}; }
+  DeviceInfo info() const override { return {.name = name_, .unit = DeviceInfo::Unit::kRate}; }
   /// Three reports of zeros, and then silence, are its rest.
   HidTiming timing() const override { return {.stall = 0}; }
   void start(HidChannel&) override {}

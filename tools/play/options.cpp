@@ -177,6 +177,45 @@ void add_mapping_options(CLI::App& app, PlayOptions& options) {
       ->group(group);
 }
 
+void add_imd_options(CLI::App& app, PlayOptions& options) {
+  const std::string group = "Viewers of molecules (IMD)";
+  CLI::Option* const imd =
+      app.add_option_function<std::uint16_t>(
+             "--imd",
+             [&](const std::uint16_t& port) { options.imd_port = options.imd.port = port; },
+             "TCP port to serve viewers of molecules on (usually 8888; 0: the system chooses). "
+             "There is no authentication and no encryption: whoever reaches the port sees the play")
+          ->type_name("PORT")
+          ->check(number_within(0, 65535, "a port from 0 to 65535"))
+          ->group(group);
+  app.add_option("--imd-version", options.imd.version, "2 for VMD, 3 for MDAnalysis")
+      ->type_name("2|3")
+      ->check(CLI::IsMember({2, 3}))
+      ->needs(imd)
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--imd-address", options.imd.address,
+                 "Address to serve them on, in numbers; '0.0.0.0' is every network of this "
+                 "machine, for networks that you trust")
+      ->type_name("ADDR")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            return ImdServer::is_address(text) ? std::string()
+                                               : "'" + text + "' is not an address in numbers";
+          },
+          ""))
+      ->needs(imd)
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--imd-wait", options.imd_wait_s,
+                 "Before the first tick wait for a viewer, so long at most")
+      ->type_name("S")
+      ->check(number_within(0, 86400, "a time from 0 to 86400 s"))
+      ->needs(imd)
+      ->capture_default_str()
+      ->group(group);
+}
+
 void add_realtime_options(CLI::App& app, PlayOptions& options) {
   const std::string group = "Time";
   app.add_option("--rate", options.rate_hz,
@@ -250,6 +289,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
       ->check(number_within(1, 65535, "a count from 1 to 65535"))
       ->capture_default_str();
   add_model_path(app, options.model_path);
+  add_imd_options(app, options);
   add_realtime_options(app, options);
   add_safety_options(app, options.safety);
   add_mapping_options(app, options);

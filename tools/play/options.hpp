@@ -3,11 +3,13 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "libcore/haptic/loop.hpp"
 #include "libcore/haptic/realtime.hpp"
+#include "libcore/scene/imd_server.hpp"
 
 namespace hapgrid {
 
@@ -21,6 +23,9 @@ struct PlayOptions {
   std::string log;
   std::string frames;
   std::string report;
+  std::optional<std::uint16_t> imd_port;
+  ImdOptions imd;
+  double imd_wait_s = 0;
   std::vector<std::string> model_path;
   SafetyLimits safety;
   MappingOptions mapping;

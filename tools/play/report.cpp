@@ -78,13 +78,6 @@ void print_summary(const LoopSummary& s, const RunFacts& facts) {
     std::fprintf(stderr, "play: lateness %s; computing %s\n", quantiles_text(s.lateness).c_str(),
                  quantiles_text(s.compute).c_str());
   }
-  if (facts.frames) {
-    const FrameCounts& c = *facts.frames;
-    std::fprintf(stderr, "play: frames written %llu, dropped %llu%s\n", n(c.written), n(c.dropped),
-                 c.closed ? "; the viewer closed its end before the last one"
-                 : c.cut  ? "; the viewer stopped reading, the last one is cut"
-                          : "");
-  }
 }
 
 void write_report(const std::string& file, const LoopSummary& s, const RunFacts& facts) {

@@ -12,8 +12,8 @@ namespace hapgrid {
 struct RunFacts {
   std::string model = {};
   std::string device = {};
-  double rate_hz = 0;  ///< 0: no pace
-  std::string realtime = {};  ///< what was got
+  double rate_hz = 0;                   ///< 0: no pace
+  std::string realtime = {};            ///< what was got
   const FrameCounts* frames = nullptr;  ///< none: no frames were wanted
   int exit_code = 0;
 };

@@ -1,0 +1,119 @@
+#include "tools/play/viewers.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+#include "libcore/base/text.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+/// What the frames show of the grid's model.
+Scene describe_scene(const GridSpec& spec, const Fields& fields) {
+  return {.model = spec.model,
+          .length_unit = spec.length_unit,
+          .energy_unit = spec.energy_unit,
+          .box = spec.box,
+          .state_size = spec.state_size,
+          .hip_radius = spec.hip_radius,
+          .spheres = fields.spheres()};
+}
+
+/// Energy and shape of a frame.
+void complete(const Fields& fields, Frame& frame) {
+  if (fields.has_energy()) frame.energy = fields.energy(frame.position, frame.row);
+  fields.shape(frame.row, frame.centres);
+}
+
+/// Real-time safe: the snapshot's vectors have their sizes already.
+void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
+  snapshot.tick = tick.number;
+  snapshot.time_s = static_cast<double>(tick.number) / rate_hz;
+  snapshot.hip = tick.hip;
+  snapshot.position = tick.traversal.position();
+  snapshot.force = tick.force.force;
+  snapshot.raw_force = tick.raw_force;
+  snapshot.levels = tick.traversal.levels();
+  const auto row = tick.traversal.row();
+  std::copy(row.begin(), row.end(), snapshot.row.begin());
+}
+
+/// What viewers will take for something else.
+void print_imd_units(const Scene& scene, bool has_energy, int version) {
+  const ImdUnits units(version, scene.length_unit, scene.energy_unit);
+  const auto print = [](const char* what, const std::string& unit, const char* taken_for) {
+    const std::string shown = unit.empty() ? "a unit without a name" : printable_line(unit);
+    std::fprintf(stderr, "play: IMD: %s go out in %s, viewers take them for %s\n", what,
+                 shown.c_str(), taken_for);
+  };
+  if (!units.length_known) print("lengths", scene.length_unit, "angstrom");
+  if (has_energy && !units.energy_known)
+    print("energies", scene.energy_unit, ImdUnits::energy_name(version));
+}
+
+}  // namespace
+
+Viewers::Viewers(const PlayOptions& options) : options_(options), file_(!options.frames.empty()) {
+  if (!options.imd_port) return;
+  imd_.emplace(options.imd);
+  std::fprintf(stderr, "play: IMD version %d on %s\n", options.imd.version, imd_->name().c_str());
+}
+
+void Viewers::start(const GridSpec& spec, const std::function<Model()>& create, double rate_hz,
+                    bool paced, const std::atomic<int>& stop) {
+  if (!imd_ && !file_) return;
+  rate_hz_ = rate_hz;
+  fields_.emplace(spec, create, /*wants_shape=*/true);
+  const Scene scene = describe_scene(spec, *fields_);
+  FramePublisher::Show show;
+  if (imd_) {
+    print_imd_units(scene, fields_->has_energy(), options_.imd.version);
+    imd_->start(scene, fields_->has_energy(), 1 / rate_hz, paced);
+    show = [this](const Frame& frame) { imd_->publish(frame); };
+  }
+  std::optional<OutputFile> file;
+  if (file_) file.emplace(options_.frames, /*binary=*/false);
+  publisher_.emplace(
+      std::move(file), scene, spec.row_size(), [this](Frame& frame) { complete(*fields_, frame); },
+      paced, kUnpacedHz, stop, std::move(show));
+}
+
+void Viewers::wait(const std::atomic<int>& stop) {
+  if (imd_ && options_.imd_wait_s > 0 &&
+      !imd_->wait_for_viewer(std::chrono::duration<double>(options_.imd_wait_s), stop) &&
+      stop.load() == 0)
+    std::fprintf(stderr, "play: IMD: no viewer within %g s\n", options_.imd_wait_s);
+}
+
+void Viewers::show(const Tick& tick) {
+  if (!publisher_) return;
+  fill(publisher_->next(), tick, rate_hz_);
+  publisher_->publish();
+}
+
+void Viewers::finish() {
+  if (publisher_) counts_ = publisher_->finish();
+  if (imd_) imd_counts_ = imd_->finish();
+}
+
+void Viewers::print_summary() const {
+  const auto n = [](std::uint64_t count) { return static_cast<unsigned long long>(count); };
+  if (file_)
+    std::fprintf(stderr, "play: frames written %llu, dropped %llu%s\n", n(counts_->written),
+                 n(counts_->dropped),
+                 counts_->closed ? "; the viewer closed its end before the last one"
+                 : counts_->cut  ? "; the viewer stopped reading, the last one is cut"
+                                 : "");
+  if (imd_counts_)
+    std::fprintf(stderr,
+                 "play: IMD viewers %llu, frames sent %llu, dropped %llu; closed because they did "
+                 "not read %llu\n",
+                 n(imd_counts_->viewers), n(imd_counts_->sent), n(imd_counts_->dropped),
+                 n(imd_counts_->slow));
+}
+
+}  // namespace hapgrid
