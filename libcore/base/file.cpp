@@ -64,7 +64,8 @@ FileDescriptor unlinked_file(const fs::path& directory) {
   return file;
 }
 
-OutputFile::OutputFile(std::string name, bool binary) : shown_name_(std::move(name)) {
+OutputFile::OutputFile(std::string name, bool binary, Unfinished unfinished)
+    : shown_name_(std::move(name)) {
   if (shown_name_ == "-") {
     fd_ = STDOUT_FILENO;
     shown_name_ = "standard output";
@@ -88,6 +89,17 @@ OutputFile::OutputFile(std::string name, bool binary) : shown_name_(std::move(na
     resolved = resolved.parent_path() / fs::read_symlink(resolved, ignored);
   resolved = fs::weakly_canonical(resolved, ignored);
   target_ = ignored ? shown_name_ : resolved.string();
+  if (unfinished == Unfinished::kStays) {
+    const std::string part = target_ + ".part";
+    owned_ = FileDescriptor(::open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666));
+    if (!owned_ && errno == EEXIST)
+      throw Error(part + ": is there already, from a run that is not over or was interrupted");
+    if (!owned_) fail(part);
+    temporary_ = part;
+    stays_ = true;
+    fd_ = owned_.get();
+    return;
+  }
   const fs::path directory = fs::path(target_).parent_path();
   owned_ = FileDescriptor(::open(directory.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
   if (!owned_) {
@@ -102,7 +114,7 @@ OutputFile::OutputFile(std::string name, bool binary) : shown_name_(std::move(na
 }
 
 OutputFile::~OutputFile() {
-  if (!temporary_.empty() && owned_) ::unlink(temporary_.c_str());
+  if (!temporary_.empty() && owned_ && !stays_) ::unlink(temporary_.c_str());
 }
 
 void OutputFile::write(std::span<const std::byte> bytes) { write_all(fd_, bytes, shown_name_); }

@@ -30,8 +30,16 @@ class FileDescriptor {
 /// "-" is standard output; a device or pipe is written directly.
 class OutputFile {
  public:
-  /// @throw std::system_error when it cannot be created; Error when "-" is a terminal and `binary`.
-  explicit OutputFile(std::string name, bool binary = true);
+  /// What becomes of a file that is never committed.
+  enum class Unfinished {
+    kVanishes,
+    kStays,  ///< as NAME.part, where it is written all the time: for what cannot be made again
+  };
+
+  /// @throw std::system_error when it cannot be created; Error when "-" is a terminal and `binary`,
+  /// or when a NAME.part is there already.
+  explicit OutputFile(std::string name, bool binary = true,
+                      Unfinished unfinished = Unfinished::kVanishes);
   OutputFile(OutputFile&&) = default;
   OutputFile& operator=(OutputFile&&) = delete;
   ~OutputFile();
@@ -45,10 +53,15 @@ class OutputFile {
   void write(const std::string& text) { write(std::as_bytes(std::span(text))); }
   /// Makes the file appear. @throw std::system_error
   void commit();
+  /// Where it is until commit(): NAME.part; empty where nothing would stay.
+  std::string part() const { return stays_ ? temporary_ : std::string(); }
+  /// Without commit() nothing is to stay after all.
+  void discard() { stays_ = false; }
 
  private:
   std::string target_;     // empty: written directly
-  std::string temporary_;  // named temporary file, where O_TMPFILE is missing
+  std::string temporary_;  // named temporary file: to stay, or where O_TMPFILE is missing
+  bool stays_ = false;
   std::string shown_name_;
   FileDescriptor owned_;
   int fd_ = -1;

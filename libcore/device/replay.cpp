@@ -1,0 +1,18 @@
+#include "libcore/device/replay.hpp"
+
+namespace hapgrid {
+
+DeviceStatus ReplayDevice::read(DeviceInput& input) noexcept {
+  if (next_ == ticks_.size()) return DeviceStatus::kEnd;
+  const ReplayTick& tick = ticks_[next_++];
+  input = tick.input;
+  input.missed = tick.missed;
+  return DeviceStatus::kOk;
+}
+
+DeviceStatus ReplayDevice::send(const Vec3& force) noexcept {
+  force_ = force;
+  return DeviceStatus::kOk;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,259 @@
+// Messages of schemas/session.capnp.
+#include <capnp/any.h>
+#include <capnp/message.h>
+#include <capnp/serialize.h>
+#include <kj/exception.h>
+
+#include <cstring>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
+#include "libcore/session/column.hpp"
+#include "libcore/session/format.hpp"
+#include "session.capnp.h"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr std::uint64_t kMagic = 0x6861706772696473;  // "hapgrids"
+constexpr std::uint32_t kFormatVersion = 1;
+constexpr double kMinRate = 1e-6;  // so that times and numbers of ticks are far from overflow
+constexpr double kMaxRate = 1e9;
+constexpr std::size_t kMaxText = 255;  // bytes of a name, unit or digest
+
+/// Builds a message of some `words` with `fill(session_schema::Message::Builder)`.
+template <class F>
+Message build(std::size_t words, F&& fill) {
+  capnp::MallocMessageBuilder builder(static_cast<unsigned>(words));
+  fill(builder.initRoot<session_schema::Message>());
+  const auto flat = capnp::messageToFlatArray(builder);
+  Message message(flat.size());
+  std::memcpy(message.data(), flat.begin(), flat.size() * sizeof(std::uint64_t));
+  return message;
+}
+
+/// Everything that Cap'n Proto throws becomes a FormatError.
+template <class F>
+auto parse(const Message& message, F&& use) {
+  try {
+    capnp::ReaderOptions options;
+    options.traversalLimitInWords = 4 * message.size() + 1024;
+    options.nestingLimit = 8;
+    const auto* begin = reinterpret_cast<const capnp::word*>(message.data());
+    capnp::FlatArrayMessageReader reader(kj::arrayPtr(begin, message.size()), options);
+    if (reader.getEnd() != begin + message.size())
+      throw FormatError("damaged: bytes behind the message in a frame");
+    return use(reader.getRoot<session_schema::Message>());
+  } catch (const kj::Exception& e) {
+    throw FormatError("damaged: " + std::string(e.getDescription().cStr()));
+  }
+}
+
+std::string get_text(capnp::Text::Reader in, std::size_t limit, const char* what) {
+  if (in.size() > limit)
+    throw FormatError(std::string(what) + " of " + std::to_string(in.size()) +
+                      " bytes, the limit is " + std::to_string(limit));
+  return std::string(in.begin(), in.size());
+}
+
+/// A hostile list may have been encoded with another element size.
+template <class T, class List>
+std::span<const T> column(List list, std::size_t count, const char* name) {
+  constexpr auto kSize =
+      sizeof(T) == 8 ? capnp::ElementSize::EIGHT_BYTES : capnp::ElementSize::FOUR_BYTES;
+  const capnp::AnyList::Reader any(list);
+  if (any.size() != count || any.getElementSize() != kSize)
+    throw FormatError(std::string("damaged: column ") + name + " does not fit the chunk");
+  return {reinterpret_cast<const T*>(any.getRawBytes().begin()), count};
+}
+
+const std::uint8_t* column(capnp::Data::Reader data, std::size_t bytes, const char* name) {
+  if (data.size() != bytes)
+    throw FormatError(std::string("damaged: column ") + name + " does not fit the chunk");
+  return data.begin();
+}
+
+void check_text(const std::string& text, std::size_t limit, const std::string& what) {
+  if (text.size() > limit)
+    throw Error(what + " of " + std::to_string(text.size()) + " bytes, the limit is " +
+                std::to_string(limit));
+}
+
+}  // namespace
+
+void SessionHeader::validate() const {
+  box.validate();
+  if (!(rate_hz >= kMinRate && rate_hz <= kMaxRate))
+    throw Error("a rate of " + to_text(rate_hz) + " Hz; " + to_text(kMinRate) + " to " +
+                to_text(kMaxRate) + " are possible");
+  if (flags.size() > kMaxFlags)
+    throw Error(std::to_string(flags.size()) + " flags, the limit is " + std::to_string(kMaxFlags));
+  for (const std::string& name : flags) check_text(name, kMaxText, "a flag's name");
+  check_text(model, kMaxText, "a model's name");
+  check_text(grid_digest, kMaxText, "a grid's digest");
+  check_text(length_unit, kMaxText, "a unit");
+  check_text(settings, kMaxSettings, "settings");
+}
+
+Message encode_header(const SessionHeader& header) {
+  header.validate();
+  return build(1024, [&](session_schema::Message::Builder message) {
+    auto out = message.initHeader();
+    out.setMagic(kMagic);
+    out.setVersion(kFormatVersion);
+    out.setModel(header.model);
+    out.setGridDigest(header.grid_digest);
+    out.setLengthUnit(header.length_unit);
+    auto box = out.initBox();
+    box.setOriginX(header.box.origin[0]);
+    box.setOriginY(header.box.origin[1]);
+    box.setOriginZ(header.box.origin[2]);
+    box.setSpacing(header.box.spacing);
+    box.setCountX(header.box.counts[0]);
+    box.setCountY(header.box.counts[1]);
+    box.setCountZ(header.box.counts[2]);
+    out.setRate(header.rate_hz);
+    auto flags = out.initFlagNames(static_cast<unsigned>(header.flags.size()));
+    for (unsigned i = 0; i < header.flags.size(); ++i) flags.set(i, header.flags[i]);
+    out.setSettings(header.settings);
+  });
+}
+
+SessionHeader decode_header(const Message& message) {
+  return parse(message, [](session_schema::Message::Reader in_message) {
+    if (!in_message.isHeader() || in_message.getHeader().getMagic() != kMagic)
+      throw FormatError("not a session");
+    const auto in = in_message.getHeader();
+    if (in.getVersion() != kFormatVersion)
+      throw FormatError("format version " + std::to_string(in.getVersion()) +
+                        ", this program reads version " + std::to_string(kFormatVersion));
+    SessionHeader header;
+    header.model = get_text(in.getModel(), kMaxText, "a model's name");
+    header.grid_digest = get_text(in.getGridDigest(), kMaxText, "a grid's digest");
+    header.length_unit = get_text(in.getLengthUnit(), kMaxText, "a unit");
+    const auto box = in.getBox();
+    header.box.origin = {box.getOriginX(), box.getOriginY(), box.getOriginZ()};
+    header.box.spacing = box.getSpacing();
+    header.box.counts = {box.getCountX(), box.getCountY(), box.getCountZ()};
+    header.rate_hz = in.getRate();
+    const auto flags = in.getFlagNames();
+    if (flags.size() > kMaxFlags)
+      throw FormatError(std::to_string(flags.size()) + " flags, the limit is " +
+                        std::to_string(kMaxFlags));
+    for (const auto name : flags) header.flags.push_back(get_text(name, kMaxText, "a flag's name"));
+    header.settings = get_text(in.getSettings(), kMaxSettings, "settings");
+    try {
+      header.validate();
+    } catch (const Error& e) {
+      throw FormatError(e.what());
+    }
+    return header;
+  });
+}
+
+Message encode_ticks(std::span<const TickRecord> ticks) {
+  const auto n = static_cast<unsigned>(ticks.size());
+  return build(13 * ticks.size() + 64, [&](session_schema::Message::Builder message) {
+    auto out = message.initTicks();
+    out.setFirst(ticks[0].number);
+    auto skipped = out.initSkipped(n);
+    auto flags = out.initFlags(n);
+    auto lateness = out.initLateness(n);
+    auto compute = out.initCompute(n);
+    auto levels = out.initLevels(8 * n);
+    for (unsigned i = 0; i < n; ++i) {
+      skipped.set(i, i == 0 ? 0 : ticks[i].number - ticks[i - 1].number - 1);
+      flags.set(i, ticks[i].flags);
+      lateness.set(i, ticks[i].lateness_ns);
+      compute.set(i, ticks[i].compute_ns);
+      for (unsigned c = 0; c < 8; ++c) levels[c * n + i] = ticks[i].levels[c];
+    }
+    encode_differences(ticks, &TickRecord::hip, out.initHip(24 * n).begin());
+    encode_differences(ticks, &TickRecord::raw_force, out.initRawForce(24 * n).begin());
+    encode_force(ticks, out.initForce(24 * n).begin());
+  });
+}
+
+void decode_ticks(const Message& message, std::vector<TickRecord>& ticks) {
+  parse(message, [&](session_schema::Message::Reader in_message) {
+    if (!in_message.isTicks()) throw FormatError("damaged: a chunk of ticks was expected");
+    const auto in = in_message.getTicks();
+    const std::size_t n = in.getSkipped().size();
+    if (n == 0 || n > kChunkTicks)
+      throw FormatError("damaged: a chunk of " + std::to_string(n) + " ticks; 1 to " +
+                        std::to_string(kChunkTicks) + " are possible");
+    const auto skipped = column<std::uint64_t>(in.getSkipped(), n, "skipped");
+    const auto flags = column<std::uint32_t>(in.getFlags(), n, "flags");
+    const auto lateness = column<std::uint32_t>(in.getLateness(), n, "lateness");
+    const auto compute = column<std::uint32_t>(in.getCompute(), n, "compute");
+    const std::uint8_t* levels = column(in.getLevels(), 8 * n, "levels");
+    const std::uint8_t* hip = column(in.getHip(), 24 * n, "hip");
+    const std::uint8_t* raw_force = column(in.getRawForce(), 24 * n, "rawForce");
+    const std::uint8_t* force = column(in.getForce(), 24 * n, "force");
+    if (skipped[0] != 0) throw FormatError("damaged: ticks skipped before the first of a chunk");
+    ticks.resize(n);
+    std::uint64_t number = in.getFirst();
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i > 0) {
+        const std::uint64_t before = number;
+        number += skipped[i] + 1;
+        if (number <= before) throw FormatError("damaged: a tick's number is beyond 64 bits");
+      }
+      ticks[i].number = number;
+      ticks[i].flags = flags[i];
+      ticks[i].lateness_ns = lateness[i];
+      ticks[i].compute_ns = compute[i];
+      for (std::size_t c = 0; c < 8; ++c) ticks[i].levels[c] = levels[c * n + i];
+    }
+    decode_differences(hip, &TickRecord::hip, ticks);
+    decode_differences(raw_force, &TickRecord::raw_force, ticks);
+    decode_force(force, ticks);
+  });
+}
+
+Message encode_footer(const SessionFooter& footer) {
+  return build(7 * footer.chunks.size() + 64, [&](session_schema::Message::Builder message) {
+    auto out = message.initFooter();
+    out.setTicks(footer.ticks);
+    out.setDropped(footer.dropped);
+    auto chunks = out.initChunks(static_cast<unsigned>(footer.chunks.size()));
+    for (unsigned i = 0; i < footer.chunks.size(); ++i) {
+      const ChunkEntry& chunk = footer.chunks[i];
+      auto entry = chunks[i];
+      entry.setOffset(chunk.offset);
+      entry.setSize(chunk.size);
+      entry.setFirst(chunk.first);
+      entry.setLast(chunk.last);
+      entry.setTicks(chunk.ticks);
+      entry.setDigestLow(chunk.digest.low);
+      entry.setDigestHigh(chunk.digest.high);
+    }
+    out.setDigestLow(footer.digest.low);
+    out.setDigestHigh(footer.digest.high);
+  });
+}
+
+SessionFooter decode_footer(const Message& message, std::uint64_t most) {
+  return parse(message, [&](session_schema::Message::Reader in_message) {
+    if (!in_message.isFooter()) throw FormatError("damaged: a footer was expected");
+    const auto in = in_message.getFooter();
+    const auto chunks = in.getChunks();
+    // A list of empty structs can claim any size.
+    if (chunks.size() > most)
+      throw FormatError("damaged: " + std::to_string(chunks.size()) + " chunks in the footer");
+    SessionFooter footer{
+        in.getTicks(), in.getDropped(), {}, {in.getDigestLow(), in.getDigestHigh()}};
+    footer.chunks.reserve(chunks.size());
+    for (const auto entry : chunks)
+      footer.chunks.push_back({entry.getOffset(),
+                               entry.getSize(),
+                               entry.getFirst(),
+                               entry.getLast(),
+                               entry.getTicks(),
+                               {entry.getDigestLow(), entry.getDigestHigh()}});
+    return footer;
+  });
+}
+
+}  // namespace hapgrid

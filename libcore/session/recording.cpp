@@ -1,0 +1,134 @@
+#include "libcore/session/recording.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <istream>
+#include <string_view>
+#include <utility>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/input_stream.hpp"
+#include "libcore/base/text.hpp"
+#include "libcore/session/reader.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+void require_room(const std::string& name, std::uint64_t ticks, std::uint64_t limit) {
+  if (ticks > limit / sizeof(RecordedTick))
+    throw Error(name + ": " + std::to_string(ticks) + " ticks or more need " +
+                std::to_string(ticks * sizeof(RecordedTick)) + " bytes of memory, the limit is " +
+                std::to_string(limit));
+}
+
+Recording load_session(InputFile file, std::uint64_t limit) {
+  SessionReader reader(std::move(file));
+  if (reader.ticks() == 0) throw Error(reader.name() + ": a session without a tick");
+  require_room(reader.name(), reader.ticks(), limit);
+  Recording recording{reader.header(), {}};
+  const auto bit = [&](const char* name) -> std::uint32_t {
+    const std::size_t flag = reader.header().flag(name);
+    return flag == kMaxFlags ? 0 : std::uint32_t{1} << flag;
+  };
+  const std::uint32_t clutch = bit(kClutchFlag);
+  const std::uint32_t stalled = bit(kStalledFlag);
+  for (std::vector<TickRecord> chunk; reader.next(chunk);)
+    for (const TickRecord& tick : chunk)
+      recording.ticks.push_back(
+          {tick.number, tick.hip, (tick.flags & clutch) != 0, (tick.flags & stalled) != 0});
+  return recording;
+}
+
+/// The cell `column` of a line that is separated by tabs; false when there are fewer.
+bool find_cell(std::string_view line, std::size_t column, std::string_view& cell) {
+  for (;; --column) {
+    const std::size_t tab = std::min(line.find('\t'), line.size());
+    cell = line.substr(0, tab);
+    if (column == 0) return true;
+    if (tab == line.size()) return false;
+    line.remove_prefix(tab + 1);
+  }
+}
+
+class TextLog {
+ public:
+  TextLog(const InputFile& file, double rate_hz)
+      : name_(file.name()), buffer_(file), rate_hz_(rate_hz) {
+    if (!std::getline(input_, line_) || !line_.starts_with("# "))
+      fail("no session, and no '# t x y z ...' as play --log writes it");
+    line_.erase(0, 2);
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      std::string_view cell;
+      while (find_cell(line_, columns_[i], cell) && cell != kNames[i]) ++columns_[i];
+      if (cell != kNames[i]) fail("no column '" + std::string(kNames[i]) + "'");
+    }
+  }
+
+  bool next(RecordedTick& tick) {
+    if (!std::getline(input_, line_)) {
+      if (input_.bad()) throw Error(name_ + ": cannot be read");
+      return false;
+    }
+    ++number_;
+    const double t = value(0);
+    const double ticks = std::round(t * rate_hz_);
+    if (!(ticks >= 0 && ticks < 0x1p53))
+      fail("t = " + to_text(t) + " at " + to_text(rate_hz_) + " Hz is no tick's number");
+    const auto number = static_cast<std::uint64_t>(ticks);
+    if (number_ > 2 && number <= tick.number)
+      fail("t = " + to_text(t) + " at " + to_text(rate_hz_) + " Hz is tick " +
+           std::to_string(number) + ", and the line before is tick " + std::to_string(tick.number));
+    tick = {number, {value(1), value(2), value(3)}, false, false};
+    return true;
+  }
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(name_ + ": line " + std::to_string(number_) + ": " + what);
+  }
+
+ private:
+  static constexpr std::array<std::string_view, 4> kNames{"t", "x", "y", "z"};
+
+  double value(std::size_t i) const {
+    std::string_view cell;
+    double result = 0;
+    const bool found = find_cell(line_, columns_[i], cell);
+    const char* end = cell.data() + cell.size();
+    const auto read = std::from_chars(cell.data(), end, result);
+    if (!found || read.ec != std::errc() || read.ptr != end)
+      fail("column " + std::string(kNames[i]) + ": " +
+           (found ? "'" + printable_line(cell, 40) + "' is no number" : "not there"));
+    return result;
+  }
+
+  std::string name_;
+  InputBuffer buffer_;
+  std::istream input_{&buffer_};
+  double rate_hz_;
+  std::string line_;
+  std::size_t number_ = 1;
+  std::array<std::size_t, 4> columns_{};
+};
+
+Recording load_text(const InputFile& file, double rate_hz, std::uint64_t limit) {
+  TextLog log(file, rate_hz);
+  Recording recording;
+  for (RecordedTick tick; log.next(tick);) {
+    require_room(file.name(), recording.ticks.size() + 1, limit);
+    recording.ticks.push_back(tick);
+  }
+  if (recording.ticks.empty()) log.fail("no ticks after the names of the columns");
+  return recording;
+}
+
+}  // namespace
+
+Recording load_recording(const std::string& name, double text_rate_hz, std::uint64_t limit) {
+  InputFile file(name);
+  return starts_with_frame(file) ? load_session(std::move(file), limit)
+                                 : load_text(file, text_rate_hz, limit);
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,180 @@
+// What a hand did, from sessions and from texts; and a device that does it again.
+#include "libcore/session/recording.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+
+#include "libcore/base/error.hpp"
+#include "libcore/device/replay.hpp"
+#include "libcore/session/statistics.hpp"
+#include "libcore/session/text.hpp"
+#include "libcore/session/writer.hpp"
+#include "tests/unit/session/ticks.hpp"
+#include "tests/unit/temporary.hpp"
+
+using namespace hapgrid;
+using namespace hapgrid::testing;
+
+namespace {
+
+const TemporaryDirectory directory;
+
+std::string text_file(const std::string& text) {
+  const std::string file = directory.file("x.log");
+  std::ofstream(file, std::ios::trunc) << text;
+  return file;
+}
+
+std::string refusal(const std::string& text, double rate_hz = 1000) {
+  const std::string file = text_file(text);
+  try {
+    load_recording(file, rate_hz);
+  } catch (const Error& e) {
+    const std::string what = e.what();
+    return what.rfind(file, 0) == 0 ? what.substr(file.size()) : what;
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("the hand's part of a session") {
+  std::vector<TickRecord> ticks = random_ticks(5000, 1);
+  const std::string file = directory.file("x.session");
+  SessionWriter writer(file, small_header());
+  for (const TickRecord& tick : ticks) writer.add(tick);
+  writer.finish();
+  const Recording got = load_recording(file, 77);
+  REQUIRE(got.header);
+  CHECK(*got.header == small_header());
+  REQUIRE(got.ticks.size() == ticks.size());
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    const RecordedTick& tick = got.ticks[i];
+    TickRecord copy = ticks[i];
+    copy.hip = tick.hip;
+    if (!same(copy, ticks[i]) || tick.number != ticks[i].number ||
+        tick.clutch != ((ticks[i].flags & 1) != 0) || tick.stalled != ((ticks[i].flags & 2) != 0))
+      ++wrong;
+  }
+  CHECK(wrong == 0);
+  CHECK_THROWS_WITH(
+      load_recording(file, 77, 5000 * sizeof(RecordedTick) - 1),
+      file + ": 5000 ticks or more need " + std::to_string(5000 * sizeof(RecordedTick)) +
+          " bytes of memory, the limit is " + std::to_string(5000 * sizeof(RecordedTick) - 1));
+  CHECK(load_recording(file, 77, 5000 * sizeof(RecordedTick)).ticks.size() == 5000);
+}
+
+TEST_CASE("the hand's part of a text") {
+  const Recording got = load_recording(
+      text_file("# t\ts0\tx\tz\ty\n0.001\t9\t1\t3\t2\n0.0029999999\t9\t-0\tnan\t5e-324\n"), 1000);
+  CHECK_FALSE(got.header);
+  REQUIRE(got.ticks.size() == 2);
+  CHECK(got.ticks[0].number == 1);
+  CHECK(got.ticks[0].hip == Vec3{1, 2, 3});
+  CHECK(got.ticks[1].number == 3);
+  CHECK(std::signbit(got.ticks[1].hip[0]));
+  CHECK(got.ticks[1].hip[1] == 5e-324);
+  CHECK(std::isnan(got.ticks[1].hip[2]));
+
+  CHECK(refusal("") == ": line 1: no session, and no '# t x y z ...' as play --log writes it");
+  CHECK(refusal("0 0 0\n") ==
+        ": line 1: no session, and no '# t x y z ...' as play --log writes it");
+  CHECK(refusal("# t\tx\ty\n") == ": line 1: no column 'z'");
+  CHECK(refusal("# t\tx\ty\tz\n") == ": line 1: no ticks after the names of the columns");
+  CHECK(refusal("# t\tx\ty\tz\n0\t1\t2\n") == ": line 2: column z: not there");
+  CHECK(refusal("# t\tx\ty\tz\n0\t1\tup\t2\n") == ": line 2: column y: 'up' is no number");
+  CHECK(refusal("# t\tx\ty\tz\n-1\t1\t2\t2\n") ==
+        ": line 2: t = -1 at 1000 Hz is no tick's number");
+  CHECK(refusal("# t\tx\ty\tz\nnan\t1\t2\t2\n") ==
+        ": line 2: t = nan at 1000 Hz is no tick's number");
+  CHECK(refusal("# t\tx\ty\tz\n0.001\t1\t2\t2\n0.0014\t1\t2\t2\n") ==
+        ": line 3: t = 0.0014 at 1000 Hz is tick 1, and the line before is tick 1");
+  CHECK(refusal("# t\tx\ty\tz\n0\t1\t2\t2\n0.001\t1\t2\t2\n", 100) ==
+        ": line 3: t = 0.001 at 100 Hz is tick 0, and the line before is tick 0");
+}
+
+TEST_CASE("a session as text reads back to the same hand") {
+  std::vector<TickRecord> ticks = random_ticks(300, 4);
+  std::uint64_t number = 5;
+  for (TickRecord& tick : ticks) tick.number = number += 1 + number % 3;
+  const SessionHeader header = small_header();
+  std::string text = session_text_header();
+  CHECK(text ==
+        "# t\tx\ty\tz\tfx\tfy\tfz\tl0\tl1\tl2\tl3\tl4\tl5\tl6\tl7\trawx\trawy\trawz\tflags\t"
+        "lateness_us\tcompute_us\n");
+  for (const TickRecord& tick : ticks) append_session_text(text, header, tick);
+  const Recording got = load_recording(text_file(text), 1000);
+  REQUIRE(got.ticks.size() == ticks.size());
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    CHECK(got.ticks[i].number == ticks[i].number);
+    for (int a = 0; a < 3; ++a) {
+      const double x = ticks[i].hip[a];
+      CHECK((std::isnan(x) ? std::isnan(got.ticks[i].hip[a]) : got.ticks[i].hip[a] == x));
+    }
+  }
+  TickRecord one{1234, {0.1, 0, 0}, {1, 2, 3}, {-0.5, 0, 0}, {1, 2, 3, 4, 5, 6, 7, 8}, 5, 1500, 10};
+  text.clear();
+  append_session_text(text, header, one);
+  CHECK(text ==
+        "1.234\t0.10000000000000001\t0\t0\t-0.5\t0\t0\t1\t2\t3\t4\t5\t6\t7\t8\t1\t2\t3\t5\t1.5\t"
+        "0.01\n");
+}
+
+TEST_CASE("a replay gives back its ticks, and says what was missed") {
+  ReplayDevice device({{{.position = {1, 2, 3}, .clutch = true}, 0},
+                       {{.position = {4, 5, 6}, .stalled = true, .missed = 99}, 2}});
+  CHECK(device.size() == 2);
+  CHECK(device.info().name == "replay");
+  CHECK(device.info().unit == DeviceInfo::Unit::kModel);
+  CHECK_FALSE(device.info().has_force);
+  DeviceInput input;
+  REQUIRE(device.read(input) == DeviceStatus::kOk);
+  CHECK(input.position == Vec3{1, 2, 3});
+  CHECK((input.clutch && !input.stalled && input.missed == 0));
+  REQUIRE(device.read(input) == DeviceStatus::kOk);
+  CHECK(input.position == Vec3{4, 5, 6});
+  CHECK((!input.clutch && input.stalled && input.missed == 2));
+  CHECK(device.send({0, 1, 0}) == DeviceStatus::kOk);
+  CHECK(device.force() == Vec3{0, 1, 0});
+  CHECK(device.read(input) == DeviceStatus::kEnd);
+  CHECK(device.read(input) == DeviceStatus::kEnd);
+  CHECK(input.position == Vec3{4, 5, 6});
+  CHECK(device.stop() == DeviceStatus::kOk);
+  CHECK(device.force() == Vec3{0, 0, 0});
+}
+
+TEST_CASE("percentiles are at most one percent above those of a sorted list") {
+  std::mt19937_64 random(1);
+  TimeHistogram histogram;
+  CHECK(histogram.percentile(0.5) == 0);
+  std::vector<std::uint32_t> times;
+  for (int i = 0; i < 20000; ++i)
+    times.push_back(static_cast<std::uint32_t>(random() >> (32 + random() % 32)));
+  times.push_back(0xffffffff);
+  for (const std::uint32_t time : times) histogram.add(time);
+  std::sort(times.begin(), times.end());
+  for (const double share : {1e-9, 0.01, 0.5, 0.9, 0.99, 0.999, 1.0}) {
+    const double n = std::ceil(share * static_cast<double>(times.size()));
+    const double exact = times[static_cast<std::size_t>(n) - 1];
+    CHECK(histogram.percentile(share) >= exact);
+    CHECK(histogram.percentile(share) <= exact * 1.01);
+  }
+  CHECK(histogram.max() == 0xffffffff);
+}
+
+TEST_CASE("a session is counted") {
+  SessionStatistics s;
+  const double nan = std::nan("");
+  s.add({10, {}, {nan, nan, nan}, {0, 0, 0}, {}, 1, 5, 7});
+  s.add({11, {}, {3, 4, 0}, {0.6, 0.8, 0}, {}, 9, 6, 7});
+  s.add({15, {}, {-3, 4, 0}, {0, 0, 2}, {}, 0, 6, 7});
+  CHECK(s.ticks == 3);
+  CHECK((s.first == 10 && s.last == 15 && s.skipped == 3));
+  CHECK((s.raw.newtons == 5 && s.raw.tick == 11));
+  CHECK((s.sent.newtons == 2 && s.sent.tick == 15));
+  CHECK(s.not_computed == 1);
+  CHECK((s.flags[0] == 2 && s.flags[3] == 1 && s.flags[1] == 0));
+  CHECK((s.lateness.percentile(0.3) == 5 && s.lateness.percentile(0.5) == 6));
+}
