@@ -1,28 +1,29 @@
-// stats: what is in a grid, as a report, a single value, a dump or a picture.
+// stats: what is in a grid, as a report, a single value, a dump or a picture; and what happened in
+// a play.
 
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iostream>
+#include <istream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/input_stream.hpp"
 #include "libcore/check/dump.hpp"
 #include "libcore/check/motion_log.hpp"
 #include "libcore/check/slice.hpp"
 #include "libcore/check/statistics.hpp"
 #include "libcore/check/text.hpp"
+#include "libcore/session/reader.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/section.hpp"
 #include "tools/common/gnuplot.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/stats/session.hpp"
 
 using namespace hapgrid;
 using Json = nlohmann::ordered_json;
@@ -42,6 +43,7 @@ struct Options {
   std::string log;
   std::string plot;
   std::string labels;
+  SessionOptions session;
   std::string png;
   std::string output = "-";
 };
@@ -138,40 +140,66 @@ void dump(const Grid& grid, const std::string& name) {
   output.commit();
 }
 
-void plot_log(const Options& options) {
+/// Whether anything is asked for that only a session has.
+bool asks_for_session(const SessionOptions& options) {
+  return std::isfinite(options.from) || std::isfinite(options.to) || options.salvage ||
+         !options.export_file.empty();
+}
+
+void plot_text(const InputFile& file, const Options& options) {
+  if (options.plot.empty() || options.png.empty())
+    throw CLI::ValidationError("--log: a log that is text needs --plot and --png");
+  if (asks_for_session(options.session))
+    throw CLI::ValidationError("--from, --to, --export and --salvage are for sessions, not text");
   const auto [x, y] = *parse_pair(options.plot);
   const auto [x_label, y_label] =
       *parse_pair(options.labels.empty() ? options.plot : options.labels);
-  std::vector<XY> ticks;
-  std::string name = "standard input";
-  if (options.log == "-") {
-    ticks = read_log(std::cin, name, x, y);
-  } else {
-    name = options.log;
-    errno = 0;
-    std::ifstream file(name);
-    if (!file) throw std::system_error(errno, std::generic_category(), name);
-    ticks = read_log(file, name, x, y);
-  }
+  InputBuffer buffer(file);
+  std::istream lines(&buffer);
+  const std::vector<XY> ticks = read_log(lines, file.name(), x, y);
   write_picture(
       options.png,
       motion_script(split_motion(ticks), y_label + " over " + x_label + ", there and back",
-                    name + ": " + std::to_string(ticks.size()) + " ticks", x_label, y_label));
+                    file.name() + ": " + std::to_string(ticks.size()) + " ticks", x_label,
+                    y_label));
+}
+
+/// A session or a text, whichever the content is.
+void show_log(const Options& options) {
+  InputFile file(options.log);
+  if (!starts_with_frame(file)) {
+    plot_text(file, options);
+    return;
+  }
+  if (!options.plot.empty())
+    throw CLI::ValidationError(
+        "--plot draws a log that is text; the picture of a session is --png "
+        "alone");
+  SessionOptions session = options.session;
+  session.png = options.png;
+  session.format = options.format;
+  session.output = options.output;
+  run_session(std::move(file), session);
 }
 
 int run(const Options& options) {
-  const bool draws_log = !options.log.empty();
-  if (!options.get.empty() + options.dump + !options.slice.empty() + draws_log > 1)
+  const bool reads_log = !options.log.empty();
+  if (!options.get.empty() + options.dump + !options.slice.empty() + reads_log > 1)
     throw CLI::ValidationError("--get, --dump, --slice and --log exclude each other");
-  if (options.png.empty() != (options.slice.empty() && !draws_log))
-    throw CLI::ValidationError("--png needs --slice or --log, and each of them needs --png");
-  if (draws_log != !options.plot.empty())
-    throw CLI::ValidationError("--log and --plot need each other");
-  if (!options.labels.empty() && !draws_log) throw CLI::ValidationError("--labels needs --log");
+  if (!options.slice.empty() && options.png.empty())
+    throw CLI::ValidationError("--slice needs --png");
+  if (!options.png.empty() && options.slice.empty() && !reads_log)
+    throw CLI::ValidationError("--png needs --slice or --log");
+  if (!options.plot.empty() && !reads_log) throw CLI::ValidationError("--plot needs --log");
+  if (!options.labels.empty() && options.plot.empty())
+    throw CLI::ValidationError("--labels needs --plot");
+  if (asks_for_session(options.session) && !reads_log)
+    throw CLI::ValidationError("--from, --to, --export and --salvage need --log");
   if (!options.get.empty()) require_known_key(options.get);
-  if (draws_log) {
-    if (!options.shards.empty()) throw CLI::ValidationError("--log draws a log and reads no shard");
-    plot_log(options);
+  if (reads_log) {
+    if (!options.shards.empty())
+      throw CLI::ValidationError("--log tells of a play and reads no shard");
+    show_log(options);
     return kExitDone;
   }
   const std::vector<std::string> shards = inputs_or_stdin(options.shards);
@@ -218,7 +246,9 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Tells what is in a grid, complete or not: the row of the paper's Table 2 and more.");
+      "Tells what is in a grid, complete or not: the row of the paper's Table 2 and more; with "
+      "--log,\n"
+      "what happened in a play.");
   Options options;
   add_inputs(app, options.shards, "Shards that hold one grid together");
   app.add_option("--reports", options.reports,
@@ -243,10 +273,34 @@ int main(int argc, char** argv) {
       ->check([](const std::string& text) {
         return parse_plane(text) ? "" : "'" + text + "' is not like z=0.25";
       });
-  app.add_option("--log", options.log,
-                 "Draw from a log that play --log wrote ('-': standard input) instead of reading a "
-                 "grid")
+  app.add_option(
+         "--log", options.log,
+         "Instead of reading a grid, read what play --log wrote ('-': standard input). Of a "
+         "session: print a report, or draw it (--png), or write it as text (--export); of a "
+         "text: draw two columns (--plot and --png)")
       ->type_name("FILE");
+  const auto is_finite = CLI::Validator(
+      [](const std::string& text) {
+        double value = std::nan("");
+        return CLI::detail::lexical_cast(text, value) && std::isfinite(value)
+                   ? std::string()
+                   : "'" + text + "' is not a number of seconds";
+      },
+      "");
+  app.add_option("--from", options.session.from, "Only a session's ticks from this time on")
+      ->type_name("SECONDS")
+      ->check(is_finite);
+  app.add_option("--to", options.session.to, "Only a session's ticks before this time")
+      ->type_name("SECONDS")
+      ->check(is_finite);
+  app.add_option(
+         "--export", options.session.export_file,
+         "Write a session's ticks as text ('-': standard output), a line each, separated by "
+         "tabs")
+      ->type_name("FILE");
+  app.add_flag("--salvage", options.session.salvage,
+               "Take what can be read of a session that was interrupted (FILE.part) or is damaged; "
+               "the report says how much is lost");
   const auto is_pair = [](const std::string& text) {
     return parse_pair(text) ? "" : "'" + text + "' is not two texts with a comma between";
   };
@@ -262,18 +316,30 @@ int main(int argc, char** argv) {
   app.add_option("--png", options.png, "Where the picture goes; gnuplot draws it")
       ->type_name("FILE");
   add_output(app, options.output);
-  describe(app, "stats",
-           "What the numbers mean (null or '-' where there is nothing to divide by):\n"
-           "  norm                how the tolerance is applied: max or rms of the components'\n"
-           "                      differences; plug-in: its own function\n"
-           "  average_levels      records per point that has a level\n"
-           "  share_reached       points that have a level, of all points\n"
-           "  levels_histogram    entry k: points that have k levels, k = 0, 1, ...\n"
-           "  irreversible_share  of the links that can be followed there and back, those that do\n"
-           "                      not come back to the level they started from\n"
-           "  conversions         evaluations of C that the grid needed: in-box directions of all\n"
-           "                      records but the frontier's\n"
-           "  bytes               size of the shards as stored (compressed)\n"
-           "  cpu_hours           CPU seconds of --reports / 3600\n");
+  describe(
+      app, "stats",
+      "What the numbers mean (null or '-' where there is nothing to divide by):\n"
+      "  norm                how the tolerance is applied: max or rms of the components'\n"
+      "                      differences; plug-in: its own function\n"
+      "  average_levels      records per point that has a level\n"
+      "  share_reached       points that have a level, of all points\n"
+      "  levels_histogram    entry k: points that have k levels, k = 0, 1, ...\n"
+      "  irreversible_share  of the links that can be followed there and back, those that do\n"
+      "                      not come back to the level they started from\n"
+      "  conversions         evaluations of C that the grid needed: in-box directions of all\n"
+      "                      records but the frontier's\n"
+      "  bytes               size of the shards as stored (compressed)\n"
+      "  cpu_hours           CPU seconds of --reports / 3600\n"
+      "\n"
+      "In the report of a session:\n"
+      "  missed              numbers of ticks between the first and the last one that are not\n"
+      "                      there; JSON: null if the disk was too slow for others of them\n"
+      "  dropped             ticks of the whole session that the disk was too slow for\n"
+      "  largest_force       of the magnitudes, in newtons, as sent; raw: before the safety core\n"
+      "  force_not_computed  ticks without a raw force\n"
+      "  flags               ticks in which each flag was set\n"
+      "  lateness_us         from when a tick was due to when it started, in microseconds;\n"
+      "                      percentiles are at most 1 % too high, the maximum is exact\n"
+      "  compute_us          from a tick's start until its force was sent\n");
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

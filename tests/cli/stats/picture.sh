@@ -61,11 +61,15 @@ refuses 'stats: gnuplot: no fonts' -- env PATH="$PWD/tools" stats grid --slice x
 nothing_left empty
 
 see='\(see stats --help\)'
-needs="stats: --png needs --slice or --log, and each of them needs --png $see"
-expect 2 '' "~$needs" -- stats grid --slice z=0
-expect 2 '' "~$needs" -- stats grid --png z.png
-expect 2 '' "~stats: --log and --plot need each other $see" -- stats --log log --png z.png
-expect 2 '' "~stats: --log draws a log and reads no shard $see" -- \
+expect 2 '' "~stats: --slice needs --png $see" -- stats grid --slice z=0
+expect 2 '' "~stats: --png needs --slice or --log $see" -- stats grid --png z.png
+expect 2 '' "~stats: --plot needs --log $see" -- stats grid --plot x,s0
+expect 2 '' "~stats: --labels needs --plot $see" -- stats --log log --labels x,s0 --png z.png
+expect 2 '' "~stats: --log: a log that is text needs --plot and --png $see" -- \
+  stats --log log --png z.png
+expect 2 '' "~stats: --log: a log that is text needs --plot and --png $see" -- \
+  stats --log log --plot x,s0
+expect 2 '' "~stats: --log tells of a play and reads no shard $see" -- \
   stats grid --log log --plot x,s0 --png z.png
 for slice in w=0 z z= z=up z=nan z=0,5 'z =0'; do
   expect 2 '' "~stats: --slice: '$slice' is not like z=0\.25 $see" -- \

@@ -1,0 +1,24 @@
+// stats --log of a session: report, picture, text.
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "libcore/base/file.hpp"
+
+namespace hapgrid {
+
+struct SessionOptions {
+  double from = -std::numeric_limits<double>::infinity();  ///< seconds
+  double to = std::numeric_limits<double>::infinity();     ///< seconds; up to there, without it
+  bool salvage = false;
+  std::string png;          ///< empty: no picture
+  std::string export_file;  ///< empty: no text
+  std::string format;       ///< of the report, which there is where there is none of both
+  std::string output;       ///< of the report
+};
+
+/// @throw Error, std::system_error
+void run_session(InputFile file, const SessionOptions& options);
+
+}  // namespace hapgrid

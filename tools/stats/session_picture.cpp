@@ -1,0 +1,275 @@
+#include "tools/stats/session_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "libcore/base/text.hpp"
+#include "libcore/check/text.hpp"
+#include "tools/common/gnuplot.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr std::uint64_t kMostColumns = 1500;
+constexpr double kLargest = 1e30;  // more is no curve that anybody looks at
+constexpr double kLeastMicroseconds = 0.01;
+
+// Pixels.
+constexpr double kWidth = 1300;
+constexpr double kLeft = 165;
+constexpr double kRight = 190;  // for the legends
+constexpr double kTop = 75;
+constexpr double kPanel = 230;
+constexpr double kGap = 30;
+constexpr double kFlagRow = 22;
+constexpr double kBottom = 65;
+
+/// Okabe and Ito's, dark for x y z, and lighter ones of the same hues.
+constexpr std::array kAxisColours{"#0072b2", "#d55e00", "#009e73"};
+constexpr std::array kLightColours{"#9fd3f0", "#f7c39a", "#9fdcc8"};
+
+/// A panel's place: its upper and lower edge in pixels from the picture's top.
+std::string place(double height, double top, double bottom) {
+  const auto y = [&](double pixels) { return rounded(1 - pixels / height); };
+  return "set lmargin at screen " + rounded(kLeft / kWidth) + "\nset rmargin at screen " +
+         rounded(1 - kRight / kWidth) + "\nset tmargin at screen " + y(top) +
+         "\nset bmargin at screen " + y(bottom) + "\nset key at screen " +
+         rounded(1 - (kRight - 12) / kWidth) + ", screen " + y(top) +
+         " left top vertical Left reverse samplen 2 spacing 1.2\n";
+}
+
+void append_point(std::string& script, double x, double y) {
+  script += to_text(x) + ' ' + to_text(y) + '\n';
+}
+
+/// Room above and below; some for a curve that never changes.
+std::string y_range(double low, double high) {
+  const double margin = high > low ? 0.06 * (high - low) : std::max(std::abs(high), 1e-3);
+  return "set yrange [" + to_text(low - margin) + ":" + to_text(high + margin) + "]\n";
+}
+
+std::string curve(const std::string& data, double width, const std::string& colour,
+                  const std::string& title) {
+  return data + " with lines lw " + rounded(width) + " lc rgb '" + colour + "' title " +
+         gnuplot_string(title);
+}
+
+}  // namespace
+
+void SessionCurves::Range::take(double value) {
+  if (!(std::abs(value) <= kLargest)) return;
+  low = any ? std::min(low, value) : value;
+  high = any ? std::max(high, value) : value;
+  any = true;
+}
+
+SessionCurves::SessionCurves(SessionHeader header, std::uint64_t first, std::uint64_t last)
+    : header_(std::move(header)),
+      first_(first),
+      last_(last),
+      columns_(static_cast<std::size_t>(std::min(last - first, kMostColumns - 1) + 1)) {}
+
+void SessionCurves::add(const TickRecord& tick) {
+  // In doubles: the last number may be anything below 2^64.
+  const double part =
+      static_cast<double>(tick.number - first_) / (static_cast<double>(last_ - first_) + 1);
+  const auto at = static_cast<std::size_t>(part * static_cast<double>(columns_.size()));
+  Column& column = columns_[std::min(at, columns_.size() - 1)];
+  if (!column.any) column.first = tick.number;
+  column.any = true;
+  column.last = tick.number;
+  for (std::size_t a = 0; a < 3; ++a) {
+    column.series[a].take(tick.force[a]);
+    column.series[3 + a].take(tick.raw_force[a]);
+    column.series[6 + a].take(tick.hip[a]);
+  }
+  column.flags |= tick.flags;
+  column.lateness_us = std::max(column.lateness_us, tick.lateness_ns / 1e3);
+  column.compute_us = std::max(column.compute_us, tick.compute_ns / 1e3);
+}
+
+/// Where the next column begins.
+double SessionCurves::time_end(std::size_t column) const {
+  return header_.time_of(columns_[column].last) + 1 / header_.rate_hz;
+}
+
+/// Whether a curve must not be drawn through what lies between: many ticks, and more than can be
+/// told apart in the picture.
+bool SessionCurves::gap_before(std::size_t column, std::size_t before) const {
+  const std::uint64_t missing = columns_[column].first - columns_[before].last;
+  const auto width = static_cast<double>(last_ - first_) / static_cast<double>(columns_.size());
+  return static_cast<double>(missing) > std::max(10.0, 2 * width);
+}
+
+void SessionCurves::append_series(std::string& script, std::size_t series) const {
+  script += "$s" + std::to_string(series) + " << END\n";
+  bool any = false;
+  std::size_t before = 0;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (!columns_[c].any) continue;
+    const Range& range = columns_[c].series[series];
+    // An empty line ends a line.
+    if (any && (!range.any || gap_before(c, before))) script += '\n';
+    any = range.any;
+    before = c;
+    if (!range.any) continue;
+    const double t = header_.time_of(columns_[c].first);
+    append_point(script, t, range.low);
+    if (range.high > range.low) append_point(script, t, range.high);
+  }
+  // gnuplot wants something to plot.
+  script += "\n0 NaN\nEND\n";
+}
+
+void SessionCurves::append_times(std::string& script, const char* name,
+                                 double Column::*member) const {
+  script += std::string("$") + name + " << END\n";
+  bool any = false;
+  std::size_t before = 0;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (!columns_[c].any) continue;
+    if (any && gap_before(c, before)) script += '\n';
+    any = true;
+    before = c;
+    append_point(script, header_.time_of(columns_[c].first),
+                 std::max(columns_[c].*member, kLeastMicroseconds));
+  }
+  script += "END\n";
+}
+
+/// Rectangles x y, x from to, y from to, where the flag was set.
+void SessionCurves::append_flag(std::string& script, std::size_t flag) const {
+  script += "$f" + std::to_string(flag) + " << END\n";
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    const auto set = [&](std::size_t i) { return (columns_[i].flags >> flag & 1) != 0; };
+    if (!set(c)) continue;
+    const double begin = header_.time_of(columns_[c].first);
+    while (c + 1 < columns_.size() && set(c + 1)) ++c;
+    const double end = time_end(c);
+    script += to_text((begin + end) / 2) + " 0 " + to_text(begin) + " " + to_text(end) + "\n";
+  }
+  script += "END\n";
+}
+
+SessionCurves::Range SessionCurves::range(std::size_t first_series, std::size_t last_series) const {
+  Range all;
+  for (const Column& column : columns_)
+    for (std::size_t s = first_series; s < last_series; ++s)
+      if (column.series[s].any) {
+        all.take(column.series[s].low);
+        all.take(column.series[s].high);
+      }
+  return all;
+}
+
+SessionCurves::Range SessionCurves::time_range() const {
+  Range all;
+  for (const Column& column : columns_) {
+    if (!column.any) continue;
+    all.take(std::max(column.lateness_us, kLeastMicroseconds));
+    all.take(std::max(column.compute_us, kLeastMicroseconds));
+  }
+  return all;
+}
+
+std::string SessionCurves::force_panel() const {
+  const Range all = range(0, 6);
+  std::string script = y_range(all.low, all.high) + "set ylabel 'force / N'\nplot ";
+  for (std::size_t a = 0; a < 3; ++a)
+    script += curve("$s" + std::to_string(3 + a), 5, kLightColours[a],
+                    std::string(1, "xyz"[a]) + ", before safety") +
+              ", ";
+  for (std::size_t a = 0; a < 3; ++a)
+    script += (a == 0 ? "" : ", ") + curve("$s" + std::to_string(a), 1.5, kAxisColours[a],
+                                           std::string(1, "xyz"[a]) + ", as sent");
+  return script + "\n";
+}
+
+std::string SessionCurves::hip_panel() const {
+  const Range all = range(6, 9);
+  const std::string unit =
+      header_.length_unit.empty() ? "model's unit" : printable_line(header_.length_unit, 24);
+  std::string script =
+      y_range(all.low, all.high) + "set ylabel " + gnuplot_string("HIP / " + unit) + "\nplot ";
+  for (std::size_t a = 0; a < 3; ++a)
+    script += (a == 0 ? "" : ", ") +
+              curve("$s" + std::to_string(6 + a), 1.5, kAxisColours[a], std::string(1, "xyz"[a]));
+  return script + "\n";
+}
+
+std::string SessionCurves::time_panel() const {
+  const Range all = time_range();
+  return "set logscale y\nset format y '%g'\nset yrange [" + to_text(all.low / 2) + ":" +
+         to_text(all.high * 2) + "]\nset ylabel 'largest time / µs'\nplot " +
+         curve("$lateness", 1.5, "#cc79a7", "lateness") + ", " +
+         curve("$compute", 1.5, "#000000", "compute time") + "\nunset logscale y\n";
+}
+
+std::string SessionCurves::flag_panel(const std::vector<std::size_t>& flags) const {
+  // A row a flag, the first on top.
+  const std::size_t rows = std::max<std::size_t>(flags.size(), 1);
+  std::string script = "unset key\nunset ylabel\nset yrange [" +
+                       rounded(static_cast<double>(rows) - 0.5) + ":-0.5]\nset ytics (";
+  std::string plots;
+  for (std::size_t row = 0; row < flags.size(); ++row) {
+    const std::string& name = header_.flags[flags[row]];
+    const std::string y = std::to_string(row);
+    script += (row == 0 ? "" : ", ") + gnuplot_string(plain(name.substr(0, 16))) + " " + y;
+    const char* colour = name == kLevelFlag              ? "#0072b2"
+                         : name.starts_with(kSafetyFlag) ? "#d55e00"
+                                                         : "#777777";
+    plots += (row == 0 ? "" : ", ") + ("$f" + std::to_string(flags[row])) + " using 1:($2+" + y +
+             "):3:4:($2+" + y + "-0.35):($2+" + y + "+0.35) with boxxyerror fc rgb '" + colour +
+             "' fs solid 1 border rgb '" + colour + "' notitle";
+  }
+  if (flags.empty()) {
+    script += "'no flag' 0";
+    plots = "NaN notitle";
+  }
+  return script + ")\nset format x\nset xlabel 'time / s'\nplot " + plots + "\n";
+}
+
+std::string SessionCurves::script(const std::string& subtitle) const {
+  std::uint32_t seen = 0;
+  for (const Column& column : columns_) seen |= column.flags;
+  std::vector<std::size_t> flags;
+  for (std::size_t i = 0; i < header_.flags.size(); ++i)
+    if ((seen >> i & 1) != 0) flags.push_back(i);
+
+  const double strip = kFlagRow * std::max(1.0, static_cast<double>(flags.size())) + 8;
+  const double height = kTop + 3 * (kPanel + kGap) + strip + kBottom;
+  const auto y = [&](double pixels) { return rounded(1 - pixels / height); };
+  std::string script = "set encoding utf8\nset terminal pngcairo noenhanced size " +
+                       rounded(kWidth) + "," + rounded(std::round(height)) + " font 'sans,12'\n";
+  for (std::size_t s = 0; s < kSeries; ++s) append_series(script, s);
+  append_times(script, "lateness", &Column::lateness_us);
+  append_times(script, "compute", &Column::compute_us);
+  for (const std::size_t flag : flags) append_flag(script, flag);
+
+  script += "set multiplot\nset label 1 " +
+            gnuplot_string("Session with " + plain(header_.model.substr(0, 40))) +
+            " at screen 0.5, screen " + y(25) + " center font 'sans,14'\nset label 2 " +
+            gnuplot_string(subtitle) + " at screen 0.5, screen " + y(50) + " center\n";
+  const double half = 0.5 / header_.rate_hz;
+  script += "set xrange [" + to_text(header_.time_of(first_) - half) + ":" +
+            to_text(header_.time_of(last_) + half) +
+            "]\nset tics out nomirror\nset grid lc rgb '#dddddd' lt 1\nset format x ''\n"
+            "set ylabel offset 0\n";
+  double top = kTop;
+  const auto next = [&](double size) {
+    script += place(height, top, top + size);
+    top += size + kGap;
+  };
+  next(kPanel);
+  script += force_panel() + "unset label 1\nunset label 2\n";
+  next(kPanel);
+  script += hip_panel();
+  next(kPanel);
+  script += time_panel();
+  next(strip);
+  return script + flag_panel(flags) + "unset multiplot\n";
+}
+
+}  // namespace hapgrid
