@@ -93,7 +93,9 @@ OutputFile::OutputFile(std::string name, bool binary, Unfinished unfinished)
     const std::string part = target_ + ".part";
     owned_ = FileDescriptor(::open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666));
     if (!owned_ && errno == EEXIST)
-      throw Error(part + ": is there already, from a run that is not over or was interrupted");
+      throw Error(part +
+                  ": is there already, from a run that is not over or was "
+                  "interrupted: move it away");
     if (!owned_) fail(part);
     temporary_ = part;
     stays_ = true;

@@ -44,9 +44,11 @@ void append_point(std::string& script, double x, double y) {
   script += to_text(x) + ' ' + to_text(y) + '\n';
 }
 
-/// Room above and below; some for a curve that never changes.
+/// Room above and below; some for a curve that hardly ever changes, as far as gnuplot can tell.
 std::string y_range(double low, double high) {
-  const double margin = high > low ? 0.06 * (high - low) : std::max(std::abs(high), 1e-3);
+  const double size = std::max(std::abs(low), std::abs(high));
+  const double margin =
+      high - low > std::max(1e-9 * size, 1e-30) ? 0.06 * (high - low) : std::max(size, 1e-3);
   return "set yrange [" + to_text(low - margin) + ":" + to_text(high + margin) + "]\n";
 }
 
@@ -252,7 +254,8 @@ std::string SessionCurves::script(const std::string& subtitle) const {
             gnuplot_string("Session with " + plain(header_.model.substr(0, 40))) +
             " at screen 0.5, screen " + y(25) + " center font 'sans,14'\nset label 2 " +
             gnuplot_string(subtitle) + " at screen 0.5, screen " + y(50) + " center\n";
-  const double half = 0.5 / header_.rate_hz;
+  // At least what gnuplot can tell apart.
+  const double half = std::max(0.5 / header_.rate_hz, 1e-9 * std::abs(header_.time_of(last_)));
   script += "set xrange [" + to_text(header_.time_of(first_) - half) + ":" +
             to_text(header_.time_of(last_) + half) +
             "]\nset tics out nomirror\nset grid lc rgb '#dddddd' lt 1\nset format x ''\n"

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "libcore/base/text.hpp"
 #include "libcore/check/text.hpp"
@@ -83,9 +85,15 @@ std::string session_text(const SessionReader& session, const SessionStatistics& 
   const Box& box = header.box;
   const double start = header.time_of(s.first);
   const double end = header.time_of(s.last);
+  std::vector<std::string> flags;
+  std::size_t width = std::string_view("largest force").size();
+  for (const std::string& name : header.flags) {
+    flags.push_back("flag " + printable_line(name, 40));
+    width = std::max(width, flags.back().size());
+  }
   std::string text;
   const auto line = [&](std::string name, const std::string& value) {
-    name.resize(std::max<std::size_t>(name.size() + 1, 18), ' ');
+    name.resize(width + 1, ' ');
     text += name + value + "\n";
   };
   line("model", printable_line(header.model));
@@ -113,7 +121,7 @@ std::string session_text(const SessionReader& session, const SessionStatistics& 
   line("lateness", times_text(s.lateness));
   line("compute time", times_text(s.compute));
   for (std::size_t i = 0; i < header.flags.size(); ++i)
-    line("flag " + printable_line(header.flags[i], 40), share_text(s.flags[i], s.ticks));
+    line(flags[i], share_text(s.flags[i], s.ticks));
   return text;
 }
 
