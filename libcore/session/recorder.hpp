@@ -6,7 +6,7 @@
 // than the ring is long, ticks are dropped and counted. A play without a pace has no deadlines: its
 // ticks are written where they happen, and all of them are.
 //
-// add() takes some 50 ns, the slow thread 1 us a tick (tests/bench/session.cpp).
+// add() takes some 0.1 us, the slow thread 1 us a tick (tests/bench/session.cpp).
 #pragma once
 
 #include <atomic>
