@@ -1,4 +1,4 @@
-// Threads that no signal interrupts.
+// Signals belong to the thread that the tool waits in: no thread of the library takes one.
 #pragma once
 
 #include <pthread.h>
@@ -6,18 +6,18 @@
 
 namespace hapgrid {
 
-/// While it lives signals are blocked in this thread: a thread that is started now never gets one.
-/// The handlers of a tool have to interrupt the thread that waits, which is another one.
-class SignalsBlocked {
+/// While it lives all signals are blocked in this thread, and so for good in a thread that is
+/// started now. The handlers of play have to interrupt the haptic loop, which is another thread.
+class BlockedSignals {
  public:
-  SignalsBlocked() {
+  BlockedSignals() {
     sigset_t all;
     ::sigfillset(&all);
     ::pthread_sigmask(SIG_SETMASK, &all, &before_);
   }
-  ~SignalsBlocked() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  SignalsBlocked(const SignalsBlocked&) = delete;
-  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
 
  private:
   sigset_t before_;

@@ -1,14 +1,18 @@
 #include "libcore/base/toml.hpp"
 
-#include <cstdint>
+#include <algorithm>
+#include <cmath>
 #include <cstring>
-#include <string_view>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 
 namespace hapgrid {
 
 namespace {
+
+// Beyond this a whole number has no exact double.
+constexpr std::int64_t kExact = std::int64_t{1} << 53;
 
 // toml++ limits how deep values nest but not how many parts a dotted key has, and goes through them
 // by recursion: a key of a megabyte of dots would overflow the stack.
@@ -29,18 +33,94 @@ std::uint64_t overlong_key(const std::string& text) {
 
 }  // namespace
 
-toml::table parse_toml(const std::string& text, const std::string& name) {
-  const auto refuse = [&](std::uint64_t line, const std::string& what) {
-    throw Error(name + ": line " + std::to_string(line) + ": " + what);
-  };
+TomlFile::TomlFile(const std::string& text, std::string name) : name_(std::move(name)) {
   if (const std::uint64_t line = overlong_key(text))
-    refuse(line, "a key of more than " + std::to_string(kMaxKeyParts) + " parts");
+    fail(line, "a key of more than " + std::to_string(kMaxKeyParts) + " parts");
   try {
-    return toml::parse(text, std::string_view());
+    root_ = toml::parse(text, std::string_view());
   } catch (const toml::parse_error& e) {
-    refuse(e.source().begin.line, std::string(e.description()));
+    fail(e.source().begin.line, std::string(e.description()));
   }
-  return {};
+}
+
+void TomlFile::fail(std::uint64_t line, const std::string& what) const {
+  // Nodes that an override made have no place in the file.
+  throw Error(name_ + ": " + (line ? "line " + std::to_string(line) + ": " : "") + what);
+}
+
+void TomlFile::fail(const toml::node& node, const std::string& what) const {
+  fail(node.source().begin.line, what);
+}
+
+void TomlFile::only_keys(const toml::table& table, const std::string& prefix,
+                         std::initializer_list<std::string_view> known) const {
+  for (const auto& [key, value] : table) {
+    if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
+    std::string names;
+    for (const std::string_view k : known) names += (names.empty() ? "" : ", ") + std::string(k);
+    fail(key.source().begin.line,
+         "unknown key " + prefix + std::string(key.str()) + " (known: " + names + ")");
+  }
+}
+
+const toml::table& TomlFile::table(const toml::table& in, const std::string& key) const {
+  const toml::node* node = in.get(key);
+  if (!node) fail(0, "the table [" + key + "] is missing");
+  if (!node->is_table()) fail(*node, key + " must be a table");
+  return *node->as_table();
+}
+
+const toml::node& TomlFile::required(const toml::table& in, const std::string& prefix,
+                                     const char* key) const {
+  const toml::node* node = in.get(key);
+  if (!node) fail(in, "the key " + prefix + key + " is missing");
+  return *node;
+}
+
+std::string TomlFile::text(const toml::node& node, const std::string& key) const {
+  if (!node.is_string()) fail(node, key + " must be a text in quotes");
+  return **node.as_string();
+}
+
+const toml::array& TomlFile::array(const toml::node& node, const std::string& key) const {
+  if (!node.is_array()) fail(node, key + " must be an array");
+  return *node.as_array();
+}
+
+bool TomlFile::boolean(const toml::node& node, const std::string& key) const {
+  if (!node.is_boolean()) fail(node, key + " must be true or false");
+  return **node.as_boolean();
+}
+
+double TomlFile::number(const toml::node& node, const std::string& key) const {
+  double value = 0;
+  if (node.is_integer()) {
+    const std::int64_t whole_value = **node.as_integer();
+    if (whole_value > kExact || whole_value < -kExact) fail(node, key + " is beyond 2^53");
+    value = static_cast<double>(whole_value);
+  } else if (node.is_floating_point()) {
+    value = **node.as_floating_point();
+  } else {
+    fail(node, key + " must be a number");
+  }
+  if (!std::isfinite(value)) fail(node, key + " is not finite");
+  return value;
+}
+
+std::int64_t TomlFile::whole(const toml::node& node, const std::string& key, std::int64_t least,
+                             std::int64_t most) const {
+  const std::string range =
+      " must be a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+  if (!node.is_integer()) fail(node, key + range);
+  const std::int64_t value = **node.as_integer();
+  if (value < least || value > most) fail(node, key + range + ", not " + std::to_string(value));
+  return value;
+}
+
+std::vector<double> TomlFile::numbers(const toml::node& node, const std::string& key) const {
+  std::vector<double> values;
+  for (const toml::node& entry : array(node, key)) values.push_back(number(entry, key));
+  return values;
 }
 
 }  // namespace hapgrid

@@ -28,16 +28,23 @@ class HidChannel {
 /// How patient to be with a device; seconds.
 struct HidTiming {
   double stall = 0.1;      ///< silent for longer is DeviceInput::stalled; 0: silence is its rest
-  double watchdog = 0.05;  ///< no send() for longer: HidDevice writes zero force by itself
-  double keep_alive = 0;   ///< the force is repeated this often, if nothing new comes; 0: never
+  double watchdog = 0.05;  ///< no send() for longer: HidDevice writes zero force; 0: never
+  /// How often keep_alive() is written or, where it is empty, the force repeated when nothing new
+  /// came; 0: never.
+  double keep_alive = 0;
 };
 
+/// decode() and encode() are called from two threads at the same time: neither may write anything
+/// in the object that the other one uses.
 class HidProtocol {
  public:
   virtual ~HidProtocol() = default;
 
   virtual DeviceInfo info() const = 0;
   virtual HidTiming timing() const = 0;
+  /// Whether the device's input reports begin with an id. hidapi does not say, and hands out those
+  /// of a device without ids without the 0 that it wants to see in what is written.
+  virtual bool numbered() const { return true; }
 
   /// Once, before any report is read or written: takes the device into use, without force.
   /// @throw DeviceError, one line that says what the device did not do.
@@ -49,8 +56,11 @@ class HidProtocol {
   /// out. `reports` is what the last call left: storage to write into. No allocation after the
   /// first call.
   virtual void encode(const Vec3& force, std::vector<HidReport>& reports) noexcept = 0;
-  /// The output reports that leave the device without force, whatever state it is in: the last
-  /// thing that is written, by HidDevice and by whoever watches over it from another process.
+  /// The output reports of a device that wants to hear something beside the force; see HidTiming.
+  virtual std::vector<HidReport> keep_alive() const { return {}; }
+  /// The output reports that leave the device without force, whatever state it is in, also before
+  /// start(): the last thing that is written, by HidDevice and by whoever watches over it from
+  /// another process (HidGuard).
   virtual std::vector<HidReport> stop() const = 0;
 };
 

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <signal.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -12,6 +11,7 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/signals.hpp"
 
 namespace hapgrid {
 
@@ -131,6 +131,7 @@ KeyboardDevice::KeyboardDevice(const KeyboardOptions& options)
   if (::tcsetattr(terminal_.get(), TCSANOW, &mode) != 0)
     throw std::system_error(errno, std::generic_category(), "/dev/tty");
   for (int a = 0; a < 3; ++a) target_[a] = options.start[a];
+  const BlockedSignals blocked;
   listener_ = std::jthread([this](const std::stop_token& token) { listen(token); });
 }
 
@@ -142,9 +143,6 @@ DeviceStatus KeyboardDevice::stop() noexcept {
 }
 
 void KeyboardDevice::listen(const std::stop_token& token) {
-  sigset_t all;  // signals are the main thread's
-  sigfillset(&all);
-  ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
   while (!token.stop_requested()) {
     pollfd waiting{terminal_.get(), POLLIN, 0};
     const int ready = ::poll(&waiting, 1, kPollMs);

@@ -1,20 +1,18 @@
 #include "libcore/haptic/watchdog.hpp"
 
-#include <signal.h>
-
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <utility>
 
+#include "libcore/base/signals.hpp"
+
 namespace hapgrid {
 
 Watchdog::Watchdog(const std::atomic<std::uint64_t>& heartbeat, std::chrono::milliseconds patience,
                    std::function<void()> hung) {
+  const BlockedSignals blocked;
   thread_ = std::jthread([&heartbeat, patience, hung = std::move(hung)](std::stop_token token) {
-    sigset_t all;  // signals are the main thread's
-    sigfillset(&all);
-    ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
     using Clock = std::chrono::steady_clock;
     std::mutex mutex;
     std::condition_variable_any wake;

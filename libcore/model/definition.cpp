@@ -1,8 +1,6 @@
 #include "libcore/model/definition.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <initializer_list>
 #include <sstream>
 #include <string_view>
 
@@ -14,24 +12,21 @@ namespace hapgrid {
 
 namespace {
 
-// Beyond this a whole number has no exact double.
-constexpr std::int64_t kExact = std::int64_t{1} << 53;
-
 // The contents of all files together: they go into every shard's header.
 constexpr std::size_t kMaxFileBytes = 2 << 20;
 
-class Reader {
+class Reader : private TomlFile {
  public:
   Reader(const std::string& text, const std::string& name,
          const std::vector<std::string>& overrides)
-      : name_(name), root_(parse_toml(text, name)) {
+      : TomlFile(text, name) {
     for (const std::string& entry : overrides) set(entry);
   }
 
   Definition read(const std::function<std::string(const std::string&)>& read_file) const {
     Definition d;
-    only_keys(root_, "", {"model", "grid", "search", "seeds", "play"});  // [play] is play's own
-    const toml::table& model = table(root_, "model");
+    only_keys(root(), "", {"model", "grid", "search", "seeds", "play"});
+    const toml::table& model = table(root(), "model");
     only_keys(model, "model.", {"plugin", "process", "name", "parameters", "files"});
     if (model.contains("process")) {
       d.process = process(model);
@@ -45,7 +40,7 @@ class Reader {
     std::sort(d.parameters.begin(), d.parameters.end(),
               [](const Parameter& a, const Parameter& b) { return a.key < b.key; });
 
-    const toml::table& grid = table(root_, "grid");
+    const toml::table& grid = table(root(), "grid");
     only_keys(grid, "grid.", {"origin", "spacing", "counts"});
     d.box.origin = position(required(grid, "grid.", "origin"), "grid.origin");
     d.box.spacing = number(required(grid, "grid.", "spacing"), "grid.spacing");
@@ -60,32 +55,24 @@ class Reader {
       fail(grid, e.what());
     }
 
-    if (root_.contains("search")) {
-      const toml::table& search = table(root_, "search");
+    if (root().contains("search")) {
+      const toml::table& search = table(root(), "search");
       only_keys(search, "search.", {"max_levels"});
       if (const toml::node* limit = search.get("max_levels"))
         d.max_levels =
             static_cast<std::uint32_t>(whole(*limit, "search.max_levels", 1, kMaxLevels));
     }
-    if (root_.contains("seeds")) seeds(table(root_, "seeds"), d.seeds);
+    if (root().contains("seeds")) seeds(table(root(), "seeds"), d.seeds);
     return d;
   }
 
   ProcessDefinition read_process() const {
-    const toml::table& model = table(root_, "model");
+    const toml::table& model = table(root(), "model");
     if (!model.contains("process")) fail(model, "the key model.process is missing");
     return process(model);
   }
 
  private:
-  [[noreturn]] void fail(std::uint64_t line, const std::string& what) const {
-    // Nodes that an override made have no place in the file.
-    throw Error(name_ + ": " + (line ? "line " + std::to_string(line) + ": " : "") + what);
-  }
-  [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
-    fail(node.source().begin.line, what);
-  }
-
   /// Sets one "key=value".
   void set(const std::string& entry) {
     const std::size_t equals = entry.find('=');
@@ -100,7 +87,7 @@ class Reader {
     } catch (const toml::parse_error&) {
       parsed = toml::table{{"value", value}};
     }
-    toml::table* at = &root_;
+    toml::table* at = &root();
     std::istringstream parts(key);
     std::vector<std::string> names;
     for (std::string part; std::getline(parts, part, '.');) names.push_back(part);
@@ -115,65 +102,6 @@ class Reader {
     at->insert_or_assign(names.back(), *parsed.get("value"));
   }
 
-  void only_keys(const toml::table& table, const std::string& prefix,
-                 std::initializer_list<std::string_view> known) const {
-    for (const auto& [key, value] : table) {
-      if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
-      std::string names;
-      for (const std::string_view k : known) names += (names.empty() ? "" : ", ") + std::string(k);
-      fail(key.source().begin.line,
-           "unknown key " + prefix + std::string(key.str()) + " (known: " + names + ")");
-    }
-  }
-
-  const toml::table& table(const toml::table& in, const std::string& key) const {
-    const toml::node* node = in.get(key);
-    if (!node) fail(0, "the table [" + key + "] is missing");
-    if (!node->is_table()) fail(*node, key + " must be a table");
-    return *node->as_table();
-  }
-  const toml::node& required(const toml::table& in, const std::string& prefix,
-                             const char* key) const {
-    const toml::node* node = in.get(key);
-    if (!node) fail(in, "the key " + prefix + key + " is missing");
-    return *node;
-  }
-  std::string text(const toml::node& node, const std::string& key) const {
-    if (!node.is_string()) fail(node, key + " must be a text in quotes");
-    return **node.as_string();
-  }
-  const toml::array& array(const toml::node& node, const std::string& key) const {
-    if (!node.is_array()) fail(node, key + " must be an array");
-    return *node.as_array();
-  }
-  double number(const toml::node& node, const std::string& key) const {
-    double value = 0;
-    if (node.is_integer()) {
-      const std::int64_t whole_value = **node.as_integer();
-      if (whole_value > kExact || whole_value < -kExact) fail(node, key + " is beyond 2^53");
-      value = static_cast<double>(whole_value);
-    } else if (node.is_floating_point()) {
-      value = **node.as_floating_point();
-    } else {
-      fail(node, key + " must be a number");
-    }
-    if (!std::isfinite(value)) fail(node, key + " is not finite");
-    return value;
-  }
-  std::int64_t whole(const toml::node& node, const std::string& key, std::int64_t least,
-                     std::int64_t most) const {
-    const std::string range =
-        " must be a whole number from " + std::to_string(least) + " to " + std::to_string(most);
-    if (!node.is_integer()) fail(node, key + range);
-    const std::int64_t value = **node.as_integer();
-    if (value < least || value > most) fail(node, key + range + ", not " + std::to_string(value));
-    return value;
-  }
-  std::vector<double> numbers(const toml::node& node, const std::string& key) const {
-    std::vector<double> values;
-    for (const toml::node& entry : array(node, key)) values.push_back(number(entry, key));
-    return values;
-  }
   Vec3 position(const toml::node& node, const std::string& key) const {
     const std::vector<double> values = numbers(node, key);
     if (values.size() != 3) fail(node, key + " has three entries");
@@ -272,9 +200,6 @@ class Reader {
       if (out[i].states.empty()) fail(*lists.get(i), "seeds.states has a point without a state");
     }
   }
-
-  const std::string& name_;
-  toml::table root_;
 };
 
 }  // namespace

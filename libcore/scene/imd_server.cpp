@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
-#include "libcore/scene/blocked_signals.hpp"
+#include "libcore/base/signals.hpp"
 
 namespace hapgrid {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "libcore/scene/blocked_signals.hpp"
+#include "libcore/base/signals.hpp"
 
 namespace hapgrid {
 

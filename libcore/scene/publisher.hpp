@@ -18,7 +18,7 @@
 #include "libcore/scene/output.hpp"
 #include "libcore/scene/scene.hpp"
 #include "libcore/scene/stream.hpp"
-#include "libcore/scene/triple_buffer.hpp"
+#include "libcore/base/triple_buffer.hpp"
 
 namespace hapgrid {
 

@@ -31,7 +31,7 @@ SessionRecorder::SessionRecorder(const std::string& name, const SessionHeader& h
     : writer_(name, header) {
   if (!paced) return;
   ring_.emplace(ring_capacity(header.rate_hz));
-  const SignalsBlocked blocked;
+  const BlockedSignals blocked;
   slow_ = std::jthread([this](const std::stop_token& token) { run(token); });
 }
 

@@ -28,7 +28,7 @@ class PlayTable : public CLI::Config {
     std::ostringstream text;
     text << input.rdbuf();
     try {
-      return items(parse_toml(text.str(), "--config"));
+      return items(TomlFile(text.str(), "--config").root());
     } catch (const Error& e) {
       throw CLI::ConfigError(e.what(), CLI::ExitCodes::ConfigError);
     }
