@@ -22,10 +22,11 @@ struct HidInfo {
 
 /// What a device has to be; what is not set is any.
 struct HidMatch {
-  std::string path;
-  std::optional<std::uint16_t> vid, pid, usage_page, usage;
-  std::optional<int> interface;
-  std::string serial;
+  // All with initializers, so that {.serial = "1"} is without warnings.
+  std::string path{};
+  std::optional<std::uint16_t> vid{}, pid{}, usage_page{}, usage{};
+  std::optional<int> interface{};
+  std::string serial{};
 
   bool fits(const HidInfo& info) const;
 };

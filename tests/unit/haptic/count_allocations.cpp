@@ -8,9 +8,11 @@
 namespace {
 
 std::atomic<std::uint64_t> count{0};
+thread_local std::uint64_t count_of_thread = 0;
 
 void* allocate(std::size_t size, std::size_t alignment) {
   count.fetch_add(1, std::memory_order_relaxed);
+  ++count_of_thread;
   const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
   void* const memory = std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded);
   if (memory == nullptr) throw std::bad_alloc();
@@ -20,6 +22,8 @@ void* allocate(std::size_t size, std::size_t alignment) {
 }  // namespace
 
 std::uint64_t hapgrid::testing::allocations() { return count.load(std::memory_order_relaxed); }
+
+std::uint64_t hapgrid::testing::allocations_of_thread() { return count_of_thread; }
 
 // All forms that the library uses: a sanitizer replaces the others by its own, which do not end in
 // these.

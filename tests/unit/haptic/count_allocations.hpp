@@ -6,5 +6,6 @@
 namespace hapgrid::testing {
 
 std::uint64_t allocations();
+std::uint64_t allocations_of_thread();  // the calling one
 
 }  // namespace hapgrid::testing

@@ -1,0 +1,338 @@
+// What happens to a device, with the stand-in library in the place of hidapi (LD_LIBRARY_PATH).
+#include "libcore/device/hid_device.hpp"
+
+#include <dlfcn.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "libcore/base/error.hpp"
+#include "tests/unit/device/standin_device.hpp"
+#include "tests/unit/device/tiny_protocol.hpp"
+#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/temporary.hpp"
+
+using namespace hapgrid;
+using namespace std::chrono_literals;
+using Bytes = StandinDevice::Bytes;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+// No watchdog, and no stall that a slow machine would see: a test asks for them.
+constexpr HidTiming kPatient{.stall = 1000, .watchdog = 0, .keep_alive = 0};
+
+struct Rig {
+  TemporaryDirectory directory;
+  StandinDevice hardware{directory.file("socket")};
+
+  Rig() {
+    // Linked against the library that is installed, run with the stand-in.
+    const auto version =
+        reinterpret_cast<const char* (*)()>(::dlsym(RTLD_DEFAULT, "hid_version_str"));
+    REQUIRE((version && std::strcmp(version(), "stand-in") == 0));
+  }
+  std::unique_ptr<HidDevice> open(HidTiming timing = kPatient, std::vector<HidReport> alive = {}) {
+    hardware.input({0xA5, 20}, true);
+    return std::make_unique<HidDevice>("tiny", std::make_unique<TinyProtocol>(timing, alive));
+  }
+  std::string refusal(HidTiming timing = kPatient) {
+    try {
+      HidDevice device("tiny", std::make_unique<TinyProtocol>(timing));
+    } catch (const DeviceError& e) {
+      return e.what();
+    }
+    return "";
+  }
+  /// Reads until the condition holds for what was read.
+  template <class Condition>
+  bool read_until(HidDevice& device, Condition&& condition) {
+    return hardware.wait([&] {
+      DeviceInput input;
+      const DeviceStatus status = device.read(input);
+      return condition(status, input);
+    });
+  }
+  /// The last reports that were written, oldest first.
+  std::vector<Bytes> last(std::size_t count) const {
+    std::vector<Bytes> all = hardware.written();
+    if (all.size() > count) all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(count));
+    return all;
+  }
+};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+const std::vector<Bytes> kStopped{TinyProtocol::force(0), TinyProtocol::stopped()};
+
+}  // namespace
+
+TEST_CASE("a device is opened twice, started, and has a position at once") {
+  Rig rig;
+  const auto device = rig.open();
+  DeviceInput input;
+  REQUIRE(device->read(input) == DeviceStatus::kOk);
+  CHECK(input.position == Vec3{0.020, 0, 0});
+  CHECK_FALSE(input.stalled);
+  CHECK(device->info().name == "tiny");
+  CHECK(rig.hardware.opened() == 2);
+  CHECK(rig.hardware.written() == std::vector<Bytes>{TinyProtocol::started()});
+  rig.hardware.input({0xA5, 33});
+  CHECK(rig.read_until(
+      *device, [](DeviceStatus, const DeviceInput& in) { return in.position[0] == 0.033; }));
+  REQUIRE(device->send({5, 0, 0}) == DeviceStatus::kOk);
+  CHECK(rig.hardware.wait_for_writes(2));
+  CHECK(rig.last(1).front() == TinyProtocol::force(5));
+  CHECK_FALSE(rig.hardware.written_by_two());
+}
+
+TEST_CASE("the newest of several reports and the newest of several forces count") {
+  Rig rig;
+  const auto device = rig.open();
+  rig.hardware.hold_writes();
+  REQUIRE(device->send({1, 0, 0}) == DeviceStatus::kOk);
+  REQUIRE(rig.hardware.wait([&] { return rig.hardware.held() == 1; }));
+  for (int i = 2; i <= 50; ++i) REQUIRE(device->send({double(i), 0, 0}) == DeviceStatus::kOk);
+  rig.hardware.release_writes();
+  CHECK(rig.hardware.wait_for_writes(3));
+  CHECK(device->stop() == DeviceStatus::kOk);
+  CHECK(rig.hardware.written() ==
+        std::vector<Bytes>{TinyProtocol::started(), TinyProtocol::force(1), TinyProtocol::force(50),
+                           TinyProtocol::force(0), TinyProtocol::stopped()});
+}
+
+TEST_CASE("stop() has zero force and the stop reports written last") {
+  Rig rig;
+  auto device = rig.open();
+  REQUIRE(device->send({9, 0, 0}) == DeviceStatus::kOk);
+  CHECK(device->stop() == DeviceStatus::kOk);
+  CHECK(rig.last(2) == kStopped);
+  const std::size_t count = rig.hardware.written().size();
+  CHECK(device->stop() == DeviceStatus::kOk);
+  CHECK(device->send({9, 0, 0}) == DeviceStatus::kOk);
+  device.reset();
+  CHECK(rig.hardware.wait([&] { return rig.hardware.open() == 0; }));
+  CHECK(rig.hardware.written().size() == count);
+}
+
+TEST_CASE("the destructor stops the device") {
+  Rig rig;
+  auto device = rig.open();
+  REQUIRE(device->send({9, 0, 0}) == DeviceStatus::kOk);
+  device.reset();
+  CHECK(rig.last(2) == kStopped);
+}
+
+TEST_CASE("without send() the force is zero, once, until it comes again") {
+  Rig rig;
+  const auto device = rig.open({.stall = 1000, .watchdog = 0.1, .keep_alive = 0});
+  for (std::uint64_t round = 1; round <= 2; ++round) {
+    REQUIRE(device->send({8, 0, 0}) == DeviceStatus::kOk);
+    REQUIRE(rig.hardware.wait([&] { return device->counts().watchdog_zeros == round; }));
+    const std::size_t count = rig.hardware.written().size();
+    std::this_thread::sleep_for(300ms);  // nothing comes: no condition to wait for
+    CHECK(rig.last(1).front() == TinyProtocol::force(0));
+    CHECK(rig.hardware.written().size() <= count + 1);
+    CHECK(device->counts().watchdog_zeros == round);
+  }
+  CHECK(device->stop() == DeviceStatus::kOk);
+}
+
+TEST_CASE("a force that waited behind a write that hung is too old") {
+  Rig rig;
+  const auto device = rig.open({.stall = 1000, .watchdog = 0.1, .keep_alive = 0});
+  rig.hardware.hold_writes();
+  REQUIRE(device->send({1, 0, 0}) == DeviceStatus::kOk);
+  REQUIRE(rig.hardware.wait([&] { return rig.hardware.held() == 1; }));
+  REQUIRE(device->send({2, 0, 0}) == DeviceStatus::kOk);
+  std::this_thread::sleep_for(200ms);  // more than the watchdog, less than a write may take
+  rig.hardware.release_writes();
+  CHECK(rig.hardware.wait([&] { return device->counts().watchdog_zeros == 1; }));
+  CHECK(device->stop() == DeviceStatus::kOk);
+  for (const Bytes& report : rig.hardware.written()) CHECK(report != TinyProtocol::force(2));
+}
+
+TEST_CASE("keep-alive repeats the force, or writes its own reports") {
+  Rig rig;
+  const Bytes alive{0, 0x77};
+  const bool own = GENERATE(false, true);
+  const auto device = rig.open({.stall = 1000, .watchdog = 0, .keep_alive = 0.01},
+                               own ? std::vector<HidReport>{alive} : std::vector<HidReport>{});
+  REQUIRE(device->send({4, 0, 0}) == DeviceStatus::kOk);
+  const Bytes expected = own ? alive : TinyProtocol::force(4);
+  const auto repeated = [&] {
+    const std::vector<Bytes> all = rig.hardware.written();
+    return std::count(all.begin(), all.end(), expected) >= 5;
+  };
+  CHECK(rig.hardware.wait(repeated));
+  if (own) {
+    const std::vector<Bytes> all = rig.hardware.written();
+    CHECK(std::count(all.begin(), all.end(), TinyProtocol::force(4)) == 1);
+  }
+  CHECK(device->stop() == DeviceStatus::kOk);
+  CHECK(rig.last(2) == kStopped);
+}
+
+TEST_CASE("silence is a stall, and ends with the next report") {
+  Rig rig;
+  const auto device = rig.open({.stall = 0.05, .watchdog = 0, .keep_alive = 0});
+  CHECK(rig.read_until(*device, [](DeviceStatus status, const DeviceInput& in) {
+    return status == DeviceStatus::kOk && in.stalled && in.position[0] == 0.020;
+  }));
+  CHECK(rig.read_until(*device, [&](DeviceStatus, const DeviceInput& in) {
+    rig.hardware.input({0xA5, 44});
+    return !in.stalled && in.position[0] == 0.044;
+  }));
+}
+
+TEST_CASE("cut reports are counted, and are no sign of life") {
+  Rig rig;
+  const auto device = rig.open({.stall = 0.05, .watchdog = 0, .keep_alive = 0});
+  CHECK(rig.read_until(*device, [&](DeviceStatus, const DeviceInput& in) {
+    rig.hardware.input({0xA5});
+    return in.stalled && device->counts().rejected > 3;
+  }));
+  CHECK(device->counts().inputs == 1);
+}
+
+TEST_CASE("no position is made up") {
+  Rig rig;
+  CHECK(rig.refusal() == "tiny: no input within 2 s: the device sent no report");
+  CHECK(rig.last(2) == kStopped);
+  rig.hardware.input({0xA5, 1, 2, 3}, true);
+  CHECK(rig.refusal() ==
+        "tiny: no input within 2 s: 1 reports that are not its input, the first one was report 0 "
+        "of 4 bytes");
+  CHECK(rig.hardware.wait([&] { return rig.hardware.open() == 0; }));
+
+  // A device that is silent at rest is at rest.
+  HidDevice device("tiny", std::make_unique<TinyProtocol>(HidTiming{.stall = 0}));
+  DeviceInput input;
+  REQUIRE(device.read(input) == DeviceStatus::kOk);
+  CHECK(input.position == Vec3{0, 0, 0});
+  CHECK_FALSE(input.stalled);
+}
+
+TEST_CASE("a device that cannot be opened or started says why") {
+  Rig rig;
+  rig.hardware.set_refusal("out of order");
+  CHECK(rig.refusal() == "tiny: cannot be opened: out of order");
+  rig.hardware.set_refusal("");
+  rig.hardware.answer_writes(1, -1, "broken pipe");
+  CHECK(rig.refusal() == "tiny: output report 0: broken pipe");
+  CHECK(rig.last(2) == kStopped);
+}
+
+TEST_CASE("a failed write is the end, and the device is let go at once") {
+  Rig rig;
+  const auto device = rig.open();
+  const bool is_short = GENERATE(false, true);
+  rig.hardware.answer_writes(1, is_short ? 2 : -1, is_short ? "" : "broken pipe");
+  REQUIRE(device->send({6, 0, 0}) == DeviceStatus::kOk);
+  DeviceInput input;
+  CHECK(rig.hardware.wait([&] { return device->send({6, 0, 0}) == DeviceStatus::kFailed; }));
+  CHECK(device->read(input) == DeviceStatus::kFailed);
+  CHECK(rig.hardware.wait([&] { return rig.last(2) == kStopped; }));
+  CHECK(device->error() ==
+        (is_short ? "tiny: write: took only 2 bytes of it" : "tiny: write: broken pipe"));
+  CHECK(device->stop() == DeviceStatus::kOk);  // it did take the zero force
+}
+
+TEST_CASE("letting go is tried again when the device is said to be stopped") {
+  Rig rig;
+  const auto device = rig.open();
+  rig.hardware.answer_writes(3, -1, "busy");  // the force, and both of letting go
+  REQUIRE(device->send({6, 0, 0}) == DeviceStatus::kOk);
+  REQUIRE(rig.hardware.wait_for_writes(4));
+  CHECK(device->stop() == DeviceStatus::kOk);
+  CHECK(rig.hardware.written().size() == 6);
+  CHECK(rig.last(2) == kStopped);
+}
+
+TEST_CASE("a failed read is the end, and the device is let go at once") {
+  Rig rig;
+  const auto device = rig.open();
+  rig.hardware.read_error("poll error");
+  CHECK(rig.read_until(*device, [](DeviceStatus status, const DeviceInput&) {
+    return status == DeviceStatus::kFailed;
+  }));
+  CHECK(rig.hardware.wait([&] { return rig.last(2) == kStopped; }));
+  CHECK(device->error() == "tiny: read: poll error");
+  CHECK(device->stop() == DeviceStatus::kOk);
+}
+
+TEST_CASE("an unplugged device fails, and could not be stopped") {
+  Rig rig;
+  const auto device = rig.open();
+  rig.hardware.vanish();
+  CHECK(rig.hardware.wait([&] { return device->send({1, 0, 0}) == DeviceStatus::kFailed; }));
+  CHECK(contains(device->error(), "device disconnected"));
+  CHECK(device->stop() == DeviceStatus::kFailed);
+}
+
+TEST_CASE("a write that hangs fails, and stop() waits for it a second") {
+  Rig rig;
+  auto device = rig.open();
+  rig.hardware.hold_writes();
+  REQUIRE(device->send({3, 0, 0}) == DeviceStatus::kOk);
+  SECTION("the loop goes on") {
+    CHECK(rig.hardware.wait([&] { return device->send({3, 0, 0}) == DeviceStatus::kFailed; }));
+    CHECK(device->error() == "tiny: write: the device did not take a report within 500 ms");
+  }
+  SECTION("the loop stops") {
+    REQUIRE(rig.hardware.wait([&] { return rig.hardware.held() == 1; }));
+    const auto start = Clock::now();
+    CHECK(device->stop() == DeviceStatus::kFailed);
+    CHECK(Clock::now() - start < 5s);
+    CHECK(device->error() == "tiny: stop: the device did not take the zero force within 1 s");
+  }
+  device.reset();
+  CHECK(rig.hardware.written().size() == 2);
+  // Whenever the kernel lets the thread go, the zero force goes out.
+  rig.hardware.release_writes();
+  CHECK(rig.hardware.wait([&] { return rig.last(2) == kStopped; }));
+  CHECK(rig.hardware.wait([&] { return rig.hardware.open() == 0; }));
+}
+
+TEST_CASE("a read that hangs does not keep stop() from letting go") {
+  Rig rig;
+  auto device = rig.open();
+  rig.hardware.read_sleep(1500);
+  std::this_thread::sleep_for(100ms);  // the reader has taken it
+  CHECK(device->stop() == DeviceStatus::kOk);
+  CHECK(rig.last(2) == kStopped);
+  device.reset();
+  CHECK(rig.hardware.wait([&] { return rig.hardware.open() == 0; }));
+}
+
+TEST_CASE("a device that sends without pause starves nobody") {
+  Rig rig;
+  const auto device = rig.open();
+  rig.hardware.flood({0xA5, 99});
+  CHECK(rig.read_until(*device, [&](DeviceStatus status, const DeviceInput& in) {
+    return status == DeviceStatus::kOk && in.position[0] == 0.099 && device->counts().floods > 2;
+  }));
+  REQUIRE(device->send({2, 0, 0}) == DeviceStatus::kOk);
+  CHECK(rig.hardware.wait_for_writes(2));
+  CHECK(device->stop() == DeviceStatus::kOk);
+  rig.hardware.stop_flood();
+  CHECK(rig.last(2) == kStopped);
+}
+
+TEST_CASE("read() and send() do not allocate") {
+  Rig rig;
+  const auto device = rig.open();
+  DeviceInput input;
+  bool ok = true;
+  const std::uint64_t before = testing::allocations_of_thread();
+  for (int i = 0; i < 1000; ++i)
+    ok = device->read(input) == DeviceStatus::kOk && device->send({1, 0, 0}) == DeviceStatus::kOk &&
+         ok;
+  const std::uint64_t after = testing::allocations_of_thread();
+  CHECK(ok);
+  CHECK(after == before);
+}
