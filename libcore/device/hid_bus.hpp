@@ -25,7 +25,7 @@ struct HidMatch {
   // All with initializers, so that {.serial = "1"} is without warnings.
   std::string path{};
   std::optional<std::uint16_t> vid{}, pid{}, usage_page{}, usage{};
-  std::optional<int> interface{};
+  std::optional<int> interface {};
   std::string serial{};
 
   bool fits(const HidInfo& info) const;

@@ -1,0 +1,126 @@
+// A HID device described by a text: where in its reports its axes are, what they mean in metres and
+// newtons, and what it has to be told. The keys, their units and defaults: examples/devices.
+//
+// Devices with three axes and an open protocol are nearly all somebody's own, with a format of
+// their own. Alternatives: code for each (nobody's device is there), axes found by usage alone
+// (says nothing of units and signs, and firmware on a Teensy has no usages). So the text says where
+// bits are; a usage can stand for that where the device's report descriptor knows it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "libcore/device/hid_bus.hpp"
+#include "libcore/device/hid_protocol.hpp"
+
+namespace hapgrid {
+
+/// Bits of a report, counted from behind its id: bit 0 is the lowest of the first byte, as in
+/// report descriptors.
+struct BitField {
+  std::size_t bit = 0;
+  unsigned bits = 0;  ///< 1 to 32; 0: to be found by its usage
+  bool is_signed = true;
+  bool big_endian = false;  ///< whole bytes, then
+  std::uint16_t usage_page = 0, usage = 0;
+
+  std::int64_t least() const;
+  std::int64_t most() const;
+  /// From, and into, a report without its id, that holds the field.
+  std::int64_t get(std::span<const std::uint8_t> data) const noexcept;
+  void set(std::span<std::uint8_t> data, std::int64_t value) const noexcept;
+};
+
+/// A field of a report descriptor.
+struct UsageField {
+  std::uint16_t usage_page = 0, usage = 0;
+  std::uint8_t report_id = 0;  ///< 0: the device has no ids
+  std::size_t bit = 0;         ///< as BitField::bit
+  unsigned bits = 0;
+  bool is_signed = false;
+};
+
+using Matrix3 = std::array<Vec3, 3>;  // rows
+
+struct Profile {
+  struct InputAxis {
+    BitField field;
+    double scale = 0;   ///< metres a count
+    double offset = 0;  ///< metres at count 0
+  };
+  struct Clutch {
+    BitField field;  ///< one bit
+    bool inverted = false;
+  };
+  struct OutputAxis {
+    BitField field;
+    double newtons_per_count = 0;
+    std::int64_t zero = 0;           ///< the count without force
+    std::int64_t low = 0, high = 0;  ///< counts; beyond them the value stays there
+  };
+  struct Output {
+    HidReport report;  ///< id first; the fixed bytes are in it
+    std::array<std::optional<OutputAxis>, 3> axes;
+  };
+  struct Literal {
+    bool is_feature = false;
+    HidReport report;  ///< id first
+  };
+
+  std::string file;  ///< for messages
+  std::string name;
+  HidMatch match;  ///< vid and pid at least
+  std::uint8_t input_id = 0;
+  std::size_t input_length = 0;  ///< bytes behind the id
+  std::array<std::optional<InputAxis>, 3> inputs;
+  std::optional<Clutch> clutch;
+  Matrix3 input_axes{};  ///< position = input_axes * what the axes say
+  std::vector<Output> outputs;
+  double max_force = 0;  ///< newtons, for long; 0: no force
+  Matrix3 force_axes{};  ///< what the axes get = force_axes * force
+  std::vector<Literal> init;
+  std::vector<HidReport> keep_alive, stop;
+  HidTiming timing;
+  Vec3 low{}, high{};  ///< metres
+
+  /// Whether resolve_usages() has to be called.
+  bool has_usages() const;
+};
+
+/// @param name for messages.
+/// @throw Error "NAME: line N: KEY: ..." for anything that is missing, unknown or out of its range.
+Profile read_profile(const std::string& text, const std::string& name);
+
+/// Finds the fields that the profile has by their usages in its input report.
+/// @param fields the device's input fields.
+/// @throw DeviceError for a usage that is not there, or a field that cannot be.
+void resolve_usages(Profile& profile, std::span<const UsageField> fields);
+
+/// A device with such a profile. Values that a field cannot hold stay at its limit; a force that is
+/// not finite is none.
+class ProfileProtocol : public HidProtocol {
+ public:
+  /// @throw DeviceError when there are usages left.
+  explicit ProfileProtocol(Profile profile);
+
+  DeviceInfo info() const override;
+  HidTiming timing() const override { return profile_.timing; }
+  bool numbered() const override { return profile_.input_id != 0; }
+  void start(HidChannel& channel) override;
+  bool decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept override;
+  void encode(const Vec3& force, std::vector<HidReport>& reports) noexcept override;
+  std::vector<HidReport> keep_alive() const override { return profile_.keep_alive; }
+  /// Zero force, then the profile's own stop reports.
+  std::vector<HidReport> stop() const override;
+
+ private:
+  void write_force(const Vec3& force, std::vector<HidReport>& reports) const;
+
+  const Profile profile_;
+};
+
+}  // namespace hapgrid

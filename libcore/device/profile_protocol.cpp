@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "libcore/base/error.hpp"
+#include "libcore/device/profile.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+Vec3 times(const Matrix3& m, const Vec3& v) noexcept {
+  Vec3 product{0, 0, 0};
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t k = 0; k < 3; ++k) product[row] += m[row][k] * v[k];
+  return product;
+}
+
+std::int64_t counts(const Profile::OutputAxis& axis, double newtons) noexcept {
+  const double value = static_cast<double>(axis.zero) + newtons / axis.newtons_per_count;
+  if (!std::isfinite(value)) return axis.zero;
+  // In double first: what is far out has no integer.
+  return std::llround(
+      std::clamp(value, static_cast<double>(axis.low), static_cast<double>(axis.high)));
+}
+
+}  // namespace
+
+std::int64_t BitField::least() const { return is_signed ? -(std::int64_t{1} << (bits - 1)) : 0; }
+
+std::int64_t BitField::most() const {
+  return (std::int64_t{1} << (is_signed ? bits - 1 : bits)) - 1;
+}
+
+std::int64_t BitField::get(std::span<const std::uint8_t> data) const noexcept {
+  std::uint64_t value = 0;
+  if (big_endian) {
+    for (std::size_t i = 0; i < bits / 8; ++i) value = value << 8 | data[bit / 8 + i];
+  } else {
+    for (unsigned i = 0; i < bits; ++i)
+      value |= std::uint64_t{data[(bit + i) / 8] >> (bit + i) % 8 & 1u} << i;
+  }
+  const bool negative = is_signed && (value >> (bits - 1) & 1) != 0;
+  return static_cast<std::int64_t>(value) - (negative ? std::int64_t{1} << bits : 0);
+}
+
+void BitField::set(std::span<std::uint8_t> data, std::int64_t value) const noexcept {
+  const auto raw = static_cast<std::uint64_t>(value);  // two's complement
+  for (unsigned i = 0; i < bits; ++i) {
+    const std::size_t at = big_endian ? bit / 8 + (bits - 1 - i) / 8 : (bit + i) / 8;
+    const unsigned shift = big_endian ? i % 8 : (bit + i) % 8;
+    const auto mask = static_cast<std::uint8_t>(1u << shift);
+    data[at] = static_cast<std::uint8_t>((raw >> i & 1) != 0 ? data[at] | mask : data[at] & ~mask);
+  }
+}
+
+ProfileProtocol::ProfileProtocol(Profile profile) : profile_(std::move(profile)) {
+  if (profile_.has_usages())
+    throw DeviceError(profile_.file + ": has axes by usage, which need the report descriptor");
+}
+
+DeviceInfo ProfileProtocol::info() const {
+  DeviceInfo info{.name = profile_.name,
+                  .unit = DeviceInfo::Unit::kMetres,
+                  .low = profile_.low,
+                  .high = profile_.high,
+                  .has_force = !profile_.outputs.empty()};
+  if (info.has_force) info.max_force = profile_.max_force;
+  return info;
+}
+
+void ProfileProtocol::start(HidChannel& channel) {
+  for (const Profile::Literal& literal : profile_.init) {
+    if (literal.is_feature) {
+      channel.set_feature(literal.report);
+    } else {
+      channel.write(literal.report);
+    }
+  }
+}
+
+bool ProfileProtocol::decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept {
+  if (report.size() < 1 + profile_.input_length || report[0] != profile_.input_id) return false;
+  const std::span<const std::uint8_t> data = report.subspan(1);
+  Vec3 metres{0, 0, 0};
+  for (std::size_t a = 0; a < 3; ++a)
+    if (const auto& axis = profile_.inputs[a])
+      metres[a] = axis->scale * static_cast<double>(axis->field.get(data)) + axis->offset;
+  input.position = times(profile_.input_axes, metres);
+  if (const auto& clutch = profile_.clutch)
+    input.clutch = (clutch->field.get(data) != 0) != clutch->inverted;
+  return true;
+}
+
+void ProfileProtocol::encode(const Vec3& force, std::vector<HidReport>& reports) noexcept {
+  write_force(force, reports);
+}
+
+void ProfileProtocol::write_force(const Vec3& force, std::vector<HidReport>& reports) const {
+  const bool finite = std::isfinite(force[0]) && std::isfinite(force[1]) && std::isfinite(force[2]);
+  const Vec3 newtons = finite ? times(profile_.force_axes, force) : Vec3{0, 0, 0};
+  reports.resize(profile_.outputs.size());
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    const Profile::Output& output = profile_.outputs[i];
+    reports[i].assign(output.report.begin(), output.report.end());
+    for (std::size_t a = 0; a < 3; ++a)
+      if (const auto& axis = output.axes[a])
+        axis->field.set(std::span(reports[i]).subspan(1), counts(*axis, newtons[a]));
+  }
+}
+
+std::vector<HidReport> ProfileProtocol::stop() const {
+  std::vector<HidReport> reports;
+  write_force({0, 0, 0}, reports);
+  reports.insert(reports.end(), profile_.stop.begin(), profile_.stop.end());
+  return reports;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,344 @@
+#include "libcore/device/profile.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+const std::string kGood = R"(name = "d"
+[match]
+vid = 1
+pid = 2
+[input]
+length = 4
+x = {bit = 0, bits = 16, scale = 0.001}
+[[output]]
+length = 4
+x = {bit = 0, bits = 16, newtons_per_count = 0.001}
+[force]
+max = 3
+[workspace]
+low = [-1, 0, 0]
+high = [1, 0, 0]
+)";
+
+std::string refusal(const std::string& text) {
+  try {
+    read_profile(text, "p");
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+/// kGood with `from` replaced.
+std::string changed(const std::string& from, const std::string& to) {
+  std::string text = kGood;
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+std::string refusal(const std::string& from, const std::string& to) {
+  return refusal(changed(from, to));
+}
+
+Profile shipped(const std::string& name) {
+  const std::string file = std::string(HAPGRID_SOURCE_DIR "/examples/devices/") + name;
+  return read_profile(read_text(file, 1 << 20), file);
+}
+
+/// What was written, feature reports behind 'f'.
+struct Channel : HidChannel {
+  std::vector<std::pair<char, HidReport>> written;
+  void write(std::span<const std::uint8_t> r) override {
+    written.push_back({'w', {r.begin(), r.end()}});
+  }
+  void set_feature(std::span<const std::uint8_t> r) override {
+    written.push_back({'f', {r.begin(), r.end()}});
+  }
+  HidReport get_feature(std::uint8_t, std::size_t) override { return {}; }
+};
+
+HidReport teensy_report(std::initializer_list<std::uint8_t> bytes) {
+  HidReport report(bytes);
+  report.resize(65);
+  return report;
+}
+
+}  // namespace
+
+TEST_CASE("a Teensy with three axes") {
+  ProfileProtocol teensy(shipped("teensy-rawhid.toml"));
+  CHECK_FALSE(teensy.numbered());
+  CHECK(teensy.info().max_force == 3);
+  CHECK(teensy.info().has_force);
+  CHECK(teensy.info().high == Vec3{0.08, 0.08, 0.08});
+  CHECK(teensy.timing().keep_alive == 0.02);
+
+  // 0x01020304 nm, -1 nm, 80,000,000 nm = 0x04C4B400.
+  HidReport in =
+      teensy_report({0, 0x48, 0x01, 0, 0, 4, 3, 2, 1, 0xff, 0xff, 0xff, 0xff, 0, 0xb4, 0xc4, 4});
+  DeviceInput input;
+  REQUIRE(teensy.decode(in, input));
+  CHECK(input.position[0] == Approx(16909060e-9).epsilon(1e-15));
+  CHECK(input.position[1] == Approx(-1e-9).epsilon(1e-15));
+  CHECK(input.position[2] == Approx(0.08).epsilon(1e-15));
+  CHECK(input.clutch);
+  in[2] = 0xfe;
+  REQUIRE(teensy.decode(in, input));
+  CHECK_FALSE(input.clutch);
+  const DeviceInput before = input;
+  in[5] = 9;
+  CHECK_FALSE(teensy.decode(std::span(in).first(64), input));
+  in[0] = 1;
+  CHECK_FALSE(teensy.decode(in, input));
+  CHECK_FALSE(teensy.decode({}, input));
+  CHECK(input.position == before.position);
+
+  // 0.5 N is 500 = 0x01F4, -1.234 N is -1234 = 0xFB2E, 2.0005 N is 2001 (half away from zero).
+  std::vector<HidReport> out;
+  teensy.encode({0.5, -1.234, 2.0006}, out);
+  CHECK(out ==
+        std::vector<HidReport>{teensy_report({0, 0x48, 1, 0xf4, 0x01, 0x2e, 0xfb, 0xd1, 0x07})});
+  const HidReport zero = teensy_report({0, 0x48, 1});
+  CHECK(teensy.stop() == std::vector<HidReport>{zero, teensy_report({0, 0x48, 0})});
+  // 5000 = 0x1388: never beyond, never round the corner.
+  teensy.encode({1e300, -40, 32.768}, out);
+  CHECK(out.front() == teensy_report({0, 0x48, 1, 0x88, 0x13, 0x78, 0xec, 0x88, 0x13}));
+  teensy.encode({1, std::nan(""), 1}, out);
+  CHECK(out.front() == zero);
+  teensy.encode({kInfinity, 0, 0}, out);
+  CHECK(out.front() == zero);
+}
+
+TEST_CASE("OpenFFBoard by its reports") {
+  ProfileProtocol board(shipped("openffboard.toml"));
+  CHECK(board.numbered());
+  Channel channel;
+  board.start(channel);
+  REQUIRE(channel.written.size() == 11);
+  CHECK(channel.written[1] == std::pair<char, HidReport>{'f', {0x11, 1, 0, 0}});
+  // As long as FFB_SetEffect_t, id and all.
+  CHECK(channel.written[3].second.size() == 18);
+  CHECK(channel.written[4].second.size() == 18);
+  // 1 N is 16129 counts = 0x3F01.
+  std::vector<HidReport> out;
+  board.encode({1, -1, 7}, out);
+  CHECK(out == std::vector<HidReport>{{5, 1, 0x01, 0x3f}, {5, 2, 0xff, 0xc0}});
+  const std::vector<HidReport> stop = board.stop();
+  REQUIRE(stop.size() == 7);
+  CHECK(stop[0] == HidReport{5, 1, 0, 0});
+  CHECK(stop[1] == HidReport{5, 2, 0, 0});
+  CHECK(stop.back() == HidReport{0x0c, 4});
+  HidReport in(25);
+  in[0] = 1;
+  in[9] = 0xff;
+  in[10] = 0x7f;
+  in[12] = 0x80;
+  DeviceInput input;
+  REQUIRE(board.decode(in, input));
+  CHECK(input.position[0] == Approx(32767 * 1.5e-6));
+  CHECK(input.position[1] == Approx(-32768 * 1.5e-6));
+  CHECK(input.position[2] == 0);
+}
+
+TEST_CASE("the template has every key, and its usage is found in the descriptor") {
+  Profile profile = shipped("template.toml");
+  CHECK(profile.has_usages());
+  CHECK_THROWS_AS(ProfileProtocol(profile), DeviceError);
+  const auto why = [&profile](const UsageField& field) -> std::string {
+    Profile copy = profile;
+    copy.file = "p";
+    try {
+      resolve_usages(copy, std::span(&field, 1));
+    } catch (const DeviceError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  UsageField z{
+      .usage_page = 1, .usage = 0x32, .report_id = 1, .bit = 40, .bits = 16, .is_signed = true};
+  const std::string who = "p: input.z: usage 0001:0032 in input report 1: ";
+  UsageField other = z;
+  other.report_id = 2;
+  CHECK(why(other) == who + "the device has no such field");
+  other = z;
+  other.bits = 33;
+  CHECK(why(other) == who + "33 bits at bit 40, which are more than 32 or behind input.length");
+  other = z;
+  other.bit = std::numeric_limits<std::size_t>::max();
+  CHECK_FALSE(why(other).empty());
+  other.bit = 113;
+  CHECK_FALSE(why(other).empty());
+  resolve_usages(profile, std::span(&z, 1));
+  CHECK_FALSE(profile.has_usages());
+  ProfileProtocol device(profile);
+  HidReport in(17);
+  in[0] = 1;
+  in[6] = 0xfe;
+  in[7] = 0xff;
+  DeviceInput input;
+  REQUIRE(device.decode(in, input));
+  CHECK(input.position == Vec3{0, 0, -2 * 1e-6});
+  CHECK(device.keep_alive() == std::vector<HidReport>{{3, 1}});
+}
+
+TEST_CASE("fields of any place and order keep their values, and their neighbours") {
+  std::mt19937 random(1);
+  for (int round = 0; round < 2000; ++round) {
+    BitField f;
+    f.big_endian = random() % 2;
+    f.is_signed = random() % 2;
+    f.bits = f.big_endian ? 8 * (1 + random() % 4) : 1 + random() % 32;
+    f.bit = f.big_endian ? 8 * (random() % 5) : random() % 33;
+    std::vector<std::uint8_t> data(8);
+    for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random());
+    const std::vector<std::uint8_t> before = data;
+    const std::int64_t value =
+        f.least() +
+        static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(f.most() - f.least() + 1));
+    f.set(data, value);
+    REQUIRE(f.get(data) == value);
+    for (std::size_t i = 0; i < 64; ++i)
+      if (i < f.bit || i >= f.bit + f.bits)
+        REQUIRE((data[i / 8] >> i % 8 & 1) == (before[i / 8] >> i % 8 & 1));
+  }
+  // Literal bytes, big-endian.
+  const BitField big{.bit = 8, .bits = 24, .is_signed = true, .big_endian = true};
+  std::vector<std::uint8_t> data{9, 0xff, 0xfe, 0xfd, 9};
+  CHECK(big.get(data) == -259);
+  big.set(data, 0x123456);
+  CHECK(data == std::vector<std::uint8_t>{9, 0x12, 0x34, 0x56, 9});
+}
+
+TEST_CASE("axes are turned, offset and inverted") {
+  ProfileProtocol device(read_profile(
+      R"(name = "d"
+[match]
+vid = 1
+pid = 2
+[input]
+id = 7
+length = 3
+axes = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+x = {bit = 0, bits = 8, signed = false, scale = 0.001, offset = -0.1}
+y = {bit = 8, bits = 8, scale = -0.001}
+clutch = {bit = 16, inverted = true}
+[[output]]
+id = 8
+length = 2
+x = {bit = 0, bits = 8, signed = false, newtons_per_count = -0.02, zero = 128, low = 28, high = 228}
+[force]
+max = 2
+axes = [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]
+[workspace]
+low = [-1, 0, 0]
+high = [1, 0, 0]
+)",
+      "p"));
+  DeviceInput input;
+  const HidReport in{7, 200, 0x80, 0};
+  REQUIRE(device.decode(in, input));
+  CHECK(input.position[0] == Approx(-0.128));
+  CHECK(input.position[1] == Approx(0.1));
+  CHECK(input.clutch);
+  std::vector<HidReport> out;
+  device.encode({5, 1, 5}, out);
+  CHECK(out == std::vector<HidReport>{{8, 128 - 50, 0}});
+  device.encode({0, -9, 0}, out);
+  CHECK(out == std::vector<HidReport>{{8, 228, 0}});
+  CHECK(device.stop() == std::vector<HidReport>{{8, 128, 0}});
+}
+
+TEST_CASE("a profile without an output has no force") {
+  const std::string text = kGood;
+  const std::size_t from = text.find("[[output]]"), to = text.find("[workspace]");
+  ProfileProtocol device(read_profile(text.substr(0, from) + text.substr(to), "p"));
+  CHECK_FALSE(device.info().has_force);
+  CHECK(device.stop().empty());
+}
+
+TEST_CASE("a profile that cannot be right is refused") {
+  CHECK(refusal(kGood).empty());
+  CHECK(refusal("name = \"d\"", "") == "p: line 1: the key name is missing");
+  CHECK(refusal("[match]", "[watch]").starts_with("p: line 2: unknown key watch"));
+  CHECK(refusal("pid = 2", "pid = 65536") ==
+        "p: line 4: match.pid must be a whole number from 0 to 65535, not 65536");
+  CHECK(refusal("pid = 2", "") == "p: line 2: the key match.pid is missing");
+  CHECK(refusal("length = 4", "length = 4097") ==
+        "p: line 6: input.length must be a whole number from 1 to 4096, not 4097");
+  CHECK(refusal("length = 4", "length = 1") ==
+        "p: line 7: input.x.bit: the field ends behind the report, which has 8 bits");
+  CHECK(refusal("bit = 0", "bit = -1").starts_with("p: line 7: input.x.bit must be"));
+  CHECK(refusal("bits = 16", "bits = 33").starts_with("p: line 7: input.x.bits must be"));
+  CHECK(refusal("scale = 0.001", "scale = 0").starts_with("p: line 7: input.x.scale must have"));
+  CHECK(refusal("scale = 0.001", "scale = nan") == "p: line 7: input.x.scale is not finite");
+  CHECK(refusal("scale = 0.001", "scale = 1, offset = inf") ==
+        "p: line 7: input.x.offset is not finite");
+  CHECK(refusal("scale = 0.001", "scale = 1, usage = 1") ==
+        "p: line 7: input.x.bit and input.x.usage exclude each other");
+  CHECK(refusal("bit = 0, bits = 16,", "usage = 1,") ==
+        "p: line 7: input.x.usage and input.x.usage_page need each other");
+  CHECK(refusal("bit = 0, bits = 16, s", "bit = 4, bits = 16, endian = \"big\", s") ==
+        "p: line 7: input.x.endian = \"big\" needs whole bytes");
+  CHECK(refusal("x = {bit = 0, bits = 16, scale = 0.001}", "") ==
+        "p: line 5: input has none of the axes x, y, z");
+  CHECK(refusal("length = 4\n", "length = 4\naxes = [[2, 0, 0], [0, 1, 0], [0, 0, 1]]\n") ==
+        "p: line 7: input.axes may exchange, mirror and turn axes, not scale or skew them");
+  CHECK(refusal("length = 4\n", "length = 4\naxes = [[1, 0, 0], [1, 0, 0], [0, 0, 1]]\n") ==
+        "p: line 7: input.axes may exchange, mirror and turn axes, not scale or skew them");
+  CHECK(refusal("newtons_per_count = 0.001", "newtons_per_count = 0.001, high = 2000") ==
+        "p: line 10: output.x.low to output.x.high hold 2.0005 N, force.max is 3 N");
+  CHECK(refusal("newtons_per_count = 0.001", "newtons_per_count = 0.001, low = 1") ==
+        "p: line 10: output.x.zero must lie from output.x.low to output.x.high");
+  CHECK(refusal("newtons_per_count = 0.001", "newtons_per_count = 0.001, high = 32768")
+            .starts_with("p: line 10: output.x.high must be"));
+  CHECK(refusal("[[output]]\nlength = 4", "[[output]]\nlength = 4\nid = 1") ==
+        "p: line 8: output.id: reports have ids all or none (0), and input.id is 0");
+  CHECK(refusal("[force]", "y = {bit = 15, bits = 8, newtons_per_count = 0.1}\n[force]") ==
+        "p: line 11: output.y.bit: bit 15 is taken already");
+  CHECK(refusal("[force]", "fixed = [{byte = 1, hex = \"00\"}]\n[force]") ==
+        "p: line 10: output.x.bit: bit 8 is taken already");
+  CHECK(refusal("[force]", "fixed = [{byte = 3, hex = \"00 01\"}]\n[force]") ==
+        "p: line 11: output.fixed.hex ends behind the report");
+  CHECK(refusal("[force]", "fixed = [{byte = 3, hex = \"0 1\"}]\n[force]") ==
+        "p: line 11: output.fixed.hex must be bytes in hex: \"48 0f\"");
+  CHECK(
+      refusal(
+          "[force]",
+          "[[output]]\nlength = 2\nx = {bit = 0, bits = 16, newtons_per_count = 0.001}\n[force]") ==
+      "p: line 11: output 2: x is in another output, too");
+  CHECK(refusal("max = 3", "max = 0").starts_with("p: line 12: force.max must be"));
+  CHECK(refusal("[force]\nmax = 3", "") == "p: the table [force] is missing");
+  CHECK(refusal("low = [-1, 0, 0]", "low = [2, 0, 0]") ==
+        "p: line 13: workspace.low is above workspace.high in x");
+  CHECK(refusal("low = [-1, 0, 0]", "low = [1, 0, 0]") ==
+        "p: line 13: workspace is a single point");
+  const auto reports = [](const std::string& text) {
+    return refusal(kGood + "[reports]\n" + text);
+  };
+  CHECK(reports("init = [\"00 1\"]") == "p: line 17: reports.init must be bytes in hex: \"48 0f\"");
+  CHECK(reports("init = [\"\"]") == "p: line 17: reports.init must be bytes in hex: \"48 0f\"");
+  CHECK(reports("stop = [\"feature 00 01\"]") ==
+        "p: line 17: reports.stop has output reports alone");
+  CHECK(reports("stop = [\"01 01\"]") ==
+        "p: line 17: reports.stop: reports have ids all or none (0), and input.id is 0");
+  CHECK(reports("stop = [\"00 01 02 03 04 05\"]") ==
+        "p: line 17: reports.stop has a report longer than its output, 4 bytes behind the id");
+  CHECK(reports("keep_alive = [\"00 01\"]") ==
+        "p: line 16: reports.keep_alive needs a timing.keep_alive_ms");
+  CHECK(
+      refusal(kGood + "[timing]\nstall_ms = 0").starts_with("p: line 17: timing.stall_ms must be"));
+  CHECK(refusal(std::string(5000, '.')).starts_with("p: line 1: "));
+  CHECK_FALSE(refusal("x = 1\x80").empty());
+}
