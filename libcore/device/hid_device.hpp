@@ -31,6 +31,7 @@
 namespace hapgrid {
 
 class HidGuard;
+struct HidShared;
 
 /// What happened so far.
 struct HidCounts {
@@ -64,12 +65,10 @@ class HidDevice : public Device {
   HidCounts counts() const noexcept;
 
  private:
-  struct Shared;  // with the threads, one of which may live longer than this
-
   void start_threads();
 
   DeviceInfo info_;
-  std::shared_ptr<Shared> shared_;
+  std::shared_ptr<HidShared> shared_;  // with the threads, which may live longer than this
   HidGuard* guard_;
   std::thread reader_, writer_;
   bool stopped_ = false;

@@ -389,45 +389,10 @@ class Reader : private TomlFile {
   }
 };
 
-std::string usage_text(std::uint16_t page, std::uint16_t usage) {
-  return to_text(HidMatch{.usage_page = page, .usage = usage});
-}
-
 }  // namespace
-
-bool Profile::has_usages() const {
-  const auto open = [](const auto& axis) { return axis && axis->field.bits == 0; };
-  return std::any_of(inputs.begin(), inputs.end(), open) || open(clutch);
-}
 
 Profile read_profile(const std::string& text, const std::string& name) {
   return Reader(text, name).read(name);
-}
-
-void resolve_usages(Profile& profile, std::span<const UsageField> fields) {
-  const auto resolve = [&](BitField& field, const std::string& key, unsigned most) {
-    if (field.bits != 0) return;
-    const std::string who = profile.file + ": " + key + ": " +
-                            usage_text(field.usage_page, field.usage) + " in input report " +
-                            std::to_string(profile.input_id);
-    const auto found = std::find_if(fields.begin(), fields.end(), [&](const UsageField& f) {
-      return f.usage_page == field.usage_page && f.usage == field.usage &&
-             f.report_id == profile.input_id;
-    });
-    if (found == fields.end()) throw DeviceError(who + ": the device has no such field");
-    const std::size_t room = 8 * profile.input_length;
-    if (found->bits < 1 || found->bits > most || found->bit >= room ||
-        found->bits > room - found->bit)
-      throw DeviceError(who + ": " + std::to_string(found->bits) + " bits at bit " +
-                        std::to_string(found->bit) + ", which are more than " +
-                        std::to_string(most) + " or behind input.length");
-    field.bit = found->bit;
-    field.bits = found->bits;
-    field.is_signed = found->is_signed;
-  };
-  for (std::size_t a = 0; a < 3; ++a)
-    if (auto& axis = profile.inputs[a]) resolve(axis->field, std::string("input.") + kAxes[a], 32);
-  if (profile.clutch) resolve(profile.clutch->field, "input.clutch", 1);
 }
 
 }  // namespace hapgrid

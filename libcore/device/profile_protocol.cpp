@@ -24,6 +24,10 @@ std::int64_t counts(const Profile::OutputAxis& axis, double newtons) noexcept {
       std::clamp(value, static_cast<double>(axis.low), static_cast<double>(axis.high)));
 }
 
+std::string usage_text(std::uint16_t page, std::uint16_t usage) {
+  return to_text(HidMatch{.usage_page = page, .usage = usage});
+}
+
 }  // namespace
 
 std::int64_t BitField::least() const { return is_signed ? -(std::int64_t{1} << (bits - 1)) : 0; }
@@ -52,6 +56,37 @@ void BitField::set(std::span<std::uint8_t> data, std::int64_t value) const noexc
     const auto mask = static_cast<std::uint8_t>(1u << shift);
     data[at] = static_cast<std::uint8_t>((raw >> i & 1) != 0 ? data[at] | mask : data[at] & ~mask);
   }
+}
+
+bool Profile::has_usages() const {
+  const auto open = [](const auto& axis) { return axis && axis->field.bits == 0; };
+  return std::any_of(inputs.begin(), inputs.end(), open) || open(clutch);
+}
+
+void resolve_usages(Profile& profile, std::span<const UsageField> fields) {
+  const auto resolve = [&](BitField& field, const std::string& key, unsigned most) {
+    if (field.bits != 0) return;
+    const std::string who = profile.file + ": " + key + ": " +
+                            usage_text(field.usage_page, field.usage) + " in input report " +
+                            std::to_string(profile.input_id);
+    const auto found = std::find_if(fields.begin(), fields.end(), [&](const UsageField& f) {
+      return f.usage_page == field.usage_page && f.usage == field.usage &&
+             f.report_id == profile.input_id;
+    });
+    if (found == fields.end()) throw DeviceError(who + ": the device has no such field");
+    const std::size_t room = 8 * profile.input_length;
+    if (found->bits < 1 || found->bits > most || found->bit >= room ||
+        found->bits > room - found->bit)
+      throw DeviceError(who + ": " + std::to_string(found->bits) + " bits at bit " +
+                        std::to_string(found->bit) + ", which are more than " +
+                        std::to_string(most) + " or behind input.length");
+    field.bit = found->bit;
+    field.bits = found->bits;
+    field.is_signed = found->is_signed;
+  };
+  for (std::size_t a = 0; a < 3; ++a)
+    if (auto& axis = profile.inputs[a]) resolve(axis->field, std::string("input.") + "xyz"[a], 32);
+  if (profile.clutch) resolve(profile.clutch->field, "input.clutch", 1);
 }
 
 ProfileProtocol::ProfileProtocol(Profile profile) : profile_(std::move(profile)) {

@@ -217,6 +217,20 @@ TEST_CASE("no position is made up") {
   CHECK_FALSE(input.stalled);
 }
 
+TEST_CASE("what came while the device was started is too old") {
+  Rig rig;
+  rig.hardware.input({0xA5, 20}, true);
+  auto protocol = std::make_unique<TinyProtocol>(kPatient);
+  protocol->while_starting = [&rig] {
+    for (int i = 0; i < 10; ++i) rig.hardware.input({0xA5, 77});
+  };
+  HidDevice device("tiny", std::move(protocol));
+  DeviceInput input;
+  REQUIRE(device.read(input) == DeviceStatus::kOk);
+  CHECK(input.position == Vec3{0.020, 0, 0});
+  CHECK(device.counts().inputs == 1);
+}
+
 TEST_CASE("a device that cannot be opened or started says why") {
   Rig rig;
   rig.hardware.set_refusal("out of order");

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 
 #include "libcore/base/error.hpp"
 #include "tests/unit/device/standin_device.hpp"
@@ -141,6 +142,24 @@ TEST_CASE("the guard has no file of the program's") {
     ++files;
   }
   CHECK(files == 3 + 1 + 2);  // standard streams, the parent, and the stand-in's device
+}
+
+TEST_CASE("a guard that is not released writes the stop reports, those that it was told last") {
+  TemporaryDirectory directory;
+  ::setenv("HAPGRID_STANDIN", directory.file("socket").c_str(), 1);
+  auto guard = std::make_unique<HidGuard>();
+  StandinDevice hardware(directory.file("socket"));
+  const std::vector<Bytes> stop{TinyProtocol::force(0), Bytes(4097, 0xab), TinyProtocol::stopped()};
+  guard->watch("tiny", {TinyProtocol::force(1)});
+  guard->watch("tiny", stop);
+  CHECK(hardware.opened() == 1);
+  hardware.answer_writes(1, -1, "busy");  // then all of them once more
+  guard.reset();
+  REQUIRE(hardware.written().size() == 6);
+  std::vector<Bytes> written = hardware.written();
+  written.resize(3);
+  CHECK(written == stop);
+  CHECK(hardware.written().back() == stop.back());
 }
 
 TEST_CASE("a guard that cannot open the device says so") {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -28,7 +29,10 @@ class TinyProtocol : public hapgrid::HidProtocol {
   }
   hapgrid::HidTiming timing() const override { return timing_; }
   bool numbered() const override { return false; }
-  void start(hapgrid::HidChannel& channel) override { channel.write(started()); }
+  void start(hapgrid::HidChannel& channel) override {
+    if (while_starting) while_starting();
+    channel.write(started());
+  }
   bool decode(std::span<const std::uint8_t> report, hapgrid::DeviceInput& input) noexcept override {
     if (report.size() != 3 || report[0] != 0 || report[1] != 0xA5) return false;
     input.position = {report[2] * 1e-3, 0, 0};
@@ -40,6 +44,8 @@ class TinyProtocol : public hapgrid::HidProtocol {
   }
   std::vector<hapgrid::HidReport> keep_alive() const override { return alive_; }
   std::vector<hapgrid::HidReport> stop() const override { return {stopped()}; }
+
+  std::function<void()> while_starting;
 
  private:
   hapgrid::HidTiming timing_;

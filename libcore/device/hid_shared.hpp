@@ -1,0 +1,112 @@
+// What HidDevice and its two threads share: the handles, the newest input and force, and how the
+// device is. The outcomes are listed in hid_device.hpp.
+#pragma once
+
+#include <semaphore.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "libcore/base/triple_buffer.hpp"
+#include "libcore/device/hid_handle.hpp"
+#include "libcore/device/hid_protocol.hpp"
+
+namespace hapgrid {
+
+using HidClock = std::chrono::steady_clock;  // CLOCK_MONOTONIC
+
+/// Not negative, at most an hour; 0 for what is no number.
+HidClock::duration hid_duration(double seconds);
+
+struct TimedInput {
+  DeviceInput input;
+  HidClock::time_point time;
+};
+
+struct TimedForce {
+  Vec3 force{0, 0, 0};
+  HidClock::time_point time;  // of send()
+};
+
+/// Wakes the writer. Posting takes no lock and never waits.
+class HidBell {
+ public:
+  HidBell() { ::sem_init(&semaphore_, 0, 0); }
+  ~HidBell() { ::sem_destroy(&semaphore_); }
+  HidBell(const HidBell&) = delete;
+  HidBell& operator=(const HidBell&) = delete;
+
+  /// Once is enough until it is heard: the count cannot run over behind a writer that hangs.
+  void ring() noexcept {
+    if (!rung_.exchange(true, std::memory_order_acq_rel)) ::sem_post(&semaphore_);
+  }
+  /// Until it rings or the deadline is over.
+  void wait(HidClock::time_point deadline) noexcept;
+
+ private:
+  sem_t semaphore_;
+  std::atomic<bool> rung_{false};
+};
+
+enum class HidFault { kNone, kTold, kWriteHangs };
+
+/// The threads' loops; public for them and HidDevice, and for nobody else.
+struct HidShared {
+  /// @throw DeviceError
+  HidShared(const std::string& where, std::unique_ptr<HidProtocol> how)
+      : path(where), protocol(std::move(how)), timing(protocol->timing()), out(where) {}
+
+  const std::string path;
+  const std::unique_ptr<HidProtocol> protocol;
+  const HidTiming timing;
+  HidHandle out;  // the writer's
+  // The reader's. Opened when the device was started: the kernel keeps the oldest reports for a
+  // handle that nobody reads, and the first position must not be one of long ago.
+  std::optional<HidHandle> in;
+
+  TripleBuffer<TimedInput> input{TimedInput{}};
+  TripleBuffer<TimedForce> force{TimedForce{}};
+  HidBell bell;
+  std::atomic<bool> stop{false};
+  std::atomic<HidFault> fault{HidFault::kNone};
+  std::atomic<HidClock::rep> writing_since{0};  // 0: not in hid_write()
+  std::atomic<std::uint64_t> inputs{0}, rejected{0}, floods{0}, forces{0}, watchdog_zeros{0};
+
+  // Never the haptic thread's.
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::string error;
+  std::string odd_report;  // the last one that was no input, in words
+  bool first_input = false, reader_done = false, writer_done = false;
+  bool let_go = false;  // the device took zero force and stop reports
+
+  void read_loop();
+  void write_loop();
+  /// The first one is what the user hears about.
+  void tell_fault(const std::string& what);
+  /// Zero force and stop reports; whether the device took them all.
+  bool write_stop(std::vector<HidReport>& reports);
+  template <class Change>
+  void change(Change&& what) {
+    {
+      const std::lock_guard lock(mutex);
+      what();
+    }
+    changed.notify_all();
+  }
+
+ private:
+  bool write(const HidReport& report);
+  bool write_force(const Vec3& value, std::vector<HidReport>& reports);
+  void write_forces(std::vector<HidReport>& reports);
+};
+
+}  // namespace hapgrid
