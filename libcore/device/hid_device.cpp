@@ -32,7 +32,8 @@ HidDevice::HidDevice(const std::string& path, std::unique_ptr<HidProtocol> proto
     s.protocol->start(s.out);
     if (guard_) guard_->watch(path, s.protocol->stop());
     s.in.emplace(path);
-    start_threads();
+    writer_ = start_thread(&HidShared::write_loop, &HidShared::writer_done);
+    reader_ = start_thread(&HidShared::read_loop, &HidShared::reader_done);
     if (s.timing.stall <= 0) return;
     std::unique_lock lock(s.mutex);
     const bool heard = s.changed.wait_for(
@@ -53,20 +54,17 @@ HidDevice::HidDevice(const std::string& path, std::unique_ptr<HidProtocol> proto
 
 HidDevice::~HidDevice() { stop(); }
 
-void HidDevice::start_threads() {
+std::thread HidDevice::start_thread(void (HidShared::*loop)(), bool HidShared::*done) {
   const BlockedSignals blocked;
-  // They own what they use. What they throw is memory that is missing, and a fault like another.
-  const auto body = [](std::shared_ptr<HidShared> shared, void (HidShared::*loop)(),
-                       bool HidShared::*done) {
+  // It owns what it uses. What it throws is memory that is missing, and a fault like another.
+  return std::thread([shared = shared_, loop, done] {
     try {
       (*shared.*loop)();
     } catch (const std::exception& e) {
       shared->tell_fault(e.what());
     }
     shared->change([&] { (*shared).*done = true; });
-  };
-  writer_ = std::thread(body, shared_, &HidShared::write_loop, &HidShared::writer_done);
-  reader_ = std::thread(body, shared_, &HidShared::read_loop, &HidShared::reader_done);
+  });
 }
 
 DeviceStatus HidDevice::read(DeviceInput& input) noexcept {
@@ -102,33 +100,33 @@ DeviceStatus HidDevice::stop() noexcept {
   HidShared& s = *shared_;
   s.stop.store(true);
   s.bell.ring();
-  std::vector<HidReport> reports;
-  if (!writer_.joinable()) {
-    // The constructor failed before there was a writer.
-    s.let_go = s.write_stop(reports);
-  } else {
-    std::unique_lock lock(s.mutex);
-    s.changed.wait_for(lock, kStopWait, [&s] { return s.writer_done && s.reader_done; });
-    const bool writer_done = s.writer_done, reader_done = s.reader_done;
-    lock.unlock();
-    if (writer_done) {
-      writer_.join();
-    } else {
-      s.tell_fault("stop: the device did not take the zero force within " +
-                   std::to_string(kStopWait / 1s) + " s");
-      writer_.detach();
-    }
-    if (reader_.joinable()) {
-      if (reader_done) {
-        reader_.join();
-      } else {
-        reader_.detach();
-      }
-    }
+  try {
+    // The constructor may have failed before there was one; this thread does not wait for hardware.
+    if (!writer_.joinable())
+      writer_ = start_thread(&HidShared::write_loop, &HidShared::writer_done);
+  } catch (const std::exception&) {
+    return stop_status_;
   }
-  const std::lock_guard lock(s.mutex);
-  stop_status_ = s.let_go ? DeviceStatus::kOk : DeviceStatus::kFailed;
-  if (s.let_go && guard_) guard_->release();
+  std::unique_lock lock(s.mutex);
+  s.changed.wait_for(lock, kStopWait,
+                     [&] { return s.writer_done && (s.reader_done || !reader_.joinable()); });
+  const bool writer_done = s.writer_done, reader_done = s.reader_done, let_go = s.let_go;
+  lock.unlock();
+  if (!writer_done)
+    s.tell_fault("stop: the device did not take the zero force within " +
+                 std::to_string(kStopWait / 1s) + " s");
+  const auto leave = [](std::thread& thread, bool done) {
+    if (!thread.joinable()) return;
+    if (done) {
+      thread.join();
+    } else {
+      thread.detach();
+    }
+  };
+  leave(writer_, writer_done);
+  leave(reader_, reader_done);
+  if (let_go && guard_) guard_->release();
+  stop_status_ = let_go ? DeviceStatus::kOk : DeviceStatus::kFailed;
   return stop_status_;
 }
 

@@ -65,7 +65,7 @@ class HidDevice : public Device {
   HidCounts counts() const noexcept;
 
  private:
-  void start_threads();
+  std::thread start_thread(void (HidShared::*loop)(), bool HidShared::*done);
 
   DeviceInfo info_;
   std::shared_ptr<HidShared> shared_;  // with the threads, which may live longer than this

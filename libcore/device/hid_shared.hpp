@@ -92,8 +92,6 @@ struct HidShared {
   void write_loop();
   /// The first one is what the user hears about.
   void tell_fault(const std::string& what);
-  /// Zero force and stop reports; whether the device took them all.
-  bool write_stop(std::vector<HidReport>& reports);
   template <class Change>
   void change(Change&& what) {
     {
@@ -106,6 +104,8 @@ struct HidShared {
  private:
   bool write(const HidReport& report);
   bool write_force(const Vec3& value, std::vector<HidReport>& reports);
+  /// Zero force and stop reports; whether the device took them all.
+  bool write_stop(std::vector<HidReport>& reports);
   void write_forces(std::vector<HidReport>& reports);
 };
 

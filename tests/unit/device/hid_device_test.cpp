@@ -241,6 +241,21 @@ TEST_CASE("a device that cannot be opened or started says why") {
   CHECK(rig.last(2) == kStopped);
 }
 
+TEST_CASE("a device that cannot be started nor stopped does not hold up its constructor") {
+  Rig rig;
+  auto protocol = std::make_unique<TinyProtocol>(kPatient);
+  protocol->while_starting = [&rig] {
+    rig.hardware.hold_writes();
+    throw DeviceError("no effect could be made");
+  };
+  const auto start = Clock::now();
+  CHECK_THROWS_WITH(HidDevice("tiny", std::move(protocol)), "no effect could be made");
+  CHECK(Clock::now() - start < 5s);
+  rig.hardware.release_writes();
+  CHECK(rig.hardware.wait([&] { return rig.hardware.written() == kStopped; }));
+  CHECK(rig.hardware.wait([&] { return rig.hardware.open() == 0; }));
+}
+
 TEST_CASE("a failed write is the end, and the device is let go at once") {
   Rig rig;
   const auto device = rig.open();
