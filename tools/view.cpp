@@ -17,6 +17,8 @@
 #include "libcore/scene/summary.hpp"
 #include "libcore/scene/xyz.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/view/terminal.hpp"
+#include "tools/view/window.hpp"
 
 using namespace hapgrid;
 using Json = nlohmann::ordered_json;
@@ -38,6 +40,10 @@ struct Options {
   double elevation_degrees = Camera{}.elevation_degrees;
   double hip_radius = 0;
   double arrow = 0;
+  bool window = false;
+  bool close = false;
+  std::string screenshot;
+  std::string terminal;  // how to draw there; empty: not asked for
 
   bool wants_report() const { return info || (xyz.empty() && png.empty()); }
 };
@@ -128,18 +134,33 @@ std::string report_json(const Scene& scene, const SceneSummary& s) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-/// A picture of `frame` as --size, the angles and the sizes want it.
-Image picture(const Options& options, const Scene& scene, const Frame& frame) {
+RenderOptions render_options(const Options& options) {
   RenderOptions how;
   std::tie(how.width, how.height) = *parse_size(options.size);
   how.hip_radius = options.hip_radius;
   how.arrow = options.arrow;
+  return how;
+}
+
+/// A picture of `frame` as --size, the angles and the sizes want it.
+Image picture(const Options& options, const Scene& scene, const Frame& frame) {
+  const RenderOptions how = render_options(options);
   return render(scene, frame,
                 fit_camera(scene, frame, how, options.azimuth_degrees, options.elevation_degrees),
                 how);
 }
 
 int run(const Options& options) {
+  if (options.window) {
+    run_window(options.frames, {render_options(options), options.azimuth_degrees,
+                                options.elevation_degrees, options.close, options.screenshot});
+    return kExitDone;
+  }
+  if (!options.terminal.empty()) {
+    run_terminal(options.frames, {render_options(options), options.azimuth_degrees,
+                                  options.elevation_degrees, options.terminal});
+    return kExitDone;
+  }
   if ((options.xyz == "-") + (options.png == "-") + options.wants_report() > 1)
     throw CLI::ValidationError("only one of --xyz, --png and the report can be standard output");
 
@@ -185,13 +206,15 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   CLI::App app(
       "Shows the frames that play --frames wrote: as a report (unless something else is asked\n"
-      "for), a trajectory, a picture.");
+      "for), a trajectory, a picture; or live, in a window or a terminal, from\n"
+      "play --frames - through a pipe.");
   Options options;
   app.add_option("frames", options.frames, "Frames ('-': standard input)")
       ->type_name("FRAMES")
       ->capture_default_str();
-  app.add_flag("--info", options.info,
-               "Report on standard output what is in the frames, also beside --xyz and --png");
+  auto* const info =
+      app.add_flag("--info", options.info,
+                   "Report on standard output what is in the frames, also beside --xyz and --png");
   app.add_option("--format", options.format, "How the report is written")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
@@ -219,42 +242,71 @@ int main(int argc, char** argv) {
       ->type_name("T")
       ->check(number_within(0, 1e12, "a time from 0 to 1e12 s"))
       ->needs(png);
-  app.add_option("--size", options.size, "Width and height of the picture in pixels")
-      ->type_name("WxH")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            return parse_size(text) ? std::string()
-                                    : "'" + text + "' is not like 800x600, at most " +
-                                          std::to_string(kMaxPixels) + " each";
-          },
-          ""))
-      ->needs(png)
-      ->capture_default_str();
-  app.add_option("--azimuth", options.azimuth_degrees,
-                 "Where the picture is seen from: counterclockwise around z, in degrees; at 0 x "
-                 "goes to the right and y away")
-      ->type_name("DEGREES")
-      ->check(number_within(-360, 360, "an angle from -360 to 360 degrees"))
-      ->needs(png)
-      ->capture_default_str();
-  app.add_option("--elevation", options.elevation_degrees,
-                 "And from how far above the plane of x and y, in degrees")
-      ->type_name("DEGREES")
-      ->check(number_within(-90, 90, "an angle from -90 to 90 degrees"))
-      ->needs(png)
-      ->capture_default_str();
-  app.add_option("--hip-radius", options.hip_radius,
-                 "Radius of the translucent ball at the HIP, in the model's unit of length "
-                 "(default: the frames' own, or a 40th of the box's longest side)")
-      ->type_name("R")
-      ->check(number_within(1e-12, 1e12, "a length from 1e-12 to 1e12"))
-      ->needs(png);
-  app.add_option("--arrow", options.arrow,
-                 "Length of the arrow for a force of one newton, in the model's unit of length "
-                 "(default: a sixth of the box's longest side)")
-      ->type_name("LENGTH")
-      ->check(number_within(1e-12, 1e12, "a length from 1e-12 to 1e12"))
-      ->needs(png);
+  auto* const window =
+      app.add_flag("--window", options.window,
+                   "Show the frames in a window as they come; a file is played in its own time");
+  app.add_flag("--close", options.close,
+               "Close the window when the frames are over (default: it stays until it is closed)")
+      ->needs(window);
+  app.add_option("--screenshot", options.screenshot,
+                 "When the window is closed, write what it showed last as a PNG picture")
+      ->type_name("FILE")
+      ->needs(window);
+  // A flag, so that a file's name behind it is not taken for its value.
+  auto* const terminal =
+      app.add_flag("--terminal{auto}", options.terminal,
+                   "Show the frames in the terminal that standard output is; --terminal=MODE says "
+                   "how: symbols, sixel, kitty, or auto (the default) for the best of what the "
+                   "environment says that the terminal can do")
+          ->check(CLI::IsMember({"auto", "symbols", "sixel", "kitty"}));
+  window->excludes(terminal);
+  for (auto* const file : {info, xyz, png}) {
+    window->excludes(file);
+    terminal->excludes(file);
+  }
+  auto* const size = app.add_option("--size", options.size,
+                                    "Width and height of the picture, or of the window, in pixels")
+                         ->type_name("WxH")
+                         ->check(CLI::Validator(
+                             [](const std::string& text) {
+                               return parse_size(text)
+                                          ? std::string()
+                                          : "'" + text + "' is not like 800x600, at most " +
+                                                std::to_string(kMaxPixels) + " each";
+                             },
+                             ""))
+                         ->capture_default_str();
+  auto* const azimuth =
+      app.add_option(
+             "--azimuth", options.azimuth_degrees,
+             "Where the picture is seen from: counterclockwise around z, in degrees; at 0 x "
+             "goes to the right and y away")
+          ->type_name("DEGREES")
+          ->check(number_within(-360, 360, "an angle from -360 to 360 degrees"))
+          ->capture_default_str();
+  auto* const elevation = app.add_option("--elevation", options.elevation_degrees,
+                                         "And from how far above the plane of x and y, in degrees")
+                              ->type_name("DEGREES")
+                              ->check(number_within(-90, 90, "an angle from -90 to 90 degrees"))
+                              ->capture_default_str();
+  auto* const hip_radius =
+      app.add_option("--hip-radius", options.hip_radius,
+                     "Radius of the translucent ball at the HIP, in the model's unit of length "
+                     "(default: the frames' own, or a 40th of the box's longest side)")
+          ->type_name("R")
+          ->check(number_within(1e-12, 1e12, "a length from 1e-12 to 1e12"));
+  auto* const arrow =
+      app.add_option("--arrow", options.arrow,
+                     "Length of the arrow for a force of one newton, in the model's unit of length "
+                     "(default: a sixth of the box's longest side)")
+          ->type_name("LENGTH")
+          ->check(number_within(1e-12, 1e12, "a length from 1e-12 to 1e12"));
+  app.callback([&] {
+    if (*size && !*png && !*window) throw CLI::RequiresError("--size", "--png or --window");
+    for (const auto* option : {azimuth, elevation, hip_radius, arrow})
+      if (*option && !*png && !*window && !*terminal)
+        throw CLI::RequiresError(option->get_name(), "--png, --window or --terminal");
+  });
   describe(
       app, "view",
       "The report (numbers rounded; --format json has them whole, null where there is none):\n"
@@ -268,6 +320,22 @@ int main(int argc, char** argv) {
       "HIP as the device gave it, the force in newtons as it was sent, the energy.\n"
       "\n"
       "The picture has the spheres, the grid's box, the HIP held in the box, and the force as an\n"
-      "arrow, on white; no display is needed.\n");
+      "arrow, on white; no display is needed.\n"
+      "\n"
+      "The window (OpenGL 3.3) has the same picture, seen so that the first frame fits, and below\n"
+      "it what is newest and the last 10 s: force in newtons, energy in the model's unit, a "
+      "vertical\n"
+      "line where a corner of the HIP's cell got another level. --size is that of the window; the\n"
+      "lowest 120 pixels are the curves'. Live, it shows the newest frame; frames that nobody saw "
+      "are\n"
+      "counted as dropped.\n"
+      "  mouse    drag: turn; wheel: zoom\n"
+      "  keys     space: pause; r: the camera as at the start; s: write hapgrid-TICK.png into the\n"
+      "           working directory; q, Escape: close\n"
+      "\n"
+      "The terminal has the picture, the same numbers, and the curves of force and energy as "
+      "blocks,\n"
+      "on yellow where levels changed. Nothing is read from it: in play --device keys | view\n"
+      "--terminal the keyboard is play's.\n");
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

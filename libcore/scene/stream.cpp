@@ -4,9 +4,11 @@
 #include <capnp/serialize.h>
 #include <fcntl.h>
 #include <kj/exception.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cerrno>
 #include <cmath>
@@ -261,11 +263,21 @@ bool SceneReader::next(Frame& frame) {
   return true;
 }
 
+/// Waits for bytes or for the end, or to be told not to.
+bool SceneReader::given_up() const {
+  if (give_up_ < 0) return false;
+  std::array<pollfd, 2> files{{{fd_, POLLIN, 0}, {give_up_, POLLIN, 0}}};
+  while (::poll(files.data(), files.size(), -1) < 0)
+    if (errno != EINTR) throw std::system_error(errno, std::generic_category(), name_);
+  return files[1].revents != 0;
+}
+
 /// The next `size` bytes; false when the stream ends in front of the first of them.
 bool SceneReader::take(std::byte* to, std::size_t size) {
   std::size_t done = 0;
   while (done < size) {
     if (begin_ == end_) {
+      if (given_up()) break;
       const ssize_t count = ::read(fd_, buffer_.data(), buffer_.size());
       if (count < 0 && errno == EINTR) continue;
       if (count < 0) throw std::system_error(errno, std::generic_category(), name_);

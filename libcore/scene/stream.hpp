@@ -48,10 +48,14 @@ class SceneReader {
   /// @throw std::system_error; FormatError "NAME: byte N: ...", the byte where the message starts.
   bool next(Frame& frame);
 
+  /// From now on a read that waits is given up once `fd` is readable, as if the stream ended there.
+  void give_up_on(int fd) { give_up_ = fd; }
+
  private:
   /// Gets the next message into words_; false at the end. `limit` is in bytes.
   bool take_message(std::uint64_t limit);
   bool take(std::byte* to, std::size_t size);
+  bool given_up() const;
   void take_scene();
   template <class F>
   void decode(F&& use) const;
@@ -59,6 +63,7 @@ class SceneReader {
   std::string name_;
   FileDescriptor owned_;
   int fd_ = -1;
+  int give_up_ = -1;
   std::vector<std::byte> buffer_;  // what was read and not taken yet: begin_ .. end_
   std::size_t begin_ = 0;
   std::size_t end_ = 0;

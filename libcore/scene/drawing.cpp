@@ -1,0 +1,176 @@
+#include "libcore/scene/drawing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace hapgrid {
+
+namespace {
+
+constexpr Colour kBoxColour{0.62F, 0.65F, 0.7F};
+constexpr Colour kHipColour{0.15F, 0.35F, 0.95F};
+constexpr Colour kForceColour{0.85F, 0.1F, 0.1F};
+constexpr double kLinePixels = 0.6;  // half the width of the box's edges
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3 along(const Vec3& a, const Vec3& b, double t) {
+  return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
+}
+bool finite(const Vec3& v) {
+  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+/// The picture's axes in the model's space: to the right, up, towards the viewer.
+struct Axes {
+  Vec3 right;
+  Vec3 up;
+  Vec3 near;
+
+  explicit Axes(const Camera& camera) {
+    const double a = camera.azimuth_degrees * std::numbers::pi / 180;
+    const double e = camera.elevation_degrees * std::numbers::pi / 180;
+    right = {std::cos(a), std::sin(a), 0};
+    near = {std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e)};
+    up = {-std::sin(a) * std::sin(e), std::cos(a) * std::sin(e), std::cos(e)};
+  }
+  Vec3 operator()(const Vec3& v) const { return {dot(right, v), dot(up, v), dot(near, v)}; }
+};
+
+/// Model to rays: x right, y down, z towards the viewer, all in distances of neighbouring rays.
+struct Projection {
+  Axes axes;
+  Vec3 centre;  // in the picture's axes
+  double scale;
+  double x0;
+  double y0;
+
+  Projection(const Camera& camera, const RenderOptions& options)
+      : axes(camera),
+        centre(axes(camera.centre)),
+        scale(options.supersampling * std::min(options.width, options.height) /
+              (2 * camera.half_width)),
+        x0(0.5 * options.supersampling * options.width),
+        y0(0.5 * options.supersampling * options.height) {}
+
+  Vec3 operator()(const Vec3& v) const {
+    const Vec3 p = axes(v);
+    return {x0 + scale * (p[0] - centre[0]), y0 - scale * (p[1] - centre[1]),
+            scale * (p[2] - centre[2])};
+  }
+};
+
+double longest_side(const Box& box) {
+  const auto most = *std::max_element(box.counts.begin(), box.counts.end());
+  return box.spacing * std::max<double>(1, most - 1.0);
+}
+
+double hip_radius(const Scene& scene, const RenderOptions& options) {
+  if (options.hip_radius > 0) return options.hip_radius;
+  return scene.hip_radius > 0 ? scene.hip_radius : longest_side(scene.box) / 40;
+}
+
+Vec3 corner(const Box& box, int c) {
+  return box.position(GridCoordinates{c & 1 ? box.counts[0] - 1 : 0, c & 2 ? box.counts[1] - 1 : 0,
+                                      c & 4 ? box.counts[2] - 1 : 0});
+}
+
+struct Arrow {
+  Vec3 from;
+  Vec3 to;
+  double radius;  // of the shaft
+};
+
+Arrow arrow(const Scene& scene, const Frame& frame, const RenderOptions& options) {
+  const double newton = options.arrow > 0 ? options.arrow : longest_side(scene.box) / 6;
+  const Vec3& x = frame.position;
+  const Vec3& f = frame.force;
+  return {x,
+          {x[0] + newton * f[0], x[1] + newton * f[1], x[2] + newton * f[2]},
+          hip_radius(scene, options) / 5};
+}
+
+/// A shaft and a head, as many balls that stand close together.
+void add_arrow(const Arrow& a, const Projection& project, std::vector<Ball>& balls) {
+  const double length = std::hypot(a.to[0] - a.from[0], a.to[1] - a.from[1], a.to[2] - a.from[2]);
+  if (!(length > 0) || !std::isfinite(length)) return;
+  const double head = std::min(6 * a.radius, length);
+  // Half a ray apart they look like one thing; the bound is for absurd lengths.
+  const int steps = static_cast<int>(std::clamp(length * project.scale / 0.5, 8.0, 4000.0));
+  for (int i = 0; i <= steps; ++i) {
+    const double t = static_cast<double>(i) / steps;
+    const double left = length * (1 - t);  // to the tip
+    const double radius = left < head ? 2.5 * a.radius * left / head : a.radius;
+    balls.push_back({project(along(a.from, a.to, t)), radius * project.scale, kForceColour});
+  }
+}
+
+}  // namespace
+
+Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
+                  double azimuth_degrees, double elevation_degrees) {
+  Camera camera{azimuth_degrees, elevation_degrees, {0, 0, 0}, 1};
+  const Axes axes(camera);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vec3 low{kInfinity, kInfinity, kInfinity};
+  Vec3 high{-kInfinity, -kInfinity, -kInfinity};
+  const auto see = [&](const Vec3& v, double radius) {
+    if (!finite(v)) return;
+    const Vec3 p = axes(v);
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], p[a] - radius);
+      high[a] = std::max(high[a], p[a] + radius);
+    }
+  };
+  if (options.box)
+    for (int c = 0; c < 8; ++c) see(corner(scene.box, c), 0);
+  for (std::size_t i = 0; i < scene.spheres.size(); ++i)
+    see({frame.centres[3 * i], frame.centres[3 * i + 1], frame.centres[3 * i + 2]},
+        scene.spheres[i].radius);
+  if (options.hip) {
+    const Arrow force = arrow(scene, frame, options);
+    see(frame.position, hip_radius(scene, options));
+    see(force.to, 2.5 * force.radius);
+  }
+  if (!(low[0] <= high[0])) return camera;  // nothing to see
+  const double margin = 1.06;
+  const double nearer = std::min(options.width, options.height);
+  camera.half_width = 0.5 * margin *
+                      std::max((high[0] - low[0]) * nearer / options.width,
+                               (high[1] - low[1]) * nearer / options.height);
+  if (!(camera.half_width > 0)) camera.half_width = 1;
+  const Vec3 middle{0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
+  for (int a = 0; a < 3; ++a)
+    camera.centre[a] =
+        middle[0] * axes.right[a] + middle[1] * axes.up[a] + middle[2] * axes.near[a];
+  return camera;
+}
+
+Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
+             const RenderOptions& options) {
+  const Projection project(camera, options);
+  Drawing all;
+  for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
+    const float* c = frame.centres.data() + 3 * i;
+    const Vec3 centre{c[0], c[1], c[2]};
+    if (!finite(centre)) continue;
+    all.balls.push_back(
+        {project(centre), scene.spheres[i].radius * project.scale, scene.spheres[i].colour});
+  }
+  if (options.box)
+    for (int c = 0; c < 8; ++c)
+      for (int axis = 0; axis < 3; ++axis)
+        if ((c >> axis & 1) == 0)
+          all.lines.push_back({project(corner(scene.box, c)),
+                               project(corner(scene.box, c | 1 << axis)),
+                               kLinePixels * options.supersampling, kBoxColour});
+  if (options.hip && finite(frame.position)) {
+    add_arrow(arrow(scene, frame, options), project, all.balls);
+    all.translucent.push_back(
+        {project(frame.position), hip_radius(scene, options) * project.scale, kHipColour});
+  }
+  return all;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,71 @@
+// What a picture of one frame consists of, and where: the spheres, the HIP, the force, the box,
+// seen along parallel rays. render() draws it without a display, a window draws the same with
+// OpenGL.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "libcore/scene/scene.hpp"
+
+namespace hapgrid {
+
+/// A parallel projection. At azimuth and elevation 0 it looks along +y: x goes to the right, z up.
+/// A positive azimuth takes the viewer counterclockwise around z (at 90 degrees he stands at +x), a
+/// positive elevation lifts him.
+struct Camera {
+  double azimuth_degrees = 30;
+  double elevation_degrees = 20;
+  Vec3 centre{0, 0, 0};   ///< what is in the middle of the picture
+  double half_width = 1;  ///< model's units from the middle to the nearer edges
+};
+
+struct RenderOptions {
+  int width = 800;
+  int height = 600;
+  int supersampling = 3;  ///< rays a pixel and axis
+  double hip_radius = 0;  ///< 0: the scene's own, or a 40th of the box's longest side
+  double arrow = 0;       ///< length of a newton; 0: a sixth of the box's longest side
+  bool box = true;
+  bool hip = true;  ///< with the force
+};
+
+/// Red, green, blue in [0, 1].
+using Colour = std::array<float, 3>;
+
+inline constexpr Colour kBackground{1, 1, 1};
+inline constexpr float kHipOpacity = 0.6F;
+
+/// Places and lengths in a drawing are in distances of neighbouring rays: x to the right and y down
+/// from the picture's upper left corner, z towards the viewer from what is in the middle. A ray
+/// goes through the middle of its square: that of column i is at x = i + 1/2.
+struct Ball {
+  Vec3 centre;
+  double radius;
+  Colour colour;
+};
+
+/// What is nearer to it than half_width in x and y; its depth is that of the nearest place on it.
+struct Line {
+  Vec3 from;
+  Vec3 to;
+  double half_width;
+  Colour colour;
+};
+
+struct Drawing {
+  std::vector<Line> lines;        ///< the box
+  std::vector<Ball> balls;        ///< the spheres, and the arrow as many that stand close together
+  std::vector<Ball> translucent;  ///< the HIP: over the rest, with kHipOpacity
+};
+
+/// The camera in these angles that sees the box, the spheres, the HIP, and the arrow as a whole.
+Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
+                  double azimuth_degrees, double elevation_degrees);
+
+/// What `frame` looks like. Spheres that are not in a finite place are left out; the HIP stands
+/// where it is held in the box.
+Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
+             const RenderOptions& options);
+
+}  // namespace hapgrid

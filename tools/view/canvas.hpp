@@ -1,0 +1,24 @@
+// Text and lines in a picture.
+#pragma once
+
+#include <string_view>
+
+#include "libcore/scene/image.hpp"
+
+namespace hapgrid {
+
+/// Of a letter, in pixels at scale 1.
+inline constexpr int kLetterWidth = 6;
+inline constexpr int kLetterHeight = 13;
+
+Image blank(int width, int height, Rgb colour);
+
+// What is outside the picture is left out.
+
+void fill(Image& image, int x, int y, int width, int height, Rgb colour);
+/// A line `thickness` pixels high and wide.
+void line(Image& image, int x0, int y0, int x1, int y1, int thickness, Rgb colour);
+/// The upper left corner of the first letter is at x, y. Everything but printable ASCII is '?'.
+void write(Image& image, int x, int y, int scale, std::string_view text, Rgb colour);
+
+}  // namespace hapgrid

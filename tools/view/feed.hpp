@@ -1,0 +1,80 @@
+// Frames as they come, read on a thread of their own: whoever draws is never waited for, and gets
+// the newest one.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "libcore/base/file.hpp"
+#include "libcore/scene/stream.hpp"
+#include "tools/view/traces.hpp"
+
+namespace hapgrid {
+
+/// Everything of a stream is read at once, so that its writer waits for nobody; only a regular file
+/// is given out in the time in which it was recorded.
+class Feed {
+ public:
+  /// Takes the scene off the stream and waits for it; "-" is standard input. `changed` is called on
+  /// the reading thread when there is something new: a frame, or the end.
+  /// @throw std::system_error, FormatError as SceneReader does.
+  Feed(const std::string& name, std::function<void()> changed);
+  ~Feed();
+  Feed(const Feed&) = delete;
+  Feed& operator=(const Feed&) = delete;
+
+  const Scene& scene() const { return reader_.scene(); }
+  /// The name for messages.
+  const std::string& name() const { return reader_.name(); }
+
+  /// Starts reading.
+  void start();
+  /// What there is; `frame` and `traces` are written only when there is a frame that was not given
+  /// out before.
+  struct State {
+    bool fresh = false;
+    bool ended = false;         ///< no frame comes after this one
+    std::uint64_t dropped = 0;  ///< frames that were never given out
+  };
+  State update(Frame& frame, Traces& traces);
+  /// Stops and starts the clock of a file; a live stream goes on.
+  void pause(bool paused);
+  /// @throw what ended the stream, if it was not its end. Call it when the stream has ended.
+  void check() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void run();
+  bool wait_until_due(double time_s);
+
+  SceneReader reader_;
+  std::function<void()> changed_;
+  bool recorded_;
+  FileDescriptor stop_reading_;  // readable: the reading thread is to end
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::condition_variable wake_;
+  bool stopped_ = false;
+  bool paused_ = false;
+  double first_s_ = 0;       // the recording starts with this time,
+  Clock::time_point start_;  // which was due then; pauses move it on
+  Clock::time_point paused_since_;
+  Frame newest_;
+  Traces traces_;
+  std::uint64_t published_ = 0;
+  std::uint64_t given_out_ = 0;
+  bool fresh_ = false;
+  bool ended_ = false;
+  std::exception_ptr error_;
+
+  std::jthread thread_;
+};
+
+}  // namespace hapgrid

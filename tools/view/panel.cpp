@@ -1,0 +1,101 @@
+#include "tools/view/panel.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "libcore/check/text.hpp"
+#include "tools/view/canvas.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr Rgb kPaper{246, 247, 249};
+constexpr Rgb kFrame{205, 209, 216};
+constexpr Rgb kInk{40, 44, 52};
+constexpr Rgb kForce{217, 26, 26};
+constexpr Rgb kEnergy{30, 90, 190};
+constexpr Rgb kSwitch{240, 150, 30};
+
+// Pixels at scale 1.
+constexpr int kStatusHeight = kLetterHeight + 7;
+constexpr int kMargin = 4;
+constexpr int kLabelWidth = 17 * kLetterWidth;
+
+struct Place {
+  int x, y, width, height;
+};
+
+/// A curve in its frame, with its name and the ends of its axis on the left.
+void draw_curve(Image& image, const Place& place, int scale, const Traces& traces,
+                double Traces::Sample::*value, const Extent& extent, const std::string& name,
+                Rgb colour) {
+  const auto& [x, y, width, height] = place;
+  const int middle = y + (height - scale * kLetterHeight) / 2;
+  write(image, scale * kMargin, middle, scale, name, colour);
+  const auto label = [&](int top, double number) {
+    const std::string text = three_digits(number);
+    write(image, x - scale * (kLetterWidth * static_cast<int>(text.size()) + kMargin), top, scale,
+          text, kInk);
+  };
+  label(y - scale, extent.high);
+  label(y + height - scale * (kLetterHeight - 1), extent.low);
+
+  fill(image, x, y, width, height, {255, 255, 255});
+  const double end_s = traces.samples().empty() ? 0 : traces.samples().back().time_s;
+  const auto column = [&](double time_s) {
+    return x + static_cast<int>((1 - (end_s - time_s) / Traces::kSeconds) * (width - scale));
+  };
+  for (int s = 1; s < Traces::kSeconds; ++s)
+    fill(image, column(end_s - s), y, scale, height, {232, 234, 238});
+  for (const auto& sample : traces.samples())
+    if (sample.switched) fill(image, column(sample.time_s), y, scale, height, kSwitch);
+  for (const int edge : {y - scale, y + height})
+    fill(image, x - scale, edge, width + 2 * scale, scale, kFrame);
+  for (const int edge : {x - scale, x + width}) fill(image, edge, y, scale, height, kFrame);
+
+  bool drawn = false;  // a point that the next one is joined with
+  int last_x = 0, last_y = 0;
+  for (const auto& sample : traces.samples()) {
+    const double at = extent(sample.*value);
+    if (!std::isfinite(at)) {
+      drawn = false;
+      continue;
+    }
+    const int px = column(sample.time_s);
+    const int py = y + static_cast<int>(std::lround((1 - at) * (height - scale)));
+    line(image, drawn ? last_x : px, drawn ? last_y : py, px, py, scale, colour);
+    drawn = true;
+    last_x = px;
+    last_y = py;
+  }
+}
+
+}  // namespace
+
+Image draw_panel(int width, int scale, const Scene& scene, const Traces& traces,
+                 const std::string& status) {
+  const int height = scale * kPanelHeight;
+  Image image = blank(width, height, kPaper);
+  fill(image, 0, 0, width, scale, kFrame);
+  write(image, scale * kMargin, scale * kMargin, scale, status, kInk);
+
+  const Extent energy = energy_extent(traces);
+  const bool both = std::isfinite(energy.low);
+  const int gap = scale * 2 * kMargin;
+  Place place{scale * kLabelWidth, scale * (kStatusHeight + 1), 0, 0};
+  place.width = width - place.x - scale * (kMargin + 1);
+  place.height = height - place.y - scale * (kMargin + 1);
+  if (place.width < scale * 20) return image;  // no room for curves
+  if (both) place.height = (place.height - gap) / 2;
+  draw_curve(image, place, scale, traces, &Traces::Sample::force, force_extent(traces), "force/N",
+             kForce);
+  if (!both) return image;
+  place.y += place.height + gap;
+  const std::string unit = printable(scene.energy_unit);
+  draw_curve(image, place, scale, traces, &Traces::Sample::energy, energy,
+             unit.empty() || unit.size() > 8 ? "energy" : unit, kEnergy);
+  return image;
+}
+
+}  // namespace hapgrid

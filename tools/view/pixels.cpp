@@ -1,0 +1,75 @@
+#include "tools/view/pixels.hpp"
+
+#include <cstdlib>
+#include <string_view>
+
+namespace hapgrid {
+
+namespace {
+
+ChafaPointer<ChafaTermInfo> detect() {
+  gchar** const environment = g_get_environ();
+  ChafaPointer<ChafaTermInfo> info(chafa_term_db_detect(chafa_term_db_get_default(), environment));
+  g_strfreev(environment);
+  return info;
+}
+
+bool says_true_colour() {
+  const char* const text = std::getenv("COLORTERM");
+  return text && (std::string_view(text) == "truecolor" || std::string_view(text) == "24bit");
+}
+
+}  // namespace
+
+TerminalPixels::TerminalPixels(const std::string& mode) : info_(detect()) {
+  const auto can = [&](ChafaTermSeq sequence) {
+    return chafa_term_info_have_seq(info_.get(), sequence);
+  };
+  const bool sixel = can(CHAFA_TERM_SEQ_BEGIN_SIXELS);
+  const bool kitty = can(CHAFA_TERM_SEQ_BEGIN_KITTY_IMMEDIATE_IMAGE_V1);
+  if (mode == "kitty" || (mode == "auto" && kitty))
+    pixel_mode_ = CHAFA_PIXEL_MODE_KITTY;
+  else if (mode == "sixel" || (mode == "auto" && sixel))
+    pixel_mode_ = CHAFA_PIXEL_MODE_SIXELS;
+
+  if (!symbols() || says_true_colour() || can(CHAFA_TERM_SEQ_SET_COLOR_FGBG_DIRECT))
+    canvas_mode_ = CHAFA_CANVAS_MODE_TRUECOLOR;
+  else if (can(CHAFA_TERM_SEQ_SET_COLOR_FGBG_256))
+    canvas_mode_ = CHAFA_CANVAS_MODE_INDEXED_256;
+  else if (can(CHAFA_TERM_SEQ_SET_COLOR_FGBG_16))
+    canvas_mode_ = CHAFA_CANVAS_MODE_INDEXED_16;
+  // What was asked for is done, whatever the terminal is known to understand.
+  chafa_term_info_supplement(info_.get(),
+                             chafa_term_db_get_fallback_info(chafa_term_db_get_default()));
+}
+
+std::vector<std::string> TerminalPixels::encode(const Image& image, int columns, int rows,
+                                                int cell_width, int cell_height) const {
+  const ChafaPointer<ChafaCanvasConfig> config(chafa_canvas_config_new());
+  chafa_canvas_config_set_geometry(config.get(), columns, rows);
+  chafa_canvas_config_set_cell_geometry(config.get(), cell_width, cell_height);
+  chafa_canvas_config_set_pixel_mode(config.get(), pixel_mode_);
+  chafa_canvas_config_set_canvas_mode(config.get(), canvas_mode_);
+  chafa_canvas_config_set_preprocessing_enabled(config.get(), FALSE);  // keeps the colours
+  // Blocks are in every font. More kinds of symbols, and more work, make it finer but slower.
+  const ChafaPointer<ChafaSymbolMap> map(chafa_symbol_map_new());
+  chafa_symbol_map_add_by_tags(
+      map.get(), static_cast<ChafaSymbolTags>(CHAFA_SYMBOL_TAG_SPACE | CHAFA_SYMBOL_TAG_BLOCK));
+  chafa_canvas_config_set_symbol_map(config.get(), map.get());
+  chafa_canvas_config_set_work_factor(config.get(), 0.2F);
+
+  const ChafaPointer<ChafaCanvas> canvas(chafa_canvas_new(config.get()));
+  chafa_canvas_draw_all_pixels(canvas.get(), CHAFA_PIXEL_RGB8, image.pixels.front().data(),
+                               image.width, image.height,
+                               static_cast<gint>(sizeof(Rgb)) * image.width);
+  const ChafaPointer<GString> text(chafa_canvas_print(canvas.get(), info_.get()));
+  std::vector<std::string> lines;
+  for (std::string_view rest(text->str, text->len); !rest.empty();) {
+    const auto end = rest.find('\n');
+    lines.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(end == rest.npos ? rest.size() : end + 1);
+  }
+  return lines;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,94 @@
+#include "tools/view/traces.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "libcore/check/text.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+double magnitude(const Vec3& v) { return std::hypot(v[0], v[1], v[2]); }
+
+std::string number(double value, std::chars_format format, int precision) {
+  char text[400];  // the longest double in fixed notation has 309 digits before the point
+  const auto end = std::to_chars(text, text + sizeof text, value, format, precision);
+  return {text, end.ptr};
+}
+
+}  // namespace
+
+void Traces::add(const Frame& frame) {
+  if (!samples_.empty() && frame.time_s < samples_.back().time_s) samples_.clear();
+  const bool switched = !samples_.empty() && frame.levels != levels_;
+  levels_ = frame.levels;
+  samples_.push_back({frame.time_s, magnitude(frame.force), frame.energy, switched});
+  while (samples_.size() > kMaxSamples || samples_.front().time_s < frame.time_s - kSeconds)
+    samples_.pop_front();
+}
+
+Extent force_extent(const Traces& traces) {
+  double high = 0;
+  for (const auto& s : traces.samples())
+    if (std::isfinite(s.force)) high = std::max(high, s.force);
+  return {0, high > 0 ? high : 1};
+}
+
+Extent energy_extent(const Traces& traces) {
+  Extent extent{kNan, kNan};
+  for (const auto& s : traces.samples()) {
+    if (!std::isfinite(s.energy)) continue;
+    extent.low = std::fmin(extent.low, s.energy);
+    extent.high = std::fmax(extent.high, s.energy);
+  }
+  // As much as three digits show: what changes less is a straight line.
+  const double least = std::max(1e-3 * std::abs(extent.low), std::numeric_limits<double>::min());
+  if (extent.high - extent.low < least) extent.high = extent.low + least;
+  return extent;
+}
+
+std::vector<Column> columns(const Traces& traces, int count) {
+  std::vector<Column> result(static_cast<std::size_t>(count), Column{kNan, kNan});
+  if (result.empty() || traces.samples().empty()) return result;
+  const double end = traces.samples().back().time_s;
+  std::vector<bool> any(result.size());
+  for (const auto& s : traces.samples()) {
+    const double from_left = (1 - (end - s.time_s) / Traces::kSeconds) * count;
+    // The newest sample belongs to the last column, which ends there.
+    const auto i = static_cast<std::size_t>(std::clamp<double>(from_left, 0, count - 1));
+    Column& column = result[i];
+    column.force = any[i] ? std::fmax(column.force, s.force) : s.force;
+    column.energy = s.energy;
+    column.switched = column.switched || s.switched;
+    any[i] = true;
+  }
+  for (std::size_t i = 1; i < result.size(); ++i)
+    if (!any[i]) result[i] = {result[i - 1].force, result[i - 1].energy, false};
+  return result;
+}
+
+std::string three_digits(double value) { return number(value, std::chars_format::general, 3); }
+
+std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dropped) {
+  std::string text =
+      "t " +
+      (std::abs(frame.time_s) < 1e9 ? number(frame.time_s, std::chars_format::fixed, 2)
+                                    : three_digits(frame.time_s)) +
+      " s   force " + three_digits(magnitude(frame.force)) + " N";
+  if (std::isfinite(frame.energy)) {
+    text += "   energy " + three_digits(frame.energy);
+    if (!scene.energy_unit.empty()) text += " " + printable(scene.energy_unit);
+  }
+  text += "   levels";
+  for (const int level : std::set<int>(frame.levels.begin(), frame.levels.end()))
+    text += " " + std::to_string(level);
+  return text + "   dropped " + std::to_string(dropped);
+}
+
+}  // namespace hapgrid

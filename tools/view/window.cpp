@@ -1,0 +1,280 @@
+#include "tools/view/window.hpp"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <utility>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
+#include "libcore/check/text.hpp"
+#include "libcore/scene/image.hpp"
+#include "tools/view/feed.hpp"
+#include "tools/view/painter.hpp"
+#include "tools/view/panel.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr double kDegreesPerPixel = 0.4;  // of a drag
+constexpr double kZoomStep = 1.1;         // of the wheel
+constexpr double kMaxZoom = 1000;
+
+[[noreturn]] void no_window(const std::string& why) {
+  throw Error("no window: " + why +
+              "; --terminal shows frames in a terminal, --png draws one into a file");
+}
+
+[[noreturn]] void no_window() {
+  const char* why = nullptr;
+  ::glfwGetError(&why);
+  no_window(why ? why : "unknown failure of GLFW");
+}
+
+/// The library while it is in use.
+struct Glfw {
+  Glfw() {
+    if (!::glfwInit()) no_window();
+  }
+  ~Glfw() { ::glfwTerminate(); }
+  Glfw(const Glfw&) = delete;
+  Glfw& operator=(const Glfw&) = delete;
+};
+
+void write_png(const std::string& name, const Image& image) {
+  OutputFile file(name);
+  file.write(encode_png(image));
+  file.commit();
+}
+
+class Window {
+ public:
+  Window(const Scene& scene, const WindowOptions& options);
+  ~Window() { ::glfwDestroyWindow(window_); }
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  /// Until it is closed. @throw Error
+  void run(Feed& feed);
+  bool has_frame() const { return has_frame_; }
+  Image screenshot() const { return painter_->read(); }
+
+ private:
+  static Window& of(GLFWwindow* window) {
+    return *static_cast<Window*>(::glfwGetWindowUserPointer(window));
+  }
+  void listen();
+  void on_key(int key);
+  void on_move(double x, double y);
+
+  void set_title();
+  void reset_camera();
+  void draw();
+  void save();
+
+  const Scene& scene_;
+  RenderOptions render_;
+  const WindowOptions& options_;
+  GLFWwindow* window_ = nullptr;
+  std::optional<Painter> painter_;
+
+  Frame frame_;
+  Traces traces_;
+  Feed::State state_;
+  bool has_frame_ = false;
+
+  Camera camera_;    // in these angles
+  double zoom_ = 1;  // times the size that fits
+  bool fitted_ = false;
+  bool dragging_ = false;
+  double last_x_ = 0;
+  double last_y_ = 0;
+
+  bool paused_ = false;
+  bool save_ = false;  // asked for by a key
+  bool stale_ = true;  // the window does not show what it should
+};
+
+Window::Window(const Scene& scene, const WindowOptions& options)
+    : scene_(scene), render_(options.render), options_(options) {
+  ::glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  ::glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  ::glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  ::glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  ::glfwWindowHint(GLFW_DEPTH_BITS, 0);  // of the window itself
+  window_ = ::glfwCreateWindow(options.render.width, options.render.height, "hapgrid view", nullptr,
+                               nullptr);
+  if (!window_) no_window();
+  try {
+    ::glfwMakeContextCurrent(window_);
+    ::glfwSwapInterval(1);
+    painter_.emplace();
+    set_title();
+    listen();
+  } catch (const Error& e) {
+    ::glfwDestroyWindow(window_);
+    no_window(e.what());
+  }
+}
+
+// GLFW is C: what can throw is done in run().
+void Window::listen() {
+  ::glfwSetWindowUserPointer(window_, this);
+  ::glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
+    if (action == GLFW_PRESS) of(w).on_key(key);
+  });
+  ::glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int) {
+    if (button != GLFW_MOUSE_BUTTON_LEFT) return;
+    Window& self = of(w);
+    self.dragging_ = action == GLFW_PRESS;
+    ::glfwGetCursorPos(w, &self.last_x_, &self.last_y_);
+  });
+  ::glfwSetCursorPosCallback(window_,
+                             [](GLFWwindow* w, double x, double y) { of(w).on_move(x, y); });
+  ::glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double steps) {
+    Window& self = of(w);
+    self.zoom_ = std::clamp(self.zoom_ * std::pow(kZoomStep, steps), 1 / kMaxZoom, kMaxZoom);
+    self.stale_ = true;
+  });
+  ::glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { of(w).stale_ = true; });
+  ::glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* w, int, int) { of(w).stale_ = true; });
+}
+
+void Window::on_key(int key) {
+  switch (key) {
+    case GLFW_KEY_SPACE:
+      paused_ = !paused_;
+      break;
+    case GLFW_KEY_R:
+      fitted_ = false;
+      break;
+    case GLFW_KEY_S:
+      save_ = true;
+      break;
+    case GLFW_KEY_Q:
+    case GLFW_KEY_ESCAPE:
+      ::glfwSetWindowShouldClose(window_, GLFW_TRUE);
+      break;
+    default:
+      return;
+  }
+  stale_ = true;
+}
+
+void Window::on_move(double x, double y) {
+  if (!dragging_) return;
+  // The picture follows the hand: to the right means that the viewer goes to the left.
+  camera_.azimuth_degrees =
+      std::remainder(camera_.azimuth_degrees - kDegreesPerPixel * (x - last_x_), 360);
+  camera_.elevation_degrees =
+      std::clamp(camera_.elevation_degrees + kDegreesPerPixel * (y - last_y_), -90.0, 90.0);
+  last_x_ = x;
+  last_y_ = y;
+  stale_ = true;
+}
+
+void Window::set_title() {
+  ::glfwSetWindowTitle(
+      window_,
+      (printable(scene_.model) + " - hapgrid view" + (paused_ ? " (paused)" : "")).c_str());
+}
+
+void Window::reset_camera() {
+  camera_ =
+      fit_camera(scene_, frame_, render_, options_.azimuth_degrees, options_.elevation_degrees);
+  zoom_ = 1;
+  fitted_ = true;
+}
+
+void Window::draw() {
+  int width = 0, height = 0;
+  ::glfwGetFramebufferSize(window_, &width, &height);
+  if (width < 1 || height < 1) return;  // an icon
+  float scale = 1;
+  ::glfwGetWindowContentScale(window_, &scale, nullptr);
+  const int letters = std::max(1, static_cast<int>(std::lround(scale)));
+  // A low window has the picture alone.
+  int panel_height = letters * kPanelHeight;
+  const bool with_panel = height >= 2 * panel_height;
+  if (!with_panel) panel_height = 0;
+  painter_->resize(width, height - panel_height, panel_height);
+  render_.width = width;
+  render_.height = height - panel_height;
+  render_.supersampling = painter_->supersampling();
+  Drawing drawing;
+  std::string status = "waiting for frames";
+  if (has_frame_) {
+    if (!fitted_) reset_camera();
+    Camera camera = camera_;
+    camera.half_width /= zoom_;
+    drawing = hapgrid::draw(scene_, frame_, camera, render_);
+    status = status_text(scene_, frame_, state_.dropped);
+  }
+  if (state_.ended) status += "   ended";
+  if (paused_) status += "   paused";
+  painter_->paint(drawing,
+                  with_panel ? draw_panel(width, letters, scene_, traces_, status) : Image{});
+  painter_->show();
+  ::glfwSwapBuffers(window_);
+}
+
+void Window::save() {
+  // With the tick's number: each frame has a file of its own.
+  const std::string name = "hapgrid-" + std::to_string(frame_.tick) + ".png";
+  try {
+    write_png(name, painter_->read());
+    std::fprintf(stderr, "view: wrote %s\n", name.c_str());
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "view: %s\n", e.what());  // no reason to close the window
+  }
+}
+
+void Window::run(Feed& feed) {
+  bool was_paused = false;
+  while (!::glfwWindowShouldClose(window_)) {
+    if (std::exchange(was_paused, paused_) != paused_) {
+      feed.pause(paused_);
+      set_title();
+    }
+    if (!paused_) {
+      const bool had_ended = state_.ended;
+      state_ = feed.update(frame_, traces_);
+      has_frame_ = has_frame_ || state_.fresh;
+      stale_ = stale_ || state_.fresh || state_.ended != had_ended;
+    }
+    if (std::exchange(stale_, false)) draw();
+    if (std::exchange(save_, false) && has_frame_) save();
+    if (state_.ended && options_.close) return;
+    ::glfwWaitEvents();
+  }
+}
+
+}  // namespace
+
+void run_window(const std::string& frames, const WindowOptions& options) {
+  std::optional<OutputFile> screenshot;
+  if (!options.screenshot.empty()) screenshot.emplace(options.screenshot);
+  const Glfw glfw;
+  // It is gone before the library is: its thread wakes up glfwWaitEvents().
+  Feed feed(frames, [] { ::glfwPostEmptyEvent(); });
+  Window window(feed.scene(), options);
+  feed.start();
+  window.run(feed);
+  if (screenshot) {
+    if (!window.has_frame()) {
+      feed.check();
+      throw Error(feed.name() + ": no frame in it, nothing to draw");
+    }
+    screenshot->write(encode_png(window.screenshot()));
+    screenshot->commit();
+  }
+  feed.check();
+}
+
+}  // namespace hapgrid
