@@ -101,7 +101,7 @@ class Screen {
 
   void enter() {
     entered_ = true;
-    write("\033[?1049h\033[?25l\033[2J");
+    write("\033[?1049h\033[?25l\033[H\033[2J");
   }
   /// Also from the middle of a sequence that was not written to its end.
   void leave() noexcept {
@@ -169,23 +169,27 @@ class Display {
   /// The picture on the upper part of the terminal.
   std::vector<std::string> picture(const Frame& frame) {
     const int rows = std::max(1, size_.rows - kLinesBelow);
-    // Symbols have eight by eight pixels each, and are twice as high as wide. Of a large terminal
-    // more than some pixels are not worth their time.
-    constexpr double kMostPixels = 1e6;
-    double width = pixels_.symbols() ? 8 : size_.cell_width;
-    double height = pixels_.symbols() ? 16 : size_.cell_height;
+    // Symbols have eight by eight pixels each, and are twice as high as wide.
+    int width = pixels_.symbols() ? 8 : size_.cell_width;
+    int height = pixels_.symbols() ? 16 : size_.cell_height;
+    // More pixels are not worth their time: of a large terminal the picture is enlarged, by the
+    // terminal itself where it can, which is sent the fewer bytes.
+    const double most = kitty() ? 3e5 : 6e5;
     const double factor =
-        std::min(1.0, std::sqrt(kMostPixels / (width * height * rows) / size_.columns));
+        std::min(1.0, std::sqrt(most / (1.0 * width * height * size_.columns * rows)));
     RenderOptions how = options_.render;
-    how.width = std::max(1, static_cast<int>(width * factor * size_.columns));
-    how.height = std::max(1, static_cast<int>(height * factor * rows));
+    how.width = std::max(1, static_cast<int>(factor * width * size_.columns));
+    how.height = std::max(1, static_cast<int>(factor * height * rows));
+    if (kitty()) {
+      width = std::max(1, static_cast<int>(factor * width));
+      height = std::max(1, static_cast<int>(factor * height));
+    }
     how.supersampling = 1;
     if (!fitted_)
       camera_ =
           fit_camera(scene_, frame, how, options_.azimuth_degrees, options_.elevation_degrees);
     fitted_ = true;
-    return pixels_.encode(render(scene_, frame, camera_, how), size_.columns, rows,
-                          static_cast<int>(width), static_cast<int>(height));
+    return pixels_.encode(render(scene_, frame, camera_, how), size_.columns, rows, width, height);
   }
 
   std::string draw(const Frame& frame, const Traces& traces, std::uint64_t dropped) {
@@ -256,6 +260,7 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
   bool any = false;
   {
     Screen screen(display.kitty());
+    screen.write("waiting for frames");
     feed.start();
     while (!ending_signal && !state.ended) {
       pollfd file{woken.get(), POLLIN, 0};
