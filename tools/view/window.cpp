@@ -131,9 +131,7 @@ void Window::listen() {
   });
   ::glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int) {
     if (button != GLFW_MOUSE_BUTTON_LEFT) return;
-    Window& self = of(w);
-    self.dragging_ = action == GLFW_PRESS;
-    ::glfwGetCursorPos(w, &self.last_x_, &self.last_y_);
+    of(w).dragging_ = action == GLFW_PRESS;
   });
   ::glfwSetCursorPosCallback(window_,
                              [](GLFWwindow* w, double x, double y) { of(w).on_move(x, y); });
@@ -152,7 +150,7 @@ void Window::on_key(int key) {
       paused_ = !paused_;
       break;
     case GLFW_KEY_R:
-      fitted_ = false;
+      if (has_frame_) reset_camera();
       break;
     case GLFW_KEY_S:
       save_ = true;
@@ -168,14 +166,13 @@ void Window::on_key(int key) {
 }
 
 void Window::on_move(double x, double y) {
+  const double right = x - std::exchange(last_x_, x);
+  const double down = y - std::exchange(last_y_, y);
   if (!dragging_) return;
   // The picture follows the hand: to the right means that the viewer goes to the left.
-  camera_.azimuth_degrees =
-      std::remainder(camera_.azimuth_degrees - kDegreesPerPixel * (x - last_x_), 360);
+  camera_.azimuth_degrees = std::remainder(camera_.azimuth_degrees - kDegreesPerPixel * right, 360);
   camera_.elevation_degrees =
-      std::clamp(camera_.elevation_degrees + kDegreesPerPixel * (y - last_y_), -90.0, 90.0);
-  last_x_ = x;
-  last_y_ = y;
+      std::clamp(camera_.elevation_degrees + kDegreesPerPixel * down, -90.0, 90.0);
   stale_ = true;
 }
 
@@ -249,7 +246,7 @@ void Window::run(Feed& feed) {
       stale_ = stale_ || state_.fresh || state_.ended != had_ended;
     }
     if (std::exchange(stale_, false)) draw();
-    if (std::exchange(save_, false) && has_frame_) save();
+    if (has_frame_ && std::exchange(save_, false)) save();
     if (state_.ended && options_.close) return;
     ::glfwWaitEvents();
   }

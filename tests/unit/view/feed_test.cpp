@@ -1,0 +1,176 @@
+// The thread that reads: it keeps up with every writer, and ends when it is told to.
+#include "tools/view/feed.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+
+#include "libcore/base/error.hpp"
+#include "tests/unit/scene/scenes.hpp"
+#include "tests/unit/temporary.hpp"
+
+using namespace hapgrid;
+using testing::small_frame;
+using testing::small_scene;
+
+namespace {
+
+/// A pipe with a name, open for writing.
+struct Pipe {
+  std::filesystem::path name;
+  FileDescriptor file;
+  SceneEncoder encoder;
+
+  explicit Pipe(std::filesystem::path where) : name(std::move(where)) {
+    REQUIRE(::mkfifo(name.c_str(), 0600) == 0);
+    file = FileDescriptor(::open(name.c_str(), O_RDWR | O_CLOEXEC));  // waits for no reader
+    REQUIRE(file);
+  }
+  void write(std::span<const std::byte> bytes) {
+    REQUIRE(::write(file.get(), bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()));
+  }
+  void write(const Frame& frame) { write(encoder.encode(frame, 2)); }
+};
+
+/// Waits for what the feed reports, with a limit that is only reached when it never comes.
+class Bell {
+ public:
+  void ring() {
+    const std::lock_guard lock(mutex_);
+    ++rung_;
+    wake_.notify_all();
+  }
+  void wait_for(int rings) {
+    std::unique_lock lock(mutex_);
+    REQUIRE(wake_.wait_for(lock, std::chrono::seconds(60), [&] { return rung_ >= rings; }));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  int rung_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a writer is never behind a reader that draws nothing, who gets the newest frame") {
+  const TemporaryDirectory directory;
+  Pipe pipe(directory.path() / "pipe");
+  pipe.write(pipe.encoder.encode(small_scene()));
+  Bell bell;
+  Feed feed(pipe.name, [&] { bell.ring(); });
+  CHECK(feed.scene() == small_scene());
+  feed.start();
+  // Far more than fits into a pipe: this ends only if somebody reads.
+  constexpr int kFrames = 2000;
+  for (int i = 0; i < kFrames; ++i) pipe.write(small_frame(i));
+  bell.wait_for(kFrames);
+  Frame frame;
+  Traces traces;
+  Feed::State state = feed.update(frame, traces);
+  CHECK(state.fresh);
+  CHECK_FALSE(state.ended);
+  CHECK(frame.tick == kFrames - 1);
+  CHECK(state.dropped == kFrames - 1);
+  CHECK(traces.samples().size() == kFrames);  // 2 s; curves have them all
+  state = feed.update(frame, traces);
+  CHECK_FALSE(state.fresh);
+  CHECK(state.dropped == kFrames - 1);
+  pipe.write(small_frame(5000));
+  bell.wait_for(kFrames + 1);
+  state = feed.update(frame, traces);
+  CHECK(frame.tick == 5000);
+  CHECK(state.dropped == kFrames - 1);
+  // Its thread waits for more, which never comes: the test ends all the same.
+}
+
+TEST_CASE("the end of a stream is told, and what ended it") {
+  const TemporaryDirectory directory;
+  SceneEncoder encoder;
+  const auto name = directory.path() / "frames";
+  const auto play = [&](std::size_t left_out) {
+    std::vector<std::byte> bytes;
+    testing::append(bytes, encoder.encode(small_scene()));
+    for (const int tick : {0, 1, 2}) testing::append(bytes, encoder.encode(small_frame(tick), 2));
+    std::ofstream(name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size() - left_out));
+  };
+  Frame frame;
+  Traces traces;
+  {
+    play(0);
+    Bell bell;
+    Feed feed(name, [&] { bell.ring(); });
+    feed.start();
+    bell.wait_for(4);
+    const Feed::State state = feed.update(frame, traces);
+    CHECK(state.fresh);
+    CHECK(state.ended);
+    CHECK(frame.tick == 2);
+    feed.check();
+  }
+  play(1);
+  Bell bell;
+  Feed feed(name, [&] { bell.ring(); });
+  feed.start();
+  bell.wait_for(3);
+  CHECK(feed.update(frame, traces).ended);
+  CHECK(frame.tick == 1);
+  CHECK_THROWS_AS(feed.check(), FormatError);
+}
+
+TEST_CASE("a file is played in its own time, and its clock can be stopped") {
+  const TemporaryDirectory directory;
+  const auto name = directory.path() / "frames";
+  std::vector<std::byte> bytes;
+  SceneEncoder encoder;
+  testing::append(bytes, encoder.encode(small_scene()));
+  // 0.2 s apart, then a thousand years.
+  for (const double time_s : {7.0, 7.2, 3e10}) {
+    Frame frame = small_frame(static_cast<std::uint64_t>(time_s * 1000));
+    frame.time_s = time_s;
+    testing::append(bytes, encoder.encode(frame, 2));
+  }
+  std::ofstream(name, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  const auto since = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  Bell bell;
+  Feed feed(name, [&] { bell.ring(); });
+  feed.start();
+  bell.wait_for(1);
+  Frame frame;
+  Traces traces;
+  CHECK(feed.update(frame, traces).fresh);
+  feed.pause(true);
+  const bool paused_in_time = since() < 0.2;  // else the second one may be out already
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  if (paused_in_time) {
+    CHECK(frame.time_s == 7);
+    CHECK_FALSE(feed.update(frame, traces).fresh);
+  }
+  feed.pause(false);
+  bell.wait_for(2);
+  CHECK(since() >= 0.2 + (paused_in_time ? 0.4 : 0));
+  feed.update(frame, traces);
+  CHECK(frame.time_s == 7.2);
+  CHECK_FALSE(feed.update(frame, traces).ended);
+  // The third one is not waited for.
+}
+
+TEST_CASE("what is no stream is refused at once") {
+  const TemporaryDirectory directory;
+  CHECK_THROWS_AS(Feed(directory.path() / "none", [] {}), std::system_error);
+  std::ofstream(directory.path() / "empty");
+  CHECK_THROWS_AS(Feed(directory.path() / "empty", [] {}), FormatError);
+}

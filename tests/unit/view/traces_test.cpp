@@ -1,0 +1,148 @@
+// Curves of the last seconds, and the line of numbers.
+#include "tools/view/traces.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+using namespace hapgrid;
+
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+Frame frame_at(double time_s, Vec3 force = {0, 0, 0}, double energy = kNan) {
+  Frame frame;
+  frame.time_s = time_s;
+  frame.force = force;
+  frame.energy = energy;
+  return frame;
+}
+
+}  // namespace
+
+TEST_CASE("the last ten seconds stay") {
+  Traces traces;
+  for (int i = 0; i <= 500; ++i) traces.add(frame_at(i / 25.0));
+  REQUIRE(traces.samples().size() == 251);  // both ends
+  CHECK(traces.samples().front().time_s == 10);
+  CHECK(traces.samples().back().time_s == 20);
+  traces.add(frame_at(1e300));
+  CHECK(traces.samples().size() == 1);
+}
+
+TEST_CASE("a stream of very many frames a second takes no more memory") {
+  Traces traces;
+  for (int i = 0; i < 100000; ++i) traces.add(frame_at(1e-6 * i));
+  CHECK(traces.samples().size() == Traces::kMaxSamples);
+  CHECK(traces.samples().back().time_s == Approx(0.099999));
+}
+
+TEST_CASE("where the time goes back curves start anew") {
+  Traces traces;
+  traces.add(frame_at(5));
+  traces.add(frame_at(4));
+  REQUIRE(traces.samples().size() == 1);
+  CHECK(traces.samples()[0].time_s == 4);
+}
+
+TEST_CASE("levels that differ from those of the frame before are a switch") {
+  Traces traces;
+  Frame frame = frame_at(0);
+  frame.levels[3] = 2;
+  traces.add(frame);  // nothing was before it
+  frame.time_s = 1;
+  traces.add(frame);
+  frame.levels[3] = 1;
+  frame.time_s = 2;
+  traces.add(frame);
+  frame.time_s = 3;
+  traces.add(frame);
+  std::vector<bool> switched;
+  for (const auto& s : traces.samples()) switched.push_back(s.switched);
+  CHECK(switched == std::vector<bool>{false, false, true, false});
+}
+
+TEST_CASE("a force is its magnitude, and its axis starts at zero") {
+  Traces traces;
+  CHECK(force_extent(traces).high == 1);
+  traces.add(frame_at(0, {3, -4, 12}));
+  traces.add(frame_at(1, {kNan, 0, 0}));
+  traces.add(frame_at(2, {1, 0, 0}));
+  CHECK(traces.samples()[0].force == 13);
+  const Extent extent = force_extent(traces);
+  CHECK(extent.low == 0);
+  CHECK(extent.high == 13);
+  CHECK(extent(6.5) == 0.5);
+}
+
+TEST_CASE("energies span their axis, and none is none") {
+  Traces traces;
+  traces.add(frame_at(0));
+  CHECK(std::isnan(energy_extent(traces).low));
+  CHECK(std::isnan(energy_extent(traces).high));
+  traces.add(frame_at(1, {}, -5));
+  Extent extent = energy_extent(traces);
+  CHECK(extent.low == -5);
+  CHECK(extent.high > extent.low);  // a curve that is straight can be drawn
+  CHECK(extent(-5) == 0);
+  traces.add(frame_at(2, {}, std::numeric_limits<double>::infinity()));
+  traces.add(frame_at(3, {}, 15));
+  extent = energy_extent(traces);
+  CHECK(extent.low == -5);
+  CHECK(extent.high == 15);
+  CHECK(extent(0) == 0.25);
+  traces.add(frame_at(20, {}, 0));  // alone
+  CHECK(energy_extent(traces)(0) == 0);
+}
+
+TEST_CASE("columns are equal parts of ten seconds") {
+  Traces traces;
+  CHECK(columns(traces, 3).size() == 3);
+  CHECK(columns(traces, 0).empty());
+  // From 95 s to 100 s: of ten columns the left five are before the first sample.
+  for (int i = 0; i <= 50; ++i) {
+    Frame frame = frame_at(95 + 0.1 * i, {static_cast<double>(i % 10), 0, 0}, i);
+    frame.levels[0] = i >= 25;  // at 97.5 s
+    traces.add(frame);
+  }
+  const auto curve = columns(traces, 10);
+  REQUIRE(curve.size() == 10);
+  for (int c = 0; c < 5; ++c) {
+    CHECK(std::isnan(curve[c].force));
+    CHECK(std::isnan(curve[c].energy));
+  }
+  for (int c = 5; c < 10; ++c) {
+    CHECK(curve[c].force == 9);
+    CHECK(curve[c].switched == (c == 7));
+  }
+  CHECK(curve[9].energy == 50);  // the newest
+  // More columns than samples: a value holds until the next one.
+  const auto fine = columns(traces, 1000);
+  REQUIRE(fine.size() == 1000);
+  CHECK(fine[999].energy == 50);
+  CHECK(fine[995].energy == 49);
+  CHECK(std::isnan(fine[490].force));
+  for (int c = 510; c < 1000; ++c) CHECK(std::isfinite(fine[c].force));
+  int marks = 0;
+  for (const Column& column : fine) marks += column.switched;
+  CHECK(marks == 1);
+}
+
+TEST_CASE("the numbers as a line") {
+  Scene scene;
+  scene.energy_unit = "kJ/mol";
+  Frame frame = frame_at(3.2, {0.3, 0, 0.4}, 12.345);
+  frame.levels = {0, 1, 0, 253, 1, 0, 0, 0};
+  CHECK(status_text(scene, frame, 7) ==
+        "t 3.20 s   force 0.5 N   energy 12.3 kJ/mol   levels 0 1 253   dropped 7");
+  frame.energy = kNan;
+  CHECK(status_text(scene, frame, 0) == "t 3.20 s   force 0.5 N   levels 0 1 253   dropped 0");
+  // Strings and numbers of a stream are hostile.
+  scene.energy_unit = "\033[2J\n";
+  frame.energy = -1e-7;
+  frame.force = {1e308, 1e308, 1e308};
+  frame.time_s = 1e300;
+  CHECK(status_text(scene, frame, 0) ==
+        "t 1e+300 s   force 1.73e+308 N   energy -1e-07 ?[2J?   levels 0 1 253   dropped 0");
+}
