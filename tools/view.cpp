@@ -1,4 +1,5 @@
-// view: shows the frames of play: as a report, a trajectory, a picture.
+// view: shows the frames of play: as a report, a trajectory, a picture, or live in a window or a
+// terminal (view/).
 
 #include <charconv>
 #include <cmath>
@@ -330,8 +331,9 @@ int main(int argc, char** argv) {
       "are\n"
       "counted as dropped.\n"
       "  mouse    drag: turn; wheel: zoom\n"
-      "  keys     space: pause; r: the camera as at the start; s: write hapgrid-TICK.png into the\n"
-      "           working directory; q, Escape: close\n"
+      "  keys     space: pause; r: the first camera, so that all fits; s: write hapgrid-TICK.png "
+      "into\n"
+      "           the working directory; q, Escape: close\n"
       "\n"
       "The terminal has the picture, the same numbers, and the curves of force and energy as "
       "blocks,\n"

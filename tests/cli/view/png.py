@@ -49,30 +49,36 @@ COLOURS = {
     "yellow": lambda r, g, b: r > b + 40 and g > b + 40,
 }
 
-what, name, *rest = sys.argv[1:]
-width, height, rows = decode(name)
-if what == "size":
-    print(width, "x", height)
-elif what == "near":
-    other_width, other_height, others = decode(rest[0])
-    assert width == other_width and height >= other_height, "sizes"
-    # A rounding in each of two steps, and the shading in float. Much is more than 40: a straight
-    # edge that 2 x 2 and 3 x 3 rays see covers a third of a pixel more or less at most, and most
-    # edges are lines of the box, whose grey is 97 from white.
-    counts = {4: 0, 40: 0}
-    for row, other in zip(rows, others):
-        if row == other:
-            continue
-        for pixel, wanted in zip(row, other):
-            difference = max(abs(a - b) for a, b in zip(pixel, wanted))
-            for limit in counts:
-                counts[limit] += difference > limit
-    parts = [count / (width * other_height) for count in counts.values()]
-    assert all(part <= float(most) for part, most in zip(parts, rest[1:])), (parts, rest)
-else:
-    middles = []
-    for colour in rest:
-        columns = [x for row in rows for x, pixel in enumerate(row) if COLOURS[colour](*pixel)]
-        assert len(columns) > 20, f"{name}: hardly any {colour}"
-        middles.append(sum(columns) / len(columns))
-    assert middles == sorted(middles), (rest, middles)
+
+def main():
+    what, name, *rest = sys.argv[1:]
+    width, height, rows = decode(name)
+    if what == "size":
+        print(width, "x", height)
+    elif what == "near":
+        other_width, other_height, others = decode(rest[0])
+        assert width == other_width and height >= other_height, "sizes"
+        # A rounding in each of two steps, and the shading in float. Much is more than 40: a straight
+        # edge that 2 x 2 and 3 x 3 rays see covers a third of a pixel more or less at most, and most
+        # edges are lines of the box, whose grey is 97 from white.
+        counts = {4: 0, 40: 0}
+        for row, other in zip(rows, others):
+            if row == other:
+                continue
+            for pixel, wanted in zip(row, other):
+                difference = max(abs(a - b) for a, b in zip(pixel, wanted))
+                for limit in counts:
+                    counts[limit] += difference > limit
+        parts = [count / (width * other_height) for count in counts.values()]
+        assert all(part <= float(most) for part, most in zip(parts, rest[1:])), (parts, rest)
+    else:
+        middles = []
+        for colour in rest:
+            columns = [x for row in rows for x, pixel in enumerate(row) if COLOURS[colour](*pixel)]
+            assert len(columns) > 20, f"{name}: hardly any {colour}"
+            middles.append(sum(columns) / len(columns))
+        assert middles == sorted(middles), (rest, middles)
+
+
+if __name__ == "__main__":
+    main()

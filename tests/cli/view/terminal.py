@@ -1,0 +1,147 @@
+"""Compares what a terminal shows with a PNG of the same frame.
+
+usage: terminal.py cells CAPTURE PNG COLUMNS ROWS   a capture of tmux, with its escape sequences
+       terminal.py kitty OUTPUT PNG                 the last image in the protocol of kitty
+       terminal.py sixel OUTPUT PNG                 the last image in sixels
+"""
+import base64
+import re
+import sys
+
+from png import decode
+
+
+def palette(n):
+    """xterm's 256 colours."""
+    if n < 16:
+        full = 255 if n > 7 else 205
+        return (127,) * 3 if n == 8 else (229,) * 3 if n == 7 else tuple(
+            full * (n >> bit & 1) for bit in range(3))
+    if n < 232:
+        n -= 16
+        return tuple(55 + 40 * v if v else 0 for v in (n // 36, n // 6 % 6, n % 6))
+    return (8 + 10 * (n - 232),) * 3
+
+
+def covered(symbol):
+    """The part of a cell that is foreground, of the block elements of Unicode."""
+    code = ord(symbol)
+    if symbol == " ":
+        return 0
+    if 0x2581 <= code <= 0x2588:  # from below
+        return (code - 0x2580) / 8
+    if 0x2589 <= code <= 0x258f:  # from the left
+        return (0x2590 - code) / 8
+    parts = {0x2580: 4, 0x2590: 4, 0x2591: 2, 0x2592: 4, 0x2593: 6, 0x2594: 1, 0x2595: 1,
+             0x2596: 2, 0x2597: 2, 0x2598: 2, 0x2599: 6, 0x259a: 4, 0x259b: 6, 0x259c: 6,
+             0x259d: 2, 0x259e: 4, 0x259f: 6}
+    return parts[code] / 8
+
+
+def cells(line):
+    """The mean colour of each cell of a line."""
+    result = []
+    front, back, turned = (229,) * 3, (0,) * 3, False
+    for match in re.finditer(r"\x1b\[([0-9;]*)m|([^\x1b])", line):
+        if match[2]:
+            part = covered(match[2])
+            part = 1 - part if turned else part
+            result.append(tuple(part * f + (1 - part) * b for f, b in zip(front, back)))
+            continue
+        codes = [int(c or 0) for c in match[1].split(";")]
+        while codes:
+            code = codes.pop(0)
+            if code == 0:
+                front, back, turned = (229,) * 3, (0,) * 3, False
+            elif code in (7, 27):
+                turned = code == 7
+            elif code in (38, 48):
+                kind = codes.pop(0)
+                colour = palette(codes.pop(0)) if kind == 5 else tuple(
+                    codes.pop(0) for _ in range(3))
+                front, back = (colour, back) if code == 38 else (front, colour)
+            elif code == 39:
+                front = (229,) * 3
+            elif code == 49:
+                back = (0,) * 3
+            elif code not in (1, 22):
+                n = code % 10 + (8 if code >= 90 else 0)
+                front, back = ((palette(n), back) if code // 10 in (3, 9) else (front, palette(n)))
+    return result
+
+
+def sixels(data, width, height):
+    """The image's rows of pixels, from what is between DCS and ST."""
+    picture = [[None] * width for _ in range(height)]
+    colours, colour, x, y, repeat = {}, 0, 0, 0, 1
+    for token in re.finditer(r'"[0-9;]*|#([0-9;]+)|!([0-9]+)|([-$?-~])', data):
+        if token[1]:
+            colour, *rest = map(int, token[1].split(";"))
+            if rest:
+                assert rest[0] == 2, "not RGB"
+                colours[colour] = tuple(255 * part / 100 for part in rest[1:])
+        elif token[2]:
+            repeat = int(token[2])
+        elif token[3] == "$":
+            x = 0
+        elif token[3] == "-":
+            x, y = 0, y + 6
+        elif token[3]:
+            bits = ord(token[3]) - ord("?")
+            for x in range(x, x + repeat):
+                for bit in range(6):
+                    if bits >> bit & 1 and y + bit < height:
+                        picture[y + bit][x] = colours[colour]
+            x, repeat = x + 1, 1
+    return picture
+
+
+def block_mean(rows, x0, x1, y0, y1):
+    pixels = [pixel for row in rows[y0:y1] for pixel in row[x0:x1]]
+    return tuple(sum(p[c] for p in pixels) / len(pixels) for c in range(3))
+
+
+what, name, png = sys.argv[1:4]
+width, height, rows = decode(png)
+if what == "cells":
+    columns, lines = map(int, sys.argv[4:])
+    text = open(name, encoding="utf-8").read().split("\n")[:lines]
+    assert len(text) == lines, "rows"
+    off, total, coloured = 0, 0, 0
+    for y, line in enumerate(text):
+        line = cells(line)
+        assert len(line) == columns, (y, len(line))
+        for x, cell in enumerate(line):
+            wanted = block_mean(rows, x * width // columns, (x + 1) * width // columns,
+                                y * height // lines, (y + 1) * height // lines)
+            far = max(abs(a - b) for a, b in zip(cell, wanted))
+            total += far
+            # Blocks follow what is in a cell as well as they can.
+            off += far > 48
+            coloured += max(wanted) - min(wanted) > 60 and far <= 48
+    parts = off / (columns * lines), total / (columns * lines)
+    assert parts[0] < 0.02 and parts[1] < 8, parts
+    assert coloured >= 5, "nothing there"
+elif what == "sixel":
+    data = open(name, "rb").read().decode("latin-1")
+    image = re.match(r'[0-9;]*q("1;1;%d;%d[^\x1b]*)\x1b\\' % (width, height), data[data.rindex("\x1bP") + 2:])
+    # The palette has six steps of each colour: half a step is 20 of 255, with rounding.
+    off = 0
+    for row, wanted in zip(sixels(image[1], width, height), rows):
+        for pixel, colour in zip(row, wanted):
+            off += max(abs(a - b) for a, b in zip(pixel, colour)) > 60
+    assert off < 0.02 * width * height, off
+else:
+    data = open(name, "rb").read()
+    start = data.rindex(b"\x1b_Ga=T")
+    head = re.match(rb"\x1b_G([^\x1b;]*)", data[start:])[1].decode()
+    keys = dict(part.split("=") for part in head.split(","))
+    assert (keys["f"], int(keys["s"]), int(keys["v"])) == ("32", width, height), keys
+    chunks = re.findall(rb"\x1b_Gm=[01];([A-Za-z0-9+/=]*)\x1b\\", data[start:])
+    pixels = b"".join(map(base64.b64decode, chunks))
+    assert len(pixels) == 4 * width * height, len(pixels)
+    off = 0
+    for i in range(width * height):
+        wanted = rows[i // width][i % width]
+        off += max(abs(a - b) for a, b in zip(pixels[4 * i:4 * i + 3], wanted)) > 128
+    assert off < 0.01 * width * height, off

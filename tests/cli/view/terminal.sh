@@ -1,0 +1,145 @@
+# The terminal of view, in tmux and in script(1): that the picture is that of --png, the numbers below
+# it, the terminal as before after every way out, and that the keyboard is left to others.
+source "$(dirname "$0")/../lib.sh"
+export ASAN_OPTIONS=detect_leaks=0 # GLib keeps what it has
+frames=$HAPGRID_SOURCE/schemas/frame.capnp
+
+seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
+for i in {-90..90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
+play grid --device path:path --frames x.frames 2>/dev/null
+capnp decode --short "$frames" Message <x.frames | sed -n '1p;5p' |
+  capnp encode "$frames" Message >one
+capnp decode --short "$frames" Message <x.frames | sed -n '6p' >text
+time_s=$(sed -nE 's/.*time = ([0-9.]+),.*/\1/p' text)
+# A radius that a few cells show.
+how="--hip-radius 0.15"
+# shellcheck disable=SC2086
+view one --png one.png --size 640x336 $how
+
+see='(see view --help)'
+refuses 'view: --terminal: standard output is not a terminal; --png draws a frame into a file' -- \
+  view one --terminal
+expect 2 '' "view: --terminal: text not in {auto,symbols,sixel,kitty} $see" -- view one --terminal=text
+expect 2 '' "view: --png excludes --terminal $see" -- view one --terminal --png x
+
+command -v tmux >/dev/null || skip "no tmux"
+
+# A server of its own; the shell in it has a small prompt, and no history. LC_ALL: tmux draws blocks
+# only where text is UTF-8.
+export LC_ALL=C.UTF-8
+unset TMUX COLORTERM
+on() { tmux -S "$work/tmux" -f /dev/null "$@"; }
+trap 'on kill-server 2>/dev/null; rm -rf "$work"' EXIT
+on new-session -d -x 80 -y 24 "env PS1='ready> ' bash --norc --noprofile"
+tty=$(on display -p '#{pane_tty}')
+
+# wait_for REGEX: until a line of the terminal fits.
+wait_for() {
+  local deadline=$((SECONDS + 60))
+  until on capture-pane -p | grep -qE "$1"; do
+    ((SECONDS < deadline)) || fail "never on the terminal: $1"$'\n'"$(on capture-pane -p)"
+    sleep 0.05
+  done
+}
+type() { on send-keys -l "$1" && on send-keys Enter; }
+# start LINE: types a line that shows frames from a pipe which stays open, and waits for the first one.
+mkfifo live
+start() {
+  type "$1"
+  exec 4>live
+  cat one >&4
+  wait_for '^t [0-9.]+ s   force '
+}
+
+type 'clear; seq 3; stty -a >modes'
+wait_for '^3$'
+wait_for '^ready>$'
+before=$(on capture-pane -p)
+
+# True colour: the picture, then the numbers and the curves in the last three lines.
+start "COLORTERM=truecolor view live --terminal $how"
+wait_for '^energy '
+on capture-pane -epN >capture
+python3 "$here/terminal.py" cells capture one.png 80 21
+grep -q '38;2;' capture || fail "no true colour"
+lines=$(on capture-pane -p | tail -3)
+force='force [0-9.]+ N   energy [0-9.]+ N rope lengths   levels [0-9 ]+   dropped 0'
+same "numbers" "~t [0-9.]+ s   $force" "$(sed -n 1p <<<"$lines")"
+same "force" '~force +[0-9.]+ .*[▁▂▃▄▅▆▇█]' "$(sed -n 2p <<<"$lines")"
+same "energy" '~energy +[0-9.]+ .*[▁▂▃▄▅▆▇█]' "$(sed -n 3p <<<"$lines")"
+same "cursor, screen" "0 1" "$(on display -p '#{cursor_flag} #{alternate_on}')"
+# Nobody changed how the terminal takes its input.
+stty -F "$tty" -a | cmp - modes
+# The next frame replaces it, in another size too.
+sed -n 1p <(capnp decode --short "$frames" Message <x.frames) | cat - text |
+  capnp encode "$frames" Message >two
+size=$(sed -n 1p <(capnp decode --short "$frames" Message <x.frames) |
+  capnp encode "$frames" Message | wc -c)
+tail -c +$((size + 1)) two >&4
+wait_for "^t ${time_s}0* s "
+on resize-window -x 60 -y 18
+wait_for '^energy '
+sleep 0.1
+# shellcheck disable=SC2086
+view two --png two.png --size 480x240 $how
+on capture-pane -epN >capture
+python3 "$here/terminal.py" cells capture two.png 60 15
+on resize-window -x 80 -y 24
+# Interrupted: everything is as before.
+on send-keys C-c
+wait_for '^ready>$'
+type 'echo exit $?'
+wait_for '^exit 130$'
+# usual: the usual screen, and a cursor.
+usual() { same "cursor, screen" "1 0" "$(on display -p '#{cursor_flag} #{alternate_on}')"; }
+# unchanged WHAT: that, with what was on it before, and more below.
+unchanged() {
+  local now
+  now=$(on capture-pane -p)
+  [[ $now == "$before"* ]] || fail "screen after $1"$'\n'"$now"
+  usual
+}
+unchanged '^C'
+exec 4>&-
+
+# Terminated; and without COLORTERM the 256 colours of TERM.
+type clear
+wait_for '^ready>$'
+before='ready>'
+start "view live --terminal=symbols & wait; echo exit \$?"
+on capture-pane -epN >capture
+grep -q '[34]8;5;' capture || fail "no 256 colours"
+grep -q '38;2;' capture && fail "true colour, which nobody promised"
+view=$(pgrep -P "$(on display -p '#{pane_pid}')" -x view)
+kill "$view"
+wait_for '^exit '
+unchanged SIGTERM
+exec 4>&-
+
+# The end of the stream: the last picture stays on the terminal itself. What was typed meanwhile is
+# still there for whoever reads it.
+type clear
+wait_for '^ready>$'
+start 'view live --terminal; echo exit $?'
+type 'echo ty""ped'
+exec 4>&-
+wait_for '^exit 0$'
+wait_for '^typed$'
+usual
+same "numbers" "~t 0\.12 s   force .*" "$(on capture-pane -p | grep '^t ')"
+# A damaged end: that, and the message.
+type clear
+wait_for '^ready>$'
+head -c -1 x.frames >cut
+type 'view cut --terminal; echo exit $?'
+wait_for '^exit 1$'
+on capture-pane -p | grep -q '^view: cut: byte [0-9]*: truncated: a message is cut' || fail "no message"
+usual
+
+# Images, forced: what is sent is decoded.
+command -v script >/dev/null || skip "no script"
+shown() { script -qec "stty cols 80 rows 24; view one --terminal=$1 $how" /dev/null </dev/null >out; }
+shown kitty
+python3 "$here/terminal.py" kitty out one.png
+shown sixel
+python3 "$here/terminal.py" sixel out one.png
