@@ -3,11 +3,9 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/eventfd.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
@@ -19,116 +17,11 @@
 #include "libcore/scene/render.hpp"
 #include "tools/view/feed.hpp"
 #include "tools/view/pixels.hpp"
+#include "tools/view/screen.hpp"
 
 namespace hapgrid {
 
 namespace {
-
-// ---- signals
-// -------------------------------------------------------------------------------------
-
-constexpr std::array kEnding = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
-
-// Handlers get no arguments of ours.
-volatile sig_atomic_t ending_signal = 0;
-volatile sig_atomic_t stop_asked = 0;
-volatile sig_atomic_t size_changed = 0;
-volatile sig_atomic_t wake_fd = -1;
-
-void wake() {
-  const std::uint64_t one = 1;
-  static_cast<void>(!::write(wake_fd, &one, sizeof one));
-}
-
-extern "C" void on_signal(int signal) {
-  const int error = errno;
-  if (signal == SIGWINCH)
-    size_changed = 1;
-  else if (signal == SIGTSTP)
-    stop_asked = 1;
-  else
-    ending_signal = signal;
-  wake();
-  errno = error;
-}
-
-void handle(int signal) {
-  struct sigaction before {};
-  ::sigaction(signal, nullptr, &before);
-  if (before.sa_handler == SIG_IGN) return;  // as nohup wants it
-  // Without SA_RESTART: a terminal that takes nothing must not keep us from ending.
-  struct sigaction action {};
-  action.sa_handler = on_signal;
-  ::sigaction(signal, &action, nullptr);
-}
-
-void die_of(int signal) {
-  ::signal(signal, SIG_DFL);
-  ::raise(signal);
-}
-
-// ---- the terminal
-// --------------------------------------------------------------------------------
-
-/// Columns, rows, and a cell's size in pixels, which many terminals do not tell.
-struct Size {
-  int columns = 80;
-  int rows = 24;
-  int cell_width = 8;
-  int cell_height = 16;
-};
-
-Size terminal_size() {
-  Size size;
-  winsize w{};
-  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &w) != 0 || w.ws_col == 0 || w.ws_row == 0) return size;
-  size.columns = std::min<int>(w.ws_col, 1000);
-  size.rows = std::min<int>(w.ws_row, 1000);
-  if (w.ws_xpixel >= w.ws_col && w.ws_ypixel >= w.ws_row) {
-    size.cell_width = std::clamp(w.ws_xpixel / w.ws_col, 1, 64);
-    size.cell_height = std::clamp(w.ws_ypixel / w.ws_row, 1, 128);
-  }
-  return size;
-}
-
-/// The other screen of the terminal, without a cursor, while it is in use.
-class Screen {
- public:
-  explicit Screen(bool kitty) : kitty_(kitty) { enter(); }
-  ~Screen() { leave(); }
-  Screen(const Screen&) = delete;
-  Screen& operator=(const Screen&) = delete;
-
-  void enter() {
-    entered_ = true;
-    write("\033[?1049h\033[?25l\033[H\033[2J");
-  }
-  /// Also from the middle of a sequence that was not written to its end.
-  void leave() noexcept {
-    if (!entered_) return;
-    entered_ = false;
-    const std::string text = std::string("\033\\\033[?2026l\033[0m") +
-                             (kitty_ ? "\033_Ga=d\033\\" : "") + "\033[?25h\033[?1049l";
-    static_cast<void>(!::write(STDOUT_FILENO, text.data(), text.size()));
-  }
-  /// The rest is left out once a signal wants the process to end.
-  /// @throw std::system_error
-  void write(std::string_view text) {
-    while (!text.empty() && !ending_signal) {
-      const ssize_t count = ::write(STDOUT_FILENO, text.data(), text.size());
-      if (count < 0 && errno != EINTR)
-        throw std::system_error(errno, std::generic_category(), "standard output");
-      if (count > 0) text.remove_prefix(static_cast<std::size_t>(count));
-    }
-  }
-
- private:
-  bool kitty_;
-  bool entered_ = false;
-};
-
-// ---- what is drawn
-// -------------------------------------------------------------------------------
 
 constexpr int kLinesBelow = 3;  // status, force, energy
 
@@ -235,7 +128,7 @@ class Display {
   const Scene& scene_;
   const TerminalOptions& options_;
   TerminalPixels pixels_;
-  Size size_ = terminal_size();
+  TerminalSize size_ = terminal_size();
   Camera camera_;
   bool fitted_ = false;
 };
@@ -247,12 +140,10 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
     throw Error("--terminal: standard output is not a terminal; --png draws a frame into a file");
   const FileDescriptor woken(::eventfd(0, EFD_CLOEXEC));
   if (!woken) throw std::system_error(errno, std::generic_category(), "eventfd");
-  wake_fd = woken.get();
+  // Until there is a scene, signals do what they always do.
   Feed feed(frames, wake);
   Display display(feed.scene(), options);
-  for (const int signal : kEnding) handle(signal);
-  handle(SIGTSTP);
-  handle(SIGWINCH);
+  watch_signals(woken.get());
 
   Frame frame;
   Traces traces;
@@ -262,19 +153,17 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
     Screen screen(display.kitty());
     screen.write("waiting for frames");
     feed.start();
-    while (!ending_signal && !state.ended) {
+    while (!ending_signal() && !state.ended) {
       pollfd file{woken.get(), POLLIN, 0};
       std::uint64_t count = 0;
       if (::poll(&file, 1, -1) == 1) static_cast<void>(!::read(woken.get(), &count, sizeof count));
-      if (stop_asked) {
-        stop_asked = 0;
+      if (take_stop()) {
         screen.leave();
         ::raise(SIGSTOP);  // and goes on here
         screen.enter();
-        size_changed = 1;
+        display.resize();
       }
-      if (size_changed) {
-        size_changed = 0;
+      if (take_resize()) {
         display.resize();
         screen.write("\033[0m\033[2J");
       }
@@ -283,7 +172,7 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
       if (any) screen.write(display.draw(frame, traces, state.dropped));
     }
   }
-  if (ending_signal) die_of(ending_signal);
+  if (ending_signal()) die_of(ending_signal());
   if (any) {
     OutputFile output("-", /*binary=*/false);
     output.write(display.last(frame, state.dropped));
