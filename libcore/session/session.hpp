@@ -16,6 +16,7 @@ namespace hapgrid {
 /// start with kSafetyFlag.
 inline constexpr const char* kClutchFlag = "clutch";        ///< DeviceInput::clutch
 inline constexpr const char* kStalledFlag = "stalled";      ///< DeviceInput::stalled
+inline constexpr const char* kResetFlag = "reset";          ///< DeviceInput::reset
 inline constexpr const char* kLevelFlag = "level_changed";  ///< a switch of levels
 inline constexpr const char* kSafetyFlag = "safety_";       ///< "safety_clamped"
 
