@@ -1,8 +1,11 @@
 // play: drives a device through a complete grid (Algorithm 2).
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -19,6 +22,7 @@
 #include "tools/play/options.hpp"
 #include "tools/play/report.hpp"
 #include "tools/play/selftest.hpp"
+#include "tools/play/session_log.hpp"
 #include "tools/play/signals.hpp"
 #include "tools/play/text_log.hpp"
 #include "tools/play/viewers.hpp"
@@ -74,8 +78,80 @@ void check(const PlayOptions& options) {
     throw Error("standard output is a terminal: redirect it, or name a file after --frames");
 }
 
-int play(const PlayOptions& options) {
+/// The log, of either kind, or none.
+class Log {
+ public:
+  /// @param ticks that will come; 0: not known.
+  Log(const PlayOptions& options, const LoadedGrid& loaded, const Fields& fields, double rate_hz,
+      bool paced, std::size_t ticks, const PlayedWith& with) {
+    const GridSpec& spec = loaded.grid.spec();
+    if (options.log.empty()) return;
+    if (is_session_name(options.log)) {
+      session_.emplace(options.log, session_header(spec, loaded.digest, rate_hz, with), paced);
+      return;
+    }
+    if (ticks == 0)
+      throw Error(options.log +
+                  ": a log as text is kept in memory until the end, which a live device does not "
+                  "have: name it FILE.session (stats --log FILE.session --export makes it a text)");
+    // A paced run must not write before its end, so all its ticks find room; without deadlines the
+    // log is written whenever the storage is full.
+    constexpr std::size_t kChunk = 4096;
+    text_.emplace(options.log, spec, fields, rate_hz, paced ? ticks : std::min(ticks, kChunk));
+  }
+
+  void add(const Tick& tick) {
+    if (session_) session_->add(tick_record(tick));
+    if (!text_) return;
+    if (text_->full()) text_->flush();
+    text_->add(tick);
+  }
+
+  /// @throw what writing has met
+  void finish() {
+    if (session_) {
+      const SessionCounts counts = session_->finish();
+      if (counts.dropped > 0)
+        std::fprintf(stderr, "play: the log has %llu ticks, %llu were dropped: the disk was slow\n",
+                     static_cast<unsigned long long>(counts.recorded),
+                     static_cast<unsigned long long>(counts.dropped));
+    }
+    if (!text_) return;
+    text_->flush();
+    text_->commit();
+  }
+
+ private:
+  std::optional<SessionRecorder> session_;
+  std::optional<TextLog> text_;
+};
+
+/// What a replay was played with counts, but for what the command line says.
+PlayedWith resume(const CLI::App& app, const PlayOptions& options, const SessionHeader& session,
+                  const LoadedGrid& loaded) {
+  const std::string file = options.device.substr(options.device.find(':') + 1);
+  if (session.grid_digest != loaded.digest)
+    std::fprintf(stderr, "play: %s was recorded with another grid: its forces will be others\n",
+                 file.c_str());
+  PlayedWith with = played_with(session, file);
+  with.limits = replay_limits(app, options, with.limits);
+  if (app.get_option("--scale")->count() > 0) with.scale = options.mapping.scale;
+  return with;
+}
+
+int play(const CLI::App& app, PlayOptions options) {
+  // Frames go where a viewer waits: play ... | view.
+  struct stat out {};
+  if (options.frames.empty() && options.log != "-" && options.report != "-" &&
+      ::fstat(STDOUT_FILENO, &out) == 0 && S_ISFIFO(out.st_mode))
+    options.frames = "-";
   check(options);
+  std::optional<HidGuard> guard;  // before there is a thread, or a grid that a fork would copy
+  if (needs_guard(options.device)) {
+    const rlimit no_core{0, 0};  // writing one would keep the guard waiting
+    ::setrlimit(RLIMIT_CORE, &no_core);
+    guard.emplace();
+  }
   Viewers viewers(options);
   const LoadedGrid loaded = load_grid({options.grid});
   const Grid& grid = loaded.grid;
@@ -86,37 +162,36 @@ int play(const PlayOptions& options) {
   };
   const Fields fields(spec, create, /*wants_shape=*/false);
 
-  const OpenDevice open = open_device(options, spec.box);
+  const OpenDevice open = open_device(options, spec.box, guard ? &*guard : nullptr);
   Device& device = *open.device;
   const DeviceInfo info = device.info();
+  PlayedWith with{.limits = options.safety, .scale = options.mapping.scale};
+  if (open.session) with = resume(app, options, *open.session, loaded);
+  with.limits.max_force = std::min(with.limits.max_force, info.max_force);
+  options.mapping.scale = with.scale;
   LoopOptions loop{.rate_hz = options.rate_hz, .spin_us = options.spin_us};
+  if (app.get_option("--axes")->count() == 0 && options.device.starts_with("pid"))
+    options.mapping.axes = {Vec3{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};  // HID: y is towards the user
+  if (open.session) loop.unpaced_hz = open.session->rate_hz;
   if (open.live && loop.rate_hz == 0) loop.rate_hz = kDefaultRateHz;
   const bool paced = loop.rate_hz > 0;
-  const double rate_hz = paced ? loop.rate_hz : kUnpacedHz;
+  const double rate_hz = paced ? loop.rate_hz : loop.unpaced_hz;
+
+  if (options.duration_s > 0)
+    loop.ticks = static_cast<std::uint64_t>(std::ceil(options.duration_s * rate_hz));
 
   Mapping mapping(options.mapping, info, spec.box);
+  with.scale = mapping.scale();
   Traversal traversal(grid, options.max_sub_steps);
-  SafetyLimits limits = options.safety;
-  limits.max_force = std::min(limits.max_force, info.max_force);
-  SafetyCore safety(limits);
-
-  // A paced run must not write before its end, so all its ticks find room; without deadlines the
-  // sink writes whenever the storage is full.
-  constexpr std::size_t kChunk = 4096;
-  std::optional<TextLog> log;
-  if (!options.log.empty())
-    log.emplace(options.log, spec, fields, rate_hz,
-                paced ? open.ticks : std::min(open.ticks, kChunk));
+  SafetyCore safety(with.limits);
+  Log log(options, loaded, fields, rate_hz, paced, open.live ? 0 : open.ticks, with);
   viewers.start(spec, create, rate_hz, paced, caught_signal);
 
   const auto force = [&](const Vec3& x, std::span<const double> row) {
     return fields.force(x, row);
   };
   const auto sink = [&](const Tick& tick) {
-    if (log) {
-      if (log->full()) log->flush();
-      log->add(tick);
-    }
+    log.add(tick);
     viewers.show(tick);
   };
   RunFacts facts{.model = spec.model, .device = info.name, .rate_hz = loop.rate_hz};
@@ -147,15 +222,13 @@ int play(const PlayOptions& options) {
     summary =
         run_loop(device, mapping, traversal, safety, force, sink, caught_signal, heartbeat, loop);
   }
-  if (log) {
-    log->flush();
-    log->commit();
-  }
+  log.finish();
   viewers.finish();
   facts.frames = viewers.frames();
-  facts.exit_code = summary.end == LoopEnd::kStopped ? 128 + caught_signal.load()
-                    : summary.end == LoopEnd::kDeviceFailed || safety.faulted() ? kExitFailed
-                                                                                : kExitDone;
+  const bool bad = summary.end == LoopEnd::kDeviceFailed || !summary.zero_sent || safety.faulted();
+  facts.exit_code = bad                                ? kExitFailed
+                    : summary.end == LoopEnd::kStopped ? 128 + caught_signal.load()
+                                                       : kExitDone;
   print_summary(summary, facts);
   viewers.print_summary();
   if (!options.report.empty()) write_report(options.report, summary, facts);
@@ -163,9 +236,17 @@ int play(const PlayOptions& options) {
   return facts.exit_code;
 }
 
-int run(const PlayOptions& options) {
+int run(const CLI::App& app, const PlayOptions& options) {
   if (options.selftest) return run_selftest(options);
-  return play(options);
+  if (options.list_devices) {
+    print_devices();
+    return kExitDone;
+  }
+  if (!options.dump_descriptor.empty()) {
+    print_descriptor(options.dump_descriptor);
+    return kExitDone;
+  }
+  return play(app, options);
 }
 
 }  // namespace
@@ -189,6 +270,16 @@ int main(int argc, char** argv) {
       "The text log has a line a tick, tab-separated, numbers with 17 digits; its first line\n"
       "starts with '#' and names the columns:\n" +
           std::string(kTextLogHelp) +
+          "\n"
+          "A log FILE.session has every tick with the force as it was and as it was sent, levels, "
+          "what\n"
+          "the safety core did, and how late the tick was, in some 25 bytes a tick; stats --log "
+          "draws\n"
+          "it and makes it a text. Replayed with --device replay:FILE, with the same grid, it "
+          "gives\n"
+          "the same forces bit for bit: safety, scale and rate are the session's, but for what "
+          "the\n"
+          "command line says.\n"
           "\n"
           "Frames are Cap'n Proto messages (schemas/frame.capnp) for view, 25 a second. With "
           "--rate\n"
@@ -220,8 +311,8 @@ int main(int argc, char** argv) {
           "A force that is not finite is never sent: it is zero from there on, and the exit code\n"
           "is 1. A tick is late from when it was due to when it began; computing is from there to\n"
           "when its force was sent.\n",
-      "  129, 130, 143  ended by SIGHUP, SIGINT, SIGTERM: zero force was sent, and the log so\n"
-      "                 far is complete\n");
+      "  129, 130, 131, 143, 148  ended by SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP: zero force\n"
+      "                 was sent, and the log so far is complete\n");
   add_play_options(app, options);
-  return run_tool(app, argc, argv, [&] { return run(options); });
+  return run_tool(app, argc, argv, [&] { return run(app, options); });
 }

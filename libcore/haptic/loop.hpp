@@ -28,8 +28,10 @@ namespace hapgrid {
 inline constexpr double kUnpacedHz = 1000;
 
 struct LoopOptions {
-  double rate_hz = 0;  ///< ticks a second; 0: as fast as possible, as if there were kUnpacedHz
-  double spin_us = 0;  ///< see Pacer
+  double rate_hz = 0;                       ///< ticks a second; 0: as fast as possible
+  double unpaced_hz = kUnpacedHz;           ///< what time a tick is without a pace
+  double spin_us = 0;                       ///< see Pacer
+  std::uint64_t ticks = ~std::uint64_t{0};  ///< the loop ends before the tick of this number
 };
 
 /// One tick as the loop's sink sees it; the references hold until the sink returns.
@@ -48,6 +50,7 @@ struct Tick {
 enum class LoopEnd {
   kDeviceEnd,     ///< the device has no more positions
   kStopped,       ///< the stop flag
+  kTicks,         ///< LoopOptions::ticks
   kDeviceFailed,  ///< read or send failed
 };
 
@@ -97,7 +100,7 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
            Sink& sink, const std::atomic<int>& stop, std::atomic<std::uint64_t>& heartbeat,
            const LoopOptions& options, LoopSummary& summary) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const double period = 1 / (options.rate_hz > 0 ? options.rate_hz : kUnpacedHz);
+  const double period = 1 / (options.rate_hz > 0 ? options.rate_hz : options.unpaced_hz);
   Pacer pacer(options.rate_hz, options.spin_us);
   Speed speed(mapping.scale());
   std::uint64_t recorded_misses = 0;
@@ -107,6 +110,10 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
     heartbeat.fetch_add(1, std::memory_order_relaxed);
     if (stop.load(std::memory_order_relaxed) != 0) {
       summary.end = LoopEnd::kStopped;
+      return;
+    }
+    if (due >= options.ticks) {
+      summary.end = LoopEnd::kTicks;
       return;
     }
     DeviceInput input;

@@ -1,5 +1,6 @@
 #include "libcore/shard/load.hpp"
 
+#include <span>
 #include <utility>
 
 #include "libcore/base/error.hpp"
@@ -10,6 +11,20 @@ namespace hapgrid {
 namespace {
 // zstd makes at most some thousand bytes out of one.
 constexpr std::uint64_t kMaxRatio = 4096;
+
+/// The section's own, or of several one of theirs.
+std::string digest_text(const std::vector<Section>& sections) {
+  std::vector<Digest> digests;
+  for (const Section& section : sections) digests.push_back(section.footer.digest);
+  const Digest digest =
+      digests.size() == 1 ? digests.front() : digest_of(std::as_bytes(std::span(digests)));
+  char text[33];
+  for (int i = 0; i < 32; ++i) {
+    const std::uint64_t half = i < 16 ? digest.high : digest.low;
+    text[i] = "0123456789abcdef"[half >> (60 - 4 * (i % 16)) & 15];
+  }
+  return {text, 32};
+}
 }  // namespace
 
 LoadedGrid load_grid(const std::vector<std::string>& names) {
@@ -45,7 +60,8 @@ LoadedGrid load_grid(const std::vector<std::string>& names) {
     append(columns.rows, run.rows->numbers, width);
     append(columns.links, run.rows->links, kDirections);
   }
-  return {Grid(header.spec, generation_of(sections), std::move(columns)), stored_bytes};
+  return {Grid(header.spec, generation_of(sections), std::move(columns)), stored_bytes,
+          digest_text(sections)};
 }
 
 }  // namespace hapgrid

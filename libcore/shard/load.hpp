@@ -12,6 +12,7 @@ namespace hapgrid {
 struct LoadedGrid {
   Grid grid;
   std::uint64_t stored_bytes = 0;  ///< size of the shards as they are stored
+  std::string digest;              ///< of the content, in hex: which grid it is
 };
 
 /// Reads the grid that `names` hold together ("-" is standard input); shards may be concatenated

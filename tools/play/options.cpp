@@ -97,37 +97,69 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, double& value,
       ->capture_default_str();
 }
 
-void add_safety_options(CLI::App& app, SafetyLimits& s) {
-  const std::string group = "Safety (every force passes it; 'inf' switches a limit off)";
-  const auto add = [&](const char* name, double& value, const char* unit, const char* help,
-                       double high, const char* what) {
-    add_number(app, name, value, unit, help, 0, high, what)->group(group);
-  };
-  add("--gain", s.gain, "FACTOR", "Newtons felt for a newton of the model", 1e12,
-      "a factor from 0 to 1e12");
-  add("--max-force", s.max_force, "N",
-      "Largest magnitude of the force; a larger one is scaled down. The device's own limit counts "
-      "if it is smaller",
-      1e6, "a force from 0 to 1000000 N");
-  add("--slew", s.slew, "N/MS", "Largest change of the force in a millisecond", kInf,
-      "a change from 0 N/ms");
-  add("--blend", s.blend_ms, "MS", "A switch of levels changes the force over this time", 1e6,
-      "a time from 0 to 1000000 ms");
-  add("--ramp", s.ramp_ms, "MS",
-      "The force comes in over this time, at the start and after a fault", 1e6,
-      "a time from 0 to 1000000 ms");
-  add("--max-speed", s.max_speed, "M/S", "A faster hand is let go; needs a known --scale", kInf,
-      "a speed from 0 m/s");
-  add("--buzz-force", s.buzz_force, "N", "A swing of the force this large counts as one", kInf,
-      "a force from 0 N");
-  add("--buzz-rate", s.buzz_rate, "PER_S",
-      "Swings a second from which on the force is damped; at twice as many it is taken away", kInf,
-      "a rate from 0 a second");
-  add("--fade", s.fade_cells, "CELLS",
-      "Outside the box the force fades to zero over so many spacings of the grid; 0: not at all",
-      kInf, "a length from 0 cells");
-  add("--watchdog", s.watchdog_ticks, "TICKS", "So many missed ticks give zero force, and a ramp",
-      kInf, "a count from 0 ticks");
+struct SafetyOption {
+  const char* name;
+  double SafetyLimits::*value;
+  const char* unit;
+  const char* help;
+  double high;
+  const char* what;
+};
+
+constexpr SafetyOption kSafetyOptions[] = {
+    {"--gain", &SafetyLimits::gain, "FACTOR", "Newtons felt for a newton of the model", 1e12,
+     "a factor from 0 to 1e12"},
+    {"--max-force", &SafetyLimits::max_force, "N",
+     "Largest magnitude of the force; a larger one is scaled down. The device's own limit counts "
+     "if it is smaller",
+     1e6, "a force from 0 to 1000000 N"},
+    {"--slew", &SafetyLimits::slew, "N/MS", "Largest change of the force in a millisecond", kInf,
+     "a change from 0 N/ms"},
+    {"--blend", &SafetyLimits::blend_ms, "MS",
+     "A switch of levels changes the force over this time", 1e6, "a time from 0 to 1000000 ms"},
+    {"--ramp", &SafetyLimits::ramp_ms, "MS",
+     "The force comes in over this time, at the start and after a fault", 1e6,
+     "a time from 0 to 1000000 ms"},
+    {"--max-speed", &SafetyLimits::max_speed, "M/S",
+     "A faster hand is let go; needs a known --scale", kInf, "a speed from 0 m/s"},
+    {"--buzz-force", &SafetyLimits::buzz_force, "N",
+     "A swing of the force this large counts as one", kInf, "a force from 0 N"},
+    {"--buzz-rate", &SafetyLimits::buzz_rate, "PER_S",
+     "Swings a second from which on the force is damped; at twice as many it is taken away", kInf,
+     "a rate from 0 a second"},
+    {"--fade", &SafetyLimits::fade_cells, "CELLS",
+     "Outside the box the force fades to zero over so many spacings of the grid; 0: not at all",
+     kInf, "a length from 0 cells"},
+    {"--watchdog", &SafetyLimits::watchdog_ticks, "TICKS",
+     "So many missed ticks give zero force, and a ramp", kInf, "a count from 0 ticks"},
+};
+
+void add_safety_options(CLI::App& app, SafetyLimits& limits) {
+  for (const SafetyOption& o : kSafetyOptions)
+    add_number(app, o.name, limits.*o.value, o.unit, o.help, 0, o.high, o.what)
+        ->group("Safety (every force passes it; 'inf' switches a limit off)");
+}
+
+void add_pid_options(CLI::App& app, PidParameters& pid) {
+  const std::string group = "Joysticks of the PID class, which do not say these";
+  add_number(app, "--pid-newtons", pid.newtons, "N", "What the device gives at most on each axis",
+             1e-6, 1e6, "a force from 1e-6 to 1000000 N")
+      ->group(group);
+  add_number(app, "--pid-range", pid.half_range, "M",
+             "How far each axis goes from the middle to its end", 1e-6, 1e3,
+             "a length from 1e-6 to 1000 m")
+      ->group(group);
+  app.add_option_function<std::vector<double>>(
+         "--pid-signs",
+         [&pid](const std::vector<double>& v) {
+           pid.signs = {v[0], v[1]};
+         },
+         "Which sign of a force pushes along the axes, 1 or -1 each (default: -1,1)")
+      ->type_name("X,Y")
+      ->expected(2)
+      ->delimiter(',')
+      ->check(CLI::IsMember({1, -1}))
+      ->group(group);
 }
 
 void add_mapping_options(CLI::App& app, PlayOptions& options) {
@@ -224,6 +256,10 @@ void add_realtime_options(CLI::App& app, PlayOptions& options) {
       ->type_name("HZ")
       ->check(number_within(1e-3, 1e6, "a rate from 0.001 to 1000000 Hz"))
       ->group(group);
+  add_number(app, "--duration", options.duration_s, "S",
+             "End after this much time of play; 0: when the device ends", 0, 1e9,
+             "a time from 0 to 1e9 s")
+      ->group(group);
   static const std::map<std::string, RealtimeMode> modes{{"require", RealtimeMode::kRequire},
                                                          {"try", RealtimeMode::kTry},
                                                          {"off", RealtimeMode::kOff}};
@@ -256,6 +292,12 @@ void add_realtime_options(CLI::App& app, PlayOptions& options) {
 
 }  // namespace
 
+SafetyLimits replay_limits(const CLI::App& app, const PlayOptions& options, SafetyLimits recorded) {
+  for (const SafetyOption& o : kSafetyOptions)
+    if (app.get_option(o.name)->count() > 0) recorded.*o.value = options.safety.*o.value;
+  return recorded;
+}
+
 void add_play_options(CLI::App& app, PlayOptions& options) {
   app.config_formatter(std::make_shared<PlayTable>());
   app.set_config("--config", "",
@@ -276,8 +318,8 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
                  "replayed, any other is text")
       ->type_name("FILE");
   app.add_option("--frames", options.frames,
-                 "File for the frames, 25 a second ('-': standard output), as in play ... "
-                 "--frames - | view")
+                 "File for the frames, 25 a second ('-': standard output). Without it they go to a "
+                 "pipe on standard output, as in play ... | view")
       ->type_name("FILE");
   app.add_option("--report", options.report,
                  "File for a report as JSON: ticks, lateness, computing time, what the safety core "
@@ -293,6 +335,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
   add_realtime_options(app, options);
   add_safety_options(app, options.safety);
   add_mapping_options(app, options);
+  add_pid_options(app, options.pid);
 }
 
 }  // namespace hapgrid

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "libcore/device/pid.hpp"
 #include "libcore/haptic/loop.hpp"
 #include "libcore/haptic/realtime.hpp"
 #include "libcore/scene/imd_server.hpp"
@@ -19,6 +20,7 @@ struct PlayOptions {
   double rate_hz =
       0;  // 0: the device's own: kDefaultRateHz for a live one, no pace for a scripted one
   double spin_us = 0;
+  double duration_s = 0;  // 0: until the device ends
   RealtimeMode realtime = RealtimeMode::kTry;
   std::string log;
   std::string frames;
@@ -31,6 +33,7 @@ struct PlayOptions {
   MappingOptions mapping;
   double key_step = 0;            // model's units; 0: half of the grid's spacing
   std::vector<double> key_start;  // empty: the middle of the box
+  PidParameters pid;
   std::uint16_t max_sub_steps = Traversal::kDefaultMaxSubSteps;
   // Instead of playing.
   bool selftest = false;
@@ -43,6 +46,9 @@ struct PlayOptions {
 
 /// What a live device is driven at.
 inline constexpr double kDefaultRateHz = 1000;
+
+/// The limits of a replay: those of the session, but for what the command line says.
+SafetyLimits replay_limits(const CLI::App& app, const PlayOptions& options, SafetyLimits recorded);
 
 /// Binds them; --config FILE takes them from a table [play].
 void add_play_options(CLI::App& app, PlayOptions& options);

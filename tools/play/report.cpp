@@ -38,6 +38,8 @@ const char* to_text(LoopEnd end) {
       return "device";
     case LoopEnd::kStopped:
       return "signal";
+    case LoopEnd::kTicks:
+      return "duration";
     case LoopEnd::kDeviceFailed:
       return "device failed";
   }

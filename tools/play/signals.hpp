@@ -11,8 +11,9 @@ namespace hapgrid {
 /// The signal that was caught, 0 when none was.
 extern std::atomic<int> caught_signal;
 
-/// While it lives SIGINT, SIGTERM and SIGHUP set caught_signal instead of ending the process;
-/// one that was ignored stays ignored (nohup).
+/// While it lives SIGINT, SIGTERM, SIGHUP and SIGQUIT set caught_signal instead of ending the
+/// process, and so does SIGTSTP (Ctrl-Z), which would stop it with a force on the device; one that
+/// was ignored stays ignored (nohup).
 class CaughtSignals {
  public:
   CaughtSignals();
@@ -21,8 +22,8 @@ class CaughtSignals {
   CaughtSignals& operator=(const CaughtSignals&) = delete;
 
  private:
-  static constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
-  std::array<struct sigaction, 3> before_{};
+  static constexpr std::array<int, 5> kSignals{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP};
+  std::array<struct sigaction, 5> before_{};
 };
 
 }  // namespace hapgrid

@@ -23,6 +23,7 @@ def session(keys, ending, extra=()):
         time.sleep(0.01)
     else:
         sys.exit("the terminal never became raw: " + open("err").read())
+    time.sleep(0.3)  # some ticks
     for key in keys:
         os.write(terminal, key)
         time.sleep(0.3)  # the HIP follows with a time constant of 50 ms

@@ -4,10 +4,11 @@ seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --co
 echo '0 0 0' >path
 
 help='(see play --help)'
+forms='path:FILE, keys, replay:FILE, profile:FILE, pid[:WHICH], spacemouse[:WHICH]'
 expect 2 '' "play: grid is required $help" -- play
 expect 2 '' "play: --device is required $help" -- play grid
-expect 2 '' "play: --device: 'falcon' is not a device: path:FILE or keys $help" -- play grid --device falcon
-expect 2 '' "play: --device: 'path:' is not a device: path:FILE or keys $help" -- play grid --device path:
+expect 2 '' "play: --device: 'falcon' is not a device: $forms $help" -- play grid --device falcon
+expect 2 '' "play: --device: 'path:' is not a device: $forms $help" -- play grid --device path:
 expect 2 '' "play: the grid and the path cannot both be standard input $help" -- play - --device path:-
 for rate in 0 -1 nan 1e7 fast; do
   expect 2 '' "play: --rate: '$rate' is not a rate from 0.001 to 1000000 Hz $help" \

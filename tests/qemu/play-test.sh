@@ -1,0 +1,78 @@
+#!/bin/bash
+# play with devices behind a real hidraw: a three-axis device that a text profile describes, at
+# 5 kHz in the machine's own time; unplugged, silent, interrupted; and a joystick of the PID class.
+source "$(dirname "$0")/lib.sh"
+
+seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o ball.grid
+# The hand: there and back along x, 100 mm a second, as a line a report at 5 kHz; then it rests. The
+# reach of 0.2 m fills the box of 1.9 along x: 9.5 units a metre.
+python3 - >positions.txt <<'PYTHON'
+for i in range(10000):
+    x = 20 * i if i < 5000 else 20 * (10000 - i)
+    print(x - 80000, 0, 0)
+PYTHON
+cat >profile.toml <<'TOML'
+name = "test device"
+[match]
+vid = 0x16c0
+pid = 0x0486
+[input]
+length = 64
+x = {bit = 0, bits = 32, scale = 1e-6}
+y = {bit = 32, bits = 32, scale = 1e-6}
+z = {bit = 64, bits = 32, scale = 1e-6}
+clutch = {bit = 128}
+[[output]]
+length = 64
+x = {bit = 0, bits = 16, newtons_per_count = 0.001}
+y = {bit = 16, bits = 16, newtons_per_count = 0.001}
+z = {bit = 32, bits = 16, newtons_per_count = 0.001}
+[force]
+max = 3.0
+[timing]
+stall_ms = 50
+watchdog_ms = 50
+[workspace]
+low = [-0.1, -0.1, -0.1]
+high = [0.1, 0.1, 0.1]
+TOML
+# In the background SIGINT would be ignored, so `timeout` sends it. A record's forces are many: of all
+# but the first only how many there are and the last ones.
+cat >session <<'END'
+play="play /ball.grid --model-path /bin --device profile:/profile.toml --rate 5000"  # to a file: on a pipe it would write frames
+device() { rawhid-device --rate 5000 "$@" /positions.txt >/tmp/record & device=$!; await /dev/hidraw0; }
+over() { kill $device 2>/dev/null; wait $device; while [ -e /dev/hidraw0 ]; do usleep 10000; done; }
+summary() { grep -c ' out ' /tmp/record; grep ' out ' /tmp/record | cut -d' ' -f2-5 | tail -n 2; }
+
+echo "== 10000 ticks"
+device
+$play --duration 2 --log /tmp/log.session --report /tmp/report >/dev/null
+echo "exit $?"
+over
+echo "== report"; cat /tmp/report
+echo "== record"; grep ' out ' /tmp/record | cut -d' ' -f3-5
+echo "== session"; base64 /tmp/log.session
+echo "== unplugged"
+device --unplug-after 2500; $play >/dev/null; echo "exit $?"; over
+echo "== interrupted"
+device; timeout -s INT 1 $play >/dev/null; echo "exit $?"; over; summary
+echo "== killed"
+device; timeout -s KILL 1 $play >/dev/null; echo "exit $?"; usleep 300000; over; summary
+echo "== descriptor"
+device; play --list-devices; play --dump-descriptor 16c0:0486; over
+echo "== pid"
+pid-device bits >/tmp/record & device=$!
+await /dev/hidraw0
+play /ball.grid --model-path /bin --device pid --duration 0.1 --ramp 0 --slew inf >/dev/null; echo "exit $?"
+over; cut -d' ' -f2- /tmp/record
+echo "== end"
+END
+machine "$qemu/rawhid-device" "$qemu/pid-device" "$HAPGRID_BIN/play" "$HAPGRID_BUILD/models/hung-ball.so" \
+  ball.grid profile.toml positions.txt session -- 'sh session'
+printf '%s\n' "$output" >got
+python3 "$here/play_test.py" got positions.txt log.session
+# What was recorded there gives the same forces here, bit for bit.
+play ball.grid --device replay:log.session --log again.session >/dev/null 2>&1
+stats --log log.session --export there.txt >/dev/null
+stats --log again.session --export here.txt >/dev/null
+cut -f 1-19 there.txt | cmp - <(cut -f 1-19 here.txt) || fail 'the replay has other forces'

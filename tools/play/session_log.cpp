@@ -1,0 +1,83 @@
+#include "tools/play/session_log.hpp"
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "libcore/base/error.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The flags of a tick: first the safety core's, bit by bit, then these.
+enum : std::uint32_t { kClutchBit = kSafetyActions, kStalledBit, kResetBit, kLevelBit };
+
+/// Calls f(name, value) for each limit.
+template <class Limits, class F>
+void each_limit(Limits& limits, F&& f) {
+  f("gain", limits.gain);
+  f("max_force_N", limits.max_force);
+  f("slew_N_per_ms", limits.slew);
+  f("blend_ms", limits.blend_ms);
+  f("ramp_ms", limits.ramp_ms);
+  f("max_speed_m_per_s", limits.max_speed);
+  f("buzz_force_N", limits.buzz_force);
+  f("buzz_rate_per_s", limits.buzz_rate);
+  f("fade_cells", limits.fade_cells);
+  f("watchdog_ticks", limits.watchdog_ticks);
+}
+
+}  // namespace
+
+bool is_session_name(const std::string& file) { return file.ends_with(".session"); }
+
+SessionHeader session_header(const GridSpec& spec, const std::string& digest, double rate_hz,
+                             const PlayedWith& with) {
+  SessionHeader header;
+  header.model = spec.model;
+  header.grid_digest = digest;
+  header.length_unit = spec.length_unit;
+  header.box = spec.box;
+  header.rate_hz = rate_hz;
+  for (const char* name : kSafetyNames) header.flags.push_back(kSafetyFlag + std::string(name));
+  header.flags.insert(header.flags.end(), {kClutchFlag, kStalledFlag, kResetFlag, kLevelFlag});
+  Json safety;
+  // JSON has no infinity: null is one.
+  each_limit(with.limits, [&](const char* name, double value) { safety[name] = value; });
+  header.settings = Json{{"safety", safety}, {"scale_per_m", with.scale}}.dump();
+  return header;
+}
+
+PlayedWith played_with(const SessionHeader& header, const std::string& name) {
+  PlayedWith with;
+  try {
+    const Json settings = Json::parse(header.settings);
+    each_limit(with.limits, [&](const char* key, double& value) {
+      const Json& written = settings.at("safety").at(key);
+      value = written.is_null() ? std::numeric_limits<double>::infinity() : written.get<double>();
+    });
+    with.scale = settings.at("scale_per_m").get<double>();
+  } catch (const Json::exception&) {
+    throw Error(name + ": its settings are not those of play");
+  }
+  return with;
+}
+
+TickRecord tick_record(const Tick& tick) noexcept {
+  const auto bit = [](bool set, std::uint32_t number) { return std::uint32_t{set} << number; };
+  return {.number = tick.number,
+          .hip = tick.hip,
+          .raw_force = tick.raw_force,
+          .force = tick.force.force,
+          .levels = tick.traversal.levels(),
+          .flags = tick.force.acted | bit(tick.input.clutch, kClutchBit) |
+                   bit(tick.input.stalled, kStalledBit) | bit(tick.input.reset, kResetBit) |
+                   bit(tick.step.level_changed, kLevelBit),
+          .lateness_ns = saturated_ns(tick.lateness_ns),
+          .compute_ns = saturated_ns(tick.compute_ns)};
+}
+
+}  // namespace hapgrid

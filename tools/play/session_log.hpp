@@ -1,0 +1,32 @@
+// The compact log of a play (libcore/session): what stands in it, and what a replay takes from it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "libcore/haptic/loop.hpp"
+#include "libcore/session/recorder.hpp"
+#include "libcore/session/recording.hpp"
+#include "tools/play/options.hpp"
+
+namespace hapgrid {
+
+/// --log FILE.session is one; any other name is a text.
+bool is_session_name(const std::string& file);
+
+/// What the forces of a replay depend on, beside the grid: so a replay has the same.
+struct PlayedWith {
+  SafetyLimits limits;  ///< as they were applied, the device's own among them
+  double scale = 0;     ///< Mapping::scale()
+};
+
+/// The header of a session. @param digest of the grid.
+SessionHeader session_header(const GridSpec& spec, const std::string& digest, double rate_hz,
+                             const PlayedWith& with);
+/// What a session was played with. @throw Error when its settings are not play's.
+PlayedWith played_with(const SessionHeader& header, const std::string& name);
+
+/// Real-time safe.
+TickRecord tick_record(const Tick& tick) noexcept;
+
+}  // namespace hapgrid
