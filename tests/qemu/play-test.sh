@@ -54,6 +54,8 @@ echo "== record"; grep ' out ' /tmp/record | cut -d' ' -f3-5
 echo "== session"; base64 /tmp/log.session
 echo "== unplugged"
 device --unplug-after 2500; $play >/dev/null; echo "exit $?"; over
+echo "== silent"
+device --unplug-after 2500 --silent 200; $play >/dev/null; echo "exit $?"; over; summary
 echo "== interrupted"
 device; timeout -s INT 1 $play >/dev/null; echo "exit $?"; over; summary
 echo "== killed"

@@ -36,6 +36,12 @@ lines = parts["unplugged"]
 assert exit_code(lines) == ["exit 1"], lines
 assert any(re.match(r"play: device: .*", line) for line in lines), lines
 
+# Silent before it was unplugged: let go in time.
+lines = parts["silent"]
+assert exit_code(lines) == ["exit 1"], lines
+assert any("stalled" in line for line in lines), lines
+assert int(lines[-3]) > 1000 and lines[-1] == "out 0 0 0", lines
+
 # Interrupted, and killed: zero force is the last report.
 for name, code in (("interrupted", "exit 130"), ("killed", "exit 137")):
     lines = parts[name]

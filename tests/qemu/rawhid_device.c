@@ -1,4 +1,4 @@
-/* rawhid-device [--rate HZ] [--unplug-after N] [--priority P] POSITIONS
+/* rawhid-device [--rate HZ] [--unplug-after N [--silent MS]] [--priority P] POSITIONS
  *
  * A device for the hand with three axes and a force: 64-byte reports without an id in both
  * directions, "Teensy RawHID", vendor 16c0, product 0486, all numbers little-endian:
@@ -11,7 +11,8 @@
  *
  * POSITIONS is a text file: three integers a line, micrometres; a line for each report, the last
  * one for ever. Reports begin when somebody opens the device, HZ (1000) times a second. After N
- * reports the device is unplugged.
+ * reports the device is unplugged; with --silent it first sends nothing for MS milliseconds, as one
+ * whose cable breaks on the way in.
  *
  * At the end, which SIGTERM or the unplugging is, the record goes to standard output, a line an
  * event, each with its time in microseconds after the first opening:
@@ -126,6 +127,7 @@ static void print_record(int64_t sent, int64_t latest_ns) {
 int main(int argc, char** argv) {
   double rate = 1000;
   int64_t unplug_after = -1;
+  int64_t silent_ns = 0;
   int priority = 60;
   const char* script = NULL;
   for (int i = 1; i < argc; ++i) {
@@ -133,6 +135,8 @@ int main(int argc, char** argv) {
       rate = atof(argv[++i]);
     } else if (!strcmp(argv[i], "--unplug-after") && i + 1 < argc) {
       unplug_after = atoll(argv[++i]);
+    } else if (!strcmp(argv[i], "--silent") && i + 1 < argc) {
+      silent_ns = 1000000 * (int64_t)atoll(argv[++i]);
     } else if (!strcmp(argv[i], "--priority") && i + 1 < argc) {
       priority = atoi(argv[++i]);
     } else {
@@ -140,7 +144,10 @@ int main(int argc, char** argv) {
     }
   }
   if (!script || !(rate > 0)) {
-    fputs("usage: rawhid-device [--rate HZ] [--unplug-after N] [--priority P] POSITIONS\n", stderr);
+    fputs(
+        "usage: rawhid-device [--rate HZ] [--unplug-after N [--silent MS]] [--priority P] "
+        "POSITIONS\n",
+        stderr);
     return 2;
   }
   size_t count = 0;
@@ -155,10 +162,13 @@ int main(int argc, char** argv) {
   int is_open = 0;
   int64_t sent = 0;
   int64_t latest_ns = 0;
-  while (!ended && (unplug_after < 0 || sent < unplug_after)) {
+  while (!ended) {
+    const int all_sent = unplug_after >= 0 && sent >= unplug_after;
     /* Between two reports it listens. A time that passed while nobody had it open is left out. */
-    const int64_t due = first_open + (int64_t)((double)sent * 1e9 / rate);
+    const int64_t due =
+        first_open + (int64_t)((double)sent * 1e9 / rate) + (all_sent ? silent_ns : 0);
     const int64_t left = due - now_ns();
+    if (all_sent && left <= 0) break;
     if (is_open && left <= 0) {
       unsigned char report[64] = {0};
       const int32_t* p = positions[(size_t)sent < count ? (size_t)sent : count - 1];

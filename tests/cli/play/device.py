@@ -1,0 +1,137 @@
+"""Plays with a device of tests/standin: a Teensy with the shipped profile, PLUGINS has `stuck`."""
+import collections
+import os
+import re
+import signal
+import struct
+import subprocess
+import sys
+import time
+
+plugins = sys.argv[1]
+source, build = os.environ["HAPGRID_SOURCE"], os.environ["HAPGRID_BUILD"]
+INFO = "/dev/hidraw7\t16c0\t0486\t\tPJRC\tTeensy RawHID\tffab\t0200\t0"
+environment = dict(os.environ, HAPGRID_STANDIN=os.path.abspath("socket"),
+                   LD_LIBRARY_PATH=f"{build}/tests/standin")
+PROFILE = f"{source}/examples/devices/teensy-rawhid.toml"
+
+
+def report(x_mm, buttons=0):
+    """An input report of the profile: nanometres behind four bytes."""
+    return struct.pack("<BBxx3i48x", 0x48, buttons, int(x_mm * 1e6), 0, 0).hex()
+
+
+class Device:
+    """The device process; the hand is at x = -40 mm, where 0.08 m are half of the box."""
+
+    def __init__(self):
+        for name in ("socket", "record"):
+            if os.path.exists(name):
+                os.remove(name)
+        self.process = subprocess.Popen([sys.executable, f"{source}/tests/standin/device.py", "socket",
+                                         "record", INFO], stdin=subprocess.PIPE,
+                                        stdout=subprocess.PIPE, text=True)
+        assert self.process.stdout.readline() == "ready\n"
+        self.tell(f"repeat 500 {report(-40)}")
+
+    def tell(self, line):
+        self.process.stdin.write(line + "\n")
+        self.process.stdin.flush()
+
+    def written(self):
+        return [bytes.fromhex(line[2:]) for line in open("record") if line[0] == "w"]
+
+    def end(self):
+        self.process.stdin.close()
+        self.process.wait()
+
+
+def force(written):
+    """Millinewtons along x, or "stop"; every report has id 0, then 48."""
+    assert written[0] == 0 and written[1] == 0x48 and len(written) == 65, written
+    return struct.unpack("<h", written[3:5])[0] if written[2] == 1 else "stop"
+
+
+def play(*options, grid="stuck.0", wrapper=()):
+    return subprocess.Popen([*wrapper, "play", grid, "--device", f"profile:{PROFILE}", "--model-path",
+                             plugins, "--ramp", "50", *options], env=environment,
+                            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+
+def await_force(device):
+    """Until the whole half newton is on the device."""
+    deadline = time.monotonic() + 30
+    while time.monotonic() < deadline:
+        if any(force(w) == 500 for w in device.written()):
+            return
+        time.sleep(0.02)
+    sys.exit("no force came")
+
+
+def case(name, disturb, code, line, grid="stuck.0", last="stop"):
+    device = Device()
+    process = play(grid=grid)
+    await_force(device)
+    disturb(device, process)
+    error = process.communicate(timeout=30)[1]
+    assert process.returncode == code, (name, process.returncode, error)
+    assert re.search(line, error, re.M), (name, error)
+    # The guard writes from another process, perhaps a moment later.
+    deadline = time.monotonic() + 10
+    while time.monotonic() < deadline and (not last or force(device.written()[-1]) != last):
+        if not last:
+            break
+        time.sleep(0.02)
+    told = [force(w) for w in device.written()]
+    if last:
+        assert told[-1] == last, (name, told[-5:])
+    before = [f for f in told if f != "stop"]
+    if name not in ("vanished", "killed", "crashed"):
+        assert before[-1] == 0, (name, told[-5:])
+    device.end()
+    print(f"{name}: {len(told)} reports, the last {told[-2:]}")
+
+
+def move(x_mm):
+    return lambda device, process: device.tell(f"repeat 500 {report(x_mm)}")
+
+
+case("interrupted", lambda device, process: process.send_signal(signal.SIGINT), 130,
+     r"^play: [0-9]+ ticks, ")
+case("hung up", lambda device, process: process.send_signal(signal.SIGHUP), 129, r"^play: ")
+case("Ctrl-Z", lambda device, process: process.send_signal(signal.SIGTSTP), 148, r"^play: ")
+case("broken", lambda device, process: device.tell("error burnt out"), 1, r"^play: device: .*burnt out")
+case("vanished", lambda device, process: device.tell("vanish"), 1, r"^play: device: ", last=None)
+case("killed", lambda device, process: process.kill(), -signal.SIGKILL, r"")
+case("hangs", move(60), 1, r"^play: the haptic loop hangs, .*zero force was sent")
+case("crashed", move(60), -signal.SIGABRT, r"", grid="stuck.1")
+
+# The clutch's button takes the force away, and gives it back.
+device = Device()
+process = play()
+await_force(device)
+count = len(device.written())
+device.tell(f"repeat 500 {report(-40, buttons=1)}")
+deadline = time.monotonic() + 20
+while time.monotonic() < deadline and all(force(w) != 0 for w in device.written()[count:]):
+    time.sleep(0.02)
+assert any(force(w) == 0 for w in device.written()[count:]), "the clutch did nothing"
+process.send_signal(signal.SIGINT)
+process.communicate(timeout=30)
+device.end()
+
+# System calls of the haptic thread: sleeping, and the semaphore that wakes the device's writer.
+device = Device()
+process = play("--rate", "500", "--duration", "1", "--log", "log.session", "--frames", "frames",
+               wrapper=("strace", "-f", "-o", "trace"))
+error = process.communicate(timeout=60)[1]
+assert process.returncode == 0, error
+lines = [text.split(None, 1) for text in open("trace")]
+mine = [text for pid, text in lines if pid == lines[0][0]]
+sleeps = [i for i, text in enumerate(mine) if text.startswith("clock_nanosleep(")]
+calls = collections.Counter(re.match(r"(?:<\.\.\. )?(\w+)", text).group(1)
+                            for text in mine[sleeps[0]:sleeps[-1]])
+assert len(sleeps) > 100 and set(calls) <= {"clock_nanosleep", "clock_gettime", "futex"}, calls
+assert calls["futex"] <= len(sleeps) + 1, calls
+device.end()
+print("system calls:", dict(calls))
