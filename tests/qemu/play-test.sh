@@ -69,7 +69,7 @@ play /ball.grid --model-path /bin --device pid --duration 0.1 --ramp 0 --slew in
 over; cut -d' ' -f2- /tmp/record
 echo "== end"
 END
-machine "$qemu/rawhid-device" "$qemu/pid-device" "$HAPGRID_BIN/play" "$HAPGRID_BUILD/models/hung-ball.so" \
+TIMEOUT=300 machine "$qemu/rawhid-device" "$qemu/pid-device" "$HAPGRID_BIN/play" "$HAPGRID_BUILD/models/hung-ball.so" \
   ball.grid profile.toml positions.txt session -- 'sh session'
 printf '%s\n' "$output" >got
 python3 "$here/play_test.py" got positions.txt log.session
