@@ -300,6 +300,7 @@ SafetyLimits replay_limits(const CLI::App& app, const PlayOptions& options, Safe
 
 void add_play_options(CLI::App& app, PlayOptions& options) {
   app.config_formatter(std::make_shared<PlayTable>());
+  app.allow_config_extras(CLI::config_extras_mode::error);
   app.set_config("--config", "",
                  "Take the options from the table [play] of a TOML file, for which the MODEL.toml "
                  "is a good place; keys are the names below without '--'")
