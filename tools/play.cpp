@@ -216,7 +216,7 @@ int play(const CLI::App& app, PlayOptions options) {
     viewers.wait(caught_signal);
     const Realtime realtime(paced ? options.realtime : RealtimeMode::kOff);
     facts.realtime = realtime.got();
-    if (open.live || options.realtime == RealtimeMode::kRequire)
+    if (paced)
       std::fprintf(stderr, "play: %s at %g Hz; real time: %s\n", info.name.c_str(), loop.rate_hz,
                    facts.realtime.c_str());
     summary =

@@ -27,7 +27,7 @@ refuses 'merge: requests are missing: 1 of the 2 conversions .* from point 1 \(1
 refuses 'merge: r0: requests of generation 0, the grid.s frontier is 1' -- merge g1 r0 -o out
 refuses 'merge: r0\.2: requests of generation 0, the grid.s frontier is 1' -- merge g1 r1 r0.2 -o out
 refuses 'merge: r1: requests of generation 1, the grid.s frontier is 0' -- merge g0 r0 r1 -o out
-refuses 'merge: g1: generation 1, but g0 has generation 0' -- merge g0 g1 r0 -o out
+refuses 'merge: g0: generation 0, but g1 has generation 1' -- merge g0 g1 r0 -o out
 refuses 'expand: f1\.1: holds frontier where a shard of grid is needed' -- expand g1 f1.1 -o out
 refuses 'expand: g0: holds grid where a shard of frontier is needed' -- expand f1.1 g0 -o out
 
