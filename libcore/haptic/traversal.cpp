@@ -12,42 +12,6 @@ namespace hapgrid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::uint8_t kKept = 255;
-
-/// One of the 26 moves from a cell to a cell that shares a vertex with it: for each corner of the
-/// new cell the corner of the old cell that supplies it, and the direction of that conversion, or
-/// kKept where both are the same grid point.
-struct CellSwitch {
-  std::array<std::uint8_t, 8> from{};
-  std::array<std::uint8_t, 8> direction{};
-};
-
-/// Sect. 2.4, i) to iii) in one rule: along the axes of the move the source is the common corner,
-/// along the others it has the new corner's own index. Across a face that leaves axis conversions,
-/// across an edge three in the plane across it from each end, across a vertex seven from the one.
-constexpr std::array<CellSwitch, kDirections> cell_switches() {
-  std::array<CellSwitch, kDirections> switches{};
-  for (int q = 0; q < kDirections; ++q) {
-    const auto move = Direction(q).step();
-    for (int corner = 0; corner < 8; ++corner) {
-      int from = 0;
-      std::array<int, 3> d{};
-      for (int a = 0; a < 3; ++a) {
-        const int own = corner >> a & 1;
-        const int common = move[a] > 0 ? 0 : move[a] < 0 ? 1 : own;  // in the new cell
-        from |= (common + move[a]) << a;
-        d[a] = own - common;
-      }
-      switches[q].from[corner] = static_cast<std::uint8_t>(from);
-      const bool kept = d == std::array<int, 3>{0, 0, 0};
-      switches[q].direction[corner] =
-          kept ? kKept : static_cast<std::uint8_t>(Direction::of(d[0], d[1], d[2]).q());
-    }
-  }
-  return switches;
-}
-
-constexpr auto kCellSwitches = cell_switches();
 
 bool finite(const Vec3& x) {
   return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
@@ -73,6 +37,7 @@ void blend(const std::array<double, 8>& w, const std::array<const double*, 8>& s
 
 Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
     : grid_(grid),
+      cells_(grid),
       box_(grid.box()),
       max_sub_steps_(std::max<int>(max_sub_steps, 1)),
       row_(grid.spec().row_size(), 0.0) {
@@ -88,11 +53,6 @@ Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
     if (!std::isfinite(box_high_[a] - box_low_[a]))
       throw Error("grid: the box is too large for double precision along axis " +
                   std::to_string(a));
-  }
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    GridCoordinates c{};
-    for (int a = 0; a < 3; ++a) c[a] = box_.counts[a] > 1 ? corner >> a & 1 : 0;
-    corner_offset_[corner] = box_.index(c);
   }
 }
 
@@ -119,24 +79,10 @@ StepResult Traversal::start(const Vec3& hip) noexcept {
   }
 
   const PointIndex base = box_.index(cell);
-  const PointIndex nearest_point = base + corner_offset_[nearest];
-  if (grid_.levels(nearest_point) == 0) {
+  Corners corners;
+  if (!cells_.start(base, nearest, corners)) {
     result.blocked = true;
     return result;
-  }
-  Corners corners;
-  corners.level.fill(0);
-  corners.record.fill(grid_.first(nearest_point));
-  for (int corner = 0; corner < 8; ++corner) {
-    std::array<int, 3> d{};
-    for (int a = 0; a < 3; ++a)
-      if (box_.counts[a] > 1) d[a] = (corner >> a & 1) - (nearest >> a & 1);
-    if (d == std::array<int, 3>{0, 0, 0}) continue;
-    if (!follow(corners.record[nearest], Direction::of(d[0], d[1], d[2]).q(),
-                base + corner_offset_[corner], corners, corner)) {
-      result.blocked = true;
-      return result;
-    }
   }
   enter(cell, base, corners);
   started_ = true;
@@ -244,39 +190,16 @@ bool Traversal::switch_cell(const std::array<std::int64_t, 3>& move, StepResult&
   const int q =
       Direction::of(static_cast<int>(move[0]), static_cast<int>(move[1]), static_cast<int>(move[2]))
           .q();
-  const CellSwitch& table = kCellSwitches[q];
   const auto base = static_cast<PointIndex>(base_ + grid_.neighbourhood().offset(q));
   Corners corners;
   bool changed = false;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int from = table.from[corner];
-    if (table.direction[corner] == kKept) {
-      corners.record[corner] = corners_.record[from];
-      corners.level[corner] = corners_.level[from];
-      continue;
-    }
-    if (!follow(corners_.record[from], table.direction[corner], base + corner_offset_[corner],
-                corners, corner))
-      return false;
-    changed |= corners.level[corner] != corners_.level[from];
-  }
+  if (!cells_.cross(q, base, corners_, corners, changed)) return false;
   GridCoordinates cell;
   for (int a = 0; a < 3; ++a) cell[a] = static_cast<std::uint32_t>(cell_[a] + move[a]);
   enter(cell, base, corners);
   result.level_changed |= changed;
   const int axes = (move[0] != 0) + (move[1] != 0) + (move[2] != 0);
   ++(axes == 1 ? result.face_switches : axes == 2 ? result.edge_switches : result.vertex_switches);
-  return true;
-}
-
-/// The destination of a link whose target point is known to be in the box; Grid::destination()
-/// would compute the target and its neighbourhood again.
-bool Traversal::follow(RecordIndex from, int q, PointIndex target, Corners& corners,
-                       int corner) const noexcept {
-  const Level level = grid_.links(from)[q];
-  if (level >= grid_.levels(target)) return false;  // kUnsettled and kLeavesBox among them
-  corners.level[corner] = level;
-  corners.record[corner] = grid_.first(target) + level;
   return true;
 }
 

@@ -31,7 +31,7 @@
 #include <string>
 #include <vector>
 
-#include "libcore/grid/grid.hpp"
+#include "libcore/grid/cell.hpp"
 
 namespace hapgrid {
 
@@ -79,19 +79,13 @@ class Traversal {
   /// Where state() is: the HIP, but clamped to the box, and the former place after a step that was
   /// not usable or is lagging. In the model's unit of length.
   const Vec3& position() const { return position_; }
-  /// The current level in corner i + 2j + 4k of the cell. Along an axis with one point the cell is
-  /// flat: both its corners are the same grid point.
+  /// The current level in corner i + 2j + 4k of the cell (Corners).
   const std::array<Level, 8>& levels() const { return corners_.level; }
   const std::array<RecordIndex, 8>& records() const { return corners_.record; }
   /// The corner (0,0,0) of the cell.
   const GridCoordinates& cell() const { return cell_; }
 
  private:
-  struct Corners {
-    std::array<RecordIndex, 8> record{};
-    std::array<Level, 8> level{};
-  };
-
   double face(int axis, std::int64_t c) const {
     return box_.origin[axis] + box_.spacing * static_cast<double>(c);
   }
@@ -100,17 +94,15 @@ class Traversal {
   std::array<std::int64_t, 3> cells_away(const Vec3& x) const noexcept;
   void travel(const Vec3& x, StepResult& result) noexcept;
   bool switch_cell(const std::array<std::int64_t, 3>& move, StepResult& result) noexcept;
-  bool follow(RecordIndex from, int q, PointIndex target, Corners& corners,
-              int corner) const noexcept;
   void enter(const GridCoordinates& cell, PointIndex base, const Corners& corners) noexcept;
   void interpolate(const Vec3& x) noexcept;
 
   const Grid& grid_;
+  const Cells cells_;
   const Box box_;
   const int max_sub_steps_;
   Vec3 box_low_;
   Vec3 box_high_;
-  std::array<PointIndex, 8> corner_offset_;  // from the corner (0,0,0), as point indices
 
   bool started_ = false;
   Vec3 position_{0, 0, 0};

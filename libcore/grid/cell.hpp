@@ -1,0 +1,139 @@
+// A cell with a current level in each of its corners, and the rule by which a neighbouring cell
+// gets its own (Sect. 2.4). The traversal plays by these functions, and verify proves by the same
+// ones what it can meet: they are here so that there is one of each.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "libcore/grid/grid.hpp"
+
+namespace hapgrid {
+
+/// What a cell's corners i + 2j + 4k are at. Along an axis with one point the cell is flat: both
+/// its corners are the same grid point.
+struct Corners {
+  std::array<RecordIndex, 8> record{};
+  std::array<Level, 8> level{};
+};
+
+/// One of the 26 moves from a cell to a cell that shares a vertex with it: for each corner of the
+/// new cell the corner of the old cell that supplies it, and the direction of that conversion, or
+/// kKept where both are the same grid point.
+struct CellSwitch {
+  static constexpr std::uint8_t kKept = 255;
+  std::array<std::uint8_t, 8> from{};
+  std::array<std::uint8_t, 8> direction{};
+};
+
+namespace cell_detail {
+
+/// Sect. 2.4, i) to iii) in one rule: along the axes of the move the source is the common corner,
+/// along the others it has the new corner's own index. Across a face that leaves axis conversions,
+/// across an edge three in the plane across it from each end, across a vertex seven from the one.
+constexpr std::array<CellSwitch, kDirections> cell_switches() {
+  std::array<CellSwitch, kDirections> switches{};
+  for (int q = 0; q < kDirections; ++q) {
+    const auto move = Direction(q).step();
+    for (int corner = 0; corner < 8; ++corner) {
+      int from = 0;
+      std::array<int, 3> d{};
+      for (int a = 0; a < 3; ++a) {
+        const int own = corner >> a & 1;
+        const int common = move[a] > 0 ? 0 : move[a] < 0 ? 1 : own;  // in the new cell
+        from |= (common + move[a]) << a;
+        d[a] = own - common;
+      }
+      switches[q].from[corner] = static_cast<std::uint8_t>(from);
+      const bool kept = d == std::array<int, 3>{0, 0, 0};
+      switches[q].direction[corner] =
+          kept ? CellSwitch::kKept : static_cast<std::uint8_t>(Direction::of(d[0], d[1], d[2]).q());
+    }
+  }
+  return switches;
+}
+
+}  // namespace cell_detail
+
+/// By the direction q of the move.
+inline constexpr auto kCellSwitches = cell_detail::cell_switches();
+
+/// The cells of one grid, each named by its base: the point of its corner (0,0,0). The grid must
+/// outlive this and is not trusted: whatever its links are, nothing is read outside it.
+/// Everything but the constructor is real-time safe.
+class Cells {
+ public:
+  explicit Cells(const Grid& grid) : grid_(grid) {
+    const Box& box = grid.box();
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      GridCoordinates c{};
+      for (int a = 0; a < 3; ++a) c[a] = box.counts[a] > 1 ? corner >> a & 1 : 0;
+      corner_offset_[corner] = box.index(c);
+    }
+  }
+
+  /// How many cells there are along an axis; flat ones count.
+  std::uint32_t count(int axis) const {
+    return grid_.box().counts[axis] > 1 ? grid_.box().counts[axis] - 1 : 1;
+  }
+  /// The grid point of a corner.
+  PointIndex point(PointIndex base, int corner) const { return base + corner_offset_[corner]; }
+
+  /// How play starts in a cell: `nearest`, the corner nearest to the HIP, at level 0, the other
+  /// seven from its destination levels. False when a link or that level is missing. Source:
+  /// Sect. 2.4. Deviation: level 0 in all corners, as printed, can mix branches.
+  /// @param nearest along a flat axis the lower corner
+  bool start(PointIndex base, int nearest, Corners& corners) const noexcept {
+    const PointIndex nearest_point = point(base, nearest);
+    if (grid_.levels(nearest_point) == 0) return false;
+    corners.level.fill(0);
+    corners.record.fill(grid_.first(nearest_point));
+    for (int corner = 0; corner < 8; ++corner) {
+      std::array<int, 3> d{};
+      for (int a = 0; a < 3; ++a)
+        if (grid_.box().counts[a] > 1) d[a] = (corner >> a & 1) - (nearest >> a & 1);
+      if (d == std::array<int, 3>{0, 0, 0}) continue;
+      if (!follow(corners.record[nearest], Direction::of(d[0], d[1], d[2]).q(), base, corners,
+                  corner))
+        return false;
+    }
+    return true;
+  }
+
+  /// How play switches: the corners of the cell at `base`, which is the move q away from the cell
+  /// that has the corners `from`. False when a link is missing; `to` then holds nothing of use.
+  /// @param level_changed becomes true when a conversion leads to another level number
+  bool cross(int q, PointIndex base, const Corners& from, Corners& to,
+             bool& level_changed) const noexcept {
+    const CellSwitch& table = kCellSwitches[q];
+    for (int corner = 0; corner < 8; ++corner) {
+      const int source = table.from[corner];
+      if (table.direction[corner] == CellSwitch::kKept) {
+        to.record[corner] = from.record[source];
+        to.level[corner] = from.level[source];
+        continue;
+      }
+      if (!follow(from.record[source], table.direction[corner], base, to, corner)) return false;
+      level_changed |= to.level[corner] != from.level[source];
+    }
+    return true;
+  }
+
+ private:
+  /// The destination of a link whose target point is known to be in the box; Grid::destination()
+  /// would compute the target and its neighbourhood again.
+  bool follow(RecordIndex from, int q, PointIndex base, Corners& corners,
+              int corner) const noexcept {
+    const PointIndex target = point(base, corner);
+    const Level level = grid_.links(from)[q];
+    if (level >= grid_.levels(target)) return false;  // kUnsettled and kLeavesBox among them
+    corners.level[corner] = level;
+    corners.record[corner] = grid_.first(target) + level;
+    return true;
+  }
+
+  const Grid& grid_;
+  std::array<PointIndex, 8> corner_offset_;  // from the base, as point indices
+};
+
+}  // namespace hapgrid
