@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
+#include "libcore/check/configurations.hpp"
 #include "libcore/check/fidelity.hpp"
 #include "libcore/check/invariants.hpp"
+#include "libcore/check/paths.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
@@ -67,6 +69,11 @@ int run(const Options& options) {
       checks.push_back(check_stored(grid, sample, make_model, options.threads));
   }
   checks.push_back(check_blends(grid));
+  const CellMap map(grid, options.threads);
+  const Configurations found =
+      find_configurations(grid, map, options.threads, default_configuration_limit(map));
+  for (Check& check : check_paths(grid, map, found, options.threads))
+    checks.push_back(std::move(check));
 
   OutputFile output(options.output, /*binary=*/false);
   output.write(options.format == "json" ? report_json(grid, checks) : report_text(grid, checks));

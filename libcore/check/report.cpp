@@ -50,8 +50,12 @@ std::string checks_text(const std::vector<Check>& checks) {
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   for (const Check& c : checks) {
-    if (c.found.offenders == 0) continue;
+    if (c.found.offenders == 0 && c.figures.empty()) continue;
     text += "\n" + c.name + ": " + c.meaning + "\n";
+    for (const Figure& figure : c.figures)
+      text += "  " + figure.name + " " + rounded(figure.value) +
+              (figure.unit.empty() ? "" : " " + printable(figure.unit)) +
+              (figure.where.empty() ? "" : ": " + figure.where) + "\n";
     for (const std::string& offender : c.found.first) text += "  " + offender + "\n";
     if (c.found.offenders > c.found.first.size())
       text += "  and " + std::to_string(c.found.offenders - c.found.first.size()) + " more\n";
@@ -77,6 +81,10 @@ nlohmann::ordered_json checks_json(const std::vector<Check>& checks) {
     row["offenders"] = c.found.offenders;
     row["meaning"] = c.meaning;
     row["first"] = c.found.first;
+    row["figures"] = nlohmann::ordered_json::array();
+    for (const Figure& f : c.figures)
+      row["figures"].push_back(
+          {{"name", f.name}, {"value", f.value}, {"unit", f.unit}, {"where", f.where}});
     json.push_back(std::move(row));
   }
   return json;

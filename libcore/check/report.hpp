@@ -34,12 +34,21 @@ struct Findings {
   }
 };
 
+/// A number that a check found, worth knowing whatever the verdict.
+struct Figure {
+  std::string name;  ///< stable: scripts look for it
+  double value = 0;
+  std::string unit;
+  std::string where;  ///< or what it means, for people; may be empty
+};
+
 struct Check {
   std::string name;     ///< stable: scripts look for it
   std::string unit;     ///< what was counted: "records"
   std::string meaning;  ///< what an offender is, in one phrase
   Findings found;
   bool is_note = false;  ///< worth knowing, but no fault
+  std::vector<Figure> figures{};
   /// "ok", "broken" or "note"
   std::string verdict() const { return is_note ? "note" : found.offenders == 0 ? "ok" : "broken"; }
 };
@@ -50,16 +59,17 @@ bool is_fine(const std::vector<Check>& checks);
 /// One line: "fine: 8 checks" or "broken: links (3 of 104), distinct (1 of 2)".
 std::string verdict_line(const std::vector<Check>& checks);
 
-/// A table with a row a check, then the first offenders of each check that has any.
+/// A table with a row a check, then figures and first offenders of each check that has any.
 std::string checks_text(const std::vector<Check>& checks);
-/// [{"name", "verdict", "counted", "unit", "offenders", "meaning", "first"}]
+/// [{"name", "verdict", "counted", "unit", "offenders", "meaning", "first", "figures": [{"name",
+/// "value", "unit", "where"}]}]
 nlohmann::ordered_json checks_json(const std::vector<Check>& checks);
 
 /// What grid it is, and checks_text().
 std::string report_text(const Grid& grid, const std::vector<Check>& checks);
 
-/// {"model", "counts", "records", "generation", "fine", "checks": [{"name", "verdict", "counted",
-/// "unit", "offenders", "meaning", "first"}]}; keys are only ever added.
+/// {"model", "counts", "records", "generation", "fine", "checks": checks_json()}; keys are only
+/// ever added.
 std::string report_json(const Grid& grid, const std::vector<Check>& checks);
 
 }  // namespace hapgrid

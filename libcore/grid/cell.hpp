@@ -76,13 +76,19 @@ class Cells {
   std::uint32_t count(int axis) const {
     return grid_.box().counts[axis] > 1 ? grid_.box().counts[axis] - 1 : 1;
   }
+  /// Whether a corner has a grid point of its own: along a flat axis the lower ones have.
+  bool is_corner(int corner) const {
+    for (int a = 0; a < 3; ++a)
+      if (grid_.box().counts[a] == 1 && (corner >> a & 1)) return false;
+    return true;
+  }
   /// The grid point of a corner.
   PointIndex point(PointIndex base, int corner) const { return base + corner_offset_[corner]; }
 
   /// How play starts in a cell: `nearest`, the corner nearest to the HIP, at level 0, the other
   /// seven from its destination levels. False when a link or that level is missing. Source:
   /// Sect. 2.4. Deviation: level 0 in all corners, as printed, can mix branches.
-  /// @param nearest along a flat axis the lower corner
+  /// @param nearest one with is_corner()
   bool start(PointIndex base, int nearest, Corners& corners) const noexcept {
     const PointIndex nearest_point = point(base, nearest);
     if (grid_.levels(nearest_point) == 0) return false;

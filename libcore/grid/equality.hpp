@@ -47,4 +47,18 @@ inline bool are_equal(const Equality& equality, double tolerance, std::uint32_t 
   return std::sqrt(sum / n) <= tolerance;
 }
 
+/// How far apart two states are in the norm that `equality` names, which its tolerance bounds; for
+/// Norm::kPlugin in the largest difference of a component. Not a number where a state is not.
+inline double distance(const Equality& equality, std::uint32_t n, const double* a,
+                       const double* b) {
+  const double* w = equality.weights.empty() ? nullptr : equality.weights.data();
+  double largest = 0, sum = 0;
+  for (std::uint32_t c = 0; c < n; ++c) {
+    const double difference = std::abs(a[c] - b[c]) * (w ? w[c] : 1);
+    if (difference > largest || std::isnan(difference)) largest = difference;
+    sum += difference * difference;
+  }
+  return equality.norm == Equality::Norm::kRms ? std::sqrt(sum / n) : largest;
+}
+
 }  // namespace hapgrid

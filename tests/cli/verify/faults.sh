@@ -46,11 +46,12 @@ broken() {
 }
 
 forge '' bad
-expect 0 "$(verify grid 2>/dev/null)" 'verify: fine: 8 checks' -- verify bad
+expect 0 "$(verify grid 2>/dev/null)" 'verify: fine: 10 checks' -- verify bad
 
 forge 's/"links":\[(255,){13}0/"links":[255,255,255,255,255,255,255,255,255,255,255,255,255,3/' bad
-broken 'links (1 of 78)' \
-  '  point 0 (0, 0, 0) level 0 direction 13 (1, 0, 0): destination level 3, but point 1 (1, 0, 0) has 1 levels'
+broken 'links (1 of 78), paths (1 of 2)' \
+  '  point 0 (0, 0, 0) level 0 direction 13 (1, 0, 0): destination level 3, but point 1 (1, 0, 0) has 1 levels
+  start in cell (0, 0, 0) needs point 0 (0, 0, 0) level 0 direction 13 (1, 0, 0)'
 
 forge 's/"generation":\[0,1,0\]/"generation":[0,1,1]/' bad
 broken 'generations (1 of 3)' '  point 2 (2, 0, 0) level 0: generation 1, distance 2'

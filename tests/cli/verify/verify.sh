@@ -4,7 +4,8 @@ source "$(dirname "$0")/../lib.sh"
 seed "$ball" --set 'grid.counts=[4,3,2]' --set 'grid.origin=[-0.9,0.0,0.0]' -o seeds
 expand --complete seeds -o grid
 
-# In-box directions: (3 * 4 - 2) (3 * 3 - 2) (3 * 2 - 2) - 24 = 256; cells: 3 * 2 * 1.
+# In-box directions: (3 * 4 - 2) (3 * 3 - 2) (3 * 2 - 2) - 24 = 256; cells: 3 * 2 * 1, and moves
+# between them (3 * 3 - 2) (3 * 2 - 2) - 6.
 fine='hung-ball: 4 x 3 x 2 points, 24 records, generation 2
 
 check        counted                  offenders  verdict
@@ -16,18 +17,22 @@ distinct           0 pairs of levels          0  ok
 reachable         24 records                  0  ok
 generations       24 records                  0  ok
 fidelity         256 conversions              0  ok
-blends             6 cells                    0  note'
-expect 0 "$fine" 'verify: fine: 8 checks' -- verify grid
-expect 0 "$fine" 'verify: fine: 8 checks' -- verify <grid
-expect 0 "$fine" 'verify: fine: 8 checks' -- verify grid --recompute all -j 3
-expect 0 '' 'verify: fine: 8 checks' -- verify grid -o report
+blends             6 cells                    0  note
+paths              6 configurations           0  ok
+continuous        22 switches                 0  ok
+mixed              6 configurations           0  note
+one-way            6 configurations           0  note'
+expect 0 "$fine" 'verify: fine: 10 checks' -- verify grid
+expect 0 "$fine" 'verify: fine: 10 checks' -- verify <grid
+expect 0 "$fine" 'verify: fine: 10 checks' -- verify grid --recompute all -j 3
+expect 0 '' 'verify: fine: 10 checks' -- verify grid -o report
 same "the report in a file" "$fine" "$(cat report)"
-expect 0 "$(grep -v ^fidelity report)" 'verify: fine: 7 checks' -- verify grid --recompute none
+expect 0 "$(grep -v ^fidelity report)" 'verify: fine: 9 checks' -- verify grid --recompute none
 
 # The whole ball, all of it evaluated again; a sample is the same each time, with any -j.
 seed "$ball" | expand --complete -o ball.grid
 verify ball.grid --recompute all -j 2 >all 2>err
-same "verdict" 'verify: fine: 8 checks' "$(cat err)"
+same "verdict" 'verify: fine: 10 checks' "$(cat err)"
 same "conversions" "$(stats ball.grid --get conversions)" "$(awk '$1 == "fidelity" { print $2 }' all)"
 verify ball.grid --recompute 37 --sample-seed 5 --format json >one 2>err
 verify ball.grid --recompute 37 --sample-seed 5 --format json -j 2 2>err | cmp - one
@@ -45,6 +50,10 @@ reachable          8 records                  0  ok
 generations        8 records                  0  ok
 fidelity           0 conversions              0  ok
 blends             6 cells                    0  note
+paths              0 configurations           0  ok
+continuous         0 switches                 0  ok
+mixed              0 configurations           0  note
+one-way            0 configurations           0  note
 
 complete: records that no expand has looked at (the frontier)
   point 0 (0, 0, 0) level 0

@@ -1,0 +1,43 @@
+// Work on a whole grid in threads that leave no trace in the result.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <future>
+#include <utility>
+#include <vector>
+
+namespace hapgrid {
+
+/// Calls work(i) once for each i in [0, count), in `threads` threads, in no particular order.
+/// @throw whatever `work` throws, when all threads have ended.
+template <class Work>
+void for_each_in_threads(std::size_t count, int threads, const Work& work) {
+  std::atomic<std::size_t> next{0};
+  const auto run = [&] {
+    for (std::size_t i; (i = next++) < count;) work(i);
+  };
+  std::vector<std::future<void>> others;
+  const auto useful =
+      static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(threads), count));
+  for (int t = 1; t < useful; ++t) others.push_back(std::async(std::launch::async, run));
+  run();
+  for (std::future<void>& other : others) other.get();
+}
+
+/// Cuts [0, count) into blocks, calls work(begin, end) for each, in threads, and joins the results
+/// by `sum.add(result)` in ascending order, whatever the number of threads.
+template <class Result, class Work>
+Result sum_of_blocks(std::uint64_t count, std::uint64_t block, int threads, const Work& work) {
+  std::vector<Result> results((count + block - 1) / block);
+  for_each_in_threads(results.size(), threads, [&](std::size_t b) {
+    results[b] = work(b * block, std::min(count, (b + 1) * block));
+  });
+  Result sum;
+  for (Result& result : results) sum.add(std::move(result));
+  return sum;
+}
+
+}  // namespace hapgrid
