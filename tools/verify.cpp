@@ -4,15 +4,19 @@
 #include <charconv>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "libcore/base/file.hpp"
 #include "libcore/check/configurations.hpp"
 #include "libcore/check/fidelity.hpp"
+#include "libcore/check/forces.hpp"
 #include "libcore/check/invariants.hpp"
+#include "libcore/check/passive.hpp"
 #include "libcore/check/paths.hpp"
 #include "libcore/check/report.hpp"
+#include "libcore/check/steep.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
 #include "libcore/shard/load.hpp"
@@ -30,6 +34,7 @@ struct Options {
   std::uint64_t sample_seed = 1;
   int threads = 1;
   std::string format = "text";
+  Rendering rendering;
   ModelOptions model;
   std::string output = "-";
 };
@@ -52,7 +57,10 @@ int run(const Options& options) {
       count > 0 ? model_source(grid.spec(), options.model, " (or leave C out: --recompute none)")
                 : nullptr;
   const auto make_model = [&] { return model_functions(create_model(*source, grid.spec())); };
-  const SameState same = model_functions(judging_model(grid.spec(), options.model.path)).same;
+  const auto judge = [&] { return judging_model(grid.spec(), options.model.path); };
+  Model model = judge();
+  const bool wants_forces = has_force(grid.spec(), model);
+  const SameState same = model_functions(std::move(model)).same;
 
   std::vector<Check> checks{check_complete(grid), check_coverage(grid), check_links(grid),
                             check_finite(grid), check_distinct(grid, same)};
@@ -74,6 +82,11 @@ int run(const Options& options) {
       find_configurations(grid, map, options.threads, default_configuration_limit(map));
   for (Check& check : check_paths(grid, map, found, options.threads))
     checks.push_back(std::move(check));
+  std::optional<Forces> forces;
+  if (wants_forces) forces.emplace(grid, judge, options.threads);
+  checks.push_back(check_steep(grid, map, found, forces ? &*forces : nullptr, options.rendering,
+                               options.threads));
+  if (forces) checks.push_back(check_passive(grid, map, found, *forces, options.threads));
 
   OutputFile output(options.output, /*binary=*/false);
   output.write(options.format == "json" ? report_json(grid, checks) : report_text(grid, checks));
@@ -103,28 +116,53 @@ int main(int argc, char** argv) {
                  "Draws another sample; the same number draws the same records everywhere")
       ->type_name("S")
       ->capture_default_str();
-  app.add_option("-j,--threads", options.threads,
-                 "Threads that evaluate C; the report does not depend on it")
+  app.add_option("-j,--threads", options.threads, "Threads; the report does not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
+  app.add_option("--damping", options.rendering.damping,
+                 "Of the device on which `steep` judges stability, in N s/m")
+      ->type_name("B")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--rate", options.rendering.rate_hz, "Its ticks a second")
+      ->type_name("HZ")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option(
+         "--scale", options.rendering.scale,
+         "Metres of the hand in the model's unit of length (default: the smallest stable one "
+         "is reported)")
+      ->type_name("M")
+      ->check(CLI::PositiveNumber);
   app.add_option("--format", options.format, "How the report is written")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
   add_model_options(app, options.model);
   add_output(app, options.output);
-  describe(app, "verify",
-           "Checks:\n"
-           "  complete     no record is left in the frontier\n"
-           "  coverage     each point of the box has a level\n"
-           "  links        directions lead to levels that exist, or are marked as leaving the box\n"
-           "  finite       states, and what is stored with them, are finite numbers\n"
-           "  distinct     levels of a point differ by more than the tolerance function forgives\n"
-           "  reachable    links lead to each record from the seeds (generation 0)\n"
-           "  generations  a record's generation is its distance from the seeds, in links\n"
-           "  fidelity     C(s, x, d), evaluated again, is the state where the link leads\n"
-           "  stored       force, energy and shape, evaluated again, are what is stored\n"
-           "  blends       (no fault) cells where play may mix branches, near tear-offs\n",
-           "  3  read everything, and an invariant is broken\n");
+  describe(
+      app, "verify",
+      "Checks:\n"
+      "  complete     no record is left in the frontier\n"
+      "  coverage     each point of the box has a level\n"
+      "  links        directions lead to levels that exist, or are marked as leaving the box\n"
+      "  finite       states, and what is stored with them, are finite numbers\n"
+      "  distinct     levels of a point differ by more than the tolerance function forgives\n"
+      "  reachable    links lead to each record from the seeds (generation 0)\n"
+      "  generations  a record's generation is its distance from the seeds, in links\n"
+      "  fidelity     C(s, x, d), evaluated again, is the state where the link leads\n"
+      "  stored       force, energy and shape, evaluated again, are what is stored\n"
+      "  blends       (no fault) cells where play may mix branches, near tear-offs\n"
+      "What play can do, proved over every configuration (a cell with the levels of its corners)\n"
+      "that any motion of the hand leads to, not over samples:\n"
+      "  paths        no start and no cell switch needs a link that is missing\n"
+      "  continuous   switches keep the common vertices, so the state never jumps\n"
+      "  passive      no closed walk of the hand along links gains more energy than the\n"
+      "               spacing explains; the largest loss, the largest turn inside a cell\n"
+      "  mixed        (no fault) configurations of several branches, and how far these are apart\n"
+      "  one-way      (no fault) configurations that a switch leaves with no way straight back\n"
+      "  steep        (no fault) the largest slopes of state and force, and whether the device\n"
+      "               renders them stably: K < 2 B HZ\n",
+      "  3  read everything, and an invariant is broken\n");
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

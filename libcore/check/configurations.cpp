@@ -180,6 +180,25 @@ Configuration configuration_of(PointIndex base, const Corners& corners) {
   return configuration;
 }
 
+std::vector<CornerPair> corner_pairs(const Cells& cells) {
+  std::vector<CornerPair> pairs;
+  for (int a = 0; a < 8; ++a)
+    for (int b = 0; b < 8; ++b)
+      if (a != b && cells.is_corner(a) && cells.is_corner(b))
+        pairs.push_back(
+            {a, b,
+             Direction::of((b & 1) - (a & 1), (b >> 1 & 1) - (a >> 1 & 1), (b >> 2) - (a >> 2))
+                 .q()});
+  return pairs;
+}
+
+bool is_mixed(const Grid& grid, const std::vector<CornerPair>& pairs, const Corners& corners) {
+  return std::any_of(pairs.begin(), pairs.end(), [&](const CornerPair& pair) {
+    const RecordIndex linked = grid.destination(corners.record[pair.a], pair.q);
+    return linked != Grid::kNoRecord && linked != corners.record[pair.b];
+  });
+}
+
 CellMap::CellMap(const Grid& grid, int threads)
     : box_(grid.box()), around_(box_of_cells(grid.box())), kind_(grid.box().points(), kNone) {
   const Cells cells(grid);

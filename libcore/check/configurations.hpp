@@ -32,6 +32,19 @@ struct Configuration {
 Corners corners_of(const Grid& grid, const Cells& cells, const Configuration& configuration);
 Configuration configuration_of(PointIndex base, const Corners& corners);
 
+/// Two corners of a cell that are different grid points, and the direction from one to the other.
+struct CornerPair {
+  int a, b;
+  int q;
+};
+/// All pairs, in both orders.
+std::vector<CornerPair> corner_pairs(const Cells& cells);
+
+/// Whether a corner has a link to another level of another corner's point than is there (design.md,
+/// section 7.6).
+/// @param pairs corner_pairs() of the grid's cells
+bool is_mixed(const Grid& grid, const std::vector<CornerPair>& pairs, const Corners& corners);
+
 /// What cells there are, and which can have more than one configuration.
 class CellMap {
  public:

@@ -49,11 +49,8 @@ struct Seen {
 
 class Judge {
  public:
-  Judge(const Grid& grid, const CellMap& map) : grid_(grid), cells_(grid), map_(map) {
-    for (int a = 0; a < 8; ++a)
-      for (int b = 0; b < 8; ++b)
-        if (a != b && cells_.is_corner(a) && cells_.is_corner(b)) pairs_.push_back({a, b});
-  }
+  Judge(const Grid& grid, const CellMap& map)
+      : grid_(grid), cells_(grid), map_(map), pairs_(corner_pairs(cells_)) {}
 
   /// The starts in a cell, or the moves of a simple one.
   void look_at(PointIndex base, Seen& seen) const {
@@ -69,8 +66,7 @@ class Judge {
       const PointIndex point = cells_.point(base, nearest);
       if (grid_.levels(point) == 0) continue;
       const RecordIndex from = grid_.first(point);
-      for (const auto& [a, b] : pairs_) {
-        const int q = direction(a, b);
+      for (const auto& [a, b, q] : pairs_) {
         if (a != nearest || !is_missing(from, q)) continue;
         seen.paths.offend([&] {
           return "start in " + describe_cell(base) + " needs " + describe_link(grid_, from, q);
@@ -118,14 +114,7 @@ class Judge {
   }
 
  private:
-  struct Pair {
-    int a, b;
-  };
-
   std::int64_t offset(int q) const { return grid_.neighbourhood().offset(q); }
-  static int direction(int a, int b) {
-    return Direction::of((b & 1) - (a & 1), (b >> 1 & 1) - (a >> 1 & 1), (b >> 2) - (a >> 2)).q();
-  }
   std::string describe_cell(PointIndex base) const {
     const GridCoordinates c = map_.coordinates(base);
     return "cell (" + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " +
@@ -154,8 +143,8 @@ class Judge {
   void look_for_mixture(const Configuration& configuration, const Corners& corners,
                         Seen& seen) const {
     bool is_mixed = false;
-    for (const auto& [a, b] : pairs_) {
-      const RecordIndex linked = grid_.destination(corners.record[a], direction(a, b));
+    for (const auto& [a, b, q] : pairs_) {
+      const RecordIndex linked = grid_.destination(corners.record[a], q);
       if (linked == Grid::kNoRecord || linked == corners.record[b]) continue;
       is_mixed = true;
       const double gap =
@@ -189,7 +178,7 @@ class Judge {
   const Grid& grid_;
   const Cells cells_;
   const CellMap& map_;
-  std::vector<Pair> pairs_;  // of corners that are different points
+  const std::vector<CornerPair> pairs_;
 };
 
 }  // namespace

@@ -21,21 +21,47 @@ blends             6 cells                    0  note
 paths              6 configurations           0  ok
 continuous        22 switches                 0  ok
 mixed              6 configurations           0  note
-one-way            6 configurations           0  note'
-expect 0 "$fine" 'verify: fine: 10 checks' -- verify grid
-expect 0 "$fine" 'verify: fine: 10 checks' -- verify <grid
-expect 0 "$fine" 'verify: fine: 10 checks' -- verify grid --recompute all -j 3
-expect 0 '' 'verify: fine: 10 checks' -- verify grid -o report
+one-way            6 configurations           0  note
+steep              6 configurations           0  note
+passive          256 links                    0  ok'
+figures='
+
+steep: configurations that are stiffer than the device renders stably
+  state 0 rad/rope lengths
+  force 0 N/rope lengths
+  force in one branch 0 N/rope lengths
+  smallest stable scale 0 m/rope lengths: K < 2 b f = 4000 N/m with b = 2 N s/m and f = 1000 Hz
+
+passive: closed walks that return energy to the hand
+  largest loss 0 N rope lengths
+  largest turn 0 N rope lengths'
+table=$fine fine=$fine$figures  # the ball is nowhere touched
+expect 0 "$fine" 'verify: fine: 11 checks' -- verify grid
+expect 0 "$fine" 'verify: fine: 11 checks' -- verify <grid
+expect 0 "$fine" 'verify: fine: 11 checks' -- verify grid --recompute all -j 3
+expect 0 '' 'verify: fine: 11 checks' -- verify grid -o report
 same "the report in a file" "$fine" "$(cat report)"
-expect 0 "$(grep -v ^fidelity report)" 'verify: fine: 9 checks' -- verify grid --recompute none
+expect 0 "$(grep -v ^fidelity report)" 'verify: fine: 10 checks' -- verify grid --recompute none
 
 # The whole ball, all of it evaluated again; a sample is the same each time, with any -j.
 seed "$ball" | expand --complete -o ball.grid
 verify ball.grid --recompute all -j 2 >all 2>err
-same "verdict" 'verify: fine: 10 checks' "$(cat err)"
+same "verdict" 'verify: fine: 11 checks' "$(cat err)"
 same "conversions" "$(stats ball.grid --get conversions)" "$(awk '$1 == "fidelity" { print $2 }' all)"
 verify ball.grid --recompute 37 --sample-seed 5 --format json >one 2>err
 verify ball.grid --recompute 37 --sample-seed 5 --format json -j 2 2>err | cmp - one
+
+# What the loop of the hung ball costs, and how large it must be on a device.
+grep -qE '^  largest loss 0\.[0-9]+ N rope lengths: one way by point' all || fail "$(cat all)"
+grep -qE '^  smallest stable scale 0\.0[0-9]+ m/rope lengths: K < 2 b f = 4000 N/m' all || fail "$(cat all)"
+verify ball.grid --recompute none --scale 0.01 --damping 1 --rate 500 2>err >small
+grep -qE '^  stiffness [0-9.]+ N/m: not stable: K < 2 b f = 1000 N/m with b = 1 N s/m and f = 500 Hz$' small ||
+  fail "$(cat small)"
+verify ball.grid --recompute none --scale 0.2 2>err | grep -q '^  stiffness [0-9.]* N/m: stable: '
+# All that play can be in is more than the cells, and the same with any -j.
+verify ball.grid --recompute none -j 1 --format json >one 2>err
+verify ball.grid --recompute none -j 3 --format json 2>err | cmp - one
+same "configurations" 42431 "$(sed -n '/"paths"/,/counted/s/.*counted": \([0-9]*\).*/\1/p' one)"
 
 # Incomplete: an answer, not a failure.
 expect 3 'hung-ball: 4 x 3 x 2 points, 8 records, generation 0
@@ -54,6 +80,8 @@ paths              0 configurations           0  ok
 continuous         0 switches                 0  ok
 mixed              0 configurations           0  note
 one-way            0 configurations           0  note
+steep              0 configurations           0  note
+passive            0 links                    0  ok
 
 complete: records that no expand has looked at (the frontier)
   point 0 (0, 0, 0) level 0
@@ -69,7 +97,7 @@ coverage: points without a level
   point 4 (0, 1, 0)
   point 5 (1, 1, 0)
   point 6 (2, 1, 0)
-  and 11 more' 'verify: broken: complete (8 of 8), coverage (16 of 24)' -- verify seeds
+  and 11 more'"$figures" 'verify: broken: complete (8 of 8), coverage (16 of 24)' -- verify seeds
 
 # A model that has changed since: fidelity finds it, and nothing else can. It fails on the way to
 # the last plane of x, 28 times from the plane before and 28 - 6 within; of the others with d3 > 0
@@ -77,7 +105,9 @@ coverage: points without a level
 mkdir changed
 "${CXX:-c++}" -std=c++20 -shared -fPIC -I"$HAPGRID_SOURCE" -o changed/hung-ball.so \
   "$HAPGRID_SOURCE/tests/cli/verify/changed_ball.cpp"
-changed=${fine/'256 conversions              0  ok'/'256 conversions            106  broken'}
+# It has no force either.
+table=${table%$'\n'passive*}
+changed=${table/'256 conversions              0  ok'/'256 conversions            106  broken'}
 expect 3 "$changed
 
 fidelity: links to a state that C, evaluated again, does not reach
@@ -86,7 +116,7 @@ fidelity: links to a state that C, evaluated again, does not reach
   point 0 (0, 0, 0) level 0 direction 24 (0, 1, 1): C gives 0.25, stored at level 0 is 0
   point 0 (0, 0, 0) level 0 direction 25 (1, 1, 1): C gives 0.25, stored at level 0 is 0
   point 1 (1, 0, 0) level 0 direction 20 (-1, 0, 1): C gives 0.25, stored at level 0 is 0
-  and 101 more" 'verify: broken: fidelity (106 of 256)' -- verify grid --model-path changed
+  and 101 more${figures%%$'\n'  force*}" 'verify: broken: fidelity (106 of 256)' -- verify grid --model-path changed
 verify grid --model-path changed --recompute all --format json >found 2>err || code=$?
 same "exit code" 3 "${code:-0}"
 grep -q '"fine": false' found || fail "JSON verdict"
@@ -107,6 +137,9 @@ refuses 'verify: model hung-ball: no plug-in hung-ball.so in: elsewhere, .*/move
   moved/bin/verify grid --model-path elsewhere
 refuses 'verify: .*No space left on device' -- verify grid -o /dev/full
 
+for option in --damping --rate --scale; do
+  expect 2 '' "~verify: $option: .*" -- verify grid $option 0
+done
 see='\(see verify --help\)'
 for count in some -1 1.5 ''; do
   expect 2 '' "~verify: --recompute: .*$see" -- verify grid --recompute "$count"
