@@ -1,6 +1,7 @@
 #include "libcore/check/passive.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <optional>
@@ -17,6 +18,9 @@ namespace hapgrid {
 namespace {
 
 constexpr std::uint64_t kBlock = 1 << 12;
+// How often a record's potential is lowered before the search is given up: on real grids once or
+// twice, and by Bellman and Ford's bound as often as there are records.
+constexpr std::uint64_t kMostLowered = 256;
 constexpr std::size_t kMostShown = 12;  // links of a closed walk
 // Forces come out of solvers; differences of this part of them are no gain.
 constexpr double kNoise = 1e-9;
@@ -41,10 +45,13 @@ class Relaxation {
         part_(grid.records()) {}
 
   /// A potential, exact along a tree of links: reversible ones first, so that a part of the grid
-  /// that they connect has one zero.
+  /// that they connect has one zero, and those with the smallest bounds first of all, so that a
+  /// place where the spacing does not resolve the force is at the tree's ends.
   void integrate() {
     std::vector<bool> is_set(grid_.records());
-    std::deque<Link> reversible, one_way;
+    std::array<std::deque<Link>, kQueues> reversible;
+    std::deque<Link> one_way;
+    std::size_t queue = 0;  // none before this one has links
     const auto set = [&](RecordIndex r, double value, std::uint32_t part) {
       is_set[r] = true;
       potential_[r] = value;
@@ -52,7 +59,13 @@ class Relaxation {
       for (int q = 0; q < kDirections; ++q) {
         const RecordIndex target = grid_.destination(r, q);
         if (target == Grid::kNoRecord || is_set[target]) continue;
-        (work_.is_reversible({r, q}) ? reversible : one_way).push_back({r, q});
+        if (!work_.is_reversible({r, q})) {
+          one_way.push_back({r, q});
+          continue;
+        }
+        const std::size_t into = queue_of(work_.bound({r, q}));
+        reversible[into].push_back({r, q});
+        queue = std::min(queue, into);
       }
     };
     std::uint32_t parts = 0;
@@ -67,8 +80,15 @@ class Relaxation {
     for (RecordIndex root = 0; root < grid_.records(); ++root) {
       if (is_set[root]) continue;
       set(root, 0, parts++);
-      while (!reversible.empty() || !one_way.empty())
-        reversible.empty() ? follow(one_way, false) : follow(reversible, true);
+      for (;;) {
+        while (queue < kQueues && reversible[queue].empty()) ++queue;
+        if (queue < kQueues)
+          follow(reversible[queue], true);
+        else if (!one_way.empty())
+          follow(one_way, false);
+        else
+          break;
+      }
     }
   }
 
@@ -98,6 +118,10 @@ class Relaxation {
         ++lowered;
       }
       if (lowered < next_look && !waiting_.empty()) continue;
+      if (lowered > kMostLowered * grid_.records()) {
+        gave_up_ = true;
+        return std::nullopt;
+      }
       // A cycle of parents is a negative one. Looking costs no more than what was done since.
       if (auto cycle = find_cycle(touched)) return cycle;
       next_look = lowered + std::max<std::uint64_t>(kBlock, touched.size());
@@ -105,10 +129,21 @@ class Relaxation {
     return std::nullopt;
   }
 
+  /// Whether the last relax() ended undecided.
+  bool gave_up() const { return gave_up_; }
+
   /// Leaves a link out from now on.
   void ban(const Link& link) { banned_.insert(slot(link)); }
 
  private:
+  static constexpr std::size_t kQueues = 66;
+  /// Bounds of up to a factor of two, the smallest first; where there is no force, in the first.
+  static std::size_t queue_of(double bound) {
+    if (bound == 0) return 0;
+    if (!std::isfinite(bound)) return kQueues - 1;
+    return static_cast<std::size_t>(std::clamp(std::ilogb(bound) + 40, 1, int{kQueues} - 1));
+  }
+
   static std::uint64_t slot(const Link& link) {
     return std::uint64_t{link.from} * kDirections + static_cast<std::uint64_t>(link.q);
   }
@@ -193,6 +228,7 @@ class Relaxation {
   std::vector<bool> is_waiting_;
   std::deque<RecordIndex> waiting_;
   std::set<std::uint64_t> banned_;
+  bool gave_up_ = false;
 };
 
 /// The largest work of one turn around a face, and where.
@@ -284,6 +320,7 @@ Energy find_energy(const Grid& grid, const Work& work, int threads, std::size_t 
       break;
     }
   }
+  energy.gave_up |= relaxation.gave_up();
   return energy;
 }
 
@@ -311,7 +348,10 @@ Check check_passive(const Grid& grid, const CellMap& map, const Configurations& 
     }
   for (const ClosedWalk& walk : energy.gaining)
     check.found.offend([&] { return describe(grid, walk, unit); });
-  if (energy.gave_up) check.meaning += " (more were not looked for)";
+  if (energy.gave_up && energy.gaining.empty())
+    check.found.offend([] { return "undecided: the search for them was given up"; });
+  else if (energy.gave_up)
+    check.meaning += " (more were not looked for)";
   check.figures.push_back({"largest loss", loss, unit,
                            loss > 0 ? "one way by " + describe_link(grid, lossy.from, lossy.q) +
                                           ", and back by reversible links"
