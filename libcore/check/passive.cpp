@@ -1,14 +1,11 @@
 #include "libcore/check/passive.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <deque>
-#include <optional>
-#include <set>
 #include <string>
 #include <utility>
 
+#include "libcore/check/energy.hpp"
 #include "libcore/check/parallel.hpp"
 #include "libcore/check/paths.hpp"
 #include "libcore/check/text.hpp"
@@ -18,248 +15,68 @@ namespace hapgrid {
 namespace {
 
 constexpr std::uint64_t kBlock = 1 << 12;
-// How often a record's potential is lowered before the search is given up: on real grids once or
-// twice, and by Bellman and Ford's bound as often as there are records.
-constexpr std::uint64_t kMostLowered = 256;
 constexpr std::size_t kMostShown = 12;  // links of a closed walk
-// Forces come out of solvers; differences of this part of them are no gain.
-constexpr double kNoise = 1e-9;
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/// Where a link leads on the same branch: there and back; kNoRecord elsewhere.
-RecordIndex along_branch(const Grid& grid, RecordIndex r, int q) {
-  const RecordIndex target = grid.destination(r, q);
-  if (target == Grid::kNoRecord) return target;
-  return grid.destination(target, Direction(q).opposite().q()) == r ? target : Grid::kNoRecord;
-}
-
-/// Bellman-Ford on the links, from a potential that fits nearly everywhere.
-class Relaxation {
- public:
-  Relaxation(const Grid& grid, const Work& work, int threads)
-      : grid_(grid),
-        work_(work),
-        threads_(threads),
-        potential_(grid.records()),
-        part_(grid.records()) {}
-
-  /// A potential, exact along a tree of links: reversible ones first, so that a part of the grid
-  /// that they connect has one zero, and those with the smallest bounds first of all, so that a
-  /// place where the spacing does not resolve the force is at the tree's ends.
-  void integrate() {
-    std::vector<bool> is_set(grid_.records());
-    std::array<std::deque<Link>, kQueues> reversible;
-    std::deque<Link> one_way;
-    std::size_t queue = 0;  // none before this one has links
-    const auto set = [&](RecordIndex r, double value, std::uint32_t part) {
-      is_set[r] = true;
-      potential_[r] = value;
-      part_[r] = part;
-      for (int q = 0; q < kDirections; ++q) {
-        const RecordIndex target = grid_.destination(r, q);
-        if (target == Grid::kNoRecord || is_set[target]) continue;
-        if (!work_.is_reversible({r, q})) {
-          one_way.push_back({r, q});
-          continue;
-        }
-        const std::size_t into = queue_of(work_.bound({r, q}));
-        reversible[into].push_back({r, q});
-        queue = std::min(queue, into);
-      }
-    };
-    std::uint32_t parts = 0;
-    const auto follow = [&](std::deque<Link>& links, bool stays_in_part) {
-      const Link link = links.front();
-      links.pop_front();
-      const RecordIndex target = grid_.destination(link.from, link.q);
-      if (is_set[target]) return;
-      set(target, potential_[link.from] - work_.gain(link),
-          stays_in_part ? part_[link.from] : parts++);
-    };
-    for (RecordIndex root = 0; root < grid_.records(); ++root) {
-      if (is_set[root]) continue;
-      set(root, 0, parts++);
-      for (;;) {
-        while (queue < kQueues && reversible[queue].empty()) ++queue;
-        if (queue < kQueues)
-          follow(reversible[queue], true);
-        else if (!one_way.empty())
-          follow(one_way, false);
-        else
-          break;
-      }
-    }
-  }
-
-  const std::vector<double>& potential() const { return potential_; }
-  const std::vector<std::uint32_t>& part() const { return part_; }
-
-  /// Lowers the potential until each link fits, or a cycle shows that none can.
-  std::optional<ClosedWalk> relax() {
-    parent_.assign(grid_.records(), {Grid::kNoRecord, 0});
-    is_waiting_.assign(grid_.records(), false);
-    waiting_.clear();
-    for (const RecordIndex r : unfit()) wait_for(r);
-    std::uint64_t lowered = 0, next_look = kBlock;
-    std::vector<RecordIndex> touched;
-    while (!waiting_.empty()) {
-      const RecordIndex r = waiting_.front();
-      waiting_.pop_front();
-      is_waiting_[r] = false;
-      for (int q = 0; q < kDirections; ++q) {
-        const std::optional<double> lower = fit({r, q});
-        if (!lower) continue;
-        const RecordIndex target = grid_.destination(r, q);
-        potential_[target] = *lower;
-        if (parent_[target].from == Grid::kNoRecord) touched.push_back(target);
-        parent_[target] = {r, q};
-        wait_for(target);
-        ++lowered;
-      }
-      if (lowered < next_look && !waiting_.empty()) continue;
-      if (lowered > kMostLowered * grid_.records()) {
-        gave_up_ = true;
-        return std::nullopt;
-      }
-      // A cycle of parents is a negative one. Looking costs no more than what was done since.
-      if (auto cycle = find_cycle(touched)) return cycle;
-      next_look = lowered + std::max<std::uint64_t>(kBlock, touched.size());
-    }
-    return std::nullopt;
-  }
-
-  /// Whether the last relax() ended undecided.
-  bool gave_up() const { return gave_up_; }
-
-  /// Leaves a link out from now on.
-  void ban(const Link& link) { banned_.insert(slot(link)); }
-
- private:
-  static constexpr std::size_t kQueues = 66;
-  /// Bounds of up to a factor of two, the smallest first; where there is no force, in the first.
-  static std::size_t queue_of(double bound) {
-    if (bound == 0) return 0;
-    if (!std::isfinite(bound)) return kQueues - 1;
-    return static_cast<std::size_t>(std::clamp(std::ilogb(bound) + 40, 1, int{kQueues} - 1));
-  }
-
-  static std::uint64_t slot(const Link& link) {
-    return std::uint64_t{link.from} * kDirections + static_cast<std::uint64_t>(link.q);
-  }
-
-  void wait_for(RecordIndex r) {
-    if (is_waiting_[r]) return;
-    is_waiting_[r] = true;
-    waiting_.push_back(r);
-  }
-
-  /// What the potential at the link's end must be lowered to; nothing where it fits.
-  std::optional<double> fit(const Link& link) const {
-    const RecordIndex target = grid_.destination(link.from, link.q);
-    if (target == Grid::kNoRecord) return std::nullopt;
-    // Most links fit without an allowance, which takes longer.
-    const double tight = potential_[link.from] - work_.gain(link);
-    if (!(potential_[target] > tight)) return std::nullopt;
-    const double lower = tight + work_.allowance(link);
-    // Not for less than what rounding makes of the sum.
-    const double least = 1e-12 * (std::abs(tight) + std::abs(potential_[target]));
-    if (!(potential_[target] > lower + least)) return std::nullopt;
-    if (!banned_.empty() && banned_.contains(slot(link))) return std::nullopt;
-    return lower;
-  }
-
-  /// The records from which a link does not fit, ascending.
-  std::vector<RecordIndex> unfit() const {
-    struct Records {
-      std::vector<RecordIndex> all;
-      void add(Records&& later) { all.insert(all.end(), later.all.begin(), later.all.end()); }
-    };
-    return sum_of_blocks<Records>(grid_.records(), kBlock, threads_,
-                                  [&](std::uint64_t begin, std::uint64_t end) {
-                                    Records records;
-                                    for (auto r = static_cast<RecordIndex>(begin); r < end; ++r)
-                                      for (int q = 0; q < kDirections; ++q)
-                                        if (fit({r, q})) {
-                                          records.all.push_back(r);
-                                          break;
-                                        }
-                                    return records;
-                                  })
-        .all;
-  }
-
-  std::optional<ClosedWalk> find_cycle(const std::vector<RecordIndex>& touched) const {
-    std::vector<std::uint32_t> walk_of(grid_.records(), 0);  // 0: not seen
-    std::uint32_t walk = 0;
-    for (const RecordIndex start : touched) {
-      ++walk;
-      RecordIndex r = start;
-      while (r != Grid::kNoRecord && walk_of[r] == 0) {
-        walk_of[r] = walk;
-        r = parent_[r].from;
-      }
-      if (r == Grid::kNoRecord || walk_of[r] != walk) continue;
-      ClosedWalk cycle;
-      RecordIndex at = r;
-      do {
-        cycle.links.push_back(parent_[at]);
-        cycle.gain += work_.gain(parent_[at]);
-        cycle.allowance += work_.allowance(parent_[at]);
-        at = parent_[at].from;
-      } while (at != r);
-      std::reverse(cycle.links.begin(), cycle.links.end());
-      // From where the grid has it first, whoever found it.
-      std::rotate(cycle.links.begin(),
-                  std::min_element(cycle.links.begin(), cycle.links.end(),
-                                   [](const Link& a, const Link& b) { return a.from < b.from; }),
-                  cycle.links.end());
-      return cycle;
-    }
-    return std::nullopt;
-  }
-
-  const Grid& grid_;
-  const Work& work_;
-  const int threads_;
-  std::vector<double> potential_;
-  std::vector<std::uint32_t> part_;
-  std::vector<Link> parent_;
-  std::vector<bool> is_waiting_;
-  std::deque<RecordIndex> waiting_;
-  std::set<std::uint64_t> banned_;
-  bool gave_up_ = false;
-};
-
-/// The largest work of one turn around a face, and where.
-struct Turn {
-  double gain = 0;
+/// A work, and the first configuration where it is largest.
+struct Largest {
+  double work = 0;
   Configuration where;
   void look_at(double other, const Configuration& configuration) {
-    if (!(other > gain)) return;
-    gain = other;
+    if (!(other > work)) return;
+    work = other;
     where = configuration;
   }
-  void add(const Turn& later) { look_at(later.gain, later.where); }
 };
 
-void turn_in(const Grid& grid, const Cells& cells, const Forces& forces,
-             const Configuration& configuration, Turn& turn) {
-  const Corners corners = corners_of(grid, cells, configuration);
-  for (int a = 0; a < 3; ++a) {
-    const int u = (a + 1) % 3, v = (a + 2) % 3;  // the axes of the face
-    for (int side = 0; side < 2; ++side) {
-      const auto at = [&](int i, int j) -> const Vec3& {
-        return forces[corners.record[side << a | i << u | j << v]];
-      };
-      const double around = at(0, 0)[u] + at(1, 0)[u] + at(1, 0)[v] + at(1, 1)[v] - at(1, 1)[u] -
-                            at(0, 1)[u] - at(0, 1)[v] - at(0, 0)[v];
+struct InsideCells {
+  Largest turn, mixture;
+  void add(const InsideCells& later) {
+    turn.look_at(later.turn.work, later.turn.where);
+    mixture.look_at(later.mixture.work, later.mixture.where);
+  }
+};
+
+class Survey {
+ public:
+  Survey(const Grid& grid, const Forces& forces, const Energy& energy)
+      : grid_(grid), cells_(grid), forces_(forces), energy_(energy), pairs_(corner_pairs(cells_)) {}
+
+  void look_at(const Configuration& configuration, InsideCells& seen) const {
+    const Corners corners = corners_of(grid_, cells_, configuration);
+    for (int a = 0; a < 3; ++a) {
+      const int u = (a + 1) % 3, v = (a + 2) % 3;  // the axes of the face
       // Along a flat axis the face is a line, and its two edges are one.
-      if (cells.is_corner(1 << u | 1 << v))
-        turn.look_at(std::abs(around) * grid.box().spacing / 2, configuration);
+      if (!cells_.is_corner(1 << u | 1 << v)) continue;
+      for (int side = 0; side < 2; ++side) {
+        const auto at = [&](int i, int j) -> const Vec3& {
+          return forces_[corners.record[side << a | i << u | j << v]];
+        };
+        const double around = at(0, 0)[u] + at(1, 0)[u] + at(1, 0)[v] + at(1, 1)[v] - at(1, 1)[u] -
+                              at(0, 1)[u] - at(0, 1)[v] - at(0, 0)[v];
+        seen.turn.look_at(std::abs(around) * grid_.box().spacing / 2, configuration);
+      }
     }
   }
-}
+
+  void look_at_mixture(const Configuration& configuration, InsideCells& seen) const {
+    const Corners corners = corners_of(grid_, cells_, configuration);
+    for (const CornerPair& pair : pairs_) {
+      const RecordIndex linked = grid_.destination(corners.record[pair.a], pair.q);
+      const RecordIndex there = corners.record[pair.b];
+      if (linked == Grid::kNoRecord || linked == there) continue;
+      if (energy_.part[linked] != energy_.part[there]) continue;
+      seen.mixture.look_at(std::abs(energy_.potential[linked] - energy_.potential[there]),
+                           configuration);
+    }
+  }
+
+ private:
+  const Grid& grid_;
+  const Cells cells_;
+  const Forces& forces_;
+  const Energy& energy_;
+  const std::vector<CornerPair> pairs_;
+};
 
 std::string describe(const Grid& grid, const ClosedWalk& walk, const std::string& unit) {
   std::string text = "gains " + rounded(walk.gain) + " " + unit + ", allowance " +
@@ -271,58 +88,6 @@ std::string describe(const Grid& grid, const ClosedWalk& walk, const std::string
 }
 
 }  // namespace
-
-double Work::gain(const Link& link) const {
-  const Vec3& d = grid_.neighbourhood().shift(link.q);
-  const RecordIndex target = grid_.destination(link.from, link.q);
-  return 0.5 * (dot(forces_[link.from], d) + dot(forces_[target], d));
-}
-
-bool Work::is_reversible(const Link& link) const {
-  return along_branch(grid_, link.from, link.q) != Grid::kNoRecord;
-}
-
-double Work::bound(const Link& link) const {
-  const Vec3& d = grid_.neighbourhood().shift(link.q);
-  const int back = Direction(link.q).opposite().q();
-  const RecordIndex target = grid_.destination(link.from, link.q);
-  const RecordIndex before = along_branch(grid_, link.from, back);
-  const RecordIndex after = along_branch(grid_, target, link.q);
-  const double from = dot(forces_[link.from], d), to = dot(forces_[target], d);
-  const double noise = kNoise * (std::abs(from) + std::abs(to));
-  const auto change = [&](RecordIndex r, double other) {
-    return r == Grid::kNoRecord ? 0 : std::abs(dot(forces_[r], d) - other);
-  };
-  if (!is_reversible(link))
-    return noise + 0.5 * (std::abs(to - from) + change(before, from) + change(after, to));
-  // F(before) - 2 F(from) + F(to), and the same about `to`.
-  const double here = change(before, 2 * from - to), there = change(after, 2 * to - from);
-  const bool has_before = before != Grid::kNoRecord, has_after = after != Grid::kNoRecord;
-  if (has_before && has_after) return noise + 0.5 * std::max(here, there);
-  if (has_before || has_after) return noise + std::max(here, there) + 0.5 * std::abs(to - from);
-  return noise + 0.5 * (std::abs(from) + std::abs(to));
-}
-
-Energy find_energy(const Grid& grid, const Work& work, int threads, std::size_t most) {
-  Energy energy;
-  Relaxation relaxation(grid, work, threads);
-  relaxation.integrate();
-  energy.potential = relaxation.potential();
-  energy.part = relaxation.part();
-  while (auto cycle = relaxation.relax()) {
-    const auto excess = [&](const Link& link) { return work.gain(link) - work.allowance(link); };
-    relaxation.ban(
-        *std::max_element(cycle->links.begin(), cycle->links.end(),
-                          [&](const Link& a, const Link& b) { return excess(a) < excess(b); }));
-    energy.gaining.push_back(std::move(*cycle));
-    if (energy.gaining.size() == most) {
-      energy.gave_up = true;
-      break;
-    }
-  }
-  energy.gave_up |= relaxation.gave_up();
-  return energy;
-}
 
 Check check_passive(const Grid& grid, const CellMap& map, const Configurations& found,
                     const Forces& forces, int threads) {
@@ -357,26 +122,31 @@ Check check_passive(const Grid& grid, const CellMap& map, const Configurations& 
                                           ", and back by reversible links"
                                     : ""});
 
-  const Cells cells(grid);
-  Turn turn = sum_of_blocks<Turn>(grid.box().points(), kBlock, threads,
-                                  [&](std::uint64_t begin, std::uint64_t end) {
-                                    Turn part;
-                                    for (std::uint64_t p = begin; p < end; ++p) {
-                                      const auto base = static_cast<PointIndex>(p);
-                                      if (map.exists(base) && map.is_simple(base))
-                                        turn_in(grid, cells, forces, {base, 0}, part);
-                                    }
-                                    return part;
-                                  });
-  turn.add(sum_of_blocks<Turn>(found.listed.size(), kBlock, threads,
-                               [&](std::uint64_t begin, std::uint64_t end) {
-                                 Turn part;
-                                 for (std::uint64_t i = begin; i < end; ++i)
-                                   turn_in(grid, cells, forces, found.listed[i], part);
-                                 return part;
-                               }));
-  check.figures.push_back({"largest turn", turn.gain, unit,
-                           turn.gain > 0 ? "around a face of " + describe(grid, turn.where) : ""});
+  const Survey survey(grid, forces, energy);
+  const auto simple = [&](std::uint64_t begin, std::uint64_t end) {
+    InsideCells part;
+    for (std::uint64_t p = begin; p < end; ++p) {
+      const auto base = static_cast<PointIndex>(p);
+      if (map.exists(base) && map.is_simple(base)) survey.look_at({base, 0}, part);
+    }
+    return part;
+  };
+  const auto listed = [&](std::uint64_t begin, std::uint64_t end) {
+    InsideCells part;
+    for (std::uint64_t i = begin; i < end; ++i) {
+      survey.look_at(found.listed[i], part);
+      survey.look_at_mixture(found.listed[i], part);
+    }
+    return part;
+  };
+  auto inside = sum_of_blocks<InsideCells>(grid.box().points(), kBlock, threads, simple);
+  inside.add(sum_of_blocks<InsideCells>(found.listed.size(), kBlock, threads, listed));
+  const auto add = [&](const std::string& name, const Largest& l, const std::string& where) {
+    check.figures.push_back(
+        {name, l.work, unit, l.work > 0 ? where + describe(grid, l.where) : ""});
+  };
+  add("largest turn", inside.turn, "around a face of ");
+  add("largest mixture", inside.mixture, "between branches in ");
   return check;
 }
 

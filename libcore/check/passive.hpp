@@ -1,38 +1,6 @@
-// That no closed walk of the hand returns energy.
-//
-// The grid is a directed graph: nodes are records, edges are links. Along a link r -> t of the
-// shift d the force gives the hand the work (F_r + F_t)/2 · d, by the trapezoid rule, which is
-// exact for a stored force, as play interpolates it along a cell's edge. Nobody knows the model's
-// force between the points, so each link has a bound of what the rule may be off by:
-//
-//   there and back on one branch  half of the larger second difference of F · d along the link, at
-//                                 either end. The error is a twelfth of it where F is smooth, at
-//                                 most a quarter with one kink anywhere in the link (contact
-//                                 begins). At the end of a branch or of the box, where one of the
-//                                 two is not known, all of the other and half of the change of
-//                                 F · d; where none is, half of both.
-//   one way                       the state jumps somewhere on the link: half of the jump of F · d,
-//                                 and half of what it changes by over the links before and after.
-//
-// A link can hold more than one kink or jump where the spacing barely resolves the field, so four
-// times the bound is allowed (the hung ball at h = r/2 needs 0.9 of it, alanine dipeptide at 30
-// points a side 3 to 4; a force of the wrong sign is found there with 8). A closed walk that gains
-// more than all its allowances together is a fault: the force's sign, links that are exchanged, or
-// a force that is no gradient of an energy, also because the model cuts it.
-//
-// With the cost allowance - gain there is no such walk exactly when the graph has no negative
-// cycle, that is, when there is a potential E with E_t <= E_r - gain + allowance for each link: the
-// proof is such a potential, and looking at each link once checks it. A first one is integrated
-// along reversible links; where that is not enough, Bellman-Ford's relaxation repairs it, or ends
-// in a cycle, which is shown.
-//
-// What it does not show: gains below the allowances, which shrink with the spacing; what happens
-// where play mixes branches (paths.hpp), where pairs of corners are no links and the force is a
-// blend. How much one turn around a face of a cell returns there, and anywhere, is a figure.
+// What play does with the hand's energy: closed walks along links (energy.hpp), and how much more
+// the blending of branches can return.
 #pragma once
-
-#include <cstdint>
-#include <vector>
 
 #include "libcore/check/configurations.hpp"
 #include "libcore/check/forces.hpp"
@@ -41,51 +9,22 @@
 
 namespace hapgrid {
 
-struct Link {
-  RecordIndex from;
-  int q;
-};
-
-/// What the force gives the hand along links, in newtons times the model's unit of length.
-class Work {
- public:
-  /// Both must outlive this.
-  Work(const Grid& grid, const Forces& forces) : grid_(grid), forces_(forces) {}
-
-  /// By the trapezoid rule. The link must lead somewhere, as below.
-  double gain(const Link& link) const;
-  /// What the gain is off by, where the spacing resolves the field.
-  double bound(const Link& link) const;
-  /// What a link may gain too much.
-  double allowance(const Link& link) const { return 4 * bound(link); }
-  bool is_reversible(const Link& link) const;
-
- private:
-  const Grid& grid_;
-  const Forces& forces_;
-};
-
-struct ClosedWalk {
-  std::vector<Link> links;  ///< each leads to the next, the last to the first
-  double gain = 0;
-  double allowance = 0;
-};
-
-/// What the links' work says of the whole grid.
-struct Energy {
-  /// By record, integrated along reversible links; a one-way link loses what it falls by more than
-  /// it gains. Comparable within a part of the grid that reversible links connect.
-  std::vector<double> potential;
-  std::vector<std::uint32_t> part;  ///< by record
-  std::vector<ClosedWalk> gaining;  ///< closed walks with gain > allowance
-  bool gave_up = false;             ///< there may be more of them
-};
-
-/// @param most closed walks that are looked for
-Energy find_energy(const Grid& grid, const Work& work, int threads, std::size_t most);
-
-/// `passive`: no closed walk along links gains energy. Counts links. Links that lead nowhere are
-/// left to `links`.
+/// `passive`: no closed walk along links gains more energy than the spacing explains. Counts links;
+/// those that lead nowhere are left to `links`. Figures, in newtons times the unit of length:
+///
+/// `largest loss`: what a one-way link and the reversible way back cost: the hysteresis.
+///
+/// `largest turn`: what one turn around a face of a cell returns in one of its directions, over all
+/// configurations of play. Exact for a stored force.
+///
+/// `largest mixture`: how far the energies of two branches are apart at a point where a mixed
+/// configuration (paths.hpp) has one and a corner's link leads to the other. Walks along links
+/// never cross between branches without a link; a hand can, inside a mixed cell, where the force is
+/// a blend. As cell switches carry a mixture along, a closed walk of the hand that crosses there
+/// and back where the branches are differently far apart can return up to this, beside what the
+/// crossing costs. It is a property of Algorithm 2 and no fault of the grid.
+///
+/// @param threads at least 1; the result does not depend on it.
 Check check_passive(const Grid& grid, const CellMap& map, const Configurations& found,
                     const Forces& forces, int threads);
 

@@ -34,7 +34,8 @@ steep: configurations that are stiffer than the device renders stably
 
 passive: closed walks that return energy to the hand
   largest loss 0 N rope lengths
-  largest turn 0 N rope lengths'
+  largest turn 0 N rope lengths
+  largest mixture 0 N rope lengths'
 table=$fine fine=$fine$figures  # the ball is nowhere touched
 expect 0 "$fine" 'verify: fine: 11 checks' -- verify grid
 expect 0 "$fine" 'verify: fine: 11 checks' -- verify <grid

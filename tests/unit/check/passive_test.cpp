@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libcore/check/energy.hpp"
 #include "tests/unit/check/ball_grid.hpp"
 #include "tests/unit/check/oracle.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
@@ -226,6 +227,61 @@ TEST_CASE("a ball that falls loses what it drops by") {
   CHECK(bound < drop);
   const CellMap map(grid, 1);
   CHECK(figure(check_passive(grid, map, {}, forces, 1), "largest loss") >= loss);
+}
+
+TEST_CASE("a mixture of branches that the hand carries along returns energy, as much as is said") {
+  // Beside the ball: at y = 0.175 it is touched, at 0.225 it is not. Between, play has a cell of
+  // both, and keeps each corner's branch on the way along x: to where the ball is high without
+  // touching it, in to the touched side, and back down with it.
+  const Grid grid = hung_ball::grid(kBallBox, kUncut);
+  const Forces forces = forces_of(grid);
+  const double touched = 0.1751, free = 0.2249, low = -0.05, high = 0.2;
+  Traversal t(grid);
+  double gain = 0;
+  Vec3 last;
+  const auto force_here = [&] {  // as play interpolates one that is stored
+    Vec3 xbar, force{0, 0, 0};
+    for (int a = 0; a < 3; ++a)
+      xbar[a] = (t.position()[a] - kBallBox.position(t.cell())[a]) / kBallBox.spacing;
+    const auto w = corner_weights(xbar);
+    for (int corner = 0; corner < 8; ++corner)
+      for (int a = 0; a < 3; ++a) force[a] += w[corner] * forces[t.records()[corner]][a];
+    return force;
+  };
+  const auto go = [&](double x, double y) {
+    const Vec3 from = t.position();
+    for (int k = 1; k <= 1000; ++k) {
+      const Vec3 to{from[0] + (x - from[0]) * k / 1000, from[1] + (y - from[1]) * k / 1000, 0};
+      const Vec3 before = t.position();
+      REQUIRE(t.step(to).usable());
+      const Vec3 force = force_here();
+      for (int a = 0; a < 3; ++a) gain += (last[a] + force[a]) / 2 * (to[a] - before[a]);
+      last = force;
+    }
+  };
+  t.start({-0.7, touched, 0});
+  last = force_here();
+  go(low, touched);
+  const auto start = t.records();
+  std::vector<double> loops;
+  for (int loop = 0; loop < 3; ++loop) {
+    gain = 0;
+    go(low, free);
+    go(high, free);
+    go(high, touched);
+    go(low, touched);
+    CHECK(t.records() == start);
+    loops.push_back(gain);
+  }
+  const CellMap map(grid, 2);
+  const auto found = find_configurations(grid, map, 2, 1 << 20);
+  const Check check = check_passive(grid, map, found, forces, 2);
+  CHECK(check.verdict() == "ok");  // no walk along links does that
+  for (const double loop : loops) {
+    CHECK(loop == Approx(loops[0]));
+    CHECK(loop > 0.01);
+    CHECK(loop < figure(check, "largest mixture"));
+  }
 }
 
 TEST_CASE(
