@@ -1,4 +1,5 @@
 #include "libcore/base/text.hpp"
+#include "libcore/check/text.hpp"
 
 #include <catch2/catch.hpp>
 #include <clocale>
@@ -7,7 +8,6 @@
 #include <limits>
 
 #include "libcore/check/dump.hpp"
-#include "libcore/check/text.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
 using namespace hapgrid;
