@@ -17,6 +17,7 @@ struct Message {
     records @1 :RecordChunk;
     requests @2 :RequestChunk;
     footer @3 :Footer;
+    coded @4 :CodedChunk;
   }
 }
 
@@ -25,7 +26,7 @@ struct Header {
   # 0x6861706772696431, "hapgrid1" in ASCII.
 
   version @1 :UInt32;
-  # Format version, 1. A reader refuses any other.
+  # Format version: 1, or 2 where `coding` says how the chunks are coded. A reader refuses any other.
 
   content @2 :Content;
 
@@ -66,6 +67,9 @@ struct Header {
   hipRadius @16 :Float64;
   # For people and pictures; empty or 0 where the model does not say. hipRadius: of the ball that
   # the HIP moves.
+
+  coding @17 :Coding;
+  # Of a grid in version 2: its chunks are CodedChunks. Never set in version 1.
 
   enum Content {
     grid @0;
@@ -124,6 +128,16 @@ struct Sphere {
   # Of an atom its element's symbol; at most 7 bytes.
 }
 
+struct Coding {
+  precision @0 :Float64;
+  # 0: the numbers are the plain grid's, bit by bit. Else they may be off by this share of the
+  # range that each column of the numbers has in the whole grid.
+
+  bounds @1 :List(Float64);
+  # Where precision is not 0: by how much each column of the numbers may be off, in its own unit;
+  # 0: not at all. One a column, in the order of CodedChunk.
+}
+
 struct Parameter {
   key @0 :Text;
   # Tables are flattened: "probe.radius".
@@ -170,6 +184,37 @@ struct RecordChunk {
   # Grids only, where the header says that they are stored; else empty. Force on the HIP in newtons
   # (3 components), energy (1), centres of the spheres (x y z by sphere), each component by
   # component like the states.
+}
+
+struct CodedChunk {
+  # A RecordChunk of a finished grid, made small: schemas/CODING.md says how to get the records
+  # back. "Planes" of 4-byte integers are the lowest byte of all rows, then the next byte, and so on.
+
+  rows @0 :UInt32;
+
+  point @1 :Data;
+  # Each row's point minus that of the row before it (0 before the first), as 4 planes.
+
+  level @2 :Data;
+  links @3 :Data;
+  # As in RecordChunk.
+
+  generation @4 :Data;
+  # Each row's generation minus that of the row before it, modulo 2^32 and zigzag, as 4 planes.
+
+  order @5 :Data;
+  shift @6 :Data;
+  planes @7 :Data;
+  # One byte each for each column of numbers: the state's components, force (3), energy (1), shape.
+  # order: how its values are predicted, i + 4 j + 16 k; shift: how many of the lowest bits are 0 in
+  # each value, 0 to 52, or 255: the values are multiples of the column's step; planes: bytes a row
+  # in `residuals`, 0 to 8.
+
+  residuals @8 :Data;
+  # Column by column, each as so many planes.
+
+  first @9 :Data;
+  # 8 bytes for each column, little-endian: the value of its first row; with shift 255 the multiple.
 }
 
 struct RequestChunk {

@@ -157,6 +157,8 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const ReportSums
   json["irreversible_share"] = ratio(static_cast<double>(s.irreversible_links), s.links);
   json["conversions"] = s.conversions;
   json["bytes"] = s.stored_bytes;
+  json["coded"] = s.coding.is_coded;
+  json["precision"] = s.coding.precision;
   json["bytes_per_record"] = ratio(static_cast<double>(s.stored_bytes), s.records);
   json["cpu_hours"] = reports ? Json(hours(*reports)) : Json();
   json["reports"] = Json();
@@ -218,6 +220,10 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Rep
                                                   static_cast<double>(s.records),
                                               2) +
                                         " a record"));
+  if (s.coding.is_coded)
+    row("coding", s.coding.is_lossy()
+                      ? "numbers may be off by " + rounded(s.coding.precision) + " of their range"
+                      : "nothing is lost");
   const std::size_t name_width = std::max<std::size_t>(model.size(), 5);
   text += "\n" + left("model", name_width) + "  avg. levels  data size  CPU hours\n";
   text +=

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libcore/grid/grid.hpp"
+#include "libcore/shard/format.hpp"
 
 namespace hapgrid {
 
@@ -26,6 +27,7 @@ struct Statistics {
   /// for each.
   std::uint64_t conversions = 0;
   std::uint64_t stored_bytes = 0;
+  Coding coding{};  ///< how the shards are stored
 };
 
 /// @param stored_bytes size of the shards as they are stored, compressed

@@ -12,6 +12,7 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
   require_content(sections, Content::kGrid);
   SectionHeader header = sections.front().header;
   header.generation = generation_of(sections);
+  header.coding = {};
   Levels levels(header.spec, converter.model());
   Wavefront wave(header.spec);
   std::vector<Levels::Stored> frontier;

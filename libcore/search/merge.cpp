@@ -24,6 +24,7 @@ MergeInput::MergeInput(const std::vector<Section>& sections) {
     throw FormatError(sections.front().file->name() + ": requests, but no grid to merge them into");
   require_content(grid_, Content::kGrid);
   generation_ = generation_of(grid_);
+  require_lossless(grid_);
   for (const Section& section : requests_)
     if (section.header.generation != generation())
       throw FormatError(section.file->name() + ": requests of generation " +
@@ -35,6 +36,7 @@ MergeInput::MergeInput(const std::vector<Section>& sections) {
 SectionHeader MergeInput::merged_header() const {
   SectionHeader header = grid_.front().header;
   header.generation = generation_ + (conversions_ > 0 ? 1 : 0);
+  header.coding = {};
   return header;
 }
 
@@ -54,9 +56,14 @@ class Merge {
         out_(out),
         frontier_(frontier),
         progress_(progress) {
+    const std::vector<Section>& grid = input.grid();
+    const bool plain = std::none_of(grid.begin(), grid.end(), [](const Section& section) {
+      return section.header.coding.is_coded;
+    });
     // Of the youngest generation: it takes the chunks of all.
-    for (const Section& section : input.grid())
-      if (section.header.generation == input.generation() && !opener_) opener_.emplace(section);
+    for (const Section& section : grid)
+      if (plain && !opener_ && section.header.generation == input.generation())
+        opener_.emplace(section);
   }
 
   void run() {
@@ -120,6 +127,7 @@ class Merge {
   /// Keeps the next chunk as it is stored, if it is without frontier: where no request comes for
   /// its points, it is copied, and neither decoded nor compressed again. Answers whether it did.
   bool hold(std::uint64_t settled) {
+    if (!opener_) return false;
     SectionReader* section = grid_rows_.whole_chunk_next();
     if (!section) return false;
     const ChunkInfo& next = *section->peek();
@@ -223,7 +231,7 @@ class Merge {
   SectionWriter& out_;
   SectionWriter* frontier_;
   Progress& progress_;
-  std::optional<SectionReader> opener_;                     // decodes chunks
+  std::optional<SectionReader> opener_;  // decodes chunks; only where the grid is plain
   std::map<std::uint64_t, std::vector<StoredChunk>> held_;  // by block
   std::vector<StoredChunk> spare_;
   StoredChunk passed_over_;

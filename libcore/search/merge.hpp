@@ -16,8 +16,8 @@ namespace hapgrid {
 /// What a merge starts from: sections sorted into the grid and the requests.
 class MergeInput {
  public:
-  /// @throw FormatError when there is no grid, a part of a frontier among them, or requests of
-  /// another generation than the grid's.
+  /// @throw FormatError when there is no grid, one whose numbers may be off, a part of a frontier
+  /// among them, or requests of another generation than the grid's.
   explicit MergeInput(const std::vector<Section>& sections);
 
   const std::vector<Section>& grid() const { return grid_; }
@@ -26,7 +26,8 @@ class MergeInput {
   std::uint32_t generation() const { return generation_; }
   /// Conversions that the grid's frontier asks for.
   std::uint64_t conversions() const { return conversions_; }
-  /// The header of the merged grid. A grid whose frontier is empty stays what it is.
+  /// The header of the merged grid, which is plain. A grid whose frontier is empty keeps its
+  /// records.
   SectionHeader merged_header() const;
 
  private:

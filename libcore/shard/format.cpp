@@ -35,6 +35,12 @@ std::uint32_t chunk_points(std::uint32_t row_size) {
   return static_cast<std::uint32_t>(std::bit_floor(std::max<std::uint64_t>(fit, 1)));
 }
 
+std::uint32_t coded_chunk_points(std::uint32_t row_size) {
+  // The rows at the beginning of a chunk have little to be predicted from, so longer chunks are
+  // smaller: on the reference field of tests/bench/codec.cpp by a tenth.
+  return 4 * chunk_points(row_size);
+}
+
 std::uint32_t chunk_rows(std::uint32_t row_size) {
   const std::uint64_t row = sizeof(PointIndex) + 2 + sizeof(double) * std::uint64_t{row_size};
   return static_cast<std::uint32_t>(std::max<std::uint64_t>(kChunkBytes / row, 1));

@@ -19,10 +19,25 @@ enum class Content { kGrid, kFrontier, kRequests };
 /// "grid", "frontier" or "requests".
 const char* to_string(Content content);
 
+/// How the chunks of a finished grid are made small (schemas/CODING.md).
+struct Coding {
+  bool is_coded = false;
+  /// 0: nothing is lost. Else the share of its range by which each number may be off, and by how
+  /// much that is: a bound for each number of a row, in its own unit; 0: not at all.
+  double precision = 0;
+  std::vector<double> bounds;
+
+  bool is_lossy() const { return precision > 0; }
+};
+
+/// The largest precision: more would not leave much of the states.
+inline constexpr double kMaxPrecision = 0.1;
+
 struct SectionHeader {
   Content content = Content::kGrid;
   std::uint32_t generation = 0;  ///< the youngest generation; of requests: their source records'
   GridSpec spec;
+  Coding coding{};  ///< of grids
 };
 
 /// What the footer says of one chunk.
@@ -64,6 +79,8 @@ struct Chunk {
 
 /// R records. A grid's have links (R x 26) and no todo, a frontier's have todo and no links.
 struct RecordRows : Chunk {
+  std::vector<PointIndex> coded_point;  ///< what the columns look into where the chunk was coded
+  std::vector<std::uint32_t> coded_generation;
   std::span<const PointIndex> point;
   std::span<const Level> level;
   std::span<const std::uint32_t> generation;
@@ -101,6 +118,10 @@ std::uint64_t record_bytes(std::uint32_t row_size);
 /// How many points one chunk of a grid covers: the power of two that keeps a chunk at one level a
 /// point at or below 1 MiB (at least 1).
 std::uint32_t chunk_points(std::uint32_t row_size);
+
+/// The same for a coded grid, where a chunk is near 4 MiB before it is coded; also the most rows
+/// that such a chunk has.
+std::uint32_t coded_chunk_points(std::uint32_t row_size);
 
 /// How many rows a chunk of requests, or of a frontier, has at most.
 std::uint32_t chunk_rows(std::uint32_t row_size);

@@ -12,9 +12,6 @@ namespace hapgrid {
 
 namespace {
 
-// Level 1: between two rounds everything is written and read once, so speed counts; links and
-// smooth states compress nearly as well as at level 3.
-constexpr int kCompressionLevel = 1;
 constexpr std::size_t kMinimumRead = 64 << 10;
 
 }  // namespace
@@ -24,9 +21,9 @@ struct FrameEncoder::Context {
   ~Context() { ZSTD_freeCCtx(zstd); }
 };
 
-FrameEncoder::FrameEncoder() : context_(std::make_unique<Context>()) {
+FrameEncoder::FrameEncoder(int level) : context_(std::make_unique<Context>()) {
   if (!context_->zstd) throw std::bad_alloc();
-  ZSTD_CCtx_setParameter(context_->zstd, ZSTD_c_compressionLevel, kCompressionLevel);
+  ZSTD_CCtx_setParameter(context_->zstd, ZSTD_c_compressionLevel, level);
   ZSTD_CCtx_setParameter(context_->zstd, ZSTD_c_checksumFlag, 1);
   ZSTD_CCtx_setParameter(context_->zstd, ZSTD_c_contentSizeFlag, 1);
 }

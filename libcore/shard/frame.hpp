@@ -15,7 +15,8 @@ namespace hapgrid {
 /// Compresses messages, reusing its context. The bytes depend on the content and on zstd alone.
 class FrameEncoder {
  public:
-  FrameEncoder();
+  /// `level`: zstd's, the default is for what is written and read once.
+  explicit FrameEncoder(int level = 1);
   ~FrameEncoder();
   FrameEncoder(FrameEncoder&&) noexcept;
 

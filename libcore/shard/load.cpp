@@ -37,6 +37,7 @@ LoadedGrid load_grid(const std::vector<std::string>& names) {
     stored_bytes += section.stored_bytes;
   }
   const SectionHeader& header = sections.front().header;
+  require_same_precision(sections);
   const std::uint32_t width = header.spec.row_size();
   RecordColumns columns;
   // A footer is not believed before its section was read: memory is taken at once only where the
@@ -60,7 +61,7 @@ LoadedGrid load_grid(const std::vector<std::string>& names) {
     append(columns.rows, run.rows->numbers, width);
     append(columns.links, run.rows->links, kDirections);
   }
-  return {Grid(header.spec, generation_of(sections), std::move(columns)), stored_bytes,
+  return {Grid(header.spec, generation_of(sections), std::move(columns)), header.coding, stored_bytes,
           digest_text(sections)};
 }
 

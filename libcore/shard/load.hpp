@@ -6,11 +6,13 @@
 #include <vector>
 
 #include "libcore/grid/grid.hpp"
+#include "libcore/shard/format.hpp"
 
 namespace hapgrid {
 
 struct LoadedGrid {
   Grid grid;
+  Coding coding;  ///< how it was stored: whether its numbers may be off, and by how much
   std::uint64_t stored_bytes = 0;  ///< size of the shards as they are stored
   std::string digest;              ///< of the content, in hex: which grid it is
 };

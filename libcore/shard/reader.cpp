@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/shard/coded_message.hpp"
+#include "libcore/shard/coding.hpp"
 #include "libcore/shard/digest.hpp"
 #include "libcore/shard/frame.hpp"
 #include "libcore/shard/schema.hpp"
@@ -16,8 +18,12 @@ namespace hapgrid {
 
 namespace {
 
-/// The largest message that a section can hold: a chunk near 1 MiB, or a single large row.
-std::uint64_t chunk_limit(std::uint32_t row_size) { return (4 << 20) + 4 * record_bytes(row_size); }
+/// The largest message that a section can hold: a chunk near 1 MiB, or a single large row; a coded
+/// one is near 4 MiB, or four large rows.
+std::uint64_t chunk_limit(const SectionHeader& header) {
+  const std::uint64_t factor = header.coding.is_coded ? 2 : 1;
+  return factor * ((4 << 20) + 4 * record_bytes(row_size(header)));
+}
 
 /// A column of `count` primitive values. A hostile list may have been encoded with another element
 /// size.
@@ -86,7 +92,8 @@ class SectionReader::State {
       : section_(&section),
         neighbourhood_(section.header.spec.box),
         points_(section.header.spec.box.points()),
-        frames_(*section.file, section.begin, section.end) {}
+        frames_(*section.file, section.begin, section.end),
+        coded_(section.header) {}
 
   const ChunkInfo* peek() const {
     const std::vector<ChunkInfo>& chunks = section_->footer.chunks;
@@ -135,7 +142,7 @@ class SectionReader::State {
 
  private:
   const GridSpec& spec() const { return section_->header.spec; }
-  std::uint64_t limit() const { return chunk_limit(row_size(section_->header)); }
+  std::uint64_t limit() const { return chunk_limit(section_->header); }
 
   template <class Rows>
   void decode_frame(std::span<const std::byte> frame, const ChunkInfo& info, Rows& rows) {
@@ -175,6 +182,16 @@ class SectionReader::State {
   }
 
   void read(schema::Message::Reader message, RecordRows& rows) {
+    if (section_->header.coding.is_coded) {
+      if (!message.isCoded()) throw FormatError("damaged: a coded chunk was expected");
+      coded_.decode(decode_coded(message.getCoded()), rows);
+    } else {
+      read_columns(message, rows);
+    }
+    check_rows(rows);
+  }
+
+  void read_columns(schema::Message::Reader message, RecordRows& rows) {
     if (!message.isRecords()) throw FormatError("damaged: a chunk of records was expected");
     const schema::RecordChunk::Reader chunk = message.getRecords();
     const std::size_t count = chunk.getPoint().size();
@@ -186,7 +203,11 @@ class SectionReader::State {
     read_rows(chunk, count, section_->header, rows);
     rows.links = column(chunk.getLinks(), grid ? count * kDirections : 0, "links");
     rows.todo = column<DirectionMask>(chunk.getTodo(), grid ? 0 : count, "todo");
-    for (std::size_t r = 0; r < count; ++r) {
+  }
+
+  void check_rows(const RecordRows& rows) {
+    const bool grid = section_->header.content == Content::kGrid;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
       const PointIndex p = rows.point[r];
       check_row(p, record_key(p, rows.level[r]), rows.level[r]);
       const bool in_frontier = rows.generation[r] == section_->header.generation;
@@ -245,6 +266,7 @@ class SectionReader::State {
   std::uint64_t points_;
   FrameReader frames_;
   FrameDecoder decoder_;
+  ChunkDecoder coded_;
   std::string where_;       // the chunk at hand, for messages
   std::size_t next_ = 0;    // chunk
   std::uint64_t rows_ = 0;  // of the chunks before it

@@ -114,12 +114,30 @@ Equality::Norm decode_norm(schema::Equality::Norm norm) {
   throw FormatError("a tolerance function of a kind that this version does not know");
 }
 
+Coding decode_coding(schema::Header::Reader in, const SectionHeader& header) {
+  Coding coding;
+  coding.is_coded = in.getVersion() == kCodedVersion;
+  if (coding.is_coded != in.hasCoding() || (coding.is_coded && header.content != Content::kGrid))
+    throw FormatError("a coding where there can be none, or none where it must be");
+  coding.precision = in.getCoding().getPrecision();
+  if (!(coding.precision >= 0 && coding.precision <= kMaxPrecision))
+    throw FormatError("an impossible precision");
+  const auto bounds = in.getCoding().getBounds();
+  if (bounds.size() != (coding.is_lossy() ? header.spec.row_size() : 0))
+    throw FormatError("bounds of " + std::to_string(bounds.size()) + " columns");
+  for (const double bound : bounds) {
+    if (!(std::isfinite(bound) && bound >= 0)) throw FormatError("an impossible bound of a column");
+    coding.bounds.push_back(bound);
+  }
+  return coding;
+}
+
 }  // namespace
 
 void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   const GridSpec& spec = header.spec;
   out.setMagic(kMagic);
-  out.setVersion(kFormatVersion);
+  out.setVersion(header.coding.is_coded ? kCodedVersion : kFormatVersion);
   out.setContent(encode_content(header.content));
   out.setGeneration(header.generation);
   auto box = out.initBox();
@@ -158,13 +176,18 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   out.setLengthUnit(spec.length_unit);
   out.setEnergyUnit(spec.energy_unit);
   out.setHipRadius(spec.hip_radius);
+  if (!header.coding.is_coded) return;
+  auto coding = out.initCoding();
+  coding.setPrecision(header.coding.precision);
+  coding.setBounds(kj::arrayPtr(header.coding.bounds.data(), header.coding.bounds.size()));
 }
 
 SectionHeader decode_header(schema::Header::Reader in) {
   if (in.getMagic() != kMagic) throw FormatError("not a hapgrid shard");
-  if (in.getVersion() != kFormatVersion)
+  if (in.getVersion() != kFormatVersion && in.getVersion() != kCodedVersion)
     throw FormatError("format version " + std::to_string(in.getVersion()) +
-                      ", this program reads version " + std::to_string(kFormatVersion));
+                      ", this program reads versions " + std::to_string(kFormatVersion) + " and " +
+                      std::to_string(kCodedVersion));
   SectionHeader header;
   header.content = decode_content(in.getContent());
   header.generation = in.getGeneration();
@@ -215,6 +238,7 @@ SectionHeader decode_header(schema::Header::Reader in) {
         s.label.size() > kMaxLabelSize)
       throw FormatError("a sphere whose radius, colour or label is impossible");
   }
+  header.coding = decode_coding(in, header);
   return header;
 }
 

@@ -18,6 +18,7 @@ namespace hapgrid {
 
 inline constexpr std::uint64_t kMagic = 0x6861706772696431;  // "hapgrid1"
 inline constexpr std::uint32_t kFormatVersion = 1;
+inline constexpr std::uint32_t kCodedVersion = 2;  // of coded grids
 
 /// Decodes one message and hands it to `use`; everything that Cap'n Proto throws becomes a
 /// FormatError.

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/shard/digest.hpp"
 #include "libcore/shard/frame.hpp"
 #include "libcore/shard/schema.hpp"
@@ -12,8 +13,9 @@ namespace hapgrid {
 
 namespace {
 
-// A header carries the model's parameters in full; a footer some 50 bytes a chunk.
-constexpr std::uint64_t kMaxHeaderBytes = 8 << 20;
+// A header carries the model's parameters in full and 8 bytes for each number of a row; a footer
+// some 50 bytes a chunk.
+constexpr std::uint64_t kMaxHeaderBytes = 64 << 20;
 constexpr std::uint64_t kMaxFooterBytes = 64 << 20;
 
 }  // namespace
@@ -109,6 +111,25 @@ void require_content(const std::vector<Section>& sections, Content content) {
                       std::to_string(section.header.generation) + ", but " +
                       reference->file->name() + " has generation " + std::to_string(youngest));
   }
+}
+
+void require_same_precision(const std::vector<Section>& sections) {
+  const Section& first = sections.front();
+  for (const Section& section : sections)
+    if (section.header.coding.bounds != first.header.coding.bounds ||
+        section.header.coding.precision != first.header.coding.precision)
+      throw FormatError(section.file->name() + ": precision " +
+                        to_text(section.header.coding.precision) + ", but " + first.file->name() +
+                        " has precision " + to_text(first.header.coding.precision) +
+                        ", or other bounds");
+}
+
+void require_lossless(const std::vector<Section>& sections) {
+  for (const Section& section : sections)
+    if (section.header.coding.is_lossy())
+      throw FormatError(section.file->name() + ": precision " +
+                        to_text(section.header.coding.precision) +
+                        ": its numbers are not the model's; take the grid that it was made from");
 }
 
 }  // namespace hapgrid

@@ -36,4 +36,9 @@ std::uint32_t generation_of(const std::vector<Section>& sections);
 /// the last rounds did not come near it.
 void require_content(const std::vector<Section>& sections, Content content);
 
+/// @throw FormatError where numbers may be off by other bounds in one section than in another.
+void require_same_precision(const std::vector<Section>& sections);
+/// @throw FormatError where the numbers of a section may be off: nothing can be computed from them.
+void require_lossless(const std::vector<Section>& sections);
+
 }  // namespace hapgrid

@@ -13,6 +13,8 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/shard/coded_message.hpp"
+#include "libcore/shard/coding.hpp"
 #include "libcore/shard/frame.hpp"
 #include "libcore/shard/schema.hpp"
 
@@ -22,6 +24,11 @@ static_assert(std::endian::native == std::endian::little,
               "columns are copied as they are in memory, and Cap'n Proto is little-endian");
 
 namespace {
+
+// Level 1: between two rounds everything is written and read once, so speed counts; links and
+// smooth states compress nearly as well as at level 3. A coded grid is written once and kept.
+constexpr int kLevel = 1;
+constexpr int kCodedLevel = 3;
 
 template <class List, class T>
 void copy_column(List list, const std::unique_ptr<T[]>& column) {
@@ -69,7 +76,7 @@ kj::ArrayPtr<const kj::byte> bytes_of(const std::unique_ptr<std::uint8_t[]>& col
 /// Messages to digest, frames and the file.
 class SectionWriter::Encoder {
  public:
-  Encoder(int fd, std::string name) : fd_(fd), name_(std::move(name)) {}
+  Encoder(int fd, std::string name, int level) : fd_(fd), name_(std::move(name)), frames_(level) {}
 
   /// Builds one message with `fill(schema::Message::Builder)`, which needs at most `words`, and
   /// writes it. Sets the digests of `info` where it is not null.
@@ -148,9 +155,11 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
     : header_(header),
       row_size_(row_size(header)),
       neighbourhood_(header.spec.box),
-      encoder_(std::make_unique<Encoder>(fd, name)),
-      row_limit_(header.content == Content::kGrid ? chunk_points(row_size_)
-                                                  : chunk_rows(row_size_)) {
+      encoder_(std::make_unique<Encoder>(fd, name, header.coding.is_coded ? kCodedLevel : kLevel)),
+      row_limit_(header.content != Content::kGrid ? chunk_rows(row_size_)
+                 : header.coding.is_coded         ? coded_chunk_points(row_size_)
+                                                  : chunk_points(row_size_)) {
+  if (header.coding.is_coded) coder_ = std::make_unique<ChunkEncoder>(header_);
   const std::size_t rows = row_limit_;
   columns_.point = std::make_unique_for_overwrite<PointIndex[]>(rows);
   columns_.level = std::make_unique_for_overwrite<Level[]>(rows);
@@ -224,13 +233,27 @@ void SectionWriter::copy(const StoredChunk& chunk) {
   encoder_->copy(chunk);
 }
 
+RecordRows SectionWriter::rows_so_far() const {
+  RecordRows rows;
+  rows.width = row_size_;
+  rows.numbers = {columns_.numbers.get(), rows_ * row_size_};
+  rows.point = {columns_.point.get(), rows_};
+  rows.level = {columns_.level.get(), rows_};
+  rows.generation = {columns_.generation.get(), rows_};
+  rows.links = {columns_.links.get(), rows_ * kDirections};
+  return rows;
+}
+
 void SectionWriter::flush() {
   if (rows_ == 0) return;
   const auto rows = static_cast<unsigned>(rows_);
   const std::size_t words =
-      row_limit_ * (record_bytes(row_size_) + sizeof(DirectionMask)) / sizeof(std::uint64_t) + 64;
+      (row_limit_ * (record_bytes(row_size_) + sizeof(DirectionMask)) + 11 * row_size_) /
+          sizeof(std::uint64_t) +
+      64;
   ChunkInfo info{rows, frontier_, columns_.point[0], columns_.point[rows - 1], {}, 0};
   encoder_->write(words, &info, [&](schema::Message::Builder message) {
+    if (coder_) return encode_coded(coder_->encode(rows_so_far()), message.initCoded());
     if (header_.content == Content::kRequests) {
       auto chunk = message.initRequests();
       copy_column(chunk.initTarget(rows), columns_.point);

@@ -10,6 +10,8 @@
 
 namespace hapgrid {
 
+class ChunkEncoder;
+
 /// Rows are given in order, one by one, and leave in chunks whose boundaries depend on the rows
 /// alone; so the same rows give the same bytes. finish() writes the footer: without it the section
 /// is truncated, and no tool takes it.
@@ -55,11 +57,13 @@ class SectionWriter {
   /// Adds one more row and answers its number in the chunk.
   std::size_t add_row(PointIndex point, Level level, const double* numbers);
   void flush();
+  RecordRows rows_so_far() const;
 
   SectionHeader header_;
   std::uint32_t row_size_;
   Neighbourhood neighbourhood_;
   std::unique_ptr<Encoder> encoder_;
+  std::unique_ptr<ChunkEncoder> coder_;  // of a coded grid
   SectionFooter footer_;
   Columns columns_;
   std::size_t rows_ = 0;
