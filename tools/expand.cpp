@@ -101,7 +101,9 @@ int run(const Options& options) {
   const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
   allow_open_files(inputs.size());
   const std::vector<Section> sections = open_sections(inputs);
+  require_lossless(sections);
   SectionHeader header = sections.front().header;
+  header.coding = {};
   const std::uint32_t first_generation = generation_of(sections);
   const auto source = model_source(header.spec, options.model);
   Progress progress;

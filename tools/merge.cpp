@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <optional>
 
+#include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/search/frontier.hpp"
+#include "libcore/shard/finish.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/tool.hpp"
@@ -22,6 +24,8 @@ struct Options {
   std::string frontier;
   std::uint64_t parts = 1;
   std::string range = "1/1";
+  bool final = false;
+  double precision = 0;
   bool progress = false;
   std::string report;
 };
@@ -42,13 +46,37 @@ void write_parts(const std::shared_ptr<const InputFile>& file, const Options& op
   }
 }
 
+/// The finished grid in its coded form.
+void write_final(const MergeInput& input, const Options& options) {
+  if (!input.requests().empty())
+    throw Error(input.requests().front().file->name() + ": requests; --final takes a grid alone");
+  if (input.conversions() > 0)
+    throw Error(input.grid().front().file->name() + ": " + std::to_string(input.conversions()) +
+                " conversions are still to be done; --final takes a grid that is complete");
+  SectionHeader header = input.merged_header();
+  header.coding = final_coding(input.grid(), options.precision);
+  OutputFile out(options.output);
+  SectionWriter writer(out.fd(), out.name(), header);
+  copy_records(input.grid(), writer);
+  out.commit();
+}
+
 int run(const Options& options) {
   const bool cut = !options.frontier.empty();
   if (cut) require_mark("--frontier", options.frontier);
   const auto [number, of] = parse_part("--range", options.range);
+  if (cut && options.final) throw CLI::ValidationError("--final and --frontier exclude each other");
+  if (options.precision > 0 && !options.final)
+    throw CLI::ValidationError("--precision needs --final");
   const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
   allow_open_files(inputs.size());
   const MergeInput input(open_sections(inputs));
+  if (options.final) {
+    write_final(input, options);
+    if (!options.report.empty())
+      append_report(options.report, {"merge", input.generation(), 0, 1, 1});
+    return kExitDone;
+  }
   const Model model = judging_model(input.spec(), options.model_path);
   const SectionHeader header = input.merged_header();
   SectionHeader frontier_header = header;
@@ -91,7 +119,8 @@ int main(int argc, char** argv) {
       "Merges the requests of one whole generation into a grid: finds or stores each state that\n"
       "was reached, and settles the destination levels (Algorithm 1, lines 10 to 20). Grid and\n"
       "requests come in any order and any number of shards; requests that are missing are an\n"
-      "error. A grid whose frontier is empty stays as it is."};
+      "error. A grid whose frontier is empty stays as it is; one that --final made becomes\n"
+      "the plain grid that it was made from, byte by byte."};
   hapgrid::describe(app, "merge");
   hapgrid::add_inputs(app, options.shards, "The grid and all requests of its frontier");
   hapgrid::add_output(app, options.output);
@@ -109,6 +138,17 @@ int main(int argc, char** argv) {
                  "among the inputs; the rest may be")
       ->type_name("K/R")
       ->capture_default_str();
+  app.add_flag("--final", options.final,
+               "Write a complete grid several times smaller, for keeping and for play; nothing is "
+               "lost, and every filter reads it");
+  app.add_option(
+         "--precision", options.precision,
+         "With --final: lose precision for a still smaller grid; each component of the "
+         "states, and of what is stored with them, may be off by E times the range (largest "
+         "minus smallest value) that it has in the grid. Destination levels stay exact. "
+         "verify and play take such a grid, expand and merge do not (1e-12 to 0.1)")
+      ->type_name("E")
+      ->check(hapgrid::number_within(1e-12, kMaxPrecision, "a share from 1e-12 to 0.1"));
   hapgrid::add_run_options(app, options.report, options.progress);
   hapgrid::add_model_path(app, options.model_path);
   return hapgrid::run_tool(app, argc, argv, [&] { return run(options); });

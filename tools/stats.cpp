@@ -225,7 +225,8 @@ int run(const Options& options) {
                   slice_script(spec, slice_levels(loaded.grid, plane.axis, plane.coordinate)));
     return kExitDone;
   }
-  const Statistics statistics = count_statistics(loaded.grid, loaded.stored_bytes);
+  Statistics statistics = count_statistics(loaded.grid, loaded.stored_bytes);
+  statistics.coding = loaded.coding;
   if (options.get.empty() && options.format == "text") {
     write_all(options.output, statistics_text(spec, statistics, reports));
     return kExitDone;
@@ -329,6 +330,7 @@ int main(int argc, char** argv) {
       "  conversions         evaluations of C that the grid needed: in-box directions of all\n"
       "                      records but the frontier's\n"
       "  bytes               size of the shards as stored (compressed)\n"
+      "  precision           the share of its range by which each number may be off; 0: none\n"
       "  cpu_hours           CPU seconds of --reports / 3600\n"
       "\n"
       "In the report of a session:\n"

@@ -15,6 +15,7 @@
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
 #include "libcore/check/paths.hpp"
+#include "libcore/check/precision.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/check/steep.hpp"
 #include "libcore/model/model.hpp"
@@ -31,6 +32,7 @@ namespace {
 struct Options {
   std::vector<std::string> shards;
   std::string recompute = "1000";
+  std::string against;
   std::uint64_t sample_seed = 1;
   int threads = 1;
   std::string format = "text";
@@ -49,18 +51,26 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
 }
 
 int run(const Options& options) {
-  const LoadedGrid loaded = load_grid(inputs_or_stdin(options.shards));
+  const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
+  if (!options.against.empty()) {
+    std::vector<std::string> both = inputs;
+    both.push_back(options.against);
+    inputs_or_stdin(both);  // refuses standard input twice
+  }
+  const LoadedGrid loaded = load_grid(inputs);
   const Grid& grid = loaded.grid;
   std::uint64_t count = 0;
   parse_recompute(options.recompute, count);
   const auto source =
       count > 0 ? model_source(grid.spec(), options.model, " (or leave C out: --recompute none)")
                 : nullptr;
-  const auto make_model = [&] { return model_functions(create_model(*source, grid.spec())); };
+  const auto make_model = [&] {
+    return forgiving(model_functions(create_model(*source, grid.spec())), loaded);
+  };
   const auto judge = [&] { return judging_model(grid.spec(), options.model.path); };
   Model model = judge();
   const bool wants_forces = has_force(grid.spec(), model);
-  const SameState same = model_functions(std::move(model)).same;
+  const SameState same = same_in_spite_of(model_functions(std::move(model)).same, loaded);
 
   std::vector<Check> checks{check_complete(grid), check_coverage(grid), check_links(grid),
                             check_finite(grid), check_distinct(grid, same)};
@@ -73,9 +83,16 @@ int run(const Options& options) {
              " records";
     });
     checks.push_back(check_fidelity(grid, sample, make_model, options.threads, done));
-    if (grid.spec().row_size() > grid.state_size())
+    if (grid.spec().row_size() > grid.state_size()) {
       checks.push_back(check_stored(grid, sample, make_model, options.threads));
+      // A force may be any number of times as sensitive as the state that it is evaluated from.
+      checks.back().is_note = loaded.coding.is_lossy();
+    }
   }
+  if (!options.against.empty())
+    checks.push_back(check_precision(loaded, load_grid({options.against})));
+  else if (loaded.coding.is_lossy())
+    checks.push_back(check_precision(loaded));
   checks.push_back(check_blends(grid));
   const CellMap map(grid, options.threads);
   const Configurations found =
@@ -112,6 +129,9 @@ int main(int argc, char** argv) {
         return parse_recompute(text, count) ? "" : "'" + text + "' is not all, none or a number";
       })
       ->capture_default_str();
+  app.add_option("--against", options.against,
+                 "The grid that this one was coded from (merge --final): compares all records")
+      ->type_name("ORIGINAL");
   app.add_option("--sample-seed", options.sample_seed,
                  "Draws another sample; the same number draws the same records everywhere")
       ->type_name("S")
@@ -152,6 +172,9 @@ int main(int argc, char** argv) {
       "  generations  a record's generation is its distance from the seeds, in links\n"
       "  fidelity     C(s, x, d), evaluated again, is the state where the link leads\n"
       "  stored       force, energy and shape, evaluated again, are what is stored\n"
+      "  precision    of a grid of merge --precision: its bounds fit its numbers; --against:\n"
+      "               all numbers are within them. distinct and fidelity then forgive what\n"
+      "               the bounds explain, and stored is no fault\n"
       "  blends       (no fault) cells where play may mix branches, near tear-offs\n"
       "What play can do, proved over every configuration (a cell with the levels of its corners)\n"
       "that any motion of the hand leads to, not over samples:\n"

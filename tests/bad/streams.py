@@ -100,6 +100,7 @@ def later_refused(*arguments):
 
 
 SEEDS, REQUESTS, FRONTIER, GRID, NEXT = map(read, ("seeds", "requests", "frontier", "grid", "next"))
+CODED, LOSSY = map(read, ("coded", "lossy"))
 TOY_SEEDS, TOY_REQUESTS = map(read, ("toy.seeds", "toy.requests"))
 
 # The commands that read each kind of shard.
@@ -109,6 +110,8 @@ READERS = {
     "frontier": (FRONTIER, ["expand BAD"]),
     "next": (NEXT, ["merge BAD next.requests", "stats --dump BAD"]),
     "grid": (GRID, ["merge BAD", "expand BAD", "verify BAD", "stats BAD"]),
+    "coded": (CODED, ["merge BAD", "merge --final BAD", "expand BAD", "verify BAD --against grid"]),
+    "lossy": (LOSSY, ["stats --dump BAD", "verify BAD"]),
     "toy.seeds": (TOY_SEEDS, ["expand BAD", "merge toy.requests BAD"]),
     "toy.requests": (TOY_REQUESTS, ["merge toy.seeds BAD"]),
 }
@@ -173,6 +176,8 @@ for kind, command in (
     ("requests", "merge seeds BAD"),
     ("next", "merge next.requests BAD"),
     ("grid", "stats --dump BAD"),
+    ("coded", "merge BAD"),
+    ("lossy", "stats --dump BAD"),
     ("toy.requests", "merge BAD toy.seeds"),
     ("frontier", "expand BAD"),
 ):
@@ -222,8 +227,11 @@ for kind, (whole, commands) in READERS.items():
 BEYOND = 12  # points of the ball's box
 for kind in ("seeds", "requests", "frontier"):
     crafted("magic", kind, "not a hapgrid shard", header(magic="7521416442288890930"))
-    for version in (0, 2, 4294967295):
-        crafted("version", kind, "byte 0: format version %d, this program reads version 1" % version, header(version=version))
+    for version in (0, 3, 4294967295):
+        crafted("version", kind, "byte 0: format version %d, this program reads versions 1 and 2" % version, header(version=version))
+    crafted("version", kind, "a coding where there can be none, or none where it must be", header(version=2))
+    crafted("coding", kind, "a coding where there can be none", header(coding={"precision": 0}))
+    crafted("coded kind", kind, "a coding where there can be none|a coded chunk was expected", header(version=2, coding={}))
     crafted("state size 0", kind, "a state of 0 components; 1 to 1048576 are possible", header(stateSize=0))
     crafted("state size 2^20 + 1", kind, "a state of 1048577 components", header(stateSize=1048577))
     crafted("state size", kind, "states of 1 components, the grid has 3|another grid|does not fit", header(stateSize=3))
@@ -299,6 +307,78 @@ def repeat_row(messages):
         if footer[name] != "0":
             footer[name] = str(int(footer[name]) + 1)
 
+
+# What schemas/CODING.md rules out. A plain grid's chunks merge copies without decoding them.
+
+def coded(**changes):
+    """Each change gets the column's list, or replaces it."""
+    def edit(messages):
+        chunk = messages[1]["coded"]
+        for name, change in changes.items():
+            chunk[name] = change(chunk.get(name, [])) if callable(change) else change
+    return edit
+
+
+def coding(**changes):
+    return lambda messages: messages[0]["header"]["coding"].update(changes)
+
+
+for kind, commands in (
+    ("coded", ["merge BAD", "stats --dump BAD", "verify grid --against BAD"]),
+    ("lossy", ["stats --dump BAD", "verify BAD"]),
+):
+    def fault(name, message, change, kind=kind, commands=commands):
+        crafted(name, kind, message, change, commands)
+
+    for name in ("point", "level", "links", "generation", "order", "shift", "planes", "first"):
+        short = "column %s does not fit the chunk|a coded chunk spans" % name
+        fault("coded %s short" % name, short, coded(**{name: lambda v: v[:-1]}))
+        fault("coded %s long" % name, short, coded(**{name: lambda v: v + [0]}))
+        fault("coded %s empty" % name, short, coded(**{name: []}))
+    fault("no coded rows", "a chunk without rows", coded(rows=0))
+    fault("many coded rows", "a coded chunk of 4294967295 rows, the limit is 65536", coded(rows=(1 << 32) - 1))
+    fault("coded rows", "column point does not fit the chunk", coded(rows=65536))
+    for shift in (53, 64, 254) + (() if kind == "lossy" else (255,)):
+        fault("shift", "impossible coding of column 0", coded(shift=[shift]))
+    fault("planes", "impossible coding of column 0", coded(planes=[9]))
+    fault("residuals", "column residuals does not fit the chunk", coded(residuals=lambda v: v + [0]))
+    fault("planes", "column residuals does not fit the chunk", coded(planes=lambda v: [v[0] ^ 1]))
+    fault("order", "impossible coding of column 0", coded(order=[64]))
+    fault("points apart", "spans too many points", coded(point=put(-1, 255)))
+    fault("points beyond", "a point beyond any box",
+          coded(point=lambda v: v[:-2] + [255, 255]))
+    fault("point outside", "point 211 is outside the box",
+          coded(point=lambda v: put(len(v) // 4 - 1, 200 + v[len(v) // 4 - 1])(v)))
+    fault("point twice", "rows out of order at point", coded(point=put(1, 0)))
+    fault("level 255", "level 255 at point", coded(level=put(-1, 255)))
+    fault("generation", "a record of generation", coded(generation=put(-1, 1)))
+    fault("plain chunk", "a coded chunk was expected",
+          lambda m: m.__setitem__(1, shard.decode(GRID)[1]))
+    for precision in ("NaN", -1e-300, 0.11, "Infinity"):
+        fault("precision", "an impossible precision", coding(precision=precision))
+    fault("bounds", "bounds of 2 columns", coding(bounds=[0.1, 0.1]))
+    if kind == "coded":
+        fault("precision without bounds", "bounds of 0 columns", coding(precision=0.01))
+    else:
+        fault("no bounds", "bounds of 0 columns", coding(bounds=[]))
+        for bound in ("NaN", -1, "Infinity"):
+            fault("bound", "an impossible bound of a column", coding(bounds=[bound]))
+crafted("coded chunk in a plain grid", "grid", "a chunk of records was expected",
+        lambda m: m.__setitem__(1, shard.decode(CODED)[1]), ["stats --dump BAD", "verify BAD"])
+
+
+# More is recorded than the precision allows: read, but not fine.
+def generous_bound():
+    messages = shard.decode(LOSSY)
+    messages[0]["header"]["coding"]["bounds"] = [0.1]
+    with open("generous", "wb") as stream:
+        stream.write(shard.seal(messages))
+    code, out, err, _ = run(["verify", "generous", "--recompute", "none"])
+    if code != 3 or not re.search(r"precision +1 columns +1  broken", out.decode()):
+        failures.append("generous bound: exit code %d\n%s%s" % (code, out.decode(), err))
+
+
+later(generous_bound)
 
 for kind in ("seeds", "requests", "frontier", "toy.requests"):
     point = "target" if kind.endswith("requests") else "point"
@@ -401,7 +481,7 @@ for kind, name, old, types in (
 future = SCHEMA.replace("requests @2;\n    # What", "requests @2;\n    # What")
 future = re.sub(r"(texts @5 :List\(Text\);)", r"\1\n    complex @6 :Float64;", future)
 future = re.sub(r"(enum Content \{)", r"\1\n    beyond @3;", future)
-future = re.sub(r"(footer @3 :Footer;)", r"\1\n    more @4 :UInt64;", future)
+future = re.sub(r"(footer @3 :Footer;)", r"\1\n    more @5 :UInt64;", future)
 with open("future.capnp", "w") as stream:
     stream.write(future)
 crafted("parameter of another kind", "seeds", "a parameter of a kind that this version does not know",

@@ -10,6 +10,8 @@ merge seeds requests -o next --frontier 'next.{}'
 expand next -o next.requests
 merge next next.requests -o grid
 mv next.1 frontier
+merge --final grid -o coded
+merge --final --precision 0.001 grid -o lossy
 # Two components.
 cat >toy.toml <<END
 grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 2, 1]}

@@ -6,6 +6,7 @@ message and seals the section again, so that only what it damaged is wrong.
 """
 
 import copy
+import itertools
 import json
 import os
 import struct
@@ -90,9 +91,23 @@ def section_digest(header, chunk_digests):
     return xxh3_128(header + b"".join(struct.pack("<QQ", *d) for d in chunk_digests))
 
 
+def uncoded(chunk):
+    """The points and generations of a coded chunk (schemas/CODING.md)."""
+    rows = {}
+    for name in ("point", "generation"):
+        data = chunk.get(name, [])
+        values = [int.from_bytes(data[r :: max(1, len(data) // 4)], "little") for r in range(len(data) // 4)]
+        if name == "generation":
+            values = [-(z + 1) // 2 if z & 1 else z // 2 for z in values]
+        rows[name] = [v % (1 << 32) for v in itertools.accumulate(values)]
+    return rows
+
+
 def chunk_info(header, message, content, stored):
     """What a footer says of a chunk: of its JSON, its message and its frame."""
     kind, rows = next(iter(message.items()))
+    if kind == "coded":
+        rows = uncoded(rows)
     point = rows["target" if kind == "requests" else "point"]
     young = rows.get("generation", []).count(header["generation"])
     low, high = xxh3_128(content)

@@ -5,7 +5,7 @@ source "$(dirname "$0")/../lib.sh"
 expect 0 '~hapgrid merge [0-9]+\.[0-9]+\.[0-9]+' '' -- merge --version
 merge --help >help
 for text in "standard input" "FILE=-" "--frontier PATTERN" "{}" "--parts N:UINT in [1 - 1000000]=1" \
-  "--report FILE" "seconds" --progress "--model-path DIR" "HAPGRID_MODEL_PATH" "Exit codes:" \
+  "--final" "--precision E" "1e-12 to 0.1" "--report FILE" "seconds" --progress "--model-path DIR" "HAPGRID_MODEL_PATH" "Exit codes:" \
   "  0  done" "  1  could not" "  2  the command line is wrong"; do
   grep -qF -- "$text" help || fail "--help does not say: $text"
 done
