@@ -14,7 +14,7 @@ struct LoadedGrid {
   Grid grid;
   Coding coding;  ///< how it was stored: whether its numbers may be off, and by how much
   std::uint64_t stored_bytes = 0;  ///< size of the shards as they are stored
-  std::string digest;              ///< of the content, in hex: which grid it is
+  std::string digest = {};         ///< of the content, in hex: which grid it is
 };
 
 /// Reads the grid that `names` hold together ("-" is standard input); shards may be concatenated
