@@ -103,7 +103,11 @@ int run(const Options& options) {
   if (wants_forces) forces.emplace(grid, judge, options.threads);
   checks.push_back(check_steep(grid, map, found, forces ? &*forces : nullptr, options.rendering,
                                options.threads));
-  if (forces) checks.push_back(check_passive(grid, map, found, *forces, options.threads));
+  if (forces) {
+    checks.push_back(check_passive(grid, map, found, *forces, options.threads));
+    // Its bound is for forces of the model's own states.
+    if (loaded.coding.is_lossy()) checks.back().is_note = true;
+  }
 
   OutputFile output(options.output, /*binary=*/false);
   output.write(options.format == "json" ? report_json(grid, checks) : report_text(grid, checks));
@@ -174,7 +178,7 @@ int main(int argc, char** argv) {
       "  stored       force, energy and shape, evaluated again, are what is stored\n"
       "  precision    of a grid of merge --precision: its bounds fit its numbers; --against:\n"
       "               all numbers are within them. distinct and fidelity then forgive what\n"
-      "               the bounds explain, and stored is no fault\n"
+      "               the bounds explain, and stored and passive are no faults\n"
       "  blends       (no fault) cells where play may mix branches, near tear-offs\n"
       "What play can do, proved over every configuration (a cell with the levels of its corners)\n"
       "that any motion of the hand leads to, not over samples:\n"
