@@ -19,12 +19,11 @@
 #include "libcore/shard/load.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/devices.hpp"
+#include "tools/play/log.hpp"
 #include "tools/play/options.hpp"
 #include "tools/play/report.hpp"
 #include "tools/play/selftest.hpp"
-#include "tools/play/session_log.hpp"
 #include "tools/play/signals.hpp"
-#include "tools/play/text_log.hpp"
 #include "tools/play/viewers.hpp"
 
 using namespace hapgrid;
@@ -51,7 +50,7 @@ void require_good_end(const LoopSummary& s, const SafetyCore& safety, const Devi
 void check(const PlayOptions& options) {
   if (options.grid.empty()) throw CLI::RequiredError("grid");
   if (options.device.empty()) throw CLI::RequiredError("--device");
-  if (options.grid == "-" && reads_standard_input(options.device))
+  if (options.grid == "-" && device_file(options.device) == "-")
     throw CLI::ValidationError("the grid and the path cannot both be standard input");
   const auto same = [](const std::string& a, const std::string& b) {
     std::error_code ignored;  // one of them is no file: then they are not the same
@@ -62,69 +61,29 @@ void check(const PlayOptions& options) {
     const char* what;
     const std::string& file;
   };
+  const std::string input = device_file(options.device);
   const Output outputs[] = {{"--log", "the log", options.log},
                             {"--frames", "the frames", options.frames},
                             {"--report", "the report", options.report}};
   for (const Output& output : outputs)
-    if (output.file != "-" && same(output.file, options.grid))
-      throw CLI::ValidationError(output.option,
-                                 std::string(output.what) + " would replace the grid");
+    if (output.file != "-" && (same(output.file, options.grid) || same(output.file, input)))
+      throw CLI::ValidationError(output.option, std::string(output.what) + " would replace the " +
+                                                    (same(output.file, input) ? "path or session "
+                                                                                "that is played"
+                                                                              : "grid"));
   for (std::size_t i = 0; i < std::size(outputs); ++i)
     for (std::size_t j = i + 1; j < std::size(outputs); ++j)
       if (same(outputs[i].file, outputs[j].file))
         throw CLI::ValidationError(std::string(outputs[i].option) + " and " + outputs[j].option +
                                    " cannot both be " + outputs[j].file);
+  if (!options.log.empty() && !is_session_name(options.log) && is_live(options.device))
+    throw CLI::ValidationError(
+        "--log",
+        "a text is kept in memory until the end, which a live device does not have: name it "
+        "FILE.session (stats --log FILE.session --export makes it a text)");
   if (options.frames == "-" && ::isatty(STDOUT_FILENO))
     throw Error("standard output is a terminal: redirect it, or name a file after --frames");
 }
-
-/// The log, of either kind, or none.
-class Log {
- public:
-  /// @param ticks that will come; 0: not known.
-  Log(const PlayOptions& options, const LoadedGrid& loaded, const Fields& fields, double rate_hz,
-      bool paced, std::size_t ticks, const PlayedWith& with) {
-    const GridSpec& spec = loaded.grid.spec();
-    if (options.log.empty()) return;
-    if (is_session_name(options.log)) {
-      session_.emplace(options.log, session_header(spec, loaded.digest, rate_hz, with), paced);
-      return;
-    }
-    if (ticks == 0)
-      throw Error(options.log +
-                  ": a log as text is kept in memory until the end, which a live device does not "
-                  "have: name it FILE.session (stats --log FILE.session --export makes it a text)");
-    // A paced run must not write before its end, so all its ticks find room; without deadlines the
-    // log is written whenever the storage is full.
-    constexpr std::size_t kChunk = 4096;
-    text_.emplace(options.log, spec, fields, rate_hz, paced ? ticks : std::min(ticks, kChunk));
-  }
-
-  void add(const Tick& tick) {
-    if (session_) session_->add(tick_record(tick));
-    if (!text_) return;
-    if (text_->full()) text_->flush();
-    text_->add(tick);
-  }
-
-  /// @throw what writing has met
-  void finish() {
-    if (session_) {
-      const SessionCounts counts = session_->finish();
-      if (counts.dropped > 0)
-        std::fprintf(stderr, "play: the log has %llu ticks, %llu were dropped: the disk was slow\n",
-                     static_cast<unsigned long long>(counts.recorded),
-                     static_cast<unsigned long long>(counts.dropped));
-    }
-    if (!text_) return;
-    text_->flush();
-    text_->commit();
-  }
-
- private:
-  std::optional<SessionRecorder> session_;
-  std::optional<TextLog> text_;
-};
 
 /// What a replay was played with counts, but for what the command line says.
 PlayedWith resume(const CLI::App& app, const PlayOptions& options, const SessionHeader& session,
@@ -184,7 +143,7 @@ int play(const CLI::App& app, PlayOptions options) {
   with.scale = mapping.scale();
   Traversal traversal(grid, options.max_sub_steps);
   SafetyCore safety(with.limits);
-  Log log(options, loaded, fields, rate_hz, paced, open.live ? 0 : open.ticks, with);
+  Log log(options.log, loaded, fields, rate_hz, paced, open.ticks, with);
   viewers.start(spec, create, rate_hz, paced, caught_signal);
 
   const auto force = [&](const Vec3& x, std::span<const double> row) {

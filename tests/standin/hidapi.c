@@ -4,22 +4,19 @@
 // HAPGRID_STANDIN names a Unix socket (SOCK_SEQPACKET) where the device process listens. Each
 // message is a letter and its content; numbers are the machine's own int32.
 //
-//   to list:  one connection    "L"               <-
-//   "path\tvid\tpid\tserial\tmanufacturer\tproduct\t
-//                                                     usage page\tusage\tinterface\n" each, numbers
-//                                                     in hex (interface decimal), -- all in one
-//                                                     message
-//   a handle: two connections   "I" path, only    <-  "i" report    an input report
-//                               listened to       <-  "e" text      hid_read fails, with this error
-//                                                 <-  "s" n         hid_read sleeps n ms, whatever
-//                                                 its
-//                                                                   time-out is
-//                               "C" path          <-  "k", or "e" text: it cannot be opened
-//                               "w" report        <-  "r" n [text]  what hid_write answers;
-//                               hid_write
-//                                                                   waits for it
-//                               "f" report        <-  "r" n [text]  hid_send_feature_report
-//                               "g" id            <-  "r" n report  hid_get_feature_report
+//   to list, one connection:
+//     "L"            <-  a line for each collection: path, vid, pid, serial, manufacturer, product,
+//                        usage page, usage, interface, with tabs between them; numbers in hex, the
+//                        interface decimal; all in one message
+//   a handle, two connections:
+//     "I" path       only listened to:
+//                    <-  "i" report    an input report
+//                    <-  "e" text      hid_read fails, with this error
+//                    <-  "s" n         hid_read sleeps n ms, whatever its time-out is
+//     "C" path       <-  "k", or "e" text: it cannot be opened
+//     "w" report     <-  "r" n [text]  what hid_write answers; hid_write waits for it
+//     "f" report     <-  "r" n [text]  hid_send_feature_report
+//     "g" id         <-  "r" n report  hid_get_feature_report
 //
 // A connection that the device process closes is an unplugged device.
 #define _GNU_SOURCE

@@ -167,9 +167,13 @@ std::string device_mistake(const std::string& name) {
   return "'" + name + "' is not a device: " + forms;
 }
 
-bool reads_standard_input(const std::string& name) {
+std::string device_file(const std::string& name) {
+  return is_live(name) ? "" : parse(name).value().argument;
+}
+
+bool is_live(const std::string& name) {
   const auto parsed = parse(name);
-  return parsed && parsed->argument == "-";
+  return parsed && parsed->kind != Kind::kPath && parsed->kind != Kind::kReplay;
 }
 
 bool needs_guard(const std::string& name) {

@@ -22,8 +22,10 @@ inline constexpr const char* kDeviceForms =
 /// What is wrong with a device's name; empty when nothing is. Opens nothing.
 std::string device_mistake(const std::string& name);
 
-/// Whether the device reads standard input.
-bool reads_standard_input(const std::string& name);
+/// The file that a path or a replay reads, "-" for standard input; else empty.
+std::string device_file(const std::string& name);
+/// Whether a hand moves it, as long as it likes.
+bool is_live(const std::string& name);
 /// Whether there is a force on a hand, which must end with this program.
 bool needs_guard(const std::string& name);
 

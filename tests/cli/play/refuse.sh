@@ -64,6 +64,11 @@ expect 2 '' "play: --log: the log would replace the grid $help" \
   -- play grid --device path:path --log ./grid
 cmp grid kept
 rm kept
+expect 2 '' "play: --log: the log would replace the path or session that is played $help" \
+  -- play grid --device path:path --log ./path
+expect 2 '' "play: --log: a text is kept in memory until the end, which a live device does not have: \
+name it FILE.session (stats --log FILE.session --export makes it a text) $help" \
+  -- play grid --device keys --log log
 expect 1 '' "play: nowhere/log: No such file or directory" \
   -- play grid --device path:path --log nowhere/log
 expect 1 '' "play: /dev/full: No space left on device" -- play grid --device path:path --log /dev/full

@@ -1,0 +1,42 @@
+#include "tools/play/log.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace hapgrid {
+
+Log::Log(const std::string& file, const LoadedGrid& loaded, const Fields& fields, double rate_hz,
+         bool paced, std::size_t ticks, const PlayedWith& with) {
+  const GridSpec& spec = loaded.grid.spec();
+  if (file.empty()) return;
+  if (is_session_name(file)) {
+    session_.emplace(file, session_header(spec, loaded.digest, rate_hz, with), paced);
+    return;
+  }
+  // A paced run must not write before its end, so all its ticks find room; without deadlines the
+  // log is written whenever the storage is full.
+  constexpr std::size_t kChunk = 4096;
+  text_.emplace(file, spec, fields, rate_hz, paced ? ticks : std::min(ticks, kChunk));
+}
+
+void Log::add(const Tick& tick) {
+  if (session_) session_->add(tick_record(tick));
+  if (!text_) return;
+  if (text_->full()) text_->flush();
+  text_->add(tick);
+}
+
+void Log::finish() {
+  if (session_) {
+    const SessionCounts counts = session_->finish();
+    if (counts.dropped > 0)
+      std::fprintf(stderr, "play: the log has %llu ticks, %llu were dropped: the disk was slow\n",
+                   static_cast<unsigned long long>(counts.recorded),
+                   static_cast<unsigned long long>(counts.dropped));
+  }
+  if (!text_) return;
+  text_->flush();
+  text_->commit();
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,30 @@
+// The log of a play: a session (session_log.hpp), a text (text_log.hpp), or none.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "libcore/shard/load.hpp"
+#include "tools/play/session_log.hpp"
+#include "tools/play/text_log.hpp"
+
+namespace hapgrid {
+
+class Log {
+ public:
+  /// @param file empty: none. @param ticks that will come, for a text.
+  /// @throw what opening it meets
+  Log(const std::string& file, const LoadedGrid& loaded, const Fields& fields, double rate_hz,
+      bool paced, std::size_t ticks, const PlayedWith& with);
+
+  /// Real-time safe when paced. @throw std::system_error when not.
+  void add(const Tick& tick);
+  /// @throw what writing has met
+  void finish();
+
+ private:
+  std::optional<SessionRecorder> session_;
+  std::optional<TextLog> text_;
+};
+
+}  // namespace hapgrid
