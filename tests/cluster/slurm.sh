@@ -1,0 +1,161 @@
+# shellcheck shell=bash
+# A Slurm of one's own for tests: munged, slurmctld and several slurmd on this machine, as root, with
+# keys, ports and files that touch nothing of an installed one. Sourced after ../cli/lib.sh:
+#
+#   cluster_start NODES CPUS    starts it, sets SLURM_CONF; skips the test where it cannot
+#   node_kill N                 SIGKILLs the N-th slurmd (from 1) and all that runs under it
+#   node_start N                starts it again
+#   cluster_stop, cluster_again everything off (steps are lost), and on again with its state
+#   build, reference, generation    see below
+#
+# It ends with the script, however that ends.
+
+# The first of NODES + 1 ports, of 16 at most; two of these tests at a time have different ones.
+cluster_ports=$((20000 + ($$ % 700) * 16))
+
+cluster_configure() {
+  local nodes=$1 cpus=$2 n
+  cluster=$work/cluster
+  mkdir -p "$cluster/munge" "$cluster/state"
+  chmod 755 "$work" "$cluster" "$cluster/munge"
+  (umask 077 && dd if=/dev/urandom of="$cluster/munge/key" bs=1024 count=1 status=none)
+  chmod 0400 "$cluster/munge/key"
+  cat >"$cluster/slurm.conf" <<END
+ClusterName=hapgrid
+SlurmctldHost=$(hostname -s)(127.0.0.1)
+SlurmctldPort=$cluster_ports
+SlurmUser=root
+SlurmdUser=root
+SlurmdParameters=config_overrides
+AuthType=auth/munge
+CredType=cred/munge
+AuthInfo=socket=$cluster/munge/socket
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+SwitchType=switch/none
+MpiDefault=none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+SchedulerParameters=batch_sched_delay=0,sched_interval=1
+ReturnToService=2
+SlurmdTimeout=5
+InactiveLimit=0
+KillWait=2
+MaxArraySize=100001
+MaxJobCount=100000
+StateSaveLocation=$cluster/state
+SlurmdSpoolDir=$cluster/spool.%n
+SlurmctldPidFile=$cluster/slurmctld.pid
+SlurmdPidFile=$cluster/%n.pid
+SlurmctldLogFile=$cluster/slurmctld.log
+SlurmdLogFile=$cluster/%n.log
+NodeName=DEFAULT CPUs=$cpus RealMemory=1000 State=UNKNOWN
+$(for n in $(seq "$nodes"); do
+    echo "NodeName=n$n NodeHostname=$(hostname -s) NodeAddr=127.0.0.1 Port=$((cluster_ports + n))"
+  done)
+PartitionName=test Nodes=ALL Default=YES MaxTime=INFINITE State=UP
+END
+  echo CgroupPlugin=cgroup/v1 >"$cluster/cgroup.conf"  # never touched; keeps slurmd from probing
+  export SLURM_CONF=$cluster/slurm.conf
+}
+
+cluster_start() {
+  [[ $(id -u) == 0 ]] || skip "a Slurm of one's own is started as root"
+  local program
+  for program in munged slurmctld slurmd srun sbatch; do
+    command -v $program >/dev/null || skip "no $program (Debian: slurmctld slurmd slurm-client munge)"
+  done
+  cluster_nodes=$1
+  cluster_configure "$1" "$2"
+  trap 'cluster_stop; pid=$(cat "$cluster/munge/pid" 2>/dev/null) && kill "$pid"; rm -rf "$work"' EXIT
+  trap 'exit 1' INT TERM HUP
+  munged --force --key-file="$cluster/munge/key" --socket="$cluster/munge/socket" \
+    --pid-file="$cluster/munge/pid" --log-file="$cluster/munge/log" --seed-file="$cluster/munge/seed" \
+    >"$cluster/munge/out" 2>&1 || fail "munged: $(cat "$cluster/munge/out")"
+  cluster_again
+}
+
+cluster_again() {
+  local n
+  slurmctld -f "$SLURM_CONF"
+  for n in $(seq "$cluster_nodes"); do node_start "$n"; done
+  wait_for 60 "cluster that answers" cluster_answers
+}
+
+# All nodes, idle or with jobs from before: exactly these words, a * behind them is one that does not
+# answer, and `sinfo -t idle` counts unknown ones, too.
+cluster_answers() {
+  [[ $(sinfo -h -N -o %T 2>/dev/null | grep -cxE 'idle|allocated|mixed|completing') == "$cluster_nodes" ]]
+}
+
+node_start() { slurmd -f "$SLURM_CONF" -N "n$1"; }
+
+# Whether a process is of node N: its slurmd and step daemons have its log open, its tasks carry its
+# name; and all of them are of this cluster.
+of_node() {
+  [[ $(readlink "/proc/$1/fd/"* 2>/dev/null) == *"$cluster/n$2.log"* ]] ||
+    { grep -qzx "SLURMD_NODENAME=n$2" "/proc/$1/environ" && grep -qzxF "SLURM_CONF=$SLURM_CONF" "/proc/$1/environ"; } 2>/dev/null
+}
+
+# As when a machine loses power.
+node_kill() {
+  local process
+  for process in /proc/[0-9]*; do
+    process=${process#/proc/}
+    if of_node "$process" "$1"; then kill -KILL "$process" 2>/dev/null || true; fi
+  done
+  rm -f "$cluster/n$1.pid"
+}
+
+cluster_stop() {
+  local pid n
+  if pid=$(cat "$cluster/slurmctld.pid" 2>/dev/null) && kill "$pid" 2>/dev/null; then
+    wait_for 20 "slurmctld's end" eval '[[ $(ps -o stat= -p '"$pid"') != [!Z]* ]]'
+  fi
+  for n in $(seq "$cluster_nodes"); do node_kill "$n"; done
+}
+
+# wait_for SECONDS WHAT COMMAND...: until it succeeds.
+wait_for() {
+  local deadline=$((SECONDS + $1)) what=$2
+  shift 2
+  until "$@"; do
+    ((SECONDS < deadline)) || fail "no $what"
+    sleep 0.1
+  done
+}
+
+# build OPTION...: a grid by Makefile.example on the cluster; reference: the same from one process.
+small=(grid.counts=[12,6,6] grid.spacing=0.15)
+driver() {
+  make -s -f "$HAPGRID_SOURCE/Makefile.example" grid MODEL="$ball" HAPGRID_BIN="$HAPGRID_BIN" \
+    SET="${small[*]}" PAUSE=1 "$@" >make.out 2>make.err
+}
+build() { driver "$@" || fail "$(tail -n 20 make.err make.out)"; }
+reference() { seed "$ball" "${small[@]/#/--set=}" | expand --complete -o reference; }
+
+# in_allocation TASKS OPTION...: a build in an allocation of so many tasks.
+in_allocation() {
+  export -f driver
+  small_text=${small[*]} ball=$ball salloc -Q -n "$1" bash -c \
+    'read -ra small <<<"$small_text"; driver "$@"' driver "${@:2}" || fail "$(tail -n 20 make.err make.out)"
+}
+
+# slowed MILLISECONDS: from now on the ball is one whose conversions take so long.
+slowed() {
+  sed "s/^plugin = .*/plugin = \"sleeper\"/; s/^radius/milliseconds = $1\nradius/" "$ball" >hung-ball.toml
+  ball=$PWD/hung-ball.toml
+  export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
+}
+
+# generation N [NODE]: shards of the N-th round are being expanded (on that node).
+generation() {
+  local pid
+  for pid in $(pgrep -f "/expand $PWD/work/hung-ball/[^ ]*/$(printf %04d "$1")\\."); do
+    [[ ! ${2-} ]] || of_node "$pid" "$2" || continue
+    return 0
+  done
+  return 1
+}

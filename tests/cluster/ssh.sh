@@ -1,0 +1,63 @@
+#!/bin/bash
+# Shards handed out over ssh by GNU parallel, and by xargs: from the same list of numbers.
+source "$(dirname "$0")/../cli/lib.sh"
+sshd=$(command -v sshd || ls /usr/sbin/sshd 2>/dev/null) || skip "no sshd (Debian: openssh-server)"
+command -v ssh >/dev/null || skip "no ssh (Debian: openssh-client)"
+parallel --version 2>/dev/null | grep -q GNU || skip "no GNU parallel (Debian: parallel)"
+[[ $(id -u) == 0 ]] || skip "an sshd of one's own is started as root"
+
+# An sshd with a key and a port of its own, which knows nobody but this test.
+mkdir -p -m 700 ssh home
+[[ -d /run/sshd ]] || mkdir -p /run/sshd
+ssh-keygen -q -t ed25519 -N '' -f ssh/host
+ssh-keygen -q -t ed25519 -N '' -f ssh/key
+port=$((31300 + $$ % 1400))
+cat >ssh/sshd_config <<END
+Port $port
+ListenAddress 127.0.0.1
+HostKey $PWD/ssh/host
+AuthorizedKeysFile $PWD/ssh/key.pub
+PidFile $PWD/ssh/pid
+StrictModes no
+UsePAM no
+PasswordAuthentication no
+PermitRootLogin prohibit-password
+MaxStartups 100
+END
+for host in one two; do
+  cat <<END
+Host $host
+  HostName 127.0.0.1
+  Port $port
+  IdentityFile $PWD/ssh/key
+  UserKnownHostsFile $PWD/ssh/known
+  StrictHostKeyChecking accept-new
+END
+done >ssh/config
+"$sshd" -D -f "$PWD/ssh/sshd_config" -E "$PWD/ssh/log" &
+daemon=$!
+trap 'kill $daemon 2>/dev/null; rm -rf "$work"' EXIT
+deadline=$((SECONDS + 20))
+until ssh -F ssh/config one true 2>ssh/err; do
+  ((SECONDS < deadline)) || fail "no sshd: $(cat ssh/err ssh/log)"
+  sleep 0.1
+done
+
+# What a login over there does not have, the shards bring: this plug-in is found by HAPGRID_MODEL_PATH.
+mkdir plugins
+cp "$(readlink -f "$HAPGRID_BIN/../models")/hung-ball.so" plugins/over-there.so
+export HAPGRID_MODEL_PATH=$PWD/plugins
+sed 's/^plugin = .*/plugin = "over-there"/' "$ball" >hung-ball.toml
+ball=$PWD/hung-ball.toml
+small=(grid.counts=[4,6,6] grid.spacing=0.15)
+seed "$ball" "${small[@]/#/--set=}" | expand --complete -o reference
+build() {
+  PARALLEL_HOME=$PWD/home make -s -f "$HAPGRID_SOURCE/Makefile.example" grid MODEL="$ball" \
+    HAPGRID_BIN="$HAPGRID_BIN" SET="${small[*]}" PAUSE=1 MODE=list PARTS=5 "$@" >make.out 2>make.err ||
+    fail "$(cat make.err make.out)"
+  cmp work/hung-ball.grid reference
+  [[ ! -s make.err ]] || fail "$(cat make.err)"
+  rm -rf work
+}
+build RUN="parallel --ssh 'ssh -F $PWD/ssh/config' --sshlogin 2/one,2/two"
+build RUN="xargs -P 2 -n 1 ssh -F $PWD/ssh/config -n one"
