@@ -80,6 +80,9 @@ cmp lost3/hung-ball.grid reference
 ! build WORK=lost4 MODE=claim RUN='true' PARTS=9 TRIES=2 || fail 'a grid of nothing'
 same "what is missing" 'hung-ball: generation 0: 9 of 9 shards are missing: 1-9' "$(sed -n '/1-9/p' make.err)"
 
+# What expand refuses is tried once more, and no more.
+! build WORK=refused RUN=env EXPAND=--nonsense PARTS=2 || fail 'expand knows --nonsense'
+[[ $(grep -c 'again in 0 s' make.err) -eq 1 && $(grep -c '^expand: ' make.err) -eq 4 ]] || fail "$(cat make.err)"
 ! build WORK=bad RUN='./nobody -x' || fail 'it started a tool that is not there'
 grep -q '^RUN: no command \./nobody$' make.err
 
