@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What handing out shards costs: the efficiency of whole builds with models that sleep.
 #
-#   tests/bench/scaling.sh [BUILD] [WORKERS...]        (default: build 1 2 8 64)
+#   tests/bench/scaling.sh [BUILD] [WORKERS...]        (default: build 1 2 64)
 #
 # The hung ball's conversions are slowed to some milliseconds that need no processor (sleeper.c), so
 # that many workers fit on a machine with few. With 1 and 2 workers: make on this machine. With more:
@@ -10,7 +10,7 @@
 set -euo pipefail
 HAPGRID_BUILD=$(realpath "${1:-build}")
 shift $(($# > 0))
-(($#)) || set -- 1 2 8 64
+(($#)) || set -- 1 2 64
 # shellcheck source=../cli/lib.sh
 source "$(dirname "$0")/../cli/lib.sh"
 # shellcheck source=../cluster/slurm.sh
@@ -40,7 +40,7 @@ grid() {
   small=("$@")
   ball=$original
   slowed "$ms"
-  reference -j 64
+  reference
 }
 
 cat >tasks <<'END'
@@ -57,9 +57,10 @@ for workers; do
     measure "$workers" make 1 $((4 * workers)) build -j "$workers"
     measure "$workers" claim 1 $((4 * workers)) build MODE=claim RUN="./tasks $workers"
   else
-    grid 10 'grid.counts=[16,16,16]' 'grid.origin=[-0.975,-0.975,-0.975]' grid.spacing=0.13
-    measure "$workers" make 10 $((2 * workers)) in_allocation "$workers" RUN='srun -N1 -n1 --exclusive' -j "$workers"
-    measure "$workers" claim 10 $((4 * workers)) in_allocation "$workers" MODE=claim RUN=srun
-    measure "$workers" array 10 $((2 * workers)) build MODE=array LIMIT="$workers"
+    ms=$(((workers + 15) / 16))
+    grid $ms 'grid.counts=[16,16,16]' 'grid.origin=[-0.975,-0.975,-0.975]' grid.spacing=0.13
+    measure "$workers" make $ms $((2 * workers)) in_allocation "$workers" RUN='srun -N1 -n1 --exclusive' -j "$workers"
+    measure "$workers" claim $ms $((4 * workers)) in_allocation "$workers" MODE=claim RUN=srun
+    measure "$workers" array $ms $((2 * workers)) build MODE=array LIMIT="$workers"
   fi
 done

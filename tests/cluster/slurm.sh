@@ -134,7 +134,7 @@ driver() {
     SET="${small[*]}" PAUSE=1 "$@" >make.out 2>make.err
 }
 build() { driver "$@" || fail "$(tail -n 20 make.err make.out)"; }
-reference() { seed "$ball" "${small[@]/#/--set=}" | expand --complete -o reference; }
+reference() { seed "$ball" "${small[@]/#/--set=}" | expand --complete -j 32 -o reference; }
 
 # in_allocation TASKS OPTION...: a build in an allocation of so many tasks.
 in_allocation() {
