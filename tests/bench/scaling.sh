@@ -57,8 +57,9 @@ for workers; do
     measure "$workers" make 1 $((4 * workers)) build -j "$workers"
     measure "$workers" claim 1 $((4 * workers)) build MODE=claim RUN="./tasks $workers"
   else
-    ms=$(((workers + 15) / 16))
-    grid $ms 'grid.counts=[16,16,16]' 'grid.origin=[-0.975,-0.975,-0.975]' grid.spacing=0.13
+    # Few rounds, since each waits up to 10 s for sbatch; long conversions, to fill them.
+    ms=$((2 * workers))
+    grid $ms 'grid.counts=[4,6,6]' grid.spacing=0.15
     measure "$workers" make $ms $((2 * workers)) in_allocation "$workers" RUN='srun -N1 -n1 --exclusive' -j "$workers"
     measure "$workers" claim $ms $((4 * workers)) in_allocation "$workers" MODE=claim RUN=srun
     measure "$workers" array $ms $((2 * workers)) build MODE=array LIMIT="$workers"

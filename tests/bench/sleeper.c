@@ -1,10 +1,10 @@
-/* The hung ball with a C() that takes its time and no processor: for measuring what hands the shards
- * out (tests/bench/scaling.sh), with more workers than there are processors.
+/* The hung ball with a C() that takes its time and no processor: for measuring what hands the
+ * shards out (tests/bench/scaling.sh), with more workers than there are processors.
  *
  *   milliseconds    a conversion takes at least this long (0)
  *
- * and the parameters of the hung ball, whose source is compiled into this plug-in under another name
- * (CMakeLists.txt).
+ * and the parameters of the hung ball, whose source is compiled into this plug-in under another
+ * name (CMakeLists.txt).
  */
 #include <stdlib.h>
 #include <string.h>

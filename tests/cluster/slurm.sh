@@ -74,15 +74,21 @@ cluster_start() {
   munged --force --key-file="$cluster/munge/key" --socket="$cluster/munge/socket" \
     --pid-file="$cluster/munge/pid" --log-file="$cluster/munge/log" --seed-file="$cluster/munge/seed" \
     >"$cluster/munge/out" 2>&1 || fail "munged: $(cat "$cluster/munge/out")"
-  cluster_again
+  cluster_up
 }
 
-cluster_again() {
+cluster_up() {
   local n
   slurmctld -f "$SLURM_CONF"
+  [[ ! ${1-} ]] || "$@"
   for n in $(seq "$cluster_nodes"); do node_start "$n"; done
   wait_for 60 "cluster that answers" cluster_answers
 }
+
+# The nodes later, as machines that boot. A node that is back before slurmctld missed it counts as one
+# that was never gone, and its jobs as running, for ever.
+cluster_again() { cluster_up wait_for 90 "end of the nodes" nodes_down; }
+nodes_down() { [[ $(sinfo -h -N -o %T 2>/dev/null | grep -c '^down') == "$cluster_nodes" ]]; }
 
 # All nodes, idle or with jobs from before: exactly these words, a * behind them is one that does not
 # answer, and `sinfo -t idle` counts unknown ones, too.
@@ -92,20 +98,23 @@ cluster_answers() {
 
 node_start() { slurmd -f "$SLURM_CONF" -N "n$1"; }
 
-# Whether a process is of node N: its slurmd and step daemons have its log open, its tasks carry its
-# name; and all of them are of this cluster.
-of_node() {
-  [[ $(readlink "/proc/$1/fd/"* 2>/dev/null) == *"$cluster/n$2.log"* ]] ||
-    { grep -qzx "SLURMD_NODENAME=n$2" "/proc/$1/environ" && grep -qzxF "SLURM_CONF=$SLURM_CONF" "/proc/$1/environ"; } 2>/dev/null
+# node_processes N: its slurmd and step daemons have its log open, its tasks carry its name; and all of
+# them are of this cluster.
+node_processes() {
+  local pid
+  for pid in $(pgrep -x 'slurmd|slurmstepd'); do
+    [[ $(readlink "/proc/$pid/fd/"* 2>/dev/null) == *"$cluster/n$1.log"* ]] && echo "$pid"
+  done
+  for pid in $(grep -lzx "SLURMD_NODENAME=n$1" /proc/[0-9]*/environ 2>/dev/null | cut -d / -f 3); do
+    grep -qzxF "SLURM_CONF=$SLURM_CONF" "/proc/$pid/environ" 2>/dev/null && echo "$pid"
+  done
+  true
 }
 
 # As when a machine loses power.
 node_kill() {
-  local process
-  for process in /proc/[0-9]*; do
-    process=${process#/proc/}
-    if of_node "$process" "$1"; then kill -KILL "$process" 2>/dev/null || true; fi
-  done
+  local pid
+  for pid in $(node_processes "$1"); do kill -KILL "$pid" 2>/dev/null || true; done
   rm -f "$cluster/n$1.pid"
 }
 
@@ -154,7 +163,7 @@ slowed() {
 generation() {
   local pid
   for pid in $(pgrep -f "/expand $PWD/work/hung-ball/[^ ]*/$(printf %04d "$1")\\."); do
-    [[ ! ${2-} ]] || of_node "$pid" "$2" || continue
+    [[ ! ${2-} ]] || node_processes "$2" | grep -qx "$pid" || continue
     return 0
   done
   return 1

@@ -3,11 +3,12 @@
 source "$(dirname "$0")/../../cli/lib.sh"
 source "$here/../slurm.sh"
 cluster_start 3 2
-slowed 10
+small=(grid.counts=[4,6,6] grid.spacing=0.15)  # few rounds: sbatch --wait looks every 10 s
+slowed 50
 reference
 
 lose_a_node() {
-  wait_for 60 "round 3 on node 2" generation 3 2
+  wait_for 60 "round 2 on node 2" generation 2 2
   node_kill 2
   wait_for 60 "end of node 2" eval '[[ $(sinfo -h -n n2 -o %T) == down* ]]'
   node_start 2
@@ -22,7 +23,7 @@ for how in srun claim array; do
   esac
   wait $! || fail "$how: the node: $(cat make.err make.out)"
   cmp work/hung-ball.grid reference
-  grep -q 'hung-ball: generation 3: .* shards are missing, again' make.err || [[ $how == array ]] ||
+  grep -q 'hung-ball: generation 2: .* shards are missing, again' make.err || [[ $how == array ]] ||
     fail "$how: nothing was lost: $(cat make.err)"  # Slurm itself starts an array's elements again
   wait_for 60 "cluster that answers" cluster_answers
 done

@@ -3,12 +3,13 @@
 source "$(dirname "$0")/../../cli/lib.sh"
 source "$here/../slurm.sh"
 cluster_start 3 2
-slowed 10
+small=(grid.counts=[4,6,6] grid.spacing=0.15)  # few rounds: sbatch --wait looks every 10 s
+slowed 50
 reference
 
 # The driver stays, on a machine of its own: it tries until the cluster is back.
 off_and_on() {
-  wait_for 60 "round 3" generation 3
+  wait_for 60 "round 2" generation 2
   cluster_stop
   cluster_again
 }
@@ -34,7 +35,7 @@ exec make -f "$HAPGRID_SOURCE/Makefile.example" grid MODEL="$ball" HAPGRID_BIN="
   SET="${small[*]}" PAUSE=1 PARTS=12 MODE=claim RUN=srun
 END
 sbatch -Q job
-wait_for 60 "round 3" generation 3
+wait_for 60 "round 2" generation 2
 cluster_stop
 cluster_again
 wait_for 120 "grid" test -e work/hung-ball.grid
