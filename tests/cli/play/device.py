@@ -132,6 +132,6 @@ sleeps = [i for i, text in enumerate(mine) if text.startswith("clock_nanosleep("
 calls = collections.Counter(re.match(r"(?:<\.\.\. )?(\w+)", text).group(1)
                             for text in mine[sleeps[0]:sleeps[-1]])
 assert len(sleeps) > 100 and set(calls) <= {"clock_nanosleep", "clock_gettime", "futex"}, calls
-assert calls["futex"] <= len(sleeps) + 1, calls
+assert calls["futex"] <= 2 * len(sleeps) + 2, calls  # one that is interrupted is two lines
 device.end()
 print("system calls:", dict(calls))
