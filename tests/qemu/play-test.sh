@@ -42,7 +42,10 @@ cat >session <<'END'
 play="play /ball.grid --model-path /bin --device profile:/profile.toml --rate 5000"  # to a file: on a pipe it would write frames
 device() { rawhid-device --rate 5000 "$@" /positions.txt >/tmp/record & device=$!; await /dev/hidraw0; }
 over() { kill $device 2>/dev/null; wait $device; while [ -e /dev/hidraw0 ]; do usleep 10000; done; }
-summary() { grep -c ' out ' /tmp/record; grep ' out ' /tmp/record | cut -d' ' -f2-5 | tail -n 2; }
+summary() {
+  grep ' out ' /tmp/record | awk '{ x = $3 < 0 ? -$3 : $3; if (x > most) most = x } END { print NR, most }'
+  grep ' out ' /tmp/record | cut -d' ' -f2-5 | tail -n 1
+}
 
 echo "== 10000 ticks"
 device
@@ -53,9 +56,9 @@ echo "== report"; cat /tmp/report
 echo "== record"; grep ' out ' /tmp/record | cut -d' ' -f3-5
 echo "== session"; base64 /tmp/log.session
 echo "== unplugged"
-device --unplug-after 2500; $play >/dev/null; echo "exit $?"; over
+device --unplug-after 4500; $play >/dev/null; echo "exit $?"; over; summary
 echo "== silent"
-device --unplug-after 2500 --silent 200; $play >/dev/null; echo "exit $?"; over; summary
+device --unplug-after 4500 --silent 200; $play >/dev/null; echo "exit $?"; over; summary
 echo "== interrupted"
 device; timeout -s INT 1 $play >/dev/null; echo "exit $?"; over; summary
 echo "== killed"
@@ -77,4 +80,5 @@ python3 "$here/play_test.py" got positions.txt log.session
 play ball.grid --device replay:log.session --log again.session >/dev/null 2>&1
 stats --log log.session --export there.txt >/dev/null
 stats --log again.session --export here.txt >/dev/null
+python3 "$here/play_wire.py" got positions.txt there.txt
 cut -f 1-19 there.txt | cmp - <(cut -f 1-19 here.txt) || fail 'the replay has other forces'
