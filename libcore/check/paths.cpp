@@ -68,7 +68,7 @@ class Judge {
       const RecordIndex from = grid_.first(point);
       for (const auto& [a, b, q] : pairs_) {
         if (a != nearest || !is_missing(from, q)) continue;
-        seen.paths.offend([&] {
+        seen.paths.offend([&, q = q] {  // clang 14 captures no structured binding
           return "start in " + describe_cell(base) + " needs " + describe_link(grid_, from, q);
         });
         break;

@@ -128,7 +128,10 @@ struct IntegerResidual {
 template <class T>
 T predict_row(const Stencil& stencil, const Orders& orders, std::span<const T> values,
               std::size_t r) {
-  const auto& [i, j, k] = stencil.axes;
+  // No structured binding: clang 14 has none in lambdas.
+  const BackwardAxis& i = stencil.axes[0];
+  const BackwardAxis& j = stencil.axes[1];
+  const BackwardAxis& k = stencil.axes[2];
   const auto x = [&](std::size_t b) { return clean(values[b]); };
   if (is_alone(stencil, orders, r)) return x(stencil.fallback[r]);
   const auto along_k = [&](std::size_t b) { return extrapolate(k, orders.k, b, x); };
