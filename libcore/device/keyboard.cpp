@@ -82,7 +82,7 @@ void KeyReader::take(unsigned char byte) {
         return;
       }
       if (byte == ';') {
-        parameter_ = parameter_ * 1000;
+        if (parameter_ < 1000) parameter_ *= 1000;  // the first one alone: there can be many
         return;
       }
       while (parameter_ >= 1000) parameter_ /= 1000;

@@ -28,6 +28,7 @@ TEST_CASE("arrows and page keys, in both of a terminal's modes and with modifier
   CHECK(after("\x1bOB") == Vec3{0, 0, -0.25});
   CHECK(after("\x1b[5~") == Vec3{0, 0.25, 0});
   CHECK(after("\x1b[6~") == Vec3{0, -0.25, 0});
+  CHECK(after("\x1b[5;2;3;4;5;6;7~") == Vec3{0, 0.25, 0});
   CHECK(after("\x1b[1;5C") == Vec3{0.25, 0, 0});
   CHECK(after("\x1b[5;2~") == Vec3{0, 0.25, 0});
   CHECK(after("\x1b[C\x1b[C\x1b[B") == Vec3{0.5, 0, -0.25});
