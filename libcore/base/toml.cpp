@@ -40,6 +40,8 @@ TomlFile::TomlFile(const std::string& text, std::string name) : name_(std::move(
     root_ = toml::parse(text, std::string_view());
   } catch (const toml::parse_error& e) {
     fail(e.source().begin.line, std::string(e.description()));
+  } catch (const Error& e) {
+    fail(0, e.what());
   }
 }
 

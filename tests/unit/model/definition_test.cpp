@@ -45,3 +45,13 @@ TEST_CASE("what reading a file throws comes through") {
   const auto fails = [](const std::string& file) -> std::string { throw Error(file + ": gone"); };
   CHECK_THROWS_WITH(read_definition(kDefinition, "some.toml", {}, fails), "b.xyz: gone");
 }
+
+TEST_CASE("what toml++ stumbles over is refused, or read") {
+  const auto read = [](const std::string& first_lines) {
+    return read_definition(first_lines + kDefinition, "some.toml", {}, contents_of);
+  };
+  for (const char* text : {"[[[a]]]\n", "[ # no key\n", "größe = 1\n", "a = ü\n", "[ä]\n"})
+    CHECK_THROWS_AS(read(text), Error);
+  // A text may go on with any letter behind a line that ends with a backslash.
+  CHECK_THROWS_WITH(read("s = \"\"\"\\\n§\"\"\"\n"), Catch::Contains("unknown key s"));
+}
