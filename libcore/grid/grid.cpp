@@ -7,6 +7,15 @@
 
 namespace hapgrid {
 
+namespace {
+
+// A header claims any number of points in a few bytes. A finished grid has a record at each of
+// them; more than so many points must be a thousandth full at least.
+constexpr std::uint64_t kMostlyEmptyPoints = 1 << 24;
+constexpr std::uint64_t kPointsARecord = 1024;
+
+}  // namespace
+
 Grid::Grid(GridSpec spec, std::uint32_t generation, RecordColumns columns)
     : spec_(std::move(spec)),
       neighbourhood_(spec_.box),
@@ -19,6 +28,11 @@ Grid::Grid(GridSpec spec, std::uint32_t generation, RecordColumns columns)
       columns_.rows.size() != count * row_size_ || columns_.links.size() != count * kDirections)
     throw FormatError("grid: columns of different lengths");
   const std::uint64_t points = spec_.box.points();
+  if (points > kMostlyEmptyPoints && points / kPointsARecord > count)
+    throw FormatError("grid: a box of " + std::to_string(points) + " points with " +
+                      std::to_string(count) + " records; more than " +
+                      std::to_string(kMostlyEmptyPoints) + " points want a record in " +
+                      std::to_string(kPointsARecord) + " of them");
   first_.assign(points + 1, 0);
   for (std::size_t r = 0; r < count; ++r) {
     const PointIndex p = columns_.point[r];
