@@ -1,0 +1,95 @@
+#!/bin/bash
+# Writes the part of the corpora that real outputs of the tools are: `made-*` in corpus/TARGET. The
+# rest of the files there is what the fuzzer found (README.md). Needs a build (HAPGRID_BIN) and cc;
+# what it writes depends on the versions of zstd and of the compiler's libraries, so it is committed.
+#
+#   tests/fuzz/make-corpus.sh [CORPUS]
+corpus=$(realpath -m "${1:-$(dirname "$0")/corpus}")
+source "$(dirname "$0")/../cli/lib.sh"
+rm -f "$corpus"/*/made-*
+# put TARGET NAME < what goes there
+put() {
+  mkdir -p "$corpus/$1"
+  cat >"$corpus/$1/made-$2"
+}
+
+# Shards: seeds, requests, a frontier, a grid on its way and finished, coded without loss and with,
+# with and without what is stored; two sections in one file.
+small=(--set grid.spacing=0.25 --set 'grid.counts=[6,3,2]' --set 'grid.origin=[-0.7,-0.2,-0.1]')
+seed "$ball" "${small[@]}" >seeds
+expand seeds >requests
+merge seeds requests --frontier 'frontier.{}' --parts 2 -o next
+expand --complete seeds >grid
+merge --final grid -o coded
+merge --final --precision 0.01 grid -o lossy
+cat frontier.1 frontier.2 >both
+seed "$ball" "${small[@]}" --set model.parameters.stored=true | expand --complete >stored
+merge --final stored -o stored-coded
+merge --final --precision 0.001 stored -o stored-lossy
+for shard in seeds requests frontier.1 both grid coded lossy stored stored-coded stored-lossy; do
+  put shard "$shard" <"$shard"
+  [[ $shard == both ]] || zstd -qdc "$shard" | put shard_messages "$shard"
+done
+
+# Sessions, whole and cut, their text, and frames.
+for step in {0..84}; do
+  LC_ALL=C awk -v i="$step" 'BEGIN { print -0.7 + 0.0125 * i, 0.1, 0.05 }'
+done >path
+play stored --device path:path --log played.session --frames frames 2>/dev/null
+put session played <played.session
+head -c -30 played.session | put session cut
+zstd -qdc played.session 2>/dev/null | put session_messages played
+stats --log played.session --export - >text
+head -n 20 text | put recording played
+printf '# t\tx\ty\tz\n0\t0\t0\t0\n0.001\t1e-3\tnan\t-inf\n' | put recording short
+put frames played <frames
+head -c -20 frames | put frames cut
+
+# Texts for people.
+put definition ball <"$ball"
+put definition process <"$HAPGRID_SOURCE/examples/hung-ball/hung-ball-process.toml"
+for toml in soft-tissue/soft-tissue molecule/butane/butane; do
+  put definition "${toml##*/}" <"$HAPGRID_SOURCE/examples/$toml.toml"
+done
+(cat "$ball"; printf '\0grid.counts=[5, 4, 3]') | put definition override
+head -n 20 path | put path path
+head -n 20 "$HAPGRID_SOURCE/examples/hung-ball/path-there-and-back.txt" | put path example
+for toml in openffboard teensy-rawhid template; do
+  put profile "$toml" <"$HAPGRID_SOURCE/examples/devices/$toml.toml"
+done
+
+# A model process: what the hung ball says.
+printf '%s\n' '{"hapgrid": 1, "parameters": {}}' '{"id": 1, "op": "known_states", "x": [-0.4, 0, 0]}' \
+  '{"id": 2, "op": "convert", "s": [0.1], "x": [-0.4, 0, 0], "d": [0.05, 0, 0]}' |
+  python3 "$HAPGRID_SOURCE/examples/hung-ball/hung_ball.py" | put process ball
+cat <<'JSON' | put process stored
+{"hapgrid": 1, "state_size": 2, "d_max": 0.5, "tolerance": 1e-6, "tolerance_unit": "m", "norm": "rms", "weights": [1, 2], "length_unit": "m", "energy_unit": "J", "force_scale": 1.5, "hip_radius": 0.1, "stored": ["force", "energy", "shape"], "spheres": [{"radius": 0.1, "colour": [1, 0, 0.5], "label": "H"}]}
+{"id": 1, "s": [0.5, -1e-3], "force": [0, 1, 2], "energy": -7, "shape": [1, 2, 3]}
+{"id": 2, "states": [[0, 1], [2.5, 3]], "more": {"deep": [[1], {"s": [2]}]}}
+{"id": 3, "error": "no convergence"}
+JSON
+
+# Reports of devices, and what viewers and terminals send.
+cat >descriptors.c <<'C'
+#include <stdio.h>
+#include "tests/hid/descriptors.h"
+int main(void) {
+#define PUT(name)                                \
+  {                                              \
+    FILE* out = fopen(#name, "wb");              \
+    fwrite(name, 1, sizeof name, out);           \
+    fclose(out);                                 \
+  }
+  PUT(kTeensyRawHid) PUT(kSpaceMouse) PUT(kMouse) PUT(kGamepad)
+  PUT(kPidBits) PUT(kPidArray) PUT(kPidHighIds)
+  return 0;
+}
+C
+cc -w -I"$HAPGRID_SOURCE" descriptors.c -o descriptors
+./descriptors
+for name in k[A-Z]*; do put descriptor "${name#k}" <"$name"; done
+# GO, TRATE 3, PAUSE; GO, MDCOMM of one atom, DISCONNECT.
+printf '\x04\0\0\0\3\0\0\0\0\0\0\0\x08\0\0\0\3\0\0\0\7\0\0\0\0' | put imd pause
+printf '\x0d\0\0\0\3\0\0\0\0\0\0\0\6\0\0\0\1\0\0\0\2abcdefghijkl\0\0\0\0\0\0\0\0' | put imd forces
+printf '\x1b[C\x1b[D\x1bOA\x1b[5~\x1b[6~\x1b[1;5B++--0r\x1b[Cq' | put keys keys
+du -sb "$corpus"/* | sort -n
