@@ -99,10 +99,11 @@ PlayedWith resume(const CLI::App& app, const PlayOptions& options, const Session
 }
 
 int play(const CLI::App& app, PlayOptions options) {
-  // Frames go where a viewer waits: play ... | view.
+  // Frames go where a viewer waits: play GRID --device keys | view. A scripted play may be in a
+  // script that collects what its commands say.
   struct stat out {};
-  if (options.frames.empty() && options.log != "-" && options.report != "-" &&
-      ::fstat(STDOUT_FILENO, &out) == 0 && S_ISFIFO(out.st_mode))
+  if (options.frames.empty() && is_live(options.device) && options.log != "-" &&
+      options.report != "-" && ::fstat(STDOUT_FILENO, &out) == 0 && S_ISFIFO(out.st_mode))
     options.frames = "-";
   check(options);
   std::optional<HidGuard> guard;  // before there is a thread, or a grid that a fork would copy

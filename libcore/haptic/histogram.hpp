@@ -1,5 +1,5 @@
 // Durations, counted so that a tick can do it: an array of counters whose bins grow with the value,
-// each at most 1/16 of it wide (the scheme of HDR histograms, which Debian has for other languages
+// each at most 1/64 of it wide (the scheme of HDR histograms, which Debian has for other languages
 // only).
 #pragma once
 
@@ -20,7 +20,7 @@ class Histogram {
   std::uint64_t count() const { return count_; }
   std::int64_t max() const { return max_; }
   /// The value that the part `p` in (0, 1] of all is not above: the upper edge of its bin, so not
-  /// below the true one and at most 1/16 above it; 0 without values, never above max().
+  /// below the true one and at most 1/64 above it; 0 without values, never above max().
   std::int64_t quantile(double p) const;
 
   struct Bin {
@@ -32,7 +32,7 @@ class Histogram {
   std::vector<Bin> bins() const;
 
  private:
-  static constexpr int kSubBits = 4;  // 16 bins to a doubling
+  static constexpr int kSubBits = 6;  // 64 bins to a doubling
   static constexpr std::size_t kBins = (64 - kSubBits) << kSubBits;
 
   static std::size_t bin(std::uint64_t value) noexcept;

@@ -319,8 +319,8 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
                  "replayed, any other is text")
       ->type_name("FILE");
   app.add_option("--frames", options.frames,
-                 "File for the frames, 25 a second ('-': standard output). Without it they go to a "
-                 "pipe on standard output, as in play ... | view")
+                 "File for the frames, 25 a second ('-': standard output). Without it those of a "
+                 "live device go to a pipe on standard output, as in play ... | view")
       ->type_name("FILE");
   app.add_option("--report", options.report,
                  "File for a report as JSON: ticks, lateness, computing time, what the safety core "
