@@ -93,7 +93,7 @@ reference "$small"
 for how in group make TERM; do
   rm -rf work
   # Not here with SIGINT: the shell ignores it in the background.
-  setsid "${driver[@]}" SET="$small" PARTS=2 RUN='sleep 0.02;' -j 2 >/dev/null 2>&1 &
+  setsid "${driver[@]}" SET="$small" PARTS=2 RUN='sleep 0.2;' -j 2 >/dev/null 2>&1 &
   group=$!
   until compgen -G 'work/hung-ball/*/0002.grid' >/dev/null; do sleep 0.02; done
   case $how in
