@@ -122,7 +122,12 @@ int play(const CLI::App& app, PlayOptions options) {
   };
   const Fields fields(spec, create, /*wants_shape=*/false);
 
+  // Before a live device is open: a signal must not leave a terminal without lines and echo. Reading
+  // a path from standard input still ends by it.
+  std::optional<CaughtSignals> signals;
+  if (is_live(options.device)) signals.emplace();
   const OpenDevice open = open_device(options, spec.box, guard ? &*guard : nullptr);
+  if (!signals) signals.emplace();
   Device& device = *open.device;
   const DeviceInfo info = device.info();
   PlayedWith with{.limits = options.safety, .scale = options.mapping.scale};
@@ -172,7 +177,6 @@ int play(const CLI::App& app, PlayOptions options) {
                            stderr));
             ::_exit(kExitFailed);
           });
-    const CaughtSignals signals;
     viewers.wait(caught_signal);
     const Realtime realtime(paced ? options.realtime : RealtimeMode::kOff);
     facts.realtime = realtime.got();
@@ -181,6 +185,7 @@ int play(const CLI::App& app, PlayOptions options) {
                    facts.realtime.c_str());
     summary =
         run_loop(device, mapping, traversal, safety, force, sink, caught_signal, heartbeat, loop);
+    signals.reset();  // writing what is left can be interrupted
   }
   log.finish();
   viewers.finish();
@@ -206,7 +211,13 @@ int run(const CLI::App& app, const PlayOptions& options) {
     print_descriptor(options.dump_descriptor);
     return kExitDone;
   }
-  return play(app, options);
+  try {
+    return play(app, options);
+  } catch (const std::system_error& e) {
+    // A signal before the loop, while a pipe waited for its reader.
+    if (e.code() == std::errc::interrupted && caught_signal != 0) return 128 + caught_signal;
+    throw;
+  }
 }
 
 }  // namespace

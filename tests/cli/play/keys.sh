@@ -4,8 +4,9 @@ seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --co
 python3 - <<'PYTHON'
 import os, pty, re, select, signal, sys, termios, time
 
-def session(keys, ending, extra=()):
-    """Plays with `keys` pressed one by one; returns exit code, standard error, and the log."""
+def session(keys, ending, extra=(), ticks=0.3):
+    """Plays with `keys` pressed one by one, after so many seconds of ticks; returns exit code and
+    standard error."""
     pid, terminal = pty.fork()
     if pid == 0:
         error = os.open("err", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
@@ -23,17 +24,14 @@ def session(keys, ending, extra=()):
         time.sleep(0.01)
     else:
         sys.exit("the terminal never became raw: " + open("err").read())
-    time.sleep(0.3)  # some ticks
+    time.sleep(ticks)
     for key in keys:
         os.write(terminal, key)
         time.sleep(0.3)  # the HIP follows with a time constant of 50 ms
     ending(pid, terminal)
     _, status = os.waitpid(pid, 0)
-    try:
-        after = termios.tcgetattr(terminal)[3]
-        assert after & termios.ICANON and after & termios.ECHO, after
-    except termios.error:
-        pass  # the other end is closed already
+    after = termios.tcgetattr(terminal)[3]
+    assert after & termios.ICANON and after & termios.ECHO, after
     return os.waitstatus_to_exitcode(status), open("err").read()
 
 def hips():
@@ -60,6 +58,19 @@ assert code == 143, (code, error)
 code, error = session([], lambda pid, terminal: os.write(terminal, b"q"),
                       ["--key-start", "0.3,0.2,0.1"])
 assert code == 0 and hips()[0] == (0.3, 0.2, 0.1), (code, error, hips()[0])
+# Before the first tick: the terminal is raw, and the pipe for the frames has no reader. Signals are
+# sent until one comes while it waits for that.
+def interrupt(pid, terminal):
+    for _ in range(200):
+        os.kill(pid, signal.SIGINT)
+        time.sleep(0.05)
+        if os.waitid(os.P_PID, pid, os.WEXITED | os.WNOWAIT | os.WNOHANG):
+            return
+    os.kill(pid, signal.SIGKILL)
+
+os.mkfifo("pipe")
+code, error = session([], interrupt, ["--frames", "pipe"], ticks=0)
+assert (code, error) == (130, ""), (code, error)
 PYTHON
 # Without a terminal there are no keys.
 refuses 'play: keys: there is no terminal to read \(with ssh use -t\)' \
