@@ -22,36 +22,19 @@ refuses 'view: --terminal: standard output is not a terminal; --png draws a fram
 expect 2 '' "view: --terminal: text not in {auto,symbols,sixel,kitty} $see" -- view one --terminal=text
 expect 2 '' "view: --png excludes --terminal $see" -- view one --terminal --png x
 
-command -v tmux >/dev/null || skip "no tmux"
-
-# A server of its own; the shell in it has a small prompt, and no history. LC_ALL: tmux draws blocks
-# only where text is UTF-8.
-export LC_ALL=C.UTF-8
-unset TMUX COLORTERM
-on() { tmux -S "$work/tmux" -f /dev/null "$@"; }
-trap 'on kill-server 2>/dev/null; rm -rf "$work"' EXIT
-on new-session -d -x 80 -y 24 "env PS1='ready> ' bash --norc --noprofile"
+source "$here/../tmux.sh"
 tty=$(on display -p '#{pane_tty}')
 
-# wait_for REGEX: until a line of the terminal fits.
-wait_for() {
-  local deadline=$((SECONDS + 60))
-  until on capture-pane -p | grep -qE "$1"; do
-    ((SECONDS < deadline)) || fail "never on the terminal: $1"$'\n'"$(on capture-pane -p)"
-    sleep 0.05
-  done
-}
-type() { on send-keys -l "$1" && on send-keys Enter; }
 # start LINE: types a line that shows frames from a pipe which stays open, and waits for the first one.
 mkfifo live
 start() {
-  type "$1"
+  type_line "$1"
   exec 4>live
   cat one >&4
   wait_for '^t [0-9.]+ s   force '
 }
 
-type 'clear; seq 3; stty -a >modes'
+type_line 'clear; seq 3; stty -a >modes'
 wait_for '^3$'
 wait_for '^ready>$'
 before=$(on capture-pane -p)
@@ -88,7 +71,7 @@ on resize-window -x 80 -y 24
 # Interrupted: everything is as before.
 on send-keys C-c
 wait_for '^ready>$'
-type 'echo exit $?'
+type_line 'echo exit $?'
 wait_for '^exit 130$'
 # usual: the usual screen, and a cursor.
 usual() { same "cursor, screen" "1 0" "$(on display -p '#{cursor_flag} #{alternate_on}')"; }
@@ -103,7 +86,7 @@ unchanged '^C'
 exec 4>&-
 
 # Terminated; and without COLORTERM the 256 colours of TERM.
-type clear
+type_line clear
 wait_for '^ready>$'
 before='ready>'
 start "view live --terminal=symbols & wait; echo exit \$?"
@@ -118,20 +101,20 @@ exec 4>&-
 
 # The end of the stream: the last picture stays on the terminal itself. What was typed meanwhile is
 # still there for whoever reads it.
-type clear
+type_line clear
 wait_for '^ready>$'
 start 'view live --terminal; echo exit $?'
-type 'echo ty""ped'
+type_line 'echo ty""ped'
 exec 4>&-
 wait_for '^exit 0$'
 wait_for '^typed$'
 usual
 same "numbers" "~t 0\.12 s   force .*" "$(on capture-pane -p | grep '^t ')"
 # A damaged end: that, and the message.
-type clear
+type_line clear
 wait_for '^ready>$'
 head -c -1 x.frames >cut
-type 'view cut --terminal; echo exit $?'
+type_line 'view cut --terminal; echo exit $?'
 wait_for '^exit 1$'
 on capture-pane -p | grep -q '^view: cut: byte [0-9]*: truncated: a message is cut' || fail "no message"
 usual
