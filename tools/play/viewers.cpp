@@ -79,7 +79,7 @@ void Viewers::start(const GridSpec& spec, const std::function<Model()>& create, 
   if (file_) file.emplace(options_.frames, /*binary=*/false);
   publisher_.emplace(
       std::move(file), scene, spec.row_size(), [this](Frame& frame) { complete(*fields_, frame); },
-      paced, kUnpacedHz, stop, std::move(show));
+      paced, rate_hz, stop, std::move(show));
 }
 
 void Viewers::wait(const std::atomic<int>& stop) {

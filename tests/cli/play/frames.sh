@@ -58,6 +58,24 @@ frames = [json.loads(line)["frame"] for line in list(sys.stdin)[1:]]
 limited = [f for f in frames if norm(f["rawForce"]) > 0.05]
 assert limited and all(0 <= 0.05 - norm(f["force"]) < 1e-12 for f in limited)'
 
+# A session's own rate counts: at 5 kHz the first tick from 0, 200, 400, ... on, and the last one.
+for _ in 1 2; do cat path; done | play grid --device path:- --rate 5000 --log five.session 2>/dev/null
+play grid --device replay:five.session --frames five.frames --log five.log 2>/dev/null
+capnp convert binary:json --short "$frames" Message <five.frames >json
+python3 - <<'PYTHON'
+import json
+frames = [json.loads(line)["frame"] for line in list(open("json"))[1:]]
+ticks = [round(5000 * float(line.split("\t")[0])) for line in list(open("five.log"))[1:]]
+wanted = []
+for tick in ticks:
+    if not wanted or tick // 200 > wanted[-1] // 200:
+        wanted.append(tick)
+if wanted[-1] != ticks[-1]:
+    wanted.append(ticks[-1])
+assert [int(f["tick"]) for f in frames] == wanted, (frames, wanted)
+assert all(f["time"] == int(f["tick"]) / 5000 for f in frames)
+PYTHON
+
 # Paced: the newest tick 25 times a second, and the last one; a viewer that reads misses nothing
 # that can be asserted on a machine which may stall, but it gets whole frames in their order.
 head -301 path | tail -300 >short
