@@ -6,12 +6,13 @@
 #include <string>
 
 #include "libcore/base/error.hpp"
+#include "libcore/grid/finite.hpp"
 
 namespace hapgrid {
 
 void Box::validate() const {
+  if (!finite(origin)) throw Error("box: origin is not finite");
   for (int a = 0; a < 3; ++a) {
-    if (!std::isfinite(origin[a])) throw Error("box: origin is not finite");
     if (counts[a] == 0) throw Error("box: a count is 0; each axis needs at least one point");
   }
   if (!std::isfinite(spacing) || spacing <= 0)

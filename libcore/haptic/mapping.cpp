@@ -4,14 +4,11 @@
 #include <cmath>
 
 #include "libcore/base/error.hpp"
+#include "libcore/grid/finite.hpp"
 
 namespace hapgrid {
 
 namespace {
-
-bool finite(const Vec3& v) {
-  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
-}
 
 bool is_signed_permutation(const std::array<Vec3, 3>& axes) {
   std::array<int, 3> uses{};

@@ -5,6 +5,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/grid/finite.hpp"
 
 namespace hapgrid {
 
@@ -21,10 +22,6 @@ constexpr double kCalmSpeed = 0.5;
 constexpr double kBuzzTime = 0.25;
 // Buzzing is over below this part of buzz_rate.
 constexpr double kCalmBuzz = 0.25;
-
-bool finite(const Vec3& f) {
-  return std::isfinite(f[0]) && std::isfinite(f[1]) && std::isfinite(f[2]);
-}
 
 Vec3 plus(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }

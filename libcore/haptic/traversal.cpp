@@ -6,16 +6,13 @@
 #include <string>
 
 #include "libcore/base/error.hpp"
+#include "libcore/grid/finite.hpp"
 
 namespace hapgrid {
 
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-bool finite(const Vec3& x) {
-  return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
-}
 
 std::int64_t farthest(const std::array<std::int64_t, 3>& cells) {
   return std::max({std::abs(cells[0]), std::abs(cells[1]), std::abs(cells[2])});

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "libcore/grid/finite.hpp"
+
 namespace hapgrid {
 
 namespace {
@@ -18,10 +20,6 @@ double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[
 Vec3 along(const Vec3& a, const Vec3& b, double t) {
   return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
 }
-bool finite(const Vec3& v) {
-  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
-}
-
 /// The picture's axes in the model's space: to the right, up, towards the viewer.
 struct Axes {
   Vec3 right;

@@ -1,0 +1,14 @@
+// Whether a vector is one: a NaN or infinity in any component makes all of it useless.
+#pragma once
+
+#include <cmath>
+
+#include "libcore/grid/box.hpp"
+
+namespace hapgrid {
+
+inline bool finite(const Vec3& v) noexcept {
+  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+}  // namespace hapgrid
