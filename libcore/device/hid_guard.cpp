@@ -114,7 +114,7 @@ void guard(int socket) {
   } catch (...) {
   }
   // At once: what the parent had in its buffers, or wanted to do at its end, is the parent's.
-  for (;;) ::syscall(SYS_exit_group, 0);
+  ::_exit(0);
 }
 
 }  // namespace
