@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -27,12 +26,6 @@ FileDescriptor open_terminal() {
   FileDescriptor terminal(::open("/dev/tty", O_RDWR | O_CLOEXEC | O_NOCTTY));
   if (!terminal) throw DeviceError("keys: there is no terminal to read (with ssh use -t)");
   return terminal;
-}
-
-std::int64_t now_ns() noexcept {
-  timespec t{};
-  ::clock_gettime(CLOCK_MONOTONIC, &t);
-  return t.tv_sec * std::int64_t{1'000'000'000} + t.tv_nsec;
 }
 
 }  // namespace
@@ -163,9 +156,9 @@ void KeyboardDevice::listen(const std::stop_token& token) {
 DeviceStatus KeyboardDevice::read(DeviceInput& input) noexcept {
   if (lost_.load(std::memory_order_relaxed)) return DeviceStatus::kFailed;
   if (quit_.load(std::memory_order_relaxed)) return DeviceStatus::kEnd;
-  const std::int64_t now = now_ns();
-  const double dt = last_ns_ == 0 ? 0 : static_cast<double>(now - last_ns_) * 1e-9;
-  last_ns_ = now;
+  const auto now = std::chrono::steady_clock::now();
+  const double dt = std::chrono::duration<double>(now - last_.value_or(now)).count();
+  last_ = now;
   const double part = dt / (kFollowSeconds + dt);
   for (int a = 0; a < 3; ++a)
     position_[a] += part * (target_[a].load(std::memory_order_relaxed) - position_[a]);

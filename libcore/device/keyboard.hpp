@@ -5,7 +5,8 @@
 
 #include <array>
 #include <atomic>
-#include <cstdint>
+#include <chrono>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -20,12 +21,6 @@ struct KeyboardOptions {
   Vec3 high{0, 0, 0};
   double step = 0;  ///< a press of a key moves the HIP so far; model's unit
 };
-
-/// The keys, for a help text.
-inline constexpr const char* kKeyboardHelp =
-    "arrows left and right move the HIP along x, up and down along z, page up and down along y; "
-    "+ and - make the steps larger and smaller, 0 goes back to the start, r lets the force come "
-    "back after a fault, q ends";
 
 /// What keys have been pressed so far; takes the bytes that a terminal sends.
 class KeyReader {
@@ -77,7 +72,7 @@ class KeyboardDevice : public Device {
   std::atomic<bool> given_back_{false};
   // The haptic thread's.
   Vec3 position_;
-  std::int64_t last_ns_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> last_;
   unsigned seen_resets_ = 0;
   std::jthread listener_;
 };
