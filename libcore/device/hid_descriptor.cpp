@@ -314,9 +314,12 @@ bool HidDescriptor::inside(const HidField& field, HidUsage collection) const {
 }
 
 std::optional<HidElement> HidDescriptor::find(HidReportKind kind, HidUsage usage,
-                                              std::optional<HidUsage> collection) const {
+                                              std::optional<HidUsage> collection,
+                                              std::optional<std::uint8_t> report_id) const {
   for (const HidField& field : fields) {
-    if (field.kind != kind || (collection && !inside(field, *collection))) continue;
+    if (field.kind != kind || (collection && !inside(field, *collection)) ||
+        (report_id && field.report_id != *report_id))
+      continue;
     std::uint64_t position = 0;
     for (const HidUsageRange& range : field.usages) {
       if (range.first.page == usage.page && range.first.id <= usage.id &&
@@ -331,6 +334,7 @@ std::optional<HidElement> HidDescriptor::find(HidReportKind kind, HidUsage usage
             .bit_size = field.bit_size,
             .logical_min = field.logical_min,
             .logical_max = field.logical_max,
+            .variable = field.variable,
             .choice = field.variable ? 1 : field.logical_min + static_cast<std::int64_t>(position)};
       }
       position += range.last_id - range.first.id + 1U;

@@ -74,6 +74,7 @@ struct HidElement {
   std::uint32_t bit_size = 0;
   std::int64_t logical_min = 0;
   std::int64_t logical_max = 0;
+  bool variable = true;  ///< as HidField's
   /// What to write to say that the usage is chosen or on: its number for an array, else 1.
   std::int64_t choice = 1;
 };
@@ -91,9 +92,11 @@ struct HidDescriptor {
   HidUsage application(const HidField& field) const;
   /// Whether any collection around `field` has this usage.
   bool inside(const HidField& field, HidUsage collection) const;
-  /// The first value with this usage; with `collection`, in a collection of that usage.
+  /// The first value with this usage; with `collection`, in a collection of that usage; with
+  /// `report_id`, in that report.
   std::optional<HidElement> find(HidReportKind kind, HidUsage usage,
-                                 std::optional<HidUsage> collection = std::nullopt) const;
+                                 std::optional<HidUsage> collection = std::nullopt,
+                                 std::optional<std::uint8_t> report_id = std::nullopt) const;
 };
 
 /// @throw DeviceError, one line, when the descriptor has no bytes or more than 4096, ends inside an

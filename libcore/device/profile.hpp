@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "libcore/device/hid_bus.hpp"
+#include "libcore/device/hid_descriptor.hpp"
 #include "libcore/device/hid_protocol.hpp"
 
 namespace hapgrid {
@@ -33,15 +34,6 @@ struct BitField {
   /// From, and into, a report without its id, that holds the field.
   std::int64_t get(std::span<const std::uint8_t> data) const noexcept;
   void set(std::span<std::uint8_t> data, std::int64_t value) const noexcept;
-};
-
-/// A field of a report descriptor.
-struct UsageField {
-  std::uint16_t usage_page = 0, usage = 0;
-  std::uint8_t report_id = 0;  ///< 0: the device has no ids
-  std::size_t bit = 0;         ///< as BitField::bit
-  unsigned bits = 0;
-  bool is_signed = false;
 };
 
 using Matrix3 = std::array<Vec3, 3>;  // rows
@@ -96,9 +88,8 @@ struct Profile {
 Profile read_profile(const std::string& text, const std::string& name);
 
 /// Finds the fields that the profile has by their usages in its input report.
-/// @param fields the device's input fields.
 /// @throw DeviceError for a usage that is not there, or a field that cannot be.
-void resolve_usages(Profile& profile, std::span<const UsageField> fields);
+void resolve_usages(Profile& profile, const HidDescriptor& descriptor);
 
 /// A device with such a profile. Values that a field cannot hold stay at its limit; a force that is
 /// not finite is none.

@@ -3,7 +3,9 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/device/hid_report.hpp"
 #include "libcore/device/profile.hpp"
+#include "libcore/grid/finite.hpp"
 
 namespace hapgrid {
 
@@ -41,21 +43,16 @@ std::int64_t BitField::get(std::span<const std::uint8_t> data) const noexcept {
   if (big_endian) {
     for (std::size_t i = 0; i < bits / 8; ++i) value = value << 8 | data[bit / 8 + i];
   } else {
-    for (unsigned i = 0; i < bits; ++i)
-      value |= std::uint64_t{data[(bit + i) / 8] >> (bit + i) % 8 & 1u} << i;
+    value = get_bits(data, bit, bits);
   }
-  const bool negative = is_signed && (value >> (bits - 1) & 1) != 0;
-  return static_cast<std::int64_t>(value) - (negative ? std::int64_t{1} << bits : 0);
+  return is_signed ? as_signed(value, bits) : static_cast<std::int64_t>(value);
 }
 
 void BitField::set(std::span<std::uint8_t> data, std::int64_t value) const noexcept {
   const auto raw = static_cast<std::uint64_t>(value);  // two's complement
-  for (unsigned i = 0; i < bits; ++i) {
-    const std::size_t at = big_endian ? bit / 8 + (bits - 1 - i) / 8 : (bit + i) / 8;
-    const unsigned shift = big_endian ? i % 8 : (bit + i) % 8;
-    const auto mask = static_cast<std::uint8_t>(1u << shift);
-    data[at] = static_cast<std::uint8_t>((raw >> i & 1) != 0 ? data[at] | mask : data[at] & ~mask);
-  }
+  if (!big_endian) return set_bits(data, bit, bits, raw);
+  for (std::size_t i = 0; i < bits / 8; ++i)
+    data[bit / 8 + i] = static_cast<std::uint8_t>(raw >> (bits - 8 - 8 * i));
 }
 
 bool Profile::has_usages() const {
@@ -63,26 +60,24 @@ bool Profile::has_usages() const {
   return std::any_of(inputs.begin(), inputs.end(), open) || open(clutch);
 }
 
-void resolve_usages(Profile& profile, std::span<const UsageField> fields) {
+void resolve_usages(Profile& profile, const HidDescriptor& descriptor) {
   const auto resolve = [&](BitField& field, const std::string& key, unsigned most) {
     if (field.bits != 0) return;
     const std::string who = profile.file + ": " + key + ": " +
                             usage_text(field.usage_page, field.usage) + " in input report " +
                             std::to_string(profile.input_id);
-    const auto found = std::find_if(fields.begin(), fields.end(), [&](const UsageField& f) {
-      return f.usage_page == field.usage_page && f.usage == field.usage &&
-             f.report_id == profile.input_id;
-    });
-    if (found == fields.end()) throw DeviceError(who + ": the device has no such field");
+    const auto found = descriptor.find(HidReportKind::kInput, {field.usage_page, field.usage},
+                                       std::nullopt, profile.input_id);
+    if (!found) throw DeviceError(who + ": the device has no such field");
+    if (!found->variable) throw DeviceError(who + ": the device has it as a choice, not a value");
     const std::size_t room = 8 * profile.input_length;
-    if (found->bits < 1 || found->bits > most || found->bit >= room ||
-        found->bits > room - found->bit)
-      throw DeviceError(who + ": " + std::to_string(found->bits) + " bits at bit " +
-                        std::to_string(found->bit) + ", which are more than " +
+    if (found->bit_size > most || std::size_t{found->bit_offset} + found->bit_size > room)
+      throw DeviceError(who + ": " + std::to_string(found->bit_size) + " bits at bit " +
+                        std::to_string(found->bit_offset) + ", which are more than " +
                         std::to_string(most) + " or behind input.length");
-    field.bit = found->bit;
-    field.bits = found->bits;
-    field.is_signed = found->is_signed;
+    field.bit = found->bit_offset;
+    field.bits = found->bit_size;
+    field.is_signed = found->logical_min < 0;
   };
   for (std::size_t a = 0; a < 3; ++a)
     if (auto& axis = profile.inputs[a]) resolve(axis->field, std::string("input.") + "xyz"[a], 32);
@@ -132,8 +127,7 @@ void ProfileProtocol::encode(const Vec3& force, std::vector<HidReport>& reports)
 }
 
 void ProfileProtocol::write_force(const Vec3& force, std::vector<HidReport>& reports) const {
-  const bool finite = std::isfinite(force[0]) && std::isfinite(force[1]) && std::isfinite(force[2]);
-  const Vec3 newtons = finite ? times(profile_.force_axes, force) : Vec3{0, 0, 0};
+  const Vec3 newtons = finite(force) ? times(profile_.force_axes, force) : Vec3{0, 0, 0};
   reports.resize(profile_.outputs.size());
   for (std::size_t i = 0; i < reports.size(); ++i) {
     const Profile::Output& output = profile_.outputs[i];

@@ -11,9 +11,14 @@ namespace {
 
 void use(Profile profile) {
   if (profile.has_usages()) {
-    const UsageField field{
-        .usage_page = 1, .usage = 0x30, .report_id = profile.input_id, .bits = 8};
-    resolve_usages(profile, std::span(&field, 1));
+    HidDescriptor descriptor;
+    descriptor.fields.push_back({.report_id = profile.input_id,
+                                 .bit_size = 8,
+                                 .count = 1,
+                                 .variable = true,
+                                 .usages = {{{1, 0x30}, 0x30}},
+                                 .collection = {}});
+    resolve_usages(profile, descriptor);
   }
   const std::size_t length = profile.input_length + 1;
   const std::uint8_t id = profile.input_id;

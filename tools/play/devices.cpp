@@ -101,22 +101,8 @@ OpenDevice open_replay(const std::string& file, double text_rate_hz) {
 std::unique_ptr<Device> open_profile(const std::string& file, HidGuard* guard) {
   Profile profile = read_profile(read_text(file, kMaxProfileBytes), file);
   const HidInfo info = find_one_hid(list_hid(), profile.match, "[match] serial or path in " + file);
-  if (profile.has_usages()) {
-    const HidDescriptor descriptor = parse_hid_descriptor(read_report_descriptor(info.path));
-    std::vector<UsageField> fields;
-    for (const HidField& field : descriptor.fields) {
-      if (field.kind != HidReportKind::kInput || !field.variable) continue;
-      for (std::uint32_t i = 0; i < field.count && i < kMaxProfileBytes; ++i)
-        if (const auto usage = field.usage(i))
-          fields.push_back({.usage_page = usage->page,
-                            .usage = usage->id,
-                            .report_id = field.report_id,
-                            .bit = field.bit_offset + std::size_t{i} * field.bit_size,
-                            .bits = field.bit_size,
-                            .is_signed = field.logical_min < 0});
-    }
-    resolve_usages(profile, fields);
-  }
+  if (profile.has_usages())
+    resolve_usages(profile, parse_hid_descriptor(read_report_descriptor(info.path)));
   return std::make_unique<HidDevice>(info.path,
                                      std::make_unique<ProfileProtocol>(std::move(profile)), guard);
 }

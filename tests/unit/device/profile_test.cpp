@@ -133,7 +133,7 @@ TEST_CASE("OpenFFBoard by its reports") {
   CHECK(channel.written[4].second.size() == 18);
   // 1 N is 16129 counts = 0x3F01.
   std::vector<HidReport> out;
-  board.encode({1, -1, 7}, out);
+  board.encode({1, 1, 7}, out);
   CHECK(out == std::vector<HidReport>{{5, 1, 0x01, 0x3f}, {5, 2, 0xff, 0xc0}});
   const std::vector<HidReport> stop = board.stop();
   REQUIRE(stop.size() == 7);
@@ -148,7 +148,7 @@ TEST_CASE("OpenFFBoard by its reports") {
   DeviceInput input;
   REQUIRE(board.decode(in, input));
   CHECK(input.position[0] == Approx(32767 * 1.5e-6));
-  CHECK(input.position[1] == Approx(-32768 * 1.5e-6));
+  CHECK(input.position[1] == Approx(32768 * 1.5e-6));
   CHECK(input.position[2] == 0);
 }
 
@@ -156,31 +156,43 @@ TEST_CASE("the template has every key, and its usage is found in the descriptor"
   Profile profile = shipped("template.toml");
   CHECK(profile.has_usages());
   CHECK_THROWS_AS(ProfileProtocol(profile), DeviceError);
-  const auto why = [&profile](const UsageField& field) -> std::string {
+  // What the device says of its report 1: a byte, x and y, and z as `z` has it.
+  const auto with = [](const std::vector<std::uint8_t>& z) {
+    std::vector<std::uint8_t> bytes{0x05, 0x01, 0x09, 0x04, 0xa1, 0x01, 0x85, 0x01,
+                                    0x75, 0x08, 0x95, 0x01, 0x81, 0x01,  // padding
+                                    0x16, 0x00, 0x80, 0x26, 0xff, 0x7f,  // 16 bits, signed
+                                    0x75, 0x10, 0x95, 0x02, 0x09, 0x30, 0x09, 0x31,  // X, Y
+                                    0x81, 0x02, 0x95, 0x01};
+    bytes.insert(bytes.end(), z.begin(), z.end());
+    bytes.push_back(0xc0);
+    return parse_hid_descriptor(bytes);
+  };
+  const auto why = [&](const std::vector<std::uint8_t>& z) -> std::string {
     Profile copy = profile;
     copy.file = "p";
     try {
-      resolve_usages(copy, std::span(&field, 1));
+      resolve_usages(copy, with(z));
     } catch (const DeviceError& e) {
       return e.what();
     }
     return "";
   };
-  UsageField z{
-      .usage_page = 1, .usage = 0x32, .report_id = 1, .bit = 40, .bits = 16, .is_signed = true};
   const std::string who = "p: input.z: usage 0001:0032 in input report 1: ";
-  UsageField other = z;
-  other.report_id = 2;
-  CHECK(why(other) == who + "the device has no such field");
-  other = z;
-  other.bits = 33;
-  CHECK(why(other) == who + "33 bits at bit 40, which are more than 32 or behind input.length");
-  other = z;
-  other.bit = std::numeric_limits<std::size_t>::max();
-  CHECK_FALSE(why(other).empty());
-  other.bit = 113;
-  CHECK_FALSE(why(other).empty());
-  resolve_usages(profile, std::span(&z, 1));
+  CHECK(why({0x09, 0x33, 0x81, 0x02}) == who + "the device has no such field");
+  CHECK(why({0x09, 0x32, 0x91, 0x02}) == who + "the device has no such field");  // output
+  CHECK(why({0x85, 0x02, 0x09, 0x32, 0x81, 0x02}) == who + "the device has no such field");
+  CHECK(why({0x09, 0x32, 0x81, 0x00}) == who + "the device has it as a choice, not a value");
+  CHECK(why({0x75, 0x21, 0x09, 0x32, 0x81, 0x02}) ==
+        who + "33 bits at bit 40, which are more than 32 or behind input.length");
+  // 16 bytes are its length; z ends with them, or a bit behind them.
+  CHECK(why({0x95, 0x49, 0x75, 0x01, 0x81, 0x01, 0x95, 0x01, 0x75, 0x0f, 0x09, 0x32, 0x81, 0x02}) ==
+        "");
+  CHECK(why({0x95, 0x4a, 0x75, 0x01, 0x81, 0x01, 0x95, 0x01, 0x75, 0x0f, 0x09, 0x32, 0x81, 0x02}) ==
+        who + "15 bits at bit 114, which are more than 32 or behind input.length");
+  // The first one is in another report.
+  const HidDescriptor second =
+      with({0x85, 0x02, 0x09, 0x32, 0x81, 0x02, 0x85, 0x01, 0x09, 0x32, 0x81, 0x02});
+  resolve_usages(profile, second);
   CHECK_FALSE(profile.has_usages());
   ProfileProtocol device(profile);
   HidReport in(17);
