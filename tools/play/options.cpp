@@ -154,7 +154,8 @@ void add_pid_options(CLI::App& app, PidParameters& pid) {
          [&pid](const std::vector<double>& v) {
            pid.signs = {v[0], v[1]};
          },
-         "Which sign of a force pushes along the axes, 1 or -1 each (default: -1,1)")
+         "Which sign of a force pushes to the right, and which towards the user, 1 or -1 each "
+         "(default: -1,1)")
       ->type_name("X,Y")
       ->expected(2)
       ->delimiter(',')
@@ -171,8 +172,8 @@ void add_mapping_options(CLI::App& app, PlayOptions& options) {
       ->group(group);
   app.add_option_function<std::string>(
          "--axes", [&m](const std::string& text) { read_axes(text, m.axes); },
-         "Which axes of the device the box's x, y and z follow, each with a sign: -z,x,y "
-         "(default: x,y,z)")
+         "Which axes of the device (x to the right, y away from the user, z up) the box's x, y and "
+         "z follow, each with a sign: -z,x,y (default: x,y,z)")
       ->type_name("AXES")
       ->check(CLI::Validator(
           [](const std::string& text) {
@@ -263,16 +264,15 @@ void add_realtime_options(CLI::App& app, PlayOptions& options) {
   static const std::map<std::string, RealtimeMode> modes{{"require", RealtimeMode::kRequire},
                                                          {"try", RealtimeMode::kTry},
                                                          {"off", RealtimeMode::kOff}};
-  app.add_option("--realtime", options.realtime,
-                 "SCHED_FIFO and locked memory: 'require', 'try' or 'off' (default: try). What was "
-                 "got is said at the start")
+  app.add_option_function<std::string>(
+         "--realtime", [&](const std::string& name) { options.realtime = modes.at(name); },
+         "SCHED_FIFO and locked memory: 'require', 'try' or 'off' (default: try). What was got is "
+         "said at the start")
       ->type_name("MODE")
-      ->transform(CLI::Transformer(modes, CLI::ignore_case).description(""))
       ->check(CLI::Validator(
-          [](const std::string& text) {
-            return text == "0" || text == "1" || text == "2"
-                       ? std::string()
-                       : "'" + text + "' is not require, try or off";
+          [](const std::string& name) {
+            return modes.contains(name) ? std::string()
+                                        : "'" + name + "' is not require, try or off";
           },
           ""))
       ->group(group);

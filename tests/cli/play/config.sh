@@ -32,6 +32,7 @@ wrong 'max-forse = 1' '.*max-forse.*'
 wrong 'max-force = -1' "--max-force: '-1' is not a force from 0 to 1000000 N"
 wrong 'axes = "x,x,y"' "--axes: 'x,x,y' is not like -z,x,y"
 wrong 'realtime = "perhaps"' "--realtime: 'perhaps' is not require, try or off"
+wrong 'realtime = 1' "--realtime: '1' is not require, try or off"
 wrong 'slew = 1 2' '--config: line 2: .*'
 wrong 'slew = 2020-01-01' '--config: play.slew must be a number, a text, true or false, or an array'
 expect 2 '' "~play: .*none.toml.* \\(see play --help\\)" -- play grid --config none.toml --device path:path
