@@ -2,9 +2,18 @@
 // terminal is tested with play itself: tests/cli/play/keys.sh.
 #include "libcore/device/keyboard.hpp"
 
+#include <fcntl.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <exception>
 #include <random>
 #include <string_view>
+
+#include "tests/unit/haptic/count_allocations.hpp"
 
 using namespace hapgrid;
 
@@ -57,4 +66,44 @@ TEST_CASE("whatever bytes come, the HIP stays in the box") {
                              : static_cast<unsigned char>(random()));
     for (const double x : reader.target()) REQUIRE((x >= -1 && x <= 1));
   }
+}
+
+namespace {
+
+/// Of a process with a terminal of its own: the HIP follows a key while read() and send() allocate
+/// nothing.
+bool follows_without_allocating() {
+  ::setsid();
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
+  if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) return false;
+  if (::open(::ptsname(terminal), O_RDWR) < 0) return false;  // now the session's own
+  KeyboardDevice keys(kOptions);
+  if (::write(terminal, "\x1b[C", 3) != 3) return false;
+  DeviceInput input;
+  const auto begin = std::chrono::steady_clock::now();
+  const std::uint64_t before = testing::allocations_of_thread();
+  bool ok = true;
+  for (int i = 0; i < 1000 || input.position[0] < 0.2; ++i) {
+    ok = keys.read(input) == DeviceStatus::kOk && keys.send({1, 0, 0}) == DeviceStatus::kOk && ok;
+    if (std::chrono::steady_clock::now() - begin > std::chrono::seconds(20)) return false;
+  }
+  return ok && testing::allocations_of_thread() == before;
+}
+
+}  // namespace
+
+TEST_CASE("the keyboard's read() and send() do not allocate") {
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    bool good = false;
+    try {
+      good = follows_without_allocating();
+    } catch (const std::exception&) {
+    }
+    ::_exit(good ? 0 : 1);
+  }
+  int status = -1;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 0));
 }

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "libcore/base/error.hpp"
+#include "tests/unit/haptic/count_allocations.hpp"
 
 using namespace hapgrid;
 
@@ -63,4 +64,17 @@ TEST_CASE("the path device gives its positions once and keeps the last force") {
   CHECK(x.position == Vec3{4, 5, 6});
   CHECK(device.read(x) == DeviceStatus::kEnd);
   CHECK_THROWS_AS(PathDevice::open(HAPGRID_BUILD_DIR "/no such file"), std::system_error);
+}
+
+TEST_CASE("a path's read() and send() do not allocate") {
+  PathDevice device(std::vector<Vec3>(1000, Vec3{1, 2, 3}));
+  DeviceInput input;
+  bool ok = true;
+  const std::uint64_t before = testing::allocations_of_thread();
+  for (int i = 0; i < 1000; ++i)
+    ok = device.read(input) == DeviceStatus::kOk && device.send({1, 0, 0}) == DeviceStatus::kOk &&
+         ok;
+  ok = device.read(input) == DeviceStatus::kEnd && device.stop() == DeviceStatus::kOk && ok;
+  CHECK(testing::allocations_of_thread() == before);
+  CHECK(ok);
 }

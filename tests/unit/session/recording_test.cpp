@@ -10,6 +10,7 @@
 #include "libcore/session/statistics.hpp"
 #include "libcore/session/text.hpp"
 #include "libcore/session/writer.hpp"
+#include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/session/ticks.hpp"
 #include "tests/unit/temporary.hpp"
 
@@ -143,6 +144,19 @@ TEST_CASE("a replay gives back its ticks, and says what was missed") {
   CHECK(input.position == Vec3{4, 5, 6});
   CHECK(device.stop() == DeviceStatus::kOk);
   CHECK(device.force() == Vec3{0, 0, 0});
+}
+
+TEST_CASE("a replay's read() and send() do not allocate") {
+  ReplayDevice device(std::vector<ReplayTick>(1000));
+  DeviceInput input;
+  bool ok = true;
+  const std::uint64_t before = allocations_of_thread();
+  for (int i = 0; i < 1000; ++i)
+    ok = device.read(input) == DeviceStatus::kOk && device.send({1, 0, 0}) == DeviceStatus::kOk &&
+         ok;
+  ok = device.read(input) == DeviceStatus::kEnd && device.stop() == DeviceStatus::kOk && ok;
+  CHECK(allocations_of_thread() == before);
+  CHECK(ok);
 }
 
 TEST_CASE("percentiles are at most one percent above those of a sorted list") {
