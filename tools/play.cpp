@@ -122,8 +122,8 @@ int play(const CLI::App& app, PlayOptions options) {
   };
   const Fields fields(spec, create, /*wants_shape=*/false);
 
-  // Before a live device is open: a signal must not leave a terminal without lines and echo. Reading
-  // a path from standard input still ends by it.
+  // Before a live device is open: a signal must not leave a terminal without lines and echo.
+  // Reading a path from standard input still ends by it.
   std::optional<CaughtSignals> signals;
   if (is_live(options.device)) signals.emplace();
   const OpenDevice open = open_device(options, spec.box, guard ? &*guard : nullptr);
@@ -135,8 +135,6 @@ int play(const CLI::App& app, PlayOptions options) {
   with.limits.max_force = std::min(with.limits.max_force, info.max_force);
   options.mapping.scale = with.scale;
   LoopOptions loop{.rate_hz = options.rate_hz, .spin_us = options.spin_us};
-  if (app.get_option("--axes")->count() == 0 && options.device.starts_with("pid"))
-    options.mapping.axes = {Vec3{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};  // HID: y is towards the user
   if (open.session) loop.unpaced_hz = open.session->rate_hz;
   if (open.live && loop.rate_hz == 0) loop.rate_hz = kDefaultRateHz;
   const bool paced = loop.rate_hz > 0;
@@ -258,8 +256,9 @@ int main(int argc, char** argv) {
           "a\n"
           "tick late: it misses frames, which are counted, and after the end it has a second to "
           "read\n"
-          "what is left. Without --rate a frame is a tick in 40, the first and the last one among\n"
-          "them, and play waits for the viewer.\n"
+          "what is left. Without --rate a frame is a tick in 40 (of a session at 5 kHz in 200), "
+          "the\n"
+          "first and the last one among them, and play waits for the viewer.\n"
           "\n"
           "With --imd viewers of molecules get the same frames over TCP, up to 8 at once: VMD "
           "(IMD\n"
@@ -280,7 +279,10 @@ int main(int argc, char** argv) {
           "ever waited for, but a second after the end; without it a frame waits 40 ms at most.\n"
           "\n"
           "A force that is not finite is never sent: it is zero from there on, and the exit code\n"
-          "is 1. A tick is late from when it was due to when it began; computing is from there to\n"
+          "is 1, unless you let it come back: key r, the clutch of a profile, the first button of "
+          "a\n"
+          "PID joystick, any button of a SpaceMouse. A tick is late from when it was due to when "
+          "it began; computing is from there to\n"
           "when its force was sent.\n",
       "  129, 130, 131, 143, 148  ended by SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP: zero force\n"
       "                 was sent, and the log so far is complete\n");

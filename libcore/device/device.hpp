@@ -24,7 +24,7 @@ struct DeviceInput {
   Vec3 rate{0, 0, 0};
   bool stalled = false;  ///< the hardware was silent for longer than it should be
   bool clutch = false;   ///< the handle is moved without the HIP
-  bool reset = false;    ///< the user wants the force back after a fault
+  bool reset = false;    ///< the user wants the force back after a fault; a button may be held
   /// Only in a replay: ticks that were missed before this one when it was recorded.
   std::uint64_t missed = 0;
 };
@@ -34,8 +34,8 @@ struct DeviceInfo {
   /// What DeviceInput::position is in, and so whether it has to be mapped to the box.
   enum class Unit {
     kModel,   ///< the model's unit of length, in the box's axes: nothing to map
-    kMetres,  ///< metres, in the device's axes
-    kRate,    ///< there is no position: DeviceInput::rate steers the HIP
+    kMetres,  ///< metres: x to the right, y away from the user, z up
+    kRate,    ///< there is no position: DeviceInput::rate, in the same axes, steers the HIP
   };
   std::string name;  ///< for people: "Teensy RawHID (16c0:0486)"
   Unit unit = Unit::kModel;

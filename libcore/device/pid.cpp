@@ -11,6 +11,9 @@ namespace hapgrid {
 
 namespace {
 
+// What HID's x and y are in DeviceInfo::Unit::kMetres: its y is towards the user.
+constexpr double kTurn[] = {1, -1};
+
 void set(HidReport& report, const HidElement& element, std::int64_t value) {
   write_element(report, element, value);  // fits: found in the same descriptor as the report
 }
@@ -113,9 +116,10 @@ bool PidProtocol::decode(std::span<const std::uint8_t> report, DeviceInput& inpu
     const auto high = static_cast<double>(element.logical_max);
     // A stick that is pushed a little further than its range is at the end of it.
     const double share = (static_cast<double>(*value) - low) / (high - low);
-    position[axis] = parameters_.half_range * (2 * std::clamp(share, 0.0, 1.0) - 1);
+    position[axis] = kTurn[axis] * parameters_.half_range * (2 * std::clamp(share, 0.0, 1.0) - 1);
   }
   input.position = position;
+  input.reset = reports_.button && read_element(report, *reports_.button) == 1;
   return true;
 }
 
@@ -124,7 +128,7 @@ void PidProtocol::encode(const Vec3& force, std::vector<HidReport>& reports) noe
   for (std::size_t axis = 0; axis < forces_.size(); ++axis) {
     const auto full = static_cast<double>(
         std::min(reports_.magnitude.logical_max, -reports_.magnitude.logical_min));
-    double share = parameters_.signs[axis] * force[axis] / parameters_.newtons;
+    double share = parameters_.signs[axis] * kTurn[axis] * force[axis] / parameters_.newtons;
     if (!std::isfinite(share)) share = 0;
     reports[axis] = forces_[axis];  // of the same size as the last time: no allocation
     set(reports[axis], reports_.magnitude, std::llround(std::clamp(share, -1.0, 1.0) * full));

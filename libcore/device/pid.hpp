@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
 #include "libcore/device/hid_descriptor.hpp"
@@ -24,7 +25,8 @@ struct PidParameters {
   /// Newtons of the largest magnitude that the device takes, on each axis; above 0. The default is
   /// what a small stick holds; with more than the truth all forces come out too small.
   double newtons = 2;
-  /// +1 or -1 for x and y: the sign of the magnitude that pushes in the axis' positive direction.
+  /// +1 or -1 for HID's x and y: the sign of the magnitude that pushes in the axis' positive
+  /// direction, to the right and towards the user.
   /// The default is DirectInput's rule, which the class comes from: a direction is where the force
   /// comes from, so at 90 degrees (from the right) it pushes to the left, at 0 degrees (from the
   /// far side) towards the user.
@@ -35,7 +37,8 @@ struct PidParameters {
 
 /// The reports of one device, found in its descriptor.
 struct PidReports {
-  std::array<HidElement, 2> axes;  ///< X and Y of the input report
+  std::array<HidElement, 2> axes;    ///< X and Y of the input report
+  std::optional<HidElement> button;  ///< the first one of that report, if there is any
   // Set Effect
   HidElement effect_index, effect_type, duration, gain, direction_enable, direction;
   // Set Constant Force
@@ -54,8 +57,8 @@ struct PidReports {
 /// range: two axes, and all that two constant forces need.
 PidReports find_pid_reports(const HidDescriptor& descriptor);
 
-/// Positions and forces are in the device's axes as HID has them: x to the right, y towards the
-/// user; z is 0 and has no force.
+/// HID's y is towards the user: it is turned, in positions and forces. z is 0 and has no force. The
+/// first button is DeviceInput::reset.
 class PidProtocol : public HidProtocol {
  public:
   /// @throw DeviceError see find_pid_reports(). Error when a parameter is out of its range.

@@ -69,6 +69,9 @@ PidReports find_pid_reports(const HidDescriptor& descriptor) {
     // Axes Enable lists the axes that have a motor: pedals are a Y axis too.
     finder.find(actuators[axis], Kind::kOutput, usage, pid(0x55));
   }
+  const std::optional<HidElement> button =
+      descriptor.find(Kind::kInput, {0x09, 1}, std::nullopt, r.axes[0].report_id);
+  if (button && button->variable) r.button = button;
   r.effect_index = output("Set Effect report (block index)", 0x22, 0x21);
   r.effect_type = output("Set Effect report (constant force)", 0x26, 0x21);
   r.duration = output("Set Effect report (duration)", 0x50, 0x21);

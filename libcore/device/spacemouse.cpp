@@ -17,6 +17,11 @@ bool is_spacemouse(std::uint16_t vendor, std::uint16_t product) {
 }
 
 bool SpaceMouseProtocol::decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept {
+  if (report.size() >= 2 && report[0] == 3) {
+    const auto buttons = report.subspan(1);
+    input.reset = std::any_of(buttons.begin(), buttons.end(), [](auto byte) { return byte != 0; });
+    return true;
+  }
   if (report.size() < 7 || report[0] != 1) return false;
   const auto deflection = [&](std::size_t axis) {
     const auto raw = static_cast<std::int16_t>(report[1 + 2 * axis] | report[2 + 2 * axis] << 8);

@@ -15,9 +15,10 @@ namespace hapgrid {
 bool is_spacemouse(std::uint16_t vendor, std::uint16_t product);
 
 /// Report 1 carries x, y, z as 16-bit numbers (newer models: and the three rotations), 350 for a
-/// full push, some models more; report 2 the rotations of older models, 3 the buttons: neither
-/// moves the HIP. Raw axes are x to the right, y towards the user, z down; the rate is in the
-/// box's: x to the right, y away from the user, z up.
+/// full push, some models more; report 2 the rotations of older models, which do not move the HIP;
+/// report 3 the buttons, a bit each, and any of them is DeviceInput::reset. Raw axes are x to the
+/// right, y towards the user, z down; the rate is in the box's: x to the right, y away from the
+/// user, z up.
 class SpaceMouseProtocol : public HidProtocol {
  public:
   /// Counts of a full push.

@@ -130,7 +130,8 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 
     const Vec3 hip = mapping.hip(input, dt);
     const StepResult step = traversal.step(hip);
-    if (input.reset && safety.faulted()) safety.reset();
+    // The clutch, too: no force is wanted while it is held, and its release is a ramp.
+    if ((input.reset || input.clutch) && safety.faulted()) safety.reset();
     // A state that is not the HIP's gives a stale force: a device that reports NaN, or a grid that
     // is not playable, is a fault like a force that is not finite.
     const bool unusable = !step.usable();

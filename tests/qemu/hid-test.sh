@@ -33,8 +33,8 @@ session() {
   local effect=$1 constant=$2 operation=$3 free=$4 control=$5 gain=$6 create=$7 load=$8
   local reset=$9 enable=${10} stop=${11} east=${12} north=${13} n1=${14} p1=${15} half=${16} full=${17}
   local blocks=(01 02) directions=("$east" "$north") i
-  echo 'at 0.025001 -0.012500'
-  echo 'at 0.025001 -0.012500'
+  echo 'at 0.025001 0.012500'
+  echo 'at 0.025001 0.012500'
   local times
   for times in 1 2; do
     echo "output $control $reset"
@@ -64,12 +64,12 @@ session() {
 
 of() { sed -n "/^$1:\$/,/^[a-z-]*:\$/{/:\$/!p}" <<<"$output"; }
 
-# 1 N and 0.5 N of 2 N, and more than that: 16384, -16384, 8192, 32767.
+# 1 N and 0.5 N of 2 N, and more than that; along y, which is turned: 16384, -16384, 8192, -32767.
 same 'PID, bits' "$(session 01 05 0a 0b 0c 0d 11 12 08 01 04 '28 23 00 00' '00 00 00 00' \
-  '00 c0' '00 40' '00 20' 'ff 7f')" "$(of bits)"
-# 5000, -5000, 2500, 10000; a circle of 256.
+  '00 c0' '00 40' '00 20' '01 80')" "$(of bits)"
+# 5000, -5000, 2500, -10000; a circle of 256.
 same 'PID, array' "$(session 01 05 0a 0b 0c 0d 05 06 04 01 03 '40 00' '00 00' \
-  '78 ec' '88 13' 'c4 09' '10 27')" "$(of array)"
-# 2048, -2048, 1024, 4096.
+  '78 ec' '88 13' 'c4 09' 'f0 d8')" "$(of array)"
+# 2048, -2048, 1024, -4096.
 same 'PID, high ids' "$(session 65 69 6e 6f 70 71 05 06 04 01 03 '28 23 00 00' '00 00 00 00' \
-  '00 f8' '00 08' '00 04' '00 10')" "$(of high-ids)"
+  '00 f8' '00 08' '00 04' '00 f0')" "$(of high-ids)"

@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
     if (!protocol.decode(hidraw.read(), input)) throw DeviceError("the input report says nothing");
     std::printf("at %.6f %.6f\n", input.position[0], input.position[1]);
     std::vector<HidReport> reports;
-    for (const Vec3& force : {Vec3{1, -1, 0}, Vec3{0.5, 2.5, 0}, Vec3{0, 0, 0}}) {
+    for (const Vec3& force : {Vec3{1, 1, 0}, Vec3{0.5, 2.5, 0}, Vec3{0, 0, 0}}) {
       protocol.encode(force, reports);
       for (const HidReport& report : reports) hidraw.write(report);
     }

@@ -157,23 +157,24 @@ TEST_CASE("PID: forces are shares of the largest magnitude") {
     return reports;
   };
   using Reports = std::vector<HidReport>;
-  // 1 N of 4 is 2500 = 0x09c4 of 10000; -2 N is -5000 = 0xec78.
-  CHECK(sent({1, -2, 7}) == Reports{{5, 5, 0xc4, 0x09}, {5, 6, 0x78, 0xec}});
+  // 1 N of 4 is 2500 = 0x09c4 of 10000; 2 N away from the user, in HID's y -2, are -5000 = 0xec78.
+  CHECK(sent({1, 2, 7}) == Reports{{5, 5, 0xc4, 0x09}, {5, 6, 0x78, 0xec}});
   CHECK(sent({0, 0, 0}) == Reports{{5, 5, 0, 0}, {5, 6, 0, 0}});
   // Saturated: 10000 = 0x2710, -10000 = 0xd8f0.
-  CHECK(sent({1e300, -4.001, 0}) == Reports{{5, 5, 0x10, 0x27}, {5, 6, 0xf0, 0xd8}});
+  CHECK(sent({1e300, 4.001, 0}) == Reports{{5, 5, 0x10, 0x27}, {5, 6, 0xf0, 0xd8}});
   const double inf = std::numeric_limits<double>::infinity();
   CHECK(sent({-inf, std::nan(""), 0}) == Reports{{5, 5, 0, 0}, {5, 6, 0, 0}});
   const std::size_t before = testing::allocations();
   protocol.encode({1, 2, 3}, reports);
   CHECK(testing::allocations() == before);
 
-  // By DirectInput's rule a force to the right comes from the left.
+  // By DirectInput's rule a force to the right comes from the left, and one away from the user from
+  // the user.
   PidProtocol usual(kRhino.descriptor, {.newtons = 1});
   channel.answer = {6, 0, 1, 0, 0};
   usual.start(channel);
   usual.encode({1, 1, 0}, reports);
-  CHECK(reports == Reports{{105, 1, 0x00, 0xf0}, {105, 2, 0x00, 0x10}});  // -4096, 4096
+  CHECK(reports == Reports{{105, 1, 0x00, 0xf0}, {105, 2, 0x00, 0xf0}});  // -4096
 }
 
 TEST_CASE("PID: positions in metres") {
@@ -182,12 +183,16 @@ TEST_CASE("PID: positions in metres") {
   input.clutch = true;
   CHECK(protocol.decode(Bytes{3, 0, 0xff, 0x7f, 0x01, 0x80}, input));  // 32767, -32767
   CHECK(input.position[0] == Approx(0.03).epsilon(1e-15));
-  CHECK(input.position[1] == Approx(-0.03).epsilon(1e-15));
+  CHECK(input.position[1] == Approx(0.03).epsilon(1e-15));  // away from the user
   CHECK(input.position[2] == 0);
   CHECK(input.clutch);
   CHECK(protocol.decode(Bytes{3, 0xff, 0, 0, 0, 0x40}, input));  // 16384 of 32767
   CHECK(input.position[0] == 0);
-  CHECK(input.position[1] == Approx(0.03 * 16384 / 32767).epsilon(1e-15));
+  CHECK(input.position[1] == Approx(-0.03 * 16384 / 32767).epsilon(1e-15));
+  // The first of its eight buttons.
+  CHECK(input.reset);
+  CHECK(protocol.decode(Bytes{3, 0xfe, 0, 0, 0, 0x40}, input));
+  CHECK_FALSE(input.reset);
   const Vec3 last = input.position;
   CHECK_FALSE(protocol.decode(Bytes{2, 0, 1, 0, 1, 0}, input));  // another report
   CHECK_FALSE(protocol.decode(Bytes{3, 0, 1, 0, 1}, input));     // too short

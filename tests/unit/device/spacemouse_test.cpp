@@ -39,12 +39,28 @@ TEST_CASE("SpaceMouse: a push is a rate in the box's axes") {
   CHECK(input.rate == Vec3{0, 0, -9 / 350.0});
 }
 
+TEST_CASE("SpaceMouse: a button lets the force come back, and leaves the rate") {
+  SpaceMouseProtocol mouse("SpaceNavigator");
+  DeviceInput input;
+  input.rate = {0.1, 0.2, 0.3};
+  CHECK(mouse.decode(Bytes{3, 2, 0}, input));
+  CHECK(input.reset);
+  CHECK(mouse.decode(Bytes{1, 0xaf, 0, 0, 0, 0, 0}, input));
+  CHECK(input.reset);  // still held
+  CHECK(mouse.decode(Bytes{3, 0, 0, 0x80}, input));
+  CHECK(input.reset);
+  CHECK(mouse.decode(Bytes{3, 0, 0}, input));
+  CHECK_FALSE(input.reset);
+  CHECK_FALSE(mouse.decode(Bytes{3}, input));
+  CHECK(input.rate == Vec3{0.5, 0, 0});
+}
+
 TEST_CASE("SpaceMouse: what does not move the HIP") {
   SpaceMouseProtocol mouse("SpaceNavigator");
   DeviceInput input;
   input.rate = {0.1, 0.2, 0.3};
   CHECK_FALSE(mouse.decode(Bytes{2, 0, 0, 0xe2, 0xff, 0, 0}, input));  // rotations
-  CHECK_FALSE(mouse.decode(Bytes{3, 1, 0}, input));                    // a button
+  CHECK_FALSE(mouse.decode(Bytes{0x17, 90}, input));                   // the battery
   CHECK_FALSE(mouse.decode(Bytes{1, 1, 0, 1, 0, 1}, input));           // too short
   CHECK_FALSE(mouse.decode(Bytes{}, input));
   CHECK(input.rate == Vec3{0.1, 0.2, 0.3});

@@ -289,14 +289,22 @@ TEST_CASE_METHOD(Fixture, "a stalled device is let go; the HIP is not moved by t
 
 TEST_CASE_METHOD(Fixture, "a fault ends with the user's reset") {
   HeldDevice d;
-  for (int i = 0; i < 30; ++i) d.inputs.push_back({.reset = i == 5 || i == 20});
+  // By a button, or by the clutch.
+  const bool clutch = GENERATE(false, true);
+  for (int i = 0; i < 30; ++i) {
+    const bool pressed = i == 5 || i == 20;
+    d.inputs.push_back({.clutch = pressed && clutch, .reset = pressed && !clutch});
+  }
   d.sent.reserve(100);
   int ticks = 0;
   const auto force = [&](const Vec3&, std::span<const double>) {
     return ticks == 10 ? Vec3{std::nan(""), 0, 0} : Vec3{1, 0, 0};
   };
   loop(d, force, [&](const Tick&) { ++ticks; });
-  for (int i = 0; i < 30; ++i) CHECK(d.sent[i] == (i < 10 || i >= 20 ? Vec3{1, 0, 0} : kZero));
+  for (int i = 0; i < 30; ++i) {
+    const bool held = clutch && (i == 5 || i == 20);  // no force then either
+    CHECK(d.sent[i] == ((i < 10 || i >= 20) && !held ? Vec3{1, 0, 0} : kZero));
+  }
 }
 
 TEST_CASE_METHOD(Fixture, "a replay's missed ticks count as time and in the numbers") {
