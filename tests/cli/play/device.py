@@ -1,4 +1,5 @@
-"""Plays with a device of tests/standin: a Teensy with the shipped profile, PLUGINS has `stuck`."""
+"""Plays with devices of tests/standin: a Teensy with the shipped profile, PLUGINS has `stuck`; a
+SpaceMouse."""
 import collections
 import os
 import re
@@ -10,7 +11,8 @@ import time
 
 plugins = sys.argv[1]
 source, build = os.environ["HAPGRID_SOURCE"], os.environ["HAPGRID_BUILD"]
-INFO = "/dev/hidraw7\t16c0\t0486\t\tPJRC\tTeensy RawHID\tffab\t0200\t0"
+TEENSY = "/dev/hidraw7\t16c0\t0486\t\tPJRC\tTeensy RawHID\tffab\t0200\t0"
+SPACEMOUSE = "/dev/hidraw3\t256f\tc62e\t\t3Dconnexion\tSpaceMouse Wireless\t0001\t0008\t0"
 environment = dict(os.environ, HAPGRID_STANDIN=os.path.abspath("socket"),
                    LD_LIBRARY_PATH=f"{build}/tests/standin")
 PROFILE = f"{source}/examples/devices/teensy-rawhid.toml"
@@ -22,17 +24,17 @@ def report(x_mm, buttons=0):
 
 
 class Device:
-    """The device process; the hand is at x = -40 mm, where 0.08 m are half of the box."""
+    """The device process. Of the Teensy the hand is at x = -40 mm, where 0.08 m are half of the box."""
 
-    def __init__(self):
+    def __init__(self, info=TEENSY, first=report(-40)):
         for name in ("socket", "record"):
             if os.path.exists(name):
                 os.remove(name)
         self.process = subprocess.Popen([sys.executable, f"{source}/tests/standin/device.py", "socket",
-                                         "record", INFO], stdin=subprocess.PIPE,
+                                         "record", info], stdin=subprocess.PIPE,
                                         stdout=subprocess.PIPE, text=True)
         assert self.process.stdout.readline() == "ready\n"
-        self.tell(f"repeat 500 {report(-40)}")
+        self.tell(f"repeat 500 {first}")
 
     def tell(self, line):
         self.process.stdin.write(line + "\n")
@@ -52,9 +54,9 @@ def force(written):
     return struct.unpack("<h", written[3:5])[0] if written[2] == 1 else "stop"
 
 
-def play(*options, grid="stuck.0", wrapper=()):
-    return subprocess.Popen([*wrapper, "play", grid, "--device", f"profile:{PROFILE}", "--model-path",
-                             plugins, "--ramp", "50", *options], env=environment,
+def play(*options, grid="stuck.0", wrapper=(), device=f"profile:{PROFILE}"):
+    return subprocess.Popen([*wrapper, "play", grid, "--device", device, "--model-path", plugins, "--ramp",
+                             "50", *options], env=environment,
                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
@@ -68,7 +70,9 @@ def await_force(device):
     sys.exit("no force came")
 
 
-def case(name, disturb, code, line, grid="stuck.0", last="stop"):
+def case(name, disturb, code, line, grid="stuck.0", reachable=True):
+    """A play that `disturb` ends: exit code, a line on standard error, and zero force, then the profile's
+    own stop, as the last that a device hears which is still there."""
     device = Device()
     process = play(grid=grid)
     await_force(device)
@@ -76,20 +80,17 @@ def case(name, disturb, code, line, grid="stuck.0", last="stop"):
     error = process.communicate(timeout=30)[1]
     assert process.returncode == code, (name, process.returncode, error)
     assert re.search(line, error, re.M), (name, error)
+
+    def last():
+        return [force(w) for w in device.written()[-2:]]
+
     # The guard writes from another process, perhaps a moment later.
     deadline = time.monotonic() + 10
-    while time.monotonic() < deadline and (not last or force(device.written()[-1]) != last):
-        if not last:
-            break
+    while reachable and last() != [0, "stop"]:
+        assert time.monotonic() < deadline, (name, last())
         time.sleep(0.02)
-    told = [force(w) for w in device.written()]
-    if last:
-        assert told[-1] == last, (name, told[-5:])
-    before = [f for f in told if f != "stop"]
-    if name not in ("vanished", "killed", "crashed"):
-        assert before[-1] == 0, (name, told[-5:])
     device.end()
-    print(f"{name}: {len(told)} reports, the last {told[-2:]}")
+    print(f"{name}: {len(device.written())} reports, the last {last()}")
 
 
 def move(x_mm):
@@ -101,7 +102,8 @@ case("interrupted", lambda device, process: process.send_signal(signal.SIGINT), 
 case("hung up", lambda device, process: process.send_signal(signal.SIGHUP), 129, r"^play: ")
 case("Ctrl-Z", lambda device, process: process.send_signal(signal.SIGTSTP), 148, r"^play: ")
 case("broken", lambda device, process: device.tell("error burnt out"), 1, r"^play: device: .*burnt out")
-case("vanished", lambda device, process: device.tell("vanish"), 1, r"^play: device: ", last=None)
+case("vanished", lambda device, process: device.tell("vanish"), 1, r"^play: device: ",
+     reachable=False)
 case("killed", lambda device, process: process.kill(), -signal.SIGKILL, r"")
 case("hangs", move(60), 1, r"^play: the haptic loop hangs, .*zero force was sent")
 case("crashed", move(60), -signal.SIGABRT, r"", grid="stuck.1")
@@ -135,3 +137,28 @@ assert len(sleeps) > 100 and set(calls) <= {"clock_nanosleep", "clock_gettime", 
 assert calls["futex"] <= 2 * len(sleeps) + 2, calls  # one that is interrupted is two lines
 device.end()
 print("system calls:", dict(calls))
+
+# A SpaceMouse: pushed half way to the left, the HIP goes half of --speed that way, and nowhere else; a
+# button is in the log.
+device = Device(SPACEMOUSE, struct.pack("<B3h", 1, -175, 0, 0).hex())
+process = play("--rate", "500", "--duration", "1", "--speed", "0.4", "--log", "mouse.session",
+               device="spacemouse")
+deadline = time.monotonic() + 30
+while not os.path.exists("mouse.session.part"):  # the device is open
+    assert time.monotonic() < deadline, "no log"
+    time.sleep(0.01)
+device.tell(f"input {struct.pack('<BH', 3, 2).hex()}")
+error = process.communicate(timeout=60)[1]
+assert process.returncode == 0, error
+assert error.startswith("play: SpaceMouse Wireless (256f:c62e) at 500 Hz; "), error
+device.end()
+assert not device.written(), device.written()
+subprocess.run(["stats", "--log", "mouse.session", "--export", "mouse.txt"], check=True)
+ticks = [tuple(map(float, text.split("\t")[:4])) for text in open("mouse.txt") if text[0] != "#"]
+ticks = ticks[next(i for i, (_, x, _, _) in enumerate(ticks) if x):]  # from the first report on
+assert len(ticks) > 10 and all(y == z == 0 for _, _, y, z in ticks), ticks
+for (t0, x0, *_), (t1, x1, *_) in zip(ticks, ticks[1:]):
+    assert abs(x1 - x0 + 0.2 * (t1 - t0)) < 1e-9, (t0, x0, t1, x1)  # texts have 17 digits
+flags = subprocess.run(["stats", "--log", "mouse.session"], check=True, capture_output=True, text=True)
+assert re.search(r"^flag reset +[1-9]", flags.stdout, re.M), flags.stdout
+print("SpaceMouse:", len(ticks), "ticks, to x =", ticks[-1][1])
