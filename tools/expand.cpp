@@ -3,6 +3,7 @@
 #include "libcore/search/expand.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -26,6 +27,7 @@ struct Options {
   ModelOptions model;
   unsigned threads = 1;
   std::string part = "1/1";
+  std::string conversions;   // empty: all of the part
   std::uint64_t ranges = 0;  // 0: one shard
   bool complete = false;
   bool progress = false;
@@ -47,6 +49,18 @@ std::string progress_text(const Progress& progress, const GridSpec& spec, bool c
   else if (rate > 0)
     text += ", " + short_number((all - done) / rate) + " s left";
   return text;
+}
+
+/// A:B with A <= B < 2^64.
+ConversionRange parse_conversions(const std::string& text) {
+  ConversionRange range;
+  const char* end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, range.begin);
+  if (first.ec == std::errc() && first.ptr != end && *first.ptr == ':') {
+    const auto second = std::from_chars(first.ptr + 1, end, range.end);
+    if (second.ec == std::errc() && second.ptr == end && range.begin <= range.end) return range;
+  }
+  throw CLI::ValidationError("--conversions", "'" + text + "' is not A:B with A <= B < 2^64");
 }
 
 /// The requests of a run, in one shard or in one for each range of their targets.
@@ -93,8 +107,12 @@ int run(const Options& options) {
   report_crashes("expand");
   const auto [number, of] = parse_part("--part", options.part);
   const Part part{number, of};
-  if (options.complete && part.of != 1)
-    throw CLI::ValidationError("--part", "--complete works on the whole frontier");
+  std::optional<ConversionRange> range;
+  if (!options.conversions.empty()) range = parse_conversions(options.conversions);
+  if (range && part.of != 1)
+    throw CLI::ValidationError("--part and --conversions exclude each other");
+  if (options.complete && (range || part.of != 1))
+    throw CLI::ValidationError("--complete", "works on the whole frontier");
   if (options.complete && options.ranges > 0)
     throw CLI::ValidationError("--ranges", "--complete writes a grid, and no requests");
   if (options.ranges > 0) require_mark("--output", options.output);
@@ -122,7 +140,8 @@ int run(const Options& options) {
         return SectionWriter(out->fd(), out->name(), finished);
       });
     } else {
-      FrontierReader frontier(sections, part);
+      FrontierReader frontier =
+          range ? FrontierReader(sections, *range) : FrontierReader(sections, part);
       progress.frontier_conversions = frontier.conversions();
       for (const Section& section : sections) progress.frontier_records += section.footer.frontier;
       header.content = Content::kRequests;
@@ -165,6 +184,10 @@ int main(int argc, char** argv) {
          "Only the K-th of N equal parts of the frontier's conversions (1 <= K <= N < 2^32)")
       ->type_name("K/N")
       ->capture_default_str();
+  app.add_option("--conversions", options.conversions,
+                 "Only the frontier's conversions from A to before B, counted from 0 (--part cuts "
+                 "into equal parts without that one has to know how many there are)")
+      ->type_name("A:B");
   app.add_option("--ranges", options.ranges,
                  "Write the requests in shards by the range of their target, for merge --range; {} "
                  "in the name of --output becomes the range's number, and a range without requests "

@@ -24,20 +24,27 @@ struct Options {
   std::string frontier;
   std::uint64_t parts = 1;
   std::string range = "1/1";
+  std::string counts;
   bool final = false;
   double precision = 0;
   bool progress = false;
   std::string report;
 };
 
+/// A frontier that is one shard needs no place for a number in its name.
+std::string frontier_name(const Options& options, std::uint64_t part) {
+  const bool plain = options.parts == 1 && options.frontier.find("{}") == std::string::npos;
+  return plain ? options.frontier : numbered(options.frontier, part);
+}
+
 /// Cuts the frontier that was collected in `file` into shards of equally many conversions.
 void write_parts(const std::shared_ptr<const InputFile>& file, const Options& options) {
   const std::vector<Section> sections = open_sections(file);
   const SectionHeader& header = sections.front().header;
   for (std::uint64_t part = 1; part <= options.parts; ++part) {
-    OutputFile out(numbered(options.frontier, part));
+    OutputFile out(frontier_name(options, part));
     SectionWriter writer(out.fd(), out.name(), header);
-    FrontierReader frontier(sections, {part, options.parts});
+    FrontierReader frontier(sections, Part{part, options.parts});
     FrontierReader::Record record;
     while (frontier.next(record))
       writer.frontier(record.point, record.level, record.state, record.todo);
@@ -63,9 +70,12 @@ void write_final(const MergeInput& input, const Options& options) {
 
 int run(const Options& options) {
   const bool cut = !options.frontier.empty();
-  if (cut) require_mark("--frontier", options.frontier);
+  const bool in_parts = cut && options.parts > 1;
+  if (in_parts) require_mark("--frontier", options.frontier);
   const auto [number, of] = parse_part("--range", options.range);
   if (cut && options.final) throw CLI::ValidationError("--final and --frontier exclude each other");
+  if (!options.counts.empty() && options.final)
+    throw CLI::ValidationError("--final and --counts exclude each other");
   if (options.precision > 0 && !options.final)
     throw CLI::ValidationError("--precision needs --final");
   const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
@@ -84,15 +94,20 @@ int run(const Options& options) {
 
   OutputFile out(options.output);
   SectionWriter writer(out.fd(), out.name(), header);
-  // How to cut the frontier is known only when all of it is: it waits in a file without a name.
   std::optional<SectionWriter> frontier;
+  std::optional<OutputFile> whole;
   FileDescriptor collected;
-  if (cut) {
+  if (cut && !in_parts) {
+    whole.emplace(frontier_name(options, 1));
+    frontier.emplace(whole->fd(), whole->name(), frontier_header);
+  } else if (cut) {
+    // How to cut the frontier is known only when all of it is: it waits in a file without a name.
     const auto directory = std::filesystem::path(options.frontier).parent_path();
     collected = unlinked_file(directory.empty() ? "." : directory);
     frontier.emplace(collected.get(), options.frontier, frontier_header);
   }
   Progress progress;
+  NewRecords stored;
   {
     const ProgressLine line(options.progress, [&](double seconds) {
       const double done = static_cast<double>(progress.conversions);
@@ -100,14 +115,22 @@ int run(const Options& options) {
              " of " + short_number(static_cast<double>(input.conversions())) + " requests, " +
              short_number(done / std::max(seconds, 1e-3)) + "/s";
     });
-    merge(input, of == 1 ? PointRange{} : point_range(input.spec(), number, of), model, writer,
-          frontier ? &*frontier : nullptr, progress);
+    stored = merge(input, of == 1 ? PointRange{} : point_range(input.spec(), number, of), model,
+                   writer, frontier ? &*frontier : nullptr, progress);
   }
   // The grid appears last: where it is, its frontier is too.
-  if (cut)
+  if (whole) whole->commit();
+  if (in_parts)
     write_parts(std::make_shared<const InputFile>(std::move(collected), options.frontier), options);
   out.commit();
-  if (!options.report.empty()) append_report(options.report, {"merge", header.generation, 0, 1, 1});
+  if (!options.counts.empty()) {
+    OutputFile counts(options.counts, /*binary=*/false);
+    counts.write(std::to_string(number) + "\t" + std::to_string(stored.points) + "\t" +
+                 std::to_string(stored.records) + "\t" + std::to_string(stored.conversions) + "\n");
+    counts.commit();
+  }
+  if (!options.report.empty())
+    append_report(options.report, {"merge", header.generation, 0, number, of});
   return kExitDone;
 }
 
@@ -126,7 +149,7 @@ int main(int argc, char** argv) {
   hapgrid::add_output(app, options.output);
   app.add_option("--frontier", options.frontier,
                  "Write the new frontier too, as --parts shards; {} in PATTERN becomes the part's "
-                 "number, from 1")
+                 "number, from 1 (one part needs no {})")
       ->type_name("PATTERN");
   app.add_option("--parts", options.parts, "Number of frontier shards (1 to 1000000)")
       ->type_name("N")
@@ -138,6 +161,11 @@ int main(int argc, char** argv) {
                  "among the inputs; the rest may be")
       ->type_name("K/R")
       ->capture_default_str();
+  app.add_option("--counts", options.counts,
+                 "Write a line to FILE, separated by tabs: the range's number, its points that had "
+                 "no level before, the records of its new frontier, and the conversions that "
+                 "these ask for. It appears behind all else")
+      ->type_name("FILE");
   app.add_flag("--final", options.final,
                "Write a complete grid several times smaller, for keeping and for play; nothing is "
                "lost, and every filter reads it");

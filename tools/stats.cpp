@@ -18,6 +18,7 @@
 #include "libcore/check/slice.hpp"
 #include "libcore/check/statistics.hpp"
 #include "libcore/check/text.hpp"
+#include "libcore/search/ranges.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/section.hpp"
@@ -38,6 +39,7 @@ struct Options {
   std::vector<std::string> reports;
   std::string format = "text";
   std::string get;
+  std::uint64_t ranges = 0;
   bool dump = false;
   std::string slice;
   std::string log;
@@ -96,14 +98,35 @@ void require_known_key(const std::string& key) {
 /// grid each time: its chunks are not looked at, and damage in them is not seen here.
 std::optional<Json> value_from_footers(const std::string& key,
                                        const std::vector<std::string>& shards) {
-  if (key != "frontier" && key != "records" && key != "generation") return std::nullopt;
+  if (key != "frontier" && key != "records" && key != "generation" && key != "conversions_left")
+    return std::nullopt;
   const std::vector<Section> sections = open_sections(shards);
   require_content(sections, Content::kGrid);
   if (key == "generation") return generation_of(sections);
   std::uint64_t sum = 0;
   for (const Section& section : sections)
-    sum += key == "frontier" ? section.footer.frontier : section.footer.records;
+    sum += key == "frontier"           ? section.footer.frontier
+           : key == "conversions_left" ? section.footer.conversions
+                                       : section.footer.records;
   return sum;
+}
+
+/// How a grid is cut: a line a range, with its number, the number of its first point and of the one
+/// behind its last, and the first and the last range that a merge of it needs.
+std::string ranges_text(const GridSpec& spec, std::uint64_t wanted) {
+  const std::uint64_t ranges = range_count(spec, wanted);
+  std::string text;
+  for (std::uint64_t k = 1; k <= ranges; ++k) {
+    const PointRange range = point_range(spec, k, ranges);
+    const PointRange needed = needed_points(spec, range);
+    std::uint64_t first = k, last = k;
+    while (first > 1 && point_range(spec, first, ranges).begin > needed.begin) --first;
+    while (last < ranges && point_range(spec, last, ranges).end < needed.end) ++last;
+    for (const std::uint64_t number : {k, range.begin, range.end, first})
+      text += std::to_string(number) + "\t";
+    text += std::to_string(last) + "\n";
+  }
+  return text;
 }
 
 /// A value as a line for scripts: texts without quotes, everything else as JSON. "replace": a
@@ -184,8 +207,10 @@ void show_log(const Options& options) {
 
 int run(const Options& options) {
   const bool reads_log = !options.log.empty();
-  if (!options.get.empty() + options.dump + !options.slice.empty() + reads_log > 1)
-    throw CLI::ValidationError("--get, --dump, --slice and --log exclude each other");
+  if (!options.get.empty() + options.dump + !options.slice.empty() + reads_log +
+          (options.ranges > 0) >
+      1)
+    throw CLI::ValidationError("--get, --dump, --slice, --ranges and --log exclude each other");
   if (!options.slice.empty() && options.png.empty())
     throw CLI::ValidationError("--slice needs --png");
   if (!options.png.empty() && options.slice.empty() && !reads_log)
@@ -208,6 +233,11 @@ int run(const Options& options) {
       write_all(options.output, value_line(*value));
       return kExitDone;
     }
+  if (options.ranges > 0) {
+    write_all(options.output,
+              ranges_text(open_sections(shards).front().header.spec, options.ranges));
+    return kExitDone;
+  }
   ReportSums sums;
   for (const std::string& name : options.reports)
     add_reports(sums, name, read_text(name, kReportLimit));
@@ -259,11 +289,18 @@ int main(int argc, char** argv) {
   app.add_option("--format", options.format, "How the report is written")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
-  app.add_option("--get", options.get,
-                 "Print this value of the JSON report alone, as in --get average_levels, --get "
-                 "box.spacing; frontier, records and generation are read from the footers at once, "
-                 "without a look at the records")
+  app.add_option(
+         "--get", options.get,
+         "Print this value of the JSON report alone, as in --get average_levels, --get "
+         "box.spacing; frontier, conversions_left, records and generation are read from the "
+         "footers at once, without a look at the records")
       ->type_name("KEY");
+  app.add_option("--ranges", options.ranges,
+                 "Print how expand --ranges and merge --range cut the grid, at most into R ranges: "
+                 "a line each, with its number, its first point, the point behind its last, and "
+                 "the first and the last range that must be among the inputs of its merge")
+      ->type_name("R")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}));
   app.add_flag("--dump", options.dump,
                "Print a record a line, separated by tabs: i j k level state... and 26 destination "
                "levels, '-' where a direction leaves the box, '?' where it is not settled");
@@ -329,6 +366,7 @@ int main(int argc, char** argv) {
       "                      not come back to the level they started from\n"
       "  conversions         evaluations of C that the grid needed: in-box directions of all\n"
       "                      records but the frontier's\n"
+      "  conversions_left    those that the frontier asks for\n"
       "  bytes               size of the shards as stored (compressed)\n"
       "  precision           the share of its range by which each number may be off; 0: none\n"
       "  cpu_hours           CPU seconds of --reports / 3600\n"

@@ -86,12 +86,14 @@ Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes) {
   s.points_reached = s.points - s.levels_histogram[0];
   for (RecordIndex r = 0; r < grid.records(); ++r) {
     s.generations = std::max(s.generations, std::uint64_t{grid.record_generation(r)} + 1);
+    const auto inside =
+        static_cast<std::uint64_t>(std::popcount(grid.neighbourhood().inside(grid.point(r))));
     if (grid.in_frontier(r)) {
       ++s.frontier;
+      s.conversions_left += inside;
       continue;
     }
-    s.conversions +=
-        static_cast<std::uint64_t>(std::popcount(grid.neighbourhood().inside(grid.point(r))));
+    s.conversions += inside;
     for (int q = 0; q < kDirections; ++q) {
       const RecordIndex there = grid.destination(r, q);
       if (there == Grid::kNoRecord) continue;
@@ -156,6 +158,7 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const ReportSums
   json["irreversible_links"] = s.irreversible_links;
   json["irreversible_share"] = ratio(static_cast<double>(s.irreversible_links), s.links);
   json["conversions"] = s.conversions;
+  json["conversions_left"] = s.conversions_left;
   json["bytes"] = s.stored_bytes;
   json["coded"] = s.coding.is_coded;
   json["precision"] = s.coding.precision;

@@ -26,6 +26,7 @@ struct Statistics {
   /// In-box directions of the records that are not in the frontier: Algorithm 1 evaluates C once
   /// for each.
   std::uint64_t conversions = 0;
+  std::uint64_t conversions_left = 0;  ///< that the frontier asks for
   std::uint64_t stored_bytes = 0;
   Coding coding{};  ///< how the shards are stored
 };

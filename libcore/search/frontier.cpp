@@ -9,7 +9,28 @@
 
 namespace hapgrid {
 
+namespace {
+
+std::uint64_t all_conversions(const std::vector<Section>& sections) {
+  std::uint64_t total = 0;
+  for (const Section& section : sections) total += section.footer.conversions;
+  return total;
+}
+
+ConversionRange cut(std::uint64_t total, Part part) {
+  // Without overflow for any count: the whole parts first, then the rest.
+  const auto at = [&](std::uint64_t k) {
+    return total / part.of * k + total % part.of * k / part.of;
+  };
+  return {at(part.number - 1), at(part.number)};
+}
+
+}  // namespace
+
 FrontierReader::FrontierReader(const std::vector<Section>& sections, Part part)
+    : FrontierReader(sections, cut(all_conversions(sections), part)) {}
+
+FrontierReader::FrontierReader(const std::vector<Section>& sections, ConversionRange range)
     : neighbourhood_(sections.front().header.spec.box),
       n_(sections.front().header.spec.state_size),
       generation_(generation_of(sections)),
@@ -20,14 +41,9 @@ FrontierReader::FrontierReader(const std::vector<Section>& sections, Part part)
     throw FormatError(sections.front().file->name() +
                       ": holds requests where a grid or a frontier is needed");
   require_content(sections, sections.front().header.content);
-  std::uint64_t total = 0;
-  for (const Section& section : sections) total += section.footer.conversions;
-  // Without overflow for any count: the whole parts first, then the rest.
-  const auto cut = [&](std::uint64_t k) {
-    return total / part.of * k + total % part.of * k / part.of;
-  };
-  begin_ = cut(part.number - 1);
-  end_ = cut(part.number);
+  const std::uint64_t total = all_conversions(sections);
+  begin_ = std::min(range.begin, total);
+  end_ = std::clamp(range.end, begin_, total);
 }
 
 bool FrontierReader::next_row(Record& record) {

@@ -15,11 +15,19 @@ struct Part {
   std::uint64_t of = 1;
 };
 
+/// Conversions [begin, end), counted through a frontier in its order; what is behind the frontier's
+/// last one does not count.
+struct ConversionRange {
+  std::uint64_t begin = 0;
+  std::uint64_t end = ~std::uint64_t{0};
+};
+
 /// The frontier of a grid or of frontier shards, record by record, cut to a part.
 class FrontierReader {
  public:
   /// @param sections grids or frontiers of one generation; must outlive this object.
   /// @throw FormatError when there are requests among them.
+  FrontierReader(const std::vector<Section>& sections, ConversionRange range);
   explicit FrontierReader(const std::vector<Section>& sections, Part part = {});
 
   /// Conversions that the part asks for.

@@ -66,7 +66,7 @@ class Merge {
         opener_.emplace(section);
   }
 
-  void run() {
+  NewRecords run() {
     const std::uint32_t generation = input_.merged_header().generation;
     MergedRows<RequestRows> requests(input_.requests());
     for (Run<RequestRows> run = requests.next(); run.rows; run = requests.next()) {
@@ -91,6 +91,7 @@ class Merge {
                         std::to_string(asked_) + " conversions of generation " +
                         std::to_string(input_.generation()) + ", the first from " + first_missing_ +
                         "; was a shard lost, or is one still to be expanded?");
+    return stored_;
   }
 
  private:
@@ -196,8 +197,13 @@ class Merge {
   void emit(PointIndex point, Level level, std::uint32_t generation, const double* numbers,
             const Level* links) {
     check_settled(point, level, generation);
-    if (generation > input_.generation() && frontier_)
-      frontier_->frontier(point, level, numbers, levels_.unsettled(point, level));
+    if (generation > input_.generation()) {
+      const DirectionMask todo = levels_.unsettled(point, level);
+      stored_.points += level == 0;
+      ++stored_.records;
+      stored_.conversions += static_cast<std::uint64_t>(std::popcount(todo));
+      if (frontier_) frontier_->frontier(point, level, numbers, todo);
+    }
     out_.record(point, level, generation, numbers, links);
   }
 
@@ -239,6 +245,7 @@ class Merge {
   std::uint64_t prepared_ = ~std::uint64_t{0};  // target whose surroundings are in levels_
   std::uint64_t loaded_ = 0;                    // the next record's point is at least this
   std::uint64_t emitted_ = 0;                   // blocks below are written
+  NewRecords stored_;                           // of the range
   std::uint64_t asked_ = 0;                     // conversions that must be settled
   std::uint64_t missing_ = 0;                   // of these, not settled
   std::string first_missing_;
@@ -246,11 +253,12 @@ class Merge {
 
 }  // namespace
 
-void merge(const MergeInput& input, PointRange range, const Model& model, SectionWriter& out,
-           SectionWriter* frontier, Progress& progress) {
-  Merge(input, range, model, out, frontier, progress).run();
+NewRecords merge(const MergeInput& input, PointRange range, const Model& model, SectionWriter& out,
+                 SectionWriter* frontier, Progress& progress) {
+  const NewRecords stored = Merge(input, range, model, out, frontier, progress).run();
   out.finish();
   if (frontier) frontier->finish();
+  return stored;
 }
 
 }  // namespace hapgrid

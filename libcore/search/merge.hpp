@@ -37,6 +37,13 @@ class MergeInput {
   std::uint64_t conversions_ = 0;
 };
 
+/// What a merge stored.
+struct NewRecords {
+  std::uint64_t points = 0;  ///< that had no level before
+  std::uint64_t records = 0;
+  std::uint64_t conversions = 0;  ///< that these records ask for
+};
+
 /// Merges a whole generation, or the range of it whose records are wanted: each of the conversions
 /// of its frontier must be among the requests. Streams: the records between three slices of the
 /// grid are in memory at a time.
@@ -46,7 +53,7 @@ class MergeInput {
 /// nullptr when nobody wants it.
 /// @throw FormatError when requests are missing (it counts them), contradict each other, or were
 /// not asked for; Error (level limit), ModelError, std::system_error.
-void merge(const MergeInput& input, PointRange range, const Model& model, SectionWriter& out,
-           SectionWriter* frontier, Progress& progress);
+NewRecords merge(const MergeInput& input, PointRange range, const Model& model, SectionWriter& out,
+                 SectionWriter* frontier, Progress& progress);
 
 }  // namespace hapgrid

@@ -34,4 +34,10 @@ struct PointRange {
 /// the grid has fewer chunks than `of`. The last one ends behind the last point.
 PointRange point_range(const GridSpec& spec, std::uint64_t number, std::uint64_t of);
 
+/// The most ranges, at most `wanted`, of which none is empty.
+std::uint64_t range_count(const GridSpec& spec, std::uint64_t wanted);
+
+/// Where the records lie that a range's merge depends on.
+PointRange needed_points(const GridSpec& spec, PointRange range);
+
 }  // namespace hapgrid

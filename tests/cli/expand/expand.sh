@@ -57,3 +57,20 @@ expand --complete two -o two.grid
 expand two.grid -o none
 same "requests" 0 "$(rows none | wc -l)"
 expand --complete two.grid | cmp - two.grid
+
+# Any stretches of the conversions, too; what is behind the last one is nothing.
+count=$(stats --get conversions_left middle)
+same "conversions of all" "$count" "$(wc -l <whole)"
+: >union
+from=0
+for to in 1 30 31 $((count / 2)) $((count + 7)); do
+  expand middle --conversions $from:$to -o stretch
+  rows stretch >rows
+  same "conversions $from:$to" $(((to < count ? to : count) - from)) "$(wc -l <rows)"
+  cat rows >>union
+  from=$to
+done
+sort union | cmp - whole
+expand middle --conversions 5:5 -o none
+expand middle --conversions $((count + 7)):18446744073709551615 -o none
+same "requests" 0 "$(rows none | wc -l)"

@@ -27,7 +27,8 @@ build PARTS=3 -j 2
 [[ ! -s make.out && $(stat -c %Y.%i work/hung-ball.grid) == "$before" ]] || fail "done twice: $(cat make.out)"
 # The last whole generation stays, everything else is cleaned up.
 nothing_left work hung-ball hung-ball.grid hung-ball.report
-nothing_left work/hung-ball/*/ "$(printf %04d $((last + 1))).grid" "report.$HOSTNAME" shard
+end=$(printf %04d $((last + 1)))
+nothing_left work/hung-ball/*/ "$end.grid.1-of-1" "$end.whole" "report.$HOSTNAME" shard
 # The reports add up to the conversions that the grid needed.
 [[ $(stats work/hung-ball.grid --reports work/hung-ball.report --get reports.conversions) == \
    $(stats work/hung-ball.grid --get conversions) ]]
@@ -71,7 +72,7 @@ END
 chmod +x forgetful
 build WORK=lost RUN=./forgetful PARTS=4 -j 2 || fail "$(cat make.err)"
 cmp lost/hung-ball.grid reference
-grep -q 'requests.*: it was said to be there, and is not' make.err
+grep -q 'expanded\.[0-9]: it was said to be there, and is not' make.err
 grep -q 'hung-ball: generation [0-9]*: 1 of 4 shards are missing, again in 0 s' make.err
 FORGETFUL=1 build WORK=lost2 RUN=./forgetful PARTS=4 -j 2 || fail "$(cat make.err)"
 cmp lost2/hung-ball.grid reference
@@ -95,7 +96,7 @@ for how in group make TERM; do
   # Not here with SIGINT: the shell ignores it in the background.
   setsid "${driver[@]}" SET="$small" PARTS=2 RUN='sleep 0.2;' -j 2 >/dev/null 2>&1 &
   group=$!
-  until compgen -G 'work/hung-ball/*/0002.grid' >/dev/null; do sleep 0.02; done
+  until compgen -G 'work/hung-ball/*/0002.whole' >/dev/null; do sleep 0.02; done
   case $how in
     group) kill -KILL -- -$group ;;
     make) kill -KILL $group ;;

@@ -69,5 +69,24 @@ for lost in "${present[@]}"; do
 done
 [[ ! -e out ]] || fail 'a merge without all requests'
 
+# What is new in a range, as the whole merge and the shards say it.
+expand seeds -o all
+merge seeds all -o new --frontier new.frontier --counts counts
+expand new.frontier | cmp - <(expand new)
+same "counts" "$(printf '1\t%s\t%s\t%s' "$(($(stats --get points_reached new) - 8))" \
+  "$(stats --get frontier new)" "$(stats --get conversions_left new)")" "$(cat counts)"
+for k in 1 2 3 4; do merge --range $k/4 seeds all -o /dev/null --counts counts.$k; done
+same "sums" "$(cut -f 2- counts)" "$(awk '{ p += $2; r += $3; c += $4 } END { print p "\t" r "\t" c }' counts.[1-4])"
+same "numbers" "1 2 3 4" "$(cut -f 1 counts.[1-4] | paste -sd ' ')"
+merge new.frontier 2>/dev/null && fail 'a frontier for a grid'
+
+# How it is cut: 65,536 points in chunks of 16,384, planes of 2,048. With 26 neighbours a range reaches a
+# plane, a row and a point away; twice that far it depends on the records beside it.
+same "ranges" "$(printf '%s\t' 1 0 32768 1 2)
+$(printf '%s\t' 2 32768 65536 1 2)" "$(stats --ranges 2 seeds | sed 's/$/\t/')"
+same "ranges" "1 1 2,2 1 3,3 2 4,4 3 4" "$(stats --ranges 77 seeds | cut -f 1,4,5 | tr '\t' ' ' | paste -sd ,)"
+expect 2 '' '~stats: --ranges: .*' -- stats --ranges 0 seeds
+expect 2 '' '~stats: --get, --dump, --slice, --ranges and --log exclude each other .*' -- stats --ranges 2 --dump seeds
+
 expect 2 '' "merge: --range: '5/4' is not K/N with 1 <= K <= N < 2^32 (see merge --help)" -- merge --range 5/4 one
 expect 2 '' "expand: --output: 'out' has no {} for the number (see expand --help)" -- expand one --ranges 2 -o out

@@ -14,7 +14,7 @@ seed "$ball" -o seeds
 expand seeds -o requests
 usage() { expect 2 '' "~merge: .* \(see merge --help\)" "$@"; }
 usage -- merge --nix
-usage -- merge seeds requests -o out --frontier part
+usage -- merge seeds requests -o out --frontier part --parts 2
 usage -- merge seeds - - -o out
 for parts in 0 -1 x 1.5 '' 1000001; do
   usage -- merge seeds requests -o out --frontier 'part{}' --parts "$parts"

@@ -45,7 +45,8 @@ for key in records frontier generation; do
   grep -qx "  \"$key\": $(stats grid --get $key)," json || fail "$key in the JSON report"
 done
 
-# An incomplete grid: 8 corners that were never expanded.
+# An incomplete grid: 8 corners that were never expanded, each with 7 directions into the box.
+expect 0 56 '' -- stats seeds --get conversions_left
 expect 0 8 '' -- stats seeds --get frontier
 expect 0 0 '' -- stats seeds --get generation
 expect 0 0 '' -- stats seeds --get conversions
@@ -79,7 +80,7 @@ refuses 'stats: q1: .*' -- stats q1 --get records
 see='\(see stats --help\)'
 expect 2 '' "~stats: --get: no value mass \(there are: model, .*, reports\) $see" -- \
   stats grid --get mass
-expect 2 '' "~stats: --get, --dump, --slice and --log exclude each other $see" -- \
+expect 2 '' "~stats: --get, --dump, --slice, --ranges and --log exclude each other $see" -- \
   stats grid --dump --get records
 expect 2 '' "~stats: standard input can be read only once $see" -- stats - - <grid
 expect 2 '' "~stats: --format: xml not in .*$see" -- stats grid --format xml

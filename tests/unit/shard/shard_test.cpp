@@ -313,7 +313,7 @@ TEST_CASE("a frontier is cut into parts that cover each conversion exactly once"
     const auto sections = open_sections({dir.file("b"), dir.file("a")});
     const std::uint64_t parts = draw(random, 1, 12);
     for (std::uint64_t k = 1; k <= parts; ++k) {
-      FrontierReader reader(sections, {k, parts});
+      FrontierReader reader(sections, Part{k, parts});
       std::uint64_t found = 0;
       FrontierReader::Record record;
       RowKey last = 0;
