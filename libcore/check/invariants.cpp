@@ -159,7 +159,8 @@ std::vector<Check> check_reachable(const Grid& grid) {
       "reachable", "records", "records that no chain of links leads to from the seeds", {}};
   Check generations{"generations",
                     "records",
-                    "records whose generation is not their distance from the seeds, in links",
+                    "records whose generation is not their distance from the seeds, in links, or "
+                    "less than that of a level below",
                     {}};
   constexpr std::uint32_t kUnreached = ~std::uint32_t{0};
   std::vector<std::uint32_t> distance(grid.records(), kUnreached);
@@ -181,6 +182,7 @@ std::vector<Check> check_reachable(const Grid& grid) {
   }
   reachable.found.counted = grid.records();
   generations.found.counted = reached.size();
+  std::uint32_t youngest = 0;
   for (RecordIndex r = 0; r < grid.records(); ++r) {
     if (distance[r] == kUnreached) {
       reachable.found.offend([&] { return describe(grid, r); });
@@ -189,8 +191,22 @@ std::vector<Check> check_reachable(const Grid& grid) {
         return describe(grid, r) + ": generation " + std::to_string(grid.record_generation(r)) +
                ", distance " + std::to_string(distance[r]);
       });
+    } else if (r > 0 && grid.point(r - 1) == grid.point(r) &&
+               grid.record_generation(r - 1) > grid.record_generation(r)) {
+      // Play starts at level 0: the numbers of levels, by when they were found, matter.
+      generations.found.offend([&] {
+        return describe(grid, r) + ": generation " + std::to_string(grid.record_generation(r)) +
+               ", the level below has " + std::to_string(grid.record_generation(r - 1));
+      });
     }
+    youngest = std::max(youngest, grid.record_generation(r));
   }
+  // The last round finds nothing new.
+  if (grid.records() > 0 && grid.generation() > youngest + 1)
+    generations.found.offend([&] {
+      return "the grid has generation " + std::to_string(grid.generation()) +
+             ", its youngest record " + std::to_string(youngest);
+    });
   return {std::move(reachable), std::move(generations)};
 }
 

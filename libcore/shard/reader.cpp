@@ -108,7 +108,7 @@ class SectionReader::State {
       return false;
     }
     where_ = at(*section_->file, frames_.offset());
-    decode_frame(frames_.next(limit()), *info, rows);
+    decode_frame(next_frame(*info), *info, rows);
     count(*info);
     return true;
   }
@@ -116,9 +116,7 @@ class SectionReader::State {
   void next_stored(StoredChunk& chunk) {
     chunk.info = *peek();
     where_ = at(*section_->file, frames_.offset());
-    const std::span<const std::byte> frame = frames_.next(limit());
-    if (hash_of(frame) != chunk.info.stored)
-      throw FormatError(where_ + ": damaged: a chunk does not fit the footer's hash of it");
+    const std::span<const std::byte> frame = next_frame(chunk.info);
     if (any_ && chunk.info.first_point < key_point(last_))
       throw FormatError(where_ + ": damaged: chunks out of order");
     chunk.frame.assign(frame.begin(), frame.end());
@@ -143,6 +141,13 @@ class SectionReader::State {
  private:
   const GridSpec& spec() const { return section_->header.spec; }
   std::uint64_t limit() const { return chunk_limit(section_->header); }
+
+  std::span<const std::byte> next_frame(const ChunkInfo& info) {
+    const std::span<const std::byte> frame = frames_.next(limit());
+    if (hash_of(frame) != info.stored)
+      throw FormatError(where_ + ": damaged: a chunk does not fit the footer's hash of it");
+    return frame;
+  }
 
   template <class Rows>
   void decode_frame(std::span<const std::byte> frame, const ChunkInfo& info, Rows& rows) {

@@ -405,10 +405,10 @@ for kind in ("seeds", "requests", "frontier", "toy.requests"):
             commands = [c for c in READERS[kind][1]]
             crafted("sum of %s" % name, kind, "the counts in the footer do not fit|requests are missing", edit, commands)
     # What it says of a chunk.
-    for name, value in (("rows", 1), ("frontier", 3), ("firstPoint", 7), ("lastPoint", 1), ("digestLow", "1"), ("digestHigh", "1")):
+    for name, value in (("rows", 1), ("frontier", 3), ("firstPoint", 7), ("lastPoint", 1), ("digestLow", "1"), ("digestHigh", "1"), ("stored", "1")):
         def edit(footer, name=name, value=value):
             footer["chunks"][0][name] = value
-        message = "does not fit (what the footer says|the footer's digest)"
+        message = "does not fit (what the footer says|the footer's (digest|hash))"
         crafted("footer's %s" % name, kind, message, lambda m: None, edit=edit)
     crafted("footer's digest", kind, "digest in the footer does not fit", lambda m: None, edit_last=lambda f: f.update(digestLow="1"))
     crafted("footer's digest", kind, "digest in the footer does not fit", lambda m: None, edit_last=lambda f: f.update(digestHigh="1"))
@@ -541,8 +541,8 @@ def hostile_frames():
         for at in range(3):
             bad = parts[:at] + [claim] + parts[at + 1 :]
             refused("a frame of %d bytes" % size, "expand BAD", b"".join(bad), "a message of %d bytes, the limit is|does not end|damaged" % size)
-    silent = shard.run(["zstd", "-qc", "--check"], shard.decompress(parts[1]))
-    refused("a frame without its size", "expand BAD", parts[0] + silent + parts[2], "a frame without its content's size")
+    silent = shard.run(["zstd", "-qc", "--check"], shard.decompress(parts[0]))
+    refused("a frame without its size", "expand BAD", silent + parts[1] + parts[2], "a frame without its content's size")
     # Bombs: what 64 MiB of zeros become, in each place. Only a footer may be so large.
     bomb = shard.frame(bytes(64 << 20))
     for at in range(3):

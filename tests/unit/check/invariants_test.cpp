@@ -166,6 +166,26 @@ TEST_CASE("a generation that is not the distance from the seeds") {
   }
 }
 
+TEST_CASE("a grid that is said to be older than a round behind its youngest record") {
+  const Broken found =
+      broken(all_checks(Grid(tiny::spec(), tiny::kGeneration + 1, tiny::records())));
+  CHECK(found == Broken{{"generations", {"the grid has generation 4, its youngest record 2"}}});
+}
+
+TEST_CASE("levels that are not numbered in the order in which they were found") {
+  // Point 1's levels exchanged, and all links to them: the same grid but for where play starts.
+  RecordColumns records;
+  tiny::add(records, 0, 0, 0, 0, kLeavesBox, 1);
+  tiny::add(records, 1, 0, 2, -1, 0, 0);
+  tiny::add(records, 1, 1, 1, +1, 0, 1);
+  tiny::add(records, 2, 0, 1, -1, 0, 0);
+  tiny::add(records, 2, 1, 2, +1, 1, 0);
+  tiny::add(records, 3, 0, 0, 0, 0, kLeavesBox);
+  CHECK(
+      broken(records) ==
+      Broken{{"generations", {"point 1 (1, 0, 0) level 1: generation 1, the level below has 2"}}});
+}
+
 TEST_CASE("blends are the cells at the two tear-offs") {
   // From level 1 of point 1 (state -1) the left end is reached, and from there level 0 (+1).
   const auto check = check_blends(tiny::grid());
