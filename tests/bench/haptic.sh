@@ -4,7 +4,7 @@
 #   tests/bench/haptic.sh [BUILD] [SECONDS A TURN] [TURNS]        (default: build 5 4)
 #
 # Computing time, from when a tick began to when its force was sent, on the hung ball and on a molecule
-# of 77 atoms (leu-enkephalin at 12 points a side: a state of 6, the force from the penetration of the
+# of 77 atoms (leu-enkephalin at 12 points a side: a state of 10, the force from the penetration of the
 # spheres). Lateness of the paced loop at 1 and 5 kHz in turns with cyclictest at the same priority,
 # interval and length, since a virtual machine's own stalls come and go; medians over the turns.
 # As root, or with the limits that real time needs; cyclictest is in Debian's rt-tests.
