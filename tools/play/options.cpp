@@ -1,71 +1,18 @@
 #include "tools/play/options.hpp"
 
-#include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <sstream>
 
-#include "libcore/base/error.hpp"
-#include "libcore/base/text.hpp"
-#include "libcore/base/toml.hpp"
-#include "libcore/device/keyboard.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/devices.hpp"
+#include "tools/play/table.hpp"
 
 namespace hapgrid {
 
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
-
-/// The table [play] of a TOML file as options; what else is in the file is other filters'.
-class PlayTable : public CLI::Config {
- public:
-  std::string to_config(const CLI::App*, bool, bool, std::string) const override { return ""; }
-
-  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-    std::ostringstream text;
-    text << input.rdbuf();
-    try {
-      return items(TomlFile(text.str(), "--config").root());
-    } catch (const Error& e) {
-      throw CLI::ConfigError(e.what(), CLI::ExitCodes::ConfigError);
-    }
-  }
-
- private:
-  static std::string word(const toml::node& node, const std::string& key) {
-    if (node.is_string()) return **node.as_string();
-    if (node.is_boolean()) return **node.as_boolean() ? "true" : "false";
-    if (node.is_integer()) return std::to_string(**node.as_integer());
-    if (node.is_floating_point()) {
-      const double value = **node.as_floating_point();
-      return std::isinf(value) ? (value > 0 ? "inf" : "-inf") : to_text(value);
-    }
-    throw Error("--config: play." + key + " must be a number, a text, true or false, or an array");
-  }
-
-  static std::vector<CLI::ConfigItem> items(const toml::table& root) {
-    std::vector<CLI::ConfigItem> items;
-    const toml::node* play = root.get("play");
-    if (!play) return items;
-    if (!play->is_table()) throw Error("--config: play must be a table");
-    for (const auto& [k, node] : *play->as_table()) {
-      const std::string key(k.str());
-      if (key == "config") throw Error("--config: play.config is no key");
-      CLI::ConfigItem item;
-      item.name = key;
-      if (const toml::array* entries = node.as_array()) {
-        for (const toml::node& entry : *entries) item.inputs.push_back(word(entry, key));
-      } else {
-        item.inputs.push_back(word(node, key));
-      }
-      items.push_back(item);
-    }
-    return items;
-  }
-};
 
 /// "x,-z,y": what each of the box's axes follows.
 bool read_axes(const std::string& text, std::array<Vec3, 3>& axes) {
