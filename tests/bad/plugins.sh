@@ -1,6 +1,6 @@
 #!/bin/bash
 # Plug-ins that are not there, are no plug-ins, or misbehave. (Names with a path in a shard:
-# streams.py.)
+# streams/.)
 source "$(dirname "$0")/../cli/lib.sh"
 plugins=$HAPGRID_BUILD/tests/plugins
 models=$(readlink -f "$HAPGRID_BIN/../models")

@@ -1,6 +1,6 @@
 #!/bin/bash
 # Shards that are cut, flipped, or made to do harm: one line, exit code 1, nothing written, and no
-# more memory or time than an honest shard takes. The faults are in streams.py.
+# more memory or time than an honest shard takes. The faults are in streams/.
 source "$(dirname "$0")/../cli/lib.sh"
 export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
 
@@ -26,4 +26,4 @@ seed toy.toml --set model.parameters.state_size=3000 --set search.max_levels=25 
 
 slow=0
 if sanitized; then slow=1; fi
-exec python3 "$here/streams.py" $slow "${1:-}"
+exec python3 "$here/streams" $slow "${1:-}"

@@ -1,0 +1,81 @@
+"""Shards that are cut at every byte, or have every byte flipped."""
+
+import itertools
+import os
+import re
+import struct
+
+from filters import *
+
+# Cut, at every byte.
+
+for kind, (whole, commands) in READERS.items():
+    ends = list(itertools.accumulate(len(f) for f in shard.frames(whole)))
+    edges = {0, 1, 2, 3, 4, 5, 17, 18, len(whole) - 1}
+    for end in ends[:-1]:
+        edges |= {end - 5, end - 4, end - 1, end, end + 1, end + 3, end + 4, end + 10}
+    for i, command in enumerate(commands):
+        cuts = range(len(whole)) if i == 0 and not SLOW and kind in ("seeds", "requests") else sorted(edges)
+        for cut in cuts:
+            message = (
+                "empty, not a shard" if cut == 0 else
+                "truncated: the shard does not end with a footer" if cut in ends else
+                "truncated or damaged: a frame is cut")
+            later_refused("cut %s at %d" % (kind, cut), command, whole[:cut], message)
+    # Frames that are missing inside.
+    parts = shard.frames(whole)
+    for command in commands:
+        later_refused("%s without header" % kind, command, b"".join(parts[1:]), "truncated: a footer counts 1 chunks, 1 mess")
+        later_refused("%s without chunk" % kind, command, parts[0] + parts[-1], "truncated: a footer counts 1 chunks, 1 mess")
+        later_refused("%s: footer alone" % kind, command, parts[-1], "truncated: a footer counts 1 chunks, 0 mess")
+        later_refused("%s: header alone" % kind, command, parts[0], "does not end with a footer")
+        later_refused("%s: chunk twice" % kind, command, b"".join([parts[0], parts[1], parts[1], parts[2]]), "damaged|truncated")
+        later_refused("%s: footer twice" % kind, command, whole + parts[-1], "damaged|truncated")
+        later_refused("%s: header twice" % kind, command, parts[0] + whole, "does not end with a footer")
+        later_refused("%s: bytes behind" % kind, command, whole + b"\n", "not a shard: no zstd frame")
+        later_refused("%s: bytes before" % kind, command, b"\n" + whole, "not a shard: no zstd frame")
+        later_refused("%s: zeros behind" % kind, command, whole + bytes(4096), "not a shard: no zstd frame")
+        later_refused("%s: skippable frame" % kind, command, struct.pack("<II", 0x184D2A50, 4) + b"text" + whole, "not a shard: no zstd frame")
+        later_refused("%s: one frame for all" % kind, command, shard.frame(shard.decompress(whole)), "bytes behind the message")
+        later_refused("%s: two messages in a frame" % kind, command,
+                      shard.frame(b"".join(map(shard.decompress, parts[:2]))) + parts[2], "truncated: a footer counts 1 chunks, 1 mess")
+
+# Flipped, every byte.
+
+
+def flipped(kind, command, whole, at, mask, right):
+    name = "flip %s at %d by %d" % (kind, at, mask)
+    if ONLY not in name:
+        return
+    file = "bad.%d" % next(numbers)
+    bad = bytearray(whole)
+    bad[at] ^= mask
+    with open(file, "wb") as stream:
+        stream.write(bad)
+    words = [file if w == "BAD" else w for w in command.split()]
+    code, stdout, stderr, _ = run(words)
+    os.unlink(file)
+    # A bit without meaning, in a frame's header, may be overlooked.
+    if code == 0 and stdout == right and not stderr:
+        return
+    if code != 1 or not re.fullmatch("%s: [^\n]+\n" % words[0], stderr):
+        failures.append("%s: %s: exit code %d\n  %s" % (name, command, code, stderr[:400]))
+
+
+for kind, command in (
+    ("seeds", "expand BAD"),
+    ("requests", "merge seeds BAD"),
+    ("next", "merge next.requests BAD"),
+    ("grid", "stats --dump BAD"),
+    ("coded", "merge BAD"),
+    ("lossy", "stats --dump BAD"),
+    ("toy.requests", "merge BAD toy.seeds"),
+    ("frontier", "expand BAD"),
+):
+    whole = READERS[kind][0]
+    code, right, stderr, _ = run([kind if w == "BAD" else w for w in command.split()])
+    assert code == 0, stderr
+    for at in range(0, len(whole), 7 if SLOW else 1):
+        later(flipped, kind, command, whole, at, 1 << at % 8, right)
+        if kind in ("seeds", "requests"):
+            later(flipped, kind, command, whole, at, 255, right)

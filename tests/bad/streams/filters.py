@@ -1,0 +1,126 @@
+"""The shards of streams.sh, the filters that read them, and how one refuses a bad one; jobs run in threads.
+
+Arguments of the program: SLOW [CASES], see __main__.py.
+"""
+
+import concurrent.futures
+import itertools
+import os
+import re
+import resource
+import subprocess
+import sys
+import threading
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "cli"))
+import shard
+
+SLOW = sys.argv[1] == "1"
+ONLY = sys.argv[2] if len(sys.argv) > 2 else ""
+MEMORY_MB = 200  # an honest shard of this size takes some 10 MB
+SECONDS = 60 if SLOW else 10
+numbers = itertools.count()
+failures = []
+
+
+def read(name):
+    with open(name, "rb") as file:
+        return file.read()
+
+
+if not SLOW:  # so that a wrong size ends a filter and not the machine
+    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
+
+
+def run(command, stdin=b""):
+    """(exit code or -signal, stdout, stderr, peak memory in MB)"""
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE)
+    timer = threading.Timer(SECONDS, process.kill)
+    timer.start()
+    try:
+        process.stdin.write(stdin)
+        process.stdin.close()
+    except BrokenPipeError:
+        pass
+    out = process.stdout.read()
+    err = process.stderr.read()
+    _, status, usage = os.wait4(process.pid, 0)
+    timer.cancel()
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return process.returncode, out, err.decode(errors="replace"), usage.ru_maxrss / 1000
+
+
+def refused(name, command, bad, message, may_pass=False):
+    """The command, in which BAD stands for the bad shard, must refuse it with this message (a
+    regular expression that is found in the one line)."""
+    if ONLY not in name:
+        return
+    file = "bad.%d" % next(numbers)
+    out = file + ".out"
+    with open(file, "wb") as stream:
+        stream.write(bad)
+    words = [file if w == "BAD" else w for w in command.split()] + ["-o", out]
+    code, stdout, stderr, memory = run(words)
+    line = stderr.replace(file, "BAD")
+    problems = []
+    if may_pass and code == 0 and not stderr:
+        os.unlink(out)
+        return
+    if code != 1:
+        problems.append("exit code %d" % code)
+    if stdout:
+        problems.append("writes to standard output")
+    if os.path.exists(out):
+        problems.append("leaves half a file")
+        os.unlink(out)
+    if not re.fullmatch("%s: [^\n]+\n" % words[0], line):
+        problems.append("not one line of the tool")
+    elif not re.search(message, line):
+        problems.append("another message than /%s/" % message)
+    if memory > MEMORY_MB and not SLOW:
+        problems.append("%d MB of memory" % memory)
+    if problems:
+        failures.append("%s: %s: %s\n  %s" % (name, command, "; ".join(problems), line[:400]))
+    os.unlink(file)
+
+
+pool = concurrent.futures.ThreadPoolExecutor(4)
+jobs = []
+
+
+def later(function, *arguments):
+    jobs.append(pool.submit(function, *arguments))
+
+
+def later_refused(*arguments):
+    later(refused, *arguments)
+
+
+SEEDS, REQUESTS, FRONTIER, GRID, NEXT = map(read, ("seeds", "requests", "frontier", "grid", "next"))
+CODED, LOSSY = map(read, ("coded", "lossy"))
+TOY_SEEDS, TOY_REQUESTS = map(read, ("toy.seeds", "toy.requests"))
+
+# The commands that read each kind of shard.
+READERS = {
+    "seeds": (SEEDS, ["expand BAD", "expand --complete BAD", "merge BAD requests", "stats BAD", "verify BAD"]),
+    "requests": (REQUESTS, ["merge seeds BAD"]),
+    "frontier": (FRONTIER, ["expand BAD"]),
+    "next": (NEXT, ["merge BAD next.requests", "stats --dump BAD"]),
+    "grid": (GRID, ["merge BAD", "expand BAD", "verify BAD", "stats BAD"]),
+    "coded": (CODED, ["merge BAD", "merge --final BAD", "expand BAD", "verify BAD --against grid"]),
+    "lossy": (LOSSY, ["stats --dump BAD", "verify BAD"]),
+    "toy.seeds": (TOY_SEEDS, ["expand BAD", "merge toy.requests BAD"]),
+    "toy.requests": (TOY_REQUESTS, ["merge toy.seeds BAD"]),
+}
+
+
+def finish():
+    """Waits for all jobs; the end of the program, with what was wrong."""
+    for job in concurrent.futures.as_completed(jobs):
+        job.result()
+    pool.shutdown()
+    print("%d shards" % next(numbers))
+    if failures:
+        failures.sort()
+        sys.exit("\n".join(failures[:40]) + "\n%d faults" % len(failures))
