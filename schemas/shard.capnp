@@ -151,9 +151,9 @@ struct Parameter {
   }
 }
 
-# Chunks are columnar: entry r of each column belongs to row r, and a chunk is near 1 MiB. In a grid
-# a chunk never crosses a multiple of the points that one chunk holds at one level a point, so that
-# a change of one record leaves the other chunks' bytes alone.
+# Chunks are columnar: entry r of each column belongs to row r, and a chunk is near 1 MiB, of a grid
+# near 64 KiB. In a grid a chunk never crosses a multiple of the points that one chunk holds at one
+# level a point, so that a change of one record leaves the other chunks' bytes alone.
 
 struct RecordChunk {
   # Records ascend by (point, level) through a section.

@@ -10,6 +10,28 @@
 
 namespace hapgrid {
 
+namespace {
+
+// Directions that stay inside, by which of the six sides the point lies on: bit 2a for the low
+// and bit 2a + 1 for the high side of axis a (both are set where the count is 1).
+constexpr std::array<DirectionMask, 64> kInside = [] {
+  std::array<DirectionMask, 64> inside{};
+  for (unsigned sides = 0; sides < inside.size(); ++sides) {
+    for (int q = 0; q < kDirections; ++q) {
+      const auto step = Direction(q).step();
+      bool leaves = false;
+      for (int a = 0; a < 3; ++a) {
+        leaves |= step[a] < 0 && (sides >> (2 * a) & 1);
+        leaves |= step[a] > 0 && (sides >> (2 * a + 1) & 1);
+      }
+      if (!leaves) inside[sides] |= DirectionMask{1} << q;
+    }
+  }
+  return inside;
+}();
+
+}  // namespace
+
 void Box::validate() const {
   if (!finite(origin)) throw Error("box: origin is not finite");
   for (int a = 0; a < 3; ++a) {
@@ -32,18 +54,6 @@ Neighbourhood::Neighbourhood(const Box& box) : box_(box) {
     reach_ = std::max(reach_, std::abs(offset_[q]));
     for (int a = 0; a < 3; ++a) shift_[q][a] = box.spacing * step[a];
   }
-  for (unsigned sides = 0; sides < inside_.size(); ++sides) {
-    inside_[sides] = 0;
-    for (int q = 0; q < kDirections; ++q) {
-      const auto step = Direction(q).step();
-      bool leaves = false;
-      for (int a = 0; a < 3; ++a) {
-        leaves |= step[a] < 0 && (sides >> (2 * a) & 1);
-        leaves |= step[a] > 0 && (sides >> (2 * a + 1) & 1);
-      }
-      if (!leaves) inside_[sides] |= DirectionMask{1} << q;
-    }
-  }
 }
 
 DirectionMask Neighbourhood::inside(const GridCoordinates& c) const {
@@ -52,7 +62,7 @@ DirectionMask Neighbourhood::inside(const GridCoordinates& c) const {
     sides |= unsigned{c[a] == 0} << (2 * a);
     sides |= unsigned{c[a] + 1 == box_.counts[a]} << (2 * a + 1);
   }
-  return inside_[sides];
+  return kInside[sides];
 }
 
 }  // namespace hapgrid

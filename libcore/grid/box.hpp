@@ -64,9 +64,6 @@ class Neighbourhood {
   std::array<std::int64_t, kDirections> offset_;
   std::array<Vec3, kDirections> shift_;
   std::int64_t reach_ = 0;
-  // Directions that stay inside, by which of the six sides the point lies on: bit 2a for the low
-  // and bit 2a + 1 for the high side of axis a (both are set where the count is 1).
-  std::array<DirectionMask, 64> inside_;
 };
 
 }  // namespace hapgrid

@@ -19,12 +19,10 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
 
   MergedRows<RecordRows> rows(sections);
   for (Run<RecordRows> run = rows.next(); run.rows; run = rows.next()) {
-    for (std::size_t r = run.begin; r < run.end; ++r) {
-      const RecordRows& in = *run.rows;
-      levels.append(in.point[r], in.level[r], in.generation[r], in.row(r),
-                    &in.links[r * kDirections]);
+    const RecordRows& in = *run.rows;
+    levels.append(in, run.begin, run.end);
+    for (std::size_t r = run.begin; r < run.end; ++r)
       if (in.generation[r] == header.generation) frontier.push_back({in.point[r], in.level[r]});
-    }
   }
 
   std::vector<Levels::Stored> found;
@@ -64,9 +62,9 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
 
   SectionWriter out = open(header);
   for (std::uint64_t b = 0; b < levels.blocks(); ++b) {
-    levels.visit(b,
-                 [&out](PointIndex point, Level level, std::uint32_t generation, const double* row,
-                        const Level* links) { out.record(point, level, generation, row, links); });
+    levels.visit(b, [&out](const RecordRows& records, std::size_t begin, std::size_t end) {
+      out.records(records, begin, end);
+    });
     levels.release(b);
   }
   out.finish();

@@ -1,6 +1,7 @@
 #include "libcore/search/frontier.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -23,6 +24,13 @@ ConversionRange cut(std::uint64_t total, Part part) {
     return total / part.of * k + total % part.of * k / part.of;
   };
   return {at(part.number - 1), at(part.number)};
+}
+
+/// The lowest `count` bits that are set, or all where there are fewer.
+DirectionMask first_bits(DirectionMask mask, std::uint64_t count) {
+  DirectionMask rest = mask;
+  for (; rest && count > 0; --count) rest &= rest - 1;
+  return mask & ~rest;
 }
 
 }  // namespace
@@ -97,11 +105,12 @@ bool FrontierReader::next(Record& record) {
       record.todo |= next_.todo;
     }
     // The directions whose place in the sequence of conversions lies in the part.
-    DirectionMask mine = 0;
-    for (DirectionMask left = record.todo; left; left &= left - 1, ++passed_)
-      if (passed_ >= begin_ && passed_ < end_) mine |= left & -left;
-    record.todo = mine;
-    if (mine) return true;
+    const std::uint64_t before = passed_;
+    passed_ += static_cast<std::uint64_t>(std::popcount(record.todo));
+    if (passed_ <= begin_) continue;
+    if (passed_ > end_) record.todo = first_bits(record.todo, end_ - before);
+    if (before < begin_) record.todo &= ~first_bits(record.todo, begin_ - before);
+    if (record.todo) return true;
   }
 }
 

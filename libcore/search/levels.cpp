@@ -4,11 +4,12 @@
 #include <bit>
 #include <cstring>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/shard/format.hpp"
 
 namespace hapgrid {
 
@@ -19,7 +20,6 @@ Levels::Levels(const GridSpec& spec, const Model& model)
       row_size_(spec.row_size()),
       block_points_(chunk_points(row_size_)),
       block_bits_(static_cast<unsigned>(std::countr_zero(block_points_))),
-      stride_(row_size_ + (sizeof(Tail) + sizeof(double) - 1) / sizeof(double)),
       last_row_(row_size_) {
   blocks_.resize((spec.box.points() + block_points_ - 1) >> block_bits_);
 }
@@ -38,66 +38,108 @@ Levels::Block& Levels::block(PointIndex point) {
   return *block;
 }
 
-std::uint32_t Levels::add(Block& block, const double* numbers, std::uint32_t generation) {
-  const std::uint32_t r = block.records++;
-  if (block.records > block.capacity) {
-    // Room for one level a point is only touched as far as it is used.
-    const std::uint32_t capacity = std::max(2 * block.capacity, block_points_);
-    auto rows = std::make_unique_for_overwrite<double[]>(capacity * stride_);
-    std::copy_n(block.rows.get(), block.capacity * stride_, rows.get());
-    block.rows = std::move(rows);
-    block.capacity = capacity;
+void Levels::reserve(Block& block, std::size_t count) const {
+  if (block.records + count <= block.capacity) return;
+  // Room for one level a point is only touched as far as it is used.
+  const std::size_t capacity = std::max<std::size_t>(
+      {block.records + count, 2 * std::size_t{block.capacity}, block_points_});
+  const auto grow = [&](auto& column, std::size_t each) {
+    using Column = std::remove_reference_t<decltype(column)>;
+    Column larger(new typename Column::element_type[capacity * each]);
+    std::copy_n(column.get(), block.records * each, larger.get());
+    column = std::move(larger);
+  };
+  grow(block.next, 1);
+  grow(block.point, 1);
+  grow(block.level, 1);
+  grow(block.generation, 1);
+  grow(block.numbers, row_size_);
+  grow(block.links, kDirections);
+  block.capacity = static_cast<std::uint32_t>(capacity);
+}
+
+void Levels::append(const RecordRows& rows, std::size_t begin, std::size_t end) {
+  while (begin < end) {
+    Block& here = block(rows.point[begin]);
+    const auto points = rows.point.subspan(begin, end - begin);
+    const auto count = static_cast<std::size_t>(
+        std::upper_bound(points.begin(), points.end(), points.front() | (block_points_ - 1)) -
+        points.begin());
+    reserve(here, count);
+    const auto copy = [&](const auto& from, auto& to, std::size_t each) {
+      std::copy_n(from.data() + begin * each, count * each, &to[here.records * each]);
+    };
+    copy(rows.point, here.point, 1);
+    copy(rows.level, here.level, 1);
+    copy(rows.generation, here.generation, 1);
+    copy(rows.numbers, here.numbers, row_size_);
+    copy(rows.links, here.links, kDirections);
+    const std::uint32_t from = here.records;
+    here.records += static_cast<std::uint32_t>(count);
+    records_ += count;
+    chain(here, from);
+    begin += count;
   }
-  double* here = row(block, r);
-  std::copy_n(numbers, row_size_, here);
-  Tail& t = tail(here);
-  t.next = kNone;
-  t.generation = generation;
-  ++records_;
+}
+
+void Levels::chain(Block& block, std::uint32_t from) const {
+  for (std::uint32_t r = from; r < block.records; ++r) {
+    block.next[r] = kNone;
+    const PointIndex point = block.point[r];
+    std::uint32_t* last = &block.first[in_block(point)];
+    Level level = 0;
+    if (r > from && block.point[r - 1] == point) {
+      last = &block.next[r - 1];
+      level = static_cast<Level>(block.level[r - 1] + 1);
+    } else {
+      for (; *last != kNone; last = &block.next[*last]) ++level;
+    }
+    if (block.level[r] != level)
+      throw FormatError("grid: " + describe(spec_.box, point) + ": level " +
+                        std::to_string(block.level[r]) + " where level " + std::to_string(level) +
+                        " was expected");
+    *last = r;
+  }
+}
+
+RecordRows Levels::view(const Block& block) const {
+  RecordRows rows;
+  rows.width = row_size_;
+  rows.point = {block.point.get(), block.records};
+  rows.level = {block.level.get(), block.records};
+  rows.generation = {block.generation.get(), block.records};
+  rows.numbers = {block.numbers.get(), std::size_t{block.records} * row_size_};
+  rows.links = {block.links.get(), std::size_t{block.records} * kDirections};
+  return rows;
+}
+
+std::uint32_t Levels::find(const Block* block, PointIndex point, Level level) const {
+  if (!block) return kNone;
+  std::uint32_t r = block->first[in_block(point)];
+  for (; level > 0 && r != kNone; --level) r = block->next[r];
   return r;
 }
 
-const double* Levels::find(PointIndex point, Level level) const {
-  const Block* block = find_block(point);
-  if (!block) return nullptr;
-  std::uint32_t r = block->first[in_block(point)];
-  for (; level > 0 && r != kNone; --level) r = tail(row(*block, r)).next;
-  return r == kNone ? nullptr : row(*block, r);
+const double* Levels::state(PointIndex point, Level level) const {
+  const Block* block = blocks_[point >> block_bits_].get();
+  const std::uint32_t r = find(block, point, level);
+  return r == kNone ? nullptr : &block->numbers[std::size_t{r} * row_size_];
 }
 
-const double* Levels::state(PointIndex point, Level level) const { return find(point, level); }
-
-DirectionMask Levels::unsettled(PointIndex point, Level level) const {
+DirectionMask unsettled(const Level* links) {
   DirectionMask mask = 0;
-  const Tail& t = tail(find(point, level));
   for (int q = 0; q < kDirections; ++q)
-    if (t.links[q] == kUnsettled) mask |= DirectionMask{1} << q;
+    if (links[q] == kUnsettled) mask |= DirectionMask{1} << q;
   return mask;
-}
-
-void Levels::append(PointIndex point, Level level, std::uint32_t generation, const double* numbers,
-                    const Level* links) {
-  Block& here = block(point);
-  std::uint32_t* slot = &here.first[in_block(point)];
-  Level next = 0;
-  std::uint32_t last = kNone;
-  for (std::uint32_t r = *slot; r != kNone; r = tail(row(here, r)).next) {
-    last = r;
-    ++next;
-  }
-  if (level != next)
-    throw FormatError("grid: " + describe(spec_.box, point) + ": level " + std::to_string(level) +
-                      " where level " + std::to_string(next) + " was expected");
-  const std::uint32_t r = add(here, numbers, generation);
-  std::copy_n(links, kDirections, tail(row(here, r)).links);
-  (last == kNone ? *slot : tail(row(here, last)).next) = r;
 }
 
 bool Levels::settle(PointIndex target, int q, Level source_level, const double* numbers,
                     std::uint32_t generation) {
   const auto source = static_cast<PointIndex>(std::int64_t{target} - neighbourhood_.offset(q));
-  auto* from = const_cast<double*>(find(source, source_level));
-  Level* link = from ? &tail(from).links[q] : nullptr;
+  Block* const from = blocks_[source >> block_bits_].get();
+  const std::uint32_t record = find(from, source, source_level);
+  Level* link =
+      record == kNone ? nullptr : &from->links[std::size_t{record} * kDirections + unsigned(q)];
   if (!link || *link != kUnsettled) {
     const bool repeated =
         link && target == last_target_ && q == last_q_ && source_level == last_source_level_;
@@ -111,20 +153,22 @@ bool Levels::settle(PointIndex target, int q, Level source_level, const double* 
   last_target_ = target;
   last_q_ = q;
   last_source_level_ = source_level;
-  std::copy_n(numbers, row_size_, last_row_.data());
+  if (row_size_ == 1)
+    last_row_[0] = *numbers;
+  else
+    std::copy_n(numbers, row_size_, last_row_.data());
 
   Block& here = block(target);
   std::uint32_t r = here.first[in_block(target)];
   std::uint32_t last = kNone;
   Level level = 0;
   while (r != kNone) {
-    const double* known = row(here, r);
-    if (model_.equal(known, numbers)) {
+    if (model_.equal(&here.numbers[std::size_t{r} * row_size_], numbers)) {
       *link = level;
       return false;
     }
     last = r;
-    r = tail(known).next;
+    r = here.next[r];
     ++level;
   }
   if (level >= spec_.max_levels) fail_level_limit(target, q, source_level);
@@ -134,12 +178,19 @@ bool Levels::settle(PointIndex target, int q, Level source_level, const double* 
         describe(spec_.box, target, level) + ", reached from " +
         describe(spec_.box, source, source_level) + ", direction " + std::to_string(q));
   *link = level;
-  // `link` ends here: adding a record may move the rows of its block.
-  r = add(here, numbers, generation);
-  (last == kNone ? here.first[in_block(target)] : tail(row(here, last)).next) = r;
-  Tail& t = tail(row(here, r));
+  // `link` ends here: making room may move the records of its block.
+  reserve(here, 1);
+  r = here.records++;
+  ++records_;
+  (last == kNone ? here.first[in_block(target)] : here.next[last]) = r;
+  here.next[r] = kNone;
+  here.point[r] = target;
+  here.level[r] = level;
+  here.generation[r] = generation;
+  std::copy_n(numbers, row_size_, &here.numbers[std::size_t{r} * row_size_]);
+  Level* links = &here.links[std::size_t{r} * kDirections];
   const DirectionMask inside = neighbourhood_.inside(target);
-  for (int d = 0; d < kDirections; ++d) t.links[d] = inside >> d & 1 ? kUnsettled : kLeavesBox;
+  for (int d = 0; d < kDirections; ++d) links[d] = inside >> d & 1 ? kUnsettled : kLeavesBox;
   last_stored_ = {target, level};
   return true;
 }

@@ -7,6 +7,7 @@
 
 #include "libcore/grid/grid.hpp"
 #include "libcore/model/model.hpp"
+#include "libcore/shard/format.hpp"
 
 namespace hapgrid {
 
@@ -27,11 +28,9 @@ class Levels {
 
   std::uint32_t block_points() const { return block_points_; }
 
-  /// Adds a record that is known already; a point's records come by level. `numbers` is its row,
-  /// spec.row_size() of them, the state first.
-  /// @throw FormatError when its level is not the next one at its point.
-  void append(PointIndex point, Level level, std::uint32_t generation, const double* numbers,
-              const Level* links);
+  /// Adds records that are known already, [begin, end) of `rows`; a point's records come by level.
+  /// @throw FormatError when a level is not the next one at its point.
+  void append(const RecordRows& rows, std::size_t begin, std::size_t end);
 
   /// Finds or stores a state at `target` (lines 11 to 19) and sets the destination level of the
   /// source record (line 20). `numbers` is the row that was reached. The same request twice in a
@@ -46,10 +45,8 @@ class Levels {
 
   const double* state(PointIndex point, Level level) const;
 
-  /// Directions of a record that are not settled.
-  DirectionMask unsettled(PointIndex point, Level level) const;
-
-  /// Calls f(point, level, generation, row, links) for the records of block `number`, ascending.
+  /// Calls f(rows, begin, end) for the records of block `number`, ascending: as few runs of them as
+  /// there are, one where no record was added to those that were appended.
   template <class F>
   void visit(std::uint64_t number, F&& f) const;
   /// Blocks: points / block_points(), rounded up.
@@ -64,34 +61,30 @@ class Levels {
  private:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-  // A record is its row, links, next record of its point, generation, in one row of stride_
-  // doubles: what a request touches is one or two cache lines.
+  // Records in columns, in the order in which they came; so a block that is read, touched in
+  // places, and written again is copied in long runs. Not initialised beyond `records`.
   struct Block {
-    std::vector<std::uint32_t> first;  // block_points, first record of each point
-    std::unique_ptr<double[]> rows;    // not initialised beyond `records`
+    std::vector<std::uint32_t> first;       // block_points, first record of each point
+    std::unique_ptr<std::uint32_t[]> next;  // next record of a record's point
+    std::unique_ptr<PointIndex[]> point;
+    std::unique_ptr<Level[]> level;
+    std::unique_ptr<std::uint32_t[]> generation;
+    std::unique_ptr<double[]> numbers;  // records x row_size
+    std::unique_ptr<Level[]> links;     // records x 26
     std::uint32_t capacity = 0;
     std::uint32_t records = 0;
   };
-  struct Tail {
-    std::uint32_t next;
-    std::uint32_t generation;
-    Level links[kDirections];
-  };
 
   Block& block(PointIndex point);
-  const Block* find_block(PointIndex point) const { return blocks_[point >> block_bits_].get(); }
-  double* row(Block& block, std::uint32_t r) { return &block.rows[std::size_t{r} * stride_]; }
-  const double* row(const Block& block, std::uint32_t r) const {
-    return &block.rows[std::size_t{r} * stride_];
-  }
-  Tail& tail(double* row) { return *reinterpret_cast<Tail*>(row + row_size_); }
-  const Tail& tail(const double* row) const {
-    return *reinterpret_cast<const Tail*>(row + row_size_);
-  }
+  /// Makes room for `count` more records.
+  void reserve(Block& block, std::size_t count) const;
+  /// Chains the records from `from` on to those of their points.
+  void chain(Block& block, std::uint32_t from) const;
+  /// The records of a block, valid until one is added.
+  RecordRows view(const Block& block) const;
   std::uint32_t in_block(PointIndex point) const { return point & (block_points_ - 1); }
-  /// The row of a record, nullptr where there is none.
-  const double* find(PointIndex point, Level level) const;
-  std::uint32_t add(Block& block, const double* numbers, std::uint32_t generation);
+  /// The record's number in its block, kNone where there is none.
+  std::uint32_t find(const Block* block, PointIndex point, Level level) const;
   [[noreturn]] void fail_level_limit(PointIndex target, int q, Level source_level) const;
 
   const GridSpec& spec_;
@@ -100,7 +93,6 @@ class Levels {
   std::uint32_t row_size_;
   std::uint32_t block_points_;
   unsigned block_bits_;
-  std::size_t stride_;
   std::vector<std::unique_ptr<Block>> blocks_;
   std::vector<std::unique_ptr<Block>> free_blocks_;
   std::uint64_t records_ = 0;
@@ -112,19 +104,26 @@ class Levels {
   std::vector<double> last_row_;
 };
 
+/// Directions of a record that are not settled.
+DirectionMask unsettled(const Level* links);
+
 template <class F>
 void Levels::visit(std::uint64_t number, F&& f) const {
   const Block* block = blocks_[number].get();
   if (!block) return;
+  const RecordRows rows = view(*block);
+  std::uint32_t begin = 0;
+  std::uint32_t end = 0;
   for (std::uint32_t i = 0; i < block_points_; ++i) {
-    Level level = 0;
-    for (std::uint32_t r = block->first[i]; r != kNone;) {
-      const double* here = row(*block, r);
-      const Tail& t = tail(here);
-      f(static_cast<PointIndex>(number * block_points_ + i), level++, t.generation, here, t.links);
-      r = t.next;
+    for (std::uint32_t r = block->first[i]; r != kNone; r = block->next[r]) {
+      if (r != end) {
+        if (begin != end) f(rows, begin, end);
+        begin = r;
+      }
+      end = r + 1;
     }
   }
+  if (begin != end) f(rows, begin, end);
 }
 
 }  // namespace hapgrid

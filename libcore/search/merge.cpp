@@ -111,18 +111,26 @@ class Merge {
       const RecordRows& rows = *run_.rows;
       if (sources_.holds(rows.point[run_.begin]))
         open_block(rows.point[run_.begin] / levels_.block_points());
-      std::size_t r = run_.begin;
-      for (; r < run_.end && rows.point[r] <= wanted; ++r) append(rows, r);
+      const std::size_t r = first_at(rows, run_.begin, run_.end, wanted + 1);
+      append(rows, run_.begin, r);
       run_.begin = r;
       loaded_ = r < run_.end ? rows.point[r] : rows.point[r - 1];
     }
     emit_before(settled);
   }
 
-  void append(const RecordRows& rows, std::size_t r) {
-    if (!sources_.holds(rows.point[r])) return;
-    levels_.append(rows.point[r], rows.level[r], rows.generation[r], rows.row(r),
-                   &rows.links[r * kDirections]);
+  /// The first of rows [begin, end) that is at `point` or behind it.
+  static std::size_t first_at(const RecordRows& rows, std::size_t begin, std::size_t end,
+                              std::uint64_t point) {
+    const auto at = [&](std::size_t r) {
+      return rows.point.begin() + static_cast<std::ptrdiff_t>(r);
+    };
+    return static_cast<std::size_t>(std::lower_bound(at(begin), at(end), point) - at(0));
+  }
+
+  void append(const RecordRows& rows, std::size_t begin, std::size_t end) {
+    begin = first_at(rows, begin, end, sources_.begin);
+    levels_.append(rows, begin, first_at(rows, begin, end, sources_.end));
   }
 
   /// Keeps the next chunk as it is stored, if it is without frontier: where no request comes for
@@ -162,7 +170,7 @@ class Merge {
     if (held == held_.end()) return;
     for (StoredChunk& chunk : held->second) {
       opener_->decode(chunk, opened_);
-      for (std::size_t r = 0; r < opened_.size(); ++r) append(opened_, r);
+      append(opened_, 0, opened_.size());
       spare_.push_back(std::move(chunk));
     }
     held_.erase(held);
@@ -173,9 +181,9 @@ class Merge {
     while ((emitted_ + 1) * levels_.block_points() <= point) {
       if (!range_.holds(emitted_ * levels_.block_points())) {
         held_.erase(emitted_);
-        levels_.visit(emitted_,
-                      [this](PointIndex p, Level level, std::uint32_t generation, const double*,
-                             const Level*) { check_settled(p, level, generation); });
+        levels_.visit(emitted_, [this](const RecordRows& rows, std::size_t begin, std::size_t end) {
+          for (std::size_t r = begin; r < end; ++r) check_settled(rows, r);
+        });
         levels_.release(emitted_);
       } else if (const auto held = held_.find(emitted_); held != held_.end()) {
         for (StoredChunk& chunk : held->second) {
@@ -184,9 +192,8 @@ class Merge {
         }
         held_.erase(held);
       } else {
-        levels_.visit(emitted_, [this](PointIndex p, Level level, std::uint32_t generation,
-                                       const double* numbers, const Level* links) {
-          emit(p, level, generation, numbers, links);
+        levels_.visit(emitted_, [this](const RecordRows& rows, std::size_t begin, std::size_t end) {
+          emit(rows, begin, end);
         });
         levels_.release(emitted_);
       }
@@ -194,24 +201,25 @@ class Merge {
     }
   }
 
-  void emit(PointIndex point, Level level, std::uint32_t generation, const double* numbers,
-            const Level* links) {
-    check_settled(point, level, generation);
-    if (generation > input_.generation()) {
-      const DirectionMask todo = levels_.unsettled(point, level);
-      stored_.points += level == 0;
+  void emit(const RecordRows& rows, std::size_t begin, std::size_t end) {
+    for (std::size_t r = begin; r < end; ++r) {
+      check_settled(rows, r);
+      if (rows.generation[r] <= input_.generation()) continue;
+      const DirectionMask todo = unsettled(&rows.links[r * kDirections]);
+      stored_.points += rows.level[r] == 0;
       ++stored_.records;
       stored_.conversions += static_cast<std::uint64_t>(std::popcount(todo));
-      if (frontier_) frontier_->frontier(point, level, numbers, todo);
+      if (frontier_) frontier_->frontier(rows.point[r], rows.level[r], rows.row(r), todo);
     }
-    out_.record(point, level, generation, numbers, links);
+    out_.records(rows, begin, end);
   }
 
   /// Counts what is missing. Also around the range: a request that is missing there would give
   /// another number to a level that one of the range's links leads to.
-  void check_settled(PointIndex point, Level level, std::uint32_t generation) {
-    if (generation != input_.generation()) return;
-    DirectionMask left = levels_.unsettled(point, level);
+  void check_settled(const RecordRows& rows, std::size_t r) {
+    if (rows.generation[r] != input_.generation()) return;
+    const PointIndex point = rows.point[r];
+    DirectionMask left = unsettled(&rows.links[r * kDirections]);
     for (DirectionMask inside = inside_.inside(point); inside; inside &= inside - 1) {
       const int q = std::countr_zero(inside);
       if (!targets_.holds(static_cast<std::uint64_t>(point + inside_.offset(q)))) {
@@ -221,7 +229,7 @@ class Merge {
       ++asked_;
     }
     if (!left) return;
-    if (missing_ == 0) first_missing_ = describe(input_.spec().box, point, level);
+    if (missing_ == 0) first_missing_ = describe(input_.spec().box, point, rows.level[r]);
     missing_ += static_cast<std::uint64_t>(std::popcount(left));
   }
 

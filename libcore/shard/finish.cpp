@@ -11,10 +11,10 @@ namespace hapgrid {
 namespace {
 
 template <class Use>
-void for_each_record(const std::vector<Section>& grid, Use&& use) {
+void for_each_run(const std::vector<Section>& grid, Use&& use) {
   MergedRows<RecordRows> merged(grid);
   for (Run<RecordRows> run = merged.next(); run.rows; run = merged.next())
-    for (std::size_t r = run.begin; r < run.end; ++r) use(*run.rows, r);
+    use(*run.rows, run.begin, run.end);
 }
 
 }  // namespace
@@ -25,12 +25,14 @@ Coding final_coding(const std::vector<Section>& grid, double precision) {
   const std::uint32_t width = row_size(grid.front().header);
   std::vector<double> least(width, std::numeric_limits<double>::infinity());
   std::vector<double> most(width, -std::numeric_limits<double>::infinity());
-  for_each_record(grid, [&](const RecordRows& rows, std::size_t r) {
-    for (std::uint32_t c = 0; c < width; ++c) {
-      const double v = rows.row(r)[c];
-      if (!std::isfinite(v)) continue;
-      least[c] = std::min(least[c], v);
-      most[c] = std::max(most[c], v);
+  for_each_run(grid, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
+    for (std::size_t r = begin; r < end; ++r) {
+      for (std::uint32_t c = 0; c < width; ++c) {
+        const double v = rows.row(r)[c];
+        if (!std::isfinite(v)) continue;
+        least[c] = std::min(least[c], v);
+        most[c] = std::max(most[c], v);
+      }
     }
   });
   coding.bounds.resize(width);
@@ -42,9 +44,8 @@ Coding final_coding(const std::vector<Section>& grid, double precision) {
 }
 
 void copy_records(const std::vector<Section>& grid, SectionWriter& out) {
-  for_each_record(grid, [&](const RecordRows& rows, std::size_t r) {
-    out.record(rows.point[r], rows.level[r], rows.generation[r], rows.row(r),
-               &rows.links[r * kDirections]);
+  for_each_run(grid, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
+    out.records(rows, begin, end);
   });
   out.finish();
 }

@@ -116,7 +116,7 @@ std::uint32_t row_size(const SectionHeader& header);
 std::uint64_t record_bytes(std::uint32_t row_size);
 
 /// How many points one chunk of a grid covers: the power of two that keeps a chunk at one level a
-/// point at or below 1 MiB (at least 1).
+/// point at or below 64 KiB (at least 1).
 std::uint32_t chunk_points(std::uint32_t row_size);
 
 /// The same for a coded grid, where a chunk is near 4 MiB before it is coded; also the most rows

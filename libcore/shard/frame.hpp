@@ -67,6 +67,7 @@ class FrameReader {
 
  private:
   [[noreturn]] void fail(const std::string& what) const;
+  bool read_up_to(std::size_t size);
 
   const InputFile* file_;
   std::uint64_t offset_;

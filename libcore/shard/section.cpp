@@ -14,9 +14,10 @@ namespace hapgrid {
 namespace {
 
 // A header carries the model's parameters in full and 8 bytes for each number of a row; a footer
-// some 50 bytes a chunk.
+// 48 bytes a chunk, half of them hashes, and so not much more than its frame.
 constexpr std::uint64_t kMaxHeaderBytes = 64 << 20;
-constexpr std::uint64_t kMaxFooterBytes = 64 << 20;
+constexpr std::uint64_t kMaxFooterBytes = 256 << 20;
+constexpr std::uint64_t kMaxFooterRatio = 16;
 
 }  // namespace
 
@@ -36,7 +37,9 @@ std::vector<Section> open_sections(const std::shared_ptr<const InputFile>& file)
     frames.seek(offsets[frame]);
     const std::string where = at(*file, offsets[frame]);
     try {
-      decoder.decode(frames.next(kMaxFrame), limit, words);
+      const auto bytes = frames.next(kMaxFrame);
+      decoder.decode(
+          bytes, std::min(limit, std::max(kMaxHeaderBytes, kMaxFooterRatio * bytes.size())), words);
     } catch (const FormatError& e) {
       throw FormatError(where + ": " + e.what());
     }

@@ -195,19 +195,45 @@ std::size_t SectionWriter::add_row(PointIndex point, Level level, const double* 
 
 void SectionWriter::record(PointIndex point, Level level, std::uint32_t generation,
                            const double* row_numbers, const Level* links) {
-  // A chunk ends where its range of points ends, and when it is full.
-  if (point >= range_end_) {
-    flush();
-    range_end_ = (std::uint64_t{point} / row_limit_ + 1) * row_limit_;
-  }
+  enter_range(point);
   const std::size_t row = add_row(point, level, row_numbers);
   ++footer_.records;
-  if (generation == header_.generation) {
-    ++frontier_;
-    footer_.conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood_.inside(point)));
-  }
+  count_frontier(point, generation);
   columns_.generation[row] = generation;
   std::memcpy(&columns_.links[row * kDirections], links, kDirections);
+}
+
+void SectionWriter::records(const RecordRows& rows, std::size_t begin, std::size_t end) {
+  const auto copy = [&](const auto& from, auto* to, std::size_t each, std::size_t count) {
+    std::memcpy(to + rows_ * each, from.data() + begin * each, count * each * sizeof *to);
+  };
+  while (begin < end) {
+    enter_range(rows.point[begin]);
+    if (rows_ == row_limit_) flush();
+    std::size_t stop = std::min(end, begin + row_limit_ - rows_);
+    while (rows.point[stop - 1] >= range_end_) --stop;
+    copy(rows.point, columns_.point.get(), 1, stop - begin);
+    copy(rows.level, columns_.level.get(), 1, stop - begin);
+    copy(rows.generation, columns_.generation.get(), 1, stop - begin);
+    copy(rows.numbers, columns_.numbers.get(), row_size_, stop - begin);
+    copy(rows.links, columns_.links.get(), kDirections, stop - begin);
+    for (std::size_t r = begin; r < stop; ++r) count_frontier(rows.point[r], rows.generation[r]);
+    rows_ += stop - begin;
+    footer_.records += stop - begin;
+    begin = stop;
+  }
+}
+
+void SectionWriter::enter_range(PointIndex point) {
+  if (point < range_end_) return;
+  flush();
+  range_end_ = (std::uint64_t{point} / row_limit_ + 1) * row_limit_;
+}
+
+void SectionWriter::count_frontier(PointIndex point, std::uint32_t generation) {
+  if (generation != header_.generation) return;
+  ++frontier_;
+  footer_.conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood_.inside(point)));
 }
 
 void SectionWriter::frontier(PointIndex point, Level level, const double* state,
@@ -248,7 +274,7 @@ void SectionWriter::flush() {
   if (rows_ == 0) return;
   const auto rows = static_cast<unsigned>(rows_);
   const std::size_t words =
-      (row_limit_ * (record_bytes(row_size_) + sizeof(DirectionMask)) + 11 * row_size_) /
+      (rows_ * (record_bytes(row_size_) + sizeof(DirectionMask)) + 11 * row_size_) /
           sizeof(std::uint64_t) +
       64;
   ChunkInfo info{rows, frontier_, columns_.point[0], columns_.point[rows - 1], {}, 0};

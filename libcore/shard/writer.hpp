@@ -27,6 +27,8 @@ class SectionWriter {
   /// @throw std::system_error
   void record(PointIndex point, Level level, std::uint32_t generation, const double* row_numbers,
               const Level* links);
+  /// Records [begin, end) of `rows`, R of a grid. @throw std::system_error
+  void records(const RecordRows& rows, std::size_t begin, std::size_t end);
   /// A record of a frontier with the directions to be expanded; `state` n doubles. @throw
   /// std::system_error
   void frontier(PointIndex point, Level level, const double* state, DirectionMask todo);
@@ -54,6 +56,9 @@ class SectionWriter {
     std::unique_ptr<std::uint8_t[]> direction;    // requests
   };
 
+  /// A chunk of a grid ends where its range of points ends.
+  void enter_range(PointIndex point);
+  void count_frontier(PointIndex point, std::uint32_t generation);
   /// Adds one more row and answers its number in the chunk.
   std::size_t add_row(PointIndex point, Level level, const double* numbers);
   void flush();

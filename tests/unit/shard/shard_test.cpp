@@ -219,7 +219,7 @@ TEST_CASE("rows come back from a shard as they were") {
   }
 }
 
-TEST_CASE("chunks stay near 1 MiB") {
+TEST_CASE("chunks of a grid stay below 64 KiB") {
   Random random(2004);
   for (const std::uint32_t n : {1u, 9u, 1500u, 200000u}) {
     CAPTURE(n);
@@ -230,7 +230,7 @@ TEST_CASE("chunks stay near 1 MiB") {
     const auto sections = open_sections({dir.file("shard")});
     for (const ChunkInfo& chunk : sections[0].footer.chunks) {
       const std::uint64_t bytes = chunk.rows * record_bytes(n);
-      REQUIRE((chunk.rows == 1 || bytes <= 1 << 20));
+      REQUIRE((chunk.rows == 1 || bytes <= 64 << 10));
     }
     REQUIRE(read_any(sections, false) == rows);
   }
