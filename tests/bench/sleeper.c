@@ -1,5 +1,5 @@
 /* The hung ball with a C() that takes its time and no processor: for measuring what hands the
- * shards out (tests/bench/scaling.sh), with more workers than there are processors.
+ * shards out (tests/bench/scaling/run.sh), with more workers than there are processors.
  *
  *   milliseconds    a conversion takes at least this long (0)
  *
