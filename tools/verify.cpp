@@ -1,45 +1,35 @@
 // verify: whether a grid is what Algorithm 1 promises, and what the model says today.
 
-#include <atomic>
 #include <charconv>
 #include <cstdio>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "libcore/base/file.hpp"
-#include "libcore/check/configurations.hpp"
-#include "libcore/check/fidelity.hpp"
-#include "libcore/check/forces.hpp"
-#include "libcore/check/invariants.hpp"
-#include "libcore/check/passive.hpp"
-#include "libcore/check/paths.hpp"
-#include "libcore/check/precision.hpp"
+#include "libcore/check/part_report.hpp"
 #include "libcore/check/report.hpp"
-#include "libcore/check/steep.hpp"
-#include "libcore/model/model.hpp"
-#include "libcore/search/converter.hpp"
-#include "libcore/shard/load.hpp"
 #include "tools/common/models.hpp"
-#include "tools/common/progress.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/verify/examine.hpp"
 
 using namespace hapgrid;
 
 namespace {
 
 struct Options {
-  std::vector<std::string> shards;
+  Examination asked;
   std::string recompute = "1000";
-  std::string against;
-  std::uint64_t sample_seed = 1;
-  int threads = 1;
+  std::string part;    // empty: all of it, and a report for people
+  bool merge = false;  // the inputs are reports of parts
   std::string format = "text";
-  Rendering rendering;
-  ModelOptions model;
   std::string output = "-";
 };
+
+constexpr std::uint64_t kMostWalks = 1'000'000;
+// Of a part: some 2 KB a walk, and next to nothing else.
+constexpr std::uint64_t kMostReportBytes = std::uint64_t{1} << 32;
+constexpr std::uint64_t kDefaultWalks = 100;
 
 /// How many records --recompute asks for; false when it is none of all, none and a number.
 bool parse_recompute(const std::string& text, std::uint64_t& count) {
@@ -50,70 +40,50 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
   return read.ec == std::errc() && read.ptr == end;
 }
 
-int run(const Options& options) {
-  const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
-  if (!options.against.empty()) {
-    std::vector<std::string> both = inputs;
-    both.push_back(options.against);
-    inputs_or_stdin(both);  // refuses standard input twice
-  }
-  const LoadedGrid loaded = load_grid(inputs);
-  const Grid& grid = loaded.grid;
-  std::uint64_t count = 0;
-  parse_recompute(options.recompute, count);
-  const auto source =
-      count > 0 ? model_source(grid.spec(), options.model, " (or leave C out: --recompute none)")
-                : nullptr;
-  const auto make_model = [&] {
-    return forgiving(model_functions(create_model(*source, grid.spec())), loaded);
-  };
-  const auto judge = [&] { return judging_model(grid.spec(), options.model.path); };
-  Model model = judge();
-  const bool wants_forces = has_force(grid.spec(), model);
-  const SameState same = same_in_spite_of(model_functions(std::move(model)).same, loaded);
+std::vector<PartReport> read_parts(const std::vector<std::string>& names) {
+  std::vector<PartReport> parts;
+  for (const std::string& name : names)
+    parts.push_back(part_from_json(read_text(name, kMostReportBytes), name));
+  return parts;
+}
 
-  std::vector<Check> checks{check_complete(grid), check_coverage(grid), check_links(grid),
-                            check_finite(grid), check_distinct(grid, same)};
-  for (Check& check : check_reachable(grid)) checks.push_back(std::move(check));
-  if (count > 0) {
-    const auto sample = sample_records(grid, count, options.sample_seed);
-    std::atomic<std::uint64_t> done{0};
-    const ProgressLine progress(false, [&](double) {
-      return "verify: fidelity: " + std::to_string(done) + " of " + std::to_string(sample.size()) +
-             " records";
-    });
-    checks.push_back(check_fidelity(grid, sample, make_model, options.threads, done));
-    if (grid.spec().row_size() > grid.state_size()) {
-      checks.push_back(check_stored(grid, sample, make_model, options.threads));
-      // A force may be any number of times as sensitive as the state that it is evaluated from.
-      checks.back().is_note = loaded.coding.is_lossy();
-    }
-  }
-  if (!options.against.empty())
-    checks.push_back(check_precision(loaded, load_grid({options.against})));
-  else if (loaded.coding.is_lossy())
-    checks.push_back(check_precision(loaded));
-  checks.push_back(check_blends(grid));
-  const CellMap map(grid, options.threads);
-  const Configurations found =
-      find_configurations(grid, map, options.threads, default_configuration_limit(map));
-  for (Check& check : check_paths(grid, map, found, options.threads))
-    checks.push_back(std::move(check));
-  std::optional<Forces> forces;
-  if (wants_forces) forces.emplace(grid, judge, options.threads);
-  checks.push_back(check_steep(grid, map, found, forces ? &*forces : nullptr, options.rendering,
-                               options.threads));
-  if (forces) {
-    checks.push_back(check_passive(grid, map, found, *forces, options.threads));
-    // Its bound is for forces of the model's own states.
-    if (loaded.coding.is_lossy()) checks.back().is_note = true;
-  }
-
+void write(const Options& options, const std::string& text) {
   OutputFile output(options.output, /*binary=*/false);
-  output.write(options.format == "json" ? report_json(grid, checks) : report_text(grid, checks));
+  output.write(text);
   output.commit();
+}
+
+/// The report of all parts.
+int conclude(const Options& options, std::vector<PartReport> parts,
+             const std::vector<std::string>& names) {
+  const GridSummary grid = parts.at(0).grid;
+  const std::vector<Check> checks = join(std::move(parts), names);
+  write(options, options.format == "json" ? report_json(grid, checks) : report_text(grid, checks));
   std::fprintf(stderr, "verify: %s\n", verdict_line(checks).c_str());
   return is_fine(checks) ? kExitDone : kExitInvalid;
+}
+
+int run(const Options& options) {
+  const std::vector<std::string> inputs = inputs_or_stdin(options.asked.shards);
+  if (options.merge) return conclude(options, read_parts(inputs), inputs);
+
+  Examination asked = options.asked;
+  if (!asked.against.empty()) {
+    std::vector<std::string> both = inputs;
+    both.push_back(asked.against);
+    inputs_or_stdin(both);  // refuses standard input twice
+  }
+  parse_recompute(options.recompute, asked.recompute);
+  if (asked.accuracy && asked.walks == 0) asked.walks = kDefaultWalks;
+  if (options.part.empty()) return conclude(options, {examine(asked)}, {"the grid"});
+
+  const auto [number, of] = parse_part("--part", options.part);
+  asked.part = {number, of};
+  const PartReport part = examine(asked);
+  write(options, part_to_json(part));
+  std::fprintf(stderr, "verify: part %s: %s\n", options.part.c_str(),
+               verdict_line(part.checks).c_str());
+  return kExitDone;
 }
 
 }  // namespace
@@ -123,7 +93,8 @@ int main(int argc, char** argv) {
       "Checks a whole grid: the streams, what Algorithm 1 promises of every record, and C itself\n"
       "evaluated again. The report goes to standard output, the verdict to standard error.");
   Options options;
-  add_inputs(app, options.shards, "Shards that hold one grid together");
+  Examination& asked = options.asked;
+  add_inputs(app, asked.shards, "Shards that hold one grid together; reports with --merge");
   app.add_option("--recompute", options.recompute,
                  "Records for which C is evaluated again in all 26 directions: all, none, or how "
                  "many to draw as a sample")
@@ -133,36 +104,62 @@ int main(int argc, char** argv) {
         return parse_recompute(text, count) ? "" : "'" + text + "' is not all, none or a number";
       })
       ->capture_default_str();
-  app.add_option("--against", options.against,
+  app.add_option("--against", asked.against,
                  "The grid that this one was coded from (merge --final): compares all records")
       ->type_name("ORIGINAL");
-  app.add_option("--sample-seed", options.sample_seed,
+  app.add_option("--sample-seed", asked.sample_seed,
                  "Draws another sample; the same number draws the same records everywhere")
       ->type_name("S")
       ->capture_default_str();
-  app.add_option("-j,--threads", options.threads, "Threads; the report does not depend on it")
+  app.add_option(
+         "--walks", asked.walks,
+         "Random walks of the hand for `accurate`, of some 600 conversions each, by the same "
+         "S (default: none; with --accuracy " +
+             std::to_string(kDefaultWalks) + ")")
+      ->type_name("N")
+      ->check(CLI::Range(std::uint64_t{1}, kMostWalks));
+  app.add_option("--accuracy", asked.accuracy,
+                 "The error of the state between grid points that is wanted, in the tolerance "
+                 "function's unit: more in one of 100 places is a fault")
+      ->type_name("E")
+      ->check(CLI::PositiveNumber);
+  app.add_option("-j,--threads", asked.threads, "Threads; the report does not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  app.add_option("--damping", options.rendering.damping,
+  app.add_option("--damping", asked.rendering.damping,
                  "Of the device on which `steep` judges stability, in N s/m")
       ->type_name("B")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--rate", options.rendering.rate_hz, "Its ticks a second")
+  app.add_option("--rate", asked.rendering.rate_hz, "Its ticks a second")
       ->type_name("HZ")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option(
-         "--scale", options.rendering.scale,
+         "--scale", asked.rendering.scale,
          "Metres of the hand in the model's unit of length (default: the smallest stable one "
          "is reported)")
       ->type_name("M")
       ->check(CLI::PositiveNumber);
-  app.add_option("--format", options.format, "How the report is written")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
-  add_model_options(app, options.model);
+  CLI::Option* const format =
+      app.add_option("--format", options.format, "How the report is written")
+          ->check(CLI::IsMember({"text", "json"}))
+          ->capture_default_str();
+  CLI::Option* const part =
+      app.add_option("--part", options.part,
+                     "Only the K-th of N parts of the checks (1 <= K <= N < 2^32); writes what it "
+                     "found, for --merge, which has the verdict")
+          ->type_name("K/N")
+          ->excludes(format);
+  app.add_flag("--merge", options.merge,
+               "The inputs are what all the parts wrote: the report, verdict and exit code of one "
+               "run over all of it")
+      ->excludes(part);
+  for (const char* other : {"--recompute", "--against", "--sample-seed", "--walks", "--accuracy",
+                            "--damping", "--rate", "--scale"})
+    app.get_option("--merge")->excludes(app.get_option(other));
+  add_model_options(app, asked.model);
   add_output(app, options.output);
   describe(
       app, "verify",
@@ -190,7 +187,16 @@ int main(int argc, char** argv) {
       "  mixed        (no fault) configurations of several branches, and how far these are apart\n"
       "  one-way      (no fault) configurations that a switch leaves with no way straight back\n"
       "  steep        (no fault) the largest slopes of state and force, and whether the device\n"
-      "               renders them stably: K < 2 B HZ\n",
+      "               renders them stably: K < 2 B HZ\n"
+      "Between the grid's points, on samples, when it is asked for:\n"
+      "  accurate     random walks of the hand: play's state and force against the model, followed "
+      "in\n"
+      "               small steps. A fault only with --accuracy, which also says which spacing it\n"
+      "               takes; where branches mix or end, places are counted and not judged\n"
+      "Parts: all share the work of fidelity, stored, accurate, and of what looks at one point "
+      "after\n"
+      "the other; the first has the rest, which takes the whole grid. Each reads all of the "
+      "grid.\n",
       "  3  read everything, and an invariant is broken\n");
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <future>
 #include <memory>
 #include <utility>
 
 #include "libcore/base/text.hpp"
+#include "libcore/check/parallel.hpp"
 #include "libcore/check/random.hpp"
 #include "libcore/check/text.hpp"
 
@@ -106,28 +106,19 @@ void recompute_stored(const Grid& grid, RecordIndex r, const ModelFunctions& mod
 /// Runs work(model, record, row, findings) for all records, in threads. Findings are kept by block
 /// and joined in order, so that the threads leave no trace.
 template <class Work>
-Findings for_each_record(const Grid& grid, const std::vector<RecordIndex>& records,
+Findings for_each_record(const Grid& grid, std::span<const RecordIndex> records,
                          const std::function<ModelFunctions()>& make_model, int threads,
                          std::atomic<std::uint64_t>& records_done, Work&& work_on) {
   std::vector<Findings> blocks((records.size() + kBlock - 1) / kBlock);
-  std::atomic<std::size_t> next_block{0};
-  const auto work = [&](const ModelFunctions& model) {
+  std::vector<ModelFunctions> models;
+  for (int t = 0; t < threads; ++t) models.push_back(make_model());
+  for_each_with_own(blocks.size(), models, [&](const ModelFunctions& model, std::size_t b) {
     std::vector<double> row(grid.spec().row_size());
-    for (std::size_t b; (b = next_block++) < blocks.size();) {
-      const std::size_t end = std::min(records.size(), (b + 1) * kBlock);
-      for (std::size_t i = b * kBlock; i < end; ++i)
-        work_on(grid, records[i], model, row, blocks[b]);
-      records_done += end - b * kBlock;
-    }
-  };
-  std::vector<std::future<void>> others;
-  for (int t = 1; t < threads; ++t)
-    others.push_back(std::async(std::launch::async, work, make_model()));
-  work(make_model());
-  for (std::future<void>& other : others) other.get();
-  Findings all;
-  for (Findings& found : blocks) all.add(std::move(found));
-  return all;
+    const std::size_t end = std::min(records.size(), (b + 1) * kBlock);
+    for (std::size_t i = b * kBlock; i < end; ++i) work_on(grid, records[i], model, row, blocks[b]);
+    records_done += end - b * kBlock;
+  });
+  return sum_of(std::move(blocks));
 }
 
 }  // namespace
@@ -174,7 +165,7 @@ std::vector<RecordIndex> sample_records(const Grid& grid, std::uint64_t count, s
   return sample;
 }
 
-Check check_fidelity(const Grid& grid, const std::vector<RecordIndex>& records,
+Check check_fidelity(const Grid& grid, std::span<const RecordIndex> records,
                      const std::function<ModelFunctions()>& make_model, int threads,
                      std::atomic<std::uint64_t>& records_done) {
   Check check{
@@ -183,7 +174,7 @@ Check check_fidelity(const Grid& grid, const std::vector<RecordIndex>& records,
   return check;
 }
 
-Check check_stored(const Grid& grid, const std::vector<RecordIndex>& records,
+Check check_stored(const Grid& grid, std::span<const RecordIndex> records,
                    const std::function<ModelFunctions()>& make_model, int threads) {
   Check check{"stored",
               "records",

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,7 @@ std::vector<RecordIndex> sample_records(const Grid& grid, std::uint64_t count, s
 
 /// `stored`: evaluates force, energy and shape of `records` again and compares them with what is
 /// stored. Arguments as below.
-Check check_stored(const Grid& grid, const std::vector<RecordIndex>& records,
+Check check_stored(const Grid& grid, std::span<const RecordIndex> records,
                    const std::function<ModelFunctions()>& make_model, int threads);
 
 /// `fidelity`: evaluates C in all settled directions of `records` and compares what it reaches
@@ -48,7 +49,7 @@ Check check_stored(const Grid& grid, const std::vector<RecordIndex>& records,
 /// @param make_model is called once a thread, from the calling thread.
 /// @param threads at least 1; the result does not depend on it.
 /// @param records_done counts up meanwhile, for whoever shows it.
-Check check_fidelity(const Grid& grid, const std::vector<RecordIndex>& records,
+Check check_fidelity(const Grid& grid, std::span<const RecordIndex> records,
                      const std::function<ModelFunctions()>& make_model, int threads,
                      std::atomic<std::uint64_t>& records_done);
 

@@ -7,12 +7,15 @@
 #include <string>
 
 #include "libcore/base/text.hpp"
+#include "libcore/check/parallel.hpp"
 #include "libcore/check/text.hpp"
 #include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
 
 namespace {
+
+constexpr std::uint64_t kBlock = 1 << 12;
 
 /// What is wrong with one destination level, empty when nothing is.
 /// @param inside whether the direction stays in the box
@@ -68,30 +71,53 @@ bool is_blend(const Grid& grid, RecordIndex start, const GridCoordinates& cell,
   return false;
 }
 
+/// Looks at the points in `points`, block by block in threads.
+template <class LookAt>
+Findings for_each_point(const Range& points, int threads, const LookAt& look_at) {
+  return sum_of_blocks<Findings>(points, kBlock, threads,
+                                 [&](std::uint64_t begin, std::uint64_t end) {
+                                   Findings found;
+                                   for (std::uint64_t p = begin; p < end; ++p)
+                                     look_at(static_cast<PointIndex>(p), found);
+                                   return found;
+                                 });
+}
+
+/// Looks at the records of the points in `points`, as above.
+template <class LookAt>
+Findings for_each_record(const Grid& grid, const Range& points, int threads,
+                         const LookAt& look_at) {
+  return for_each_point(points, threads, [&](PointIndex p, Findings& found) {
+    for (RecordIndex r = grid.first(p); r < grid.first(p) + grid.levels(p); ++r) look_at(r, found);
+  });
+}
+
 }  // namespace
 
-Check check_complete(const Grid& grid) {
+Range all_points(const Grid& grid) { return {0, grid.box().points()}; }
+
+Check check_complete(const Grid& grid, const Range& points, int threads) {
   Check check{"complete", "records", "records that no expand has looked at (the frontier)", {}};
-  check.found.counted = grid.records();
-  for (RecordIndex r = 0; r < grid.records(); ++r)
-    if (grid.in_frontier(r)) check.found.offend([&] { return describe(grid, r); });
+  check.found = for_each_record(grid, points, threads, [&](RecordIndex r, Findings& found) {
+    ++found.counted;
+    if (grid.in_frontier(r)) found.offend([&] { return describe(grid, r); });
+  });
   return check;
 }
 
-Check check_coverage(const Grid& grid) {
+Check check_coverage(const Grid& grid, const Range& points, int threads) {
   Check check{"coverage", "points", "points without a level", {}};
-  check.found.counted = grid.box().points();
-  for (std::uint64_t p = 0; p < grid.box().points(); ++p) {
-    const auto point = static_cast<PointIndex>(p);
-    if (grid.levels(point) == 0) check.found.offend([&] { return describe(grid.box(), point); });
-  }
+  check.found = for_each_point(points, threads, [&](PointIndex p, Findings& found) {
+    ++found.counted;
+    if (grid.levels(p) == 0) found.offend([&] { return describe(grid.box(), p); });
+  });
   return check;
 }
 
-Check check_links(const Grid& grid) {
+Check check_links(const Grid& grid, const Range& points, int threads) {
   Check check{"links", "directions", "destination levels that cannot be", {}};
-  check.found.counted = std::uint64_t{grid.records()} * kDirections;
-  for (RecordIndex r = 0; r < grid.records(); ++r) {
+  check.found = for_each_record(grid, points, threads, [&](RecordIndex r, Findings& found) {
+    found.counted += kDirections;
     const DirectionMask inside = grid.neighbourhood().inside(grid.point(r));
     const auto links = grid.links(r);
     for (int q = 0; q < kDirections; ++q) {
@@ -103,10 +129,9 @@ Check check_links(const Grid& grid) {
               grid.levels(static_cast<PointIndex>(grid.point(r) + grid.neighbourhood().offset(q))))
         continue;
       const std::string fault = link_fault(grid, r, q, is_inside);
-      if (!fault.empty())
-        check.found.offend([&] { return describe_link(grid, r, q) + ": " + fault; });
+      if (!fault.empty()) found.offend([&] { return describe_link(grid, r, q) + ": " + fault; });
     }
-  }
+  });
   return check;
 }
 
@@ -114,12 +139,12 @@ bool is_finite(std::span<const double> state) {
   return std::all_of(state.begin(), state.end(), [](double v) { return std::isfinite(v); });
 }
 
-Check check_finite(const Grid& grid) {
+Check check_finite(const Grid& grid, const Range& points, int threads) {
   Check check{"finite", "records", "rows with a number that is not finite", {}};
-  check.found.counted = grid.records();
-  for (RecordIndex r = 0; r < grid.records(); ++r) {
-    if (is_finite(grid.row(r))) continue;
-    check.found.offend([&] {
+  check.found = for_each_record(grid, points, threads, [&](RecordIndex r, Findings& found) {
+    ++found.counted;
+    if (is_finite(grid.row(r))) return;
+    found.offend([&] {
       const auto row = grid.row(r);
       const auto bad =
           std::find_if_not(row.begin(), row.end(), [](double v) { return std::isfinite(v); });
@@ -128,16 +153,16 @@ Check check_finite(const Grid& grid) {
       return describe(grid, r) + ": " + (in_state ? "component " : "stored number ") +
              std::to_string(in_state ? index : index - grid.state_size()) + " is " + to_text(*bad);
     });
-  }
+  });
   return check;
 }
 
-Check check_distinct(const Grid& grid, const SameState& same) {
+Check check_distinct(const Grid& grid, const SameState& same, const Range& points) {
   Check check{"distinct",
               "pairs of levels",
               "levels of one point that are the same state under the tolerance function",
               {}};
-  for (std::uint64_t p = 0; p < grid.box().points(); ++p) {
+  for (std::uint64_t p = points.begin; p < points.end; ++p) {
     const RecordIndex begin = grid.first(static_cast<PointIndex>(p));
     const RecordIndex end = begin + grid.levels(static_cast<PointIndex>(p));
     for (RecordIndex a = begin; a < end; ++a)
@@ -210,41 +235,37 @@ std::vector<Check> check_reachable(const Grid& grid) {
   return {std::move(reachable), std::move(generations)};
 }
 
-Check check_blends(const Grid& grid) {
+Check check_blends(const Grid& grid, const Range& points, int threads) {
   Check check{"blends", "cells", "cells whose corners can belong to different branches", {}, true};
   const Box& box = grid.box();
-  GridCoordinates cells;
   GridCoordinates size;  // corners along each axis
-  for (int a = 0; a < 3; ++a) {
-    cells[a] = std::max(1u, box.counts[a] - 1);
-    size[a] = std::min(2u, box.counts[a]);
-  }
-  check.found.counted = std::uint64_t{cells[0]} * cells[1] * cells[2];
-  for (std::uint32_t k = 0; k < cells[2]; ++k)
-    for (std::uint32_t j = 0; j < cells[1]; ++j)
-      for (std::uint32_t i = 0; i < cells[0]; ++i) {
-        const GridCoordinates cell{i, j, k};
-        std::array<PointIndex, 8> points;
-        std::size_t count = 0;
-        bool has_choice = false;  // with one level at each corner nothing can be mixed
-        for (std::uint32_t dk = 0; dk < size[2]; ++dk)
-          for (std::uint32_t dj = 0; dj < size[1]; ++dj)
-            for (std::uint32_t di = 0; di < size[0]; ++di) {
-              points[count] = box.index({i + di, j + dj, k + dk});
-              has_choice |= grid.levels(points[count++]) > 1;
-            }
-        if (!has_choice) continue;
-        std::optional<RecordIndex> blend;
-        for (std::size_t c = 0; c < count && !blend; ++c)
-          for (RecordIndex l = 0; l < grid.levels(points[c]) && !blend; ++l)
-            if (is_blend(grid, grid.first(points[c]) + l, cell, size))
-              blend = grid.first(points[c]) + l;
-        if (!blend) continue;
-        check.found.offend([&] {
-          return "cell (" + std::to_string(i) + ", " + std::to_string(j) + ", " +
-                 std::to_string(k) + ") from " + describe(grid, *blend);
-        });
-      }
+  for (int a = 0; a < 3; ++a) size[a] = std::min(2u, box.counts[a]);
+  check.found = for_each_point(points, threads, [&](PointIndex base, Findings& found) {
+    const GridCoordinates cell = box.coordinates(base);
+    for (int a = 0; a < 3; ++a)
+      if (cell[a] + size[a] > box.counts[a]) return;  // no cell's lowest corner
+    ++found.counted;
+    std::array<PointIndex, 8> corners;
+    std::size_t count = 0;
+    bool has_choice = false;  // with one level at each corner nothing can be mixed
+    for (std::uint32_t dk = 0; dk < size[2]; ++dk)
+      for (std::uint32_t dj = 0; dj < size[1]; ++dj)
+        for (std::uint32_t di = 0; di < size[0]; ++di) {
+          corners[count] = box.index({cell[0] + di, cell[1] + dj, cell[2] + dk});
+          has_choice |= grid.levels(corners[count++]) > 1;
+        }
+    if (!has_choice) return;
+    std::optional<RecordIndex> blend;
+    for (std::size_t c = 0; c < count && !blend; ++c)
+      for (RecordIndex l = 0; l < grid.levels(corners[c]) && !blend; ++l)
+        if (is_blend(grid, grid.first(corners[c]) + l, cell, size))
+          blend = grid.first(corners[c]) + l;
+    if (!blend) return;
+    found.offend([&] {
+      return "cell (" + std::to_string(cell[0]) + ", " + std::to_string(cell[1]) + ", " +
+             std::to_string(cell[2]) + ") from " + describe(grid, *blend);
+    });
+  });
   return check;
 }
 

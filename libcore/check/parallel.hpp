@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "libcore/check/range.hpp"
+
 namespace hapgrid {
 
 /// Calls work(i) once for each i in [0, count), in `threads` threads, in no particular order.
@@ -27,17 +29,38 @@ void for_each_in_threads(std::size_t count, int threads, const Work& work) {
   for (std::future<void>& other : others) other.get();
 }
 
-/// Cuts [0, count) into blocks, calls work(begin, end) for each, in threads, and joins the results
-/// by `sum.add(result)` in ascending order, whatever the number of threads.
-template <class Result, class Work>
-Result sum_of_blocks(std::uint64_t count, std::uint64_t block, int threads, const Work& work) {
-  std::vector<Result> results((count + block - 1) / block);
-  for_each_in_threads(results.size(), threads, [&](std::size_t b) {
-    results[b] = work(b * block, std::min(count, (b + 1) * block));
+/// Calls work(own, i) once for each i in [0, count), in a thread for each of `owns`, which is used
+/// by that thread alone: a model.
+template <class Owns, class Work>
+void for_each_with_own(std::size_t count, Owns& owns, const Work& work) {
+  std::atomic<std::size_t> next{0};
+  for_each_in_threads(owns.size(), static_cast<int>(owns.size()), [&](std::size_t t) {
+    for (std::size_t i; (i = next++) < count;) work(owns[t], i);
   });
+}
+
+/// Joins what was found in blocks by `sum.add(result)`, in ascending order.
+template <class Result>
+Result sum_of(std::vector<Result>&& results) {
   Result sum;
   for (Result& result : results) sum.add(std::move(result));
   return sum;
+}
+
+/// Cuts [begin, end) into blocks, calls work(begin, end) for each, in threads, and joins the
+/// results in ascending order, whatever the number of threads.
+template <class Result, class Work>
+Result sum_of_blocks(const Range& range, std::uint64_t block, int threads, const Work& work) {
+  std::vector<Result> results((range.size() + block - 1) / block);
+  for_each_in_threads(results.size(), threads, [&](std::size_t b) {
+    const std::uint64_t begin = range.begin + b * block;
+    results[b] = work(begin, std::min(range.end, begin + block));
+  });
+  return sum_of(std::move(results));
+}
+template <class Result, class Work>
+Result sum_of_blocks(std::uint64_t count, std::uint64_t block, int threads, const Work& work) {
+  return sum_of_blocks<Result>(Range{0, count}, block, threads, work);
 }
 
 }  // namespace hapgrid

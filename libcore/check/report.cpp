@@ -63,11 +63,15 @@ std::string checks_text(const std::vector<Check>& checks) {
   return text;
 }
 
-std::string report_text(const Grid& grid, const std::vector<Check>& checks) {
-  const auto& n = grid.box().counts;
-  return printable(grid.spec().model) + ": " + std::to_string(n[0]) + " x " + std::to_string(n[1]) +
-         " x " + std::to_string(n[2]) + " points, " + std::to_string(grid.records()) +
-         " records, generation " + std::to_string(grid.generation()) + "\n\n" + checks_text(checks);
+GridSummary summary_of(const Grid& grid) {
+  return {grid.spec().model, grid.box().counts, grid.records(), grid.generation()};
+}
+
+std::string report_text(const GridSummary& grid, const std::vector<Check>& checks) {
+  const auto& n = grid.counts;
+  return printable(grid.model) + ": " + std::to_string(n[0]) + " x " + std::to_string(n[1]) +
+         " x " + std::to_string(n[2]) + " points, " + std::to_string(grid.records) +
+         " records, generation " + std::to_string(grid.generation) + "\n\n" + checks_text(checks);
 }
 
 nlohmann::ordered_json checks_json(const std::vector<Check>& checks) {
@@ -90,12 +94,12 @@ nlohmann::ordered_json checks_json(const std::vector<Check>& checks) {
   return json;
 }
 
-std::string report_json(const Grid& grid, const std::vector<Check>& checks) {
+std::string report_json(const GridSummary& grid, const std::vector<Check>& checks) {
   nlohmann::ordered_json json;
-  json["model"] = grid.spec().model;
-  json["counts"] = grid.box().counts;
-  json["records"] = grid.records();
-  json["generation"] = grid.generation();
+  json["model"] = grid.model;
+  json["counts"] = grid.counts;
+  json["records"] = grid.records;
+  json["generation"] = grid.generation;
   json["fine"] = is_fine(checks);
   json["checks"] = checks_json(checks);
   // "replace": a shard's strings need not be UTF-8.

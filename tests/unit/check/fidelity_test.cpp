@@ -59,7 +59,7 @@ TEST_CASE("a conversion that fails is an offender in the model's words") {
   const Grid grid = tiny::grid();
   std::atomic<std::uint64_t> done{0};
   const auto check = check_fidelity(
-      grid, {3},
+      grid, std::vector<RecordIndex>{3},
       [] {
         ModelFunctions model = tiny::model();
         model.convert = [](const double*, const Vec3& x, const Vec3&, double*, std::string& error) {

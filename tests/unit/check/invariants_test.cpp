@@ -11,8 +11,10 @@ using namespace hapgrid;
 namespace {
 
 std::vector<Check> all_checks(const Grid& grid, double tolerance = 1e-6) {
-  std::vector<Check> checks{check_complete(grid), check_coverage(grid), check_links(grid),
-                            check_finite(grid), check_distinct(grid, tiny::model(tolerance).same)};
+  std::vector<Check> checks{
+      check_complete(grid, all_points(grid), 1), check_coverage(grid, all_points(grid), 1),
+      check_links(grid, all_points(grid), 1), check_finite(grid, all_points(grid), 1),
+      check_distinct(grid, tiny::model(tolerance).same, all_points(grid))};
   for (Check& check : check_reachable(grid)) checks.push_back(std::move(check));
   std::atomic<std::uint64_t> done{0};
   checks.push_back(check_fidelity(
@@ -116,7 +118,8 @@ TEST_CASE("a settled link in the frontier is a fault") {
   tiny::add(records, 1, 0, 1, +1, 0, kUnsettled);
   tiny::add(records, 2, 0, 1, -1, kUnsettled, kUnsettled);
   tiny::add(records, 3, 0, 0, 0, 0, kLeavesBox);
-  const auto check = check_links(Grid(tiny::spec(), 1, records));
+  const Grid grid(tiny::spec(), 1, records);
+  const auto check = check_links(grid, all_points(grid), 1);
   CHECK(check.found.first ==
         std::vector<std::string>{"point 1 (1, 0, 0) level 0 direction 12 (-1, 0, 0): destination "
                                  "level 0, but the record is in the frontier"});
@@ -188,13 +191,14 @@ TEST_CASE("levels that are not numbered in the order in which they were found") 
 
 TEST_CASE("blends are the cells at the two tear-offs") {
   // From level 1 of point 1 (state -1) the left end is reached, and from there level 0 (+1).
-  const auto check = check_blends(tiny::grid());
+  const Range all = all_points(tiny::grid());
+  const auto check = check_blends(tiny::grid(), all, 1);
   CHECK(check.is_note);
   CHECK(check.found.counted == 3);
   CHECK(check.found.first ==
         std::vector<std::string>{"cell (0, 0, 0) from point 1 (1, 0, 0) level 1",
                                  "cell (2, 0, 0) from point 2 (2, 0, 0) level 1"});
-  CHECK(check_blends(tiny::after_one_round()).found.offenders == 0);
+  CHECK(check_blends(tiny::after_one_round(), all, 1).found.offenders == 0);
 }
 
 TEST_CASE("only the first five offenders are described") {
@@ -202,8 +206,34 @@ TEST_CASE("only the first five offenders are described") {
   for (PointIndex p = 0; p < 9; ++p) tiny::add(records, p, 0, 7, 0, kLeavesBox, kLeavesBox);
   GridSpec spec = tiny::spec();
   spec.box.counts = {9, 1, 1};
-  const auto check = check_complete(Grid(spec, 7, records));
+  const Grid grid(spec, 7, records);
+  const auto check = check_complete(grid, all_points(grid), 1);
   CHECK(check.found.offenders == 9);
   CHECK(check.found.first.size() == 5);
   CHECK(check.found.first.back() == "point 4 (4, 0, 0) level 0");
+}
+
+TEST_CASE("ranges of points add up to the whole, in threads or not") {
+  auto records = tiny::records();
+  records.rows[1] = records.rows[4] = std::numeric_limits<double>::quiet_NaN();
+  tiny::link(records, 0, tiny::kRight) = tiny::link(records, 5, tiny::kLeft) = 7;
+  const Grid grid(tiny::spec(), 2, records);  // two records in the frontier
+  const auto rows = [&](const Range& points, int threads) {
+    return std::vector<Check>{check_complete(grid, points, threads),
+                              check_coverage(grid, points, threads),
+                              check_links(grid, points, threads),
+                              check_finite(grid, points, threads),
+                              check_distinct(grid, tiny::model(2.5).same, points),
+                              check_blends(grid, points, threads)};
+  };
+  const auto whole = rows(all_points(grid), 1);
+  CHECK(broken(whole).size() == 3);
+  for (const std::uint64_t of : {1u, 2u, 3u, 4u, 7u}) {
+    auto sum = rows(CheckPart{1, of}.share(4), 3);
+    for (std::uint64_t k = 2; k <= of; ++k) {
+      auto more = rows(CheckPart{k, of}.share(4), 2);
+      for (std::size_t c = 0; c < sum.size(); ++c) sum[c].found.add(std::move(more[c].found));
+    }
+    CHECK(checks_text(sum) == checks_text(whole));
+  }
 }

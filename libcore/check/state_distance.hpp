@@ -1,0 +1,65 @@
+// How far two states are apart, in the unit of the tolerance.
+//
+// A tolerance function in words is a norm (grid/equality.hpp). A plug-in has it in code, and only
+// says whether two states are the same: that of a molecule knows that its state is a rotation, a
+// shift and parts of ways, and compares atoms. It is asked how much of the way from one state to
+// the other it forgives: where that is the part λ, they are tolerance / λ apart. For a norm this is
+// its value, and for what is nearly one near the tolerance nearly so.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "libcore/check/invariants.hpp"
+#include "libcore/grid/spec.hpp"
+
+namespace hapgrid {
+
+/// For one thread.
+class StateDistance {
+ public:
+  /// @param spec outlives this. @param same the model's tolerance function
+  StateDistance(const GridSpec& spec, SameState same)
+      : spec_(spec), same_(std::move(same)), between_(spec.state_size) {}
+
+  bool is_same(std::span<const double> a, std::span<const double> b) const {
+    return same_(a.data(), b.data());
+  }
+
+  /// Of finite states, or rows that begin with them. To one part in a million. Of a plug-in that
+  /// forgives nothing (tolerance 0): the largest difference of a component.
+  double operator()(std::span<const double> a, std::span<const double> b) {
+    const std::uint32_t n = spec_.state_size;
+    if (spec_.equality.is_declared() || !(spec_.tolerance > 0))
+      return distance(spec_.equality, n, a.data(), b.data());
+    if (std::equal(a.begin(), a.begin() + n, b.begin())) return 0;
+    double least = 1;  // λ that is forgiven
+    while (!forgives(a, b, least) && least > kLeast) least /= 2;
+    double most = 2 * least;  // and one that is not
+    while (forgives(a, b, most) && most < kMost) most *= 2;
+    least = most / 2;
+    while (most - least > 1e-6 * least) {
+      const double middle = (least + most) / 2;
+      (forgives(a, b, middle) ? least : most) = middle;
+    }
+    return spec_.tolerance / least;
+  }
+
+ private:
+  static constexpr double kLeast = 0x1p-60;
+  static constexpr double kMost = 0x1p40;
+
+  bool forgives(std::span<const double> a, std::span<const double> b, double part) {
+    for (std::size_t c = 0; c < between_.size(); ++c) between_[c] = a[c] + part * (b[c] - a[c]);
+    return same_(a.data(), between_.data());
+  }
+
+  const GridSpec& spec_;
+  SameState same_;
+  std::vector<double> between_;
+};
+
+}  // namespace hapgrid

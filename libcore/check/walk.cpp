@@ -1,0 +1,320 @@
+#include "libcore/check/walk.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <utility>
+
+#include "libcore/check/parallel.hpp"
+#include "libcore/check/random.hpp"
+#include "libcore/check/state_distance.hpp"
+#include "libcore/check/text.hpp"
+#include "libcore/haptic/traversal.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+// The most places that the hand goes straight on: eight cells.
+constexpr std::uint64_t kLongestLeg = 16;
+// Points drawn for one to begin at where the state changes: with one in a hundred such points, two
+// of three walks find one.
+constexpr int kDraws = 100;
+
+/// A number for each walk that has nothing to do with the next one's.
+std::uint64_t seed_of(std::uint64_t seed, std::uint64_t walk) {
+  constexpr std::uint64_t kAll = ~std::uint64_t{0};
+  return SplitMix64(SplitMix64(seed).below(kAll) + walk).below(kAll);
+}
+
+/// A hand that goes straight on for a while, turns, and is thrown back at the sides of the box.
+class Hand {
+ public:
+  Hand(const Box& box, std::uint64_t seed) : box_(box), random_(seed) {}
+
+  /// To any point of the grid.
+  PointIndex jump() {
+    const auto point = static_cast<PointIndex>(random_.below(box_.points()));
+    at_ = box_.position(point);
+    return point;
+  }
+  const Vec3& at() const { return at_; }
+  void put(const Vec3& x) { at_ = x; }
+  /// Before each leg from place to place: may turn.
+  void set_out() {
+    if (left_ == 0) {
+      left_ = 1 + random_.below(kLongestLeg);
+      turn();
+    }
+    --left_;
+  }
+  void step() {
+    for (int a = 0; a < 3; ++a) {
+      const double last = box_.origin[a] + box_.spacing * (box_.counts[a] - 1);
+      const auto leaves = [&] {
+        const double next = at_[a] + length_ * towards_[a];
+        return next < box_.origin[a] || next > last;
+      };
+      if (leaves()) towards_[a] = -towards_[a];
+      if (!leaves()) at_[a] += length_ * towards_[a];
+    }
+  }
+
+ private:
+  /// A direction, each as likely as any other; along flat axes nothing moves. Steps of one length
+  /// would meet the same places of each cell again on a way along an axis.
+  void turn() {
+    double squares = 0;
+    do {
+      squares = 0;
+      for (int a = 0; a < 3; ++a) {
+        towards_[a] = box_.counts[a] > 1 ? 2 * part() - 1 : 0;
+        squares += towards_[a] * towards_[a];
+      }
+    } while (squares > 1 || squares < 0.01);
+    for (double& component : towards_) component /= std::sqrt(squares);
+    length_ = box_.spacing / (2 * kStepsToPlace) * (1 + part()) / 2;
+  }
+
+  /// In [0, 1).
+  double part() { return static_cast<double>(random_.below(std::uint64_t{1} << 53)) * 0x1p-53; }
+
+  const Box& box_;
+  SplitMix64 random_;
+  Vec3 at_{0, 0, 0};
+  Vec3 towards_{0, 0, 0};
+  double length_ = 0;  // of a step
+  std::uint64_t left_ = 0;
+};
+
+Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+double length(const Vec3& d) { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
+
+/// Walks with one model; for one thread.
+class Walker {
+ public:
+  Walker(const Grid& grid, const WalkModels& models)
+      : grid_(grid),
+        cells_(grid),
+        model_(models.functions()),
+        distance_(grid.spec(), models.same()),
+        play_(grid),
+        row_(grid.spec().row_size()),
+        next_(row_.size()),
+        coarse_(row_.size()) {
+    if (models.fields) fields_.emplace(models.fields());
+  }
+
+  Walked walk(std::uint64_t seed) {
+    Walked seen;
+    if (grid_.box().points() == 1) return seen;  // there is no place off it
+    Hand hand(grid_.box(), seed);
+    for (int draw = 0; draw < kDraws && !changes_around(hand.jump()); ++draw) continue;
+    // Where play cannot start or go on, `complete` and `paths` say why.
+    if (!play_.start(hand.at()).usable() || !take_over()) return seen;
+    for (int place = 0; place < kPlacesInWalk; ++place) {
+      hand.set_out();
+      bool fails = false;
+      for (int i = 0; i < kStepsToPlace && !fails; ++i) {
+        const Vec3 from = hand.at();
+        hand.step();
+        if (!play_.step(hand.at()).usable() || !is_finite(play_.row())) return seen;
+        fails = !convert(row_.data(), from, hand.at(), next_, seen.failed);
+        if (!fails) std::swap(row_, next_);
+      }
+      if (!fails && look_around(hand.at(), seen)) continue;
+      const Vec3 common = nearest_corner();
+      hand.put(common);
+      play_.step(common);
+      if (!take_over()) return seen;
+    }
+    return seen;
+  }
+
+ private:
+  /// Whether the state that play starts with changes on the way to a neighbour.
+  bool changes_around(PointIndex point) const {
+    if (grid_.levels(point) == 0) return false;
+    const RecordIndex r = grid_.first(point);
+    for (int q = 0; q < kDirections; ++q) {
+      const RecordIndex target = grid_.destination(r, q);
+      if (target != Grid::kNoRecord && !distance_.is_same(grid_.row(r), grid_.row(target)))
+        return true;
+    }
+    return false;
+  }
+
+  /// On a point of the grid, where play has a record as it is stored: the model goes on with it.
+  bool take_over() {
+    std::copy(play_.row().begin(), play_.row().end(), row_.begin());
+    return is_finite(row_);
+  }
+
+  Vec3 nearest_corner() const {
+    Vec3 nearest{};
+    for (int a = 0; a < 3; ++a) {
+      GridCoordinates c = play_.cell();
+      const double low = grid_.box().position(c)[a];
+      if (grid_.box().counts[a] > 1) ++c[a];
+      const double high = grid_.box().position(c)[a];
+      nearest[a] = play_.position()[a] - low > high - play_.position()[a] ? high : low;
+    }
+    return nearest;
+  }
+
+  bool convert(const double* s, const Vec3& from, const Vec3& to, std::vector<double>& row,
+               Findings& failed) {
+    ++failed.counted;
+    std::string error;
+    if (model_.convert(s, from, difference(to, from), row.data(), error)) return true;
+    failed.offend([&] {
+      return "conversion to (" + rounded(to[0]) + ", " + rounded(to[1]) + ", " + rounded(to[2]) +
+             ") failed: " + error;
+    });
+    return false;
+  }
+
+  /// Compares play and the model at x. False where they must start again from a common place.
+  bool look_around(const Vec3& x, Walked& seen) {
+    int corners = 0, same = 0;
+    for (int c = 0; c < 8; ++c) {
+      if (!cells_.is_corner(c)) continue;
+      ++corners;
+      const RecordIndex r = play_.records()[c];
+      if (!is_finite(grid_.row(r))) return false;
+      const Vec3 corner = grid_.box().position(grid_.point(r));
+      if (!convert(grid_.state(r).data(), corner, x, next_, seen.failed)) return false;
+      if (!model_.same(next_.data(), row_.data())) continue;
+      if (!convert(row_.data(), x, corner, next_, seen.failed)) return false;
+      same += model_.same(next_.data(), grid_.state(r).data());
+    }
+    ++seen.places;
+    if (same == 0) {
+      ++seen.parted;
+      return false;
+    }
+    PlayError error{off(play_.row()), force_off(x, play_.row()), kNone, kNone};
+    if (same < corners) {
+      ++seen.mixed;
+      note(seen.mixed_state, error.state, x);
+      return true;
+    }
+    if (is_empty(error)) {
+      ++seen.empty;
+      return true;
+    }
+    if (interpolate_coarsely(x)) {
+      error.coarse_state = off(coarse_);
+      error.coarse_force = force_off(x, coarse_);
+    }
+    seen.one_branch.push_back(error);
+    note(seen.state, error.state, x);
+    note(seen.force, error.force, x);
+    return true;
+  }
+
+  /// Then play's state, between those, is the same, and a stored force not off at all.
+  bool is_empty(const PlayError& error) const {
+    for (int c = 0; c < 8; ++c)
+      if (!distance_.is_same(grid_.row(play_.records()[c]), row_)) return false;
+    return !(grid_.spec().stored.force && error.force > 0);
+  }
+
+  double off(std::span<const double> row) { return distance_(row_, row); }
+  double force_off(const Vec3& x, std::span<const double> row) const {
+    if (!fields_) return 0;
+    const double off = length(difference(fields_->force(x, row), fields_->force(x, row_)));
+    // A blend may be a state of which the model has no force.
+    return std::isnan(off) ? std::numeric_limits<double>::infinity() : off;
+  }
+
+  void note(WorstError& worst, double value, const Vec3& x) const {
+    if (!(value > worst.value)) return;
+    const GridCoordinates& c = play_.cell();
+    worst = {value, "at (" + rounded(x[0]) + ", " + rounded(x[1]) + ", " + rounded(x[2]) +
+                        "), in cell (" + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " +
+                        std::to_string(c[2]) + ")"};
+  }
+
+  /// Into coarse_, from the corners of a cell twice as large that holds play's cell, each one link
+  /// away from a corner there. False where a link does not stay in the branch: it cannot be taken
+  /// back; and where an axis has only two points.
+  bool interpolate_coarsely(const Vec3& x) {
+    const Box& box = grid_.box();
+    const GridCoordinates& cell = play_.cell();
+    GridCoordinates low = cell;
+    Vec3 xbar{0, 0, 0};
+    for (int a = 0; a < 3; ++a) {
+      if (box.counts[a] == 1) continue;
+      if (box.counts[a] == 2) return false;
+      low[a] = std::min(cell[a] & ~1u, box.counts[a] - 3);
+      xbar[a] = (x[a] - box.position(low)[a]) / (2 * box.spacing);
+      xbar[a] = std::clamp(xbar[a], 0.0, 1.0);
+    }
+    const std::array<double, 8> weights = corner_weights(xbar);
+    std::fill(coarse_.begin(), coarse_.end(), 0.0);
+    for (int corner = 0; corner < 8; ++corner) {
+      if (!cells_.is_corner(corner)) continue;  // its weight is 0
+      std::array<int, 3> step{};
+      for (int a = 0; a < 3; ++a) {
+        const int bit = corner >> a & 1;
+        if (box.counts[a] > 1)
+          step[a] = static_cast<int>(low[a]) + 2 * bit - (static_cast<int>(cell[a]) + bit);
+      }
+      RecordIndex record = play_.records()[corner];
+      if (step != std::array<int, 3>{0, 0, 0}) {
+        const Direction towards = Direction::of(step[0], step[1], step[2]);
+        const RecordIndex near = record;
+        record = grid_.destination(near, towards.q());
+        if (record == Grid::kNoRecord ||
+            grid_.destination(record, towards.opposite().q()) != near ||
+            !is_finite(grid_.row(record)))
+          return false;
+      }
+      for (std::size_t i = 0; i < coarse_.size(); ++i)
+        coarse_[i] += weights[corner] * grid_.row(record)[i];
+    }
+    return true;
+  }
+
+  const Grid& grid_;
+  const Cells cells_;
+  const ModelFunctions model_;
+  StateDistance distance_;
+  std::optional<Fields> fields_;
+  Traversal play_;
+  std::vector<double> row_;  // the model's that walked: its state, and what is stored with it
+  std::vector<double> next_;
+  std::vector<double> coarse_;
+};
+
+}  // namespace
+
+void Walked::add(Walked&& later) {
+  places += later.places;
+  empty += later.empty;
+  mixed += later.mixed;
+  parted += later.parted;
+  one_branch.insert(one_branch.end(), later.one_branch.begin(), later.one_branch.end());
+  state.add(std::move(later.state));
+  force.add(std::move(later.force));
+  mixed_state.add(std::move(later.mixed_state));
+  failed.add(std::move(later.failed));
+}
+
+Walked walk_grid(const Grid& grid, const Range& walks, std::uint64_t seed, const WalkModels& models,
+                 int threads, std::atomic<std::uint64_t>& walks_done) {
+  std::deque<Walker> walkers;
+  for (int t = 0; t < threads; ++t) walkers.emplace_back(grid, models);
+  std::vector<Walked> found(walks.size());
+  for_each_with_own(found.size(), walkers, [&](Walker& walker, std::size_t w) {
+    found[w] = walker.walk(seed_of(seed, walks.begin + w));
+    ++walks_done;
+  });
+  return sum_of(std::move(found));
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,271 @@
+#include "libcore/check/accuracy.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "libcore/check/state_distance.hpp"
+#include "tests/unit/check/tiny_grid.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+/// A model whose state is s(x) wherever it comes from, and a grid of it; the stored force is twice
+/// the state, along x.
+using Field = double (*)(const Vec3&);
+
+ModelFunctions model_of(Field field) {
+  ModelFunctions functions;
+  functions.convert = [field](const double*, const Vec3& x, const Vec3& d, double* row,
+                              std::string&) {
+    row[0] = field({x[0] + d[0], x[1] + d[1], x[2] + d[2]});
+    row[1] = 2 * row[0];
+    row[2] = row[3] = 0;
+    return true;
+  };
+  functions.same = [](const double* a, const double* b) { return std::abs(*a - *b) <= 1e-9; };
+  return functions;
+}
+
+Grid grid_of(Field field, const Box& box) {
+  GridSpec spec;
+  spec.box = box;
+  spec.tolerance = 1e-9;
+  spec.equality.norm = Equality::Norm::kMax;
+  spec.stored.force = true;
+  const Neighbourhood around(box);
+  RecordColumns columns;
+  for (PointIndex p = 0; p < box.points(); ++p) {
+    columns.point.push_back(p);
+    columns.level.push_back(0);
+    columns.generation.push_back(0);
+    const double s = field(box.position(p));
+    columns.rows.insert(columns.rows.end(), {s, 2 * s, 0, 0});
+    for (int q = 0; q < kDirections; ++q)
+      columns.links.push_back(around.inside(p) >> q & 1 ? 0 : kLeavesBox);
+  }
+  return Grid(spec, 1, std::move(columns));
+}
+
+Walked walk(const Grid& grid, const ModelFunctions& model, const Range& walks, int threads = 2,
+            std::uint64_t seed = 1) {
+  std::atomic<std::uint64_t> done{0};
+  WalkModels models{[&] { return model; }, [&] { return model.same; }, {}};
+  if (grid.spec().stored.force)
+    models.fields = [&] {
+      return Fields(
+          grid.spec(), []() -> Model { throw ModelError("none"); }, false);
+    };
+  Walked walked = walk_grid(grid, walks, seed, models, threads, done);
+  CHECK(done == walks.size());
+  CHECK(walked.places == walked.one_branch.size() + walked.empty + walked.mixed + walked.parted);
+  return walked;
+}
+
+Check row(const Grid& grid, const Walked& walked, std::optional<double> wanted = std::nullopt) {
+  return check_accurate(walked, accuracy_terms(grid.spec(), grid.spec().stored.force, wanted));
+}
+
+double figure(const Check& check, const std::string& name) {
+  for (const Figure& f : check.figures)
+    if (f.name == name) return f.value;
+  return std::nan("");
+}
+
+double square(const Vec3& x) { return x[0] * x[0]; }
+double squares(const Vec3& x) { return x[0] * x[0] + 2 * x[1] * x[1] - x[2] * x[2]; }
+double linear(const Vec3& x) { return 1 + x[0] - 3 * x[1] + 0.5 * x[2]; }
+double products(const Vec3& x) { return x[0] * x[1] * x[2] + x[0] * x[1] - x[2]; }
+double kink(const Vec3& x) { return std::abs(x[0] - 0.3); }
+
+}  // namespace
+
+TEST_CASE("of x² interpolation is off by h² t (1 - t), with twice the spacing by four times it") {
+  const double h = 0.25;
+  const Grid grid = grid_of(square, {{-3, 0, 0}, h, {33, 1, 1}});
+  const Walked walked = walk(grid, model_of(square), {0, 400});
+  CHECK(walked.places == 400 * kPlacesInWalk);
+  CHECK(walked.one_branch.size() == walked.places);
+  for (const PlayError& e : walked.one_branch) {
+    CHECK(e.state <= h * h / 4 + 1e-12);
+    CHECK(e.coarse_state <= h * h + 1e-12);
+    // The stored force is interpolated, too.
+    CHECK(e.force == Approx(2 * e.state).margin(1e-12));
+    CHECK(e.coarse_force == Approx(2 * e.coarse_state).margin(1e-12));
+    // t in the large cell is t/2 or 1/2 + t/2: 4 τ (1 - τ) = t (2 - t) or 1 - t², either of which
+    // is 1 - t' ² with t' = t or 1 - t, while the small one's error is t' (1 - t').
+    const double other = std::sqrt(std::max(0.0, 1 - e.coarse_state / (h * h)));
+    CHECK(e.state == Approx(h * h * other * (1 - other)).margin(1e-8));
+  }
+  // Uniform t: the median of t (1 - t) is 3/16, 99 % are below 1/4 - 0.005²; some 12,800 places
+  // leave 1 % of the median.
+  const Check check = row(grid, walked);
+  CHECK(check.is_note);
+  CHECK(figure(check, "state median") == Approx(3. / 16 * h * h).epsilon(0.03));
+  CHECK(figure(check, "state 99 %") == Approx(h * h / 4).epsilon(0.001));
+  CHECK(figure(check, "force 99 %") == Approx(h * h / 2).epsilon(0.001));
+  CHECK(figure(check, "state worst") <= h * h / 4 + 1e-12);
+  CHECK(figure(check, "order") == Approx(2).margin(0.01));
+  CHECK(figure(check, "one branch") == 1);
+}
+
+TEST_CASE("the spacing that is told reaches the wanted error, and no coarser one does") {
+  const Box box{{-3, -1, -2}, 0.25, {17, 13, 9}};
+  const Grid grid = grid_of(squares, box);
+  const Walked walked = walk(grid, model_of(squares), {0, 300});
+  const double now = figure(row(grid, walked), "state 99 %");
+  CHECK(now <= 4 * 0.25 * 0.25 / 4);
+  for (const double wanted : {now / 9, now * 1.5}) {
+    const Check check = row(grid, walked, wanted);
+    CHECK(check.verdict() == (wanted < now ? "broken" : "ok"));
+    const double spacing = figure(check, "sufficient spacing");
+    CHECK(spacing == Approx(0.25 * std::sqrt(wanted / now)).epsilon(0.1));
+    for (const double factor :
+         {0.95, 1.05}) {  // 10 % of the error, which is sampled to some per cent
+      Box other = box;
+      other.spacing = spacing * factor;
+      for (int a = 0; a < 3; ++a)
+        other.counts[a] =
+            1 + static_cast<std::uint32_t>((box.counts[a] - 1) * 0.25 / other.spacing);
+      const Grid finer = grid_of(squares, other);
+      const double reached =
+          figure(row(finer, walk(finer, model_of(squares), {0, 300})), "state 99 %");
+      CHECK((reached <= wanted) == (factor < 1));
+    }
+  }
+}
+
+TEST_CASE("the fault is more than one place in a hundred") {
+  const Grid grid = grid_of(square, {{0, 0, 0}, 1, {4, 1, 1}});
+  Walked walked;
+  walked.places = 200;
+  for (int i = 0; i < 200; ++i) walked.one_branch.push_back({i < 198 ? 0.1 : 1.0, 0, 0.4, 0});
+  CHECK(row(grid, walked, 0.1).verdict() == "ok");
+  CHECK(row(grid, walked, 0.1).found.offenders == 0);
+  walked.one_branch[0].state = 0.5;
+  CHECK(row(grid, walked, 0.1).verdict() == "broken");
+  CHECK(row(grid, walked, 0.1).found.offenders == 3);
+  CHECK(row(grid, walked, 0.5).verdict() == "ok");
+  CHECK(row(grid, walked).verdict() == "note");
+}
+
+TEST_CASE("what multilinear interpolation has exactly is exact") {
+  const Box box{{-1, 0.5, 2}, 0.125, {5, 6, 7}};
+  for (const Field field : {linear, products})
+    CHECK(walk(grid_of(field, box), model_of(field), {0, 20}).state.value < 1e-13);
+  // Along an axis with two points there is no coarser grid; along one with a single point no
+  // motion.
+  const Walked flat = walk(grid_of(linear, {{0, 0, 0}, 1, {2, 1, 4}}), model_of(linear), {0, 5});
+  CHECK(flat.places == 5 * kPlacesInWalk);
+  for (const PlayError& e : flat.one_branch) CHECK(std::isnan(e.coarse_state));
+  CHECK(walk(grid_of(linear, {{0, 0, 0}, 1, {1, 1, 1}}), model_of(linear), {0, 5}).places == 0);
+}
+
+TEST_CASE("a kink is off where it is, by at most the half of its turn and h/2") {
+  const double h = 0.5;
+  const Walked walked = walk(grid_of(kink, {{-2, 0, 0}, h, {9, 1, 1}}), model_of(kink), {0, 100});
+  CHECK(walked.state.value <= 2 * h / 4);
+  CHECK(walked.state.value > 0.9 * 2 * 0.3 * 0.2 / 0.5);  // of the kink 0.3 into its cell
+  std::size_t off = 0;
+  for (const PlayError& e : walked.one_branch) off += e.state > 1e-12;
+  // One cell of eight.
+  CHECK(static_cast<double>(off) / static_cast<double>(walked.places) ==
+        Approx(0.125).epsilon(0.4));
+}
+
+TEST_CASE("places without change are counted apart, and walks begin where there is one") {
+  const Field bump = [](const Vec3& x) { return std::max(0.0, 1 - x[0] * x[0]); };
+  const Grid grid = grid_of(bump, {{-32, 0, 0}, 0.5, {129, 1, 1}});
+  const Walked walked = walk(grid, model_of(bump), {0, 200});
+  CHECK(walked.empty > 0);
+  // 4 of 128 cells are the bump's; all errors belong there.
+  CHECK(walked.one_branch.size() > walked.places / 10);
+  // What the grid steps over is not empty: the corners are, the model is not.
+  const Field narrow = [](const Vec3& x) { return std::abs(x[0] - 0.25) < 0.2 ? 1.0 : 0.0; };
+  const Walked missed =
+      walk(grid_of(narrow, {{0, 0, 0}, 0.5, {2, 1, 1}}), model_of(narrow), {0, 20});
+  CHECK(missed.state.value == 1);
+}
+
+// A body on a string: at 1 until the string breaks at 2.4, at 0 from there on, also on the way
+// back, until it is caught again at 0.6. Five points, two levels at 1 and 2.
+TEST_CASE("behind the end of a branch places are mixed and parted, and not judged") {
+  GridSpec spec;
+  spec.box = {{0, 0, 0}, 1, {5, 1, 1}};
+  spec.tolerance = 1e-9;
+  RecordColumns c;
+  tiny::add(c, 0, 0, 0, 1, kLeavesBox, 0);
+  tiny::add(c, 1, 0, 0, 1, 0, 0);
+  tiny::add(c, 1, 1, 0, 0, 0, 1);
+  tiny::add(c, 2, 0, 0, 1, 0, 0);
+  tiny::add(c, 2, 1, 0, 0, 1, 0);
+  tiny::add(c, 3, 0, 0, 0, 1, 0);
+  tiny::add(c, 4, 0, 0, 0, 0, kLeavesBox);
+  const Grid grid(spec, 1, c);
+  ModelFunctions string;
+  string.convert = [](const double* s, const Vec3& x, const Vec3& d, double* row, std::string&) {
+    const double to = x[0] + d[0];
+    *row = to > 2.4 ? 0 : to < 0.6 ? 1 : *s;
+    return true;
+  };
+  string.same = [](const double* a, const double* b) { return std::abs(*a - *b) <= 1e-9; };
+  const Walked walked = walk(grid, string, {0, 100});
+  CHECK(walked.mixed > 0);
+  CHECK(walked.parted > 0);
+  CHECK(walked.empty > 0);
+  CHECK(walked.mixed_state.value > 0.5);
+  // The string that is caught again on the way back is no branch that ends: it can be taken back.
+  CHECK(walked.state.value <= 1);
+  for (const PlayError& e : walked.one_branch) CHECK(std::isnan(e.coarse_state));
+}
+
+TEST_CASE("conversions that fail are listed, and the walk goes on elsewhere") {
+  const Grid grid = grid_of(square, {{-3, 0, 0}, 0.25, {33, 1, 1}});
+  ModelFunctions model = model_of(square);
+  const auto convert = model.convert;
+  model.convert = [convert](const double* s, const Vec3& x, const Vec3& d, double* row,
+                            std::string& error) {
+    error = "too far";
+    return x[0] + d[0] < 2 && convert(s, x, d, row, error);
+  };
+  const Walked walked = walk(grid, model, {0, 30});
+  CHECK(walked.failed.offenders > 0);
+  CHECK(walked.places > 0);
+  const Check check = row(grid, walked);
+  CHECK(check.verdict() == "note");
+  CHECK(check.found.offenders == walked.failed.offenders);
+  CHECK(check.found.first[0].substr(0, 15) == "conversion to (");
+  CHECK(check.found.first[0].find("failed: too far") != std::string::npos);
+  CHECK(row(grid, walked, 100.0).verdict() == "broken");
+}
+
+TEST_CASE("a walk depends on its number and the seed alone") {
+  const Grid grid = grid_of(squares, {{-3, -1, -2}, 0.25, {9, 8, 7}});
+  const auto text = [&](const Walked& walked) { return checks_text({row(grid, walked, 0.001)}); };
+  const Walked whole = walk(grid, model_of(squares), {0, 20}, 1);
+  Walked sum = walk(grid, model_of(squares), {0, 7}, 3);
+  sum.add(walk(grid, model_of(squares), {7, 7}, 2));
+  sum.add(walk(grid, model_of(squares), {7, 20}, 2));
+  CHECK(text(sum) == text(whole));
+  CHECK(text(walk(grid, model_of(squares), {0, 20}, 1, 2)) != text(whole));
+  CHECK(text(walk(grid, model_of(squares), {1, 21}, 1)) != text(whole));
+}
+
+TEST_CASE("the distance of states that only a plug-in can tell is that of its norm") {
+  GridSpec spec;
+  spec.state_size = 2;
+  spec.tolerance = 0.01;
+  // 5 |a0 - b0| or 2 |a1 - b1|, whichever is larger.
+  const auto norm = [](const double* a, const double* b) {
+    return std::max(5 * std::abs(a[0] - b[0]), 2 * std::abs(a[1] - b[1]));
+  };
+  StateDistance apart(spec, [&](const double* a, const double* b) { return norm(a, b) <= 0.01; });
+  const std::vector<double> a{1, -2};
+  for (const double scale : {1e-6, 1e-3, 0.01, 1.0, 1000.0})
+    for (const auto& [u, v] : {std::pair{1.0, 0.5}, {0.0, -1.0}, {0.3, 4.0}}) {
+      const std::vector<double> b{a[0] + scale * u, a[1] + scale * v};
+      CHECK(apart(a, b) == Approx(norm(a.data(), b.data())).epsilon(2e-6));
+      CHECK(apart.is_same(a, b) == (norm(a.data(), b.data()) <= 0.01));
+    }
+  CHECK(apart(a, a) == 0);
+}
