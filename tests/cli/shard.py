@@ -144,6 +144,18 @@ def seal(messages, edit=None, edit_last=None, schema=SCHEMA):
     return b"".join(stored + [frame(m) for m in encode(messages[-1:])])
 
 
+def rearranged(data, order):
+    """The bytes of a section with these of its chunks, in this order, and the footer for them."""
+    parts = frames(data)
+    header, footer = decompress(parts[0]), decode(parts[-1])[0]["footer"]
+    footer["chunks"] = [footer["chunks"][c] for c in order]
+    footer["records"] = str(sum(c["rows"] for c in footer["chunks"]))
+    low, high = section_digest(header, [(int(c["digestLow"]), int(c["digestHigh"])) for c in footer["chunks"]])
+    footer.update(digestLow=str(low), digestHigh=str(high))
+    chunks = [parts[1 + c] for c in order]
+    return b"".join([parts[0], *chunks, frame(encode([{"footer": footer}])[0])])
+
+
 STEPS = [(a, b, c) for c in (-1, 0, 1) for b in (-1, 0, 1) for a in (-1, 0, 1) if (a, b, c) != (0, 0, 0)]
 
 

@@ -1,0 +1,160 @@
+"""What faults.py plants with: grids as rows that can be changed, and back to the bytes of a shard."""
+
+import copy
+import os
+import re
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import shard
+
+
+class Grid:
+    """A plain grid in one chunk. `rows` are dictionaries with point, level, generation, links (26),
+    state and, where they are stored, force, energy and shape, each a list."""
+
+    NUMBERS = ("state", "force", "energy", "shape")
+
+    def __init__(self, data):
+        messages = shard.decode(data)
+        assert len(messages) == 3, "more than one chunk"
+        self.header = messages[0]["header"]
+        self.footer = messages[2]["footer"]
+        columns = messages[1]["records"]
+        n = len(columns["point"])
+        self.rows = []
+        for r in range(n):
+            row = {name: columns[name][r] for name in ("point", "level", "generation")}
+            row["links"] = columns["links"][26 * r : 26 * r + 26]
+            for name in self.NUMBERS:
+                row[name] = [float(v) for v in columns.get(name, [])[r::n]]
+            self.rows.append(row)
+
+    @property
+    def box(self):
+        return self.header["box"]
+
+    def at(self, point, level=0):
+        return next(r for r in self.rows if (r["point"], r["level"]) == (point, level))
+
+    def levels(self, point):
+        return sum(r["point"] == point for r in self.rows)
+
+    def target(self, row, q):
+        """The record where a link leads."""
+        return self.at(shard.neighbour(self.box, row["point"], q), row["links"][q])
+
+    def into(self, point, level=None):
+        """All (record, q) whose link leads to a point, or to one level of it."""
+        for row in self.rows:
+            for q in range(26):
+                if shard.neighbour(self.box, row["point"], q) == point and level in (None, row["links"][q]):
+                    yield row, q
+
+    def messages(self):
+        columns = {}
+        for name in ("point", "level", "generation"):
+            columns[name] = [row[name] for row in self.rows]
+        columns["links"] = [level for row in self.rows for level in row["links"]]
+        for name in self.NUMBERS:
+            columns[name] = [v if v == v and abs(v) != float("inf") else
+                             {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}[str(v)]
+                             for column in zip(*(row[name] for row in self.rows)) for v in column]
+        young = [row for row in self.rows if row["generation"] == self.header["generation"]]
+        self.footer.update(
+            records=str(len(self.rows)), frontier=str(len(young)),
+            conversions=str(sum(shard.neighbour(self.box, row["point"], q) is not None
+                                for row in young for q in range(26))))
+        return [{"header": self.header}, {"records": columns}, {"footer": self.footer}]
+
+    def seal(self, **options):
+        return shard.seal(self.messages(), **options)
+
+    def part(self, keep):
+        """The same with the rows that keep(row) has."""
+        other = copy.deepcopy(self)
+        other.rows = [row for row in other.rows if keep(row)]
+        return other
+
+
+def read(name):
+    with open(name, "rb") as file:
+        return file.read()
+
+
+FAULTS = []
+current = None  # part of the table
+
+
+class Fault:
+    def __init__(self, part, name, make, rows=(), refused=None, arguments=(), grid="ball"):
+        self.part, self.name, self.make = part, name, make
+        self.rows, self.refused, self.arguments, self.grid = rows, refused, arguments, grid
+
+    def is_refusal(self, line):
+        """Whether the line ends with the text, in which ... stands for anything."""
+        text = re.escape(self.refused).replace(r"\.\.\.", ".*")
+        return re.fullmatch("verify: .*%s\n" % text, line) is not None
+
+    def found_by(self):
+        if self.refused:
+            return "*" + self.refused + "*"
+        return ", ".join(self.rows) if self.rows else "nothing"
+
+
+def part(title):
+    """The faults that follow belong to it."""
+    global current
+    current = title
+
+
+def fault(name, *rows, refused=None, arguments="", grid="ball"):
+    """Of a plain grid, changed as rows."""
+    def plant(change):
+        def make():
+            g = Grid(read(grid))
+            where = change(g)
+            return g.seal(), where
+        FAULTS.append(Fault(current, name, make, rows, refused, arguments.split(), grid))
+    return plant
+
+
+def message_fault(name, *rows, refused=None, arguments="", grid="ball", **options):
+    """Of any shard, changed as messages."""
+    def plant(change):
+        def make():
+            messages = shard.decode(read(grid))
+            where = change(messages)
+            return shard.seal(messages, **options), where
+        FAULTS.append(Fault(current, name, make, rows, refused, arguments.split(), grid))
+    return plant
+
+
+def byte_fault(name, *rows, refused=None, arguments="", grid="ball"):
+    """Of the bytes of a shard; the change answers the new ones."""
+    def plant(change):
+        FAULTS.append(Fault(current, name, lambda: (change(read(grid)), None), rows, refused,
+                            arguments.split(), grid))
+    return plant
+
+
+def named(g, row, q=None):
+    """The place as verify names it."""
+    x = "(%d, %d, %d)" % shard.coordinates(g.box, row["point"])
+    text = "point %d %s level %d" % (row["point"], x, row["level"])
+    return text if q is None else text + " direction %d " % q
+
+
+def direction(d):
+    return shard.STEPS.index(d)
+
+
+def move(row, q):
+    """The link to the other one of two levels."""
+    row["links"][q] = 1 - row["links"][q]
+
+
+X, EDGE, VERTEX = direction((1, 0, 0)), direction((1, 1, 0)), direction((1, 1, 1))
+MIDDLE = 5  # a point with two levels: the ball pushed away a little, and a lot
+TOLERANCE = 1e-6
+
