@@ -22,15 +22,6 @@ namespace {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-void write_all(int fd, std::span<const std::byte> bytes, const std::string& name) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(name);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-}
-
 fs::path temporary_directory() {
   const char* directory = std::getenv("TMPDIR");
   return directory && *directory ? directory : "/tmp";
@@ -45,6 +36,15 @@ int named_temporary(const fs::path& directory, const std::string& stem, std::str
 }
 
 }  // namespace
+
+void write_all(int fd, std::span<const std::byte> bytes, const std::string& name) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(name);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
 
 FileDescriptor& FileDescriptor::operator=(FileDescriptor&& other) noexcept {
   std::swap(fd_, other.fd_);
@@ -121,25 +121,30 @@ OutputFile::~OutputFile() {
 
 void OutputFile::write(std::span<const std::byte> bytes) { write_all(fd_, bytes, shown_name_); }
 
+bool OutputFile::link_to(const std::string& name) {
+  const std::string self = "/proc/self/fd/" + std::to_string(fd_);
+  if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) return true;
+  if (errno != EEXIST) fail(shown_name_);
+  return false;
+}
+
 void OutputFile::commit() {
   if (target_.empty()) {
     if (owned_ && ::close(std::exchange(owned_, FileDescriptor()).get()) != 0) fail(shown_name_);
     return;
   }
   if (::fsync(fd_) != 0) fail(shown_name_);
-  if (temporary_.empty()) {
-    // An O_TMPFILE gets its name in two steps, since linkat() cannot replace an existing file.
-    const std::string self = "/proc/self/fd/" + std::to_string(fd_);
+  if (temporary_.empty() && !link_to(target_)) {
+    // linkat() cannot replace an existing file: the new one gets a name of its own first.
     const fs::path target(target_);
     const std::string name = (target.parent_path() /
                               ("." + target.filename().string() + "." + std::to_string(::getpid())))
                                  .string();
     ::unlink(name.c_str());
-    if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0)
-      fail(shown_name_);
+    if (!link_to(name)) fail(shown_name_);
     temporary_ = name;
   }
-  if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(shown_name_);
+  if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) fail(shown_name_);
   temporary_.clear();
   owned_ = FileDescriptor();
   fd_ = -1;

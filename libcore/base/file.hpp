@@ -26,7 +26,8 @@ class FileDescriptor {
 };
 
 /// A file that is written beside its final name, synced, and renamed by commit(); without commit()
-/// nothing is left of it, not even after SIGKILL where the file system has O_TMPFILE.
+/// nothing is left of it. After SIGKILL neither, where the file system has O_TMPFILE, unless it
+/// came when a file was just being replaced: the new one is left beside it, as .NAME.PID.
 /// "-" is standard output; a device or pipe is written directly.
 class OutputFile {
  public:
@@ -59,6 +60,10 @@ class OutputFile {
   void discard() { stays_ = false; }
 
  private:
+  /// Gives an O_TMPFILE a name. False when there is a file of that name.
+  /// @throw std::system_error
+  bool link_to(const std::string& name);
+
   std::string target_;     // empty: written directly
   std::string temporary_;  // named temporary file: to stay, or where O_TMPFILE is missing
   bool stays_ = false;
@@ -93,6 +98,9 @@ class InputFile {
 
 /// An unlinked file in `directory`, gone when it is closed. @throw std::system_error
 FileDescriptor unlinked_file(const std::filesystem::path& directory);
+
+/// @param name for the message. @throw std::system_error; then a part may be written.
+void write_all(int fd, std::span<const std::byte> bytes, const std::string& name);
 
 /// The whole of a text file, or of standard input for "-". @throw std::system_error; Error when it
 /// is larger than `limit` bytes.

@@ -92,8 +92,14 @@ void Converter::convert_by_processes(Wavefront& wave, Wavefront::Slot begin, Wav
   };
   {
     std::vector<std::jthread> threads;
-    for (std::uint64_t i = 1; i < workers; ++i)
-      threads.emplace_back([&, i] { models_[i].convert(next, done); });
+    try {
+      for (std::uint64_t i = 1; i < workers; ++i)
+        threads.emplace_back([&, i] { models_[i].convert(next, done); });
+    } catch (...) {  // as below
+      const std::lock_guard lock(mutex);
+      left = 0;
+      throw;
+    }
     if (workers > 0) models_.front().convert(next, done);
   }
   if (failed != kNone) throw ModelError("conversion at " + failure);
@@ -145,7 +151,12 @@ void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot 
     work(models_.front());
   } else {
     std::vector<std::jthread> threads;
-    for (Model& model : models_) threads.emplace_back([&work, &model] { work(model); });
+    try {
+      for (Model& model : models_) threads.emplace_back([&work, &model] { work(model); });
+    } catch (...) {  // one cannot be started: nobody waits for the work of the others
+      stop = true;
+      throw;
+    }
   }
   if (failed != end) throw ModelError("conversion at " + failure);
 }

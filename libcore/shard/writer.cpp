@@ -2,17 +2,15 @@
 
 #include <capnp/message.h>
 #include <capnp/serialize.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
-#include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
 #include "libcore/shard/coded_message.hpp"
 #include "libcore/shard/coding.hpp"
 #include "libcore/shard/frame.hpp"
@@ -103,7 +101,7 @@ class SectionWriter::Encoder {
 
   void copy(const StoredChunk& chunk) {
     digester_->add(chunk.info.digest);
-    write(chunk.frame);
+    write_all(fd_, chunk.frame, name_);
   }
 
   Digest digest() const { return digester_->digest(); }
@@ -128,16 +126,7 @@ class SectionWriter::Encoder {
     } else if (!digester_) {  // the first message is the header
       digester_.emplace(message);
     }
-    write(frame);
-  }
-
-  void write(std::span<const std::byte> frame) {
-    while (!frame.empty()) {
-      const ssize_t written = ::write(fd_, frame.data(), frame.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) throw std::system_error(errno, std::generic_category(), name_);
-      frame = frame.subspan(static_cast<std::size_t>(written));
-    }
+    write_all(fd_, frame, name_);
   }
 
   int fd_;

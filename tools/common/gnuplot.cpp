@@ -1,6 +1,7 @@
 #include "tools/common/gnuplot.hpp"
 
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -8,9 +9,10 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
-#include <filesystem>
 #include <initializer_list>
+#include <span>
 #include <system_error>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
@@ -24,15 +26,12 @@ namespace {
   throw std::system_error(error, std::generic_category(), what);
 }
 
-/// An unlinked file with `text`, to be read from its beginning.
+/// A file in memory with `text`, to be read from its beginning.
 FileDescriptor file_with(const std::string& text) {
-  FileDescriptor file = unlinked_file(std::filesystem::temp_directory_path());
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t written = ::write(file.get(), text.data() + done, text.size() - done);
-    if (written < 0 && errno != EINTR) fail(errno, "script for gnuplot");
-    if (written > 0) done += static_cast<std::size_t>(written);
-  }
-  if (::lseek(file.get(), 0, SEEK_SET) != 0) fail(errno, "script for gnuplot");
+  FileDescriptor file(::memfd_create("gnuplot", MFD_CLOEXEC));
+  if (!file) fail(errno, "file for gnuplot");
+  write_all(file.get(), std::as_bytes(std::span(text)), "file for gnuplot");
+  if (::lseek(file.get(), 0, SEEK_SET) != 0) fail(errno, "file for gnuplot");
   return file;
 }
 
@@ -149,9 +148,10 @@ void run_gnuplot(const std::string& script, OutputFile& png) {
   // Files instead of pipes: no order of reading and writing can block, and nothing is left over.
   const FileDescriptor input = file_with(script);
   const FileDescriptor errors = file_with("");
+  FileDescriptor output = file_with("");
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawn_file_actions_adddup2(&actions, png.fd(), STDOUT_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions, output.get(), STDOUT_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions, input.get(), STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions, errors.get(), STDERR_FILENO);
   // --default-settings: a user's ~/.gnuplot must not change the picture.
@@ -168,6 +168,14 @@ void run_gnuplot(const std::string& script, OutputFile& png) {
   if (WIFSIGNALED(status))
     throw Error("gnuplot: ended by signal " + std::to_string(WTERMSIG(status)));
   if (WEXITSTATUS(status) != 0) throw Error("gnuplot: " + complaint(errors.get()));
+  // gnuplot says nothing of what it could not write: it writes to memory, and that it is whole is
+  // seen by the last chunk of a PNG.
+  const InputFile picture(std::move(output), "picture of gnuplot");
+  std::string bytes(picture.size(), '\0');
+  bytes.resize(picture.read(0, std::as_writable_bytes(std::span(bytes))));
+  if (!bytes.ends_with(std::string_view("\0\0\0\0IEND\xae\x42\x60\x82", 12)))
+    throw Error("gnuplot: the picture is not whole");
+  png.write(bytes);
 }
 
 std::string slice_script(const GridSpec& spec, const Slice& slice) {

@@ -1,7 +1,9 @@
 #include "tools/common/progress.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -10,6 +12,7 @@
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <system_error>
 
 #include "libcore/base/file.hpp"
@@ -87,11 +90,18 @@ void append_report(const std::string& file, const RunReport& report) {
                                        {"wall_seconds", seconds_since(process_start)},
                                        {"cpu_seconds", cpu_seconds()},
                                        {"host", host.data()}};
-  // One write to a file opened for appending: lines of processes that share the file stay whole.
   const FileDescriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
-  const std::string text = line.dump() + "\n";
-  if (!out || ::write(out.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+  // Lines of processes that share the file stay whole, also when the disk takes half of one.
+  struct stat before {};
+  if (!out || ::flock(out.get(), LOCK_EX) != 0 || ::fstat(out.get(), &before) != 0)
     throw std::system_error(errno, std::generic_category(), file);
+  const std::string text = line.dump() + "\n";
+  try {
+    write_all(out.get(), std::as_bytes(std::span(text)), file);
+  } catch (...) {
+    static_cast<void>(!::ftruncate(out.get(), before.st_size));
+    throw;
+  }
 }
 
 void allow_open_files(std::size_t files) {

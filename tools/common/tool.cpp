@@ -143,6 +143,11 @@ int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& r
     return report(tool, std::string(e.what()) + " (see " + tool + " --help)", kExitUsage);
   } catch (const std::bad_alloc&) {
     return report(tool, "out of memory", kExitFailed);
+  } catch (const std::system_error& e) {
+    // Of a thread that cannot be started, std says the reason alone.
+    const bool bare = e.what() == e.code().message();
+    return report(tool, (bare ? "cannot start a thread: " : "") + std::string(e.what()),
+                  kExitFailed);
   } catch (const std::exception& e) {
     return report(tool, e.what(), kExitFailed);
   } catch (...) {
