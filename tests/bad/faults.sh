@@ -1,0 +1,15 @@
+#!/bin/bash
+# Each tool, killed at each system call that changes a file, and with each of them refused: see faults.py.
+# FAULTS=all: at every system call there is.
+source "$(dirname "$0")/../cli/lib.sh"
+command -v strace >/dev/null || skip "no strace"
+strace -o /dev/null true 2>/dev/null || skip "strace may not trace here"
+sanitized && skip "the sanitizers make system calls of their own"
+
+seed "$ball" --set 'grid.counts=[4,3,2]' -o grid
+expand grid -o requests
+merge grid requests -o next --frontier 'f.{}' --parts 8
+expand --complete grid -o complete
+printf '%s\n' '-0.95 -0.45 -0.45' '-0.9 -0.44 -0.44' '-0.83 -0.38 -0.43' >path
+play complete --device path:path --log log.session --frames frames 2>/dev/null
+python3 "$here/faults.py" "$ball" "${FAULTS:-some}" "$@"
