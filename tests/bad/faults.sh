@@ -1,6 +1,6 @@
 #!/bin/bash
-# Each tool, killed at each system call that changes a file, and with each of them refused: see faults.py.
-# FAULTS=all: at every system call there is.
+# Each tool, killed at each system call that changes a file, with each of its calls refused, and within
+# limits of size, memory and descriptors: see faults.py. FAULTS=all: at each byte that its files may have.
 source "$(dirname "$0")/../cli/lib.sh"
 command -v strace >/dev/null || skip "no strace"
 strace -o /dev/null true 2>/dev/null || skip "strace may not trace here"
