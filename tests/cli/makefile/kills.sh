@@ -21,7 +21,7 @@ for tool in expand merge; do
   cat >bin/$tool <<TOOL
 #!/bin/bash
 words=("\$@")
-for i in "\${!words[@]}"; do [[ \${words[i]} == -o ]] && product=\${words[i + 1]##*/}; done
+for i in "\${!words[@]}"; do [[ \${words[i]} == -o ]] && product=\${words[i + 1]}; done
 echo "begin $tool \$product \$EPOCHREALTIME" >>"$PWD/journal"
 "$HAPGRID_BIN/$tool" "\$@" || exit
 echo "end $tool \$product \$EPOCHREALTIME" >>"$PWD/journal"
@@ -95,14 +95,20 @@ import json, sys
 from collections import defaultdict
 
 may_be_lost, reference = int(sys.argv[1]), int(sys.argv[2])
-begins, ends = defaultdict(list), defaultdict(list)
+begins, ends, kills = defaultdict(list), defaultdict(list), []
 for line in open("journal"):
     what, tool, product, time = line.split()
-    (begins if what == "begin" else ends)[tool, product].append(float(time))
+    if what == "kill":
+        kills.append(float(time))
+    else:
+        (begins if what == "begin" else ends)[tool, product].append(float(time))
 # To look whether a product is there and to begin it are two steps, and what outlived its make can
-# finish it in between: that is in flight, too. Before a merge there is more to look at.
+# finish it in between: that is in flight, too. Before a merge there is more to look at. And so is what
+# was killed between its end and the note of it.
 look_s = {"expand": 1, "merge": 5}
-again = [p for p in begins for b in begins[p] if any(e + look_s[p[0]] < b for e in ends[p])]
+note_s = 0.5
+again = [p for p in begins for b in begins[p] for e in ends[p]
+         if e + look_s[p[0]] < b and not any(e < k < e + note_s for k in kills)]
 assert not again, f"made again: {again}"
 lost = sum(len(begins[p]) - len(ends[p]) for p in begins)
 assert lost <= may_be_lost, f"{lost} were lost, {may_be_lost} may have been in flight"
@@ -137,6 +143,7 @@ for ((kill = 0; kill < kills;)); do
   sleep "$(printf '0.%03d' $((RANDOM % 400)))"
   if running && kill_something; then
     echo "kill $((++kill)): $what"
+    echo "kill $kill - $EPOCHREALTIME" >>journal
     sleep 0.02
   fi
   alive && continue
