@@ -110,6 +110,7 @@ const CurrentConversion& current_conversion() noexcept { return current; }
 void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot end) {
   if (models_.front().is_process()) return convert_by_processes(wave, begin, end);
   const std::uint64_t count = end - begin;
+  const std::size_t width = models_.front().row_size();
   const std::uint64_t share = std::clamp<std::uint64_t>(count / (8 * models_.size()), 1, kMaxShare);
   std::atomic<Wavefront::Slot> next{begin};
   std::atomic<bool> stop{false};
@@ -125,16 +126,19 @@ void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot 
       for (Wavefront::Slot slot = from; slot < std::min(from + share, end); ++slot) {
         const Vec3 x = box_.position(wave.point(slot));
         const double* state = wave.state(slot);
+        const PointIndex point = wave.point(slot);
+        const Level level = wave.level(slot);
+        double* const reached = wave.reached(slot, 0);
         for (DirectionMask left = wave.todo(slot); left; left &= left - 1) {
           const int q = std::countr_zero(left);
-          current = {wave.point(slot), wave.level(slot), q};
-          if (!model.convert(state, x, wave.neighbourhood().shift(q), wave.reached(slot, q))) {
+          current = {point, level, q};
+          if (!model.convert(state, x, wave.neighbourhood().shift(q), reached + q * width)) {
             stop = true;
             const std::lock_guard lock(mutex);
             if (slot < failed) {
               failed = slot;
-              failure = describe(box_, wave.point(slot), wave.level(slot)) + ", direction " +
-                        std::to_string(q) + ": " + model.error();
+              failure = describe(box_, point, level) + ", direction " + std::to_string(q) + ": " +
+                        model.error();
             }
             return;
           }

@@ -128,6 +128,7 @@ const double* Levels::state(PointIndex point, Level level) const {
 
 DirectionMask unsettled(const Level* links) {
   DirectionMask mask = 0;
+  if (!std::memchr(links, kUnsettled, kDirections)) return mask;
   for (int q = 0; q < kDirections; ++q)
     if (links[q] == kUnsettled) mask |= DirectionMask{1} << q;
   return mask;

@@ -219,15 +219,14 @@ class Merge {
   void check_settled(const RecordRows& rows, std::size_t r) {
     if (rows.generation[r] != input_.generation()) return;
     const PointIndex point = rows.point[r];
-    DirectionMask left = unsettled(&rows.links[r * kDirections]);
-    for (DirectionMask inside = inside_.inside(point); inside; inside &= inside - 1) {
-      const int q = std::countr_zero(inside);
-      if (!targets_.holds(static_cast<std::uint64_t>(point + inside_.offset(q)))) {
-        left &= ~(DirectionMask{1} << q);
-        continue;
-      }
-      ++asked_;
+    DirectionMask wanted = inside_.inside(point);
+    if (point < targets_.begin + reach_ || point + reach_ >= targets_.end) {
+      for (int q = 0; q < kDirections; ++q)
+        if (!targets_.holds(static_cast<std::uint64_t>(point + inside_.offset(q))))
+          wanted &= ~(DirectionMask{1} << q);
     }
+    asked_ += static_cast<std::uint64_t>(std::popcount(wanted));
+    const DirectionMask left = unsettled(&rows.links[r * kDirections]) & wanted;
     if (!left) return;
     if (missing_ == 0) first_missing_ = describe(input_.spec().box, point, rows.level[r]);
     missing_ += static_cast<std::uint64_t>(std::popcount(left));

@@ -42,9 +42,7 @@ void Wavefront::add(PointIndex point, Level level, const double* state, Directio
     if (free_batches_.empty()) {
       batches_.emplace_back();
       Batch& fresh = batches_.back();
-      fresh.point = std::make_unique_for_overwrite<PointIndex[]>(batch_size_);
-      fresh.level = std::make_unique_for_overwrite<Level[]>(batch_size_);
-      fresh.todo = std::make_unique_for_overwrite<DirectionMask[]>(batch_size_);
+      fresh.source = std::make_unique_for_overwrite<Source[]>(batch_size_);
       fresh.state = std::make_unique_for_overwrite<double[]>(batch_size_ * n_);
       fresh.reached =
           std::make_unique_for_overwrite<double[]>(batch_size_ * kDirections * row_size_);
@@ -55,9 +53,7 @@ void Wavefront::add(PointIndex point, Level level, const double* state, Directio
   }
   Batch& batch = batches_.back();
   const bool new_point = end_ == oldest_ || this->point(end_ - 1) != point;
-  batch.point[index] = point;
-  batch.level[index] = level;
-  batch.todo[index] = todo;
+  batch.source[index] = {point, todo, level};
   std::copy_n(state, n_, &batch.state[index * n_]);
   if (new_point) block(point >> kBlockBits).first[point & (kBlockPoints - 1)] = end_;
   for (DirectionMask left = todo; left; left &= left - 1) {
@@ -78,7 +74,7 @@ void Wavefront::forget_before(std::uint64_t target) {
     if (batch_end == end_ && in_batch(end_) != 0 && target < points_) break;
     if (point(batch_end - 1) >= needed && target < points_) break;
     free_batches_.push_back(std::move(batches_.front()));
-    batches_.pop_front();
+    batches_.erase(batches_.begin());
     oldest_ = batch_end;
   }
   const std::uint64_t last_block = target < points_ ? needed >> kBlockBits : blocks_.size();

@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -38,9 +37,9 @@ class Wavefront {
   /// The slots that were added and are not drained are [oldest(), end()).
   Slot end() const { return end_; }
 
-  PointIndex point(Slot slot) const { return batch(slot).point[in_batch(slot)]; }
-  Level level(Slot slot) const { return batch(slot).level[in_batch(slot)]; }
-  DirectionMask todo(Slot slot) const { return batch(slot).todo[in_batch(slot)]; }
+  PointIndex point(Slot slot) const { return source(slot).point; }
+  Level level(Slot slot) const { return source(slot).level; }
+  DirectionMask todo(Slot slot) const { return source(slot).todo; }
   const double* state(Slot slot) const { return &batch(slot).state[in_batch(slot) * n_]; }
   /// Where the row that conversion q of a slot reaches is to be written: row_size() doubles.
   double* reached(Slot slot, int q) {
@@ -64,11 +63,14 @@ class Wavefront {
   static constexpr unsigned kBlockBits = 12;
   static constexpr std::uint32_t kBlockPoints = 1u << kBlockBits;
 
+  struct Source {
+    PointIndex point;
+    DirectionMask todo;
+    Level level;
+  };
   // Not initialised: a small frontier touches little of it.
   struct Batch {
-    std::unique_ptr<PointIndex[]> point;
-    std::unique_ptr<Level[]> level;
-    std::unique_ptr<DirectionMask[]> todo;
+    std::unique_ptr<Source[]> source;
     std::unique_ptr<double[]> state;    // batch_size x n
     std::unique_ptr<double[]> reached;  // batch_size x 26 x row_size
   };
@@ -85,6 +87,7 @@ class Wavefront {
     return static_cast<std::size_t>(slot & (batch_size_ - 1));
   }
   const Batch& batch(Slot slot) const { return batches_[batch_of(slot)]; }
+  const Source& source(Slot slot) const { return batch(slot).source[in_batch(slot)]; }
   Block& block(std::uint64_t number);
   void forget_before(std::uint64_t target);
 
@@ -94,7 +97,7 @@ class Wavefront {
   std::uint32_t row_size_;  // of what they reach
   unsigned batch_bits_;
   std::size_t batch_size_;
-  std::deque<Batch> batches_;
+  std::vector<Batch> batches_;
   std::vector<Batch> free_batches_;
   Slot oldest_ = 0;  // first slot of batches_.front()
   Slot end_ = 0;
@@ -121,10 +124,10 @@ void Wavefront::drain(std::uint64_t end, F&& f) {
       while (arriving) {
         const int q = std::bit_width(arriving) - 1;
         arriving &= ~(DirectionMask{1} << q);
-        const auto source =
+        const auto from =
             static_cast<PointIndex>(static_cast<std::int64_t>(t) - neighbourhood_.offset(q));
-        Slot slot = blocks_[source >> kBlockBits]->first[source & (kBlockPoints - 1)];
-        for (; slot < end_ && point(slot) == source; ++slot)
+        Slot slot = blocks_[from >> kBlockBits]->first[from & (kBlockPoints - 1)];
+        for (; slot < end_ && point(slot) == from; ++slot)
           if (todo(slot) >> q & 1) f(static_cast<PointIndex>(t), q, slot, reached(slot, q));
       }
     }

@@ -1,5 +1,6 @@
 #include "libcore/shard/frame.hpp"
 
+#define ZSTD_STATIC_LINKING_ONLY  // ZSTD_d_forceIgnoreChecksum
 #include <zstd.h>
 
 #include <algorithm>
@@ -46,8 +47,10 @@ struct FrameDecoder::Context {
   ~Context() { ZSTD_freeDCtx(zstd); }
 };
 
-FrameDecoder::FrameDecoder() : context_(std::make_unique<Context>()) {
+FrameDecoder::FrameDecoder(bool hashed) : context_(std::make_unique<Context>()) {
   if (!context_->zstd) throw std::bad_alloc();
+  if (hashed)
+    ZSTD_DCtx_setParameter(context_->zstd, ZSTD_d_forceIgnoreChecksum, ZSTD_d_ignoreChecksum);
 }
 FrameDecoder::~FrameDecoder() = default;
 FrameDecoder::FrameDecoder(FrameDecoder&&) noexcept = default;

@@ -33,7 +33,9 @@ class FrameEncoder {
 /// Decompresses frames, reusing its context.
 class FrameDecoder {
  public:
-  FrameDecoder();
+  /// @param hashed the frames are compared with a hash of them before they are decoded, so that
+  /// zstd need not compute the content's checksum, too.
+  explicit FrameDecoder(bool hashed = false);
   ~FrameDecoder();
   FrameDecoder(FrameDecoder&&) noexcept;
 

@@ -270,7 +270,7 @@ class SectionReader::State {
   Neighbourhood neighbourhood_;
   std::uint64_t points_;
   FrameReader frames_;
-  FrameDecoder decoder_;
+  FrameDecoder decoder_{/*hashed=*/true};
   ChunkDecoder coded_;
   std::string where_;       // the chunk at hand, for messages
   std::size_t next_ = 0;    // chunk

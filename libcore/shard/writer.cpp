@@ -101,13 +101,20 @@ class SectionWriter::Encoder {
 
   void copy(const StoredChunk& chunk) {
     digester_->add(chunk.info.digest);
-    write_all(fd_, chunk.frame, name_);
+    write(chunk.frame);
+  }
+
+  /// Everything that was encoded or copied is in the file.
+  void drain() {
+    write_all(fd_, pending_, name_);
+    pending_.clear();
   }
 
   Digest digest() const { return digester_->digest(); }
 
  private:
   static constexpr std::size_t kSpareWords = 256;
+  static constexpr std::size_t kWriteBytes = 128 << 10;
 
   /// Cap'n Proto wants its memory cleared; calloc's pages are, and cost nothing until used.
   void reserve(std::size_t words) {
@@ -126,12 +133,20 @@ class SectionWriter::Encoder {
     } else if (!digester_) {  // the first message is the header
       digester_.emplace(message);
     }
-    write_all(fd_, frame, name_);
+    write(frame);
+  }
+
+  /// Frames of a grid are a few KiB each, and a call of the system for each would cost more than to
+  /// copy them.
+  void write(std::span<const std::byte> frame) {
+    pending_.insert(pending_.end(), frame.begin(), frame.end());
+    if (pending_.size() >= kWriteBytes) drain();
   }
 
   int fd_;
   std::string name_;
   FrameEncoder frames_;
+  std::vector<std::byte> pending_;  // frames that are not written yet
   std::optional<SectionDigester> digester_;
   struct Free {
     void operator()(void* memory) const { std::free(memory); }
@@ -169,18 +184,6 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
 }
 SectionWriter::~SectionWriter() = default;
 SectionWriter::SectionWriter(SectionWriter&&) noexcept = default;
-
-std::size_t SectionWriter::add_row(PointIndex point, Level level, const double* numbers) {
-  if (rows_ == row_limit_) flush();
-  columns_.point[rows_] = point;
-  columns_.level[rows_] = level;
-  if (row_size_ == 1) {
-    columns_.numbers[rows_] = *numbers;
-  } else {
-    std::memcpy(&columns_.numbers[rows_ * row_size_], numbers, row_size_ * sizeof(double));
-  }
-  return rows_++;
-}
 
 void SectionWriter::record(PointIndex point, Level level, std::uint32_t generation,
                            const double* row_numbers, const Level* links) {
@@ -233,12 +236,6 @@ void SectionWriter::frontier(PointIndex point, Level level, const double* state,
   footer_.conversions += static_cast<std::uint64_t>(std::popcount(todo));
   columns_.generation[row] = header_.generation;
   columns_.todo[row] = todo;
-}
-
-void SectionWriter::request(PointIndex target, int q, Level level, const double* row_numbers) {
-  const std::size_t row = add_row(target, level, row_numbers);
-  ++footer_.requests;
-  columns_.direction[row] = static_cast<std::uint8_t>(q);
 }
 
 void SectionWriter::copy(const StoredChunk& chunk) {
@@ -301,6 +298,7 @@ void SectionWriter::finish() {
   encoder_->write(words, nullptr, [&](schema::Message::Builder message) {
     encode_footer(footer_, message.initFooter());
   });
+  encoder_->drain();
 }
 
 }  // namespace hapgrid

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <span>
 
@@ -17,8 +18,8 @@ class ChunkEncoder;
 /// is truncated, and no tool takes it.
 class SectionWriter {
  public:
-  /// Writes to `fd`, which the caller keeps open; `name` is for messages. The header is written
-  /// at once. @throw std::system_error
+  /// Writes to `fd`, which the caller keeps open; `name` is for messages.
+  /// @throw std::system_error
   SectionWriter(int fd, const std::string& name, const SectionHeader& header);
   ~SectionWriter();
   SectionWriter(SectionWriter&&) noexcept;
@@ -33,7 +34,11 @@ class SectionWriter {
   /// std::system_error
   void frontier(PointIndex point, Level level, const double* state, DirectionMask todo);
   /// A request; `row_numbers` is what was reached. @throw std::system_error
-  void request(PointIndex target, int q, Level level, const double* row_numbers);
+  void request(PointIndex target, int q, Level level, const double* row_numbers) {
+    const std::size_t row = add_row(target, level, row_numbers);
+    ++footer_.requests;
+    columns_.direction[row] = static_cast<std::uint8_t>(q);
+  }
 
   /// A whole chunk of a grid as it is stored: no record of it is in the frontier, and no other
   /// record of its range of points is written. @throw std::system_error
@@ -60,7 +65,16 @@ class SectionWriter {
   void enter_range(PointIndex point);
   void count_frontier(PointIndex point, std::uint32_t generation);
   /// Adds one more row and answers its number in the chunk.
-  std::size_t add_row(PointIndex point, Level level, const double* numbers);
+  std::size_t add_row(PointIndex point, Level level, const double* numbers) {
+    if (rows_ == row_limit_) flush();
+    columns_.point[rows_] = point;
+    columns_.level[rows_] = level;
+    if (row_size_ == 1)
+      columns_.numbers[rows_] = *numbers;
+    else
+      std::memcpy(&columns_.numbers[rows_ * row_size_], numbers, row_size_ * sizeof(double));
+    return rows_++;
+  }
   void flush();
   RecordRows rows_so_far() const;
 

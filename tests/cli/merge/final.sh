@@ -33,7 +33,7 @@ coded() {
   done
 }
 
-# Two levels at many points, two chunks of the plain grid.
+# Two levels at many points, many chunks of the plain grid.
 seed "$ball" --set 'grid.counts=[40,22,20]' --set 'grid.origin=[-0.975,-0.525,-0.475]' |
   expand --complete -j 2 -o ball.grid
 coded ball 0.0001 0.01
