@@ -1,20 +1,35 @@
 #!/usr/bin/env bash
-# Simulates the curve, and draws it with what was measured (measured.txt, by run.sh).
+# The curve: how efficient builds on many workers are, simulated, and drawn with what was measured.
 #
-#   tests/bench/scaling/curve.sh [PNG]          (default: examples/cluster/curve.png); some minutes
+#   tests/bench/scaling/curve.sh            a minute: curve.txt, examples/cluster/curve.png
+#   tests/bench/scaling/curve.sh BUILD      first measures with that build: costs.json, measured.txt;
+#                                           seven minutes on a machine that does nothing else
+#
+# What it rests on is beside it: growth.txt (growth.sh), times.txt (tests/bench/conversion_times.cpp).
 set -euo pipefail
-cd "$(dirname "$0")"
-png=$(realpath "${1:-../../../examples/cluster/curve.png}")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+if (($#)); then
+  build=$(realpath "$1")
+  cd "$(dirname "$0")"
+  ./costs.sh "$build" >"$work/costs"
+  ./run.sh "$build" >"$work/measured"
+  mv "$work/costs" costs.json
+  mv "$work/measured" measured.txt
+else
+  cd "$(dirname "$0")"
+fi
 
-# Tasks of 10 threads; as even as conversions are, as few shards.
+# Tasks of so many threads, as far as there are workers for them; a shard a task where conversions
+# take about as long as each other, 8 where they do not.
 simulate() { ./simulate.py --rounds 24 "$@"; }
-simulate --way stay --threads 10 --cut equal:1 --times lognormal:0.5 >"$work/even"
-simulate --way stay --threads 10 --cut guided:4 >"$work/molecule"
-simulate --way make srun claim --threads 10 --cut equal:1 --times lognormal:0.5 -n 50 256 >"$work/ways"
-simulate --way claim --cut equal:1 --times lognormal:0.5 -n 50 256 | sed 's/ claim / single /' >"$work/single"
-{ cat "$work/even"; grep -hv '^#' "$work/molecule" "$work/ways" "$work/single"; } >curve.txt
+even=(--cut equal:1 --times lognormal:0.5)
+simulate --threads 50 --way claim "${even[@]}" >"$work/even"
+simulate --threads 50 --way claim --cut equal:8 >"$work/molecule"
+simulate --threads 50 --way srun stay "${even[@]}" -n 50 256 >"$work/ways"
+simulate --threads 10 --way claim "${even[@]}" -n 50 256 | sed 's/ claim / ten   /' >"$work/ten"
+simulate --threads 1 --way claim "${even[@]}" -n 50 256 | sed 's/ claim / one   /' >"$work/one"
+{ cat "$work/even"; grep -hv '^#' "$work/molecule" "$work/ways" "$work/ten" "$work/one"; } >curve.txt
 gnuplot <<END
 set terminal pngcairo size 1500,520 font 'DejaVu Sans,11' noenhanced
 set output '$work/png'
@@ -25,16 +40,16 @@ set yrange [0:103]
 set grid
 set key bottom left
 line(file, n, way) = sprintf("< awk '\$2 == %d && \$3 == \\"%s\\"' $work/%s", n, way, file)
-set title 'Tasks that stay: how even the conversions are'
+set title 'Tasks of 50 threads claim shards'
 set ylabel 'efficiency / %'
 array side[4] = [30, 50, 128, 256]
-plot for [i=1:4] line('even', side[i], 'stay') u 5:8 w l lw 2 lc i t sprintf('%d³', side[i]), \\
-     for [i=1:4] line('molecule', side[i], 'stay') u 5:8 w l lw 2 lc i dt 2 notitle, \\
+plot for [i=1:4] line('even', side[i], 'claim') u 5:8 w l lw 2 lc i t sprintf('%d³', side[i]), \\
+     for [i=1:4] line('molecule', side[i], 'claim') u 5:8 w l lw 2 lc i dt 2 notitle, \\
      NaN w l lw 2 lc 'black' t 'log-normal, σ = 0.5', NaN w l lw 2 dt 2 lc 'black' t 'as a molecule takes'
 set title 'Ways to hand out shards (50³ and 256³, log-normal)'
-way(i) = word('stay claim srun make single', i)
-array names[5] = ['tasks that stay', 'tasks that claim', 'srun a shard', 'make', 'claim, of 1 thread']
-from(i) = word('even ways ways ways single', i)
+way(i) = word('stay claim srun ten one', i)
+from(i) = word('ways even ways ten one', i)
+array names[5] = ['tasks that stay', 'tasks that claim', 'srun a shard', 'claim, 10 threads', 'claim, 1 thread']
 plot for [i=1:5] line(from(i), 256, way(i)) u 5:8 w l lw 2 lc 4 dt i t names[i], \\
      for [i=1:5] line(from(i), 50, way(i)) u 5:8 w l lw 2 lc 2 dt i notitle
 set title 'Measured on 2 processors: models that sleep'
@@ -44,4 +59,4 @@ plot for [i=1:2] "< grep -v '^#' measured.txt" u (strcol(2) eq word('make claim'
      for [i=1:2] "< grep -v '^#' measured.txt" u (strcol(2) eq word('make claim', i) ? \$1 : NaN):11 \\
        w p pt 6 ps 2.2 lw 2 lc i t 'simulated'
 END
-mv "$work/png" "$png"
+mv "$work/png" ../../../examples/cluster/curve.png
