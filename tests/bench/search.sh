@@ -4,7 +4,7 @@
 #   tests/bench/search.sh [BUILD] [POINTS A SIDE] [REPEATS]        (default: build 64 3)
 #
 # Three ways to the same grid, as medians: in memory (expand --complete), rounds of `expand | merge`
-# through a pipe, and rounds through 8 shard files. C's own cost is measured by build/bench/bench_conversions
+# through a pipe, and rounds through 8 shard files of requests. C itself is measured by build/bench/bench_conversions
 # and taken off. CPU time is what the kernel accounts to the processes, their start-up included; how
 # much of it is start-up is said too.
 set -euo pipefail
@@ -25,19 +25,20 @@ starting() { for _ in $(seq 100); do cpu expand --version; done >/dev/null; tota
 
 in_memory() { cpu expand --complete seeds -o complete; }
 piped() {
-  cp seeds grid; cp seeds frontier.1
+  cp seeds grid; cp seeds frontier
   while [ "$(stats --get frontier grid)" -gt 0 ]; do
-    pipe() { expand frontier.1 | merge grid - --frontier 'frontier.{}' -o next; }
+    pipe() { expand frontier | merge grid - --frontier frontier -o next; }
     cpu pipe
     mv next grid
   done
   cmp grid complete
 }
 files() {
-  cp seeds grid; rm -f frontier.*; cp seeds frontier.1
+  local k
+  cp seeds grid; cp seeds frontier
   while [ "$(stats --get frontier grid)" -gt 0 ]; do
-    for f in frontier.*; do cpu expand "$f" -o "requests.${f#*.}"; done
-    cpu merge grid requests.* --frontier 'frontier.{}' --parts 8 -o next
+    for k in {1..8}; do cpu expand --part "$k/8" frontier -o "requests.$k"; done
+    cpu merge grid requests.* --frontier frontier -o next
     rm -f requests.*
     mv next grid
   done
