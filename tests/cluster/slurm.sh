@@ -162,7 +162,8 @@ slowed() {
 # generation N [NODE]: shards of the N-th round are being expanded (on that node).
 generation() {
   local pid
-  for pid in $(pgrep -f "/expand $PWD/work/hung-ball/[^ ]*/$(printf %04d "$1")\\."); do
+  for pid in $(pgrep -f "/expand .* -o $(printf %04d "$1")\.round"); do
+    [[ $(readlink "/proc/$pid/cwd") == "$PWD/work/hung-ball/"* ]] || continue
     [[ ! ${2-} ]] || node_processes "$2" | grep -qx "$pid" || continue
     return 0
   done

@@ -1,0 +1,54 @@
+#!/bin/bash
+# Tasks that stay: one that dies with a shard in hand, and a driver that dies.
+source "$(dirname "$0")/../../cli/lib.sh"
+
+cat >tasks <<'END'
+#!/bin/bash
+for task in 1 2 3; do "$@" & done
+wait
+END
+chmod +x tasks
+sed 's/^plugin = .*/plugin = "sleeper"/; s/^radius/milliseconds = 20\nradius/' "$ball" >hung-ball.toml
+export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
+small=(grid.counts=[4,6,6] grid.spacing=0.15)
+seed hung-ball.toml "${small[@]/#/--set=}" | expand --complete -j 32 -o reference
+build() {
+  exec make -s -f "$HAPGRID_SOURCE/Makefile.example" grid MODEL=hung-ball.toml HAPGRID_BIN="$HAPGRID_BIN" \
+    SET="${small[*]}" PAUSE=1 MODE=claim RUN=./tasks PARTS=6 >make.out 2>make.err
+}
+# of_task NAME: processes of this test's tasks.
+of_task() { pgrep -f "$PWD/work/hung-ball/[^ ]*/$1" >/dev/null; }
+until_there() {
+  local deadline=$((SECONDS + $1)) what=$2
+  shift 2
+  until "$@"; do
+    ((SECONDS < deadline)) || fail "no $what: $(cat make.err)"
+    sleep 0.1
+  done
+}
+
+# The task and what it runs, so that its claim is all that is left of it; the others go on, and after a
+# minute one of them makes its shard.
+build &
+driver=$!
+expanding() { victim=$(pgrep -f "/bin/expand .*0001.round.6x1/requests" | head -n 1); [[ $victim ]]; }
+until_there 60 "shard of round 1" expanding
+maker=$(ps -o ppid= -p "$victim" | tr -d ' ')
+task=$(ps -o ppid= -p "$maker" | tr -d ' ')
+kill -KILL "$task" "$maker" "$victim"
+wait $driver || fail "$(cat make.err)"
+cmp work/hung-ball.grid reference
+same "what was said" '~hung-ball: generation 1: [1-6] is handed out again, its task does not answer' \
+  "$(grep -v Killed make.err)"
+until_there 5 "end of the tasks" eval '! of_task shard'
+
+# Without its driver, a task ends by itself, and leaves its shard whole.
+rm -rf work
+build &
+driver=$!
+until_there 60 "shard of round 1" expanding
+kill -KILL "$(pgrep -P $driver)" $driver
+wait $driver 2>/dev/null || true
+until_there 90 "end of the tasks" eval '! of_task shard'
+(build) || fail "$(cat make.err)"
+cmp work/hung-ball.grid reference
