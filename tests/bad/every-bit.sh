@@ -20,10 +20,10 @@ make stored --set 'grid.counts=[5,1,1]' --set model.parameters.stored=true
 merge seeds.ball requests.ball -o middle.ball --frontier "frontier.{}.ball" --parts 2
 expand middle.ball --ranges 2 -o 'range.requests.{}'
 merge --range 2/2 middle.ball range.requests.* -o range.grid
-# Three states of 264 kB, all zeros: two chunks.
+# Three states of 24 kB, all zeros: two chunks.
 cat >toy.toml <<'END'
 grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 1, 1]}
-model = {plugin = "toy", parameters = {state_size = 33000}}
+model = {plugin = "toy", parameters = {state_size = 3000}}
 seeds = {points = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]}
 END
 seed toy.toml -o chunks

@@ -66,15 +66,12 @@ def copied_chunks():
         refused("cut behind copied chunks", "merge BAD", whole[:cut], "truncated")
     swapped = [parts[0], parts[2], parts[1]] + parts[3:]
     refused("swapped chunks", "merge BAD", b"".join(swapped), "a chunk does not fit the footer's hash")
-    # The footer swaps them too.
-    header, footer = shard.decompress(parts[0]), shard.decode(parts[-1])[0]["footer"]
-    chunks = footer["chunks"]
-    chunks[0], chunks[1] = chunks[1], chunks[0]
-    low, high = shard.section_digest(header, [(int(c["digestLow"]), int(c["digestHigh"])) for c in chunks])
-    footer.update(digestLow=str(low), digestHigh=str(high))
-    sealed = swapped[:-1] + [shard.frame(shard.encode([{"footer": footer}])[0])]
+    # The footer swaps them too. The first two may have the same point, and then a copy cannot tell: it
+    # does not look at levels. What reads them does.
+    last = len(parts) - 3
+    sealed = shard.rearranged(whole, [last, *range(1, last), 0])
     for command in ("merge BAD", "expand --complete BAD", "stats BAD"):
-        refused("swapped chunks, sealed", command, b"".join(sealed), "out of order|was expected")
+        refused("swapped chunks, sealed", command, sealed, "out of order|was expected")
 
 
 def not_finite():

@@ -13,11 +13,11 @@ fine=(--set grid.spacing=0.05 --set 'grid.counts=[40,3,2]' --set 'grid.origin=[-
 seed "$ball" "${fine[@]}" --set model.parameters.stored=true | expand --complete -o fine
 merge --final ball -o coded
 merge --final --precision 0.001 stored -o lossy
-# Three chunks: states of 264 kB, with a model that leaves them 0.
+# Three chunks: states of 24 kB, with a model that leaves them 0.
 export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
 cat >toy.toml <<'END'
 grid = {origin = [0, 0, 0], spacing = 1, counts = [5, 1, 1]}
-model = {plugin = "toy", parameters = {state_size = 33000, amplitude = 0}}
+model = {plugin = "toy", parameters = {state_size = 3000, amplitude = 0}}
 seeds = {points = [[0, 0, 0]]}
 END
 seed toy.toml | expand --complete -o chunks

@@ -10,25 +10,25 @@ import shard
 
 
 class Grid:
-    """A plain grid in one chunk. `rows` are dictionaries with point, level, generation, links (26),
+    """A plain grid; its shard is sealed with one chunk. `rows` are dictionaries with point, level, generation, links (26),
     state and, where they are stored, force, energy and shape, each a list."""
 
     NUMBERS = ("state", "force", "energy", "shape")
 
     def __init__(self, data):
         messages = shard.decode(data)
-        assert len(messages) == 3, "more than one chunk"
         self.header = messages[0]["header"]
-        self.footer = messages[2]["footer"]
-        columns = messages[1]["records"]
+        self.footer = messages[-1]["footer"]
+        self.rows = [row for message in messages[1:-1] for row in self.rows_of(message["records"])]
+
+    def rows_of(self, columns):
         n = len(columns["point"])
-        self.rows = []
         for r in range(n):
             row = {name: columns[name][r] for name in ("point", "level", "generation")}
             row["links"] = columns["links"][26 * r : 26 * r + 26]
             for name in self.NUMBERS:
                 row[name] = [float(v) for v in columns.get(name, [])[r::n]]
-            self.rows.append(row)
+            yield row
 
     @property
     def box(self):
