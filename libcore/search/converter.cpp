@@ -12,8 +12,8 @@
 namespace hapgrid {
 
 namespace {
-// A thread takes this many records at a time at most: enough to make taking them cheap, few enough
-// that the last ones do not wait for a single thread.
+// A thread takes the directions of this many records at a time at most: enough to make taking them
+// cheap, few enough that the last ones do not wait for a single thread.
 constexpr std::uint64_t kMaxShare = 16;
 
 thread_local CurrentConversion current;
@@ -109,34 +109,44 @@ const CurrentConversion& current_conversion() noexcept { return current; }
 
 void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot end) {
   if (models_.front().is_process()) return convert_by_processes(wave, begin, end);
-  const std::uint64_t count = end - begin;
   const std::size_t width = models_.front().row_size();
-  const std::uint64_t share = std::clamp<std::uint64_t>(count / (8 * models_.size()), 1, kMaxShare);
-  std::atomic<Wavefront::Slot> next{begin};
+  // A unit is a direction of a slot: where there are few records, threads share one.
+  const std::uint64_t last = end * kDirections;
+  const std::uint64_t share = std::clamp<std::uint64_t>(
+      (end - begin) * kDirections / (8 * models_.size()), 1, kMaxShare * kDirections);
+  std::atomic<std::uint64_t> next{begin * kDirections};
   std::atomic<bool> stop{false};
   std::mutex mutex;
   std::string failure;
-  Wavefront::Slot failed = end;
+  std::uint64_t failed = last;  // a unit
 
+  // A stretch that was taken is done to its end or its failure, so the first failure is found.
   const auto work = [&](Model& model) {
     while (!stop.load(std::memory_order_relaxed)) {
-      const Wavefront::Slot from = next.fetch_add(share);
-      if (from >= end) return;
+      const std::uint64_t from = next.fetch_add(share);
+      if (from >= last) return;
+      const std::uint64_t to = std::min(from + share, last);
       std::uint64_t done = 0;
-      for (Wavefront::Slot slot = from; slot < std::min(from + share, end); ++slot) {
+      for (Wavefront::Slot slot = from / kDirections; slot * kDirections < to; ++slot) {
+        const std::uint64_t first = slot * kDirections;
+        DirectionMask left = wave.todo(slot);
+        if (first < from) left &= kAllDirections << (from - first);
+        if (first + kDirections > to) left &= (1u << (to - first)) - 1;
+        if (left == 0) continue;
         const Vec3 x = box_.position(wave.point(slot));
         const double* state = wave.state(slot);
         const PointIndex point = wave.point(slot);
         const Level level = wave.level(slot);
         double* const reached = wave.reached(slot, 0);
-        for (DirectionMask left = wave.todo(slot); left; left &= left - 1) {
+        for (; left; left &= left - 1) {
           const int q = std::countr_zero(left);
           current = {point, level, q};
           if (!model.convert(state, x, wave.neighbourhood().shift(q), reached + q * width)) {
             stop = true;
             const std::lock_guard lock(mutex);
-            if (slot < failed) {
-              failed = slot;
+            const std::uint64_t unit = first + static_cast<unsigned>(q);
+            if (unit < failed) {
+              failed = unit;
               failure = describe(box_, point, level) + ", direction " + std::to_string(q) + ": " +
                         model.error();
             }
@@ -151,7 +161,7 @@ void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot 
     }
   };
 
-  if (models_.size() == 1 || count == 1) {
+  if (models_.size() == 1 || begin == end) {
     work(models_.front());
   } else {
     std::vector<std::jthread> threads;
@@ -162,7 +172,7 @@ void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot 
       throw;
     }
   }
-  if (failed != end) throw ModelError("conversion at " + failure);
+  if (failed != last) throw ModelError("conversion at " + failure);
 }
 
 }  // namespace hapgrid

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <functional>
 #include <random>
 
@@ -123,11 +124,12 @@ void complete_shard(const std::string& from, const std::string& to, unsigned thr
            [&](const SectionHeader& header) { return SectionWriter(file.get(), to, header); });
 }
 
-void expand_shards(const std::vector<std::string>& from, Part part, const std::string& to) {
+void expand_shards(const std::vector<std::string>& from, Part part, const std::string& to,
+                   unsigned threads = 1) {
   const auto sections = open_sections(from);
   Progress progress;
   SectionHeader header = sections.front().header;
-  Converter converter(toy_plugin(), header.spec, 1, progress);
+  Converter converter(toy_plugin(), header.spec, threads, progress);
   FrontierReader frontier(sections, part);
   const std::uint64_t expected = frontier.conversions();
   header.content = Content::kRequests;
@@ -376,4 +378,22 @@ TEST_CASE("a conversion that fails is named, the same with any number of threads
     REQUIRE_THROWS_WITH(complete_shard(dir.file("seeds"), dir.file("grid"), threads),
                         Catch::Matchers::Matches("conversion at point [0-9]+ \\(2, [0-9], [0-9]\\) "
                                                  "level [0-9]+, direction [0-9]+: told to fail"));
+}
+
+TEST_CASE("threads share the directions of a record") {
+  Random random(20037);
+  Case c(random, 3);
+  while (c.grid.counts != std::array{3, 3, 3}) c = Case(random, 3);
+  SeedDefinition centre;
+  for (int a = 0; a < 3; ++a) centre.position[a] = c.grid.origin[a] + c.grid.spacing;
+  c.definition.seeds = {centre};
+  c.definition.parameters.insert(c.definition.parameters.begin() + 1, {"milliseconds", 20.0});
+  const TemporaryDirectory dir;
+  write_seed_shard(c, dir.file("seeds"));
+  const auto start = std::chrono::steady_clock::now();
+  expand_shards({dir.file("seeds")}, {}, dir.file("requests"), 13);
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+  // Two pauses a thread; one thread would make 26 of them, 0.52 s.
+  CHECK(time.count() > 0.04);
+  CHECK(time.count() < 0.4);
 }
