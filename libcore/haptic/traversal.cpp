@@ -24,7 +24,9 @@ void blend(const std::array<double, 8>& w, const std::array<const double*, 8>& s
   const auto [w0, w1, w2, w3, w4, w5, w6, w7] = w;
   double* const o = out.data();
   const std::size_t n = out.size();
+#ifndef __clang__  // which does not know it
 #pragma GCC ivdep
+#endif
   for (std::size_t i = 0; i < n; ++i)
     o[i] = ((w0 * s0[i] + w1 * s1[i]) + (w2 * s2[i] + w3 * s3[i])) +
            ((w4 * s4[i] + w5 * s5[i]) + (w6 * s6[i] + w7 * s7[i]));

@@ -219,14 +219,16 @@ class Merge {
   void check_settled(const RecordRows& rows, std::size_t r) {
     if (rows.generation[r] != input_.generation()) return;
     const PointIndex point = rows.point[r];
-    DirectionMask wanted = inside_.inside(point);
+    const DirectionMask inside = inside_.inside(point);
+    DirectionMask beyond = 0;  // in the box, but of no range that is looked at
     if (point < targets_.begin + reach_ || point + reach_ >= targets_.end) {
       for (int q = 0; q < kDirections; ++q)
         if (!targets_.holds(static_cast<std::uint64_t>(point + inside_.offset(q))))
-          wanted &= ~(DirectionMask{1} << q);
+          beyond |= DirectionMask{1} << q & inside;
     }
-    asked_ += static_cast<std::uint64_t>(std::popcount(wanted));
-    const DirectionMask left = unsettled(&rows.links[r * kDirections]) & wanted;
+    asked_ += static_cast<std::uint64_t>(std::popcount(inside & ~beyond));
+    // A link out of the box that is not settled never will be.
+    const DirectionMask left = unsettled(&rows.links[r * kDirections]) & ~beyond;
     if (!left) return;
     if (missing_ == 0) first_missing_ = describe(input_.spec().box, point, rows.level[r]);
     missing_ += static_cast<std::uint64_t>(std::popcount(left));

@@ -32,7 +32,8 @@ class Examiner {
         points_(asked.part.share(grid_.box().points())) {
     if (asked.recompute > 0 || asked.walks > 0)
       source_ = model_source(grid_.spec(), asked.model,
-                             " (or leave C out: --recompute none, and no --walks)");
+                             asked.walks > 0 ? " (or leave C out: --recompute none, and no --walks)"
+                                             : " (or leave C out: --recompute none)");
     if (!asked.against.empty()) original_.emplace(load_grid({asked.against}));
     Model model = judge();
     has_force_ = has_force(grid_.spec(), model);

@@ -61,7 +61,7 @@ rm d/out
 refuses 'seed: missing/out: No such file or directory' -- seed toy.toml -o missing/out
 refuses 'seed: d: Is a directory' -- seed toy.toml -o d
 refuses 'seed: toy.toml/out: Not a directory' -- seed toy.toml -o toy.toml/out
-refuses 'merge: missing: .*No such file or directory' -- merge seeds requests -o out --frontier 'missing/f.{}'
+refuses 'merge: missing/f.1: No such file or directory' -- merge seeds requests -o out --frontier 'missing/f.{}'
 [[ ! -e out ]] || fail "the grid is there, and its frontier is not"
 if [[ $(id -u) != 0 ]]; then
   chmod a-w d
