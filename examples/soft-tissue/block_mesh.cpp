@@ -65,7 +65,7 @@ void Block::build_tetrahedra() {
 }
 
 void Block::build_triangles() {
-  const auto [nx, ny, nz] = options_.elements;
+  const int nx = options_.elements[0], ny = options_.elements[1], nz = options_.elements[2];
   // A brick's face, spanned by two axes from a corner; its diagonal is the tetrahedra's.
   const auto add_face = [&](std::array<int, 3> corner, int first, int second, int step_first,
                             int step_second) {

@@ -30,7 +30,7 @@ struct Place {
 void draw_curve(Image& image, const Place& place, int scale, const Traces& traces,
                 double Traces::Sample::*value, const Extent& extent, const std::string& name,
                 Rgb colour) {
-  const auto& [x, y, width, height] = place;
+  const int x = place.x, y = place.y, width = place.width, height = place.height;
   const int middle = y + (height - scale * kLetterHeight) / 2;
   write(image, scale * kMargin, middle, scale, name, colour);
   const auto label = [&](int top, double number) {
