@@ -24,7 +24,9 @@ struct DeviceInput {
   Vec3 rate{0, 0, 0};
   bool stalled = false;  ///< the hardware was silent for longer than it should be
   bool clutch = false;   ///< the handle is moved without the HIP
-  bool reset = false;    ///< the user wants the force back after a fault; a button may be held
+  /// The user wants the force back after a fault. A button may be held: the loop takes its press
+  /// alone, so that no fault ends that the user has not felt.
+  bool reset = false;
   /// Only in a replay: ticks that were missed before this one when it was recorded.
   std::uint64_t missed = 0;
 };

@@ -105,6 +105,7 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
   Speed speed(mapping.scale());
   std::uint64_t recorded_misses = 0;
   std::uint64_t last = 0;
+  bool reset_held = false;
   for (;;) {
     const std::uint64_t due = pacer.wait(stop);
     heartbeat.fetch_add(1, std::memory_order_relaxed);
@@ -130,8 +131,11 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 
     const Vec3 hip = mapping.hip(input, dt);
     const StepResult step = traversal.step(hip);
-    // The clutch, too: no force is wanted while it is held, and its release is a ramp.
-    if ((input.reset || input.clutch) && safety.faulted()) safety.reset();
+    // A button that was held when the fault came did not see it. The clutch may be held: no force
+    // is wanted meanwhile, and its release is a ramp.
+    const bool reset = input.reset && !reset_held;
+    reset_held = input.reset;
+    if ((reset || input.clutch) && safety.faulted()) safety.reset();
     // A state that is not the HIP's gives a stale force: a device that reports NaN, or a grid that
     // is not playable, is a fault like a force that is not finite.
     const bool unusable = !step.usable();

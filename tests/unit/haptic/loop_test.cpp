@@ -307,6 +307,19 @@ TEST_CASE_METHOD(Fixture, "a fault ends with the user's reset") {
   }
 }
 
+TEST_CASE_METHOD(Fixture, "a button held since before a fault does not end it") {
+  HeldDevice d;
+  // Held from tick 5 on, let go for tick 20, and held again.
+  for (int i = 0; i < 30; ++i) d.inputs.push_back({.reset = i >= 5 && i != 20});
+  d.sent.reserve(100);
+  int ticks = 0;
+  const auto force = [&](const Vec3&, std::span<const double>) {
+    return ticks == 10 ? Vec3{std::nan(""), 0, 0} : Vec3{1, 0, 0};
+  };
+  loop(d, force, [&](const Tick&) { ++ticks; });
+  for (int i = 0; i < 30; ++i) CHECK(d.sent[i] == (i < 10 || i > 20 ? Vec3{1, 0, 0} : kZero));
+}
+
 TEST_CASE_METHOD(Fixture, "a replay's missed ticks count as time and in the numbers") {
   HeldDevice d;
   for (int i = 0; i < 10; ++i) d.inputs.push_back({.missed = i == 4 ? 7U : 0U});
