@@ -57,8 +57,9 @@ Json number_to_json(double value) {
 double number_from_json(const Json& json) {
   if (json.is_null()) return std::numeric_limits<double>::quiet_NaN();
   if (!json.is_string()) return json.get<double>();
-  return json == "inf" ? std::numeric_limits<double>::infinity()
-                       : -std::numeric_limits<double>::infinity();
+  if (json == "inf") return std::numeric_limits<double>::infinity();
+  if (json == "-inf") return -std::numeric_limits<double>::infinity();
+  throw Error("a number that is none");
 }
 
 Json to_json(const Findings& found) {
@@ -149,10 +150,15 @@ Walked walked_from(const Json& json) {
   walked.mixed_state = worst_from(json.at("mixed_state"));
   walked.failed = findings_from(json.at("failed"));
   const Json& errors = json.at("errors");
-  for (std::size_t i = 0; i < errors.size(); i += 4)
-    walked.one_branch.push_back({number_from_json(errors.at(i)), number_from_json(errors.at(i + 1)),
-                                 number_from_json(errors.at(i + 2)),
-                                 number_from_json(errors.at(i + 3))});
+  for (std::size_t i = 0; i < errors.size(); i += 4) {
+    const PlayError e{number_from_json(errors.at(i)), number_from_json(errors.at(i + 1)),
+                      number_from_json(errors.at(i + 2)), number_from_json(errors.at(i + 3))};
+    // They are going to be sorted. With twice the spacing there may be none.
+    if (std::isnan(e.state) || std::isnan(e.force) ||
+        std::isnan(e.coarse_state) != std::isnan(e.coarse_force))
+      throw Error("a place without its error");
+    walked.one_branch.push_back(e);
+  }
   return walked;
 }
 

@@ -1,0 +1,15 @@
+// Reports of verify --part, alone and put together.
+#include "libcore/check/part_report.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+using namespace hapgrid;
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fuzz::refusable([&] {
+    PartReport part = part_from_json(std::string(fuzz::text_of({data, size})), "fuzz");
+    // What is left out of a report of one part is made of it here.
+    part.part = {1, 1};
+    join({std::move(part)}, {"fuzz"});
+  });
+  return 0;
+}
