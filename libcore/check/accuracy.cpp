@@ -95,9 +95,10 @@ class Row {
     const double twice = quantile(coarse, kMostPlaces);
     if (coarse.size() < kLeastPlaces || !(e > 0)) return;
     const double order = std::log2(twice / e);
-    const double half = quantile(column(walked_.one_branch, &PlayError::state, true), 0.5);
-    if (half > 0)
-      add("median order", std::log2(quantile(coarse, 0.5) / half), "", "the same of it");
+    const double median = quantile(column(walked_.one_branch, &PlayError::state, true), 0.5);
+    if (median > 0)
+      add("median order", std::log2(quantile(coarse, 0.5) / median), "",
+          "how the median falls, as the next line says of the 99 %");
     add("order", order, "",
         "of the 99 %, which is " + rounded(twice) + " with every other point, and here " +
             rounded(e) + " in the same places");

@@ -9,6 +9,7 @@
 
 #include "libcore/check/parallel.hpp"
 #include "libcore/check/random.hpp"
+#include "libcore/check/random_hand.hpp"
 #include "libcore/check/state_distance.hpp"
 #include "libcore/check/text.hpp"
 #include "libcore/haptic/traversal.hpp"
@@ -18,8 +19,6 @@ namespace hapgrid {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-// The most places that the hand goes straight on: eight cells.
-constexpr std::uint64_t kLongestLeg = 16;
 // Points drawn for one to begin at where the state changes: with one in a hundred such points, two
 // of three walks find one.
 constexpr int kDraws = 100;
@@ -29,66 +28,6 @@ std::uint64_t seed_of(std::uint64_t seed, std::uint64_t walk) {
   constexpr std::uint64_t kAll = ~std::uint64_t{0};
   return SplitMix64(SplitMix64(seed).below(kAll) + walk).below(kAll);
 }
-
-/// A hand that goes straight on for a while, turns, and is thrown back at the sides of the box.
-class Hand {
- public:
-  Hand(const Box& box, std::uint64_t seed) : box_(box), random_(seed) {}
-
-  /// To any point of the grid.
-  PointIndex jump() {
-    const auto point = static_cast<PointIndex>(random_.below(box_.points()));
-    at_ = box_.position(point);
-    return point;
-  }
-  const Vec3& at() const { return at_; }
-  void put(const Vec3& x) { at_ = x; }
-  /// Before each leg from place to place: may turn.
-  void set_out() {
-    if (left_ == 0) {
-      left_ = 1 + random_.below(kLongestLeg);
-      turn();
-    }
-    --left_;
-  }
-  void step() {
-    for (int a = 0; a < 3; ++a) {
-      const double last = box_.origin[a] + box_.spacing * (box_.counts[a] - 1);
-      const auto leaves = [&] {
-        const double next = at_[a] + length_ * towards_[a];
-        return next < box_.origin[a] || next > last;
-      };
-      if (leaves()) towards_[a] = -towards_[a];
-      if (!leaves()) at_[a] += length_ * towards_[a];
-    }
-  }
-
- private:
-  /// A direction, each as likely as any other; along flat axes nothing moves. Steps of one length
-  /// would meet the same places of each cell again on a way along an axis.
-  void turn() {
-    double squares = 0;
-    do {
-      squares = 0;
-      for (int a = 0; a < 3; ++a) {
-        towards_[a] = box_.counts[a] > 1 ? 2 * part() - 1 : 0;
-        squares += towards_[a] * towards_[a];
-      }
-    } while (squares > 1 || squares < 0.01);
-    for (double& component : towards_) component /= std::sqrt(squares);
-    length_ = box_.spacing / (2 * kStepsToPlace) * (1 + part()) / 2;
-  }
-
-  /// In [0, 1).
-  double part() { return static_cast<double>(random_.below(std::uint64_t{1} << 53)) * 0x1p-53; }
-
-  const Box& box_;
-  SplitMix64 random_;
-  Vec3 at_{0, 0, 0};
-  Vec3 towards_{0, 0, 0};
-  double length_ = 0;  // of a step
-  std::uint64_t left_ = 0;
-};
 
 Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 double length(const Vec3& d) { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
@@ -111,7 +50,7 @@ class Walker {
   Walked walk(std::uint64_t seed) {
     Walked seen;
     if (grid_.box().points() == 1) return seen;  // there is no place off it
-    Hand hand(grid_.box(), seed);
+    RandomHand hand(grid_.box(), seed, kStepsToPlace);
     for (int draw = 0; draw < kDraws && !changes_around(hand.jump()); ++draw) continue;
     // Where play cannot start or go on, `complete` and `paths` say why.
     if (!play_.start(hand.at()).usable() || !take_over()) return seen;

@@ -50,7 +50,7 @@ class Merge {
         range_(range),
         reach_(static_cast<std::uint64_t>(Neighbourhood(input.spec().box).reach())),
         targets_(range.widened(reach_)),
-        sources_(targets_.widened(reach_)),
+        sources_(needed_points(input.spec(), range)),
         levels_(input.spec(), model),
         grid_rows_(input.grid()),
         out_(out),

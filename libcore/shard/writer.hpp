@@ -28,7 +28,7 @@ class SectionWriter {
   /// @throw std::system_error
   void record(PointIndex point, Level level, std::uint32_t generation, const double* row_numbers,
               const Level* links);
-  /// Records [begin, end) of `rows`, R of a grid. @throw std::system_error
+  /// A grid's records [begin, end) of `rows`. @throw std::system_error
   void records(const RecordRows& rows, std::size_t begin, std::size_t end);
   /// A record of a frontier with the directions to be expanded; `state` n doubles. @throw
   /// std::system_error
