@@ -83,7 +83,19 @@ refuses() {
   [[ $(wc -l <"$work/got/err") == 1 ]] || fail "not one line: $(cat "$work/got/err")"
 }
 
-# message_of FILE...: the shards as JSON, a message a line, by the stock tools.
+# wait_for SECONDS WHAT COMMAND...: until it succeeds. What evidence() prints is shown where it does not;
+# a test may define it.
+wait_for() {
+  local deadline=$((SECONDS + $1)) what=$2
+  shift 2
+  until "$@" >/dev/null 2>&1; do
+    ((SECONDS < deadline)) || fail "no $what"$'\n'"$(evidence 2>&1)"
+    sleep 0.05
+  done
+}
+evidence() { :; }
+
+# decode FILE...: the shards as JSON, a message a line, by the stock tools.
 decode() { zstd -dc "$@" | capnp convert binary:json --short "$schema" Message; }
 
 # header FILE FIELD: a number or name in a shard's first header, by the stock tools.

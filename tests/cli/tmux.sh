@@ -11,11 +11,10 @@ on new-session -d -x 80 -y 24 "env PS1='ready> ' bash --norc --noprofile"
 # type_line TEXT: and the return key.
 type_line() { on send-keys -l "$1" && on send-keys Enter; }
 
-# wait_for REGEX [FILE]: until a line of the terminal fits. FILE is shown when none does.
-wait_for() {
-  local deadline=$((SECONDS + 60))
-  until on capture-pane -p | grep -qE "$1"; do
-    ((SECONDS < deadline)) || fail "never on the terminal: $1"$'\n'"$(on capture-pane -p; cat "${2:-/dev/null}")"
-    sleep 0.05
-  done
+# wait_line REGEX [FILE]: until a line of the terminal fits. FILE is shown, too, when none does.
+wait_line() {
+  evidence() { on capture-pane -p; cat "$seen_too"; }
+  local seen_too=${2:-/dev/null}
+  wait_for 60 "line of the terminal: $1" line_fits "$1"
 }
+line_fits() { on capture-pane -p | grep -qE "$1"; }

@@ -126,16 +126,6 @@ cluster_stop() {
   for n in $(seq "$cluster_nodes"); do node_kill "$n"; done
 }
 
-# wait_for SECONDS WHAT COMMAND...: until it succeeds.
-wait_for() {
-  local deadline=$((SECONDS + $1)) what=$2
-  shift 2
-  until "$@"; do
-    ((SECONDS < deadline)) || fail "no $what"
-    sleep 0.1
-  done
-}
-
 # build OPTION...: a grid by Makefile.example on the cluster; reference: the same from one process.
 small=(grid.counts=[12,6,6] grid.spacing=0.15)
 driver() {

@@ -37,11 +37,8 @@ done >ssh/config
 "$sshd" -D -f "$PWD/ssh/sshd_config" -E "$PWD/ssh/log" &
 daemon=$!
 trap 'kill $daemon 2>/dev/null; rm -rf "$work"' EXIT
-deadline=$((SECONDS + 20))
-until ssh -F ssh/config one true 2>ssh/err; do
-  ((SECONDS < deadline)) || fail "no sshd: $(cat ssh/err ssh/log)"
-  sleep 0.1
-done
+evidence() { cat ssh/log; }
+wait_for 20 "sshd" ssh -F ssh/config one true
 
 # What a login over there does not have, the shards bring: this plug-in is found by HAPGRID_MODEL_PATH.
 mkdir plugins

@@ -5,11 +5,11 @@ source "$here/../tmux.sh"
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 
 type_line 'COLORTERM=truecolor play grid --device keys --key-start=-0.4,0,0 --log log.session 2>err | view --terminal; codes=${PIPESTATUS[*]}; clear; echo "codes $codes"'
-wait_for '^t [0-9.]+ s   force 0 N' err
+wait_line '^t [0-9.]+ s   force 0 N' err
 # To the right until the ball is pushed: its force is on the status line.
 for _ in {1..11}; do on send-keys Right; sleep 0.1; done
-wait_for '^t [0-9.]+ s   force 0\.[0-9]+ N' err
+wait_line '^t [0-9.]+ s   force 0\.[0-9]+ N' err
 on send-keys -l q
-wait_for '^codes 0 0$' err
+wait_line '^codes 0 0$' err
 stats --log log.session >report
 grep -qE '^flag safety_fault +0 ' report || fail "$(cat report)"

@@ -31,17 +31,17 @@ start() {
   type_line "$1"
   exec 4>live
   cat one >&4
-  wait_for '^t [0-9.]+ s   force '
+  wait_line '^t [0-9.]+ s   force '
 }
 
 type_line 'clear; seq 3; stty -a >modes'
-wait_for '^3$'
-wait_for '^ready>$'
+wait_line '^3$'
+wait_line '^ready>$'
 before=$(on capture-pane -p)
 
 # True colour: the picture, then the numbers and the curves in the last three lines.
 start "COLORTERM=truecolor view live --terminal $how"
-wait_for '^energy '
+wait_line '^energy '
 on capture-pane -epN >capture
 python3 "$here/terminal.py" cells capture one.png 80 21
 grep -q '38;2;' capture || fail "no true colour"
@@ -59,9 +59,9 @@ sed -n 1p <(capnp decode --short "$frames" Message <x.frames) | cat - text |
 size=$(sed -n 1p <(capnp decode --short "$frames" Message <x.frames) |
   capnp encode "$frames" Message | wc -c)
 tail -c +$((size + 1)) two >&4
-wait_for "^t ${time_s}0* s "
+wait_line "^t ${time_s}0* s "
 on resize-window -x 60 -y 18
-wait_for '^energy '
+wait_line '^energy '
 sleep 0.1
 # shellcheck disable=SC2086
 view two --png two.png --size 480x240 $how
@@ -70,9 +70,9 @@ python3 "$here/terminal.py" cells capture two.png 60 15
 on resize-window -x 80 -y 24
 # Interrupted: everything is as before.
 on send-keys C-c
-wait_for '^ready>$'
+wait_line '^ready>$'
 type_line 'echo exit $?'
-wait_for '^exit 130$'
+wait_line '^exit 130$'
 # usual: the usual screen, and a cursor.
 usual() { same "cursor, screen" "1 0" "$(on display -p '#{cursor_flag} #{alternate_on}')"; }
 # unchanged WHAT: that, with what was on it before, and more below.
@@ -87,7 +87,7 @@ exec 4>&-
 
 # Terminated; and without COLORTERM the 256 colours of TERM.
 type_line clear
-wait_for '^ready>$'
+wait_line '^ready>$'
 before='ready>'
 start "view live --terminal=symbols & wait; echo exit \$?"
 on capture-pane -epN >capture
@@ -95,27 +95,27 @@ grep -q '[34]8;5;' capture || fail "no 256 colours"
 grep -q '38;2;' capture && fail "true colour, which nobody promised"
 view=$(pgrep -P "$(on display -p '#{pane_pid}')" -x view)
 kill "$view"
-wait_for '^exit '
+wait_line '^exit '
 unchanged SIGTERM
 exec 4>&-
 
 # The end of the stream: the last picture stays on the terminal itself. What was typed meanwhile is
 # still there for whoever reads it.
 type_line clear
-wait_for '^ready>$'
+wait_line '^ready>$'
 start 'view live --terminal; echo exit $?'
 type_line 'echo ty""ped'
 exec 4>&-
-wait_for '^exit 0$'
-wait_for '^typed$'
+wait_line '^exit 0$'
+wait_line '^typed$'
 usual
 same "numbers" "~t 0\.12 s   force .*" "$(on capture-pane -p | grep '^t ')"
 # A damaged end: that, and the message.
 type_line clear
-wait_for '^ready>$'
+wait_line '^ready>$'
 head -c -1 x.frames >cut
 type_line 'view cut --terminal; echo exit $?'
-wait_for '^exit 1$'
+wait_line '^exit 1$'
 on capture-pane -p | grep -q '^view: cut: byte [0-9]*: truncated: a message is cut' || fail "no message"
 usual
 

@@ -7,15 +7,6 @@ terminal='--terminal shows frames in a terminal, --png draws one into a file'
 # What OpenGL and X keep at the end is theirs.
 export ASAN_OPTIONS=detect_leaks=0 LIBGL_ALWAYS_SOFTWARE=1
 
-# wait_until COMMAND...: until it succeeds.
-wait_until() {
-  local deadline=$((SECONDS + 60))
-  until "$@" >/dev/null 2>&1; do
-    ((SECONDS < deadline)) || fail "never: $*"
-    sleep 0.05
-  done
-}
-
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 for i in {-90..90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
 play grid --device path:path --ramp 0 --slew inf --frames ball.frames 2>/dev/null
@@ -56,7 +47,7 @@ start_x() {
   : >display
   Xvfb -displayfd 3 -screen 0 800x700x24 -nolisten tcp "$@" 3>display >xvfb.log 2>&1 &
   servers+=($!)
-  wait_until test -s display
+  wait_for 60 "X server" test -s display
   DISPLAY=:$(cat display)
   export DISPLAY
 }
@@ -97,7 +88,7 @@ view ../live --window --size 360x360 --screenshot ../last.png 2>../err &
 view=$!
 exec 4>../live
 cat ../molecule.one >&4
-wait_until xdotool search --onlyvisible --name '^molecule - hapgrid view$'
+wait_for 60 "window" xdotool search --onlyvisible --name '^molecule - hapgrid view$'
 window=$(xdotool search --name '^molecule - hapgrid view$')
 same "window" "~(.|"$'\n'")*Geometry: 360x360(.|"$'\n'")*" "$(xdotool getwindowgeometry "$window")"
 same "named" 'molecule - hapgrid view' "$(xdotool getwindowname "$window")"
@@ -107,7 +98,7 @@ xdotool mousemove --window "$window" 100 100
 tick=$(capnp decode --short "$frames" Message <../molecule.one | sed -nE '2s/.*tick = ([0-9]+).*/\1/p')
 shoot() {
   xdotool key s
-  wait_until test -e "hapgrid-$tick.png"
+  wait_for 60 "picture" test -e "hapgrid-$tick.png"
   mv "hapgrid-$tick.png" "../$1"
 }
 shoot first.png
@@ -127,14 +118,14 @@ shoot reset.png
 cmp ../first.png ../reset.png
 # Paused, another frame changes nothing; then it is there.
 xdotool key space
-wait_until xdotool search --name '^molecule - hapgrid view \(paused\)$'
+wait_for 60 "window" xdotool search --name '^molecule - hapgrid view \(paused\)$'
 size=$(capnp decode --short "$frames" Message <../molecule.frames | sed -n 1p |
   capnp encode "$frames" Message | wc -c)
 one ../molecule.frames 3 | tail -c +$((size + 1)) >&4
 shoot paused.png
 python3 "$here/png.py" near ../paused.png ../drawn.png 0.04 0.001
 xdotool key space
-wait_until xdotool search --name '^molecule - hapgrid view$'
+wait_for 60 "window" xdotool search --name '^molecule - hapgrid view$'
 tick=$(capnp decode --short "$frames" Message <../molecule.frames |
   sed -nE '4s/.*tick = ([0-9]+).*/\1/p')
 shoot next.png

@@ -18,21 +18,14 @@ build() {
 }
 # of_task NAME: processes of this test's tasks.
 of_task() { pgrep -f "$PWD/work/hung-ball/[^ ]*/$1" >/dev/null; }
-until_there() {
-  local deadline=$((SECONDS + $1)) what=$2
-  shift 2
-  until "$@"; do
-    ((SECONDS < deadline)) || fail "no $what: $(cat make.err)"
-    sleep 0.1
-  done
-}
+evidence() { cat make.err; }
 
 # The task and what it runs, so that its claim is all that is left of it; the others go on, and after a
 # minute one of them makes its shard.
 build &
 driver=$!
 expanding() { victim=$(pgrep -f "/bin/expand .*0001.round.6x1/requests" | head -n 1); [[ $victim ]]; }
-until_there 60 "shard of round 1" expanding
+wait_for 60 "shard of round 1" expanding
 maker=$(ps -o ppid= -p "$victim" | tr -d ' ')
 task=$(ps -o ppid= -p "$maker" | tr -d ' ')
 kill -KILL "$task" "$maker" "$victim"
@@ -40,15 +33,15 @@ wait $driver || fail "$(cat make.err)"
 cmp work/hung-ball.grid reference
 same "what was said" '~hung-ball: generation 1: [1-6] is handed out again, its task does not answer' \
   "$(grep -v Killed make.err)"
-until_there 5 "end of the tasks" eval '! of_task shard'
+wait_for 5 "end of the tasks" eval '! of_task shard'
 
 # Without its driver, a task ends by itself, and leaves its shard whole.
 rm -rf work
 build &
 driver=$!
-until_there 60 "shard of round 1" expanding
+wait_for 60 "shard of round 1" expanding
 kill -KILL "$(pgrep -P $driver)" $driver
 wait $driver 2>/dev/null || true
-until_there 90 "end of the tasks" eval '! of_task shard'
+wait_for 90 "end of the tasks" eval '! of_task shard'
 (build) || fail "$(cat make.err)"
 cmp work/hung-ball.grid reference
