@@ -1,5 +1,6 @@
 #include "tools/stats/session.hpp"
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>

@@ -1,7 +1,7 @@
 // A session in numbers, for people and for programs.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "libcore/session/reader.hpp"

@@ -10,9 +10,11 @@ small=(--set 'model.parameters.elements=[4, 4, 2]' --set 'model.parameters.size=
   --set 'seeds.points=[[-1.5, -1.5, 42.4]]')
 seed "$toml" "${small[@]}" -o seeds
 expand --complete -j 2 seeds -o grid
-expect 0 '~.*' '~verify: fine: [0-9]+ checks' -- verify grid --recompute all
-rounds seeds rounds.grid
-cmp rounds.grid grid
+expect 0 '~.*' '~verify: fine: [0-9]+ checks' -- verify grid --recompute "$(sanitized && echo 10 || echo all)"
+if ! sanitized; then
+  rounds seeds rounds.grid
+  cmp rounds.grid grid
+fi
 same 'components' 150 "$(header grid stateSize)"
 
 # A way down to the middle's lowest point and up again, at 1 mm a tick; what is stored is enough. At
@@ -32,7 +34,8 @@ refuses 'seed: model soft-tissue: parameter elements is 3, it must be an even nu
   -- seed "$toml" --set 'model.parameters.elements=[3, 4, 2]'
 
 # Too deep: an element gives way, and the message says where.
-seed "$toml" "${small[@]}" --set 'grid.origin=[-1.5, -1.5, 28.9]' --set 'grid.counts=[3, 3, 10]' -o deep.seeds
+seed "$toml" "${small[@]}" --set 'grid.origin=[0, 0, 28.9]' --set 'grid.counts=[1, 1, 10]' \
+  --set 'seeds.points=[[0, 0, 42.4]]' -o deep.seeds
 refuses 'expand: conversion at point [0-9]+ \([0-9, ]+\) level [0-9]+, direction [0-9]+: no equilibrium.*: [0-9.e-]+ N out of balance.*' \
   -- expand --complete deep.seeds -o out
 [[ ! -e out ]] || fail 'half a grid'

@@ -1,5 +1,6 @@
 # prepare, from SMILES to paths, on butane; and the committed molecules, against xtb itself.
 source "$(dirname "$0")/../lib.sh"
+sanitized && skip "nothing in it has sanitizers"
 command -v xtb >/dev/null || skip "xtb is not installed"
 # The system's Python by name, as in prepare.
 /usr/bin/python3 -c 'from openbabel import openbabel; import numpy' 2>/dev/null ||
