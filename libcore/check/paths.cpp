@@ -228,7 +228,7 @@ std::vector<Check> check_paths(const Grid& grid, const CellMap& map, const Confi
                              "that have such a configuration, of " + std::to_string(map.cells())});
   if (seen.gap > 0)
     mixed.figures.push_back(
-        {"largest gap", seen.gap, grid.spec().tolerance_unit,
+        {"largest gap", seen.gap, distance_unit(grid.spec()),
          "at " + describe(grid.box(), Cells(grid).point(seen.widest.base, seen.corner)) + ", in " +
              describe(grid, seen.widest)});
   Check one_way{"one-way", "configurations",

@@ -146,7 +146,7 @@ Check check_steep(const Grid& grid, const CellMap& map, const Configurations& fo
     check.figures.push_back({name, largest.value, unit + a_length,
                              largest.value > 0 ? survey.describe_edge(largest) : ""});
   };
-  add("state", spec.tolerance_unit, seen.state);
+  add("state", distance_unit(spec), seen.state);
   if (!forces) return check;
   add("force", "N", seen.force);
   add("force in one branch", "N", seen.force_in_branch);

@@ -17,6 +17,11 @@ std::string both(const char* what, const T& a, const T& b) {
 
 }  // namespace
 
+std::string distance_unit(const GridSpec& spec) {
+  return spec.equality.is_declared() || spec.state_size == 1 ? spec.tolerance_unit
+                                                             : "of a component";
+}
+
 std::string difference(const GridSpec& a, const GridSpec& b) {
   static constexpr const char* kAxes[] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i) {

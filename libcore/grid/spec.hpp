@@ -76,6 +76,10 @@ struct GridSpec {
   friend bool operator==(const GridSpec&, const GridSpec&) = default;
 };
 
+/// What distance() (equality.hpp) of two states is in: the tolerance's unit, but of a plug-in that
+/// compares more than one component in its own way those of the largest one, whatever it is.
+std::string distance_unit(const GridSpec& spec);
+
 /// Says in words what differs first between two descriptions, empty when nothing does:
 /// "spacing 0.05 and 0.1".
 std::string difference(const GridSpec& a, const GridSpec& b);

@@ -1,7 +1,9 @@
-/* The hung ball with a C() that takes its time and no processor: for measuring what hands the
- * shards out (tests/bench/scaling/run.sh), with more workers than there are processors.
+/* The hung ball with a C() that takes its time: without a processor, for measuring what hands the
+ * shards out with more workers than there are processors (tests/bench/scaling/run.sh), or with one
+ * (tests/bench/size.sh).
  *
- *   milliseconds    a conversion takes at least this long (0)
+ *   milliseconds         a conversion sleeps this long (0)
+ *   busy_microseconds    it takes this much of its thread's processor time (0)
  *
  * and the parameters of the hung ball, whose source is compiled into this plug-in under another
  * name (CMakeLists.txt).
@@ -17,6 +19,13 @@ const hapgrid_model_table* hung_ball_plugin(void);
 
 /* The same for all models of a process, which have the same parameters. */
 static double milliseconds;
+static double busy_microseconds;
+
+static double thread_microseconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e6 * (double)t.tv_sec + 1e-3 * (double)t.tv_nsec;
+}
 
 static hapgrid_model* create(const hapgrid_parameter* parameters, size_t count, char* error,
                              size_t error_size) {
@@ -24,8 +33,11 @@ static hapgrid_model* create(const hapgrid_parameter* parameters, size_t count, 
   if (!others) return NULL;
   size_t used = 0;
   for (size_t i = 0; i < count; ++i) {
-    if (strcmp(parameters[i].key, "milliseconds") == 0 && parameters[i].type == HAPGRID_NUMBER)
+    const int is_number = parameters[i].type == HAPGRID_NUMBER;
+    if (is_number && strcmp(parameters[i].key, "milliseconds") == 0)
       milliseconds = parameters[i].numbers[0];
+    else if (is_number && strcmp(parameters[i].key, "busy_microseconds") == 0)
+      busy_microseconds = parameters[i].numbers[0];
     else
       others[used++] = parameters[i];
   }
@@ -36,10 +48,16 @@ static hapgrid_model* create(const hapgrid_parameter* parameters, size_t count, 
 
 static int convert(hapgrid_model* model, const double* s, const double* x, const double* d,
                    double* result, char* error, size_t error_size) {
-  const struct timespec pause = {(time_t)(milliseconds / 1e3),
-                                 (long)(milliseconds * 1e6) % 1000000000};
-  prctl(PR_SET_TIMERSLACK, 1); /* of this thread: 50 us otherwise */
-  nanosleep(&pause, NULL);
+  if (milliseconds > 0) {
+    const struct timespec pause = {(time_t)(milliseconds / 1e3),
+                                   (long)(milliseconds * 1e6) % 1000000000};
+    prctl(PR_SET_TIMERSLACK, 1); /* of this thread: 50 us otherwise */
+    nanosleep(&pause, NULL);
+  }
+  if (busy_microseconds > 0) {
+    const double end = thread_microseconds() + busy_microseconds;
+    while (thread_microseconds() < end) continue;
+  }
   return hung_ball_plugin()->convert(model, s, x, d, result, error, error_size);
 }
 

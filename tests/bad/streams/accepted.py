@@ -56,11 +56,12 @@ def copied_chunks():
         failures.append("copied chunks: there are only %d messages" % len(parts))
     accepted("copied chunks", "merge GOOD", whole, whole)
     begin = len(parts[0])
-    for chunk in parts[1:-1]:
-        for at in (begin + 6, begin + 40, begin + len(chunk) // 2, begin + len(chunk) - 9):
-            bad = bytearray(whole)
-            bad[at] ^= 4
-            refused("flip in a copied chunk at %d" % at, "merge BAD", bytes(bad), "a chunk does not fit the footer's hash")
+    for number, chunk in enumerate(parts[1:-1]):
+        if number < 3 or number % 97 == 0:
+            for at in (begin + 6, begin + 40, begin + len(chunk) // 2, begin + len(chunk) - 9):
+                bad = bytearray(whole)
+                bad[at] ^= 4
+                refused("flip in a copied chunk at %d" % at, "merge BAD", bytes(bad), "a chunk does not fit the footer's hash")
         begin += len(chunk)
     for cut in (begin - 1, begin, len(whole) - len(parts[-1]) // 2):
         refused("cut behind copied chunks", "merge BAD", whole[:cut], "truncated")

@@ -39,7 +39,7 @@ coded ball 0.0001 0.01
 
 # Several components and levels.
 cat >stored.toml <<END
-grid = {origin = [0, 0, 0], spacing = 1, counts = [6, 5, 4]}
+grid = {origin = [0, 0, 0], spacing = 1, counts = [5, 4, 3]}
 model = {plugin = "toy", parameters = {state_size = 3, amplitude = 0.5}}
 seeds = {points = [[0, 0, 0]]}
 END

@@ -1,6 +1,7 @@
 #include "libcore/check/paths.hpp"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "tests/unit/check/oracle.hpp"
 #include "tests/unit/check/tiny_grid.hpp"

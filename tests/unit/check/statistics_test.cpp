@@ -1,6 +1,7 @@
 #include "libcore/check/statistics.hpp"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "libcore/base/error.hpp"
 #include "tests/unit/check/tiny_grid.hpp"

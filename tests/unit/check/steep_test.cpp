@@ -97,6 +97,8 @@ TEST_CASE("nothing that play can do is steeper, and something is as steep") {
     const Check states = check_steep(grid, map, found, nullptr, {}, 1);
     CHECK(states.figures.size() == 1);
     CHECK(figure(states, "state") == figure(check, "state"));
+    // Two components, compared by the plug-in itself: in which unit is not known.
+    CHECK(states.figures[0].unit == "of a component/length");
   }
 }
 
