@@ -76,8 +76,8 @@ struct GridSpec {
   friend bool operator==(const GridSpec&, const GridSpec&) = default;
 };
 
-/// What distance() (equality.hpp) of two states is in: the tolerance's unit, but of a plug-in that
-/// compares more than one component in its own way those of the largest one, whatever it is.
+/// The unit of distance() (equality.hpp): the tolerance's. But "of a component" where a plug-in
+/// compares several of them itself: there distance() is a difference of one, and has its unit.
 std::string distance_unit(const GridSpec& spec);
 
 /// Says in words what differs first between two descriptions, empty when nothing does:

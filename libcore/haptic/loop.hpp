@@ -131,8 +131,8 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 
     const Vec3 hip = mapping.hip(input, dt);
     const StepResult step = traversal.step(hip);
-    // A button that was held when the fault came did not see it. The clutch may be held: no force
-    // is wanted meanwhile, and its release is a ramp.
+    // A press from before the fault is no answer to it. The clutch may be held: no force is wanted
+    // meanwhile, and its release is a ramp.
     const bool reset = input.reset && !reset_held;
     reset_held = input.reset;
     if ((reset || input.clutch) && safety.faulted()) safety.reset();

@@ -5,7 +5,7 @@
 #   tests/bench/size.sh [BUILD] [REPEATS] [POINTS A SIDE...]        (default: build 3 30 64 128 256)
 #
 # The machine drifts, so sizes take turns and the least counts. Memory: a grid whose seeds are every fourth
-# point, so that one generation touches all of it; its parts are 4,096 records each, whatever the size.
+# point, so that one generation touches all of it; parts have 4,096 records at most, whatever its size.
 set -euo pipefail
 build=$(realpath "${1:-build}") repeats=${2:-3}
 shift $(($# < 2 ? $# : 2))

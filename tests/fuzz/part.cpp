@@ -1,4 +1,4 @@
-// Reports of verify --part, alone and put together.
+// Reports of verify --part.
 #include "libcore/check/part_report.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
@@ -7,7 +7,7 @@ using namespace hapgrid;
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz::refusable([&] {
     PartReport part = part_from_json(std::string(fuzz::text_of({data, size})), "fuzz");
-    // What is left out of a report of one part is made of it here.
+    // As the only part there is: join() makes the row of its walks, and sorts their errors.
     part.part = {1, 1};
     join({std::move(part)}, {"fuzz"});
   });

@@ -57,7 +57,7 @@ def copied_chunks():
     accepted("copied chunks", "merge GOOD", whole, whole)
     begin = len(parts[0])
     for number, chunk in enumerate(parts[1:-1]):
-        if number < 3 or number % 97 == 0:
+        if number < 3 or number % 97 == 0:  # of hundreds
             for at in (begin + 6, begin + 40, begin + len(chunk) // 2, begin + len(chunk) - 9):
                 bad = bytearray(whole)
                 bad[at] ^= 4
