@@ -59,7 +59,8 @@ code, error = session([], lambda pid, terminal: os.write(terminal, b"q"),
                       ["--key-start", "0.3,0.2,0.1"])
 assert code == 0 and hips()[0] == (0.3, 0.2, 0.1), (code, error, hips()[0])
 # Before the first tick: the terminal is raw, and the pipe for the frames has no reader. Signals are
-# sent until one comes while it waits for that.
+# sent until one comes while it waits for that; one more, on the way out, finds no handler any more
+# (session() has looked that the terminal is given back). A shell says 130 of both.
 def interrupt(pid, terminal):
     for _ in range(200):
         os.kill(pid, signal.SIGINT)
@@ -70,7 +71,7 @@ def interrupt(pid, terminal):
 
 os.mkfifo("pipe")
 code, error = session([], interrupt, ["--frames", "pipe"], ticks=0)
-assert (code, error) == (130, ""), (code, error)
+assert code in (130, -signal.SIGINT) and error == "", (code, error)
 PYTHON
 # Without a terminal there are no keys.
 refuses 'play: keys: there is no terminal to read \(with ssh use -t\)' \
