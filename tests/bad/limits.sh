@@ -5,7 +5,7 @@ source "$(dirname "$0")/../cli/lib.sh"
 
 seed "$ball" --set 'grid.counts=[4,3,2]' -o grid
 expand grid -o requests
-seed "$ball" --set 'grid.counts=[200,200,2]' -o large
+seed "$ball" --set 'grid.counts=[100,100,2]' -o large
 expand large -o large.requests
 expand --complete large -o complete
 printf '%s\n' '-0.95 -0.45 -0.45' '-0.9 -0.44 -0.44' '-0.83 -0.38 -0.43' >path
@@ -16,7 +16,7 @@ play small --device path:long-path --log log.session --frames frames 2>/dev/null
 
 # Each writer as it is told to write to d/out.
 writers=(
-  "seed $ball --set grid.counts=[200,200,2] -o d/out"
+  "seed $ball --set grid.counts=[100,100,2] -o d/out"
   "expand large -o d/out"
   "expand --complete large -o d/out"
   "merge large large.requests -o d/out"

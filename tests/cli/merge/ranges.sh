@@ -2,13 +2,13 @@
 # rewritten only where the frontier is. Put together it has the bytes of one process, whatever the
 # number of ranges; a lost shard is missed.
 source "$(dirname "$0")/../lib.sh"
-seed "$ball" --set 'grid.counts=[64,32,32]' --set grid.spacing=0.03 --set 'grid.origin=[-0.945,-0.465,-0.465]' -o seeds
+seed "$ball" --set 'grid.counts=[48,24,24]' --set grid.spacing=0.04 --set 'grid.origin=[-0.945,-0.465,-0.465]' -o seeds
 expand --complete seeds -j 2 -o whole
 
 frontier() { stats --get frontier "$@"; }
 
 # Rounds of a grid in $1 ranges with requests in two parts; what a merge is given are the ranges
-# beside it (reach: a plane and a bit; a range is 16 planes or more).
+# beside it (reach: a plane and a bit; a range is 6 planes or more).
 rounds() {
   local ranges=$1 generation=0 k rewritten=0 all=0
   rm -rf r && mkdir r
@@ -82,11 +82,12 @@ merge new.frontier 2>/dev/null && fail 'a frontier for a grid'
 
 # How it is cut: 65,536 points in chunks of 1,024, planes of 2,048. With 26 neighbours a range reaches a
 # plane, a row and a point away; twice that far, 4,226 points, it depends on the records beside it.
+seed "$ball" --set 'grid.counts=[64,32,32]' --set grid.spacing=0.03 --set 'grid.origin=[-0.945,-0.465,-0.465]' -o cut
 same "ranges" "$(printf '%s\t' 1 0 32768 1 2)
-$(printf '%s\t' 2 32768 65536 1 2)" "$(stats --ranges 2 seeds | sed 's/$/\t/')"
-same "ranges" "1 1 2,2 1 3,3 2 4,4 3 4" "$(stats --ranges 4 seeds | cut -f 1,4,5 | tr '\t' ' ' | paste -sd ,)"
+$(printf '%s\t' 2 32768 65536 1 2)" "$(stats --ranges 2 cut | sed 's/$/\t/')"
+same "ranges" "1 1 2,2 1 3,3 2 4,4 3 4" "$(stats --ranges 4 cut | cut -f 1,4,5 | tr '\t' ' ' | paste -sd ,)"
 same "ranges of a chunk each" "1 1 6,32 27 37,64 59 64" \
-  "$(stats --ranges 77 seeds | cut -f 1,4,5 | tr '\t' ' ' | sed -n '1p;32p;$p' | paste -sd ,)"
+  "$(stats --ranges 77 cut | cut -f 1,4,5 | tr '\t' ' ' | sed -n '1p;32p;$p' | paste -sd ,)"
 expect 2 '' '~stats: --ranges: .*' -- stats --ranges 0 seeds
 expect 2 '' '~stats: --get, --dump, --slice, --ranges and --log exclude each other .*' -- stats --ranges 2 --dump seeds
 
