@@ -62,6 +62,23 @@ double number_from_json(const Json& json) {
   throw Error("a number that is none");
 }
 
+/// The library would take -1 and 1e300 too, and make any number of them.
+std::uint64_t count_from_json(const Json& json) {
+  if (!json.is_number_unsigned()) throw Error("a count that is none");
+  return json.get<std::uint64_t>();
+}
+
+std::uint32_t small_count_from_json(const Json& json) {
+  const std::uint64_t count = count_from_json(json);
+  if (count > std::numeric_limits<std::uint32_t>::max()) throw Error("a count that is none");
+  return static_cast<std::uint32_t>(count);
+}
+
+GridCoordinates counts_from_json(const Json& json) {
+  return {small_count_from_json(json.at(0)), small_count_from_json(json.at(1)),
+          small_count_from_json(json.at(2))};
+}
+
 Json to_json(const Findings& found) {
   Json first = Json::array();
   for (const std::string& text : found.first) first.push_back(text_to_json(text));
@@ -69,7 +86,7 @@ Json to_json(const Findings& found) {
 }
 
 Findings findings_from(const Json& json) {
-  Findings found{json.at("counted"), json.at("offenders"), {}};
+  Findings found{count_from_json(json.at("counted")), count_from_json(json.at("offenders")), {}};
   for (const Json& text : json.at("first")) found.first.push_back(text_from_json(text));
   return found;
 }
@@ -108,7 +125,7 @@ AccuracyTerms terms_from(const Json& json) {
   AccuracyTerms terms;
   if (!json.at("wanted").is_null()) terms.wanted = number_from_json(json.at("wanted"));
   terms.spacing = number_from_json(json.at("spacing"));
-  terms.counts = json.at("counts");
+  terms.counts = counts_from_json(json.at("counts"));
   terms.state_unit = text_from_json(json.at("state_unit"));
   terms.length_unit = text_from_json(json.at("length_unit"));
   terms.has_force = json.at("has_force");
@@ -141,10 +158,10 @@ Json to_json(const Walked& walked) {
 
 Walked walked_from(const Json& json) {
   Walked walked;
-  walked.places = json.at("places");
-  walked.empty = json.at("empty");
-  walked.mixed = json.at("mixed");
-  walked.parted = json.at("parted");
+  walked.places = count_from_json(json.at("places"));
+  walked.empty = count_from_json(json.at("empty"));
+  walked.mixed = count_from_json(json.at("mixed"));
+  walked.parted = count_from_json(json.at("parted"));
   walked.state = worst_from(json.at("state"));
   walked.force = worst_from(json.at("force"));
   walked.mixed_state = worst_from(json.at("mixed_state"));
@@ -248,13 +265,13 @@ PartReport part_from_json(const std::string& text, const std::string& name) {
       throw Error("format " + printable_line(json.at(kFormatKey).dump()) +
                   " of verify --part, not " + std::to_string(kFormat));
     PartReport part;
-    part.part = {json.at("part"), json.at("of")};
+    part.part = {count_from_json(json.at("part")), count_from_json(json.at("of"))};
     if (part.part.number < 1 || part.part.number > part.part.of)
       throw Error(ordinal(part.part) + " cannot be");
     const Json& grid = json.at("grid");
     part.digest = grid.at("digest");
-    part.grid = {text_from_json(grid.at("model")), grid.at("counts"), grid.at("records"),
-                 grid.at("generation")};
+    part.grid = {text_from_json(grid.at("model")), counts_from_json(grid.at("counts")),
+                 count_from_json(grid.at("records")), small_count_from_json(grid.at("generation"))};
     part.options = json.at("options");
     for (const Json& check : json.at("checks")) part.checks.push_back(check_from(check));
     if (json.contains("walks")) {
