@@ -45,6 +45,8 @@ TerminalPixels::TerminalPixels(const std::string& mode) : info_(detect()) {
   // What was asked for is done, whatever the terminal is known to understand.
   chafa_term_info_supplement(info_.get(),
                              chafa_term_db_get_fallback_info(chafa_term_db_get_default()));
+  // Not one for each processor: play, whose frames these mostly are, is to have one to itself.
+  chafa_set_n_threads(1);
 }
 
 std::vector<std::string> TerminalPixels::encode(const Image& image, int columns, int rows,
