@@ -65,7 +65,7 @@ std::uint64_t SessionReader::read_header() {
     if (size == 0) size = frame_size(bytes = bytes_at(0, window));
   if (size == 0) fail(0, "not a session, or its header is cut");
   decode(bytes.first(size), 0, kHeaderLimit, [&] { header_ = decode_header(message_); });
-  header_digest_ = digest_of_message(std::as_bytes(std::span(message_)));
+  header_digest_ = digest_of(std::as_bytes(std::span(message_)));
   return size;
 }
 
@@ -86,7 +86,7 @@ void SessionReader::read_index(std::uint64_t header_end) {
   if (at - locator.footer > frame_bound(limit))
     fail(locator.footer, "damaged: an index larger than any can be");
   const std::span<const std::byte> frame = bytes_at(locator.footer, at - locator.footer);
-  if (hash_of_frame(frame) != locator.hash)
+  if (hash_of(frame) != locator.hash)
     fail(locator.footer, "damaged: the index does not fit its hash");
   decode(frame, locator.footer, limit, [&] {
     footer_ = decode_footer(message_, most);
@@ -99,7 +99,7 @@ void SessionReader::check_index(std::uint64_t header_end, std::uint64_t footer) 
   std::uint64_t offset = header_end;
   std::uint64_t ticks = 0;
   const ChunkEntry* before = nullptr;
-  std::vector<SessionDigest> digests{header_digest_};
+  std::vector<Digest> digests{header_digest_};
   digests.reserve(footer_.chunks.size() + 1);
   for (const ChunkEntry& chunk : footer_.chunks) {
     if (chunk.offset != offset || chunk.size == 0 || chunk.size > footer - offset ||
@@ -114,7 +114,7 @@ void SessionReader::check_index(std::uint64_t header_end, std::uint64_t footer) 
   }
   if (offset != footer || ticks != footer_.ticks)
     throw FormatError("damaged: the index does not fit the file");
-  if (digest_of_session(digests) != footer_.digest)
+  if (digest_of(std::as_bytes(std::span(digests))) != footer_.digest)
     throw FormatError("damaged: header and index do not fit the digest");
 }
 
@@ -154,7 +154,7 @@ void SessionReader::scan(std::uint64_t header_end) {
         throw FormatError("ticks out of order");
       footer_.chunks.push_back({offset, size, ticks.front().number, ticks.back().number,
                                 static_cast<std::uint32_t>(ticks.size()),
-                                digest_of_message(std::as_bytes(std::span(message_)))});
+                                digest_of(std::as_bytes(std::span(message_)))});
       footer_.ticks += ticks.size();
     } catch (const FormatError&) {
       lost_bytes_ += size;
@@ -184,7 +184,7 @@ void SessionReader::seek(std::uint64_t number) {
 
 void SessionReader::read_chunk(const ChunkEntry& chunk, std::vector<TickRecord>& ticks) {
   decode(bytes_at(chunk.offset, chunk.size), chunk.offset, kChunkLimit, [&] {
-    if (digest_of_message(std::as_bytes(std::span(message_))) != chunk.digest)
+    if (digest_of(std::as_bytes(std::span(message_))) != chunk.digest)
       throw FormatError("damaged: a chunk does not fit the index's digest of it");
     decode_ticks(message_, ticks);
     if (ticks.size() != chunk.ticks || ticks.front().number != chunk.first ||

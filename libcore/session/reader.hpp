@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
+#include "libcore/base/frame.hpp"
 #include "libcore/session/format.hpp"
 
 namespace hapgrid {
@@ -67,11 +68,11 @@ class SessionReader {
   void read_chunk(const ChunkEntry& chunk, std::vector<TickRecord>& ticks);
 
   InputFile file_;
-  FrameCodec frames_;
+  FrameDecoder frames_{"session"};
   std::vector<std::byte> buffer_;
   Message message_;
   SessionHeader header_;
-  SessionDigest header_digest_;
+  Digest header_digest_;
   SessionFooter footer_;
   std::uint64_t lost_bytes_ = 0;
   std::size_t next_ = 0;    // chunk

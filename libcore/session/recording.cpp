@@ -37,9 +37,8 @@ Recording load_session(InputFile file, std::uint64_t limit) {
   const std::uint32_t reset = bit(kResetFlag);
   for (std::vector<TickRecord> chunk; reader.next(chunk);)
     for (const TickRecord& tick : chunk)
-      recording.ticks.push_back(
-          {tick.number, tick.hip, (tick.flags & clutch) != 0, (tick.flags & stalled) != 0,
-           (tick.flags & reset) != 0});
+      recording.ticks.push_back({tick.number, tick.hip, (tick.flags & clutch) != 0,
+                                 (tick.flags & stalled) != 0, (tick.flags & reset) != 0});
   return recording;
 }
 

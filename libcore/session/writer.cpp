@@ -24,8 +24,8 @@ std::uint64_t SessionWriter::write(const Message& message) {
   const std::span<const std::byte> frame = frames_.encode(bytes);
   output_.write(frame);
   offset_ += frame.size();
-  digests_.push_back(digest_of_message(bytes));
-  footer_hash_ = hash_of_frame(frame);
+  digests_.push_back(digest_of(bytes));
+  footer_hash_ = hash_of(frame);
   return frame.size();
 }
 
@@ -52,7 +52,7 @@ void SessionWriter::flush() {
 void SessionWriter::finish(std::uint64_t dropped) {
   flush();
   footer_.dropped = dropped;
-  footer_.digest = digest_of_session(digests_);
+  footer_.digest = digest_of(std::as_bytes(std::span(digests_)));
   const std::uint64_t offset = offset_;
   write(encode_footer(footer_));
   output_.write(encode_locator({offset, footer_hash_}));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
+#include "libcore/base/frame.hpp"
 #include "libcore/session/format.hpp"
 
 namespace hapgrid {
@@ -45,10 +46,10 @@ class SessionWriter {
   void flush();
 
   OutputFile output_;
-  FrameCodec frames_;
+  FrameEncoder frames_{3};  // the slow thread has time, and a session is kept: zstd's own default
   std::vector<TickRecord> rows_;  // of the chunk that is being filled
   SessionFooter footer_;
-  std::vector<SessionDigest> digests_;
+  std::vector<Digest> digests_;
   std::uint64_t offset_ = 0;
   std::uint64_t footer_hash_ = 0;
   bool any_ = false;

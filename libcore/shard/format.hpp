@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "libcore/base/digest.hpp"
 #include "libcore/grid/grid.hpp"
 #include "libcore/grid/spec.hpp"
-#include "libcore/shard/digest.hpp"
 
 namespace hapgrid {
 

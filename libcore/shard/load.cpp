@@ -61,8 +61,8 @@ LoadedGrid load_grid(const std::vector<std::string>& names) {
     append(columns.rows, run.rows->numbers, width);
     append(columns.links, run.rows->links, kDirections);
   }
-  return {Grid(header.spec, generation_of(sections), std::move(columns)), header.coding, stored_bytes,
-          digest_text(sections)};
+  return {Grid(header.spec, generation_of(sections), std::move(columns)), header.coding,
+          stored_bytes, digest_text(sections)};
 }
 
 }  // namespace hapgrid

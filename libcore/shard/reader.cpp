@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/frame.hpp"
 #include "libcore/shard/coded_message.hpp"
 #include "libcore/shard/coding.hpp"
-#include "libcore/shard/digest.hpp"
-#include "libcore/shard/frame.hpp"
+#include "libcore/shard/frame_reader.hpp"
 #include "libcore/shard/schema.hpp"
 
 namespace hapgrid {
@@ -270,7 +270,7 @@ class SectionReader::State {
   Neighbourhood neighbourhood_;
   std::uint64_t points_;
   FrameReader frames_;
-  FrameDecoder decoder_{/*hashed=*/true};
+  FrameDecoder decoder_{"shard", /*hashed=*/true};
   ChunkDecoder coded_;
   std::string where_;       // the chunk at hand, for messages
   std::size_t next_ = 0;    // chunk

@@ -4,10 +4,11 @@
 #include <span>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/frame.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/shard/digest.hpp"
-#include "libcore/shard/frame.hpp"
+#include "libcore/shard/frame_reader.hpp"
 #include "libcore/shard/schema.hpp"
+#include "libcore/shard/section_digest.hpp"
 
 namespace hapgrid {
 
@@ -25,7 +26,7 @@ std::vector<Section> open_sections(const std::shared_ptr<const InputFile>& file)
   if (file->size() == 0) throw FormatError(file->name() + ": empty, not a shard");
   constexpr std::uint64_t kMaxFrame = kMaxFooterBytes;
   FrameReader frames(*file, 0, file->size());
-  FrameDecoder decoder;
+  FrameDecoder decoder("shard");
   std::vector<std::uint64_t> words;
   std::vector<std::uint64_t> offsets;
   while (!frames.at_end()) {

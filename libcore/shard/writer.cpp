@@ -11,10 +11,11 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/frame.hpp"
 #include "libcore/shard/coded_message.hpp"
 #include "libcore/shard/coding.hpp"
-#include "libcore/shard/frame.hpp"
 #include "libcore/shard/schema.hpp"
+#include "libcore/shard/section_digest.hpp"
 
 namespace hapgrid {
 

@@ -1,5 +1,6 @@
 // Sessions as messages: header, ticks, footer. Where the frames are and their digests are put into
 // the footer, all else that it says is the input's.
+#include "libcore/base/frame.hpp"
 #include "tests/fuzz/messages.hpp"
 #include "tests/fuzz/read_session.hpp"
 
@@ -9,10 +10,10 @@ using namespace hapgrid::fuzz;
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::vector<Words> messages = split({data, size});
   if (messages.empty()) return 0;
-  static FrameCodec codec;
+  static FrameEncoder encoder;
   std::vector<std::byte> session;
   std::vector<ChunkEntry> chunks;
-  std::vector<SessionDigest> digests;
+  std::vector<Digest> digests;
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const bool last = i > 0 && i + 1 == messages.size();
     if (last)
@@ -23,11 +24,11 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
           footer.chunks[c].size = chunks[c].size;
           footer.chunks[c].digest = chunks[c].digest;
         }
-        footer.digest = digest_of_session(digests);
+        footer.digest = digest_of(std::as_bytes(std::span(digests)));
         messages[i] = encode_footer(footer);
       });
-    digests.push_back(digest_of_message(bytes_of(messages[i])));
-    const std::span<const std::byte> frame = codec.encode(bytes_of(messages[i]));
+    digests.push_back(digest_of(bytes_of(messages[i])));
+    const std::span<const std::byte> frame = encoder.encode(bytes_of(messages[i]));
     if (i > 0) {
       ChunkEntry chunk;
       chunk.offset = session.size();
@@ -36,7 +37,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       chunks.push_back(chunk);
     }
     append(session, frame);
-    if (last) append(session, encode_locator({chunks.back().offset, hash_of_frame(frame)}));
+    if (last) append(session, encode_locator({chunks.back().offset, hash_of(frame)}));
   }
   read_session(session);
   return 0;

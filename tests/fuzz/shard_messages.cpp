@@ -1,7 +1,8 @@
 // Shards as messages: header, chunks, footer. The frames' digests are put into the footer, all else
 // that it says is the input's.
-#include "libcore/shard/frame.hpp"
+#include "libcore/base/frame.hpp"
 #include "libcore/shard/schema.hpp"
+#include "libcore/shard/section_digest.hpp"
 #include "tests/fuzz/messages.hpp"
 #include "tests/fuzz/read_shard.hpp"
 

@@ -1,4 +1,4 @@
-#include "libcore/shard/digest.hpp"
+#include "libcore/shard/section_digest.hpp"
 
 #define XXH_STATIC_LINKING_ONLY  // XXH3_state_t's size: the library is Debian's, header and all
 #include <xxhash.h>
@@ -9,15 +9,6 @@ namespace hapgrid {
 
 static_assert(std::endian::native == std::endian::little,
               "digests are hashed as they are in memory");
-
-Digest digest_of(std::span<const std::byte> bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return {hash.low64, hash.high64};
-}
-
-std::uint64_t hash_of(std::span<const std::byte> bytes) {
-  return XXH3_64bits(bytes.data(), bytes.size());
-}
 
 struct SectionDigester::State {
   XXH3_state_t hash;

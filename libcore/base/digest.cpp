@@ -1,0 +1,18 @@
+#include "libcore/base/digest.hpp"
+
+#include <xxhash.h>
+
+namespace hapgrid {
+
+static_assert(sizeof(Digest) == 16, "digests of digests have no gaps");
+
+Digest digest_of(std::span<const std::byte> bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return {hash.low64, hash.high64};
+}
+
+std::uint64_t hash_of(std::span<const std::byte> bytes) {
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
+
+}  // namespace hapgrid
