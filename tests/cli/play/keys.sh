@@ -24,6 +24,9 @@ def session(keys, ending, extra=(), ticks=0.3):
         time.sleep(0.01)
     else:
         sys.exit("the terminal never became raw: " + open("err").read())
+    # The loop, which begins some time later, announces itself.
+    while ticks and time.monotonic() < deadline and " Hz; " not in open("err").read():
+        time.sleep(0.01)
     time.sleep(ticks)
     for key in keys:
         os.write(terminal, key)
