@@ -1,5 +1,5 @@
 // The messages of a shard as C++ values: what schemas/shard.capnp says, in the shapes that the
-// search works with. Only the sources of this folder see Cap'n Proto and zstd.
+// search works with. Only the sources of this folder see Cap'n Proto.
 #pragma once
 
 #include <cstddef>

@@ -3,12 +3,7 @@
 #define XXH_STATIC_LINKING_ONLY  // XXH3_state_t's size: the library is Debian's, header and all
 #include <xxhash.h>
 
-#include <bit>
-
 namespace hapgrid {
-
-static_assert(std::endian::native == std::endian::little,
-              "digests are hashed as they are in memory");
 
 struct SectionDigester::State {
   XXH3_state_t hash;
