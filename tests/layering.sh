@@ -7,7 +7,7 @@ cd "${1:-${HAPGRID_SOURCE:-$(dirname "$0")/..}}"
 
 # What a folder may include besides itself.
 declare -A allowed=(
-  [base]=""
+  [base]=""  # beyond house-style.md: zstd's frames, which shards and sessions have in common
   [grid]="base"
   [model]="base grid"
   [shard]="base grid"

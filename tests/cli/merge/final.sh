@@ -33,6 +33,7 @@ coded() {
 
 # Two levels at many points, many chunks of the plain grid.
 counts=[40,22,20] spacing=0.05
+# A quarter of the points, too few to be coded to half the size.
 if sanitized; then counts=[26,14,13] spacing=0.078; fi
 seed "$ball" --set "grid.counts=$counts" --set "grid.spacing=$spacing" --set 'grid.origin=[-0.975,-0.525,-0.475]' |
   expand --complete -j 2 -o ball.grid
