@@ -128,6 +128,16 @@ flock -n 8
 small="grid.counts=[12,5,5] grid.spacing=0.15"
 ! build PARTS=2 || fail 'it worked in a locked directory'
 grep -q 'work/hung-ball: another make is at work here' make.err
+# The grid that the other one has finished meanwhile stays.
+cat >flock <<'END'
+#!/bin/bash
+cp reference work/hung-ball.grid
+exit 1
+END
+chmod +x flock
+rm work/hung-ball.grid
+! PATH=$PWD:$PATH build PARTS=2 || fail 'it worked in a locked directory'
+cmp work/hung-ball.grid reference
 exec 8>&-
 
 # What failed is said, and nothing is taken for a grid.
