@@ -97,14 +97,9 @@ python3 "$here/viewers.py" grid path
 # A signal: the frames so far are a whole file.
 # A shell starts background commands with SIGINT ignored; env undoes that.
 for i in {1..500}; do echo "0.0$i 0 0"; done >slow
-env --default-signal=INT,HUP,TERM play grid --device path:slow --rate 100 --frames signal.frames 2>err &
+env --default-signal=INT,HUP,TERM play grid --device path:slow --rate 100 --frames signal.frames 2>late-err &
 pid=$!
-for _ in {1..500}; do # until the handlers are there, as in signal.sh
-  program=$(cat /proc/$pid/comm)
-  mask=$(sed -n 's/^SigCgt:\t//p' /proc/$pid/status)
-  [[ $program == play && $((0x$mask & 0x4003)) == $((0x4003)) ]] && break
-  sleep 0.02
-done
+wait_for 60 "loop" grep -q ' Hz; ' late-err
 sleep 0.3
 kill -TERM $pid
 code=0

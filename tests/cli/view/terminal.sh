@@ -93,7 +93,7 @@ start "view live --terminal=symbols & wait; echo exit \$?"
 on capture-pane -epN >capture
 grep -q '[34]8;5;' capture || fail "no 256 colours"
 grep -q '38;2;' capture && fail "true colour, which nobody promised"
-view=$(pgrep -P "$(on display -p '#{pane_pid}')" -x view)
+view=$(pgrep -P "$(on display -p '#{pane_pid}')")
 kill "$view"
 wait_line '^exit '
 unchanged SIGTERM
