@@ -6,32 +6,37 @@
 #include <charconv>
 #include <memory>
 #include <optional>
-#include <thread>
 
 #include "libcore/base/file.hpp"
 #include "libcore/search/complete.hpp"
-#include "libcore/search/ranges.hpp"
 #include "libcore/shard/writer.hpp"
 #include "tools/common/crash.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
+#include "tools/common/serve.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/expand/request_output.hpp"
 
 namespace {
 
 using namespace hapgrid;
 
+/// Of one run.
 struct Options {
   std::vector<std::string> shards;
   std::string output = "-";
-  ModelOptions model;
-  unsigned threads = 1;
   std::string part = "1/1";
   std::string conversions;   // empty: all of the part
   std::uint64_t ranges = 0;  // 0: one shard
   bool complete = false;
-  bool progress = false;
   std::string report;
+};
+
+/// Of all runs of a process (--serve).
+struct StandingOptions {
+  ModelOptions model;
+  unsigned threads = 1;
+  bool progress = false;
 };
 
 std::string progress_text(const Progress& progress, const GridSpec& spec, bool complete,
@@ -63,48 +68,37 @@ ConversionRange parse_conversions(const std::string& text) {
   throw CLI::ValidationError("--conversions", "'" + text + "' is not A:B with A <= B < 2^64");
 }
 
-/// The requests of a run, in one shard or in one for each range of their targets.
-class RequestOutput {
+/// The models of the grid at hand.
+class LoadedModels {
  public:
-  RequestOutput(const Options& options, const SectionHeader& header)
-      : options_(options), header_(header) {
-    if (options.ranges == 0) open(options.output);
+  explicit LoadedModels(const StandingOptions& options) : options_(options) {}
+
+  /// Loaded where they are not those of this grid. Starts to count the progress anew.
+  Converter& of(const GridSpec& spec) {
+    progress.conversions = progress.frontier_done = 0;
+    if (converter_ && spec == spec_) return *converter_;
+    unload();
+    spec_ = spec;
+    source_ = model_source(spec, options_.model);
+    return converter_.emplace(*source_, spec, options_.threads, progress);
+  }
+  void unload() {
+    converter_.reset();
+    source_.reset();
   }
 
-  void add(PointIndex target, int q, Level level, const double* row) {
-    if (options_.ranges > 0 && target >= end_) next_range(target);
-    writer_->request(target, q, level, row);
-  }
+  bool shows_progress() const { return options_.progress; }
 
-  /// All shards appear, in the order of their ranges.
-  void commit() {
-    if (writer_) writer_->finish();
-    for (const auto& file : files_) file->commit();
-  }
+  Progress progress;
 
  private:
-  void open(const std::string& name) {
-    files_.push_back(std::make_unique<OutputFile>(name));
-    writer_.emplace(files_.back()->fd(), files_.back()->name(), header_);
-  }
-
-  /// Goes on in the shard of the range that holds `target`; those in between get none.
-  void next_range(PointIndex target) {
-    while (target >= end_) end_ = point_range(header_.spec, ++range_, options_.ranges).end;
-    if (writer_) writer_->finish();
-    open(numbered(options_.output, range_));
-  }
-
-  const Options& options_;
-  SectionHeader header_;
-  std::vector<std::unique_ptr<OutputFile>> files_;
-  std::optional<SectionWriter> writer_;
-  std::uint64_t range_ = 0;
-  std::uint64_t end_ = 0;  // of the range at hand
+  const StandingOptions& options_;
+  GridSpec spec_;
+  std::unique_ptr<ModelSource> source_;
+  std::optional<Converter> converter_;
 };
 
-int run(const Options& options) {
-  report_crashes("expand");
+int run(const Options& options, LoadedModels& models, bool stay) {
   const auto [number, of] = parse_part("--part", options.part);
   const Part part{number, of};
   std::optional<ConversionRange> range;
@@ -122,17 +116,16 @@ int run(const Options& options) {
   require_lossless(sections);
   SectionHeader header = sections.front().header;
   header.coding = {};
-  const std::uint32_t first_generation = generation_of(sections);
-  const auto source = model_source(header.spec, options.model);
-  Progress progress;
-  progress.generation = first_generation;
+  header.generation = generation_of(sections);
+  Progress& progress = models.progress;
+  progress.generation = header.generation;
 
   std::optional<OutputFile> out;  // the grid of --complete
   if (options.complete) out.emplace(options.output);
   std::optional<RequestOutput> requests;
   {
-    Converter converter(*source, header.spec, options.threads, progress);
-    const ProgressLine line(options.progress, [&](double seconds) {
+    Converter& converter = models.of(header.spec);
+    const ProgressLine line(models.shows_progress(), [&](double seconds) {
       return progress_text(progress, header.spec, options.complete, seconds);
     });
     if (options.complete) {
@@ -143,42 +136,28 @@ int run(const Options& options) {
       FrontierReader frontier =
           range ? FrontierReader(sections, *range) : FrontierReader(sections, part);
       progress.frontier_conversions = frontier.conversions();
+      progress.frontier_records = 0;
       for (const Section& section : sections) progress.frontier_records += section.footer.frontier;
       header.content = Content::kRequests;
-      header.generation = generation_of(sections);
-      requests.emplace(options, header);
+      requests.emplace(options.output, options.ranges, header);
       expand(frontier, converter, header.spec,
              [&requests](PointIndex target, int q, Level level, const double* row) {
                requests->add(target, q, level, row);
              });
     }
   }
+  if (!stay) models.unload();  // the report counts the time of processes that have ended
   if (out) out->commit();
   if (requests) requests->commit();
   if (!options.report.empty())
     append_report(options.report,
-                  {"expand", first_generation, progress.conversions, part.number, part.of});
+                  {"expand", header.generation, progress.conversions, part.number, part.of});
   return kExitDone;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  Options options;
-  CLI::App app{
-      "Evaluates the model's conversion function in 26 directions for each record of the\n"
-      "frontier, and writes what was found as requests for merge. Reads a grid, or the frontier\n"
-      "shards that merge writes."};
-  hapgrid::describe(
-      app, "expand",
-      "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
-  hapgrid::add_inputs(app, options.shards, "Grid, or frontier shards");
-  hapgrid::add_output(app, options.output);
-  app.add_option("-j,--threads", options.threads,
-                 "Threads, each with a model (a plug-in or a process) of its own (1 to 1024)")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+void add_options(CLI::App& app, Options& options) {
+  add_inputs(app, options.shards, "Grid, or frontier shards");
+  add_output(app, options.output);
   app.add_option(
          "--part", options.part,
          "Only the K-th of N equal parts of the frontier's conversions (1 <= K <= N < 2^32)")
@@ -196,7 +175,38 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}));
   app.add_flag("--complete", options.complete,
                "Merge in memory and go on until the frontier is empty; writes the complete grid");
-  hapgrid::add_run_options(app, options.report, options.progress);
-  hapgrid::add_model_options(app, options.model);
-  return hapgrid::run_tool(app, argc, argv, [&] { return run(options); });
+  add_report(app, options.report);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  StandingOptions standing;
+  bool serves = false;
+  CLI::App app{
+      "Evaluates the model's conversion function in 26 directions for each record of the\n"
+      "frontier, and writes what was found as requests for merge. Reads a grid, or the frontier\n"
+      "shards that merge writes."};
+  hapgrid::describe(
+      app, "expand",
+      "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
+  add_options(app, options);
+  hapgrid::add_serve(app, serves);
+  hapgrid::add_progress(app, standing.progress);
+  app.add_option("-j,--threads", standing.threads,
+                 "Threads, each with a model (a plug-in or a process) of its own (1 to 1024)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  hapgrid::add_model_options(app, standing.model);
+  return hapgrid::run_tool(app, argc, argv, [&] {
+    hapgrid::report_crashes("expand");
+    LoadedModels models(standing);
+    if (!serves) return run(options, models, /*stay=*/false);
+    return hapgrid::serve(
+        "expand", add_options,
+        [&models](const Options& line) { return run(line, models, /*stay=*/true); },
+        [&models] { models.unload(); });
+  });
 }

@@ -11,6 +11,7 @@
 #include "libcore/shard/finish.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
+#include "tools/common/serve.hpp"
 #include "tools/common/tool.hpp"
 
 namespace {
@@ -20,15 +21,42 @@ using namespace hapgrid;
 struct Options {
   std::vector<std::string> shards;
   std::string output = "-";
-  std::vector<std::string> model_path;
   std::string frontier;
   std::uint64_t parts = 1;
   std::string range = "1/1";
   std::string counts;
   bool final = false;
   double precision = 0;
-  bool progress = false;
   std::string report;
+};
+
+/// Of all runs of a process (--serve).
+struct StandingOptions {
+  std::vector<std::string> model_path;
+  bool progress = false;
+};
+
+/// The model of the grid at hand.
+class LoadedModel {
+ public:
+  explicit LoadedModel(const StandingOptions& options) : options_(options) {}
+
+  /// Loaded where it is not that of this grid.
+  const Model& of(const GridSpec& spec) {
+    if (!model_ || spec != spec_) {
+      unload();
+      model_.emplace(judging_model(spec, options_.model_path));
+      spec_ = spec;
+    }
+    return *model_;
+  }
+  void unload() { model_.reset(); }
+  bool shows_progress() const { return options_.progress; }
+
+ private:
+  const StandingOptions& options_;
+  GridSpec spec_;
+  std::optional<Model> model_;
 };
 
 /// A frontier that is one shard needs no place for a number in its name.
@@ -68,7 +96,7 @@ void write_final(const MergeInput& input, const Options& options) {
   out.commit();
 }
 
-int run(const Options& options) {
+int run(const Options& options, LoadedModel& loaded) {
   const bool cut = !options.frontier.empty();
   const bool in_parts = cut && options.parts > 1;
   if (in_parts) require_mark("--frontier", options.frontier);
@@ -87,7 +115,7 @@ int run(const Options& options) {
       append_report(options.report, {"merge", input.generation(), 0, 1, 1});
     return kExitDone;
   }
-  const Model model = judging_model(input.spec(), options.model_path);
+  const Model& model = loaded.of(input.spec());
   const SectionHeader header = input.merged_header();
   SectionHeader frontier_header = header;
   frontier_header.content = Content::kFrontier;
@@ -109,7 +137,7 @@ int run(const Options& options) {
   Progress progress;
   NewRecords stored;
   {
-    const ProgressLine line(options.progress, [&](double seconds) {
+    const ProgressLine line(loaded.shows_progress(), [&](double seconds) {
       const double done = static_cast<double>(progress.conversions);
       return "merge: generation " + std::to_string(header.generation) + ", " + short_number(done) +
              " of " + short_number(static_cast<double>(input.conversions())) + " requests, " +
@@ -134,19 +162,9 @@ int run(const Options& options) {
   return kExitDone;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  Options options;
-  CLI::App app{
-      "Merges the requests of one whole generation into a grid: finds or stores each state that\n"
-      "was reached, and settles the destination levels (Algorithm 1, lines 10 to 20). Grid and\n"
-      "requests come in any order and any number of shards; requests that are missing are an\n"
-      "error. A grid whose frontier is empty stays as it is; one that --final made becomes\n"
-      "the plain grid that it was made from, byte by byte."};
-  hapgrid::describe(app, "merge");
-  hapgrid::add_inputs(app, options.shards, "The grid and all requests of its frontier");
-  hapgrid::add_output(app, options.output);
+void add_options(CLI::App& app, Options& options) {
+  add_inputs(app, options.shards, "The grid and all requests of its frontier");
+  add_output(app, options.output);
   app.add_option("--frontier", options.frontier,
                  "Write the new frontier too, as --parts shards; {} in PATTERN becomes the part's "
                  "number, from 1 (one part needs no {})")
@@ -176,8 +194,31 @@ int main(int argc, char** argv) {
          "minus smallest value) that it has in the grid. Destination levels stay exact. "
          "verify and play take such a grid, expand and merge do not (1e-12 to 0.1)")
       ->type_name("E")
-      ->check(hapgrid::number_within(1e-12, kMaxPrecision, "a share from 1e-12 to 0.1"));
-  hapgrid::add_run_options(app, options.report, options.progress);
-  hapgrid::add_model_path(app, options.model_path);
-  return hapgrid::run_tool(app, argc, argv, [&] { return run(options); });
+      ->check(number_within(1e-12, kMaxPrecision, "a share from 1e-12 to 0.1"));
+  add_report(app, options.report);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  StandingOptions standing;
+  bool serves = false;
+  CLI::App app{
+      "Merges the requests of one whole generation into a grid: finds or stores each state that\n"
+      "was reached, and settles the destination levels (Algorithm 1, lines 10 to 20). Grid and\n"
+      "requests come in any order and any number of shards; requests that are missing are an\n"
+      "error. A grid whose frontier is empty stays as it is; one that --final made becomes\n"
+      "the plain grid that it was made from, byte by byte."};
+  hapgrid::describe(app, "merge");
+  add_options(app, options);
+  hapgrid::add_serve(app, serves);
+  hapgrid::add_progress(app, standing.progress);
+  hapgrid::add_model_path(app, standing.model_path);
+  return hapgrid::run_tool(app, argc, argv, [&] {
+    LoadedModel model(standing);
+    const auto run_one = [&model](const Options& one) { return run(one, model); };
+    if (!serves) return run_one(options);
+    return hapgrid::serve("merge", add_options, run_one, [&model] { model.unload(); });
+  });
 }

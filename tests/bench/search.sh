@@ -3,8 +3,8 @@
 #
 #   tests/bench/search.sh [BUILD] [POINTS A SIDE] [REPEATS]        (default: build 64 3)
 #
-# Three ways to the same grid, as medians: in memory (expand --complete), rounds of `expand | merge`
-# through a pipe, and rounds through 8 shard files of requests. C itself is measured by build/bench/bench_conversions
+# Four ways to the same grid, as medians: in memory (expand --complete), rounds of `expand | merge`
+# through a pipe, rounds through 8 shard files of requests, and these by filters that stay (--serve). C itself is measured by build/bench/bench_conversions
 # and taken off. CPU time is what the kernel accounts to the processes, their start-up included; how
 # much of it is start-up is said too.
 set -euo pipefail
@@ -45,6 +45,34 @@ files() {
   cmp grid complete
 }
 
+served() {
+  cp seeds grid; cp seeds frontier
+  mkfifo to_expand from_expand to_merge from_merge
+  cpu rounds_of_served
+  rm to_expand from_expand to_merge from_merge
+  cmp grid complete
+}
+rounds_of_served() {
+  local k left=1
+  expand --serve <to_expand >from_expand &
+  exec 5>to_expand 6<from_expand
+  merge --serve <to_merge >from_merge 5>&- 6<&- &
+  exec 7>to_merge 8<from_merge
+  ask() {  # TO FROM WORD...
+    local IFS=$'\t' code
+    echo "${*:3}" >&"$1"
+    read -r code <&"$2"
+    return "$code"
+  }
+  while [ "$left" -gt 0 ]; do
+    for k in {1..8}; do ask 5 6 --part "$k/8" frontier -o "requests.$k"; done
+    ask 7 8 grid requests.{1..8} --frontier frontier --counts counts -o grid
+    read -r _ _ _ left <counts
+  done
+  exec 5>&- 6<&- 7>&- 8<&-
+  wait
+}
+
 side=$(awk -v n="$n" 'BEGIN { print 1.95 / (n - 1) }')
 seed "$source/examples/hung-ball/hung-ball.toml" --set "grid.counts=[$n,$n,$n]" \
   --set "grid.spacing=$side" --set 'grid.origin=[-0.975,-0.975,-0.975]' -o seeds
@@ -56,8 +84,8 @@ echo "hung ball, $n^3 points, $requests requests, $generations generations"
 for _ in $(seq "$repeats"); do bench_conversions complete 2>/dev/null; done | sort -g |
   awk '{ v[NR] = $1 } END { print v[int((NR + 1) / 2)] }' > own
 printf '%-10s %6s ns\n' 'C itself' "$(cat own)"
-for way in in_memory piped files; do
-  case $way in in_memory) processes=1 ;; piped) processes=$((2 * generations)) ;; files) processes=$((9 * generations)) ;; esac
+for way in in_memory piped files served; do
+  case $way in in_memory) processes=1 ;; served) processes=2 ;; piped) processes=$((2 * generations)) ;; files) processes=$((9 * generations)) ;; esac
   for _ in $(seq "$repeats"); do "$way"; total; echo; done | sort -g |
     awk -v way="$way" -v requests="$requests" -v own="$(cat own)" -v started="$processes" -v start="$start" '
       { v[NR] = $1 }

@@ -42,7 +42,11 @@ struct RunReport {
   std::uint64_t parts = 1;
 };
 
-/// Wall and CPU seconds are the process's own. @throw std::system_error
+/// Wall and CPU seconds are counted from here on, otherwise from the start of the process.
+void begin_run();
+
+/// Wall and CPU seconds are the process's own, and of model processes that ended.
+/// @throw std::system_error
 void append_report(const std::string& file, const RunReport& report);
 
 /// Opens at least `files` files at once where the system allows it.

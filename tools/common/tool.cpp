@@ -116,31 +116,30 @@ std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
   throw CLI::ValidationError(option, "'" + text + "' is not K/N with 1 <= K <= N < 2^32");
 }
 
-void add_run_options(CLI::App& app, std::string& report, bool& progress) {
-  app.add_option("--report", report,
-                 "Append one JSON line to FILE: wall and CPU seconds, conversions, host")
+void add_report(CLI::App& app, std::string& report) {
+  app.add_option(
+         "--report", report,
+         "Append one JSON line to FILE: wall and CPU seconds (those of model processes when they "
+         "have ended), conversions, host")
       ->type_name("FILE");
+}
+
+void add_progress(CLI::App& app, bool& progress) {
   app.add_flag("--progress", progress, "Show progress on standard error even if it is no terminal");
 }
 
-int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run) {
-  const std::string tool = app.get_name();
-  occupy_standard_streams();
+namespace {
+
+int wrong_usage(const std::string& tool, const CLI::ParseError& e) {
+  return report(tool, std::string(e.what()) + " (see " + tool + " --help)", kExitUsage);
+}
+
+/// What `run` returns, or the exit code of what it throws.
+int guarded(const std::string& tool, const std::function<int()>& run) {
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& e) {  // --help, --version
-    app.exit(e, std::cout, std::cerr);
-    return std::cout.flush() ? kExitDone
-                             : report(tool, "cannot write to standard output", kExitFailed);
-  } catch (const CLI::ParseError& e) {
-    return report(tool, std::string(e.what()) + " (see " + tool + " --help)", kExitUsage);
-  }
-  try {
-    const int code = run();
-    if (!std::cout.flush()) return report(tool, "cannot write to standard output", kExitFailed);
-    return code;
+    return run();
   } catch (const CLI::ParseError& e) {  // found wrong only when put together
-    return report(tool, std::string(e.what()) + " (see " + tool + " --help)", kExitUsage);
+    return wrong_usage(tool, e);
   } catch (const std::bad_alloc&) {
     return report(tool, "out of memory", kExitFailed);
   } catch (const std::system_error& e) {
@@ -153,6 +152,33 @@ int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& r
   } catch (...) {
     return report(tool, "unknown failure", kExitFailed);
   }
+}
+
+}  // namespace
+
+int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run) {
+  const std::string tool = app.get_name();
+  const auto flushed = [&tool](int code) {
+    return std::cout.flush() ? code : report(tool, "cannot write to standard output", kExitFailed);
+  };
+  occupy_standard_streams();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {  // --help, --version
+    app.exit(e, std::cout, std::cerr);
+    return flushed(kExitDone);
+  } catch (const CLI::ParseError& e) {
+    return wrong_usage(tool, e);
+  }
+  return guarded(tool, [&] { return flushed(run()); });
+}
+
+int run_line(CLI::App& app, std::vector<std::string> words, const std::function<int()>& run) {
+  std::reverse(words.begin(), words.end());  // as CLI11 wants them
+  return guarded(app.get_name(), [&] {
+    app.parse(std::move(words));
+    return run();
+  });
 }
 
 }  // namespace hapgrid

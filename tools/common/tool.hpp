@@ -47,11 +47,15 @@ std::string numbered(std::string pattern, std::uint64_t k);
 std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
                                                    const std::string& text);
 
-/// The options of work that can take long: --report FILE (see append_report()) and --progress.
-void add_run_options(CLI::App& app, std::string& report, bool& progress);
+/// The options of work that can take long: --report FILE (see append_report()), --progress.
+void add_report(CLI::App& app, std::string& report);
+void add_progress(CLI::App& app, bool& progress);
 
 /// Parses the command line and calls `run`, whose result is the exit code; every exception becomes
 /// one line "NAME: message" on standard error and an exit code.
 int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run);
+
+/// The same for one command line of several that a process gets, in `words`.
+int run_line(CLI::App& app, std::vector<std::string> words, const std::function<int()>& run);
 
 }  // namespace hapgrid

@@ -13,18 +13,33 @@ export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
 seed hung-ball.toml --set "${small% *}" --set "${small#* }" | expand --complete -j 32 -o reference
 
 # The filters write down when they begin and when what they make is there. That is known by -o,
-# whatever Makefile.example calls it.
+# whatever Makefile.example calls it. Those that stay get their lines one by one.
 mkdir bin
 ln -s "$HAPGRID_BIN"/* bin
 for tool in expand merge; do
   rm bin/$tool
   cat >bin/$tool <<TOOL
 #!/bin/bash
-words=("\$@")
-for i in "\${!words[@]}"; do [[ \${words[i]} == -o ]] && product=\${words[i + 1]}; done
-echo "begin $tool \$product \$EPOCHREALTIME" >>"$PWD/journal"
+note() {  # begin|end WORD...
+  local what=\$1
+  while [[ \$2 != -o ]]; do shift; done
+  echo "\$what $tool \$3 \$EPOCHREALTIME" >>"$PWD/journal"
+}
+if [[ \${*: -1} == --serve ]]; then
+  coproc { exec "$HAPGRID_BIN/$tool" "\$@"; }
+  while IFS= read -r line; do
+    IFS=\$'\t' read -ra words <<<"\$line"
+    note begin "\${words[@]}"
+    echo "\$line" >&\${COPROC[1]}
+    read -r code <&\${COPROC[0]} || exit
+    ((code)) || note end "\${words[@]}"
+    echo \$code
+  done
+  exit
+fi
+note begin "\$@"
 "$HAPGRID_BIN/$tool" "\$@" || exit
-echo "end $tool \$product \$EPOCHREALTIME" >>"$PWD/journal"
+note end "\$@"
 TOOL
   chmod +x bin/$tool
 done

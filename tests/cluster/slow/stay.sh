@@ -24,10 +24,19 @@ evidence() { cat make.err; }
 # minute one of them makes its shard.
 build &
 driver=$!
-expanding() { victim=$(pgrep -f "/bin/expand .*0001.round.6x1/requests" | head -n 1); [[ $victim ]]; }
+# expanding: a `task` at work on a shard of round 1, its own process `maker` for that, and the filter that
+# stays with it, `victim`.
+expanding() {
+  local round=(work/hung-ball/*/0001.round.6x1) all
+  compgen -G "${round[0]}/step.*/[1-6]" >/dev/null && [[ ! -e ${round[0]}/merge ]] || return
+  all=" $(pgrep -d ' ' -f "^/bin/bash $PWD/work/hung-ball/[^ ]*/shard --stay") "
+  for maker in $all; do
+    task=$(ps -o ppid= -p "$maker" | tr -d ' ')
+    [[ $all == *" $task "* ]] && victim=$(pgrep -P "$task" -f '/expand .*--serve') && return
+  done
+  return 1
+}
 wait_for 60 "shard of round 1" expanding
-maker=$(ps -o ppid= -p "$victim" | tr -d ' ')
-task=$(ps -o ppid= -p "$maker" | tr -d ' ')
 kill -KILL "$task" "$maker" "$victim"
 wait $driver || fail "$(cat make.err)"
 cmp work/hung-ball.grid reference
