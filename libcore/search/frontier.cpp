@@ -52,6 +52,7 @@ FrontierReader::FrontierReader(const std::vector<Section>& sections, ConversionR
   const std::uint64_t total = all_conversions(sections);
   begin_ = std::min(range.begin, total);
   end_ = std::clamp(range.end, begin_, total);
+  others_follow_ = end_ < total;
 }
 
 bool FrontierReader::next_row(Record& record) {
@@ -75,11 +76,23 @@ bool FrontierReader::next_row(Record& record) {
   }
 }
 
+/// Only when the rest is read is the input known to be whole. What other parts are made from they
+/// decode; behind the last one nothing may come.
+void FrontierReader::read_rest() {
+  waiting_ = false;
+  do {
+    while (SectionReader* section = rows_.whole_chunk_next()) {
+      if (!others_follow_ && section->peek()->frontier > 0) break;
+      section->next_stored(passed_over_);
+    }
+    run_ = rows_.next();
+  } while (run_.rows);
+}
+
 bool FrontierReader::next(Record& record) {
   for (;;) {
     if (passed_ >= end_) {
-      // The rest is read all the same: only then is the input known to be whole.
-      while (waiting_ || next_row(next_)) waiting_ = false;
+      read_rest();
       return false;
     }
     if (waiting_) {

@@ -45,6 +45,7 @@ class FrontierReader {
 
  private:
   bool next_row(Record& record);
+  void read_rest();
 
   Neighbourhood neighbourhood_;
   std::uint32_t n_;
@@ -55,7 +56,8 @@ class FrontierReader {
   std::uint64_t begin_ = 0;  // the part's conversions, counted through the frontier
   std::uint64_t end_ = 0;
   std::uint64_t passed_ = 0;
-  bool waiting_ = false;  // next_ holds a row that was read ahead
+  bool others_follow_ = false;  // parts behind this one
+  bool waiting_ = false;        // next_ holds a row that was read ahead
   Record next_{};
   std::vector<double> state_;
   std::vector<double> next_state_;

@@ -24,7 +24,7 @@ class SectionReader {
   bool next(RecordRows& rows);
   bool next(RequestRows& rows);
 
-  /// The next chunk of a grid as it is stored; its frame is checked against the footer's hash, its
+  /// The next chunk of a grid or a frontier as it is stored; its frame is checked against the footer's hash, its
   /// content not looked at. @throw FormatError
   void next_stored(StoredChunk& chunk);
   /// Decodes what next_stored() gave. @throw FormatError

@@ -1,5 +1,7 @@
 #include "tools/common/serve.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <iostream>
 
@@ -10,6 +12,8 @@
 namespace hapgrid {
 
 namespace {
+
+constexpr int kKeptBytes = 32 << 20;  // glibc takes no more as a threshold of mmap
 
 std::vector<std::string> words(const std::string& line) {
   std::vector<std::string> words;
@@ -41,6 +45,10 @@ void add_serve(CLI::App& app, bool& serve) {
 }
 
 int serve(const std::string& tool, const PrepareLine& prepare) {
+  // What a line needed the next one needs again: given back and cleared in between, it would cost
+  // as much as to expand some thousand records.
+  ::mallopt(M_MMAP_THRESHOLD, kKeptBytes);
+  ::mallopt(M_TRIM_THRESHOLD, kKeptBytes);
   for (std::string line; std::getline(std::cin, line);) {
     if (std::cin.eof()) throw Error("standard input: the last line has no end, and was not run");
     CLI::App app;
