@@ -73,8 +73,8 @@ put sync "$(calc "($many - $few) / 100")"
 mkdir claims
 put mkdir "$(calc "$(cpu bash -c 'mkdir claims/{1..2000}') / 2000")"
 
-# Builds, in which next to nothing is computed: with few and with many shards, handed out by make
-# and claimed by one task. `timed` stands for the workers.
+# Builds, in which next to nothing is computed: with few and with many shards, handed out as a list (for
+# which the driver only waits), by make, and claimed by one task. `timed` stands for the workers.
 cat >timed <<'END'
 #!/bin/bash
 TIMEFORMAT='%U %S'
@@ -94,11 +94,13 @@ times_of() {
   awk -v all="$all" -v rounds="$rounds" \
     '{ s += $1 + $2 } END { print (all - s) / rounds, s / rounds }' "$TIMED"
 }
-read -r driver_few worker_few < <(times_of 1 MODE=claim)
-read -r driver_many worker_many < <(times_of 33 MODE=claim)
+read -r driver_few _ < <(times_of 1 MODE=list RUN='xargs -n 99 ./timed')
+read -r driver_many _ < <(times_of 33 MODE=list RUN='xargs -n 99 ./timed')
 part=$(calc "($driver_many - $driver_few) / 32")
 put driver_round "$driver_few"
 put driver_part "$part"  # with what its merge has to open
+read -r _ worker_few < <(times_of 1 MODE=claim)
+read -r _ worker_many < <(times_of 33 MODE=claim)
 put claim "$(calc "($worker_many - $worker_few) / 32")"
 read -r driver_few worker_few < <(times_of 1 MODE=make)
 read -r driver_many worker_many < <(times_of 33 MODE=make)

@@ -3,7 +3,7 @@
 #
 #   tests/bench/scaling/curve.sh            a minute: curve.txt, examples/cluster/curve.png
 #   tests/bench/scaling/curve.sh BUILD      first measures with that build: costs.json, measured.txt;
-#                                           seven minutes on a machine that does nothing else
+#                                           five minutes on a machine that does nothing else
 #
 # What it rests on is beside it: growth.txt (growth.sh), times.txt (tests/bench/conversion_times.cpp).
 set -euo pipefail
@@ -26,10 +26,11 @@ simulate() { ./simulate.py --rounds 24 "$@"; }
 even=(--cut equal:1 --times lognormal:0.5)
 simulate --threads 50 --way claim "${even[@]}" >"$work/even"
 simulate --threads 50 --way claim --cut equal:8 >"$work/molecule"
-simulate --threads 50 --way srun stay "${even[@]}" -n 50 256 >"$work/ways"
+simulate --threads 50 --way srun start "${even[@]}" -n 50 256 >"$work/ways"
 simulate --threads 10 --way claim "${even[@]}" -n 50 256 | sed 's/ claim / ten   /' >"$work/ten"
 simulate --threads 1 --way claim "${even[@]}" -n 50 256 | sed 's/ claim / one   /' >"$work/one"
-{ cat "$work/even"; grep -hv '^#' "$work/molecule" "$work/ways" "$work/ten" "$work/one"; } >curve.txt
+simulate --threads 1 --way start "${even[@]}" -n 50 256 | sed 's/ start / one-st/' >"$work/one-start"
+{ cat "$work/even"; grep -hv '^#' "$work/molecule" "$work/ways" "$work/ten" "$work/one" "$work/one-start"; } >curve.txt
 gnuplot <<END
 set terminal pngcairo size 1500,520 font 'DejaVu Sans,11' noenhanced
 set output '$work/png'
@@ -47,9 +48,9 @@ plot for [i=1:4] line('even', side[i], 'claim') u 5:8 w l lw 2 lc i t sprintf('%
      for [i=1:4] line('molecule', side[i], 'claim') u 5:8 w l lw 2 lc i dt 2 notitle, \\
      NaN w l lw 2 lc 'black' t 'log-normal, σ = 0.5', NaN w l lw 2 dt 2 lc 'black' t 'as a molecule takes'
 set title 'Ways to hand out shards (50³ and 256³, log-normal)'
-way(i) = word('stay claim srun ten one', i)
-from(i) = word('ways even ways ten one', i)
-array names[5] = ['tasks that stay', 'tasks that claim', 'srun a shard', 'claim, 10 threads', 'claim, 1 thread']
+way(i) = word('claim start srun ten one', i)
+from(i) = word('even ways ways ten one', i)
+array names[5] = ['tasks that claim', 'started for each step', 'srun a shard', 'claim, 10 threads', 'claim, 1 thread']
 plot for [i=1:5] line(from(i), 256, way(i)) u 5:8 w l lw 2 lc 4 dt i t names[i], \\
      for [i=1:5] line(from(i), 50, way(i)) u 5:8 w l lw 2 lc 2 dt i notitle
 set title 'Measured on 2 processors: models that sleep'

@@ -62,7 +62,7 @@ for workers; do
   if ((workers <= 2)); then
     grid 5 "grid.counts=[8,6,6]" grid.spacing=0.15
     measure "$workers" make make 5 $((4 * workers)) build -j "$workers"
-    measure "$workers" claim stay 5 $((4 * workers)) build MODE=claim RUN="./tasks $workers"
+    measure "$workers" claim claim 5 $((4 * workers)) build MODE=claim RUN="./tasks $workers"
   else
     # Few rounds, since each waits up to 10 s for sbatch; long conversions, to fill them.
     ms=$((4 * workers))

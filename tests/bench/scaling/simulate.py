@@ -50,6 +50,7 @@ class Way:
     launch: float = 0  # of the tasks, once a round
     launch_task: float = 0  # the i-th starts so much later than the one before
     poll: float = 0  # tasks that stay look so often whether there is something to do
+    watch: bool = False  # the driver sleeps between looks whether all of it is there
     once: float = 0  # a build
 
 
@@ -152,6 +153,12 @@ def starts(way, workers, rng):
     return list(at + rng.uniform(0, way.poll, workers) if way.poll else at)
 
 
+def watched(way, seconds):
+    """A step that took so long, when the driver has seen it: it sleeps 20 ms and 1 % of the step, at
+    most 0.9 s, between two looks."""
+    return seconds + (min(0.02 + 0.01 * seconds, 0.9) / 2 if way.watch else 0)
+
+
 def build(rounds, workers, cut, ranges, way, costs, times, rng, cores=None, threads=1):
     """A whole grid, by workers / threads tasks. cut(conversions): the sizes of a round's shards.
     ranges = 0: one merge, by the driver."""
@@ -167,7 +174,7 @@ def build(rounds, workers, cut, ranges, way, costs, times, rng, cores=None, thre
         # Without anybody between them there is still the wait for the last shard.
         alone = hand_out([0.0] * tasks, work, 0, 0)
         work = work + sizes * costs.request_write + costs.sync
-        expand = hand_out(starts(way, tasks, rng), work, way.serial, way.own, cores)
+        expand = watched(way, hand_out(starts(way, tasks, rng), work, way.serial, way.own, cores))
         ideal = conversions / workers
         if ranges:
             touched = min(ranges, round_.chunks)
@@ -178,7 +185,7 @@ def build(rounds, workers, cut, ranges, way, costs, times, rng, cores=None, thre
             load = requests * costs.request_merge + len(sizes) / touched * costs.request_file
             load += round_.chunks / touched * costs.chunk_merge
             load = 3 * load + costs.merge_start + 2 * costs.sync
-            merge = hand_out(starts(way, tasks, rng), load, way.serial, way.own, cores)
+            merge = watched(way, hand_out(starts(way, tasks, rng), load, way.serial, way.own, cores))
         else:
             merge = costs.merge_start + round_.conversions * costs.request_merge + 2 * costs.sync
             merge += round_.chunks * costs.chunk_merge + len(sizes) * costs.request_file
@@ -220,9 +227,11 @@ def ways(c):
     return {
         "make": Way(serial=c["make_target"], own=c["shard"]),
         "srun": Way(serial=c["srun_serial"], own=c["srun_step"] + c["shard"]),
-        "claim": Way(serial=c["mkdir"], own=c["claim"], launch=c["srun_step"],
+        "claim": Way(serial=c["mkdir"], own=c["claim"], poll=c["poll"], watch=True,
+                     once=c["srun_step"]),
+        # If these were started for each step.
+        "start": Way(serial=c["mkdir"], own=c["claim"], launch=c["srun_step"],
                      launch_task=c["srun_task"]),
-        "stay": Way(serial=c["mkdir"], own=c["claim"], poll=c["poll"], once=c["srun_step"]),
     }
 
 
@@ -237,7 +246,7 @@ def parser():
     p.add_argument("--grid", nargs="+", default=["ball"], help="of --growth: ball, alone")
     p.add_argument("-n", "--points", type=int, nargs="+", default=[30, 50, 128, 256])
     p.add_argument("-w", "--workers", type=int, nargs="+", default=[10, 30, 100, 300, 1000, 3000, 10000])
-    p.add_argument("--way", nargs="+", default=["make", "srun", "claim", "stay"])
+    p.add_argument("--way", nargs="+", default=["make", "srun", "claim", "start"])
     p.add_argument("--cut", nargs="+", default=["equal:8"],
                    help="equal:K, K shards a task; parts:P; guided:K, shards that shrink")
     p.add_argument("--least", type=int, default=1, help="conversions a thread in a guided shard")

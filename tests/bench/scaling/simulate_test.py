@@ -47,6 +47,12 @@ class Simulation(unittest.TestCase):
         each = 5 * (2 + 3 + 17 + 19 + 29) + 2 * 19 + 5 + 4 * 11 + 13 + 23
         self.assertAlmostEqual(r.wall, r.busy + 7 + 2 * each + 150 * .75, places=6)
 
+    def test_a_driver_that_looks_again_and_again_is_late_by_half_a_nap(self):
+        r = build(rounds(1000), 1, 5, self.even, s.Way(watch=True))
+        self.assertAlmostEqual(r.wall, 56 + (0.02 + 0.56) / 2)
+        r = build(rounds(100000), 1, 5, self.even, s.Way(watch=True))
+        self.assertAlmostEqual(r.wall, 5600 + 0.9 / 2)
+
     def test_workers_without_end_leave_the_slowest_conversions(self):
         times = s.Times([1, 1, 1, 5], 2)
         r = build(rounds(100, 1000, 300), 1000, 1000, times)
