@@ -45,8 +45,7 @@ void add_serve(CLI::App& app, bool& serve) {
 }
 
 int serve(const std::string& tool, const PrepareLine& prepare) {
-  // What a line needed the next one needs again: given back and cleared in between, it would cost
-  // as much as to expand some thousand records.
+  // What a line needed the next one needs again; given back in between, it would be cleared anew.
   ::mallopt(M_MMAP_THRESHOLD, kKeptBytes);
   ::mallopt(M_TRIM_THRESHOLD, kKeptBytes);
   for (std::string line; std::getline(std::cin, line);) {

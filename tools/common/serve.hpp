@@ -9,7 +9,7 @@
 
 namespace hapgrid {
 
-/// The flag --serve, which stands for every option that `app` has by now: they are the lines'.
+/// The flag --serve, which excludes every option that `app` has by now: they are the lines'.
 void add_serve(CLI::App& app, bool& serve);
 
 /// What a line asks for: adds the options of one to the app, and returns what runs it.

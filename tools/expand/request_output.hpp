@@ -15,7 +15,7 @@ namespace hapgrid {
 /// The requests of a run, in one shard, or in one for each range of their targets that has some.
 class RequestOutput {
  public:
-  /// @param name of the shard; with `ranges` > 0 each {} in it is the range's number.
+  /// @param name of the shard; with `ranges` > 0 the {} in it becomes the range's number, from 1.
   RequestOutput(std::string name, std::uint64_t ranges, const SectionHeader& header);
 
   /// Ascending by target. @throw std::system_error, as all here

@@ -87,7 +87,7 @@ same "code" 0 "$code"
 dismiss
 cmp requests.5 expected
 nothing_left . err expected frontier grid longer longer.seeds longer.toml puppet.seeds puppet.toml report requests.{1..5} seeds
-# Each line has a report of its own.
+# Each line has a report of its own: the seed is at a corner, which has 7 neighbours.
 same "conversions" "7 7 7" "$(sed -E 's/.*"conversions":([0-9]+).*/\1/' report | paste -sd ' ')"
 
 # The end of a line that was not written is not made up for.
