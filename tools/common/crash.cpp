@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <charconv>
 #include <cstddef>
 #include <cstring>
@@ -35,8 +36,15 @@ class Line {
 };
 
 extern "C" void on_crash(int signal) {
+  // Where threads crash together, the first writes its line; the others wait for the end of the
+  // process, which would come before the line if they went on.
+  static std::atomic<pid_t> first{0};
+  pid_t none = 0;
+  const pid_t self = ::gettid();
+  const bool is_first = first.compare_exchange_strong(none, self);
+  while (!is_first && none != self) ::pause();
   const CurrentConversion& c = current_conversion();
-  if (c.q >= 0)
+  if (is_first && c.q >= 0)
     Line()
         .text(tool_name)
         .text(": the model crashed (signal ")
@@ -49,7 +57,7 @@ extern "C" void on_crash(int signal) {
         .number(static_cast<unsigned>(c.q))
         .text("\n")
         .write();
-  // SA_RESETHAND: the second time is the default action.
+  ::signal(signal, SIG_DFL);
   ::raise(signal);
 }
 
@@ -65,7 +73,7 @@ void report_crashes(const char* tool) {
   ::sigaltstack(&alternate, nullptr);
   struct sigaction action {};
   action.sa_handler = on_crash;
-  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_ONSTACK | SA_NODEFER);
+  action.sa_flags = static_cast<int>(SA_ONSTACK | SA_NODEFER);
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
     ::sigaction(signal, &action, nullptr);
 }

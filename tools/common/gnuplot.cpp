@@ -160,13 +160,15 @@ void run_gnuplot(const std::string& script, OutputFile& png) {
   pid_t child = 0;
   const int error = ::posix_spawnp(&child, "gnuplot", &actions, nullptr, argv.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
-  if (error == ENOENT) throw Error("gnuplot: not found: install gnuplot-nox");
+  const char* const not_found = "gnuplot: not found: install gnuplot-nox";
+  if (error == ENOENT) throw Error(not_found);
   if (error != 0) fail(error, "gnuplot");
   int status = 0;
   while (::waitpid(child, &status, 0) < 0)
     if (errno != EINTR) fail(errno, "gnuplot");
   if (WIFSIGNALED(status))
     throw Error("gnuplot: ended by signal " + std::to_string(WTERMSIG(status)));
+  if (WEXITSTATUS(status) == 127) throw Error(not_found);  // as posix_spawnp() may say it, too
   if (WEXITSTATUS(status) != 0) throw Error("gnuplot: " + complaint(errors.get()));
   // gnuplot says nothing of what it could not write: it writes to memory, and that it is whole is
   // seen by the last chunk of a PNG.

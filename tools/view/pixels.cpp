@@ -43,8 +43,9 @@ TerminalPixels::TerminalPixels(const std::string& mode) : info_(detect()) {
   else if (can(CHAFA_TERM_SEQ_SET_COLOR_FGBG_16))
     canvas_mode_ = CHAFA_CANVAS_MODE_INDEXED_16;
   // What was asked for is done, whatever the terminal is known to understand.
-  chafa_term_info_supplement(info_.get(),
-                             chafa_term_db_get_fallback_info(chafa_term_db_get_default()));
+  const ChafaPointer<ChafaTermInfo> fallback(
+      chafa_term_db_get_fallback_info(chafa_term_db_get_default()));
+  chafa_term_info_supplement(info_.get(), fallback.get());
   // Not one for each processor: play, whose frames these mostly are, is to have one to itself.
   chafa_set_n_threads(1);
 }
