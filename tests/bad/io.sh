@@ -18,7 +18,8 @@ for tool in "${readers[@]}"; do
   refuses "$name: directory: Is a directory" -- $tool directory
   refuses "$name: standard input: Is a directory" -- $tool - <directory
   refuses "$name: missing: No such file or directory" -- $tool missing
-  refuses "$name: standard input: Bad file descriptor" -- bash -c "exec $tool - <&-"
+  [[ ${HAPGRID_WRAPPER-} ]] ||  # valgrind opens /dev/null for it
+    refuses "$name: standard input: Bad file descriptor" -- bash -c "exec $tool - <&-"
   refuses "$name: text/x: Not a directory" -- $tool text/x
   expect 2 '' "~$name: standard input can be read only once \(see $name --help\)" -- $tool - - <grid
   # A name with a line break stays in one line.
@@ -38,7 +39,8 @@ for tool in "${writers[@]}"; do
   name=${tool%% *}
   refuses "$name: /dev/full: No space left on device" -- $tool -o /dev/full
   refuses "$name: standard output: No space left on device" -- bash -c "exec $tool >/dev/full"
-  refuses "$name: standard output: Bad file descriptor" -- bash -c "exec $tool >&-"
+  [[ ${HAPGRID_WRAPPER-} ]] ||
+    refuses "$name: standard output: Bad file descriptor" -- bash -c "exec $tool >&-"
 done
 for tool in "stats grid" "stats --dump grid" "verify grid --recompute none"; do
   code=0

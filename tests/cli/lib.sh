@@ -25,7 +25,7 @@ cd "$work/in"
 
 # HAPGRID_WRAPPER is a command that the filters are run under (make check-valgrind), by scripts of
 # their names in a directory that looks like the build's. Some tests run a filter a thousand times: from
-# its 20th run in a test on, one in ten is under the command.
+# its 10th run in a test on, one in 25 is under the command.
 if [[ -n ${HAPGRID_WRAPPER-} ]]; then
   mkdir "$work/wrapped" "$work/wrapped/bin"
   ln -s "$(realpath "$HAPGRID_BIN/../models")" "$work/wrapped/models"
@@ -37,7 +37,7 @@ if [[ -n ${HAPGRID_WRAPPER-} ]]; then
 #!/bin/bash
 filter=$(printf %q "$(realpath "$filter")")
 printf . >>"\$0.runs" && read -r runs <"\$0.runs"
-((\${#runs} > 20 && \${#runs} % 10)) && exec "\$filter" "\$@"
+((\${#runs} > 10 && \${#runs} % 25)) && exec "\$filter" "\$@"
 exec $HAPGRID_WRAPPER "\$filter" "\$@"
 END
       chmod +x "$work/wrapped/bin/${filter##*/}"

@@ -40,7 +40,7 @@ refuses 'play: cut: .*' -- play cut --device path:path --log log
 
 # Models. The directory beside a copy of play has none.
 mkdir bin
-cp "$HAPGRID_BIN/play" bin/
+cp "$HAPGRID_BUILD/bin/play" bin/
 refuses "play: model hung-ball: no plug-in hung-ball.so in: $PWD/models .*" -- \
   bin/play grid --device path:path
 puppets=$HAPGRID_BUILD/tests/plugins

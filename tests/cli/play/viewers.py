@@ -56,7 +56,8 @@ def sleeps(read):
 def wakes(read):
     time.sleep(1.2)
     with os.fdopen(read, "rb") as stream:
-        view = subprocess.run(["view", "--format", "json"], stdin=stream, capture_output=True)
+        frames = stream.read()  # view itself may take longer to start than play waits for it
+    view = subprocess.run(["view", "--format", "json"], input=frames, capture_output=True)
     assert view.returncode == 0, view.stderr
 
 

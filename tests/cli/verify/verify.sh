@@ -133,7 +133,7 @@ refuses 'verify: standard input: .*' -- verify </dev/null
 expand seeds -o requests
 refuses 'verify: requests: .*' -- verify requests
 mkdir -p elsewhere moved/bin
-cp "$HAPGRID_BIN/verify" moved/bin/
+cp "$HAPGRID_BUILD/bin/verify" moved/bin/
 refuses 'verify: model hung-ball: no plug-in hung-ball.so in: elsewhere, .*/moved/models .*' -- \
   moved/bin/verify grid --model-path elsewhere
 refuses 'verify: .*No space left on device' -- verify grid -o /dev/full

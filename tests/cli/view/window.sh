@@ -5,7 +5,7 @@ unset DISPLAY WAYLAND_DISPLAY
 frames=$HAPGRID_SOURCE/schemas/frame.capnp
 terminal='--terminal shows frames in a terminal, --png draws one into a file'
 # What OpenGL and X keep at the end is theirs, and so is how Mesa's threads share the picture.
-export ASAN_OPTIONS=detect_leaks=0 LIBGL_ALWAYS_SOFTWARE=1
+export ASAN_OPTIONS=detect_leaks=0 VALGRIND_OPTS=--leak-check=no LIBGL_ALWAYS_SOFTWARE=1
 if sanitized; then export LP_NUM_THREADS=0; fi
 
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 
@@ -122,11 +123,13 @@ TEST_CASE("who may not open a device is told the rule that helps") {
     const bool told = ::setuid(65534) == 0 &&
                       open_failure(path, "some reason") == path + ": " + rule &&
                       list_text(list_hid()).ends_with("\n" + path + ": " + rule + "\n");
-    ::_exit(told ? 0 : 1);
+    // At _exit() valgrind would take for lost what threads hold that are not in this process.
+    if (told) ::kill(::getpid(), SIGKILL);
+    ::_exit(1);
   }
   int status = -1;
   ::waitpid(other, &status, 0);
-  CHECK(status == 0);
+  CHECK(WIFSIGNALED(status));
 }
 
 TEST_CASE("a report descriptor comes from sysfs") {
