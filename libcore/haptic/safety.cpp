@@ -144,15 +144,10 @@ SafeForce limit_force(const SafetyLimits& limits, SafetyState& state,
     scale(force, state.ramp, kRamped);
   }
 
-  Vec3 step = minus(force, state.sent);
-  if (!finite(step) || clamp_magnitude(step, limits.slew * 1000 * input.dt)) {
-    // Two finite forces so far apart that their difference is not: a clamp brings both near.
-    if (!finite(step)) {
-      clamp_magnitude(force, limits.max_force);
-      step = minus(force, state.sent);
-      clamp_magnitude(step, limits.slew * 1000 * input.dt);
-    }
-    force = plus(state.sent, step);
+  // In halves, since the difference of two finite forces can be infinite.
+  Vec3 half_step = minus(times(force, 0.5), times(state.sent, 0.5));
+  if (clamp_magnitude(half_step, limits.slew * 1000 * input.dt / 2)) {
+    force = plus(state.sent, times(half_step, 2));
     safe.acted |= kSlewed;
   }
   if (clamp_magnitude(force, limits.max_force)) safe.acted |= kClamped;

@@ -58,6 +58,12 @@ puppet 'state_size = 1048577' 'model puppet: a state of 1048577 components; .*'
 puppet 'd_max = 0' 'model puppet: d_max is not positive'
 puppet 'd_max = nan' '.*d_max.*not finite'
 puppet 'tolerance = -1' 'model puppet: the tolerance is negative or not finite'
+puppet 'stored = 8' 'model puppet: info.stored has unknown bits'
+for kind in 1 2 4; do
+  puppet "stored = $kind" 'model puppet: info.stored names a function that is NULL'
+done
+puppet 'hip_radius = -1' 'model puppet: the radius of the HIP is negative or not finite'
+puppet 'hip_radius = inf' '.*hip_radius.*not finite'
 puppet 'refuse = "no\nway"' 'model puppet: no way'
 puppet 'refuse = ""' 'model puppet: no reason given'
 puppet 'overrun = 1' 'model puppet: x+'

@@ -53,6 +53,15 @@ for kind in ("seeds", "requests", "frontier"):
     crafted("level limit 0", kind, "a level limit of 0; 1 to 254 are possible", header(maxLevels=0))
     crafted("level limit 255", kind, "a level limit of 255; 1 to 254", header(maxLevels=255))
     crafted("tolerance nan", kind, "the tolerance is not finite", header(tolerance="NaN"))
+    for weights in ([1, 1], [-1], ["NaN"]):
+        crafted("weights", kind, "impossible weights of the tolerance function", header(equality={"norm": "max", "weights": weights}))
+    for radius in (-1, "NaN", "Infinity"):
+        crafted("radius of the HIP", kind, "the radius of the HIP is negative or not finite", header(hipRadius=radius))
+    crafted("spheres, no shape", kind, "a shape of 1 spheres", header(spheres=[{"radius": 1}]))
+    crafted("shape, no spheres", kind, "a shape of 0 spheres", header(stored={"shape": True}))
+    for sphere in ({"radius": -1}, {"radius": "NaN"}, {"radius": 1, "green": "Infinity"}, {"radius": 1, "label": "C" * 1000}):
+        crafted("a sphere", kind, "a sphere whose radius, colour or label is impossible",
+                header(stored={"shape": True}, spheres=[sphere]))
     crafted("spacing 0", kind, "box: spacing is 0", box(spacing=0))
     crafted("spacing nan", kind, "box: spacing is -?nan", box(spacing="NaN"))
     crafted("spacing inf", kind, "box: spacing is inf", box(spacing="Infinity"))
@@ -296,11 +305,14 @@ for kind, name, old, types in (
 future = SCHEMA.replace("requests @2;\n    # What", "requests @2;\n    # What")
 future = re.sub(r"(texts @5 :List\(Text\);)", r"\1\n    complex @6 :Float64;", future)
 future = re.sub(r"(enum Content \{)", r"\1\n    beyond @3;", future)
+future = re.sub(r"(enum Norm \{)", r"\1\n    median @3;", future)
 future = re.sub(r"(footer @3 :Footer;)", r"\1\n    more @5 :UInt64;", future)
 with open("future.capnp", "w") as stream:
     stream.write(future)
 crafted("parameter of another kind", "seeds", "a parameter of a kind that this version does not know",
         parameters({"key": "radius", "value": {"complex": 1}}), schema="future.capnp")
+crafted("tolerance function of another kind", "seeds", "a tolerance function of a kind that this version does not know",
+        header(equality={"norm": "median"}), schema="future.capnp")
 crafted("content of another kind", "seeds", "content", header(content="beyond"), schema="future.capnp")
 
 

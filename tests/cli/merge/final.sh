@@ -84,6 +84,8 @@ refuses "merge: ball.0.01: $lossy" -- merge ball.0.01
 refuses "merge: ball.0.01: $lossy" -- merge --final ball.0.01
 refuses "expand: ball.0.01: $lossy" -- expand ball.0.01
 refuses "expand: ball.0.01: $lossy" -- expand --complete ball.0.01
+merge --final --precision 0.001 ball.grid -o finer
+refuses "verify: finer: precision 0.001, but ball.0.01 has precision 0.01, or other bounds" -- verify ball.0.01 finer
 refuses "verify: the original may be off itself, by 0.01 of each range" -- verify ball.grid --against ball.0.01
 refuses "verify: the original is another grid: .*" -- verify ball.small --against toy.grid
 for e in 0 -1 x 1 0.2 nan 1e-13; do

@@ -303,6 +303,8 @@ TEST_CASE("a profile that cannot be right is refused") {
         "p: line 7: input.x.usage and input.x.usage_page need each other");
   CHECK(refusal("bit = 0, bits = 16, s", "bit = 4, bits = 16, endian = \"big\", s") ==
         "p: line 7: input.x.endian = \"big\" needs whole bytes");
+  CHECK(refusal("bit = 0, bits = 16, s", "bit = 0, bits = 16, endian = \"middle\", s") ==
+        "p: line 7: input.x.endian is \"little\" or \"big\"");
   CHECK(refusal("x = {bit = 0, bits = 16, scale = 0.001}", "") ==
         "p: line 5: input has none of the axes x, y, z");
   CHECK(refusal("length = 4\n", "length = 4\naxes = [[2, 0, 0], [0, 1, 0], [0, 0, 1]]\n") ==

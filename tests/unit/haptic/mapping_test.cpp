@@ -100,6 +100,7 @@ TEST_CASE("a mapping that cannot be is refused") {
   const DeviceInfo device = held({-1, -1, -1}, {1, 1, 1});
   CHECK_THROWS_AS(Mapping({.scale = -1}, device, kBox), Error);
   CHECK_THROWS_AS(Mapping({.scale = std::nan("")}, device, kBox), Error);
+  CHECK_THROWS_WITH(Mapping({.speed = -1}, device, kBox), Catch::Contains("the speed must be"));
   CHECK_THROWS_AS(Mapping({.axes = {Vec3{1, 0, 0}, {1, 0, 0}, {0, 0, 1}}}, device, kBox), Error);
   CHECK_THROWS_AS(Mapping({.axes = {Vec3{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, device, kBox), Error);
   CHECK_THROWS_WITH(Mapping({}, held({0, 0, 0}, {0, 0, 0}), kBox),

@@ -1,5 +1,6 @@
 #include "libcore/haptic/safety.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -165,6 +166,30 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
   }
   // Everything that can act did, or the sequences are too tame.
   CHECK(seen == (1U << kSafetyActions) - 1);
+}
+
+TEST_CASE("finite forces whose difference is not") {
+  SafetyLimits limits = only_clamp(3);
+  limits.blend_ms = 20;
+  SafetyCore blended(limits);
+  blended.apply(tick({kMax, 0, 0}));
+  SafetyInput after_switch = tick({-kMax, 0, 0});
+  after_switch.level_changed = true;
+  CHECK(blended.apply(after_switch).force == kZero);
+  CHECK(blended.faulted());
+
+  limits = only_clamp(1e304);
+  limits.slew = 5e303;  // N/ms
+  SafetyCore slewed(limits);
+  double before = 0;
+  for (const double wanted : {kMax, kMax, -kMax, -kMax, -kMax, -kMax, -kMax}) {
+    const double force = slewed.apply(tick({wanted, 0, 0})).force[0];
+    CHECK(force ==
+          Approx(std::clamp(before + std::copysign(5e303, wanted), -1e304, 1e304)).margin(1e300));
+    CHECK(std::abs(force) <= 1e304);
+    before = force;
+  }
+  CHECK_FALSE(slewed.faulted());
 }
 
 TEST_CASE("what is not finite holds zero until reset, and then comes back by the ramp") {

@@ -5,6 +5,7 @@
  *   refuse      create() fails with this text; with "" it says nothing
  *   overrun     create() fails and leaves a message without a final NUL
  *   state_size, d_max, tolerance    what info() says (1, 1, 0)
+ *   stored, hip_radius              likewise (0, 0)
  *   known       the number of states that known_states() claims (1): {0, 0, ..}, {1, 1, ..}, ...
  *   lose        known_states() and convert() fail with this text
  *   component   every component of convert()'s result (0): try nan
@@ -79,6 +80,8 @@ static hapgrid_model* create(const hapgrid_parameter* list, size_t count, char* 
   model->info.state_size = (uint32_t)number(list, count, "state_size", 1);
   model->info.d_max = number(list, count, "d_max", 1);
   model->info.tolerance = number(list, count, "tolerance", 0);
+  model->info.stored = (uint32_t)number(list, count, "stored", 0);
+  model->info.hip_radius = number(list, count, "hip_radius", 0);
   memset(model->info.tolerance_unit, 'u', sizeof model->info.tolerance_unit);
   return model;
 }
