@@ -4,9 +4,10 @@
 #   tests/bench/search.sh [BUILD] [POINTS A SIDE] [REPEATS]        (default: build 64 3)
 #
 # Four ways to the same grid, as medians: in memory (expand --complete), rounds of `expand | merge`
-# through a pipe, rounds through 8 shard files of requests, and these by filters that stay (--serve). C itself is measured by build/bench/bench_conversions
-# and taken off. CPU time is what the kernel accounts to the processes, their start-up included; how
-# much of it is start-up is said too.
+# through a pipe, rounds through 8 shard files of requests, and these by filters that stay (--serve).
+# C itself is measured by build/bench/bench_conversions and taken off. CPU time is what the kernel
+# accounts to the processes, their start-up included; how much of it is start-up is said too. All of it
+# is on one processor: two filters at the ends of a pipe would slow each other down in one core.
 set -euo pipefail
 build=$(realpath "${1:-build}") n=${2:-64} repeats=${3:-3}
 source=$(realpath "$(dirname "$0")/../..")
@@ -14,6 +15,7 @@ PATH=$build/bench:$build/bin:$PATH
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
+taskset -pc "$(taskset -pc $$ | sed 's/.*: //; s/[-,].*//')" $$ >/dev/null
 TIMEFORMAT='%U %S'
 
 # Adds the user and system seconds that the commands took to the file `cpu`.

@@ -6,9 +6,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <span>
 #include <sstream>
+#include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/frame.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/session/writer.hpp"
 #include "tests/unit/session/ticks.hpp"
@@ -177,6 +180,26 @@ TEST_CASE("a damaged chunk costs its own ticks alone") {
   put_bytes(file, bytes.substr(0, bytes.size() - 1));
   SessionReader scanned(file, SessionReader::Damage::kSalvaged);
   CHECK(same(rest_of(scanned), expected));
+}
+
+TEST_CASE("what is salvaged does not go back in time") {
+  const TemporaryDirectory directory;
+  const std::string file = directory.file("x.session");
+  const std::vector<TickRecord> ticks = random_ticks(9000, 7);
+  write(file, ticks);
+  const std::string bytes = bytes_of(file);
+  std::size_t end = 0;
+  const auto next_frame = [&] {
+    const std::size_t size = frame_size(std::as_bytes(std::span(bytes)).subspan(end));
+    return bytes.substr(std::exchange(end, end + size), size);
+  };
+  const std::string header = next_frame();
+  const std::string first = next_frame();
+  const std::string second = next_frame();
+  put_bytes(file, header + second + first);
+  SessionReader reader(file, SessionReader::Damage::kSalvaged);
+  CHECK(reader.lost_bytes() == first.size());
+  CHECK(same(rest_of(reader), {ticks.begin() + 4096, ticks.begin() + 8192}));
 }
 
 TEST_CASE("a flipped bit is refused or changes nothing, a cut is refused") {

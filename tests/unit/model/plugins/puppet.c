@@ -10,6 +10,7 @@
  *   lose        known_states() and convert() fail with this text
  *   component   every component of convert()'s result (0): try nan
  *   crash       convert() aborts when it is not 0
+ *   above       equal(a, b) is true where a is above b, too, when it is not 0
  *   unlike      equal() tells a state with this component from itself
  */
 #include <stdio.h>
@@ -24,6 +25,7 @@ struct hapgrid_model {
   double component;
   double unlike;
   int crash;
+  int above;
   char lose[64];
 };
 
@@ -76,6 +78,7 @@ static hapgrid_model* create(const hapgrid_parameter* list, size_t count, char* 
   model->known = (size_t)number(list, count, "known", 1);
   model->component = number(list, count, "component", 0);
   model->crash = number(list, count, "crash", 0) != 0;
+  model->above = number(list, count, "above", 0) != 0;
   model->unlike = number(list, count, "unlike", -1);
   model->info.state_size = (uint32_t)number(list, count, "state_size", 1);
   model->info.d_max = number(list, count, "d_max", 1);
@@ -118,7 +121,7 @@ static int convert(hapgrid_model* model, const double* s, const double* x, const
 
 static int equal(const hapgrid_model* model, const double* a, const double* b) {
   for (uint32_t c = 0; c < model->info.state_size; ++c)
-    if (a[c] != b[c] || a[c] == model->unlike) return 0;
+    if ((a[c] != b[c] && !(model->above && a[c] > b[c])) || a[c] == model->unlike) return 0;
   return 1;
 }
 
