@@ -152,8 +152,8 @@ slowed() {
 # generation N [NODE]: shards of the N-th round are being expanded (on that node).
 generation() {
   local pid
-  for pid in $(pgrep -f "/expand .* -o $(printf %04d "$1")\.round"); do
-    [[ $(readlink "/proc/$pid/cwd") == "$PWD/work/hung-ball/"* ]] || continue
+  for pid in $(pgrep -x expand); do  # also one that stays, whose command line says nothing
+    [[ $(readlink "/proc/$pid/fd/"*) == *"$PWD/work/hung-ball/"*"/$(printf %04d "$1").frontier."* ]] || continue
     [[ ! ${2-} ]] || node_processes "$2" | grep -qx "$pid" || continue
     return 0
   done
