@@ -21,6 +21,8 @@ using namespace hapgrid;
 struct Options {
   std::vector<std::string> shards;
   std::string output = "-";
+  std::string tip;
+  bool layer = false;
   std::string frontier;
   std::uint64_t parts = 1;
   std::string range = "1/1";
@@ -102,6 +104,9 @@ int run(const Options& options, LoadedModel& loaded) {
   if (in_parts) require_mark("--frontier", options.frontier);
   const auto [number, of] = parse_part("--range", options.range);
   if (cut && options.final) throw CLI::ValidationError("--final and --frontier exclude each other");
+  const bool apart = !options.tip.empty();
+  if (options.layer && !apart) throw CLI::ValidationError("--layer needs --tip");
+  if (apart && options.final) throw CLI::ValidationError("--final and --tip exclude each other");
   if (!options.counts.empty() && options.final)
     throw CLI::ValidationError("--final and --counts exclude each other");
   if (options.precision > 0 && !options.final)
@@ -115,13 +120,20 @@ int run(const Options& options, LoadedModel& loaded) {
       append_report(options.report, {"merge", input.generation(), 0, 1, 1});
     return kExitDone;
   }
+  if (options.layer) input.require_layers();
   const Model& model = loaded.of(input.spec());
   const SectionHeader header = input.merged_header();
   SectionHeader frontier_header = header;
   frontier_header.content = Content::kFrontier;
 
   OutputFile out(options.output);
-  SectionWriter writer(out.fd(), out.name(), header);
+  SectionWriter writer(out.fd(), out.name(), header, options.layer ? Cut::kByRows : Cut::kByPoints);
+  std::optional<OutputFile> tip_file;
+  std::optional<SectionWriter> tip;
+  if (apart) {
+    tip_file.emplace(options.tip);
+    tip.emplace(tip_file->fd(), tip_file->name(), header, Cut::kByRows);
+  }
   std::optional<SectionWriter> frontier;
   std::optional<OutputFile> whole;
   FileDescriptor collected;
@@ -144,9 +156,11 @@ int run(const Options& options, LoadedModel& loaded) {
              short_number(done / std::max(seconds, 1e-3)) + "/s";
     });
     stored = merge(input, of == 1 ? PointRange{} : point_range(input.spec(), number, of), model,
-                   writer, frontier ? &*frontier : nullptr, progress);
+                   {writer, tip ? &*tip : nullptr, options.layer, frontier ? &*frontier : nullptr},
+                   progress);
   }
   // The grid appears last: where it is, its frontier is too.
+  if (tip_file) tip_file->commit();
   if (whole) whole->commit();
   if (in_parts)
     write_parts(std::make_shared<const InputFile>(std::move(collected), options.frontier), options);
@@ -165,6 +179,13 @@ int run(const Options& options, LoadedModel& loaded) {
 void add_options(CLI::App& app, Options& options) {
   add_inputs(app, options.shards, "The grid and all requests of its frontier");
   add_output(app, options.output);
+  app.add_option("--tip", options.tip,
+                 "Write the records of the new frontier to FILE, a shard of the grid, and not to "
+                 "--output, which then never changes again")
+      ->type_name("FILE");
+  app.add_flag("--layer", options.layer,
+               "With --tip: write only the records that this merge settles to --output. The grid "
+               "is then all such layers and the last tip; a merge of them all makes it one shard");
   app.add_option("--frontier", options.frontier,
                  "Write the new frontier too, as --parts shards; {} in PATTERN becomes the part's "
                  "number, from 1 (one part needs no {})")

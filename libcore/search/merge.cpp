@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/search/levels.hpp"
 #include "libcore/shard/merged_rows.hpp"
+#include "libcore/shard/record_stream.hpp"
 
 namespace hapgrid {
 
@@ -33,6 +33,14 @@ MergeInput::MergeInput(const std::vector<Section>& sections) {
   for (const Section& section : grid_) conversions_ += section.footer.conversions;
 }
 
+void MergeInput::require_layers() const {
+  for (const Section& section : grid_)
+    if (section.footer.frontier > 0 && section.footer.frontier < section.footer.records)
+      throw FormatError(section.file->name() +
+                        ": the frontier is in one shard with other records; --layer takes a grid "
+                        "whose frontier is apart (merge --tip)");
+}
+
 SectionHeader MergeInput::merged_header() const {
   SectionHeader header = grid_.front().header;
   header.generation = generation_ + (conversions_ > 0 ? 1 : 0);
@@ -42,28 +50,42 @@ SectionHeader MergeInput::merged_header() const {
 
 namespace {
 
+/// Which records are needed. Those of the frontier, all of them. Of the others, where a grid is in
+/// layers, few:
+///
+/// Let a conversion lead from a record of generation G at the point s to the point t. Had t a
+/// record of a generation before G - 1, then that one's own conversion back to s would have stored
+/// a record at s, or found one, of a generation before G. So if the source has level 0, it is the
+/// first at its point, and all that is known at t is of generation G - 1 or G. Sections that end
+/// before that are read only around sources with a higher level, and where such a level itself
+/// needs the lower ones of its point.
 class Merge {
  public:
-  Merge(const MergeInput& input, PointRange range, const Model& model, SectionWriter& out,
-        SectionWriter* frontier, Progress& progress)
+  Merge(const MergeInput& input, PointRange range, const Model& model, const MergeOutput& out,
+        Progress& progress)
       : input_(input),
         range_(range),
         reach_(static_cast<std::uint64_t>(Neighbourhood(input.spec().box).reach())),
         targets_(range.widened(reach_)),
         sources_(needed_points(input.spec(), range)),
         levels_(input.spec(), model),
-        grid_rows_(input.grid()),
         out_(out),
-        frontier_(frontier),
-        progress_(progress) {
-    const std::vector<Section>& grid = input.grid();
-    const bool plain = std::none_of(grid.begin(), grid.end(), [](const Section& section) {
-      return section.header.coding.is_coded;
-    });
-    // Of the youngest generation: it takes the chunks of all.
-    for (const Section& section : grid)
-      if (plain && !opener_ && section.header.generation == input.generation())
-        opener_.emplace(section);
+        progress_(progress),
+        block_bits_(static_cast<unsigned>(std::countr_zero(levels_.block_points()))),
+        touched_(levels_.blocks()) {
+    std::vector<const Section*> sections;
+    for (const Section& section : input.grid()) sections.push_back(&section);
+    // By age: so a point's levels come in their order.
+    const auto age = [](const Section* section) {
+      return std::pair(section->header.generation, section->footer.frontier > 0);
+    };
+    std::stable_sort(sections.begin(), sections.end(),
+                     [&](const Section* a, const Section* b) { return age(a) < age(b); });
+    for (const Section* section : sections) {
+      const bool has_frontier = section->footer.frontier > 0;
+      const bool recent = section->header.generation == input.generation();
+      streams_.push_back({RecordStream(*section), has_frontier ? kTip : recent ? kRecent : kOld});
+    }
   }
 
   NewRecords run() {
@@ -76,16 +98,17 @@ class Merge {
         if (!targets_.holds(target)) continue;
         if (target != prepared_) {
           // A source lies at most `reach` behind its target, and is touched at most `reach` later.
-          advance(target + reach_, target > reach_ ? target - reach_ : 0);
-          open_block(target / levels_.block_points());
+          advance(target + reach_ + 1, target > reach_ ? target - reach_ : 0);
           prepared_ = target;
         }
         levels_.settle(target, rows.direction[r], rows.level[r], rows.row(r), generation);
       }
       progress_.conversions += run.end - run.begin;
     }
-    const std::uint64_t end = levels_.blocks() * levels_.block_points();
+    const std::uint64_t end = first_of(levels_.blocks());
     advance(end, end);
+    for (Stream& stream : streams_)
+      if (stream.part != kOld || !out_.layer) stream.records.finish();
     if (missing_ > 0)
       throw FormatError("requests are missing: " + std::to_string(missing_) + " of the " +
                         std::to_string(asked_) + " conversions of generation " +
@@ -95,123 +118,160 @@ class Merge {
   }
 
  private:
-  /// Reads the grid's records up to the point `wanted`, and writes the blocks that lie wholly
-  /// before the point `settled`: nothing will touch them again.
+  enum Part { kOld, kRecent, kTip };
+  struct Stream {
+    RecordStream records;
+    Part part;
+  };
+  /// What is known of a block, as bits: which levels conversions come from that lead there, and
+  /// whether recent records have lower levels at their point.
+  enum Touched : std::uint8_t { kFromFirst = 1, kFromHigher = 2, kReached = 3, kHigherRecent = 4 };
+
+  std::uint64_t first_of(std::uint64_t block) const { return block * levels_.block_points(); }
+
+  /// Reads the blocks up to the point before `wanted`, and writes those that lie wholly before the
+  /// point `settled`: nothing will touch them again.
   void advance(std::uint64_t wanted, std::uint64_t settled) {
-    while (loaded_ <= wanted) {
-      if (!run_.rows || run_.begin == run_.end) {
-        if (hold(settled)) continue;
-        run_ = grid_rows_.next();
-        if (!run_.rows) {
-          loaded_ = ~std::uint64_t{0};
-          break;
-        }
-        emit_before(std::min<std::uint64_t>(settled, run_.rows->point[run_.begin]));
-      }
-      const RecordRows& rows = *run_.rows;
-      if (sources_.holds(rows.point[run_.begin]))
-        open_block(rows.point[run_.begin] / levels_.block_points());
-      const std::size_t r = first_at(rows, run_.begin, run_.end, wanted + 1);
-      append(rows, run_.begin, r);
-      run_.begin = r;
-      loaded_ = r < run_.end ? rows.point[r] : rows.point[r - 1];
+    for (; loaded_ < levels_.blocks() && first_of(loaded_) < wanted; ++loaded_) {
+      emit_before(std::min(settled, first_of(loaded_)));
+      load(loaded_);
     }
     emit_before(settled);
   }
 
-  /// The first of rows [begin, end) that is at `point` or behind it.
-  static std::size_t first_at(const RecordRows& rows, std::size_t begin, std::size_t end,
-                              std::uint64_t point) {
-    const auto at = [&](std::size_t r) {
-      return rows.point.begin() + static_cast<std::ptrdiff_t>(r);
+  /// Reads what is needed of a block.
+  void load(std::uint64_t block) {
+    const std::uint64_t begin = std::max(first_of(block), sources_.begin);
+    const std::uint64_t end = std::min(first_of(block + 1), sources_.end);
+    if (begin >= end) return;
+    for (Stream& stream : streams_)
+      if (is_followed(stream)) stream.records.skip_before(begin);
+    look_at_frontier(first_of(block + 1) + reach_);
+    if (!(touched_[block] & kReached) && (out_.layer || keep_stored(block, end))) return;
+    if (out_.layer) look_at_recent(end);
+    const bool all = !out_.layer || (touched_[block] & ~kFromFirst);
+    for (Stream& stream : streams_) {
+      if (!is_followed(stream)) {
+        if (!all) continue;
+        stream.records.skip_before(begin);
+      }
+      for (auto run = stream.records.next_before(end); run.rows;
+           run = stream.records.next_before(end))
+        levels_.append(*run.rows, run.begin, run.end);
+    }
+  }
+
+  /// Whether each block is looked for in it.
+  bool is_followed(const Stream& stream) const { return stream.part != kOld || !out_.layer; }
+
+  /// Marks the blocks that the frontier's conversions lead to from before the point `end`, and
+  /// those of the frontier itself.
+  void look_at_frontier(std::uint64_t end) {
+    for (Stream& stream : streams_) {
+      if (stream.part != kTip) continue;
+      stream.records.look_ahead(
+          end, [](const ChunkInfo& chunk) { return chunk.frontier > 0; },
+          [this](const RecordRows& rows) {
+            for (std::size_t r = 0; r < rows.size(); ++r)
+              if (rows.generation[r] == input_.generation())
+                touch(rows.point[r], rows.level[r] == 0 ? kFromFirst : kFromHigher);
+          });
+    }
+  }
+
+  void touch(std::uint64_t point, Touched how) {
+    const auto count = [&](int axis) {
+      return std::uint64_t{input_.spec().box.counts[static_cast<std::size_t>(axis)]};
     };
-    return static_cast<std::size_t>(std::lower_bound(at(begin), at(end), point) - at(0));
+    const std::uint64_t last = levels_.blocks() - 1;
+    const std::uint64_t row = count(0) + 1;  // the farthest within a slice
+    const std::uint64_t slice = count(0) * count(1);
+    for (const std::uint64_t centre : {point - std::min(point, slice), point, point + slice}) {
+      const std::uint64_t high = std::min((centre + row) >> block_bits_, last);
+      for (std::uint64_t b = (centre - std::min(centre, row)) >> block_bits_; b <= high; ++b)
+        touched_[b] |= how;
+    }
   }
 
-  void append(const RecordRows& rows, std::size_t begin, std::size_t end) {
-    begin = first_at(rows, begin, end, sources_.begin);
-    levels_.append(rows, begin, first_at(rows, begin, end, sources_.end));
+  void look_at_recent(std::uint64_t end) {
+    for (Stream& stream : streams_) {
+      if (stream.part != kRecent) continue;
+      stream.records.look_ahead(
+          end, [](const ChunkInfo&) { return true; },
+          [this](const RecordRows& rows) {
+            for (std::size_t r = 0; r < rows.size(); ++r)
+              if (rows.level[r] > 0) touched_[rows.point[r] >> block_bits_] |= kHigherRecent;
+          });
+    }
   }
 
-  /// Keeps the next chunk as it is stored, if it is without frontier: where no request comes for
-  /// its points, it is copied, and neither decoded nor compressed again. Answers whether it did.
-  bool hold(std::uint64_t settled) {
-    if (!opener_) return false;
-    SectionReader* section = grid_rows_.whole_chunk_next();
-    if (!section) return false;
-    const ChunkInfo& next = *section->peek();
-    const std::uint64_t block = next.first_point / levels_.block_points();
-    if (next.last_point < sources_.begin || next.first_point >= sources_.end) {
-      loaded_ = next.last_point;
-      section->next_stored(passed_over_);
-      return true;
+  /// Keeps a block that nothing touches as it is stored, where one section alone has it: it is
+  /// copied, and neither decoded nor compressed again. Answers whether there is nothing else.
+  bool keep_stored(std::uint64_t block, std::uint64_t end) {
+    if (!range_.holds(first_of(block))) return true;
+    RecordStream* only = nullptr;
+    for (Stream& stream : streams_) {
+      if (stream.records.next_point() >= end) continue;
+      if (only) return false;
+      only = &stream.records;
     }
-    if (next.frontier > 0 || next.last_point / levels_.block_points() != block ||
-        block >= levels_.blocks() || levels_.holds(block) ||
-        grid_rows_.next_section_point() / levels_.block_points() <= block)
-      return false;
-    // Blocks before the next record are read in full.
-    emit_before(std::min<std::uint64_t>(settled, next.first_point));
-    loaded_ = next.last_point;
-    StoredChunk chunk;
-    if (!spare_.empty()) {
-      chunk = std::move(spare_.back());
-      spare_.pop_back();
+    if (!only) return true;
+    if (!only->is_stored_before(end)) return false;
+    std::vector<StoredChunk>& chunks = held_[block];
+    while (only->next_point() < end) {
+      StoredChunk chunk;
+      if (!spare_.empty()) {
+        chunk = std::move(spare_.back());
+        spare_.pop_back();
+      }
+      only->take_stored(chunk);
+      chunks.push_back(std::move(chunk));
     }
-    section->next_stored(chunk);
-    held_[block].push_back(std::move(chunk));
     return true;
-  }
-
-  /// Decodes the chunks that are held for a block: the block changes.
-  void open_block(std::uint64_t block) {
-    if (held_.empty()) return;
-    const auto held = held_.find(block);
-    if (held == held_.end()) return;
-    for (StoredChunk& chunk : held->second) {
-      opener_->decode(chunk, opened_);
-      append(opened_, 0, opened_.size());
-      spare_.push_back(std::move(chunk));
-    }
-    held_.erase(held);
   }
 
   /// Writes the blocks that lie wholly before `point`.
   void emit_before(std::uint64_t point) {
-    while ((emitted_ + 1) * levels_.block_points() <= point) {
-      if (!range_.holds(emitted_ * levels_.block_points())) {
-        held_.erase(emitted_);
-        levels_.visit(emitted_, [this](const RecordRows& rows, std::size_t begin, std::size_t end) {
-          for (std::size_t r = begin; r < end; ++r) check_settled(rows, r);
-        });
-        levels_.release(emitted_);
-      } else if (const auto held = held_.find(emitted_); held != held_.end()) {
+    for (; first_of(emitted_ + 1) <= point; ++emitted_) {
+      if (const auto held = held_.find(emitted_); held != held_.end()) {
         for (StoredChunk& chunk : held->second) {
-          out_.copy(chunk);
+          out_.grid.copy(chunk);
           spare_.push_back(std::move(chunk));
         }
         held_.erase(held);
-      } else {
-        levels_.visit(emitted_, [this](const RecordRows& rows, std::size_t begin, std::size_t end) {
-          emit(rows, begin, end);
-        });
-        levels_.release(emitted_);
+        continue;
       }
-      ++emitted_;
+      const bool wanted = range_.holds(first_of(emitted_));
+      levels_.visit(emitted_, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r) check_settled(rows, r);
+        if (wanted) emit(rows, begin, end);
+      });
+      levels_.release(emitted_);
     }
   }
 
   void emit(const RecordRows& rows, std::size_t begin, std::size_t end) {
     for (std::size_t r = begin; r < end; ++r) {
-      check_settled(rows, r);
       if (rows.generation[r] <= input_.generation()) continue;
       const DirectionMask todo = unsettled(&rows.links[r * kDirections]);
       stored_.points += rows.level[r] == 0;
       ++stored_.records;
       stored_.conversions += static_cast<std::uint64_t>(std::popcount(todo));
-      if (frontier_) frontier_->frontier(rows.point[r], rows.level[r], rows.row(r), todo);
+      if (out_.frontier) out_.frontier->frontier(rows.point[r], rows.level[r], rows.row(r), todo);
     }
-    out_.records(rows, begin, end);
+    while (begin < end) {
+      SectionWriter* const to = section_of(rows.generation[begin]);
+      std::size_t next = begin + 1;
+      while (next < end && section_of(rows.generation[next]) == to) ++next;
+      if (to) to->records(rows, begin, next);
+      begin = next;
+    }
+  }
+
+  SectionWriter* section_of(std::uint32_t generation) const {
+    if (!out_.tip) return &out_.grid;
+    if (generation > input_.generation()) return out_.tip;
+    return !out_.layer || generation == input_.generation() ? &out_.grid : nullptr;
   }
 
   /// Counts what is missing. Also around the range: a request that is missing there would give
@@ -241,18 +301,15 @@ class Merge {
   PointRange sources_;  // of the records, that these depend on
   Neighbourhood inside_{input_.spec().box};
   Levels levels_;
-  MergedRows<RecordRows> grid_rows_;
-  Run<RecordRows> run_;
-  SectionWriter& out_;
-  SectionWriter* frontier_;
+  const MergeOutput& out_;
   Progress& progress_;
-  std::optional<SectionReader> opener_;  // decodes chunks; only where the grid is plain
+  std::vector<Stream> streams_;
+  unsigned block_bits_;
+  std::vector<std::uint8_t> touched_;                       // by block: Touched
   std::map<std::uint64_t, std::vector<StoredChunk>> held_;  // by block
   std::vector<StoredChunk> spare_;
-  StoredChunk passed_over_;
-  RecordRows opened_;
   std::uint64_t prepared_ = ~std::uint64_t{0};  // target whose surroundings are in levels_
-  std::uint64_t loaded_ = 0;                    // the next record's point is at least this
+  std::uint64_t loaded_ = 0;                    // blocks below are read
   std::uint64_t emitted_ = 0;                   // blocks below are written
   NewRecords stored_;                           // of the range
   std::uint64_t asked_ = 0;                     // conversions that must be settled
@@ -262,11 +319,12 @@ class Merge {
 
 }  // namespace
 
-NewRecords merge(const MergeInput& input, PointRange range, const Model& model, SectionWriter& out,
-                 SectionWriter* frontier, Progress& progress) {
-  const NewRecords stored = Merge(input, range, model, out, frontier, progress).run();
-  out.finish();
-  if (frontier) frontier->finish();
+NewRecords merge(const MergeInput& input, PointRange range, const Model& model,
+                 const MergeOutput& out, Progress& progress) {
+  const NewRecords stored = Merge(input, range, model, out, progress).run();
+  out.grid.finish();
+  if (out.tip) out.tip->finish();
+  if (out.frontier) out.frontier->finish();
   return stored;
 }
 

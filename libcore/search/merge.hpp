@@ -26,6 +26,9 @@ class MergeInput {
   std::uint32_t generation() const { return generation_; }
   /// Conversions that the grid's frontier asks for.
   std::uint64_t conversions() const { return conversions_; }
+  /// @throw FormatError unless each section is all frontier or without: a layer takes the place of
+  /// the frontier, and of nothing else.
+  void require_layers() const;
   /// The header of the merged grid, which is plain. A grid whose frontier is empty keeps its
   /// records.
   SectionHeader merged_header() const;
@@ -44,16 +47,27 @@ struct NewRecords {
   std::uint64_t conversions = 0;  ///< that these records ask for
 };
 
+/// Where a merged grid goes. All sections are begun with merged_header(), but for the frontier's
+/// content.
+struct MergeOutput {
+  SectionWriter& grid;  ///< all records; but see `tip`
+  /// The records that this merge stores, and which are then not in `grid`: what is written there
+  /// never changes again. nullptr: they are in `grid`.
+  SectionWriter* tip = nullptr;
+  /// With `tip`: only the records that this merge settles are written to `grid`, a layer of the
+  /// grid. The grid is all its layers and the last tip.
+  bool layer = false;
+  SectionWriter* frontier = nullptr;  ///< the new frontier, where somebody wants it
+};
+
 /// Merges a whole generation, or the range of it whose records are wanted: each of the conversions
 /// of its frontier must be among the requests. Streams: the records between three slices of the
 /// grid are in memory at a time.
 /// @param range as point_range() cuts them. Grid and requests must hold what lies around it
 /// (ranges.hpp); what is farther away is passed over.
-/// @param out the merged grid, begun with merged_header(). @param frontier the new frontier,
-/// nullptr when nobody wants it.
 /// @throw FormatError when requests are missing (it counts them), contradict each other, or were
 /// not asked for; Error (level limit), ModelError, std::system_error.
-NewRecords merge(const MergeInput& input, PointRange range, const Model& model, SectionWriter& out,
-                 SectionWriter* frontier, Progress& progress);
+NewRecords merge(const MergeInput& input, PointRange range, const Model& model,
+                 const MergeOutput& out, Progress& progress);
 
 }  // namespace hapgrid

@@ -126,6 +126,12 @@ class SectionReader::State {
     last_ = record_key(chunk.info.last_point, 0);
   }
 
+  void pass_over() {
+    frames_.next(limit());
+    passed_over_ = true;
+    count(*peek());
+  }
+
   void decode_stored(const StoredChunk& chunk, RecordRows& rows) {
     const bool any = std::exchange(any_, false);
     const RowKey last = last_;
@@ -293,6 +299,7 @@ bool SectionReader::next(RecordRows& rows) { return state_->next(rows); }
 bool SectionReader::next(RequestRows& rows) { return state_->next(rows); }
 const ChunkInfo* SectionReader::peek() const { return state_->peek(); }
 void SectionReader::next_stored(StoredChunk& chunk) { state_->next_stored(chunk); }
+void SectionReader::pass_over() { state_->pass_over(); }
 void SectionReader::decode(const StoredChunk& chunk, RecordRows& rows) {
   state_->decode_stored(chunk, rows);
 }

@@ -24,9 +24,12 @@ class SectionReader {
   bool next(RecordRows& rows);
   bool next(RequestRows& rows);
 
-  /// The next chunk of a grid or a frontier as it is stored; its frame is checked against the footer's hash, its
-  /// content not looked at. @throw FormatError
+  /// The next chunk of a grid or a frontier as it is stored; its frame is checked against the
+  /// footer's hash, its content not looked at. @throw FormatError
   void next_stored(StoredChunk& chunk);
+  /// Goes on behind the next chunk, of which nothing is needed and nothing checked.
+  /// @throw FormatError
+  void pass_over();
   /// Decodes what next_stored() gave. @throw FormatError
   void decode(const StoredChunk& chunk, RecordRows& rows);
 

@@ -156,11 +156,12 @@ class SectionWriter::Encoder {
   std::size_t scratch_words_ = 0;
 };
 
-SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeader& header)
+SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeader& header, Cut cut)
     : header_(header),
       row_size_(row_size(header)),
       neighbourhood_(header.spec.box),
       encoder_(std::make_unique<Encoder>(fd, name, header.coding.is_coded ? kCodedLevel : kLevel)),
+      cut_(cut),
       row_limit_(header.content != Content::kGrid ? chunk_rows(row_size_)
                  : header.coding.is_coded         ? coded_chunk_points(row_size_)
                                                   : chunk_points(row_size_)) {
@@ -220,7 +221,8 @@ void SectionWriter::records(const RecordRows& rows, std::size_t begin, std::size
 void SectionWriter::enter_range(PointIndex point) {
   if (point < range_end_) return;
   flush();
-  range_end_ = (std::uint64_t{point} / row_limit_ + 1) * row_limit_;
+  range_end_ = cut_ == Cut::kByRows ? ~std::uint64_t{0}
+                                    : (std::uint64_t{point} / row_limit_ + 1) * row_limit_;
 }
 
 void SectionWriter::count_frontier(PointIndex point, std::uint32_t generation) {

@@ -13,14 +13,20 @@ namespace hapgrid {
 
 class ChunkEncoder;
 
+/// Where the chunks of a grid end: at the multiples of the points that one of them holds, so that
+/// what does not change keeps its bytes; or where they are full, for the few records that a
+/// generation has here and there.
+enum class Cut { kByPoints, kByRows };
+
 /// Rows are given in order, one by one, and leave in chunks whose boundaries depend on the rows
 /// alone; so the same rows give the same bytes. finish() writes the footer: without it the section
 /// is truncated, and no tool takes it.
 class SectionWriter {
  public:
-  /// Writes to `fd`, which the caller keeps open; `name` is for messages.
+  /// Writes to `fd`, which the caller keeps open; `name` is for messages. @param cut of a grid.
   /// @throw std::system_error
-  SectionWriter(int fd, const std::string& name, const SectionHeader& header);
+  SectionWriter(int fd, const std::string& name, const SectionHeader& header,
+                Cut cut = Cut::kByPoints);
   ~SectionWriter();
   SectionWriter(SectionWriter&&) noexcept;
 
@@ -86,7 +92,8 @@ class SectionWriter {
   SectionFooter footer_;
   Columns columns_;
   std::size_t rows_ = 0;
-  std::uint32_t frontier_ = 0;   // of the rows
+  std::uint32_t frontier_ = 0;  // of the rows
+  Cut cut_;
   std::uint64_t range_end_ = 0;  // of a grid's chunk: the first point behind its range
   std::uint32_t row_limit_;      // of a chunk; of a grid's chunk also the points of its range
 };

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <random>
 
 #include "libcore/base/error.hpp"
@@ -133,6 +134,7 @@ void expand_shards(const std::vector<std::string>& from, Part part, const std::s
   FrontierReader frontier(sections, part);
   const std::uint64_t expected = frontier.conversions();
   header.content = Content::kRequests;
+  header.generation = generation_of(sections);
   write_shard(to, header, [&](SectionWriter& out) {
     expand(frontier, converter, header.spec,
            [&out](PointIndex target, int q, Level level, const double* row) {
@@ -144,26 +146,31 @@ void expand_shards(const std::vector<std::string>& from, Part part, const std::s
 }
 
 void merge_shards(const std::vector<std::string>& from, const std::string& to,
-                  const std::string& frontier_name = "") {
+                  const std::string& frontier_name = "", const std::string& tip_name = "",
+                  bool layer = false) {
   const MergeInput input(open_sections(from));
   const Model model = toy_plugin().create(input.spec().parameters);
   Progress progress;
   SectionHeader frontier_header = input.merged_header();
   frontier_header.content = Content::kFrontier;
-  write_shard(to, input.merged_header(), [&](SectionWriter& out) {
-    if (frontier_name.empty()) {
-      merge(input, {}, model, out, nullptr, progress);
-    } else {
-      write_shard(frontier_name, frontier_header, [&](SectionWriter& frontier) {
-        merge(input, {}, model, out, &frontier, progress);
-      });
-    }
-  });
+  std::vector<FileDescriptor> files;
+  const auto writer = [&](const std::string& name, const SectionHeader& header, Cut cut) {
+    files.push_back(open_plain(name));
+    return SectionWriter(files.back().get(), name, header, cut);
+  };
+  SectionWriter out = writer(to, input.merged_header(), layer ? Cut::kByRows : Cut::kByPoints);
+  std::optional<SectionWriter> tip;
+  if (!tip_name.empty()) tip.emplace(writer(tip_name, input.merged_header(), Cut::kByRows));
+  std::optional<SectionWriter> frontier;
+  if (!frontier_name.empty())
+    frontier.emplace(writer(frontier_name, frontier_header, Cut::kByRows));
+  merge(input, {}, model, {out, tip ? &*tip : nullptr, layer, frontier ? &*frontier : nullptr},
+        progress);
 }
 
 /// Compares a grid with X, record by record.
-void require_same(const std::string& shard, const reference::Search& search) {
-  const Grid grid = load_grid({shard}).grid;
+void require_same(const std::vector<std::string>& shards, const reference::Search& search) {
+  const Grid grid = load_grid(shards).grid;
   REQUIRE(grid.generation() == search.generation());
   REQUIRE(grid.records() == search.x().size());
   RecordIndex r = 0;
@@ -191,28 +198,46 @@ TEST_CASE("rounds of expand and merge are Algorithm 1, generation by generation"
     const TemporaryDirectory dir;
     const Case c(random);
     reference::Search search = c.search();
-    const std::string grid = dir.file("grid");
-    write_seed_shard(c, grid);
+    std::vector<std::string> grid{dir.file("grid")};  // in one shard, or in layers and a tip
+    write_seed_shard(c, grid.front());
     require_same(grid, search);
     std::vector<std::string> frontier;  // of generation 0 there are no frontier shards
-    for (bool more = true; more;) {
+    int round = 0;
+    for (bool more = true; more; ++round) {
       // The generation in parts, from the grid or from frontier shards; merged in any order, and
       // some of the requests twice.
       const int parts = draw(random, 1, 4);
       const bool from_frontier = !frontier.empty() && draw(random, 0, 1);
-      std::vector<std::string> inputs{grid};
+      std::vector<std::string> inputs = grid;
       for (int k = 1; k <= parts; ++k) {
         inputs.push_back(dir.file("requests" + std::to_string(k)));
-        expand_shards(from_frontier ? frontier : std::vector{grid},
+        expand_shards(from_frontier ? frontier : grid,
                       {static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(parts)},
                       inputs.back());
       }
-      if (draw(random, 0, 2) == 0) inputs.push_back(inputs[1]);
+      if (draw(random, 0, 2) == 0) inputs.push_back(inputs.back());
       std::shuffle(inputs.begin(), inputs.end(), random);
-      const std::string next = dir.file("next");
-      merge_shards(inputs, next, dir.file("frontier"));
-      move_file(next, grid);
+      const std::string next = dir.file("grid" + std::to_string(round));
       frontier = {dir.file("frontier")};
+      const bool apart = grid.size() > 1 || round == 0;
+      switch (draw(random, 1, apart ? 6 : 2)) {
+        case 1:
+          merge_shards(inputs, next, frontier.front());
+          grid = {next};
+          break;
+        case 2:
+          merge_shards(inputs, next, frontier.front(), next + ".tip");
+          grid = {next, next + ".tip"};
+          break;
+        default:
+          merge_shards(inputs, next, frontier.front(), next + ".tip", /*layer=*/true);
+          // What had a frontier is in the layer now.
+          std::erase_if(grid, [](const std::string& name) {
+            return open_sections({name}).front().footer.frontier > 0;
+          });
+          grid.push_back(next);
+          grid.push_back(next + ".tip");
+      }
       more = search.round();
       require_same(grid, search);
     }
@@ -242,7 +267,7 @@ TEST_CASE("complete() is Algorithm 1, with any number of threads") {
     complete_shard(dir.file("seeds"), dir.file("grid"), static_cast<unsigned>(draw(random, 1, 4)));
     while (search.round()) {
     }
-    require_same(dir.file("grid"), search);
+    require_same({dir.file("grid")}, search);
   }
 }
 
