@@ -18,6 +18,7 @@ struct Message {
     requests @2 :RequestChunk;
     footer @3 :Footer;
     coded @4 :CodedChunk;
+    reached @5 :ReachedChunk;
   }
 }
 
@@ -218,18 +219,31 @@ struct CodedChunk {
 }
 
 struct RequestChunk {
-  # What conversions found. Requests ascend by (target, source point, source level). The source
-  # point is target - offset(direction), where offset = d1 + nx (d2 + ny d3).
+  # How requests were written before ReachedChunk, ascending by target. Not read any more.
 
   target @0 :List(UInt32);
   direction @1 :Data;
-  # One byte a request, 0 to 25.
-
   level @2 :Data;
-  # One byte a request: the level of the source record.
+  state @3 :List(Float64);
+  force @4 :List(Float64);
+  energy @5 :List(Float64);
+  shape @6 :List(Float32);
+}
+
+struct ReachedChunk {
+  # What conversions reached: the requests of source records, which ascend by (point, level) through
+  # a section. A request's target is point + offset(q), where offset = d1 + nx (d2 + ny d3).
+
+  point @0 :List(UInt32);
+  level @1 :Data;
+  # Of the source record; one byte a record.
+
+  directions @2 :List(UInt32);
+  # Bit q: the request in direction q is here. All these bits, record by record and q ascending, are
+  # the requests of the chunk.
 
   state @3 :List(Float64);
-  # The state reached; component by component, as in RecordChunk.
+  # The state reached; component by component: component c of request i is state[c * requests + i].
 
   force @4 :List(Float64);
   energy @5 :List(Float64);
@@ -265,7 +279,7 @@ struct ChunkInfo {
 
   firstPoint @2 :UInt32;
   lastPoint @3 :UInt32;
-  # Of requests: the first and last target.
+  # Of requests: of their source records.
 
   digestLow @4 :UInt64;
   digestHigh @5 :UInt64;

@@ -141,9 +141,8 @@ int run(const Options& options, LoadedModels& models, bool stay) {
       header.content = Content::kRequests;
       requests.emplace(options.output, options.ranges, header);
       expand(frontier, converter, header.spec,
-             [&requests](PointIndex target, int q, Level level, const double* row) {
-               requests->add(target, q, level, row);
-             });
+             [&requests](PointIndex point, Level level, DirectionMask directions,
+                         const double* rows) { requests->add(point, level, directions, rows); });
     }
   }
   if (!stay) models.unload();  // the report counts the time of processes that have ended

@@ -1,5 +1,6 @@
 #include "libcore/search/complete.hpp"
 
+#include <algorithm>
 #include <bit>
 
 #include "libcore/search/levels.hpp"
@@ -14,7 +15,9 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
   header.generation = generation_of(sections);
   header.coding = {};
   Levels levels(header.spec, converter.model());
-  Wavefront wave(header.spec);
+  const Neighbourhood neighbourhood(header.spec.box);
+  Batch batch(header.spec);
+  const std::size_t width = header.spec.row_size();
   std::vector<Levels::Stored> frontier;
 
   MergedRows<RecordRows> rows(sections);
@@ -29,8 +32,7 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
   while (!frontier.empty()) {
     std::uint64_t conversions = 0;
     for (const Levels::Stored& record : frontier)
-      conversions +=
-          static_cast<std::uint64_t>(std::popcount(wave.neighbourhood().inside(record.point)));
+      conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood.inside(record.point)));
     progress.generation = header.generation;
     progress.frontier_records = frontier.size();
     progress.frontier_done = 0;
@@ -38,22 +40,27 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
     progress.records = levels.records();
 
     const std::uint32_t generation = header.generation + 1;
-    const auto settle = [&](PointIndex target, int q, Wavefront::Slot slot, const double* row) {
-      if (levels.settle(target, q, wave.level(slot), row, generation))
-        found.push_back(levels.last_stored());
+    const auto finish_batch = [&] {
+      converter.convert(batch);
+      for (std::size_t i = 0; i < batch.size(); ++i) {
+        const Levels::Place source = levels.find(batch.point(i), batch.level(i));
+        for (DirectionMask left = batch.todo(i); left; left &= left - 1) {
+          const int q = std::countr_zero(left);
+          if (levels.settle(source, q, batch.reached(i) + static_cast<unsigned>(q) * width,
+                            generation))
+            found.push_back(levels.last_stored());
+        }
+      }
+      batch.clear();
     };
     found.clear();
-    Wavefront::Slot converted = wave.end();
     for (const Levels::Stored& record : frontier) {
-      wave.add(record.point, record.level, levels.state(record.point, record.level),
-               wave.neighbourhood().inside(record.point));
-      if (wave.end() - converted < wave.batch_size()) continue;
-      converter.convert(wave, converted, wave.end());
-      converted = wave.end();
-      wave.drain(wave.settled_before(record.point), settle);
+      batch.add(record.point, record.level, levels.state(levels.find(record.point, record.level)),
+                neighbourhood.inside(record.point));
+      if (batch.is_full()) finish_batch();
     }
-    converter.convert(wave, converted, wave.end());
-    wave.drain(header.spec.box.points(), settle);
+    finish_batch();
+    std::sort(found.begin(), found.end());
     frontier.swap(found);
     header.generation = generation;
   }

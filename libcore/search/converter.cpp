@@ -40,7 +40,7 @@ Model create_model(const ModelSource& source, const GridSpec& spec) {
 
 Converter::Converter(const ModelSource& source, const GridSpec& spec, unsigned threads,
                      Progress& progress)
-    : box_(spec.box), progress_(progress) {
+    : neighbourhood_(spec.box), box_(spec.box), progress_(progress) {
   for (unsigned i = 0; i < std::max(threads, 1u); ++i)
     models_.push_back(create_model(source, spec));
 }
@@ -52,30 +52,31 @@ Converter::~Converter() {
 /// Conversions are given out one by one, so that a process that answers slowly holds up nothing but
 /// what it has. Which failure is named does not depend on the processes: no conversion behind one
 /// that failed is given out, and all before it are.
-void Converter::convert_by_processes(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot end) {
+void Converter::convert_by_processes(Batch& batch) {
   std::uint64_t left = 0;
-  for (Wavefront::Slot slot = begin; slot < end; ++slot)
-    left += static_cast<std::uint64_t>(std::popcount(wave.todo(slot)));
+  for (std::size_t i = 0; i < batch.size(); ++i)
+    left += static_cast<std::uint64_t>(std::popcount(batch.todo(i)));
   const std::uint64_t workers = std::min<std::uint64_t>(models_.size(), left);
+  const std::size_t width = models_.front().row_size();
   constexpr std::uint64_t kNone = ~std::uint64_t{0};
   std::mutex mutex;
-  Wavefront::Slot slot = begin;
-  DirectionMask todo = begin < end ? wave.todo(begin) : 0;
-  std::uint64_t failed = kNone;  // a tag: 32 slot + direction
+  std::size_t i = 0;
+  DirectionMask todo = batch.size() > 0 ? batch.todo(0) : 0;
+  std::uint64_t failed = kNone;  // a tag: 32 i + direction
   std::string failure;
 
   const auto next = [&](Conversion& conversion, bool idle) {
     const std::lock_guard lock(mutex);
     // The last ones are for those that have nothing to do, not for a second place in a queue.
     if (left == 0 || (!idle && left < workers)) return false;
-    while (todo == 0) todo = wave.todo(++slot);
+    while (todo == 0) todo = batch.todo(++i);
     const int q = std::countr_zero(todo);
-    const std::uint64_t tag = slot * 32 + static_cast<unsigned>(q);
+    const std::uint64_t tag = i * 32 + static_cast<unsigned>(q);
     if (tag > failed) return false;
     todo &= todo - 1;
     --left;
-    conversion = {wave.state(slot), box_.position(wave.point(slot)), wave.neighbourhood().shift(q),
-                  wave.reached(slot, q), tag};
+    conversion = {batch.state(i), box_.position(batch.point(i)), neighbourhood_.shift(q),
+                  batch.reached(i) + static_cast<unsigned>(q) * width, tag};
     return true;
   };
   const auto done = [&](const Conversion& conversion, const std::string& error) {
@@ -87,14 +88,14 @@ void Converter::convert_by_processes(Wavefront& wave, Wavefront::Slot begin, Wav
     const std::lock_guard lock(mutex);
     if (conversion.tag >= failed) return;
     failed = conversion.tag;
-    failure = describe(box_, wave.point(failed / 32), wave.level(failed / 32)) + ", direction " +
+    failure = describe(box_, batch.point(failed / 32), batch.level(failed / 32)) + ", direction " +
               std::to_string(failed % 32) + ": " + error;
   };
   {
     std::vector<std::jthread> threads;
     try {
-      for (std::uint64_t i = 1; i < workers; ++i)
-        threads.emplace_back([&, i] { models_[i].convert(next, done); });
+      for (std::uint64_t k = 1; k < workers; ++k)
+        threads.emplace_back([&, k] { models_[k].convert(next, done); });
     } catch (...) {  // as below
       const std::lock_guard lock(mutex);
       left = 0;
@@ -107,14 +108,14 @@ void Converter::convert_by_processes(Wavefront& wave, Wavefront::Slot begin, Wav
 
 const CurrentConversion& current_conversion() noexcept { return current; }
 
-void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot end) {
-  if (models_.front().is_process()) return convert_by_processes(wave, begin, end);
+void Converter::convert(Batch& batch) {
+  if (models_.front().is_process()) return convert_by_processes(batch);
   const std::size_t width = models_.front().row_size();
-  // A unit is a direction of a slot: where there are few records, threads share one.
-  const std::uint64_t last = end * kDirections;
-  const std::uint64_t share = std::clamp<std::uint64_t>(
-      (end - begin) * kDirections / (8 * models_.size()), 1, kMaxShare * kDirections);
-  std::atomic<std::uint64_t> next{begin * kDirections};
+  // A unit is a direction of a record: where there are few records, threads share one.
+  const std::uint64_t last = batch.size() * kDirections;
+  const std::uint64_t share =
+      std::clamp<std::uint64_t>(last / (8 * models_.size()), 1, kMaxShare * kDirections);
+  std::atomic<std::uint64_t> next{0};
   std::atomic<bool> stop{false};
   std::mutex mutex;
   std::string failure;
@@ -127,21 +128,21 @@ void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot 
       if (from >= last) return;
       const std::uint64_t to = std::min(from + share, last);
       std::uint64_t done = 0;
-      for (Wavefront::Slot slot = from / kDirections; slot * kDirections < to; ++slot) {
-        const std::uint64_t first = slot * kDirections;
-        DirectionMask left = wave.todo(slot);
+      for (std::uint64_t i = from / kDirections; i * kDirections < to; ++i) {
+        const std::uint64_t first = i * kDirections;
+        DirectionMask left = batch.todo(i);
         if (first < from) left &= kAllDirections << (from - first);
         if (first + kDirections > to) left &= (1u << (to - first)) - 1;
         if (left == 0) continue;
-        const Vec3 x = box_.position(wave.point(slot));
-        const double* state = wave.state(slot);
-        const PointIndex point = wave.point(slot);
-        const Level level = wave.level(slot);
-        double* const reached = wave.reached(slot, 0);
+        const PointIndex point = batch.point(i);
+        const Level level = batch.level(i);
+        const Vec3 x = box_.position(point);
+        const double* state = batch.state(i);
+        double* const reached = batch.reached(i);
         for (; left; left &= left - 1) {
           const int q = std::countr_zero(left);
           current = {point, level, q};
-          if (!model.convert(state, x, wave.neighbourhood().shift(q), reached + q * width)) {
+          if (!model.convert(state, x, neighbourhood_.shift(q), reached + q * width)) {
             stop = true;
             const std::lock_guard lock(mutex);
             const std::uint64_t unit = first + static_cast<unsigned>(q);
@@ -161,7 +162,7 @@ void Converter::convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot 
     }
   };
 
-  if (models_.size() == 1 || begin == end) {
+  if (models_.size() == 1 || last == 0) {
     work(models_.front());
   } else {
     std::vector<std::jthread> threads;

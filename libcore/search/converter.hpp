@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "libcore/model/model.hpp"
-#include "libcore/search/wavefront.hpp"
+#include "libcore/search/batch.hpp"
 
 namespace hapgrid {
 
@@ -38,16 +38,17 @@ class Converter {
   Converter(const ModelSource& source, const GridSpec& spec, unsigned threads, Progress& progress);
   ~Converter();
 
-  /// Computes all conversions of slots [begin, end) of `wave`.
+  /// Computes all conversions of a batch.
   /// @throw ModelError naming point, level and direction of the first that failed.
-  void convert(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot end);
+  void convert(Batch& batch);
 
   /// A model for the caller's own thread, between calls of convert().
   const Model& model() const { return models_.front(); }
 
  private:
-  void convert_by_processes(Wavefront& wave, Wavefront::Slot begin, Wavefront::Slot end);
+  void convert_by_processes(Batch& batch);
 
+  Neighbourhood neighbourhood_;
   Box box_;
   std::vector<Model> models_;
   Progress& progress_;

@@ -6,27 +6,25 @@
 
 namespace hapgrid {
 
-/// Evaluates every conversion that `frontier` asks for and gives the requests to
-/// out(target, q, source level, row) as they are found, ascending by target.
-/// Memory: the frontier records between two slices of the grid, and one batch.
+/// Evaluates every conversion that `frontier` asks for and gives what was reached to
+/// out(point, level, directions, rows), record by record, ascending: `rows` has room for 26 rows,
+/// of which those of the `directions` are set. Memory: one batch.
 /// @throw ModelError, FormatError, std::system_error; what `out` throws
 template <class Sink>
 void expand(FrontierReader& frontier, Converter& converter, const GridSpec& spec, Sink&& out) {
-  Wavefront wave(spec);
-  Wavefront::Slot converted = wave.end();
-  const auto emit = [&](PointIndex target, int q, Wavefront::Slot slot, const double* row) {
-    out(target, q, wave.level(slot), row);
+  Batch batch(spec);
+  const auto finish_batch = [&] {
+    converter.convert(batch);
+    for (std::size_t i = 0; i < batch.size(); ++i)
+      out(batch.point(i), batch.level(i), batch.todo(i), batch.reached(i));
+    batch.clear();
   };
   FrontierReader::Record record;
   while (frontier.next(record)) {
-    wave.add(record.point, record.level, record.state, record.todo);
-    if (wave.end() - converted < wave.batch_size()) continue;
-    converter.convert(wave, converted, wave.end());
-    converted = wave.end();
-    wave.drain(wave.settled_before(record.point), emit);
+    batch.add(record.point, record.level, record.state, record.todo);
+    if (batch.is_full()) finish_batch();
   }
-  converter.convert(wave, converted, wave.end());
-  wave.drain(spec.box.points(), emit);
+  finish_batch();
 }
 
 }  // namespace hapgrid

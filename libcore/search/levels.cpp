@@ -17,10 +17,10 @@ Levels::Levels(const GridSpec& spec, const Model& model)
     : spec_(spec),
       model_(model),
       neighbourhood_(spec.box),
+      state_size_(spec.state_size),
       row_size_(spec.row_size()),
       block_points_(chunk_points(row_size_)),
-      block_bits_(static_cast<unsigned>(std::countr_zero(block_points_))),
-      last_row_(row_size_) {
+      block_bits_(static_cast<unsigned>(std::countr_zero(block_points_))) {
   blocks_.resize((spec.box.points() + block_points_ - 1) >> block_bits_);
 }
 
@@ -113,17 +113,24 @@ RecordRows Levels::view(const Block& block) const {
   return rows;
 }
 
-std::uint32_t Levels::find(const Block* block, PointIndex point, Level level) const {
-  if (!block) return kNone;
+Levels::Place Levels::find(PointIndex point, Level level) const {
+  Place place;
+  Block* const block = blocks_[point >> block_bits_].get();
+  if (!block) return place;
   std::uint32_t r = block->first[in_block(point)];
   for (; level > 0 && r != kNone; --level) r = block->next[r];
-  return r;
+  if (r == kNone) return place;
+  place.block_ = block;
+  place.record_ = r;
+  return place;
 }
 
-const double* Levels::state(PointIndex point, Level level) const {
-  const Block* block = blocks_[point >> block_bits_].get();
-  const std::uint32_t r = find(block, point, level);
-  return r == kNone ? nullptr : &block->numbers[std::size_t{r} * row_size_];
+std::uint32_t Levels::generation(Place place) const {
+  return place.block_->generation[place.record_];
+}
+
+const double* Levels::state(Place place) const {
+  return &place.block_->numbers[std::size_t{place.record_} * row_size_];
 }
 
 DirectionMask unsettled(const Level* links) {
@@ -134,51 +141,38 @@ DirectionMask unsettled(const Level* links) {
   return mask;
 }
 
-bool Levels::settle(PointIndex target, int q, Level source_level, const double* numbers,
-                    std::uint32_t generation) {
-  const auto source = static_cast<PointIndex>(std::int64_t{target} - neighbourhood_.offset(q));
-  Block* const from = blocks_[source >> block_bits_].get();
-  const std::uint32_t record = find(from, source, source_level);
-  Level* link =
-      record == kNone ? nullptr : &from->links[std::size_t{record} * kDirections + unsigned(q)];
-  if (!link || *link != kUnsettled) {
-    const bool repeated =
-        link && target == last_target_ && q == last_q_ && source_level == last_source_level_;
-    if (repeated && std::memcmp(numbers, last_row_.data(), row_size_ * sizeof(double)) == 0)
-      return false;
-    throw FormatError("requests: " + describe(spec_.box, source, source_level) + ", direction " +
-                      std::to_string(q) +
-                      (repeated ? ": two different answers"
-                                : ": the grid's frontier asks for no such conversion"));
-  }
-  last_target_ = target;
-  last_q_ = q;
-  last_source_level_ = source_level;
-  if (row_size_ == 1)
-    last_row_[0] = *numbers;
-  else
-    std::copy_n(numbers, row_size_, last_row_.data());
+std::string Levels::describe_source(Place source, int q) const {
+  const Block& from = *source.block_;
+  return describe(spec_.box, from.point[source.record_], from.level[source.record_]) +
+         ", direction " + std::to_string(q);
+}
 
+bool Levels::settle_other(Place source, int q, PointIndex target, const double* numbers,
+                          std::uint32_t generation) {
+  Level& link = source.block_->links[std::size_t{source.record_} * kDirections + unsigned(q)];
+  if (link != kUnsettled)
+    throw FormatError("requests: " + describe_source(source, q) +
+                      ": the grid's frontier asks for no such conversion");
   Block& here = block(target);
   std::uint32_t r = here.first[in_block(target)];
   std::uint32_t last = kNone;
   Level level = 0;
   while (r != kNone) {
-    if (model_.equal(&here.numbers[std::size_t{r} * row_size_], numbers)) {
-      *link = level;
+    const double* const known = &here.numbers[std::size_t{r} * row_size_];
+    if (has_bits(known, numbers) || model_.equal(known, numbers)) {
+      link = level;
       return false;
     }
     last = r;
     r = here.next[r];
     ++level;
   }
-  if (level >= spec_.max_levels) fail_level_limit(target, q, source_level);
+  if (level >= spec_.max_levels) fail_level_limit(target, source);
   if (!model_.equal(numbers, numbers))
     throw ModelError(
         "model " + spec_.model + ": its tolerance function tells a state from itself: " +
-        describe(spec_.box, target, level) + ", reached from " +
-        describe(spec_.box, source, source_level) + ", direction " + std::to_string(q));
-  *link = level;
+        describe(spec_.box, target, level) + ", reached from " + describe_source(source, q));
+  link = level;
   // `link` ends here: making room may move the records of its block.
   reserve(here, 1);
   r = here.records++;
@@ -196,13 +190,14 @@ bool Levels::settle(PointIndex target, int q, Level source_level, const double* 
   return true;
 }
 
-void Levels::fail_level_limit(PointIndex target, int q, Level source_level) const {
-  const auto source = static_cast<PointIndex>(std::int64_t{target} - neighbourhood_.offset(q));
+void Levels::fail_level_limit(PointIndex target, Place source) const {
+  const Block& from = *source.block_;
   throw Error(
       "level limit: " + describe(spec_.box, target) + " has " + std::to_string(spec_.max_levels) +
       " levels (search.max_levels), and a state reached from " +
-      describe(spec_.box, source, source_level) + " equals none of them within the tolerance " +
-      to_text(spec_.tolerance) + (spec_.tolerance_unit.empty() ? "" : " " + spec_.tolerance_unit) +
+      describe(spec_.box, from.point[source.record_], from.level[source.record_]) +
+      " equals none of them within the tolerance " + to_text(spec_.tolerance) +
+      (spec_.tolerance_unit.empty() ? "" : " " + spec_.tolerance_unit) +
       ": the model has more states there, or its conversion is less exact than its tolerance");
 }
 

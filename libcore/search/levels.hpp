@@ -1,8 +1,11 @@
 // The array X[x, l] of Algorithm 1 while it grows: lines 10 to 20 of the paper.
 #pragma once
 
+#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "libcore/grid/grid.hpp"
@@ -13,14 +16,29 @@ namespace hapgrid {
 
 /// Records live in blocks of consecutive points, the points of one chunk of a grid; a block can be
 /// given away when nothing will touch it any more, so a merge needs only those around its wave.
-/// Requests must come ascending by (target, source point, source level): that order, together with
-/// the tolerance function, decides which states become levels (design section 2).
+/// Requests must come ascending by (source point, source level): the order in which they reach each
+/// target decides, together with the tolerance function, which states become levels (design section
+/// 2).
 class Levels {
+  struct Block;
+
  public:
   /// A record that settle() stored.
   struct Stored {
     PointIndex point;
     Level level;
+    auto operator<=>(const Stored&) const = default;
+  };
+
+  /// Where a record is, until its block is released.
+  class Place {
+   public:
+    explicit operator bool() const { return block_ != nullptr; }
+
+   private:
+    friend class Levels;
+    Block* block_ = nullptr;
+    std::uint32_t record_ = 0;
   };
 
   /// @param model judges equality. @param generation of the records that settle() stores.
@@ -32,18 +50,33 @@ class Levels {
   /// @throw FormatError when a level is not the next one at its point.
   void append(const RecordRows& rows, std::size_t begin, std::size_t end);
 
-  /// Finds or stores a state at `target` (lines 11 to 19) and sets the destination level of the
-  /// source record (line 20). `numbers` is the row that was reached. The same request twice in a
-  /// row counts once.
-  /// @param generation that a new record gets. Answers whether a record was stored.
-  /// @throw FormatError when the source is not there, is not in the frontier, or was answered with
-  /// another state before; Error when the level limit is reached.
-  bool settle(PointIndex target, int q, Level source_level, const double* numbers,
-              std::uint32_t generation);
+  /// Where the record is, nowhere where there is none.
+  Place find(PointIndex point, Level level) const;
+  std::uint32_t generation(Place place) const;
+  const double* state(Place place) const;
+
+  /// Finds or stores the state that a conversion reached from `source` in direction q (lines 11 to
+  /// 19) and sets the link there (line 20). `numbers` is the row that was reached; it equals a
+  /// state whose bits it has. @param generation that a new record gets. Answers whether a record
+  /// was stored.
+  /// @throw FormatError when the link is settled already; Error when the level limit is reached.
+  bool settle(Place source, int q, const double* numbers, std::uint32_t generation) {
+    const std::size_t link = std::size_t{source.record_} * kDirections + unsigned(q);
+    const auto target =
+        static_cast<PointIndex>(source.block_->point[source.record_] + neighbourhood_.offset(q));
+    // Most conversions reach the very state that is known there as the first.
+    const Block* const here = blocks_[target >> block_bits_].get();
+    if (here && source.block_->links[link] == kUnsettled) {
+      const std::uint32_t r = here->first[in_block(target)];
+      if (r != kNone && has_bits(&here->numbers[std::size_t{r} * row_size_], numbers)) {
+        source.block_->links[link] = 0;
+        return false;
+      }
+    }
+    return settle_other(source, q, target, numbers, generation);
+  }
   /// The record that settle() stored last.
   Stored last_stored() const { return last_stored_; }
-
-  const double* state(PointIndex point, Level level) const;
 
   /// Calls f(rows, begin, end) for the records of block `number`, ascending: as few runs of them as
   /// there are, one where no record was added to those that were appended.
@@ -83,13 +116,21 @@ class Levels {
   /// The records of a block, valid until one is added.
   RecordRows view(const Block& block) const;
   std::uint32_t in_block(PointIndex point) const { return point & (block_points_ - 1); }
-  /// The record's number in its block, kNone where there is none.
-  std::uint32_t find(const Block* block, PointIndex point, Level level) const;
-  [[noreturn]] void fail_level_limit(PointIndex target, int q, Level source_level) const;
+  bool settle_other(Place source, int q, PointIndex target, const double* numbers,
+                    std::uint32_t generation);
+  /// Whether two states are the same, bit by bit.
+  bool has_bits(const double* a, const double* b) const {
+    return std::bit_cast<std::uint64_t>(a[0]) == std::bit_cast<std::uint64_t>(b[0]) &&
+           (state_size_ == 1 || std::memcmp(a, b, state_size_ * sizeof(double)) == 0);
+  }
+  /// For messages: the source and its direction.
+  std::string describe_source(Place source, int q) const;
+  [[noreturn]] void fail_level_limit(PointIndex target, Place source) const;
 
   const GridSpec& spec_;
   const Model& model_;
   Neighbourhood neighbourhood_;
+  std::uint32_t state_size_;
   std::uint32_t row_size_;
   std::uint32_t block_points_;
   unsigned block_bits_;
@@ -97,11 +138,6 @@ class Levels {
   std::vector<std::unique_ptr<Block>> free_blocks_;
   std::uint64_t records_ = 0;
   Stored last_stored_{};
-  // The last request, to tell a repeated one from a contradicting one.
-  PointIndex last_target_ = 0;
-  int last_q_ = -1;
-  Level last_source_level_ = 0;
-  std::vector<double> last_row_;
 };
 
 /// Directions of a record that are not settled.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <map>
 #include <utility>
 
@@ -65,7 +66,8 @@ class Merge {
         Progress& progress)
       : input_(input),
         range_(range),
-        reach_(static_cast<std::uint64_t>(Neighbourhood(input.spec().box).reach())),
+        neighbourhood_(input.spec().box),
+        reach_(static_cast<std::uint64_t>(neighbourhood_.reach())),
         targets_(range.widened(reach_)),
         sources_(needed_points(input.spec(), range)),
         levels_(input.spec(), model),
@@ -89,24 +91,13 @@ class Merge {
   }
 
   NewRecords run() {
-    const std::uint32_t generation = input_.merged_header().generation;
     MergedRows<RequestRows> requests(input_.requests());
     for (Run<RequestRows> run = requests.next(); run.rows; run = requests.next()) {
-      const RequestRows& rows = *run.rows;
-      for (std::size_t r = run.begin; r < run.end; ++r) {
-        const PointIndex target = rows.target[r];
-        if (!targets_.holds(target)) continue;
-        if (target != prepared_) {
-          // A source lies at most `reach` behind its target, and is touched at most `reach` later.
-          advance(target + reach_ + 1, target > reach_ ? target - reach_ : 0);
-          prepared_ = target;
-        }
-        levels_.settle(target, rows.direction[r], rows.level[r], rows.row(r), generation);
-      }
-      progress_.conversions += run.end - run.begin;
+      for (std::size_t r = run.begin; r < run.end; ++r)
+        if (sources_.holds(run.rows->point[r])) settle(*run.rows, r, r + 1 == run.end);
     }
     const std::uint64_t end = first_of(levels_.blocks());
-    advance(end, end);
+    advance(end - 1, end);
     for (Stream& stream : streams_)
       if (stream.part != kOld || !out_.layer) stream.records.finish();
     if (missing_ > 0)
@@ -118,6 +109,44 @@ class Merge {
   }
 
  private:
+  /// Takes the requests of a source record. @param may_go_on whether the next row can be of the
+  /// same record: its other requests may come from another shard, and some of these again.
+  void settle(const RequestRows& rows, std::size_t r, bool may_go_on) {
+    const PointIndex point = rows.point[r];
+    const RowKey key = record_key(point, rows.level[r]);
+    if (key != source_key_) {
+      if (point + reach_ >= first_of(loaded_))
+        advance(point + reach_, point > reach_ ? point - reach_ : 0);
+      source_ = levels_.find(point, rows.level[r]);
+      if (!source_ || levels_.generation(source_) != input_.generation())
+        fail(rows, r, std::countr_zero(rows.directions[r]),
+             "the grid's frontier asks for no such conversion");
+      source_key_ = key;
+      answered_ = 0;
+    }
+    const std::uint32_t generation = input_.generation() + 1;
+    const double* row = rows.row(rows.first[r]);
+    for (DirectionMask left = rows.directions[r]; left; left &= left - 1, row += rows.width) {
+      const int q = std::countr_zero(left);
+      double* const answer = &answers_[static_cast<unsigned>(q) * rows.width];
+      if (answered_ >> q & 1) {
+        if (std::memcmp(row, answer, rows.width * sizeof(double)) != 0)
+          fail(rows, r, q, "two different answers");
+        continue;
+      }
+      if (targets_.holds(static_cast<std::uint64_t>(point + neighbourhood_.offset(q))))
+        levels_.settle(source_, q, row, generation);
+      if (may_go_on) std::copy_n(row, rows.width, answer);
+    }
+    answered_ |= rows.directions[r];
+    progress_.conversions += static_cast<std::uint64_t>(std::popcount(rows.directions[r]));
+  }
+
+  [[noreturn]] void fail(const RequestRows& rows, std::size_t r, int q, const char* what) const {
+    throw FormatError("requests: " + describe(input_.spec().box, rows.point[r], rows.level[r]) +
+                      ", direction " + std::to_string(q) + ": " + what);
+  }
+
   enum Part { kOld, kRecent, kTip };
   struct Stream {
     RecordStream records;
@@ -129,10 +158,10 @@ class Merge {
 
   std::uint64_t first_of(std::uint64_t block) const { return block * levels_.block_points(); }
 
-  /// Reads the blocks up to the point before `wanted`, and writes those that lie wholly before the
-  /// point `settled`: nothing will touch them again.
+  /// Reads the blocks up to the point `wanted`, and writes those that lie wholly before the point
+  /// `settled`: nothing will touch them again.
   void advance(std::uint64_t wanted, std::uint64_t settled) {
-    for (; loaded_ < levels_.blocks() && first_of(loaded_) < wanted; ++loaded_) {
+    for (; loaded_ < levels_.blocks() && first_of(loaded_) <= wanted; ++loaded_) {
       emit_before(std::min(settled, first_of(loaded_)));
       load(loaded_);
     }
@@ -279,11 +308,11 @@ class Merge {
   void check_settled(const RecordRows& rows, std::size_t r) {
     if (rows.generation[r] != input_.generation()) return;
     const PointIndex point = rows.point[r];
-    const DirectionMask inside = inside_.inside(point);
+    const DirectionMask inside = neighbourhood_.inside(point);
     DirectionMask beyond = 0;  // in the box, but of no range that is looked at
     if (point < targets_.begin + reach_ || point + reach_ >= targets_.end) {
       for (int q = 0; q < kDirections; ++q)
-        if (!targets_.holds(static_cast<std::uint64_t>(point + inside_.offset(q))))
+        if (!targets_.holds(static_cast<std::uint64_t>(point + neighbourhood_.offset(q))))
           beyond |= DirectionMask{1} << q & inside;
     }
     asked_ += static_cast<std::uint64_t>(std::popcount(inside & ~beyond));
@@ -296,10 +325,10 @@ class Merge {
 
   const MergeInput& input_;
   PointRange range_;  // of the records that are wanted
+  Neighbourhood neighbourhood_;
   std::uint64_t reach_;
   PointRange targets_;  // of the requests, and
   PointRange sources_;  // of the records, that these depend on
-  Neighbourhood inside_{input_.spec().box};
   Levels levels_;
   const MergeOutput& out_;
   Progress& progress_;
@@ -308,12 +337,16 @@ class Merge {
   std::vector<std::uint8_t> touched_;                       // by block: Touched
   std::map<std::uint64_t, std::vector<StoredChunk>> held_;  // by block
   std::vector<StoredChunk> spare_;
-  std::uint64_t prepared_ = ~std::uint64_t{0};  // target whose surroundings are in levels_
-  std::uint64_t loaded_ = 0;                    // blocks below are read
-  std::uint64_t emitted_ = 0;                   // blocks below are written
-  NewRecords stored_;                           // of the range
-  std::uint64_t asked_ = 0;                     // conversions that must be settled
-  std::uint64_t missing_ = 0;                   // of these, not settled
+  RowKey source_key_ = ~RowKey{0};  // of the requests taken last
+  Levels::Place source_;
+  DirectionMask answered_ = 0;
+  std::vector<double> answers_ =  // 26 rows, where others may follow
+      std::vector<double>(kDirections * std::size_t{input_.spec().row_size()});
+  std::uint64_t loaded_ = 0;   // blocks below are read
+  std::uint64_t emitted_ = 0;  // blocks below are written
+  NewRecords stored_;          // of the range
+  std::uint64_t asked_ = 0;    // conversions that must be settled
+  std::uint64_t missing_ = 0;  // of these, not settled
   std::string first_missing_;
 };
 

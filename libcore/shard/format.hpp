@@ -90,23 +90,21 @@ struct RecordRows : Chunk {
   std::size_t size() const { return point.size(); }
 };
 
-/// R requests: target, direction q, source level; the rows are what was reached.
+/// What N requests of R source records reached. The numbers are N x width: those of a record's
+/// `directions`, ascending.
 struct RequestRows : Chunk {
-  std::span<const PointIndex> target;
-  std::span<const std::uint8_t> direction;
+  std::span<const PointIndex> point;
   std::span<const Level> level;
+  std::span<const DirectionMask> directions;
+  std::vector<std::uint32_t> first;  ///< R: each record's first request
 
-  std::size_t size() const { return target.size(); }
+  std::size_t size() const { return point.size(); }
 };
 
-/// Where a row stands in its section's order: records by (point, level), requests by
-/// (target, source point, source level). For one target the source point ascends as q descends.
+/// Where a row stands in its section's order: by (point, level).
 using RowKey = std::uint64_t;
-inline RowKey record_key(PointIndex point, Level level) { return RowKey{point} << 16 | level; }
-inline RowKey request_key(PointIndex target, int q, Level level) {
-  return RowKey{target} << 16 | RowKey(kDirections - 1 - q) << 8 | level;
-}
-inline PointIndex key_point(RowKey key) { return static_cast<PointIndex>(key >> 16); }
+inline RowKey record_key(PointIndex point, Level level) { return RowKey{point} << 8 | level; }
+inline PointIndex key_point(RowKey key) { return static_cast<PointIndex>(key >> 8); }
 
 /// How many numbers a row of the section has: a frontier's are the states alone, which is all that
 /// a conversion starts from.
@@ -123,7 +121,8 @@ std::uint32_t chunk_points(std::uint32_t row_size);
 /// that such a chunk has.
 std::uint32_t coded_chunk_points(std::uint32_t row_size);
 
-/// How many rows a chunk of requests, or of a frontier, has at most.
+/// How many requests, or records of a frontier, a chunk has at most; but a record's requests stay
+/// together.
 std::uint32_t chunk_rows(std::uint32_t row_size);
 
 }  // namespace hapgrid

@@ -6,11 +6,9 @@
 namespace hapgrid {
 
 namespace {
-RowKey key(const RecordRows& rows, std::size_t r) {
+template <class Rows>
+RowKey key(const Rows& rows, std::size_t r) {
   return record_key(rows.point[r], rows.level[r]);
-}
-RowKey key(const RequestRows& rows, std::size_t r) {
-  return request_key(rows.target[r], rows.direction[r], rows.level[r]);
 }
 }  // namespace
 

@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -18,11 +17,12 @@ namespace hapgrid {
 
 namespace {
 
-/// The largest message that a section can hold: a chunk near 1 MiB, or a single large row; a coded
-/// one is near 4 MiB, or four large rows.
+/// The largest message that a section can hold: a chunk near 1 MiB, or a single large row, or the
+/// requests of a record; a coded one is near 4 MiB, or four large rows.
 std::uint64_t chunk_limit(const SectionHeader& header) {
+  const std::uint64_t rows = header.content == Content::kRequests ? kDirections + 4 : 4;
   const std::uint64_t factor = header.coding.is_coded ? 2 : 1;
-  return factor * ((4 << 20) + 4 * record_bytes(row_size(header)));
+  return factor * ((4 << 20) + rows * record_bytes(row_size(header)));
 }
 
 /// A column of `count` primitive values. A hostile list may have been encoded with another element
@@ -168,13 +168,10 @@ class SectionReader::State {
       frontier_ = 0;
       read(message, rows);
       if (rows.size() != info.rows || key_point(last_) != info.last_point ||
-          first_point(rows) != info.first_point || frontier_ != info.frontier)
+          rows.point[0] != info.first_point || frontier_ != info.frontier)
         throw FormatError("damaged: a chunk does not fit what the footer says of it");
     });
   }
-
-  static PointIndex first_point(const RecordRows& rows) { return rows.point[0]; }
-  static PointIndex first_point(const RequestRows& rows) { return rows.target[0]; }
 
   void count(const ChunkInfo& info) {
     ++next_;
@@ -186,7 +183,7 @@ class SectionReader::State {
   void finish() const {
     const SectionFooter& footer = section_->footer;
     const bool requests = section_->header.content == Content::kRequests;
-    if (footer.records != (requests ? 0 : rows_) || footer.requests != (requests ? rows_ : 0) ||
+    if (footer.records != (requests ? 0 : rows_) || footer.requests != requests_ ||
         footer.frontier != frontier_sum_ || (!passed_over_ && footer.conversions != conversions_))
       throw FormatError(section_->file->name() +
                         ": damaged: the counts in the footer do not fit the content");
@@ -234,29 +231,29 @@ class SectionReader::State {
   }
 
   void read(schema::Message::Reader message, RequestRows& rows) {
-    if (!message.isRequests()) throw FormatError("damaged: a chunk of requests was expected");
-    const schema::RequestChunk::Reader chunk = message.getRequests();
-    const std::size_t count = chunk.getTarget().size();
+    if (!message.isReached()) throw FormatError("damaged: a chunk of requests was expected");
+    const schema::ReachedChunk::Reader chunk = message.getReached();
+    const std::size_t count = chunk.getPoint().size();
     if (count == 0) throw FormatError("damaged: a chunk without rows");
-    rows.target = column<PointIndex>(chunk.getTarget(), count, "target");
-    rows.direction = column(chunk.getDirection(), count, "direction");
+    rows.point = column<PointIndex>(chunk.getPoint(), count, "point");
     rows.level = column(chunk.getLevel(), count, "level");
-    read_rows(chunk, count, section_->header, rows);
+    rows.directions = column<DirectionMask>(chunk.getDirections(), count, "directions");
+    rows.first.resize(count);
+    std::size_t requests = 0;
     for (std::size_t r = 0; r < count; ++r) {
-      const PointIndex t = rows.target[r];
-      const int q = rows.direction[r];
-      if (q >= kDirections) throw FormatError("damaged: a direction beyond 25");
-      check_row(t, request_key(t, q, rows.level[r]), rows.level[r]);
-      if (t != inside_point_) {
-        inside_point_ = t;
-        inside_mask_ = neighbourhood_.inside(t);
-      }
-      // The way back must stay inside, or the source would not be a point of the box.
-      if (!(inside_mask_ >> Direction(q).opposite().q() & 1))
-        throw FormatError("damaged: a request from outside the box");
+      const PointIndex p = rows.point[r];
+      check_row(p, record_key(p, rows.level[r]), rows.level[r]);
+      const DirectionMask directions = rows.directions[r];
+      if (directions == 0) throw FormatError("damaged: a record without requests");
+      if (directions & ~neighbourhood_.inside(p))
+        throw FormatError("damaged: a request that leaves the box");
+      rows.first[r] = static_cast<std::uint32_t>(requests);
+      requests += static_cast<std::size_t>(std::popcount(directions));
     }
+    read_rows(chunk, requests, section_->header, rows);
     for (const double number : rows.numbers)
       if (!std::isfinite(number)) throw FormatError("damaged: a request's state is not finite");
+    requests_ += requests;
   }
 
   void check_row(PointIndex point, RowKey key, Level level) {
@@ -283,12 +280,11 @@ class SectionReader::State {
   std::uint64_t rows_ = 0;  // of the chunks before it
   std::uint64_t frontier_sum_ = 0;
   std::uint64_t conversions_ = 0;
+  std::uint64_t requests_ = 0;
   bool passed_over_ = false;    // a chunk whose conversions are not known without decoding it
   std::uint32_t frontier_ = 0;  // of the chunk at hand
   bool any_ = false;
   RowKey last_ = 0;
-  PointIndex inside_point_ = std::numeric_limits<PointIndex>::max();
-  DirectionMask inside_mask_ = 0;
 };
 
 SectionReader::SectionReader(const Section& section) : state_(std::make_unique<State>(section)) {}

@@ -44,6 +44,7 @@ RecordStream::Fetched& RecordStream::fetch_decoded() {
   Fetched& chunk = fetch();
   chunk.is_decoded = true;
   reader().next(chunk.rows);
+  chunk.position = first_at(chunk.rows, 0, from_);
   return chunk;
 }
 
@@ -52,8 +53,11 @@ void RecordStream::fetch_stored() { reader().next_stored(fetch().stored); }
 RecordStream::Fetched& RecordStream::front() {
   if (fetched_.empty()) return fetch_decoded();
   Fetched& chunk = *fetched_.front();
-  if (!chunk.is_decoded) reader().decode(chunk.stored, chunk.rows);
-  chunk.is_decoded = true;
+  if (!chunk.is_decoded) {
+    reader().decode(chunk.stored, chunk.rows);
+    chunk.is_decoded = true;
+    chunk.position = first_at(chunk.rows, 0, from_);
+  }
   return chunk;
 }
 
@@ -73,24 +77,26 @@ std::uint64_t RecordStream::next_point() const {
 }
 
 void RecordStream::skip_before(std::uint64_t point) {
-  while (next_point() < point) {
-    if (fetched_.empty() && next_chunk()->last_point < point) {
-      reader().pass_over();
-    } else if (!fetched_.empty() && !fetched_.front()->is_decoded &&
-               fetched_.front()->stored.info.last_point < point) {
-      drop_front();
+  from_ = point;
+  while (!fetched_.empty()) {
+    Fetched& chunk = *fetched_.front();
+    if (!chunk.is_decoded) {
+      if (chunk.stored.info.last_point >= point) return;
     } else {
-      Fetched& chunk = front();
       chunk.position = first_at(chunk.rows, chunk.position, point);
-      if (chunk.position == chunk.rows.size()) drop_front();
+      if (chunk.position < chunk.rows.size()) return;
     }
+    drop_front();
   }
+  for (const ChunkInfo* next = next_chunk(); next && next->last_point < point; next = next_chunk())
+    reader().pass_over();
 }
 
 Run<RecordRows> RecordStream::next_before(std::uint64_t end) {
   if (next_point() >= end) return {};
   Fetched& chunk = front();
   const std::size_t begin = chunk.position;
+  if (chunk.rows.point[begin] >= end) return {};
   chunk.position = first_at(chunk.rows, begin, end);
   const Run<RecordRows> run{&chunk.rows, begin, chunk.position};
   if (chunk.position == chunk.rows.size()) drop_front();

@@ -17,8 +17,8 @@ class RecordStream {
   /// `section`, of a grid, must outlive this object.
   explicit RecordStream(const Section& section) : section_(&section) {}
 
-  /// The point of the next record; of a chunk that is not decoded yet, its first. 2^64 - 1 behind
-  /// the last.
+  /// The point of the next record; where its chunk is not decoded yet, a point not behind it.
+  /// 2^64 - 1 behind the last.
   std::uint64_t next_point() const;
 
   /// Forgets the records before `point`. @throw FormatError, std::system_error, as all here
@@ -29,7 +29,8 @@ class RecordStream {
   Run<RecordRows> next_before(std::uint64_t end);
 
   /// Fetches the chunks that begin before `end` and were not yet, without taking their records:
-  /// those that are `wanted` are decoded for f(rows), the others stay as they are stored.
+  /// those that are `wanted` are decoded for f(rows), the others stay as they are stored. No chunk
+  /// is fetched before it by anything but next_before().
   template <class Wanted, class F>
   void look_ahead(std::uint64_t end, Wanted&& wanted, F&& f) {
     for (const ChunkInfo* next = next_chunk(); next && next->first_point < end;
@@ -71,6 +72,7 @@ class RecordStream {
 
   const Section* section_;
   std::optional<SectionReader> reader_;
+  std::uint64_t from_ = 0;  // records before are forgotten
   std::deque<std::unique_ptr<Fetched>> fetched_;
   std::unique_ptr<Fetched> taken_;  // the chunk of the last run
   std::vector<std::unique_ptr<Fetched>> spare_;

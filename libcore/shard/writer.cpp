@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
+#include <type_traits>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
@@ -42,6 +43,12 @@ void copy_components(typename capnp::List<T>::Builder list, const double* number
   const auto bytes = capnp::AnyList::Reader(list.asReader()).getRawBytes();
   auto* out = reinterpret_cast<T*>(const_cast<kj::byte*>(bytes.begin()));
   const std::size_t rows = list.size() / (last - first);
+  if constexpr (std::is_same_v<T, double>) {
+    if (width == 1) {
+      std::memcpy(out, numbers, rows * sizeof(double));
+      return;
+    }
+  }
   for (std::size_t r = 0; r < rows; ++r)
     for (std::uint32_t c = first; c < last; ++c)
       out[(c - first) * rows + r] = static_cast<T>(numbers[r * width + c]);
@@ -162,23 +169,22 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
       neighbourhood_(header.spec.box),
       encoder_(std::make_unique<Encoder>(fd, name, header.coding.is_coded ? kCodedLevel : kLevel)),
       cut_(cut),
-      row_limit_(header.content != Content::kGrid ? chunk_rows(row_size_)
-                 : header.coding.is_coded         ? coded_chunk_points(row_size_)
-                                                  : chunk_points(row_size_)) {
+      row_limit_(header.content == Content::kRequests
+                     ? std::max<std::uint32_t>(chunk_rows(row_size_), kDirections)
+                 : header.content == Content::kFrontier ? chunk_rows(row_size_)
+                 : header.coding.is_coded               ? coded_chunk_points(row_size_)
+                                                        : chunk_points(row_size_)) {
   if (header.coding.is_coded) coder_ = std::make_unique<ChunkEncoder>(header_);
   const std::size_t rows = row_limit_;
   columns_.point = std::make_unique_for_overwrite<PointIndex[]>(rows);
   columns_.level = std::make_unique_for_overwrite<Level[]>(rows);
   columns_.numbers = std::make_unique_for_overwrite<double[]>(rows * row_size_);
-  if (header.content == Content::kRequests) {
-    columns_.direction = std::make_unique_for_overwrite<std::uint8_t[]>(rows);
-  } else {
+  if (header.content != Content::kRequests)
     columns_.generation = std::make_unique_for_overwrite<std::uint32_t[]>(rows);
-    if (header.content == Content::kGrid)
-      columns_.links = std::make_unique_for_overwrite<Level[]>(rows * kDirections);
-    else
-      columns_.todo = std::make_unique_for_overwrite<DirectionMask[]>(rows);
-  }
+  if (header.content == Content::kGrid)
+    columns_.links = std::make_unique_for_overwrite<Level[]>(rows * kDirections);
+  else
+    columns_.directions = std::make_unique_for_overwrite<DirectionMask[]>(rows);
   // A guess: what does not fit is put together from more segments.
   encoder_->write(1024, nullptr, [&](schema::Message::Builder message) {
     encode_header(header, message.initHeader());
@@ -238,7 +244,27 @@ void SectionWriter::frontier(PointIndex point, Level level, const double* state,
   ++frontier_;
   footer_.conversions += static_cast<std::uint64_t>(std::popcount(todo));
   columns_.generation[row] = header_.generation;
-  columns_.todo[row] = todo;
+  columns_.directions[row] = todo;
+}
+
+void SectionWriter::requests(PointIndex point, Level level, DirectionMask directions,
+                             const double* rows) {
+  const auto count = static_cast<std::size_t>(std::popcount(directions));
+  if (requests_ + count > row_limit_) flush();
+  columns_.point[rows_] = point;
+  columns_.level[rows_] = level;
+  columns_.directions[rows_] = directions;
+  ++rows_;
+  double* to = &columns_.numbers[requests_ * row_size_];
+  if (directions == kAllDirections) {
+    std::copy_n(rows, count * row_size_, to);
+  } else {
+    for (DirectionMask left = directions; left; left &= left - 1, to += row_size_)
+      std::copy_n(rows + static_cast<std::size_t>(std::countr_zero(left)) * row_size_, row_size_,
+                  to);
+  }
+  requests_ += count;
+  footer_.requests += count;
 }
 
 void SectionWriter::copy(const StoredChunk& chunk) {
@@ -259,22 +285,35 @@ RecordRows SectionWriter::rows_so_far() const {
   return rows;
 }
 
+/// Of the columns of the chunk at hand; where it is coded, more than that.
+std::size_t SectionWriter::message_bytes() const {
+  const std::size_t row = sizeof(double) * row_size_;
+  switch (header_.content) {
+    case Content::kRequests:
+      return rows_ * (sizeof(PointIndex) + sizeof(Level) + sizeof(DirectionMask)) + requests_ * row;
+    case Content::kFrontier:
+      return rows_ * (2 * sizeof(PointIndex) + sizeof(Level) + sizeof(DirectionMask) + row);
+    case Content::kGrid:
+      break;
+  }
+  return rows_ * record_bytes(row_size_);
+}
+
 void SectionWriter::flush() {
   if (rows_ == 0) return;
   const auto rows = static_cast<unsigned>(rows_);
-  const std::size_t words =
-      (rows_ * (record_bytes(row_size_) + sizeof(DirectionMask)) + 11 * row_size_) /
-          sizeof(std::uint64_t) +
-      64;
+  // Each column ends at a word; there are row_size_ + 8 of them at most, and Cap'n Proto's own words.
+  const std::size_t words = message_bytes() / sizeof(std::uint64_t) + 11 * row_size_ + 64;
   ChunkInfo info{rows, frontier_, columns_.point[0], columns_.point[rows - 1], {}, 0};
   encoder_->write(words, &info, [&](schema::Message::Builder message) {
     if (coder_) return encode_coded(coder_->encode(rows_so_far()), message.initCoded());
     if (header_.content == Content::kRequests) {
-      auto chunk = message.initRequests();
-      copy_column(chunk.initTarget(rows), columns_.point);
-      chunk.setDirection(bytes_of(columns_.direction, rows));
+      auto chunk = message.initReached();
+      copy_column(chunk.initPoint(rows), columns_.point);
       chunk.setLevel(bytes_of(columns_.level, rows));
-      copy_rows(chunk, rows, columns_.numbers.get(), row_size_, header_.spec);
+      copy_column(chunk.initDirections(rows), columns_.directions);
+      copy_rows(chunk, static_cast<unsigned>(requests_), columns_.numbers.get(), row_size_,
+                header_.spec);
       return;
     }
     auto chunk = message.initRecords();
@@ -285,12 +324,12 @@ void SectionWriter::flush() {
     if (header_.content == Content::kGrid) {
       chunk.setLinks(bytes_of(columns_.links, rows * kDirections));
     } else {
-      copy_column(chunk.initTodo(rows), columns_.todo);
+      copy_column(chunk.initTodo(rows), columns_.directions);
     }
   });
   footer_.frontier += frontier_;
   footer_.chunks.push_back(info);
-  rows_ = 0;
+  rows_ = requests_ = 0;
   frontier_ = 0;
 }
 

@@ -39,12 +39,9 @@ class SectionWriter {
   /// A record of a frontier with the directions to be expanded; `state` n doubles. @throw
   /// std::system_error
   void frontier(PointIndex point, Level level, const double* state, DirectionMask todo);
-  /// A request; `row_numbers` is what was reached. @throw std::system_error
-  void request(PointIndex target, int q, Level level, const double* row_numbers) {
-    const std::size_t row = add_row(target, level, row_numbers);
-    ++footer_.requests;
-    columns_.direction[row] = static_cast<std::uint8_t>(q);
-  }
+  /// What the conversions of a source record reached. `rows`: 26 x row_size() numbers, of which
+  /// those of the `directions` count, one at least. @throw std::system_error
+  void requests(PointIndex point, Level level, DirectionMask directions, const double* rows);
 
   /// A whole chunk of a grid as it is stored: no record of it is in the frontier, and no other
   /// record of its range of points is written. @throw std::system_error
@@ -63,8 +60,7 @@ class SectionWriter {
     std::unique_ptr<double[]> numbers;            // row_limit_ x row_size_
     std::unique_ptr<std::uint32_t[]> generation;  // records
     std::unique_ptr<Level[]> links;               // grids
-    std::unique_ptr<DirectionMask[]> todo;        // frontiers
-    std::unique_ptr<std::uint8_t[]> direction;    // requests
+    std::unique_ptr<DirectionMask[]> directions;  // frontiers and requests
   };
 
   /// A chunk of a grid ends where its range of points ends.
@@ -81,6 +77,7 @@ class SectionWriter {
       std::memcpy(&columns_.numbers[rows_ * row_size_], numbers, row_size_ * sizeof(double));
     return rows_++;
   }
+  std::size_t message_bytes() const;
   void flush();
   RecordRows rows_so_far() const;
 
@@ -92,10 +89,11 @@ class SectionWriter {
   SectionFooter footer_;
   Columns columns_;
   std::size_t rows_ = 0;
+  std::size_t requests_ = 0;  // of the rows
   std::uint32_t frontier_ = 0;  // of the rows
   Cut cut_;
   std::uint64_t range_end_ = 0;  // of a grid's chunk: the first point behind its range
-  std::uint32_t row_limit_;      // of a chunk; of a grid's chunk also the points of its range
+  std::uint32_t row_limit_;      // of a chunk; of a grid's also its points; of requests these
 };
 
 }  // namespace hapgrid

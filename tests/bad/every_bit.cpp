@@ -118,7 +118,7 @@ void add(Content& content, const RecordRows& rows) {
   content.add_all(rows.point, rows.level, rows.generation, rows.numbers, rows.links, rows.todo);
 }
 void add(Content& content, const RequestRows& rows) {
-  content.add_all(rows.target, rows.direction, rows.level, rows.numbers);
+  content.add_all(rows.point, rows.level, rows.directions, rows.numbers);
 }
 
 template <class Rows>

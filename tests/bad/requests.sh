@@ -66,12 +66,13 @@ import sys
 sys.path.insert(0, sys.argv[1])
 import shard
 messages = shard.decode(open("r0", "rb").read())
-rows = messages[1]["requests"]
+rows = messages[1]["reached"]
 rows["state"][5] = 0.25
 open("another.answer", "wb").write(shard.seal(messages))
 for column in rows.values():
     del column[1:]
 rows["level"][0] = 3
+rows["directions"][0] &= -rows["directions"][0]
 messages[-1]["footer"]["requests"] = "1"
 open("unasked", "wb").write(shard.seal(messages))
 END

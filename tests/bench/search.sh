@@ -5,6 +5,7 @@
 #
 # Four ways to the same grid, as medians: in memory (expand --complete), rounds of `expand | merge`
 # through a pipe, rounds through 8 shard files of requests, and these by filters that stay (--serve).
+# The grid is kept in layers, as Makefile.example does, and put together at the end.
 # C itself is measured by build/bench/bench_conversions and taken off. CPU time is what the kernel
 # accounts to the processes, their start-up included; how much of it is start-up is said too. All of it
 # is on one processor: two filters at the ends of a pipe would slow each other down in one core.
@@ -26,33 +27,58 @@ total() { awk '{ s += $1 + $2 } END { printf "%.3f", s }' cpu; rm cpu; }
 starting() { for _ in $(seq 100); do cpu expand --version; done >/dev/null; total | awk '{ print $1 / 100 }'; }
 
 in_memory() { cpu expand --complete seeds -o complete; }
+# Rounds in layers, each eighth of which makes a new ground: what a merge writes is in `form`, what it
+# takes in `layers`.
+begin() {
+  cp seeds tip
+  round=0 layers=()
+}
+form() {
+  round=$((round + 1))
+  form=(--tip next -o "layer.$round")
+  ((round % 8 == 0)) || form+=(--layer)
+}
+next() {
+  mv next tip
+  ((round % 8)) || layers=()
+  layers+=("layer.$round")
+}
+joined() {
+  cmp joined complete
+  rm layer.*
+}
+
 piped() {
-  cp seeds grid; cp seeds frontier
-  while [ "$(stats --get frontier grid)" -gt 0 ]; do
-    pipe() { expand frontier | merge grid - --frontier frontier -o next; }
+  begin
+  while [ "$(stats --get frontier tip)" -gt 0 ]; do
+    form
+    pipe() { expand tip | merge "${layers[@]}" tip - "${form[@]}"; }
     cpu pipe
-    mv next grid
+    next
   done
-  cmp grid complete
+  cpu merge "${layers[@]}" tip -o joined
+  joined
 }
 files() {
   local k
-  cp seeds grid; cp seeds frontier
-  while [ "$(stats --get frontier grid)" -gt 0 ]; do
-    for k in {1..8}; do cpu expand --part "$k/8" frontier -o "requests.$k"; done
-    cpu merge grid requests.* --frontier frontier -o next
+  begin
+  while [ "$(stats --get frontier tip)" -gt 0 ]; do
+    form
+    for k in {1..8}; do cpu expand --part "$k/8" tip -o "requests.$k"; done
+    cpu merge "${layers[@]}" tip requests.* "${form[@]}"
     rm -f requests.*
-    mv next grid
+    next
   done
-  cmp grid complete
+  cpu merge "${layers[@]}" tip -o joined
+  joined
 }
 
 served() {
-  cp seeds grid; cp seeds frontier
+  begin
   mkfifo to_expand from_expand to_merge from_merge
   cpu rounds_of_served
   rm to_expand from_expand to_merge from_merge
-  cmp grid complete
+  joined
 }
 rounds_of_served() {
   local k left=1
@@ -67,10 +93,13 @@ rounds_of_served() {
     return "$code"
   }
   while [ "$left" -gt 0 ]; do
-    for k in {1..8}; do ask 5 6 --part "$k/8" frontier -o "requests.$k"; done
-    ask 7 8 grid requests.{1..8} --frontier frontier --counts counts -o grid
+    form
+    for k in {1..8}; do ask 5 6 --part "$k/8" tip -o "requests.$k"; done
+    ask 7 8 "${layers[@]}" tip requests.{1..8} "${form[@]}" --counts counts
     read -r _ _ _ left <counts
+    next
   done
+  ask 7 8 "${layers[@]}" tip -o joined
   exec 5>&- 6<&- 7>&- 8<&-
   wait
 }

@@ -103,17 +103,25 @@ def uncoded(chunk):
     return rows
 
 
+def requests(rows):
+    """Of a chunk of requests: (source point, level, direction), in order."""
+    for point, level, directions in zip(rows["point"], rows["level"], rows["directions"]):
+        for q in range(32):
+            if directions >> q & 1:
+                yield point, level, q
+
+
 def chunk_info(header, message, content, stored):
     """What a footer says of a chunk: of its JSON, its message and its frame."""
     kind, rows = next(iter(message.items()))
     if kind == "coded":
         rows = uncoded(rows)
-    point = rows["target" if kind == "requests" else "point"]
+    point = rows["point"]
     young = rows.get("generation", []).count(header["generation"])
     low, high = xxh3_128(content)
     return {
         "rows": len(point),
-        "frontier": 0 if kind == "requests" else young,
+        "frontier": 0 if kind == "reached" else young,
         "firstPoint": int(point[0] or 0) if point else 0,
         "lastPoint": int(point[-1] or 0) if point else 0,
         "digestLow": str(low),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,27 +19,38 @@ class RequestOutput {
   /// @param name of the shard; with `ranges` > 0 the {} in it becomes the range's number, from 1.
   RequestOutput(std::string name, std::uint64_t ranges, const SectionHeader& header);
 
-  /// Ascending by target. @throw std::system_error, as all here
-  void add(PointIndex target, int q, Level level, const double* row) {
-    if (ranges_ > 0 && target >= end_) next_range(target);
-    writer_->request(target, q, level, row);
+  /// As SectionWriter::requests(). @throw std::system_error, as all here
+  void add(PointIndex point, Level level, DirectionMask directions, const double* rows) {
+    if (ranges_ > 0)
+      add_by_range(point, level, directions, rows);
+    else
+      one_->requests(point, level, directions, rows);
   }
 
   /// All shards appear, in the order of their ranges.
   void commit();
 
  private:
-  void open(const std::string& name);
-  /// Goes on in the shard of the range that holds `target`; those in between get none.
-  void next_range(PointIndex target);
+  /// A range that targets at hand lie in. Without any so far, it has no shard.
+  struct Range {
+    std::uint64_t number;
+    std::uint64_t end;
+    DirectionMask directions = 0;  // of the record at hand
+    std::optional<SectionWriter> writer = std::nullopt;
+  };
+
+  void add_by_range(PointIndex point, Level level, DirectionMask directions, const double* rows);
+  SectionWriter open(const std::string& name);
+  /// Keeps those that targets within reach of `point` lie in.
+  void move_to(PointIndex point);
 
   std::string name_;
   std::uint64_t ranges_;
   SectionHeader header_;
+  Neighbourhood neighbourhood_;
   std::vector<std::unique_ptr<OutputFile>> files_;
-  std::optional<SectionWriter> writer_;
-  std::uint64_t range_ = 0;
-  std::uint64_t end_ = 0;  // of the range at hand
+  std::optional<SectionWriter> one_;  // where there are no ranges
+  std::deque<Range> near_;
 };
 
 }  // namespace hapgrid

@@ -19,12 +19,12 @@ same "generation of their sources" 13 "$(header requests generation)"
 
 # The union of the parts is the whole, and no request is in two of them.
 rows() {
-  decode "$@" | python3 -c '
-import json, sys
+  decode "$@" | PYTHONPATH=$HAPGRID_SOURCE/tests/cli python3 -c '
+import json, sys, shard
 for line in sys.stdin:
-    rows = json.loads(line).get("requests")
-    for row in zip(*(rows[k] for k in ("target", "direction", "level", "state"))) if rows else ():
-        print(*row)'
+    rows = json.loads(line).get("reached")
+    for row, state in zip(shard.requests(rows), rows["state"]) if rows else ():
+        print(*row, state)'
 }
 rows requests | sort >whole
 for parts in 1 2 5 13; do

@@ -72,12 +72,13 @@ def check_section(messages, raw, stored):
     frontier = conversions = 0
     for message in chunks:
         if content == "requests":
-            rows = message["requests"]
-            check("columns", [len(rows["target"])] * 3, [len(rows[k]) for k in ("direction", "level", "state")])
-            for target, q, level in zip(rows["target"], rows["direction"], rows["level"]):
-                source = shard.neighbour(box, target, 25 - q)
-                check("a request's source is in the box", True, source is not None)
-                keys.append((target, source, level))
+            rows = message["reached"]
+            check("columns", [len(rows["point"])] * 2, [len(rows[k]) for k in ("level", "directions")])
+            found = list(shard.requests(rows))
+            check("a state a request", len(found), len(rows["state"]))
+            for p, level, q in found:
+                check("a request's target is in the box", True, q in directions(p))
+            keys += found
             continue
         rows = message["records"]
         size = len(rows["point"])

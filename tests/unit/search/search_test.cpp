@@ -2,6 +2,7 @@
 #include <fcntl.h>
 
 #include <algorithm>
+#include <bit>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <functional>
@@ -137,8 +138,8 @@ void expand_shards(const std::vector<std::string>& from, Part part, const std::s
   header.generation = generation_of(sections);
   write_shard(to, header, [&](SectionWriter& out) {
     expand(frontier, converter, header.spec,
-           [&out](PointIndex target, int q, Level level, const double* row) {
-             out.request(target, q, level, row);
+           [&out](PointIndex point, Level level, DirectionMask directions, const double* rows) {
+             out.requests(point, level, directions, rows);
            });
     out.finish();
   });
@@ -285,10 +286,10 @@ TEST_CASE("expand's requests are the queue, and its parts cut it without overlap
       merge_shards({grid, dir.file("requests")}, dir.file("next"));
       move_file(dir.file("next"), grid);
     }
-    using Row = std::tuple<std::uint64_t, std::uint64_t, int, int, std::vector<double>>;
+    using Row = std::tuple<std::uint64_t, int, int, std::uint64_t, std::vector<double>>;
     std::vector<Row> expected;
     for (const reference::Request& r : search.queue())
-      expected.emplace_back(r.target, r.source, r.level, r.q, r.s);
+      expected.emplace_back(r.source, r.level, r.q, r.target, r.s);
     std::sort(expected.begin(), expected.end());
 
     const auto parts = static_cast<std::uint64_t>(draw(random, 1, 9));
@@ -302,18 +303,21 @@ TEST_CASE("expand's requests are the queue, and its parts cut it without overlap
       const std::size_t before = found.size();
       for (auto run = rows.next(); run.rows; run = rows.next())
         for (std::size_t r = run.begin; r < run.end; ++r) {
-          const int q = run.rows->direction[r];
-          const auto target = run.rows->target[r];
-          const double* s = run.rows->row(r);
-          found.emplace_back(target, static_cast<std::uint64_t>(target - neighbourhood.offset(q)),
-                             run.rows->level[r], q, std::vector<double>(s, s + n));
+          const PointIndex point = run.rows->point[r];
+          const double* s = run.rows->row(run.rows->first[r]);
+          for (int q = 0; q < kDirections; ++q) {
+            if (!(run.rows->directions[r] >> q & 1)) continue;
+            found.emplace_back(point, run.rows->level[r], q,
+                               static_cast<std::uint64_t>(point + neighbourhood.offset(q)),
+                               std::vector<double>(s, s + n));
+            s += n;
+          }
         }
-      REQUIRE(std::is_sorted(found.begin() + static_cast<std::ptrdiff_t>(before), found.end()));
       // Equal parts.
       const double share = double(expected.size()) / double(parts);
       REQUIRE(std::abs(double(found.size() - before) - share) < 1);
     }
-    std::sort(found.begin(), found.end());
+    // The parts one after the other are the queue in its order.
     REQUIRE(found == expected);
   }
 }
@@ -360,9 +364,13 @@ TEST_CASE("merge counts the requests that are missing, and refuses those nobody 
   write_shard(dir.file("wrong"), sections.front().header, [&](SectionWriter& out) {
     MergedRows<RequestRows> rows(sections);
     const auto run = rows.next();
-    std::vector<double> state(run.rows->row(0), run.rows->row(0) + n);
-    state[0] += 1e-9;
-    out.request(run.rows->target[0], run.rows->direction[0], run.rows->level[0], state.data());
+    const DirectionMask directions = run.rows->directions[0];
+    const DirectionMask one = directions & (0 - directions);
+    std::vector<double> reached(std::size_t{kDirections} * n);
+    const auto q = static_cast<std::size_t>(std::countr_zero(one));
+    std::copy_n(run.rows->row(0), n, &reached[q * n]);
+    reached[q * n] += 1e-9;
+    out.requests(run.rows->point[0], run.rows->level[0], one, reached.data());
     out.finish();
   });
   const std::vector<std::string> right{grid, dir.file("r1"), dir.file("r2"), dir.file("r3")};
@@ -382,8 +390,8 @@ TEST_CASE("merge counts the requests that are missing, and refuses those nobody 
   SectionHeader header = sections.front().header;
   header.generation = 1;
   write_shard(dir.file("unasked"), header, [&](SectionWriter& out) {
-    const std::vector<double> state(n, 0.5);
-    out.request(0, 25 - Direction::of(1, 1, 1).q(), 200, state.data());
+    const std::vector<double> reached(std::size_t{kDirections} * n, 0.5);
+    out.requests(0, 200, DirectionMask{1} << Direction::of(1, 1, 1).q(), reached.data());
     out.finish();
   });
   REQUIRE_THROWS_WITH(merge_shards({dir.file("next"), dir.file("unasked")}, dir.file("x")),

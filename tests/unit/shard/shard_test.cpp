@@ -2,6 +2,7 @@
 #include <fcntl.h>
 
 #include <algorithm>
+#include <bit>
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <limits>
@@ -53,16 +54,12 @@ GridSpec storing(GridSpec spec) {
 /// Any row of any content; what does not belong to the content stays empty.
 struct Row {
   PointIndex point = 0;
-  int q = 0;  // requests
   Level level = 0;
   std::uint32_t generation = 0;
-  std::vector<double> state;
+  std::vector<double> state;  // of requests, of one after the other
   std::vector<Level> links;
-  DirectionMask todo = 0;
+  DirectionMask todo = 0;  // also the directions of requests
 
-  RowKey key(Content content) const {
-    return content == Content::kRequests ? request_key(point, q, level) : record_key(point, level);
-  }
   friend bool operator==(const Row&, const Row&) = default;
 };
 
@@ -92,24 +89,37 @@ std::vector<Row> random_rows(Random& random, const SectionHeader& header, std::s
     row.point = draw(random, 0, last);
     const DirectionMask inside = neighbourhood.inside(row.point);
     row.level = static_cast<Level>(draw(random, 0, 3));
+    if (header.content != Content::kGrid)
+      row.todo = random() % 4 == 0 ? inside : inside & static_cast<DirectionMask>(random());
     if (header.content == Content::kRequests) {
-      row.q = static_cast<int>(draw(random, 0, 25));
-      if (!(inside >> (25 - row.q) & 1)) continue;
+      if (!row.todo) continue;
+      for (DirectionMask left = row.todo; left; left &= left - 1) {
+        const std::vector<double> reached = random_row(random, header);
+        row.state.insert(row.state.end(), reached.begin(), reached.end());
+      }
     } else {
       row.generation = header.generation;
-      if (header.content == Content::kFrontier)
-        row.todo = inside & static_cast<DirectionMask>(random());
-      else
-        row.generation -= draw(random, 0, header.generation);
+      if (header.content == Content::kGrid) row.generation -= draw(random, 0, header.generation);
+      row.state = random_row(random, header);
     }
-    row.state = random_row(random, header);
     if (header.content == Content::kGrid)
       for (int q = 0; q < kDirections; ++q) row.links.push_back(static_cast<Level>(random()));
-    rows[row.key(header.content)] = row;
+    rows[record_key(row.point, row.level)] = row;
   }
   std::vector<Row> sorted;
   for (auto& [key, row] : rows) sorted.push_back(std::move(row));
   return sorted;
+}
+
+/// What was reached, in its places among 26.
+std::vector<double> spread(const Row& row, std::uint32_t width) {
+  std::vector<double> rows(std::size_t{kDirections} * width, std::nan(""));
+  auto from = row.state.begin();
+  for (int q = 0; q < kDirections; ++q)
+    if (row.todo >> q & 1)
+      for (std::uint32_t c = 0; c < width; ++c)
+        rows[static_cast<std::size_t>(q) * width + c] = *from++;
+  return rows;
 }
 
 void write(const std::string& name, const SectionHeader& header, const std::vector<Row>& rows) {
@@ -125,14 +135,14 @@ void write(const std::string& name, const SectionHeader& header, const std::vect
         out.frontier(row.point, row.level, row.state.data(), row.todo);
         break;
       case Content::kRequests:
-        out.request(row.point, row.q, row.level, row.state.data());
+        out.requests(row.point, row.level, row.todo, spread(row, row_size(header)).data());
     }
   }
   out.finish();
 }
 
 Row row_of(const RecordRows& rows, std::size_t r, std::uint32_t n) {
-  Row row{rows.point[r], 0, rows.level[r], rows.generation[r], {}, {}, 0};
+  Row row{rows.point[r], rows.level[r], rows.generation[r], {}, {}, 0};
   row.state.assign(rows.row(r), rows.row(r) + n);
   if (!rows.links.empty())
     row.links.assign(&rows.links[r * kDirections], &rows.links[r * kDirections] + kDirections);
@@ -140,8 +150,9 @@ Row row_of(const RecordRows& rows, std::size_t r, std::uint32_t n) {
   return row;
 }
 Row row_of(const RequestRows& rows, std::size_t r, std::uint32_t n) {
-  Row row{rows.target[r], rows.direction[r], rows.level[r], 0, {}, {}, 0};
-  row.state.assign(rows.row(r), rows.row(r) + n);
+  Row row{rows.point[r], rows.level[r], 0, {}, {}, rows.directions[r]};
+  const auto count = static_cast<std::size_t>(std::popcount(rows.directions[r]));
+  row.state.assign(rows.row(rows.first[r]), rows.row(rows.first[r]) + count * n);
   return row;
 }
 
@@ -201,9 +212,11 @@ TEST_CASE("rows come back from a shard as they were") {
         REQUIRE(section.header.content == content);
         REQUIRE(section.header.generation == 7);
         REQUIRE(section.header.spec == header.spec);
-        REQUIRE(section.footer.records + section.footer.requests == rows.size());
-        REQUIRE((content == Content::kRequests ? section.footer.records
-                                               : section.footer.requests) == 0);
+        std::uint64_t requests = 0;
+        for (const Row& row : rows) requests += row.state.size() / row_size(header);
+        const bool of_requests = content == Content::kRequests;
+        REQUIRE(section.footer.records == (of_requests ? 0 : rows.size()));
+        REQUIRE(section.footer.requests == (of_requests ? requests : 0));
         REQUIRE(section.footer.chunks.size() >=
                 (wanted > 1 && !coded ? 2 : std::min<std::size_t>(wanted, 1)));
         REQUIRE(read_any(sections, false) == rows);
@@ -339,8 +352,8 @@ TEST_CASE("a frontier is cut into parts that cover each conversion exactly once"
 TEST_CASE("a frontier's record with two states is refused") {
   const TemporaryDirectory dir;
   const SectionHeader header{Content::kFrontier, 3, make_spec(1, {3, 3, 3})};
-  write(dir.file("a"), header, {{4, 0, 0, 3, {0.5}, {}, 1u << 25}});
-  write(dir.file("b"), header, {{4, 0, 0, 3, {0.25}, {}, 1u << 25}});
+  write(dir.file("a"), header, {{4, 0, 3, {0.5}, {}, 1u << 25}});
+  write(dir.file("b"), header, {{4, 0, 3, {0.25}, {}, 1u << 25}});
   const auto sections = open_sections({dir.file("a"), dir.file("b")});
   FrontierReader reader(sections);
   FrontierReader::Record record;
@@ -356,7 +369,7 @@ TEST_CASE("load_grid() holds what was written, from any number of shards") {
   for (PointIndex p = 0; p < header.spec.box.points(); ++p) {
     const std::uint32_t levels = draw(random, 0, 3);
     for (Level l = 0; l < levels; ++l) {
-      Row row{p, 0, l, draw(random, 0, 5), random_state(random, 3), {}, 0};
+      Row row{p, l, draw(random, 0, 5), random_state(random, 3), {}, 0};
       for (int q = 0; q < kDirections; ++q)
         row.links.push_back(neighbourhood.inside(p) >> q & 1 ? Level{0} : kLeavesBox);
       rows.push_back(row);

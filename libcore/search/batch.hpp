@@ -1,0 +1,66 @@
+// Frontier records on their way through conversions.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "libcore/grid/grid.hpp"
+
+namespace hapgrid {
+
+/// Records with the directions to be expanded, and room for what each conversion reaches. As many
+/// as keep threads busy, and few enough to keep what they reach near the caches.
+class Batch {
+ public:
+  explicit Batch(const GridSpec& spec)
+      : n_(spec.state_size),
+        row_size_(spec.row_size()),
+        capacity_(std::clamp<std::size_t>(kBytes / (sizeof(double) * kDirections * row_size_), 1,
+                                          kMaxRecords)),
+        sources_(std::make_unique_for_overwrite<Source[]>(capacity_)),
+        states_(std::make_unique_for_overwrite<double[]>(capacity_ * n_)),
+        reached_(std::make_unique_for_overwrite<double[]>(capacity_ * kDirections * row_size_)) {}
+
+  std::size_t size() const { return size_; }
+  bool is_full() const { return size_ == capacity_; }
+  void clear() { size_ = 0; }
+
+  /// Adds a record where the batch is not full. `todo` are the directions to expand; `state` n
+  /// numbers.
+  void add(PointIndex point, Level level, const double* state, DirectionMask todo) {
+    sources_[size_] = {point, todo, level};
+    std::copy_n(state, n_, &states_[size_ * n_]);
+    ++size_;
+  }
+
+  PointIndex point(std::size_t i) const { return sources_[i].point; }
+  Level level(std::size_t i) const { return sources_[i].level; }
+  DirectionMask todo(std::size_t i) const { return sources_[i].todo; }
+  const double* state(std::size_t i) const { return &states_[i * n_]; }
+  /// What the conversions of a record reach: 26 rows of row_size() numbers.
+  double* reached(std::size_t i) { return &reached_[i * kDirections * row_size_]; }
+
+ private:
+  static constexpr std::size_t kBytes = 8 << 20;
+  static constexpr std::size_t kMaxRecords = 2048;
+
+  struct Source {
+    PointIndex point;
+    DirectionMask todo;
+    Level level;
+  };
+
+  std::uint32_t n_;
+  std::uint32_t row_size_;
+  std::size_t capacity_;
+  std::size_t size_ = 0;
+  // Not initialised: a small frontier touches little of it.
+  std::unique_ptr<Source[]> sources_;
+  std::unique_ptr<double[]> states_;   // capacity x n
+  std::unique_ptr<double[]> reached_;  // capacity x 26 x row_size
+};
+
+}  // namespace hapgrid
