@@ -154,7 +154,11 @@ struct Parameter {
 
 # Chunks are columnar: entry r of each column belongs to row r, and a chunk is near 1 MiB, of a grid
 # near 64 KiB. In a grid a chunk never crosses a multiple of the points that one chunk holds at one
-# level a point, so that a change of one record leaves the other chunks' bytes alone.
+# level a point, so that a change of one record leaves the other chunks' bytes alone; but in a layer,
+# or the tip, of a grid (merge --layer), which never changes, it ends where it is full.
+#
+# A grid can be in several sections, with each record in one of them; those that have no frontier may be of
+# older generations.
 
 struct RecordChunk {
   # Records ascend by (point, level) through a section.

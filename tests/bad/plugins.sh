@@ -79,16 +79,16 @@ python3 - "$HAPGRID_SOURCE/tests/cli" <<'END'
 import sys
 sys.path.insert(0, sys.argv[1])
 import shard
-for name, parameter in (
+for name, *parameters in (
     ("inf", {"key": "component", "value": {"number": "Infinity"}}),
     ("lose", {"key": "lose", "value": {"text": "lost\nit"}}),
     ("size", {"key": "state_size", "value": {"number": 2}}),
     ("tolerance", {"key": "tolerance", "value": {"number": 0.5}}),
     ("crash", {"key": "crash", "value": {"number": 1}}),
-    ("unlike", {"key": "unlike", "value": {"number": 0}}),
+    ("unlike", {"key": "component", "value": {"number": 0.5}}, {"key": "unlike", "value": {"number": 0.5}}),
 ):
     messages = shard.decode(open("puppet.seeds", "rb").read())
-    messages[0]["header"]["parameters"] = [parameter]
+    messages[0]["header"]["parameters"] = parameters
     open(name, "wb").write(shard.seal(messages))
 END
 conversion='conversion at point 0 \(0, 0, 0\) level 0, direction [0-9]+'

@@ -28,7 +28,7 @@ build PARTS=3 -j 2
 # The last whole generation stays, everything else is cleaned up.
 nothing_left work hung-ball hung-ball.grid hung-ball.report
 end=$(printf %04d $((last + 1)))
-nothing_left work/hung-ball/*/ "$end.grid.1-of-1" "$end.whole" "report.$HOSTNAME" shard
+nothing_left work/hung-ball/*/ "$end.complete" "$end.whole" "report.$HOSTNAME" shard
 # The reports add up to the conversions that the grid needed.
 [[ $(stats work/hung-ball.grid --reports work/hung-ball.report --get reports.conversions) == \
    $(stats work/hung-ball.grid --get conversions) ]]

@@ -33,19 +33,26 @@ same "ranges" 3 "$(wc -l <"$(state)")"
 # The first round cuts the seeds' grid. The last range is 9 rounds away; until then, its shard stays
 # what it is.
 same "merges" "3 2 2 2 2 2 2 2" "$(for g in 1 2 3 4 5 6 7 8; do merges $g; done | paste -sd ' ')"
-same "the last range" 3,0001,0,0,0 "$(sed -n 3p "$(state)" | tr '\t' ,)"
-nothing_left work/hung-ball/*/ $(awk '{ print $2 ".grid." $1 "-of-3"; if ($5 > 0) print "0008.frontier." $1 "-of-3" }' "$(state)") \
+same "the last range" 3,0001,0,0,0,0001 "$(sed -n 3p "$(state)" | tr '\t' ,)"
+same "its layers and those of the others" "0001 0002 0003 0004 0005 0006 0007 0008" "$(sed -n 1p "$(state)" | cut -f 6)"
+nothing_left work/hung-ball/*/ $(awk -F '\t' '
+    { for (i = split($6, layer, " "); i; --i) print layer[i] ".grid." $1 "-of-3"
+      if ($5 > 0) print "0008.frontier." $1 "-of-3" }' "$(state)") \
   0008.whole 0008.round.2x3 "report.$HOSTNAME" shard
 # What the table says is what the shards hold.
 directory=$(dirname "$(state)")
-same "frontier" "$(stats --get frontier "$directory"/0*.grid.*)" "$(awk '{ n += $4 } END { print n }' "$(state)")"
-same "conversions" "$(stats --get conversions_left "$directory"/0*.grid.*)" "$(awk '{ n += $5 } END { print n }' "$(state)")"
-same "points" "$(stats --get points_reached "$directory"/0*.grid.*)" "$(awk '{ n += $3 } END { print n }' "$(state)")"
+same "frontier" "$(stats --get frontier "$directory"/0*.{grid,frontier}.*)" "$(awk '{ n += $4 } END { print n }' "$(state)")"
+same "conversions" "$(stats --get conversions_left "$directory"/0*.{grid,frontier}.*)" "$(awk '{ n += $5 } END { print n }' "$(state)")"
+same "points" "$(stats --get points_reached "$directory"/0*.{grid,frontier}.*)" "$(awk '{ n += $3 } END { print n }' "$(state)")"
+
+# The ninth layer is not one more: the range is written anew.
+! STOP=0009 build PARTS=2 RANGES=3 || fail "it went on"
+same "layers" "0009" "$(sed -n 1p "$(state)" | cut -f 6)"
 
 # Two ranges from here on, and other parts; then as many as there can be, to the end.
 ! STOP=0011 build PARTS=5 RANGES=2 || fail "it went on"
-grep -q 'generation 8,' make.out && ! grep -q 'generation 7,' make.out || fail "it began again: $(cat make.out)"
+grep -q 'generation 9,' make.out && ! grep -q 'generation 8,' make.out || fail "it began again: $(cat make.out)"
 same "ranges" 2 "$(wc -l <"$(state)")"
-same "points" "$(stats --get points_reached "$directory"/0*.grid.*)" "$(awk '{ n += $3 } END { print n }' "$(state)")"
+same "points" "$(stats --get points_reached "$directory"/0*.{grid,frontier}.*)" "$(awk '{ n += $3 } END { print n }' "$(state)")"
 STOP=9999 build PARTS=3 RANGES=1000 || fail "$(cat make.err)"
 cmp work/hung-ball.grid reference
