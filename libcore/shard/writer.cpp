@@ -302,7 +302,8 @@ std::size_t SectionWriter::message_bytes() const {
 void SectionWriter::flush() {
   if (rows_ == 0) return;
   const auto rows = static_cast<unsigned>(rows_);
-  // Each column ends at a word; there are row_size_ + 8 of them at most, and Cap'n Proto's own words.
+  // Each column ends at a word; there are row_size_ + 8 of them at most, and Cap'n Proto's own
+  // words.
   const std::size_t words = message_bytes() / sizeof(std::uint64_t) + 11 * row_size_ + 64;
   ChunkInfo info{rows, frontier_, columns_.point[0], columns_.point[rows - 1], {}, 0};
   encoder_->write(words, &info, [&](schema::Message::Builder message) {

@@ -89,7 +89,7 @@ class SectionWriter {
   SectionFooter footer_;
   Columns columns_;
   std::size_t rows_ = 0;
-  std::size_t requests_ = 0;  // of the rows
+  std::size_t requests_ = 0;    // of the rows
   std::uint32_t frontier_ = 0;  // of the rows
   Cut cut_;
   std::uint64_t range_end_ = 0;  // of a grid's chunk: the first point behind its range

@@ -30,46 +30,45 @@ in_memory() { cpu expand --complete seeds -o complete; }
 # Rounds in layers, each eighth of which makes a new ground: what a merge writes is in `form`, what it
 # takes in `layers`.
 begin() {
-  cp seeds tip
-  round=0 layers=()
+  tip=seeds round=0 layers=()
 }
 form() {
   round=$((round + 1))
-  form=(--tip next -o "layer.$round")
+  form=(--tip "tip.$round" -o "layer.$round")
   ((round % 8 == 0)) || form+=(--layer)
 }
 next() {
-  mv next tip
+  tip=tip.$round
   ((round % 8)) || layers=()
   layers+=("layer.$round")
 }
 joined() {
   cmp joined complete
-  rm layer.*
+  rm layer.* tip.*
 }
 
 piped() {
   begin
-  while [ "$(stats --get frontier tip)" -gt 0 ]; do
+  while [ "$(stats --get frontier "$tip")" -gt 0 ]; do
     form
-    pipe() { expand tip | merge "${layers[@]}" tip - "${form[@]}"; }
+    pipe() { expand "$tip" | merge "${layers[@]}" "$tip" - "${form[@]}"; }
     cpu pipe
     next
   done
-  cpu merge "${layers[@]}" tip -o joined
+  cpu merge "${layers[@]}" "$tip" -o joined
   joined
 }
 files() {
   local k
   begin
-  while [ "$(stats --get frontier tip)" -gt 0 ]; do
+  while [ "$(stats --get frontier "$tip")" -gt 0 ]; do
     form
-    for k in {1..8}; do cpu expand --part "$k/8" tip -o "requests.$k"; done
-    cpu merge "${layers[@]}" tip requests.* "${form[@]}"
+    for k in {1..8}; do cpu expand --part "$k/8" "$tip" -o "requests.$k"; done
+    cpu merge "${layers[@]}" "$tip" requests.* "${form[@]}"
     rm -f requests.*
     next
   done
-  cpu merge "${layers[@]}" tip -o joined
+  cpu merge "${layers[@]}" "$tip" -o joined
   joined
 }
 
@@ -94,12 +93,12 @@ rounds_of_served() {
   }
   while [ "$left" -gt 0 ]; do
     form
-    for k in {1..8}; do ask 5 6 --part "$k/8" tip -o "requests.$k"; done
-    ask 7 8 "${layers[@]}" tip requests.{1..8} "${form[@]}" --counts counts
+    for k in {1..8}; do ask 5 6 --part "$k/8" "$tip" -o "requests.$k"; done
+    ask 7 8 "${layers[@]}" "$tip" requests.{1..8} "${form[@]}" --counts counts
     read -r _ _ _ left <counts
     next
   done
-  ask 7 8 "${layers[@]}" tip -o joined
+  ask 7 8 "${layers[@]}" "$tip" -o joined
   exec 5>&- 6<&- 7>&- 8<&-
   wait
 }

@@ -24,21 +24,3 @@ for how in srun claim array; do
   wait $! || fail "$how: the cluster: $(cat make.err make.out)"
   cmp work/hung-ball.grid reference
 done
-
-# The driver is a job itself and goes down with its node; Slurm starts it again.
-rm -rf work
-cat >job <<END
-#!/bin/bash
-#SBATCH --requeue -n 6 --output=job.out --open-mode=append
-echo started
-exec make -f "$HAPGRID_SOURCE/Makefile.example" grid MODEL="$ball" HAPGRID_BIN="$HAPGRID_BIN" \
-  SET="${small[*]}" PAUSE=1 PARTS=12 MODE=claim RUN=srun
-END
-sbatch -Q job
-wait_for 60 "round 2" generation 2
-cluster_stop
-cluster_again
-wait_for 120 "grid" test -e work/hung-ball.grid
-cmp work/hung-ball.grid reference
-[[ $(grep -c '^started$' job.out) -eq 2 ]] || fail "$(cat job.out)"
-[[ $(grep -c 'generation 0,' job.out) -eq 1 ]] || fail "it began again: $(cat job.out)"
