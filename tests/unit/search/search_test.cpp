@@ -249,6 +249,47 @@ TEST_CASE("rounds of expand and merge are Algorithm 1, generation by generation"
   REQUIRE(most_levels >= 4);
 }
 
+// A merge reads old layers only in the blocks of points where second levels need them: here there
+// are several, and the reference looks at every level of every target.
+TEST_CASE("layers of a grid of several blocks are Algorithm 1") {
+  Random random(20037);
+  for (const std::array<int, 3> counts : {std::array{16, 16, 20}, {40, 12, 10}, {7, 11, 60}}) {
+    CAPTURE(counts[0]);
+    const TemporaryDirectory dir;
+    Case c(random);
+    while (c.toy.state_size != 1 || c.toy.amplitude > 0.3 || c.seeds.size() < 2) c = Case(random);
+    for (std::size_t a = 0; a < 3; ++a) {
+      c.grid.counts[a] = counts[a];
+      c.definition.box.counts[a] = static_cast<std::uint32_t>(counts[a]);
+    }
+    reference::Search search = c.search();
+    std::vector<std::string> layers;
+    std::string tip = dir.file("tip0");
+    write_seed_shard(c, tip);
+    for (int round = 1; layers.empty() || open_sections({tip}).front().footer.frontier > 0;
+         ++round) {
+      expand_shards({tip}, {}, dir.file("requests"));
+      std::vector<std::string> inputs = layers;
+      inputs.push_back(tip);
+      inputs.push_back(dir.file("requests"));
+      layers.push_back(dir.file("layer" + std::to_string(round)));
+      tip = dir.file("tip" + std::to_string(round));
+      merge_shards(inputs, layers.back(), "", tip, /*layer=*/true);
+      search.round();
+    }
+    std::vector<std::string> all = layers;
+    all.push_back(tip);
+    require_same(all, search);
+    // Else no old layer was needed.
+    REQUIRE(std::any_of(search.x().begin(), search.x().end(),
+                        [](const auto& record) { return record.first.second > 0; }));
+    // As one shard, which is the one that a search in memory writes.
+    merge_shards(all, dir.file("joined"));
+    complete_shard(dir.file("tip0"), dir.file("complete"), 2);
+    REQUIRE(load_grid({dir.file("joined")}).digest == load_grid({dir.file("complete")}).digest);
+  }
+}
+
 TEST_CASE("complete() is Algorithm 1, with any number of threads") {
   Random random(20032);
   for (int i = 0; i < 100; ++i) {
