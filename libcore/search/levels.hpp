@@ -41,7 +41,7 @@ class Levels {
     std::uint32_t record_ = 0;
   };
 
-  /// @param model judges equality. @param generation of the records that settle() stores.
+  /// @param model judges equality.
   Levels(const GridSpec& spec, const Model& model);
 
   std::uint32_t block_points() const { return block_points_; }
@@ -84,8 +84,6 @@ class Levels {
   void visit(std::uint64_t number, F&& f) const;
   /// Blocks: points / block_points(), rounded up.
   std::uint64_t blocks() const { return blocks_.size(); }
-  /// Whether a block has records here.
-  bool holds(std::uint64_t number) const { return blocks_[number] != nullptr; }
   /// Forgets a block's records.
   void release(std::uint64_t number);
 

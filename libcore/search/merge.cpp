@@ -99,7 +99,7 @@ class Merge {
     const std::uint64_t end = first_of(levels_.blocks());
     advance(end - 1, end);
     for (Stream& stream : streams_)
-      if (stream.part != kOld || !out_.layer) stream.records.finish();
+      if (stream.age != kOld || !out_.layer) stream.records.finish();
     if (missing_ > 0)
       throw FormatError("requests are missing: " + std::to_string(missing_) + " of the " +
                         std::to_string(asked_) + " conversions of generation " +
@@ -147,10 +147,10 @@ class Merge {
                       ", direction " + std::to_string(q) + ": " + what);
   }
 
-  enum Part { kOld, kRecent, kTip };
+  enum Age { kOld, kRecent, kTip };
   struct Stream {
     RecordStream records;
-    Part part;
+    Age age;
   };
   /// What is known of a block, as bits: which levels conversions come from that lead there, and
   /// whether recent records have lower levels at their point.
@@ -191,13 +191,13 @@ class Merge {
   }
 
   /// Whether each block is looked for in it.
-  bool is_followed(const Stream& stream) const { return stream.part != kOld || !out_.layer; }
+  bool is_followed(const Stream& stream) const { return stream.age != kOld || !out_.layer; }
 
   /// Marks the blocks that the frontier's conversions lead to from before the point `end`, and
   /// those of the frontier itself.
   void look_at_frontier(std::uint64_t end) {
     for (Stream& stream : streams_) {
-      if (stream.part != kTip) continue;
+      if (stream.age != kTip) continue;
       stream.records.look_ahead(
           end, [](const ChunkInfo& chunk) { return chunk.frontier > 0; },
           [this](const RecordRows& rows) {
@@ -224,7 +224,7 @@ class Merge {
 
   void look_at_recent(std::uint64_t end) {
     for (Stream& stream : streams_) {
-      if (stream.part != kRecent) continue;
+      if (stream.age != kRecent) continue;
       stream.records.look_ahead(
           end, [](const ChunkInfo&) { return true; },
           [this](const RecordRows& rows) {

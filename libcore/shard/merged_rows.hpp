@@ -36,11 +36,6 @@ class MergedRows {
   /// last run.
   SectionReader* whole_chunk_next();
 
-  /// The first point of the next section that is not open yet; 2^64 - 1 behind the last.
-  std::uint64_t next_section_point() const {
-    return waiting_.empty() ? ~std::uint64_t{0} : waiting_.back()->footer.first_point();
-  }
-
  private:
   struct Source;
   void end_run();

@@ -29,8 +29,9 @@ class RecordStream {
   Run<RecordRows> next_before(std::uint64_t end);
 
   /// Fetches the chunks that begin before `end` and were not yet, without taking their records:
-  /// those that are `wanted` are decoded for f(rows), the others stay as they are stored. No chunk
-  /// is fetched before it by anything but next_before().
+  /// those that are `wanted` are decoded for f(rows), the others stay as they are stored.
+  /// skip_before() fetches none, so f sees each wanted chunk that begins before what next_before()
+  /// is asked for.
   template <class Wanted, class F>
   void look_ahead(std::uint64_t end, Wanted&& wanted, F&& f) {
     for (const ChunkInfo* next = next_chunk(); next && next->first_point < end;
