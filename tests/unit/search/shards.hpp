@@ -1,0 +1,194 @@
+// Random searches of the toy model, and the filters on files of shards, for the tests of this
+// folder.
+#pragma once
+
+#include <fcntl.h>
+
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "libcore/search/complete.hpp"
+#include "libcore/search/expand.hpp"
+#include "libcore/search/merge.hpp"
+#include "libcore/search/seed.hpp"
+#include "libcore/shard/load.hpp"
+#include "tests/unit/search/reference.hpp"
+
+namespace hapgrid {
+
+inline const Plugin& toy_plugin() {
+  static const Plugin plugin("toy", {std::string(HAPGRID_BUILD_DIR) + "/tests/plugins"});
+  return plugin;
+}
+
+using Random = std::mt19937_64;
+
+inline int draw(Random& random, int least, int most) {
+  return std::uniform_int_distribution<int>(least, most)(random);
+}
+
+/// A random model, box and seeds, twice: for libcore and for the reference.
+struct Case {
+  Definition definition;
+  toy::Toy toy;
+  reference::Grid grid;
+  std::vector<std::pair<std::array<int, 3>, std::vector<std::vector<double>>>> seeds;
+
+  explicit Case(Random& random, int max_count = 6) {
+    toy.state_size = draw(random, 0, 3) ? 2 : static_cast<std::uint32_t>(draw(random, 1, 5));
+    toy.salt = static_cast<std::uint64_t>(draw(random, 0, 1 << 30));
+    toy.amplitude = std::array{0.05, 0.3, 1.0}[static_cast<std::size_t>(draw(random, 0, 2))];
+    toy.tolerance = std::array{0.2, 0.35, 0.5}[static_cast<std::size_t>(draw(random, 0, 2))];
+    definition.plugin = "toy";
+    definition.parameters = {{"amplitude", toy.amplitude},
+                             {"salt", static_cast<double>(toy.salt)},
+                             {"state_size", static_cast<double>(toy.state_size)},
+                             {"tolerance", toy.tolerance}};
+    definition.max_levels = 254;
+    grid.origin = {-1.5, 0.25, 2};
+    grid.spacing = 1.125;
+    for (int a = 0; a < 3; ++a) grid.counts[a] = draw(random, 1, max_count);
+    definition.box.origin = grid.origin;
+    definition.box.spacing = grid.spacing;
+    for (int a = 0; a < 3; ++a)
+      definition.box.counts[a] = static_cast<std::uint32_t>(grid.counts[a]);
+
+    for (int i = draw(random, 1, 4); i > 0; --i) {
+      std::array<int, 3> at;
+      for (int a = 0; a < 3; ++a) at[a] = draw(random, 0, grid.counts[a] - 1);
+      if (std::any_of(seeds.begin(), seeds.end(), [&](const auto& s) { return s.first == at; }))
+        continue;
+      std::vector<std::vector<double>> states;
+      for (int l = draw(random, 1, 2); l > 0; --l) {
+        std::vector<double> s(toy.state_size);
+        for (double& c : s) c = std::uniform_real_distribution<double>(0, 1)(random);
+        const bool known = std::any_of(states.begin(), states.end(), [&](const auto& other) {
+          return toy::equal(toy, s.data(), other.data());
+        });
+        if (!known) states.push_back(s);
+      }
+      seeds.emplace_back(at, states);
+      SeedDefinition seed;
+      for (int a = 0; a < 3; ++a) seed.position[a] = grid.origin[a] + grid.spacing * at[a];
+      seed.states = states;
+      definition.seeds.push_back(seed);
+    }
+  }
+
+  reference::Search search() const {
+    reference::Search search(grid, toy);
+    for (const auto& [at, states] : seeds) search.seed(at, states);
+    return search;
+  }
+};
+
+/// Not an OutputFile: thousands of syncs would take longer than the tests. Neither is a file
+/// truncated or renamed over another one: ext4 syncs that too.
+inline FileDescriptor open_plain(const std::string& name) {
+  std::filesystem::remove(name);
+  FileDescriptor file(::open(name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
+  REQUIRE(file);
+  return file;
+}
+
+inline void move_file(const std::string& from, const std::string& to) {
+  std::filesystem::remove(to);
+  std::filesystem::rename(from, to);
+}
+
+/// Writes one shard into a file; `write` finishes the writer.
+inline void write_shard(const std::string& name, const SectionHeader& header,
+                        const std::function<void(SectionWriter&)>& write) {
+  const FileDescriptor file = open_plain(name);
+  SectionWriter out(file.get(), name, header);
+  write(out);
+}
+
+inline void write_seed_shard(const Case& c, const std::string& name) {
+  Model model = toy_plugin().create(c.definition.parameters);
+  const GridSpec spec = describe_grid(c.definition, model);
+  write_shard(name, {Content::kGrid, 0, spec},
+              [&](SectionWriter& out) { write_seeds(c.definition, spec, model, out); });
+}
+
+inline void complete_shard(const std::string& from, const std::string& to, unsigned threads) {
+  const auto sections = open_sections({from});
+  Progress progress;
+  Converter converter(toy_plugin(), sections.front().header.spec, threads, progress);
+  const FileDescriptor file = open_plain(to);
+  complete(sections, converter, progress,
+           [&](const SectionHeader& header) { return SectionWriter(file.get(), to, header); });
+}
+
+inline void expand_shards(const std::vector<std::string>& from, Part part, const std::string& to,
+                          unsigned threads = 1) {
+  const auto sections = open_sections(from);
+  Progress progress;
+  SectionHeader header = sections.front().header;
+  Converter converter(toy_plugin(), header.spec, threads, progress);
+  FrontierReader frontier(sections, part);
+  const std::uint64_t expected = frontier.conversions();
+  header.content = Content::kRequests;
+  header.generation = generation_of(sections);
+  write_shard(to, header, [&](SectionWriter& out) {
+    expand(frontier, converter, header.spec,
+           [&out](PointIndex point, Level level, DirectionMask directions, const double* rows) {
+             out.requests(point, level, directions, rows);
+           });
+    out.finish();
+  });
+  REQUIRE(open_sections({to}).front().footer.requests == expected);
+}
+
+inline void merge_shards(const std::vector<std::string>& from, const std::string& to,
+                         const std::string& frontier_name = "", const std::string& tip_name = "",
+                         bool layer = false) {
+  const MergeInput input(open_sections(from));
+  const Model model = toy_plugin().create(input.spec().parameters);
+  Progress progress;
+  SectionHeader frontier_header = input.merged_header();
+  frontier_header.content = Content::kFrontier;
+  std::vector<FileDescriptor> files;
+  const auto writer = [&](const std::string& name, const SectionHeader& header, Cut cut) {
+    files.push_back(open_plain(name));
+    return SectionWriter(files.back().get(), name, header, cut);
+  };
+  SectionWriter out = writer(to, input.merged_header(), layer ? Cut::kByRows : Cut::kByPoints);
+  std::optional<SectionWriter> tip;
+  if (!tip_name.empty()) tip.emplace(writer(tip_name, input.merged_header(), Cut::kByRows));
+  std::optional<SectionWriter> frontier;
+  if (!frontier_name.empty())
+    frontier.emplace(writer(frontier_name, frontier_header, Cut::kByRows));
+  merge(input, {}, model, {out, tip ? &*tip : nullptr, layer, frontier ? &*frontier : nullptr},
+        progress);
+}
+
+/// Compares a grid with X, record by record.
+inline void require_same(const std::vector<std::string>& shards, const reference::Search& search) {
+  const Grid grid = load_grid(shards).grid;
+  REQUIRE(grid.generation() == search.generation());
+  REQUIRE(grid.records() == search.x().size());
+  RecordIndex r = 0;
+  for (const auto& [key, record] : search.x()) {
+    CAPTURE(key.first, key.second);
+    REQUIRE(grid.point(r) == key.first);
+    REQUIRE(grid.level(r) == key.second);
+    REQUIRE(grid.record_generation(r) == record.generation);
+    const auto state = grid.state(r);
+    REQUIRE(std::vector<double>(state.begin(), state.end()) == record.s);
+    const auto links = grid.links(r);
+    REQUIRE(std::vector<int>(links.begin(), links.end()) ==
+            std::vector<int>(record.D.begin(), record.D.end()));
+    ++r;
+  }
+}
+
+}  // namespace hapgrid
