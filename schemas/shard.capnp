@@ -152,8 +152,8 @@ struct Parameter {
   }
 }
 
-# Chunks are columnar: entry r of each column belongs to row r, and a chunk is near 1 MiB, of a grid
-# near 64 KiB. In a grid a chunk never crosses a multiple of the points that one chunk holds at one
+# Chunks are columnar: entry r of each column belongs to row r, and a chunk is near 256 KiB, of a
+# grid near 64 KiB. In a grid a chunk never crosses a multiple of the points that one chunk holds at one
 # level a point, so that a change of one record leaves the other chunks' bytes alone; but in a layer,
 # or the tip, of a grid (merge --layer), which never changes, it ends where it is full.
 #
@@ -291,4 +291,8 @@ struct ChunkInfo {
 
   stored @6 :UInt64;
   # XXH3-64 of the chunk's frame as it is stored: what a copy checks instead of decoding.
+
+  conversions @7 :UInt32;
+  # What its frontier asks for: expand passes over what comes before its part. 0 is not known where
+  # there is a frontier: shards of before this field have it.
 }

@@ -26,6 +26,10 @@ ConversionRange cut(std::uint64_t total, Part part) {
   return {at(part.number - 1), at(part.number)};
 }
 
+std::uint64_t conversions_of(const FrontierReader::Record& record) {
+  return static_cast<std::uint64_t>(std::popcount(record.todo));
+}
+
 /// The lowest `count` bits that are set, or all where there are fewer.
 DirectionMask first_bits(DirectionMask mask, std::uint64_t count) {
   DirectionMask rest = mask;
@@ -55,12 +59,21 @@ FrontierReader::FrontierReader(const std::vector<Section>& sections, ConversionR
   others_follow_ = end_ < total;
 }
 
-bool FrontierReader::next_row(Record& record) {
+/// Whether all that a chunk asks for comes before the part. @param in_hand the record before it, if
+/// it is not in passed_ yet; a chunk at its point can hold more of it.
+bool FrontierReader::is_before_part(const ChunkInfo& chunk, const Record* in_hand) const {
+  if (!chunk.counts_conversions() || (in_hand && chunk.first_point <= in_hand->point)) return false;
+  return passed_ + (in_hand ? conversions_of(*in_hand) : 0) + chunk.conversions <= begin_;
+}
+
+bool FrontierReader::next_row(Record& record, const Record* in_hand) {
   for (;;) {
     if (!run_.rows || run_.begin == run_.end) {
-      // Chunks without frontier are passed over as they are stored.
+      // Chunks without frontier are passed over as they are stored, and those before the part.
       while (SectionReader* section = rows_.whole_chunk_next()) {
-        if (section->peek()->frontier > 0) break;
+        const ChunkInfo& chunk = *section->peek();
+        if (chunk.frontier > 0 && !is_before_part(chunk, in_hand)) break;
+        passed_ += chunk.conversions;
         section->next_stored(passed_over_);
       }
       run_ = rows_.next();
@@ -101,12 +114,12 @@ bool FrontierReader::next(Record& record) {
       record.state = state_.data();
       waiting_ = false;
     } else {
-      if (!next_row(record)) return false;
+      if (!next_row(record, nullptr)) return false;
       std::copy_n(record.state, n_, state_.data());
       record.state = state_.data();
     }
     // Concatenated frontier shards can hold one record twice, with different directions.
-    while (next_row(next_)) {
+    while (next_row(next_, &record)) {
       if (next_.point != record.point || next_.level != record.level) {
         std::copy_n(next_.state, n_, next_state_.data());
         waiting_ = true;
@@ -119,7 +132,7 @@ bool FrontierReader::next(Record& record) {
     }
     // The directions whose place in the sequence of conversions lies in the part.
     const std::uint64_t before = passed_;
-    passed_ += static_cast<std::uint64_t>(std::popcount(record.todo));
+    passed_ += conversions_of(record);
     if (passed_ <= begin_) continue;
     if (passed_ > end_) record.todo = first_bits(record.todo, end_ - before);
     if (before < begin_) record.todo &= ~first_bits(record.todo, begin_ - before);

@@ -44,7 +44,8 @@ class FrontierReader {
   bool next(Record& record);
 
  private:
-  bool next_row(Record& record);
+  bool is_before_part(const ChunkInfo& chunk, const Record* in_hand) const;
+  bool next_row(Record& record, const Record* in_hand);
   void read_rest();
 
   Neighbourhood neighbourhood_;

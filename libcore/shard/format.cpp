@@ -6,7 +6,9 @@
 namespace hapgrid {
 
 namespace {
-constexpr std::uint64_t kChunkBytes = 1 << 20;
+constexpr std::uint64_t kCodedChunkBytes = 1 << 20;
+// Requests and frontiers stay small enough for the caches; smaller ones would be larger altogether.
+constexpr std::uint64_t kRowsChunkBytes = 1 << 18;
 // A round takes apart the chunks of the grid that it touches: the smaller they are, the less of
 // them it does not change. Below this size they would get larger altogether.
 constexpr std::uint64_t kGridChunkBytes = 1 << 16;
@@ -46,12 +48,12 @@ std::uint32_t chunk_points(std::uint32_t row_size) {
 std::uint32_t coded_chunk_points(std::uint32_t row_size) {
   // The rows at the beginning of a chunk have little to be predicted from, so longer chunks are
   // smaller: on the reference field of tests/bench/codec.cpp by a tenth.
-  return 4 * points_within(kChunkBytes, row_size);
+  return 4 * points_within(kCodedChunkBytes, row_size);
 }
 
 std::uint32_t chunk_rows(std::uint32_t row_size) {
   const std::uint64_t row = sizeof(PointIndex) + 2 + sizeof(double) * std::uint64_t{row_size};
-  return static_cast<std::uint32_t>(std::max<std::uint64_t>(kChunkBytes / row, 1));
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(kRowsChunkBytes / row, 1));
 }
 
 }  // namespace hapgrid

@@ -46,8 +46,12 @@ struct ChunkInfo {
   std::uint32_t frontier = 0;
   PointIndex first_point = 0;
   PointIndex last_point = 0;
-  Digest digest;             ///< of the message
-  std::uint64_t stored = 0;  ///< hash of the frame
+  Digest digest;                  ///< of the message
+  std::uint64_t stored = 0;       ///< hash of the frame
+  std::uint32_t conversions = 0;  ///< that its frontier asks for
+
+  /// Shards of before `conversions` was counted have 0 there.
+  bool counts_conversions() const { return frontier == 0 || conversions > 0; }
 };
 
 struct SectionFooter {

@@ -17,7 +17,7 @@ namespace hapgrid {
 
 namespace {
 
-/// The largest message that a section can hold: a chunk near 1 MiB, or a single large row, or the
+/// The largest message that a section can hold: a chunk of 256 KiB, or a single large row, or the
 /// requests of a record; a coded one is near 4 MiB, or four large rows.
 std::uint64_t chunk_limit(const SectionHeader& header) {
   const std::uint64_t rows = header.content == Content::kRequests ? kDirections + 4 : 4;
@@ -110,6 +110,7 @@ class SectionReader::State {
     where_ = at(*section_->file, frames_.offset());
     decode_frame(next_frame(*info), *info, rows);
     count(*info);
+    if (!info->counts_conversions()) conversions_sum_ += conversions_;
     return true;
   }
 
@@ -120,28 +121,24 @@ class SectionReader::State {
     if (any_ && chunk.info.first_point < key_point(last_))
       throw FormatError(where_ + ": damaged: chunks out of order");
     chunk.frame.assign(frame.begin(), frame.end());
-    count(chunk.info);
-    if (chunk.info.frontier > 0) passed_over_ = true;
+    count_undecoded(chunk.info);
     any_ = true;
     last_ = record_key(chunk.info.last_point, 0);
   }
 
   void pass_over() {
     frames_.next(limit());
-    passed_over_ = true;
-    count(*peek());
+    count_undecoded(*peek());
   }
 
   void decode_stored(const StoredChunk& chunk, RecordRows& rows) {
     const bool any = std::exchange(any_, false);
     const RowKey last = last_;
-    const std::uint64_t conversions = conversions_;
     where_ =
         section_->file->name() + ": chunk from point " + std::to_string(chunk.info.first_point);
     decode_frame(chunk.frame, chunk.info, rows);
     any_ = any;
     last_ = last;
-    conversions_ = conversions;
   }
 
  private:
@@ -166,9 +163,11 @@ class SectionReader::State {
       throw FormatError(where_ + ": damaged: a chunk does not fit the footer's digest of it");
     read_message(rows.message, where_, [&](schema::Message::Reader message) {
       frontier_ = 0;
+      conversions_ = 0;
       read(message, rows);
       if (rows.size() != info.rows || key_point(last_) != info.last_point ||
-          rows.point[0] != info.first_point || frontier_ != info.frontier)
+          rows.point[0] != info.first_point || frontier_ != info.frontier ||
+          (info.counts_conversions() && conversions_ != info.conversions))
         throw FormatError("damaged: a chunk does not fit what the footer says of it");
     });
   }
@@ -177,6 +176,12 @@ class SectionReader::State {
     ++next_;
     rows_ += info.rows;
     frontier_sum_ += info.frontier;
+    conversions_sum_ += info.conversions;
+  }
+
+  void count_undecoded(const ChunkInfo& info) {
+    count(info);
+    if (!info.counts_conversions()) uncounted_ = true;
   }
 
   /// Compares the footer's sums with what was read.
@@ -184,7 +189,7 @@ class SectionReader::State {
     const SectionFooter& footer = section_->footer;
     const bool requests = section_->header.content == Content::kRequests;
     if (footer.records != (requests ? 0 : rows_) || footer.requests != requests_ ||
-        footer.frontier != frontier_sum_ || (!passed_over_ && footer.conversions != conversions_))
+        footer.frontier != frontier_sum_ || (!uncounted_ && footer.conversions != conversions_sum_))
       throw FormatError(section_->file->name() +
                         ": damaged: the counts in the footer do not fit the content");
   }
@@ -225,7 +230,7 @@ class SectionReader::State {
       const DirectionMask inside = neighbourhood_.inside(p);
       if (!grid && (rows.todo[r] & ~inside))
         throw FormatError("damaged: a direction to be expanded leaves the box");
-      conversions_ += static_cast<std::uint64_t>(std::popcount(grid ? inside : rows.todo[r]));
+      conversions_ += static_cast<std::uint32_t>(std::popcount(grid ? inside : rows.todo[r]));
       ++frontier_;
     }
   }
@@ -279,10 +284,11 @@ class SectionReader::State {
   std::size_t next_ = 0;    // chunk
   std::uint64_t rows_ = 0;  // of the chunks before it
   std::uint64_t frontier_sum_ = 0;
-  std::uint64_t conversions_ = 0;
+  std::uint64_t conversions_sum_ = 0;
+  bool uncounted_ = false;  // a chunk before it was not decoded, and does not say its conversions
   std::uint64_t requests_ = 0;
-  bool passed_over_ = false;    // a chunk whose conversions are not known without decoding it
-  std::uint32_t frontier_ = 0;  // of the chunk at hand
+  std::uint32_t frontier_ = 0;  // of the chunk at hand, as the next one
+  std::uint32_t conversions_ = 0;
   bool any_ = false;
   RowKey last_ = 0;
 };

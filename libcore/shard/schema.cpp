@@ -253,6 +253,7 @@ void encode_footer(const SectionFooter& footer, schema::Footer::Builder out) {
     chunks[i].setDigestLow(chunk.digest.low);
     chunks[i].setDigestHigh(chunk.digest.high);
     chunks[i].setStored(chunk.stored);
+    chunks[i].setConversions(chunk.conversions);
   }
   out.setRecords(footer.records);
   out.setRequests(footer.requests);
@@ -270,7 +271,8 @@ SectionFooter decode_footer(schema::Footer::Reader in) {
                              chunk.getFirstPoint(),
                              chunk.getLastPoint(),
                              {chunk.getDigestLow(), chunk.getDigestHigh()},
-                             chunk.getStored()});
+                             chunk.getStored(),
+                             chunk.getConversions()});
   footer.records = in.getRecords();
   footer.requests = in.getRequests();
   footer.frontier = in.getFrontier();

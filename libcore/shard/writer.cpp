@@ -234,7 +234,7 @@ void SectionWriter::enter_range(PointIndex point) {
 void SectionWriter::count_frontier(PointIndex point, std::uint32_t generation) {
   if (generation != header_.generation) return;
   ++frontier_;
-  footer_.conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood_.inside(point)));
+  conversions_ += static_cast<std::uint32_t>(std::popcount(neighbourhood_.inside(point)));
 }
 
 void SectionWriter::frontier(PointIndex point, Level level, const double* state,
@@ -242,7 +242,7 @@ void SectionWriter::frontier(PointIndex point, Level level, const double* state,
   const std::size_t row = add_row(point, level, state);
   ++footer_.records;
   ++frontier_;
-  footer_.conversions += static_cast<std::uint64_t>(std::popcount(todo));
+  conversions_ += static_cast<std::uint32_t>(std::popcount(todo));
   columns_.generation[row] = header_.generation;
   columns_.directions[row] = todo;
 }
@@ -305,7 +305,7 @@ void SectionWriter::flush() {
   // Each column ends at a word; there are row_size_ + 8 of them at most, and Cap'n Proto's own
   // words.
   const std::size_t words = message_bytes() / sizeof(std::uint64_t) + 11 * row_size_ + 64;
-  ChunkInfo info{rows, frontier_, columns_.point[0], columns_.point[rows - 1], {}, 0};
+  ChunkInfo info{rows, frontier_, columns_.point[0], columns_.point[rows - 1], {}, 0, conversions_};
   encoder_->write(words, &info, [&](schema::Message::Builder message) {
     if (coder_) return encode_coded(coder_->encode(rows_so_far()), message.initCoded());
     if (header_.content == Content::kRequests) {
@@ -329,9 +329,10 @@ void SectionWriter::flush() {
     }
   });
   footer_.frontier += frontier_;
+  footer_.conversions += conversions_;
   footer_.chunks.push_back(info);
   rows_ = requests_ = 0;
-  frontier_ = 0;
+  frontier_ = conversions_ = 0;
 }
 
 void SectionWriter::finish() {

@@ -90,7 +90,8 @@ class SectionWriter {
   Columns columns_;
   std::size_t rows_ = 0;
   std::size_t requests_ = 0;    // of the rows
-  std::uint32_t frontier_ = 0;  // of the rows
+  std::uint32_t frontier_ = 0;  // of the rows, as the next one
+  std::uint32_t conversions_ = 0;
   Cut cut_;
   std::uint64_t range_end_ = 0;  // of a grid's chunk: the first point behind its range
   std::uint32_t row_limit_;      // of a chunk; of a grid's also its points; of requests these

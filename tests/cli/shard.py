@@ -117,16 +117,22 @@ def chunk_info(header, message, content, stored):
     if kind == "coded":
         rows = uncoded(rows)
     point = rows["point"]
-    young = rows.get("generation", []).count(header["generation"])
+    generations = rows.get("generation", [])
+    young = [int(p or 0) for p, g in zip(point, generations) if g == header["generation"]]
+    if rows.get("todo"):
+        asked = sum((todo or 0).bit_count() for todo in rows["todo"])
+    else:
+        asked = sum(neighbours(header.get("box"), p) for p in young)
     low, high = xxh3_128(content)
     return {
         "rows": len(point),
-        "frontier": 0 if kind == "reached" else young,
+        "frontier": generations.count(header["generation"]),
         "firstPoint": int(point[0] or 0) if point else 0,
         "lastPoint": int(point[-1] or 0) if point else 0,
         "digestLow": str(low),
         "digestHigh": str(high),
         "stored": str(xxh3_64(stored)),
+        "conversions": asked,
     }
 
 
@@ -174,6 +180,14 @@ def counts(box):
 def coordinates(box, p):
     nx, ny, _ = counts(box)
     return p % nx, p // nx % ny, p // nx // ny
+
+
+def neighbours(box, p):
+    """How many directions from a point stay in the box, if that is one."""
+    if not box or not all(counts(box)):
+        return 0
+    per_axis = [1 + (a > 0) + (a + 1 < n) for a, n in zip(coordinates(box, p), counts(box))]
+    return per_axis[0] * per_axis[1] * per_axis[2] - 1
 
 
 def neighbour(box, p, q):

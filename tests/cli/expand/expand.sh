@@ -42,6 +42,24 @@ for parts in 1 2 5 13; do
   rm rows.*
 done
 
+# A grid of before chunks said their conversions has the same parts.
+PYTHONPATH=$HAPGRID_SOURCE/tests/cli python3 - <<'END'
+import shard
+def forget(footer):
+    assert sum(chunk.pop("conversions") > 0 for chunk in footer["chunks"]) > 5
+with open("middle", "rb") as file:
+    messages = shard.decode(file.read())
+with open("uncounted", "wb") as file:
+    file.write(shard.seal(messages, edit=forget))
+END
+same "conversions" "$(stats --get conversions middle)" "$(stats --get conversions uncounted)"
+for k in 1 2 3 4 5; do
+  expand middle --part $k/5 -o part
+  expand uncounted --part $k/5 | cmp - part
+done
+merge middle requests -o next
+merge uncounted requests | cmp - next
+
 # More parts than conversions: some are empty and are shards all the same.
 seed "$ball" --set 'grid.counts=[2,1,1]' -o two
 for k in 1 2147483647 2147483648 2147483649 4294967294 4294967295; do

@@ -48,6 +48,20 @@ done
 ((round >= 3)) || fail "only $round rounds"
 rm -r plain served
 
+# The requests can go from one filter to the other through a named pipe.
+expand seeds -o requests
+merge seeds requests -o expected
+mkfifo pipe
+serve expand
+printf 'seeds\t-o\tpipe\n' >&5
+printf 'seeds\tpipe\t-o\tpiped\n' | merge --serve >answer
+same "answer of merge" 0 "$(cat answer)"
+read -r -t 60 -u 6 code
+same "answer of expand" 0 "$code"
+dismiss
+cmp piped expected
+rm answer expected pipe piped requests
+
 # A process says so when it starts.
 define() {  # NAME WORD...
   cat <<TOML

@@ -16,7 +16,7 @@ OVERRIDES = {
     "max_levels": 17,
     "weight": 2.5,
 }
-CHUNK_BYTES = 1 << 20
+CHUNK_BYTES = 1 << 18
 
 
 def check(what, expected, got):
@@ -59,7 +59,7 @@ def check_section(messages, raw, stored):
     digests = [(int(i["digestLow"]), int(i["digestHigh"])) for i in infos]
     check("digest", shard.section_digest(raw[0], digests), (footer["digestLow"], footer["digestHigh"]))
     for message in raw:
-        check("a message is near 1 MiB", True, len(message) < 1.1 * CHUNK_BYTES)
+        check("a message is near 256 KiB", True, len(message) < 1.1 * CHUNK_BYTES)
 
     inside = {}
 

@@ -42,6 +42,13 @@ struct Case {
   reference::Grid grid;
   std::vector<std::pair<std::array<int, 3>, std::vector<std::vector<double>>>> seeds;
 
+  void resize(const std::array<int, 3>& counts) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      grid.counts[a] = counts[a];
+      definition.box.counts[a] = static_cast<std::uint32_t>(counts[a]);
+    }
+  }
+
   explicit Case(Random& random, int max_count = 6) {
     toy.state_size = draw(random, 0, 3) ? 2 : static_cast<std::uint32_t>(draw(random, 1, 5));
     toy.salt = static_cast<std::uint64_t>(draw(random, 0, 1 << 30));
@@ -55,11 +62,11 @@ struct Case {
     definition.max_levels = 254;
     grid.origin = {-1.5, 0.25, 2};
     grid.spacing = 1.125;
-    for (int a = 0; a < 3; ++a) grid.counts[a] = draw(random, 1, max_count);
     definition.box.origin = grid.origin;
     definition.box.spacing = grid.spacing;
-    for (int a = 0; a < 3; ++a)
-      definition.box.counts[a] = static_cast<std::uint32_t>(grid.counts[a]);
+    std::array<int, 3> counts;
+    for (int& count : counts) count = draw(random, 1, max_count);
+    resize(counts);
 
     for (int i = draw(random, 1, 4); i > 0; --i) {
       std::array<int, 3> at;
