@@ -200,6 +200,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   hapgrid::add_model_options(app, standing.model);
   return hapgrid::run_tool(app, argc, argv, [&] {
+    hapgrid::keep_memory();
     hapgrid::report_crashes("expand");
     LoadedModels models(standing);
     if (!serves) return run(options, models, /*stay=*/false);

@@ -237,6 +237,7 @@ int main(int argc, char** argv) {
   hapgrid::add_progress(app, standing.progress);
   hapgrid::add_model_path(app, standing.model_path);
   return hapgrid::run_tool(app, argc, argv, [&] {
+    hapgrid::keep_memory();
     LoadedModel model(standing);
     const auto run_one = [&model](const Options& one) { return run(one, model); };
     if (!serves) return run_one(options);

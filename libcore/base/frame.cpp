@@ -10,6 +10,33 @@
 
 namespace hapgrid {
 
+namespace {
+
+// A thread has one context of each kind for all frames: making one asks the processor what it can
+// do, which takes longer than a small frame, above all in a virtual machine.
+
+ZSTD_CCtx* compressor() {
+  struct Context {
+    ZSTD_CCtx* zstd = ZSTD_createCCtx();
+    ~Context() { ZSTD_freeCCtx(zstd); }
+  };
+  thread_local const Context context;
+  if (!context.zstd) throw std::bad_alloc();
+  return context.zstd;
+}
+
+ZSTD_DCtx* decompressor() {
+  struct Context {
+    ZSTD_DCtx* zstd = ZSTD_createDCtx();
+    ~Context() { ZSTD_freeDCtx(zstd); }
+  };
+  thread_local const Context context;
+  if (!context.zstd) throw std::bad_alloc();
+  return context.zstd;
+}
+
+}  // namespace
+
 std::size_t frame_size(std::span<const std::byte> bytes) {
   const std::size_t size = ZSTD_findFrameCompressedSize(bytes.data(), bytes.size());
   return ZSTD_isError(size) ? 0 : size;
@@ -17,47 +44,23 @@ std::size_t frame_size(std::span<const std::byte> bytes) {
 
 std::size_t frame_bound(std::uint64_t content) { return ZSTD_compressBound(content) + 64; }
 
-struct FrameEncoder::Context {
-  ZSTD_CCtx* zstd = ZSTD_createCCtx();
-  ~Context() { ZSTD_freeCCtx(zstd); }
-};
-
-FrameEncoder::FrameEncoder(int level) : context_(std::make_unique<Context>()) {
-  if (!context_->zstd) throw std::bad_alloc();
-  ZSTD_CCtx_setParameter(context_->zstd, ZSTD_c_compressionLevel, level);
-  ZSTD_CCtx_setParameter(context_->zstd, ZSTD_c_checksumFlag, 1);
-  ZSTD_CCtx_setParameter(context_->zstd, ZSTD_c_contentSizeFlag, 1);
-}
-FrameEncoder::~FrameEncoder() = default;
-FrameEncoder::FrameEncoder(FrameEncoder&&) noexcept = default;
-
 std::span<const std::byte> FrameEncoder::encode(std::span<const std::byte> content) {
   if (const std::size_t bound = frame_bound(content.size()); bound > capacity_) {
     frame_ = std::make_unique_for_overwrite<std::byte[]>(bound);
     capacity_ = bound;
   }
+  ZSTD_CCtx* const zstd = compressor();
+  ZSTD_CCtx_setParameter(zstd, ZSTD_c_compressionLevel, level_);
+  ZSTD_CCtx_setParameter(zstd, ZSTD_c_checksumFlag, 1);
+  ZSTD_CCtx_setParameter(zstd, ZSTD_c_contentSizeFlag, 1);
   const std::size_t size =
-      ZSTD_compress2(context_->zstd, frame_.get(), capacity_, content.data(), content.size());
+      ZSTD_compress2(zstd, frame_.get(), capacity_, content.data(), content.size());
   if (ZSTD_isError(size)) throw Error(std::string("zstd: ") + ZSTD_getErrorName(size));
   return {frame_.get(), size};
 }
 
-struct FrameDecoder::Context {
-  ZSTD_DCtx* zstd = ZSTD_createDCtx();
-  ~Context() { ZSTD_freeDCtx(zstd); }
-};
-
-FrameDecoder::FrameDecoder(const char* kind, bool hashed)
-    : kind_(kind), context_(std::make_unique<Context>()) {
-  if (!context_->zstd) throw std::bad_alloc();
-  if (hashed)
-    ZSTD_DCtx_setParameter(context_->zstd, ZSTD_d_forceIgnoreChecksum, ZSTD_d_ignoreChecksum);
-}
-FrameDecoder::~FrameDecoder() = default;
-FrameDecoder::FrameDecoder(FrameDecoder&&) noexcept = default;
-
 void FrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t limit,
-                          std::vector<std::uint64_t>& words) {
+                          std::vector<std::uint64_t>& words) const {
   if (frame.empty() || frame_size(frame) != frame.size())
     throw FormatError("damaged: a frame is cut");
   const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
@@ -69,8 +72,11 @@ void FrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t limit,
   if (size == 0 || size % sizeof(std::uint64_t) != 0)
     throw FormatError(std::string("not a ") + kind_ + ": no Cap'n Proto message");
   words.resize(size / sizeof(std::uint64_t));
+  ZSTD_DCtx* const zstd = decompressor();
+  ZSTD_DCtx_setParameter(zstd, ZSTD_d_forceIgnoreChecksum,
+                         hashed_ ? ZSTD_d_ignoreChecksum : ZSTD_d_validateChecksum);
   const std::size_t decoded =
-      ZSTD_decompressDCtx(context_->zstd, words.data(), size, frame.data(), frame.size());
+      ZSTD_decompressDCtx(zstd, words.data(), size, frame.data(), frame.size());
   if (ZSTD_isError(decoded))
     throw FormatError(std::string("damaged: ") + ZSTD_getErrorName(decoded));
   if (decoded != size) throw FormatError("damaged: a frame is shorter than it says");

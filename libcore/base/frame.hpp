@@ -14,33 +14,28 @@ std::size_t frame_size(std::span<const std::byte> bytes);
 /// The most bytes that a frame with `content` bytes can have.
 std::size_t frame_bound(std::uint64_t content);
 
-/// Compresses messages, reusing its context. The bytes depend on the content and on zstd alone.
+/// Compresses messages. The bytes depend on the content and on zstd alone.
 class FrameEncoder {
  public:
   /// `level`: zstd's, the default is for what is written and read once.
-  explicit FrameEncoder(int level = 1);
-  ~FrameEncoder();
-  FrameEncoder(FrameEncoder&&) noexcept;
+  explicit FrameEncoder(int level = 1) : level_(level) {}
 
   /// The frame is valid until the next call.
   std::span<const std::byte> encode(std::span<const std::byte> content);
 
  private:
-  struct Context;
-  std::unique_ptr<Context> context_;
+  int level_;
   std::unique_ptr<std::byte[]> frame_;
   std::size_t capacity_ = 0;
 };
 
-/// Decompresses frames, reusing its context.
+/// Decompresses frames.
 class FrameDecoder {
  public:
   /// @param kind what the frames are of, for messages: "not a `kind`: ..."
   /// @param hashed the frames are compared with a hash of them before they are decoded, so that
   /// zstd need not compute the content's checksum, too.
-  explicit FrameDecoder(const char* kind, bool hashed = false);
-  ~FrameDecoder();
-  FrameDecoder(FrameDecoder&&) noexcept;
+  explicit FrameDecoder(const char* kind, bool hashed = false) : kind_(kind), hashed_(hashed) {}
 
   /// Decodes a frame without anything behind it into `words` (8-byte aligned, as Cap'n Proto wants
   /// them).
@@ -48,12 +43,11 @@ class FrameDecoder {
   /// memory is taken for it.
   /// @throw FormatError (without the file's name) when the frame is damaged or too large.
   void decode(std::span<const std::byte> frame, std::uint64_t limit,
-              std::vector<std::uint64_t>& words);
+              std::vector<std::uint64_t>& words) const;
 
  private:
-  struct Context;
   const char* kind_;
-  std::unique_ptr<Context> context_;
+  bool hashed_;
 };
 
 }  // namespace hapgrid

@@ -43,13 +43,11 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
     const auto finish_batch = [&] {
       converter.convert(batch);
       for (std::size_t i = 0; i < batch.size(); ++i) {
-        const Levels::Place source = levels.find(batch.point(i), batch.level(i));
-        for (DirectionMask left = batch.todo(i); left; left &= left - 1) {
-          const int q = std::countr_zero(left);
-          if (levels.settle(source, q, batch.reached(i) + static_cast<unsigned>(q) * width,
-                            generation))
-            found.push_back(levels.last_stored());
-        }
+        const double* const reached = batch.reached(i);
+        levels.settle(
+            levels.find(batch.point(i), batch.level(i)), batch.todo(i), generation,
+            [&](int q) { return reached + static_cast<unsigned>(q) * width; },
+            [&found](const Levels::Stored& record) { found.push_back(record); });
       }
       batch.clear();
     };

@@ -34,6 +34,7 @@ Levels::Block& Levels::block(PointIndex point) {
       free_blocks_.pop_back();
     }
     block->first.assign(block_points_, kNone);
+    block->visited.assign((block_points_ + kWordBits - 1) / kWordBits, 0);
   }
   return *block;
 }
@@ -58,7 +59,7 @@ void Levels::reserve(Block& block, std::size_t count) const {
   block.capacity = static_cast<std::uint32_t>(capacity);
 }
 
-void Levels::append(const RecordRows& rows, std::size_t begin, std::size_t end) {
+void Levels::append(const RecordRows& rows, std::size_t begin, std::size_t end, bool passive) {
   while (begin < end) {
     Block& here = block(rows.point[begin]);
     const auto points = rows.point.subspan(begin, end - begin);
@@ -78,6 +79,8 @@ void Levels::append(const RecordRows& rows, std::size_t begin, std::size_t end) 
     here.records += static_cast<std::uint32_t>(count);
     records_ += count;
     chain(here, from);
+    if (!passive)
+      for (std::uint32_t r = from; r < here.records; ++r) include(here, in_block(here.point[r]));
     begin += count;
   }
 }
@@ -134,11 +137,18 @@ const double* Levels::state(Place place) const {
 }
 
 DirectionMask unsettled(const Level* links) {
-  DirectionMask mask = 0;
-  if (!std::memchr(links, kUnsettled, kDirections)) return mask;
-  for (int q = 0; q < kDirections; ++q)
-    if (links[q] == kUnsettled) mask |= DirectionMask{1} << q;
-  return mask;
+  static_assert(kDirections == 26 && std::endian::native == std::endian::little);
+  const auto unsettled_of = [links](std::size_t first) {  // of eight links
+    constexpr std::uint64_t kOnes = 0x0101010101010101;
+    constexpr std::uint64_t kLow = 0x7f * kOnes;
+    std::uint64_t bytes = 0;
+    std::memcpy(&bytes, links + first, sizeof bytes);
+    bytes ^= kUnsettled * kOnes;  // now 0 where a link is unsettled
+    const std::uint64_t zeros = ~(((bytes & kLow) + kLow) | bytes | kLow);
+    // The top bits of the bytes, byte i's to bit i.
+    return static_cast<DirectionMask>((zeros >> 7) * 0x0102040810204080 >> 56);
+  };
+  return unsettled_of(0) | unsettled_of(8) << 8 | unsettled_of(16) << 16 | unsettled_of(18) << 18;
 }
 
 std::string Levels::describe_source(Place source, int q) const {
@@ -177,6 +187,7 @@ bool Levels::settle_other(Place source, int q, PointIndex target, const double* 
   reserve(here, 1);
   r = here.records++;
   ++records_;
+  include(here, in_block(target));
   (last == kNone ? here.first[in_block(target)] : here.next[last]) = r;
   here.next[r] = kNone;
   here.point[r] = target;

@@ -47,39 +47,27 @@ class Levels {
   std::uint32_t block_points() const { return block_points_; }
 
   /// Adds records that are known already, [begin, end) of `rows`; a point's records come by level.
+  /// @param passive they are for comparison alone: what visit() would say of them nobody needs.
   /// @throw FormatError when a level is not the next one at its point.
-  void append(const RecordRows& rows, std::size_t begin, std::size_t end);
+  void append(const RecordRows& rows, std::size_t begin, std::size_t end, bool passive = false);
 
   /// Where the record is, nowhere where there is none.
   Place find(PointIndex point, Level level) const;
   std::uint32_t generation(Place place) const;
   const double* state(Place place) const;
 
-  /// Finds or stores the state that a conversion reached from `source` in direction q (lines 11 to
-  /// 19) and sets the link there (line 20). `numbers` is the row that was reached; it equals a
-  /// state whose bits it has. @param generation that a new record gets. Answers whether a record
-  /// was stored.
-  /// @throw FormatError when the link is settled already; Error when the level limit is reached.
-  bool settle(Place source, int q, const double* numbers, std::uint32_t generation) {
-    const std::size_t link = std::size_t{source.record_} * kDirections + unsigned(q);
-    const auto target =
-        static_cast<PointIndex>(source.block_->point[source.record_] + neighbourhood_.offset(q));
-    // Most conversions reach the very state that is known there as the first.
-    const Block* const here = blocks_[target >> block_bits_].get();
-    if (here && source.block_->links[link] == kUnsettled) {
-      const std::uint32_t r = here->first[in_block(target)];
-      if (r != kNone && has_bits(&here->numbers[std::size_t{r} * row_size_], numbers)) {
-        source.block_->links[link] = 0;
-        return false;
-      }
-    }
-    return settle_other(source, q, target, numbers, generation);
-  }
-  /// The record that settle() stored last.
-  Stored last_stored() const { return last_stored_; }
+  /// For each of the `directions`, ascending: finds or stores the state that the conversion from
+  /// `source` reached (lines 11 to 19), and sets the link there (line 20). `row(q)` is the row that
+  /// was reached in direction q; its state equals one whose bits it has. Calls stored(Stored) for
+  /// each record that this stores, of generation `generation`.
+  /// @throw FormatError when a link is settled already; Error when the level limit is reached.
+  template <class Row, class F>
+  void settle(Place source, DirectionMask directions, std::uint32_t generation, Row&& row,
+              F&& stored);
 
   /// Calls f(rows, begin, end) for the records of block `number`, ascending: as few runs of them as
-  /// there are, one where no record was added to those that were appended.
+  /// there are, one where no record was added to those that were appended. Points that have passive
+  /// records alone are passed over.
   template <class F>
   void visit(std::uint64_t number, F&& f) const;
   /// Blocks: points / block_points(), rounded up.
@@ -91,11 +79,13 @@ class Levels {
 
  private:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  static constexpr std::uint32_t kWordBits = 64;
 
   // Records in columns, in the order in which they came; so a block that is read, touched in
   // places, and written again is copied in long runs. Not initialised beyond `records`.
   struct Block {
     std::vector<std::uint32_t> first;       // block_points, first record of each point
+    std::vector<std::uint64_t> visited;     // bits, by point: whether visit() comes by
     std::unique_ptr<std::uint32_t[]> next;  // next record of a record's point
     std::unique_ptr<PointIndex[]> point;
     std::unique_ptr<Level[]> level;
@@ -111,9 +101,14 @@ class Levels {
   void reserve(Block& block, std::size_t count) const;
   /// Chains the records from `from` on to those of their points.
   void chain(Block& block, std::uint32_t from) const;
+  /// Has visit() come by at a point of the block.
+  static void include(Block& block, std::uint32_t in_block) {
+    block.visited[in_block / kWordBits] |= std::uint64_t{1} << in_block % kWordBits;
+  }
   /// The records of a block, valid until one is added.
   RecordRows view(const Block& block) const;
   std::uint32_t in_block(PointIndex point) const { return point & (block_points_ - 1); }
+  /// Any conversion but the most frequent. Answers whether a record was stored: last_stored_.
   bool settle_other(Place source, int q, PointIndex target, const double* numbers,
                     std::uint32_t generation);
   /// Whether two states are the same, bit by bit.
@@ -141,6 +136,33 @@ class Levels {
 /// Directions of a record that are not settled.
 DirectionMask unsettled(const Level* links);
 
+template <class Row, class F>
+void Levels::settle(Place source, DirectionMask directions, std::uint32_t generation, Row&& row,
+                    F&& stored) {
+  const PointIndex point = source.block_->point[source.record_];
+  const auto links_of_source = [&] {
+    return &source.block_->links[std::size_t{source.record_} * kDirections];
+  };
+  Level* links = links_of_source();
+  for (; directions; directions &= directions - 1) {
+    const int q = std::countr_zero(directions);
+    const double* const numbers = row(q);
+    const auto target = static_cast<PointIndex>(point + neighbourhood_.offset(q));
+    // Most conversions reach the very state that is known there as the first.
+    const Block* const here = blocks_[target >> block_bits_].get();
+    if (here && links[q] == kUnsettled) {
+      const std::uint32_t r = here->first[in_block(target)];
+      if (r != kNone && has_bits(&here->numbers[std::size_t{r} * row_size_], numbers)) {
+        links[q] = 0;
+        continue;
+      }
+    }
+    if (!settle_other(source, q, target, numbers, generation)) continue;
+    links = links_of_source();  // making room for a record may move those of its block
+    stored(last_stored_);
+  }
+}
+
 template <class F>
 void Levels::visit(std::uint64_t number, F&& f) const {
   const Block* block = blocks_[number].get();
@@ -148,13 +170,16 @@ void Levels::visit(std::uint64_t number, F&& f) const {
   const RecordRows rows = view(*block);
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
-  for (std::uint32_t i = 0; i < block_points_; ++i) {
-    for (std::uint32_t r = block->first[i]; r != kNone; r = block->next[r]) {
-      if (r != end) {
-        if (begin != end) f(rows, begin, end);
-        begin = r;
+  for (std::size_t word = 0; word < block->visited.size(); ++word) {
+    for (std::uint64_t left = block->visited[word]; left; left &= left - 1) {
+      const std::size_t i = word * kWordBits + static_cast<unsigned>(std::countr_zero(left));
+      for (std::uint32_t r = block->first[i]; r != kNone; r = block->next[r]) {
+        if (r != end) {
+          if (begin != end) f(rows, begin, end);
+          begin = r;
+        }
+        end = r + 1;
       }
-      end = r + 1;
     }
   }
   if (begin != end) f(rows, begin, end);

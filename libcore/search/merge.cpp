@@ -124,22 +124,50 @@ class Merge {
       source_key_ = key;
       answered_ = 0;
     }
-    const std::uint32_t generation = input_.generation() + 1;
-    const double* row = rows.row(rows.first[r]);
-    for (DirectionMask left = rows.directions[r]; left; left &= left - 1, row += rows.width) {
-      const int q = std::countr_zero(left);
-      double* const answer = &answers_[static_cast<unsigned>(q) * rows.width];
-      if (answered_ >> q & 1) {
-        if (std::memcmp(row, answer, rows.width * sizeof(double)) != 0)
-          fail(rows, r, q, "two different answers");
-        continue;
+    const DirectionMask directions = rows.directions[r];
+    const double* const first = rows.row(rows.first[r]);
+    const auto row = [&](int q) {
+      const bool all = directions == kAllDirections;
+      return first + rows.width * static_cast<unsigned>(all ? q : rank(directions, q));
+    };
+    if (directions & answered_) require_same(rows, r, row);
+    const DirectionMask wanted = directions & ~answered_ & ~beyond_targets(point);
+    levels_.settle(source_, wanted, input_.generation() + 1, row, [](const Levels::Stored&) {});
+    if (may_go_on) {
+      for (DirectionMask left = directions; left; left &= left - 1) {
+        const int q = std::countr_zero(left);
+        std::copy_n(row(q), rows.width, &answers_[static_cast<unsigned>(q) * rows.width]);
       }
-      if (targets_.holds(static_cast<std::uint64_t>(point + neighbourhood_.offset(q))))
-        levels_.settle(source_, q, row, generation);
-      if (may_go_on) std::copy_n(row, rows.width, answer);
     }
-    answered_ |= rows.directions[r];
-    progress_.conversions += static_cast<std::uint64_t>(std::popcount(rows.directions[r]));
+    answered_ |= directions;
+    progress_.conversions += static_cast<std::uint64_t>(std::popcount(directions));
+  }
+
+  /// How many of the directions come before direction q.
+  static int rank(DirectionMask directions, int q) {
+    return std::popcount(directions & ((DirectionMask{1} << q) - 1));
+  }
+
+  /// What was answered before must be answered again, bit by bit.
+  template <class Row>
+  void require_same(const RequestRows& rows, std::size_t r, Row&& row) const {
+    for (DirectionMask left = rows.directions[r] & answered_; left; left &= left - 1) {
+      const int q = std::countr_zero(left);
+      const double* const answer = &answers_[static_cast<unsigned>(q) * rows.width];
+      if (std::memcmp(row(q), answer, rows.width * sizeof(double)) != 0)
+        fail(rows, r, q, "two different answers");
+    }
+  }
+
+  /// The directions that lead to points of no range that is looked at; those that leave the box may
+  /// be among them.
+  DirectionMask beyond_targets(PointIndex point) const {
+    if (point >= targets_.begin + reach_ && point + reach_ < targets_.end) return 0;
+    DirectionMask beyond = 0;
+    for (int q = 0; q < kDirections; ++q)
+      if (!targets_.holds(static_cast<std::uint64_t>(point + neighbourhood_.offset(q))))
+        beyond |= DirectionMask{1} << q;
+    return beyond;
   }
 
   [[noreturn]] void fail(const RequestRows& rows, std::size_t r, int q, const char* what) const {
@@ -186,7 +214,7 @@ class Merge {
       }
       for (auto run = stream.records.next_before(end); run.rows;
            run = stream.records.next_before(end))
-        levels_.append(*run.rows, run.begin, run.end);
+        levels_.append(*run.rows, run.begin, run.end, /*passive=*/!is_followed(stream));
     }
   }
 
@@ -309,12 +337,7 @@ class Merge {
     if (rows.generation[r] != input_.generation()) return;
     const PointIndex point = rows.point[r];
     const DirectionMask inside = neighbourhood_.inside(point);
-    DirectionMask beyond = 0;  // in the box, but of no range that is looked at
-    if (point < targets_.begin + reach_ || point + reach_ >= targets_.end) {
-      for (int q = 0; q < kDirections; ++q)
-        if (!targets_.holds(static_cast<std::uint64_t>(point + neighbourhood_.offset(q))))
-          beyond |= DirectionMask{1} << q & inside;
-    }
+    const DirectionMask beyond = beyond_targets(point) & inside;
     asked_ += static_cast<std::uint64_t>(std::popcount(inside & ~beyond));
     // A link out of the box that is not settled never will be.
     const DirectionMask left = unsettled(&rows.links[r * kDirections]) & ~beyond;

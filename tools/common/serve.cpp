@@ -1,7 +1,5 @@
 #include "tools/common/serve.hpp"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <iostream>
 
@@ -12,8 +10,6 @@
 namespace hapgrid {
 
 namespace {
-
-constexpr int kKeptBytes = 32 << 20;  // glibc takes no more as a threshold of mmap
 
 std::vector<std::string> words(const std::string& line) {
   std::vector<std::string> words;
@@ -45,9 +41,6 @@ void add_serve(CLI::App& app, bool& serve) {
 }
 
 int serve(const std::string& tool, const PrepareLine& prepare) {
-  // What a line needed the next one needs again; given back in between, it would be cleared anew.
-  ::mallopt(M_MMAP_THRESHOLD, kKeptBytes);
-  ::mallopt(M_TRIM_THRESHOLD, kKeptBytes);
   for (std::string line; std::getline(std::cin, line);) {
     if (std::cin.eof()) throw Error("standard input: the last line has no end, and was not run");
     CLI::App app;

@@ -1,6 +1,7 @@
 #include "tools/common/tool.hpp"
 
 #include <fcntl.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <charconv>
@@ -155,6 +156,13 @@ int guarded(const std::string& tool, const std::function<int()>& run) {
 }
 
 }  // namespace
+
+void keep_memory() {
+  constexpr int kBytes = 32 << 20;  // glibc takes no more as a threshold of mmap
+  ::mallopt(M_MMAP_THRESHOLD, kBytes);
+  ::mallopt(M_TRIM_THRESHOLD, kBytes);
+  ::mallopt(M_TOP_PAD, 1 << 20);  // asked for at once, and not touched before it is used
+}
 
 int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run) {
   const std::string tool = app.get_name();

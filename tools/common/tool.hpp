@@ -51,6 +51,10 @@ std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
 void add_report(CLI::App& app, std::string& report);
 void add_progress(CLI::App& app, bool& progress);
 
+/// Memory that is freed stays with the process: what one chunk, round or command line needed, the
+/// next one needs again, and the system would clear it anew each time.
+void keep_memory();
+
 /// Parses the command line and calls `run`, whose result is the exit code; every exception becomes
 /// one line "NAME: message" on standard error and an exit code.
 int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run);
