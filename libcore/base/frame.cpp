@@ -1,6 +1,6 @@
 #include "libcore/base/frame.hpp"
 
-#define ZSTD_STATIC_LINKING_ONLY  // ZSTD_d_forceIgnoreChecksum
+#define ZSTD_STATIC_LINKING_ONLY  // ZSTD_d_forceIgnoreChecksum, ZSTD_c_literalCompressionMode
 #include <zstd.h>
 
 #include <new>
@@ -51,6 +51,8 @@ std::span<const std::byte> FrameEncoder::encode(std::span<const std::byte> conte
   }
   ZSTD_CCtx* const zstd = compressor();
   ZSTD_CCtx_setParameter(zstd, ZSTD_c_compressionLevel, level_);
+  ZSTD_CCtx_setParameter(zstd, ZSTD_c_literalCompressionMode,
+                         literals_ == Literals::kPlain ? ZSTD_ps_disable : ZSTD_ps_auto);
   ZSTD_CCtx_setParameter(zstd, ZSTD_c_checksumFlag, 1);
   ZSTD_CCtx_setParameter(zstd, ZSTD_c_contentSizeFlag, 1);
   const std::size_t size =

@@ -17,14 +17,21 @@ std::size_t frame_bound(std::uint64_t content);
 /// Compresses messages. The bytes depend on the content and on zstd alone.
 class FrameEncoder {
  public:
-  /// `level`: zstd's, the default is for what is written and read once.
-  explicit FrameEncoder(int level = 1) : level_(level) {}
+  /// What zstd does with bytes that occur nowhere before: kPlain leaves them as they are, which is
+  /// twice as fast, both ways, and larger: by 4 % where numbers are noise in their last digits, by
+  /// two thirds where they are smooth.
+  enum class Literals : std::uint8_t { kCoded, kPlain };
+
+  /// `level`: zstd's.
+  explicit FrameEncoder(int level = 1, Literals literals = Literals::kCoded)
+      : level_(level), literals_(literals) {}
 
   /// The frame is valid until the next call.
   std::span<const std::byte> encode(std::span<const std::byte> content);
 
  private:
   int level_;
+  Literals literals_;
   std::unique_ptr<std::byte[]> frame_;
   std::size_t capacity_ = 0;
 };

@@ -25,10 +25,14 @@ static_assert(std::endian::native == std::endian::little,
 
 namespace {
 
-// Level 1: between two rounds everything is written and read once, so speed counts; links and
-// smooth states compress nearly as well as at level 3. A coded grid is written once and kept.
-constexpr int kLevel = 1;
-constexpr int kCodedLevel = 3;
+/// How chunks are compressed. In most, speed counts, and links and smooth states compress nearly as
+/// well at level 1 as at level 3; above all in what is written and read once: requests, frontiers,
+/// layers. A coded grid is written once and kept.
+FrameEncoder frame_encoder(const SectionHeader& header, Cut cut) {
+  if (header.coding.is_coded) return FrameEncoder(3);
+  const bool stays = header.content == Content::kGrid && cut == Cut::kByPoints;
+  return FrameEncoder(1, stays ? FrameEncoder::Literals::kCoded : FrameEncoder::Literals::kPlain);
+}
 
 template <class List, class T>
 void copy_column(List list, const std::unique_ptr<T[]>& column) {
@@ -82,7 +86,8 @@ kj::ArrayPtr<const kj::byte> bytes_of(const std::unique_ptr<std::uint8_t[]>& col
 /// Messages to digest, frames and the file.
 class SectionWriter::Encoder {
  public:
-  Encoder(int fd, std::string name, int level) : fd_(fd), name_(std::move(name)), frames_(level) {}
+  Encoder(int fd, std::string name, FrameEncoder frames)
+      : fd_(fd), name_(std::move(name)), frames_(std::move(frames)) {}
 
   /// Builds one message with `fill(schema::Message::Builder)`, which needs at most `words`, and
   /// writes it. Sets the digests of `info` where it is not null.
@@ -167,7 +172,7 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
     : header_(header),
       row_size_(row_size(header)),
       neighbourhood_(header.spec.box),
-      encoder_(std::make_unique<Encoder>(fd, name, header.coding.is_coded ? kCodedLevel : kLevel)),
+      encoder_(std::make_unique<Encoder>(fd, name, frame_encoder(header, cut))),
       cut_(cut),
       row_limit_(header.content == Content::kRequests
                      ? std::max<std::uint32_t>(chunk_rows(row_size_), kDirections)

@@ -11,7 +11,7 @@
 #   files_anew   rounds through 8 shard files, with 9 filters started for each round
 # The grid is kept in layers, as Makefile.example does, and put together at the end.
 #
-# C itself is measured by build/bench/bench_conversions before each run and taken off. CPU time is what
+# C itself is measured by build/bench/bench_conversions around each run and taken off. CPU time is what
 # the kernel accounts to the filters, their start-up included; how much of it is start-up is said too.
 # All of it is on one processor: two filters at the ends of a pipe would slow each other down in one
 # core. The shards are in TMPDIR: on a disk, making files and syncing them is part of the figures, in
@@ -155,9 +155,10 @@ for way in in_memory piped files piped_anew files_anew; do
   esac
   rm -f all beyond
   for _ in $(seq "$repeats"); do
-    own=$(bench_conversions complete 2>/dev/null | cut -d' ' -f1)
-    echo "$own" >>own
+    before=$(bench_conversions complete 2>/dev/null)
     "$way"
+    own=$(bench_conversions complete 2>/dev/null | awk -v before="$before" '{ print ($1 + before) / 2 }')
+    echo "$own" >>own
     ns=$(total | awk -v requests="$requests" '{ print $1 / requests * 1e9 }')
     echo "$ns" >>all
     awk -v ns="$ns" -v own="$own" 'BEGIN { print ns - own }' >>beyond
