@@ -12,23 +12,13 @@ namespace hapgrid {
 
 namespace {
 
-// A thread has one context of each kind for all frames: making one asks the processor what it can
-// do, which takes longer than a small frame, above all in a virtual machine.
-
-ZSTD_CCtx* compressor() {
+/// A thread has one context of each kind for all frames: making one asks the processor what it can
+/// do, which takes longer than a small frame, above all in a virtual machine.
+template <auto kCreate, auto kFree>
+auto* context_of_thread() {
   struct Context {
-    ZSTD_CCtx* zstd = ZSTD_createCCtx();
-    ~Context() { ZSTD_freeCCtx(zstd); }
-  };
-  thread_local const Context context;
-  if (!context.zstd) throw std::bad_alloc();
-  return context.zstd;
-}
-
-ZSTD_DCtx* decompressor() {
-  struct Context {
-    ZSTD_DCtx* zstd = ZSTD_createDCtx();
-    ~Context() { ZSTD_freeDCtx(zstd); }
+    decltype(kCreate()) zstd = kCreate();
+    ~Context() { kFree(zstd); }
   };
   thread_local const Context context;
   if (!context.zstd) throw std::bad_alloc();
@@ -49,7 +39,7 @@ std::span<const std::byte> FrameEncoder::encode(std::span<const std::byte> conte
     frame_ = std::make_unique_for_overwrite<std::byte[]>(bound);
     capacity_ = bound;
   }
-  ZSTD_CCtx* const zstd = compressor();
+  ZSTD_CCtx* const zstd = context_of_thread<ZSTD_createCCtx, ZSTD_freeCCtx>();
   ZSTD_CCtx_setParameter(zstd, ZSTD_c_compressionLevel, level_);
   ZSTD_CCtx_setParameter(zstd, ZSTD_c_literalCompressionMode,
                          literals_ == Literals::kPlain ? ZSTD_ps_disable : ZSTD_ps_auto);
@@ -74,7 +64,7 @@ void FrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t limit,
   if (size == 0 || size % sizeof(std::uint64_t) != 0)
     throw FormatError(std::string("not a ") + kind_ + ": no Cap'n Proto message");
   words.resize(size / sizeof(std::uint64_t));
-  ZSTD_DCtx* const zstd = decompressor();
+  ZSTD_DCtx* const zstd = context_of_thread<ZSTD_createDCtx, ZSTD_freeDCtx>();
   ZSTD_DCtx_setParameter(zstd, ZSTD_d_forceIgnoreChecksum,
                          hashed_ ? ZSTD_d_ignoreChecksum : ZSTD_d_validateChecksum);
   const std::size_t decoded =

@@ -1,0 +1,70 @@
+// Frames: the bytes depend on the content alone, and not on what the thread has coded before.
+#include "libcore/base/frame.hpp"
+
+#include <catch2/catch.hpp>
+#include <random>
+#include <thread>
+
+using namespace hapgrid;
+
+namespace {
+
+using Words = std::vector<std::uint64_t>;
+
+/// Noise, a slope, runs of few bytes, or all of them in turns: what zstd codes each in its own way.
+Words draw_content(std::mt19937_64& random) {
+  Words words(1 + random() % 20000);
+  const std::uint64_t kind = random() % 4;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    switch (kind == 3 ? i / 100 % 3 : kind) {
+      case 0:
+        words[i] = random();
+        break;
+      case 1:
+        words[i] = 3 * i;
+        break;
+      default:
+        words[i] = i / 50 % 4;
+    }
+  }
+  return words;
+}
+
+std::vector<std::byte> encode(const Words& content, int level, FrameEncoder::Literals literals) {
+  FrameEncoder encoder(level, literals);
+  const auto frame = encoder.encode(std::as_bytes(std::span(content)));
+  return {frame.begin(), frame.end()};
+}
+
+}  // namespace
+
+TEST_CASE("a frame is the same in a thread that has coded others and in a fresh one") {
+  std::mt19937_64 random(20061);
+  const FrameDecoder plain("frame");
+  const FrameDecoder hashed("frame", /*hashed=*/true);
+  for (int i = 0; i < 100; ++i) {
+    CAPTURE(i);
+    const Words content = draw_content(random);
+    const int level = random() % 2 ? 1 : 3;
+    const auto literals =
+        random() % 2 ? FrameEncoder::Literals::kCoded : FrameEncoder::Literals::kPlain;
+    const std::vector<std::byte> frame = encode(content, level, literals);
+    std::vector<std::byte> fresh;
+    std::thread([&] { fresh = encode(content, level, literals); }).join();
+    REQUIRE(frame == fresh);
+    Words decoded;
+    (random() % 2 ? hashed : plain).decode(frame, content.size() * sizeof(std::uint64_t), decoded);
+    REQUIRE(decoded == content);
+  }
+}
+
+TEST_CASE("the checksum of a frame counts, unless its bytes were compared with a hash") {
+  // An XXH64 of the content ends a frame (RFC 8878, 3.1.1): its last byte says nothing else.
+  std::vector<std::byte> frame = encode(Words(100, 7), 1, FrameEncoder::Literals::kCoded);
+  frame.back() ^= std::byte{1};
+  Words decoded;
+  REQUIRE_THROWS(FrameDecoder("frame").decode(frame, 800, decoded));
+  FrameDecoder("frame", /*hashed=*/true).decode(frame, 800, decoded);
+  REQUIRE(decoded == Words(100, 7));
+  REQUIRE_THROWS(FrameDecoder("frame").decode(frame, 800, decoded));
+}
