@@ -26,12 +26,13 @@ static_assert(std::endian::native == std::endian::little,
 namespace {
 
 /// How chunks are compressed. In most, speed counts, and links and smooth states compress nearly as
-/// well at level 1 as at level 3; above all in what is written and read once: requests, frontiers,
-/// layers. A coded grid is written once and kept.
-FrameEncoder frame_encoder(const SectionHeader& header, Cut cut) {
+/// well at level 1 as at level 3; above all in requests and frontiers, which are written and read
+/// once. Layers of a grid are not among these: a chunk of them can be copied into the grid as it is
+/// stored, whose bytes must not tell. A coded grid is written once and kept.
+FrameEncoder frame_encoder(const SectionHeader& header) {
   if (header.coding.is_coded) return FrameEncoder(3);
-  const bool stays = header.content == Content::kGrid && cut == Cut::kByPoints;
-  return FrameEncoder(1, stays ? FrameEncoder::Literals::kCoded : FrameEncoder::Literals::kPlain);
+  using Literals = FrameEncoder::Literals;
+  return FrameEncoder(1, header.content == Content::kGrid ? Literals::kCoded : Literals::kPlain);
 }
 
 template <class List, class T>
@@ -172,7 +173,7 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
     : header_(header),
       row_size_(row_size(header)),
       neighbourhood_(header.spec.box),
-      encoder_(std::make_unique<Encoder>(fd, name, frame_encoder(header, cut))),
+      encoder_(std::make_unique<Encoder>(fd, name, frame_encoder(header))),
       cut_(cut),
       row_limit_(header.content == Content::kRequests
                      ? std::max<std::uint32_t>(chunk_rows(row_size_), kDirections)
