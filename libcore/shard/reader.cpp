@@ -17,8 +17,9 @@ namespace hapgrid {
 
 namespace {
 
-/// The largest message that a section can hold: a chunk of 256 KiB, or a single large row, or the
-/// requests of a record; a coded one is near 4 MiB, or four large rows.
+/// The largest message that a section can hold: a chunk near 256 KiB, in older shards 1 MiB,
+/// or a single large row, or the requests of a record; a coded one is near 4 MiB, or four large
+/// rows.
 std::uint64_t chunk_limit(const SectionHeader& header) {
   const std::uint64_t rows = header.content == Content::kRequests ? kDirections + 4 : 4;
   const std::uint64_t factor = header.coding.is_coded ? 2 : 1;

@@ -66,5 +66,6 @@ TEST_CASE("the checksum of a frame counts, unless its bytes were compared with a
   REQUIRE_THROWS(FrameDecoder("frame").decode(frame, 800, decoded));
   FrameDecoder("frame", /*hashed=*/true).decode(frame, 800, decoded);
   REQUIRE(decoded == Words(100, 7));
+  // Nothing of the last one is left in the thread.
   REQUIRE_THROWS(FrameDecoder("frame").decode(frame, 800, decoded));
 }

@@ -42,6 +42,7 @@ struct Case {
   reference::Grid grid;
   std::vector<std::pair<std::array<int, 3>, std::vector<std::vector<double>>>> seeds;
 
+  /// Of more points a side: the seeds stay where they are.
   void resize(const std::array<int, 3>& counts) {
     for (std::size_t a = 0; a < 3; ++a) {
       grid.counts[a] = counts[a];
