@@ -154,7 +154,8 @@ generation() {
   local pid
   for pid in $(pgrep -x expand); do  # also one that stays, whose command line says nothing
     [[ $(readlink "/proc/$pid/fd/"*) == *"$PWD/work/hung-ball/"*"/$(printf %04d "$1").frontier."* ]] || continue
-    [[ ! ${2-} ]] || node_processes "$2" | grep -qx "$pid" || continue
+    # Not grep -q, which would end before node_processes does, and fail it.
+    [[ ! ${2-} ]] || node_processes "$2" | grep -x "$pid" >/dev/null || continue
     return 0
   done
   return 1
