@@ -14,7 +14,8 @@ std::size_t frame_size(std::span<const std::byte> bytes);
 /// The most bytes that a frame with `content` bytes can have.
 std::size_t frame_bound(std::uint64_t content);
 
-/// Compresses messages. The bytes depend on the content and on zstd alone.
+/// Compresses messages. The bytes depend on the content, on what the constructor is told, and on
+/// zstd.
 class FrameEncoder {
  public:
   /// What zstd does with bytes that occur nowhere before: kPlain leaves them as they are, which is
@@ -22,7 +23,7 @@ class FrameEncoder {
   /// two thirds where they are smooth.
   enum class Literals : std::uint8_t { kCoded, kPlain };
 
-  /// `level`: zstd's.
+  /// `level`: zstd's; 1 is the fastest that is used here, 3 its own default.
   explicit FrameEncoder(int level = 1, Literals literals = Literals::kCoded)
       : level_(level), literals_(literals) {}
 

@@ -1,9 +1,13 @@
-// Frames: the bytes depend on the content alone, and not on what the thread has coded before.
+// Frames: the bytes do not depend on what the thread has coded before.
 #include "libcore/base/frame.hpp"
 
 #include <catch2/catch.hpp>
+#include <cstddef>
+#include <cstdint>
 #include <random>
+#include <span>
 #include <thread>
+#include <vector>
 
 using namespace hapgrid;
 

@@ -1,145 +1,19 @@
 // What is written comes back, row by row; sections merge in order, whatever they are.
-#include <fcntl.h>
-
 #include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
 #include <fstream>
-#include <limits>
-#include <map>
-#include <random>
-#include <tuple>
 #include <utility>
 
-#include "libcore/base/error.hpp"
-#include "libcore/search/expand.hpp"
 #include "libcore/shard/load.hpp"
+#include "libcore/shard/merged_rows.hpp"
 #include "libcore/shard/reader.hpp"
-#include "libcore/shard/writer.hpp"
+#include "tests/unit/shard/rows.hpp"
 #include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 
 namespace {
-
-using Random = std::mt19937_64;
-
-std::uint32_t draw(Random& random, std::uint32_t least, std::uint32_t most) {
-  return std::uniform_int_distribution<std::uint32_t>(least, most)(random);
-}
-
-GridSpec make_spec(std::uint32_t n, GridCoordinates counts) {
-  GridSpec spec;
-  spec.box = {{-1.5, 0.1, 1e-300}, 0.1, counts};
-  spec.model = "some-model_2";
-  spec.parameters = {{"flag", true},
-                     {"number", -0.1},
-                     {"numbers", std::vector<double>{1, 2.5, 1e308}},
-                     {"text", std::string("x\n\xff\xc3\xa9 \"")},
-                     {"texts", std::vector<std::string>{"", "a", "b"}}};
-  spec.state_size = n;
-  spec.tolerance = 1e-7;
-  spec.tolerance_unit = "rad";
-  spec.max_levels = 254;
-  return spec;
-}
-
-/// The same grid, with everything stored beside its states.
-GridSpec storing(GridSpec spec) {
-  spec.stored = {true, true, true};
-  spec.spheres = {{0.5F, {0, 0.25F, 1}, "C"}, {1e-3F, {1, 1, 1}, ""}, {2, {0, 0, 0}, "1234567"}};
-  return spec;
-}
-
-/// Any row of any content; what does not belong to the content stays empty.
-struct Row {
-  PointIndex point = 0;
-  Level level = 0;
-  std::uint32_t generation = 0;
-  std::vector<double> state;  // of requests, of one after the other
-  std::vector<Level> links;
-  DirectionMask todo = 0;  // also the directions of requests
-
-  friend bool operator==(const Row&, const Row&) = default;
-};
-
-std::vector<double> random_state(Random& random, std::uint32_t n) {
-  static constexpr double kSpecial[] = {0.0, -0.0, 1e-310, std::numeric_limits<double>::max()};
-  std::vector<double> state(n);
-  for (double& c : state)
-    c = random() % 8 == 0 ? kSpecial[random() % 4] : static_cast<double>(random()) * 1e-18 - 9;
-  return state;
-}
-
-/// The numbers of a row; those of a stored shape are floats.
-std::vector<double> random_row(Random& random, const SectionHeader& header) {
-  std::vector<double> row = random_state(random, row_size(header));
-  for (std::size_t i = header.spec.shape_offset(); i < row.size(); ++i)
-    row[i] = static_cast<float>(std::clamp(row[i], -1e30, 1e30));
-  return row;
-}
-
-/// Some rows in order.
-std::vector<Row> random_rows(Random& random, const SectionHeader& header, std::size_t wanted) {
-  const Neighbourhood neighbourhood(header.spec.box);
-  const auto last = static_cast<PointIndex>(header.spec.box.points() - 1);
-  std::map<RowKey, Row> rows;
-  for (std::size_t i = 0; i < wanted; ++i) {
-    Row row;
-    row.point = draw(random, 0, last);
-    const DirectionMask inside = neighbourhood.inside(row.point);
-    row.level = static_cast<Level>(draw(random, 0, 3));
-    if (header.content != Content::kGrid)
-      row.todo = random() % 4 == 0 ? inside : inside & static_cast<DirectionMask>(random());
-    if (header.content == Content::kRequests) {
-      if (!row.todo) continue;
-      for (DirectionMask left = row.todo; left; left &= left - 1) {
-        const std::vector<double> reached = random_row(random, header);
-        row.state.insert(row.state.end(), reached.begin(), reached.end());
-      }
-    } else {
-      row.generation = header.generation;
-      if (header.content == Content::kGrid) row.generation -= draw(random, 0, header.generation);
-      row.state = random_row(random, header);
-    }
-    if (header.content == Content::kGrid)
-      for (int q = 0; q < kDirections; ++q) row.links.push_back(static_cast<Level>(random()));
-    rows[record_key(row.point, row.level)] = row;
-  }
-  std::vector<Row> sorted;
-  for (auto& [key, row] : rows) sorted.push_back(std::move(row));
-  return sorted;
-}
-
-/// What was reached, in its places among 26.
-std::vector<double> spread(const Row& row, std::uint32_t width) {
-  std::vector<double> rows(std::size_t{kDirections} * width, std::nan(""));
-  auto from = row.state.begin();
-  for (int q = 0; q < kDirections; ++q)
-    if (row.todo >> q & 1)
-      for (std::uint32_t c = 0; c < width; ++c)
-        rows[static_cast<std::size_t>(q) * width + c] = *from++;
-  return rows;
-}
-
-void write(const std::string& name, const SectionHeader& header, const std::vector<Row>& rows) {
-  const FileDescriptor file(::open(name.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
-  REQUIRE(file);
-  SectionWriter out(file.get(), name, header);
-  for (const Row& row : rows) {
-    switch (header.content) {
-      case Content::kGrid:
-        out.record(row.point, row.level, row.generation, row.state.data(), row.links.data());
-        break;
-      case Content::kFrontier:
-        out.frontier(row.point, row.level, row.state.data(), row.todo);
-        break;
-      case Content::kRequests:
-        out.requests(row.point, row.level, row.todo, spread(row, row_size(header)).data());
-    }
-  }
-  out.finish();
-}
 
 Row row_of(const RecordRows& rows, std::size_t r, std::uint32_t n) {
   Row row{rows.point[r], rows.level[r], rows.generation[r], {}, {}, 0};
@@ -287,77 +161,6 @@ TEST_CASE("sections merge in order, whatever they are and wherever they come fro
     REQUIRE(opened.size() == count);
     REQUIRE(read_any(opened, true) == expected);
   }
-}
-
-TEST_CASE("a frontier is cut into parts that cover each conversion exactly once") {
-  Random random(2006);
-  for (int i = 0; i < 200; ++i) {
-    CAPTURE(i);
-    const TemporaryDirectory dir;
-    const Content content = i % 2 ? Content::kGrid : Content::kFrontier;
-    const SectionHeader header{
-        content, 3, make_spec(2, {draw(random, 1, 7), draw(random, 1, 7), draw(random, 1, 7)})};
-    const Neighbourhood neighbourhood(header.spec.box);
-    const std::vector<Row> rows = random_rows(random, header, draw(random, 0, 80));
-    // Frontier shards may share a record, each with its own directions.
-    std::vector<Row> halves[2];
-    std::map<std::tuple<PointIndex, Level, int>, int> asked;
-    std::map<RowKey, std::vector<double>> states;
-    for (const Row& row : rows) {
-      if (row.generation != 3) {
-        halves[0].push_back(row);
-        continue;
-      }
-      const DirectionMask todo =
-          content == Content::kGrid ? neighbourhood.inside(row.point) : row.todo;
-      for (int q = 0; q < kDirections; ++q)
-        if (todo >> q & 1) asked[{row.point, row.level, q}] = 0;
-      states[record_key(row.point, row.level)] = row.state;
-      Row half[2] = {row, row};
-      if (content == Content::kFrontier) {
-        half[0].todo &= static_cast<DirectionMask>(random());
-        half[1].todo &= ~half[0].todo;
-        halves[1].push_back(half[1]);
-      }
-      halves[0].push_back(half[0]);
-    }
-    write(dir.file("a"), header, halves[0]);
-    write(dir.file("b"), header, halves[1]);
-    const auto sections = open_sections({dir.file("b"), dir.file("a")});
-    const std::uint64_t parts = draw(random, 1, 12);
-    for (std::uint64_t k = 1; k <= parts; ++k) {
-      FrontierReader reader(sections, Part{k, parts});
-      std::uint64_t found = 0;
-      FrontierReader::Record record;
-      RowKey last = 0;
-      for (bool first = true; reader.next(record); first = false) {
-        const RowKey key = record_key(record.point, record.level);
-        REQUIRE((first || key > last));
-        last = key;
-        REQUIRE(record.todo != 0);
-        REQUIRE(std::vector<double>(record.state, record.state + 2) == states.at(key));
-        for (int q = 0; q < kDirections; ++q) {
-          if (!(record.todo >> q & 1)) continue;
-          ++asked.at({record.point, record.level, q});
-          ++found;
-        }
-      }
-      REQUIRE(found == reader.conversions());
-      REQUIRE(std::abs(double(found) - double(asked.size()) / double(parts)) < 1);
-    }
-    for (const auto& [conversion, times] : asked) REQUIRE(times == 1);
-  }
-}
-
-TEST_CASE("a frontier's record with two states is refused") {
-  const TemporaryDirectory dir;
-  const SectionHeader header{Content::kFrontier, 3, make_spec(1, {3, 3, 3})};
-  write(dir.file("a"), header, {{4, 0, 3, {0.5}, {}, 1u << 25}});
-  write(dir.file("b"), header, {{4, 0, 3, {0.25}, {}, 1u << 25}});
-  const auto sections = open_sections({dir.file("a"), dir.file("b")});
-  FrontierReader reader(sections);
-  FrontierReader::Record record;
-  REQUIRE_THROWS_AS(reader.next(record), FormatError);
 }
 
 TEST_CASE("load_grid() holds what was written, from any number of shards") {
