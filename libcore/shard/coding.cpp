@@ -24,24 +24,28 @@ std::uint32_t zigzag(std::uint32_t v) { return v << 1 ^ (0 - (v >> 31)); }
 std::uint32_t unzigzag(std::uint32_t z) { return z >> 1 ^ (0 - (z & 1)); }
 
 /// How many of the lowest bits are 0 in each of the values; of floats at least 29.
-unsigned common_shift(std::span<const double> values) {
+unsigned common_shift(std::span<const std::uint64_t> values) {
   std::uint64_t all = 0;
-  for (const double v : values) all |= std::bit_cast<std::uint64_t>(v);
+  for (const std::uint64_t v : values) all |= v;
   return std::min(kMaxShift, static_cast<unsigned>(std::countr_zero(all)));
 }
 
-/// The values as multiples of the step; false when one of them is then off by more than `bound`.
-bool to_multiples(std::span<const double> values, double bound,
+/// Doubles as multiples of the step, in place; false when one of them would be off by more than
+/// `bound`, and then nothing is done. `multiples` is memory for it.
+bool to_multiples(std::span<std::uint64_t> values, double bound,
                   std::vector<std::uint64_t>& multiples) {
   const double step = step_of(bound);
   if (!(bound >= std::numeric_limits<double>::min()) || !std::isfinite(step)) return false;
+  multiples.resize(values.size());
   for (std::size_t r = 0; r < values.size(); ++r) {
-    const double multiple = std::nearbyint(values[r] / step);
+    const double v = std::bit_cast<double>(values[r]);
+    const double multiple = std::nearbyint(v / step);
     // Written so that NaN is refused.
-    if (!(std::abs(multiple) <= kMaxMultiple) || !(std::abs(multiple * step - values[r]) <= bound))
+    if (!(std::abs(multiple) <= kMaxMultiple) || !(std::abs(multiple * step - v) <= bound))
       return false;
     multiples[r] = static_cast<std::uint64_t>(static_cast<std::int64_t>(multiple));
   }
+  std::copy(multiples.begin(), multiples.end(), values.begin());
   return true;
 }
 
@@ -68,42 +72,57 @@ const CodedChunk<std::vector<std::uint8_t>>& ChunkEncoder::encode(const RecordRo
   coded_.links.assign(rows.links.begin(), rows.links.end());
 
   stencil_.find(rows.point, rows.level, rows.links, counts_);
+  encode_numbers(rows);
+  return coded_;
+}
+
+void ChunkEncoder::encode_numbers(const RecordRows& rows) {
+  const std::size_t count = rows.size();
   coded_.order.resize(width_);
   coded_.shift.resize(width_);
   coded_.planes.resize(width_);
   coded_.first.resize(8 * std::size_t{width_});
-  coded_.residuals.clear();
-  column_.resize(count);
-  multiples_.resize(count);
-  residuals_.resize(count);
+  numbers_.resize(width_ * count);
+  double_columns_.clear();
+  integer_columns_.clear();
+  const auto column = [&](std::size_t c) { return std::span(numbers_).subspan(c * count, count); };
   for (std::size_t c = 0; c < width_; ++c) {
-    for (std::size_t r = 0; r < count; ++r) column_[r] = rows.numbers[r * width_ + c];
-    encode_column(c, coding_.is_lossy() ? coding_.bounds[c] : 0);
+    for (std::size_t r = 0; r < count; ++r)
+      column(c)[r] = std::bit_cast<std::uint64_t>(rows.numbers[r * width_ + c]);
+    const PredictedColumn predicted = prepare_column(c, column(c));
+    (coded_.shift[c] == kSteps ? integer_columns_ : double_columns_).push_back(predicted);
   }
-  return coded_;
+  doubles_.begin(stencil_, double_columns_);
+  doubles_.encode(count);
+  integers_.begin(stencil_, integer_columns_);
+  integers_.encode(count);
+  coded_.residuals.clear();
+  for (std::size_t c = 0; c < width_; ++c) {
+    const std::span<const std::uint64_t> residuals = column(c);
+    const unsigned planes = planes_needed(residuals);
+    coded_.planes[c] = static_cast<std::uint8_t>(planes);
+    const std::size_t begin = coded_.residuals.size();
+    coded_.residuals.resize(begin + planes * count);
+    split_planes(residuals, planes, coded_.residuals.data() + begin);
+  }
 }
 
-void ChunkEncoder::encode_column(std::size_t c, double bound) {
-  Orders orders;
-  if (bound > 0 && to_multiples(column_, bound, multiples_)) {
+PredictedColumn ChunkEncoder::prepare_column(std::size_t c, std::span<std::uint64_t> numbers) {
+  PredictedColumn column{};
+  column.numbers = numbers.data();
+  const double bound = coding_.is_lossy() ? coding_.bounds[c] : 0;
+  if (bound > 0 && to_multiples(numbers, bound, multiples_)) {
     coded_.shift[c] = kSteps;
-    orders = choose_orders(stencil_, std::span<const std::uint64_t>(multiples_));
-    encode_integers(stencil_, orders, multiples_, residuals_, scratch_);
+    column.orders = choose_orders_of_integers(stencil_, numbers);
   } else {
-    const unsigned shift = common_shift(column_);
-    coded_.shift[c] = static_cast<std::uint8_t>(shift);
-    orders = choose_orders(stencil_, shift, column_);
-    encode_doubles(stencil_, orders, shift, column_, residuals_, scratch_);
+    column.shift = common_shift(numbers);
+    coded_.shift[c] = static_cast<std::uint8_t>(column.shift);
+    column.orders = choose_orders_of_doubles(stencil_, column.shift, numbers);
   }
-  coded_.order[c] = orders.packed();
-  const std::uint64_t first =
-      coded_.shift[c] == kSteps ? multiples_[0] : std::bit_cast<std::uint64_t>(column_[0]);
-  std::memcpy(&coded_.first[8 * c], &first, sizeof first);
-  const unsigned planes = planes_needed(std::span<const std::uint64_t>(residuals_));
-  coded_.planes[c] = static_cast<std::uint8_t>(planes);
-  const std::size_t begin = coded_.residuals.size();
-  coded_.residuals.resize(begin + planes * residuals_.size());
-  split_planes<std::uint64_t>(residuals_, planes, coded_.residuals.data() + begin);
+  coded_.order[c] = column.orders.packed();
+  column.first = numbers[0];
+  std::memcpy(&coded_.first[8 * c], &column.first, sizeof column.first);
+  return column;
 }
 
 void ChunkDecoder::decode(const CodedChunk<std::span<const std::uint8_t>>& coded,
@@ -132,7 +151,7 @@ void ChunkDecoder::decode(const CodedChunk<std::span<const std::uint8_t>>& coded
   require_size(coded.residuals, planes * count, "residuals");
 
   rows.coded_point.resize(count);
-  join_planes<PointIndex>(coded.point.data(), 4, rows.coded_point);
+  join_planes<PointIndex>(coded.point.data(), count, 4, rows.coded_point);
   std::uint64_t point = 0;
   for (PointIndex& p : rows.coded_point) {
     point += p;
@@ -143,7 +162,7 @@ void ChunkDecoder::decode(const CodedChunk<std::span<const std::uint8_t>>& coded
   if (point - rows.coded_point.front() >= limit)
     throw FormatError("damaged: a coded chunk spans too many points");
   rows.coded_generation.resize(count);
-  join_planes<std::uint32_t>(coded.generation.data(), 4, rows.coded_generation);
+  join_planes<std::uint32_t>(coded.generation.data(), count, 4, rows.coded_generation);
   std::uint32_t generation = 0;
   for (std::uint32_t& g : rows.coded_generation) g = generation += unzigzag(g);
   rows.point = rows.coded_point;
@@ -156,37 +175,54 @@ void ChunkDecoder::decode(const CodedChunk<std::span<const std::uint8_t>>& coded
   rows.width = width_;
   rows.transposed.resize(count * width_);
   rows.numbers = rows.transposed;
-  residuals_.resize(2 * count);
-  const std::uint8_t* bytes = coded.residuals.data();
-  std::size_t waiting = 0;  // of the two columns that are decoded together
-  std::array<CodedDoubles, 2> doubles;
-  for (std::size_t c = 0; c < width_; ++c) {
-    const std::span<std::uint64_t> residuals =
-        std::span(residuals_).subspan(waiting * count, count);
-    join_planes<std::uint64_t>(bytes, coded.planes[c], residuals);
-    bytes += coded.planes[c] * count;
-    const Orders orders = Orders::unpacked(coded.order[c]);
-    double* const numbers = rows.transposed.data() + c;
-    std::uint64_t first = 0;
-    std::memcpy(&first, &coded.first[8 * c], sizeof first);
-    if (coded.shift[c] == kSteps) {
-      decode_integers(stencil_, orders, step_of(coding_.bounds[c]), first, residuals, numbers,
-                      width_, scratch_);
-      continue;
-    }
-    doubles[waiting++] = {orders, coded.shift[c], std::bit_cast<double>(first), residuals.data(),
-                          numbers};
-    if (waiting < doubles.size()) continue;
-    decode_doubles(stencil_, doubles, width_, scratch_);
-    waiting = 0;
-  }
-  decode_doubles(stencil_, std::span(doubles).first(waiting), width_, scratch_);
+  decode_numbers(coded, rows.transposed);
   for (std::size_t c = shape_offset_; c < width_; ++c)
     for (std::size_t r = 0; r < count; ++r) {
       const double v = std::abs(rows.transposed[r * width_ + c]);
       if (std::isfinite(v) && v > std::numeric_limits<float>::max())
         throw FormatError("damaged: a shape with a number beyond any float");
     }
+}
+
+void ChunkDecoder::decode_numbers(const CodedChunk<std::span<const std::uint8_t>>& coded,
+                                  std::vector<double>& numbers) {
+  const std::size_t count = coded.rows;
+  // All columns of some rows, so that they stay in the cache until they are rows: 256 KiB.
+  const std::size_t block = std::min(std::clamp<std::size_t>(32768 / width_, 16, 256), count);
+  numbers_.resize(width_ * block);
+  const auto column = [&](std::size_t c) { return std::span(numbers_).subspan(c * block, block); };
+  double_columns_.clear();
+  integer_columns_.clear();
+  for (std::size_t c = 0; c < width_; ++c) {
+    const bool is_steps = coded.shift[c] == kSteps;
+    PredictedColumn predicted{Orders::unpacked(coded.order[c]), is_steps ? 0u : coded.shift[c], 0,
+                              column(c).data()};
+    std::memcpy(&predicted.first, &coded.first[8 * c], sizeof predicted.first);
+    (is_steps ? integer_columns_ : double_columns_).push_back(predicted);
+  }
+  doubles_.begin(stencil_, double_columns_);
+  integers_.begin(stencil_, integer_columns_);
+  for (std::size_t begin = 0; begin < count; begin += block) {
+    const std::size_t some = std::min(block, count - begin);
+    const std::uint8_t* bytes = coded.residuals.data() + begin;
+    for (std::size_t c = 0; c < width_; ++c) {
+      join_planes(bytes, count, coded.planes[c], column(c).first(some));
+      bytes += coded.planes[c] * count;
+    }
+    doubles_.decode(some);
+    integers_.decode(some);
+    for (std::size_t c = 0; c < width_; ++c) {
+      const std::span<const std::uint64_t> values = column(c).first(some);
+      double* out = numbers.data() + begin * width_ + c;
+      if (coded.shift[c] == kSteps) {
+        const double step = step_of(coding_.bounds[c]);
+        for (std::size_t r = 0; r < some; ++r)
+          out[r * width_] = static_cast<double>(static_cast<std::int64_t>(values[r])) * step;
+      } else {
+        for (std::size_t r = 0; r < some; ++r) out[r * width_] = std::bit_cast<double>(values[r]);
+      }
+    }
+  }
 }
 
 }  // namespace hapgrid

@@ -46,18 +46,21 @@ class ChunkEncoder {
   const CodedChunk<std::vector<std::uint8_t>>& encode(const RecordRows& rows);
 
  private:
-  void encode_column(std::size_t c, double bound);
+  void encode_numbers(const RecordRows& rows);
+  /// `numbers`: the bits of column c. Makes them what is predicted, and says how.
+  PredictedColumn prepare_column(std::size_t c, std::span<std::uint64_t> numbers);
 
   GridCoordinates counts_;
   std::uint32_t width_;
   Coding coding_;
   CodedChunk<std::vector<std::uint8_t>> coded_;
   Stencil stencil_;
-  PredictionScratch scratch_;
+  Predictor<double> doubles_;
+  Predictor<std::uint64_t> integers_;
   std::vector<std::uint32_t> differences_;
-  std::vector<double> column_;
   std::vector<std::uint64_t> multiples_;
-  std::vector<std::uint64_t> residuals_;
+  std::vector<std::uint64_t> numbers_;  // W x R
+  std::vector<PredictedColumn> double_columns_, integer_columns_;
 };
 
 /// Decodes chunks of one section, reusing its memory.
@@ -75,13 +78,18 @@ class ChunkDecoder {
   void decode(const CodedChunk<std::span<const std::uint8_t>>& coded, RecordRows& rows);
 
  private:
+  void decode_numbers(const CodedChunk<std::span<const std::uint8_t>>& coded,
+                      std::vector<double>& numbers);
+
   GridCoordinates counts_;
   std::uint32_t width_;
   std::uint32_t shape_offset_;
   Coding coding_;
   Stencil stencil_;
-  PredictionScratch scratch_;
-  std::vector<std::uint64_t> residuals_;
+  Predictor<double> doubles_;
+  Predictor<std::uint64_t> integers_;
+  std::vector<std::uint64_t> numbers_;  // of some rows, column by column
+  std::vector<PredictedColumn> double_columns_, integer_columns_;
 };
 
 }  // namespace hapgrid

@@ -28,12 +28,15 @@ void split_planes(std::span<const T> values, unsigned planes, std::uint8_t* byte
     for (const T v : values) *bytes++ = static_cast<std::uint8_t>(v >> (8 * plane));
 }
 
-/// The other way; planes 0 to sizeof(T).
+/// The other way, of some of `rows` values: `bytes` is where the first of them has its lowest byte.
+/// planes 0 to sizeof(T).
 template <std::unsigned_integral T>
-void join_planes(const std::uint8_t* bytes, unsigned planes, std::span<T> values) {
+void join_planes(const std::uint8_t* bytes, std::size_t rows, unsigned planes,
+                 std::span<T> values) {
   std::fill(values.begin(), values.end(), T{0});
   for (unsigned plane = 0; plane < planes; ++plane)
-    for (T& v : values) v |= static_cast<T>(static_cast<T>(*bytes++) << (8 * plane));
+    for (std::size_t r = 0; r < values.size(); ++r)
+      values[r] |= static_cast<T>(static_cast<T>(bytes[plane * rows + r]) << (8 * plane));
 }
 
 }  // namespace hapgrid

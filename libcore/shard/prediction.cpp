@@ -2,267 +2,242 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <limits>
 #include <type_traits>
+
+#include "libcore/shard/places.hpp"
 
 namespace hapgrid {
 
 namespace {
 
-/// What is not finite counts as 0 in predictions, or it would spread through all rows behind.
-double clean(double v) { return std::abs(v) <= std::numeric_limits<double>::max() ? v : 0.0; }
-std::uint64_t clean(std::uint64_t v) { return v; }
+// Each value waits for the one before it in its column, so columns are computed side by side: two
+// in a vector, one in each lane, and several vectors, which keeps the processor busy while it
+// waits. Vectors of two are what every x86-64 and ARM64 has; four, with AVX2, made decoding 1.2
+// times as fast, which was not worth a second build of it.
+constexpr std::size_t kLanes = 2;
+constexpr std::size_t kMostColumns = 16;
 
-/// The value at row r on the polynomial through the values of the `order` rows behind it, or of as
-/// many as there are. The order of the operations is part of the format.
-template <class At>
-auto extrapolate(const BackwardAxis& axis, unsigned order, std::size_t r, At&& at)
-    -> std::decay_t<decltype(at(r))> {
-  switch (std::min<unsigned>(order, axis.depth[r])) {
-    case 0:
-      return 0;
-    case 1:
-      return at(axis.back[r]);
-    case 2: {
-      const std::uint32_t one = axis.back[r];
-      const auto a = at(one), b = at(axis.back[one]);
-      return 2 * a - b;
-    }
-    default: {
-      const std::uint32_t one = axis.back[r], two = axis.back[one];
-      const auto a = at(one), b = at(two), c = at(axis.back[two]);
-      return 3 * a - (3 * b - c);
-    }
-  }
-}
+using Doubles [[gnu::vector_size(16)]] = double;
+using Bits [[gnu::vector_size(16)]] = std::uint64_t;
 
-bool is_alone(const Stencil& stencil, const Orders& orders, std::size_t r) {
-  const auto& [i, j, k] = stencil.axes;
-  return (orders.i == 0 || i.depth[r] == 0) && (orders.j == 0 || j.depth[r] == 0) &&
-         (orders.k == 0 || k.depth[r] == 0);
-}
-
-/// Predicts a column row by row. T: double or std::uint64_t.
+/// A vector of T, which is double or std::uint64_t.
 template <class T>
-class Predictor {
- public:
-  /// `first` is the value of row 0.
-  Predictor(const Stencil& stencil, const Orders& orders, T first, std::vector<T> (&memory)[3])
-      : stencil_(stencil), orders_(orders), first_(first) {
-    for (std::vector<T>& column : memory) column.resize(stencil.rows());
-    x_ = memory[0].data();
-    y_ = memory[1].data();
-    z_ = memory[2].data();
+using Vector = std::conditional_t<std::is_same_v<T, double>, Doubles, Bits>;
+
+template <class V>
+V masked(V v, Bits mask) {
+  return std::bit_cast<V>(std::bit_cast<Bits>(v) & mask);
+}
+
+/// What is not finite counts as 0 in predictions, or it would spread through all rows behind.
+Doubles clean(Doubles v) {
+  const Doubles magnitude = masked(v, ~Bits{kSignBit, kSignBit});
+  return masked(v, std::bit_cast<Bits>(magnitude <= std::numeric_limits<double>::max()));
+}
+Bits clean(Bits v) { return v; }
+
+/// E of schemas/CODING.md for rows of one depth along one axis, where each lane has its own order
+/// m: masks leave out what an order does not use, whatever is there.
+template <class T>
+struct Extrapolation {
+  using V = Vector<T>;
+
+  void set(std::size_t lane, unsigned m) {
+    one[lane] = m >= 1 ? ~std::uint64_t{0} : 0;
+    two[lane] = m >= 2 ? ~std::uint64_t{0} : 0;
+    three[lane] = m >= 3 ? ~std::uint64_t{0} : 0;
+    times_a[lane] = std::max(m, 1u);
+    times_b[lane] = m >= 3 ? 3 : 1;
   }
 
-  /// Takes the value of row r, which value(prediction) answers; all rows in order.
-  template <class Value>
-  void row(std::size_t r, Value&& value) {
-    const auto& [i, j, k] = stencil_.axes;
-    const T along_k = extrapolate(k, orders_.k, r, [this](std::size_t b) { return x_[b]; });
-    const T along_j = extrapolate(j, orders_.j, r, [this](std::size_t b) { return y_[b]; });
-    const T behind = along_j + along_k;
-    const T along_i = extrapolate(i, orders_.i, r, [this](std::size_t b) { return z_[b]; });
-    T predicted = clean(behind + along_i);
-    if (is_alone(stencil_, orders_, r)) predicted = r == 0 ? first_ : x_[stencil_.fallback[r]];
-    const T x = clean(value(predicted));
-    x_[r] = x;
-    y_[r] = x - along_k;
-    z_[r] = x - behind;
+  /// From the values one, two and three steps back.
+  V operator()(V a, V b, V c) const {
+    if constexpr (std::is_same_v<T, double>) {
+      // Times 1 and minus +0 change no bit: these are the operations of the order alone.
+      return masked(times_a * a - masked(times_b * b - masked(c, three), two), one);
+    } else {
+      const V step = a - b;  // no vectors multiply such integers before AVX-512
+      return (a + (step & two) + ((step - (b - c)) & three)) & one;
+    }
   }
+
+  Bits one, two, three;  // all bits where m is that at least
+  V times_a, times_b;
+};
+
+/// The columns of one vector.
+template <class T>
+struct Group {
+  void set(std::size_t lane, const PredictedColumn& column) {
+    numbers[lane] = column.numbers;
+    const std::uint8_t orders[3] = {column.orders.i, column.orders.j, column.orders.k};
+    for (std::size_t a = 0; a < 3; ++a)
+      for (unsigned depth = 0; depth <= BackwardAxis::kMaxDepth; ++depth)
+        along[a][depth].set(lane, std::min<unsigned>(orders[a], depth));
+    const Places<std::uint64_t> own = places_of_doubles(column.shift);
+    places.half[lane] = own.half;
+    places.kept[lane] = own.kept;
+    places.shift[lane] = own.shift;
+  }
+
+  Bits residual(Bits value, Bits predicted) const {
+    if constexpr (std::is_same_v<T, double>) return places.residual(value, predicted);
+    return zigzag(value - predicted);
+  }
+  Bits value(Bits residual, Bits predicted) const {
+    if constexpr (std::is_same_v<T, double>) return places.value(residual, predicted);
+    return predicted + unzigzag(residual);
+  }
+
+  Extrapolation<T> along[3][BackwardAxis::kMaxDepth + 1];
+  Places<Bits> places;  // of doubles
+  std::uint64_t* numbers[kLanes];
+};
+
+/// A vector for each group and each of the last rows: few enough to stay in the cache. It is used
+/// as a local copy, which stays in registers: what is written through it could be a member.
+template <class V>
+struct Window {
+  V& at(std::size_t row, std::size_t group) const { return data[(row & mask) * groups + group].v; }
+
+  struct Held {
+    V v;
+  };
+  Held* data = nullptr;
+  std::size_t groups = 0;
+  std::size_t mask = 0;
+};
+
+/// Memory of a window.
+template <class V>
+class WindowMemory {
+ public:
+  /// Keeps `reach` rows behind the last at least, or all `rows` of the chunk.
+  void begin(std::size_t reach, std::size_t rows, std::size_t groups) {
+    rows = std::bit_ceil(std::min(reach + 1, rows));
+    memory_.resize(rows * groups);
+    window_ = {memory_.data(), groups, rows - 1};
+  }
+  Window<V> window() const { return window_; }
 
  private:
-  const Stencil& stencil_;
-  Orders orders_;
-  T first_;
-  T* x_;  // the values
-  T* y_;  // what k misses of them
-  T* z_;  // what j and k miss
+  std::vector<typename Window<V>::Held> memory_;
+  Window<V> window_;
 };
 
-/// Doubles without their lowest bits as integers that are in the same order; -0 is below +0.
-struct OrderedBits {
-  explicit OrderedBits(unsigned shift_by)
-      : shift(shift_by),
-        half(shift_by > 0 ? std::uint64_t{1} << (shift_by - 1) : 0),
-        sign(std::uint64_t{1} << (63 - shift_by)),
-        mask(~std::uint64_t{0} >> shift_by) {}
+/// The rows one, two and three steps behind row r along an axis; any rows where there are none.
+struct Behind {
+  Behind(const BackwardAxis& axis, std::size_t r)
+      : depth(axis.depth[r]), a(axis.back[r]), b(axis.back[a]), c(axis.back[b]) {}
 
-  std::uint64_t order(std::uint64_t bits) const {
-    return (bits & sign) != 0 ? ~bits & mask : bits | sign;
-  }
-  std::uint64_t of(double v) const { return order(std::bit_cast<std::uint64_t>(v) >> shift); }
-  std::uint64_t rounded(double v) const {
-    return order((std::bit_cast<std::uint64_t>(v) + half) >> shift);
-  }
-  double back(std::uint64_t ordered) const {
-    const std::uint64_t bits = (ordered & sign) != 0 ? ordered ^ sign : ~ordered & mask;
-    return std::bit_cast<double>(bits << shift);
-  }
-  /// Small numbers for small differences, of either sign.
-  std::uint64_t zigzag(std::uint64_t difference) const {
-    return (difference << 1 ^ ((difference & sign) != 0 ? mask : 0)) & mask;
-  }
-  std::uint64_t unzigzag(std::uint64_t z) const { return (z & mask) >> 1 ^ (0 - (z & 1)); }
-
-  unsigned shift;
-  std::uint64_t half, sign, mask;
+  std::size_t depth, a, b, c;
 };
-
-/// Both kinds of columns in one form: T, and a value's residual from its prediction.
-struct DoubleResidual {
-  std::uint64_t operator()(double value, double predicted) const {
-    return bits.zigzag(bits.of(value) - bits.rounded(predicted));
-  }
-  OrderedBits bits;
-};
-struct IntegerResidual {
-  std::uint64_t operator()(std::uint64_t value, std::uint64_t predicted) const {
-    return bits.zigzag(value - predicted);
-  }
-  OrderedBits bits{0};
-};
-
-/// The prediction of one row, from the values alone.
-template <class T>
-T predict_row(const Stencil& stencil, const Orders& orders, std::span<const T> values,
-              std::size_t r) {
-  // No structured binding: clang 14 has none in lambdas.
-  const BackwardAxis& i = stencil.axes[0];
-  const BackwardAxis& j = stencil.axes[1];
-  const BackwardAxis& k = stencil.axes[2];
-  const auto x = [&](std::size_t b) { return clean(values[b]); };
-  if (is_alone(stencil, orders, r)) return x(stencil.fallback[r]);
-  const auto along_k = [&](std::size_t b) { return extrapolate(k, orders.k, b, x); };
-  const auto y = [&](std::size_t b) { return x(b) - along_k(b); };
-  const auto along_j = [&](std::size_t b) { return extrapolate(j, orders.j, b, y); };
-  const auto behind = [&](std::size_t b) { return along_j(b) + along_k(b); };
-  const auto z = [&](std::size_t b) { return x(b) - behind(b); };
-  return clean(behind(r) + extrapolate(i, orders.i, r, z));
-}
-
-/// 16 log2(v + 1), near enough. In integers: what is chosen shows in the bytes, which must be the
-/// same with every C library.
-std::uint64_t sixteenth_bits(std::uint64_t v) {
-  const std::uint64_t u = v + (v < ~std::uint64_t{0});
-  const auto width = static_cast<unsigned>(std::bit_width(u));
-  return 16 * (width - 1) + (u << (64 - width) >> 59 & 15);
-}
-
-template <class T, class Residual>
-Orders choose(const Stencil& stencil, std::span<const T> values, const Residual& residual) {
-  // Rows all over the chunk: a stride would meet the same column of the grid again and again.
-  constexpr std::size_t kSample = 256;
-  std::uint32_t sample[kSample];
-  std::size_t size = 0;
-  if (values.size() <= kSample) {
-    for (; size < values.size(); ++size) sample[size] = static_cast<std::uint32_t>(size);
-  } else {
-    for (std::uint64_t state = 1; size < kSample; ++size) {
-      state = state * 6364136223846793005 + 1442695040888963407;  // Knuth's generator
-      sample[size] = static_cast<std::uint32_t>((state >> 32) * values.size() >> 32);
-    }
-  }
-  const auto cost = [&](const Orders& orders) {
-    std::uint64_t sum = 0;
-    for (std::size_t s = 0; s < size; ++s)
-      sum += sixteenth_bits(
-          residual(values[sample[s]], predict_row(stencil, orders, values, sample[s])));
-    return sum;
-  };
-  // Axis by axis, and once more, as the first choice knew nothing of the later ones.
-  Orders best{1, 1, 1};
-  std::uint64_t least = cost(best);
-  for (int sweep = 0; sweep < 2; ++sweep)
-    for (std::uint8_t Orders::*axis : {&Orders::i, &Orders::j, &Orders::k}) {
-      Orders tried = best;
-      for (std::uint8_t order = 0; order <= BackwardAxis::kMaxDepth; ++order) {
-        tried.*axis = order;
-        if (order == best.*axis) continue;
-        const std::uint64_t bits = cost(tried);
-        if (bits >= least) continue;
-        least = bits;
-        best = tried;
-      }
-    }
-  return best;
-}
 
 }  // namespace
 
-void encode_doubles(const Stencil& stencil, Orders orders, unsigned shift,
-                    std::span<const double> values, std::span<std::uint64_t> residuals,
-                    PredictionScratch& scratch) {
-  const DoubleResidual residual{OrderedBits(shift)};
-  Predictor<double> predictor(stencil, orders, values[0], scratch.values[0]);
-  for (std::size_t r = 0; r < values.size(); ++r)
-    predictor.row(r, [&](double predicted) {
-      residuals[r] = residual(values[r], predicted);
-      return values[r];
-    });
-}
+/// Columns that are computed side by side.
+template <class T>
+struct Predictor<T>::Set {
+  using V = Vector<T>;
 
-void decode_doubles(const Stencil& stencil, std::span<const CodedDoubles> columns,
-                    std::size_t width, PredictionScratch& scratch) {
-  const auto decode = [width](const CodedDoubles& column, const OrderedBits& bits,
-                              Predictor<double>& predictor, std::size_t r) {
-    predictor.row(r, [&](double predicted) {
-      const double value =
-          bits.back((bits.rounded(predicted) + bits.unzigzag(column.residuals[r])) & bits.mask);
-      column.values[r * width] = value;
-      return value;
-    });
-  };
-  while (!columns.empty()) {
-    const CodedDoubles a = columns[0];
-    const OrderedBits a_bits(a.shift);
-    Predictor<double> a_predictor(stencil, a.orders, a.first, scratch.values[0]);
-    if (columns.size() == 1) {
-      for (std::size_t r = 0; r < stencil.rows(); ++r) decode(a, a_bits, a_predictor, r);
-      return;
+  void begin(const Stencil& stencil, std::span<const PredictedColumn> columns) {
+    count = (columns.size() + kLanes - 1) / kLanes;
+    const auto [step_i, step_j, step_k] = stencil.farthest;
+    constexpr std::uint32_t kDepth = BackwardAxis::kMaxDepth;
+    const std::size_t rows = stencil.rows();
+    values.begin(std::max({kDepth * step_k, step_j, step_i, 1u}), rows, count);
+    missed_by_k.begin(kDepth * step_j, rows, count);
+    missed_by_jk.begin(kDepth * step_i, rows, count);
+    for (std::size_t g = 0; g < count; ++g) {
+      Bits first{};
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        // The last column fills the lane that is left.
+        const PredictedColumn& column = columns[std::min(g * kLanes + lane, columns.size() - 1)];
+        groups[g].set(lane, column);
+        first[lane] = column.first;
+      }
+      values.window().at(0, g) = std::bit_cast<V>(first);  // where row 0 finds its prediction
     }
-    // Each value waits for the one before it: two columns at a time keep the processor busy.
-    const CodedDoubles b = columns[1];
-    const OrderedBits b_bits(b.shift);
-    Predictor<double> b_predictor(stencil, b.orders, b.first, scratch.values[1]);
-    for (std::size_t r = 0; r < stencil.rows(); ++r) {
-      decode(a, a_bits, a_predictor, r);
-      decode(b, b_bits, b_predictor, r);
+  }
+
+  /// Rows [begin, end). Makes values of residuals, or residuals of values.
+  template <bool kDecode>
+  void code(const Stencil& stencil, std::size_t begin, std::size_t end) {
+    const Window<V> x = values.window(), y = missed_by_k.window(), z = missed_by_jk.window();
+    for (std::size_t r = begin; r < end; ++r) {
+      const Behind i(stencil.axes[0], r), j(stencil.axes[1], r), k(stencil.axes[2], r);
+      const std::size_t fallback = stencil.fallback[r];
+      for (std::size_t g = 0; g < count; ++g) {
+        const Group<T>& group = groups[g];
+        const Extrapolation<T>& along_i = group.along[0][i.depth];
+        const Extrapolation<T>& along_j = group.along[1][j.depth];
+        const Extrapolation<T>& along_k = group.along[2][k.depth];
+        const V by_k = along_k(x.at(k.a, g), x.at(k.b, g), x.at(k.c, g));
+        const V by_jk = along_j(y.at(j.a, g), y.at(j.b, g), y.at(j.c, g)) + by_k;
+        const V by_all = clean(by_jk + along_i(z.at(i.a, g), z.at(i.b, g), z.at(i.c, g)));
+        const Bits any = along_i.one | along_j.one | along_k.one;
+        const Bits predicted = std::bit_cast<Bits>(masked(by_all, any)) |
+                               std::bit_cast<Bits>(masked(x.at(fallback, g), ~any));
+
+        std::uint64_t* const numbers[kLanes] = {group.numbers[0] + (r - begin),
+                                                group.numbers[1] + (r - begin)};
+        const Bits from{*numbers[0], *numbers[1]};
+        const Bits to = kDecode ? group.value(from, predicted) : group.residual(from, predicted);
+        for (std::size_t lane = 0; lane < kLanes; ++lane) *numbers[lane] = to[lane];
+
+        const V value = clean(std::bit_cast<V>(kDecode ? to : from));
+        x.at(r, g) = value;
+        y.at(r, g) = value - by_k;
+        z.at(r, g) = value - by_jk;
+      }
     }
-    columns = columns.subspan(2);
+  }
+
+  std::size_t count = 0;
+  Group<T> groups[kMostColumns / kLanes];
+  WindowMemory<V> values;
+  WindowMemory<V> missed_by_k;
+  WindowMemory<V> missed_by_jk;
+};
+
+template <class T>
+Predictor<T>::Predictor() = default;
+template <class T>
+Predictor<T>::~Predictor() = default;
+
+template <class T>
+void Predictor<T>::begin(const Stencil& stencil, std::span<const PredictedColumn> columns) {
+  stencil_ = &stencil;
+  next_ = 0;
+  used_ = 0;
+  for (; !columns.empty(); ++used_) {
+    if (used_ == sets_.size()) sets_.emplace_back();
+    const std::size_t some = std::min(kMostColumns, columns.size());
+    sets_[used_].begin(stencil, columns.first(some));
+    columns = columns.subspan(some);
   }
 }
 
-void encode_integers(const Stencil& stencil, Orders orders, std::span<const std::uint64_t> values,
-                     std::span<std::uint64_t> residuals, PredictionScratch& scratch) {
-  const IntegerResidual residual;
-  Predictor<std::uint64_t> predictor(stencil, orders, values[0], scratch.integers);
-  for (std::size_t r = 0; r < values.size(); ++r)
-    predictor.row(r, [&](std::uint64_t predicted) {
-      residuals[r] = residual(values[r], predicted);
-      return values[r];
-    });
+template <class T>
+void Predictor<T>::encode(std::size_t count) {
+  code<false>(count);
 }
 
-void decode_integers(const Stencil& stencil, Orders orders, double step, std::uint64_t first,
-                     std::span<const std::uint64_t> residuals, double* values, std::size_t width,
-                     PredictionScratch& scratch) {
-  const OrderedBits bits(0);
-  Predictor<std::uint64_t> predictor(stencil, orders, first, scratch.integers);
-  for (std::size_t r = 0; r < residuals.size(); ++r)
-    predictor.row(r, [&](std::uint64_t predicted) {
-      const std::uint64_t value = predicted + bits.unzigzag(residuals[r]);
-      values[r * width] = static_cast<double>(static_cast<std::int64_t>(value)) * step;
-      return value;
-    });
+template <class T>
+void Predictor<T>::decode(std::size_t count) {
+  code<true>(count);
 }
 
-Orders choose_orders(const Stencil& stencil, unsigned shift, std::span<const double> values) {
-  return choose(stencil, values, DoubleResidual{OrderedBits(shift)});
+template <class T>
+template <bool kDecode>
+void Predictor<T>::code(std::size_t count) {
+  for (std::size_t s = 0; s < used_; ++s)
+    sets_[s].template code<kDecode>(*stencil_, next_, next_ + count);
+  next_ += count;
 }
-Orders choose_orders(const Stencil& stencil, std::span<const std::uint64_t> values) {
-  return choose(stencil, values, IntegerResidual{});
-}
+
+template class Predictor<double>;
+template class Predictor<std::uint64_t>;
 
 }  // namespace hapgrid

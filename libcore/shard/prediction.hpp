@@ -1,73 +1,66 @@
-// One column of numbers predicted from the rows before, so that little is left to be stored.
+// Columns of numbers predicted from the rows before, so that little is left to be stored.
 //
 // A smooth field is near a polynomial along each axis. Along k a value is extrapolated from the
 // values behind it with a polynomial through `order` of them; what that misses, y, is extrapolated
 // along j from the y behind it, what that misses along i, and the three sum up to the prediction.
 // That is Lorenzo's predictor (Ibarria et al., 2003) where all orders are 1, and with higher orders
 // it costs a few operations more instead of many neighbours. Higher orders amplify rounding noise,
-// so the encoder tries which are best for the column at hand.
+// so the encoder tries which are best for the column at hand (orders.hpp).
 //
 // Alternatives, on smooth fields of floats with n = 9 and 64^3 points: Lorenzo's predictor on the
 // ordered integers of the bits breaks where the exponent changes (17 bytes a record; this one 8);
 // zfp's reversible mode (14) is a library more and works on dense blocks.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "libcore/shard/orders.hpp"
 #include "libcore/shard/stencil.hpp"
 
 namespace hapgrid {
 
-/// How many rows back a column is predicted along each axis; 0 to 3 each.
-struct Orders {
-  std::uint8_t i = 0;
-  std::uint8_t j = 0;
-  std::uint8_t k = 0;
-
-  std::uint8_t packed() const { return static_cast<std::uint8_t>(i | j << 2 | k << 4); }
-  /// Takes the six lowest bits.
-  static Orders unpacked(std::uint8_t packed) {
-    return {static_cast<std::uint8_t>(packed & 3), static_cast<std::uint8_t>(packed >> 2 & 3),
-            static_cast<std::uint8_t>(packed >> 4 & 3)};
-  }
-};
-
-/// Memory that the functions below use again from column to column.
-struct PredictionScratch {
-  std::vector<double> values[2][3];
-  std::vector<std::uint64_t> integers[3];
-};
-
-/// Doubles, bit by bit, of which the `shift` lowest bits are all 0: residual r is value r minus its
-/// prediction, counted in representable values, zigzag; residual 0 is 0, as value 0 is kept beside
-/// the residuals. Shapes: R each; shift 0 to 52.
-void encode_doubles(const Stencil& stencil, Orders orders, unsigned shift,
-                    std::span<const double> values, std::span<std::uint64_t> residuals,
-                    PredictionScratch& scratch);
-/// One column to be decoded: value r goes to values[r * width].
-struct CodedDoubles {
+/// How one column of a chunk is predicted, and where some of its numbers are: values before they
+/// are encoded, residuals after it, and the other way round. A residual is the value minus its
+/// prediction, zigzag; that of row 0 is 0, as its value is kept beside them.
+struct PredictedColumn {
   Orders orders;
-  unsigned shift;
-  double first;
-  const std::uint64_t* residuals;
-  double* values;
+  unsigned shift;          ///< of doubles: how many of the lowest bits are 0 in all values, 0 to 52
+  std::uint64_t first;     ///< the value of row 0
+  std::uint64_t* numbers;  ///< of the rows that are coded next
 };
-/// The other way, for any number of columns. Never fails, whatever the residuals are.
-void decode_doubles(const Stencil& stencil, std::span<const CodedDoubles> columns,
-                    std::size_t width, PredictionScratch& scratch);
 
-/// The same for integers, modulo 2^64.
-void encode_integers(const Stencil& stencil, Orders orders, std::span<const std::uint64_t> values,
-                     std::span<std::uint64_t> residuals, PredictionScratch& scratch);
-/// Value r, times `step`, goes to values[r * width].
-void decode_integers(const Stencil& stencil, Orders orders, double step, std::uint64_t first,
-                     std::span<const std::uint64_t> residuals, double* values, std::size_t width,
-                     PredictionScratch& scratch);
+/// Predicts columns of one chunk, row by row. T is double, where values are the bits of doubles and
+/// residuals count representable doubles without their `shift` lowest bits; or std::uint64_t, where
+/// both are integers modulo 2^64.
+template <class T>
+class Predictor {
+ public:
+  Predictor();
+  ~Predictor();
 
-/// Orders that leave small residuals, by trial on some of the rows: the same for the same column.
-Orders choose_orders(const Stencil& stencil, unsigned shift, std::span<const double> values);
-Orders choose_orders(const Stencil& stencil, std::span<const std::uint64_t> values);
+  /// Before the first row of a chunk; any number of columns. `stencil` is looked into until the
+  /// last row.
+  void begin(const Stencil& stencil, std::span<const PredictedColumn> columns);
+  /// The next `count` rows: numbers[0] to numbers[count - 1] of each column.
+  void encode(std::size_t count);
+  /// Never fails, whatever the residuals are.
+  void decode(std::size_t count);
+
+ private:
+  struct Set;
+  template <bool kDecode>
+  void code(std::size_t count);
+
+  const Stencil* stencil_ = nullptr;
+  std::size_t next_ = 0;
+  std::size_t used_ = 0;
+  std::vector<Set> sets_;  // some are of an earlier chunk: their memory is used again
+};
+
+extern template class Predictor<double>;
+extern template class Predictor<std::uint64_t>;
 
 }  // namespace hapgrid

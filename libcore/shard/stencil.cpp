@@ -18,6 +18,7 @@ void Stencil::find(std::span<const PointIndex> point, std::span<const Level> lev
     axis.back.resize(rows);
     axis.depth.resize(rows);
   }
+  farthest = {};
   if (rows == 0) return;
   const PointIndex begin = point.front();
   first_.assign(std::size_t{point.back() - begin} + 2, kNone);
@@ -41,7 +42,11 @@ void Stencil::find(std::span<const PointIndex> point, std::span<const Level> lev
     for (int a = 2; a >= 0; --a) {
       BackwardAxis& axis = axes[static_cast<std::size_t>(a)];
       const std::uint32_t found = neighbour(r, a);
-      if (found != kNone) fallback[r] = found;  // the last, along i, is the nearest in memory
+      if (found != kNone) {
+        fallback[r] = found;  // the last, along i, is the nearest in memory
+        std::uint32_t& far = farthest[static_cast<std::size_t>(a)];
+        far = std::max(far, static_cast<std::uint32_t>(r) - found);
+      }
       bool same_kind = found != kNone;
       for (std::size_t b = static_cast<std::size_t>(a) + 1; same_kind && b < 3; ++b)
         same_kind = axes[b].depth[found] == axes[b].depth[r];

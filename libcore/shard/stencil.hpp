@@ -28,6 +28,8 @@ struct BackwardAxis {
 struct Stencil {
   std::array<BackwardAxis, 3> axes;     ///< i, j, k
   std::vector<std::uint32_t> fallback;  ///< a row nearby where no way leads back; of row 0: 0
+  /// How many rows one step back is at most, along i, j, k.
+  std::array<std::uint32_t, 3> farthest{};
 
   std::size_t rows() const { return fallback.size(); }
 
