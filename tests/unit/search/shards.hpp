@@ -50,16 +50,24 @@ struct Case {
     }
   }
 
-  explicit Case(Random& random, int max_count = 6) {
-    toy.state_size = draw(random, 0, 3) ? 2 : static_cast<std::uint32_t>(draw(random, 1, 5));
-    toy.salt = static_cast<std::uint64_t>(draw(random, 0, 1 << 30));
-    toy.amplitude = std::array{0.05, 0.3, 1.0}[static_cast<std::size_t>(draw(random, 0, 2))];
-    toy.tolerance = std::array{0.2, 0.35, 0.5}[static_cast<std::size_t>(draw(random, 0, 2))];
-    definition.plugin = "toy";
+  /// The seeds must be of its state size.
+  void set_model(const toy::Toy& model) {
+    toy = model;
     definition.parameters = {{"amplitude", toy.amplitude},
+                             {"memory", toy.memory},
                              {"salt", static_cast<double>(toy.salt)},
                              {"state_size", static_cast<double>(toy.state_size)},
                              {"tolerance", toy.tolerance}};
+  }
+
+  explicit Case(Random& random, int max_count = 6) {
+    toy::Toy model;
+    model.state_size = draw(random, 0, 3) ? 2 : static_cast<std::uint32_t>(draw(random, 1, 5));
+    model.salt = static_cast<std::uint64_t>(draw(random, 0, 1 << 30));
+    model.amplitude = std::array{0.05, 0.3, 1.0}[static_cast<std::size_t>(draw(random, 0, 2))];
+    model.tolerance = std::array{0.2, 0.35, 0.5}[static_cast<std::size_t>(draw(random, 0, 2))];
+    set_model(model);
+    definition.plugin = "toy";
     definition.max_levels = 254;
     grid.origin = {-1.5, 0.25, 2};
     grid.spacing = 1.125;

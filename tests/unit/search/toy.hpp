@@ -14,6 +14,7 @@ struct Toy {
   std::uint64_t salt = 0;        // which of the many models
   double amplitude = 1;          // how far a conversion moves the first two components, <= 1
   double tolerance = 0.25;       // in each of them
+  double memory = 1;             // what a conversion keeps of them: below 1, levels die out
 };
 
 /// splitmix64.
@@ -37,7 +38,7 @@ inline void convert(const Toy& toy, const double* s, const double* x, const doub
   }
   for (std::uint32_t c = 0; c < toy.state_size; ++c) {
     if (c < 2) {
-      const double moved = s[c] + toy.amplitude * fraction(mix(way + c));
+      const double moved = toy.memory * s[c] + toy.amplitude * fraction(mix(way + c));
       result[c] = moved - std::floor(moved);
     } else {
       result[c] = result[c - 1] * 0.75 + s[c] * 0.125 + c;

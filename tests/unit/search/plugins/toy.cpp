@@ -21,6 +21,7 @@ class ToyModel {
     toy_.salt = static_cast<std::uint64_t>(parameters.number("salt", 0));
     toy_.amplitude = parameters.number("amplitude", 1);
     toy_.tolerance = parameters.number("tolerance", 0.25);
+    toy_.memory = parameters.number("memory", 1);
     parameters.finish();
   }
   hapgrid_model_info info() const {
