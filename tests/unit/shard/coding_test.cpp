@@ -10,6 +10,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/shard/planes.hpp"
+#include "tests/unit/shard/coding_reference.hpp"
 
 using namespace hapgrid;
 
@@ -165,6 +166,64 @@ TEST_CASE("no number is off by more than its bound") {
   }
   REQUIRE(exact > 1000);
   REQUIRE(moved > 1000);
+}
+
+TEST_CASE("numbers are decoded as schemas/CODING.md says") {
+  Random random(2105);
+  for (int i = 0; i < 200; ++i) {
+    CAPTURE(i);
+    const bool lossy = i % 2 == 1;
+    SectionHeader header =
+        coded_header(draw(random, 1, i % 10 < 2 ? 20 : 5),
+                     {draw(random, 1, 12), draw(random, 1, 9), draw(random, 1, 9)});
+    if (lossy) header.coding.precision = 0.01;
+    for (std::uint32_t c = 0; lossy && c < header.spec.state_size; ++c)
+      header.coding.bounds.push_back(c % 3 == 0 ? 0 : c % 3 == 1 ? 1e-3 : 1e-6);
+    ChunkEncoder encoder(header);
+    ChunkDecoder decoder(header);
+    const Rows rows = random_rows(random, header);
+    CodedChunk<std::vector<std::uint8_t>> coded = encoder.encode(rows.view());
+    // As it was coded, and with other orders, shifts, residuals and first values.
+    if (i % 4 >= 2) {
+      for (std::uint8_t& order : coded.order) order = static_cast<std::uint8_t>(random() % 64);
+      for (std::uint8_t& shift : coded.shift)
+        if (shift != kSteps) shift = static_cast<std::uint8_t>(random() % 53);
+      for (std::uint8_t& byte : coded.residuals)
+        if (random() % 8 == 0) byte = static_cast<std::uint8_t>(random());
+      for (std::uint8_t& byte : coded.first)
+        if (random() % 8 == 0) byte = static_cast<std::uint8_t>(random());
+    }
+    RecordRows back;
+    decoder.decode(view(coded), back);
+
+    std::vector<reference::Row> links;
+    for (std::size_t r = 0; r < rows.point.size(); ++r) {
+      const Level* const link = &rows.links[r * kDirections];
+      links.push_back({rows.point[r], rows.level[r], {link[12], link[10], link[4]}});
+    }
+    const GridCoordinates& n = header.spec.box.counts;
+    const std::vector<reference::Way> ways = reference::ways(links, {n[0], n[1], n[2]});
+    std::size_t at = 0;
+    for (std::size_t c = 0; c < rows.width; ++c) {
+      std::vector<std::uint64_t> residuals(links.size());
+      for (unsigned plane = 0; plane < coded.planes[c]; ++plane)
+        for (std::uint64_t& z : residuals) z |= std::uint64_t{coded.residuals[at++]} << 8 * plane;
+      std::uint64_t first = 0;
+      for (std::size_t b = 0; b < 8; ++b) first |= std::uint64_t{coded.first[8 * c + b]} << 8 * b;
+      const std::vector<double> expected =
+          coded.shift[c] == kSteps
+              ? reference::decode_integers(ways, coded.order[c], header.coding.bounds[c], first,
+                                           residuals)
+              : reference::decode_doubles(ways, coded.order[c], coded.shift[c],
+                                          std::bit_cast<double>(first), residuals);
+      for (std::size_t r = 0; r < links.size(); ++r) {
+        CAPTURE(c, r);
+        if (!same_bits(back.numbers[r * rows.width + c], expected[r]))
+          FAIL("not what the page says");
+      }
+    }
+    REQUIRE(at == coded.residuals.size());
+  }
 }
 
 TEST_CASE("in a box the way back is as long as the way to its sides") {
