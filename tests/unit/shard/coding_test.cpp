@@ -73,22 +73,26 @@ Rows dense_rows(const SectionHeader& header, Value&& value) {
   return rows;
 }
 
-/// Some levels at some points, links to anywhere, numbers of all kinds.
+/// Some levels at some points with links to anywhere, or as many at all points, each linked to its
+/// like; numbers of all kinds.
 Rows random_rows(Random& random, const SectionHeader& header) {
   static constexpr double kSpecial[] = {0.0,     -0.0,      1e-310,     -1e308,
                                         1.7e308, kInfinity, -kInfinity, 4e-320};
   const std::uint32_t kind = draw(random, 0, 4);
   const std::uint32_t most_levels = draw(random, 1, 4);
+  const bool alike = draw(random, 0, 3) == 0;
   Rows rows;
   rows.width = row_size(header);
   for (PointIndex p = 0; p < header.spec.box.points(); ++p) {
-    const std::uint32_t levels = draw(random, p == 0, most_levels);
+    const std::uint32_t levels = alike ? most_levels : draw(random, p == 0, most_levels);
     for (std::uint32_t l = 0; l < levels; ++l) {
       rows.point.push_back(p);
       rows.level.push_back(static_cast<Level>(l));
       rows.generation.push_back(static_cast<std::uint32_t>(kind == 0 ? random() : p % 9));
       for (int q = 0; q < kDirections; ++q)
-        rows.links.push_back(static_cast<Level>(random() % 16 == 0 ? random() : random() % levels));
+        rows.links.push_back(static_cast<Level>(alike                ? l
+                                                : random() % 16 == 0 ? random()
+                                                                     : random() % levels));
       for (std::size_t c = 0; c < rows.width; ++c) {
         const double smooth = std::sin(0.01 * p + static_cast<double>(c)) + l;
         const std::uint64_t bits = random();
