@@ -41,8 +41,8 @@ class Predictor {
   Predictor();
   ~Predictor();
 
-  /// Before the first row of a chunk; any number of columns. `stencil` is looked into until the
-  /// last row.
+  /// Before the first row of a chunk; any number of columns. `stencil`, and what the columns point
+  /// to, must live until the last row.
   void begin(const Stencil& stencil, std::span<const PredictedColumn> columns);
   /// The next `count` rows: numbers[0] to numbers[count - 1] of each column.
   void encode(std::size_t count);
