@@ -12,15 +12,10 @@
 #include <cstdint>
 #include <span>
 
+#include "libcore/base/zigzag.hpp"
 #include "libcore/session/session.hpp"
 
 namespace hapgrid {
-
-/// A difference modulo 2^64 as a number that is small where the difference is, of either sign.
-inline std::uint64_t zigzag(std::uint64_t difference) {
-  return difference << 1 ^ (0 - (difference >> 63));
-}
-inline std::uint64_t from_zigzag(std::uint64_t u) { return u >> 1 ^ (0 - (u & 1)); }
 
 /// Byte b of the number i of n is at b n + i.
 inline void put_bytes(std::uint8_t* to, std::size_t n, std::size_t i, std::uint64_t u) {
@@ -48,7 +43,7 @@ inline void decode_differences(const std::uint8_t* from, Vec3 TickRecord::*membe
   const std::size_t n = ticks.size();
   for (int axis = 0; axis < 3; ++axis, from += 8 * n)
     for (std::uint64_t i = 0, bits = 0; i < n; ++i) {
-      bits += from_zigzag(get_bytes(from, n, i));
+      bits += unzigzag(get_bytes(from, n, i));
       (ticks[i].*member)[axis] = std::bit_cast<double>(bits);
     }
 }

@@ -1,7 +1,6 @@
 #include "libcore/shard/coding.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/zigzag.hpp"
 #include "libcore/shard/planes.hpp"
 
 namespace hapgrid {
@@ -19,9 +19,6 @@ constexpr unsigned kMaxShift = 52;  // the mantissa's bits
 
 // Beyond, the rounding of multiple * step comes near the bound. It is checked in any case.
 constexpr double kMaxMultiple = 1099511627776;  // 2^40
-
-std::uint32_t zigzag(std::uint32_t v) { return v << 1 ^ (0 - (v >> 31)); }
-std::uint32_t unzigzag(std::uint32_t z) { return z >> 1 ^ (0 - (z & 1)); }
 
 /// How many of the lowest bits are 0 in each of the values; of floats at least 29.
 unsigned common_shift(std::span<const std::uint64_t> values) {
@@ -65,7 +62,7 @@ const CodedChunk<std::vector<std::uint8_t>>& ChunkEncoder::encode(const RecordRo
   coded_.point.resize(4 * count);
   split_planes<std::uint32_t>(differences_, 4, coded_.point.data());
   for (std::size_t r = 0; r < count; ++r)
-    differences_[r] = zigzag(rows.generation[r] - (r > 0 ? rows.generation[r - 1] : 0));
+    differences_[r] = zigzag(rows.generation[r] - (r > 0 ? rows.generation[r - 1] : 0), 32);
   coded_.generation.resize(4 * count);
   split_planes<std::uint32_t>(differences_, 4, coded_.generation.data());
   coded_.level.assign(rows.level.begin(), rows.level.end());

@@ -6,6 +6,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "libcore/base/zigzag.hpp"
 #include "libcore/shard/places.hpp"
 
 namespace hapgrid {

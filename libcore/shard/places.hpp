@@ -1,25 +1,17 @@
-// Values and residuals as integers, for one number and for several side by side.
+// Doubles and their residuals as integers, for one number and for several side by side.
 #pragma once
 
 #include <cstdint>
+
+#include "libcore/base/zigzag.hpp"
 
 namespace hapgrid {
 
 inline constexpr std::uint64_t kSignBit = std::uint64_t{1} << 63;
 
-/// Small numbers for small differences of either sign. Bits: std::uint64_t, or a vector of them.
-template <class Bits>
-Bits zigzag(Bits difference) {
-  return difference << 1 ^ (0 - (difference >> 63));
-}
-template <class Bits>
-Bits unzigzag(Bits z) {
-  return z >> 1 ^ (0 - (z & 1));
-}
-
 /// The place of a double among all doubles whose `shift` lowest bits are 0: integers in the same
 /// order, -0 below +0. They count in steps of 2^shift, modulo 2^64, which leaves the bits where
-/// they are.
+/// they are. Bits: std::uint64_t, or a vector of them.
 template <class Bits>
 struct Places {
   Bits half;   ///< of a step; 0 without a shift

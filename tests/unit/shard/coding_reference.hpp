@@ -1,5 +1,5 @@
 // The decoder of schemas/CODING.md, written down once more from that page, row by row and column by
-// column; it shares no code with libcore's but the names of a chunk's columns.
+// column; it shares no code with libcore's.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <span>
 #include <utility>
 #include <vector>
 

@@ -11,17 +11,13 @@
 #include "libcore/base/error.hpp"
 #include "libcore/shard/planes.hpp"
 #include "tests/unit/shard/coding_reference.hpp"
+#include "tests/unit/shard/rows.hpp"
 
 using namespace hapgrid;
 
 namespace {
 
-using Random = std::mt19937_64;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::uint32_t draw(Random& random, std::uint32_t least, std::uint32_t most) {
-  return std::uniform_int_distribution<std::uint32_t>(least, most)(random);
-}
 
 SectionHeader coded_header(std::uint32_t n, GridCoordinates counts) {
   SectionHeader header;
@@ -174,6 +170,7 @@ TEST_CASE("no number is off by more than its bound") {
 
 TEST_CASE("numbers are decoded as schemas/CODING.md says") {
   Random random(2105);
+  int steps = 0, doubles = 0;
   for (int i = 0; i < 200; ++i) {
     CAPTURE(i);
     const bool lossy = i % 2 == 1;
@@ -212,6 +209,7 @@ TEST_CASE("numbers are decoded as schemas/CODING.md says") {
       std::vector<std::uint64_t> residuals(links.size());
       for (unsigned plane = 0; plane < coded.planes[c]; ++plane)
         for (std::uint64_t& z : residuals) z |= std::uint64_t{coded.residuals[at++]} << 8 * plane;
+      ++(coded.shift[c] == kSteps ? steps : doubles);
       std::uint64_t first = 0;
       for (std::size_t b = 0; b < 8; ++b) first |= std::uint64_t{coded.first[8 * c + b]} << 8 * b;
       const std::vector<double> expected =
@@ -228,6 +226,8 @@ TEST_CASE("numbers are decoded as schemas/CODING.md says") {
     }
     REQUIRE(at == coded.residuals.size());
   }
+  REQUIRE(steps > 50);
+  REQUIRE(doubles > 500);
 }
 
 TEST_CASE("in a box the way back is as long as the way to its sides") {
