@@ -1,5 +1,6 @@
 // check-model: what would go wrong in the search of a model's grid, before the search is paid for.
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>

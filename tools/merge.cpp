@@ -2,6 +2,7 @@
 
 #include "libcore/search/merge.hpp"
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 

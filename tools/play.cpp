@@ -1,4 +1,5 @@
 // play: drives a device through a complete grid (Algorithm 2).
+#include <CLI/CLI.hpp>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -2,6 +2,8 @@
 
 #include "libcore/search/seed.hpp"
 
+#include <CLI/CLI.hpp>
+
 #include "libcore/base/file.hpp"
 #include "tools/common/definition.hpp"
 #include "tools/common/models.hpp"

@@ -1,5 +1,6 @@
 // molecule-check: whether a MODEL.toml of the molecule plug-in makes sense, in a table; or a shape
 // of it as XYZ, for other programs to look at.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>

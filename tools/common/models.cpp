@@ -1,5 +1,6 @@
 #include "tools/common/models.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 

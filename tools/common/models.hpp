@@ -1,7 +1,6 @@
 // Where the filters get their model from: a plug-in, or a process that the command line allows.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +8,10 @@
 #include "libcore/model/definition.hpp"
 #include "libcore/model/process_source.hpp"
 #include "tools/common/definition.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace hapgrid {
 

@@ -1,5 +1,6 @@
 #include "tools/play/options.hpp"
 
+#include <CLI/CLI.hpp>
 #include <limits>
 #include <map>
 #include <sstream>

@@ -1,7 +1,7 @@
 // The options of play, on the command line and in the table [play] of a MODEL.toml.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,6 +11,10 @@
 #include "libcore/haptic/loop.hpp"
 #include "libcore/haptic/realtime.hpp"
 #include "libcore/scene/imd_server.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace hapgrid {
 
