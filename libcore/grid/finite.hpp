@@ -1,4 +1,4 @@
-// Whether a vector is one: a NaN or infinity in any component makes all of it useless.
+// Whether all components of a vector are finite: one that is not makes the vector useless.
 #pragma once
 
 #include <cmath>

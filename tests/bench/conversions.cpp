@@ -1,4 +1,4 @@
-// The cost of C itself: evaluates every conversion that Algorithm 1 evaluates for a grid, with the
+// The cost of C itself: evaluates the conversions that Algorithm 1 evaluates for a grid, with the
 // same arguments and in the same order, and nothing else. Prints CPU nanoseconds a conversion.
 #include <cstdio>
 #include <ctime>

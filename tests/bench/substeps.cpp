@@ -1,11 +1,10 @@
-// How many conversions of a molecule's grid end in another state when the probe's substep is
-// halved:
+// How many conversions of a molecule's grid end in another state when the HIP's substep is halved:
 //
 //   build/bench/bench_substeps table2/leu-enkephalin.grid 1500
 //
-// takes 1500 of the grid's records, evaluates C in all directions with the grid's own substep and
-// with half of it, and prints the share of results that the tolerance function tells apart, and
-// where.
+// takes 1500 of the grid's records and evaluates C in all directions with the grid's own substep
+// and with half of it. It prints the conversions whose results the tolerance function tells apart,
+// and their share.
 #include <cstdio>
 #include <cstdlib>
 

@@ -1,6 +1,6 @@
 #!/bin/bash
-# The bead between two wells, from plug-ins in C and in Fortran: complete grids that verify, the same
-# states from both, and refusals in one line.
+# The bead between two wells, from plug-ins in C and in Fortran: their grids are complete and verify, have
+# the same states, and both refuse in one line.
 source "$(dirname "$0")/../lib.sh"
 models=$(readlink -f "$HAPGRID_BIN/../models")
 names=(spring-c)
@@ -22,14 +22,14 @@ for name in "${names[@]}"; do
     -- seed "$toml" --set model.parameters.reach=-1.0
   refuses "seed: model $name: parameter depth must be a number" \
     -- seed "$toml" --set 'model.parameters.depth="deep"'
-  # The spring breaks on the way: where, and from which state.
+  # When the spring breaks, the message says where and from which state.
   seed "$toml" "${small[@]}" --set model.parameters.strength=12 -o weak.seeds
   refuses "expand: conversion at point [0-9]+ \([0-9, ]+\) level [01], direction [0-9]+: the spring broke: stretched to [0-9.eE+]+ mm, its strength is [0-9.eE+]+ mm" \
     -- expand --complete weak.seeds -o out
   [[ ! -e out ]] || fail 'half a grid'
 done
 
-# Both wells off the rail, one branch on it.
+# Off the rail there are states in both wells, on it there is one.
 python3 - spring-c.dump <<'END2'
 import sys
 levels = {}
@@ -44,7 +44,7 @@ assert all(len(s) <= 2 for s in levels.values())
 assert (12, 0, 0) in two and (12, 14, 0) not in two, two
 END2
 
-# The same records with the same links, and states that differ by rounding (cbrt against a power).
+# The records have the same links, and their states differ by rounding (cbrt against a power of 1/3).
 if (( ${#names[@]} == 2 )); then
   python3 - spring-c.dump spring-fortran.dump <<'END2'
 import sys

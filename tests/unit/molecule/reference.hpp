@@ -123,6 +123,9 @@ class Random {
   explicit Random(unsigned seed) : engine_(seed) {}
   double between(double a, double b) { return a + (b - a) * (engine_() / 4294967296.0); }
   std::size_t below(std::size_t n) { return engine_() % n; }
+  Eigen::Vector3d direction() {
+    return Eigen::Vector3d(between(-1, 1), between(-1, 1), between(-1, 1)).normalized();
+  }
 
   /// A state: t anywhere, or held at 0 for half of them, shifts and turns moderate.
   std::vector<double> state(const HybridEnergy& energy) {
