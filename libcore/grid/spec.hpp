@@ -47,6 +47,12 @@ inline constexpr std::size_t kMaxLabelSize = 7;
 /// The most spheres; viewers get them 25 times a second.
 inline constexpr std::uint32_t kMaxSpheres = 1u << 20;
 
+/// How many numbers a record's row has (GridSpec says in which order).
+inline std::uint32_t row_size(std::uint32_t state_size, const Stored& stored, std::size_t spheres) {
+  return state_size + (stored.force ? 3 : 0) + (stored.energy ? 1 : 0) +
+         3 * static_cast<std::uint32_t>(spheres);
+}
+
 /// Everything about a grid that is known before its first record is computed.
 ///
 /// The numbers of a record are its row: the state, then what is stored with it in the order force
@@ -69,9 +75,7 @@ struct GridSpec {
   std::uint32_t force_offset() const { return state_size; }
   std::uint32_t energy_offset() const { return force_offset() + (stored.force ? 3 : 0); }
   std::uint32_t shape_offset() const { return energy_offset() + (stored.energy ? 1 : 0); }
-  std::uint32_t row_size() const {
-    return shape_offset() + 3 * static_cast<std::uint32_t>(spheres.size());
-  }
+  std::uint32_t row_size() const { return hapgrid::row_size(state_size, stored, spheres.size()); }
 
   friend bool operator==(const GridSpec&, const GridSpec&) = default;
 };

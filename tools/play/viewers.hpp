@@ -20,7 +20,7 @@ class Viewers {
 
   /// Starts the slow thread, if anybody is to see anything.
   /// @param spec outlives this. @param create as Fields has it. @param stop see FramePublisher.
-  void start(const GridSpec& spec, const std::function<Model()>& create, double rate_hz, bool paced,
+  void start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
              const std::atomic<int>& stop);
   /// --imd-wait.
   void wait(const std::atomic<int>& stop);

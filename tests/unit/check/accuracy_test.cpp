@@ -54,7 +54,7 @@ Walked walk(const Grid& grid, const ModelFunctions& model, const Range& walks, i
   if (grid.spec().stored.force)
     models.fields = [&] {
       return Fields(
-          grid.spec(), []() -> Model { throw ModelError("none"); }, false);
+          grid.spec(), []() -> std::unique_ptr<Model> { throw ModelError("none"); }, false);
     };
   Walked walked = walk_grid(grid, walks, seed, models, threads, done);
   CHECK(done == walks.size());

@@ -15,7 +15,7 @@
 
 #include "examples/molecule/energy.hpp"
 #include "examples/molecule/input.hpp"
-#include "libcore/model/model.hpp"
+#include "libcore/model/plugin_model.hpp"
 
 namespace molecules {
 
@@ -45,7 +45,7 @@ struct Source {
     return texts;
   }
   Molecule read() const { return read_molecule(conformation(), transition_states(), {}); }
-  hapgrid::Model make(std::vector<hapgrid::Parameter> parameters = {}) const {
+  std::unique_ptr<hapgrid::Model> make(std::vector<hapgrid::Parameter> parameters = {}) const {
     parameters.push_back({"conformation", conformation()});
     parameters.push_back({"transition_states", transition_states()});
     return hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"}).create(parameters);
