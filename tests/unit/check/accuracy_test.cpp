@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "libcore/base/error.hpp"
 #include "libcore/check/state_distance.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
