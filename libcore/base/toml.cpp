@@ -1,3 +1,5 @@
+// The one source that compiles the parser of toml++.
+#define TOML_IMPLEMENTATION
 #include "libcore/base/toml.hpp"
 
 #include <algorithm>

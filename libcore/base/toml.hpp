@@ -10,6 +10,9 @@
 
 #include "libcore/base/error.hpp"
 
+// The parser is compiled once, in toml.cpp.
+#define TOML_HEADER_ONLY 0
+
 // toml++ 3.3, which Debian 12 has, and hostile texts. Later versions need neither of this.
 //  - A letter that is not ASCII outside of texts and comments, as in "größe = 1", leads to an
 //    "unreachable" place where the answer is "no blank"
