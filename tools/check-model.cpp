@@ -142,7 +142,7 @@ int main(int argc, char** argv) {
       "at\n"
       "each step what the search and the player rely on, and estimates the cost of the whole "
       "grid.");
-  describe(
+  set_help(
       app, "check-model",
       "Checks:\n"
       "  defined        C answers at every step of the grid\n"

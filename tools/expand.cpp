@@ -188,7 +188,7 @@ int main(int argc, char** argv) {
       "Evaluates the model's conversion function in 26 directions for each record of the\n"
       "frontier, and writes what was found as requests for merge. Reads a grid, or the frontier\n"
       "shards that merge writes."};
-  hapgrid::describe(
+  hapgrid::set_help(
       app, "expand",
       "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
   add_options(app, options);

@@ -232,7 +232,7 @@ int main(int argc, char** argv) {
       "requests come in any order and any number of shards; requests that are missing are an\n"
       "error. A grid whose frontier is empty stays as it is; one that --final made becomes\n"
       "the plain grid that it was made from, byte by byte."};
-  hapgrid::describe(app, "merge");
+  hapgrid::set_help(app, "merge");
   add_options(app, options);
   hapgrid::add_serve(app, serves);
   hapgrid::add_progress(app, standing.progress);

@@ -229,7 +229,7 @@ int main(int argc, char** argv) {
       "cells, interpolates the state, computes the force with the grid's model, or interpolates "
       "it\n"
       "where the grid keeps it, and sends it.");
-  describe(
+  set_help(
       app, "play",
       "A path is a text: x y z a line, in the model's unit of length, separated by spaces or\n"
       "tabs; '#' starts a comment, blank lines are skipped.\n"

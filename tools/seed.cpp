@@ -36,9 +36,9 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{
       "Writes the seed records of a grid: the known states at the seed points, all of them in the\n"
-      "frontier. The model, its parameters, the box, the seeds and the level limit are in "
-      "MODEL.toml."};
-  hapgrid::describe(app, "seed", hapgrid::kDefinitionHelp);
+      "frontier. MODEL.toml defines the model and its parameters, the box, the seeds and the limit\n"
+      "of levels."};
+  hapgrid::set_help(app, "seed");
   hapgrid::add_definition(app, options.definition);
   hapgrid::add_model_options(app, options.model);
   hapgrid::add_output(app, options.output);

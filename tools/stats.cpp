@@ -355,7 +355,7 @@ int main(int argc, char** argv) {
   app.add_option("--png", options.png, "Where the picture goes; gnuplot draws it")
       ->type_name("FILE");
   add_output(app, options.output);
-  describe(
+  set_help(
       app, "stats",
       "What the numbers mean (null or '-' where there is nothing to divide by):\n"
       "  norm                how the tolerance is applied: max or rms of the components'\n"

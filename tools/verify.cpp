@@ -162,7 +162,7 @@ int main(int argc, char** argv) {
     app.get_option("--merge")->excludes(app.get_option(other));
   add_model_options(app, asked.model);
   add_output(app, options.output);
-  describe(
+  set_help(
       app, "verify",
       "Checks:\n"
       "  complete     no record is left in the frontier\n"

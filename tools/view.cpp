@@ -309,7 +309,7 @@ int main(int argc, char** argv) {
       if (*option && !*png && !*window && !*terminal)
         throw CLI::RequiresError(option->get_name(), "--png, --window or --terminal");
   });
-  describe(
+  set_help(
       app, "view",
       "The report (numbers rounded; --format json has them whole, null where there is none):\n"
       "  frames   how many, and the time of play of the first and the last one, in seconds\n"

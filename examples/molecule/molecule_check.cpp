@@ -245,7 +245,7 @@ int main(int argc, char** argv) {
       "Checks the molecule of a MODEL.toml: its paths, the nearest atoms on each path and where "
       "two\n"
       "paths are combined, and the box. The exit code is 1 when something is not sane."};
-  describe(
+  set_help(
       app, "molecule-check",
       "A molecule is not sane when two atoms, at least three bonds apart, come nearer than 0.55 "
       "of\n"

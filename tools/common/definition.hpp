@@ -24,9 +24,6 @@ struct DefinitionOptions {
 /// The positional MODEL.toml and --set KEY=VALUE.
 void add_definition(CLI::App& app, DefinitionOptions& options);
 
-/// What stands in MODEL.toml, in the help of a filter that reads one.
-extern const char* const kDefinitionHelp;
-
 /// Reads it, and the files that it names beside itself. @throw Error; std::system_error
 Definition load_definition(const DefinitionOptions& options);
 

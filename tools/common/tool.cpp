@@ -15,19 +15,13 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
 namespace {
 
 constexpr const char* kMark = "{}";
-
-/// A message is one line, whatever a file name or a library put into it.
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  return text;
-}
 
 /// A standard stream that was closed (`tool <&-`) would be taken by the first file that is opened,
 /// and a message could end up in a shard. What is put in its place fails when it is used.
@@ -36,25 +30,14 @@ void occupy_standard_streams() {
     if (::fcntl(fd, F_GETFD) < 0) ::open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
 }
 
+/// A message is one line, whatever a file name or a library put into it.
 int report(const std::string& tool, const std::string& message, int code) {
-  std::fprintf(stderr, "%s: %s\n", tool.c_str(), one_line(message).c_str());
+  std::fprintf(stderr, "%s: %s\n", tool.c_str(),
+               printable_line(message, std::string::npos).c_str());
   return code;
 }
 
 }  // namespace
-
-void describe(CLI::App& app, const std::string& name, const std::string& details,
-              const std::string& more_exits) {
-  app.name(name);
-  app.set_version_flag("--version", "hapgrid " + name + " " HAPGRID_VERSION);
-  app.get_formatter()->column_width(32);
-  app.footer(details + (details.empty() ? "" : "\n") +
-             "Exit codes:\n"
-             "  0  done\n"
-             "  1  could not: input, I/O, model, device, level limit\n"
-             "  2  the command line is wrong; nothing was read or written\n" +
-             more_exits);
-}
 
 CLI::Validator number_within(double low, double high, const std::string& description) {
   return CLI::Validator(

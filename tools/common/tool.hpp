@@ -27,9 +27,9 @@ struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Gives `app` the name, --version, and the exit codes at the end of its help; `more_exits` are
-/// further lines of that table ("  130  ...\n"), `details` stands in front of it.
-void describe(CLI::App& app, const std::string& name, const std::string& details = "",
+/// Gives `app` its name, --version, and a --help of at most 100 columns that ends with `details`
+/// and the table of exit codes; `more_exits` are further lines of that table ("  130  ...\n").
+void set_help(CLI::App& app, const std::string& name, const std::string& details = "",
               const std::string& more_exits = "");
 
 /// A number in [low, high], not NaN as with CLI::Range; `description` says so: "a rate from ...".
