@@ -2,7 +2,7 @@
 # Which lines of libcore the tests reach: a table by folder, and build-coverage/index.html line by line.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-.ci/packages build check coverage
+.ci/packages demo build check coverage
 cmake --preset coverage >/dev/null
 cmake --build --preset coverage
 find build-coverage -name '*.gcda' -delete

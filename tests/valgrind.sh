@@ -7,7 +7,7 @@
 # count its calls; it takes its memory from malloc, which valgrind watches.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-.ci/packages build check valgrind
+.ci/packages demo build check valgrind
 cmake --preset check >/dev/null
 cmake --build --preset check
 logs=$PWD/build/valgrind
