@@ -42,7 +42,7 @@ for file in $(sources libcore); do
         [[ $to == "$folder" || " ${allowed[$folder]} " == *" $to "* ]] ||
           complain "$file: $folder must not include $to ($path)"
         ;;
-      zstd*.h | xxh*.h | xxhash.h)
+      zstd*.h | xxh*.h)
         [[ $folder == base || $file == libcore/shard/section_digest.cpp ]] ||
           complain "$file: base/ has frames and digests ($path)"
         ;;

@@ -5,9 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
+#include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/search/complete.hpp"
 #include "libcore/shard/writer.hpp"
@@ -16,6 +18,7 @@
 #include "tools/common/progress.hpp"
 #include "tools/common/serve.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/expand/launcher.hpp"
 #include "tools/expand/request_output.hpp"
 
 namespace {
@@ -69,6 +72,25 @@ ConversionRange parse_conversions(const std::string& text) {
   throw CLI::ValidationError("--conversions", "'" + text + "' is not A:B with A <= B < 2^64");
 }
 
+Part part_of(const std::string& text) {
+  if (text == "auto") return part_of_launcher();
+  const auto [number, of] = parse_part("--part", text);
+  return {number, of};
+}
+
+/// Is there a file `name` with requests for `grid`? @throw FormatError when it holds something else
+bool is_there(const std::string& name, const SectionHeader& grid) {
+  if (!std::filesystem::exists(name)) return false;
+  for (const Section& section : open_sections({name})) {
+    const SectionHeader& header = section.header;
+    if (header.content != Content::kRequests || header.generation != grid.generation ||
+        !(header.spec == grid.spec))
+      throw FormatError(name + " is there already, and holds no requests for generation " +
+                        std::to_string(grid.generation) + " of this grid: remove it first");
+  }
+  return true;
+}
+
 /// The models of the grid at hand.
 class LoadedModels {
  public:
@@ -100,8 +122,7 @@ class LoadedModels {
 };
 
 int run(const Options& options, LoadedModels& models, bool stay) {
-  const auto [number, of] = parse_part("--part", options.part);
-  const Part part{number, of};
+  const Part part = part_of(options.part);
   std::optional<ConversionRange> range;
   if (!options.conversions.empty()) range = parse_conversions(options.conversions);
   if (range && part.of != 1)
@@ -120,9 +141,13 @@ int run(const Options& options, LoadedModels& models, bool stay) {
   header.generation = generation_of(sections);
   Progress& progress = models.progress;
   progress.generation = header.generation;
+  const bool is_named_by_part = !options.complete && options.ranges == 0;
+  const std::string output =
+      is_named_by_part ? named_by_part(options.output, part) : options.output;
+  if (is_named_by_part && output != options.output && is_there(output, header)) return kExitDone;
 
   std::optional<OutputFile> out;  // the grid of --complete
-  if (options.complete) out.emplace(options.output);
+  if (options.complete) out.emplace(output);
   std::optional<RequestOutput> requests;
   {
     Converter& converter = models.of(header.spec);
@@ -140,7 +165,7 @@ int run(const Options& options, LoadedModels& models, bool stay) {
       progress.frontier_records = 0;
       for (const Section& section : sections) progress.frontier_records += section.footer.frontier;
       header.content = Content::kRequests;
-      requests.emplace(options.output, options.ranges, header);
+      requests.emplace(output, options.ranges, header);
       expand(frontier, converter, header.spec,
              [&requests](PointIndex point, Level level, DirectionMask directions,
                          const double* rows) { requests->add(point, level, directions, rows); });
@@ -160,8 +185,11 @@ void add_options(CLI::App& app, Options& options) {
   add_output(app, options.output);
   app.add_option(
          "--part", options.part,
-         "Only the K-th of N equal parts of the frontier's conversions (1 <= K <= N < 2^32)")
-      ->type_name("K/N")
+         "Only the K-th of N equal parts of the frontier's conversions (1 <= K <= N < 2^32), or "
+         "'auto': the part that srun, a job array of Slurm or mpirun gives this process. {} in "
+         "the name of --output becomes K-of-N, and a part whose file is there is not computed "
+         "again")
+      ->type_name("K/N|auto")
       ->capture_default_str();
   app.add_option("--conversions", options.conversions,
                  "Only the frontier's conversions from A to before B, counted from 0 (--part cuts "

@@ -2,7 +2,7 @@
 // CPU time, in the order in which the search has them. Stretches of records that follow each other
 // are taken evenly from the whole search, since neighbours are alike. What simulate.py is fed with:
 //
-//   bench_conversion_times alanine.grid 16 24 > tests/bench/scaling/times.txt
+//   bench_conversion_times alanine.grid 16 24 > tests/bench/scaling/times.tsv
 //
 // the alanine dipeptide of examples/molecule, 20 points a side in the same box, spacing 0.809 Å.
 #include <algorithm>

@@ -5,8 +5,8 @@
 #   cluster_start NODES CPUS    starts it, sets SLURM_CONF; skips the test where it cannot
 #   node_kill N                 SIGKILLs the N-th slurmd (from 1) and all that runs under it
 #   node_start N                starts it again
-#   cluster_stop, cluster_again everything off (steps are lost), and on again with its state
-#   build, reference, generation    see below
+#   cluster_stop                everything off
+#   in_allocation, define, expanding    see below
 #
 # It ends with the script, however that ends.
 
@@ -63,7 +63,7 @@ END
 
 cluster_start() {
   [[ $(id -u) == 0 ]] || skip "a Slurm of one's own is started as root"
-  local program
+  local program n
   for program in munged slurmctld slurmd srun sbatch; do
     command -v $program >/dev/null || skip "no $program (Debian: slurmctld slurmd slurm-client munge)"
   done
@@ -74,27 +74,14 @@ cluster_start() {
   munged --force --key-file="$cluster/munge/key" --socket="$cluster/munge/socket" \
     --pid-file="$cluster/munge/pid" --log-file="$cluster/munge/log" --seed-file="$cluster/munge/seed" \
     >"$cluster/munge/out" 2>&1 || fail "munged: $(cat "$cluster/munge/out")"
-  cluster_up
-}
-
-cluster_up() {
-  local n
   slurmctld -f "$SLURM_CONF"
-  [[ ! ${1-} ]] || "$@"
   for n in $(seq "$cluster_nodes"); do node_start "$n"; done
   wait_for 60 "cluster that answers" cluster_answers
 }
 
-# The nodes later, as machines that boot. A node that is back before slurmctld missed it counts as one
-# that was never gone, and its jobs as running, for ever.
-cluster_again() { cluster_up wait_for 90 "end of the nodes" nodes_down; }
-nodes_down() { [[ $(sinfo -h -N -o %T 2>/dev/null | grep -c '^down') == "$cluster_nodes" ]]; }
-
-# All nodes, idle or with jobs from before: exactly these words, a * behind them is one that does not
-# answer, and `sinfo -t idle` counts unknown ones, too.
-cluster_answers() {
-  [[ $(sinfo -h -N -o %T 2>/dev/null | grep -cxE 'idle|allocated|mixed|completing') == "$cluster_nodes" ]]
-}
+# Exactly this word: a * behind it is a node that does not answer, and `sinfo -t idle` counts unknown
+# ones, too.
+cluster_answers() { [[ $(sinfo -h -N -o %T 2>/dev/null | grep -cx idle) == "$cluster_nodes" ]]; }
 
 node_start() { slurmd -f "$SLURM_CONF" -N "n$1"; }
 
@@ -126,34 +113,24 @@ cluster_stop() {
   for n in $(seq "$cluster_nodes"); do node_kill "$n"; done
 }
 
-# build OPTION...: a grid by Makefile.example on the cluster; reference: the same from one process.
-small=(grid.counts=[12,6,6] grid.spacing=0.15)
-driver() {
-  make -s -f "$HAPGRID_SOURCE/Makefile.example" grid MODEL="$ball" HAPGRID_BIN="$HAPGRID_BIN" \
-    SET="${small[*]}" PAUSE=1 "$@" >make.out 2>make.err
-}
-build() { driver "$@" || fail "$(tail -n 20 make.err make.out)"; }
-reference() { seed "$ball" "${small[@]/#/--set=}" | expand --complete -j 32 -o reference; }
+# in_allocation TASKS COMMAND...: in an allocation of so many tasks, with examples/cluster/ in the PATH.
+in_allocation() { salloc -Q -n "$1" "${@:2}" >out 2>err || fail "$(tail -n 20 err out)"; }
+export PATH=$HAPGRID_SOURCE/examples/cluster:$PATH
 
-# in_allocation TASKS OPTION...: a build in an allocation of so many tasks.
-in_allocation() {
-  export -f driver
-  small_text=${small[*]} ball=$ball salloc -Q -n "$1" bash -c \
-    'read -ra small <<<"$small_text"; driver "$@"' driver "${@:2}" || fail "$(tail -n 20 make.err make.out)"
+# define MILLISECONDS: my.toml, a small hung ball whose conversions take so long, and `reference`, what one
+# process makes of it.
+export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
+define() {
+  sed "s/^plugin = .*/plugin = \"sleeper\"/; s/^radius/milliseconds = $1\nradius/
+       s/^counts = .*/counts = [4, 6, 6]/; s/^spacing = .*/spacing = 0.15/" "$ball" >my.toml
+  seed my.toml | expand --complete -j 32 -o reference
 }
 
-# slowed MILLISECONDS: from now on the ball is one whose conversions take so long.
-slowed() {
-  sed "s/^plugin = .*/plugin = \"sleeper\"/; s/^radius/milliseconds = $1\nradius/" "$ball" >hung-ball.toml
-  ball=$PWD/hung-ball.toml
-  export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
-}
-
-# generation N [NODE]: shards of the N-th round are being expanded (on that node).
-generation() {
+# expanding N [NODE]: a part of the N-th generation is being expanded (on that node).
+expanding() {
   local pid
-  for pid in $(pgrep -x expand); do  # also one that stays, whose command line says nothing
-    [[ $(readlink "/proc/$pid/fd/"*) == *"$PWD/work/hung-ball/"*"/$(printf %04d "$1").frontier."* ]] || continue
+  for pid in $(pgrep -x expand); do
+    [[ $(readlink "/proc/$pid/fd/"*) == *"$PWD/my.rounds/$1.grid"* ]] || continue
     # Not grep -q, which would end before node_processes does, and fail it.
     [[ ! ${2-} ]] || node_processes "$2" | grep -x "$pid" >/dev/null || continue
     return 0

@@ -1,10 +1,22 @@
 #!/bin/bash
-# make -j over srun, a step a shard, inside an allocation.
+# Rounds on Slurm inside an allocation: one srun a round, one srun a part by make, and a batch job.
 source "$(dirname "$0")/../cli/lib.sh"
 source "$here/slurm.sh"
 cluster_start 3 2
+define 5
 
-reference
-in_allocation 6 PARTS=5 RUN="srun -N1 -n1 --exclusive" -j 6
-cmp work/hung-ball.grid reference
-[[ ! -s make.err ]] || fail "$(cat make.err)"
+in_allocation 6 rounds.sh my.toml 6 srun
+cmp my.grid reference
+[[ ! -s err ]] || fail "$(cat err)"
+
+in_allocation 6 make -s -f "$HAPGRID_SOURCE/Makefile.example" grid MODEL=my.toml HAPGRID_BIN="$HAPGRID_BIN" \
+  PARTS=6 RUN='srun -N1 -n1 --exclusive' -j 6
+cmp work/my.grid reference
+[[ ! -s err ]] || fail "$(cat err)"
+
+rm -r my.rounds my.grid
+cp "$HAPGRID_SOURCE/examples/cluster/rounds.sh" .
+sbatch -Q "$HAPGRID_SOURCE/examples/cluster/job.sh" my.toml
+evidence() { squeue; cat job.out; }
+wait_for 60 "grid of the batch job" test -e my.grid
+cmp my.grid reference

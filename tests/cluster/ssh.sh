@@ -1,5 +1,5 @@
 #!/bin/bash
-# Shards handed out over ssh by GNU parallel, and by xargs: from the same list of numbers.
+# Parts that GNU parallel starts over ssh.
 source "$(dirname "$0")/../cli/lib.sh"
 sshd=$(command -v sshd || ls /usr/sbin/sshd 2>/dev/null) || skip "no sshd (Debian: openssh-server)"
 command -v ssh >/dev/null || skip "no ssh (Debian: openssh-client)"
@@ -40,21 +40,12 @@ trap 'kill $daemon 2>/dev/null; rm -rf "$work"' EXIT
 evidence() { cat ssh/log; }
 wait_for 20 "sshd" ssh -F ssh/config one true
 
-# What a login over there does not have, the shards bring: this plug-in is found by HAPGRID_MODEL_PATH.
+# What a login over there does not have, the command brings: this plug-in is found by HAPGRID_MODEL_PATH.
 mkdir plugins
 cp "$(readlink -f "$HAPGRID_BIN/../models")/hung-ball.so" plugins/over-there.so
-export HAPGRID_MODEL_PATH=$PWD/plugins
-sed 's/^plugin = .*/plugin = "over-there"/' "$ball" >hung-ball.toml
-ball=$PWD/hung-ball.toml
-small=(grid.counts=[4,6,6] grid.spacing=0.15)
-seed "$ball" "${small[@]/#/--set=}" | expand --complete -o reference
-build() {
-  PARALLEL_HOME=$PWD/home make -s -f "$HAPGRID_SOURCE/Makefile.example" grid MODEL="$ball" \
-    HAPGRID_BIN="$HAPGRID_BIN" SET="${small[*]}" PAUSE=1 MODE=list PARTS=5 "$@" >make.out 2>make.err ||
-    fail "$(cat make.err make.out)"
-  cmp work/hung-ball.grid reference
-  [[ ! -s make.err ]] || fail "$(cat make.err)"
-  rm -rf work
-}
-build RUN="parallel --ssh 'ssh -F $PWD/ssh/config' --sshlogin 2/one,2/two"
-build RUN="xargs -P 2 -n 1 ssh -F $PWD/ssh/config -n one"
+export HAPGRID_MODEL_PATH=$PWD/plugins PARALLEL_HOME=$PWD/home PARALLEL_SSH="ssh -F $PWD/ssh/config"
+sed 's/^plugin = .*/plugin = "over-there"/; s/^counts = .*/counts = [4, 6, 6]/; s/^spacing = .*/spacing = 0.15/' "$ball" >my.toml
+seed my.toml | expand --complete -o reference
+examples=$HAPGRID_SOURCE/examples/cluster
+expect 0 '' '' -- "$examples/rounds.sh" my.toml 5 "$examples/parallel.sh" 2/one,2/two 5
+cmp my.grid reference

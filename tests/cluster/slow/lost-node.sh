@@ -1,30 +1,31 @@
 #!/bin/bash
-# A node dies in the middle and comes back later, for each way to hand out shards.
+# A node dies in the middle of a round and comes back later. A round that failed is simply said again.
 source "$(dirname "$0")/../../cli/lib.sh"
 source "$here/../slurm.sh"
 cluster_start 3 2
-small=(grid.counts=[4,6,6] grid.spacing=0.15)  # few rounds: sbatch --wait looks every 10 s
-slowed 50
-reference
+define 30
+evidence() { cat err job.out; sinfo; squeue; }
 
-lose_a_node() {
-  wait_for 60 "round 2 on node 2" generation 2 2
+lose_node_2() {
+  wait_for 60 "round 1 on node 2" expanding 1 2
   node_kill 2
   wait_for 60 "end of node 2" eval '[[ $(sinfo -h -n n2 -o %T) == down* ]]'
   node_start 2
 }
-for how in srun claim array; do
-  rm -rf work
-  lose_a_node &
-  case $how in
-    srun) build PARTS=6 RUN='srun -n1' -j 6 ;;
-    claim) build PARTS=12 MODE=claim RUN='srun -n 4' ;;  # 6 would wait for the node
-    array) build PARTS=12 MODE=array ;;
-  esac
-  wait $! || fail "$how: the node: $(cat make.err make.out)"
-  cmp work/hung-ball.grid reference
-  grep -q 'hung-ball: generation 2: .* shards are missing, again' make.err || [[ $how == array ]] ||
-    fail "$how: nothing was lost: $(cat make.err)"  # Slurm itself starts an array's elements again
-  # Tasks that stay are where they were started: on the first nodes, if these are free again.
-  wait_for 60 "idle nodes" eval '[[ $(sinfo -h -N -o %T | grep -cx idle) == 3 ]]'
-done
+
+# Each round a job of its own, from a machine outside.
+lose_node_2 &
+rounds.sh my.toml 6 srun -Q -n 6 >out 2>err && fail "nothing was lost"
+wait $! || fail "the node"
+[[ -e my.rounds/1.grid && ! -e my.grid ]] || fail "$(ls my.rounds)"
+wait_for 60 "three idle nodes" cluster_answers
+rounds.sh my.toml 6 srun -Q -n 6 >out 2>err || fail "$(cat err)"
+cmp my.grid reference
+
+# All rounds in one batch job, which Slurm starts again.
+rm -r my.rounds my.grid
+cp "$HAPGRID_SOURCE/examples/cluster/rounds.sh" .
+sbatch -Q -n 6 "$HAPGRID_SOURCE/examples/cluster/job.sh" my.toml
+lose_node_2
+wait_for 180 "grid" test -e my.grid
+cmp my.grid reference
