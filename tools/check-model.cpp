@@ -1,5 +1,6 @@
-// check-model: what would go wrong in the search of a model's grid, before the search is paid for.
+// check-model: finds what would go wrong in the search of a grid before the search is paid for.
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -19,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What force and shape together may take of the 200 microseconds of a tick at 5 kHz.
+// Force and shape together may take this part of the 200 microseconds of a tick at 5 kHz.
 constexpr double kLoopBudget = 100e-6;
 
 struct Options {
@@ -64,9 +65,9 @@ Json calls_json(const CallTimes& t) {
           {"longest_seconds", t.worst}};
 }
 
-std::string report_text(const GridSpec& spec, const hapgrid_model_info& info, const ModelCheck& m,
+std::string report_text(const GridSpec& spec, const ModelInfo& info, const ModelCheck& m,
                         const GridEstimate& e) {
-  const std::string length = info.length_unit[0] ? " " + printable(info.length_unit) : "";
+  const std::string length = info.length_unit.empty() ? "" : " " + printable(info.length_unit);
   std::string text = checks_text(m.checks) + "\n";
   const auto row = [&](const std::string& name, const std::string& value) {
     text += name + std::string(13 - name.size(), ' ') + value + "\n";
@@ -93,7 +94,7 @@ std::string report_text(const GridSpec& spec, const hapgrid_model_info& info, co
   return text;
 }
 
-std::string report_json(const GridSpec& spec, const hapgrid_model_info& info, const ModelCheck& m,
+std::string report_json(const GridSpec& spec, const ModelInfo& info, const ModelCheck& m,
                         const GridEstimate& e) {
   Json json;
   json["model"] = spec.model;
@@ -117,16 +118,16 @@ std::string report_json(const GridSpec& spec, const hapgrid_model_info& info, co
 int run(const Options& options) {
   const Definition definition = load_definition(options.definition);
   const auto source = model_source(definition, options.definition.file, options.model);
-  const Model model = source->create(definition.parameters);
-  const GridSpec spec = describe_grid(definition, model);
-  const Seeds seeds = seed_states(definition, model);
+  const auto model = source->create(definition.parameters);
+  const GridSpec spec = describe_grid(definition, *model);
+  const Seeds seeds = seed_states(definition, *model);
 
   const ModelCheck found = check_model(
       spec, seeds, [&] { return create_model(*source, spec); }, options.limits);
   const GridEstimate estimate = estimate_grid(spec, found.convert.mean);
   OutputFile output(options.output, /*binary=*/false);
-  output.write(options.format == "json" ? report_json(spec, model.info(), found, estimate)
-                                        : report_text(spec, model.info(), found, estimate));
+  output.write(options.format == "json" ? report_json(spec, model->info(), found, estimate)
+                                        : report_text(spec, model->info(), found, estimate));
   output.commit();
   std::fprintf(stderr, "check-model: %s\n", verdict_line(found.checks).c_str());
   return is_fine(found.checks) ? kExitDone : kExitInvalid;
@@ -139,7 +140,8 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Tries a model before its grid is searched: walks through the box as a hand would, checks "
       "at\n"
-      "each step what the search and the player rely on, and estimates what the whole grid takes.");
+      "each step what the search and the player rely on, and estimates the cost of the whole "
+      "grid.");
   describe(
       app, "check-model",
       "Checks:\n"

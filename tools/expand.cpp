@@ -2,6 +2,7 @@
 
 #include "libcore/search/expand.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <memory>

@@ -2,6 +2,7 @@
 
 #include "libcore/search/merge.hpp"
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 
@@ -47,7 +48,7 @@ class LoadedModel {
   const Model& of(const GridSpec& spec) {
     if (!model_ || spec != spec_) {
       unload();
-      model_.emplace(judging_model(spec, options_.model_path));
+      model_ = judging_model(spec, options_.model_path);
       spec_ = spec;
     }
     return *model_;
@@ -58,7 +59,7 @@ class LoadedModel {
  private:
   const StandingOptions& options_;
   GridSpec spec_;
-  std::optional<Model> model_;
+  std::unique_ptr<Model> model_;
 };
 
 /// A frontier that is one shard needs no place for a number in its name.

@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -18,6 +19,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/haptic/watchdog.hpp"
 #include "libcore/model/fields.hpp"
+#include "libcore/model/plugin_model.hpp"
 #include "libcore/shard/load.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/devices.hpp"

@@ -2,6 +2,8 @@
 
 #include "libcore/search/seed.hpp"
 
+#include <CLI/CLI.hpp>
+
 #include "libcore/base/file.hpp"
 #include "tools/common/definition.hpp"
 #include "tools/common/models.hpp"
@@ -18,12 +20,12 @@ struct Options {
 int run(const Options& options) {
   using namespace hapgrid;
   const Definition definition = load_definition(options.definition);
-  Model model = model_source(definition, options.definition.file, options.model)
-                    ->create(definition.parameters);
-  const GridSpec spec = describe_grid(definition, model);
+  const auto model = model_source(definition, options.definition.file, options.model)
+                         ->create(definition.parameters);
+  const GridSpec spec = describe_grid(definition, *model);
   OutputFile out(options.output);
   SectionWriter writer(out.fd(), out.name(), {Content::kGrid, 0, spec});
-  write_seeds(definition, spec, model, writer);
+  write_seeds(definition, spec, *model, writer);
   out.commit();
   return kExitDone;
 }

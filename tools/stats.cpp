@@ -1,6 +1,7 @@
 // stats: what is in a grid, as a report, a single value, a dump or a picture; and what happened in
 // a play.
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <istream>

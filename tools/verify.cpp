@@ -1,5 +1,6 @@
 // verify: whether a grid is what Algorithm 1 promises, and what the model says today.
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdio>
 #include <limits>

@@ -1,6 +1,7 @@
 // view: shows the frames of play: as a report, a trajectory, a picture, or live in a window or a
 // terminal (view/).
 
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <cstdio>

@@ -26,20 +26,24 @@
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
+#include "examples/parameters.hpp"
 #include "libcore/model/plugin.hpp"
 
 namespace {
 
+using hapgrid::decimal;
+using hapgrid::finite_number;
+using hapgrid::refuse;
+
 class HungBall {
  public:
   explicit HungBall(hapgrid::PluginParameters& parameters)
-      : radius_(finite(parameters, "radius", 0.1)),
-        weight_(finite(parameters, "weight", 1)),
-        max_force_(finite(parameters, "max_force", 3)),
-        tolerance_(finite(parameters, "tolerance", 1e-6)),
+      : radius_(finite_number(parameters, "radius", 0.1)),
+        weight_(finite_number(parameters, "weight", 1)),
+        max_force_(finite_number(parameters, "max_force", 3)),
+        tolerance_(finite_number(parameters, "tolerance", 1e-6)),
         stored_(parameters.boolean("stored", false)) {
     parameters.finish();
     if (!(radius_ > 0 && radius_ < 0.5)) refuse("radius", radius_, "above 0 and below 0.5");
@@ -72,19 +76,20 @@ class HungBall {
     return {};
   }
 
-  /// Walks in substeps: only a move that is small against the balls tells on which side the ball
-  /// is.
+  /// The HIP walks in substeps: only after a move that is short against the balls is it certain on
+  /// which side of the HIP the ball is.
   void convert(const double* s, const double* x, const double* d, double* result) const {
     const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    // The slack takes a d of the length d_max that was rounded up.
+    // A d of length d_max may have been rounded up: hence the slack.
     if (!(length <= d_max_ * (1 + 1e-9)))
-      throw std::runtime_error("a shift of " + text(length) + ", d_max is " + text(d_max_));
+      throw std::runtime_error("a shift of " + decimal(length) + ", d_max is " + decimal(d_max_));
     const double substeps = std::ceil(length / substep_);
     if (substeps == 0) {
       result[0] = s[0];
       return;
     }
-    // Without an arc at the end the ball hangs at 0 whatever happened before: most calls end here.
+    // Where there is no arc at the end, the ball hangs at 0 whatever happened before. Most calls
+    // end here.
     const double end[3] = {x[0] + d[0], x[1] + d[1], x[2] + d[2]};
     if (!Arc(end, radius_).exists()) {
       result[0] = 0;
@@ -101,10 +106,10 @@ class HungBall {
 
   bool equal(const double* a, const double* b) const { return std::abs(a[0] - b[0]) <= tolerance_; }
 
-  /// The HIP pushes the ball with N along u = (c - p) / |c - p|; along the ball's path, with the
-  /// tangent τ, N u·τ balances the weight W sin α, and the HIP feels -N u. u·τ goes to 0 at the
-  /// tear-off, where max_force bounds N. A state that is a blend of two branches can have the ball
-  /// on the wrong side of the balance: then there is no force.
+  /// The HIP pushes the ball with N along u = (c - p) / |c - p|. Along the ball's path, which has
+  /// the tangent τ, N u·τ balances the weight W sin α; the HIP feels -N u. At the tear-off u·τ goes
+  /// to 0, and max_force bounds N. In a state that is a blend of two branches the weight can press
+  /// the ball away from the HIP: then there is no force.
   void force(const double* p, const double* s, double* f) const {
     const double sine = std::sin(s[0]);
     const double cosine = std::cos(s[0]);
@@ -112,18 +117,20 @@ class HungBall {
     const double distance = std::hypot(u[0], u[1], u[2]);
     const double along = (u[0] * cosine + u[2] * sine) / distance;
     f[0] = f[1] = f[2] = 0;
-    if (!(along * sine > 0)) return;  // also for a state that is not a number, and for c = p
+    if (!(along * sine > 0))
+      return;  // true as well for a state that is not a number, and for c = p
     const double pushed = std::min(max_force_, weight_ * sine / along);
     for (int a = 0; a < 3; ++a) f[a] = -pushed * u[a] / distance;
   }
 
-  /// What the ball has gained in height: there is no friction, so it is the work of the HIP.
+  /// The weight times the height that the ball has gained. There is no friction, so this is the
+  /// work of the HIP.
   double energy(const double*, const double* s) const {
     const double half = std::sin(s[0] / 2);
     return weight_ * 2 * half * half;
   }
 
-  /// The ball, then the rope as beads from the hinge down.
+  /// The first sphere is the ball; the others are beads that show the rope from the hinge down.
   void spheres(hapgrid_sphere* spheres) const {
     for (unsigned i = 0; i <= kBeads; ++i)
       spheres[i] = {static_cast<float>(i == 0 ? radius_ : radius_ / 8), {0.9F, 0.9F, 0.9F}, ""};
@@ -148,7 +155,8 @@ class HungBall {
     double sine, cosine;
   };
 
-  /// The angles at which the ball would overlap a HIP at p. The names are those of the page's top.
+  /// The angles at which the ball would overlap a HIP at p. The symbols are explained at the top of
+  /// this file.
   class Arc {
    public:
     Arc(const double* p, double radius) : x_(p[0]), w_(1 - p[2]) {
@@ -159,7 +167,7 @@ class HungBall {
     }
     bool exists() const { return sine_squared_ > 0; }
 
-    /// Where the ball settles that hung at `rope` a small move ago.
+    /// Where the ball settles when it hung at `rope` before the HIP's last small move.
     Rope settle(const Rope& rope) const {
       constexpr Rope kRest{0, 1};
       if (!exists()) return kRest;
@@ -173,9 +181,9 @@ class HungBall {
     }
 
    private:
-    /// α >= φ, both in (-π, π]. Angles of one sign compare as the sign of sin(α - φ); the sign of φ
-    /// is that of x. The one case this leaves open, α = 0 below a HIP straight above the hinge,
-    /// settles at 0 on either side.
+    /// Whether α >= φ, both in (-π, π]. For angles of one sign this is the sign of sin(α - φ), and
+    /// φ has the sign of x. One case is left open: α = 0 with the HIP straight above the hinge.
+    /// There the ball settles at 0 on either side.
     bool right(const Rope& rope) const {
       const bool ahead = rope.sine * w_ - rope.cosine * x_ >= 0;
       return rope.sine >= 0 ? x_ < 0 || ahead : x_ < 0 && ahead;
@@ -186,27 +194,13 @@ class HungBall {
     double cosine_;        // 2ρ cos δ
   };
 
-  [[noreturn]] static void refuse(const std::string& key, double value, const std::string& limit) {
-    throw std::runtime_error("parameter " + key + " is " + text(value) + ", it must be " + limit);
-  }
-  static std::string text(double value) {
-    char digits[32];
-    std::snprintf(digits, sizeof digits, "%g", value);
-    return digits;
-  }
-  static double finite(hapgrid::PluginParameters& parameters, const char* key, double value) {
-    value = parameters.number(key, value);
-    if (!std::isfinite(value)) refuse(key, value, "finite");
-    return value;
-  }
-
   double radius_;     // r, in rope lengths
   double weight_;     // W, newtons
   double max_force_;  // newtons
   double tolerance_;  // radians
-  bool stored_;       // whether the grid keeps force, energy and shape: to compare both ways
-  double substep_;    // longest substep of convert(), in rope lengths
-  double d_max_;      // t - 2r, in rope lengths; Table 1 assumes no longer shifts
+  bool stored_;       // whether the grid keeps force, energy and shape; tests compare both ways
+  double substep_;    // of convert(), at most, in rope lengths
+  double d_max_;      // t - 2r, in rope lengths: Table 1 holds for shifts up to this
 };
 
 }  // namespace

@@ -9,17 +9,17 @@ import sys
 
 
 def serve(create):
-    """Makes a model from the parameters, then answers each request by its method of that name."""
+    """Makes a model from the parameters, then answers each question by its method of that name."""
     try:
         model = create(**json.loads(sys.stdin.readline())["parameters"])
     except (TypeError, ValueError) as e:
         return print(json.dumps({"error": str(e)}), flush=True)
     print(json.dumps({"hapgrid": 1, **model.description}), flush=True)
     for line in sys.stdin:
-        request = json.loads(line)
-        id, op = request.pop("id"), request.pop("op")
+        question = json.loads(line)
+        id, op = question.pop("id"), question.pop("op")
         try:
-            answer = json.dumps({"id": id, **getattr(model, op)(**request)}, allow_nan=False)
+            answer = json.dumps({"id": id, **getattr(model, op)(**question)}, allow_nan=False)
         except (ArithmeticError, ValueError) as e:
             answer = json.dumps({"id": id, "error": str(e)})
         print(answer, flush=True)

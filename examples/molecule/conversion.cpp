@@ -8,12 +8,12 @@ namespace hapgrid::molecule {
 
 namespace {
 
-// A minimum without contact this near to the state 0 (Å, scaled variables) is the state 0.
+// A minimum without contact counts as the state 0 when no scaled variable is farther from 0, Å.
 constexpr double kSnap = 0.01;
 
 double rounded(double v) {
-  // Beyond the states that any stiffness allows the unit would not fit a double's digits; there
-  // the value is left alone.
+  // A value so large that a double's digits do not reach down to the unit is left alone. No
+  // stiffness allows such a state.
   constexpr double kRound = 6755399441055744.0;  // 1.5 * 2^52
   const double units = v / kStateUnit;
   if (!(std::abs(units) < 0x1p50)) return v;
@@ -35,7 +35,7 @@ void Conversion::convert(const double* s, const double* x, const double* d, doub
   }
   bool at_rest = std::all_of(state.begin(), state.begin() + n, [](double v) { return v == 0; });
   const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  // At least one: a state that is given need not be a minimum.
+  // There is at least one substep: a state that is given need not be a minimum.
   const double substeps = std::max(1.0, std::ceil(length / substep_));
   const double move[3] = {d[0] / substeps, d[1] / substeps, d[2] / substeps};
   if (!at_rest) {
@@ -45,7 +45,7 @@ void Conversion::convert(const double* s, const double* x, const double* d, doub
   for (double step = 1; step <= substeps; ++step) {
     const double f = step / substeps;
     const double p[3] = {x[0] + f * d[0], x[1] + f * d[1], x[2] + f * d[2]};
-    // The state 0 without contact is the minimum that has no energy: most conversions end so.
+    // Without contact the state 0 is a minimum, with no energy at all. Most conversions end there.
     if (at_rest && !energy_.touches_conformation(p)) continue;
     ++work_.minimisations;
     const int evaluations =

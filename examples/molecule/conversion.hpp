@@ -1,5 +1,5 @@
-// The conversion function C(s, x, d) of a molecule: the HIP moves in small steps, and at each the
-// hybrid energy falls to the minimum whose basin the state is in.
+// The conversion function C(s, x, d) of a molecule. The HIP moves in small steps; at each step the
+// state goes down to the minimum of the hybrid energy in whose basin it is.
 #pragma once
 
 #include <cstdint>
@@ -9,20 +9,20 @@
 
 namespace hapgrid::molecule {
 
-/// States are rounded to multiples of this (Å, rad, 1): far below any tolerance that makes sense,
-/// and what is left compresses well and compares equal where the same minimum was reached twice.
+/// States are rounded to multiples of this (Å, rad, 1), which is far below any sensible tolerance.
+/// Rounded states compress well, and they are equal where the same minimum was reached twice.
 inline constexpr double kStateUnit = 0x1p-20;
 
 class Conversion {
  public:
-  /// @param substep of the HIP, at most, Å.
+  /// @param substep the HIP's longest move between two minimisations, Å
   Conversion(HybridEnergy& energy, double substep, const MinimiserLimits& limits);
 
   /// C(s, x, d) into `result` (n numbers; may be s).
   /// @throw std::runtime_error when a minimisation does not converge.
   void convert(const double* s, const double* x, const double* d, double* result);
 
-  /// What convert() has cost since construction.
+  /// The work of convert() since construction.
   struct Work {
     std::uint64_t conversions = 0, minimisations = 0, evaluations = 0;
   };

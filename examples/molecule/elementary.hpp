@@ -1,7 +1,7 @@
-// Sine, cosine and arctangent with the same bits on every machine. The C library's choose among
-// variants by processor (with and without fused multiply-add), whose results differ in the last
-// bit; a grid must not depend on where its shards were computed. Only +, -, *, / and sqrt are used
-// here, which IEEE 754 fixes, and the project is compiled without contraction.
+// Sine, cosine and arctangent with the same bits on every machine. The C library chooses among
+// variants by processor (with and without fused multiply-add), and their results differ in the last
+// bit; but a grid must not depend on where its shards were computed. Here only +, -, *, / and sqrt
+// are used, whose results IEEE 754 fixes, and the project is compiled without contraction.
 #pragma once
 
 #include <cmath>
@@ -11,14 +11,16 @@ namespace hapgrid::molecule {
 
 inline constexpr double kPi = 3.14159265358979323846;
 
-/// Sines and cosines of `count` angles, in radians. Free of branches, so that compilers vectorise
-/// it. Error below 1e-15 for angles up to 1e5; anything goes beyond 1e8. Real-time safe.
+/// Sines and cosines of `count` angles, in radians. There are no branches, so that compilers
+/// vectorise it. The error is below 1e-15 for angles up to 1e5; beyond 1e8 the results mean
+/// nothing. Real-time safe.
 ///
-/// The angle is reduced by the nearest multiple of π, which only turns the sign, and the Taylor
-/// polynomials reach over what is left: their first omitted terms at π/2 are below 2e-17.
+/// The nearest multiple of π is subtracted from the angle, which changes only the sign of the
+/// result. Taylor polynomials serve for the rest: their first omitted terms at π/2 are below 2e-17.
 inline void sines_and_cosines(const double* angles, double* sines, double* cosines,
                               std::size_t count) {
-  constexpr double kRound = 6755399441055744.0;  // 1.5 * 2^52: adding and subtracting it rounds
+  // Adding and subtracting 1.5 * 2^52 rounds to a whole number.
+  constexpr double kRound = 6755399441055744.0;
   // π in three parts (Cody and Waite); the first two have 33 bits, so that products with n are
   // exact.
   constexpr double kPi1 = 0x1.921fb544p+1, kPi2 = 0x1.0b4611a6p-33, kPi3 = 0x1.3198a2e037073p-68;
@@ -74,5 +76,8 @@ inline double angle_of(double y, double x) {
 inline double unwrapped(double angle, double reference) {
   return angle - 2 * kPi * std::floor((angle - reference) / (2 * kPi) + 0.5);
 }
+
+/// The number of [0, 1] that is nearest to t, and 0 when t is not a number.
+inline double clamped(double t) { return t > 0 ? (t < 1 ? t : 1) : 0; }
 
 }  // namespace hapgrid::molecule

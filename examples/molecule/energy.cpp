@@ -11,13 +11,13 @@ namespace {
 
 double square(double v) { return v * v; }
 
+double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
 void cross(const double* a, const double* b, double* c) {
   c[0] = a[1] * b[2] - a[2] * b[1];
   c[1] = a[2] * b[0] - a[0] * b[2];
   c[2] = a[0] * b[1] - a[1] * b[0];
 }
-
-double clamped(double t) { return t > 0 ? (t < 1 ? t : 1) : 0; }
 
 }  // namespace
 
@@ -45,10 +45,10 @@ HybridEnergy::HybridEnergy(const Molecule& molecule, const EnergyParameters& par
 }
 
 HybridEnergy::Rotation HybridEnergy::rotation(const double* vector) {
-  // No anchor lets the molecule turn that often: such a vector is nonsense, as is one that is not
-  // a number, and must not become a force.
+  // The anchor lets no molecule turn by 100 rad. A vector as long, or one that is not a number,
+  // must not become a force: it counts as no rotation.
   static constexpr double kNone[3] = {0, 0, 0};
-  double z = vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2];
+  double z = dot(vector, vector);
   const double* const v = z < 1e4 ? vector : kNone;
   if (v == kNone) z = 0;
   double a, b, c;  // sin θ / θ, (1 - cos θ) / θ², (1 - sin θ / θ) / θ²
@@ -82,7 +82,8 @@ HybridEnergy::Rotation HybridEnergy::rotation(const double* vector) {
   return r;
 }
 
-/// The shape of s and, instead of all atoms, the probe moved: into the molecule's frame.
+/// Finds the shape of s. Not all atoms are moved to where s has them; the probe is moved into the
+/// molecule's frame instead.
 void HybridEnergy::place(const double* s, const double* x) {
   std::copy_n(s, variables_, state_.begin());
   morph_.shape(s, shape_);
@@ -98,10 +99,10 @@ void HybridEnergy::find_contacts() {
   contact_count_ = 0;
   for (std::size_t i = 0; i < reach_.size(); ++i) {
     const double d[3] = {shape_.x[i] - probe_[0], shape_.y[i] - probe_[1], shape_.z[i] - probe_[2]};
-    const double squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    const double squared = dot(d, d);
     if (!(squared < reach_[i] * reach_[i])) continue;
     const double distance = std::sqrt(squared);
-    // A probe right on an atom's centre pushes along x: any direction will do.
+    // A probe in an atom's very centre has no direction to push along; x is as good as any.
     const bool apart = distance > 1e-9;
     contacts_[contact_count_++] = {
         i,
@@ -153,72 +154,68 @@ void HybridEnergy::derivatives(double* gradient, double* hessian, bool anew) {
   if (contact_count_ == 0) return;
   morph_.differentiate(shape_);
   if (anew) morph_.differentiate_twice(shape_);
-
-  // All in the molecule's frame: a contact's atom a moves there with velocity_ for t, with the rows
-  // of the rotation for the shift, and with φ x a, φ = rate dr, for the rotation. With n the unit
-  // vector from the probe, d the distance and o the overlap,
-  //   ∇(½ o²) = -o ∇d,   ∇²(½ o²) = ∇d ∇dᵀ - o ∇²d,   ∇²d = Gᵀ (1 - n nᵀ) G / d + n · ∂²a.
-  const std::array<double, 9>& r = rotation_.matrix;
-  const std::array<double, 9>& rate = rotation_.rate;
-  for (std::size_t c = 0; c < contact_count_; ++c) {
-    const Contact& contact = contacts_[c];
-    const double* normal = contact.normal;
-    const double a[3] = {shape_.x[contact.place], shape_.y[contact.place], shape_.z[contact.place]};
-    double g[kMaxVariables][3];        // ∂a/∂s
-    double along[kMaxVariables];       // ∂d/∂s
-    double turning[kMaxVariables][3];  // φ by the rotation's variables
-    morph_.velocity(shape_, contact.place, velocity_.data());
-    for (std::size_t k = 0; k < paths; ++k)
-      for (int i = 0; i < 3; ++i) g[k][i] = velocity_[3 * k + i];
-    for (int j = 0; j < 3; ++j) {
-      double* phi = turning[j];
-      for (int i = 0; i < 3; ++i) {
-        g[paths + j][i] = r[3 * j + i];
-        phi[i] = rate[3 * i + j];
-      }
-      cross(phi, a, g[paths + 3 + j]);
-    }
-    for (std::size_t i = 0; i < n; ++i)
-      along[i] = g[i][0] * normal[0] + g[i][1] * normal[1] + g[i][2] * normal[2];
-    const double push = parameters_.penalty * contact.overlap;
-    const double bend = push / std::max(contact.distance, 1e-3);
-    for (std::size_t i = 0; i < n; ++i) {
-      gradient[i] -= push * along[i];
-      const double f = (parameters_.penalty + bend) * along[i];
-      for (std::size_t j = 0; j <= i; ++j)
-        hessian[i * n + j] +=
-            f * along[j] - bend * (g[i][0] * g[j][0] + g[i][1] * g[j][1] + g[i][2] * g[j][2]);
-    }
-    if (anew) {
-      double bending[kMaxPaths * kMaxPaths];
-      morph_.curvature(shape_, contact.place, normal, bending);
-      for (std::size_t k = 0; k < paths * paths; ++k) bending_[k] += push * bending[k];
-    }
-    // n · ∂²a: (n·φ)(a·φ) - (n·a) φ² for two turns, φ · (v x n) for a turn and a t.
-    const double na = normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2];
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double* p = turning[i];
-      const double np = normal[0] * p[0] + normal[1] * p[1] + normal[2] * p[2];
-      const double ap = a[0] * p[0] + a[1] * p[1] + a[2] * p[2];
-      double* row = hessian + (paths + 3 + i) * n;
-      for (std::size_t j = 0; j <= i; ++j) {
-        const double* q = turning[j];
-        const double nq = normal[0] * q[0] + normal[1] * q[1] + normal[2] * q[2];
-        const double aq = a[0] * q[0] + a[1] * q[1] + a[2] * q[2];
-        const double pq = p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-        row[paths + 3 + j] -= push * (0.5 * (np * aq + nq * ap) - na * pq);
-      }
-      for (std::size_t k = 0; k < paths; ++k) {
-        double vn[3];
-        cross(g[k], normal, vn);
-        row[k] -= push * (p[0] * vn[0] + p[1] * vn[1] + p[2] * vn[2]);
-      }
-    }
-  }
+  for (std::size_t c = 0; c < contact_count_; ++c)
+    add_contact(contacts_[c], gradient, hessian, anew);
   for (std::size_t k = 0; k < paths; ++k)
     for (std::size_t l = 0; l <= k; ++l) hessian[k * n + l] -= bending_[k * paths + l];
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < i; ++j) hessian[j * n + i] = hessian[i * n + j];
+}
+
+/// Adds the derivatives of one contact's penalty. All vectors are in the molecule's frame: there
+/// the atom a moves with velocity_ for t, with the rows of the rotation for the shift, and with φ x
+/// a, φ = rate dr, for the rotation. With n the unit vector from the probe, d the distance and o
+/// the overlap,
+///   ∇(½ o²) = -o ∇d,   ∇²(½ o²) = ∇d ∇dᵀ - o ∇²d,   ∇²d = Gᵀ (1 - n nᵀ) G / d + n · ∂²a.
+void HybridEnergy::add_contact(const Contact& contact, double* gradient, double* hessian,
+                               bool anew) {
+  const std::size_t n = variables_, paths = morph_.paths();
+  const double* normal = contact.normal;
+  const double a[3] = {shape_.x[contact.place], shape_.y[contact.place], shape_.z[contact.place]};
+  double g[kMaxVariables][3];   // ∂a/∂s
+  double along[kMaxVariables];  // ∂d/∂s
+  double turning[3][3];         // φ by the rotation's variables
+  morph_.velocity(shape_, contact.place, velocity_.data());
+  for (std::size_t k = 0; k < paths; ++k)
+    for (int i = 0; i < 3; ++i) g[k][i] = velocity_[3 * k + i];
+  for (int j = 0; j < 3; ++j) {
+    double* phi = turning[j];
+    for (int i = 0; i < 3; ++i) {
+      g[paths + j][i] = rotation_.matrix[3 * j + i];
+      phi[i] = rotation_.rate[3 * i + j];
+    }
+    cross(phi, a, g[paths + 3 + j]);
+  }
+  for (std::size_t i = 0; i < n; ++i) along[i] = dot(g[i], normal);
+  const double push = parameters_.penalty * contact.overlap;
+  const double bend = push / std::max(contact.distance, 1e-3);
+  for (std::size_t i = 0; i < n; ++i) {
+    gradient[i] -= push * along[i];
+    const double f = (parameters_.penalty + bend) * along[i];
+    for (std::size_t j = 0; j <= i; ++j)
+      hessian[i * n + j] += f * along[j] - bend * dot(g[i], g[j]);
+  }
+  if (anew) {
+    double bending[kMaxPaths * kMaxPaths];
+    morph_.curvature(shape_, contact.place, normal, bending);
+    for (std::size_t k = 0; k < paths * paths; ++k) bending_[k] += push * bending[k];
+  }
+  // n · ∂²a: (n·φ)(a·φ) - (n·a) φ² for two turns, φ · (v x n) for a turn and a t.
+  const double na = dot(normal, a);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double* p = turning[i];
+    const double np = dot(normal, p), ap = dot(a, p);
+    double* row = hessian + (paths + 3 + i) * n;
+    for (std::size_t j = 0; j <= i; ++j) {
+      const double* q = turning[j];
+      row[paths + 3 + j] -= push * (0.5 * (np * dot(a, q) + dot(normal, q) * ap) - na * dot(p, q));
+    }
+    for (std::size_t k = 0; k < paths; ++k) {
+      double vn[3];
+      cross(g[k], normal, vn);
+      row[k] -= push * dot(p, vn);
+    }
+  }
 }
 
 void HybridEnergy::force(const double* s, const double* x, double* f) {

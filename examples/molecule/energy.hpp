@@ -8,9 +8,9 @@
 //   a_i     = c + shift + R(rotation) (b_i(t) - c),   c the conformation's centre of mass
 //
 // with b_i(t) from the morph. The last term is a stabiliser and no part of the molecule's energy:
-// it takes care that profiles which are flat near the conformation lead back there.
+// it leads back to the conformation where the profiles are flat.
 //
-// A state is t_1 .. t_K (in [0, 1]), shift (Å), rotation (rad; a rotation vector).
+// A state is t_1 .. t_K (in [0, 1]), shift (3, Å) and rotation (3, a rotation vector in rad).
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ struct EnergyParameters {
   double morph_stiffness = 0;       // kJ/mol
 };
 
-/// Keeps what it computed last, so one object is used by one thread. Real-time safe after
+/// An object keeps what it computed last, so only one thread may use it. Real-time safe after
 /// construction.
 class HybridEnergy {
  public:
@@ -42,17 +42,17 @@ class HybridEnergy {
   std::size_t variables() const { return variables_; }
   const Morph& morph() const { return morph_; }
   const EnergyParameters& parameters() const { return parameters_; }
-  /// What a unit of a variable moves the atoms by, Å RMS: the minimiser's scale.
+  /// How far a unit of a variable moves the atoms, Å RMS: the minimiser's scale.
   double scale(std::size_t variable) const { return scale_[variable]; }
 
   /// H(s, x), kJ/mol.
   double value(const double* s, const double* x);
   /// Whether the probe touched an atom in the last value().
   bool touches() const { return contact_count_ > 0; }
-  /// Of the last value(): the gradient ∂H/∂s (n), and the Hessian (n x n, symmetric) without the
-  /// second derivatives of the rotation's parametrisation. What the morph's second derivatives add
-  /// costs twice the rest and changes slowly: it is computed when `anew`, otherwise it is that of
-  /// the last time.
+  /// At the s and x of the last value(): the gradient ∂H/∂s (n), and the Hessian (n x n, symmetric)
+  /// without the second derivatives of the rotation's parametrisation. The morph's second
+  /// derivatives cost twice the rest and change slowly: without `anew` their part is that of the
+  /// last call.
   void derivatives(double* gradient, double* hessian, bool anew);
 
   /// -∂H/∂x, kJ/(mol Å).
@@ -83,6 +83,7 @@ class HybridEnergy {
 
   void place(const double* s, const double* x);
   void find_contacts();
+  void add_contact(const Contact& contact, double* gradient, double* hessian, bool anew);
   void placed(const double* s, const Morph::Shape& shape, std::size_t i, const Rotation& r,
               double* a) const;
 

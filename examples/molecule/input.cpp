@@ -24,13 +24,13 @@ namespace hapgrid::molecule {
 namespace {
 
 constexpr double kHartree = 2625.4996394799;  // kJ/mol, CODATA 2018
-constexpr std::size_t kMinAtoms = 4;          // fewer have no torsion
+constexpr std::size_t kMinAtoms = 4;          // fewer atoms have no torsion
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what) {
   throw std::runtime_error(where + ": " + what);
 }
 
-std::string text(const char* format, double value) {
+std::string decimal(const char* format, double value) {
   char digits[64];
   std::snprintf(digits, sizeof digits, format, value);
   return digits;
@@ -58,7 +58,7 @@ std::optional<double> number_after(std::string_view title, std::string_view key)
   return std::nullopt;
 }
 
-/// "C3", for people: the symbol and the number counted from 1, as editors show it.
+/// An atom as editors show it, "C3": the symbol and the number counted from 1.
 std::string name(const Frame& frame, int atom) {
   const Element* element = find_element(frame.numbers[atom]);
   return std::string(element ? element->symbol : "?") + std::to_string(atom + 1);
@@ -100,24 +100,47 @@ Frame frame_of(OpenBabel::OBMol& mol) {
   return frame;
 }
 
-/// All frames of a text. Each is checked for what needs no other frame.
+/// Checks what one frame shows without the others.
+void check_frame(const Frame& frame, const std::string& where) {
+  const std::size_t count = frame.positions.size();
+  if (count < kMinAtoms)
+    refuse(where,
+           std::to_string(count) + " atoms, at least " + std::to_string(kMinAtoms) + " are needed");
+  for (int a = 0; a < static_cast<int>(count); ++a) {
+    if (!find_element(frame.numbers[a]))
+      refuse(where, "atom " + std::to_string(a + 1) + " has the atomic number " +
+                        std::to_string(frame.numbers[a]) +
+                        ", for which no van der Waals radius is known");
+    if (!frame.positions[a].allFinite() || frame.positions[a].norm() > 1e4)
+      refuse(where, "the position of " + name(frame, a) + " is not finite or beyond 10000 Å");
+    for (int b = 0; b < a; ++b) {
+      const double distance = (frame.positions[a] - frame.positions[b]).norm();
+      if (distance < kMinDistance)
+        refuse(where, name(frame, b) + " and " + name(frame, a) + " are only " +
+                          decimal("%.3g", distance) + " Å apart");
+    }
+  }
+}
+
+/// All frames of a text.
 std::vector<Frame> read_frames(const std::string& contents, const std::string& where) {
   const char* format = is_sdf(contents) ? "sdf" : is_xyz(contents) ? "xyz" : nullptr;
   if (!format) refuse(where, "neither an XYZ nor an SDF text");
-  // What it warns of would come between the lines of a filter.
+  // Its warnings would come between the lines that a filter writes.
   OpenBabel::obErrorLog.StopLogging();
   OpenBabel::OBConversion conversion;
   if (!conversion.SetInFormat(format))
     refuse(where, std::string("Open Babel has no reader of ") + format +
                       " (are its format plug-ins installed? BABEL_LIBDIR)");
-  // Bonds from distances, but no bond orders: nothing here asks for them, and they take long. While
-  // it reads, Open Babel 3.1.1 would leak the coordinates there, so it is asked afterwards.
+  // An XYZ text has no bonds; they are found from distances, without bond orders, which take long
+  // and are of no use here. When Open Babel 3.1.1 does this while it reads, it leaks the
+  // coordinates; so it is asked afterwards.
   const bool perceive = format[0] == 'x';
   if (perceive) conversion.AddOption("b", OpenBabel::OBConversion::INOPTIONS);
   std::istringstream stream(contents);
   std::vector<Frame> frames;
   for (;;) {
-    // A reader that stops early would pass a file that is damaged in the middle as a shorter one.
+    // Reading must go on to the text's end: a text that is damaged in the middle is no shorter one.
     stream >> std::ws;
     if (stream.eof()) break;
     OpenBabel::OBMol mol;
@@ -126,25 +149,7 @@ std::vector<Frame> read_frames(const std::string& contents, const std::string& w
       refuse(here, std::string("Open Babel cannot read it as ") + format);
     if (perceive) mol.ConnectTheDots();
     frames.push_back(frame_of(mol));
-    Frame& frame = frames.back();
-    if (frame.positions.size() < kMinAtoms)
-      refuse(here, std::to_string(frame.positions.size()) + " atoms, at least " +
-                       std::to_string(kMinAtoms) + " are needed");
-    for (std::size_t i = 0; i < frame.positions.size(); ++i) {
-      const int a = static_cast<int>(i);
-      if (!find_element(frame.numbers[i]))
-        refuse(here, "atom " + std::to_string(i + 1) + " has the atomic number " +
-                         std::to_string(frame.numbers[i]) +
-                         ", for which no van der Waals radius is known");
-      if (!frame.positions[i].allFinite() || frame.positions[i].norm() > 1e4)
-        refuse(here, "the position of " + name(frame, a) + " is not finite or beyond 10000 Å");
-      for (int b = 0; b < a; ++b) {
-        const double distance = (frame.positions[i] - frame.positions[b]).norm();
-        if (distance < kMinDistance)
-          refuse(here, name(frame, b) + " and " + name(frame, a) + " are only " +
-                           text("%.3g", distance) + " Å apart");
-      }
-    }
+    check_frame(frames.back(), here);
   }
   if (frames.empty()) refuse(where, "no frame");
   return frames;
@@ -171,18 +176,17 @@ void check_same_atoms(const Frame& conformation, const Frame& frame, const std::
                         find_element(frame.numbers[i])->symbol + ", in the conformation " +
                         find_element(conformation.numbers[i])->symbol +
                         "; is the order of the atoms the same?");
-  for (const auto& bond : conformation.bonds)
-    if (!std::binary_search(frame.bonds.begin(), frame.bonds.end(), bond))
-      refuse(where, name(frame, bond.first) + " and " + name(frame, bond.second) +
-                        " are bonded in the conformation but not here; is the order of the atoms "
-                        "the same?");
-  for (const auto& bond : frame.bonds)
-    if (!std::binary_search(conformation.bonds.begin(), conformation.bonds.end(), bond))
-      refuse(where, name(frame, bond.first) + " and " + name(frame, bond.second) +
-                        " are bonded here but not in the conformation; is the order of the atoms "
-                        "the same?");
+  const auto check_bonds = [&](const Frame& one, const Frame& other, const char* how) {
+    for (const auto& bond : one.bonds)
+      if (!std::binary_search(other.bonds.begin(), other.bonds.end(), bond))
+        refuse(where, name(frame, bond.first) + " and " + name(frame, bond.second) +
+                          " are bonded " + how + "; is the order of the atoms the same?");
+  };
+  check_bonds(conformation, frame, "in the conformation but not here");
+  check_bonds(frame, conformation, "here but not in the conformation");
 }
 
+/// The energy above the conformation, kJ/mol.
 double energy_above(const Frame& conformation, const Frame& frame, const std::string& where) {
   if (frame.above) return *frame.above;
   if (!frame.absolute)
@@ -190,6 +194,43 @@ double energy_above(const Frame& conformation, const Frame& frame, const std::st
   if (!conformation.absolute)
     refuse(where, "its energy is absolute, but the conformation's title has no E= (hartree)");
   return *frame.absolute - *conformation.absolute;
+}
+
+/// The path of one text's frames.
+/// @param energy_of_last of the transition state, kJ/mol, instead of what its frame's title gives
+Path path_of(const Frame& conformation, std::vector<Frame> frames, const std::string& where,
+             std::optional<double> energy_of_last) {
+  const auto here = [&](std::size_t m) { return where + " frame " + std::to_string(m + 1); };
+  for (std::size_t m = 0; m < frames.size(); ++m)
+    check_same_atoms(conformation, frames[m], here(m));
+  Path path;
+  if (frames.size() == 1) {
+    path.nodes.push_back(conformation.positions);
+    path.energies.push_back(0);
+  } else {
+    const double rmsd = aligned_rmsd(frames[0].positions, conformation.positions);
+    if (rmsd > kMaxFirstNodeRmsd)
+      refuse(here(0), "is not the conformation: " + decimal("%.3g", rmsd) +
+                          " Å RMS apart, the limit is " + decimal("%g", kMaxFirstNodeRmsd));
+  }
+  for (std::size_t m = 0; m < frames.size(); ++m) {
+    const bool last = m + 1 == frames.size();
+    path.nodes.push_back(std::move(frames[m].positions));
+    const double energy =
+        last && energy_of_last ? *energy_of_last : energy_above(conformation, frames[m], here(m));
+    path.energies.push_back(energy);
+    if (last && !(energy > 0))
+      refuse(here(m), "the transition state is " + decimal("%.6g", energy) +
+                          " kJ/mol above the conformation, it must be above 0");
+    if (energy < -kMaxEnergyBelow)
+      refuse(here(m), "is " + decimal("%.6g", -energy) +
+                          " kJ/mol below the conformation, which must be a minimum");
+    if (m == 0 && !last && energy > kMaxEnergyBelow)
+      refuse(here(m), "is " + decimal("%.6g", energy) +
+                          " kJ/mol above the conformation, where its path must start");
+  }
+  path.energies[0] = 0;
+  return path;
 }
 
 }  // namespace
@@ -231,38 +272,8 @@ Molecule read_molecule(const std::string& conformation_text,
   molecule.conformation = conformation.positions;
   for (std::size_t k = 0; k < transition_states.size(); ++k) {
     const std::string where = "transition_states[" + std::to_string(k) + "]";
-    std::vector<Frame> frames = read_frames(transition_states[k], where);
-    const auto here = [&](std::size_t m) { return where + " frame " + std::to_string(m + 1); };
-    for (std::size_t m = 0; m < frames.size(); ++m)
-      check_same_atoms(conformation, frames[m], here(m));
-    Path path;
-    if (frames.size() == 1) {
-      path.nodes.push_back(conformation.positions);
-      path.energies.push_back(0);
-    } else {
-      const double rmsd = aligned_rmsd(frames[0].positions, conformation.positions);
-      if (rmsd > kMaxFirstNodeRmsd)
-        refuse(here(0), "is not the conformation: " + text("%.3g", rmsd) +
-                            " Å RMS apart, the limit is " + text("%g", kMaxFirstNodeRmsd));
-    }
-    for (std::size_t m = 0; m < frames.size(); ++m) {
-      const bool last = m + 1 == frames.size();
-      path.nodes.push_back(std::move(frames[m].positions));
-      path.energies.push_back(
-          last && !energies.empty() ? energies[k] : energy_above(conformation, frames[m], here(m)));
-      const double energy = path.energies.back();
-      if (last && !(energy > 0))
-        refuse(here(m), "the transition state is " + text("%.6g", energy) +
-                            " kJ/mol above the conformation, it must be above 0");
-      if (energy < -kMaxEnergyBelow)
-        refuse(here(m), "is " + text("%.6g", -energy) +
-                            " kJ/mol below the conformation, which must be a minimum");
-      if (m == 0 && !last && energy > kMaxEnergyBelow)
-        refuse(here(m),
-               "is " + text("%.6g", energy) + " kJ/mol above the conformation, which it must be");
-    }
-    path.energies[0] = 0;
-    molecule.paths.push_back(std::move(path));
+    molecule.paths.push_back(path_of(conformation, read_frames(transition_states[k], where), where,
+                                     energies.empty() ? std::nullopt : std::optional(energies[k])));
   }
   return molecule;
 }

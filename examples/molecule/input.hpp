@@ -1,5 +1,5 @@
-// A molecule, its conformation and its ways to transition states, read from texts in XYZ or SDF
-// format with Open Babel and checked: whatever could make the morph wrong is refused here.
+// Reads a molecule, its conformation and its paths to transition states from texts in XYZ or SDF
+// format, with Open Babel. Whatever could make the morph wrong is refused here.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,10 +12,10 @@
 
 namespace hapgrid::molecule {
 
-/// One shape: positions in Å, an atom a row.
+/// One shape: the position of each atom, Å.
 using Positions = std::vector<Eigen::Vector3d>;
 
-/// The way from the conformation (t = 0) to a transition state (t = 1), at equidistant t.
+/// The path from the conformation (t = 0) to a transition state (t = 1), at equidistant t.
 struct Path {
   std::vector<Positions> nodes;  // at least 2; the first is the conformation as that file has it
   std::vector<double> energies;  // kJ/mol above the conformation, one a node; the first is 0
@@ -28,28 +28,28 @@ struct Molecule {
   std::vector<Path> paths;
 };
 
-/// A path's first node may differ from the conformation by this much after alignment, Å RMS.
+/// How far a path's first node may be from the conformation after alignment, Å RMS.
 inline constexpr double kMaxFirstNodeRmsd = 0.02;
-/// How far below the conformation a node may lie, kJ/mol: what is left of an optimisation's
-/// convergence. More says that the conformation is no minimum.
+/// How far below the conformation a node may lie, kJ/mol: optimisations converge no better. Where a
+/// node lies lower, the conformation is no minimum.
 inline constexpr double kMaxEnergyBelow = 0.1;
-/// Two atoms of a shape that are not this far apart, Å, overlap.
+/// The least distance of two atoms in a shape, Å.
 inline constexpr double kMinDistance = 0.5;
 
 /// @param conformation one frame. Its bonds are those that the text gives (SDF), else those that
 /// Open Babel perceives from distances.
-/// @param transition_states one text a transition state: one frame, or the nodes of a path.
-/// Energies are taken from a frame's title: "dE=" in kJ/mol above the conformation, else "E=" or
+/// @param transition_states one text for each transition state, with one frame or with the nodes of
+/// the path. A frame's title gives its energy: "dE=" in kJ/mol above the conformation, else "E=" or
 /// "energy:" in hartree.
-/// @param energies if not empty the energies of the transition states, kJ/mol, in place of what
-/// their last frames say.
+/// @param energies the energies of the transition states, kJ/mol, instead of those that their last
+/// frames give; may be empty
 /// @throw std::runtime_error with one line that names the text, the frame and the atoms.
 Molecule read_molecule(const std::string& conformation,
                        const std::vector<std::string>& transition_states,
                        const std::vector<double>& energies);
 
-/// Least RMS distance of two shapes over rotations and translations, Å (W. Kabsch, Acta Cryst. A32
-/// (1976) 922); mirror images stay apart.
+/// The least RMS distance of two shapes over all rotations and translations, Å (W. Kabsch, Acta
+/// Cryst. A32 (1976) 922). A mirror image is another shape.
 double aligned_rmsd(const Positions& a, const Positions& b);
 
 }  // namespace hapgrid::molecule

@@ -11,12 +11,13 @@ namespace hapgrid::molecule {
 namespace {
 // After so many moves the second derivatives of the morph are computed anew.
 constexpr int kMovesPerCurvature = 3;
-// A transition state from which no step of this length, Å, leads down is held there.
+// The state rests in a transition state when no step of this length, Å, leads down from there.
 constexpr double kLeastNudge = 1e-3;
 }  // namespace
 
-/// Least value of g·p + ½ p·B p for |p| <= radius, nearly: Moré and Sorensen 1983, but where the
-/// least shift that makes B positive definite already gives a step inside, that step is taken.
+/// The p that makes g·p + ½ p·B p (nearly) least for |p| <= radius, after Moré and Sorensen 1983.
+/// Deviation: when the least shift that makes B positive definite already gives a step inside the
+/// radius, that step is taken.
 Minimiser::Vector Minimiser::within(double radius, const Matrix& b, const Vector& g) const {
   double shift = 0;
   double too_low = 0;  // a shift with which B was not positive definite
@@ -41,7 +42,7 @@ Minimiser::Vector Minimiser::within(double radius, const Matrix& b, const Vector
   return -g * (radius / std::max(g.norm(), 1e-300));
 }
 
-/// The step within the radius and the bounds; false when the model promises no descent.
+/// The step within the radius and the bounds; false when the quadratic model promises no descent.
 bool Minimiser::step(double radius, Vector& p) const {
   const Eigen::Index n = y_.size();
   const auto paths = static_cast<Eigen::Index>(energy_.morph().paths());
@@ -108,8 +109,9 @@ void Minimiser::start(const double* s, const double* x) {
   differentiate(s, true);
 }
 
-// The contacts depend on the shift less the probe's position. So moving the probe by d adds to the
-// gradient what moving the shift by -d would, and of that the Hessian knows all but the anchor.
+// The contacts depend on the difference of the shift and the probe's position. So moving the probe
+// by d changes the gradient as moving the shift by -d would, except for the anchor's part; the
+// Hessian gives that change.
 int Minimiser::follow(double* s, const double* x, const double* d) {
   const auto n = static_cast<Eigen::Index>(energy_.variables());
   const auto shift = static_cast<Eigen::Index>(energy_.morph().paths());
@@ -121,7 +123,7 @@ int Minimiser::follow(double* s, const double* x, const double* d) {
   std::array<double, kMaxVariables> trial;
   const bool moves = step(limits_.max_step, p);
   if (moves) add(p, trial.data());
-  const double stays = energy_.value(s, x);  // the shape is known: this costs next to nothing
+  const double stays = energy_.value(s, x);  // cheap: the shape of this s is known
   if (!moves) return descend(s, x, stays);
   const double lower = energy_.value(trial.data(), x);
   if (!(lower < stays)) return 1 + descend(s, x, energy_.value(s, x));
@@ -147,7 +149,8 @@ int Minimiser::descend(double* s, const double* x, double value) {
     }
     const bool stationary = !(largest > limits_.tolerance);
     if (stationary) {
-      // A transition state is stationary and yet no place to rest: the energy falls to the inside.
+      // A transition state (t = 1) is stationary but no minimum: the energy falls towards smaller
+      // t.
       bool rests = true;
       for (Eigen::Index k = 0; k < paths; ++k) {
         if (y_[k] < energy_.scale(k) || gradient_[k] < -limits_.tolerance || !(hessian_(k, k) < 0))

@@ -1,12 +1,12 @@
-// Local minimisation of the hybrid energy that follows its basin: what C(s, x, d) does at each
-// place of the HIP.
+// Local minimisation of the hybrid energy: what C(s, x, d) does at each place of the HIP. It must
+// stay in the basin where it starts.
 //
 // A line search or a plain Newton step could land beyond a barrier, and the state would belong to
 // another branch than the one that the HIP follows. So this is a trust-region method (Conn, Gould,
-// Toint 2000) with a cap on the steps: no atom's typical move is longer than that between two
-// evaluations, and the energy never rises. The Hessian model is the penalty's, nearly exact, with
-// the exact diagonal of the rest; negative curvature is no trouble to a trust region. The t stay in
-// [0, 1]: variables that a step takes over a bound are put on it and the rest is solved again.
+// Toint 2000) with a limit on the steps' length: between two evaluations no atom typically moves
+// farther, and the energy never rises. The Hessian of the penalty is nearly exact, that of the rest
+// diagonal and exact; a trust region copes with negative curvature. The t stay in [0, 1]: a step
+// that takes variables over a bound puts them on it and is then solved again for the others.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ namespace hapgrid::molecule {
 
 struct MinimiserLimits {
   double max_step = 0.05;   // Å, in scaled variables
-  double tolerance = 1e-3;  // kJ/(mol Å): the scaled gradient, less what bounds hold
+  double tolerance = 1e-3;  // kJ/(mol Å): largest scaled gradient of a variable not held by a bound
   int max_evaluations = 2000;
 };
 
@@ -28,14 +28,15 @@ class Minimiser {
       : energy_(energy), limits_(limits) {}
 
   /// Moves s (n numbers, t in [0, 1]) down to a local minimum of H(., x).
-  /// @return the evaluations of H that it took.
-  /// @throw std::runtime_error when max_evaluations do not do.
+  /// @return the number of evaluations of H
+  /// @throw std::runtime_error when it takes more than max_evaluations
   int minimise(double* s, const double* x);
 
-  /// Prepares follow() for an s that is a minimum, or nearly, with the probe at x.
+  /// Prepares follow() for an s that is (nearly) a minimum with the probe at x.
   void start(const double* s, const double* x);
-  /// As minimise(), when the last call was start(), minimise() or follow() with this s and the
-  /// probe d ago: first the minimum's own move, to first order, is tried and taken if it goes down.
+  /// As minimise(), but the last call must have been start(), minimise() or follow() with this s
+  /// and with the probe at x - d. The minimum's own move is tried first, to first order, and taken
+  /// when it lowers H.
   int follow(double* s, const double* x, const double* d);
 
  private:
@@ -43,9 +44,10 @@ class Minimiser {
   using Matrix =
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxVariables, kMaxVariables>;
 
-  /// The derivatives in scaled variables at s, which is what was evaluated last; `anew` as there.
+  /// The derivatives in scaled variables at s, where H was evaluated last; `anew` as in
+  /// HybridEnergy::derivatives().
   void differentiate(const double* s, bool anew);
-  /// s + p into `trial`, t exactly on the bounds that p reaches.
+  /// Sets `trial` to s + p, with t exactly on the bounds that p reaches.
   void add(const Vector& p, double* trial) const;
   int descend(double* s, const double* x, double value);
   bool step(double radius, Vector& p) const;

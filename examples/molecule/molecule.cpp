@@ -11,7 +11,8 @@ namespace {
 
 using namespace hapgrid::molecule;
 
-// Any shift could be walked in substeps; this is what a grid of a molecule asks for at most.
+// A shift of any length could be divided into substeps; no grid of a molecule asks for a longer
+// one.
 constexpr double kMaxShift = 8;  // Å
 
 class MoleculeModel {
@@ -31,7 +32,6 @@ class MoleculeModel {
     std::snprintf(info.length_unit, sizeof info.length_unit, "angstrom");
     std::snprintf(info.energy_unit, sizeof info.energy_unit, "kJ/mol");
     info.force_scale = setup_.force_scale;
-    info.hip_radius = setup_.energy.probe_radius;
     info.hip_radius = setup_.energy.probe_radius;
     info.spheres = static_cast<std::uint32_t>(setup_.molecule.atoms.size());
     return info;
@@ -72,7 +72,7 @@ class MoleculeModel {
  private:
   Setup setup_;
   HybridEnergy energy_;
-  std::unique_ptr<HybridEnergy> comparing_;  // its scratch is equal()'s own, which is const
+  std::unique_ptr<HybridEnergy> comparing_;  // for equal(), which is const, to compute with
   Conversion conversion_;
 };
 

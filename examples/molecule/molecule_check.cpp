@@ -1,5 +1,6 @@
-// molecule-check: whether a MODEL.toml of the molecule plug-in makes sense, in a table; or a shape
-// of it as XYZ, for other programs to look at.
+// molecule-check: prints a table that shows whether a MODEL.toml of the molecule plug-in makes
+// sense, or one shape of the molecule as XYZ, for other programs.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -18,12 +19,13 @@ namespace {
 using namespace hapgrid;
 using namespace hapgrid::molecule;
 
-// Nearer than this share of their radii's sum, atoms that are three bonds apart or more overlap as
-// no molecule's do. Along one path quantum chemistry has looked at the shapes; where two are
-// combined nobody has, and a clash is a reason to drop one of them.
+// Atoms three bonds apart or more that are nearer than this share of the sum of their radii overlap
+// more than in any molecule. The shapes on a path come from quantum chemistry. Nobody has computed
+// those where two paths are combined: a clash there is a reason to drop one of the paths.
 constexpr double kMinShareOnPath = 0.55;
 constexpr double kMinShareOnPair = 0.4;
-// What the morph may miss a node by, Å RMS: rounding, and the conformation's own file.
+// How far the morph may be from a node, Å RMS: numbers are rounded, and the conformation has a file
+// of its own.
 constexpr double kMaxMiss = 1e-6;
 
 struct Options {
@@ -117,16 +119,13 @@ class Checker {
   }
 
   void print_xyz(const std::vector<double>& t) {
-    std::vector<double> s = t;
-    s.resize(energy_.variables());
-    std::vector<double> p(3 * molecule().atoms.size());
-    energy_.positions(s.data(), p.data());
-    std::printf("%zu\ndE=%.4f t=", molecule().atoms.size(), energy_.shape_energy(s.data()));
+    const Positions p = shape(t);
+    std::printf("%zu\ndE=%.4f t=", p.size(), energy_.shape_energy(t.data()));
     for (std::size_t k = 0; k < t.size(); ++k) std::printf("%s%g", k ? "," : "", t[k]);
     std::printf("\n");
-    for (std::size_t i = 0; i < molecule().atoms.size(); ++i)
-      std::printf("%-2s %15.8f %15.8f %15.8f\n", molecule().atoms[i]->symbol, p[3 * i],
-                  p[3 * i + 1], p[3 * i + 2]);
+    for (std::size_t i = 0; i < p.size(); ++i)
+      std::printf("%-2s %15.8f %15.8f %15.8f\n", molecule().atoms[i]->symbol, p[i].x(), p[i].y(),
+                  p[i].z());
   }
 
  private:
@@ -152,7 +151,8 @@ class Checker {
     return positions;
   }
 
-  /// The first node is the conformation itself, from its own text.
+  /// The largest distance of a path's node from the morph's shape there, Å RMS. The first node is
+  /// the conformation, which has a text of its own.
   double worst_miss(std::size_t k) {
     const Path& path = molecule().paths[k];
     double worst =
@@ -242,18 +242,21 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app{
-      "Looks at the molecule of a MODEL.toml: its paths, how near atoms come on them and where "
+      "Checks the molecule of a MODEL.toml: its paths, the nearest atoms on each path and where "
       "two\n"
-      "of them are combined, and the box. Exits with 1 when something is not sane."};
+      "paths are combined, and the box. The exit code is 1 when something is not sane."};
   describe(
       app, "molecule-check",
-      "Not sane: atoms three bonds apart or more nearer than 0.55 of the sum of their radii on a\n"
-      "path, 0.4 where two are combined; a morph that misses a node by more than 1e-6 Å RMS; a\n"
-      "corner of the box where the probe touches the conformation.\n");
+      "A molecule is not sane when two atoms, at least three bonds apart, come nearer than 0.55 "
+      "of\n"
+      "the sum of their radii on a path, or 0.4 where two paths are combined; when the morph "
+      "misses\n"
+      "a node by more than 1e-6 Å RMS; or when the probe touches the conformation in a corner of\n"
+      "the box.\n");
   add_definition(app, options.definition);
   app.add_option(
          "--xyz", options.shape,
-         "Print the shape at these morphing parameters as XYZ instead, e.g. --xyz 0.5,0,0,1")
+         "Print the shape for these morphing parameters as XYZ instead, e.g. --xyz 0.5,0,0,1")
       ->delimiter(',');
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

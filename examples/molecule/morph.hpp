@@ -1,19 +1,20 @@
 // The shape of the molecule for given morphing parameters t, and how it changes with them.
 //
-// Internal coordinates (tree.hpp) are added up: q(t) = q(0) + Σ_k (spline_k(t_k) - q(0)), spline_k
-// the natural cubic spline through the nodes of path k. Along each path alone the nodes are
-// reproduced exactly. The shape is rebuilt from q in a local frame and aligned to the conformation:
-// centres of mass together and the rotation that makes the mass-weighted sum of squared distances
-// least, so that a change of shape is no change of place.
+// The paths' changes of the internal coordinates (tree.hpp) are added up:
+// q(t) = q(0) + Σ_k (spline_k(t_k) - q(0)), where spline_k is the natural cubic spline through the
+// nodes of path k. Along one path alone the nodes are reproduced exactly. The shape is rebuilt from
+// q in a local frame and aligned to the conformation: the centres of mass coincide, and the
+// rotation makes the mass-weighted sum of squared distances least. So a change of shape is no
+// change of place.
 //
-// The haptic loop wants a shape in microseconds. So the coefficients lie one coordinate beside the
-// other, all sines are computed in one loop that vectorises, the rebuilding only carries frames
-// from parents to children, and the alignment is the largest root of a quartic (Theobald 2005).
+// The haptic loop needs a shape in microseconds. So the coefficients of all coordinates lie side by
+// side, all sines are computed in one loop that vectorises, the rebuilding only carries frames from
+// parents to children, and the alignment takes the largest root of a quartic (Theobald 2005).
 //
-// Derivatives are carried forward, for all t_k at once: the frames' angular velocities and the
-// atoms' velocities down the tree. Backward accumulation would be cheaper for one gradient, but the
-// minimiser wants the gradient of the distance to each atom that the probe touches, and with them
-// its second-order terms; forward they cost one pass in all, K numbers wide.
+// Derivatives are carried forward for all t_k at once: the frames' angular velocities and the
+// atoms' velocities are passed down the tree. Backward accumulation would be cheaper for one
+// gradient. But the minimiser needs the gradient of the distance to each atom that the probe
+// touches, and its second-order terms; forward, all of them together cost one pass, K numbers wide.
 #pragma once
 
 #include <algorithm>
@@ -23,16 +24,17 @@
 
 #include "examples/molecule/input.hpp"
 #include "examples/molecule/tree.hpp"
+#include "examples/molecule/two.hpp"
 
 namespace hapgrid::molecule {
 
-/// Transition states at most: what is allocated in a fixed size.
+/// The most transition states; arrays of fixed size have room for so many.
 inline constexpr std::size_t kMaxPaths = 16;
 
 class Morph {
  public:
-  /// Everything about one t; written by shape() and differentiate(). Made once, reused: neither
-  /// allocates. What is there already is not computed again.
+  /// Everything about one t, written by shape() and differentiate(). It is made once and used
+  /// again, so that neither of them allocates; what it holds already is not computed again.
   class Shape {
    public:
     /// Atoms by place in the tree's order; positions in Å in the frame of the conformation, the
@@ -42,7 +44,7 @@ class Morph {
    private:
     friend class Morph;
     std::vector<double> t;
-    int derivatives = -1;   // 0: the shape is that of t, 1, 2: and so are these derivatives
+    int derivatives = -1;   // how many are those of t; 0: only the shape is, -1: nothing is
     std::vector<double> q;  // length, deflection, torsion: 3 x stride_
     std::vector<double> sine, cosine;   // of deflection and torsion: 2 x stride_
     std::vector<double> frame;          // 9 an atom: axes x, y, z in the local frame
@@ -79,14 +81,14 @@ class Morph {
   double gyration() const { return gyration_; }
 
   Shape make_shape() const;
-  /// The shape for t (paths() numbers in [0, 1]; others are taken for the nearest of these, one
-  /// that is not a number for 0). Real-time safe.
+  /// The shape for t, which has paths() numbers. One outside [0, 1] counts as the nearest inside,
+  /// and one that is not a number as 0. Real-time safe.
   void shape(const double* t, Shape& shape) const;
-  /// What velocity() needs, for the t of the last shape(). Real-time safe.
+  /// Computes what velocity() needs, for the t of the last shape(). Real-time safe.
   void differentiate(Shape& shape) const;
   /// ∂(position)/∂t_k of the atom at a place of the tree's order, Å: v[3 k] is the first of three.
   void velocity(const Shape& shape, std::size_t place, double* v) const;
-  /// What curvature() needs, after differentiate(). Real-time safe.
+  /// Computes what curvature() needs; call it after differentiate(). Real-time safe.
   void differentiate_twice(Shape& shape) const;
   /// n · ∂²(position)/∂t_k∂t_l of an atom for k <= l, Å: into c[paths() k + l] and its mirror.
   void curvature(const Shape& shape, std::size_t place, const double* n, double* c) const;
@@ -97,7 +99,7 @@ class Morph {
     std::vector<double> coefficients;  // [segment][power 0..3][3 x stride_], less q(0)
     double length;
 
-    /// Of the segment that t in [0, 1] lies in, and where in it, 0 to 1; for `coordinates` of them.
+    /// The segment in which t in [0, 1] lies, and the place u in it, from 0 to 1.
     struct Piece {
       const double* coefficients;  // [power][coordinate]
       double u;
@@ -109,9 +111,19 @@ class Morph {
     }
   };
 
+  void weigh(const Molecule& molecule);
+  Spline spline(const Path& path, const Internal& conformation, const std::string& where) const;
   void interpolate(Shape& shape) const;
   void build(Shape& shape) const;
   void align(Shape& shape) const;
+  void differentiate_tree(Shape& shape) const;
+  void differentiate_tree_twice(Shape& shape) const;
+  /// First moments of the atoms' velocities, for two parameters at once.
+  struct Moments {
+    Two sum[9], centre[3];
+  };
+  Moments moments(const std::vector<double>& velocities, std::size_t stride, std::size_t at) const;
+  static void turn_back(const Shape& shape, const Two* p, double* turn, std::size_t stride);
 
   Tree tree_;
   std::size_t stride_;  // atoms, rounded up to an even number

@@ -2,14 +2,38 @@
 #include <algorithm>
 
 #include "examples/molecule/morph.hpp"
-#include "examples/molecule/two.hpp"
 
 namespace hapgrid::molecule {
+
+/// From velocities v of the atoms: sum[3 a + b] = Σ m v_a c_b, and the velocity of the centre of
+/// mass. Each component of a velocity has `stride` numbers; those at `at` and `at` + 1 are taken.
+Morph::Moments Morph::moments(const std::vector<double>& velocities, std::size_t stride,
+                              std::size_t at) const {
+  Moments m{};
+  for (std::size_t i = 1; i < tree_.size(); ++i) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const Two v = load(&velocities[(3 * i + a) * stride + at]);
+      m.sum[3 * a] += v * mass_x_[i];
+      m.sum[3 * a + 1] += v * mass_y_[i];
+      m.sum[3 * a + 2] += v * mass_z_[i];
+      m.centre[a] += v * mass_[i];
+    }
+  }
+  for (Two& c : m.centre) c = c / total_mass_;
+  return m;
+}
+
+/// When A changes by p the alignment has a torque; this finds the turn that removes it.
+void Morph::turn_back(const Shape& s, const Two* p, double* turn, std::size_t stride) {
+  const Two torque[3] = {p[7] - p[5], p[2] - p[6], p[3] - p[1]};
+  for (std::size_t a = 0; a < 3; ++a)
+    store(turn + a * stride, -(s.inverse[3 * a] * torque[0] + s.inverse[3 * a + 1] * torque[1] +
+                               s.inverse[3 * a + 2] * torque[2]));
+}
 
 void Morph::differentiate(Shape& s) const {
   if (s.derivatives >= 1) return;
   s.derivatives = 1;
-  const std::size_t n = tree_.size();
   const std::size_t w = width_;
   const std::size_t coordinates = q0_.size();
   for (std::size_t k = 0; k < paths_.size(); ++k) {
@@ -24,11 +48,29 @@ void Morph::differentiate(Shape& s) const {
       s.rate[(c + 1) * w + k] = rate[1];
     }
   }
+  differentiate_tree(s);
+  // The alignment follows: with W = Σ m v cᵀ (v local), A changes by R W and the torque by
+  // Σ m c × (R v), which (tr(A) 1 - A) ω removes.
+  const std::array<double, 9>& r = s.rotation;
+  for (std::size_t k = 0; k < w; k += 2) {
+    const auto [sum, centre] = moments(s.moving, w, k);
+    for (std::size_t a = 0; a < 3; ++a) store(&s.centre_moving[a * w + k], centre[a]);
+    Two p[9];
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        p[3 * i + j] = r[3 * i] * sum[j] + r[3 * i + 1] * sum[3 + j] + r[3 * i + 2] * sum[6 + j];
+    for (std::size_t a = 0; a < 9; ++a) store(&s.overlap_rate[a * w + k], p[a]);
+    turn_back(s, p, &s.aligning[k], w);
+  }
+}
+
+/// A frame turns with its parent's frame, about the parent's x with the torsion, and about its own
+/// z with the deflection. All paths are computed at once, two in a vector.
+void Morph::differentiate_tree(Shape& s) const {
+  const std::size_t w = width_;
   std::fill_n(s.turning.begin(), 3 * w, 0.0);
   std::fill_n(s.moving.begin(), 3 * w, 0.0);
-  // A frame turns as its parent's does, about the parent's x with the torsion and about its own z
-  // with the deflection. All paths are done at once, two a vector.
-  for (std::size_t i = 1; i < n; ++i) {
+  for (std::size_t i = 1; i < tree_.size(); ++i) {
     const auto parent = static_cast<std::size_t>(tree_.parent[i]);
     const double* from = &s.frame[9 * parent];
     const double* to = &s.frame[9 * i];
@@ -57,32 +99,6 @@ void Morph::differentiate(Shape& s) const {
             load(moving_from + 2 * w + k) + stretch * to[2] + length * (w0 * to[1] - w1 * to[0]));
     }
   }
-  // The alignment follows: with W = Σ m v cᵀ (v local), the torque changes by Σ m c × (R v), and
-  // (tr(A) 1 - A) ω takes it back.
-  const std::array<double, 9>& r = s.rotation;
-  for (std::size_t k = 0; k < w; k += 2) {
-    Two sum[9] = {}, centre[3] = {};
-    for (std::size_t i = 1; i < n; ++i) {
-      for (std::size_t a = 0; a < 3; ++a) {
-        const Two v = load(&s.moving[(3 * i + a) * w + k]);
-        sum[3 * a] += v * mass_x_[i];
-        sum[3 * a + 1] += v * mass_y_[i];
-        sum[3 * a + 2] += v * mass_z_[i];
-        centre[a] += v * mass_[i];
-      }
-    }
-    for (std::size_t a = 0; a < 3; ++a) store(&s.centre_moving[a * w + k], centre[a] / total_mass_);
-    Two p[9];
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        p[3 * i + j] = r[3 * i] * sum[j] + r[3 * i + 1] * sum[3 + j] + r[3 * i + 2] * sum[6 + j];
-    for (std::size_t a = 0; a < 9; ++a) store(&s.overlap_rate[a * w + k], p[a]);
-    const Two torque[3] = {p[7] - p[5], p[2] - p[6], p[3] - p[1]};
-    for (std::size_t a = 0; a < 3; ++a)
-      store(&s.aligning[a * w + k],
-            -(s.inverse[3 * a] * torque[0] + s.inverse[3 * a + 1] * torque[1] +
-              s.inverse[3 * a + 2] * torque[2]));
-  }
 }
 
 void Morph::velocity(const Shape& s, std::size_t i, double* v) const {
@@ -98,13 +114,12 @@ void Morph::velocity(const Shape& s, std::size_t i, double* v) const {
   }
 }
 
-// The derivatives by t_l of what differentiate() computes for t_k, term by term; paths add up in q,
-// so that only k = l has second derivatives of q.
+// The derivatives by t_l of what differentiate() computes for t_k, term by term. Paths add up in q,
+// so only k = l has second derivatives of q.
 void Morph::differentiate_twice(Shape& s) const {
   if (s.derivatives >= 2) return;
   s.derivatives = 2;
-  const std::size_t n = tree_.size(), w = width_, paths = paths_.size();
-  const std::size_t pairs = paths * w;
+  const std::size_t w = width_, paths = paths_.size(), pairs = paths * w;
   const std::size_t coordinates = q0_.size();
   for (std::size_t k = 0; k < paths; ++k) {
     const Spline& path = paths_[k];
@@ -114,9 +129,47 @@ void Morph::differentiate_twice(Shape& s) const {
     for (std::size_t c = 0; c < coordinates; ++c)
       s.rate_rate[c * w + k] = f2 * a[2 * coordinates + c] + f3 * a[3 * coordinates + c];
   }
+  differentiate_tree_twice(s);
+  const std::array<double, 9>& r = s.rotation;
+  for (std::size_t k = 0; k < paths; ++k) {
+    for (std::size_t l = k - k % 2; l < w; l += 2) {
+      const std::size_t at = k * w + l;
+      const auto [sum, centre] = moments(s.moving_moving, pairs, at);
+      for (std::size_t a = 0; a < 3; ++a) store(&s.centre_moving_moving[a * pairs + at], centre[a]);
+      // R W + [ω_l] P_k + [ω_k] (P_l + [ω_l] A)
+      double wk[3], pk[9];
+      Two wl[3], pl[9], p[9];
+      for (std::size_t a = 0; a < 3; ++a) {
+        wk[a] = s.aligning[a * w + k];
+        wl[a] = load(&s.aligning[a * w + l]);
+      }
+      for (std::size_t a = 0; a < 9; ++a) {
+        pk[a] = s.overlap_rate[a * w + k];
+        pl[a] = load(&s.overlap_rate[a * w + l]);
+      }
+      for (std::size_t j = 0; j < 3; ++j) {
+        Two turned[3];
+        for (std::size_t a = 0; a < 3; ++a) {
+          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+          turned[a] = pl[3 * a + j] + wl[b] * s.overlap[3 * c + j] - wl[c] * s.overlap[3 * b + j];
+        }
+        for (std::size_t a = 0; a < 3; ++a) {
+          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+          p[3 * a + j] = r[3 * a] * sum[j] + r[3 * a + 1] * sum[3 + j] + r[3 * a + 2] * sum[6 + j] +
+                         wl[b] * pk[3 * c + j] - wl[c] * pk[3 * b + j] + wk[b] * turned[c] -
+                         wk[c] * turned[b];
+        }
+      }
+      turn_back(s, p, &s.aligning_aligning[at], pairs);
+    }
+  }
+}
+
+void Morph::differentiate_tree_twice(Shape& s) const {
+  const std::size_t w = width_, paths = paths_.size(), pairs = paths * w;
   std::fill_n(s.turning_turning.begin(), 3 * pairs, 0.0);
   std::fill_n(s.moving_moving.begin(), 3 * pairs, 0.0);
-  for (std::size_t i = 1; i < n; ++i) {
+  for (std::size_t i = 1; i < tree_.size(); ++i) {
     const auto parent = static_cast<std::size_t>(tree_.parent[i]);
     const double* x0 = &s.frame[9 * parent];
     const double* x = &s.frame[9 * i];
@@ -158,53 +211,6 @@ void Morph::differentiate_twice(Shape& s) const {
                 load(&s.moving_moving[(3 * parent + a) * pairs + at]) + move);
         }
       }
-    }
-  }
-  const std::array<double, 9>& r = s.rotation;
-  for (std::size_t k = 0; k < paths; ++k) {
-    for (std::size_t l = k - k % 2; l < w; l += 2) {
-      const std::size_t at = k * w + l;
-      Two sum[9] = {}, centre[3] = {};
-      for (std::size_t i = 1; i < n; ++i) {
-        for (std::size_t a = 0; a < 3; ++a) {
-          const Two v = load(&s.moving_moving[(3 * i + a) * pairs + at]);
-          sum[3 * a] += v * mass_x_[i];
-          sum[3 * a + 1] += v * mass_y_[i];
-          sum[3 * a + 2] += v * mass_z_[i];
-          centre[a] += v * mass_[i];
-        }
-      }
-      for (std::size_t a = 0; a < 3; ++a)
-        store(&s.centre_moving_moving[a * pairs + at], centre[a] / total_mass_);
-      // R W + [ω_l] P_k + [ω_k] (P_l + [ω_l] A)
-      double wk[3], pk[9];
-      Two wl[3], pl[9], p[9];
-      for (std::size_t a = 0; a < 3; ++a) {
-        wk[a] = s.aligning[a * w + k];
-        wl[a] = load(&s.aligning[a * w + l]);
-      }
-      for (std::size_t a = 0; a < 9; ++a) {
-        pk[a] = s.overlap_rate[a * w + k];
-        pl[a] = load(&s.overlap_rate[a * w + l]);
-      }
-      for (std::size_t j = 0; j < 3; ++j) {
-        Two turned[3];
-        for (std::size_t a = 0; a < 3; ++a) {
-          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-          turned[a] = pl[3 * a + j] + wl[b] * s.overlap[3 * c + j] - wl[c] * s.overlap[3 * b + j];
-        }
-        for (std::size_t a = 0; a < 3; ++a) {
-          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-          p[3 * a + j] = r[3 * a] * sum[j] + r[3 * a + 1] * sum[3 + j] + r[3 * a + 2] * sum[6 + j] +
-                         wl[b] * pk[3 * c + j] - wl[c] * pk[3 * b + j] + wk[b] * turned[c] -
-                         wk[c] * turned[b];
-        }
-      }
-      const Two torque[3] = {p[7] - p[5], p[2] - p[6], p[3] - p[1]};
-      for (std::size_t a = 0; a < 3; ++a)
-        store(&s.aligning_aligning[a * pairs + at],
-              -(s.inverse[3 * a] * torque[0] + s.inverse[3 * a + 1] * torque[1] +
-                s.inverse[3 * a + 2] * torque[2]));
     }
   }
 }

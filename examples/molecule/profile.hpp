@@ -1,13 +1,13 @@
-// The energy along one path: a cubic through the nodes' energies that has no extremum between them.
+// The energy along one path: cubics through the nodes' energies, without extrema between the nodes.
 #pragma once
 
 #include <vector>
 
 namespace hapgrid::molecule {
 
-/// Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238, with the harmonic mean of the
-/// neighbouring slopes (PCHIP), flat at both ends: a conformation and a transition state are
-/// stationary. Once continuously differentiable.
+/// Source: Fritsch and Carlson, SIAM J. Numer. Anal. 17 (1980) 238, with the harmonic mean of the
+/// neighbouring slopes (PCHIP). The profile is once continuously differentiable, and flat at both
+/// ends, since a conformation and a transition state are stationary.
 class Profile {
  public:
   struct Value {
@@ -17,8 +17,8 @@ class Profile {
   /// @param energies kJ/mol at equidistant t from 0 to 1, at least 2.
   explicit Profile(const std::vector<double>& energies);
 
-  /// For t in [0, 1]; exact at the nodes. The curvature is that of the segment above. Real-time
-  /// safe.
+  /// For t in [0, 1]; exact at the nodes, where the curvature is that of the segment of larger t.
+  /// Real-time safe.
   Value at(double t) const;
 
  private:

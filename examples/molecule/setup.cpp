@@ -1,8 +1,8 @@
 #include "examples/molecule/setup.hpp"
 
-#include <cmath>
-#include <cstdio>
 #include <stdexcept>
+
+#include "examples/parameters.hpp"
 
 namespace hapgrid::molecule {
 
@@ -10,18 +10,15 @@ namespace {
 
 void read(PluginParameters& parameters, const char* key, double least, double most, double& value) {
   value = parameters.number(key, value);
-  if (value >= least && value <= most) return;
-  char line[160];
-  std::snprintf(line, sizeof line, "parameter %s is %g, it must be from %g to %g", key, value,
-                least, most);
-  throw std::runtime_error(line);
+  if (!(value >= least && value <= most))
+    refuse(key, value, "from " + decimal(least) + " to " + decimal(most));
 }
 
 }  // namespace
 
 Setup read_setup(PluginParameters& parameters) {
   Setup setup;
-  // Bounds within which the minimiser was tried; beyond them lies nothing that a hand could feel.
+  // The minimiser was tried within these bounds. Beyond them a hand could feel nothing.
   read(parameters, "probe_radius", 0.1, 10, setup.energy.probe_radius);
   read(parameters, "penalty", 1, 1e5, setup.energy.penalty);
   read(parameters, "shift_stiffness", 0.1, 1e5, setup.energy.shift_stiffness);

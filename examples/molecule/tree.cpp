@@ -12,8 +12,8 @@ namespace hapgrid::molecule {
 
 namespace {
 
-// Below this sine of a bond angle (about 3° from a line) torsions about the bond are refused: they
-// turn by more than the shape does.
+// Below this sine of a bond angle (about 3° from a line) torsions about the bond are refused: a
+// small change of the shape would turn them by a large angle.
 constexpr double kMinSine = 0.05;
 
 using Neighbours = std::vector<std::vector<int>>;
@@ -57,7 +57,7 @@ Tree spanning_tree(const Molecule& molecule) {
     neighbours[a].push_back(b);
     neighbours[b].push_back(a);
   }
-  // Heavy ones first: the first child is what its siblings follow.
+  // Heavy atoms come first, since the siblings follow the first child.
   for (std::vector<int>& list : neighbours)
     std::sort(list.begin(), list.end(), [&](int a, int b) {
       const bool light_a = molecule.atoms[a]->mass < 2, light_b = molecule.atoms[b]->mass < 2;
@@ -106,8 +106,8 @@ Internal internal_coordinates(const Tree& tree, const Positions& positions,
     const double sine = std::sqrt(d.y() * d.y() + d.z() * d.z());
     if (i > 1) q.deflection[i] = angle_of(sine, d.x());
     if (i > 2) q.torsion[i] = angle_of(d.z(), d.y());
-    // Who needs a direction across the bond: the children, the siblings that follow, and at the
-    // root the second child, which spans its frame.
+    // A direction across the bond is needed for children, for siblings that follow, and for the
+    // root's second child, which spans the root's frame.
     const bool followed = tree.first_sibling[i] == static_cast<int>(i) && i + 1 < n &&
                           tree.parent[i + 1] == tree.parent[i];
     if (i > 1 && sine < kMinSine && (!tree.leaf[i] || followed || i == 2)) {

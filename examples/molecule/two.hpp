@@ -1,4 +1,4 @@
-// Two doubles in one register: what every x86-64 has, and enough for the morph.
+// Two doubles in one register. Every x86-64 processor has such registers.
 #pragma once
 
 #include <cstring>

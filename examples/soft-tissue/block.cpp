@@ -13,12 +13,12 @@ using Matrix3 = Eigen::Matrix3d;
 
 namespace {
 
-/// A factorisation is kept as long as each step leaves less than this part of the forces that are
-/// out of balance.
+/// A factorisation serves again as long as each step leaves less than this part of the force that
+/// is out of balance.
 constexpr double kKeep = 0.3;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// The points of the rule that is exact for quadratic functions, in barycentric coordinates; each
-/// has a third of the area.
+/// The points of an integration rule in barycentric coordinates. Each point stands for a third of
+/// the area; the rule is exact for quadratic functions.
 constexpr double kRule[3][3] = {
     {2.0 / 3, 1.0 / 6, 1.0 / 6}, {1.0 / 6, 2.0 / 3, 1.0 / 6}, {1.0 / 6, 1.0 / 6, 2.0 / 3}};
 
@@ -35,9 +35,9 @@ void add_block(const std::array<int, 3>& slots, bool on_diagonal, const Matrix3&
 
 }  // namespace
 
-/// The pull grows from 0 at the range to its strongest at a third of it and is 0 again at the
-/// touch: 27/4 t (1 - t)^2 with t = gap / range. Then the pressure grows with the depth, at first
-/// as steeply as the pull has ended and after `smoothing` with the full stiffness.
+/// The pull is 27/4 adhesion t (1 - t)^2 with t = gap / range: 0 at the range, strongest at a third
+/// of it, and 0 again at the touch. From there the pressure grows with the depth, at first as
+/// steeply as the pull has ended, and beyond the depth `contact_smoothing` with the full stiffness.
 Block::Contact Block::contact(double gap) const {
   const double range = options_.adhesion_range;
   const double pull = 27.0 / 4 * options_.adhesion;
@@ -62,8 +62,9 @@ Block::Contact Block::contact(double gap) const {
           soft * depth + stiff * (depth - smoothing / 2), soft + stiff};
 }
 
-/// Calls f(triangle, weights of its nodes, area, direction from the ball, distance from its centre,
-/// contact) for the points that the ball touches or attracts.
+/// Calls f for each point of the surface that the ball touches or attracts. Its arguments are the
+/// triangle, the weights of the triangle's nodes, the point's area, the direction from the ball's
+/// centre, the distance from there, and the contact.
 template <class F>
 void Block::for_contacts(const Vector& u, const Vec3& centre, F&& f) const {
   const double range = options_.adhesion > 0 ? options_.adhesion_range : 0;
@@ -75,7 +76,7 @@ void Block::for_contacts(const Vector& u, const Vec3& centre, F&& f) const {
       const Vec3 from = weights[0] * x[0] + weights[1] * x[1] + weights[2] * x[2];
       const double squared = from.squaredNorm();
       if (!(squared < reach * reach)) continue;
-      // A point in the very centre has no direction; it is pushed nowhere.
+      // A point in the ball's very centre has no direction and is not pushed.
       const double distance = std::max(std::sqrt(squared), 1e-9);
       f(t, weights, t.area / 3, Vec3(from / distance), distance,
         contact(distance - options_.probe_radius));
@@ -118,8 +119,9 @@ double Block::energy(const Vector& u, const Vec3& centre, Vector& gradient) cons
   return total;
 }
 
-/// With the second Piola-Kirchhoff stress S and gradients a, b of two shape functions, the block of
-/// an element is V [(a.S b) I + lambda (Fa)(Fb)^T + mu ((a.b) F F^T + (Fb)(Fa)^T)].
+/// With the second Piola-Kirchhoff stress S and the gradients a, b of two nodes' shape functions,
+/// the 3 x 3 block of an element is V [(a.S b) I + lambda (Fa)(Fb)^T + mu ((a.b) F F^T +
+/// (Fb)(Fa)^T)].
 void Block::tangent(const Vector& u, const Vec3& centre, Matrix& k) const {
   if (k.nonZeros() != pattern_.nonZeros()) k = pattern_;
   double* values = k.valuePtr();
@@ -165,9 +167,8 @@ Vec3 Block::force(const Vector& u, const Vec3& centre) const {
   return force;
 }
 
-/// Whether k + shift I is positive definite; it is factorised then.
+/// Factorises k + shift I; false when it is not positive definite.
 bool Block::factorise(const Matrix& k, double shift) {
-  ++factorisations_;
   solver_.setShift(shift);
   solver_.factorize(k);
   return solver_.info() == Eigen::Success && solver_.vectorD().minCoeff() > 0;
@@ -175,7 +176,7 @@ bool Block::factorise(const Matrix& k, double shift) {
 
 void Block::relax(Vector& u, const Vec3& centre) { relax(u, centre, false); }
 
-/// Only within one call is a factorisation kept: what it reaches must not depend on other calls.
+/// A factorisation is kept only within one call, since the result must not depend on other calls.
 void Block::follow(Vector& u, const Vec3& from, const Vec3& to, double substep) {
   const Vec3 d = to - from;
   const double steps = std::ceil(d.norm() / substep);
@@ -186,9 +187,9 @@ void Block::follow(Vector& u, const Vec3& from, const Vec3& to, double substep) 
   }
 }
 
-/// Moves u, in equilibrium at `centre`, by what it changes to first order when the ball moves by d.
-/// Newton's method would find it, too, but starting where the ball is deep in the surface it takes
-/// some detours. Answers whether there is a factorisation that can be kept.
+/// Moves u, in equilibrium at `centre`, as the equilibrium itself moves to first order when the
+/// ball moves by d. Newton's method alone would start with the ball deep in the surface and take
+/// detours. Returns whether there is a factorisation that relax() can keep.
 bool Block::predict(Vector& u, const Vec3& centre, const Vec3& d) {
   Vector push = Vector::Zero(u.size());
   bool touched = false;
@@ -207,7 +208,7 @@ bool Block::predict(Vector& u, const Vec3& centre, const Vec3& d) {
   tangent(u, centre, k);
   if (!factorise(k, 0)) return false;
   const Vector step = solver_.solve(push);
-  // Near the loss of stability it is no small change.
+  // Near the loss of stability the first order promises too large a change.
   if (step.lpNorm<Eigen::Infinity>() > 2 * d.norm()) return false;
   Vector gradient;
   const Vector moved = u + step;
@@ -218,7 +219,7 @@ bool Block::predict(Vector& u, const Vec3& centre, const Vec3& d) {
 
 void Block::relax(Vector& u, const Vec3& centre, bool keep) {
   const auto [nx, ny, nz] = options_.elements;
-  // A step turns or moves no element by more than half its size.
+  // No step moves a node by more than half an element's size.
   const double longest =
       std::min({options_.size[0] / nx, options_.size[1] / ny, options_.size[2] / nz}) / 2;
   Vector gradient, trial_gradient, step, trial;
@@ -236,7 +237,7 @@ void Block::relax(Vector& u, const Vec3& centre, bool keep) {
     }
     if (!keep) {
       tangent(u, centre, k);
-      // Where the state is not stable a shift makes the step lead downhill.
+      // Where the state is not stable, a shift of the matrix makes the step lead downhill.
       double shift = 0;
       while (!factorise(k, shift)) shift = shift > 0 ? 4 * shift : 0.01 * typical_stiffness_;
     }
@@ -244,7 +245,7 @@ void Block::relax(Vector& u, const Vec3& centre, bool keep) {
     const double size = step.lpNorm<Eigen::Infinity>();
     if (size > longest) step *= longest / size;
     const double slope = gradient.dot(step);
-    // What rounding does to an energy; the mechanical scale is that of one element.
+    // The rounding of an energy: relative to its size, and to that of one element.
     const double rounding = 1e-13 * (std::abs(energy_here) + options_.young_modulus);
     double part = 1;
     double trial_energy = kInfinity;
@@ -262,7 +263,7 @@ void Block::relax(Vector& u, const Vec3& centre, bool keep) {
     gradient.swap(trial_gradient);
     energy_here = trial_energy;
     const double reached = gradient.lpNorm<Eigen::Infinity>();
-    // A step with the old factorisation costs a twentieth of one with a new one.
+    // A step with a kept factorisation costs a twentieth of a step with a new one.
     keep = part == 1 && size <= longest && reached < kKeep * out_of_balance;
     out_of_balance = reached;
   }

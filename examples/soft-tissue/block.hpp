@@ -1,28 +1,31 @@
-// A block of soft tissue on a rigid ground, and a rigid ball that is pushed into it: the finite
-// elements of this example, without anything of hapgrid.
+// The finite elements of this example: a block of soft tissue stands on a rigid ground, and a rigid
+// ball is pushed into it. Nothing here knows of hapgrid.
 //
-// Problem. A position of the ball has to give a state of mechanical equilibrium, the same bits
-// whenever it is computed from the same state, and thousands of times a minute. A minimum of the
-// total energy is looked for, starting at the state before: that is what a body does that is moved
-// slowly. Alternatives: dynamics with damping (thousands of small steps for one answer), a linear
-// model (one matrix, but a block that grows when it is turned), explicit relaxation (no tight
-// residual). Chosen: Newton's method on the non-linear energy with an exact sparse factorisation
-// (Eigen's SimplicialLDLT), whose ordering and pattern are found once, as the mesh never changes.
+// Problem. For each position of the ball we need a state of mechanical equilibrium, with the same
+// bits whenever it is computed from the same state, thousands of times a minute. A body that is
+// moved slowly stays in a minimum of its total energy, so we look for the minimum that lies
+// downhill of the last state. Alternatives: dynamics with damping (thousands of small steps for one
+// answer), a linear model (one matrix, but the block grows when it is turned), explicit relaxation
+// (it leaves too large a residual). Chosen: Newton's method on the non-linear energy with an exact
+// sparse factorisation (Eigen's SimplicialLDLT). The mesh never changes, so the ordering and the
+// pattern are found once.
 //
 // Material. St. Venant-Kirchhoff on linear tetrahedra: with the displacement's gradient H, F = I +
-// H, E = (F^T F - I) / 2, the energy per volume is lambda/2 tr(E)^2 + mu tr(E^2). It is the linear
-// elastic material that turns freely; it softens under strong compression (below a stretch of
-// 1/sqrt(3) along one axis it gives way), which is why convert() refuses an inverted element.
+// H, E = (F^T F - I) / 2, the energy per volume is lambda/2 tr(E)^2 + mu tr(E^2). This is the
+// linear elastic material, made indifferent to rotations. It softens under strong compression and
+// gives way below a stretch of 1/sqrt(3) along one axis; relax() therefore refuses inverted
+// elements.
 //
-// Mesh. nx x ny x nz equal bricks, each cut into the six tetrahedra that lead from one corner to
-// the opposite one (Kuhn's), mirrored in x and y from brick to brick. So neighbours share their
-// faces' diagonals, and with even nx and ny the mesh has the block's own mirror symmetries.
+// Mesh. The block consists of nx x ny x nz equal bricks. Each is cut into the six tetrahedra that
+// lead from one corner to the opposite one (Kuhn's), mirrored in x and y from brick to brick. So
+// neighbours share their faces' diagonals, and with even nx and ny the mesh has the block's own
+// mirror symmetries.
 //
-// Contact. Without friction, by a pressure on the free surface (top and sides) that depends on the
-// gap between a point of the surface and the ball: its potential per undeformed area is integrated
-// with three points a triangle. The pressure is a C1 function of the gap. With adhesion it also
-// pulls within a short range, and then the surface jumps to the ball and tears off later: the
-// states come to depend on the way.
+// Contact. There is no friction. A pressure acts on the free surface (top and sides) and depends on
+// the gap between a point of the surface and the ball; its potential per undeformed area is
+// integrated with three points a triangle. The pressure is a C1 function of the gap. With adhesion
+// it also pulls within a short range. Then the surface jumps to the ball and tears off later than
+// it jumped, so the states depend on the way.
 //
 // Units: mm, N, N/mm^2 (1 kPa = 1e-3 N/mm^2), energies in N mm.
 #pragma once
@@ -47,22 +50,22 @@ struct Options {
   double poisson_ratio = 0.4;
   double probe_radius = 15;          ///< of the ball, mm
   double contact_stiffness = 20e-3;  ///< pressure per depth, N/mm^3
-  double contact_smoothing = 0.5;    ///< depth over which it grows to that, mm
+  double contact_smoothing = 0.5;    ///< depth over which the pressure grows to that, mm
   double adhesion = 4e-3;            ///< the strongest pull, N/mm^2
-  double adhesion_range = 2;         ///< gap at which it ends, mm
+  double adhesion_range = 2;         ///< gap at which the pull ends, mm
   double residual = 1e-8;            ///< largest nodal force out of balance, N
-  int max_iterations = 60;           ///< of one equilibrium
+  int max_iterations = 60;           ///< steps of Newton's method for one equilibrium
 };
 
 class Block {
  public:
   explicit Block(const Options& options);
 
-  /// Free nodes; a displacement is 3 numbers a node, x y z, in mm. Nodes ascend by layer from the
-  /// ground up, in a layer x fastest. The ground's layer is fixed and has no numbers.
+  /// The number of free nodes. A displacement has 3 numbers for each, x y z, in mm. Nodes ascend by
+  /// layer from the ground up, in a layer with x fastest. The ground's layer is fixed and left out.
   std::size_t nodes() const { return rest_.size() - first_free_; }
   std::size_t unknowns() const { return 3 * nodes(); }
-  /// Where a free node is without load.
+  /// Where a free node lies without load, mm.
   const Vec3& rest(std::size_t node) const { return rest_[first_free_ + node]; }
   /// The free nodes on the free surface (top and sides), ascending.
   const std::vector<std::size_t>& surface() const { return surface_; }
@@ -70,35 +73,34 @@ class Block {
   /// Whether a ball at `centre` neither touches nor attracts the unloaded block.
   bool is_clear(const Vec3& centre) const;
 
-  /// Energy of displacement u with the ball at `centre`, and its gradient by u; infinite, and no
-  /// gradient, where an element is inverted.
+  /// The energy, N mm, of displacement u with the ball at `centre`, and its gradient by u, N. Where
+  /// an element is inverted the energy is infinite and the gradient is not set.
   double energy(const Vector& u, const Vec3& centre, Vector& gradient) const;
-  /// The second derivative by u; the pattern is always the same.
+  /// The second derivative of the energy by u, N/mm; its pattern is always the same.
   void tangent(const Vector& u, const Vec3& centre, Matrix& k) const;
   /// The force on the ball, N: minus the gradient of the energy by `centre`.
   Vec3 force(const Vector& u, const Vec3& centre) const;
 
-  /// Moves u into the equilibrium next to it. @throw std::runtime_error, one line, when there is
-  /// none: Newton's method does not converge, or only through an inverted element.
+  /// Moves u into the equilibrium next to it.
+  /// @throw std::runtime_error, one line, when Newton's method does not converge, or would only do
+  /// so through an inverted element.
   void relax(Vector& u, const Vec3& centre);
   /// Takes the ball from `from`, where u is in equilibrium, straight to `to`, in equal substeps no
-  /// longer than `substep`, mm. Depends on its arguments alone. @throw as relax() does.
+  /// longer than `substep`, mm. The result depends on the arguments alone.
+  /// @throw std::runtime_error as relax() does.
   void follow(Vector& u, const Vec3& from, const Vec3& to, double substep);
-
-  /// How often relax() has factorised a matrix, since the start.
-  std::size_t factorisations() const { return factorisations_; }
 
  private:
   struct Tetrahedron {
-    std::array<int, 4> node;    ///< free node, or negative on the ground
+    std::array<int, 4> node;    ///< free nodes; negative on the ground
     std::array<Vec3, 4> slope;  ///< gradients of the shape functions, 1/mm
     double volume;
-    /// Where the 3 x 3 block of nodes (a, b) starts in k's values, column by column, for the
-    /// pairs with node a >= node b; -1 where one is fixed or the other triangle has it.
+    /// For each pair of nodes (a, b) with node a >= node b: where the columns of their 3 x 3 block
+    /// start among the tangent's values. -1 where a node is fixed or node a < node b.
     std::array<std::array<std::array<int, 3>, 4>, 4> slot;
   };
   struct Triangle {
-    std::array<int, 3> node;  ///< all free, or negative on the ground
+    std::array<int, 3> node;  ///< free nodes; negative on the ground
     std::array<Vec3, 3> rest;
     double area;
     std::array<std::array<std::array<int, 3>, 3>, 3> slot;
@@ -131,7 +133,6 @@ class Block {
   Matrix pattern_;
   double typical_stiffness_ = 0;  // the mean of the unloaded matrix's diagonal, N/mm
   Eigen::SimplicialLDLT<Matrix, Eigen::Lower> solver_;
-  std::size_t factorisations_ = 0;
 };
 
 }  // namespace soft_tissue

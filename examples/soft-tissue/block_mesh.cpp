@@ -1,5 +1,5 @@
-// The block's mesh: bricks of six tetrahedra each, the free surface's triangles, and the pattern of
-// the second derivative that they give.
+// The block's mesh: the tetrahedra, the triangles of the free surface, and the pattern that they
+// give the second derivative.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -20,8 +20,8 @@ Block::Block(const Options& options) : options_(options) {
   for (int k = 0; k <= nz; ++k)
     for (int j = 0; j <= ny; ++j)
       for (int i = 0; i <= nx; ++i) {
-        // The centre of the block's top and ground is at x = y = 0; written so that mirrored nodes
-        // have coordinates of the same size to the last bit.
+        // The block's axis is x = y = 0. In this form mirrored nodes have coordinates of the same
+        // size to the last bit.
         rest_.emplace_back(options_.size[0] * (2 * i - nx) / (2 * nx),
                            options_.size[1] * (2 * j - ny) / (2 * ny), options_.size[2] * k / nz);
       }
@@ -43,7 +43,8 @@ void Block::build_tetrahedra() {
     for (int j = 0; j < ny; ++j)
       for (int i = 0; i < nx; ++i)
         for (const auto& order : kOrders) {
-          // From a corner to the opposite one, an axis at a time; the corner alternates.
+          // The tetrahedron's nodes lead from a corner to the opposite one, an axis at a time. The
+          // corner alternates from brick to brick.
           int at[3] = {i + i % 2, j + j % 2, k};
           const int step[3] = {i % 2 ? -1 : 1, j % 2 ? -1 : 1, 1};
           Tetrahedron t{};
@@ -66,7 +67,8 @@ void Block::build_tetrahedra() {
 
 void Block::build_triangles() {
   const int nx = options_.elements[0], ny = options_.elements[1], nz = options_.elements[2];
-  // A brick's face, spanned by two axes from a corner; its diagonal is the tetrahedra's.
+  // Adds a brick's face, which two axes span from a corner. It is cut along the same diagonal as
+  // the tetrahedra.
   const auto add_face = [&](std::array<int, 3> corner, int first, int second, int step_first,
                             int step_second) {
     for (const bool swap : {false, true}) {
@@ -102,8 +104,8 @@ void Block::build_triangles() {
   }
 }
 
-/// Finds the pattern of the second derivative, where each element's blocks go in it, and the order
-/// of elimination.
+/// Finds the pattern of the second derivative, the places of each element's blocks in it, and the
+/// order of elimination.
 void Block::build_pattern() {
   std::vector<Eigen::Triplet<double>> entries;
   for (const Tetrahedron& t : tetrahedra_)
@@ -138,7 +140,8 @@ std::array<int, 3> Block::find_slots(int a, int b) const {
     const int* begin = pattern_.innerIndexPtr() + pattern_.outerIndexPtr()[3 * b + c];
     const int* end = pattern_.innerIndexPtr() + pattern_.outerIndexPtr()[3 * b + c + 1];
     const int* found = std::lower_bound(begin, end, row);
-    // So that row r of the block is at slot + r, also on the diagonal, which has rows r >= c alone.
+    // Row r of the block is then at slot + r, on the diagonal as well, where only rows r >= c
+    // exist.
     slots[c] = static_cast<int>(found - pattern_.innerIndexPtr()) - (a == b ? c : 0);
   }
   return slots;

@@ -1,7 +1,8 @@
-// The plug-in around block.hpp: parameters, states, and what a grid stores of them (README.md).
+// The plug-in around block.hpp: its parameters, its states, and what a grid stores with them
+// (README.md).
 //
-// A state is the displacement of all free nodes: too many numbers for a force to be summed over
-// the surface in the haptic loop, so force, energy and shape are stored with each state.
+// A state is the displacement of all free nodes. The haptic loop has no time to sum a force over so
+// large a surface, so force, energy and shape are stored with each state.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -9,11 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "examples/parameters.hpp"
 #include "examples/soft-tissue/block.hpp"
 #include "libcore/model/plugin.hpp"
 
 namespace {
 
+using hapgrid::decimal;
+using hapgrid::finite_number;
+using hapgrid::refuse;
 using soft_tissue::Block;
 using soft_tissue::Vec3;
 using soft_tissue::Vector;
@@ -24,15 +29,15 @@ class SoftTissue {
     soft_tissue::Options& o = options_;
     const std::vector<double> size = triple(parameters, "size", {72, 72, 18});
     const std::vector<double> elements = triple(parameters, "elements", {12, 12, 3});
-    o.young_modulus = kPa * number(parameters, "young_modulus", 6);
-    o.poisson_ratio = number(parameters, "poisson_ratio", 0.4);
-    o.probe_radius = number(parameters, "probe_radius", 15);
-    o.contact_stiffness = kPa * number(parameters, "contact_stiffness", 20);
-    o.contact_smoothing = number(parameters, "contact_smoothing", 0.5);
-    o.adhesion = kPa * number(parameters, "adhesion", 4);
-    o.adhesion_range = number(parameters, "adhesion_range", 2);
-    substep_ = number(parameters, "substep", 1.5);
-    tolerance_ = number(parameters, "tolerance", 0.01);
+    o.young_modulus = kPa * finite_number(parameters, "young_modulus", 6);
+    o.poisson_ratio = finite_number(parameters, "poisson_ratio", 0.4);
+    o.probe_radius = finite_number(parameters, "probe_radius", 15);
+    o.contact_stiffness = kPa * finite_number(parameters, "contact_stiffness", 20);
+    o.contact_smoothing = finite_number(parameters, "contact_smoothing", 0.5);
+    o.adhesion = kPa * finite_number(parameters, "adhesion", 4);
+    o.adhesion_range = finite_number(parameters, "adhesion_range", 2);
+    substep_ = finite_number(parameters, "substep", 1.5);
+    tolerance_ = finite_number(parameters, "tolerance", 0.01);
     parameters.finish();
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
@@ -54,11 +59,12 @@ class SoftTissue {
       refuse("contact_stiffness", o.contact_stiffness / kPa, "positive");
     if (!(o.contact_smoothing > 0)) refuse("contact_smoothing", o.contact_smoothing, "positive");
     if (!(o.adhesion_range > 0)) refuse("adhesion_range", o.adhesion_range, "positive");
-    // The pull ends with the slope 27/4 adhesion / range, where the pressure goes on.
+    // At the touch the pull ends with the slope 27/4 adhesion / range. The pressure goes on from
+    // there and may only become stiffer.
     const double most = 4.0 / 27 * o.contact_stiffness * o.adhesion_range;
     if (!(o.adhesion >= 0 && o.adhesion <= most))
       refuse("adhesion", o.adhesion / kPa,
-             "from 0 to 4/27 contact_stiffness adhesion_range, " + text(most / kPa));
+             "from 0 to 4/27 contact_stiffness adhesion_range, " + decimal(most / kPa));
     if (!(substep_ > 0)) refuse("substep", substep_, "positive");
     if (!(tolerance_ >= 0)) refuse("tolerance", tolerance_, "0 or more");
     block_ = std::make_unique<Block>(o);
@@ -80,7 +86,7 @@ class SoftTissue {
     return info;
   }
 
-  /// At rest, wherever the ball touches nothing.
+  /// The block at rest is known wherever the ball neither touches nor attracts it.
   std::vector<double> known_states(const double* x) const {
     if (!block_->is_clear(Vec3(x))) return {};
     return std::vector<double>(block_->unknowns(), 0.0);
@@ -92,7 +98,7 @@ class SoftTissue {
     Eigen::Map<Vector>(result, u_.size()) = u_;
   }
 
-  /// No node is farther apart than the tolerance.
+  /// Two states are equal when no node's places are farther apart than the tolerance.
   bool equal(const double* a, const double* b) const {
     const double most = tolerance_ * tolerance_;
     for (std::size_t i = 0; i < block_->unknowns(); i += 3) {
@@ -112,7 +118,7 @@ class SoftTissue {
     return block_->energy(u_, Vec3(x), gradient_);
   }
 
-  /// The nodes of the free surface, a third of an element in size.
+  /// The spheres are the nodes of the free surface, with a third of an element's edge as radius.
   void spheres(hapgrid_sphere* spheres) const {
     double edge = options_.size[0] / options_.elements[0];
     for (std::size_t a = 1; a < 3; ++a)
@@ -130,19 +136,6 @@ class SoftTissue {
  private:
   static constexpr double kPa = 1e-3;  // N/mm^2
 
-  [[noreturn]] static void refuse(const std::string& key, double value, const std::string& limit) {
-    throw std::runtime_error("parameter " + key + " is " + text(value) + ", it must be " + limit);
-  }
-  static std::string text(double value) {
-    char digits[32];
-    std::snprintf(digits, sizeof digits, "%g", value);
-    return digits;
-  }
-  static double number(hapgrid::PluginParameters& parameters, const char* key, double value) {
-    value = parameters.number(key, value);
-    if (!std::isfinite(value)) refuse(key, value, "finite");
-    return value;
-  }
   static std::vector<double> triple(hapgrid::PluginParameters& parameters, const char* key,
                                     const std::vector<double>& value) {
     const std::vector<double> given = parameters.numbers(key);

@@ -1,16 +1,16 @@
 /* A model in plain C11: copy this file to start your own. It includes libcore/model/plugin.h,
- * which explains each function of the table, and links the mathematical library and nothing of
+ * which explains each function of the table. It links the mathematical library and nothing of
  * hapgrid.
  *
- * A bead slides on a rail along x and rests in one of two wells; the HIP pulls it by a spring that
- * weakens with the distance from the rail (README.md). The state s is where the bead is, in mm.
- * With the HIP at p = (x, y, z) and q = y^2 + z^2,
+ * A bead slides on a rail along x and rests in one of two wells. The HIP pulls it by a spring that
+ * weakens with the HIP's distance from the rail (README.md). The state s is the bead's place, in
+ * mm. With the HIP at p = (x, y, z) and q = y^2 + z^2,
  *
  *   E(p, s) = b/4 (s^2 - a^2)^2 + k(q)/2 (x - s)^2      k(q) = k0 / (1 + q/R^2)
  *   dE/ds = 0:  s^3 + P s - Q = 0                       P = k/b - a^2,  Q = k/b x
  *
- * With m = sqrt(-P/3), there are two stable roots, s < -m and s > m, when P < 0 and |Q| < 2 m^3,
- * and one otherwise. So all that the bead remembers is the side it is on: the sign of s.
+ * With m = sqrt(-P/3), there are two stable roots, s < -m and s > m, when P < 0 and |Q| < 2 m^3;
+ * otherwise there is one. So the bead remembers nothing but its side: the sign of s.
  */
 #include <math.h>
 #include <stdio.h>
@@ -31,7 +31,7 @@ static double stiffness(const hapgrid_model* m, double q) {
   return m->stiffness / (1 + q / (m->reach * m->reach));
 }
 
-/* The bead's place with the HIP at p, coming from the given side (the sign of s). */
+/* The bead's place with the HIP at p when it comes from the given side (the sign of s). */
 static double settle(const hapgrid_model* m, const double* p, int right) {
   const double k = stiffness(m, p[1] * p[1] + p[2] * p[2]) / m->b;
   const double P = (k - m->wells * m->wells) / 3; /* a third of the P above */
@@ -51,7 +51,7 @@ static double stretch(const double* p, double s) {
   return sqrt((p[0] - s) * (p[0] - s) + p[1] * p[1] + p[2] * p[2]);
 }
 
-/* Reads one parameter; 0 and a message when it is refused. */
+/* Reads one parameter. When it is refused, this returns 0 and writes a message. */
 static int take(hapgrid_model* m, const hapgrid_parameter* p, char* error, size_t error_size) {
   const struct {
     const char* key;
@@ -108,7 +108,7 @@ static void info(const hapgrid_model* m, hapgrid_model_info* info) {
   info->spheres = kBeads;
 }
 
-/* All of them are known: one, or one a side. */
+/* All states are known: one for each side, or a single one. */
 static int known_states(hapgrid_model* m, const double* x, double* states, size_t capacity,
                         size_t* count, char* error, size_t error_size) {
   (void)error, (void)error_size;
@@ -118,8 +118,8 @@ static int known_states(hapgrid_model* m, const double* x, double* states, size_
   return 0;
 }
 
-/* The HIP walks in substeps that are short against the reach of the spring: where there is one root
- * the bead follows it, and may change sides. */
+/* The HIP walks in substeps that are short against the reach of the spring. Where there is one
+ * root, the bead follows it and may change sides. */
 static int convert(hapgrid_model* m, const double* s, const double* x, const double* d,
                    double* result, char* error, size_t error_size) {
   const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
@@ -142,7 +142,7 @@ static int equal(const hapgrid_model* m, const double* a, const double* b) {
   return fabs(*a - *b) <= m->tolerance;
 }
 
-/* -dE/dp at fixed s; as dE/ds = 0 it is the slope along the branch, too. */
+/* -dE/dp at fixed s. As dE/ds = 0, it is also the slope along the branch. */
 static void force(hapgrid_model* m, const double* x, const double* s, double* force) {
   const double k = stiffness(m, x[1] * x[1] + x[2] * x[2]);
   const double u = x[0] - *s;

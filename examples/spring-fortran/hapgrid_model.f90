@@ -1,11 +1,11 @@
 ! hapgrid's model interface (libcore/model/plugin.h, interface version 2) in Fortran 2008: the
-! structs of the header as interoperable types, and what every model in Fortran needs. Copy this
-! file beside your model; spring.f90 shows how it is used. The header explains what each function
-! must do.
+! structs of the header as interoperable types, and procedures that every model in Fortran needs.
+! Copy this file beside your model; spring.f90 shows how it is used. The header explains what each
+! function must do.
 !
-! Threads: hapgrid creates one model a thread. So a model keeps its variables in a derived type of
-! its own (c_loc of it is the handle) and none in a module; and it is compiled with -frecursive,
-! because gfortran otherwise makes large local arrays static.
+! Threads: hapgrid creates one model for each thread. So a model keeps its variables in a derived
+! type of its own (c_loc of it is the handle) and none in a module. Compile it with -frecursive:
+! gfortran otherwise makes large local arrays static.
 module hapgrid_model
   use, intrinsic :: iso_c_binding
   implicit none
@@ -48,7 +48,7 @@ module hapgrid_model
     character(kind=c_char) :: label(8)
   end type
 
-  ! The functions as the header declares them, see spring.f90. One that is left out stays null.
+  ! The functions as the header declares them (see spring.f90). One that a model leaves out stays null.
   type, bind(c) :: hapgrid_model_table
     integer(c_int32_t) :: interface_version = hapgrid_model_interface
     type(c_ptr) :: summary = c_null_ptr
@@ -66,7 +66,7 @@ module hapgrid_model
 
 contains
 
-  ! A C string as a Fortran one.
+  ! Converts a C string to a Fortran string.
   function text(c) result(f)
     type(c_ptr), intent(in) :: c
     character(len=:), allocatable :: f
@@ -83,7 +83,7 @@ contains
     end do
   end function
 
-  ! Writes f into a C string of the given size, cut where it does not fit, with the final NUL.
+  ! Writes f into a C string and ends it with NUL; what does not fit is cut off.
   subroutine put(f, c)
     character(len=*), intent(in) :: f
     character(kind=c_char), intent(out) :: c(:)
@@ -94,7 +94,8 @@ contains
     c(min(len_trim(f), size(c) - 1) + 1:) = c_null_char
   end subroutine
 
-  ! The same for an error message: error and error_size as a function of the interface gets them.
+  ! Writes an error message; error and error_size are the arguments that a function of the interface
+  ! gets.
   subroutine fail(message, error, error_size)
     character(len=*), intent(in) :: message
     type(c_ptr), intent(in) :: error
@@ -114,7 +115,7 @@ contains
     f = trim(adjustl(buffer))
   end function
 
-  ! The single number of a parameter; its type must have been looked at.
+  ! The number of a parameter whose type is hapgrid_number.
   function number(p) result(x)
     type(hapgrid_parameter), intent(in) :: p
     real(c_double) :: x

@@ -2,15 +2,15 @@
 ! hapgrid is needed. The physics is that of examples/spring-c, line by line, so that the two can be
 ! compared.
 !
-! A bead slides on a rail along x and rests in one of two wells; the HIP pulls it by a spring that
-! weakens with the distance from the rail. The state s is where the bead is, in mm. With the HIP at
-! p = (x, y, z) and q = y^2 + z^2,
+! A bead slides on a rail along x and rests in one of two wells. The HIP pulls it by a spring that
+! weakens with the HIP's distance from the rail. The state s is the bead's place, in mm. With the HIP
+! at p = (x, y, z) and q = y^2 + z^2,
 !
 !   E(p, s) = b/4 (s^2 - a^2)^2 + k(q)/2 (x - s)^2      k(q) = k0 / (1 + q/R^2)
 !   dE/ds = 0:  s^3 + P s - Q = 0                       P = k/b - a^2,  Q = k/b x
 !
-! With m = sqrt(-P/3), there are two stable roots, s < -m and s > m, when P < 0 and |Q| < 2 m^3, and
-! one otherwise. So all that the bead remembers is the side it is on: the sign of s.
+! With m = sqrt(-P/3), there are two stable roots, s < -m and s > m, when P < 0 and |Q| < 2 m^3;
+! otherwise there is one. So the bead remembers nothing but its side: the sign of s.
 module spring
   use hapgrid_model
   implicit none
@@ -25,13 +25,13 @@ module spring
     real(dp) :: b = 0   ! N/mm^3
   end type
 
-  ! They live as long as the shared object is loaded.
+  ! What plugin() returns must live as long as the shared object is loaded.
   type(hapgrid_model_table), target, save :: table
   character(kind=c_char), target, save :: summary(64)
 
 contains
 
-  ! The functions of the table have no name outside (name=''): shared objects would clash over it.
+  ! The functions of the table are not visible outside (name=''), so that shared objects do not clash.
 
   function model_of(handle) result(m)
     type(c_ptr), intent(in) :: handle
@@ -46,7 +46,7 @@ contains
     k = m%stiffness / (1 + q / (m%reach * m%reach))
   end function
 
-  ! The bead's place with the HIP at p, coming from the given side (the sign of s).
+  ! The bead's place with the HIP at p when it comes from the given side (the sign of s).
   pure function settle(m, p, right) result(s)
     type(spring_model), intent(in) :: m
     real(dp), intent(in) :: p(3)
@@ -152,7 +152,7 @@ contains
     about%spheres = beads
   end subroutine
 
-  ! All of them are known: one, or one a side.
+  ! All states are known: one for each side, or a single one.
   function known_states(handle, x, states, capacity, count, error, error_size) &
       result(status) bind(c, name='')
     type(c_ptr), value :: handle, error
@@ -170,8 +170,8 @@ contains
     status = 0
   end function
 
-  ! The HIP walks in substeps that are short against the reach of the spring: where there is one
-  ! root the bead follows it, and may change sides.
+  ! The HIP walks in substeps that are short against the reach of the spring. Where there is one
+  ! root, the bead follows it and may change sides.
   function convert(handle, s, x, d, reached, error, error_size) result(status) bind(c, name='')
     type(c_ptr), value :: handle, error
     real(dp), intent(in) :: s, x(3), d(3)         ! s(n) for a state of n numbers, reached likewise
@@ -206,7 +206,7 @@ contains
     same = merge(1, 0, abs(a - b) <= m%tolerance)
   end function
 
-  ! -dE/dp at fixed s; as dE/ds = 0 it is the slope along the branch, too.
+  ! -dE/dp at fixed s. As dE/ds = 0, it is also the slope along the branch.
   subroutine force(handle, x, s, f) bind(c, name='')
     type(c_ptr), value :: handle
     real(dp), intent(in) :: x(3), s

@@ -1,7 +1,7 @@
 """Energies and gradients of xtb (GFN2-xTB, GFN-FF) through its C library and ctypes.
 
-Positions are flat lists of 3 numbers an atom in angstrom, energies in kJ/mol. No call sees what was
-computed before it: each starts from a fresh guess, so equal positions give equal bits.
+Positions are flat: 3 numbers for each atom. Lengths are in bohr and energies in hartree.
+examples/molecule/preparation uses this file, too.
 """
 import ctypes
 import os
@@ -10,7 +10,8 @@ import tempfile
 BOHR = 0.529177210903  # angstrom
 HARTREE = 2625.4996394799  # kJ/mol
 METHODS = {"gfn2": "xtb_loadGFN2xTB", "gfnff": "xtb_loadGFNFF"}
-# Of the SCF. The default of 1 leaves noise in the gradient that minimisation would feel.
+# The accuracy of the SCF. The default of 1 leaves a noise of 1e-4 kJ/mol, which minimisation and
+# soft modes would feel.
 ACCURACY = 0.01
 
 
@@ -19,11 +20,12 @@ class XtbError(ValueError):
 
 
 class Xtb:
+    """One molecule. positions: GFN-FF reads its bonds off these and keeps them."""
+
     def __init__(self, numbers, positions, method, charge):
-        """positions: where GFN-FF reads off its bonds, for good."""
         if method not in METHODS:
             raise XtbError(f"parameter method is {method}, it must be one of {', '.join(METHODS)}")
-        # Sums over threads come in no fixed order. OpenMP reads this when the library is loaded.
+        # Threads add up sums in no fixed order. OpenMP reads this when the library is loaded.
         os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
         try:
             self.library = ctypes.CDLL("libxtb.so.6")
@@ -34,7 +36,7 @@ class Xtb:
         self.library.xtb_setVerbosity(self.environment, 0)
         self.molecule = self._new(
             "Molecule", self.environment, ctypes.byref(ctypes.c_int(len(numbers))),
-            (ctypes.c_int * len(numbers))(*numbers), self._bohr(positions),
+            (ctypes.c_int * len(numbers))(*numbers), self._array(positions),
             ctypes.byref(ctypes.c_double(charge)), ctypes.byref(ctypes.c_int(0)), None, None)
         self._check("molecule")
         self.calculator = self._new("Calculator")
@@ -45,19 +47,25 @@ class Xtb:
             try:
                 getattr(self.library, METHODS[method])(
                     self.environment, self.molecule, self.calculator, None)
+                self._check(method)
             finally:
                 os.chdir(here)
         self.library.xtb_setAccuracy(self.environment, self.calculator, ctypes.c_double(ACCURACY))
         self._check(method)
 
-    def __call__(self, positions):
-        """Energy in kJ/mol, and its gradient in kJ/mol/angstrom."""
+    def new_results(self):
+        """Results hold a wave function, from which the next SCF starts."""
+        return self._new("Results")
+
+    def __call__(self, positions, results=None):
+        """The energy and its gradient, flat. Without results the SCF starts from a fresh guess, so
+        that equal positions give equal bits, whatever was computed before."""
         energy, gradient = ctypes.c_double(), (ctypes.c_double * self.size)()
-        # New results: old ones hold a wave function from which the SCF would go on.
-        results = self._new("Results")
+        given, results = results, results or self.new_results()
         try:
             self.library.xtb_updateMolecule(
-                self.environment, self.molecule, self._bohr(positions), None)
+                self.environment, self.molecule, self._array(positions), None)
+            self._check("positions")
             self.library.xtb_singlepoint(
                 self.environment, self.molecule, self.calculator, results)
             self._check("energy")
@@ -65,16 +73,17 @@ class Xtb:
             self.library.xtb_getGradient(self.environment, results, gradient)
             self._check("gradient")
         finally:
-            self.library.xtb_delResults(ctypes.byref(results))
-        return energy.value * HARTREE, [g * (HARTREE / BOHR) for g in gradient]
+            if given is None:
+                self.library.xtb_delResults(ctypes.byref(results))
+        return energy.value, list(gradient)
 
     def _new(self, what, *arguments):
         create = getattr(self.library, "xtb_new" + what)
         create.restype = ctypes.c_void_p
         return ctypes.c_void_p(create(*arguments))
 
-    def _bohr(self, positions):
-        return (ctypes.c_double * self.size)(*(x / BOHR for x in positions))
+    def _array(self, positions):
+        return (ctypes.c_double * self.size)(*positions)
 
     def _check(self, what):
         if self.library.xtb_checkEnvironment(self.environment):

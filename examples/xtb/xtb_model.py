@@ -1,37 +1,20 @@
-"""A molecule of xtb as a model process: a probe, the HIP, pushes atoms away; README.md has the
-equations. The lines are described in libcore/model/PROTOCOL.md; serve() is that of
-examples/hung-ball/hung_ball.py.
+"""A molecule of xtb as a model process. A probe, the HIP, pushes atoms away; README.md has the
+equations, libcore/model/PROTOCOL.md describes the lines.
 """
-import json
 import math
 import os
 import sys
 
-from xtb_library import Xtb
+sys.path.append(os.path.join(os.path.dirname(os.path.realpath(__file__)), "../hung-ball"))
+from hung_ball import serve
+from xtb_library import BOHR, HARTREE, Xtb
 
-# Atomic number, Bondi's and covalent radius in angstrom, colour.
+# Atomic number, van der Waals radius (Bondi) and covalent radius in angstrom, colour.
 ELEMENTS = {"H": (1, 1.20, 0.31, [1.0, 1.0, 1.0]), "C": (6, 1.70, 0.76, [0.35, 0.35, 0.35]),
             "N": (7, 1.55, 0.71, [0.2, 0.3, 0.95]), "O": (8, 1.52, 0.66, [0.9, 0.1, 0.1]),
             "F": (9, 1.47, 0.57, [0.5, 0.85, 0.3]), "S": (16, 1.80, 1.05, [0.9, 0.8, 0.2])}
-MAX_MOVE = 0.15  # angstrom, of any coordinate in one step of a minimisation
+MAX_MOVE = 0.15  # angstrom: how far a step of a minimisation moves a coordinate at most
 MAX_STEPS = 500
-
-
-def serve(create):
-    """Makes a model from the parameters, then answers each request by its method of that name."""
-    try:
-        model = create(**json.loads(sys.stdin.readline())["parameters"])
-    except (TypeError, ValueError) as e:
-        return print(json.dumps({"error": str(e)}), flush=True)
-    print(json.dumps({"hapgrid": 1, **model.description}), flush=True)
-    for line in sys.stdin:
-        request = json.loads(line)
-        id, op = request.pop("id"), request.pop("op")
-        try:
-            answer = json.dumps({"id": id, **getattr(model, op)(**request)}, allow_nan=False)
-        except (ArithmeticError, ValueError) as e:
-            answer = json.dumps({"id": id, "error": str(e)})
-        print(answer, flush=True)
 
 
 class ProbedMolecule:
@@ -51,8 +34,8 @@ class ProbedMolecule:
         numbers, radii, self.bonds, colours = zip(*(ELEMENTS[s] for s in symbols))
         self.reach = [probe_radius + contact_scale * r for r in radii]
         self.stiffness, self.substep, self.gradient = probe_stiffness, substep, gradient
-        self.xtb = Xtb(numbers, start, method, charge)
-        # The molecule at rest is free first: where it comes to rest, it is held.
+        self.xtb = Xtb(numbers, [x / BOHR for x in start], method, charge)
+        # The molecule first comes to rest without the anchor, which then holds it there.
         self.anchor, self.home, self.zero = [0.0] * len(start), start, 0.0
         far = [1e3, 1e3, 1e3]
         self.home, self.zero = self.relax(start, far, self.guess(start))
@@ -89,18 +72,18 @@ class ProbedMolecule:
         return {"force": force, "energy": energy, "shape": s}
 
     def contacts(self, s, x):
-        """(index of its x, unit vector from the probe, depth) of each atom that is touched."""
+        """For each atom that is touched: the index of its x, unit vector from the probe, depth."""
         for i, reach in enumerate(self.reach):
             u = [a - b for a, b in zip(s[3 * i:3 * i + 3], x)]
             distance = math.hypot(*u)
-            if distance < reach:  # an atom in the probe's very centre is not pushed to any side
+            if distance < reach:  # an atom in the probe's very centre is not pushed
                 yield 3 * i, [a / distance if distance else 0.0 for a in u], reach - distance
 
     def touches(self, s, x):
         return any(True for _ in self.contacts(s, x))
 
     def surroundings(self, s, x):
-        """Anchor and probe: energy, gradient, Hessian, and its part that is never negative."""
+        """Of anchor and probe: energy, gradient, Hessian, and its part that is never negative."""
         energy, slope, n = 0.0, [k * (a - b) for k, a, b in zip(self.anchor, s, self.home)], len(s)
         hessian = [[self.anchor[i] if i == j else 0.0 for j in range(n)] for i in range(n)]
         safe = [row[:] for row in hessian]
@@ -117,14 +100,15 @@ class ProbedMolecule:
         return energy, slope, hessian, safe
 
     def total(self, s, x):
-        """The energy of it all, the gradient within the molecule, and surroundings()."""
-        energy, inner = self.xtb(s)
+        """The whole energy, the gradient of the molecule's own energy, and surroundings()."""
+        energy, gradient = self.xtb([a / BOHR for a in s])
         around = self.surroundings(s, x)
-        return energy - self.zero + around[0], inner, around
+        inner = [g * (HARTREE / BOHR) for g in gradient]
+        return energy * HARTREE - self.zero + around[0], inner, around
 
     def relax(self, s, x, hessian):
-        """The minimum that lies downhill of s, and its energy: quasi-Newton with short steps.
-        hessian is that of xtb alone, learnt on the way (BFGS); the others are exact."""
+        """The minimum that lies downhill of s, and its energy, by quasi-Newton steps that are short.
+        hessian is an estimate for xtb alone, which BFGS improves on the way; the rest is exact."""
         energy, inner, around = self.total(s, x)
         for _ in range(MAX_STEPS):
             slope = add(inner, around[1])
@@ -132,9 +116,9 @@ class ProbedMolecule:
                 return s, energy
             down = [-g for g in slope]
             step = solve(map(add, hessian, around[2]), down)
-            if step is None:  # it is no minimum that lies ahead
+            if step is None:  # the quadratic model has no minimum
                 step = solve(map(add, hessian, around[3]), down)
-            if step is None:  # what was learnt has lost its last digits
+            if step is None:  # rounding has spoiled the estimate
                 hessian[:] = self.guess(s)
                 step = solve(map(add, hessian, around[3]), down)
             longest = max(map(abs, step))
@@ -144,7 +128,7 @@ class ProbedMolecule:
             for _ in range(20):
                 trial = add(s, step)
                 trial_energy, trial_inner, trial_around = self.total(trial, x)
-                # The last digits of energies of 1e4 kJ/mol are noise.
+                # Energies are some 1e4 kJ/mol, and their last digits are noise.
                 if trial_energy <= energy + 1e-4 * downhill + 1e-7:
                     break
                 step, downhill = [a / 3 for a in step], downhill / 3
@@ -156,8 +140,8 @@ class ProbedMolecule:
                               f"{MAX_STEPS} steps")
 
     def guess(self, s):
-        """A first Hessian of xtb: springs between all pairs of atoms, softer with distance, as in
-        Lindh et al., Chem. Phys. Lett. 241 (1995) 423, whose angles the pairs replace here."""
+        """A first Hessian for xtb: springs between all pairs of atoms, softer with distance. Source:
+        Lindh et al., Chem. Phys. Lett. 241 (1995) 423. Deviation: pairs instead of angles."""
         n = len(s)
         hessian = [[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)]
         for i in range(0, n, 3):
@@ -199,7 +183,7 @@ def dot(a, b):
 
 
 def update(hessian, step, change):
-    """BFGS where the curvature is positive, so that the matrix stays positive definite."""
+    """BFGS, only where the curvature is positive, so that the matrix stays positive definite."""
     image = [dot(row, step) for row in hessian]
     curvature, along = dot(step, image), dot(step, change)
     if along < 0.02 * curvature:
@@ -210,8 +194,7 @@ def update(hessian, step, change):
 
 
 def solve(matrix, right):
-    """matrix^-1 right for a symmetric positive definite matrix, by Cholesky's method, or
-    None for another one."""
+    """matrix^-1 right, by Cholesky's method; None when the matrix is not positive definite."""
     lower, y = [], []
     for i, row in enumerate(matrix):
         new = []
@@ -230,7 +213,7 @@ def solve(matrix, right):
 
 
 if __name__ == "__main__":
-    # xtb writes to standard output, which belongs to the protocol.
+    # xtb writes to standard output, where only answers may be; it gets another one.
     sys.stdout = os.fdopen(os.dup(1), "w")
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     serve(ProbedMolecule)

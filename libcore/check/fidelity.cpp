@@ -47,7 +47,7 @@ void convert_many(const Grid& grid, RecordIndex r, const ModelFunctions& model, 
                       static_cast<std::uint64_t>(q)};
         return true;
       },
-      [&](const Conversion& conversion, const std::string& error) {
+      [&](const Conversion& conversion, std::string_view error) {
         errors[conversion.tag] = error;
       });
 }
@@ -123,8 +123,8 @@ Findings for_each_record(const Grid& grid, std::span<const RecordIndex> records,
 
 }  // namespace
 
-ModelFunctions model_functions(Model model_to_own) {
-  const auto model = std::make_shared<Model>(std::move(model_to_own));
+ModelFunctions model_functions(std::unique_ptr<Model> model_to_own) {
+  const std::shared_ptr<Model> model = std::move(model_to_own);
   ModelFunctions functions;
   functions.convert = [model](const double* s, const Vec3& x, const Vec3& d, double* row,
                               std::string& error) {
@@ -134,7 +134,7 @@ ModelFunctions model_functions(Model model_to_own) {
   };
   if (model->is_process())
     functions.convert_many = [model](const NextConversion& next, const ConversionDone& done) {
-      model->convert(next, done);
+      model->convert_all(next, done);
     };
   functions.complete = [model](const Vec3& x, double* row, std::string& error) {
     const bool completed = model->complete(x, row);

@@ -31,7 +31,7 @@ struct ModelFunctions {
 };
 
 /// The functions of `model`, which lives as long as they do.
-ModelFunctions model_functions(Model model);
+ModelFunctions model_functions(std::unique_ptr<Model> model);
 
 /// `count` of the records that are not in the frontier, ascending; all of them when there are no
 /// more. Depends on the grid's records, `count` and `seed` only, not on the platform.

@@ -8,11 +8,10 @@
 namespace hapgrid {
 
 bool has_force(const GridSpec& spec, const Model& model) {
-  return spec.stored.force || (!model.is_process() && model.has_force());
+  return spec.stored.force || model.has_force();
 }
 
-Forces::Forces(const Grid& grid, const std::function<Model()>& create, int threads)
-    : forces_(grid.records()) {
+Forces::Forces(const Grid& grid, const MakeModel& create, int threads) : forces_(grid.records()) {
   const auto parts = static_cast<std::size_t>(threads);
   std::deque<Fields> fields;  // for one thread each
   for (std::size_t t = 0; t < parts; ++t)

@@ -1,7 +1,6 @@
 // The force on the HIP at the grid's points, as play has it there.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "libcore/grid/grid.hpp"
@@ -19,7 +18,7 @@ class Forces {
   /// @param create makes the grid's model; called from the calling thread, only where no force is
   /// stored, once a thread.
   /// @throw ModelError when no force can be had.
-  Forces(const Grid& grid, const std::function<Model()>& create, int threads);
+  Forces(const Grid& grid, const MakeModel& create, int threads);
   /// `forces`: as many as records.
   explicit Forces(std::vector<Vec3> forces) : forces_(std::move(forces)) {}
 

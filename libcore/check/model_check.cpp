@@ -51,7 +51,7 @@ CallTimes summary(std::vector<double> seconds) {
 class Walker {
  public:
   Walker(const GridSpec& spec, const std::map<PointIndex, State>& seeds,
-         const std::function<Model()>& make_model, const ModelCheckLimits& limits)
+         const MakeModel& make_model, const ModelCheckLimits& limits)
       : spec_(spec),
         seeds_(seeds),
         limits_(limits),
@@ -73,7 +73,7 @@ class Walker {
       const std::size_t level = random_.below(seed->second.size() / n);
       state_.assign(seed->second.begin() + static_cast<std::ptrdiff_t>(level * n),
                     seed->second.begin() + static_cast<std::ptrdiff_t>((level + 1) * n));
-      // Some targets a walk: over there, and on from there.
+      // A walk has several targets: the next leg starts where the last one ended.
       for (int leg = 0; leg < kLegs && steps < limits_.conversions; ++leg) {
         const auto target = static_cast<PointIndex>(random_.below(spec_.box.points()));
         while (point_ != target && steps < limits_.conversions) {
@@ -104,18 +104,18 @@ class Walker {
            state_text(state_);
   }
 
-  bool same(const State& a, const State& b) const { return model_.equal(a.data(), b.data()); }
+  bool same(const State& a, const State& b) const { return model_->equal(a.data(), b.data()); }
 
-  /// One step of the walk and everything that is tried there. Answers whether the walk can go on.
+  /// Makes one step of the walk and all trials there. Answers whether the walk can go on.
   bool step(int q) {
     const Vec3 x = spec_.box.position(point_);
     const Vec3& d = around_.shift(q);
     ++defined_.counted;
     const double before = now();
-    const bool converted = model_.convert(state_.data(), x, d, reached_.data());
+    const bool converted = model_->convert(state_.data(), x, d, reached_.data());
     convert_seconds_.push_back(now() - before);
     if (!converted) {
-      defined_.offend([&] { return here(q) + ": " + model_.error(); });
+      defined_.offend([&] { return here(q) + ": " + model_->error(); });
       return false;
     }
     const State arrived(reached_.begin(), reached_.begin() + spec_.state_size);
@@ -123,7 +123,7 @@ class Walker {
 
     // The same bits again, from this model, whatever it did in between, and from another one.
     const State row = reached_;
-    for (Model* model : {&second_, &model_}) {
+    for (Model* model : {second_.get(), model_.get()}) {
       ++deterministic_.counted;
       if (!model->convert(state_.data(), x, d, other_.data()) ||
           std::memcmp(other_.data(), row.data(), row.size() * sizeof(double)) != 0)
@@ -165,7 +165,7 @@ class Walker {
   }
 
   bool convert(const State& s, const Vec3& x, const Vec3& d, State& row) {
-    return model_.convert(s.data(), x, d, row.data());
+    return model_->convert(s.data(), x, d, row.data());
   }
 
   void try_tolerance(const State& arrived) {
@@ -180,23 +180,23 @@ class Walker {
   void try_force(const Vec3& x, const State& s) {
     State row = s;
     row.resize(spec_.row_size());
-    if (model_.has_shape() && !spec_.stored.shape) {
-      std::vector<float> centres(std::size_t{3} * model_.info().spheres);
+    if (model_->has_shape() && !spec_.stored.shape) {
+      std::vector<float> centres(std::size_t{3} * model_->info().spheres.size());
       const double before = now();
-      model_.shape(s.data(), centres);
+      model_->shape(s.data(), centres);
       shape_seconds_.push_back(now() - before);
       ++finite_.counted;
       if (!std::all_of(centres.begin(), centres.end(), [](float c) { return std::isfinite(c); }))
         finite_.offend([&] { return "shape in state " + state_text(s); });
     }
-    if (!model_.has_force() && !spec_.stored.force) return;
+    if (!model_->has_force() && !spec_.stored.force) return;
     Vec3 force{};
     if (spec_.stored.force) {
-      if (!model_.complete(x, row.data())) return;  // convert() has said so
+      if (!model_->complete(x, row.data())) return;  // convert() has reported that
       std::copy_n(row.begin() + spec_.force_offset(), 3, force.begin());
     } else {
       const double before = now();
-      force = model_.force(x, s.data());
+      force = model_->force(x, s.data());
       force_seconds_.push_back(now() - before);
     }
     ++finite_.counted;
@@ -204,7 +204,7 @@ class Walker {
     if (!std::isfinite(magnitude))
       return finite_.offend([&] { return "force in state " + state_text(s); });
     largest_force_ = std::max(largest_force_, magnitude);
-    if (!model_.has_energy() && !spec_.stored.energy) return;
+    if (!model_->has_energy() && !spec_.stored.energy) return;
 
     // E of the state that the model takes on when the HIP moves a little: C of both sides, where
     // both come back to s (no tear-off in between).
@@ -220,10 +220,10 @@ class Walker {
           !same(back, s))
         return;
       energy[static_cast<std::size_t>(side)] =
-          spec_.stored.energy ? moved[spec_.energy_offset()] : model_.energy(beside, moved.data());
+          spec_.stored.energy ? moved[spec_.energy_offset()] : model_->energy(beside, moved.data());
     }
     gradients_.push_back(
-        {force[axis], -model_.info().force_scale * (energy[1] - energy[0]) / (2 * e), x, axis});
+        {force[axis], -model_->info().force_scale * (energy[1] - energy[0]) / (2 * e), x, axis});
   }
 
   ModelCheck result() {
@@ -257,26 +257,26 @@ class Walker {
     };
     add("defined", "conversions", "steps of the grid that C fails on", defined_);
     add("deterministic", "conversions",
-        "C, asked again, answers with other bits: no two runs "
-        "will give the same grid",
+        "C, asked again, answers with other bits: no two runs will give the same grid",
         deterministic_);
-    add("stays", "states", "C(s, x, 0) is another state than s: what is stored is no rest", stays_);
-    add("reflexive", "states", "the tolerance function holds a state for different from itself",
+    add("stays", "states",
+        "C(s, x, 0) is another state than s: a state that was reached is not at rest", stays_);
+    add("reflexive", "states", "the tolerance function says that a state differs from itself",
         reflexive_);
     add("symmetric", "pairs", "the tolerance function depends on the order of its arguments",
         symmetric_);
     add("finite", "calls", "force or shape that is not finite", finite_);
     add("gradient", "forces",
-        "the force is not the energy's negative gradient: a loop of the hand "
-        "would gain or lose energy",
+        "the force is not the energy's negative gradient: a loop of the hand would gain or lose "
+        "energy",
         gradient);
     add("halves", "conversions",
-        "a step in two halves ends in another state: near a tear-off "
-        "that is right; elsewhere C walks too coarsely",
+        "a step in two halves ends in another state: that is right near a tear-off; elsewhere C "
+        "walks too coarsely",
         halves_, true);
     add("returns", "conversions",
-        "a step there and back ends in another state: hysteresis, which "
-        "is what levels are for; many of them mean a C less exact than its tolerance",
+        "a step there and back ends in another state: levels are there for such hysteresis; many "
+        "of them mean that C is less exact than its tolerance",
         returns_, true);
     return out;
   }
@@ -290,8 +290,8 @@ class Walker {
   const GridSpec& spec_;
   const std::map<PointIndex, State>& seeds_;
   ModelCheckLimits limits_;
-  Model model_;
-  Model second_;
+  std::unique_ptr<Model> model_;
+  std::unique_ptr<Model> second_;
   Neighbourhood around_;
   SplitMix64 random_;
   PointIndex point_ = 0;
@@ -307,7 +307,7 @@ class Walker {
 }  // namespace
 
 ModelCheck check_model(const GridSpec& spec, const std::map<PointIndex, std::vector<double>>& seeds,
-                       const std::function<Model()>& make_model, const ModelCheckLimits& limits) {
+                       const MakeModel& make_model, const ModelCheckLimits& limits) {
   return Walker(spec, seeds, make_model, limits).run();
 }
 

@@ -1,10 +1,9 @@
-// What will go wrong in the search of a grid, found on the model itself before the search is paid
-// for: the conditions of Sect. 2.1 and the assumptions of Algorithms 1 and 2, tried on states along
-// walks through the box.
+// Finds what would go wrong in the search of a grid before the search is paid for: tries the
+// conditions of Sect. 2.1 and the assumptions of Algorithms 1 and 2 on the model itself, in states
+// along walks through the box.
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <vector>
 
@@ -31,9 +30,10 @@ struct CallTimes {
 struct ModelCheck {
   std::vector<Check> checks;
   CallTimes convert;
-  CallTimes force;  ///< no calls: the model has none, or has it stored
+  CallTimes force;  ///< no calls: the model has no force, or a stored one
   CallTimes shape;
-  /// Of the components that are not zero against the energy's gradient, share of the largest force.
+  /// Median error of the force's nonzero components against the energy's gradient, as a share of
+  /// the largest force.
   double median_force_error = 0;
   double largest_force = 0;  ///< newtons
 };
@@ -44,7 +44,7 @@ struct ModelCheck {
 /// @param seeds by point the states known there, row after row; at least one.
 /// @throw ModelError when a model cannot be made.
 ModelCheck check_model(const GridSpec& spec, const std::map<PointIndex, std::vector<double>>& seeds,
-                       const std::function<Model()>& make_model, const ModelCheckLimits& limits);
+                       const MakeModel& make_model, const ModelCheckLimits& limits);
 
 /// What the whole grid would take.
 struct GridEstimate {
@@ -52,7 +52,7 @@ struct GridEstimate {
   double cpu_hours = 0;
   std::uint64_t workers_for_a_night = 0;  ///< that finish in ten hours
   std::uint64_t play_bytes = 0;           ///< of the grid in memory, with one level a point
-  std::uint64_t expand_bytes = 0;         ///< of the requests around the wave
+  std::uint64_t expand_bytes = 0;         ///< of the requests around the frontier
 };
 GridEstimate estimate_grid(const GridSpec& spec, double seconds_a_conversion);
 

@@ -12,8 +12,8 @@ namespace hapgrid {
 
 namespace {
 
-// Directions that stay inside, by which of the six sides the point lies on: bit 2a for the low
-// and bit 2a + 1 for the high side of axis a (both are set where the count is 1).
+// The directions that stay inside, for each set of sides on which a point can lie: bit 2a is the
+// low and bit 2a + 1 the high side of axis a (both are set where the count is 1).
 constexpr std::array<DirectionMask, 64> kInside = [] {
   std::array<DirectionMask, 64> inside{};
   for (unsigned sides = 0; sides < inside.size(); ++sides) {
@@ -40,7 +40,7 @@ void Box::validate() const {
   if (!std::isfinite(spacing) || spacing <= 0)
     throw Error("box: spacing is " + std::to_string(spacing) + ", it must be positive");
   constexpr std::uint64_t kLimit = std::numeric_limits<PointIndex>::max();
-  // Two factors first: the product of three 32-bit counts can overflow 64 bits.
+  // Two factors are tested first: the product of three 32-bit counts can overflow 64 bits.
   if (std::uint64_t{counts[0]} * counts[1] > kLimit || points() > kLimit)
     throw Error("box: more than 4294967295 grid points");
 }

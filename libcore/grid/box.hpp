@@ -44,7 +44,7 @@ struct Box {
   friend bool operator==(const Box&, const Box&) = default;
 };
 
-/// What the 26 directions mean inside one box.
+/// The steps of the 26 directions inside one box.
 class Neighbourhood {
  public:
   explicit Neighbourhood(const Box& box);

@@ -1,6 +1,6 @@
-// A cell with a current level in each of its corners, and the rule by which a neighbouring cell
-// gets its own (Sect. 2.4). The traversal plays by these functions, and verify proves by the same
-// ones what it can meet: they are here so that there is one of each.
+// A cell with a current level in each of its corners, and the rule that gives a neighbouring cell
+// the levels of its corners (Sect. 2.4). The traversal of play uses these functions, and verify
+// uses the same ones to find every cell that play can meet.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@
 
 namespace hapgrid {
 
-/// What a cell's corners i + 2j + 4k are at. Along an axis with one point the cell is flat: both
-/// its corners are the same grid point.
+/// The current records of a cell's corners i + 2j + 4k. Along an axis with one point the cell is
+/// flat: both corners are the same grid point.
 struct Corners {
   std::array<RecordIndex, 8> record{};
   std::array<Level, 8> level{};
@@ -29,8 +29,8 @@ struct CellSwitch {
 namespace cell_detail {
 
 /// Sect. 2.4, i) to iii) in one rule: along the axes of the move the source is the common corner,
-/// along the others it has the new corner's own index. Across a face that leaves axis conversions,
-/// across an edge three in the plane across it from each end, across a vertex seven from the one.
+/// along the others it has the new corner's own index. So a move across a face converts along one
+/// axis; across an edge, three times from each of its ends; across a vertex, seven times from it.
 constexpr std::array<CellSwitch, kDirections> cell_switches() {
   std::array<CellSwitch, kDirections> switches{};
   for (int q = 0; q < kDirections; ++q) {
@@ -59,7 +59,7 @@ constexpr std::array<CellSwitch, kDirections> cell_switches() {
 inline constexpr auto kCellSwitches = cell_detail::cell_switches();
 
 /// The cells of one grid, each named by its base: the point of its corner (0,0,0). The grid must
-/// outlive this and is not trusted: whatever its links are, nothing is read outside it.
+/// outlive this object. Its links are not trusted: whatever they are, nothing is read outside it.
 /// Everything but the constructor is real-time safe.
 class Cells {
  public:
@@ -72,11 +72,11 @@ class Cells {
     }
   }
 
-  /// How many cells there are along an axis; flat ones count.
+  /// How many cells there are along an axis, flat cells included.
   std::uint32_t count(int axis) const {
     return grid_.box().counts[axis] > 1 ? grid_.box().counts[axis] - 1 : 1;
   }
-  /// Whether a corner has a grid point of its own: along a flat axis the lower ones have.
+  /// Whether a corner has a grid point of its own. Along a flat axis only the lower corners have.
   bool is_corner(int corner) const {
     for (int a = 0; a < 3; ++a)
       if (grid_.box().counts[a] == 1 && (corner >> a & 1)) return false;
@@ -85,10 +85,10 @@ class Cells {
   /// The grid point of a corner.
   PointIndex point(PointIndex base, int corner) const { return base + corner_offset_[corner]; }
 
-  /// How play starts in a cell: `nearest`, the corner nearest to the HIP, at level 0, the other
-  /// seven from its destination levels. False when a link or that level is missing. Source:
-  /// Sect. 2.4. Deviation: level 0 in all corners, as printed, can mix branches.
-  /// @param nearest one with is_corner()
+  /// How play starts in a cell: the corner nearest to the HIP has level 0, and the other seven have
+  /// its destination levels. False when a link or that level 0 is missing. Source: Sect. 2.4.
+  /// Deviation: level 0 in all corners, as printed there, can mix branches.
+  /// @param nearest the corner nearest to the HIP; is_corner(nearest) must hold
   bool start(PointIndex base, int nearest, Corners& corners) const noexcept {
     const PointIndex nearest_point = point(base, nearest);
     if (grid_.levels(nearest_point) == 0) return false;
@@ -106,9 +106,9 @@ class Cells {
     return true;
   }
 
-  /// How play switches: the corners of the cell at `base`, which is the move q away from the cell
-  /// that has the corners `from`. False when a link is missing; `to` then holds nothing of use.
-  /// @param level_changed becomes true when a conversion leads to another level number
+  /// How play changes cells: finds the corners `to` of the cell at `base`, to which the move q
+  /// leads from the cell with the corners `from`. False when a link is missing: `to` is undefined.
+  /// @param level_changed set to true when a conversion leads to another level number
   bool cross(int q, PointIndex base, const Corners& from, Corners& to,
              bool& level_changed) const noexcept {
     const CellSwitch& table = kCellSwitches[q];

@@ -1,4 +1,4 @@
-// How points and records are named in messages.
+// The names of points and records in messages.
 #pragma once
 
 #include <string>

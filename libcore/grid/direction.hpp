@@ -7,15 +7,15 @@
 
 namespace hapgrid {
 
-/// A level of a grid point: 0 is the state that was found first (Sect. 2.2).
+/// The number of a grid point's level: 0 is the state that was found first (Sect. 2.2).
 using Level = std::uint8_t;
 
-/// Number of directions, and so of destination levels in a record.
+/// The number of directions, and of destination levels in a record.
 inline constexpr int kDirections = 26;
 
 /// Destination level of a direction that leaves the box.
 inline constexpr Level kLeavesBox = 255;
-/// Destination level of a direction that no merge has settled yet: the record is in the frontier.
+/// Destination level of a direction that no merge has settled: the record is in the frontier.
 inline constexpr Level kUnsettled = 254;
 /// The largest level limit: levels 0 .. kMaxLevels - 1 leave the two marks above free.
 inline constexpr int kMaxLevels = 254;

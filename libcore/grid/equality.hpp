@@ -1,5 +1,5 @@
-// A tolerance function (Sect. 2.3) that stands in words, so that whoever reads a shard can judge
-// equality without the model: a norm of the difference of two states, component by component.
+// A declared tolerance function (Sect. 2.3): a norm of the difference of two states. It is written
+// into a shard, so that a reader of the shard can compare states without the model.
 #pragma once
 
 #include <algorithm>
@@ -16,11 +16,11 @@ struct Equality {
     kRms,     ///< sqrt((1/n) sum_c (w_c (a_c - b_c))^2) <= tolerance
   };
   Norm norm = Norm::kPlugin;
-  std::vector<double> weights;  ///< w: n entries, or none where all are 1
+  std::vector<double> weights;  ///< w: n entries, or none when all are 1
 
-  /// A model that is a process cannot be asked as often as this is, so it always says it in words.
+  /// States are compared too often to ask a model process; such a model always declares a norm.
   bool is_declared() const { return norm != Norm::kPlugin; }
-  /// Whether the weights can be those of states of n components: finite and not negative.
+  /// Whether the weights suit states of n components, and are finite and not negative.
   bool fits(std::uint32_t n) const {
     return (weights.empty() || weights.size() == n) &&
            std::all_of(weights.begin(), weights.end(),
@@ -29,8 +29,8 @@ struct Equality {
   friend bool operator==(const Equality&, const Equality&) = default;
 };
 
-/// Whether states a and b (n components) count as the same. Not for Norm::kPlugin. Real-time safe.
-/// Written so that a difference that is not a number makes them different.
+/// Whether the states a and b (n components) are equal. Not for Norm::kPlugin. Real-time safe.
+/// States whose difference is not a number are different.
 inline bool are_equal(const Equality& equality, double tolerance, std::uint32_t n, const double* a,
                       const double* b) {
   const double* w = equality.weights.empty() ? nullptr : equality.weights.data();
@@ -47,8 +47,8 @@ inline bool are_equal(const Equality& equality, double tolerance, std::uint32_t 
   return std::sqrt(sum / n) <= tolerance;
 }
 
-/// How far apart two states are in the norm that `equality` names, which its tolerance bounds; for
-/// Norm::kPlugin in the largest difference of a component. Not a number where a state is not.
+/// The distance of two states in the norm that `equality` names, and that the tolerance bounds. For
+/// Norm::kPlugin the largest difference of a component. NaN when a component is not a number.
 inline double distance(const Equality& equality, std::uint32_t n, const double* a,
                        const double* b) {
   const double* w = equality.weights.empty() ? nullptr : equality.weights.data();

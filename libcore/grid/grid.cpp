@@ -9,8 +9,8 @@ namespace hapgrid {
 
 namespace {
 
-// A header claims any number of points in a few bytes. A finished grid has a record at each of
-// them; more than so many points must be a thousandth full at least.
+// A header can claim any number of points in a few bytes. A finished grid has a record at each of
+// them; a grid of more than so many points must have a record at least at one in a thousand.
 constexpr std::uint64_t kMostlyEmptyPoints = 1 << 24;
 constexpr std::uint64_t kPointsARecord = 1024;
 

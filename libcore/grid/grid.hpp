@@ -25,9 +25,9 @@ struct RecordColumns {
   std::size_t size() const { return point.size(); }
 };
 
-/// Levels of a point are contiguous records. Building one checks what makes access safe: each
-/// point is in the box, records ascend, and the levels of a point are 0, 1, 2, ...
-/// Links are *not* trusted: destination() answers kNoRecord for one that leads nowhere, and
+/// The levels of a point are contiguous records. The constructor checks what makes access safe:
+/// each point is in the box, records ascend, and the levels of a point are 0, 1, 2, ...
+/// Links are *not* trusted: destination() returns kNoRecord for a link that leads nowhere, and
 /// check/invariants.hpp reports it.
 class Grid {
  public:
@@ -53,7 +53,7 @@ class Grid {
   std::uint32_t record_generation(RecordIndex r) const { return columns_.generation[r]; }
   bool in_frontier(RecordIndex r) const { return columns_.generation[r] == generation_; }
   std::span<const double> state(RecordIndex r) const { return row(r).first(spec_.state_size); }
-  /// The state and what is stored with it.
+  /// The state and the numbers stored with it.
   std::span<const double> row(RecordIndex r) const {
     return {columns_.rows.data() + std::size_t{r} * row_size_, row_size_};
   }
@@ -61,7 +61,7 @@ class Grid {
     return std::span<const Level, kDirections>(columns_.links.data() + std::size_t{r} * kDirections,
                                                kDirections);
   }
-  /// The record that direction q leads to from record r; kNoRecord where the direction leaves the
+  /// The record to which direction q leads from record r; kNoRecord when the direction leaves the
   /// box, is not settled, or leads to a level that does not exist. Real-time safe.
   RecordIndex destination(RecordIndex r, int q) const;
 

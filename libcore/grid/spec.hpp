@@ -1,4 +1,4 @@
-// What makes two shards parts of the same grid: the description that each header carries.
+// The description of a grid, which each shard's header carries. Shards of one grid have the same.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 namespace hapgrid {
 
-/// The value of a model's parameter, as it stands in [model.parameters] of a MODEL.toml.
-/// Whole numbers are kept as doubles (a MODEL.toml with one beyond 2^53 is refused).
+/// The value of a model's parameter, as [model.parameters] of a MODEL.toml has it.
+/// Whole numbers are kept as doubles; one beyond 2^53 is refused when the MODEL.toml is read.
 using ParameterValue =
     std::variant<bool, double, std::string, std::vector<double>, std::vector<std::string>>;
 
@@ -23,11 +23,11 @@ struct Parameter {
   friend bool operator==(const Parameter&, const Parameter&) = default;
 };
 
-/// The largest state size: 2^20 doubles are 8 MiB; more is a mistake or an attack.
+/// The largest state size: 2^20 doubles are 8 MiB. A larger one is a mistake or an attack.
 inline constexpr std::uint32_t kMaxStateSize = 1u << 20;
 
-/// What a grid keeps beside each state, because the model takes too long for it in the haptic loop
-/// (Sect. 2.2). Found once by the search, interpolated by the player.
+/// What a grid keeps beside each state, because the haptic loop has no time to ask the model for it
+/// (Sect. 2.2). The search computes it once, and play interpolates it.
 struct Stored {
   bool force = false;
   bool energy = false;
@@ -35,22 +35,28 @@ struct Stored {
   friend bool operator==(const Stored&, const Stored&) = default;
 };
 
-/// What stays the same of a sphere that shows the model, whatever the state.
+/// The properties that a sphere of the model's shape has in every state.
 struct Sphere {
   float radius = 0;                      ///< the model's unit of length
   std::array<float, 3> colour{0, 0, 0};  ///< red, green, blue in [0, 1]
-  std::string label;                     ///< of an atom its element's symbol
+  std::string label;                     ///< an atom's is its element's symbol
   friend bool operator==(const Sphere&, const Sphere&) = default;
 };
 inline constexpr std::size_t kMaxLabelSize = 7;
 
-/// The most spheres: viewers get them 25 times a second.
+/// The most spheres; viewers get them 25 times a second.
 inline constexpr std::uint32_t kMaxSpheres = 1u << 20;
+
+/// How many numbers a record's row has (GridSpec says in which order).
+inline std::uint32_t row_size(std::uint32_t state_size, const Stored& stored, std::size_t spheres) {
+  return state_size + (stored.force ? 3 : 0) + (stored.energy ? 1 : 0) +
+         3 * static_cast<std::uint32_t>(spheres);
+}
 
 /// Everything about a grid that is known before its first record is computed.
 ///
-/// A record's numbers are a row: the state, then what is stored with it, in the order force (3,
-/// newtons), energy (1), shape (3 a sphere, x y z, each a float's value).
+/// The numbers of a record are its row: the state, then what is stored with it in the order force
+/// (3, newtons), energy (1), shape (x y z of each sphere, rounded to floats).
 struct GridSpec {
   Box box;
   std::string model;                  ///< the plug-in's or the process's plain name
@@ -58,30 +64,28 @@ struct GridSpec {
   std::uint32_t state_size = 1;       ///< n, the number of components of a state
   double tolerance = 0;               ///< the bound that the model's tolerance function applies
   std::string tolerance_unit;
-  Equality equality;             ///< declared exactly where the model is a process
-  std::uint32_t max_levels = 8;  ///< level limit: levels a point may have, 1 .. kMaxLevels
-  std::string length_unit;       ///< for people, as the next one; may be empty
+  Equality equality;             ///< declared if and only if the model is a process
+  std::uint32_t max_levels = 8;  ///< the most levels that a point may have, 1 .. kMaxLevels
+  std::string length_unit;       ///< for people to read, as is the next one; may be empty
   std::string energy_unit;
-  double hip_radius = 0;  ///< of the ball that the HIP moves, for pictures; 0: none
+  double hip_radius = 0;  ///< of the ball that pictures show at the HIP; 0 when there is none
   Stored stored;
-  std::vector<Sphere> spheres;  ///< where the shape is stored
+  std::vector<Sphere> spheres;  ///< empty when the shape is not stored
 
   std::uint32_t force_offset() const { return state_size; }
   std::uint32_t energy_offset() const { return force_offset() + (stored.force ? 3 : 0); }
   std::uint32_t shape_offset() const { return energy_offset() + (stored.energy ? 1 : 0); }
-  std::uint32_t row_size() const {
-    return shape_offset() + 3 * static_cast<std::uint32_t>(spheres.size());
-  }
+  std::uint32_t row_size() const { return hapgrid::row_size(state_size, stored, spheres.size()); }
 
   friend bool operator==(const GridSpec&, const GridSpec&) = default;
 };
 
-/// The unit of distance() (equality.hpp): the tolerance's. But "of a component" where a plug-in
-/// compares several of them itself: there distance() is a difference of one, and has its unit.
+/// The unit of distance() (equality.hpp), which is the tolerance's. But when a plug-in compares
+/// several components itself, distance() is a difference of one, and this is "of a component".
 std::string distance_unit(const GridSpec& spec);
 
-/// Says in words what differs first between two descriptions, empty when nothing does:
-/// "spacing 0.05 and 0.1".
+/// The first difference of two descriptions in words, as in "spacing 0.05 and 0.1"; empty when they
+/// are equal.
 std::string difference(const GridSpec& a, const GridSpec& b);
 
 }  // namespace hapgrid

@@ -6,8 +6,7 @@
 
 namespace hapgrid {
 
-Fields::Fields(const GridSpec& spec, const std::function<Model()>& create, bool wants_shape)
-    : spec_(spec) {
+Fields::Fields(const GridSpec& spec, const MakeModel& create, bool wants_shape) : spec_(spec) {
   const std::string who = "model " + spec.model + ": ";
   const bool is_process = spec.equality.is_declared();
   if (is_process && !spec.stored.force)
@@ -16,7 +15,7 @@ Fields::Fields(const GridSpec& spec, const std::function<Model()>& create, bool 
                      "(\"stored\": [\"force\"])");
   const bool shape_missing = wants_shape && !spec.stored.shape && !is_process;
   if (!spec.stored.force || shape_missing) {
-    model_.emplace(create());
+    model_ = create();
     if (model_->state_size() != spec.state_size)
       throw ModelError(who + "states of " + std::to_string(model_->state_size()) +
                        " values, the grid has " + std::to_string(spec.state_size));
@@ -26,7 +25,7 @@ Fields::Fields(const GridSpec& spec, const std::function<Model()>& create, bool 
   if (spec.stored.shape)
     spheres_ = spec.spheres;
   else if (model_)
-    spheres_ = model_->spheres();
+    spheres_ = model_->info().spheres;
 }
 
 Vec3 Fields::force(const Vec3& x, std::span<const double> row) const noexcept {

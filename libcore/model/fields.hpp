@@ -1,9 +1,8 @@
-// Force, energy and shape while a grid is played: interpolated from what it keeps with its states
-// (Sect. 2.2 of the paper), or evaluated by its model where it keeps nothing.
+// Force, energy and shape while a grid is played: interpolated from what the grid stores with its
+// states (Sect. 2.2 of the paper), or evaluated by the model where the grid stores nothing.
 #pragma once
 
-#include <functional>
-#include <optional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -11,18 +10,17 @@
 
 namespace hapgrid {
 
-/// One is used by one thread. A row is what the player interpolates: spec.row_size() numbers, the
-/// state first.
+/// For one thread. A row is what the player interpolates: spec.row_size() numbers, the state first.
 class Fields {
  public:
   /// @param spec outlives this.
   /// @param create makes the model; called only where the force, or a wanted shape, is not stored.
-  /// @throw ModelError when no force can be had: the model has none, or it is a process, which no
-  /// haptic loop can wait for; when the model is not the grid's; what `create` throws.
-  Fields(const GridSpec& spec, const std::function<Model()>& create, bool wants_shape);
+  /// @throw ModelError when there is no force: the model has none, or it is a process, for which no
+  /// haptic loop can wait; when the model is not the grid's; what `create` throws.
+  Fields(const GridSpec& spec, const MakeModel& create, bool wants_shape);
 
   bool has_energy() const { return spec_.stored.energy || (model_ && model_->has_energy()); }
-  /// The spheres of shape(); empty where no shape can be had.
+  /// The spheres of shape(); empty where there is no shape.
   const std::vector<Sphere>& spheres() const { return spheres_; }
 
   /// F(x, s) in newtons. Real-time safe, as far as the model is.
@@ -34,7 +32,7 @@ class Fields {
 
  private:
   const GridSpec& spec_;
-  std::optional<Model> model_;
+  std::unique_ptr<Model> model_;
   std::vector<Sphere> spheres_;
 };
 

@@ -1,138 +1,133 @@
-// A model as the tools use it: a plug-in that was found by its plain name, loaded, and created
-// from a grid's parameters (Sect. 2.1 of the paper: C, the tolerance function, F).
+// A model as the tools use it (Sect. 2.1 of the paper: C, the tolerance function, F). Behind it
+// stands a plug-in (plugin_model.hpp) or a process (process_model.hpp).
 #pragma once
 
-#include <filesystem>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "libcore/grid/spec.hpp"
-#include "libcore/model/plugin.h"
-#include "libcore/model/process_model.hpp"
 
 namespace hapgrid {
 
-/// Whether a model can have this name: only letters, digits, '-' and '_', so that it never is a
-/// path.
+/// Whether a model can have this name: it has only letters, digits, '-' and '_', so that it is
+/// never a path.
 bool is_plain(const std::string& name);
 
-/// The directories in which plug-ins are looked for, in this order: `given` (--model-path), the
-/// entries of the environment's HAPGRID_MODEL_PATH, then ../models beside the running program.
-std::vector<std::filesystem::path> model_path(const std::vector<std::string>& given);
+/// What a model says of itself.
+struct ModelInfo {
+  std::uint32_t state_size = 0;
+  double d_max = 0;  ///< conversions are defined for |d| up to this
+  double tolerance = 0;
+  std::string tolerance_unit, length_unit, energy_unit;
+  Equality equality;  ///< a process says its tolerance function in words, a plug-in has it in code
+  double force_scale = 0;  ///< newtons that one energy unit per length unit is on the device
+  double hip_radius = 0;
+  Stored stored;
+  std::vector<Sphere> spheres;  ///< show a state; empty where the model has no shape
 
-class Model;
+  std::uint32_t row_size() const {
+    return hapgrid::row_size(state_size, stored, stored.shape ? spheres.size() : 0);
+  }
+  /// @throw ModelError when a number is out of its range.
+  void validate() const;
+  friend bool operator==(const ModelInfo&, const ModelInfo&) = default;
+};
 
-/// Where models come from: a plug-in, or a command that the user allowed (process_source.hpp).
+/// @throw ModelError when no model can have a shape of so many spheres.
+void require_possible_shape(std::size_t spheres);
+
+/// A conversion to be made: C(s, x, d) into `row`. The caller keeps what the pointers point to
+/// until the conversion is done.
+struct Conversion {
+  const double* s = nullptr;
+  Vec3 x{};
+  Vec3 d{};
+  double* row = nullptr;
+  std::uint64_t tag = 0;  ///< the caller's own
+};
+/// Gives the next conversion to a model, which is idle or has others at work. False when there is
+/// none, or none for a model that is not idle; such a model asks again after its next answer.
+using NextConversion = std::function<bool(Conversion&, bool idle)>;
+/// Takes a conversion that is done, in any order. `error` is one line, empty for success.
+using ConversionDone = std::function<void(const Conversion&, std::string_view error)>;
+
+/// One model, for one thread at a time.
+class Model {
+ public:
+  virtual ~Model() = default;
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  const ModelInfo& info() const { return info_; }
+  std::uint32_t state_size() const { return info_.state_size; }
+  /// How many numbers a grid of this model keeps for each state (GridSpec says in which order).
+  std::uint32_t row_size() const { return row_size_; }
+  /// Whether answers come from a process: slowly, and several at a time.
+  bool is_process() const { return info_.equality.is_declared(); }
+
+  /// The states known a priori at x, row after row (count x n).
+  /// @throw ModelError
+  virtual std::vector<double> known_states(const Vec3& x) = 0;
+  /// C(s, x, d), and what is stored with the state reached, into `row` (row_size() doubles).
+  /// Answers whether it succeeded and every number is finite; error() then says what went wrong.
+  /// No exception: this is the search's inner loop.
+  virtual bool convert(const double* s, const Vec3& x, const Vec3& d, double* row) = 0;
+  /// Makes all conversions that `next` gives.
+  virtual void convert_all(const NextConversion& next, const ConversionDone& done);
+  /// Fills in what is stored with the state at the beginning of `row`, for the HIP at x. Answers as
+  /// convert() does.
+  virtual bool complete(const Vec3& x, double* row) = 0;
+  /// What the last call that failed said.
+  const std::string& error() const { return error_; }
+  /// Says that nothing more will be asked: a process ends by itself then, while others still work.
+  virtual void hang_up() {}
+
+  /// The tolerance function. Real-time safe.
+  virtual bool equal(const double* a, const double* b) const = 0;
+
+  /// Whether the model can be asked for them in the haptic loop. A process cannot.
+  virtual bool has_force() const { return false; }
+  virtual bool has_energy() const { return false; }
+  virtual bool has_shape() const { return false; }
+  /// F(x, s) in newtons; needs has_force(). As real-time safe as the model.
+  virtual Vec3 force(const Vec3& x, const double* s) const;
+  /// The energy of state s with the HIP at x, in info().energy_unit; needs has_energy().
+  virtual double energy(const Vec3& x, const double* s) const;
+  /// The centres of info().spheres in state s, x y z by sphere; needs has_shape().
+  virtual void shape(const double* s, std::span<float> centres) const;
+
+ protected:
+  explicit Model(ModelInfo info) : info_(std::move(info)), row_size_(info_.row_size()) {}
+
+  std::string error_;
+
+ private:
+  ModelInfo info_;
+  std::uint32_t row_size_;
+};
+
+using MakeModel = std::function<std::unique_ptr<Model>()>;
+
+/// Where models come from: a plug-in, or a command that the user allowed.
 class ModelSource {
  public:
   virtual ~ModelSource() = default;
   /// "plug-in" or "process", for messages.
   virtual const char* kind() const = 0;
-  /// One model of several that are used at a time, for one thread each; called by one thread.
-  /// @throw ModelError when the model refuses the parameters or describes itself impossibly.
-  virtual Model create(const std::vector<Parameter>& parameters) const = 0;
+  /// One of several models that are used at a time, each by a thread of its own. One thread calls
+  /// this.
+  /// @throw ModelError when the model refuses the parameters or says something impossible of
+  /// itself.
+  virtual std::unique_ptr<Model> create(const std::vector<Parameter>& parameters) const = 0;
 };
 
-/// A loaded plug-in. Names come from shards, which are hostile: only letters, digits, '-' and '_'
-/// are taken, so that a name never is a path.
-class Plugin : public ModelSource {
- public:
-  /// @throw ModelError when the name is not plain, no directory has NAME.so, or what is there is
-  /// no plug-in of this interface version.
-  Plugin(const std::string& name, const std::vector<std::filesystem::path>& directories);
-
-  const std::string& name() const { return name_; }
-  const std::string& summary() const { return summary_; }
-
-  const char* kind() const override { return "plug-in"; }
-  Model create(const std::vector<Parameter>& parameters) const override;
-
- private:
-  friend class Model;
-  std::string name_;
-  std::string summary_;
-  std::shared_ptr<void> library_;
-  const hapgrid_model_table* table_ = nullptr;
-};
-
-/// One model, for one thread at a time. Movable; keeps its plug-in loaded.
-class Model {
- public:
-  /// One that is a process, or nothing but what a shard says of one.
-  explicit Model(std::unique_ptr<ProcessModel> process);
-
-  const hapgrid_model_info& info() const { return info_; }
-  std::uint32_t state_size() const { return info_.state_size; }
-  bool has_force() const { return table_->force != nullptr; }
-  bool has_energy() const { return table_->energy != nullptr; }
-  bool has_shape() const { return table_->shape != nullptr; }
-
-  /// The states known a priori at x, row after row (count x n).
-  /// @throw ModelError
-  std::vector<double> known_states(const Vec3& x) const;
-
-  /// What a grid of this model keeps beside each state, and how many numbers a row has with it
-  /// (GridSpec says in which order).
-  Stored stored() const;
-  std::uint32_t row_size() const { return row_size_; }
-
-  /// C(s, x, d), and what is stored with the state reached, into `row` (row_size() doubles).
-  /// Answers whether it succeeded and every number is finite; error() then says what went wrong.
-  /// No exception: this is the search's inner loop.
-  bool convert(const double* s, const Vec3& x, const Vec3& d, double* row);
-  /// Fills in what is stored with the state at the beginning of `row`, for the HIP at x. As above.
-  bool complete(const Vec3& x, double* row);
-  /// What the last call that failed said.
-  const std::string& error() const { return error_; }
-
-  /// A process is asked for many conversions at once, and not for one after the other.
-  bool is_process() const { return process_ != nullptr; }
-  /// Of a process: all conversions that `next` gives, in its own order.
-  void convert(const NextConversion& next, const ConversionDone& done) {
-    process_->convert(next, done);
-  }
-  /// Of a process: says that nothing more will be asked, so that it ends while others still work.
-  void hang_up() {
-    if (process_) process_->hang_up();
-  }
-  /// The tolerance function in words, where the model has it in words.
-  Equality equality() const { return process_ ? process_->description().equality : Equality{}; }
-
-  /// The tolerance function. Real-time safe.
-  bool equal(const double* a, const double* b) const {
-    return table_->equal(model_.get(), a, b) != 0;
-  }
-  /// F(x, s) in newtons; needs has_force(). As real-time safe as the model.
-  Vec3 force(const Vec3& x, const double* s) const {
-    Vec3 f{0, 0, 0};
-    table_->force(model_.get(), x.data(), s, f.data());
-    return f;
-  }
-  /// The energy of state s with the HIP at x, in info().energy_unit; needs has_energy().
-  double energy(const Vec3& x, const double* s) const {
-    return table_->energy(model_.get(), x.data(), s);
-  }
-  /// The info().spheres spheres that show a state; empty without has_shape().
-  std::vector<Sphere> spheres() const;
-  /// The centres of the spheres in state s, x y z by sphere; needs has_shape().
-  void shape(const double* s, std::span<float> centres) const {
-    table_->shape(model_.get(), s, centres.data());
-  }
-
- private:
-  friend class Plugin;
-  Model(const Plugin& plugin, hapgrid_model* model);
-
-  std::shared_ptr<void> library_;  // declared first: outlives the model
-  const hapgrid_model_table* table_;
-  std::unique_ptr<hapgrid_model, void (*)(hapgrid_model*)> model_;
-  ProcessModel* process_ = nullptr;  // what model_ is then
-  hapgrid_model_info info_;
-  std::uint32_t row_size_;
-  std::vector<float> centres_;  // a shape on its way into a row
-  std::string error_;
-};
+/// What a shard tells of a model that is a process: it can judge equality, and nothing is started.
+std::unique_ptr<Model> declared_model(const GridSpec& spec);
 
 }  // namespace hapgrid

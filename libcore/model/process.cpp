@@ -14,7 +14,6 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <exception>
 #include <system_error>
 #include <utility>
 
@@ -31,7 +30,6 @@ constexpr std::size_t kReadBytes = 1 << 16;
 constexpr auto kGrace = 2s;        // after the end of its input
 constexpr auto kTermGrace = 1s;    // after SIGTERM
 constexpr auto kEndingGrace = 1s;  // between closing its output and being gone
-constexpr std::size_t kShownCommand = 200;
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -106,13 +104,6 @@ int milliseconds_until(ChildProcess::Clock::time_point deadline) {
 }
 
 }  // namespace
-
-std::string to_text(const Command& command) {
-  std::string text;
-  for (const std::string& word : command.words) text += (text.empty() ? "" : " ") + word;
-  if (text.size() > kShownCommand) text = text.substr(0, kShownCommand) + "...";
-  return text;
-}
 
 ChildProcess::ChildProcess(const Command& command) : buffer_(kReadBytes, '\0') {
   const fs::path file = find_program(command);
@@ -219,7 +210,7 @@ bool ChildProcess::wait_until(Clock::time_point deadline) {
   // Most end at once when their input does.
   for (auto pause = 100us; !ended(); pause = std::min(2 * pause, 20'000us)) {
     if (Clock::now() >= deadline) return false;
-    // Who still writes must not wait for a reader.
+    // A child that still writes must not wait for a reader.
     char ignored[4096];
     if (from_)
       while (::read(from_.get(), ignored, sizeof ignored) > 0) {
@@ -266,46 +257,25 @@ std::string ChildProcess::how_it_ended() {
   return by_itself ? how : "closed its standard output and stayed";
 }
 
-Starter::Starter() : thread_([this] { work(); }) {}
-
-Starter::~Starter() {
-  {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-}
-
-void Starter::work() {
-  std::unique_lock lock(mutex_);
-  for (;;) {
-    changed_.wait(lock, [this] { return stop_ || task_; });
-    if (!task_) return;
-    task_();
-    task_ = nullptr;
-    changed_.notify_all();
-  }
-}
+Starter::Starter()
+    : thread_([this](std::stop_token stop) {
+        std::unique_lock lock(mutex_);
+        while (changed_.wait(lock, stop, [this] { return !tasks_.empty(); })) {
+          tasks_.front()();
+          tasks_.pop_front();
+        }
+      }) {}
 
 std::unique_ptr<ChildProcess> Starter::start(const Command& command) {
-  std::unique_ptr<ChildProcess> child;
-  std::exception_ptr failure;
-  bool done = false;
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return !task_; });
-  task_ = [&] {
-    try {
-      child = std::make_unique<ChildProcess>(command);
-    } catch (...) {
-      failure = std::current_exception();
-    }
-    done = true;
-  };
+  std::packaged_task<std::unique_ptr<ChildProcess>()> task(
+      [&command] { return std::make_unique<ChildProcess>(command); });
+  auto child = task.get_future();
+  {
+    const std::lock_guard lock(mutex_);
+    tasks_.push_back(std::move(task));
+  }
   changed_.notify_all();
-  changed_.wait(lock, [&done] { return done; });
-  if (failure) std::rethrow_exception(failure);
-  return child;
+  return child.get();
 }
 
 NoSigpipe::NoSigpipe() {

@@ -1,13 +1,14 @@
-// A child process that is spoken to in lines: what it takes to start one, feed it, hear it, notice
-// how it ended, and be sure that it is gone.
+// A child process that reads and writes lines: starts it, feeds it, hears it, notices how it ended,
+// and makes sure that it is gone.
 #pragma once
 
 #include <sys/types.h>
 
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <filesystem>
-#include <functional>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -24,9 +25,6 @@ struct Command {
   std::vector<std::string> words;   ///< program and arguments; the program is looked up in PATH
   std::filesystem::path directory;  ///< where it runs, and where "./program" is looked for
 };
-
-/// The words with spaces between, for messages; long ones are cut.
-std::string to_text(const Command& command);
 
 /// The child has pipes as standard input and output and inherits standard error; every other file
 /// of this process is closed in it, and it leads a process group of its own, so that a Ctrl-C at
@@ -47,7 +45,8 @@ class ChildProcess {
   void send(std::string_view text) { out_ += text; }
 
   enum class Event { kMoved, kTimeout, kEnded };
-  /// Writes and reads what can be without waiting; waits until `deadline` at most when nothing can.
+  /// Writes and reads what it can without waiting; if it can do neither, waits until `deadline` at
+  /// most.
   /// kEnded: the child has closed its output, or its input while there was something to write.
   /// The calling thread must hold SIGPIPE back (NoSigpipe).
   Event pump(Clock::time_point deadline);
@@ -62,7 +61,7 @@ class ChildProcess {
   void end();
   /// Kills it at once.
   void kill();
-  /// After kEnded: how it did, "exited with status 3". Kills one that lives on.
+  /// After kEnded: how the child ended, "exited with status 3". Kills a child that lives on.
   std::string how_it_ended();
 
  private:
@@ -81,26 +80,20 @@ class ChildProcess {
 };
 
 /// Starts children from a thread of its own, which lives as long as this object: workers come and
-/// go, and a child is killed with the thread that started it - so it dies with this program,
-/// however that ends. Children must not outlive it.
+/// go, and a child is killed with the thread that started it. So it dies with this program, however
+/// that ends. Children must not outlive the starter.
 class Starter {
  public:
   Starter();
-  ~Starter();
-  Starter(const Starter&) = delete;
-  Starter& operator=(const Starter&) = delete;
 
   /// From any thread. @throw what ChildProcess throws.
   std::unique_ptr<ChildProcess> start(const Command& command);
 
  private:
-  void work();
-
   std::mutex mutex_;
-  std::condition_variable changed_;
-  std::function<void()> task_;
-  bool stop_ = false;
-  std::thread thread_;
+  std::condition_variable_any changed_;
+  std::deque<std::packaged_task<std::unique_ptr<ChildProcess>()>> tasks_;
+  std::jthread thread_;
 };
 
 /// Holds SIGPIPE back in the calling thread, so that writing to a child that died is an error and

@@ -1,155 +1,233 @@
+// Many questions are on their way to a process at once. A process that dies or hangs is replaced by
+// another, and the questions that it had are asked again.
+//
+// When a process fails, any of the questions that it had may be to blame. Each of them is asked
+// again alone, so that one that kills every process cannot take others with it, and it fails after
+// kMaxAttempts in all. What is reached does not depend on any of this: an answer belongs to its
+// question by its id.
 #include "libcore/model/process_model.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <deque>
+#include <optional>
 #include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/model/process.hpp"
+#include "libcore/model/protocol.hpp"
 
 namespace hapgrid {
 
+/// What all copies of one model process share.
+struct ProcessGroup {
+  Command command;
+  ProcessOptions options;
+  std::string handshake;
+  std::optional<ModelInfo> info;  // what the first process said; all later ones must say the same
+  Starter starter;
+};
+
 namespace {
+
+constexpr unsigned kMaxAttempts = 3;  // for one question, and to start a process
 
 std::chrono::nanoseconds nanoseconds(double seconds) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::duration<double>(seconds));
 }
 
-std::string ending(ChildProcess& child) {
+std::string how_it_ended(ChildProcess& child) {
   const std::string last_words = printable_line(child.rest());
   return child.how_it_ended() + (last_words.empty() ? "" : " (last words: '" + last_words + "')");
 }
 
-}  // namespace
-
-ProcessModel::ProcessModel(std::shared_ptr<ProcessGroup> group) : group_(std::move(group)) {
-  const NoSigpipe no_sigpipe;
-  if (const std::string why = start(); !why.empty()) throw ModelError(why);
-  fill_table();
+std::string who(const ProcessGroup& group, const std::string& what) {
+  return "process '" + command_text(group.command.words) + "' " + what;
 }
 
-ProcessModel::ProcessModel(std::shared_ptr<ProcessGroup> group, Description expected)
-    : group_(std::move(group)), description_(std::move(expected)), described_(true) {
-  fill_table();
+/// Waits for the first line of a process. @throw Error
+ModelInfo hear_first_line(const ProcessGroup& group, ChildProcess& child) {
+  const double seconds =
+      std::max(group.options.timeout_seconds, group.options.start_timeout_seconds);
+  const auto deadline = ChildProcess::Clock::now() + nanoseconds(seconds);
+  std::string_view line;
+  while (!child.next_line(line)) {
+    if (child.rest().size() > kMaxFirstLineBytes)
+      throw ModelError("wrote a first line that does not end");
+    const ChildProcess::Event event = child.pump(deadline);
+    if (event == ChildProcess::Event::kEnded)
+      throw ModelError(how_it_ended(child) + " before it had said what it is");
+    if (event == ChildProcess::Event::kTimeout)
+      throw ModelError("did not say what it is within " + to_text(seconds) + " s");
+  }
+  return read_first_line(line);
 }
 
-void ProcessModel::fill_table() {
-  table_.interface_version = HAPGRID_MODEL_INTERFACE;
-  table_.equal = [](const hapgrid_model* model, const double* a, const double* b) -> int {
-    const Description& d = of(model).description_;
-    return are_equal(d.equality, d.tolerance, d.state_size, a, b);
-  };
-}
+struct Started {
+  std::unique_ptr<ChildProcess> child;
+  ModelInfo info;
+};
 
-std::string ProcessModel::who(const std::string& what) const {
-  return "process '" + to_text(group_->command) + "' " + what;
-}
-
-/// Starts a process and hears its description. Answers why that failed, empty when it did not.
-/// @throw RefusedError when the model refuses its parameters
-std::string ProcessModel::start() {
-  if (!group_) return "this model's process was not started";
+/// @throw RefusedError when the model refuses its parameters; ModelError
+Started start(ProcessGroup& group) {
+  Started started;
   try {
-    child_ = group_->starter.start(group_->command);
-    child_->send(group_->handshake);
-    const ProcessOptions& options = group_->options;
-    const double seconds = std::max(options.timeout_seconds, options.start_timeout_seconds);
-    const auto limit = Clock::now() + nanoseconds(seconds);
-    std::string_view line;
-    while (!child_->next_line(line)) {
-      if (child_->rest().size() > kMaxDescriptionBytes)
-        throw ModelError("wrote a first line that does not end");
-      const ChildProcess::Event event = child_->pump(limit);
-      if (event == ChildProcess::Event::kEnded)
-        throw ModelError(ending(*child_) + " before it had said what it is");
-      if (event == ChildProcess::Event::kTimeout)
-        throw ModelError("did not say what it is within " + to_text(seconds) + " s");
-    }
-    Description description = read_description(line);
-    if (described_ && !(description == description_))
-      throw ModelError("says another thing of itself than at its first start");
-    description_ = std::move(description);
-    described_ = true;
-    return "";
+    started.child = group.starter.start(group.command);
+    started.child->send(group.handshake);
+    started.info = hear_first_line(group, *started.child);
+    if (group.info && started.info != *group.info)
+      throw ModelError("says other things of itself than at its first start");
+    return started;
   } catch (const RefusedError&) {
-    child_.reset();
     throw;
   } catch (const Error& e) {
-    if (child_) child_->kill();
-    child_.reset();
-    return who(e.what());
+    if (started.child) started.child->kill();
+    throw ModelError(who(group, e.what()));
   }
 }
 
-void ProcessModel::hang_up() {
-  if (child_) child_->hang_up();
+class ProcessModel final : public Model {
+ public:
+  /// @param child a process that has said what it is; without one, it starts with the first
+  /// question.
+  ProcessModel(std::shared_ptr<ProcessGroup> group, std::unique_ptr<ChildProcess> child)
+      : Model(*group->info), group_(std::move(group)), child_(std::move(child)) {}
+
+  std::vector<double> known_states(const Vec3& x) override {
+    std::vector<double> states;
+    Question question{.operation = Operation::kKnownStates, .states = &states};
+    question.conversion.x = x;
+    if (!ask(question)) throw ModelError("known states: " + error_);
+    return states;
+  }
+  bool convert(const double* s, const Vec3& x, const Vec3& d, double* row) override {
+    return ask({.operation = Operation::kConvert, .conversion = {s, x, d, row, 0}});
+  }
+  bool complete(const Vec3& x, double* row) override {
+    return ask({.operation = Operation::kEvaluate, .conversion = {row, x, {}, row, 0}});
+  }
+  void convert_all(const NextConversion& next, const ConversionDone& done) override {
+    ask_all([&](Question& question, bool idle) { return next(question.conversion, idle); },
+            [&](const Question& question, std::string_view e) { done(question.conversion, e); });
+  }
+  void hang_up() override {
+    if (child_) child_->hang_up();
+  }
+  bool equal(const double* a, const double* b) const override {
+    return are_equal(info().equality, info().tolerance, state_size(), a, b);
+  }
+
+ private:
+  using Clock = ChildProcess::Clock;
+
+  struct Question {
+    Operation operation = Operation::kConvert;
+    Conversion conversion{};
+    std::vector<double>* states = nullptr;
+    std::uint64_t id = 0;
+    unsigned attempts = 0;
+    Clock::time_point sent{};
+  };
+  using NextQuestion = std::function<bool(Question&, bool idle)>;
+  using QuestionDone = std::function<void(const Question&, std::string_view error)>;
+
+  bool ask(const Question& question);
+  void ask_all(const NextQuestion& next, const QuestionDone& done);
+  bool has_room() const;
+  bool require_child();
+  bool send(Question question);
+  Clock::time_point deadline() const;
+  std::string listen(const QuestionDone& done);
+  void take_lines(const QuestionDone& done);
+  void take_answer(const QuestionDone& done);
+  void give_up(const std::string& why, const QuestionDone& done);
+
+  std::shared_ptr<ProcessGroup> group_;  // declared first: its starter outlives the child
+  std::unique_ptr<ChildProcess> child_;
+  std::uint64_t last_id_ = 0;
+  std::vector<Question> sent_;  // and not answered, ascending by id
+  std::deque<Question> again_;  // lost with a process, in the order in which they were first sent
+  Clock::time_point last_answer_;
+  Answer answer_;
+  std::string line_;
+  std::string dead_;  // why no process can be started any more
+};
+
+bool ProcessModel::ask(const Question& question) {
+  bool is_asked = false;
+  ask_all(
+      [&](Question& next, bool) {
+        next = question;
+        return !std::exchange(is_asked, true);
+      },
+      [this](const Question&, std::string_view error) { error_ = error; });
+  return error_.empty();
 }
 
-bool ProcessModel::send(Request& request, std::string& why) {
+void ProcessModel::ask_all(const NextQuestion& next, const QuestionDone& done) {
+  const NoSigpipe no_sigpipe;
+  for (;;) {
+    while (has_room()) {
+      Question question;
+      if (!again_.empty()) {
+        question = again_.front();
+        again_.pop_front();
+      } else if (!next(question, sent_.empty())) {
+        break;
+      }
+      if (!send(question)) done(question, dead_);
+    }
+    if (sent_.empty()) return;
+    if (const std::string why = listen(done); !why.empty()) give_up(why, done);
+  }
+}
+
+/// Whether the process may have another question: one that is asked again is asked alone.
+bool ProcessModel::has_room() const {
+  const bool alone = !again_.empty() || (!sent_.empty() && sent_.front().attempts > 1);
+  return sent_.size() < (alone ? 1 : group_->options.in_flight);
+}
+
+/// Answers whether there is a process; dead_ says why there can be none.
+bool ProcessModel::require_child() {
   for (unsigned attempt = 1; !child_ && dead_.empty(); ++attempt) {
     try {
-      why = start();
+      child_ = start(*group_).child;
     } catch (const RefusedError& e) {
-      why = who(std::string("now refuses its parameters: ") + e.what());
-      attempt = kMaxAttempts;
+      dead_ = who(*group_, std::string("now refuses its parameters: ") + e.what());
+    } catch (const ModelError& e) {
+      if (attempt == kMaxAttempts) dead_ = e.what();
     }
-    if (!child_ && attempt >= kMaxAttempts) dead_ = why;
   }
-  if (!child_) {
-    why = dead_;
-    return false;
-  }
-  request.id = ++last_id_;
-  ++request.attempts;
-  request.sent = Clock::now();
+  return child_ != nullptr;
+}
+
+bool ProcessModel::send(Question question) {
+  if (!require_child()) return false;
+  question.id = ++last_id_;
+  ++question.attempts;
+  question.sent = Clock::now();
   line_.clear();
-  const Conversion& c = request.conversion;
-  append_request(line_, request.id, request.operation, description_.state_size, c.s, c.x, c.d);
+  const Conversion& c = question.conversion;
+  append_question(line_, question.id, question.operation, state_size(), c.s, c.x, c.d);
   child_->send(line_);
-  flying_.push_back(request);
+  sent_.push_back(question);
   return true;
 }
 
-/// A process that works on one request after the other is given the whole limit for each; one that
-/// answers others and never this one is not waited for longer than if it did so.
+/// A process that works on one question after the other is given the whole limit for each. One that
+/// answers others and never this one gets no more time than if it did so.
 ProcessModel::Clock::time_point ProcessModel::deadline() const {
   const auto limit = nanoseconds(group_->options.timeout_seconds);
-  const Clock::time_point oldest = flying_.front().sent;
+  const Clock::time_point oldest = sent_.front().sent;
   return std::min(std::max(oldest, last_answer_) + limit,
                   oldest + group_->options.in_flight * limit);
 }
 
-void ProcessModel::take_lines(const std::function<void(const Request&, const std::string&)>& done) {
-  std::string_view line;
-  while (child_->next_line(line)) {
-    read_answer(line, answer_);
-    const auto found = std::find_if(flying_.begin(), flying_.end(),
-                                    [&](const Request& r) { return r.id == answer_.id; });
-    if (found == flying_.end())
-      throw ModelError("answered a request " + std::to_string(answer_.id) +
-                       " that it does not have");
-    if (!answer_.has_error) {
-      if (found->operation == Operation::kKnownStates)
-        *found->states = take_states(answer_, description_);
-      else
-        take_row(answer_, description_, found->operation, found->conversion.row);
-    }
-    const Request request = *found;
-    flying_.erase(found);
-    last_answer_ = Clock::now();
-    done(request, !answer_.has_error      ? ""
-                  : answer_.error.empty() ? "no reason given"
-                                          : answer_.error);
-  }
-  const Operation operation = flying_.empty() ? Operation::kConvert : flying_.front().operation;
-  if (child_->rest().size() > max_answer_bytes(description_, operation))
-    throw ModelError("wrote a line of more than " +
-                     std::to_string(max_answer_bytes(description_, operation)) + " bytes");
-}
-
 /// Hears what comes next. Answers why the process is of no use any more, empty while it is.
-std::string ProcessModel::listen(
-    const std::function<void(const Request&, const std::string&)>& done) {
+std::string ProcessModel::listen(const QuestionDone& done) {
   try {
     switch (child_->pump(deadline())) {
       case ChildProcess::Event::kMoved:
@@ -161,77 +239,90 @@ std::string ProcessModel::listen(
       case ChildProcess::Event::kEnded:
         break;
     }
-    throw ModelError(ending(*child_));
+    throw ModelError(how_it_ended(*child_));
   } catch (const ModelError& e) {
     child_->kill();
     child_.reset();
-    return who(e.what());
+    return who(*group_, e.what());
   }
 }
 
-void ProcessModel::run(const std::function<bool(Request&, bool)>& next,
-                       const std::function<void(const Request&, const std::string&)>& done) {
-  const NoSigpipe no_sigpipe;
-  std::deque<Request> again;  // ascending by the order in which they were asked first
-  for (;;) {
-    const auto room = [&] {
-      const bool alone = !again.empty() || (!flying_.empty() && flying_.front().attempts > 1);
-      return flying_.size() < (alone ? 1 : group_ ? group_->options.in_flight : 1);
-    };
-    while (room()) {
-      Request request;
-      if (!again.empty()) {
-        request = again.front();
-        again.pop_front();
-      } else if (!next(request, flying_.empty())) {
-        break;
-      }
-      if (std::string why; !send(request, why)) done(request, why);
-    }
-    if (flying_.empty()) return;
-    const std::string why = listen(done);
-    if (why.empty()) continue;
-    for (auto request = flying_.rbegin(); request != flying_.rend(); ++request)
-      if (request->attempts < kMaxAttempts) again.push_front(*request);
-    const std::vector<Request> lost = std::exchange(flying_, {});
-    for (const Request& request : lost)
-      if (request.attempts >= kMaxAttempts)
-        done(request, why + "; asked " + std::to_string(request.attempts) + " times");
+void ProcessModel::take_lines(const QuestionDone& done) {
+  std::string_view line;
+  while (child_->next_line(line)) {
+    read_answer(line, answer_);
+    take_answer(done);
+  }
+  const std::size_t limit =
+      max_answer_bytes(info(), sent_.empty() ? Operation::kConvert : sent_.front().operation);
+  if (child_->rest().size() > limit)
+    throw ModelError("wrote a line of more than " + std::to_string(limit) + " bytes");
+}
+
+void ProcessModel::take_answer(const QuestionDone& done) {
+  const auto found = std::find_if(sent_.begin(), sent_.end(),
+                                  [&](const Question& q) { return q.id == answer_.id; });
+  if (found == sent_.end())
+    throw ModelError("answered a question " + std::to_string(answer_.id) +
+                     " that it does not have");
+  if (!answer_.has_error) {
+    if (found->operation == Operation::kKnownStates)
+      *found->states = take_states(answer_, info());
+    else
+      take_row(answer_, info(), found->operation, found->conversion.row);
+  }
+  const Question question = *found;
+  sent_.erase(found);
+  last_answer_ = Clock::now();
+  if (answer_.has_error && answer_.error.empty()) answer_.error = "no reason given";
+  done(question, answer_.has_error ? answer_.error : std::string_view());
+}
+
+/// Takes back the questions that a lost process had: each is asked again, or fails with `why`.
+void ProcessModel::give_up(const std::string& why, const QuestionDone& done) {
+  const std::vector<Question> lost = std::exchange(sent_, {});
+  for (auto question = lost.rbegin(); question != lost.rend(); ++question)
+    if (question->attempts < kMaxAttempts) again_.push_front(*question);
+  for (const Question& question : lost)
+    if (question.attempts >= kMaxAttempts)
+      done(question, why + "; asked " + std::to_string(question.attempts) + " times");
+}
+
+}  // namespace
+
+ProcessSource::ProcessSource(std::string name, std::vector<std::string> command,
+                             std::filesystem::path directory, const ProcessOptions& options)
+    : name_(std::move(name)),
+      command_(std::move(command)),
+      directory_(std::move(directory)),
+      options_(options) {}
+
+std::unique_ptr<Model> ProcessSource::create(const std::vector<Parameter>& parameters) const {
+  try {
+    std::string handshake = handshake_line(parameters);
+    if (group_ && group_->handshake == handshake)
+      return std::make_unique<ProcessModel>(group_, nullptr);
+    group_.reset();
+    auto group = std::make_shared<ProcessGroup>();
+    group->command = {command_, directory_};
+    group->options = options_;
+    group->handshake = std::move(handshake);
+    const NoSigpipe no_sigpipe;
+    Started first = start(*group);
+    group->info = std::move(first.info);
+    group_ = group;
+    return std::make_unique<ProcessModel>(group_, std::move(first.child));
+  } catch (const ModelError& e) {
+    throw ModelError("model " + name_ + ": " + e.what());
   }
 }
 
-void ProcessModel::convert(const NextConversion& next, const ConversionDone& done) {
-  run([&next](Request& request, bool idle) { return next(request.conversion, idle); },
-      [&done](const Request& request, const std::string& error) {
-        done(request.conversion, error);
-      });
-}
-
-std::string ProcessModel::ask(const Request& request) {
-  std::string result;
-  bool asked = false;
-  run(
-      [&](Request& next, bool) {
-        next = request;
-        return !std::exchange(asked, true);
-      },
-      [&result](const Request&, const std::string& error) { result = error; });
-  return result;
-}
-
-std::string ProcessModel::evaluate(const Vec3& x, double* row) {
-  Request request;
-  request.operation = Operation::kEvaluate;
-  request.conversion = {row, x, {}, row, 0};
-  return ask(request);
-}
-
-std::string ProcessModel::known_states(const Vec3& x, std::vector<double>& states) {
-  Request request;
-  request.operation = Operation::kKnownStates;
-  request.conversion.x = x;
-  request.states = &states;
-  return ask(request);
+std::string command_text(const std::vector<std::string>& command) {
+  constexpr std::size_t kShown = 200;
+  std::string text;
+  for (const std::string& word : command) text += (text.empty() ? "" : " ") + word;
+  if (text.size() > kShown) text = text.substr(0, kShown) + "...";
+  return text;
 }
 
 }  // namespace hapgrid

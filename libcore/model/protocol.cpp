@@ -18,15 +18,8 @@ constexpr std::size_t kLineBytes = 4096;  // everything in an answer that is no 
 
 [[noreturn]] void fail(const std::string& what) { throw ModelError(what); }
 
-/// What nlohmann's exceptions say, without their own prefix "[json.exception...] ".
-std::string reason(const Json::exception& e) {
-  const std::string what = e.what();
-  const std::size_t end = what.find("] ");
-  return printable_line(end == what.npos ? what : what.substr(end + 2));
-}
-
-/// Takes an answer apart while it is parsed: no tree of the line is built. Keys that nobody knows
-/// are passed over.
+/// Takes an answer apart while it is parsed: no tree of the line is built. Unknown keys are passed
+/// over.
 class AnswerReader final : public nlohmann::json_sax<Json> {
  public:
   explicit AnswerReader(Answer& answer) : answer_(answer) {
@@ -101,7 +94,7 @@ class AnswerReader final : public nlohmann::json_sax<Json> {
     return true;
   }
   bool parse_error(std::size_t, const std::string&, const Json::exception& e) override {
-    failure_ = "no JSON: " + reason(e);
+    failure_ = "no JSON: " + json_reason(e);
     return false;
   }
 
@@ -132,8 +125,7 @@ class AnswerReader final : public nlohmann::json_sax<Json> {
     if (field_ == Field::kStates) ++answer_.states_sizes.back();
     return true;
   }
-  /// Something that is no number where it should be one; anything is right in a key that is not
-  /// known.
+  /// Takes a value that is none of the numbers wanted: right only under an unknown key.
   bool other() {
     if (depth_ == 0) return complain("no JSON object");
     if (field_ == Field::kOther) return true;
@@ -182,8 +174,8 @@ void append_number(std::string& text, double value) {
   text.append(digits, end);
 }
 
-void append_request(std::string& text, std::uint64_t id, Operation operation, std::uint32_t n,
-                    const double* s, const Vec3& x, const Vec3& d) {
+void append_question(std::string& text, std::uint64_t id, Operation operation, std::uint32_t n,
+                     const double* s, const Vec3& x, const Vec3& d) {
   static constexpr const char* kNames[] = {"convert", "known_states", "evaluate"};
   char digits[24];
   text += "{\"id\": ";
@@ -197,10 +189,10 @@ void append_request(std::string& text, std::uint64_t id, Operation operation, st
   text += "}\n";
 }
 
-std::size_t max_answer_bytes(const Description& description, Operation operation) {
+std::size_t max_answer_bytes(const ModelInfo& model, Operation operation) {
   return kLineBytes + kNumberBytes * (operation == Operation::kKnownStates
-                                          ? std::size_t{kMaxLevels} * description.state_size
-                                          : description.row_size());
+                                          ? std::size_t{kMaxLevels} * model.state_size
+                                          : model.row_size());
 }
 
 void read_answer(std::string_view line, Answer& answer) {
@@ -211,14 +203,13 @@ void read_answer(std::string_view line, Answer& answer) {
   if (!parsed || !why.empty()) fail("answered '" + printable_line(line) + "': " + why);
 }
 
-void take_row(const Answer& answer, const Description& description, Operation operation,
-              double* row) {
-  const Stored& stored = description.stored;
+void take_row(const Answer& answer, const ModelInfo& model, Operation operation, double* row) {
+  const Stored& stored = model.stored;
   if (operation == Operation::kConvert) {
-    require_count("s", answer.s.size(), description.state_size);
+    require_count("s", answer.s.size(), model.state_size);
     std::copy(answer.s.begin(), answer.s.end(), row);
   }
-  double* out = row + description.state_size;
+  double* out = row + model.state_size;
   const auto keep = [&out](const char* what, const std::vector<double>& numbers,
                            std::size_t expected) {
     require_count(what, numbers.size(), expected);
@@ -227,7 +218,7 @@ void take_row(const Answer& answer, const Description& description, Operation op
   if (stored.force) keep("force", answer.force, 3);
   if (stored.energy) keep("energy", answer.energy, 1);
   if (stored.shape) {
-    require_count("shape", answer.shape.size(), 3 * description.spheres.size());
+    require_count("shape", answer.shape.size(), 3 * model.spheres.size());
     for (const double centre : answer.shape) {
       if (!(std::abs(centre) <= std::numeric_limits<float>::max()))
         fail("an answer with a centre in \"shape\" that is too large");
@@ -236,12 +227,12 @@ void take_row(const Answer& answer, const Description& description, Operation op
   }
 }
 
-std::vector<double> take_states(const Answer& answer, const Description& description) {
+std::vector<double> take_states(const Answer& answer, const ModelInfo& model) {
   if (!answer.has_states) fail("an answer without \"states\"");
   for (const std::uint32_t size : answer.states_sizes)
-    if (size != description.state_size)
+    if (size != model.state_size)
       fail("an answer with a state of " + std::to_string(size) + " components, not " +
-           std::to_string(description.state_size));
+           std::to_string(model.state_size));
   if (answer.states_sizes.size() > static_cast<std::size_t>(kMaxLevels))
     fail(std::to_string(answer.states_sizes.size()) + " states at one point, the limit is " +
          std::to_string(kMaxLevels));

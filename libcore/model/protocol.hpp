@@ -1,5 +1,6 @@
-// Requests to a model process and its answers, as PROTOCOL.md describes them: written by hand,
-// since there are millions of them, and read with a parser that takes nothing for granted.
+// Questions to a model process and its answers, as PROTOCOL.md has them: questions are written by
+// hand, since there are millions of them, and answers are read by a parser that takes nothing for
+// granted.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +18,13 @@ void append_number(std::string& text, double value);
 
 enum class Operation { kConvert, kKnownStates, kEvaluate };
 
-/// Appends one request with its end. `s` (n components) is not used by kKnownStates, `d` by
-/// kConvert alone.
-void append_request(std::string& text, std::uint64_t id, Operation operation, std::uint32_t n,
-                    const double* s, const Vec3& x, const Vec3& d);
+/// Appends one question with its end. kKnownStates does not use `s` (n components); only kConvert
+/// uses `d`.
+void append_question(std::string& text, std::uint64_t id, Operation operation, std::uint32_t n,
+                     const double* s, const Vec3& x, const Vec3& d);
 
-/// The longest answer: generous blanks and digits for all numbers it can have.
-std::size_t max_answer_bytes(const Description& description, Operation operation);
+/// The longest answer that is taken: it has room for all numbers, with generous blanks and digits.
+std::size_t max_answer_bytes(const ModelInfo& model, Operation operation);
 
 /// One answer; the vectors keep their storage from line to line.
 struct Answer {
@@ -36,16 +37,15 @@ struct Answer {
   std::vector<std::uint32_t> states_sizes;  ///< how many components each of `states` has
 };
 
-/// @throw ModelError, one line: no JSON, no object, an id that is missing, entries of wrong types.
+/// @throw ModelError, one line: no JSON, no object, no id, entries of wrong types.
 void read_answer(std::string_view line, Answer& answer);
 
-/// Writes an answer's row: state and what is stored with it. kEvaluate answers no state, and that
-/// part of `row` stays as it is.
-/// @throw ModelError when a number is missing, too much or too large.
-void take_row(const Answer& answer, const Description& description, Operation operation,
-              double* row);
+/// Writes an answer's row: the state and what is stored with it. An answer to kEvaluate has no
+/// state, and that part of `row` stays as it is.
+/// @throw ModelError when there are too few or too many numbers, or one is too large.
+void take_row(const Answer& answer, const ModelInfo& model, Operation operation, double* row);
 
 /// An answer's known states, row after row. @throw ModelError
-std::vector<double> take_states(const Answer& answer, const Description& description);
+std::vector<double> take_states(const Answer& answer, const ModelInfo& model);
 
 }  // namespace hapgrid

@@ -4,7 +4,9 @@
 #include <bit>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/grid/describe.hpp"
@@ -12,29 +14,117 @@
 namespace hapgrid {
 
 namespace {
-// A thread takes the directions of this many records at a time at most: enough to make taking them
-// cheap, few enough that the last ones do not wait for a single thread.
-constexpr std::uint64_t kMaxShare = 16;
 
 thread_local CurrentConversion current;
+
+/// Conversions of a batch that one thread makes: `count` of them, from those that `todo` leaves of
+/// record `i` on.
+struct Stretch {
+  std::size_t i = 0;
+  DirectionMask todo = 0;
+  std::uint64_t count = 0;
+  std::uint64_t done = 0;
+};
+
+/// Deals out the conversions of a batch in ascending order, and remembers the first that failed.
+/// Which one that is does not depend on the threads: no conversion behind one that failed is given
+/// out, and all before it are.
+class Dealer {
+ public:
+  Dealer(const Batch& batch, std::size_t models, bool one_by_one) : batch_(batch) {
+    for (std::size_t i = 0; i < batch.size(); ++i)
+      left_ += static_cast<std::uint64_t>(std::popcount(batch.todo(i)));
+    threads_ = std::min<std::uint64_t>(models, left_);
+    if (batch.size() > 0) rest_.todo = batch.todo(0);
+    // Long enough to make taking one cheap, short enough that the last ones do not wait for a
+    // single thread. Of a process, an answer that takes long holds up nothing else.
+    constexpr std::uint64_t kMaxStretch = 16 * kDirections;
+    if (!one_by_one) stretch_ = std::clamp<std::uint64_t>(left_ / (8 * models), 1, kMaxStretch);
+  }
+
+  std::uint64_t threads() const { return threads_; }
+
+  /// Steps to the next conversion, a tag that names(), or answers false.
+  bool next(Stretch& mine, bool idle, std::uint64_t& tag) {
+    if (mine.count == 0 && !take(mine, idle)) return false;
+    while (mine.todo == 0) mine.todo = batch_.todo(++mine.i);
+    tag = mine.i * 32 + static_cast<unsigned>(std::countr_zero(mine.todo));
+    if (tag > failed_.load(std::memory_order_relaxed)) return false;
+    mine.todo &= mine.todo - 1;
+    --mine.count;
+    return true;
+  }
+
+  void fail(std::uint64_t tag, std::string_view why) {
+    const std::lock_guard lock(mutex_);
+    if (tag >= failed_) return;
+    failed_ = tag;
+    why_ = why;
+  }
+  /// Gives out nothing more.
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    left_ = 0;
+  }
+  /// @throw ModelError for the first conversion that failed
+  void require_success(const Box& box) const {
+    if (failed_ == kNone) return;
+    throw ModelError("conversion at " +
+                     describe(box, batch_.point(failed_ / 32), batch_.level(failed_ / 32)) +
+                     ", direction " + std::to_string(failed_ % 32) + ": " + why_);
+  }
+
+ private:
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+
+  bool take(Stretch& mine, bool idle) {
+    const std::lock_guard lock(mutex_);
+    // The last ones are for models that have nothing to do, not for a second place in a queue.
+    if (left_ == 0 || (!idle && left_ < threads_)) return false;
+    mine.i = rest_.i;
+    mine.todo = rest_.todo;
+    mine.count = std::min(stretch_, left_);
+    left_ -= mine.count;
+    for (std::uint64_t skip = mine.count; left_ > 0 && skip > 0;) {
+      const auto here = static_cast<std::uint64_t>(std::popcount(rest_.todo));
+      if (here > skip) {
+        for (; skip > 0; --skip) rest_.todo &= rest_.todo - 1;
+      } else {
+        skip -= here;
+        rest_.todo = batch_.todo(++rest_.i);
+      }
+    }
+    return true;
+  }
+
+  const Batch& batch_;
+  std::uint64_t stretch_ = 1;
+  std::uint64_t threads_ = 0;
+  std::mutex mutex_;
+  std::uint64_t left_ = 0;
+  Stretch rest_;
+  std::atomic<std::uint64_t> failed_{kNone};  // a tag: 32 i + direction
+  std::string why_;
+};
+
 }  // namespace
 
-Model create_model(const ModelSource& source, const GridSpec& spec) {
-  Model model = source.create(spec.parameters);
-  const std::string changed =
-      std::string("; was the ") + source.kind() + " changed since the grid was seeded?";
-  const hapgrid_model_info& info = model.info();
-  if (info.state_size != spec.state_size)
-    throw ModelError("model " + spec.model + ": states of " + std::to_string(info.state_size) +
-                     " components, the grid has " + std::to_string(spec.state_size) + changed);
-  if (info.tolerance != spec.tolerance || spec.tolerance_unit != info.tolerance_unit)
-    throw ModelError("model " + spec.model + ": another tolerance than the grid's" + changed);
-  if (!(model.equality() == spec.equality))
-    throw ModelError("model " + spec.model + ": another tolerance function than the grid's" +
-                     changed);
-  if (!(model.stored() == spec.stored) || (spec.stored.shape && model.spheres() != spec.spheres))
-    throw ModelError("model " + spec.model +
-                     ": keeps other forces or shapes with its states than the grid does" + changed);
+std::unique_ptr<Model> create_model(const ModelSource& source, const GridSpec& spec) {
+  std::unique_ptr<Model> model = source.create(spec.parameters);
+  const ModelInfo& info = model->info();
+  const auto require = [&](bool same, const std::string& what) {
+    if (!same)
+      throw ModelError("model " + spec.model + ": " + what + "; was the " + source.kind() +
+                       " changed since the grid was seeded?");
+  };
+  require(info.state_size == spec.state_size, "states of " + std::to_string(info.state_size) +
+                                                  " components, the grid has " +
+                                                  std::to_string(spec.state_size));
+  require(info.tolerance == spec.tolerance && info.tolerance_unit == spec.tolerance_unit,
+          "another tolerance than the grid's");
+  require(info.equality == spec.equality, "another tolerance function than the grid's");
+  require(info.stored == spec.stored && (!spec.stored.shape || info.spheres == spec.spheres),
+          "keeps other forces or shapes with its states than the grid does");
   return model;
 }
 
@@ -46,134 +136,57 @@ Converter::Converter(const ModelSource& source, const GridSpec& spec, unsigned t
 }
 
 Converter::~Converter() {
-  for (Model& model : models_) model.hang_up();  // before the first of them is waited for
-}
-
-/// Conversions are given out one by one, so that a process that answers slowly holds up nothing but
-/// what it has. Which failure is named does not depend on the processes: no conversion behind one
-/// that failed is given out, and all before it are.
-void Converter::convert_by_processes(Batch& batch) {
-  std::uint64_t left = 0;
-  for (std::size_t i = 0; i < batch.size(); ++i)
-    left += static_cast<std::uint64_t>(std::popcount(batch.todo(i)));
-  const std::uint64_t workers = std::min<std::uint64_t>(models_.size(), left);
-  const std::size_t width = models_.front().row_size();
-  constexpr std::uint64_t kNone = ~std::uint64_t{0};
-  std::mutex mutex;
-  std::size_t i = 0;
-  DirectionMask todo = batch.size() > 0 ? batch.todo(0) : 0;
-  std::uint64_t failed = kNone;  // a tag: 32 i + direction
-  std::string failure;
-
-  const auto next = [&](Conversion& conversion, bool idle) {
-    const std::lock_guard lock(mutex);
-    // The last ones are for those that have nothing to do, not for a second place in a queue.
-    if (left == 0 || (!idle && left < workers)) return false;
-    while (todo == 0) todo = batch.todo(++i);
-    const int q = std::countr_zero(todo);
-    const std::uint64_t tag = i * 32 + static_cast<unsigned>(q);
-    if (tag > failed) return false;
-    todo &= todo - 1;
-    --left;
-    conversion = {batch.state(i), box_.position(batch.point(i)), neighbourhood_.shift(q),
-                  batch.reached(i) + static_cast<unsigned>(q) * width, tag};
-    return true;
-  };
-  const auto done = [&](const Conversion& conversion, const std::string& error) {
-    if (error.empty()) {
-      progress_.conversions.fetch_add(1, std::memory_order_relaxed);
-      progress_.frontier_done.fetch_add(1, std::memory_order_relaxed);
-      return;
-    }
-    const std::lock_guard lock(mutex);
-    if (conversion.tag >= failed) return;
-    failed = conversion.tag;
-    failure = describe(box_, batch.point(failed / 32), batch.level(failed / 32)) + ", direction " +
-              std::to_string(failed % 32) + ": " + error;
-  };
-  {
-    std::vector<std::jthread> threads;
-    try {
-      for (std::uint64_t k = 1; k < workers; ++k)
-        threads.emplace_back([&, k] { models_[k].convert(next, done); });
-    } catch (...) {  // as below
-      const std::lock_guard lock(mutex);
-      left = 0;
-      throw;
-    }
-    if (workers > 0) models_.front().convert(next, done);
-  }
-  if (failed != kNone) throw ModelError("conversion at " + failure);
+  for (const auto& model : models_) model->hang_up();  // before the first of them is waited for
 }
 
 const CurrentConversion& current_conversion() noexcept { return current; }
 
 void Converter::convert(Batch& batch) {
-  if (models_.front().is_process()) return convert_by_processes(batch);
-  const std::size_t width = models_.front().row_size();
-  // A unit is a direction of a record: where there are few records, threads share one.
-  const std::uint64_t last = batch.size() * kDirections;
-  const std::uint64_t share =
-      std::clamp<std::uint64_t>(last / (8 * models_.size()), 1, kMaxShare * kDirections);
-  std::atomic<std::uint64_t> next{0};
-  std::atomic<bool> stop{false};
-  std::mutex mutex;
-  std::string failure;
-  std::uint64_t failed = last;  // a unit
+  const bool is_process = models_.front()->is_process();
+  const std::size_t width = models_.front()->row_size();
+  Dealer dealer(batch, models_.size(), is_process);
 
-  // A stretch that was taken is done to its end or its failure, so the first failure is found.
   const auto work = [&](Model& model) {
-    while (!stop.load(std::memory_order_relaxed)) {
-      const std::uint64_t from = next.fetch_add(share);
-      if (from >= last) return;
-      const std::uint64_t to = std::min(from + share, last);
-      std::uint64_t done = 0;
-      for (std::uint64_t i = from / kDirections; i * kDirections < to; ++i) {
-        const std::uint64_t first = i * kDirections;
-        DirectionMask left = batch.todo(i);
-        if (first < from) left &= kAllDirections << (from - first);
-        if (first + kDirections > to) left &= (1u << (to - first)) - 1;
-        if (left == 0) continue;
-        const PointIndex point = batch.point(i);
-        const Level level = batch.level(i);
-        const Vec3 x = box_.position(point);
-        const double* state = batch.state(i);
-        double* const reached = batch.reached(i);
-        for (; left; left &= left - 1) {
-          const int q = std::countr_zero(left);
-          current = {point, level, q};
-          if (!model.convert(state, x, neighbourhood_.shift(q), reached + q * width)) {
-            stop = true;
-            const std::lock_guard lock(mutex);
-            const std::uint64_t unit = first + static_cast<unsigned>(q);
-            if (unit < failed) {
-              failed = unit;
-              failure = describe(box_, point, level) + ", direction " + std::to_string(q) + ": " +
-                        model.error();
-            }
-            return;
-          }
-          ++done;
-        }
-      }
-      current.q = -1;
-      progress_.conversions.fetch_add(done, std::memory_order_relaxed);
-      progress_.frontier_done.fetch_add(done, std::memory_order_relaxed);
-    }
+    Stretch mine;
+    const auto count = [&] {
+      progress_.conversions.fetch_add(mine.done, std::memory_order_relaxed);
+      progress_.frontier_done.fetch_add(std::exchange(mine.done, 0), std::memory_order_relaxed);
+    };
+    model.convert_all(
+        [&](Conversion& conversion, bool idle) {
+          if (mine.count == 0) count();
+          std::uint64_t tag = 0;
+          if (!dealer.next(mine, idle, tag)) return false;
+          const auto q = static_cast<unsigned>(tag % 32);
+          const PointIndex point = batch.point(mine.i);
+          if (!is_process) current = {point, batch.level(mine.i), static_cast<int>(q)};
+          conversion = {batch.state(mine.i), box_.position(point),
+                        neighbourhood_.shift(static_cast<int>(q)),
+                        batch.reached(mine.i) + q * width, tag};
+          return true;
+        },
+        [&](const Conversion& conversion, std::string_view error) {
+          if (error.empty())
+            ++mine.done;
+          else
+            dealer.fail(conversion.tag, error);
+        });
+    current.q = -1;
+    count();
   };
 
-  if (models_.size() == 1 || last == 0) {
-    work(models_.front());
-  } else {
+  {
     std::vector<std::jthread> threads;
     try {
-      for (Model& model : models_) threads.emplace_back([&work, &model] { work(model); });
-    } catch (...) {  // one cannot be started: nobody waits for the work of the others
-      stop = true;
+      for (std::uint64_t k = 1; k < dealer.threads(); ++k)
+        threads.emplace_back([&, k] { work(*models_[k]); });
+    } catch (...) {  // a thread cannot be started: nobody waits for the work of the others
+      dealer.stop();
       throw;
     }
+    if (dealer.threads() > 0) work(*models_.front());
   }
-  if (failed != last) throw ModelError("conversion at " + failure);
+  dealer.require_success(box_);
 }
 
 }  // namespace hapgrid

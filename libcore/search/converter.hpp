@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "libcore/model/model.hpp"
@@ -10,7 +11,7 @@
 
 namespace hapgrid {
 
-/// What a search has done so far; read by whoever shows it, while it goes on.
+/// What a search has done so far. Another thread may read it meanwhile, to show it.
 struct Progress {
   std::atomic<std::uint64_t> conversions{0};           ///< done in this run
   std::atomic<std::uint64_t> frontier_conversions{0};  ///< asked for by the current frontier
@@ -20,7 +21,7 @@ struct Progress {
   std::atomic<std::uint32_t> generation{0};
 };
 
-/// What a thread has asked its model for, for whoever has to say where a plug-in crashed.
+/// What a thread has asked its plug-in for, so that a crash handler can name it.
 struct CurrentConversion {
   PointIndex point = 0;
   Level level = 0;
@@ -32,8 +33,8 @@ const CurrentConversion& current_conversion() noexcept;
 /// A model a thread; the answers do not depend on how many there are.
 class Converter {
  public:
-  /// @param threads >= 1. @throw ModelError when the model refuses the spec's parameters, or now
-  /// describes itself otherwise than the grid does (state size, tolerance function, what is
+  /// @param threads >= 1. @throw ModelError when the model refuses the spec's parameters, or says
+  /// other things of itself than the grid's header (state size, tolerance function, what is
   /// stored).
   Converter(const ModelSource& source, const GridSpec& spec, unsigned threads, Progress& progress);
   ~Converter();
@@ -43,19 +44,17 @@ class Converter {
   void convert(Batch& batch);
 
   /// A model for the caller's own thread, between calls of convert().
-  const Model& model() const { return models_.front(); }
+  const Model& model() const { return *models_.front(); }
 
  private:
-  void convert_by_processes(Batch& batch);
-
   Neighbourhood neighbourhood_;
   Box box_;
-  std::vector<Model> models_;
+  std::vector<std::unique_ptr<Model>> models_;
   Progress& progress_;
 };
 
-/// A model that fits the description of a grid.
+/// A model that fits the header of a grid.
 /// @throw ModelError as the Converter does.
-Model create_model(const ModelSource& source, const GridSpec& spec);
+std::unique_ptr<Model> create_model(const ModelSource& source, const GridSpec& spec);
 
 }  // namespace hapgrid

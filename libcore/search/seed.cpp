@@ -38,7 +38,7 @@ PointIndex point_at(const Box& box, const Vec3& position) {
   return box.index(c);
 }
 
-std::vector<double> known_states(const Model& model, const Box& box, PointIndex point) {
+std::vector<double> known_states(Model& model, const Box& box, PointIndex point) {
   std::vector<double> states = model.known_states(box.position(point));
   if (states.empty())
     throw Error("seed " + describe(box, point) + " at " + to_text(box.position(point)) +
@@ -48,7 +48,7 @@ std::vector<double> known_states(const Model& model, const Box& box, PointIndex 
 
 }  // namespace
 
-Seeds seed_states(const Definition& definition, const Model& model) {
+Seeds seed_states(const Definition& definition, Model& model) {
   const Box& box = definition.box;
   Seeds seeds;
   for (const SeedDefinition& seed : definition.seeds) {
@@ -77,7 +77,7 @@ Seeds seed_states(const Definition& definition, const Model& model) {
 }
 
 GridSpec describe_grid(const Definition& definition, const Model& model) {
-  const hapgrid_model_info& info = model.info();
+  const ModelInfo& info = model.info();
   const double reach = std::sqrt(3.0) * definition.box.spacing;
   if (info.d_max < reach)
     throw Error("grid.spacing " + to_text(definition.box.spacing) +
@@ -91,13 +91,13 @@ GridSpec describe_grid(const Definition& definition, const Model& model) {
   spec.state_size = info.state_size;
   spec.tolerance = info.tolerance;
   spec.tolerance_unit = info.tolerance_unit;
-  spec.equality = model.equality();
+  spec.equality = info.equality;
   spec.max_levels = definition.max_levels;
   spec.length_unit = info.length_unit;
   spec.energy_unit = info.energy_unit;
   spec.hip_radius = info.hip_radius;
-  spec.stored = model.stored();
-  if (spec.stored.shape) spec.spheres = model.spheres();
+  spec.stored = info.stored;
+  if (spec.stored.shape) spec.spheres = info.spheres;
   return spec;
 }
 

@@ -20,7 +20,7 @@ using Seeds = std::map<PointIndex, std::vector<double>>;
 /// The states at the seed points of a definition; its box must be the grid's.
 /// @throw Error when a seed lies outside the box or on no grid point, is given twice, has a state
 /// of another size than the model's, or when the model knows no state there.
-Seeds seed_states(const Definition& definition, const Model& model);
+Seeds seed_states(const Definition& definition, Model& model);
 
 /// Writes the seed records, all of them frontier, and finishes `out`.
 /// @throw Error as seed_states(), and when a state is not finite or equals another one of its

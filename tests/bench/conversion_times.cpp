@@ -12,7 +12,7 @@
 #include <numeric>
 #include <vector>
 
-#include "libcore/model/model.hpp"
+#include "libcore/model/plugin_model.hpp"
 #include "libcore/shard/load.hpp"
 
 namespace {
@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
   if (stretches < 2 || order.size() < length)
     return std::fputs("bench_conversion_times: two stretches or more, within the grid\n", stderr),
            2;
-  Model model = Plugin(grid.spec().model, model_path({})).create(grid.spec().parameters);
+  const auto model = Plugin(grid.spec().model, model_path({})).create(grid.spec().parameters);
   std::vector<double> reached(grid.spec().row_size());
   for (std::size_t i = 0; i < stretches; ++i) {
     const std::size_t begin = i * (order.size() - length) / (stretches - 1);
@@ -58,7 +58,7 @@ int main(int argc, char** argv) {
         double took = 0;
         for (int twice = 0; twice < 2; ++twice) {
           const double start = cpu_ns();
-          if (!model.convert(state, x, grid.neighbourhood().shift(q), reached.data()))
+          if (!model->convert(state, x, grid.neighbourhood().shift(q), reached.data()))
             return std::fputs("a conversion failed\n", stderr), 1;
           took = cpu_ns() - start;
         }

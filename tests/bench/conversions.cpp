@@ -1,10 +1,10 @@
-// The cost of C itself: evaluates every conversion that Algorithm 1 evaluates for a grid, with the
+// The cost of C itself: evaluates the conversions that Algorithm 1 evaluates for a grid, with the
 // same arguments and in the same order, and nothing else. Prints CPU nanoseconds a conversion.
 #include <cstdio>
 #include <ctime>
 #include <vector>
 
-#include "libcore/model/model.hpp"
+#include "libcore/model/plugin_model.hpp"
 #include "libcore/shard/load.hpp"
 
 int main(int argc, char** argv) {
@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   if (argc != 2) return std::fputs("usage: bench_conversions GRID\n", stderr), 2;
   const LoadedGrid loaded = load_grid({argv[1]});
   const Grid& grid = loaded.grid;
-  Model model = Plugin(grid.spec().model, model_path({})).create(grid.spec().parameters);
+  const auto model = Plugin(grid.spec().model, model_path({})).create(grid.spec().parameters);
   std::vector<double> reached(grid.state_size());
   std::size_t conversions = 0;
   double sum = 0;
@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     const DirectionMask inside = grid.neighbourhood().inside(grid.point(r));
     for (int q = 0; q < kDirections; ++q) {
       if (!(inside >> q & 1)) continue;
-      if (!model.convert(grid.state(r).data(), x, grid.neighbourhood().shift(q), reached.data()))
+      if (!model->convert(grid.state(r).data(), x, grid.neighbourhood().shift(q), reached.data()))
         return std::fputs("a conversion failed\n", stderr), 1;
       sum += reached[0];
       ++conversions;

@@ -1,6 +1,6 @@
-/* A model process that costs as little as one can: it answers each conversion with the text of the
- * state it came from. For tests/bench/process.cpp; not a pattern to copy, since it relies on how
- * hapgrid writes its lines (examples/hung-ball/hung_ball.py is one).
+/* The cheapest model process: it answers each conversion with the text of the state from which it
+ * starts. For tests/bench/process.cpp. Do not copy it, since it relies on how hapgrid writes its
+ * lines; examples/hung-ball/hung_ball.py is a model to copy.
  *
  *   echo N        states of N numbers
  */

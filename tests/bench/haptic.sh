@@ -1,28 +1,24 @@
 #!/usr/bin/env bash
-# The haptic loop: computing time of a tick, and how late ticks are beside cyclictest.
+# The haptic loop: the computing time of a tick, and how late ticks are, beside cyclictest.
 #
 #   tests/bench/haptic.sh [BUILD] [SECONDS A TURN] [TURNS]        (default: build 5 4)
 #
-# Computing time, from when a tick began to when its force was sent, on the hung ball and on a molecule
-# of 77 atoms (leu-enkephalin at 12 points a side: a state of 10, the force from the penetration of the
-# spheres). Lateness of the paced loop at 1 and 5 kHz in turns with cyclictest at the same priority,
-# interval and length, since a virtual machine's own stalls come and go; medians over the turns.
-# As root, or with the limits that real time needs; cyclictest is in Debian's rt-tests.
-set -euo pipefail
-build=$(realpath "${1:-build}") seconds=${2:-5} turns=${3:-4}
-source=$(realpath "$(dirname "$0")/../..")
-PATH=$build/bin:$PATH
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+# The computing time goes from a tick's beginning to when its force was sent. It is measured on the hung
+# ball and on a molecule of 77 atoms (leu-enkephalin with 12 points a side: a state has 10 numbers, and the
+# force is computed from the overlap of the spheres). The paced loop's lateness is measured at 1 and 5 kHz,
+# in turns with cyclictest at the same priority, interval and length, since a virtual machine's own stalls
+# come and go; the medians over the turns are printed.
+# Run it as root, or with the limits that real time needs; cyclictest is in Debian's rt-tests.
+seconds=${2:-5} turns=${3:-4}
+source "$(dirname "$0")/lib.sh"
 
-seed "$source/examples/hung-ball/hung-ball.toml" | expand --complete -j 2 -o hung-ball.grid
-molecule=$source/examples/molecule/leu-enkephalin/leu-enkephalin.toml
+seed "$ball" | expand --complete -j 2 -o hung-ball.grid
+molecule=$HAPGRID_SOURCE/examples/molecule/leu-enkephalin/leu-enkephalin.toml
 spacing=$(seed "$molecule" | stats --get box.spacing | awk '{ printf "%.17g", $1 * 29 / 11 }')
 seed "$molecule" --set 'grid.counts=[12,12,12]' --set "grid.spacing=$spacing" |
   expand --complete -j 2 -o leu-enkephalin.grid
 
-# A path that wanders through the box's inner half in contact and out of it, at 0.1 box sides a second.
+# A path that wanders through the inner half of the box, in contact and out of it, at 0.1 box sides a second.
 paths() { # GRID RATE
   python3 - "$1" "$2" "$seconds" >path <<'PYTHON'
 import json, math, subprocess, sys

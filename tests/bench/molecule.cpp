@@ -1,5 +1,5 @@
-// What the molecule model costs: in the haptic loop a shape and a force (77 atoms, 4 paths), in the
-// search the hybrid energy with its derivatives and a conversion. Read CPU.
+// What the molecule model costs: a shape and a force in the haptic loop (77 atoms, 4 paths), the
+// hybrid energy with its derivatives and a conversion in the search. The column CPU counts.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

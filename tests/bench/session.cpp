@@ -1,7 +1,7 @@
 // session FILE [TICKS [RATE]]: writes a session as play would, of a hand that explores a stiff
-// object with a device that counts in steps of 2.5 um, and tells how large a tick is on the disk,
-// what add() costs the haptic thread, and how fast a session is read. The same arguments give the
-// same ticks; tests/cli/stats/session.sh uses it as a source of sessions.
+// object with a device whose positions are multiples of 2.5 um. It prints the size of a tick on the
+// disk, what add() costs the haptic thread, and how long reading takes. The same arguments give the
+// same ticks, so tests/cli/stats/session.sh uses it, too.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -40,7 +40,7 @@ SessionHeader make_header(double rate_hz) {
           R"({"scale": 1, "max_force": 3})"};
 }
 
-/// Slow strokes, 9 Hz of tremor, and contacts with a stiff wall that bends.
+/// The hand makes slow strokes with a tremor of 9 Hz and touches a stiff, curved wall.
 std::vector<TickRecord> make_ticks(std::size_t count, double rate_hz) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
@@ -111,7 +111,7 @@ int run(const std::string& file, std::size_t count, double rate_hz) {
   }
   std::printf("read: %.0f ns a tick\n", seconds_since(start) * 1e9 / n);
 
-  // A rate that gives the largest ring; in bursts, since nobody waits for the slow thread here.
+  // This rate gives the largest ring. Ticks come in bursts: nothing here waits for the slow thread.
   SessionRecorder recorder("/dev/null", make_header(1e6), /*paced=*/true);
   double total = 0;
   double worst = 0;

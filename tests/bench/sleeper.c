@@ -1,12 +1,11 @@
-/* The hung ball with a C() that takes its time: without a processor, for measuring what hands the
- * shards out with more workers than there are processors (tests/bench/scaling/run.sh), or with one
- * (tests/bench/size.sh).
+/* The hung ball with a slow C(), for tests and benchmarks. A conversion that sleeps needs no
+ * processor, so that there can be more workers than processors; one that is busy needs one.
  *
- *   milliseconds         a conversion sleeps this long (0)
- *   busy_microseconds    it takes this much of its thread's processor time (0)
+ *   milliseconds         how long a conversion sleeps (0)
+ *   busy_microseconds    how much processor time of its thread a conversion uses (0)
  *
- * and the parameters of the hung ball, whose source is compiled into this plug-in under another
- * name (CMakeLists.txt).
+ * The other parameters are the hung ball's, whose source is compiled into this plug-in under
+ * another name (CMakeLists.txt).
  */
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +16,7 @@
 
 const hapgrid_model_table* hung_ball_plugin(void);
 
-/* The same for all models of a process, which have the same parameters. */
+/* All models of a process have the same parameters, so these are global. */
 static double milliseconds;
 static double busy_microseconds;
 
@@ -51,7 +50,7 @@ static int convert(hapgrid_model* model, const double* s, const double* x, const
   if (milliseconds > 0) {
     const struct timespec pause = {(time_t)(milliseconds / 1e3),
                                    (long)(milliseconds * 1e6) % 1000000000};
-    prctl(PR_SET_TIMERSLACK, 1); /* of this thread: 50 us otherwise */
+    prctl(PR_SET_TIMERSLACK, 1); /* otherwise a sleep lasts up to 50 us longer */
     nanosleep(&pause, NULL);
   }
   if (busy_microseconds > 0) {

@@ -1,17 +1,16 @@
-// How many conversions of a molecule's grid end in another state when the probe's substep is
-// halved:
+// How many conversions of a molecule's grid end in another state when the HIP's substep is halved:
 //
 //   build/bench/bench_substeps table2/leu-enkephalin.grid 1500
 //
-// takes 1500 of the grid's records, evaluates C in all directions with the grid's own substep and
-// with half of it, and prints the share of results that the tolerance function tells apart, and
-// where.
+// takes 1500 of the grid's records and evaluates C in all directions with the grid's own substep
+// and with half of it. It prints the conversions whose results the tolerance function tells apart,
+// and their share.
 #include <cstdio>
 #include <cstdlib>
 
 #include "libcore/check/fidelity.hpp"
 #include "libcore/check/text.hpp"
-#include "libcore/model/model.hpp"
+#include "libcore/model/plugin_model.hpp"
 #include "libcore/shard/load.hpp"
 
 using namespace hapgrid;
@@ -31,7 +30,7 @@ int main(int argc, char** argv) {
       substep = std::get<double>(p.value);
       p.value = substep / 2;
     }
-  Model model = plugin.create(grid.spec().parameters), finer = plugin.create(halved);
+  const auto model = plugin.create(grid.spec().parameters), finer = plugin.create(halved);
 
   long conversions = 0, moved = 0, other = 0;
   std::vector<double> a(grid.state_size()), b(grid.state_size());
@@ -41,9 +40,9 @@ int main(int argc, char** argv) {
     for (int q = 0; q < kDirections; ++q) {
       if (!(grid.neighbourhood().inside(grid.point(r)) >> q & 1)) continue;
       const Vec3& d = grid.neighbourhood().shift(q);
-      if (!model.convert(state, x, d, a.data()) || !finer.convert(state, x, d, b.data())) {
+      if (!model->convert(state, x, d, a.data()) || !finer->convert(state, x, d, b.data())) {
         std::fprintf(stderr, "%s: %s %s\n", describe_link(grid, r, q).c_str(),
-                     model.error().c_str(), finer.error().c_str());
+                     model->error().c_str(), finer->error().c_str());
         return 1;
       }
       ++conversions;
@@ -52,7 +51,7 @@ int main(int argc, char** argv) {
           ++moved;
           break;
         }
-      if (model.equal(a.data(), b.data())) continue;
+      if (model->equal(a.data(), b.data())) continue;
       ++other;
       std::printf("%s: %s, finer %s\n", describe_link(grid, r, q).c_str(), state_text(a).c_str(),
                   state_text(b).c_str());

@@ -1,9 +1,9 @@
-// A step of Algorithm 2, n = 9, in nanoseconds: on one smooth path through the box, sampled so that
-// the HIP spends so many ticks in a cell of each grid. At 1 kHz, with a workspace of 150 mm as the
-// box and a hand at 0.1 m/s, that is 50 ticks a cell at 30 points a side and 12 at 128.
+// What a step of Algorithm 2 costs, for states of 9 numbers. The HIP follows one smooth path
+// through the box, sampled so that it spends a given number of ticks in a cell. At 1 kHz, with a
+// workspace of 150 mm as the box and a hand at 0.1 m/s, that is 50 ticks a cell with 30 points a
+// side and 12 with 128.
 //
-// Read s/step: 18n is 18 ns of CPU time a step. Built with libbenchmark and the sources of
-// libcore/haptic/traversal.cpp and libcore/grid, as the release preset builds them.
+// The column s/step counts: 18n is 18 ns of CPU time a step.
 #include "libcore/haptic/traversal.hpp"
 
 #include <benchmark/benchmark.h>
@@ -20,7 +20,7 @@ using namespace hapgrid;
 
 constexpr std::uint32_t kStateSize = 9;
 
-/// A Lissajous figure that stays inside [-1, 1]^3, with steps of the length `step`, give or take.
+/// A Lissajous figure that stays inside [-1, 1]^3, with steps of about the length `step`.
 std::vector<Vec3> smooth_path(double step, std::size_t count) {
   std::vector<Vec3> path(count);
   double t = 0;
@@ -38,13 +38,14 @@ void step(benchmark::State& state) {
   const auto side = static_cast<std::uint32_t>(state.range(0));
   const double spacing = 2.0 / (side - 1);
   const Box box{{-1, -1, -1}, spacing, {side, side, side}};
-  // Two levels at half of the points, links at random: worse than a real grid for the predictor.
+  // Half of the points have two levels, and links are random: branch prediction works worse than in
+  // a real grid.
   const Grid grid = testing::random_grid(box, kStateSize, 2, 1);
   const auto path = smooth_path(spacing / static_cast<double>(state.range(1)), 1 << 20);
   Traversal traversal(grid);
   traversal.start(path[0]);
   std::uint64_t switches = 0, steps = 0;
-  for (auto _ : state) {  // an iteration is the whole path: a step is not longer than its stopwatch
+  for (auto _ : state) {  // an iteration is the whole path: a step is too short to be timed
     for (const Vec3& x : path) {
       const StepResult r = traversal.step(x);
       switches += r.face_switches + r.edge_switches + r.vertex_switches;

@@ -1,11 +1,11 @@
 # shellcheck shell=bash disable=SC2034  # variables are for the scripts
-# What the command-line tests share: sourced as the first line of a script,
+# What the command-line tests share. A script sources it in its first line,
 #
 #   source "$(dirname "$0")/../lib.sh"
 #
-# it sets -euo pipefail, puts the filters of HAPGRID_BIN first on the PATH (`expand` is also a program
+# It sets -euo pipefail, puts the filters of HAPGRID_BIN first on the PATH (`expand` is also a program
 # of coreutils), and goes to a new empty directory that is removed at the end.
-# ctest sets HAPGRID_BIN, HAPGRID_SOURCE and HAPGRID_BUILD; by hand they are guessed.
+# ctest sets HAPGRID_BIN, HAPGRID_SOURCE and HAPGRID_BUILD; when a test is run by hand they are guessed.
 set -euo pipefail
 
 HAPGRID_SOURCE=${HAPGRID_SOURCE:-$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)}
@@ -23,9 +23,9 @@ trap 'rm -rf "$work"' EXIT
 mkdir "$work/in" "$work/got"
 cd "$work/in"
 
-# HAPGRID_WRAPPER is a command that the filters are run under (make check-valgrind), by scripts of
-# their names in a directory that looks like the build's. Some tests run a filter a thousand times: from
-# its 10th run in a test on, one in 25 is under the command.
+# HAPGRID_WRAPPER is a command, such as valgrind, under which the filters are run. Scripts with their names,
+# in a directory that looks like the build's, do that. Since some tests run a filter a thousand times, only
+# one run in 25 is under the command from the filter's 11th run in a test on.
 if [[ -n ${HAPGRID_WRAPPER-} ]]; then
   mkdir "$work/wrapped" "$work/wrapped/bin"
   ln -s "$(realpath "$HAPGRID_BIN/../models")" "$work/wrapped/models"
@@ -46,14 +46,14 @@ END
   HAPGRID_BIN=$work/wrapped/bin PATH=$work/wrapped/bin:$PATH
 fi
 
-# fail WHAT...: ends the test, saying where the script was.
+# fail WHAT...: ends the test with a message that names the line of the script.
 fail() {
   echo "$0: line ${BASH_LINENO[-2]}: $*" >&2
   exit 1
 }
 
-# same WHAT EXPECTED GOT: compares a text. EXPECTED is the text itself, or ~REGEX, an extended
-# regular expression that must fit all of it (for text that carries a path, an id or a time).
+# same WHAT EXPECTED GOT: compares a text. EXPECTED is the text itself, or ~REGEX, an extended regular
+# expression that must match all of it (for a text with a path, an id or a time).
 same() {
   if [[ $2 == "~"* ]]; then
     [[ $3 =~ ^(${2:1})$ ]] && return
@@ -63,15 +63,15 @@ same() {
   fail "$1"$'\n'"  expected: $2"$'\n'"  got:      $3"
 }
 
-# expect CODE STDOUT STDERR -- COMMAND...: runs a command and pins all that is seen of it from
-# outside. STDOUT and STDERR as same() takes them. Standard input is the caller's.
+# expect CODE STDOUT STDERR -- COMMAND...: runs a command and compares its exit code and what it writes.
+# STDOUT and STDERR are as in same(). Standard input is the caller's.
 expect() {
   local code=$1 out=$2 err=$3 got=0
   [[ $4 == -- ]] || fail "expect: -- is missing"
   shift 4
   "$@" >"$work/got/out" 2>"$work/got/err" || got=$?
   [[ $got == "$code" ]] || fail "exit code $got, not $code: $*"$'\n'"$(head -c 2000 "$work/got/err")"
-  # $(...) drops final newlines; the dot keeps them, and each text must end with just one.
+  # $(...) drops final newlines; the dot keeps them. Each text must end with exactly one.
   local text stream
   for stream in out err; do
     text=$(tr -d '\0' <"$work/got/$stream"; echo .)
@@ -81,7 +81,8 @@ expect() {
   done
 }
 
-# refuses REGEX -- COMMAND...: exit code 1, nothing on standard output, and one line that fits.
+# refuses REGEX -- COMMAND...: the command must exit with 1, write nothing to standard output, and one
+# line that matches to standard error.
 refuses() {
   local regex=$1
   shift
@@ -89,8 +90,8 @@ refuses() {
   [[ $(wc -l <"$work/got/err") == 1 ]] || fail "not one line: $(cat "$work/got/err")"
 }
 
-# wait_for SECONDS WHAT COMMAND...: until it succeeds. What evidence() prints is shown where it does not;
-# a test may define it.
+# wait_for SECONDS WHAT COMMAND...: waits until the command succeeds. If it never does, the test fails and
+# shows what evidence() prints; a test may define that function.
 wait_for() {
   local deadline=$((SECONDS + $1)) what=$2
   shift 2
@@ -101,23 +102,23 @@ wait_for() {
 }
 evidence() { :; }
 
-# decode FILE...: the shards as JSON, a message a line, by the stock tools.
+# decode FILE...: prints the shards as JSON, a line for each message, with the stock tools.
 decode() { zstd -dc "$@" | capnp convert binary:json --short "$schema" Message; }
 
-# header FILE FIELD: a number or name in a shard's first header, by the stock tools.
+# header FILE FIELD: prints a number or name from a shard's first header, with the stock tools.
 header() {
   zstd -dc "$1" | capnp decode --short "$schema" Message |
     sed -nE "1s/.*[( ]$2 = \"?([^,\") ]*).*/\1/p"
 }
 
-# nothing_left DIRECTORY NAME...: the directory holds just these, hidden files too.
+# nothing_left DIRECTORY NAME...: the directory must hold these files and no others, hidden ones included.
 nothing_left() {
   local directory=$1
   shift
   same "files in $directory" "$(printf '%s\n' "$@" | sort)" "$(ls -A "$directory" | sort)"
 }
 
-# rounds GRID OUT: rounds of expand and merge through a pipe until the frontier is empty.
+# rounds GRID OUT: runs rounds of expand and merge, through a pipe, until the frontier is empty.
 rounds() {
   cp "$1" "$2"
   local old=-1 new
@@ -128,7 +129,7 @@ rounds() {
   done
 }
 
-# Sanitizers and wrappers cost memory and time: tests that measure either look here first.
+# sanitized: whether the filters have sanitizers or a wrapper, which cost memory and time.
 sanitized() { [[ -n ${HAPGRID_WRAPPER-} ]] || grep -q '^HAPGRID_SANITIZE:[A-Z]*=.' "$HAPGRID_BUILD/CMakeCache.txt"; }
 
 # skip WHY: ends the test as skipped.

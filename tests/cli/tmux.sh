@@ -1,17 +1,17 @@
 # shellcheck shell=bash disable=SC2154  # variables of lib.sh
-# A terminal for tests: sourced behind lib.sh, it starts a tmux server of the test's own with one pane
-# of 80 x 24 and a shell that has a small prompt and no history, or skips where there is no tmux.
+# A terminal for tests. A script sources it after lib.sh. It starts a tmux server for this test alone, with
+# one pane of 80 x 24 and a shell without history, or skips the test when tmux is not installed.
 command -v tmux >/dev/null || skip "no tmux"
-export LC_ALL=C.UTF-8 # tmux draws blocks only where text is UTF-8
+export LC_ALL=C.UTF-8 # tmux draws block characters only in UTF-8
 unset TMUX COLORTERM
 on() { tmux -S "$work/tmux" -f /dev/null "$@"; }
 trap 'on kill-server 2>/dev/null; rm -rf "$work"' EXIT
 on new-session -d -x 80 -y 24 "env PS1='ready> ' bash --norc --noprofile"
 
-# type_line TEXT: and the return key.
+# type_line TEXT: types a line and the return key.
 type_line() { on send-keys -l "$1" && on send-keys Enter; }
 
-# wait_line REGEX [FILE]: until a line of the terminal fits. FILE is shown, too, when none does.
+# wait_line REGEX [FILE]: waits until a line of the terminal matches. If none does, FILE is shown, too.
 wait_line() {
   evidence() { on capture-pane -p; cat "$seen_too"; }
   local seen_too=${2:-/dev/null}

@@ -1,5 +1,5 @@
-// The lines of a model process: its description, then answers to requests. The first line is taken
-// for a description, and the others as its answers; or all of them are a fixed model's answers.
+// The lines of a model process: what it says of itself, then answers to questions. If the first
+// line cannot be read as such, all lines are answers of a fixed model.
 #include <algorithm>
 
 #include "libcore/model/protocol.hpp"
@@ -9,14 +9,14 @@ using namespace hapgrid;
 
 namespace {
 
-void take(std::string_view line, const Description& description) {
+void take(std::string_view line, const ModelInfo& model) {
   Answer answer;
   read_answer(line, answer);
-  std::vector<double> row(description.row_size());
+  std::vector<double> row(model.row_size());
   for (const Operation operation : {Operation::kConvert, Operation::kEvaluate})
-    fuzz::refusable([&] { take_row(answer, description, operation, row.data()); });
+    fuzz::refusable([&] { take_row(answer, model, operation, row.data()); });
   fuzz::refusable([&] {
-    if (take_states(answer, description).size() % description.state_size != 0)
+    if (take_states(answer, model).size() % model.state_size != 0)
       throw std::logic_error("half a state");
   });
 }
@@ -24,17 +24,17 @@ void take(std::string_view line, const Description& description) {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  Description description;
-  description.state_size = 2;
-  description.stored = {true, true, true};
-  description.spheres.resize(1);
+  ModelInfo model;
+  model.state_size = 2;
+  model.stored = {true, true, true};
+  model.spheres.resize(1);
   bool first = true;
   for (std::string_view rest = fuzz::text_of({data, size}); !rest.empty();) {
     const std::string_view line = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(rest.size(), line.size() + 1));
-    if (first) fuzz::refusable([&] { description = read_description(line); });
+    if (first) fuzz::refusable([&] { model = read_first_line(line); });
     first = false;
-    fuzz::refusable([&] { take(line, description); });
+    fuzz::refusable([&] { take(line, model); });
   }
   return 0;
 }

@@ -1,5 +1,6 @@
 #include "tools/common/definition.hpp"
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "libcore/base/file.hpp"

@@ -1,11 +1,15 @@
 // The MODEL.toml of a command line, as the filters that start from one take it.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "libcore/model/definition.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace hapgrid {
 

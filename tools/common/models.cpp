@@ -1,5 +1,6 @@
 #include "tools/common/models.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 
@@ -16,8 +17,7 @@ std::string shown(const std::string& file) { return file == "-" ? "standard inpu
 
 void add_process_timeout(CLI::App& app, ProcessOptions& options) {
   app.add_option("--process-timeout", options.timeout_seconds,
-                 "Seconds that a model process may take for an answer; one that takes longer is "
-                 "replaced, and each of its requests is asked three times at most")
+                 "Seconds that a model process may take for an answer before it is replaced")
       ->type_name("S")
       ->check(CLI::Validator(
           [](const std::string& text) {
@@ -33,8 +33,8 @@ void add_process_timeout(CLI::App& app, ProcessOptions& options) {
 std::unique_ptr<ModelSource> process_source(const ProcessDefinition& process,
                                             const std::string& file,
                                             const ProcessOptions& options) {
-  return std::make_unique<ProcessSource>(
-      process.name, Command{process.command, std::filesystem::path(file).parent_path()}, options);
+  return std::make_unique<ProcessSource>(process.name, process.command,
+                                         std::filesystem::path(file).parent_path(), options);
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ void add_model_options(CLI::App& app, ModelOptions& options) {
                  "which is then run")
       ->type_name("MODEL.toml");
   app.add_option("--in-flight", options.process.in_flight,
-                 "Requests that one model process has at a time (1 to 1024)")
+                 "Questions that one model process has at a time (1 to 1024)")
       ->type_name("N")
       ->check(CLI::Range(1u, 1024u))
       ->capture_default_str();
@@ -66,7 +66,7 @@ std::unique_ptr<ModelSource> model_source(const Definition& definition, const st
     return std::make_unique<Plugin>(definition.plugin, model_path(options.path));
   if (!options.allow_process)
     throw Error(shown(file) + ": the model is a process, '" +
-                to_text(Command{definition.process->command, {}}) +
+                command_text(definition.process->command) +
                 "', which is only started with --allow-process");
   return process_source(*definition.process, file, options.process);
 }
@@ -90,7 +90,7 @@ std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptio
   return process_source(process, options.allowed, options.process);
 }
 
-Model judging_model(const GridSpec& spec, const std::vector<std::string>& path) {
+std::unique_ptr<Model> judging_model(const GridSpec& spec, const std::vector<std::string>& path) {
   if (spec.equality.is_declared()) return declared_model(spec);
   return create_model(Plugin(spec.model, model_path(path)), spec);
 }

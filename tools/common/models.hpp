@@ -1,25 +1,29 @@
 // Where the filters get their model from: a plug-in, or a process that the command line allows.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "libcore/model/definition.hpp"
-#include "libcore/model/process_source.hpp"
+#include "libcore/model/plugin_model.hpp"
+#include "libcore/model/process_model.hpp"
 #include "tools/common/definition.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace hapgrid {
 
-/// Of a filter that reads a grid.
+/// Options of a filter that reads a grid.
 struct ModelOptions {
   std::vector<std::string> path;  ///< --model-path
   std::string allowed;            ///< the MODEL.toml of --allow-process
   ProcessOptions process;
 };
 
-/// Of a filter that reads a definition, which names the command itself.
+/// Options of a filter that reads a definition, which itself names the command.
 struct DefinedModelOptions {
   std::vector<std::string> path;  ///< --model-path
   bool allow_process = false;
@@ -43,8 +47,10 @@ std::unique_ptr<ModelSource> model_source(const Definition& definition, const st
 std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptions& options,
                                           const std::string& instead = "");
 
-/// A model that judges equality and is asked nothing else: of a process grid its header's words.
+/// A model that judges equality and is asked nothing else. Of a process, the grid's header has its
+/// tolerance function in words, and no process is started.
 /// @throw ModelError
-Model judging_model(const GridSpec& spec, const std::vector<std::string>& model_path);
+std::unique_ptr<Model> judging_model(const GridSpec& spec,
+                                     const std::vector<std::string>& model_path);
 
 }  // namespace hapgrid

@@ -1,5 +1,6 @@
 #include "tools/common/serve.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 

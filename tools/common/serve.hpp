@@ -1,11 +1,14 @@
 // --serve: a filter that stays, so that a model which takes seconds to load is loaded once.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace hapgrid {
 

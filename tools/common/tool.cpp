@@ -1,5 +1,6 @@
 #include "tools/common/tool.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fcntl.h>
 #include <malloc.h>
 
@@ -83,7 +84,7 @@ CLI::Option* add_inputs(CLI::App& app, std::vector<std::string>& names, const st
 std::vector<std::string> inputs_or_stdin(std::vector<std::string> names) {
   if (names.empty()) names.push_back("-");
   if (std::count(names.begin(), names.end(), "-") > 1)
-    throw CLI::ValidationError("standard input can be read only once");
+    throw UsageError("standard input can be read only once");
   return names;
 }
 
@@ -96,7 +97,7 @@ void add_output(CLI::App& app, std::string& name) {
 
 void require_mark(const std::string& option, const std::string& pattern) {
   if (pattern.find(kMark) == std::string::npos)
-    throw CLI::ValidationError(option, "'" + pattern + "' has no {} for the number");
+    throw UsageError(option + ": '" + pattern + "' has no {} for the number");
 }
 
 std::string numbered(std::string pattern, std::uint64_t k) {
@@ -114,7 +115,7 @@ std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
         of < std::uint64_t{1} << 32)
       return {number, of};
   }
-  throw CLI::ValidationError(option, "'" + text + "' is not K/N with 1 <= K <= N < 2^32");
+  throw UsageError(option + ": '" + text + "' is not K/N with 1 <= K <= N < 2^32");
 }
 
 void add_report(CLI::App& app, std::string& report) {
@@ -131,7 +132,7 @@ void add_progress(CLI::App& app, bool& progress) {
 
 namespace {
 
-int wrong_usage(const std::string& tool, const CLI::ParseError& e) {
+int wrong_usage(const std::string& tool, const std::exception& e) {
   return report(tool, std::string(e.what()) + " (see " + tool + " --help)", kExitUsage);
 }
 
@@ -139,6 +140,8 @@ int wrong_usage(const std::string& tool, const CLI::ParseError& e) {
 int guarded(const std::string& tool, const std::function<int()>& run) {
   try {
     return run();
+  } catch (const UsageError& e) {
+    return wrong_usage(tool, e);
   } catch (const CLI::ParseError& e) {  // found wrong only when put together
     return wrong_usage(tool, e);
   } catch (const std::bad_alloc&) {

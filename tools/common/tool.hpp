@@ -2,12 +2,18 @@
 // become messages and exit codes.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
+
+namespace CLI {
+class App;
+class Option;
+class Validator;
+}  // namespace CLI
 
 namespace hapgrid {
 
@@ -15,6 +21,11 @@ inline constexpr int kExitDone = 0;
 inline constexpr int kExitFailed = 1;   ///< input, I/O, model, device, level limit
 inline constexpr int kExitUsage = 2;    ///< wrong command line; nothing was read or written
 inline constexpr int kExitInvalid = 3;  ///< verify: an invariant is broken
+
+/// The command line is wrong, which shows only when its options are put together.
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /// Gives `app` the name, --version, and the exit codes at the end of its help; `more_exits` are
 /// further lines of that table ("  130  ...\n"), `details` stands in front of it.
@@ -31,19 +42,19 @@ void add_model_path(CLI::App& app, std::vector<std::string>& directories);
 CLI::Option* add_inputs(CLI::App& app, std::vector<std::string>& names, const std::string& help);
 
 /// What add_inputs() collected, with "-" where nothing was named.
-/// @throw CLI::ValidationError when standard input is named twice: it can be read only once.
+/// @throw UsageError when standard input is named twice: it can be read only once.
 std::vector<std::string> inputs_or_stdin(std::vector<std::string> names);
 
 /// The option -o, --output FILE, by default "-".
 void add_output(CLI::App& app, std::string& name);
 
 /// A name with {} in it, made that of number k. @param option for the message.
-/// @throw CLI::ValidationError without a {}.
+/// @throw UsageError without a {}.
 void require_mark(const std::string& option, const std::string& pattern);
 std::string numbered(std::string pattern, std::uint64_t k);
 
 /// "K/N" with 1 <= K <= N < 2^32, which keeps the arithmetic of cutting inside 64 bits.
-/// @throw CLI::ValidationError
+/// @throw UsageError
 std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
                                                    const std::string& text);
 

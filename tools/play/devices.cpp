@@ -1,5 +1,6 @@
 #include "tools/play/devices.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <utility>

@@ -1,5 +1,6 @@
 #include "tools/play/options.hpp"
 
+#include <CLI/CLI.hpp>
 #include <map>
 #include <sstream>
 
@@ -138,7 +139,6 @@ void add_imd_options(CLI::App& app, PlayOptions& options) {
 }  // namespace
 
 void add_play_options(CLI::App& app, PlayOptions& options) {
-  app.config_formatter(std::make_shared<PlayTable>(app, options.given));
   app.allow_config_extras(CLI::config_extras_mode::error);
   add_device_options(app, options);
   add_time_options(app, options);

@@ -1,7 +1,6 @@
 // The options of play, on the command line and in the table [play] of a TOML file.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -12,6 +11,10 @@
 #include "libcore/scene/imd_server.hpp"
 #include "tools/play/devices.hpp"
 #include "tools/play/settings.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace hapgrid {
 

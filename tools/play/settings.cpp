@@ -1,10 +1,12 @@
 #include "tools/play/settings.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <sstream>
 
@@ -190,6 +192,27 @@ std::vector<CLI::ConfigItem> read_play(const TomlFile& file, const CLI::App& app
   return items;
 }
 
+/// Reads the table [play] of a TOML file; other filters read the rest of the file.
+class PlayTable : public CLI::Config {
+ public:
+  PlayTable(const CLI::App& app, GivenSettings& given) : app_(app), given_(given) {}
+  std::string to_config(const CLI::App*, bool, bool, std::string) const override { return ""; }
+  /// @throw CLI::ConfigError "--config: line N: ..."
+  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
+    std::ostringstream text;
+    text << input.rdbuf();
+    try {
+      return read_play(TomlFile(text.str(), "--config"), app_, given_);
+    } catch (const Error& e) {
+      throw CLI::ConfigError(e.what(), CLI::ExitCodes::ConfigError);
+    }
+  }
+
+ private:
+  const CLI::App& app_;
+  GivenSettings& given_;
+};
+
 }  // namespace
 
 PlaySettings changed(PlaySettings settings, const GivenSettings& given) {
@@ -199,6 +222,7 @@ PlaySettings changed(PlaySettings settings, const GivenSettings& given) {
 }
 
 void add_settings(CLI::App& app, GivenSettings& given) {
+  app.config_formatter(std::make_shared<PlayTable>(app, given));
   for (const Setting& setting : kSettings) {
     if (!is_option(setting)) continue;
     app.add_option_function<double>(
@@ -238,16 +262,6 @@ std::string settings_help() {
             padded(range(setting), 15) + setting.meaning + "\n";
   }
   return help;
-}
-
-std::vector<CLI::ConfigItem> PlayTable::from_config(std::istream& input) const {
-  std::ostringstream text;
-  text << input.rdbuf();
-  try {
-    return read_play(TomlFile(text.str(), "--config"), app_, given_);
-  } catch (const Error& e) {
-    throw CLI::ConfigError(e.what(), CLI::ExitCodes::ConfigError);
-  }
 }
 
 }  // namespace hapgrid

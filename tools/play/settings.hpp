@@ -2,7 +2,6 @@
 // in one table. It drives the parsing of --set and of the table [play] of --config, and the help.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <span>
 #include <string>
 #include <utility>
@@ -11,6 +10,10 @@
 #include "libcore/device/pid.hpp"
 #include "libcore/haptic/mapping.hpp"
 #include "libcore/haptic/safety.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace hapgrid {
 
@@ -38,26 +41,12 @@ using GivenSettings = std::vector<std::pair<const Setting*, std::vector<double>>
 /// `settings` with what was given.
 PlaySettings changed(PlaySettings settings, const GivenSettings& given);
 
-/// The options --gain, --max-force and --scale, and --set. What the command line gives comes after
-/// what a file gives, and so it counts.
+/// Adds the options --gain, --max-force, --scale and --set, and reads files of --config: keys of
+/// their table [play] are the names of options, and its sub-tables have the keys of --set. What the
+/// command line gives comes after what a file gives, and so it counts. `given` must outlive `app`.
 void add_settings(CLI::App& app, GivenSettings& given);
 
 /// The keys of --set as a table for the help.
 std::string settings_help();
-
-/// Reads the table [play] of a TOML file; other filters read the rest of the file. Keys of [play]
-/// are the names of options, and its sub-tables have the keys of --set.
-class PlayTable : public CLI::Config {
- public:
-  /// @param app has the options. @param given gets the settings of the sub-tables.
-  PlayTable(const CLI::App& app, GivenSettings& given) : app_(app), given_(given) {}
-  std::string to_config(const CLI::App*, bool, bool, std::string) const override { return ""; }
-  /// @throw CLI::ConfigError "--config: line N: ..."
-  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override;
-
- private:
-  const CLI::App& app_;
-  GivenSettings& given_;
-};
 
 }  // namespace hapgrid

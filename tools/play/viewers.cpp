@@ -63,8 +63,8 @@ Viewers::Viewers(const PlayOptions& options) : options_(options), file_(!options
   std::fprintf(stderr, "play: IMD version %d on %s\n", options.imd.version, imd_->name().c_str());
 }
 
-void Viewers::start(const GridSpec& spec, const std::function<Model()>& create, double rate_hz,
-                    bool paced, const std::atomic<int>& stop) {
+void Viewers::start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
+                    const std::atomic<int>& stop) {
   if (!imd_ && !file_) return;
   rate_hz_ = rate_hz;
   fields_.emplace(spec, create, /*wants_shape=*/true);

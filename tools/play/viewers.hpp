@@ -20,7 +20,7 @@ class Viewers {
 
   /// Starts the slow thread if there are frames to write or viewers to serve.
   /// @param spec outlives this. @param create as Fields has it. @param stop see FramePublisher.
-  void start(const GridSpec& spec, const std::function<Model()>& create, double rate_hz, bool paced,
+  void start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
              const std::atomic<int>& stop);
   /// Waits for a viewer of molecules, for this long at most; not when there is no server.
   void wait(double seconds, const std::atomic<int>& stop);

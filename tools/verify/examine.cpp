@@ -35,8 +35,8 @@ class Examiner {
                              asked.walks > 0 ? " (or leave C out: --recompute none, and no --walks)"
                                              : " (or leave C out: --recompute none)");
     if (!asked.against.empty()) original_.emplace(load_grid({asked.against}));
-    Model model = judge();
-    has_force_ = has_force(grid_.spec(), model);
+    std::unique_ptr<Model> model = judge();
+    has_force_ = has_force(grid_.spec(), *model);
     same_ = same_in_spite_of(model_functions(std::move(model)).same, loaded_);
   }
 
@@ -61,7 +61,7 @@ class Examiner {
     for (Check& check : checks) report_.checks.push_back(std::move(check));
   }
 
-  Model judge() const { return judging_model(grid_.spec(), asked_.model.path); }
+  std::unique_ptr<Model> judge() const { return judging_model(grid_.spec(), asked_.model.path); }
   ModelFunctions make_model() const {
     return forgiving(model_functions(create_model(*source_, grid_.spec())), loaded_);
   }

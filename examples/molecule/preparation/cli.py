@@ -9,29 +9,29 @@ from . import files, molecule, torsions, work, xtb
 from .optimise import NotConverged
 
 ABOUT = """\
-From one molecule to the data of the molecule model: a conformation (a minimum of the potential
-energy), saddles around it that turning one bond leads to, and the path to each.
+Makes the data of the molecule model from one molecule: a conformation (a minimum of the potential
+energy), the saddles around it that are reached by turning one bond, and the path to each saddle.
 
-  conformers   sampled with Open Babel, relaxed with xtb; the lowest is the conformation
-  guesses      each torsion is turned either way, all else relaxed, until the energy falls again
-  saddles      refined, and kept if exactly one frequency is imaginary
-  paths        steepest descent from the saddle; kept if it ends in the conformation and climbs
-               without bumps from there to the saddle: 11 shapes at equal distances
+  conformers   are sampled with Open Babel and relaxed with xtb; the lowest is the conformation
+  guesses      each torsion is turned either way, while all else relaxes, until the energy falls
+  saddles      guesses are refined, and kept if exactly one frequency is imaginary
+  paths        follow the steepest descent from a saddle; a path is kept if it ends in the
+               conformation and climbs without bumps from there. It has 11 shapes at equal distances
 
 Torsions that lead to no such path are named on standard error and in the report.
 """
 
 AFTERWARDS = """\
-Written to DIR: conformation.xyz, a file a path (NAME-plus.xyz, NAME-minus.xyz; NAME.xyz for a
-methyl group, which turns either way alike), and report.tsv. Coordinates are in angstrom, energies
-in comment lines (dE) in kJ/mol above the conformation, wave numbers in cm^-1 with i for imaginary.
-Standard output gets the lines for a model's TOML file.
+The program writes to DIR: conformation.xyz, a file for each path (NAME-plus.xyz and NAME-minus.xyz,
+or NAME.xyz for a methyl group, for which both directions are the same), and report.tsv. Coordinates
+are in angstrom, energies in comment lines (dE) in kJ/mol above the conformation, wave numbers in
+cm^-1 with i for imaginary. It prints the lines for a model's TOML file on standard output.
 
-The molecule lies along the axes of its inertia, its centre of mass in the origin. Where DIR has the
-same conformation already, it stays as it lies there, so that the box of a model still fits.
+The molecule lies along the axes of its inertia, with its centre of mass in the origin. If DIR has
+the same conformation already, the new one lies as that does, so that the box of a model still fits.
 
-A run that was stopped goes on where it was: finished steps are kept in --work until all are done.
-One core is used; 22 atoms with gfn2 take minutes, 77 atoms with gfnff some minutes a torsion.
+A run that was stopped continues where it was: finished steps are kept in --work until all are done.
+One core is used. 22 atoms with gfn2 take minutes, 77 atoms with gfnff some minutes a torsion.
 
 exit codes: 0 done; 1 could not; 2 the command line is wrong
 
@@ -72,39 +72,41 @@ def parser():
     p.add_argument("file", metavar="FILE", nargs="?",
                    help="a molecule with coordinates: .xyz, .sdf, .mol")
     p.add_argument("--smiles", help="a molecule as SMILES; hydrogens are added after its atoms")
-    p.add_argument("-o", "--output", metavar="DIR", required=True, help="where the files go")
+    p.add_argument("-o", "--output", metavar="DIR", required=True, help="directory for the files")
     p.add_argument("--method", choices=xtb.METHODS, default="gfn2",
                    help="gfn2: GFN2-xTB; gfnff: the force field GFN-FF, for molecules of more than "
                         "about 40 atoms (default: %(default)s)")
     p.add_argument("--charge", type=int, metavar="E",
                    help="total charge (default: the input's, 0 for .xyz)")
     p.add_argument("--torsions", default="auto", metavar="LIST",
-                   help="which to turn, with commas: auto (every single bond that is neither in a "
-                        "ring nor an amide's), [NAME=]J-K or [NAME=]I-J-K-L: atoms counted from 1, "
-                        "the bond between J and K; + or - at the end: in this direction only "
-                        "(default: %(default)s)")
+                   help="torsions to turn, with commas between them: auto (every single bond that "
+                        "is neither in a ring nor an amide's), [NAME=]J-K or [NAME=]I-J-K-L (atoms "
+                        "counted from 1; the bond between J and K turns; + or - at the end: in this "
+                        "direction only) (default: %(default)s)")
     p.add_argument("--guess", action="append", default=[], metavar="PATH=FILE",
-                   help="a shape near the saddle of a path (psi-plus=psi.xyz), from elsewhere: no "
-                        "scan; the same atoms in the same order; may be repeated")
+                   help="a shape near the saddle of a path (psi-plus=psi.xyz), with the same atoms "
+                        "in the same order; this path is then not scanned; may be repeated")
     p.add_argument("--paths", type=_count, metavar="N",
-                   help="only the N lowest saddles (default: all)")
+                   help="keep only the N lowest saddles (default: all)")
     p.add_argument("--keep-equal", action="store_true",
-                   help="keep a saddle that is the mirror image of another, or equals it but for "
-                        "an exchange of equal atoms")
+                   help="keep a saddle that is the mirror image of another, or equals it when "
+                        "equal atoms are exchanged")
     p.add_argument("--highest", type=_energy, default=150.0, metavar="KJ_MOL",
-                   help="a scan that climbs higher ends, kJ/mol (default: %(default)g)")
+                   help="end a scan that climbs higher than this, kJ/mol (default: %(default)g)")
     p.add_argument("--keep-conformation", action="store_true",
                    help="relax FILE to the nearest minimum instead of looking for the lowest one")
     p.add_argument("--conformers", type=_count, default=10, metavar="N",
-                   help="start structures for xtb, the lowest of MMFF94 (default: %(default)s)")
-    p.add_argument("--seed", type=int, default=1, metavar="N",
-                   help="of the random torsions, where all combinations are too many (default: "
+                   help="how many of the lowest MMFF94 structures xtb relaxes (default: "
                         "%(default)s)")
+    p.add_argument("--seed", type=int, default=1, metavar="N",
+                   help="seed of the random torsions, which are used when there are too many "
+                        "combinations for all (default: %(default)s)")
     p.add_argument("--work", metavar="DIR",
-                   help="where finished steps are kept (default: DIR/.prepare)")
-    p.add_argument("--keep-work", action="store_true", help="do not remove them at the end")
-    p.add_argument("--again", action="store_true", help="compute what is there already")
-    p.add_argument("-q", "--quiet", action="store_true", help="no progress on standard error")
+                   help="directory for finished steps (default: DIR/.prepare)")
+    p.add_argument("--keep-work", action="store_true",
+                   help="do not remove finished steps at the end")
+    p.add_argument("--again", action="store_true", help="compute anew what is there already")
+    p.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")
     return p
 
 
@@ -124,7 +126,7 @@ def _options(arguments):
 
 
 def _command(o):
-    """What made a set, for its report: what decides the result and nothing else."""
+    """The command for the report, with the options that decide the result and no others."""
     out = ["prepare"]
     out += ["--smiles", o.smiles] if o.smiles is not None else [os.path.basename(o.file)]
     out += ["--method", o.method]
@@ -143,7 +145,7 @@ def _command(o):
 
 
 def _is_current(o, command):
-    """A whole set by the same command, from an input that is not newer."""
+    """Whether there is a whole set from the same command, and no input is newer than it."""
     report = os.path.join(o.output, "report.tsv")
     try:
         with open(report, encoding="utf-8") as file:
@@ -158,8 +160,8 @@ def _is_current(o, command):
 
 
 def _silence():
-    """GFN-FF prints on standard output, whatever its verbosity, some of it when the process ends:
-    from here on it prints nowhere. Returns the real standard output."""
+    """Discards standard output from here on and returns the real one. GFN-FF prints there, whatever
+    its verbosity, some of it only when the process ends."""
     sys.stdout.flush()
     out = os.fdopen(os.dup(1), "w", encoding="utf-8")
     nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -169,7 +171,7 @@ def _silence():
 
 
 def _guesses(o, one, driven):
-    """Positions in angstrom by the name of the path."""
+    """The shapes of --guess, in angstrom, by the name of their path."""
     names = {t.file_name(sign) for t in driven for sign in t.signs}
     out = {}
     for guess in o.guess:

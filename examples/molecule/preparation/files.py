@@ -1,4 +1,5 @@
-"""What is written: XYZ files and the report. All beside their place first, then renamed."""
+"""The files that are written: XYZ files and the report. Each is written beside its place, then
+renamed."""
 
 import os
 
@@ -9,7 +10,7 @@ from .xtb import BOHR, HARTREE, SYMBOLS
 
 
 def write_whole(path, text):
-    """The file is there in full, or as it was before."""
+    """Writes a file so that it is there in full, or as it was before."""
     beside = f"{path}.new.{os.getpid()}"
     try:
         with open(beside, "w", encoding="utf-8") as file:
@@ -66,7 +67,7 @@ def path_text(result, found):
 
 
 def report_text(result, command):
-    """The stationary points, tab-separated; lines with # are remarks."""
+    """The table of stationary points, tab-separated; lines that begin with # are remarks."""
     header = ("name", "kind", "energy_kJ_mol", "imaginary", "nu1_cm-1", "joins", "method",
               "torsions_deg")
     rows = [("conformation", "minimum", "0.00", "0", f"{result.nu1:.0f}", "-", result.method,
@@ -95,7 +96,7 @@ def report_text(result, command):
 
 
 def listed(report):
-    """The path files that an earlier report speaks of."""
+    """The path files that a report names."""
     try:
         with open(report, encoding="utf-8") as file:
             rows = [line.split("\t") for line in file if not line.startswith("#")]
@@ -105,8 +106,8 @@ def listed(report):
 
 
 def write_set(directory, result, command):
-    """All files of a molecule; the report comes last, so where there is one the set is whole.
-    Returns the names."""
+    """Writes all files of a molecule and returns their names. The report is written last: where
+    there is one, the set is whole."""
     report = os.path.join(directory, "report.tsv")
     texts = {"conformation.xyz": conformation_text(result)}
     for found in result.found:
@@ -115,7 +116,7 @@ def write_set(directory, result, command):
     os.makedirs(directory, exist_ok=True)
     if os.path.exists(report):
         os.remove(report)
-    for name in set(old) - set(texts):  # paths from another conformation would lie
+    for name in set(old) - set(texts):  # paths from another conformation would be wrong
         if os.path.exists(os.path.join(directory, name)):
             os.remove(os.path.join(directory, name))
     for name, text in texts.items():

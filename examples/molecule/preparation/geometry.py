@@ -1,4 +1,4 @@
-"""Shapes: superposition, internal coordinates, and what makes two shapes the same.
+"""Shapes: superposition, internal coordinates, and when two shapes are the same.
 
 Positions in bohr, arrays (atoms, 3); angles in radians.
 """
@@ -12,7 +12,7 @@ RADII = {1: 0.31, 3: 1.28, 5: 0.84, 6: 0.76, 7: 0.71, 8: 0.66, 9: 0.57, 11: 1.66
 
 
 def bonds_of(numbers, positions_angstrom):
-    """Neighbours of each atom, ascending, read off the distances."""
+    """The neighbours of each atom, ascending, by distances."""
     x = np.asarray(positions_angstrom)
     radius = np.array([RADII.get(z, 1.5) for z in numbers])
     distance = np.linalg.norm(x[:, None] - x[None], axis=2)
@@ -26,8 +26,8 @@ def centred(x, masses):
 
 
 def on_principal_axes(x, masses):
-    """Centred, the longest axis of the molecule along x and the shortest along z; which way an axis
-    points is settled by its farthest atom, the first of those that are equally far."""
+    """x centred, with the molecule's longest axis along x and its shortest along z. An axis points
+    to its farthest atom, the first one among those that are equally far."""
     c = centred(x, masses)
     _, axes = np.linalg.eigh((masses[:, None] * c).T @ c)
     axes = axes[:, ::-1].copy()
@@ -54,7 +54,7 @@ def rms(x, y):
 
 
 def rigid_vectors(x, weights):
-    """Orthonormal columns (3 atoms, 6): shifts and turns, of coordinates times sqrt(weights)."""
+    """Shifts and turns of coordinates times sqrt(weights), as orthonormal columns (3 atoms, 6)."""
     root = np.sqrt(weights)[:, None]
     c = centred(x, weights)
     columns = []
@@ -107,7 +107,7 @@ def rotated_about(x, j, k, side, turn):
 
 
 def side_of(neighbours, j, k):
-    """Atoms on k's side of the bond j-k, k left out. None where the bond is in a ring."""
+    """The atoms on k's side of the bond j-k, without k; None when the bond is in a ring."""
     seen, stack = {k}, [k]
     while stack:
         at = stack.pop()
@@ -123,11 +123,11 @@ def side_of(neighbours, j, k):
 
 
 class Tree:
-    """A tree of internal coordinates: every atom by a bond, an angle and a torsion.
+    """A tree of internal coordinates: each atom has a bond, an angle and a torsion.
 
-    The second and later children of an atom take their torsion relative to the first child, so
-    that turning about one bond is one number. What consumers of the paths do; here it tells
-    whether a spline through the nodes makes sense between them.
+    The torsions of an atom's second and later children are relative to the first child's, so that
+    turning about one bond changes one number. The molecule model interpolates such coordinates;
+    here they show whether a spline through the nodes makes sense between them.
     """
 
     def __init__(self, neighbours, numbers):
@@ -150,7 +150,8 @@ class Tree:
         self.order = order
 
     def _frame(self, row):
-        """The three atoms that an atom hangs on, None for those that the first atoms lack."""
+        """The three atoms to which an atom's coordinates refer; None for those that the first atoms
+        lack."""
         atom, a, b, c, sibling = row
         if b is None:  # children of the root: the first child, then torsions about nothing
             others = [r[0] for r in self.rows if r[1] == self.root]
@@ -213,7 +214,7 @@ class Tree:
 
 
 def _placed(r, theta, tau, to_b, b_to_c):
-    """Where an atom is, seen from its parent: bond r, angle theta to b, torsion tau to c."""
+    """An atom's place relative to its parent: bond r, angle theta to b, torsion tau to c."""
     e1 = to_b / np.linalg.norm(to_b)
     e2 = b_to_c - (b_to_c @ e1) * e1
     e2 /= np.linalg.norm(e2)
@@ -222,8 +223,8 @@ def _placed(r, theta, tau, to_b, b_to_c):
 
 
 def fingerprint(numbers, x):
-    """Sorted distances of each pair of elements: the same for a shape, its mirror image, and one
-    with equal atoms exchanged."""
+    """The sorted distances for each pair of elements. They are the same for a shape, its mirror
+    image, and a shape with equal atoms exchanged."""
     distance = np.linalg.norm(x[:, None] - x[None], axis=2)
     pairs = {}
     for i in range(len(x)):

@@ -17,8 +17,9 @@ class BadInput(Exception):
 
 
 class Molecule:
-    """numbers: elements; positions: angstrom; neighbours: of each atom; double: pairs (j < k) that
-    do not turn: double bonds, and amides with them; charge: e; ob: Open Babel's."""
+    """numbers: elements; positions: angstrom; neighbours: of each atom; double: pairs (j < k) of
+    the bonds that do not turn, which are double bonds and amides; charge: e; ob: Open Babel's
+    molecule."""
 
     def __init__(self, ob, what):
         from openbabel import openbabel
@@ -49,8 +50,8 @@ class Molecule:
                 for j, k in self.amides if min(len(self.neighbours[j]), len(self.neighbours[k])) > 1]
 
     def relaxed(self, positions, steps=500):
-        """(energy, positions in angstrom) after some steps of the force field; energies only
-        compare."""
+        """(energy, positions in angstrom) after some steps with the force field. Energies can only
+        be compared with each other."""
         from openbabel import openbabel
         field = openbabel.OBForceField.FindForceField(FORCE_FIELD)
         ob = openbabel.OBMol(self.ob)
@@ -90,7 +91,7 @@ def from_smiles(smiles):
     conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
     conversion.SetInFormat("smi")
     what = f"SMILES '{smiles}'"
-    # Open Babel reads on over an open bracket, a second word, and rings that cannot be aromatic.
+    # Open Babel does not refuse an open bracket, a second word, or a ring that cannot be aromatic.
     if not re.fullmatch(r"\S+", smiles) or smiles.count("(") != smiles.count(")"):
         raise BadInput(f"{what}: not understood")
     log = openbabel.obErrorLog
@@ -105,9 +106,9 @@ def from_smiles(smiles):
 
 
 def _repeatable(molecule):
-    """Open Babel puts a molecule down in a random orientation: its internal coordinates, without
-    their last digits, are the same each time, and so is a shape made of them. (Where it joins
-    rings to chains, a torsion is random too; conformers() sets those that turn.)"""
+    """Rebuilds a molecule, which Open Babel places in a random orientation, from its internal
+    coordinates without their last digits: these are the same each time. (Where Open Babel joins
+    rings to chains, a torsion is random, too; conformers() sets those that turn.)"""
     tree = geometry.Tree(molecule.neighbours, molecule.numbers)
     molecule.positions = tree.build(np.round(tree.read(molecule.positions), 6))
     return molecule
@@ -119,7 +120,7 @@ def from_file(path):
     kind = os.path.splitext(path)[1][1:].lower()
     if kind not in ("xyz", "sdf", "mol"):
         raise BadInput(f"{path}: not an .xyz, .sdf or .mol file")
-    with open(path, encoding="utf-8") as file:  # so that the message is the system's
+    with open(path, encoding="utf-8") as file:  # so that the system's message is shown
         text = file.read()
     conversion.SetInFormat(kind)
     if not conversion.ReadString(ob, text) or ob.NumAtoms() == 0:
@@ -131,7 +132,7 @@ def from_file(path):
 
 
 def _clash(molecule, x):
-    """Atoms three bonds apart or more that are closer than 1.5 angstrom (bonded ones never are)."""
+    """Whether atoms three bonds apart or more are closer than 1.5 angstrom."""
     distance = np.linalg.norm(x[:, None] - x[None], axis=2)
     for a, near in enumerate(molecule.neighbours):
         distance[a, a] = 9
@@ -144,8 +145,8 @@ def _clash(molecule, x):
 def conformers(molecule, torsions, number, seed):
     """Up to `number` shapes (angstrom), relaxed by the force field, lowest first, none twice.
 
-    Each torsion in steps of 60 degrees, and amides cis and trans; all of the combinations where
-    these are few, else random ones.
+    Each torsion is turned in steps of 60 degrees, and amides are cis and trans. All combinations
+    are tried when they are few, otherwise random ones.
     """
     turns = [(t, np.radians(np.arange(-180, 180, 60))) for t in torsions if not t.rotor]
     driven = {tuple(sorted(t.atoms[1:3])) for t in torsions}

@@ -1,8 +1,8 @@
 """Minima and saddles: quasi-Newton steps in a trust radius.
 
-Energies of peptides bend by five orders of magnitude from a bond to a soft torsion, so steps are
-taken in the eigenvectors of a Hessian, never along the gradient. A saddle is the same search with
-one eigenvector climbed instead of descended (P-RFO, Banerjee et al. 1985).
+Curvatures of a peptide's energy differ by five orders of magnitude between a bond and a soft
+torsion, so steps are taken along the eigenvectors of a Hessian, never along the gradient. The
+search for a saddle is the same, but it climbs along one eigenvector (P-RFO, Banerjee et al. 1985).
 """
 
 import numpy as np
@@ -12,12 +12,12 @@ from .xtb import WAVE_NUMBER
 
 
 class NotConverged(Exception):
-    """The steps ran out; the message says how far it came."""
+    """The steps did not suffice; the message says how far the search came."""
 
 
 def projected(hessian, x, weights=None):
-    """(eigenvalues ascending, eigenvectors) without shifts and turns; with masses as weights, of
-    mass-weighted coordinates."""
+    """(eigenvalues ascending, eigenvectors) without shifts and turns. With masses as weights they
+    are those of mass-weighted coordinates."""
     weights = np.ones(len(x)) if weights is None else weights
     root = np.repeat(1 / np.sqrt(weights), 3)
     rigid = geometry.rigid_vectors(x, weights)
@@ -35,7 +35,7 @@ def wave_numbers(hessian, x, masses):
 
 def bfgs(hessian, s, y):
     hs = hessian @ s
-    if s @ y < 1e-12:  # it would no longer be positive
+    if s @ y < 1e-12:  # the Hessian would no longer be positive definite
         return hessian
     return hessian + np.outer(y, y) / (s @ y) - np.outer(hs, hs) / (s @ hs)
 
@@ -71,8 +71,8 @@ def _rfo(values, f, climbed):
 
 
 def _climbed(values, vectors, mode):
-    """The mode to climb. Soft modes mix from step to step, so likeness alone may lead astray: one
-    that falls already comes first, and stiff ones never come."""
+    """The mode to climb: the one most like `mode`. Soft modes mix from step to step, so likeness
+    alone may mislead: only modes that fall are taken, or the softest where none falls."""
     falling = int((values < 0).sum())
     among = falling if falling else min(8, len(values))
     return int(np.argmax(np.abs(vectors[:, :among].T @ mode)))
@@ -82,10 +82,10 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
            renew=None, every=0, tree=None):
     """A stationary point near x: a minimum, or with `climb` a saddle.
 
-    function(x): (energy, gradient). hessian: to start from. climb: a vector (3 atoms); the mode
-    nearest to it is climbed, from then on the mode nearest to that one. tolerance: largest
+    function(x): (energy, gradient). hessian: the first one. climb: a vector (3 atoms); the mode
+    nearest to it is climbed, and then always the mode nearest to the one before. tolerance: largest
     component of the gradient (hartree/bohr). renew(x): an exact Hessian, taken every `every` steps.
-    tree: steps are straight in its coordinates.
+    tree: coordinates in which the steps are straight.
     Returns (x, energy, hessian as updated).
     """
     energy, gradient = function(x)
@@ -116,7 +116,7 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
         hessian = update(hessian, s, new_gradient.ravel() - g)
         ratio = gain / expected if abs(expected) > 1e-9 else 1.0
         if climb is None and gain > 1e-6 and ratio < 0:
-            trust = max(length / 4, 1e-4)  # uphill: the step is not taken, the Hessian has learnt
+            trust = max(length / 4, 1e-4)  # uphill: not taken, but it has improved the Hessian
             continue
         if climb is not None and (ratio < -1 or ratio > 3):
             trust = max(length / 2, 0.01)
@@ -132,8 +132,8 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
 
 
 def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
-    """The minimum down from x, with its exact Hessian: (x, energy, hessian). longest: of a step,
-    bohr; short ones stay in the valley where they start."""
+    """The minimum downhill of x, with its exact Hessian: (x, energy, hessian). longest: the longest
+    step, bohr; short steps stay in the valley where they start."""
     renew = surface.hessian
     if hessian is None:
         hessian = renew(x)
@@ -148,13 +148,13 @@ def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
         values, vectors = projected(exact, x)
         if values[0] > 0:
             return x, energy, exact
-        # A saddle by symmetry: off it, along the mode that falls.
+        # A saddle, kept by symmetry: leave it along the mode that falls.
         x = x + 0.1 * vectors[:, 0].reshape(-1, 3)
     raise NotConverged("no minimum near a point of symmetry")
 
 
 def saddle(surface, x, direction, tolerance=3e-6, steps=150):
-    """The first-order saddle up along the mode nearest to `direction` (3 atoms), with its exact
+    """The first-order saddle uphill along the mode nearest to `direction` (3 atoms), with its exact
     Hessian: (x, energy, hessian)."""
     renew = surface.hessian
     x, energy, _ = search(surface, x, renew(x), climb=direction, tolerance=tolerance, steps=steps,

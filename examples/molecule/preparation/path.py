@@ -1,4 +1,4 @@
-"""The way from a saddle down to a minimum, and eleven nodes along it.
+"""The path from a saddle down to a minimum, and eleven nodes along it.
 
 Steepest descent in mass-weighted coordinates (the intrinsic reaction coordinate), by local
 quadratic steps (Page and McIver 1988): a plain gradient step would zigzag across the valley,
@@ -12,12 +12,12 @@ from .xtb import BOHR, HARTREE
 
 
 class NotSane(Exception):
-    """A path that no consumer should get; the message says why."""
+    """A path is of no use to the model; the message says why."""
 
 
 def _arc_step(values, f, length):
-    """Components of the steepest-descent step of a given arc length on a quadratic surface; the
-    step to its lowest point where that is nearer."""
+    """Components of the steepest-descent step of a given arc length on a quadratic surface, or of
+    the step to the surface's lowest point when that is nearer."""
     def at(t):
         # -f (1 - exp(-values t)) / values, and its limit -f t for small values t
         z = np.clip(values * t, -50, 700)
@@ -35,9 +35,9 @@ def _arc_step(values, f, length):
 
 
 def descend(surface, x, hessian, sign, stop, step=0.2, steps=1200, every=12):
-    """Shapes from the saddle x downhill, x itself first. sign: which way along the falling mode.
-    stop(shape, energy): true where it is enough. step: sqrt(amu) bohr. every: steps to the next
-    exact Hessian; updates alone let the way leave the floor of the valley."""
+    """Shapes downhill from the saddle x, which is the first. sign: which way along the falling
+    mode. stop(shape, energy): true where the path may end. step: sqrt(amu) bohr. every: steps
+    between exact Hessians; with updates alone the path would leave the floor of the valley."""
     root = np.repeat(np.sqrt(surface.masses), 3)
     values, vectors = optimise.projected(hessian, x, surface.masses)
     shapes = [x]
@@ -69,7 +69,7 @@ def descend(surface, x, hessian, sign, stop, step=0.2, steps=1200, every=12):
 
 
 def aligned_chain(shapes, masses):
-    """Each shape superposed on the one before: what is left is motion inside the molecule."""
+    """Superposes each shape on the one before, so that only motion inside the molecule is left."""
     out = [shapes[0]]
     for x in shapes[1:]:
         out.append(geometry.aligned(x, out[-1], masses))
@@ -77,7 +77,7 @@ def aligned_chain(shapes, masses):
 
 
 def resampled(shapes, masses, nodes=11):
-    """Shapes at equal distances (root mean square displacement) along a chain of close shapes."""
+    """Shapes at equal distances (root mean square displacement) along a chain of nearby shapes."""
     chain = aligned_chain(shapes, masses)
     along = np.concatenate([[0], np.cumsum([geometry.rms(a, b) for a, b in zip(chain, chain[1:])])])
     out = []
@@ -118,7 +118,7 @@ def internal_nodes(tree, shapes):
 
 
 def between(surface, tree, shapes):
-    """Energies (hartree) half way between nodes, of shapes splined through internal coordinates."""
+    """Energies (hartree) half way between nodes, where splines of the internal coordinates lead."""
     spline = natural_spline(internal_nodes(tree, shapes))
     n = len(shapes) - 1
     return [surface.energy(tree.build(spline((k + 0.5) / n))) for k in range(n)]
@@ -126,20 +126,20 @@ def between(surface, tree, shapes):
 
 def nodes(surface, tree, saddle, hessian, sign, x0, energy0, count=11):
     """(shapes, energies) from the conformation x0 to the saddle, at equal distances.
-    Raises NotSane where the way down ends elsewhere, or a consumer would meet a bump."""
+    Raises NotSane when the path down ends elsewhere, or has a bump between its nodes."""
     masses = surface.masses
 
     def there(x, energy):
-        # From here straight on: in the bowl of a minimum a straight line to it never rises.
+        # From here the path goes straight on: near a minimum a straight line to it never rises.
         return ((energy - energy0) * HARTREE < 0.02
                 and geometry.rms(geometry.aligned(x, x0, masses), x0) < 0.1)
     shapes, _ = descend(surface, saddle, hessian, sign, there)
     away = geometry.rms(geometry.aligned(shapes[-1], x0, masses), x0)
     if away > 0.4:
-        raise NotSane(f"the way down ends {away * BOHR:.2f} angstrom from the conformation")
+        raise NotSane(f"the path down ends {away * BOHR:.2f} angstrom from the conformation")
     shapes = resampled([x0] + shapes[::-1], masses, count)
     shapes = [x0] + [geometry.aligned(x, x0, masses) for x in shapes[1:]]
-    # As the file has them, so that its energies are those of its shapes.
+    # Rounded as in the file, so that the file's energies are those of its shapes.
     shapes = [np.round(x * BOHR, 8) / BOHR for x in shapes]
     energies = [energy0] + [surface.energy(x) for x in shapes[1:]]
     check(energies, between(surface, tree, shapes), energy0)

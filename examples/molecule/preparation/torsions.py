@@ -1,7 +1,7 @@
 """Which torsions are driven, and how: a relaxed scan towards a barrier.
 
-A scan only guesses. What it finds is refined to a saddle and proved by its frequencies elsewhere;
-some torsions lead to no saddle from a given minimum, and their scans just climb.
+A scan only gives a guess. Other modules refine it to a saddle and check its frequencies. Some
+torsions lead to no saddle from a given minimum; their scans only climb.
 """
 
 import re
@@ -12,7 +12,7 @@ import numpy as np
 from . import geometry, optimise
 from .xtb import HARTREE
 
-STIFFNESS = 0.5  # hartree/rad^2, of the restraint: ten times the stiffest torsion
+STIFFNESS = 0.5  # of the restraint, hartree/rad^2: ten times that of the stiffest torsion
 
 
 class BadTorsion(Exception):
@@ -29,7 +29,7 @@ class Torsion:
     atoms: tuple  # four, counted from 0
     moved: tuple  # atoms that turn with the last one, about the bond in the middle
     signs: tuple  # the directions to drive: +1, -1
-    rotor: bool  # a methyl: both directions are one, and the names of its files need no direction
+    rotor: bool  # a methyl group: both directions are the same, and file names need no direction
 
     def file_name(self, sign):
         return self.name if self.rotor else self.name + ("-plus" if sign > 0 else "-minus")
@@ -41,7 +41,7 @@ def _is_methyl(numbers, neighbours, atom, partner):
 
 
 def _end(numbers, neighbours, atom, partner):
-    """The neighbour a torsion ends at: the heaviest, then the first."""
+    """The neighbour at which a torsion ends: the heaviest, among equal ones the first."""
     others = [n for n in neighbours[atom] if n != partner]
     return min(others, key=lambda n: (-numbers[n], n)) if others else None
 
@@ -63,8 +63,8 @@ def make(numbers, neighbours, word, name, i, j, k, l, signs):
 
 
 def automatic(numbers, neighbours, double):
-    """Every bond that turns: not in a ring, not double (a set of pairs, amides among them), and
-    with more than one atom on either side."""
+    """Every bond that turns: it is in no ring, not in `double` (a set of pairs, amides among them),
+    and has more than one atom on either side."""
     out = []
     for j in range(len(numbers)):
         for k in neighbours[j]:
@@ -78,8 +78,8 @@ def automatic(numbers, neighbours, double):
 
 
 def parse(text, numbers, neighbours, double):
-    """The torsions of --torsions: auto, or [NAME=]J-K or [NAME=]I-J-K-L, with + or - at the end
-    for one direction only; several with commas."""
+    """The torsions of --torsions: auto, [NAME=]J-K or [NAME=]I-J-K-L, with + or - at the end for
+    one direction only, and with commas between several."""
     out = []
     for word in text.split(","):
         if word == "auto":
@@ -115,10 +115,11 @@ def _restrained(surface, atoms, target):
 
 
 def scan(surface, x, hessian, torsion, sign, *, step=np.radians(10), highest=150 / HARTREE):
-    """The first barrier: (shape, tangent), a guess of a saddle.
+    """The first barrier as a guess of a saddle: (shape, tangent).
 
-    From the minimum x, with its Hessian, the torsion is turned in steps; all else relaxes. The top
-    is taken where the energy has fallen after it. step: radians; highest: hartree above x.
+    The torsion is turned in steps from the minimum x, which has the given Hessian, while all else
+    relaxes. The highest shape is taken when the energy has fallen after it. step: radians; highest:
+    hartree above x.
     """
     start = surface.energy(x)
     shapes, energies = [x], [start]
@@ -146,7 +147,7 @@ def scan(surface, x, hessian, torsion, sign, *, step=np.radians(10), highest=150
 
 
 def torsion_hessian(x, atoms):
-    """What the restraint adds to the Hessian, near its target."""
+    """The restraint's part of the Hessian, near its target."""
     b = geometry.torsion_gradient(x, *atoms).ravel()
     return STIFFNESS * np.outer(b, b)
 
@@ -154,8 +155,8 @@ def torsion_hessian(x, atoms):
 def _on_top(surface, before, top, after):
     """(shape, tangent) from three shapes about the top of a scan.
 
-    Where the rest of the molecule snaps over while the torsion turns, the shapes lie in the one
-    valley or the other and none is near the saddle: a search from there wanders off.
+    When the rest of the molecule snaps over while the torsion turns, each shape lies in one valley
+    or the other and none is near the saddle: a search from there would go astray.
     """
     before, after = (geometry.aligned(x, top, surface.masses) for x in (before, after))
     back, ahead = geometry.rms(before, top), geometry.rms(after, top)

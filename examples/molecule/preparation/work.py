@@ -1,5 +1,5 @@
-"""One molecule from start to end. Each step is kept until all are done, so that a run that was
-stopped goes on where it was."""
+"""All steps for one molecule. Each is kept until all are done, so that a run that was stopped
+continues where it was."""
 
 import hashlib
 import json
@@ -14,23 +14,24 @@ from . import files, geometry, optimise, path, torsions
 from .molecule import conformers
 from .xtb import BOHR, HARTREE, Surface, XtbError
 
-VERSION = 1  # of the algorithm: a kept step of another version is computed anew
+VERSION = 1  # of the algorithm; a step that another version has kept is computed anew
 SAME_SHAPE = 0.1  # bohr, root mean square: minima closer than this are one
 SAME_ENERGY = 0.02  # kJ/mol
 
 
 class Failed(Exception):
-    """The molecule has no such set; the message says why."""
+    """The molecule has no conformation with paths; the message says why."""
 
 
 class Dropped(Exception):
-    """A torsion and direction that gives no path; the message says why."""
+    """A torsion in one direction gives no path; the message says why."""
 
 
 @dataclass
 class Found:
-    """A saddle and its way to the conformation. nodes: aligned to it; energies: hartree; far: the
-    minimum on the other side; far_is_equal: that is the conformation with equal atoms exchanged."""
+    """A saddle and its path to the conformation. nodes: aligned to the conformation; energies:
+    hartree; far: the minimum on the other side; far_is_equal: whether that is the conformation with
+    equal atoms exchanged."""
     name: str
     torsion: str
     nodes: list
@@ -44,7 +45,7 @@ class Found:
 
 @dataclass
 class Result:
-    """Lengths in bohr, energies in hartree; dropped: (path, why)."""
+    """Lengths are in bohr, energies in hartree; dropped: (path, reason)."""
     numbers: list
     masses: np.ndarray
     method: str
@@ -56,8 +57,8 @@ class Result:
     dropped: list = field(default_factory=list)
 
     def lie_like(self, reference):
-        """Turns everything so that the conformation lies as the reference, if it is the same but
-        for the numbers of its hydrogens."""
+        """If the conformation is the reference but for the numbers of its hydrogens, turns
+        everything so that it lies as the reference does."""
         heavy = np.array(self.numbers) > 1
         x = geometry.aligned(self.x, reference, np.where(heavy, self.masses, 0.0))
         if geometry.rms(x[heavy], reference[heavy]) < SAME_SHAPE:
@@ -68,7 +69,7 @@ class Result:
 
 
 class Steps:
-    """Results of steps as JSON files, by what went into them."""
+    """Results of steps, kept as JSON files that are named by a hash of the steps' inputs."""
 
     def __init__(self, directory, again):
         self.directory = directory
@@ -99,8 +100,8 @@ class Steps:
 
 
 class Work:
-    """The steps for one molecule. options: of the command line, see cli.py; guesses: shapes near
-    saddles (angstrom) by the name of their path."""
+    """The steps for one molecule. options: those of the command line, see cli.py; guesses: shapes
+    near saddles (angstrom) by the name of their path."""
 
     def __init__(self, molecule, driven, options, guesses):
         self.molecule = molecule
@@ -185,14 +186,14 @@ class Work:
                 best = energy, x
         if best is None:
             raise Failed("no conformation: none of the start structures relaxes")
-        # The bonds of GFN-FF are read off the conformation itself, whatever it came from: then one
-        # run of xtb on its file gives the same energy.
+        # GFN-FF must read its bonds off the conformation itself, not off the shape from which it
+        # was found: then one run of xtb on the conformation's file gives the same energy.
         x = best[1]
         for _ in range(2):
             surface = self._surface(x)
             x, _, hessian = optimise.minimum(surface, x)
         x = geometry.on_principal_axes(x, surface.masses)
-        # As the file has it: the nodes of paths are compared with what a reader sees.
+        # Rounded as in the file, since readers compare the nodes of paths with the file.
         x = np.round(x * BOHR, 8) / BOHR
         return {"x": x.tolist(), "hessian": surface.hessian(x).tolist()}
 
@@ -248,7 +249,7 @@ class Work:
                 raise Dropped(f"the saddle of {other.name} by symmetry")
 
     def _guarded(self, compute, *arguments):
-        """What compute gives, or why there is nothing, in a form that can be kept."""
+        """The result of compute, or the reason why there is none, in a form that can be kept."""
         try:
             return compute(*arguments)
         except (Dropped, torsions.NoBarrier, path.NotSane) as why:
@@ -275,7 +276,7 @@ class Work:
         return {"x": x.tolist(), "energy": energy, "hessian": hessian.tolist(), "nu1": waves[0]}
 
     def _sides(self, x, hessian):
-        """The minima that the saddle joins: (sign, x, energy, hessian) each."""
+        """The two minima that the saddle joins, each as (sign, x, energy, hessian)."""
         masses = self.surface.masses
         _, vectors = optimise.projected(hessian, x, masses)
         mode = vectors[:, 0] / np.repeat(np.sqrt(masses), 3)

@@ -1,6 +1,6 @@
 #!/bin/bash
-# The bead between two wells, from plug-ins in C and in Fortran: complete grids that verify, the same
-# states from both, and refusals in one line.
+# The bead between two wells, from plug-ins in C and in Fortran: their grids are complete and verify, have
+# the same states, and both refuse in one line.
 source "$(dirname "$0")/../lib.sh"
 models=$(readlink -f "$HAPGRID_BIN/../models")
 names=(spring-c)
@@ -9,44 +9,38 @@ if [[ -e $models/spring-fortran.so ]]; then names+=(spring-fortran); fi
 small=(--set 'grid.origin=[-12.5, -14.5, -0.5]' --set 'grid.counts=[26, 30, 2]')
 for name in "${names[@]}"; do
   toml=$HAPGRID_SOURCE/examples/$name/$name.toml
-  seed "$toml" "${small[@]}" | expand --complete -j 2 -o "$name.grid"
-  expect 0 '~.*' '~verify: fine: [0-9]+ checks' -- verify "$name.grid" --recompute all
   seed "$toml" "${small[@]}" -o seeds
+  expand --complete -j 2 seeds -o "$name.grid"
+  expect 0 '~.*' '~verify: fine: [0-9]+ checks' -- verify "$name.grid" --recompute all
   rounds seeds rounds.grid
   cmp rounds.grid "$name.grid"
   stats --dump "$name.grid" >"$name.dump"
 
   refuses "seed: model $name: unknown parameter weight \(known: wells, depth, stiffness, reach, strength, tolerance\)" \
     -- seed "$toml" --set model.parameters.weight=1
-  refuses "seed: model $name: parameter reach is -1(\.0*E\+00)?, it must be positive" \
-    -- seed "$toml" --set model.parameters.reach=-1.0
-  refuses "seed: model $name: parameter depth must be a number" \
-    -- seed "$toml" --set 'model.parameters.depth="deep"'
-  # The spring breaks on the way: where, and from which state.
+  # When the spring breaks, the message says where and from which state.
   seed "$toml" "${small[@]}" --set model.parameters.strength=12 -o weak.seeds
   refuses "expand: conversion at point [0-9]+ \([0-9, ]+\) level [01], direction [0-9]+: the spring broke: stretched to [0-9.eE+]+ mm, its strength is [0-9.eE+]+ mm" \
     -- expand --complete weak.seeds -o out
   [[ ! -e out ]] || fail 'half a grid'
 done
 
-# Both wells off the rail, one branch on it.
-python3 - spring-c.dump <<'END2'
+# Off the rail there are states in both wells, on it there is one.
+python3 - spring-c.dump <<'END'
 import sys
 levels = {}
 for line in open(sys.argv[1]):
-    if line.startswith("#"):
-        continue
-    i, j, k, level, s = line.split("\t")[:5]
-    levels.setdefault((int(i), int(j), int(k)), []).append(float(s))
-two = [p for p, s in levels.items() if len(s) == 2]
-assert all(min(levels[p]) < 0 < max(levels[p]) for p in two)
-assert all(len(s) <= 2 for s in levels.values())
+    if not line.startswith("#"):
+        i, j, k, _, s = line.split("\t")[:5]
+        levels.setdefault((int(i), int(j), int(k)), []).append(float(s))
+two = {p for p, s in levels.items() if len(s) == 2}
+assert all(min(levels[p]) < 0 < max(levels[p]) for p in two) and max(map(len, levels.values())) == 2
 assert (12, 0, 0) in two and (12, 14, 0) not in two, two
-END2
+END
 
-# The same records with the same links, and states that differ by rounding (cbrt against a power).
+# The records have the same links, and their states differ by rounding (cbrt against a power of 1/3).
 if (( ${#names[@]} == 2 )); then
-  python3 - spring-c.dump spring-fortran.dump <<'END2'
+  python3 - spring-c.dump spring-fortran.dump <<'END'
 import sys
 a, b = (open(name).read().splitlines() for name in sys.argv[1:])
 assert len(a) == len(b) > 700, (len(a), len(b))
@@ -55,5 +49,5 @@ for x, y in zip(a, b):
     assert x[:4] + x[5:] == y[:4] + y[5:], (x, y)
     if not x[0].startswith("#"):
         assert abs(float(x[4]) - float(y[4])) < 1e-9, (x, y)
-END2
+END
 fi

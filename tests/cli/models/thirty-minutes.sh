@@ -1,5 +1,5 @@
 #!/bin/bash
-# examples/README.md, command by command as a reader would type it.
+# The commands of examples/README.md, as a reader would type them.
 source "$(dirname "$0")/../lib.sh"
 
 page=$HAPGRID_SOURCE/examples/README.md
@@ -10,10 +10,10 @@ HAPGRID=$HAPGRID_SOURCE bash -euo pipefail commands >out 2>err || fail "the page
 cd toggle
 grep -q '^check-model: fine' ../err || fail "check-model: $(cat ../err)"
 grep -q '^verify: fine' ../err || fail "verify: $(cat ../err)"
-# The toggle has two states where nothing touches it, and a third where the HIP holds it between.
+# The toggle has two states where nothing touches it, and a third where the HIP holds it in between.
 [[ $(stats work/toggle.grid --get levels_histogram) =~ ^\[0,0,[0-9]+,[0-9]+\]$ ]] ||
   fail "levels: $(stats work/toggle.grid --get levels_histogram)"
-# It went over, and stayed.
+# The toggle has gone over and has stayed there.
 python3 - toggle.log <<'END'
 import sys
 

@@ -1,6 +1,7 @@
-"""prepared_data.py DIR...: what all readers of prepared molecules count on, from the files alone.
+"""prepared_data.py DIR...: checks in the files of prepared molecules all that their readers rely on.
 
-Nothing of prepare is used; the standard library is enough. One line for each fault, exit code 1.
+It uses nothing of prepare and only the standard library. It prints a line for each fault and then
+exits with 1.
 """
 
 import math
@@ -47,8 +48,8 @@ def centre(symbols, x):
 
 
 def turn_left(symbols, x, reference):
-    """How far x still has to turn for the best superposition: the antisymmetric part of
-    sum m x (x) ref is zero there. Relative to the moment of inertia, so about radians."""
+    """How far x has still to turn to the best superposition, where the antisymmetric part of
+    sum m x (x) ref is zero. It is relative to the moment of inertia and so about in radians."""
     m = [[sum(MASS[s] * p[a] * q[b] for s, p, q in zip(symbols, x, reference)) for b in range(3)]
          for a in range(3)]
     size = m[0][0] + m[1][1] + m[2][2]
@@ -76,11 +77,11 @@ def check_path(path, start, row):
     before = 0.0
     for k, (words, names, x) in enumerate(frames):
         if names != symbols:
-            fault(f"{path}: node {k}: other atoms")
+            fault(f"{path}: node {k}: its atoms are not the conformation's")
             continue
         if words["t"] != f"{k / 10:.1f}":
             fault(f"{path}: node {k}: t={words['t']}")
-        # dE is the energy above the conformation, 1e-9 hartree = 3e-6 kJ/mol, plus two roundings.
+        # E is rounded to 1e-9 hartree = 3e-6 kJ/mol twice, and dE to 1e-4 kJ/mol.
         above = (float(words["E"]) - float(start[0]["E"])) * 2625.4996394799
         if abs(above - float(words["dE"])) > 1e-4:
             fault(f"{path}: node {k}: dE={words['dE']}, but by E it is {above:.4f}")
@@ -89,7 +90,7 @@ def check_path(path, start, row):
         if float(words["dE"]) < before - 0.05:
             fault(f"{path}: node {k}: the energy falls")
         before = float(words["dE"])
-        # 8 decimals of 22 to 77 atoms a few angstrom off.
+        # Coordinates have 8 decimals; 22 to 77 atoms are a few angstrom from the centre.
         if max(map(abs, centre(symbols, x))) > 1e-6 or turn_left(symbols, x, x0) > 1e-6:
             fault(f"{path}: node {k}: not aligned to the conformation")
         if bonds(symbols, x) != bonds(symbols, x0):

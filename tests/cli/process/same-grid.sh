@@ -1,10 +1,10 @@
 #!/bin/bash
-# A model as a process: the reference client in Python finds what the plug-in finds, and nothing of
-# how its processes worked is seen in the grid.
+# A model as a process: the reference client in Python finds what the plug-in finds, and the grid does
+# not depend on how its processes worked.
 source "$(dirname "$0")/../lib.sh"
 example=$HAPGRID_SOURCE/examples/hung-ball
 toml=$example/hung-ball-process.toml
-small='--set grid.counts=[12,6,6] --set grid.spacing=0.15 --set grid.origin=[-0.825,-0.375,-0.375]'
+small='--set grid.counts=[8,4,4] --set grid.spacing=0.15 --set grid.origin=[-0.525,-0.225,-0.225]'
 allow="--allow-process $toml"
 
 [[ $(wc -l <"$example/hung_ball.py") -lt 80 ]] || fail "the reference client is too long to be copied"
@@ -13,11 +13,11 @@ allow="--allow-process $toml"
 expect 0 '' '' -- seed "$toml" $small --allow-process -o seeds
 expect 0 '' '' -- expand --complete seeds $allow -o grid
 seed "$ball" $small | expand --complete >plugin.grid
-[[ $(stats --get records grid) -gt 432 ]] || fail "no point has two levels"
+[[ $(stats --get records grid) -gt 128 ]] || fail "no point has two levels"
 cmp <(stats --dump grid | cut -f 1-31) <(stats --dump plugin.grid | cut -f 1-31)
 
-# The same bytes with other copies, windows and parts, and in rounds, which need the process for
-# expand alone. In another directory the command still runs beside its definition.
+# The same bytes with more copies, with more questions in flight, and in rounds of parts, where only
+# expand needs the process. In another directory the command still runs beside its definition.
 mkdir elsewhere
 expect 0 '' '' -- env -C elsewhere "$HAPGRID_BIN/expand" --complete ../seeds $allow -j 3 --in-flight 7 -o ../grid.3
 cmp grid grid.3
@@ -32,7 +32,7 @@ cmp grid round
 
 # With make, which says so once.
 make -s -f "$HAPGRID_SOURCE/Makefile.example" grid MODEL="$toml" HAPGRID_BIN="$HAPGRID_BIN" PARTS=2 -j 2 ALLOW=yes \
-  SET='grid.counts=[12,6,6] grid.spacing=0.15 grid.origin=[-0.825,-0.375,-0.375]' >make.out 2>&1 || fail "$(cat make.out)"
+  SET='grid.counts=[8,4,4] grid.spacing=0.15 grid.origin=[-0.525,-0.225,-0.225]' >make.out 2>&1 || fail "$(cat make.out)"
 cmp grid work/hung-ball-process.grid
 
 # What is played is what is stored.
@@ -51,25 +51,22 @@ done
 cmp report.1 report.2
 grep -q 'fidelity' report.1
 
-# Answers in another order, keys that nobody asked for, processes that die: the same bytes.
+# Answers in another order, and processes that die: the same bytes. tests/unit/model has more faults.
 processes=$HAPGRID_SOURCE/tests/unit/model/processes
-define() {  # NAME WORD...: the puppet, told to do something
+define() {  # WORD...: the puppet, told to do something
   local words
-  words=$(printf ', "%s"' "${@:2}")
+  words=$(printf ', "%s"' "$@")
   cat <<TOML
-model = {name = "$1", process = ["python3", "$processes/puppet.py"$words]}
+model = {name = "puppet", process = ["python3", "$processes/puppet.py"$words]}
 grid = {origin = [0, 0, 0], spacing = 1, counts = [4, 3, 3]}
 seeds = {points = [[0, 0, 0]]}
 TOML
 }
-define puppet >puppet.toml
+define >puppet.toml
 seed puppet.toml --allow-process -o puppet.seeds
 expand --complete puppet.seeds --allow-process puppet.toml -o puppet.grid
-for told in reverse chatty 'die 50' 'crash 70' 'garbage 60' 'short 40' 'slow-end'; do
-  define puppet $told >told.toml
+for told in reverse 'die 50' 'garbage 60'; do
+  define $told >told.toml
   expand --complete puppet.seeds --allow-process told.toml -j 2 --in-flight 8 -o told.grid
   cmp puppet.grid told.grid || fail "$told"
 done
-define puppet hang 400 >told.toml
-expand --complete puppet.seeds --allow-process told.toml --process-timeout 3 -o told.grid
-cmp puppet.grid told.grid

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "libcore/base/error.hpp"
 #include "libcore/check/state_distance.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
@@ -54,7 +55,7 @@ Walked walk(const Grid& grid, const ModelFunctions& model, const Range& walks, i
   if (grid.spec().stored.force)
     models.fields = [&] {
       return Fields(
-          grid.spec(), []() -> Model { throw ModelError("none"); }, false);
+          grid.spec(), []() -> std::unique_ptr<Model> { throw ModelError("none"); }, false);
     };
   Walked walked = walk_grid(grid, walks, seed, models, threads, done);
   CHECK(done == walks.size());

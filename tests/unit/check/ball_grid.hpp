@@ -14,7 +14,7 @@ namespace hung_ball {
 inline hapgrid::Grid grid(const hapgrid::Box& box,
                           const std::vector<hapgrid::Parameter>& parameters) {
   using namespace hapgrid;
-  Model model = make(parameters);
+  const auto model = make(parameters);
   const Neighbourhood around(box);
   struct Record {
     double state;
@@ -25,7 +25,7 @@ inline hapgrid::Grid grid(const hapgrid::Box& box,
   const auto level_of = [&](PointIndex p, double state) {
     std::vector<Record>& records = points[p];
     for (std::size_t l = 0; l < records.size(); ++l)
-      if (model.equal(&records[l].state, &state)) return static_cast<Level>(l);
+      if (model->equal(&records[l].state, &state)) return static_cast<Level>(l);
     records.push_back({state, {}});
     records.back().links.fill(kLeavesBox);
     queue.push_back({p, static_cast<Level>(records.size() - 1)});
@@ -42,7 +42,7 @@ inline hapgrid::Grid grid(const hapgrid::Box& box,
     for (int q = 0; q < kDirections; ++q) {
       if (!(around.inside(p) >> q & 1)) continue;
       const double reached =
-          convert(model, points[p][level].state, box.position(p), around.shift(q));
+          convert(*model, points[p][level].state, box.position(p), around.shift(q));
       const Level to = level_of(static_cast<PointIndex>(p + around.offset(q)), reached);
       points[p][level].links[static_cast<std::size_t>(q)] = to;
     }

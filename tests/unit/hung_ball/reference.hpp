@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "libcore/model/model.hpp"
+#include "libcore/model/plugin_model.hpp"
 
 namespace hung_ball {
 
@@ -22,7 +22,8 @@ inline constexpr Real kPi = std::numbers::pi_v<Real>;
 /// The unit roundoff of the plug-in's arithmetic.
 inline constexpr double kU = 0x1p-53;
 
-inline hapgrid::Model make(const std::vector<hapgrid::Parameter>& parameters = {}) {
+inline std::unique_ptr<hapgrid::Model> make(
+    const std::vector<hapgrid::Parameter>& parameters = {}) {
   return hapgrid::Plugin("hung-ball", {HAPGRID_BUILD_DIR "/models"}).create(parameters);
 }
 

@@ -9,7 +9,8 @@
 #include <limits>
 
 #include "libcore/base/error.hpp"
-#include "libcore/model/process_source.hpp"
+#include "libcore/model/process_model.hpp"
+#include "libcore/model/protocol.hpp"
 
 using namespace hapgrid;
 
@@ -22,10 +23,9 @@ std::vector<std::string> puppet(const std::string& fault, const std::string& at 
   return {"python3", "puppet.py", fault, at};
 }
 
-Model create(std::vector<std::string> words, unsigned in_flight = 4, double timeout = kSeconds,
-             double start_timeout = kSeconds) {
-  return ProcessSource("puppet", {std::move(words), kProcesses},
-                       {timeout, in_flight, start_timeout})
+std::unique_ptr<Model> create(std::vector<std::string> words, unsigned in_flight = 4,
+                              double timeout = kSeconds, double start_timeout = kSeconds) {
+  return ProcessSource("puppet", std::move(words), kProcesses, {timeout, in_flight, start_timeout})
       .create({});
 }
 
@@ -52,13 +52,13 @@ Run convert(Model& model, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) states[2 * i] = static_cast<double>(i);
   std::size_t next = 0;
   std::vector<int> done(count);
-  model.convert(
+  model.convert_all(
       [&](Conversion& conversion, bool) {
         if (next == count) return false;
         conversion = {&states[2 * next], {1, 1, 3}, {0.5, 0, 0}, &run.rows[2 * next], next};
         return ++next, true;
       },
-      [&](const Conversion& conversion, const std::string& error) {
+      [&](const Conversion& conversion, std::string_view error) {
         ++done[conversion.tag];
         run.errors[conversion.tag] = error;
         run.failures += !error.empty();
@@ -93,7 +93,7 @@ TEST_CASE("numbers read back to the same double and are never taken for whole on
   CHECK(text(5e-324) == "5e-324");
   std::string line;
   const double s[] = {-0.0, 0.5};
-  append_request(line, 7, Operation::kConvert, 2, s, {1, 2, 3}, {0, 0, 0.25});
+  append_question(line, 7, Operation::kConvert, 2, s, {1, 2, 3}, {0, 0, 0.25});
   CHECK(line ==
         "{\"id\": 7, \"op\": \"convert\", \"s\": [-0.0, 0.5], \"x\": [1.0, 2.0, 3.0], "
         "\"d\": [0.0, 0.0, 0.25]}\n");
@@ -158,7 +158,7 @@ TEST_CASE("hostile answers are refused in one line") {
   CHECK(refusal([] { answer(std::string(1000000, '[')); }).size() < 600);
   CHECK(refusal([] { answer("{\"x\":" + std::string(1000000, '[')); }).size() < 600);
 
-  Description d;
+  ModelInfo d;
   d.state_size = 2;
   d.stored = {true, true, true};
   d.spheres.resize(1);
@@ -186,7 +186,7 @@ TEST_CASE("what a model says of itself") {
       R"({"hapgrid": 1, "state_size": 2, "d_max": 1, "tolerance": 0.5, "norm": "rms",
           "weights": [1, 0.5], "tolerance_unit": "rad", "stored": ["shape", "force"],
           "spheres": [{"radius": 1, "colour": [1, 0, 0.5], "label": "C"}, {"radius": 0}]})";
-  const Description d = read_description(good);
+  const ModelInfo d = read_first_line(good);
   CHECK(d.equality == Equality{Equality::Norm::kRms, {1, 0.5}});
   CHECK(d.stored == Stored{true, false, true});
   CHECK(d.spheres.size() == 2);
@@ -197,21 +197,21 @@ TEST_CASE("what a model says of itself") {
     const std::size_t at = line.find(from);
     REQUIRE(at != line.npos);
     line.replace(at, from.size(), to);
-    return refusal([&] { read_description(line); });
+    return refusal([&] { read_first_line(line); });
   };
   CHECK(refused("\"hapgrid\": 1", "\"hapgrid\": 2") ==
         "it speaks version 2 of the protocol, this hapgrid speaks 1");
   CHECK(refused("\"hapgrid\": 1", "\"hapgrid\": \"1\"").find("it speaks version") == 0);
   CHECK(refused("\"hapgrid\": 1, ", "").find("its first line has no \"hapgrid\"") == 0);
-  CHECK(refused("\"norm\"", "\"Norm\"").find("unknown key \"Norm\" in its description (known: ") ==
+  CHECK(refused("\"norm\"", "\"Norm\"").find("unknown key \"Norm\" in its first line (known: ") ==
         0);
-  CHECK(refused("\"state_size\": 2, ", "") == "its description has no \"state_size\"");
+  CHECK(refused("\"state_size\": 2, ", "") == "its first line has no \"state_size\"");
   CHECK(refused("\"state_size\": 2", "\"state_size\": 0").find("\"state_size\" must be") == 0);
   CHECK(refused("\"state_size\": 2", "\"state_size\": 1.5").find("\"state_size\" must be") == 0);
   CHECK(refused("\"state_size\": 2", "\"state_size\": 1e9").find("\"state_size\" must be") == 0);
-  CHECK(refused("\"d_max\": 1", "\"d_max\": 0") == "\"d_max\" must be positive");
+  CHECK(refused("\"d_max\": 1", "\"d_max\": 0") == "d_max is not positive");
   CHECK(refused("\"d_max\": 1", "\"d_max\": NaN").find("its first line is no JSON: ") == 0);
-  CHECK(refused("0.5, \"norm", "-1, \"norm") == "\"tolerance\" must not be negative");
+  CHECK(refused("0.5, \"norm", "-1, \"norm") == "the tolerance is negative or not finite");
   CHECK(refused("rms", "mean") == "\"norm\" must be \"max\" or \"rms\"");
   CHECK(refused("[1, 0.5]", "[1]").find("\"weights\" must be 2 numbers") == 0);
   CHECK(refused("[1, 0.5]", "[1, -1]").find("\"weights\" must be 2 numbers") == 0);
@@ -221,25 +221,25 @@ TEST_CASE("what a model says of itself") {
   CHECK(refused("\"shape\", ", "\"colour\", ").find("\"stored\" must be an array of") == 0);
   CHECK(refused("{\"radius\": 0}", "0") == "\"spheres\" must be an array of objects");
   CHECK(refused("{\"radius\": 0}", "{\"radius\": -1}") ==
-        "a sphere whose radius is negative or too large");
+        "a sphere whose radius is negative or not finite");
   CHECK(refused("[1, 0, 0.5]", "[1, 0, 2]") == "a sphere's colour is not within 0 and 1");
-  CHECK_THROWS_AS(read_description(R"({"error": "no"})"), RefusedError);
-  CHECK(refusal([] { read_description("hello"); }).find("its first line is no JSON: ") == 0);
+  CHECK_THROWS_AS(read_first_line(R"({"error": "no"})"), RefusedError);
+  CHECK(refusal([] { read_first_line("hello"); }).find("its first line is no JSON: ") == 0);
 }
 
-TEST_CASE("parameters that JSON cannot say") {
+TEST_CASE("parameters that JSON cannot express") {
   CHECK(handshake_line({{"a.b", 1.0}, {"c", std::vector<std::string>{"x"}}, {"d", true}}) ==
         "{\"hapgrid\":1,\"parameters\":{\"a.b\":1.0,\"c\":[\"x\"],\"d\":true}}\n");
   const double inf = std::numeric_limits<double>::infinity();
   CHECK(refusal([&] {
           handshake_line({{"a", inf}});
-        }) == "parameter a is not finite, which JSON cannot say");
+        }) == "parameter a is not finite, which JSON cannot express");
   CHECK(refusal([&] {
           handshake_line({{"a", std::vector<double>{0, -inf}}});
-        }) == "parameter a is not finite, which JSON cannot say");
+        }) == "parameter a is not finite, which JSON cannot express");
   CHECK(refusal([] {
           handshake_line({{"a", std::string("\xff")}});
-        }) == "a parameter's text is no UTF-8, which JSON cannot say");
+        }) == "a parameter's text is no UTF-8, which JSON cannot express");
 }
 
 TEST_CASE("the tolerance function in words") {
@@ -250,7 +250,7 @@ TEST_CASE("the tolerance function in words") {
     spec.state_size = 2;
     spec.tolerance = tolerance;
     spec.equality = std::move(e);
-    return declared_model(spec).equal(x, y);
+    return declared_model(spec)->equal(x, y);
   };
   using enum Equality::Norm;
   CHECK(equal({kMax, {}}, 0.4, a, b));
@@ -266,57 +266,57 @@ TEST_CASE("the tolerance function in words") {
 TEST_CASE("a grid's model without its process can judge and nothing else") {
   GridSpec spec;
   spec.equality.norm = Equality::Norm::kMax;
-  Model model = declared_model(spec);
+  auto model = declared_model(spec);
   const double s = 0;
   double row = 1;
-  CHECK_FALSE(model.has_force());
-  CHECK_FALSE(model.convert(&s, {0, 0, 0}, {0, 0, 0}, &row));
-  CHECK(model.error() == "this model's process was not started");
-  CHECK_THROWS_AS(model.known_states({0, 0, 0}), ModelError);
+  CHECK_FALSE(model->has_force());
+  CHECK_FALSE(model->convert(&s, {0, 0, 0}, {0, 0, 0}, &row));
+  CHECK(model->error() == "this model's process was not started");
+  CHECK_THROWS_AS(model->known_states({0, 0, 0}), ModelError);
 }
 
 TEST_CASE("what is reached depends on no fault that passes, and no order of answers") {
-  Model good = create(puppet(""), 1);
-  const Run expected = convert(good, 200);
+  auto good = create(puppet(""), 1);
+  const Run expected = convert(*good, 200);
   REQUIRE(expected.failures == 0);
   CHECK(expected.rows[2 * 7] == 7);
   CHECK(expected.rows[2 * 7 + 1] == 1.5);
-  CHECK(good.known_states({4, 0, 0}) == std::vector<double>{0.5, 4});
+  CHECK(good->known_states({4, 0, 0}) == std::vector<double>{0.5, 4});
   for (const char* fault : {"", "reverse", "chatty"})
     for (const unsigned in_flight : {1u, 4u, 64u}) {
-      Model model = create(puppet(fault), in_flight);
-      CHECK(convert(model, 200).rows == expected.rows);
+      auto model = create(puppet(fault), in_flight);
+      CHECK(convert(*model, 200).rows == expected.rows);
     }
   for (const char* fault :
        {"die", "crash", "garbage", "html", "id", "number", "short", "long", "nan"}) {
     CAPTURE(fault);
-    Model model = create(puppet(fault, "50"));
-    const Run run = convert(model, 200);
+    auto model = create(puppet(fault, "50"));
+    const Run run = convert(*model, 200);
     CHECK(run.failures == 0);
     CHECK(run.rows == expected.rows);
   }
   for (const char* fault : {"hang", "close"}) {
-    Model model = create(puppet(fault, "90"), 4, 0.5);
-    CHECK(convert(model, 200).rows == expected.rows);
+    auto model = create(puppet(fault, "90"), 4, 0.5);
+    CHECK(convert(*model, 200).rows == expected.rows);
   }
 }
 
-TEST_CASE("a request that kills every process fails alone, after three attempts") {
-  Model model = create(puppet("poison", "17.5"));
-  const Run run = convert(model, 20);
+TEST_CASE("a question that kills every process fails alone, after three attempts") {
+  auto model = create(puppet("poison", "17.5"));
+  const Run run = convert(*model, 20);
   CHECK(run.failures == 2);
   for (const std::size_t i : {18, 19})
     CHECK(run.errors[i] ==
           "process 'python3 puppet.py poison 17.5' exited with status 9; asked 3 times");
   CHECK(run.rows[2 * 17] == 17);
   // The next process is a good one.
-  CHECK(model.known_states({4, 0, 0}) == std::vector<double>{0.5, 4});
+  CHECK(model->known_states({4, 0, 0}) == std::vector<double>{0.5, 4});
 }
 
 TEST_CASE("what became of a process is said") {
   const auto error = [](const std::string& fault, double timeout = kSeconds) {
-    Model model = create(puppet(fault), 4, timeout);
-    return convert(model, 1).errors[0];
+    auto model = create(puppet(fault), 4, timeout);
+    return convert(*model, 1).errors[0];
   };
   const auto ends = [](const std::string& fault, const std::string& what) {
     return Catch::Matchers::Equals("process 'python3 puppet.py " + fault + " 1' " + what +
@@ -326,7 +326,7 @@ TEST_CASE("what became of a process is said") {
   CHECK_THAT(error("crash"), ends("crash", "was killed by signal 11 (Segmentation fault)"));
   CHECK_THAT(error("hang", 0.3), ends("hang", "gave no answer within 0.3 s"));
   CHECK_THAT(error("close"), ends("close", "closed its standard output and stayed"));
-  CHECK_THAT(error("id"), ends("id", "answered a request 4000000000 that it does not have"));
+  CHECK_THAT(error("id"), ends("id", "answered a question 4000000000 that it does not have"));
   CHECK_THAT(error("short"), ends("short", "an answer with 1 numbers in \"s\", not 2"));
   CHECK_THAT(error("huge"), ends("huge", "wrote a line of more than 4224 bytes"));
   CHECK_THAT(error("garbage"),
@@ -342,7 +342,7 @@ TEST_CASE("a process that does not get as far as saying what it is") {
   CHECK(why(puppet("version")) ==
         who + "version 1' it speaks version 2 of the protocol, this hapgrid speaks 1");
   CHECK(why(puppet("unknown-key")).find(who + "unknown-key 1' unknown key \"tolerence\"") == 0);
-  CHECK(why(puppet("no-size")) == who + "no-size 1' its description has no \"state_size\"");
+  CHECK(why(puppet("no-size")) == who + "no-size 1' its first line has no \"state_size\"");
   CHECK(why(puppet("refuse")) == "model puppet: no way");
   CHECK(why(puppet("mute"), 0.5) == who + "mute 1' did not say what it is within 0.5 s");
   CHECK(why(puppet("dead")) == who + "dead 1' exited with status 5 before it had said what it is");
@@ -361,8 +361,8 @@ TEST_CASE("a process that does not get as far as saying what it is") {
 TEST_CASE("no process is left, not even one that does not want to end") {
   using Clock = std::chrono::steady_clock;
   {
-    Model model = create(puppet("slow-end"));
-    CHECK(convert(model, 3).failures == 0);
+    auto model = create(puppet("slow-end"));
+    CHECK(convert(*model, 3).failures == 0);
     const auto begin = Clock::now();
     model = create(puppet(""));
     CHECK(Clock::now() - begin < std::chrono::seconds(10));
@@ -371,9 +371,9 @@ TEST_CASE("no process is left, not even one that does not want to end") {
 }
 
 TEST_CASE("copies of a model start when they are asked, and must say the same") {
-  const ProcessSource source("puppet", {puppet("late-start"), kProcesses}, {kSeconds, 4});
-  Model first = source.create({});
-  Model second = source.create({});
-  CHECK(second.state_size() == 2);
-  CHECK(convert(first, 10).rows == convert(second, 10).rows);
+  const ProcessSource source("puppet", puppet("late-start"), kProcesses, {kSeconds, 4});
+  auto first = source.create({});
+  auto second = source.create({});
+  CHECK(second->state_size() == 2);
+  CHECK(convert(*first, 10).rows == convert(*second, 10).rows);
 }

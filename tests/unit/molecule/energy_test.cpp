@@ -23,10 +23,7 @@ std::vector<double> energies(const std::string& xyz) {
 /// The probe near some atom, so that it touches one or more.
 std::array<double, 3> touching(Random& random, HybridEnergy& energy, const std::vector<double>& s) {
   const Positions p = positions(energy, s);
-  const Eigen::Vector3d direction =
-      Eigen::Vector3d(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1))
-          .normalized();
-  const Eigen::Vector3d x = p[random.below(p.size())] + random.between(1, 2.4) * direction;
+  const Eigen::Vector3d x = p[random.below(p.size())] + random.between(1, 2.4) * random.direction();
   return {x.x(), x.y(), x.z()};
 }
 
@@ -102,9 +99,7 @@ TEST_CASE("shift and rotation move the shape about the centre of mass") {
     std::vector<double> s(energy.variables());
     s[0] = 0.4;
     const Positions before = positions(energy, s);
-    const Eigen::Vector3d axis =
-        Eigen::Vector3d(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1))
-            .normalized();
+    const Eigen::Vector3d axis = random.direction();
     for (int a = 0; a < 3; ++a) s[4 + a] = a + 0.5, s[7 + a] = size * axis[a];
     const Positions after = positions(energy, s);
     const Eigen::Matrix3d r = Eigen::AngleAxisd(size, axis).toRotationMatrix();

@@ -161,9 +161,7 @@ TEST_CASE("the alignment leaves no shift and no turn") {
       };
       const double least = squares(Eigen::Matrix3d::Identity());
       for (int other = 0; other < 20; ++other) {
-        const Eigen::Vector3d axis =
-            Eigen::Vector3d(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1))
-                .normalized();
+        const Eigen::Vector3d axis = random.direction();
         const double angle = other % 2 ? 1e-3 : random.between(0, M_PI);
         CHECK(squares(Eigen::AngleAxisd(angle, axis).toRotationMatrix()) > least);
       }

@@ -15,7 +15,7 @@
 
 #include "examples/molecule/energy.hpp"
 #include "examples/molecule/input.hpp"
-#include "libcore/model/model.hpp"
+#include "libcore/model/plugin_model.hpp"
 
 namespace molecules {
 
@@ -45,7 +45,7 @@ struct Source {
     return texts;
   }
   Molecule read() const { return read_molecule(conformation(), transition_states(), {}); }
-  hapgrid::Model make(std::vector<hapgrid::Parameter> parameters = {}) const {
+  std::unique_ptr<hapgrid::Model> make(std::vector<hapgrid::Parameter> parameters = {}) const {
     parameters.push_back({"conformation", conformation()});
     parameters.push_back({"transition_states", transition_states()});
     return hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"}).create(parameters);
@@ -123,6 +123,9 @@ class Random {
   explicit Random(unsigned seed) : engine_(seed) {}
   double between(double a, double b) { return a + (b - a) * (engine_() / 4294967296.0); }
   std::size_t below(std::size_t n) { return engine_() % n; }
+  Eigen::Vector3d direction() {
+    return Eigen::Vector3d(between(-1, 1), between(-1, 1), between(-1, 1)).normalized();
+  }
 
   /// A state: t anywhere, or held at 0 for half of them, shifts and turns moderate.
   std::vector<double> state(const HybridEnergy& energy) {

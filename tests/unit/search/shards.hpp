@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "libcore/model/plugin_model.hpp"
 #include "libcore/search/complete.hpp"
 #include "libcore/search/expand.hpp"
 #include "libcore/search/merge.hpp"
@@ -129,10 +130,10 @@ inline void write_shard(const std::string& name, const SectionHeader& header,
 }
 
 inline void write_seed_shard(const Case& c, const std::string& name) {
-  Model model = toy_plugin().create(c.definition.parameters);
-  const GridSpec spec = describe_grid(c.definition, model);
+  const auto model = toy_plugin().create(c.definition.parameters);
+  const GridSpec spec = describe_grid(c.definition, *model);
   write_shard(name, {Content::kGrid, 0, spec},
-              [&](SectionWriter& out) { write_seeds(c.definition, spec, model, out); });
+              [&](SectionWriter& out) { write_seeds(c.definition, spec, *model, out); });
 }
 
 inline void complete_shard(const std::string& from, const std::string& to, unsigned threads) {
@@ -168,7 +169,7 @@ inline void merge_shards(const std::vector<std::string>& from, const std::string
                          const std::string& frontier_name = "", const std::string& tip_name = "",
                          bool layer = false) {
   const MergeInput input(open_sections(from));
-  const Model model = toy_plugin().create(input.spec().parameters);
+  const auto model = toy_plugin().create(input.spec().parameters);
   Progress progress;
   SectionHeader frontier_header = input.merged_header();
   frontier_header.content = Content::kFrontier;
@@ -183,7 +184,7 @@ inline void merge_shards(const std::vector<std::string>& from, const std::string
   std::optional<SectionWriter> frontier;
   if (!frontier_name.empty())
     frontier.emplace(writer(frontier_name, frontier_header, Cut::kByRows));
-  merge(input, {}, model, {out, tip ? &*tip : nullptr, layer, frontier ? &*frontier : nullptr},
+  merge(input, {}, *model, {out, tip ? &*tip : nullptr, layer, frontier ? &*frontier : nullptr},
         progress);
 }
 

@@ -28,14 +28,24 @@ Vector zero(const Block& block) {
   return Vector::Zero(static_cast<Eigen::Index>(block.unknowns()));
 }
 
-/// The displacement u(x) = H (x - ground's plane part), which is 0 on the ground when H has only a
-/// third column.
+/// A node's part of a vector.
+auto at(Vector& u, std::size_t node) { return u.segment<3>(static_cast<Eigen::Index>(3 * node)); }
+
+/// The displacement u(x) = z column, which is 0 on the ground.
 Vector sheared(const Block& block, const Vec3& column) {
   Vector u = zero(block);
-  for (std::size_t i = 0; i < block.nodes(); ++i)
-    u.segment<3>(static_cast<Eigen::Index>(3 * i)) = block.rest(i)[2] * column;
+  for (std::size_t i = 0; i < block.nodes(); ++i) at(u, i) = block.rest(i)[2] * column;
   return u;
 }
+
+/// Lamé's constants of the material.
+struct Lame {
+  explicit Lame(const Options& o)
+      : lambda(o.young_modulus * o.poisson_ratio /
+               ((1 + o.poisson_ratio) * (1 - 2 * o.poisson_ratio))),
+        mu(o.young_modulus / (2 * (1 + o.poisson_ratio))) {}
+  double lambda, mu;
+};
 
 Vector random_displacement(const Block& block, double size, unsigned seed) {
   std::mt19937_64 bits(seed);
@@ -64,13 +74,12 @@ TEST_CASE("the default block has at least 500 free nodes, and its surface is wha
 }
 
 TEST_CASE("a homogeneous strain has the energy of the closed form") {
-  // F = I + column e_z^T. With the linear theory's (lambda + 2 mu)/2 e^2 and mu/2 g^2 at small
-  // strain; here St. Venant-Kirchhoff's own, exact at any.
+  // F = I + column e_z^T. St. Venant-Kirchhoff's energy is exact at any strain; at the smallest
+  // here it is that of the linear theory, (lambda + 2 mu)/2 e^2 and mu/2 e^2, up to a relative
+  // 1e-4.
   const Options o = small_options();
   const Block block(o);
-  const double lambda =
-      o.young_modulus * o.poisson_ratio / ((1 + o.poisson_ratio) * (1 - 2 * o.poisson_ratio));
-  const double mu = o.young_modulus / (2 * (1 + o.poisson_ratio));
+  const auto [lambda, mu] = Lame(o);
   const double volume = o.size[0] * o.size[1] * o.size[2];
   Vector g;
   for (const double e : {1e-4, -1e-4, 0.2, -0.2}) {
@@ -84,27 +93,19 @@ TEST_CASE("a homogeneous strain has the energy of the closed form") {
           Approx(volume * (lambda / 2 * square * square + mu * (e * e / 2 + square * square)))
               .epsilon(1e-12));
   }
-  // Small strain: the linear closed form up to a relative e.
-  const double e = 1e-5;
-  CHECK(block.energy(sheared(block, {0, 0, e}), kNowhere, g) ==
-        Approx(volume * (lambda + 2 * mu) / 2 * e * e).epsilon(2 * e));
-  CHECK(block.energy(sheared(block, {0, e, 0}), kNowhere, g) ==
-        Approx(volume * mu / 2 * e * e).epsilon(2 * e));
 }
 
 TEST_CASE("the patch test: homogeneous stress leaves no force inside and its traction on top") {
   const Options o = small_options();
   const Block block(o);
-  const double lambda =
-      o.young_modulus * o.poisson_ratio / ((1 + o.poisson_ratio) * (1 - 2 * o.poisson_ratio));
-  const double mu = o.young_modulus / (2 * (1 + o.poisson_ratio));
+  const auto [lambda, mu] = Lame(o);
   const double e = 1e-5;
   for (const bool shear : {false, true}) {
     Vector g;
     block.energy(sheared(block, shear ? Vec3(e, 0, 0) : Vec3(0, 0, e)), kNowhere, g);
     Vec3 top = Vec3::Zero();
     for (std::size_t i = 0; i < block.nodes(); ++i) {
-      const Vec3 f = g.segment<3>(static_cast<Eigen::Index>(3 * i));
+      const Vec3 f = at(g, i);
       const Vec3& x = block.rest(i);
       if (x[2] == o.size[2]) top += f;
       if (std::abs(x[0]) < 12 && std::abs(x[1]) < 12 && x[2] < 12) CHECK(f.norm() < 1e-16);
@@ -130,8 +131,7 @@ TEST_CASE("a rigid motion of all that an element sees has no energy") {
     Vector u = zero(block);
     for (std::size_t i = 0; i < block.nodes(); ++i) {
       const Vec3& x = block.rest(i);
-      u.segment<3>(static_cast<Eigen::Index>(3 * i)) =
-          turn * (x - Vec3(0, 0, 6)) + Vec3(0.1, 0.2, 6.3) - x;
+      at(u, i) = turn * (x - Vec3(0, 0, 6)) + Vec3(0.1, 0.2, 6.3) - x;
     }
     return u;
   };
@@ -233,19 +233,17 @@ TEST_CASE("a centred poke leaves the block's symmetries") {
   CHECK(std::hypot(force[0], force[1]) < kBound);
   const auto find = [&](const Vec3& x) {
     for (std::size_t i = 0; i < block.nodes(); ++i)
-      if (block.rest(i) == x) return static_cast<Eigen::Index>(3 * i);
+      if (block.rest(i) == x) return Vec3(at(u, i));
     FAIL("no node there");
-    return Eigen::Index{0};
+    return Vec3();
   };
   for (std::size_t i = 0; i < block.nodes(); ++i) {
     const Vec3& x = block.rest(i);
-    const Vec3 here = u.segment<3>(static_cast<Eigen::Index>(3 * i));
-    const Vec3 mirrored = u.segment<3>(find({-x[0], x[1], x[2]}));
-    const Vec3 swapped = u.segment<3>(find({x[1], x[0], x[2]}));
-    CHECK((here - Vec3(-mirrored[0], mirrored[1], mirrored[2])).norm() < kBound);
-    CHECK((here - Vec3(swapped[1], swapped[0], swapped[2])).norm() < kBound);
+    const Vec3 mirrored = find({-x[0], x[1], x[2]}), swapped = find({x[1], x[0], x[2]});
+    CHECK((at(u, i) - Vec3(-mirrored[0], mirrored[1], mirrored[2])).norm() < kBound);
+    CHECK((at(u, i) - Vec3(swapped[1], swapped[0], swapped[2])).norm() < kBound);
   }
-  CHECK(u.segment<3>(find({0, 0, 12}))[2] < -0.5);
+  CHECK(find({0, 0, 12})[2] < -0.5);
 }
 
 TEST_CASE("force and balance: the ground carries what the ball pushes") {
@@ -258,8 +256,7 @@ TEST_CASE("force and balance: the ground carries what the ball pushes") {
   Vector elastic;
   block.energy(u, kNowhere, elastic);
   Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < block.nodes(); ++i)
-    sum += elastic.segment<3>(static_cast<Eigen::Index>(3 * i));
+  for (std::size_t i = 0; i < block.nodes(); ++i) sum += at(elastic, i);
   // Residuals of all nodes.
   CHECK((sum + block.force(u, centre)).norm() < 1e-8 * static_cast<double>(block.nodes()));
 }
@@ -304,13 +301,8 @@ TEST_CASE("with adhesion the surface jumps to the ball, and tears off later: hys
 TEST_CASE("a ball that goes too deep is an error in one line") {
   Block block(small_options());
   Vector u = zero(block);
-  try {
-    block.follow(u, Vec3(0, 0, 24), Vec3(0, 0, 8), 0.5);
-    FAIL("there is an equilibrium");
-  } catch (const std::exception& e) {
-    CHECK_THAT(e.what(), Catch::StartsWith("no equilibrium"));
-    CHECK(std::string(e.what()).find('\n') == std::string::npos);
-  }
+  CHECK_THROWS_WITH(block.follow(u, Vec3(0, 0, 24), Vec3(0, 0, 8), 0.5),
+                    Catch::StartsWith("no equilibrium") && !Catch::Contains("\n"));
 }
 
 TEST_CASE("the ball is clear of the block where no point of the surface is in reach") {

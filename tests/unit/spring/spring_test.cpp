@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "libcore/model/model.hpp"
+#include "libcore/model/plugin_model.hpp"
 
 using namespace hapgrid;
 
@@ -24,7 +24,8 @@ const std::vector<std::string> kPlugins{
 #endif
 };
 
-Model make(const std::string& name, const std::vector<Parameter>& parameters = {}) {
+std::unique_ptr<Model> make(const std::string& name,
+                            const std::vector<Parameter>& parameters = {}) {
   return Plugin(name, {HAPGRID_BUILD_DIR "/models"}).create(parameters);
 }
 
@@ -32,13 +33,14 @@ Real stiffness(const Vec3& p) {
   return kStiffness / (1 + (Real{p[1]} * p[1] + Real{p[2]} * p[2]) / (kReach * kReach));
 }
 
-/// Where the branch of a side ends: the root of the second derivative, 0 where there is one branch.
+/// |s| where the branch of a side ends: the root of the second derivative, 0 where there is one
+/// branch.
 Real fold(const Vec3& p) {
   const Real third = (Real{kWells} * kWells - stiffness(p) / kB) / 3;
   return third > 0 ? std::sqrt(third) : 0;
 }
 
-/// The stable state on a side, not a number where there is none.
+/// The stable state on a side; NaN when there is none.
 Real state_on(const Vec3& p, bool right) {
   const Real k = stiffness(p);
   const auto slope = [&](Real s) { return kB * s * (s * s - kWells * kWells) + k * (s - p[0]); };
@@ -52,8 +54,8 @@ Real state_on(const Vec3& p, bool right) {
   }
 }
 
-/// How far a state may be from the exact one: the model's right-hand sides are off by some u, which
-/// the branch magnifies by 1 / (second derivative); near a fold by the square root.
+/// How far a state may be from the exact one. The model's P and Q are off by some u; the branch
+/// magnifies this by 1 / (second derivative), and near a fold the error is its square root.
 double bound(const Vec3& p, Real s) {
   const Real curvature = (3 * s * s - kWells * kWells) + stiffness(p) / kB;
   return static_cast<double>(std::min(Real{1e-5}, 1e-11L / std::max(curvature, Real{1e-9})) +
@@ -81,27 +83,27 @@ double convert(Model& model, double s, const Vec3& x, const Vec3& d) {
 TEST_CASE("the spring describes itself") {
   for (const std::string& name : kPlugins) {
     INFO(name);
-    const Model model = make(name);
-    CHECK(model.state_size() == 1);
-    CHECK(model.info().d_max == kReach);
-    CHECK(model.info().tolerance == 1e-6);
-    CHECK(std::string(model.info().tolerance_unit) == "mm");
-    CHECK(std::string(model.info().length_unit) == "mm");
-    CHECK(std::string(model.info().energy_unit) == "N mm");
-    CHECK(model.info().force_scale == 1);
-    CHECK(model.info().hip_radius == 0);
-    CHECK(model.info().stored == 0);
-    REQUIRE(model.has_force());
-    REQUIRE(model.has_energy());
-    REQUIRE(model.info().spheres == 3);
-    const auto spheres = model.spheres();
+    const auto model = make(name);
+    CHECK(model->state_size() == 1);
+    CHECK(model->info().d_max == kReach);
+    CHECK(model->info().tolerance == 1e-6);
+    CHECK(std::string(model->info().tolerance_unit) == "mm");
+    CHECK(std::string(model->info().length_unit) == "mm");
+    CHECK(std::string(model->info().energy_unit) == "N mm");
+    CHECK(model->info().force_scale == 1);
+    CHECK(model->info().hip_radius == 0);
+    CHECK(model->info().stored == Stored{});
+    REQUIRE(model->has_force());
+    REQUIRE(model->has_energy());
+    REQUIRE(model->info().spheres.size() == 3);
+    const auto spheres = model->info().spheres;
     CHECK(spheres[0].radius == 2.0F);
     CHECK(spheres[2].radius == 0.5F);
     CHECK(spheres[0].colour[0] == 0.9F);
     CHECK(spheres[1].colour[2] == 0.9F);
     std::vector<float> centres(9, 1.0F);
     const double s = -3.5;
-    model.shape(&s, centres);
+    model->shape(&s, centres);
     CHECK(centres == std::vector<float>{-3.5F, 0, 0, -10, 0, 0, 10, 0, 0});
   }
 }
@@ -109,12 +111,12 @@ TEST_CASE("the spring describes itself") {
 TEST_CASE("the known states are the stable ones") {
   for (const std::string& name : kPlugins) {
     INFO(name);
-    const Model model = make(name);
+    const auto model = make(name);
     Random random;
     int two = 0;
     for (int i = 0; i < 20000; ++i) {
       const Vec3 p = random.point();
-      const std::vector<double> known = model.known_states(p);
+      const std::vector<double> known = model->known_states(p);
       std::vector<Real> exact;
       for (const bool right : {false, true})
         if (const Real s = state_on(p, right); !std::isnan(s)) exact.push_back(s);
@@ -131,7 +133,7 @@ TEST_CASE("the known states are the stable ones") {
 TEST_CASE("off the rail the bead stays in its well until that is gone: hysteresis") {
   for (const std::string& name : kPlugins) {
     INFO(name);
-    Model model = make(name);
+    const auto model = make(name);
     const double y = 14;
     const Vec3 start{-18, y, 0};
     const Real k = stiffness(start);
@@ -141,9 +143,9 @@ TEST_CASE("off the rail the bead stays in its well until that is gone: hysteresi
     for (const bool right : {false, true}) {
       const double d = right ? -0.25 : 0.25;
       double x = right ? 18 : -18;
-      double s = model.known_states({x, y, 0})[0];
+      double s = model->known_states({x, y, 0})[0];
       for (int i = 0; i < 144; ++i, x += d) {
-        s = convert(model, s, {x, y, 0}, {d, 0, 0});
+        s = convert(*model, s, {x, y, 0}, {d, 0, 0});
         const bool stays = right ? x + d > -end : x + d < end;
         CHECK((s > 0) == (stays == right));
         const Vec3 p{x + d, y, 0};
@@ -157,14 +159,14 @@ TEST_CASE("off the rail the bead stays in its well until that is gone: hysteresi
 TEST_CASE("on the rail the bead follows, and there and back around a fold it has changed wells") {
   for (const std::string& name : kPlugins) {
     INFO(name);
-    Model model = make(name);
-    double s = model.known_states({-6, 14, 0})[0];
+    const auto model = make(name);
+    double s = model->known_states({-6, 14, 0})[0];
     Vec3 p{-6, 14, 0};
     const auto go = [&](const Vec3& to) {
       for (int i = 0; i < 16; ++i) {
         const Vec3 d{(to[0] - p[0]) / 16, (to[1] - p[1]) / 16, 0};
         const double before = s;
-        s = convert(model, s, {p[0] + i * d[0], p[1] + i * d[1], 0}, d);
+        s = convert(*model, s, {p[0] + i * d[0], p[1] + i * d[1], 0}, d);
         CHECK(std::abs(s - before) < 3);  // no snap
       }
       p = to;
@@ -181,43 +183,28 @@ TEST_CASE("on the rail the bead follows, and there and back around a fold it has
 TEST_CASE("the spring's force is minus the energy's gradient at a fixed state and on the branch") {
   for (const std::string& name : kPlugins) {
     INFO(name);
-    const Model model = make(name);
+    const auto model = make(name);
     Random random;
     for (int i = 0; i < 2000; ++i) {
       const Vec3 p = random.point();
-      const double s = model.known_states(p)[0];
+      const double s = model->known_states(p)[0];
       // Next to a fold the state's own slope is steep: its derivatives grow as 1/curvature^3.
       if (bound(p, s) > 2e-12) continue;
-      const Vec3 f = model.force(p, &s);
+      const Vec3 f = model->force(p, &s);
       // Central differences: step^2/6 times a third derivative below 1, and rounding of 30 N mm.
       constexpr double kStep = 1e-4;
       for (int axis = 0; axis < 3; ++axis) {
         Vec3 far = p, near = p;
         far[axis] += kStep;
         near[axis] -= kStep;
-        const double fixed = (model.energy(far, &s) - model.energy(near, &s)) / (2 * kStep);
+        const double fixed = (model->energy(far, &s) - model->energy(near, &s)) / (2 * kStep);
         CHECK(std::abs(f[axis] + fixed) < 1e-8);
-        const double right = model.known_states(far)[0], left = model.known_states(near)[0];
-        const double along = (model.energy(far, &right) - model.energy(near, &left)) / (2 * kStep);
+        const double right = model->known_states(far)[0], left = model->known_states(near)[0];
+        const double along =
+            (model->energy(far, &right) - model->energy(near, &left)) / (2 * kStep);
         CHECK(std::abs(f[axis] + along) < 1e-7);
       }
     }
-  }
-}
-
-TEST_CASE("C and Fortran agree") {
-  if (kPlugins.size() < 2) return;
-  Model c = make(kPlugins[0]);
-  Model fortran = make(kPlugins[1]);
-  Random random;
-  for (int i = 0; i < 20000; ++i) {
-    const Vec3 p = random.point();
-    const Vec3 d{random.between(-2, 2), random.between(-2, 2), random.between(-2, 2)};
-    const double s = c.known_states(p)[0];
-    const double reached = convert(c, s, p, d);
-    // cbrt against a power of 1/3: some u; next to a fold the end's rounding is magnified.
-    CHECK(std::abs(reached - convert(fortran, s, p, d)) <=
-          1e-12 + bound({p[0] + d[0], p[1] + d[1], p[2] + d[2]}, reached));
   }
 }
 
@@ -229,25 +216,25 @@ TEST_CASE("the spring refuses what it does not know, and breaks when it is too l
     };
     refused({"weight", 1.0}, "unknown parameter weight (known: wells, depth, stiffness, reach, ");
     refused({"depth", true}, "parameter depth must be a number");
-    refused({"reach", -1.0}, "it must be positive");
+    refused({"reach", -1.0}, "parameter reach is -1");
     refused({"wells", 0.0}, "it must be positive");
     refused({"depth", std::nan("")}, "it must be positive");
-    Model model = make(name, {{"strength", 5.0}});
+    const auto model = make(name, {{"strength", 5.0}});
     double s = -10, reached;
-    CHECK(model.convert(&s, {-10, 0, 0}, {1, 0, 0}, &reached));
-    CHECK_FALSE(model.convert(&s, {-10, 4, 0}, {0, 2, 0}, &reached));
-    CHECK_THAT(model.error(), Catch::StartsWith("the spring broke: stretched to "));
-    CHECK_THAT(model.error(), Catch::EndsWith(" mm"));
+    CHECK(model->convert(&s, {-10, 0, 0}, {1, 0, 0}, &reached));
+    CHECK_FALSE(model->convert(&s, {-10, 4, 0}, {0, 2, 0}, &reached));
+    CHECK_THAT(model->error(), Catch::StartsWith("the spring broke: stretched to "));
+    CHECK_THAT(model->error(), Catch::EndsWith(" mm"));
   }
 }
 
 TEST_CASE("no shift, no change; equality up to the tolerance") {
   for (const std::string& name : kPlugins) {
-    Model model = make(name, {{"tolerance", 0.25}});
-    CHECK(convert(model, 1.5, {3, 0, 0}, {0, 0, 0}) == 1.5);
+    const auto model = make(name, {{"tolerance", 0.25}});
+    CHECK(convert(*model, 1.5, {3, 0, 0}, {0, 0, 0}) == 1.5);
     const double a = 1, b = 1.25, c = 1.2500001;
-    CHECK(model.equal(&a, &b));
-    CHECK(model.equal(&b, &a));
-    CHECK_FALSE(model.equal(&a, &c));
+    CHECK(model->equal(&a, &b));
+    CHECK(model->equal(&b, &a));
+    CHECK_FALSE(model->equal(&a, &c));
   }
 }

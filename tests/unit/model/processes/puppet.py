@@ -1,10 +1,10 @@
 """A model process that does as it is told: the states are those of a closed form, so any answer of
 a process that lived can be checked, and `fault` says what it does beside answering.
 
-  puppet.py [FAULT [AT]]    FAULT happens at each AT-th request of a process (default 1):
+  puppet.py [FAULT [AT]]    FAULT happens at each AT-th question to a process (default 1):
     die crash hang garbage html id number short long nan huge close   instead of an answer
     fail       answers {"error": ...}
-    poison     dies at the requests whose s[0] is above AT, whoever asks
+    poison     dies at the questions whose s[0] is above AT, whoever asks
   or before: version unknown-key no-size refuse mute dead binary late-start rms
   or always: reverse (answers all that came together last first), slow-end (stays after its input),
     chatty (answers with more keys than asked for), stderr
@@ -33,13 +33,13 @@ def lines():
             yield whole
 
 
-def answer(request):
-    op, x = request["op"], request["x"]
+def answer(question):
+    op, x = question["op"], question["x"]
     if op == "known_states":
         return {"states": [[0.5, x[0]]]}
     if op == "evaluate":
         return {}
-    s, d = request["s"], request["d"]
+    s, d = question["s"], question["d"]
     y = x[1] + d[1]  # a branch that is kept where 0 < y < 2
     return {"s": [0.0 if y <= 0 else 1.0 if y >= 2 else s[0], x[0] + d[0]]}
 
@@ -74,10 +74,10 @@ count = 0
 while True:
     answers = []
     for line in waiting:
-        request = json.loads(line)
-        id = request["id"]
+        question = json.loads(line)
+        id = question["id"]
         count += 1
-        if fault == "poison" and request["op"] == "convert" and request["s"][0] > at:
+        if fault == "poison" and question["op"] == "convert" and question["s"][0] > at:
             os._exit(9)
         if count % at == 0 and fault != "poison":
             if fault == "die":
@@ -104,7 +104,7 @@ while True:
                 answers.append(instead + "\n")
                 continue
         extra = {"note": [{"s": [1]}, None]} if fault == "chatty" else {}
-        answers.append(json.dumps({**extra, "id": id, **answer(request)}) + "\n")
+        answers.append(json.dumps({**extra, "id": id, **answer(question)}) + "\n")
     say("".join(reversed(answers) if fault == "reverse" else answers))
     waiting = next(source, None)
     if waiting is None:
