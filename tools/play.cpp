@@ -5,10 +5,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,10 +34,10 @@ using namespace hapgrid;
 
 namespace {
 
-// A loop that is silent for so long does not come back by itself; devices let go long before.
+// A loop that is silent for so long will not come back. Devices take their force away long before.
 constexpr std::chrono::milliseconds kHungAfter{2000};
 
-/// @throw Error for a run that must not count as done.
+/// @throw Error when the play must not count as done.
 void require_good_end(const LoopSummary& s, const SafetyCore& safety, const Device& device) {
   if (s.end == LoopEnd::kDeviceFailed) throw DeviceError("device: " + device.error());
   if (!s.zero_sent)
@@ -48,37 +50,47 @@ void require_good_end(const LoopSummary& s, const SafetyCore& safety, const Devi
               std::to_string(s.ticks) + " ticks");
 }
 
-/// What the command line says twice or not at all.
-void check(const PlayOptions& options) {
-  if (options.grid.empty()) throw CLI::RequiredError("grid");
-  if (options.device.empty()) throw CLI::RequiredError("--device");
-  if (options.grid == "-" && device_file(options.device) == "-")
+/// Whether two names are the same file.
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;  // when one of them does not exist they are not the same
+  return !a.empty() && (a == b || std::filesystem::equivalent(a, b, ignored));
+}
+
+/// @throw CLI::ValidationError when an output would replace an input, or two outputs are one file.
+void check_files(const PlayOptions& options) {
+  const std::string input = input_file(*options.device);
+  if (options.grid == "-" && input == "-")
     throw CLI::ValidationError("the grid and the path cannot both be standard input");
-  const auto same = [](const std::string& a, const std::string& b) {
-    std::error_code ignored;  // one of them is no file: then they are not the same
-    return !a.empty() && (a == b || std::filesystem::equivalent(a, b, ignored));
-  };
   struct Output {
     const char* option;
     const char* what;
     const std::string& file;
   };
-  const std::string input = device_file(options.device);
   const Output outputs[] = {{"--log", "the log", options.log},
                             {"--frames", "the frames", options.frames},
                             {"--report", "the report", options.report}};
-  for (const Output& output : outputs)
-    if (output.file != "-" && (same(output.file, options.grid) || same(output.file, input)))
-      throw CLI::ValidationError(output.option, std::string(output.what) + " would replace the " +
-                                                    (same(output.file, input) ? "path or session "
-                                                                                "that is played"
-                                                                              : "grid"));
+  for (const Output& output : outputs) {
+    if (output.file == "-") continue;
+    const char* replaced = same_file(output.file, input)          ? "path or session that is played"
+                           : same_file(output.file, options.grid) ? "grid"
+                                                                  : nullptr;
+    if (replaced)
+      throw CLI::ValidationError(output.option,
+                                 std::string(output.what) + " would replace the " + replaced);
+  }
   for (std::size_t i = 0; i < std::size(outputs); ++i)
     for (std::size_t j = i + 1; j < std::size(outputs); ++j)
-      if (same(outputs[i].file, outputs[j].file))
+      if (same_file(outputs[i].file, outputs[j].file))
         throw CLI::ValidationError(std::string(outputs[i].option) + " and " + outputs[j].option +
                                    " cannot both be " + outputs[j].file);
-  if (!options.log.empty() && !is_session_name(options.log) && is_live(options.device))
+}
+
+/// @throw CLI::ParseError, Error for a command line that cannot be played.
+void check(const PlayOptions& options) {
+  if (options.grid.empty()) throw CLI::RequiredError("grid");
+  if (!options.device) throw CLI::RequiredError("--device");
+  check_files(options);
+  if (!options.log.empty() && !is_session_name(options.log) && is_live(*options.device))
     throw CLI::ValidationError(
         "--log",
         "a text is kept in memory until the end, which a live device does not have: name it "
@@ -87,109 +99,69 @@ void check(const PlayOptions& options) {
     throw Error("standard output is a terminal: redirect it, or name a file after --frames");
 }
 
-/// What a replay was played with counts, but for what the command line says.
-PlayedWith resume(const CLI::App& app, const PlayOptions& options, const SessionHeader& session,
-                  const LoadedGrid& loaded) {
-  const std::string file = options.device.substr(options.device.find(':') + 1);
-  if (session.grid_digest != loaded.digest)
-    std::fprintf(stderr, "play: %s was recorded with another grid: its forces will be others\n",
-                 file.c_str());
-  PlayedWith with = played_with(session, file);
-  with.limits = replay_limits(app, options, with.limits);
-  if (app.get_option("--scale")->count() > 0) with.scale = options.mapping.scale;
-  return with;
+/// Whether frames go to standard output although nobody asked for them, as in `play GRID --device
+/// keys | view`. Those of a path or replay do not: a script may collect what its commands print.
+bool viewer_waits(const PlayOptions& options) {
+  struct stat out {};
+  return options.frames.empty() && options.device && is_live(*options.device) &&
+         options.log != "-" && options.report != "-" && ::fstat(STDOUT_FILENO, &out) == 0 &&
+         S_ISFIFO(out.st_mode);
 }
 
-int play(const CLI::App& app, PlayOptions options) {
-  // Frames go where a viewer waits: play GRID --device keys | view. A scripted play may be in a
-  // script that collects what its commands say.
-  struct stat out {};
-  if (options.frames.empty() && is_live(options.device) && options.log != "-" &&
-      options.report != "-" && ::fstat(STDOUT_FILENO, &out) == 0 && S_ISFIFO(out.st_mode))
-    options.frames = "-";
-  check(options);
-  std::optional<HidGuard> guard;  // before there is a thread, or a grid that a fork would copy
-  if (needs_guard(options.device)) {
-    const rlimit no_core{0, 0};  // writing one would keep the guard waiting
-    ::setrlimit(RLIMIT_CORE, &no_core);
-    guard.emplace();
-  }
-  Viewers viewers(options);
-  const LoadedGrid loaded = load_grid({options.grid});
-  const Grid& grid = loaded.grid;
-  require_playable(grid, options.grid == "-" ? "standard input" : options.grid);
-  const GridSpec& spec = grid.spec();
-  const auto create = [&] {
-    return Plugin(spec.model, model_path(options.model_path)).create(spec.parameters);
-  };
-  const Fields fields(spec, create, /*wants_shape=*/false);
+/// The guard process, which is started before there is a thread, or a grid that it would copy.
+std::unique_ptr<HidGuard> start_guard(const DeviceChoice& device) {
+  if (!pushes(device)) return nullptr;
+  const rlimit no_core{0, 0};  // the guard would wait until a core file is written
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  return std::make_unique<HidGuard>();
+}
 
-  // Before a live device is open: a signal must not leave a terminal without lines and echo.
-  // Reading a path from standard input still ends by it.
-  std::optional<CaughtSignals> signals;
-  if (is_live(options.device)) signals.emplace();
-  const OpenDevice open = open_device(options, spec.box, guard ? &*guard : nullptr);
-  if (!signals) signals.emplace();
-  Device& device = *open.device;
-  const DeviceInfo info = device.info();
-  PlayedWith with{.limits = options.safety, .scale = options.mapping.scale};
-  if (open.session) with = resume(app, options, *open.session, loaded);
-  with.limits.max_force = std::min(with.limits.max_force, info.max_force);
-  options.mapping.scale = with.scale;
-  LoopOptions loop{.rate_hz = options.rate_hz, .spin_us = options.spin_us};
+/// The settings of a play: those that the user gave, then those that a replay recorded, then the
+/// defaults. The device's own limit holds in any case.
+PlaySettings settle(const PlayOptions& options, const OpenDevice& open, const LoadedGrid& loaded) {
+  PlaySettings settings;
+  if (open.session) {
+    const std::string file = input_file(*options.device);
+    if (open.session->grid_digest != loaded.digest)
+      std::fprintf(stderr,
+                   "play: %s was recorded with another grid: its forces will be different\n",
+                   file.c_str());
+    const PlayedWith with = played_with(*open.session, file);
+    settings.safety = with.limits;
+    settings.mapping.scale = with.scale;
+  }
+  settings = changed(settings, options.given);
+  if (options.axes) settings.mapping.axes = *options.axes;
+  settings.safety.max_force = std::min(settings.safety.max_force, open.device->info().max_force);
+  return settings;
+}
+
+LoopOptions pace(const PlayOptions& options, const OpenDevice& open, double spin_us) {
+  LoopOptions loop{.rate_hz = options.rate_hz, .spin_us = spin_us};
   if (open.session) loop.unpaced_hz = open.session->rate_hz;
-  if (open.live && loop.rate_hz == 0) loop.rate_hz = kDefaultRateHz;
-  const bool paced = loop.rate_hz > 0;
-  const double rate_hz = paced ? loop.rate_hz : loop.unpaced_hz;
-
+  if (is_live(*options.device) && loop.rate_hz == 0) loop.rate_hz = kDefaultRateHz;
   if (options.duration_s > 0)
-    loop.ticks = static_cast<std::uint64_t>(std::ceil(options.duration_s * rate_hz));
+    loop.ticks = static_cast<std::uint64_t>(std::ceil(options.duration_s * loop.tick_rate_hz()));
+  return loop;
+}
 
-  Mapping mapping(options.mapping, info, spec.box);
-  with.scale = mapping.scale();
-  Traversal traversal(grid, options.max_sub_steps);
-  SafetyCore safety(with.limits);
-  Log log(options.log, loaded, fields, rate_hz, paced, open.ticks, with);
-  viewers.start(spec, create, rate_hz, paced, caught_signal);
+/// Ends the program with a zero force when the loop hangs.
+std::unique_ptr<Watchdog> watch(Device& device, const std::atomic<std::uint64_t>& heartbeat,
+                                const LoopOptions& loop) {
+  if (!loop.paced()) return nullptr;
+  // A loop of less than one tick a second must not seem to hang.
+  const std::chrono::milliseconds of_rate(static_cast<int>(4000 / loop.rate_hz));
+  return std::make_unique<Watchdog>(heartbeat, std::max(kHungAfter, of_rate), [&device] {
+    device.stop();
+    static_cast<void>(std::fputs(
+        "play: the haptic loop hangs, in the model or the machine: zero force was sent\n", stderr));
+    ::_exit(kExitFailed);
+  });
+}
 
-  const auto force = [&](const Vec3& x, std::span<const double> row) {
-    return fields.force(x, row);
-  };
-  const auto sink = [&](const Tick& tick) {
-    log.add(tick);
-    viewers.show(tick);
-  };
-  RunFacts facts{.model = spec.model, .device = info.name, .rate_hz = loop.rate_hz};
-  LoopSummary summary;
-  {
-    std::atomic<std::uint64_t> heartbeat{0};
-    std::optional<Watchdog> watchdog;
-    if (paced)
-      // A loop below one tick in a second would seem to hang.
-      watchdog.emplace(
-          heartbeat,
-          std::max(kHungAfter, std::chrono::milliseconds(static_cast<int>(4000 / loop.rate_hz))),
-          [&device] {
-            device.stop();
-            static_cast<void>(
-                std::fputs("play: the haptic loop hangs, in the model or the machine: zero force "
-                           "was sent\n",
-                           stderr));
-            ::_exit(kExitFailed);
-          });
-    viewers.wait(caught_signal);
-    const Realtime realtime(paced ? options.realtime : RealtimeMode::kOff);
-    facts.realtime = realtime.got();
-    if (paced)
-      std::fprintf(stderr, "play: %s at %g Hz; real time: %s\n", info.name.c_str(), loop.rate_hz,
-                   facts.realtime.c_str());
-    summary =
-        run_loop(device, mapping, traversal, safety, force, sink, caught_signal, heartbeat, loop);
-    signals.reset();  // writing what is left can be interrupted
-  }
-  log.finish();
-  viewers.finish();
-  facts.frames = viewers.frames();
+/// Prints and writes what happened. @return the exit code @throw Error for a bad end
+int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts facts,
+             const SafetyCore& safety, const Device& device, const Viewers& viewers) {
   const bool bad = summary.end == LoopEnd::kDeviceFailed || !summary.zero_sent || safety.faulted();
   facts.exit_code = bad                                ? kExitFailed
                     : summary.end == LoopEnd::kStopped ? 128 + caught_signal.load()
@@ -201,7 +173,68 @@ int play(const CLI::App& app, PlayOptions options) {
   return facts.exit_code;
 }
 
-int run(const CLI::App& app, const PlayOptions& options) {
+int play(PlayOptions options) {
+  if (viewer_waits(options)) options.frames = "-";
+  check(options);
+  const std::unique_ptr<HidGuard> guard = start_guard(*options.device);
+  Viewers viewers(options);
+  const LoadedGrid loaded = load_grid({options.grid});
+  const Grid& grid = loaded.grid;
+  require_playable(grid, options.grid == "-" ? "standard input" : options.grid);
+  const GridSpec& spec = grid.spec();
+  const auto create = [&] {
+    return Plugin(spec.model, model_path(options.model_path)).create(spec.parameters);
+  };
+  const Fields fields(spec, create, /*wants_shape=*/false);
+
+  // Signals are caught before a live device is open: one must not leave a terminal without lines
+  // and echo. They still end a play that reads a path from standard input.
+  std::optional<CaughtSignals> signals;
+  if (is_live(*options.device)) signals.emplace();
+  const PlaySettings given = changed({}, options.given);
+  const OpenDevice open =
+      open_device(*options.device, given, options.rate_hz > 0 ? options.rate_hz : kUnpacedHz,
+                  spec.box, guard.get());
+  if (!signals) signals.emplace();
+  Device& device = *open.device;
+  const PlaySettings settings = settle(options, open, loaded);
+  const LoopOptions loop = pace(options, open, settings.spin_us);
+  const double rate_hz = loop.tick_rate_hz();
+
+  Mapping mapping(settings.mapping, device.info(), spec.box);
+  Traversal traversal(grid);
+  SafetyCore safety(settings.safety);
+  Log log(options.log, loaded, fields, rate_hz, loop.paced(), open.ticks,
+          {.limits = settings.safety, .scale = mapping.scale()});
+  viewers.start(spec, create, rate_hz, loop.paced(), caught_signal);
+  RunFacts facts{.model = spec.model, .device = device.info().name, .rate_hz = loop.rate_hz};
+  LoopSummary summary;
+  {
+    std::atomic<std::uint64_t> heartbeat{0};
+    viewers.wait(settings.imd_wait_s, caught_signal);
+    const std::unique_ptr<Watchdog> watchdog = watch(device, heartbeat, loop);
+    const Realtime realtime(loop.paced() ? options.realtime : RealtimeMode::kOff);
+    facts.realtime = realtime.got();
+    if (loop.paced())
+      std::fprintf(stderr, "play: %s at %g Hz; real time: %s\n", facts.device.c_str(), loop.rate_hz,
+                   facts.realtime.c_str());
+    summary = run_loop(
+        device, mapping, traversal, safety,
+        [&](const Vec3& x, std::span<const double> row) { return fields.force(x, row); },
+        [&](const Tick& tick) {
+          log.add(tick);
+          viewers.show(tick);
+        },
+        caught_signal, heartbeat, loop);
+    signals.reset();  // a second signal may interrupt the writing of what is left
+  }
+  log.finish();
+  viewers.finish();
+  facts.frames = viewers.frames();
+  return conclude(options, summary, facts, safety, device, viewers);
+}
+
+int run(const PlayOptions& options) {
   if (options.selftest) return run_selftest(options);
   if (options.list_devices) {
     print_devices();
@@ -212,9 +245,9 @@ int run(const CLI::App& app, const PlayOptions& options) {
     return kExitDone;
   }
   try {
-    return play(app, options);
+    return play(options);
   } catch (const std::system_error& e) {
-    // A signal before the loop, while a pipe waited for its reader.
+    // A signal that came before the loop, while a pipe waited for its reader.
     if (e.code() == std::errc::interrupted && caught_signal != 0) return 128 + caught_signal;
     throw;
   }
@@ -226,68 +259,17 @@ int main(int argc, char** argv) {
   PlayOptions options;
   CLI::App app(
       "Drives a device through a complete grid: reads the HIP, follows the levels of the grid's\n"
-      "cells, interpolates the state, computes the force with the grid's model, or interpolates "
-      "it\n"
-      "where the grid keeps it, and sends it.");
+      "cells, interpolates the state, computes the force (or interpolates it where the grid "
+      "stores\n"
+      "it), and sends it through the safety core to the device.");
   set_help(
       app, "play",
-      "A path is a text: x y z a line, in the model's unit of length, separated by spaces or\n"
-      "tabs; '#' starts a comment, blank lines are skipped.\n"
-      "\n"
-      "Keys: arrows left and right move the HIP along x, up and down along z, page up and down\n"
-      "along y; + and - make the steps larger and smaller, 0 goes back to the start, r lets the\n"
-      "force come back after a fault, q ends.\n"
-      "\n"
-      "The text log has a line a tick, tab-separated, numbers with 17 digits; its first line\n"
-      "starts with '#' and names the columns:\n" +
-          std::string(kTextLogHelp) +
+      "Settings for --set and for the table [play]; inf switches a limit off:\n" + settings_help() +
           "\n"
-          "A log FILE.session has every tick with the force as it was and as it was sent, levels, "
-          "what\n"
-          "the safety core did, and how late the tick was, in some 25 bytes a tick; stats --log "
-          "draws\n"
-          "it and makes it a text. Replayed with --device replay:FILE, with the same grid, it "
-          "gives\n"
-          "the same forces bit for bit: safety, scale and rate are the session's, but for what "
-          "the\n"
-          "command line says.\n"
-          "\n"
-          "Frames are Cap'n Proto messages (schemas/frame.capnp) for view, 25 a second. With "
-          "--rate\n"
-          "the newest tick is taken each time; a viewer that is slow, asleep or gone never makes "
-          "a\n"
-          "tick late: it misses frames, which are counted, and after the end it has a second to "
-          "read\n"
-          "what is left. Without --rate a frame is a tick in 40 (of a session at 5 kHz in 200), "
-          "the\n"
-          "first and the last one among them, and play waits for the viewer.\n"
-          "\n"
-          "With --imd viewers of molecules get the same frames over TCP, up to 8 at once: VMD "
-          "(IMD\n"
-          "version 2) and MDAnalysis (version 3). Atoms are the model's spheres, and the HIP, held "
-          "in\n"
-          "the box, as one more at the end; VMD and MDAnalysis want to know them beforehand, as "
-          "from\n"
-          "view --xyz FILE --hip-label Xx. Lengths are converted from m, mm, nm, angstrom, pm or\n"
-          "bohr to angstrom, energies from kJ/mol, kcal/mol, J, eV or hartree to kcal/mol (2) or\n"
-          "kJ/mol (3); other units go out as they are. Version 3 also has time (ps), the grid's "
-          "box,\n"
-          "which is not periodic, and the force on the HIP as it was sent, 1 N being 6.022e10\n"
-          "kJ/(mol angstrom). Viewers look on: forces and rates that they send are ignored; "
-          "pausing,\n"
-          "disconnecting and killing concern the viewer itself alone. One that reads too slowly\n"
-          "misses frames, and is closed when it takes more than 5 s for one. With --rate nobody "
-          "is\n"
-          "ever waited for, but a second after the end; without it a frame waits 40 ms at most.\n"
-          "\n"
-          "A force that is not finite is never sent: it is zero from there on, and the exit code\n"
-          "is 1, unless you let it come back: key r, the clutch of a profile, the first button of "
-          "a\n"
-          "PID joystick, any button of a SpaceMouse. A tick is late from when it was due to when "
-          "it began; computing is from there to\n"
-          "when its force was sent.\n",
+          "Keyboard: arrows move the HIP along x and z, page up and down along y; + and - change\n"
+          "the step, 0 goes back to the start, r lets the force come back after a fault, q ends.\n",
       "  129, 130, 131, 143, 148  ended by SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP: zero force\n"
-      "                 was sent, and the log so far is complete\n");
+      "     was sent, and the log so far is complete\n");
   add_play_options(app, options);
-  return run_tool(app, argc, argv, [&] { return run(app, options); });
+  return run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "libcore/check/parallel.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
@@ -20,8 +21,6 @@ constexpr std::uint64_t kBlock = 1 << 12;
 constexpr std::uint64_t kMostLowered = 256;
 // Forces come out of solvers; differences of this part of them are no gain.
 constexpr double kNoise = 1e-9;
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Where a link leads on the same branch: there and back; kNoRecord elsewhere.
 RecordIndex along_branch(const Grid& grid, RecordIndex r, int q) {

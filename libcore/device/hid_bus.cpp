@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// USB has at most 126 characters in a text.
+// A text of USB has at most 126 characters.
 constexpr std::size_t kMaxText = 500;
 constexpr std::size_t kMaxListed = 8;
 
@@ -48,7 +48,7 @@ bool may_open(const std::string& path) {
   return ::access(path.c_str(), R_OK | W_OK) == 0 || errno != EACCES;
 }
 
-/// "Teensy RawHID (16c0:0486) at /dev/hidraw0, ...": not endless.
+/// "Teensy RawHID (16c0:0486) at /dev/hidraw0, ...", with at most kMaxListed devices.
 std::string names(const std::vector<HidInfo>& devices) {
   std::string text;
   std::size_t count = 0;
@@ -73,7 +73,7 @@ HidMatch parse_hid_match(std::string_view which) {
   HidMatch match;
   if (which.empty()) return match;
   if (which.front() == '/') {
-    // A link that a udev rule made: hidapi lists the device by its own name.
+    // The path may be a link that a udev rule made, but hidapi lists the device's own name.
     std::error_code error;
     const fs::path real = fs::canonical(fs::path(which), error);
     match.path = error ? std::string(which) : real.string();
@@ -132,7 +132,7 @@ std::vector<HidInfo> list_hid() {
                        .usage = at->usage,
                        .interface = at->interface_number});
   std::sort(devices.begin(), devices.end(), [](const HidInfo& a, const HidInfo& b) {
-    // hidraw10 behind hidraw9.
+    // The size comes first, so that hidraw10 comes after hidraw9.
     return std::tuple(a.path.size(), a.path, a.usage_page, a.usage) <
            std::tuple(b.path.size(), b.path, b.usage_page, b.usage);
   });
@@ -184,7 +184,7 @@ std::string list_text(const std::vector<HidInfo>& devices) {
 
 std::vector<std::uint8_t> read_report_descriptor(const std::string& path,
                                                  const std::string& sysfs) {
-  // World-readable, and there without opening the device.
+  // Everybody may read this file, without opening the device.
   std::error_code ignored;
   const fs::path real = fs::canonical(path, ignored);
   std::ifstream file(fs::path(sysfs) / real.filename() / "device" / "report_descriptor",
@@ -214,7 +214,7 @@ std::string hex_text(const std::vector<std::uint8_t>& bytes) {
 std::string open_failure(const std::string& path, const std::string& reason) {
   const std::string shown = printable_line(path) + ": ";
   if (may_open(path)) return shown + "cannot be opened: " + reason;
-  // The numbers, when the bus knows them; the rule is for a device, not for all of hidraw.
+  // The rule is for one device, so it needs the device's USB ids.
   for (const HidInfo& info : list_hid())
     if (info.path == path)
       return shown + "permission denied: " + permission_help(info.vid, info.pid);

@@ -1,5 +1,5 @@
-// Which HID devices there are, which of them is meant, and what to tell a user whose device cannot
-// be found or opened.
+// Lists HID devices, finds the one that the user means, and tells the user what helps when a device
+// cannot be found or opened.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@
 
 namespace hapgrid {
 
-/// One top-level collection of a device: a device that has several appears several times, with the
-/// same path. Texts come from the device and are printable here.
+/// One top-level collection of a device. A device with several collections is listed several times,
+/// with the same path. Its texts come from the device and were made printable.
 struct HidInfo {
   std::string path;  ///< "/dev/hidraw0"
   std::uint16_t vid = 0, pid = 0;
   std::string serial, manufacturer, product;
   std::uint16_t usage_page = 0, usage = 0;
-  int interface = -1;  ///< USB's; -1 where there is none (Bluetooth, uhid)
+  int interface = -1;  ///< number of the USB interface; -1 without USB (Bluetooth, uhid)
 };
 
-/// What a device has to be; what is not set is any.
+/// Which devices are meant. A field that is not set matches every device.
 struct HidMatch {
-  // All with initializers, so that {.serial = "1"} is without warnings.
+  // With initializers, so that {.serial = "1"} gives no warnings.
   std::string path{};
   std::optional<std::uint16_t> vid{}, pid{}, usage_page{}, usage{};
   std::optional<int> interface {};
@@ -31,49 +31,49 @@ struct HidMatch {
   bool fits(const HidInfo& info) const;
 };
 
-/// What WHICH on a command line means: a path "/dev/hidraw3"; "16c0:0486", also with ":SERIAL";
-/// anything else is a serial number. Empty: any device.
-/// @throw DeviceError for a path that is no device's, such as "/dev/".
+/// Parses the WHICH of a command line: a path "/dev/hidraw3"; "16c0:0486", also with ":SERIAL"; any
+/// other text is a serial number; an empty text means every device.
+/// @throw DeviceError for a path that is a directory, such as "/dev/".
 HidMatch parse_hid_match(std::string_view which);
 
 /// "16c0:0486, usage ffab:0200", for messages.
 std::string to_text(const HidMatch& match);
 
-/// All HID devices, by path, then usage; those that may not be opened, too.
+/// All HID devices, sorted by path and usage, including those that the user may not open.
 std::vector<HidInfo> list_hid();
 
-/// Those of `devices` that fit, one for each path.
+/// The devices that fit, one entry for each path.
 std::vector<HidInfo> find_hid(const std::vector<HidInfo>& devices, const HidMatch& match);
 
 /// The one device that fits.
-/// @param hint how the user names one, for the message: "--device pid:WHICH".
-/// @throw DeviceError "no device is ...: ..." with what there is instead, or "2 devices are ...".
+/// @param hint how the user can name one device, for the message: "--device pid:WHICH".
+/// @throw DeviceError "no device is ...: ..." with a list of the devices, or "2 devices are ...".
 HidInfo find_one_hid(const std::vector<HidInfo>& devices, const HidMatch& match,
                      const std::string& hint);
 
 /// "Teensy RawHID (16c0:0486)".
 std::string shown_name(const HidInfo& info);
 
-/// The table of `play --list-devices`: a line for each collection, and a last line for devices that
-/// may not be opened. Says so when there is nothing.
+/// The table of `play --list-devices`: a line for each collection, and a last line that helps when
+/// the user may not open a device; "no HID device" without devices.
 std::string list_text(const std::vector<HidInfo>& devices);
 
-/// The raw report descriptor of an open-able path, from sysfs, else by ioctl; at most 4096 bytes.
+/// The raw report descriptor of a device, from sysfs or else by ioctl; at most 4096 bytes.
 /// @throw DeviceError
 std::vector<std::uint8_t> read_report_descriptor(const std::string& path,
                                                  const std::string& sysfs = "/sys/class/hidraw");
 
-/// 16 bytes a line, in hex.
+/// The bytes in hex, 16 in a line.
 std::string hex_text(const std::vector<std::uint8_t>& bytes);
 
-/// One line for a path that could not be opened: what hidapi said, and when it was the permission,
-/// the udev rule that gives it.
+/// One line for a path that could not be opened: what hidapi said, or, when the permission is
+/// missing, the udev rule that gives it.
 std::string open_failure(const std::string& path, const std::string& reason);
 
-/// That line's help, for a device of these numbers.
+/// The udev rule, and how to install it, for a device with these USB ids.
 std::string permission_help(std::uint16_t vid, std::uint16_t pid);
 
-/// One printable line of UTF-8 from hidapi's wide texts, which may be null.
+/// A wide text of hidapi, which may be null, as one printable line of UTF-8.
 std::string narrow(const wchar_t* text);
 
 }  // namespace hapgrid

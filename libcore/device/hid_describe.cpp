@@ -13,7 +13,7 @@ struct Name {
   std::string_view text;
 };
 
-// What devices for the hand have (HID Usage Tables 1.12; Device Class Definition for PID 1.0).
+// Usages of devices for the hand (HID Usage Tables 1.12; Device Class Definition for PID 1.0).
 constexpr Name kNames[] = {
     {{0x01, 0x01}, "Pointer"},
     {{0x01, 0x02}, "Mouse"},
@@ -142,7 +142,7 @@ std::string line(const HidDescriptor& descriptor, const HidField& field) {
   text += std::to_string(field.bit_size) + (field.bit_size == 1 ? " bit: " : " bits: ");
   text += field.variable || field.usages.empty() ? "" : "one of ";
   text += usages(field);
-  int shown = 0;  // in PID reports two: what groups the choices, and what names the report
+  int shown = 0;  // PID reports have two: one groups the choices, one names the report
   for (auto c = field.collection; c && shown < 2; c = descriptor.collections[*c].parent) {
     const HidCollection& collection = descriptor.collections[*c];
     if (collection.type != 2 || collection.usage == HidUsage()) continue;

@@ -1,4 +1,4 @@
-// A report descriptor as text for people, who write a profile from it.
+// A report descriptor as text, for people who write a profile.
 #pragma once
 
 #include <string>
@@ -7,7 +7,8 @@
 
 namespace hapgrid {
 
-/// A line a field, in the descriptor's order; after a heading for each application collection:
+/// A line for each field, in the descriptor's order, with a heading for each application
+/// collection:
 ///
 ///   Joystick
 ///     input 1: byte 1 bit 0: 2 x 16 bits: X, Y: logical -32767..32767

@@ -1,9 +1,9 @@
-// A HID report descriptor, taken apart: which bits of which report carry which usage.
+// A parsed HID report descriptor: which bits of which report have which usage.
 //
-// The descriptor is what a device says of itself in a small language (Device Class Definition for
-// HID 1.11, Sect. 6.2.2). It comes from outside: a few bytes can claim a billion usages or a report
-// of gigabytes. So usages stay ranges as they were written, nothing is expanded, and what is kept
-// is in proportion to the descriptor's own bytes, of which there are 4096 at most.
+// In the descriptor a device describes its reports in a small language (Device Class Definition for
+// HID 1.11, Sect. 6.2.2). It is hostile input: a few bytes can claim a billion usages or a report
+// of gigabytes. So usages stay ranges as they were written, and memory grows with the descriptor's
+// own bytes, of which there are 4096 at most.
 #pragma once
 
 #include <cstddef>
@@ -16,41 +16,41 @@
 
 namespace hapgrid {
 
-/// What a value means: a usage page, and the usage's number on it (HID Usage Tables).
+/// The meaning of a value: a usage page, and a number on that page (HID Usage Tables).
 struct HidUsage {
   std::uint16_t page = 0;
   std::uint16_t id = 0;
   friend bool operator==(const HidUsage&, const HidUsage&) = default;
 };
 
-/// The usages first, first + 1, ... last_id of one page.
+/// The usages first, first + 1, ..., last_id of one page.
 struct HidUsageRange {
   HidUsage first;
-  std::uint16_t last_id = 0;  ///< first.id or more
+  std::uint16_t last_id = 0;  ///< at least first.id
 };
 
 enum class HidReportKind { kInput, kOutput, kFeature };
 
-/// A group of fields. Collections lie in each other.
+/// A group of fields. Collections are nested.
 struct HidCollection {
   std::uint8_t type = 0;  ///< 0 physical, 1 application, 2 logical, ...
   HidUsage usage;         ///< 0:0 when it has none
   std::optional<std::size_t> parent;
 };
 
-/// `count` values of `bit_size` bits, one behind the other, least significant bit first.
-/// A variable field has a usage for each value. An array field has values that choose: each is
-/// logical_min + the position of a usage in the list.
+/// `count` values of `bit_size` bits, one after the other, least significant bit first.
+/// A variable field has a usage for each value. Each value of an array field chooses a usage: it is
+/// logical_min + the position of the usage in the list.
 struct HidField {
   HidReportKind kind = HidReportKind::kInput;
   std::uint8_t report_id = 0;    ///< 0: the device's reports have no ids
-  std::uint32_t bit_offset = 0;  ///< in the report, the id's byte not counted
+  std::uint32_t bit_offset = 0;  ///< in the report, without the id's byte
   std::uint32_t bit_size = 0;    ///< at least 1
   std::uint32_t count = 0;       ///< at least 1
-  bool constant = false;         ///< padding, when it has no usages either
+  bool constant = false;         ///< padding, if it has no usages
   bool variable = false;
   bool relative = false;
-  std::vector<HidUsageRange> usages;  ///< in order; of a variable field the last one goes on
+  std::vector<HidUsageRange> usages;  ///< in order; the last one holds for all further values
   /// As the descriptor gives them; values are signed when logical_min < 0.
   std::int64_t logical_min = 0;
   std::int64_t logical_max = 0;
@@ -60,9 +60,9 @@ struct HidField {
   std::int32_t unit_exponent = 0;
   std::optional<std::size_t> collection;  ///< the innermost one
 
-  /// How many usages the list has, at most 65536 for each range.
+  /// The number of usages in the list, at most 65536 for each range.
   std::uint64_t usage_count() const;
-  /// Number `position` of the list; nothing behind its end.
+  /// Number `position` of the list; nothing after its end.
   std::optional<HidUsage> usage(std::uint64_t position) const;
 };
 
@@ -75,18 +75,18 @@ struct HidElement {
   std::int64_t logical_min = 0;
   std::int64_t logical_max = 0;
   bool variable = true;  ///< as HidField's
-  /// What to write to say that the usage is chosen or on: its number for an array, else 1.
+  /// The value that says that the usage is chosen or on: its number in an array, else 1.
   std::int64_t choice = 1;
 };
 
 struct HidDescriptor {
-  std::vector<HidCollection> collections;  ///< a parent stands before its children
+  std::vector<HidCollection> collections;  ///< a parent comes before its children
   std::vector<HidField> fields;            ///< in the descriptor's order
-  /// Bits of each report, the id's byte not counted.
+  /// Bits of each report, without the id's byte.
   std::map<std::pair<HidReportKind, std::uint8_t>, std::uint32_t> report_bits;
 
-  /// Bytes of a report with its id, or with the 0 that stands for it in hidapi: at most 16384.
-  /// 0 when there is no such report.
+  /// Bytes of a report with its id, or with the 0 that hidapi has instead, at most 16384; 0 when
+  /// there is no such report.
   std::size_t report_bytes(HidReportKind kind, std::uint8_t id) const;
   /// The usage of the outermost collection that `field` is in.
   HidUsage application(const HidField& field) const;

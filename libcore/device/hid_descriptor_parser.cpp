@@ -1,5 +1,4 @@
-// Report descriptors from their bytes (HID 1.11, Sect. 6.2.2): items, and what holds from item to
-// item.
+// Parses report descriptors (HID 1.11, Sect. 6.2.2): items, and the state that they change.
 #include <string>
 #include <utility>
 
@@ -10,7 +9,7 @@ namespace hapgrid {
 
 namespace {
 
-// Linux takes no longer ones either (HID_MAX_DESCRIPTOR_SIZE, HID_MAX_BUFFER_SIZE).
+// These are the limits of Linux (HID_MAX_DESCRIPTOR_SIZE, HID_MAX_BUFFER_SIZE).
 constexpr std::size_t kMaxDescriptorBytes = 4096;
 constexpr std::uint64_t kMaxReportBytes = 16384;
 
@@ -33,10 +32,10 @@ struct Item {
   }
 };
 
-/// What holds until it is set anew.
+/// What holds until it is set again.
 struct Globals {
   std::uint16_t usage_page = 0;
-  // Whether a maximum is signed depends on its minimum, which may stand behind it.
+  // Whether a maximum is signed depends on its minimum, which may come after it.
   Item logical_min, logical_max, physical_min, physical_max;
   std::int32_t unit_exponent = 0;
   std::uint32_t unit = 0;
@@ -45,16 +44,16 @@ struct Globals {
   std::uint8_t report_id = 0;
 };
 
-/// What holds up to the next main item.
+/// What holds until the next main item.
 struct Locals {
   struct Range {
     HidUsageRange usages;
-    bool full = false;  // carries its page with it
+    bool full = false;  // has its own page
   };
   std::vector<Range> ranges;
   std::optional<Item> minimum;
-  bool in_set = false;     // inside of delimiters: alternatives for one usage
-  bool set_taken = false;  // of which the first counts
+  bool in_set = false;     // between delimiters, which enclose alternatives for one usage
+  bool set_taken = false;  // the first alternative, which counts, was there
 };
 
 std::int64_t maximum(const Item& min, const Item& max) {
@@ -75,7 +74,7 @@ class Parser {
     while (at_ < bytes_.size()) {
       start_ = at_;
       const std::uint8_t prefix = bytes_[at_++];
-      if (prefix == 0xfe) {  // a long item: of no meaning in HID 1.11, but of a known length
+      if (prefix == 0xfe) {  // a long item, which HID 1.11 does not use
         const std::uint32_t size = take(1);
         take(1);
         skip(size);
@@ -139,9 +138,9 @@ class Parser {
     locals_ = Locals();
   }
 
-  /// A usage without a page of its own has the page that is current at the main item (Sect.
-  /// 6.2.2.8); but where pages change between usages, each that was followed by its own keeps it,
-  /// as devices expect and Linux does.
+  /// A usage without a page of its own gets the page that is current at the main item (Sect.
+  /// 6.2.2.8). But a usage whose page was set again before the main item keeps the earlier page, as
+  /// devices expect and Linux does.
   void settle_pages() {
     for (auto range = locals_.ranges.rbegin(); range != locals_.ranges.rend(); ++range) {
       if (range->full) continue;
@@ -199,7 +198,7 @@ class Parser {
         g.physical_max = item;
         break;
       case 0x5:
-        // A nibble by the book, but many devices write a whole signed number.
+        // The standard wants a nibble, but many devices write a whole signed number.
         g.unit_exponent = static_cast<std::int32_t>(
             item.data < 16 ? (item.data < 8 ? item.data : std::int64_t{item.data} - 16)
                            : item.as_signed());
@@ -251,7 +250,7 @@ class Parser {
         locals_.minimum = item;
         break;
       case 0x2: {
-        if (!locals_.minimum) break;  // half a range says nothing
+        if (!locals_.minimum) break;  // a range without a minimum means nothing
         const HidUsage first = usage(*locals_.minimum);
         const HidUsage last = usage(item);
         const bool full = locals_.minimum->size == 4 || item.size == 4;

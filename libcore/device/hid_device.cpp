@@ -56,7 +56,7 @@ HidDevice::~HidDevice() { stop(); }
 
 std::thread HidDevice::start_thread(void (HidShared::*loop)(), bool HidShared::*done) {
   const BlockedSignals blocked;
-  // It owns what it uses. What it throws is memory that is missing, and a fault like another.
+  // The thread shares what it uses. It throws only when memory is missing, which is a fault, too.
   return std::thread([shared = shared_, loop, done] {
     try {
       (*shared.*loop)();
@@ -85,7 +85,7 @@ DeviceStatus HidDevice::send(const Vec3& force) noexcept {
   if (since != HidClock::time_point() && now - since > kWriteLimit) {
     auto none = HidFault::kNone;
     s.fault.compare_exchange_strong(none, HidFault::kWriteHangs);
-    s.bell.ring();  // should the write have ended just now
+    s.bell.ring();  // in case the write has just ended
   }
   if (s.fault.load(std::memory_order_acquire) != HidFault::kNone) return DeviceStatus::kFailed;
   s.force.back() = {force, now};
@@ -101,7 +101,7 @@ DeviceStatus HidDevice::stop() noexcept {
   s.stop.store(true);
   s.bell.ring();
   try {
-    // The constructor may have failed before there was one; this thread does not wait for hardware.
+    // When the constructor failed early there is no writer. This thread must not wait for hardware.
     if (!writer_.joinable())
       writer_ = start_thread(&HidShared::write_loop, &HidShared::writer_done);
   } catch (const std::exception&) {

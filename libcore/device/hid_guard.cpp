@@ -27,8 +27,8 @@ using namespace std::chrono_literals;
 namespace {
 
 // Messages of the socket, which keeps their boundaries. To the child: 'g', the goodbye, alone; or
-// 'w', the path, a zero byte, and each report behind its length (two bytes). Back: an empty
-// message cannot be told from the end, so 'k', or 'e' and why the device cannot be opened.
+// 'w', the path, a zero byte, and each report after its length (two bytes). Back: 'k' (an empty
+// message would look like the end of the socket), or 'e' and why the device cannot be opened.
 constexpr char kGoodbye = 'g', kWatch = 'w', kDone = 'k', kRefused = 'e';
 constexpr std::size_t kMaxMessage = 1 << 16;
 constexpr int kAnswerMs = 2000;
@@ -64,7 +64,7 @@ void take(std::string_view message, Watched& watched) {
   watched.stop = std::move(stop);
 }
 
-/// Every report is tried, also behind one that was not taken.
+/// Tries every report, also after one that the device did not take.
 bool write_all(Watched& watched) {
   bool all = true;
   for (const HidReport& report : watched.stop) all = watched.handle->try_write(report) && all;
@@ -77,7 +77,7 @@ void let_go(Watched& watched) {
     std::this_thread::sleep_for(kBetweenTries);
 }
 
-/// The child's life.
+/// What the child does all its life.
 void guard(int socket) {
   std::vector<char> buffer(kMaxMessage);
   Watched watched;
@@ -101,8 +101,8 @@ void guard(int socket) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP, SIGUSR1, SIGUSR2})
     ::signal(signal, SIG_IGN);
   ::prctl(PR_SET_NAME, "hapgrid-guard");
-  // A pipe's reader behind this program must see its end when it ends. The socket goes to 3; the
-  // standard streams are open, to nothing, so that no device gets their numbers.
+  // The child closes all files, so that the reader of a pipe sees the end when this program ends.
+  // The socket becomes 3. The standard streams are /dev/null, so that no device gets their numbers.
   const int nothing = ::open("/dev/null", O_RDWR);
   if (socket != 3) ::dup2(socket, 3);
   for (int fd = 0; fd < 3; ++fd) ::dup2(nothing, fd);
@@ -113,7 +113,7 @@ void guard(int socket) {
     guard(3);
   } catch (...) {
   }
-  // At once: what the parent had in its buffers, or wanted to do at its end, is the parent's.
+  // At once, because buffers and exit handlers belong to the parent.
   ::_exit(0);
 }
 

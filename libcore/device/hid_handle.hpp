@@ -12,23 +12,23 @@ struct hid_device_;  // hidapi's
 
 namespace hapgrid {
 
-/// No report is longer, with its id; also the largest that hidapi is asked for.
+/// The longest report, with its id.
 inline constexpr std::size_t kMaxHidReport = 4096 + 1;
 
 class HidHandle : public HidChannel {
  public:
-  /// @throw DeviceError "PATH: why", with what helps against it (open_failure in hid_bus.hpp).
+  /// @throw DeviceError "PATH: why", and what helps (open_failure() in hid_bus.hpp).
   explicit HidHandle(const std::string& path);
   ~HidHandle() override;
   HidHandle(const HidHandle&) = delete;
   HidHandle& operator=(const HidHandle&) = delete;
 
-  /// Waits at most `milliseconds` for an input report: its size, 0 when none came, -1 when the
-  /// device is lost. The time-out is the kernel's to keep.
+  /// Waits at most `milliseconds` for an input report.
+  /// @return its size; 0 when none came; -1 when the device is lost
   int read(std::span<std::uint8_t> buffer, int milliseconds) noexcept;
-  /// Whether the device took all of an output report. The kernel waits up to 5 s for that.
+  /// Writes an output report; the kernel waits up to 5 s. @return whether the device took all of it
   bool try_write(std::span<const std::uint8_t> report) noexcept;
-  /// Why the last call did not do what it should, in one line.
+  /// Why the last call failed, in one line.
   std::string error() const;
 
   void write(std::span<const std::uint8_t> report) override;
@@ -38,7 +38,7 @@ class HidHandle : public HidChannel {
  private:
   std::string path_;
   hid_device_* device_;
-  int short_write_ = -1;  // what the last write took, when it was not all
+  int short_write_ = -1;  // bytes that the last write took, when it did not take all
 };
 
 }  // namespace hapgrid

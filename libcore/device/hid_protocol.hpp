@@ -1,5 +1,5 @@
-// What one kind of HID device says and understands: the reports, and nothing of threads or handles
-// (HidDevice has those). A text profile, the PID class, and a SpaceMouse are the three kinds.
+// The reports of one kind of HID device; HidDevice has the threads and handles. There are three
+// kinds: a text profile, the PID class, and a SpaceMouse.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace hapgrid {
 /// A report as hidapi writes it: the id first, 0 for a device without ids.
 using HidReport = std::vector<std::uint8_t>;
 
-/// An open device as a protocol sees it while it is being started: synchronous, may take long.
+/// An open device while it is being started. Calls wait for the device and may take long.
 class HidChannel {
  public:
   virtual ~HidChannel() = default;
@@ -25,42 +25,39 @@ class HidChannel {
   virtual HidReport get_feature(std::uint8_t id, std::size_t size) = 0;
 };
 
-/// How patient to be with a device; seconds.
+/// Times in seconds.
 struct HidTiming {
-  double stall = 0.1;      ///< silent for longer is DeviceInput::stalled; 0: silence is its rest
-  double watchdog = 0.05;  ///< no send() for longer: HidDevice writes zero force; 0: never
-  /// How often keep_alive() is written or, where it is empty, the force repeated when nothing new
-  /// came; 0: never.
+  double stall = 0.1;      ///< after this silence DeviceInput::stalled; 0: it is silent at rest
+  double watchdog = 0.05;  ///< HidDevice writes zero force after this time without send(); 0: never
+  /// How often keep_alive() is written, or, when that is empty, a force that did not change; 0:
+  /// never.
   double keep_alive = 0;
 };
 
-/// decode() and encode() are called from two threads at the same time: neither may write anything
-/// in the object that the other one uses.
+/// Two threads call decode() and encode() at the same time: neither may write what the other uses.
 class HidProtocol {
  public:
   virtual ~HidProtocol() = default;
 
   virtual DeviceInfo info() const = 0;
   virtual HidTiming timing() const = 0;
-  /// Whether the device's input reports begin with an id. hidapi does not say, and hands out those
-  /// of a device without ids without the 0 that it wants to see in what is written.
+  /// Whether the device's input reports begin with an id. hidapi does not tell: it reads reports of
+  /// a device without ids as they are, but wants a 0 before those that it writes.
   virtual bool numbered() const { return true; }
 
-  /// Once, before any report is read or written: takes the device into use, without force.
-  /// @throw DeviceError, one line that says what the device did not do.
+  /// Starts the device, without force. Called once, before any report is read or written.
+  /// @throw DeviceError, which says in one line what the device did not do
   virtual void start(HidChannel& channel) = 0;
-  /// Takes an input report apart, its id first (0 for a device without ids); false for one that
-  /// says nothing of the input, is too short, or has the wrong id: `input` is unchanged then.
+  /// Reads an input report, its id first (0 for a device without ids). @return false, and `input`
+  /// is unchanged, for a report that has another id, is too short, or has no input
   virtual bool decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept = 0;
-  /// The output reports for a force (newtons, in the device's axes), in the order in which they go
-  /// out. `reports` is what the last call left: storage to write into. No allocation after the
-  /// first call.
+  /// Makes the output reports for a force (newtons, in the device's axes), in their order.
+  /// `reports` holds those of the last call, so that only the first call allocates.
   virtual void encode(const Vec3& force, std::vector<HidReport>& reports) noexcept = 0;
-  /// The output reports of a device that wants to hear something beside the force; see HidTiming.
+  /// The output reports that tell the device that this program is alive; see HidTiming.
   virtual std::vector<HidReport> keep_alive() const { return {}; }
   /// The output reports that leave the device without force, whatever state it is in, also before
-  /// start(): the last thing that is written, by HidDevice and by whoever watches over it from
-  /// another process (HidGuard).
+  /// start(). HidDevice and HidGuard write them last.
   virtual std::vector<HidReport> stop() const = 0;
 };
 

@@ -13,8 +13,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr int kReadMs = 50;  // how soon the reader sees that it is to stop
-constexpr int kDrain = 64;   // what hidraw queues
+constexpr int kReadMs = 50;  // the longest time until the reader sees that it must stop
+constexpr int kDrain = 64;   // reports that hidraw queues
 constexpr auto kAfterFlood = 250us;
 
 }  // namespace
@@ -27,8 +27,8 @@ HidClock::duration hid_duration(double seconds) {
 void HidBell::wait(HidClock::time_point deadline) noexcept {
   const std::int64_t ns = std::max<std::int64_t>(deadline.time_since_epoch() / 1ns, 0);
   const timespec until{ns / 1'000'000'000, ns % 1'000'000'000};
-  // An exchange and no store: it sees what was published before the last ring that it takes back.
-  // Whoever rings later posts again.
+  // An exchange, not a store, so that this thread sees what was published before the last ring. A
+  // later ring posts again.
   if (::sem_clockwait(&semaphore_, CLOCK_MONOTONIC, &until) == 0)
     rung_.exchange(false, std::memory_order_acq_rel);
 }
@@ -40,7 +40,7 @@ void HidShared::tell_fault(const std::string& what) {
     auto none = HidFault::kNone;
     fault.compare_exchange_strong(none, HidFault::kTold);
   });
-  bell.ring();  // the writer lets go
+  bell.ring();  // the writer sends zero force
 }
 
 bool HidShared::write(const HidReport& report) {
@@ -51,7 +51,7 @@ bool HidShared::write(const HidReport& report) {
   return took;
 }
 
-/// Every report is tried, also behind one that was not taken: they may be an axis each.
+/// Tries every report, also after one that the device did not take: each may be an axis.
 bool HidShared::write_force(const Vec3& value, std::vector<HidReport>& reports) {
   protocol->encode(value, reports);
   bool took = true;
@@ -68,9 +68,9 @@ bool HidShared::write_stop(std::vector<HidReport>& reports) {
 
 void HidShared::read_loop() {
   std::array<std::uint8_t, kMaxHidReport + 1> buffer{};
-  const std::size_t id = protocol->numbered() ? 0 : 1;  // bytes that hidapi leaves out
+  const std::size_t id = protocol->numbered() ? 0 : 1;  // bytes of the id that hidapi leaves out
   const std::span<std::uint8_t> room = std::span(buffer).subspan(id);
-  DeviceInput newest;  // what a report does not speak of stays
+  DeviceInput newest;  // a report changes only what it contains
   bool told = false;
   while (!stop.load()) {
     bool fresh = false;
@@ -106,7 +106,7 @@ void HidShared::read_loop() {
   }
 }
 
-/// Until it is to stop, or the device fails.
+/// Runs until it must stop or the device fails.
 void HidShared::write_forces(std::vector<HidReport>& reports) {
   const auto watchdog = hid_duration(timing.watchdog);
   const auto keep_alive = hid_duration(timing.keep_alive);
@@ -125,7 +125,7 @@ void HidShared::write_forces(std::vector<HidReport>& reports) {
       now_applied = force.front();
       idle = false;
     }
-    // Also a force that is new but waited behind a write that hung.
+    // This holds also for a new force that waited while a write hung.
     if (!idle && watchdog > 0s && HidClock::now() - now_applied.time >= watchdog) {
       now_applied.force = {0, 0, 0};
       idle = due = true;
@@ -146,7 +146,7 @@ void HidShared::write_loop() {
   write_forces(reports);
   bool took = write_stop(reports);
   if (!took && !stop.load()) {
-    // A failure is not always the end of the device: once more, when it is said to be stopped.
+    // A failure is not always the end of the device: try once more when the loop stops it.
     while (!stop.load()) bell.wait(HidClock::now() + 1h);
     took = write_stop(reports);
   }

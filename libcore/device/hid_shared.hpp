@@ -1,5 +1,5 @@
-// What HidDevice and its two threads share: the handles, the newest input and force, and how the
-// device is. The outcomes are listed in hid_device.hpp.
+// What HidDevice and its two threads share: the handles, the newest input and force, and the state
+// of the device. hid_device.hpp lists what happens when something goes wrong.
 #pragma once
 
 #include <semaphore.h>
@@ -23,7 +23,7 @@ namespace hapgrid {
 
 using HidClock = std::chrono::steady_clock;  // CLOCK_MONOTONIC
 
-/// Not negative, at most an hour; 0 for what is no number.
+/// Seconds as a duration from 0 to an hour; NaN gives 0.
 HidClock::duration hid_duration(double seconds);
 
 struct TimedInput {
@@ -44,11 +44,12 @@ class HidBell {
   HidBell(const HidBell&) = delete;
   HidBell& operator=(const HidBell&) = delete;
 
-  /// Once is enough until it is heard: the count cannot run over behind a writer that hangs.
+  /// Rings once until the writer heard it, so that the count cannot overflow while the writer
+  /// hangs.
   void ring() noexcept {
     if (!rung_.exchange(true, std::memory_order_acq_rel)) ::sem_post(&semaphore_);
   }
-  /// Until it rings or the deadline is over.
+  /// Waits until it rings or the deadline is over.
   void wait(HidClock::time_point deadline) noexcept;
 
  private:
@@ -58,7 +59,7 @@ class HidBell {
 
 enum class HidFault { kNone, kTold, kWriteHangs };
 
-/// The threads' loops; public for them and HidDevice, and for nobody else.
+/// Public only for HidDevice and the threads.
 struct HidShared {
   /// @throw DeviceError
   HidShared(const std::string& where, std::unique_ptr<HidProtocol> how)
@@ -68,8 +69,8 @@ struct HidShared {
   const std::unique_ptr<HidProtocol> protocol;
   const HidTiming timing;
   HidHandle out;  // the writer's
-  // The reader's. Opened when the device was started: the kernel keeps the oldest reports for a
-  // handle that nobody reads, and the first position must not be one of long ago.
+  // The reader's. It is opened after the device was started: for a handle that nobody reads, the
+  // kernel keeps the oldest reports, and the first position must not be an old one.
   std::optional<HidHandle> in;
 
   TripleBuffer<TimedInput> input{TimedInput{}};
@@ -80,17 +81,17 @@ struct HidShared {
   std::atomic<HidClock::rep> writing_since{0};  // 0: not in hid_write()
   std::atomic<std::uint64_t> inputs{0}, rejected{0}, floods{0}, forces{0}, watchdog_zeros{0};
 
-  // Never the haptic thread's.
+  // The haptic thread never uses what follows.
   std::mutex mutex;
   std::condition_variable changed;
   std::string error;
-  std::string odd_report;  // the last one that was no input, in words
+  std::string odd_report;  // the first report that was rejected, in words
   bool first_input = false, reader_done = false, writer_done = false;
   bool let_go = false;  // the device took zero force and stop reports
 
   void read_loop();
   void write_loop();
-  /// The first one is what the user hears about.
+  /// The user is told the first fault.
   void tell_fault(const std::string& what);
   template <class Change>
   void change(Change&& what) {
@@ -104,7 +105,7 @@ struct HidShared {
  private:
   bool write(const HidReport& report);
   bool write_force(const Vec3& value, std::vector<HidReport>& reports);
-  /// Zero force and stop reports; whether the device took them all.
+  /// Writes zero force and the stop reports. @return whether the device took them all
   bool write_stop(std::vector<HidReport>& reports);
   void write_forces(std::vector<HidReport>& reports);
 };

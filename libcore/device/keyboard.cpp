@@ -19,7 +19,7 @@ namespace {
 constexpr unsigned char kEscape = 0x1b;
 constexpr double kStepFactor = 1.5;
 constexpr int kPollMs = 50;
-// The HIP follows a key's step within some of these: a jump would feel like a blow.
+// Time constant with which the HIP follows a key's step: a jump would feel like a blow.
 constexpr double kFollowSeconds = 0.05;
 
 FileDescriptor open_terminal() {
@@ -60,7 +60,7 @@ void KeyReader::key(unsigned char final_byte, int parameter) {
 void KeyReader::take(unsigned char byte) {
   switch (expect_) {
     case Expect::kAfterEscape:
-      // ESC [ or, with application cursor keys, ESC O; anything else is a key after a lone escape.
+      // ESC [ or, with application cursor keys, ESC O. Any other byte is a key after a lone escape.
       if (byte == '[' || byte == 'O') {
         expect_ = Expect::kSequence;
         parameter_ = 0;
@@ -69,13 +69,13 @@ void KeyReader::take(unsigned char byte) {
       expect_ = Expect::kKey;
       break;
     case Expect::kSequence:
-      // Digits of the first parameter count; those behind a ';' (modifiers) are passed over.
+      // Only the first parameter counts; modifiers after a ';' are ignored.
       if (byte >= '0' && byte <= '9') {
         if (parameter_ < 100) parameter_ = 10 * parameter_ + (byte - '0');
         return;
       }
       if (byte == ';') {
-        if (parameter_ < 1000) parameter_ *= 1000;  // the first one alone: there can be many
+        if (parameter_ < 1000) parameter_ *= 1000;  // at the first ';' only
         return;
       }
       while (parameter_ >= 1000) parameter_ /= 1000;

@@ -1,4 +1,4 @@
-// The keyboard of a terminal as a device: keys move the HIP, also over ssh. It has no force.
+// The keyboard of a terminal as a device without force: keys move the HIP, also over ssh.
 #pragma once
 
 #include <termios.h>
@@ -16,17 +16,17 @@
 namespace hapgrid {
 
 struct KeyboardOptions {
-  Vec3 start{0, 0, 0};  ///< where the HIP begins, and returns to; in the model's unit
-  Vec3 low{0, 0, 0};    ///< the box: keys do not lead out of it
+  Vec3 start{0, 0, 0};  ///< where the HIP begins, and returns to with key 0; in the model's unit
+  Vec3 low{0, 0, 0};    ///< of the box, which the HIP does not leave
   Vec3 high{0, 0, 0};
-  double step = 0;  ///< a press of a key moves the HIP so far; model's unit
+  double step = 0;  ///< how far a key moves the HIP, in the model's unit
 };
 
-/// What keys have been pressed so far; takes the bytes that a terminal sends.
+/// Understands the bytes that a terminal sends for keys.
 class KeyReader {
  public:
   explicit KeyReader(const KeyboardOptions& options);
-  /// One byte; sequences may come in pieces.
+  /// Takes one byte; a key may send several.
   void take(unsigned char byte);
   const Vec3& target() const { return target_; }
   bool quit() const { return quit_; }
@@ -45,7 +45,7 @@ class KeyReader {
   int parameter_ = 0;
 };
 
-/// The terminal is in a mode without lines and echo while it lives; Ctrl-C still interrupts.
+/// While it lives the terminal neither collects lines nor echoes; Ctrl-C still interrupts.
 class KeyboardDevice : public Device {
  public:
   /// @throw DeviceError when the process has no terminal; std::system_error
@@ -55,7 +55,7 @@ class KeyboardDevice : public Device {
   DeviceInfo info() const override { return {.name = "keys"}; }
   DeviceStatus read(DeviceInput& input) noexcept override;
   DeviceStatus send(const Vec3&) noexcept override { return DeviceStatus::kOk; }
-  /// Gives the terminal back.
+  /// Restores the terminal.
   DeviceStatus stop() noexcept override;
   std::string error() const override { return "the terminal is gone"; }
 

@@ -12,10 +12,10 @@ namespace hapgrid {
 
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";  // '\r': files from other systems
+constexpr std::string_view kBlanks = " \t\r";  // '\r' ends lines in files of other systems
 constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
 
-/// Takes the next word off the line; empty at its end.
+/// Takes the next word off the line. @return the word, empty at the end of the line
 std::string_view next_word(std::string_view& line) {
   line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
   const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
@@ -23,7 +23,7 @@ std::string_view next_word(std::string_view& line) {
   return word;
 }
 
-/// A word for a message: not endless, and without the bytes of a file that is no text.
+/// A word for a message: shortened, and without control characters.
 std::string quoted(std::string_view word) {
   std::string shown(word.substr(0, 40));
   const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
@@ -31,7 +31,7 @@ std::string quoted(std::string_view word) {
   return "'" + shown + "'";
 }
 
-/// One coordinate; answers what is wrong with it, empty when nothing is.
+/// Reads one coordinate. @return what is wrong with it, empty when nothing is
 std::string_view parse_coordinate(std::string_view word, double& value) {
   // from_chars knows no plus sign.
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);

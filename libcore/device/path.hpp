@@ -1,4 +1,4 @@
-// A device that is a text: it moves the HIP through listed positions and feels nothing.
+// A device that moves the HIP through the positions of a text. It has no force.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace hapgrid {
 
-/// Positions x y z, one a line, in the model's unit of length, separated by spaces or tabs; '#'
-/// starts a comment, blank lines are skipped. Numbers are read as in the C locale.
-/// `name` is for messages.
-/// @throw Error "NAME: line N: ..." for anything else, or when there is no position at all.
+/// Reads positions: one x y z in each line, in the model's unit of length, separated by spaces or
+/// tabs. '#' starts a comment, blank lines are skipped. Numbers are those of the C locale.
+/// @param name for messages.
+/// @throw Error "NAME: line N: ..." for any other text, or when there is no position.
 std::vector<Vec3> parse_path(std::string_view text, const std::string& name);
 
 /// Each read() gives the next position, however late it comes.

@@ -11,7 +11,7 @@ namespace hapgrid {
 
 namespace {
 
-// What HID's x and y are in DeviceInfo::Unit::kMetres: its y is towards the user.
+// Signs of HID's x and y in the axes of DeviceInfo::Unit::kMetres: HID's y points to the user.
 constexpr double kTurn[] = {1, -1};
 
 void set(HidReport& report, const HidElement& element, std::int64_t value) {
@@ -41,8 +41,7 @@ DeviceInfo PidProtocol::info() const {
           .unit = DeviceInfo::Unit::kMetres,
           .low = {-half, -half, 0},
           .high = {half, half, 0},
-          .max_force = parameters_.newtons,  // reached by one axis alone
-          .has_force = true};
+          .max_force = parameters_.newtons};  // reached by one axis alone
 }
 
 HidReport PidProtocol::report_with(const HidElement& element, std::int64_t value) const {
@@ -58,7 +57,7 @@ HidReport PidProtocol::constant_force(std::int64_t block, std::int64_t magnitude
   return report;
 }
 
-/// The new effect's block index.
+/// Creates an effect. @return its block index
 std::int64_t PidProtocol::create_effect(HidChannel& channel) const {
   const PidReports& r = reports_;
   channel.set_feature(report_with(r.new_effect_type, r.new_effect_type.choice));
@@ -70,7 +69,7 @@ std::int64_t PidProtocol::create_effect(HidChannel& channel) const {
   if (!index || !status) {
     throw DeviceError("Block Load: " + std::to_string(loaded.size()) + " bytes: too short");
   }
-  // A status of one bit for each outcome has a bit of its own for success.
+  // When the status has one bit for each outcome, success has a bit of its own.
   if (*status != r.load_success.choice || *index < 1) {
     throw DeviceError("Block Load: the device has no room for an effect: status " +
                       std::to_string(*status) + ", block " + std::to_string(*index));
@@ -81,7 +80,7 @@ std::int64_t PidProtocol::create_effect(HidChannel& channel) const {
 void PidProtocol::start(HidChannel& channel) {
   const PidReports& r = reports_;
   forces_.clear();
-  // What an earlier program left behind goes first.
+  // The reset removes effects of an earlier program.
   channel.write(report_with(r.reset, r.reset.choice));
   channel.write(report_with(r.enable_actuators, r.enable_actuators.choice));
   channel.write(report_with(r.device_gain, r.device_gain.logical_max));
@@ -93,7 +92,7 @@ void PidProtocol::start(HidChannel& channel) {
     set(effect, r.duration, -1);  // all ones: no end
     set(effect, r.gain, r.gain.logical_max);
     set(effect, r.direction_enable, r.direction_enable.choice);
-    // A circle is the whole range; clockwise from the far side: x at 90 degrees, y at 0.
+    // The range is a whole circle, clockwise from the far side: x at 90 degrees, y at 0.
     const double turn = axis == 0 ? 0.25 : 0;
     const auto range = static_cast<double>(r.direction.logical_max - r.direction.logical_min);
     set(effect, r.direction, r.direction.logical_min + std::llround(turn * range));
@@ -114,7 +113,7 @@ bool PidProtocol::decode(std::span<const std::uint8_t> report, DeviceInput& inpu
     if (!value) return false;
     const auto low = static_cast<double>(element.logical_min);
     const auto high = static_cast<double>(element.logical_max);
-    // A stick that is pushed a little further than its range is at the end of it.
+    // A stick that is pushed a little beyond its range counts as at its end.
     const double share = (static_cast<double>(*value) - low) / (high - low);
     position[axis] = kTurn[axis] * parameters_.half_range * (2 * std::clamp(share, 0.0, 1.0) - 1);
   }

@@ -1,12 +1,12 @@
 // Joysticks with force of the PID class (Device Class Definition for Physical Interface Devices
 // 1.0, usage page 0x0f): two axes, a constant force on each.
 //
-// Report ids and ranges differ from device to device; every value is found by its usage. The device
-// plays effects by itself; here it gets two, "constant force", that last for ever, one along each
-// axis, and from then on only their magnitudes are written.
+// Report ids and ranges differ from device to device, so every value is found by its usage. Devices
+// of this class play effects. This one gets two effects "constant force" that never end, one along
+// each axis; from then on only their magnitudes are written.
 //
-// The class knows neither newtons nor metres, and devices do not agree on signs: the scales are
-// parameters, to be found by measuring.
+// The class has neither newtons nor metres, and devices do not agree on signs. So the scales are
+// parameters, which the user has to measure.
 #pragma once
 
 #include <array>
@@ -22,23 +22,20 @@ struct PidParameters {
   std::string name = "PID joystick";  ///< DeviceInfo::name
   /// Metres from the middle to the end of each axis' logical range; above 0.
   double half_range = 0.05;
-  /// Newtons of the largest magnitude that the device takes, on each axis; above 0. The default is
-  /// what a small stick holds; with more than the truth all forces come out too small.
+  /// Newtons of the largest magnitude that the device takes on each axis; above 0. The default
+  /// suits a small stick. With too large a number all forces come out too small.
   double newtons = 2;
-  /// +1 or -1 for HID's x and y: the sign of the magnitude that pushes in the axis' positive
-  /// direction, to the right and towards the user.
-  /// The default is DirectInput's rule, which the class comes from: a direction is where the force
-  /// comes from, so at 90 degrees (from the right) it pushes to the left, at 0 degrees (from the
-  /// far side) towards the user.
+  /// The sign, +1 or -1, of a magnitude that pushes to the right (HID's x), and of one that pushes
+  /// towards the user (HID's y). The default is the rule of DirectInput, from which the class
+  /// comes: a direction tells where the force comes from. So 90 degrees (from the right) pushes to
+  /// the left, and 0 degrees (from the far side) towards the user.
   std::array<double, 2> signs{-1, 1};
-  /// HidTiming::stall. 0: a HID device at rest may be silent (Set Idle).
-  double stall = 0;
 };
 
-/// The reports of one device, found in its descriptor.
+/// The values in the reports of one device.
 struct PidReports {
   std::array<HidElement, 2> axes;    ///< X and Y of the input report
-  std::optional<HidElement> button;  ///< the first one of that report, if there is any
+  std::optional<HidElement> button;  ///< the first button of that report, if it has one
   // Set Effect
   HidElement effect_index, effect_type, duration, gain, direction_enable, direction;
   // Set Constant Force
@@ -53,28 +50,30 @@ struct PidReports {
   HidElement new_effect_type, load_index, load_success;
 };
 
-/// @throw DeviceError that names the first report or value that is not there or has no sensible
-/// range: two axes, and all that two constant forces need.
+/// Finds two axes and all that two constant forces need.
+/// @throw DeviceError that names the first value that is missing or has no sensible range
 PidReports find_pid_reports(const HidDescriptor& descriptor);
 
-/// HID's y is towards the user: it is turned, in positions and forces. z is 0 and has no force. The
-/// first button is DeviceInput::reset.
+/// HID's y points to the user, so y changes its sign, in positions and forces. z is 0 and has no
+/// force. The first button is DeviceInput::reset.
 class PidProtocol : public HidProtocol {
  public:
   /// @throw DeviceError see find_pid_reports(). Error when a parameter is out of its range.
   PidProtocol(HidDescriptor descriptor, PidParameters parameters);
 
   DeviceInfo info() const override;
-  HidTiming timing() const override { return {.stall = parameters_.stall}; }
+  /// A HID device at rest may be silent (Set Idle).
+  HidTiming timing() const override { return {.stall = 0}; }
   void start(HidChannel& channel) override;
   bool decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept override;
-  /// Saturates at `newtons` on each axis; what is not finite is no force.
+  /// Saturates at `newtons` on each axis. A force that is not finite counts as zero.
   void encode(const Vec3& force, std::vector<HidReport>& reports) noexcept override;
-  /// Zero magnitudes, stop of all effects, blocks freed; before start(), only the stop.
+  /// Zero magnitudes, the stop of all effects, and the freeing of their blocks; before start() only
+  /// the stop.
   std::vector<HidReport> stop() const override;
 
  private:
-  /// A report of zeros that `element` is in, with `element` set.
+  /// A report of zeros in which `element` is set.
   HidReport report_with(const HidElement& element, std::int64_t value) const;
   HidReport constant_force(std::int64_t block, std::int64_t magnitude) const;
   std::int64_t create_effect(HidChannel& channel) const;
@@ -82,7 +81,7 @@ class PidProtocol : public HidProtocol {
   HidDescriptor descriptor_;
   PidParameters parameters_;
   PidReports reports_;
-  std::vector<HidReport> forces_;  // Set Constant Force of each effect that was created
+  std::vector<HidReport> forces_;  // Set Constant Force of each effect
 };
 
 }  // namespace hapgrid

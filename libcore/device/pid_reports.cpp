@@ -17,7 +17,7 @@ class Finder {
  public:
   explicit Finder(const HidDescriptor& descriptor) : descriptor_(descriptor) {}
 
-  /// @param report the usage of the collection that is the report; nothing: anywhere
+  /// @param report usage of the collection that is the report; nothing: any collection
   HidElement find(const std::string& what, Kind kind, HidUsage usage,
                   std::optional<HidUsage> report) const {
     const std::optional<HidElement> found = descriptor_.find(kind, usage, report);
@@ -32,7 +32,7 @@ class Finder {
   const HidDescriptor& descriptor_;
 };
 
-/// A number that is written must not lose its upper bits: a force would turn round.
+/// A number that is written must not lose its upper bits, or a force would change its direction.
 void fits(const std::string& what, const HidElement& element) {
   const std::int64_t end = std::int64_t{1}
                            << (element.logical_min < 0 ? element.bit_size - 1 : element.bit_size);
@@ -42,7 +42,7 @@ void fits(const std::string& what, const HidElement& element) {
                     std::to_string(element.bit_size) + " bits");
 }
 
-/// What is written or read together has to be in one report.
+/// Values that are written or read together must be in one report.
 void together(const std::string& report, std::initializer_list<HidElement> elements) {
   for (const HidElement& element : elements) {
     if (element.report_id == elements.begin()->report_id) continue;

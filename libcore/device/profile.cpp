@@ -13,12 +13,12 @@ namespace hapgrid {
 
 namespace {
 
-// What no device has, or no hand should feel: beyond these it is a slip.
+// Limits of what devices have and hands should feel; larger numbers are mistakes.
 constexpr double kMaxMetres = 100;
 constexpr double kMaxNewtons = 1000;
 constexpr std::int64_t kMaxLength = static_cast<std::int64_t>(kMaxHidReport) - 1;
 constexpr std::size_t kMaxReports = 32;
-constexpr double kOrthogonal = 1e-3;  // room for angles written with four digits
+constexpr double kOrthogonal = 1e-3;  // tolerance for numbers written with four digits
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
@@ -64,7 +64,7 @@ class Reader : private TomlFile {
     return value;
   }
 
-  /// Of either sign, but not zero.
+  /// A number of either sign, but not zero.
   double factor(const toml::table& in, const std::string& prefix, const char* key, double least,
                 double most) const {
     const toml::node& node = required(in, prefix, key);
@@ -98,7 +98,7 @@ class Reader : private TomlFile {
         whole(required(in, prefix, "length"), prefix + "length", 1, kMaxLength));
   }
 
-  /// Where a value is; the caller has checked the keys.
+  /// The place of a value. The caller has checked the keys.
   BitField field(const toml::table& in, const std::string& prefix, std::size_t report_length,
                  bool is_bit) const {
     BitField f;
@@ -134,7 +134,7 @@ class Reader : private TomlFile {
     return f;
   }
 
-  /// Rows; keeps lengths, so that a newton stays one.
+  /// Three rows that keep lengths, so that a newton stays one.
   Matrix3 axes(const toml::table* in, const std::string& prefix) const {
     Matrix3 m{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
     const toml::node* node = in ? in->get("axes") : nullptr;
@@ -262,7 +262,7 @@ class Reader : private TomlFile {
     axis.zero = count("zero", 0);
     if (axis.zero < axis.low || axis.zero > axis.high)
       fail(in, prefix + "zero must lie from " + prefix + "low to " + prefix + "high");
-    // A force that is cut on one axis alone would point elsewhere.
+    // A force that is cut on one axis alone would change its direction.
     const auto room = static_cast<double>(std::min(axis.high - axis.zero, axis.zero - axis.low));
     const double most = (room + 0.5) * std::abs(axis.newtons_per_count);
     if (max_force > most)
@@ -271,7 +271,7 @@ class Reader : private TomlFile {
     return axis;
   }
 
-  /// A device has ids in all its reports, or in none.
+  /// A device has ids in all its reports or in none.
   void check_id(const toml::node& node, const std::string& key, std::uint8_t id,
                 const Profile& p) const {
     if ((id == 0) != (p.input_id == 0))
@@ -279,7 +279,7 @@ class Reader : private TomlFile {
                      std::to_string(p.input_id));
   }
 
-  /// Bytes in hex, with blanks between them or not.
+  /// Bytes in hex, with or without blanks between them.
   HidReport hex(const toml::node& node, const std::string& key, std::string_view digits) const {
     HidReport bytes;
     int half = -1;
@@ -330,7 +330,7 @@ class Reader : private TomlFile {
     return list;
   }
 
-  /// Up to the length of the output of this id, where it is known.
+  /// Fills a report with zeros up to the length of the output with its id, if there is one.
   void pad(const toml::node& node, const std::string& key, HidReport& report,
            const Profile& p) const {
     for (const Profile::Output& output : p.outputs) {

@@ -20,18 +20,18 @@
 
 namespace hapgrid {
 
-/// Bits of a report, counted from behind its id: bit 0 is the lowest of the first byte, as in
-/// report descriptors.
+/// Bits of a report, counted after its id as in report descriptors: bit 0 is the lowest of the
+/// first byte.
 struct BitField {
   std::size_t bit = 0;
-  unsigned bits = 0;  ///< 1 to 32; 0: to be found by its usage
+  unsigned bits = 0;  ///< 1 to 32; 0: still to be found by its usage
   bool is_signed = true;
-  bool big_endian = false;  ///< whole bytes, then
+  bool big_endian = false;  ///< only for whole bytes
   std::uint16_t usage_page = 0, usage = 0;
 
   std::int64_t least() const;
   std::int64_t most() const;
-  /// From, and into, a report without its id, that holds the field.
+  /// `data` is a report without its id, and long enough.
   std::int64_t get(std::span<const std::uint8_t> data) const noexcept;
   void set(std::span<std::uint8_t> data, std::int64_t value) const noexcept;
 };
@@ -52,10 +52,10 @@ struct Profile {
     BitField field;
     double newtons_per_count = 0;
     std::int64_t zero = 0;           ///< the count without force
-    std::int64_t low = 0, high = 0;  ///< counts; beyond them the value stays there
+    std::int64_t low = 0, high = 0;  ///< limits of the count
   };
   struct Output {
-    HidReport report;  ///< id first; the fixed bytes are in it
+    HidReport report;  ///< id first, with the fixed bytes
     std::array<std::optional<OutputAxis>, 3> axes;
   };
   struct Literal {
@@ -67,35 +67,35 @@ struct Profile {
   std::string name;
   HidMatch match;  ///< vid and pid at least
   std::uint8_t input_id = 0;
-  std::size_t input_length = 0;  ///< bytes behind the id
+  std::size_t input_length = 0;  ///< bytes after the id
   std::array<std::optional<InputAxis>, 3> inputs;
   std::optional<Clutch> clutch;
   Matrix3 input_axes{};  ///< position = input_axes * what the axes say
   std::vector<Output> outputs;
-  double max_force = 0;  ///< newtons, for long; 0: no force
-  Matrix3 force_axes{};  ///< what the axes get = force_axes * force
+  double max_force = 0;  ///< newtons that the device can hold for long; 0: no force
+  Matrix3 force_axes{};  ///< forces of the output axes = force_axes * force
   std::vector<Literal> init;
   std::vector<HidReport> keep_alive, stop;
   HidTiming timing;
   Vec3 low{}, high{};  ///< metres
 
-  /// Whether resolve_usages() has to be called.
+  /// Whether resolve_usages() must be called.
   bool has_usages() const;
 };
 
 /// @param name for messages.
-/// @throw Error "NAME: line N: KEY: ..." for anything that is missing, unknown or out of its range.
+/// @throw Error "NAME: line N: KEY: ..." for a key that is missing, unknown or out of its range.
 Profile read_profile(const std::string& text, const std::string& name);
 
-/// Finds the fields that the profile has by their usages in its input report.
-/// @throw DeviceError for a usage that is not there, or a field that cannot be.
+/// Finds in the input report the fields that the profile names by their usages.
+/// @throw DeviceError for a usage that is missing, or a field of the wrong kind.
 void resolve_usages(Profile& profile, const HidDescriptor& descriptor);
 
-/// A device with such a profile. Values that a field cannot hold stay at its limit; a force that is
-/// not finite is none.
+/// The protocol of a profile. Values that a field cannot hold stay at its limit; a force that is
+/// not finite counts as zero.
 class ProfileProtocol : public HidProtocol {
  public:
-  /// @throw DeviceError when there are usages left.
+  /// @throw DeviceError when resolve_usages() was not called.
   explicit ProfileProtocol(Profile profile);
 
   DeviceInfo info() const override;
@@ -105,7 +105,7 @@ class ProfileProtocol : public HidProtocol {
   bool decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept override;
   void encode(const Vec3& force, std::vector<HidReport>& reports) noexcept override;
   std::vector<HidReport> keep_alive() const override { return profile_.keep_alive; }
-  /// Zero force, then the profile's own stop reports.
+  /// Zero force, then the stop reports of the profile.
   std::vector<HidReport> stop() const override;
 
  private:

@@ -5,7 +5,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/device/hid_report.hpp"
 #include "libcore/device/profile.hpp"
-#include "libcore/grid/finite.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
@@ -21,7 +21,7 @@ Vec3 times(const Matrix3& m, const Vec3& v) noexcept {
 std::int64_t counts(const Profile::OutputAxis& axis, double newtons) noexcept {
   const double value = static_cast<double>(axis.zero) + newtons / axis.newtons_per_count;
   if (!std::isfinite(value)) return axis.zero;
-  // In double first: what is far out has no integer.
+  // Clamped as double, because a large double has no integer.
   return std::llround(
       std::clamp(value, static_cast<double>(axis.low), static_cast<double>(axis.high)));
 }
@@ -93,9 +93,8 @@ DeviceInfo ProfileProtocol::info() const {
   DeviceInfo info{.name = profile_.name,
                   .unit = DeviceInfo::Unit::kMetres,
                   .low = profile_.low,
-                  .high = profile_.high,
-                  .has_force = !profile_.outputs.empty()};
-  if (info.has_force) info.max_force = profile_.max_force;
+                  .high = profile_.high};
+  if (!profile_.outputs.empty()) info.max_force = profile_.max_force;
   return info;
 }
 

@@ -1,4 +1,4 @@
-// A device that is a recording: it gives back what a hand did, tick by tick.
+// A device that repeats what a hand did, tick by tick.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,14 @@
 
 namespace hapgrid {
 
-/// What was read from the device at one tick of a recorded play.
+/// What a device reported at one tick of a recorded play.
 struct ReplayTick {
-  DeviceInput input;         ///< its `missed` is not looked at
+  DeviceInput input;         ///< without `missed`
   std::uint64_t missed = 0;  ///< ticks that were missed before this one
 };
 
-/// Each read() gives the next tick, however late it comes, with what was missed before it in
-/// DeviceInput::missed: so the loop can treat the gap as it did then.
+/// Each read() gives the next tick, and in DeviceInput::missed the ticks that were missed before
+/// it, so that the loop does what it did then.
 class ReplayDevice : public Device {
  public:
   explicit ReplayDevice(std::vector<ReplayTick> ticks) : ticks_(std::move(ticks)) {}

@@ -7,12 +7,12 @@
 namespace hapgrid {
 
 bool is_spacemouse(std::uint16_t vendor, std::uint16_t product) {
-  if (vendor == 0x046d) {  // Logitech's until 2013, among its mice
+  if (vendor == 0x046d) {  // Logitech sold them until 2013, among its mice
     constexpr std::uint16_t kProducts[] = {0xc603, 0xc605, 0xc606, 0xc621, 0xc623, 0xc625,
                                            0xc626, 0xc627, 0xc628, 0xc629, 0xc62b};
     return std::find(std::begin(kProducts), std::end(kProducts), product) != std::end(kProducts);
   }
-  // 3Dconnexion's own; from c650 on mice and keyboards, but for the universal receiver.
+  // 3Dconnexion's own. From c650 on there are mice and keyboards, except the universal receiver.
   return vendor == 0x256f && ((product >= 0xc62e && product < 0xc650) || product == 0xc652);
 }
 
@@ -28,9 +28,9 @@ bool SpaceMouseProtocol::decode(std::span<const std::uint8_t> report, DeviceInpu
     if (std::abs(raw) <= kDeadZone) return 0.0;
     return std::clamp(raw / kFull, -1.0, 1.0);
   };
-  // 0 - x: a rate of -0 would be no lie, but reads like one.
+  // 0 - x, because a log should not show a rate of -0.
   input.rate = {deflection(0), 0 - deflection(1), 0 - deflection(2)};
-  input.clutch = false;  // a cap on a spring has nothing to let go of
+  input.clutch = false;  // a SpaceMouse has no clutch
   return true;
 }
 

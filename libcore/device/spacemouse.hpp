@@ -1,5 +1,5 @@
-// 3Dconnexion's SpaceMouse family: a cap on a spring, without force. What it says is how far it is
-// pushed, so it steers how fast the HIP moves (DeviceInput::rate).
+// 3Dconnexion's SpaceMouse family: a cap on a spring, without force. It reports how far the cap is
+// pushed, which sets the speed of the HIP (DeviceInput::rate).
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace hapgrid {
 
-/// Whether these USB ids belong to one of the family. A wireless receiver may carry another of the
-/// maker's devices: the collection to open is usage 01:08, "Multi-axis Controller".
+/// Whether these USB ids belong to the family. A wireless receiver may serve another device of the
+/// maker as well; the collection to open is usage 01:08, "Multi-axis Controller".
 bool is_spacemouse(std::uint16_t vendor, std::uint16_t product);
 
 /// Report 1 carries x, y, z as 16-bit numbers (newer models: and the three rotations), 350 for a
@@ -21,15 +21,15 @@ bool is_spacemouse(std::uint16_t vendor, std::uint16_t product);
 /// user, z up.
 class SpaceMouseProtocol : public HidProtocol {
  public:
-  /// Counts of a full push.
+  /// The count of a full push.
   static constexpr double kFull = 350;
-  /// Counts that are rest: the cap does not come back to 0 exactly.
+  /// Counts up to this one are rest: the cap does not come back to 0 exactly.
   static constexpr double kDeadZone = 8;
 
   explicit SpaceMouseProtocol(std::string name) : name_(std::move(name)) {}
 
   DeviceInfo info() const override { return {.name = name_, .unit = DeviceInfo::Unit::kRate}; }
-  /// Three reports of zeros, and then silence, are its rest.
+  /// At rest it sends three reports of zeros and is then silent.
   HidTiming timing() const override { return {.stall = 0}; }
   void start(HidChannel&) override {}
   bool decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept override;

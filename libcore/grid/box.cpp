@@ -6,7 +6,7 @@
 #include <string>
 
 #include "libcore/base/error.hpp"
-#include "libcore/grid/finite.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 

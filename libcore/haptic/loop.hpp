@@ -1,11 +1,10 @@
 // The haptic loop (Algorithm 2, lines 3 to 10): read the device, map it to the HIP, locate its
 // cell, switch, interpolate, compute the force, limit it, send it.
 //
-// The contract of one tick: nothing in here allocates, locks, throws, logs, or asks the system for
-// more than the time. Force function and sink are the caller's types, taken as templates: haptic
-// knows no models, and no call goes through a std::function. Of devices it knows the interface
-// alone. Every way out of the loop, also an exception in one of them, has stopped the device, which
-// is a zero force that was waited for.
+// The contract of one tick: nothing here allocates, locks, throws, logs, or asks the system for
+// more than the time. The force function and the sink are template parameters, so haptic knows no
+// models, and no call goes through a std::function. Every way out of the loop stops the device, an
+// exception of the force function or the sink included: the device then has a zero force.
 #pragma once
 
 #include <array>
@@ -15,8 +14,8 @@
 #include <limits>
 #include <span>
 
+#include "libcore/base/histogram.hpp"
 #include "libcore/device/device.hpp"
-#include "libcore/haptic/histogram.hpp"
 #include "libcore/haptic/mapping.hpp"
 #include "libcore/haptic/pacer.hpp"
 #include "libcore/haptic/safety.hpp"
@@ -24,24 +23,27 @@
 
 namespace hapgrid {
 
-/// What a tick is worth without a pace: ticks a second.
+/// Ticks in a second of play when the loop is not paced.
 inline constexpr double kUnpacedHz = 1000;
 
 struct LoopOptions {
-  double rate_hz = 0;                       ///< ticks a second; 0: as fast as possible
-  double unpaced_hz = kUnpacedHz;           ///< what time a tick is without a pace
+  double rate_hz = 0;                       ///< ticks a second; 0: not paced, as fast as possible
+  double unpaced_hz = kUnpacedHz;           ///< ticks in a second of play when not paced
   double spin_us = 0;                       ///< see Pacer
   std::uint64_t ticks = ~std::uint64_t{0};  ///< the loop ends before the tick of this number
+
+  bool paced() const { return rate_hz > 0; }
+  double tick_rate_hz() const { return paced() ? rate_hz : unpaced_hz; }
 };
 
 /// One tick as the loop's sink sees it; the references hold until the sink returns.
 struct Tick {
-  std::uint64_t number;  ///< counts the skipped ones, too
+  std::uint64_t number;  ///< ticks that were skipped are counted, too
   const DeviceInput& input;
   const Vec3& hip;  ///< in the box's axes and the model's unit; may be outside the box
   const StepResult& step;
   const Vec3& raw_force;   ///< newtons, as the model gave it; NaN where it was not asked
-  const SafeForce& force;  ///< as it was sent, but for the turn into the device's axes
+  const SafeForce& force;  ///< as it was sent, in the box's axes
   const Traversal& traversal;
   std::int64_t lateness_ns;  ///< from when the tick was due to when it began
   std::int64_t compute_ns;   ///< from there to when the force was sent
@@ -54,7 +56,7 @@ enum class LoopEnd {
   kDeviceFailed,  ///< read or send failed
 };
 
-/// What happened, in ticks unless it says otherwise.
+/// What happened: counts of ticks, except where a comment says otherwise.
 struct LoopSummary {
   LoopEnd end = LoopEnd::kStopped;
   bool zero_sent = false;  ///< the device took the last zero force
@@ -73,7 +75,7 @@ struct LoopSummary {
   std::array<std::uint64_t, kSafetyActions> acted{};  ///< by SafetyAction
   double largest_raw = 0;                             ///< newtons, of what the model gave
   double largest_force = 0;                           ///< newtons, of what was sent
-  Histogram lateness;                                 ///< without a pace all 0
+  Histogram lateness;                                 ///< all 0 when the loop is not paced
   Histogram compute;
 
   std::uint64_t count_of(SafetyAction action) const;
@@ -82,10 +84,10 @@ struct LoopSummary {
 
 namespace loop_detail {
 
-/// How fast the hand is, from where the HIP is; m/s.
+/// The speed of the hand in m/s, from the positions of the HIP.
 class Speed {
  public:
-  /// @param scale model's units for a metre; 0: not known, the speed is 0.
+  /// @param scale model units per metre; when it is 0 (not known), the speed is 0.
   explicit Speed(double scale) : scale_(scale) {}
   double next(const Vec3& hip, double dt) noexcept;
 
@@ -95,17 +97,71 @@ class Speed {
   Vec3 last_{0, 0, 0};
 };
 
+/// What an input led to.
+struct Response {
+  Vec3 hip;
+  StepResult step;
+  Vec3 raw_force;
+  SafeForce force;
+};
+
+/// From the device's input to the force that is sent.
+template <class Force>
+class Responder {
+ public:
+  Responder(Mapping& mapping, Traversal& traversal, SafetyCore& safety, Force& force)
+      : mapping_(mapping),
+        traversal_(traversal),
+        safety_(safety),
+        force_(force),
+        speed_(mapping.scale()) {}
+
+  /// @param dt seconds since the tick before. @param missed ticks in between.
+  Response respond(const DeviceInput& input, double dt, std::uint64_t missed) {
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    Response r{mapping_.hip(input, dt), {}, {kNaN, kNaN, kNaN}, {}};
+    r.step = traversal_.step(r.hip);
+    // The loop takes the press of the reset button alone: a button that was pressed before the
+    // fault does not answer it. The clutch may be held: nobody wants a force meanwhile, and its
+    // release starts a ramp.
+    const bool reset = input.reset && !reset_held_;
+    reset_held_ = input.reset;
+    if ((reset || input.clutch) && safety_.faulted()) safety_.reset();
+    // After a HIP of NaN, or a link that leads nowhere, the state is that of an earlier HIP, and so
+    // is its force: that is a fault like a force that is not finite.
+    const bool unusable = !r.step.usable();
+    if (!unusable && !safety_.faulted())
+      r.raw_force = force_(traversal_.position(), traversal_.row());
+    r.force = safety_.apply({.force = r.raw_force,
+                             .dt = dt,
+                             .missed = missed,
+                             .speed = unusable ? 0 : speed_.next(r.hip, dt),
+                             .outside_cells = mapping_.outside_cells(r.hip),
+                             .level_changed = r.step.level_changed,
+                             .stalled = input.stalled,
+                             .clutch = input.clutch,
+                             .unusable = unusable});
+    return r;
+  }
+
+ private:
+  Mapping& mapping_;
+  Traversal& traversal_;
+  SafetyCore& safety_;
+  Force& force_;
+  Speed speed_;
+  bool reset_held_ = false;
+};
+
 template <class Force, class Sink>
 void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& safety, Force& force,
            Sink& sink, const std::atomic<int>& stop, std::atomic<std::uint64_t>& heartbeat,
            const LoopOptions& options, LoopSummary& summary) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const double period = 1 / (options.rate_hz > 0 ? options.rate_hz : options.unpaced_hz);
+  const double period = 1 / options.tick_rate_hz();
   Pacer pacer(options.rate_hz, options.spin_us);
-  Speed speed(mapping.scale());
+  Responder<Force> responder(mapping, traversal, safety, force);
   std::uint64_t recorded_misses = 0;
   std::uint64_t last = 0;
-  bool reset_held = false;
   for (;;) {
     const std::uint64_t due = pacer.wait(stop);
     heartbeat.fetch_add(1, std::memory_order_relaxed);
@@ -126,40 +182,19 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
     recorded_misses += input.missed;
     const std::uint64_t number = due + recorded_misses;
     const std::uint64_t passed = summary.ticks > 0 ? number - last : 1;
-    const double dt = static_cast<double>(passed) * period;
     last = number;
 
-    const Vec3 hip = mapping.hip(input, dt);
-    const StepResult step = traversal.step(hip);
-    // A press from before the fault is no answer to it. The clutch may be held: no force is wanted
-    // meanwhile, and its release is a ramp.
-    const bool reset = input.reset && !reset_held;
-    reset_held = input.reset;
-    if ((reset || input.clutch) && safety.faulted()) safety.reset();
-    // A state that is not the HIP's gives a stale force: a device that reports NaN, or a grid that
-    // is not playable, is a fault like a force that is not finite.
-    const bool unusable = !step.usable();
-    Vec3 raw{kNaN, kNaN, kNaN};
-    if (!unusable && !safety.faulted()) raw = force(traversal.position(), traversal.row());
-    const SafeForce safe = safety.apply({.force = raw,
-                                         .dt = dt,
-                                         .missed = passed - 1,
-                                         .speed = unusable ? 0 : speed.next(hip, dt),
-                                         .outside_cells = mapping.outside_cells(hip),
-                                         .level_changed = step.level_changed,
-                                         .stalled = input.stalled,
-                                         .clutch = input.clutch,
-                                         .unusable = unusable});
-    if (device.send(mapping.to_device(safe.force)) != DeviceStatus::kOk) {
+    const Response r = responder.respond(input, static_cast<double>(passed) * period, passed - 1);
+    if (device.send(mapping.to_device(r.force.force)) != DeviceStatus::kOk) {
       summary.end = LoopEnd::kDeviceFailed;
       return;
     }
     const Tick tick{number,
                     input,
-                    hip,
-                    step,
-                    raw,
-                    safe,
+                    r.hip,
+                    r.step,
+                    r.raw_force,
+                    r.force,
                     traversal,
                     pacer.lateness_ns(),
                     monotonic_ns() - pacer.began_ns()};

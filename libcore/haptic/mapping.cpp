@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "libcore/base/error.hpp"
-#include "libcore/grid/finite.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 

@@ -1,9 +1,9 @@
-// Where a handle of so many centimetres moves a HIP in a box of so many angstrom, and back: forces
-// in the box's axes to the device's.
+// Maps the positions of a handle, in metres, to positions of the HIP in the box, and forces in the
+// box's axes to forces in the device's axes.
 //
-// A device that is held is scaled, turned, and shifted (and, with the clutch held, shifted anew);
-// one that is steered (DeviceInput::rate) moves the HIP with a speed; one that speaks of the box
-// itself (a path, a replay, keys) is taken at its word.
+// The position of a held device is scaled, turned and shifted; after each use of the clutch the
+// shift is another one. A device that steers (DeviceInput::rate) sets the speed of the HIP. The
+// positions of a path, a replay and keys are already those of the HIP.
 #pragma once
 
 #include <array>
@@ -14,16 +14,16 @@
 namespace hapgrid {
 
 struct MappingOptions {
-  /// Model's units of length for a metre of the hand; 0: as large as the device's reach fills the
-  /// box. For a device that speaks of the box it is only what a speed in m/s is computed with, and
-  /// 0 means that it is not known.
+  /// Model units per metre of the hand; 0: the device's reach fills the box. For a device with
+  /// positions in the box the scale only serves to compute the hand's speed, and 0 means that it is
+  /// not known.
   double scale = 0;
-  /// Row a: which of the device's axes the box's axis a follows; +1 or -1 in one column each.
+  /// Row a names the device's axis that the box's axis a follows, by +1 or -1 in its column.
   std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
   /// Where the middle of the device's reach lies, from the middle of the box, in model's units.
   Vec3 offset{0, 0, 0};
-  /// Of a HIP that is steered, at full deflection: model's units a second; 0: the box's longest
-  /// side in four seconds.
+  /// Speed of a steered HIP at full deflection, in model units a second; 0: the longest side of the
+  /// box in four seconds.
   double speed = 0;
 };
 
@@ -36,11 +36,11 @@ class Mapping {
 
   /// The HIP in the model's unit of length. @param dt seconds since the call before.
   Vec3 hip(const DeviceInput& input, double dt) noexcept;
-  /// A force in the box's axes, in those of the device; newtons both.
+  /// Turns a force in newtons from the box's axes to the device's.
   Vec3 to_device(const Vec3& force) const noexcept;
   /// How far a HIP is outside the box, in grid spacings; 0 inside. Real-time safe.
   double outside_cells(const Vec3& hip) const noexcept;
-  /// Model's units of length for a metre of the hand; 0: not known.
+  /// Model units per metre of the hand; 0: not known.
   double scale() const { return scale_; }
 
  private:
@@ -52,7 +52,7 @@ class Mapping {
   double speed_ = 0;
   Vec3 low_, high_;  // of the box
   double spacing_;
-  Vec3 shift_{0, 0, 0};  // of a held one: hip = scale axes position + shift
+  Vec3 shift_{0, 0, 0};  // of a held device: hip = scale axes position + shift
   Vec3 steered_{0, 0, 0};
   Vec3 hip_{0, 0, 0};
   bool started_ = false;

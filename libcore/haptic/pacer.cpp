@@ -35,7 +35,7 @@ std::uint64_t Pacer::wait(const std::atomic<int>& stop) noexcept {
     return next_++;
   }
   const std::uint64_t due = next_;
-  // The period of the tick before is over: the first deadline that is still ahead.
+  // The first deadline that is still ahead.
   next_ = std::max(due, tick_at(monotonic_ns() - start_ns_) + 1);
   const auto offset =
       static_cast<std::int64_t>(std::ceil(static_cast<double>(next_) / rate_hz_ * kSecond));
@@ -48,9 +48,8 @@ std::uint64_t Pacer::wait(const std::atomic<int>& stop) noexcept {
     began_ns_ = monotonic_ns();
   } while (began_ns_ < deadline && stop.load(std::memory_order_relaxed) == 0);
   lateness_ns_ = std::max<std::int64_t>(0, began_ns_ - deadline);
-  // Woken a period late or more, it is another tick by now.
+  // A thread that woke up a period late or more is in a later tick by now.
   next_ = std::max(next_, tick_at(began_ns_ - start_ns_));
-  missed_ += next_ - due;
   return next_++;
 }
 

@@ -1,5 +1,5 @@
-// When ticks are due. Paced: at start + k / rate, absolute, so that no error adds up; a tick that
-// is missed is skipped and counted, never caught up.
+// When ticks are due: at start + k / rate, so that no error adds up. A tick that was missed is
+// skipped and counted; the loop never catches up.
 #pragma once
 
 #include <atomic>
@@ -7,23 +7,21 @@
 
 namespace hapgrid {
 
-/// CLOCK_MONOTONIC in nanoseconds; without a system call where the kernel offers it. Real-time
-/// safe.
+/// CLOCK_MONOTONIC in nanoseconds. Real-time safe.
 std::int64_t monotonic_ns() noexcept;
 
 class Pacer {
  public:
-  /// @param rate_hz ticks a second; 0 is not paced: each tick is due at once.
-  /// @param spin_us the sleep ends this long before the tick is due, and the rest is waited for
-  /// awake: less late, at the price of spin_us * rate_hz of a processor.
+  /// @param rate_hz ticks a second; 0: not paced, each tick is due at once.
+  /// @param spin_us the thread wakes up this long before the tick is due and waits awake: its ticks
+  /// are less late, at the price of spin_us * rate_hz of a processor.
   explicit Pacer(double rate_hz, double spin_us = 0);
 
   /// Waits for the next tick and returns its number k; returns early when `stop` becomes nonzero
   /// through a signal's handler. Real-time safe.
   std::uint64_t wait(const std::atomic<int>& stop) noexcept;
 
-  std::uint64_t missed() const { return missed_; }
-  /// How long after its due time the last tick began; nanoseconds. 0 without a pace.
+  /// How long after its due time the last tick began, in nanoseconds; 0 when not paced.
   std::int64_t lateness_ns() const { return lateness_ns_; }
   /// When the last tick began; CLOCK_MONOTONIC, nanoseconds.
   std::int64_t began_ns() const { return began_ns_; }
@@ -39,7 +37,6 @@ class Pacer {
   std::int64_t began_ns_ = 0;
   std::int64_t lateness_ns_ = 0;
   std::uint64_t next_ = 0;
-  std::uint64_t missed_ = 0;
 };
 
 }  // namespace hapgrid

@@ -18,7 +18,7 @@ namespace hapgrid {
 
 namespace {
 
-/// Address space of the process in bytes: all of it is locked.
+/// The process's address space in bytes, all of which is locked.
 std::uint64_t address_space() {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -27,7 +27,7 @@ std::uint64_t address_space() {
 
 std::string megabytes(std::uint64_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000); }
 
-/// Why the priority cannot be had; empty when it was.
+/// Takes the priority. @return why the system refused it, empty when it did not
 std::string take_priority() {
   const sched_param priority{.sched_priority = kRealtimePriority};
   const int error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
@@ -36,9 +36,9 @@ std::string take_priority() {
          std::to_string(kRealtimePriority) + " in /etc/security/limits.d)";
 }
 
-/// Why the memory cannot be locked; empty when it was.
+/// Locks the memory. @return why the system refused it, empty when it did not
 std::string lock_memory() {
-  // Looked at first: with MCL_FUTURE a lock that just fits makes every later allocation fail.
+  // The limit is read first: with a lock that just fits, MCL_FUTURE makes later allocations fail.
   rlimit limit{};
   const std::uint64_t wanted = address_space() + (std::uint64_t{16} << 20);
   const bool privileged = ::geteuid() == 0;
@@ -49,7 +49,7 @@ std::string lock_memory() {
   return "memory not locked (" + std::string(std::strerror(errno)) + ")";
 }
 
-/// Open while the processors are kept out of states that take longer than 0 us to leave.
+/// While the descriptor is open, processors stay out of states that take longer than 0 us to leave.
 FileDescriptor keep_awake() {
   FileDescriptor wish(::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC));
   const std::int32_t microseconds = 0;

@@ -1,6 +1,6 @@
-// The haptic thread's claim on the machine: a real-time priority, and memory that is never paged
-// out. A desktop refuses one or both to a user without the right limits; what was got is told,
-// because a force that stutters is felt and not understood.
+// Gives the haptic thread a real-time priority and memory that is never paged out. A system refuses
+// one or both to a user without the right limits. play prints what it got, because a user feels a
+// force that stutters and does not know why.
 #pragma once
 
 #include <string>
@@ -11,29 +11,29 @@ namespace hapgrid {
 
 enum class RealtimeMode {
   kRequire,  ///< all of it, or an error
-  kTry,      ///< what there is
+  kTry,      ///< as much as the system allows
   kOff,
 };
 
-/// Below 50, where Linux has its interrupt threads: a loop above them starves the USB stack that
-/// feeds its device.
+/// Linux runs its interrupt threads at 50. A loop above them would starve the USB stack that feeds
+/// its device.
 inline constexpr int kRealtimePriority = 40;
 
-/// While it lives the calling thread is under SCHED_FIFO, the process's memory is locked, and the
-/// processors are asked not to sleep deeply (/dev/cpu_dma_latency; what waking up from there takes
-/// is lateness). Threads that exist already keep their policy.
+/// While an object lives, the calling thread is under SCHED_FIFO, the process's memory is locked,
+/// and the processors are asked not to sleep deeply (/dev/cpu_dma_latency), because waking up makes
+/// ticks late. Threads that exist already keep their policy.
 class Realtime {
  public:
-  /// @throw Error with kRequire when something was refused: what, the limit, and how to raise it.
+  /// @throw Error with kRequire when something was refused: what it is, its limit, and how to raise
+  /// the limit.
   explicit Realtime(RealtimeMode mode);
-  /// Takes both back.
+  /// Gives both back.
   ~Realtime();
   Realtime(const Realtime&) = delete;
   Realtime& operator=(const Realtime&) = delete;
 
-  bool scheduled() const { return scheduled_; }  ///< SCHED_FIFO at kRealtimePriority
-  bool locked() const { return locked_; }
-  /// One line on what was got, and why not more: "SCHED_FIFO 40, memory locked, processors awake".
+  /// What the system gave, and why it gave no more, in one line: "SCHED_FIFO 40, memory locked,
+  /// processors awake".
   const std::string& got() const { return got_; }
 
  private:

@@ -5,20 +5,22 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/grid/finite.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
 namespace {
 
-// What is left to whoever checks the two promises with roundings of his own.
+// Forces stay this far below a limit, so that a check of the two promises that rounds differently
+// holds as well.
 constexpr double kMargin = 1 - 1e-12;
 
-// The hand's speed is smoothed over this: one step of a coarse encoder at 5 kHz looks fast.
+// Seconds over which the hand's speed is smoothed: one step of a coarse encoder at 5 kHz looks
+// fast.
 constexpr double kSpeedTime = 0.01;
 // A hand that was too fast is trusted again below this part of the limit.
 constexpr double kCalmSpeed = 0.5;
-// Swings are counted over this: three times longer than a hand's slowest tremor.
+// Seconds over which swings are counted: three times longer than a hand's slowest tremor.
 constexpr double kBuzzTime = 0.25;
 // Buzzing is over below this part of buzz_rate.
 constexpr double kCalmBuzz = 0.25;
@@ -26,15 +28,14 @@ constexpr double kCalmBuzz = 0.25;
 Vec3 plus(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 Vec3 times(const Vec3& a, double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Scales f to the magnitude `limit` when it is larger; answers whether it was.
+/// Scales f to the magnitude `limit` when it is larger. @return whether it was
 bool clamp_magnitude(Vec3& f, double limit) {
   // Through the largest component, since the square of a finite force can be infinite or zero.
   const double largest = std::max({std::abs(f[0]), std::abs(f[1]), std::abs(f[2])});
   if (largest == 0) return false;
   const Vec3 unit = times(f, 1 / largest);
-  // 1 / largest of a denormal is infinite: such a force is nothing.
+  // 1 / largest is infinite for a denormal: such a small force counts as zero.
   if (!finite(unit)) {
     f = {0, 0, 0};
     return false;
@@ -46,11 +47,11 @@ bool clamp_magnitude(Vec3& f, double limit) {
   return true;
 }
 
-/// Zero at once; what follows starts from there.
+/// Zero at once. Later forces start from there.
 SafeForce let_go(SafetyState& state, std::uint32_t why) {
   const SafetyState before = state;
   state = {};
-  // What must outlive the zero to know when it is over.
+  // What must outlive the zero, so that its end can be seen.
   state.faulted = before.faulted;
   state.speed = before.speed;
   state.too_fast = before.too_fast;
@@ -67,9 +68,10 @@ void watch_speed(const SafetyLimits& limits, SafetyState& state, const SafetyInp
   if (state.speed <= kCalmSpeed * limits.max_speed) state.too_fast = false;
 }
 
-/// Counts turning points of the force: a limit cycle at a stiff wall (on, off, on) has them, and
-/// so has a force that flips its direction. A turning point is the farthest from the one before,
-/// once the force has come back from it by buzz_force; no axis is preferred.
+/// Counts turning points of the force. A limit cycle at a stiff wall (on, off, on) has them, and so
+/// has a force that flips its direction. A turning point is the force farthest from the turning
+/// point before it; it counts once the force has come back from it by buzz_force. All directions
+/// are treated alike.
 void watch_buzz(const SafetyLimits& limits, SafetyState& state, Vec3 wanted, double dt) {
   clamp_magnitude(wanted, limits.max_force);  // as far as it can be felt
   state.swings *= kBuzzTime / (kBuzzTime + dt);
@@ -89,62 +91,70 @@ void watch_buzz(const SafetyLimits& limits, SafetyState& state, Vec3 wanted, dou
   if (rate < kCalmBuzz * limits.buzz_rate) state.buzzing = false;
 }
 
-}  // namespace
-
-SafeForce limit_force(const SafetyLimits& limits, SafetyState& state,
-                      const SafetyInput& input) noexcept {
-  const Vec3 scaled = times(input.force, limits.gain);
+/// Why the force must be zero at once; 0 when it need not be.
+std::uint32_t reason_for_zero(const SafetyLimits& limits, SafetyState& state,
+                              const SafetyInput& input, const Vec3& wanted) {
   const bool sound = std::isfinite(input.dt) && input.dt > 0 && std::isfinite(input.speed) &&
                      !std::isnan(input.outside_cells);
-  if (!sound || !finite(scaled) || input.unusable) state.faulted = true;
-  if (state.faulted) return let_go(state, kFault);
-  if (input.stalled) return let_go(state, kStalled);
-
+  if (!sound || !finite(wanted) || input.unusable) state.faulted = true;
+  if (state.faulted) return kFault;
+  if (input.stalled) return kStalled;
   watch_speed(limits, state, input);
-  watch_buzz(limits, state, scaled, input.dt);
-  if (static_cast<double>(input.missed) >= limits.watchdog_ticks) return let_go(state, kMissed);
-  if (state.too_fast) return let_go(state, kTooFast);
-  if (state.buzzing) return let_go(state, kBuzzing);
+  watch_buzz(limits, state, wanted, input.dt);
+  if (static_cast<double>(input.missed) >= limits.watchdog_ticks) return kMissed;
+  if (state.too_fast) return kTooFast;
+  return state.buzzing ? kBuzzing : 0;
+}
 
-  SafeForce safe;
-  const auto scale = [&](Vec3& f, double by, SafetyAction action) {
-    if (by >= 1) return;
-    f = times(f, by > 0 ? by : 0);  // also where it is no number
-    safe.acted |= action;
-  };
-
-  // Blend: at the switch the force stays what it was, and the difference goes away linearly.
+/// At a switch of levels the force stays what it was, and the difference goes away linearly.
+/// @return whether that changed the force
+bool blend(const SafetyLimits& limits, SafetyState& state, const SafetyInput& input, Vec3& force) {
   if (input.level_changed && state.any && limits.blend_ms > 0) {
-    state.offset = minus(state.wanted, scaled);
+    state.offset = minus(state.wanted, force);
     state.blend_left = 1;
   } else if (state.blend_left > 0) {
     state.blend_left -= input.dt * 1000 / limits.blend_ms;
   }
-  Vec3 force = scaled;
-  if (state.blend_left > 0) {
-    force = plus(scaled, times(state.offset, state.blend_left));
-    safe.acted |= kBlended;
-  }
-  if (!finite(force)) {  // the offset of two finite forces can be infinite
+  if (!(state.blend_left > 0)) return false;
+  force = plus(force, times(state.offset, state.blend_left));
+  return true;
+}
+
+}  // namespace
+
+SafeForce limit_force(const SafetyLimits& limits, SafetyState& state,
+                      const SafetyInput& input) noexcept {
+  Vec3 force = times(input.force, limits.gain);
+  if (const std::uint32_t why = reason_for_zero(limits, state, input, force))
+    return let_go(state, why);
+
+  SafeForce safe;
+  if (blend(limits, state, input, force)) safe.acted |= kBlended;
+  if (!finite(force)) {  // the difference of two finite forces can be infinite
     state.faulted = true;
     return let_go(state, kFault);
   }
   state.wanted = force;
   state.any = true;
 
+  const auto scale = [&](double by, SafetyAction action) {
+    if (by >= 1) return;
+    force = times(force, by > 0 ? by : 0);  // a factor that is NaN counts as 0
+    safe.acted |= action;
+  };
   if (limits.fade_cells > 0 && input.outside_cells > 0)
-    scale(force, 1 - input.outside_cells / limits.fade_cells, kFaded);
-  if (state.swings > 0) scale(force, limits.buzz_rate * kBuzzTime / state.swings, kDamped);
+    scale(1 - input.outside_cells / limits.fade_cells, kFaded);
+  if (state.swings > 0) scale(limits.buzz_rate * kBuzzTime / state.swings, kDamped);
   state.ramp =
       limits.ramp_ms > 0 ? std::min(1.0, state.ramp + input.dt * 1000 / limits.ramp_ms) : 1;
   if (input.clutch) {
     state.ramp = 0;
-    scale(force, 0, kClutched);
+    scale(0, kClutched);
   } else {
-    scale(force, state.ramp, kRamped);
+    scale(state.ramp, kRamped);
   }
 
-  // In halves, since the difference of two finite forces can be infinite.
+  // In halves, because the difference of two finite forces can be infinite.
   Vec3 half_step = minus(times(force, 0.5), times(state.sent, 0.5));
   if (clamp_magnitude(half_step, limits.slew * 1000 * input.dt / 2)) {
     force = plus(state.sent, times(half_step, 2));

@@ -1,24 +1,24 @@
 // The safety core: the one thing between a computed force and the hand.
 //
-// Every force goes through limit_force() before a device sees it, whatever computed it: a pure
-// function of the input, its limits, and a small state of its own. Two promises hold for every
-// sequence of inputs, hostile ones included:
+// Every force goes through limit_force() before a device gets it, whatever computed it. The
+// function depends only on the input, the limits, and a small state of its own. It keeps two
+// promises for every sequence of inputs, hostile ones included:
 //
 //   |F| <= limits.max_force, always;
-//   |F - F of the tick before| <= slew dt, unless F is a zero that a fault has asked for.
+//   |F - F of the tick before| <= slew dt, unless F is a zero that a fault demands.
 //
-// A fault (what is not finite, a device that is silent, a hand that is too fast, ticks that were
-// missed, buzzing that does not stop) gives zero in the very tick in which it is seen, without a
-// ramp: letting go is what a fault is for. The force comes back by a ramp, and after what was not
-// finite not before reset(), because it means that something is broken.
+// Faults are a number that is not finite, a silent device, a hand that is too fast, missed ticks,
+// and buzzing that does not stop. A fault gives zero in the very tick in which it is seen, without
+// a ramp. Afterwards the force comes back with a ramp; after a number that was not finite, which
+// means that something is broken, only once reset() was called.
 //
-// The order. What scales the wanted force comes first (gain, blend, fade, damping, ramp); the slew
-// limit then sees everything that could step, and the clamp is last: taking a point to a ball is
-// no expansion, so a clamp after the slew limit breaks none of the two promises. The other way
-// round, or a clamp per axis (which turns the force), would.
+// The order. What scales the wanted force comes first (gain, blend, fade, damping, ramp), so that
+// the slew limit sees everything that could step. The clamp is last: the projection to a ball never
+// moves two points apart, so it keeps the slew. The other order, or a clamp per axis (which also
+// turns the force), would break a promise.
 //
-// Alternatives: limits in each device (forgotten in the next one); limits in the model (a plug-in
-// is what cannot be trusted).
+// Alternatives: limits in each device (the next device would forget them); limits in the model (a
+// plug-in cannot be trusted).
 #pragma once
 
 #include <array>
@@ -30,21 +30,21 @@
 
 namespace hapgrid {
 
-/// What each stage may do; defaults are for a small desktop device of some 3 N.
+/// The limit of each stage; the defaults suit a small desktop device of about 3 N.
 struct SafetyLimits {
   double gain = 1;          ///< newtons felt for a newton of the model
   double max_force = 3;     ///< newtons, of the magnitude
   double slew = 1;          ///< newtons a millisecond, of the vector's change; inf: none
   double blend_ms = 20;     ///< from the force before a switch of levels to the one after; 0: none
   double ramp_ms = 500;     ///< from zero to the full force, at the start and after a fault
-  double max_speed = 2;     ///< of the hand, m/s; a faster one is let go; inf: none
+  double max_speed = 2;     ///< of the hand, m/s; a faster hand gets zero force; inf: none
   double buzz_force = 0.5;  ///< newtons: a swing of the force this large counts as one; inf: none
-  double buzz_rate = 30;    ///< swings a second from which on the force is damped, see kBuzzStop
+  double buzz_rate = 30;    ///< swings a second; with more the force is damped, see kBuzzStop
   double fade_cells = 1;    ///< outside the box the force fades to zero over so many cells; 0: none
-  double watchdog_ticks = 10;  ///< so many missed ticks give zero and a ramp; inf: none
+  double watchdog_ticks = 10;  ///< this many missed ticks give zero, then a ramp; inf: none
 };
 
-/// Times buzz_rate: from here on damping did not help, and the force is taken away.
+/// At this multiple of buzz_rate damping did not help, and the force becomes zero.
 inline constexpr double kBuzzStop = 2;
 
 /// What the loop knows at a tick.
@@ -52,17 +52,17 @@ struct SafetyInput {
   Vec3 force{0, 0, 0};         ///< newtons, as the model gave it
   double dt = 0.001;           ///< seconds since the tick before; > 0
   std::uint64_t missed = 0;    ///< ticks that were missed in between
-  double speed = 0;            ///< of the hand, m/s; 0 where the mapping to metres is not known
+  double speed = 0;            ///< of the hand, m/s; 0 when the scale is not known
   double outside_cells = 0;    ///< how far the HIP is outside the box, in grid spacings
-  bool level_changed = false;  ///< a corner's level is another one than the tick before
-  bool stalled = false;        ///< the device says nothing: where the hand is, is not known
+  bool level_changed = false;  ///< a corner has another level than in the tick before
+  bool stalled = false;        ///< the device is silent, so nobody knows where the hand is
   bool clutch = false;         ///< the hand moves without the HIP and must feel nothing
-  bool unusable = false;       ///< the state is not the HIP's: as bad as a force that is no number
+  bool unusable = false;       ///< the state is not that of the HIP: a fault
 };
 
 /// What acted in a tick, as bits of SafeForce::acted.
 enum SafetyAction : std::uint32_t {
-  kFault = 1U << 0,     ///< latched at zero since something was not finite, or unusable
+  kFault = 1U << 0,     ///< zero until reset(): something was not finite, or unusable
   kStalled = 1U << 1,   ///< zero: the device was silent
   kMissed = 1U << 2,    ///< zero: too many ticks were missed
   kTooFast = 1U << 3,   ///< zero: the hand was too fast
@@ -76,11 +76,11 @@ enum SafetyAction : std::uint32_t {
   kClamped = 1U << 11,  ///< the magnitude was above the limit
 };
 inline constexpr std::size_t kSafetyActions = 12;
-/// Their names by bit, as logs and reports have them.
+/// The names of the bits in logs and reports.
 inline constexpr std::array<const char*, kSafetyActions> kSafetyNames{
     "fault",  "stalled", "missed", "too-fast", "buzzing", "clutch",
     "damped", "faded",   "ramped", "blended",  "slewed",  "clamped"};
-/// Those that give zero at once.
+/// The actions that give zero at once.
 inline constexpr std::uint32_t kSafetyZero = kFault | kStalled | kMissed | kTooFast | kBuzzing;
 
 struct SafeForce {
@@ -93,9 +93,9 @@ struct SafetyState {
   Vec3 sent{0, 0, 0};  // the force of the tick before
   bool faulted = false;
   double ramp = 0;  // in [0, 1]
-  // Blend: what is still missing from the force before the last switch.
-  Vec3 wanted{0, 0, 0};  // of the tick before, behind gain and blend
-  Vec3 offset{0, 0, 0};
+  // Blend.
+  Vec3 wanted{0, 0, 0};   // the force of the tick before, after gain and blend
+  Vec3 offset{0, 0, 0};   // the force before the last switch minus the one after it
   double blend_left = 0;  // 1 at the switch, 0 when it is over
   bool any = false;       // there was a tick before, without a fault
   // Velocity guard.
@@ -103,8 +103,8 @@ struct SafetyState {
   bool too_fast = false;
   // Buzz: turning points of the wanted force.
   Vec3 anchor{0, 0, 0};   // the last turning point
-  Vec3 extreme{0, 0, 0};  // the farthest from it since
-  double swings = 0;      // leaky count; swings a second times its time constant
+  Vec3 extreme{0, 0, 0};  // the force that was farthest from it since
+  double swings = 0;      // a leaky count: swings a second times the time constant
   bool buzzing = false;
 };
 
@@ -121,9 +121,8 @@ class SafetyCore {
   /// Real-time safe.
   SafeForce apply(const SafetyInput& input) noexcept { return limit_force(limits_, state_, input); }
   bool faulted() const noexcept { return state_.faulted; }
-  /// Lets the force come back after a fault, by the ramp. Real-time safe.
+  /// Ends a fault: the force comes back with the ramp. Real-time safe.
   void reset() noexcept { state_ = {}; }
-  const SafetyLimits& limits() const { return limits_; }
 
  private:
   SafetyLimits limits_;

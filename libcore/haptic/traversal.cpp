@@ -6,7 +6,7 @@
 #include <string>
 
 #include "libcore/base/error.hpp"
-#include "libcore/grid/finite.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
@@ -24,7 +24,7 @@ void blend(const std::array<double, 8>& w, const std::array<const double*, 8>& s
   const auto [w0, w1, w2, w3, w4, w5, w6, w7] = w;
   double* const o = out.data();
   const std::size_t n = out.size();
-#ifndef __clang__  // which does not know it
+#ifndef __clang__  // clang does not know this pragma
 #pragma GCC ivdep
 #endif
   for (std::size_t i = 0; i < n; ++i)
@@ -92,7 +92,7 @@ StepResult Traversal::start(const Vec3& hip) noexcept {
 
 StepResult Traversal::step(const Vec3& hip) noexcept {
   StepResult result;
-  // The most frequent case first: what is in the closed cell is finite and in the box.
+  // The most frequent case comes first: a HIP in the closed cell is finite and in the box.
   if (started_ && hip[0] >= low_[0] && hip[0] <= high_[0] && hip[1] >= low_[1] &&
       hip[1] <= high_[1] && hip[2] >= low_[2] && hip[2] <= high_[2]) {
     position_ = hip;
@@ -125,9 +125,9 @@ bool Traversal::clamp(Vec3& x) const noexcept {
   return outside;
 }
 
-/// How many cells from the current one x is along an axis; a coordinate on a face belongs to the
-/// cell that is nearer. x is inside the box. The first guess is off by one at most where the
-/// spacing is well above the rounding of the coordinates; the loops end at the box in any case.
+/// How many cells lie between the current cell and that of x along an axis. x is inside the box; a
+/// coordinate on a face belongs to the nearer cell. The first guess is off by one at most when the
+/// spacing is well above the rounding of coordinates; the loops end at the box in any case.
 std::int64_t Traversal::cells_away(int a, double x) const noexcept {
   const std::int64_t here = cell_[a];
   const auto guess = [&] { return static_cast<std::int64_t>((x - box_.origin[a]) / box_.spacing); };
@@ -163,8 +163,9 @@ void Traversal::travel(const Vec3& x, StepResult& result) noexcept {
         result.lagging = true;
         return;
       }
-      // One part in `distance` ends in a neighbouring cell, but for rounding, which then costs a
-      // shorter part: position_ is in the cell, so some part is short enough.
+      // The first of `distance` equal parts ends in a neighbouring cell, except for rounding. Then
+      // half of that part is tried, and so on: position_ is in the cell, so some part is short
+      // enough.
       for (auto parts = static_cast<double>(distance);; parts *= 2) {
         for (int a = 0; a < 3; ++a) y[a] = position_[a] + (x[a] - position_[a]) / parts;
         move = cells_away(y);
@@ -183,8 +184,8 @@ void Traversal::travel(const Vec3& x, StepResult& result) noexcept {
   }
 }
 
-/// To the cell at `move`, components in {-1, 0, 1}; leaves everything as it was when a link is
-/// missing.
+/// Goes to the cell at `move`, whose components are -1, 0 or 1. When a link is missing, nothing
+/// changes.
 bool Traversal::switch_cell(const std::array<std::int64_t, 3>& move, StepResult& result) noexcept {
   const int q =
       Direction::of(static_cast<int>(move[0]), static_cast<int>(move[1]), static_cast<int>(move[2]))
@@ -210,7 +211,7 @@ void Traversal::enter(const GridCoordinates& cell, PointIndex base,
   for (int corner = 0; corner < 8; ++corner) {
     const double* const row = grid_.row(corners.record[corner]).data();
     corner_rows_[corner] = row;
-    // The rows are wanted now, all at once; the links at the next switch.
+    // All rows are needed now, the links at the next switch.
     const Level* const links = grid_.links(corners.record[corner]).data();
     __builtin_prefetch(row);
     __builtin_prefetch(row + row_.size() - 1);

@@ -1,8 +1,8 @@
 // Algorithm 2 (Sect. 2.4): from a stream of HIP positions to a continuous stream of states.
 //
-// Problem. A tick of the haptic loop has a millisecond at most, and what it does must never depend
-// on luck: no allocation, lock, input or output, and a defined outcome for every position, also one
-// that is not finite, outside the box, or a hundred cells away.
+// Problem. A tick of the haptic loop has a millisecond at most, and it must never be delayed: it
+// may not allocate, lock, read or write. Every position has a defined outcome, also a position that
+// is not finite, outside the box, or a hundred cells away.
 //
 // Where is the HIP? Rounding (x - origin) / h decides differently from Box::position() near a grid
 // point, and then a HIP on a face is in neither cell or in both. Here the cell's faces are the
@@ -14,15 +14,15 @@
 // Which corners? Eight records, and eight pointers to their states where the grid has them. In a
 // cell a copy of the states in an n x 8 block is no faster (n = 9: 19.0 against 18.8 ns), and each
 // switch would have to make it; a copy of the whole grid in another layout would double the memory.
-// What does help is to ask for the links of the new corners while their states are being fetched:
-// the next switch finds them in the cache (tests/bench/traversal.cpp).
+// It does help to prefetch the links of the new corners together with their states: the next switch
+// finds them in the cache (tests/bench/traversal.cpp).
 //
-// Jumps. A HIP that moved to a cell which shares no vertex is taken there along the straight line
-// in as many equal parts as the farthest axis has cells between; each part then ends in a cell that
-// shares at least a vertex with the one before (the alternative, a march through each face that
-// the line crosses, takes more conversions and replaces diagonal ones by pairs, which Sect. 2.4
-// warns of). The number of parts in one tick has a bound; beyond it the traversal stays on the line
-// and goes on from there in the next tick.
+// Jumps. When the HIP moved to a cell that shares no vertex with the old one, the traversal follows
+// the straight line in equal parts, as many as there are cells between on the farthest axis. Each
+// part then ends in a cell that shares at least a vertex with the cell before. (The alternative, a
+// march through each face that the line crosses, takes more conversions and replaces diagonal ones
+// by pairs, against which Sect. 2.4 warns.) The number of parts in one tick is bounded; when the
+// bound is reached, the traversal goes on along the line in the next tick.
 #pragma once
 
 #include <array>
@@ -35,24 +35,24 @@
 
 namespace hapgrid {
 
-/// What a step met. Everything false and zero: the HIP stayed in its cell.
+/// What happened in a step. When all is false and zero, the HIP stayed in its cell.
 struct StepResult {
   bool not_finite = false;     ///< the HIP was not finite: nothing changed, the state is held
   bool outside = false;        ///< the HIP was outside the box and is held at the box's edge
   bool split = false;          ///< the HIP jumped to a cell that shares no vertex
   bool lagging = false;        ///< the bound on sub-steps was reached before the HIP
-  bool blocked = false;        ///< a link leads nowhere (never in a playable grid): stayed behind
+  bool blocked = false;        ///< a link leads nowhere (never in a playable grid): not followed
   bool level_changed = false;  ///< some conversion led to another level number than it came from
   std::uint16_t face_switches = 0;
   std::uint16_t edge_switches = 0;
   std::uint16_t vertex_switches = 0;
 
-  /// Whether state() belongs to this HIP or at least to where it was a moment ago.
+  /// Whether state() belongs to this HIP, or at least to its place a moment ago.
   bool usable() const { return !not_finite && !blocked; }
 };
 
 /// The traversal of one grid by one HIP; for one thread.
-/// start() and step() are real-time safe. The grid must outlive the traversal and is not trusted:
+/// start() and step() are real-time safe. The grid must outlive the traversal. It is not trusted:
 /// whatever its links are, no step reads outside it.
 class Traversal {
  public:
@@ -62,12 +62,12 @@ class Traversal {
   /// @throw Error when neighbouring grid points coincide in double precision.
   explicit Traversal(const Grid& grid, std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
 
-  /// Takes the cell of the HIP afresh: the corner nearest to the HIP (the lower one of two) at
-  /// level 0, the other seven from its destination levels. Source: Sect. 2.4. Deviation: level 0 in
+  /// Starts in the cell of the HIP: the corner nearest to the HIP (the lower one of two) gets level
+  /// 0, the other seven its destination levels. Source: Sect. 2.4. Deviation: level 0 in
   /// all corners, as printed, can mix branches.
   StepResult start(const Vec3& hip) noexcept;
 
-  /// Follows the HIP; like start() until a start has succeeded.
+  /// Follows the HIP. Until a start has succeeded it does the same as start().
   StepResult step(const Vec3& hip) noexcept;
 
   /// The interpolated state, n values in the model's units; zeros before the first start.
@@ -76,8 +76,8 @@ class Traversal {
   }
   /// The interpolated row: the state and what the grid stores with it; spec().row_size() values.
   std::span<const double> row() const { return row_; }
-  /// Where state() is: the HIP, but clamped to the box, and the former place after a step that was
-  /// not usable or is lagging. In the model's unit of length.
+  /// The place of state(), in the model's unit of length: the HIP, clamped to the box; after a step
+  /// that was not usable or is lagging, a former place.
   const Vec3& position() const { return position_; }
   /// The current level in corner i + 2j + 4k of the cell (Corners).
   const std::array<Level, 8>& levels() const { return corners_.level; }
@@ -121,10 +121,10 @@ class Traversal {
 /// Source: Sect. 2.4. Deviation: the printed weights are mirrored; (1-i)(1-x) + i x is used.
 std::array<double, 8> corner_weights(const Vec3& xbar) noexcept;
 
-/// Refuses a grid that cannot be played as a whole, and says what to do about it; `name` is the
-/// grid's, for messages.
-/// @throw Error when records wait in the frontier, a point has no level, a link inside the box
-/// leads nowhere, or a state is not finite.
+/// Refuses a grid that cannot be played as a whole, and says what to do about it.
+/// @param name of the grid, for messages.
+/// @throw Error when the frontier has records, a point has no level, a link inside the box leads
+/// nowhere, or a state is not finite.
 void require_playable(const Grid& grid, const std::string& name);
 
 }  // namespace hapgrid

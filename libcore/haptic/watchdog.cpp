@@ -23,7 +23,8 @@ Watchdog::Watchdog(const std::atomic<std::uint64_t>& heartbeat, std::chrono::mil
       const Clock::time_point before = Clock::now();
       wake.wait_for(lock, token, patience / 4, [] { return false; });
       const std::uint64_t now = heartbeat.load(std::memory_order_relaxed);
-      // A machine that stood still as a whole (a suspended laptop, a debugger) is no hung loop.
+      // When the whole machine stood still (a suspended laptop, a debugger), the loop does not
+      // hang.
       const bool stood_still = Clock::now() - before > patience;
       if (now != last || stood_still) {
         last = now;

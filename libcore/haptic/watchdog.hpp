@@ -1,5 +1,5 @@
-// Watches over the haptic loop from another thread: a force function that does not come back, or a
-// page that does not, would leave the hand with the last force.
+// Watches the haptic loop from another thread. A force function that never returns would leave the
+// hand with the last force.
 #pragma once
 
 #include <atomic>

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "libcore/grid/finite.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
@@ -16,7 +16,6 @@ constexpr Colour kHipColour{0.15F, 0.35F, 0.95F};
 constexpr Colour kForceColour{0.85F, 0.1F, 0.1F};
 constexpr double kLinePixels = 0.6;  // half the width of the box's edges
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 Vec3 along(const Vec3& a, const Vec3& b, double t) {
   return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
 }

@@ -5,13 +5,13 @@
 #include <limits>
 #include <utility>
 
+#include "libcore/grid/vec3.hpp"
+
 namespace hapgrid {
 
 namespace {
 
 constexpr int kBandRows = 32;  // pixels; the memory for rays is that of a band
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Light from the upper left and the viewer's side; darker towards the rim, which sets spheres of
 /// one colour apart. `n` is the normal, x right, y down, z near.

@@ -55,9 +55,9 @@ for rate in 1000 5000; do
     cyclic $((1000000 / rate)) >>kernel
     play hung-ball.grid --device path:path --rate "$rate" --report r.json 2>/dev/null
     key r.json lateness p99_us >>loop
-    play hung-ball.grid --device path:path --rate "$rate" --spin 60 --report r.json 2>/dev/null
+    play hung-ball.grid --device path:path --rate "$rate" --set loop.spin=60 --report r.json 2>/dev/null
     key r.json lateness p99_us >>spun
   done
-  printf 'lateness at %s Hz, p99 in us: cyclictest %s, play %s, play --spin 60 %s\n' "$rate" \
+  printf 'lateness at %s Hz, p99 in us: cyclictest %s, play %s, play --set loop.spin=60 %s\n' "$rate" \
     "$(median <kernel)" "$(median <loop)" "$(median <spun)"
 done

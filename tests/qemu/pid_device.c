@@ -1,16 +1,12 @@
-/* pid-device bits|array|high-ids
- *
- * A joystick of the PID class with two axes and one of the report descriptors of
- * tests/hid/descriptors.h; vendor 1209, product ffb0 (BITS), ffb1, ffb2. It has room for two
- * effects: each Create New Effect takes a block, Block Load says which (or that there is none),
- * Block Free gives it back.
+/* pid-device: a joystick of the PID class with two axes and the report descriptor kPidBits of
+ * tests/hid/descriptors.h; vendor 1209, product ffb0. It has room for two effects: each Create New
+ * Effect takes a block, Block Load says which (or that there is none), Block Free gives it back.
  *
  * Its stick is at x = 16384, y = -8192 of +-32767, and says so 100 times a second while it is open.
  *
- * At the end, which SIGTERM is, the record goes to standard output: a line for each report that
- * came or was asked for, its bytes in hex with the id first, "TIME output|set|get BYTES", TIME in
- * microseconds after the first of them; opening and closing are not in it. A get is what was
- * answered. */
+ * SIGTERM ends it and prints the record: a line for each report that came or was asked for, "TIME
+ * output|set|get BYTES", TIME in microseconds after the first line, BYTES in hex with the id first.
+ * The bytes of a get are the answer. */
 #define _GNU_SOURCE
 #include <poll.h>
 
@@ -19,18 +15,8 @@
 
 enum { kEffects = 2, kRoom = 4096 };
 
-struct layout {
-  const char* name;
-  const unsigned char* descriptor;
-  size_t size;
-  unsigned char input, create, load, pool, block_free;
-};
-
-static const struct layout kLayouts[] = {
-    {"bits", kPidBits, sizeof kPidBits, 0x01, 0x11, 0x12, 0x13, 0x0b},
-    {"array", kPidArray, sizeof kPidArray, 0x03, 0x05, 0x06, 0x07, 0x0b},
-    {"high-ids", kPidHighIds, sizeof kPidHighIds, 0x01, 0x05, 0x06, 0x07, 111},
-};
+/* Report ids. */
+enum { kInput = 0x01, kCreate = 0x11, kLoad = 0x12, kPool = 0x13, kBlockFree = 0x0b };
 
 static struct {
   int64_t time_ns;
@@ -64,20 +50,19 @@ static void create_effect(void) {
   }
 }
 
-static void handle(int fd, const struct layout* l, struct uhid_event* event, int* is_open) {
+static void handle(int fd, struct uhid_event* event, int* is_open) {
   static struct uhid_event reply;
   memset(&reply, 0, sizeof reply);
   if (event->type == UHID_OPEN || event->type == UHID_CLOSE) *is_open = event->type == UHID_OPEN;
   if (event->type == UHID_OUTPUT) {
     const unsigned char* data = event->u.output.data;
     record("output", data, event->u.output.size);
-    if (data[0] == l->block_free && data[1] <= kEffects) taken[data[1]] = 0;
+    if (data[0] == kBlockFree && data[1] <= kEffects) taken[data[1]] = 0;
   }
   if (event->type == UHID_SET_REPORT) {
     record("set", event->u.set_report.data, event->u.set_report.size);
-    if (event->u.set_report.rtype == UHID_FEATURE_REPORT && event->u.set_report.rnum == l->create) {
+    if (event->u.set_report.rtype == UHID_FEATURE_REPORT && event->u.set_report.rnum == kCreate)
       create_effect();
-    }
     reply.type = UHID_SET_REPORT_REPLY;
     reply.u.set_report_reply.id = event->u.set_report.id;
     uhid_send(fd, &reply);
@@ -87,11 +72,11 @@ static void handle(int fd, const struct layout* l, struct uhid_event* event, int
     reply.type = UHID_GET_REPORT_REPLY;
     reply.u.get_report_reply.id = event->u.get_report.id;
     if (event->u.get_report.rtype == UHID_FEATURE_REPORT &&
-        event->u.get_report.rnum == l->load) { /* index, status, room */
+        event->u.get_report.rnum == kLoad) { /* index, status, room */
       memcpy(bytes + 1, block_load, 2);
       bytes[3] = 64;
     } else if (event->u.get_report.rtype == UHID_FEATURE_REPORT &&
-               event->u.get_report.rnum == l->pool) { /* size, effects, device managed */
+               event->u.get_report.rnum == kPool) { /* size, effects, device managed */
       bytes[1] = 128;
       bytes[3] = kEffects;
       bytes[4] = 1;
@@ -105,26 +90,17 @@ static void handle(int fd, const struct layout* l, struct uhid_event* event, int
   }
 }
 
-int main(int argc, char** argv) {
-  const struct layout* l = NULL;
-  for (int i = 0; argc == 2 && i < 3; ++i) {
-    if (!strcmp(argv[1], kLayouts[i].name)) l = &kLayouts[i];
-  }
-  if (!l) {
-    fputs("usage: pid-device bits|array|high-ids\n", stderr);
-    return 2;
-  }
+int main(void) {
   sigset_t waiting;
   catch_term(&waiting);
-  const uint32_t product = 0xffb0 + (uint32_t)(l - kLayouts);
-  const int fd = uhid_create("PID joystick", 0x1209, product, l->descriptor, l->size);
+  const int fd = uhid_create("PID joystick", 0x1209, 0xffb0, kPidBits, sizeof kPidBits);
   static struct uhid_event event;
   int is_open = 0;
   int64_t due = now_ns();
   while (!ended) {
     const int64_t left = due - now_ns();
     if (is_open && left <= 0) {
-      const unsigned char report[6] = {l->input, 0, 0x00, 0x40, 0x00, 0xe0};
+      const unsigned char report[6] = {kInput, 0, 0x00, 0x40, 0x00, 0xe0};
       uhid_input(fd, report, sizeof report);
       due += 10000000;
       continue;
@@ -134,7 +110,7 @@ int main(int argc, char** argv) {
     struct pollfd poll_fd = {.fd = fd, .events = POLLIN};
     if (ppoll(&poll_fd, 1, is_open ? &timeout : NULL, &waiting) > 0) {
       uhid_read(fd, &event);
-      handle(fd, l, &event, &is_open);
+      handle(fd, &event, &is_open);
     }
   }
   for (size_t i = 0; i < record_count; ++i) {

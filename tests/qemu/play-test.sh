@@ -66,9 +66,9 @@ device; timeout -s KILL 1 $play >/dev/null; echo "exit $?"; usleep 300000; over;
 echo "== descriptor"
 device; play --list-devices; play --dump-descriptor 16c0:0486; over
 echo "== pid"
-pid-device bits >/tmp/record & device=$!
+pid-device >/tmp/record & device=$!
 await /dev/hidraw0
-play /ball.grid --model-path /bin --device pid --duration 0.1 --ramp 0 --slew inf >/dev/null; echo "exit $?"
+play /ball.grid --model-path /bin --device pid --duration 0.1 --set safety.ramp=0 --set safety.slew=inf >/dev/null; echo "exit $?"
 over; cut -d' ' -f2- /tmp/record
 echo "== end"
 END

@@ -1,7 +1,8 @@
 #include "tools/play/devices.hpp"
 
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -22,52 +23,38 @@ namespace {
 
 constexpr std::uint64_t kMaxProfileBytes = 1 << 20;
 
-enum class Kind { kPath, kKeys, kReplay, kProfile, kPid, kSpaceMouse };
 enum class Argument { kNone, kNeeded, kMayBe };
 
 struct Form {
   const char* name;
-  Kind kind;
   Argument argument;
   const char* shown;
+  DeviceChoice (*make)(const std::string& argument);
 };
 
-constexpr Form kForms[] = {
-    {"path", Kind::kPath, Argument::kNeeded, "path:FILE"},
-    {"keys", Kind::kKeys, Argument::kNone, "keys"},
-    {"replay", Kind::kReplay, Argument::kNeeded, "replay:FILE"},
-    {"profile", Kind::kProfile, Argument::kNeeded, "profile:FILE"},
-    {"pid", Kind::kPid, Argument::kMayBe, "pid[:WHICH]"},
-    {"spacemouse", Kind::kSpaceMouse, Argument::kMayBe, "spacemouse[:WHICH]"},
-};
-
-struct Name {
-  Kind kind;
-  std::string argument;
-};
-
-std::optional<Name> parse(const std::string& name) {
-  const std::size_t colon = name.find(':');
-  const std::string argument = colon == name.npos ? "" : name.substr(colon + 1);
-  for (const Form& form : kForms) {
-    if (name.substr(0, colon) != form.name) continue;
-    const bool given = colon != name.npos;
-    if (given != !argument.empty() || (given && form.argument == Argument::kNone) ||
-        (!given && form.argument == Argument::kNeeded))
-      return std::nullopt;
-    return Name{form.kind, argument};
-  }
-  return std::nullopt;
+template <class Choice>
+DeviceChoice make(const std::string& argument) {
+  return Choice{argument};
 }
 
-KeyboardOptions keyboard_options(const PlayOptions& options, const Box& box) {
+constexpr Form kForms[] = {
+    {"path", Argument::kNeeded, "path:FILE", make<PathFile>},
+    {"keys", Argument::kNone, "keys",
+     [](const std::string&) { return DeviceChoice(TerminalKeys()); }},
+    {"replay", Argument::kNeeded, "replay:FILE", make<ReplayFile>},
+    {"profile", Argument::kNeeded, "profile:FILE", make<ProfileFile>},
+    {"pid", Argument::kMayBe, "pid[:WHICH]", make<PidJoystick>},
+    {"spacemouse", Argument::kMayBe, "spacemouse[:WHICH]", make<SpaceMouse>},
+};
+
+KeyboardOptions keyboard_options(const PlaySettings& settings, const Box& box) {
   KeyboardOptions keys;
   keys.low = box.position({0, 0, 0});
   keys.high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
   for (int a = 0; a < 3; ++a)
-    keys.start[a] =
-        options.key_start.empty() ? (keys.low[a] + keys.high[a]) / 2 : options.key_start[a];
-  keys.step = options.key_step > 0 ? options.key_step : box.spacing / 2;
+    keys.start[a] = std::clamp((keys.low[a] + keys.high[a]) / 2 + settings.mapping.offset[a],
+                               keys.low[a], keys.high[a]);
+  keys.step = settings.key_step > 0 ? settings.key_step : box.spacing / 2;
   return keys;
 }
 
@@ -75,7 +62,7 @@ OpenDevice open_path(const std::string& file) {
   // new: a device is not moved, and open() makes it in place.
   auto path = std::unique_ptr<PathDevice>(new PathDevice(PathDevice::open(file)));
   const std::size_t ticks = path->size();
-  return {.device = std::move(path), .live = false, .ticks = ticks, .session = {}};
+  return {.device = std::move(path), .ticks = ticks, .session = {}};
 }
 
 OpenDevice open_replay(const std::string& file, double text_rate_hz) {
@@ -93,7 +80,6 @@ OpenDevice open_replay(const std::string& file, double text_rate_hz) {
   }
   const std::size_t count = ticks.size();
   return {.device = std::make_unique<ReplayDevice>(std::move(ticks)),
-          .live = false,
           .ticks = count,
           .session = recording.header};
 }
@@ -107,7 +93,8 @@ std::unique_ptr<Device> open_profile(const std::string& file, HidGuard* guard) {
                                      std::make_unique<ProfileProtocol>(std::move(profile)), guard);
 }
 
-/// Those of `devices` that have all that a PID joystick needs. What cannot be read is none.
+/// Those of `devices` that have all that a PID joystick needs. A device that cannot be read is left
+/// out.
 std::vector<HidInfo> pid_devices(const std::vector<HidInfo>& devices) {
   std::vector<HidInfo> found;
   for (const HidInfo& info : devices) {
@@ -124,7 +111,7 @@ std::unique_ptr<Device> open_pid(const std::string& which, const PidParameters& 
                                  HidGuard* guard) {
   const std::vector<HidInfo> all = list_hid();
   const HidMatch match = parse_hid_match(which);
-  // A device that is named is opened, so that what it lacks is said.
+  // A device that the user named is opened in any case: the error then says what it lacks.
   const HidInfo info =
       find_one_hid(which.empty() ? pid_devices(all) : all, match, "--device pid:WHICH");
   PidParameters named = parameters;
@@ -146,47 +133,62 @@ std::unique_ptr<Device> open_spacemouse(const std::string& which) {
 
 }  // namespace
 
-std::string device_mistake(const std::string& name) {
-  if (parse(name)) return "";
+DeviceChoice parse_device(const std::string& name) {
+  const std::size_t colon = name.find(':');
+  const bool given = colon != std::string::npos;
+  const std::string argument = given ? name.substr(colon + 1) : "";
   std::string forms;
-  for (const Form& form : kForms) forms += (forms.empty() ? "" : ", ") + std::string(form.shown);
-  return "'" + name + "' is not a device: " + forms;
-}
-
-std::string device_file(const std::string& name) {
-  return is_live(name) ? "" : parse(name).value().argument;
-}
-
-bool is_live(const std::string& name) {
-  const auto parsed = parse(name);
-  return parsed && parsed->kind != Kind::kPath && parsed->kind != Kind::kReplay;
-}
-
-bool needs_guard(const std::string& name) {
-  const auto parsed = parse(name);
-  return parsed && (parsed->kind == Kind::kProfile || parsed->kind == Kind::kPid);
-}
-
-OpenDevice open_device(const PlayOptions& options, const Box& box, HidGuard* guard) {
-  const Name name = parse(options.device).value();
-  const auto live = [](std::unique_ptr<Device> device) {
-    return OpenDevice{.device = std::move(device), .session = {}};
-  };
-  switch (name.kind) {
-    case Kind::kPath:
-      return open_path(name.argument);
-    case Kind::kReplay:
-      return open_replay(name.argument, options.rate_hz > 0 ? options.rate_hz : kUnpacedHz);
-    case Kind::kKeys:
-      return live(std::make_unique<KeyboardDevice>(keyboard_options(options, box)));
-    case Kind::kProfile:
-      return live(open_profile(name.argument, guard));
-    case Kind::kPid:
-      return live(open_pid(name.argument, options.pid, guard));
-    case Kind::kSpaceMouse:
-      return live(open_spacemouse(name.argument));
+  for (const Form& form : kForms) {
+    const bool fits = form.argument == Argument::kMayBe  ? given != argument.empty()
+                      : form.argument == Argument::kNone ? !given
+                                                         : !argument.empty();
+    if (name.substr(0, colon) == form.name && fits) return form.make(argument);
+    forms += (forms.empty() ? "" : ", ") + std::string(form.shown);
   }
-  throw Error("no such device");
+  throw CLI::ValidationError("--device", "'" + name + "' is not a device: " + forms);
+}
+
+std::string input_file(const DeviceChoice& device) {
+  if (const auto* path = std::get_if<PathFile>(&device)) return path->file;
+  if (const auto* replay = std::get_if<ReplayFile>(&device)) return replay->file;
+  return "";
+}
+
+bool is_live(const DeviceChoice& device) { return input_file(device).empty(); }
+
+bool pushes(const DeviceChoice& device) {
+  return std::holds_alternative<ProfileFile>(device) || std::holds_alternative<PidJoystick>(device);
+}
+
+OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
+                       double text_rate_hz, const Box& box, HidGuard* guard) {
+  struct Open {
+    const PlaySettings& settings;
+    double text_rate_hz;
+    const Box& box;
+    HidGuard* guard;
+
+    static OpenDevice live(std::unique_ptr<Device> device) {
+      return {.device = std::move(device), .session = {}};
+    }
+    OpenDevice operator()(const PathFile& path) const { return open_path(path.file); }
+    OpenDevice operator()(const ReplayFile& replay) const {
+      return open_replay(replay.file, text_rate_hz);
+    }
+    OpenDevice operator()(const TerminalKeys&) const {
+      return live(std::make_unique<KeyboardDevice>(keyboard_options(settings, box)));
+    }
+    OpenDevice operator()(const ProfileFile& profile) const {
+      return live(open_profile(profile.file, guard));
+    }
+    OpenDevice operator()(const PidJoystick& pid) const {
+      return live(open_pid(pid.which, settings.pid, guard));
+    }
+    OpenDevice operator()(const SpaceMouse& mouse) const {
+      return live(open_spacemouse(mouse.which));
+    }
+  };
+  return std::visit(Open{settings, text_rate_hz, box, guard}, device);
 }
 
 void print_devices() { std::cout << list_text(list_hid()); }

@@ -4,42 +4,58 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "libcore/device/device.hpp"
 #include "libcore/device/hid_guard.hpp"
 #include "libcore/session/recording.hpp"
-#include "tools/play/options.hpp"
+#include "tools/play/settings.hpp"
 
 namespace hapgrid {
 
-inline constexpr const char* kDeviceForms =
-    "path:FILE moves the HIP through the positions in FILE ('path:-': standard input); keys is the "
-    "terminal's keyboard; replay:FILE does what was done in a log; profile:FILE is a HID device "
-    "that a text describes (examples/devices); pid or pid:WHICH a joystick of the PID class; "
-    "spacemouse or spacemouse:WHICH steers the HIP. WHICH is a path, VID:PID, VID:PID:SERIAL or a "
-    "serial number of --list-devices";
+// What --device can name. A WHICH tells devices of one kind apart (parse_hid_match()); an empty one
+// means the only one.
+struct PathFile {
+  std::string file;  ///< "-": standard input
+};
+struct ReplayFile {
+  std::string file;
+};
+struct TerminalKeys {};
+struct ProfileFile {
+  std::string file;
+};
+struct PidJoystick {
+  std::string which;
+};
+struct SpaceMouse {
+  std::string which;
+};
+using DeviceChoice =
+    std::variant<PathFile, ReplayFile, TerminalKeys, ProfileFile, PidJoystick, SpaceMouse>;
 
-/// What is wrong with a device's name; empty when nothing is. Opens nothing.
-std::string device_mistake(const std::string& name);
+/// Opens nothing. @throw CLI::ValidationError for what is not a device's name
+DeviceChoice parse_device(const std::string& name);
 
-/// The file that a path or a replay reads, "-" for standard input; else empty.
-std::string device_file(const std::string& name);
-/// Whether a hand moves it, as long as it likes.
-bool is_live(const std::string& name);
-/// Whether there is a force on a hand, which must end with this program.
-bool needs_guard(const std::string& name);
+/// The file that the hand's positions come from, "-" for standard input; empty for a live device.
+std::string input_file(const DeviceChoice& device);
+/// Whether a person moves the device, for as long as they like.
+bool is_live(const DeviceChoice& device);
+/// Whether the device pushes a hand, so that its force must end even when this program is killed.
+bool pushes(const DeviceChoice& device);
 
-/// A device that is open, and what play has to know of it.
+/// A device that is open, and what play has to know about it.
 struct OpenDevice {
   std::unique_ptr<Device> device;
-  bool live = true;                      ///< a hand: it needs a pace
-  std::size_t ticks = 0;                 ///< how many it has, where it is not live
+  std::size_t ticks = 0;                 ///< how many a path or a replay has
   std::optional<SessionHeader> session;  ///< of a replay
 };
 
-/// @param box of the grid. @param guard of a device that needs one.
+/// @param text_rate_hz ticks a second of a replayed text, which does not say it.
+/// @param box of the grid. @param guard for a device that pushes.
 /// @throw DeviceError, Error, std::system_error
-OpenDevice open_device(const PlayOptions& options, const Box& box, HidGuard* guard);
+OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
+                       double text_rate_hz, const Box& box, HidGuard* guard);
 
 /// Prints what --list-devices and --dump-descriptor ask for. @throw DeviceError
 void print_devices();

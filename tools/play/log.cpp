@@ -13,8 +13,8 @@ Log::Log(const std::string& file, const LoadedGrid& loaded, const Fields& fields
     session_.emplace(file, session_header(spec, loaded.digest, rate_hz, with), paced);
     return;
   }
-  // A paced run must not write before its end, so all its ticks find room; without deadlines the
-  // log is written whenever the storage is full.
+  // A paced play must not write before its end, so its storage has room for all ticks. Without
+  // deadlines the log is written whenever the storage is full.
   constexpr std::size_t kChunk = 4096;
   text_.emplace(file, spec, fields, rate_hz, paced ? ticks : std::min(ticks, kChunk));
 }

@@ -12,14 +12,14 @@ namespace hapgrid {
 
 class Log {
  public:
-  /// @param file empty: none. @param ticks that will come, for a text.
-  /// @throw what opening it meets
+  /// @param file empty: no log. @param ticks the number of ticks to come, for a text.
+  /// @throw std::system_error
   Log(const std::string& file, const LoadedGrid& loaded, const Fields& fields, double rate_hz,
       bool paced, std::size_t ticks, const PlayedWith& with);
 
   /// Real-time safe when paced. @throw std::system_error when not.
   void add(const Tick& tick);
-  /// @throw what writing has met
+  /// Writes what is left. @throw std::system_error
   void finish();
 
  private:

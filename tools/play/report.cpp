@@ -11,9 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMicro = 1e-3;  // nanoseconds in microseconds
-
-double microseconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * kMicro; }
+double microseconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-3; }
 
 std::string short_number(double value) {
   char text[32];

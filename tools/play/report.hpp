@@ -1,4 +1,4 @@
-// What play says of a run: lines for people, and JSON for machines.
+// The report of a play: lines for people, and JSON for machines.
 #pragma once
 
 #include <string>
@@ -8,17 +8,17 @@
 
 namespace hapgrid {
 
-/// What a report needs beside the loop's summary.
+/// What a report contains beside the loop's summary.
 struct RunFacts {
   std::string model = {};
   std::string device = {};
-  double rate_hz = 0;                   ///< 0: no pace
-  std::string realtime = {};            ///< what was got
-  const FrameCounts* frames = nullptr;  ///< none: no frames were wanted
+  double rate_hz = 0;                   ///< 0: not paced
+  std::string realtime = {};            ///< see Realtime::got()
+  const FrameCounts* frames = nullptr;  ///< null: no frames were written
   int exit_code = 0;
 };
 
-/// On standard error.
+/// Prints the lines on standard error.
 void print_summary(const LoopSummary& summary, const RunFacts& facts);
 /// @throw std::system_error
 void write_report(const std::string& file, const LoopSummary& summary, const RunFacts& facts);

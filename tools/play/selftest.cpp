@@ -20,8 +20,10 @@ namespace hapgrid {
 
 namespace {
 
-// Loop and kernel take turns of this length, so that a stall of the machine meets both.
+// Loop and kernel take turns of this length, so that both meet the stalls of the machine.
 constexpr double kTurnSeconds = 0.25;
+// Time for each rate without --duration.
+constexpr double kSeconds = 4;
 
 /// A hand that circles in a box of one cell.
 class NoDevice : public Device {
@@ -60,7 +62,7 @@ Grid one_cell() {
   return Grid(spec, 1, std::move(columns));
 }
 
-/// What clock_nanosleep() alone gives: how late each absolute wake-up is.
+/// How late clock_nanosleep() alone wakes up.
 void measure_kernel(double rate_hz, std::uint64_t ticks, Histogram& lateness) {
   const std::int64_t start = monotonic_ns();
   for (std::uint64_t k = 1; k <= ticks && caught_signal.load() == 0; ++k) {
@@ -110,6 +112,8 @@ const char* grade(const Measured& m, double rate_hz) {
 }  // namespace
 
 int run_selftest(const PlayOptions& options) {
+  const double spin_us = changed({}, options.given).spin_us;
+  const double seconds = options.duration_s > 0 ? options.duration_s : kSeconds;
   std::vector<double> rates{1000, 2000, 5000};
   if (options.rate_hz > 0) rates = {options.rate_hz};
   const Grid grid = one_cell();
@@ -123,10 +127,10 @@ int run_selftest(const PlayOptions& options) {
     {
       const Realtime realtime(options.realtime);
       got = realtime.got();
-      const int turns = std::max(1, static_cast<int>(options.selftest_s / (2 * kTurnSeconds)));
+      const int turns = std::max(1, static_cast<int>(seconds / (2 * kTurnSeconds)));
       const auto ticks = static_cast<std::uint64_t>(std::ceil(rate_hz * kTurnSeconds));
       for (int turn = 0; turn < turns && caught_signal.load() == 0; ++turn) {
-        measure_loop(grid, rate_hz, options.spin_us, ticks, measured);
+        measure_loop(grid, rate_hz, spin_us, ticks, measured);
         measure_kernel(rate_hz, ticks, measured.kernel);
       }
     }

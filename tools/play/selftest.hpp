@@ -5,8 +5,8 @@
 
 namespace hapgrid {
 
-/// Runs the loop without a device, in turns with a bare loop of clock_nanosleep() that measures as
-/// cyclictest does, and prints both with a grade. @return an exit code
+/// Runs the loop without a device, in turns with a bare loop of clock_nanosleep(), which measures
+/// what cyclictest does, and prints both with a grade. @return an exit code
 int run_selftest(const PlayOptions& options);
 
 }  // namespace hapgrid

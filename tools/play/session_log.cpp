@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The flags of a tick: first the safety core's, bit by bit, then these.
+// The flags of a tick: first the bits of the safety core, then these.
 enum : std::uint32_t { kClutchBit = kSafetyActions, kStalledBit, kResetBit, kLevelBit };
 
 /// Calls f(name, value) for each limit.
@@ -45,7 +45,7 @@ SessionHeader session_header(const GridSpec& spec, const std::string& digest, do
   for (const char* name : kSafetyNames) header.flags.push_back(kSafetyFlag + std::string(name));
   header.flags.insert(header.flags.end(), {kClutchFlag, kStalledFlag, kResetFlag, kLevelFlag});
   Json safety;
-  // JSON has no infinity: null is one.
+  // JSON has no infinity; null stands for it.
   each_limit(with.limits, [&](const char* name, double value) { safety[name] = value; });
   header.settings = Json{{"safety", safety}, {"scale_per_m", with.scale}}.dump();
   return header;

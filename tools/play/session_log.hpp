@@ -1,4 +1,4 @@
-// The compact log of a play (libcore/session): what stands in it, and what a replay takes from it.
+// The compact log of a play (libcore/session): what is in it, and what a replay takes from it.
 #pragma once
 
 #include <optional>
@@ -7,16 +7,16 @@
 #include "libcore/haptic/loop.hpp"
 #include "libcore/session/recorder.hpp"
 #include "libcore/session/recording.hpp"
-#include "tools/play/options.hpp"
 
 namespace hapgrid {
 
-/// --log FILE.session is one; any other name is a text.
+/// Whether --log FILE is a session, FILE.session; any other name is a text.
 bool is_session_name(const std::string& file);
 
-/// What the forces of a replay depend on, beside the grid: so a replay has the same.
+/// What forces depend on beside the grid. A replay takes it from the session, so it has the same
+/// forces.
 struct PlayedWith {
-  SafetyLimits limits;  ///< as they were applied, the device's own among them
+  SafetyLimits limits;  ///< as they were applied, with the device's own limit
   double scale = 0;     ///< Mapping::scale()
 };
 

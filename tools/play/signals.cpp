@@ -3,7 +3,7 @@
 namespace hapgrid {
 
 std::atomic<int> caught_signal{0};
-static_assert(std::atomic<int>::is_always_lock_free);  // a handler may touch nothing else
+static_assert(std::atomic<int>::is_always_lock_free);  // or a handler may not use it
 
 extern "C" {
 static void catch_signal(int signal) { caught_signal.store(signal, std::memory_order_relaxed); }

@@ -1,4 +1,4 @@
-// The signals that end a play in good order: they set a flag that the loop looks at.
+// The signals that end a play in good order: they set a flag that the loop reads.
 #pragma once
 
 #include <signal.h>
@@ -8,12 +8,12 @@
 
 namespace hapgrid {
 
-/// The signal that was caught, 0 when none was.
+/// The signal that was caught, 0 for none.
 extern std::atomic<int> caught_signal;
 
-/// While it lives SIGINT, SIGTERM, SIGHUP and SIGQUIT set caught_signal instead of ending the
-/// process, and so does SIGTSTP (Ctrl-Z), which would stop it with a force on the device; one that
-/// was ignored stays ignored (nohup).
+/// While it lives, SIGINT, SIGTERM, SIGHUP and SIGQUIT set caught_signal instead of ending the
+/// process. So does SIGTSTP (Ctrl-Z), which would stop the process with a force on the device. A
+/// signal that was ignored stays ignored (nohup).
 class CaughtSignals {
  public:
   CaughtSignals();

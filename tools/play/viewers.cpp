@@ -42,7 +42,7 @@ void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
   std::copy(row.begin(), row.end(), snapshot.row.begin());
 }
 
-/// What viewers will take for something else.
+/// Says which units viewers will take for other ones.
 void print_imd_units(const Scene& scene, bool has_energy, int version) {
   const ImdUnits units(version, scene.length_unit, scene.energy_unit);
   const auto print = [](const char* what, const std::string& unit, const char* taken_for) {
@@ -82,11 +82,10 @@ void Viewers::start(const GridSpec& spec, const MakeModel& create, double rate_h
       paced, rate_hz, stop, std::move(show));
 }
 
-void Viewers::wait(const std::atomic<int>& stop) {
-  if (imd_ && options_.imd_wait_s > 0 &&
-      !imd_->wait_for_viewer(std::chrono::duration<double>(options_.imd_wait_s), stop) &&
+void Viewers::wait(double seconds, const std::atomic<int>& stop) {
+  if (imd_ && seconds > 0 && !imd_->wait_for_viewer(std::chrono::duration<double>(seconds), stop) &&
       stop.load() == 0)
-    std::fprintf(stderr, "play: IMD: no viewer within %g s\n", options_.imd_wait_s);
+    std::fprintf(stderr, "play: IMD: no viewer within %g s\n", seconds);
 }
 
 void Viewers::show(const Tick& tick) {

@@ -1,4 +1,4 @@
-// What a play shows beside the force: frames in a file or pipe, and to viewers of molecules (IMD).
+// Who watches a play: a file or pipe of frames, and viewers of molecules (IMD).
 #pragma once
 
 #include <atomic>
@@ -15,23 +15,23 @@ namespace hapgrid {
 
 class Viewers {
  public:
-  /// Takes IMD's port, if one is wanted, and says so. @throw std::system_error
+  /// Takes the port of --imd and says so. @throw std::system_error
   explicit Viewers(const PlayOptions& options);
 
-  /// Starts the slow thread, if anybody is to see anything.
+  /// Starts the slow thread if there are frames to write or viewers to serve.
   /// @param spec outlives this. @param create as Fields has it. @param stop see FramePublisher.
   void start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
              const std::atomic<int>& stop);
-  /// --imd-wait.
-  void wait(const std::atomic<int>& stop);
+  /// Waits for a viewer of molecules, for this long at most; not when there is no server.
+  void wait(double seconds, const std::atomic<int>& stop);
   /// Real-time safe when paced. @throw std::system_error when not.
   void show(const Tick& tick);
-  /// @throw what the slow thread has met
+  /// Ends the slow thread. @throw what it threw
   void finish();
 
-  /// Of the file, when there is one. After finish().
+  /// Frames in the file, null without one. After finish().
   const FrameCounts* frames() const { return file_ ? &*counts_ : nullptr; }
-  /// On standard error. After finish().
+  /// On standard error, after finish().
   void print_summary() const;
 
  private:

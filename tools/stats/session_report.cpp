@@ -24,10 +24,12 @@ Json force_json(const SessionHeader& header, const LargestForce& force) {
   return {{"newtons", force.newtons}, {"time_s", header.time_of(force.tick)}, {"tick", force.tick}};
 }
 
-Json times_json(const TimeHistogram& times) {
+double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }
+
+Json times_json(const Histogram& times) {
   Json json;
-  for (const auto& [name, share] : kPercentiles) json[name] = times.percentile(share) / 1e3;
-  json["max"] = times.max() / 1e3;
+  for (const auto& [name, share] : kPercentiles) json[name] = microseconds(times.quantile(share));
+  json["max"] = microseconds(times.max());
   return json;
 }
 
@@ -36,11 +38,11 @@ std::string force_text(const SessionHeader& header, const LargestForce& force) {
   return rounded(force.newtons) + " N at " + to_text(header.time_of(force.tick)) + " s";
 }
 
-std::string times_text(const TimeHistogram& times) {
+std::string times_text(const Histogram& times) {
   std::string text;
   for (const auto& [name, share] : kPercentiles)
-    text += std::string(name) + " " + fixed(times.percentile(share) / 1e3, 3) + ", ";
-  return text + "max " + fixed(times.max() / 1e3, 3) + " us";
+    text += std::string(name) + " " + fixed(microseconds(times.quantile(share)), 3) + ", ";
+  return text + "max " + fixed(microseconds(times.max()), 3) + " us";
 }
 
 std::string share_text(std::uint64_t part, std::uint64_t whole) {

@@ -55,8 +55,8 @@ def force(written):
 
 
 def play(*options, grid="stuck.0", wrapper=(), device=f"profile:{PROFILE}"):
-    return subprocess.Popen([*wrapper, "play", grid, "--device", device, "--model-path", plugins, "--ramp",
-                             "50", *options], env=environment,
+    return subprocess.Popen([*wrapper, "play", grid, "--device", device, "--model-path", plugins, "--set",
+                             "safety.ramp=50", *options], env=environment,
                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
@@ -138,10 +138,10 @@ assert calls["futex"] <= 2 * len(sleeps) + 2, calls  # one that is interrupted i
 device.end()
 print("system calls:", dict(calls))
 
-# A SpaceMouse: pushed half way to the left, the HIP goes half of --speed that way, and nowhere else; a
+# A SpaceMouse: pushed half way to the left, the HIP goes half of mapping.speed that way, and nowhere else; a
 # button is in the log.
 device = Device(SPACEMOUSE, struct.pack("<B3h", 1, -175, 0, 0).hex())
-process = play("--rate", "500", "--duration", "1", "--speed", "0.4", "--log", "mouse.session",
+process = play("--rate", "500", "--duration", "1", "--set", "mapping.speed=0.4", "--log", "mouse.session",
                device="spacemouse")
 deadline = time.monotonic() + 30
 while not os.path.exists("mouse.session.part"):  # the device is open

@@ -18,6 +18,7 @@ MODEL, SCHEMA, GRID, PATH = sys.argv[1:]
 DISCONNECT, ENERGIES, FCOORDS, GO, HANDSHAKE, KILL, MDCOMM, PAUSE, TRATE, IOERROR = range(10)
 SESSIONINFO, RESUME, TIME, BOX, VELOCITIES, FORCES, WAIT = range(10, 17)
 LONG = 60  # seconds for what must happen
+WAIT_FOR_VIEWER = "--set", f"imd.wait={LONG}"
 # To angstrom: a model whose unit is not known is sent as it is.
 LENGTH = {"ball": 1, "spring": 1e7}[MODEL]
 NEWTON = 6.02214076e10  # kJ/(mol angstrom)
@@ -133,7 +134,7 @@ def exact():
     of them; units that nobody knows are named."""
     for version in 2, 3:
         name = f"exact{version}.frames"
-        play = Play("--imd-version", str(version), "--imd-wait", str(LONG), "--frames", name)
+        play = Play("--imd-version", str(version), *WAIT_FOR_VIEWER, "--frames", name)
         first = Client(play.port, go=False)
         second = Client(play.port, go=False)
         assert first.version == second.version == version
@@ -219,7 +220,7 @@ def hostile():
         lines = (file.readlines() * 9)[:2500]
     with open("long", "w") as file:
         file.writelines(lines)
-    play = Play("--rate", "1000", "--imd-wait", str(LONG), "--frames", "hostile.frames", path="long")
+    play = Play("--rate", "1000", *WAIT_FOR_VIEWER, "--frames", "hostile.frames", path="long")
     good = Client(play.port)
     others = Hostile(play.port)
     got = good.rest()
@@ -230,7 +231,7 @@ def hostile():
 
     # Without a pace, the log is as if nobody were there.
     run_log("plain.log")
-    play = Play("--imd-wait", str(LONG), "--log", "hostile.log")
+    play = Play(*WAIT_FOR_VIEWER, "--log", "hostile.log")
     others = Hostile(play.port)
     out = play.end()
     others.stopped = True
@@ -248,7 +249,7 @@ def asleep():
         lines = file.readlines()
     with open("many", "w") as file:
         file.writelines((lines * (count // len(lines) + 1))[:count])
-    play = Play("--imd-version", "3", "--imd-wait", str(LONG), "--frames", "asleep.frames",
+    play = Play("--imd-version", "3", *WAIT_FOR_VIEWER, "--frames", "asleep.frames",
                 path="many")
     sleeper = Client(play.port, go=False, buffer=4096)
     sleeper.socket.sendall(header(GO))
@@ -269,7 +270,7 @@ def asleep():
 
 def stopped():
     """SIGINT while play waits for a viewer."""
-    play = Play("--imd-wait", str(LONG))
+    play = Play(*WAIT_FOR_VIEWER)
     time.sleep(0.5)  # most likely it waits now; before that SIGINT just ends it
     play.process.send_signal(signal.SIGINT)
     assert play.process.wait() in (128 + signal.SIGINT, -signal.SIGINT), play.process.returncode

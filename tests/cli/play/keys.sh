@@ -4,7 +4,7 @@ seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --co
 python3 - <<'PYTHON'
 import os, pty, re, select, signal, sys, termios, time
 
-def session(keys, ending, extra=(), ticks=0.3):
+def session(keys, ending, extra=(), ticks=0.1):
     """Plays with `keys` pressed one by one, after so many seconds of ticks; returns exit code and
     standard error."""
     pid, terminal = pty.fork()
@@ -12,7 +12,7 @@ def session(keys, ending, extra=(), ticks=0.3):
         error = os.open("err", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(error, 2)
         os.execvp("play", ["play", "grid", "--device", "keys", "--rate", "200", "--log", "log.session",
-                           "--key-step", "0.1", *extra])
+                           "--set", "keys.step=0.1", *extra])
     before = None
     deadline = time.monotonic() + 30
     # The terminal is raw once play reads it: until then a key would only be echoed.
@@ -30,6 +30,8 @@ def session(keys, ending, extra=(), ticks=0.3):
     time.sleep(ticks)
     for key in keys:
         os.write(terminal, key)
+        time.sleep(0.02)
+    if keys:
         time.sleep(0.3)  # the HIP follows with a time constant of 50 ms
     ending(pid, terminal)
     _, status = os.waitpid(pid, 0)
@@ -59,8 +61,9 @@ assert code == 130, (code, error)
 code, error = session([], lambda pid, terminal: os.kill(pid, signal.SIGTERM))
 assert code == 143, (code, error)
 code, error = session([], lambda pid, terminal: os.write(terminal, b"q"),
-                      ["--key-start", "0.3,0.2,0.1"])
-assert code == 0 and hips()[0] == (0.3, 0.2, 0.1), (code, error, hips()[0])
+                      ["--set", "mapping.offset=[0.3,0.2,0.1]"])
+moved = (0.3 + start[0], 0.2 + start[1], 0.1 + start[2])  # from the middle of the box
+assert code == 0 and all(abs(a - b) < 1e-9 for a, b in zip(hips()[0], moved)), (code, error, hips()[0])
 # Before the first tick: the terminal is raw, and the pipe for the frames has no reader. Signals are
 # sent until one comes while it waits for that; one more, on the way out, finds no handler any more
 # (session() has looked that the terminal is given back). A shell says 130 of both.

@@ -41,14 +41,19 @@ printf '%s\n' '-0.95 0.01 0.01' '0 0.01 0.01' '-9 0.01 0.01' >jumps
 expect 0 '' "play: 3 ticks, 38 cell switches: 38 face, 0 edge, 0 vertex; levels changed in 1 ticks
 play: ticks outside the box 1, with a jump split 2, lagging behind a jump 0
 play: largest force 0.199 N of the model, 0.05 N sent; safety, in ticks: clamped 1" \
-  -- play grid --device path:jumps --max-force 0.05 --ramp 0 --blend 0 --slew inf --fade 0 --log log
+  -- play grid --device path:jumps --max-force 0.05 --set safety.ramp=0 --set safety.blend=0 \
+  --set safety.slew=inf --set safety.fade=0 --log log
 awk -F '\t' 'NR > 1 && $5 * $5 + $6 * $6 + $7 * $7 > 0.05 * 0.05 * (1 + 1e-15) { bad = 1 }
              NR == 3 && $5 * $5 + $6 * $6 + $7 * $7 < 0.049 * 0.049 { bad = 1 }
              NR == 4 && ($2 != -9 || $16 != 0) { bad = 1 } END { exit bad }' log || fail "limits: $(cat log)"
-expect 0 '' "play: 3 ticks, 10 cell switches: 10 face, 0 edge, 0 vertex; levels changed in 0 ticks
-play: ticks outside the box 1, with a jump split 2, lagging behind a jump 1
-play: largest force 0 N of the model, 0 N sent; safety, in ticks: faded 1, ramped 3" \
-  -- play grid --device path:jumps --max-sub-steps 5
+# A jump over 70 cells takes a second tick: 64 cells are the most in one.
+seed "$ball" --set 'grid.origin=[-0.9,0,0]' --set grid.spacing=0.01 --set 'grid.counts=[72,2,2]' \
+  --set 'seeds.points=[[-0.9,0,0]]' |
+  expand --complete -o long
+printf '%s\n' '-0.895 0 0' '-0.195 0 0' '-0.195 0 0' >jump
+expect 0 '' "~play: 3 ticks, 70 cell switches: 70 face, 0 edge, 0 vertex; .*
+play: ticks outside the box 0, with a jump split 2, lagging behind a jump 1
+play: largest force .*" -- play long --device path:jump
 
 # Paced: 300 ticks at 1 kHz end after 299 ms at the earliest; missed ticks only make it longer.
 head -301 path >short

@@ -66,7 +66,7 @@ assert lines[4] == f"play: ticks missed at 1000 Hz: {paced['missed']}, in {paced
 PYTHON
 
 # A quarter of a second each of loop and kernel for each rate; no device, no grid.
-play --selftest --selftest-time 0.1 --realtime off >selftest
+play --selftest --duration 0.1 --realtime off >selftest
 python3 - <<'PYTHON'
 import re
 

@@ -22,7 +22,7 @@ done
 printf '0 0 0\n0 0 0\n' >two
 (
   trap '' HUP
-  play grid --device path:two --rate 2 2>stderr &
+  play grid --device path:two --rate 5 2>stderr &
   pid=$!
   for _ in {1..20}; do kill -HUP $pid; done
   wait $pid

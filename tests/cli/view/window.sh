@@ -10,12 +10,12 @@ if sanitized; then export LP_NUM_THREADS=0; fi
 
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 for i in {-90..90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
-play grid --device path:path --ramp 0 --slew inf --frames ball.frames 2>/dev/null
+play grid --device path:path --set safety.ramp=0 --set safety.slew=inf --frames ball.frames 2>/dev/null
 molecule=$HAPGRID_SOURCE/examples/molecule/alanine-dipeptide/alanine-dipeptide.toml
 seed "$molecule" --set grid.spacing=3 --set 'grid.counts=[4,4,4]' --set 'grid.origin=[-4.5,-4.5,-4.5]' |
   expand --complete -j 2 -o molecule.grid
 for i in {0..60}; do echo "0 -3 $(printf '%de-1' $((i - 30)))"; done >path
-play molecule.grid --device path:path --ramp 0 --slew inf --frames molecule.frames 2>/dev/null
+play molecule.grid --device path:path --set safety.ramp=0 --set safety.slew=inf --frames molecule.frames 2>/dev/null
 
 # one FRAMES NUMBER: the scene and one frame.
 one() {

@@ -202,7 +202,6 @@ TEST_CASE("PID: positions in metres") {
   CHECK(input.position[0] == -0.03);
   CHECK(protocol.info().low == Vec3{-0.03, -0.03, 0});
   CHECK(protocol.info().high == Vec3{0.03, 0.03, 0});
-  CHECK(protocol.info().has_force);
 }
 
 TEST_CASE("PID: a device that does not give a block") {

@@ -81,7 +81,6 @@ TEST_CASE("a Teensy with three axes") {
   ProfileProtocol teensy(shipped("teensy-rawhid.toml"));
   CHECK_FALSE(teensy.numbered());
   CHECK(teensy.info().max_force == 3);
-  CHECK(teensy.info().has_force);
   CHECK(teensy.info().high == Vec3{0.08, 0.08, 0.08});
   CHECK(teensy.timing().keep_alive == 0.02);
 
@@ -276,7 +275,6 @@ TEST_CASE("a profile without an output has no force") {
   const std::string text = kGood;
   const std::size_t from = text.find("[[output]]"), to = text.find("[workspace]");
   ProfileProtocol device(read_profile(text.substr(0, from) + text.substr(to), "p"));
-  CHECK_FALSE(device.info().has_force);
   CHECK(device.stop().empty());
 }
 

@@ -64,7 +64,6 @@ TEST_CASE("SpaceMouse: what does not move the HIP") {
   CHECK_FALSE(mouse.decode(Bytes{1, 1, 0, 1, 0, 1}, input));           // too short
   CHECK_FALSE(mouse.decode(Bytes{}, input));
   CHECK(input.rate == Vec3{0.1, 0.2, 0.3});
-  CHECK_FALSE(mouse.info().has_force);
   CHECK(mouse.timing().stall == 0);
   CHECK(mouse.stop().empty());
   std::vector<HidReport> reports{{1}};

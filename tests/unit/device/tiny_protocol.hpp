@@ -24,8 +24,7 @@ class TinyProtocol : public hapgrid::HidProtocol {
     return {.name = "tiny",
             .unit = hapgrid::DeviceInfo::Unit::kMetres,
             .high = {0.255, 0, 0},
-            .max_force = 200,
-            .has_force = true};
+            .max_force = 200};
   }
   hapgrid::HidTiming timing() const override { return timing_; }
   bool numbered() const override { return false; }

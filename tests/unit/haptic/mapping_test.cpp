@@ -5,6 +5,7 @@
 #include <random>
 
 #include "libcore/base/error.hpp"
+#include "libcore/grid/vec3.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 using namespace hapgrid;
@@ -19,8 +20,6 @@ DeviceInfo held(const Vec3& low, const Vec3& high) {
 }
 
 Vec3 at(Mapping& mapping, const Vec3& hand) { return mapping.hip({.position = hand}, 0.001); }
-
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 }  // namespace
 

@@ -1,6 +1,6 @@
-// Durations, counted so that a tick can do it: an array of counters whose bins grow with the value,
-// each at most 1/64 of it wide (the scheme of HDR histograms, which Debian has for other languages
-// only).
+// A histogram of durations that a real-time thread can add to. Its bins are counters in an array;
+// each bin is at most 1/128 of its values wide (the scheme of HDR histograms, which Debian only has
+// for other languages).
 #pragma once
 
 #include <array>
@@ -11,16 +11,16 @@ namespace hapgrid {
 
 class Histogram {
  public:
-  /// Real-time safe. Nanoseconds; below 0 counts as 0.
+  /// Adds a duration in nanoseconds; a negative one counts as 0. Real-time safe.
   void add(std::int64_t nanoseconds) noexcept;
 
-  /// Everything that was added to another one.
+  /// Adds all durations of another histogram.
   void add(const Histogram& other) noexcept;
 
   std::uint64_t count() const { return count_; }
   std::int64_t max() const { return max_; }
-  /// The value that the part `p` in (0, 1] of all is not above: the upper edge of its bin, so not
-  /// below the true one and at most 1/64 above it; 0 without values, never above max().
+  /// The quantile `p` in (0, 1]: the upper edge of its bin, so it is not below the true quantile,
+  /// at most 1/128 above it, and never above max(). 0 when nothing was added.
   std::int64_t quantile(double p) const;
 
   struct Bin {
@@ -28,11 +28,11 @@ class Histogram {
     std::int64_t to;    ///< exclusive
     std::uint64_t count;
   };
-  /// The bins with something in them, ascending.
+  /// The bins that are not empty, ascending.
   std::vector<Bin> bins() const;
 
  private:
-  static constexpr int kSubBits = 6;  // 64 bins to a doubling
+  static constexpr int kSubBits = 7;  // 128 bins to a doubling
   static constexpr std::size_t kBins = (64 - kSubBits) << kSubBits;
 
   static std::size_t bin(std::uint64_t value) noexcept;

@@ -1,4 +1,4 @@
-#include "libcore/haptic/histogram.hpp"
+#include "libcore/base/histogram.hpp"
 
 #include <algorithm>
 #include <bit>
