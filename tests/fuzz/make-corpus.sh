@@ -1,6 +1,6 @@
 #!/bin/bash
 # Writes the part of the corpora that real outputs of the tools are: `made-*` in corpus/TARGET. The
-# rest of the files there is what the fuzzer found (README.md). Needs a build (HAPGRID_BIN) and cc;
+# rest of the files there is what the fuzzer found (tests/README.md). Needs a build (HAPGRID_BIN) and cc;
 # what it writes depends on the versions of zstd and of the compiler's libraries, so it is committed.
 #
 #   tests/fuzz/make-corpus.sh [CORPUS]

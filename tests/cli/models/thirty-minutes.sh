@@ -1,8 +1,8 @@
 #!/bin/bash
-# The commands of examples/README.md, as a reader would type them.
+# The commands of examples/guide/your-own-model.md, as a reader would type them.
 source "$(dirname "$0")/../lib.sh"
 
-page=$HAPGRID_SOURCE/examples/README.md
+page=$HAPGRID_SOURCE/examples/guide/your-own-model.md
 sed -n '/^```sh$/,/^```$/p' "$page" | grep -v '^```' >commands
 (($(grep -c '^```sh$' "$page") == 6)) || fail "the page has another number of blocks"
 HAPGRID=$HAPGRID_SOURCE bash -euo pipefail commands >out 2>err || fail "the page failed: $(cat err)"

@@ -1,0 +1,41 @@
+#!/bin/bash
+# The pages (*.md): every relative link leads to a file and to a heading in it, every path of this
+# repository that a page names is there, the README has at most 100 lines, and all pages together
+# have at most 14,000 words. Run with a directory, it looks at that one instead.
+set -euo pipefail
+cd "${1:-${HAPGRID_SOURCE:-$(dirname "$0")/..}}"
+
+bad=0
+complain() {
+  echo "$1" >&2
+  bad=1
+}
+
+# The anchors of a page's headings, as GitHub makes them.
+anchors() {
+  grep -E '^#+ ' "$1" | sed -E 's/^#+ //; s/[^[:alnum:] _-]//g; s/ /-/g' | tr '[:upper:]' '[:lower:]'
+}
+
+mapfile -t pages < <(find . -name '*.md' -not -path './build*' -not -path './.*' | sort)
+((${#pages[@]} > 0)) || complain "there are no pages"
+for page in "${pages[@]}"; do
+  while read -r link; do
+    file=${link%%#*}
+    target=$page
+    [[ -z $file ]] || target=$(dirname "$page")/$file
+    if [[ ! -e $target ]]; then
+      complain "$page: the link $link leads nowhere"
+    elif [[ $link == *#* ]] && ! anchors "$target" | grep -qxF -e "${link#*#}"; then
+      complain "$page: the link $link names a heading that is not there"
+    fi
+  done < <(grep -oE '\]\([^)]*\)' "$page" | sed -E 's/^\]\(//; s/\)$//' | grep -vE '^[a-z]+:' || true)
+  while read -r path; do
+    [[ -e $path ]] || complain "$page: there is no $path"
+  done < <(grep -oP '(?<![\w/.-])(libcore|tools|tests|examples|schemas)/[\w./-]*\w' "$page" || true)
+done
+
+lines=$(wc -l <README.md)
+((lines <= 100)) || complain "README.md has $lines lines, and may have 100"
+words=$(cat "${pages[@]}" | wc -w)
+((words <= 14000)) || complain "the pages have $words words, and may have 14000"
+exit $bad
