@@ -81,9 +81,8 @@ PidReports find_pid_reports(const HidDescriptor& descriptor) {
   r.direction = finder.find("Set Effect report (direction)", Kind::kOutput, {0x0a, 1}, pid(0x57));
   r.force_index = output("Set Constant Force report (block index)", 0x22, 0x73);
   r.magnitude = output("Set Constant Force report (magnitude)", 0x70, 0x73);
-  if (r.magnitude.logical_min >= 0 || r.magnitude.logical_max <= 0) {
+  if (r.magnitude.logical_min >= 0 || r.magnitude.logical_max <= 0)
     throw DeviceError("no PID device with two axes: its magnitudes have one sign only");
-  }
   r.operation_index = output("Effect Operation report (block index)", 0x22, 0x77);
   r.operation_start = output("Effect Operation report (start)", 0x79, 0x77);
   r.loop_count = output("Effect Operation report (loop count)", 0x7c, 0x77);
