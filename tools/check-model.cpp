@@ -6,7 +6,7 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/check/model_check.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/search/converter.hpp"
 #include "libcore/search/seed.hpp"
 #include "tools/common/definition.hpp"
@@ -66,7 +66,7 @@ Json calls_json(const CallTimes& t) {
 
 std::string report_text(const GridSpec& spec, const hapgrid_model_info& info, const ModelCheck& m,
                         const GridEstimate& e) {
-  const std::string length = info.length_unit[0] ? " " + printable(info.length_unit) : "";
+  const std::string length = info.length_unit[0] ? " " + printable_line(info.length_unit) : "";
   std::string text = checks_text(m.checks) + "\n";
   const auto row = [&](const std::string& name, const std::string& value) {
     text += name + std::string(13 - name.size(), ' ') + value + "\n";

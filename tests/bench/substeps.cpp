@@ -10,7 +10,7 @@
 #include <cstdlib>
 
 #include "libcore/check/fidelity.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/grid/describe.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/shard/load.hpp"
 
