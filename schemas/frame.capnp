@@ -8,9 +8,8 @@
 # how this file may change.
 @0xfaee0b0fb5fb4886;
 
-# The annotation of capnp/c++.capnp, repeated so that this file needs no other one to be decoded with.
-annotation namespace @0xb9c6f99ebf805f2c (file) :Text;
-$namespace("hapgrid::scene_schema");
+using Common = import "common.capnp";
+$Common.namespace("hapgrid::scene_schema");
 
 struct Message {
   union {
@@ -26,7 +25,7 @@ struct Scene {
   # 0x6861706772696466, "hapgridf" in ASCII.
 
   version @1 :UInt32;
-  # Format version, 1. A reader refuses any other.
+  # 1; a reader refuses any other.
 
   model @2 :Text;
   # The plug-in's plain name, never a path.
@@ -37,7 +36,7 @@ struct Scene {
   energyUnit @4 :Text;
   # For people: "kJ/mol"; may be empty.
 
-  box @5 :Box;
+  box @5 :Common.Box;
 
   stateSize @6 :UInt32;
   # n, the number of components of a state.
@@ -45,32 +44,8 @@ struct Scene {
   hipRadius @7 :Float64;
   # Of the ball that the HIP moves; 0 is unknown.
 
-  spheres @8 :List(Sphere);
+  spheres @8 :List(Common.Sphere);
   # What shows a state; empty where the model has no shape.
-}
-
-struct Box {
-  originX @0 :Float64;
-  originY @1 :Float64;
-  originZ @2 :Float64;
-  # Position of the grid's point (0, 0, 0).
-
-  spacing @3 :Float64;
-  countX @4 :UInt32;
-  countY @5 :UInt32;
-  countZ @6 :UInt32;
-}
-
-struct Sphere {
-  radius @0 :Float32;
-
-  red @1 :Float32;
-  green @2 :Float32;
-  blue @3 :Float32;
-  # In [0, 1].
-
-  label @4 :Text;
-  # Of an atom its element's symbol; may be empty.
 }
 
 struct Vector {

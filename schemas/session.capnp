@@ -1,17 +1,16 @@
 # What play records of a session, tick by tick. A session is a sequence of zstd frames, each with its
-# content checksum; each frame holds one Cap'n Proto message with the root Message: a header, any
+# content checksum; each zstd frame holds one Cap'n Proto message with the root Message: a header, any
 # number of chunks of ticks, ascending, and a footer. Behind the footer stands a skippable zstd frame
-# (magic 0x184D2A5E, 16 bytes): two little-endian UInt64, where the footer's frame starts and the
-# XXH3-64 (seed 0) of that frame's bytes. A session without this end was interrupted.
+# (magic 0x184D2A5E, 16 bytes): two little-endian UInt64, where the footer's zstd frame starts, and the
+# XXH3-64 (seed 0) of that zstd frame. A session without this end was interrupted.
 #
 #   zstd -dc x.session | capnp decode schemas/session.capnp Message
 #
 # prints any of them. schemas/README.md says how this file may change.
 @0xc72e1c11fdc4f4f9;
 
-# The annotation of capnp/c++.capnp, repeated so that this file needs no other one to be decoded with.
-annotation namespace @0xb9c6f99ebf805f2c (file) :Text;
-$namespace("hapgrid::session_schema");
+using Common = import "common.capnp";
+$Common.namespace("hapgrid::session_schema");
 
 struct Message {
   union {
@@ -28,7 +27,7 @@ struct Header {
   # 0x6861706772696473, "hapgrids" in ASCII.
 
   version @1 :UInt32;
-  # Format version, 1. A reader refuses any other.
+  # 1; a reader refuses any other.
 
   model @2 :Text;
   # The plug-in's plain name, never a path.
@@ -39,7 +38,7 @@ struct Header {
   lengthUnit @4 :Text;
   # For people: "angstrom"; may be empty.
 
-  box @5 :Box;
+  box @5 :Common.Box;
 
   rate @6 :Float64;
   # Ticks a second, above 0: the time of a tick is its number divided by this.
@@ -51,18 +50,6 @@ struct Header {
 
   settings @8 :Text;
   # How play was set up: JSON, for people and for play itself; may be empty.
-}
-
-struct Box {
-  originX @0 :Float64;
-  originY @1 :Float64;
-  originZ @2 :Float64;
-  # Position of the grid's point (0, 0, 0).
-
-  spacing @3 :Float64;
-  countX @4 :UInt32;
-  countY @5 :UInt32;
-  countZ @6 :UInt32;
 }
 
 struct Ticks {
@@ -120,7 +107,7 @@ struct Footer {
 struct Chunk {
   offset @0 :UInt64;
   size @1 :UInt64;
-  # Of its frame, in bytes.
+  # Of its zstd frame, in bytes.
 
   first @2 :UInt64;
   last @3 :UInt64;

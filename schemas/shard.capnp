@@ -7,9 +7,10 @@
 # prints any of them. schemas/README.md says how this file may change.
 @0xc1d5f0a96e3b7d42;
 
-# The annotation of capnp/c++.capnp, repeated so that this file needs no other one to be decoded with.
-annotation namespace @0xb9c6f99ebf805f2c (file) :Text;
-$namespace("hapgrid::schema");
+using Common = import "common.capnp";
+using Box = Common.Box;
+using Sphere = Common.Sphere;
+$Common.namespace("hapgrid::schema");
 
 struct Message {
   union {
@@ -81,18 +82,6 @@ struct Header {
   }
 }
 
-struct Box {
-  originX @0 :Float64;
-  originY @1 :Float64;
-  originZ @2 :Float64;
-  # Position of the point (0, 0, 0), in the model's unit of length.
-
-  spacing @3 :Float64;
-  countX @4 :UInt32;
-  countY @5 :UInt32;
-  countZ @6 :UInt32;
-}
-
 struct Equality {
   norm @0 :Norm;
   weights @1 :List(Float64);
@@ -112,21 +101,6 @@ struct Stored {
   force @0 :Bool;
   energy @1 :Bool;
   shape @2 :Bool;
-}
-
-struct Sphere {
-  # What stays the same, whatever the state.
-
-  radius @0 :Float32;
-  # In the model's unit of length.
-
-  red @1 :Float32;
-  green @2 :Float32;
-  blue @3 :Float32;
-  # 0 to 1.
-
-  label @4 :Text;
-  # Of an atom its element's symbol; at most 7 bytes.
 }
 
 struct Coding {

@@ -7,7 +7,7 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/check/model_check.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/search/converter.hpp"
 #include "libcore/search/seed.hpp"
 #include "tools/common/definition.hpp"
@@ -67,7 +67,7 @@ Json calls_json(const CallTimes& t) {
 
 std::string report_text(const GridSpec& spec, const ModelInfo& info, const ModelCheck& m,
                         const GridEstimate& e) {
-  const std::string length = info.length_unit.empty() ? "" : " " + printable(info.length_unit);
+  const std::string length = info.length_unit.empty() ? "" : " " + printable_line(info.length_unit);
   std::string text = checks_text(m.checks) + "\n";
   const auto row = [&](const std::string& name, const std::string& value) {
     text += name + std::string(13 - name.size(), ' ') + value + "\n";

@@ -14,16 +14,15 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/input_stream.hpp"
-#include "libcore/check/dump.hpp"
-#include "libcore/check/motion_log.hpp"
-#include "libcore/check/slice.hpp"
-#include "libcore/check/statistics.hpp"
-#include "libcore/check/text.hpp"
-#include "libcore/search/ranges.hpp"
+#include "tools/stats/dump.hpp"
+#include "tools/stats/motion_log.hpp"
+#include "tools/stats/slice.hpp"
+#include "tools/stats/statistics.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/section.hpp"
-#include "tools/common/gnuplot.hpp"
+#include "tools/stats/gnuplot.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/stats/session.hpp"
 
@@ -32,15 +31,14 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-// A line of a report is some 150 bytes: this is a million lines and more.
-constexpr std::uint64_t kReportLimit = 256u << 20;
+// A line of a cost file has some 150 bytes: this is a million lines and more.
+constexpr std::uint64_t kCostLimit = 256u << 20;
 
 struct Options {
   std::vector<std::string> shards;
-  std::vector<std::string> reports;
+  std::vector<std::string> costs;
   std::string format = "text";
   std::string get;
-  std::uint64_t ranges = 0;
   bool dump = false;
   std::string slice;
   std::string log;
@@ -95,8 +93,8 @@ void require_known_key(const std::string& key) {
   throw CLI::ValidationError("--get: no value " + key + " (there are: " + known + ")");
 }
 
-/// A value that headers and footers tell, so that a loop over generations need not read the whole
-/// grid each time: its chunks are not looked at, and damage in them is not seen here.
+/// A value that stands in headers and footers, so that a loop over generations need not read the
+/// whole grid each time. Damage in the chunks is not noticed here.
 std::optional<Json> value_from_footers(const std::string& key,
                                        const std::vector<std::string>& shards) {
   if (key != "frontier" && key != "records" && key != "generation" && key != "conversions_left")
@@ -112,28 +110,10 @@ std::optional<Json> value_from_footers(const std::string& key,
   return sum;
 }
 
-/// How a grid is cut: a line a range, with its number, the number of its first point and of the one
-/// behind its last, and the first and the last range that a merge of it needs.
-std::string ranges_text(const GridSpec& spec, std::uint64_t wanted) {
-  const std::uint64_t ranges = range_count(spec, wanted);
-  std::string text;
-  for (std::uint64_t k = 1; k <= ranges; ++k) {
-    const PointRange range = point_range(spec, k, ranges);
-    const PointRange needed = needed_points(spec, range);
-    std::uint64_t first = k, last = k;
-    while (first > 1 && point_range(spec, first, ranges).begin > needed.begin) --first;
-    while (last < ranges && point_range(spec, last, ranges).end < needed.end) ++last;
-    for (const std::uint64_t number : {k, range.begin, range.end, first})
-      text += std::to_string(number) + "\t";
-    text += std::to_string(last) + "\n";
-  }
-  return text;
-}
-
-/// A value as a line for scripts: texts without quotes, everything else as JSON. "replace": a
-/// shard's strings need not be UTF-8.
+/// A value as a line for scripts: texts without quotes, everything else as JSON. "replace" is for
+/// strings of shards, which need not be UTF-8.
 std::string value_line(const Json& value) {
-  return (value.is_string() ? printable(value.get<std::string>())
+  return (value.is_string() ? printable_line(value.get<std::string>(), std::string::npos)
                             : value.dump(-1, ' ', false, Json::error_handler_t::replace)) +
          "\n";
 }
@@ -206,12 +186,11 @@ void show_log(const Options& options) {
   run_session(std::move(file), session);
 }
 
-int run(const Options& options) {
+/// Refuses options that do not go together.
+void check_options(const Options& options) {
   const bool reads_log = !options.log.empty();
-  if (!options.get.empty() + options.dump + !options.slice.empty() + reads_log +
-          (options.ranges > 0) >
-      1)
-    throw CLI::ValidationError("--get, --dump, --slice, --ranges and --log exclude each other");
+  if (!options.get.empty() + options.dump + !options.slice.empty() + reads_log > 1)
+    throw CLI::ValidationError("--get, --dump, --slice and --log exclude each other");
   if (!options.slice.empty() && options.png.empty())
     throw CLI::ValidationError("--slice needs --png");
   if (!options.png.empty() && options.slice.empty() && !reads_log)
@@ -222,101 +201,69 @@ int run(const Options& options) {
   if (asks_for_session(options.session) && !reads_log)
     throw CLI::ValidationError("--from, --to, --export and --salvage need --log");
   if (!options.get.empty()) require_known_key(options.get);
-  if (reads_log) {
-    if (!options.shards.empty())
-      throw CLI::ValidationError("--log tells of a play and reads no shard");
-    show_log(options);
-    return kExitDone;
-  }
-  const std::vector<std::string> shards = inputs_or_stdin(options.shards);
-  if (!options.get.empty())
-    if (const auto value = value_from_footers(options.get, shards)) {
-      write_all(options.output, value_line(*value));
-      return kExitDone;
-    }
-  if (options.ranges > 0) {
-    write_all(options.output,
-              ranges_text(open_sections(shards).front().header.spec, options.ranges));
-    return kExitDone;
-  }
-  ReportSums sums;
-  for (const std::string& name : options.reports)
-    add_reports(sums, name, read_text(name, kReportLimit));
-  const ReportSums* reports = options.reports.empty() ? nullptr : &sums;
+  if (reads_log && !options.shards.empty())
+    throw CLI::ValidationError("--log tells of a play and reads no shard");
+}
 
-  const LoadedGrid loaded = load_grid(shards);
+/// The report on the whole grid, or one value of it.
+std::string report(const Options& options, const LoadedGrid& loaded) {
+  CostSums sums;
+  for (const std::string& name : options.costs) add_costs(sums, name, read_text(name, kCostLimit));
+  const CostSums* costs = options.costs.empty() ? nullptr : &sums;
   const GridSpec& spec = loaded.grid.spec();
-  if (options.dump) {
-    dump(loaded.grid, options.output);
-    return kExitDone;
-  }
-  if (!options.slice.empty()) {
-    const Plane plane = *parse_plane(options.slice);
-    write_picture(options.png,
-                  slice_script(spec, slice_levels(loaded.grid, plane.axis, plane.coordinate)));
-    return kExitDone;
-  }
-  Statistics statistics = count_statistics(loaded.grid, loaded.stored_bytes);
-  statistics.coding = loaded.coding;
-  if (options.get.empty() && options.format == "text") {
-    write_all(options.output, statistics_text(spec, statistics, reports));
-    return kExitDone;
-  }
-  const Json json = statistics_json(spec, statistics, reports);
-  if (options.get.empty()) {
-    // "replace": a shard's strings need not be UTF-8.
-    write_all(options.output, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-    return kExitDone;
-  }
+  const Statistics statistics = count_statistics(loaded.grid, loaded.stored_bytes);
+  if (options.get.empty() && options.format == "text")
+    return statistics_text(spec, statistics, costs);
+  const Json json = statistics_json(spec, statistics, costs);
+  // "replace": a shard's strings need not be UTF-8.
+  if (options.get.empty()) return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   const Json* value = find(json, options.get);
   if (!value) throw Error("--get: this grid has no value " + options.get);
-  write_all(options.output, value_line(*value));
+  return value_line(*value);
+}
+
+void show_grid(const Options& options) {
+  const std::vector<std::string> shards = inputs_or_stdin(options.shards);
+  if (!options.get.empty())
+    if (const auto value = value_from_footers(options.get, shards))
+      return write_all(options.output, value_line(*value));
+  const LoadedGrid loaded = load_grid(shards);
+  if (options.dump) return dump(loaded.grid, options.output);
+  if (options.slice.empty()) return write_all(options.output, report(options, loaded));
+  const Plane plane = *parse_plane(options.slice);
+  write_picture(options.png, slice_script(loaded.grid.spec(), slice_levels(loaded.grid, plane.axis,
+                                                                           plane.coordinate)));
+}
+
+int run(const Options& options) {
+  check_options(options);
+  if (options.log.empty())
+    show_grid(options);
+  else
+    show_log(options);
   return kExitDone;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app(
-      "Tells what is in a grid, complete or not: the row of the paper's Table 2 and more; with "
-      "--log,\n"
-      "what happened in a play.");
-  Options options;
-  add_inputs(app, options.shards, "Shards that hold one grid together");
-  app.add_option("--reports", options.reports,
-                 "JSON lines that expand --report and merge --report wrote; their CPU seconds and "
-                 "conversions are added up. Takes all names up to the next option or '--'")
+void add_grid_options(CLI::App& app, Options& options) {
+  app.option_defaults()->group("A grid");
+  app.add_option("--cost", options.costs,
+                 "Cost files of expand and merge to be summed, up to an option or '--'")
       ->type_name("FILE");
-  app.add_option("--format", options.format, "How the report is written")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
-  app.add_option(
-         "--get", options.get,
-         "Print this value of the JSON report alone, as in --get average_levels, --get "
-         "box.spacing; frontier, conversions_left, records and generation are read from the "
-         "footers at once, without a look at the records")
+  app.add_option("--get", options.get, "Print one value of the JSON report, as in --get box.spacing")
       ->type_name("KEY");
-  app.add_option("--ranges", options.ranges,
-                 "Print how expand --ranges and merge --range cut the grid, at most into R ranges: "
-                 "a line each, with its number, its first point, the point behind its last, and "
-                 "the first and the last range that must be among the inputs of its merge")
-      ->type_name("R")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}));
   app.add_flag("--dump", options.dump,
-               "Print a record a line, separated by tabs: i j k level state... and 26 destination "
-               "levels, '-' where a direction leaves the box, '?' where it is not settled");
+               "A line a record: i j k level state..., and the levels of 26 links");
   app.add_option("--slice", options.slice,
-                 "Draw how many levels the points have in the grid plane nearest to x, y or z = "
-                 "VALUE (model's unit of length), as in --slice z=0")
+                 "Draw the numbers of levels in the plane nearest to, say, z=0 (--png)")
       ->type_name("AXIS=VALUE")
       ->check([](const std::string& text) {
         return parse_plane(text) ? "" : "'" + text + "' is not like z=0.25";
       });
-  app.add_option(
-         "--log", options.log,
-         "Instead of reading a grid, read what play --log wrote ('-': standard input). Of a "
-         "session: print a report, or draw it (--png), or write it as text (--export); of a "
-         "text: draw two columns (--plot and --png)")
+}
+
+void add_log_options(CLI::App& app, Options& options) {
+  app.option_defaults()->group("A log of play, instead of a grid");
+  app.add_option("--log", options.log, "What play --log wrote ('-': standard input)")
       ->type_name("FILE");
   const auto is_finite = CLI::Validator(
       [](const std::string& text) {
@@ -332,55 +279,38 @@ int main(int argc, char** argv) {
   app.add_option("--to", options.session.to, "Only a session's ticks before this time")
       ->type_name("SECONDS")
       ->check(is_finite);
-  app.add_option(
-         "--export", options.session.export_file,
-         "Write a session's ticks as text ('-': standard output), a line each, separated by "
-         "tabs")
+  app.add_option("--export", options.session.export_file, "Write a session's ticks as text")
       ->type_name("FILE");
   app.add_flag("--salvage", options.session.salvage,
-               "Take what can be read of a session that was interrupted (FILE.part) or is damaged; "
-               "the report says how much is lost");
+               "Read as much as possible of a session that was cut off or is damaged");
   const auto is_pair = [](const std::string& text) {
     return parse_pair(text) ? "" : "'" + text + "' is not two texts with a comma between";
   };
-  app.add_option("--plot", options.plot,
-                 "Two columns of the log by their names: the second over the first, coloured by "
-                 "where the first is going, as in --plot x,s0")
+  app.add_option("--plot", options.plot, "Draw column Y of a text log over column X (--png)")
       ->type_name("X,Y")
       ->check(is_pair);
-  app.add_option("--labels", options.labels,
-                 "Labels of the plot's two axes (default: the columns' names)")
+  app.add_option("--labels", options.labels, "Labels of the plot's axes (default: the names)")
       ->type_name("X,Y")
       ->check(is_pair);
-  app.add_option("--png", options.png, "Where the picture goes; gnuplot draws it")
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Tells what is in a grid, complete or not: the row of the paper's Table 2 and more. With\n"
+      "--log it tells what happened in a play.");
+  Options options;
+  add_inputs(app, options.shards, "Shards that hold one grid together");
+  add_grid_options(app, options);
+  add_log_options(app, options);
+  app.option_defaults()->group("Output");
+  app.add_option("--format", options.format, "How the report is written")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
+  app.add_option("--png", options.png, "Where the picture goes; the program gnuplot draws it")
       ->type_name("FILE");
   add_output(app, options.output);
-  set_help(
-      app, "stats",
-      "What the numbers mean (null or '-' where there is nothing to divide by):\n"
-      "  norm                how the tolerance is applied: max or rms of the components'\n"
-      "                      differences; plug-in: its own function\n"
-      "  average_levels      records per point that has a level\n"
-      "  share_reached       points that have a level, of all points\n"
-      "  levels_histogram    entry k: points that have k levels, k = 0, 1, ...\n"
-      "  irreversible_share  of the links that can be followed there and back, those that do\n"
-      "                      not come back to the level they started from\n"
-      "  conversions         evaluations of C that the grid needed: in-box directions of all\n"
-      "                      records but the frontier's\n"
-      "  conversions_left    those that the frontier asks for\n"
-      "  bytes               size of the shards as stored (compressed)\n"
-      "  precision           the share of its range by which each number may be off; 0: none\n"
-      "  cpu_hours           CPU seconds of --reports / 3600\n"
-      "\n"
-      "In the report of a session:\n"
-      "  missed              numbers of ticks between the first and the last one that are not\n"
-      "                      there; JSON: null if the disk was too slow for others of them\n"
-      "  dropped             ticks of the whole session that the disk was too slow for\n"
-      "  largest_force       of the magnitudes, in newtons, as sent; raw: before the safety core\n"
-      "  force_not_computed  ticks without a raw force\n"
-      "  flags               ticks in which each flag was set\n"
-      "  lateness_us         from when a tick was due to when it started, in microseconds;\n"
-      "                      percentiles are at most 1 % too high, the maximum is exact\n"
-      "  compute_us          from a tick's start until its force was sent\n");
+  set_help(app, "stats", "hapgrid-stats(1) says what the numbers mean.\n");
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
-#include "libcore/check/part_report.hpp"
 #include "libcore/check/report.hpp"
+#include "libcore/shard/load.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/verify/examine.hpp"
@@ -19,20 +19,37 @@ using namespace hapgrid;
 namespace {
 
 struct Options {
+  std::vector<std::string> shards;
   Examination asked;
   std::string recompute = "1000";
-  std::string part;    // empty: all of it, and a report for people
-  bool merge = false;  // the inputs are reports of parts
   std::string format = "text";
   std::string output = "-";
 };
 
 constexpr std::uint64_t kMostWalks = 1'000'000;
-// Of a part: some 2 KB a walk, and next to nothing else.
-constexpr std::uint64_t kMostReportBytes = std::uint64_t{1} << 32;
 constexpr std::uint64_t kDefaultWalks = 100;
 
-/// How many records --recompute asks for; false when it is none of all, none and a number.
+constexpr const char* kChecks =
+    "The rows of the report:\n"
+    "  complete     the frontier is empty\n"
+    "  coverage     each point of the box has a level\n"
+    "  links        each link leads to a level that exists, or leaves the box\n"
+    "  finite       all numbers are finite\n"
+    "  distinct     no two levels of a point are the same state within the tolerance\n"
+    "  reachable    links lead from the seeds to each record\n"
+    "  generations  a record's generation is its distance from the seeds, in links\n"
+    "  fidelity     C, evaluated again, gives the state where the link leads\n"
+    "  stored       force, energy and shape, evaluated again, are the stored ones\n"
+    "  blends       a note: cells whose corners can belong to different branches\n"
+    "  paths        play never needs a link that is missing\n"
+    "  continuous   the state never jumps when play changes the cell\n"
+    "  mixed        a note: configurations with corners of several branches\n"
+    "  one-way      a note: switches of the cell with no way straight back\n"
+    "  steep        a note: the largest slopes, and what the device renders stably\n"
+    "  passive      no closed walk of the hand gains energy\n"
+    "  accurate     --walks: the error between the points; a fault with --accuracy only\n";
+
+/// How many records --recompute asks for; false for anything but "all", "none" and a number.
 bool parse_recompute(const std::string& text, std::uint64_t& count) {
   count = text == "all" ? std::numeric_limits<std::uint64_t>::max() : 0;
   if (text == "all" || text == "none") return true;
@@ -41,163 +58,78 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
   return read.ec == std::errc() && read.ptr == end;
 }
 
-std::vector<PartReport> read_parts(const std::vector<std::string>& names) {
-  std::vector<PartReport> parts;
-  for (const std::string& name : names)
-    parts.push_back(part_from_json(read_text(name, kMostReportBytes), name));
-  return parts;
-}
-
-void write(const Options& options, const std::string& text) {
+int run(const Options& options) {
+  const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
+  Examination asked = options.asked;
+  parse_recompute(options.recompute, asked.recompute);
+  if (asked.accuracy && asked.walks == 0) asked.walks = kDefaultWalks;
+  const LoadedGrid loaded = load_grid(inputs);
+  const std::vector<Check> checks = examine(loaded.grid, asked);
   OutputFile output(options.output, /*binary=*/false);
-  output.write(text);
+  output.write(options.format == "json" ? report_json(loaded.grid, checks)
+                                        : report_text(loaded.grid, checks));
   output.commit();
-}
-
-/// The report of all parts.
-int conclude(const Options& options, std::vector<PartReport> parts,
-             const std::vector<std::string>& names) {
-  const GridSummary grid = parts.at(0).grid;
-  const std::vector<Check> checks = join(std::move(parts), names);
-  write(options, options.format == "json" ? report_json(grid, checks) : report_text(grid, checks));
   std::fprintf(stderr, "verify: %s\n", verdict_line(checks).c_str());
   return is_fine(checks) ? kExitDone : kExitInvalid;
 }
 
-int run(const Options& options) {
-  const std::vector<std::string> inputs = inputs_or_stdin(options.asked.shards);
-  if (options.merge) return conclude(options, read_parts(inputs), inputs);
-
-  Examination asked = options.asked;
-  if (!asked.against.empty()) {
-    std::vector<std::string> both = inputs;
-    both.push_back(asked.against);
-    inputs_or_stdin(both);  // refuses standard input twice
-  }
-  parse_recompute(options.recompute, asked.recompute);
-  if (asked.accuracy && asked.walks == 0) asked.walks = kDefaultWalks;
-  if (options.part.empty()) return conclude(options, {examine(asked)}, {"the grid"});
-
-  const auto [number, of] = parse_part("--part", options.part);
-  asked.part = {number, of};
-  const PartReport part = examine(asked);
-  write(options, part_to_json(part));
-  std::fprintf(stderr, "verify: part %s: %s\n", options.part.c_str(),
-               verdict_line(part.checks).c_str());
-  return kExitDone;
-}
-
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app(
-      "Checks a whole grid: the streams, what Algorithm 1 promises of every record, and C itself\n"
-      "evaluated again. The report goes to standard output, the verdict to standard error.");
-  Options options;
+void add_checks(CLI::App& app, Options& options) {
   Examination& asked = options.asked;
-  add_inputs(app, asked.shards, "Shards that hold one grid together; reports with --merge");
+  app.option_defaults()->group("Checks");
   app.add_option("--recompute", options.recompute,
-                 "Records for which C is evaluated again in all 26 directions: all, none, or how "
-                 "many to draw as a sample")
+                 "Records whose conversions are evaluated again, as a random sample")
       ->type_name("all|N|none")
       ->check([](const std::string& text) {
         std::uint64_t count = 0;
         return parse_recompute(text, count) ? "" : "'" + text + "' is not all, none or a number";
       })
       ->capture_default_str();
-  app.add_option("--against", asked.against,
-                 "The grid that this one was coded from (merge --final): compares all records")
-      ->type_name("ORIGINAL");
-  app.add_option("--sample-seed", asked.sample_seed,
-                 "Draws another sample; the same number draws the same records everywhere")
-      ->type_name("S")
-      ->capture_default_str();
-  app.add_option(
-         "--walks", asked.walks,
-         "Random walks of the hand for `accurate`, of some 600 conversions each, by the same "
-         "S (default: none; with --accuracy " +
-             std::to_string(kDefaultWalks) + ")")
+  app.add_option("--walks", asked.walks,
+                 "Random walks of the hand, about 600 conversions each (default: none)")
       ->type_name("N")
-      ->check(CLI::Range(std::uint64_t{1}, kMostWalks));
+      ->check(CLI::Range(std::uint64_t{1}, kMostWalks).description(""));
   app.add_option("--accuracy", asked.accuracy,
-                 "The error of the state between grid points that is wanted, in the tolerance "
-                 "function's unit: more in one of 100 places is a fault")
+                 "Fault: 1 % of the walked places are off by more; sets --walks " +
+                     std::to_string(kDefaultWalks))
       ->type_name("E")
       ->check(CLI::PositiveNumber);
-  app.add_option("-j,--threads", asked.threads, "Threads; the report does not depend on it")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024))
+  app.add_option("--sample-seed", asked.sample_seed, "Another number draws other records and walks")
+      ->type_name("S")
       ->capture_default_str();
-  app.add_option("--damping", asked.rendering.damping,
-                 "Of the device on which `steep` judges stability, in N s/m")
+  app.add_option("--damping", asked.rendering.damping, "For `steep`: the damping of the device in N s/m")
       ->type_name("B")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--rate", asked.rendering.rate_hz, "Its ticks a second")
+  app.add_option("--rate", asked.rendering.rate_hz, "For `steep`: its ticks a second")
       ->type_name("HZ")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option(
-         "--scale", asked.rendering.scale,
-         "Metres of the hand in the model's unit of length (default: the smallest stable one "
-         "is reported)")
-      ->type_name("M")
+  app.add_option("--scale", asked.rendering.scale,
+                 "For `steep`: model's units of length for a metre of the hand")
+      ->type_name("UNITS/M")
       ->check(CLI::PositiveNumber);
-  CLI::Option* const format =
-      app.add_option("--format", options.format, "How the report is written")
-          ->check(CLI::IsMember({"text", "json"}))
-          ->capture_default_str();
-  CLI::Option* const part =
-      app.add_option("--part", options.part,
-                     "Only the K-th of N parts of the checks (1 <= K <= N < 2^32); writes what it "
-                     "found, for --merge, which has the verdict")
-          ->type_name("K/N")
-          ->excludes(format);
-  app.add_flag("--merge", options.merge,
-               "The inputs are what all the parts wrote: the report, verdict and exit code of one "
-               "run over all of it")
-      ->excludes(part);
-  for (const char* other : {"--recompute", "--against", "--sample-seed", "--walks", "--accuracy",
-                            "--damping", "--rate", "--scale"})
-    app.get_option("--merge")->excludes(app.get_option(other));
-  add_model_options(app, asked.model);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Checks a whole grid: what Algorithm 1 promises of every record, what play can do in it, and\n"
+      "C itself evaluated again. The report goes to standard output, the verdict to standard error.");
+  Options options;
+  add_inputs(app, options.shards, "Shards that hold one grid together");
+  add_checks(app, options);
+  app.option_defaults()->group("The model");
+  add_model_options(app, options.asked.model);
+  app.option_defaults()->group("Options");
+  app.add_option("-j,--threads", options.asked.threads, "Threads; the report is the same")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024).description(""))
+      ->capture_default_str();
+  app.add_option("--format", options.format, "How the report is written")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
   add_output(app, options.output);
-  set_help(
-      app, "verify",
-      "Checks:\n"
-      "  complete     no record is left in the frontier\n"
-      "  coverage     each point of the box has a level\n"
-      "  links        directions lead to levels that exist, or are marked as leaving the box\n"
-      "  finite       states, and what is stored with them, are finite numbers\n"
-      "  distinct     levels of a point differ by more than the tolerance function forgives\n"
-      "  reachable    links lead to each record from the seeds (generation 0)\n"
-      "  generations  a record's generation is its distance from the seeds, in links; the\n"
-      "               levels of a point ascend with it\n"
-      "  fidelity     C(s, x, d), evaluated again, is the state where the link leads\n"
-      "  stored       force, energy and shape, evaluated again, are what is stored\n"
-      "  precision    of a grid of merge --precision: its bounds fit its numbers; --against:\n"
-      "               all numbers are within them. distinct and fidelity then forgive what\n"
-      "               the bounds explain, and stored and passive are no faults\n"
-      "  blends       (no fault) cells where play may mix branches, near tear-offs\n"
-      "What play can do, proved over every configuration (a cell with the levels of its corners)\n"
-      "that any motion of the hand leads to, not over samples:\n"
-      "  paths        no start and no cell switch needs a link that is missing\n"
-      "  continuous   switches keep the common vertices, so the state never jumps\n"
-      "  passive      no closed walk of the hand along links gains more energy than the\n"
-      "               spacing explains; the largest loss, the largest turn inside a cell\n"
-      "  mixed        (no fault) configurations of several branches, and how far these are apart\n"
-      "  one-way      (no fault) configurations that a switch leaves with no way straight back\n"
-      "  steep        (no fault) the largest slopes of state and force, and whether the device\n"
-      "               renders them stably: K < 2 B HZ\n"
-      "Between the grid's points, on samples, when it is asked for:\n"
-      "  accurate     random walks of the hand: play's state and force against the model, followed "
-      "in\n"
-      "               small steps. A fault only with --accuracy, which also says which spacing it\n"
-      "               takes; where branches mix or end, places are counted and not judged\n"
-      "Parts: all share the work of fidelity, stored, accurate, and of what looks at one point "
-      "after\n"
-      "the other; the first has the rest, which takes the whole grid. Each reads all of the "
-      "grid.\n",
-      "  3  read everything, and an invariant is broken\n");
+  set_help(app, "verify", kChecks, "  3  read everything, and an invariant is broken\n");
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -13,7 +13,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/scene/render.hpp"
 #include "libcore/scene/stream.hpp"
 #include "libcore/scene/summary.hpp"
@@ -31,7 +31,6 @@ constexpr int kMaxPixels = 8192;  // of a side: 8192 x 8192 pixels are 200 MB
 
 struct Options {
   std::string frames = "-";
-  bool info = false;
   std::string format = "text";
   std::string xyz;
   std::string hip_label;
@@ -47,7 +46,7 @@ struct Options {
   std::string screenshot;
   std::string terminal;  // how to draw there; empty: not asked for
 
-  bool wants_report() const { return info || (xyz.empty() && png.empty()); }
+  bool wants_report() const { return xyz.empty() && png.empty(); }
 };
 
 /// WxH in pixels; nothing when it is not that.
@@ -84,7 +83,7 @@ class Chosen {
 };
 
 std::string with_unit(const std::string& text, const std::string& unit) {
-  return unit.empty() ? text : text + " " + printable(unit);
+  return unit.empty() ? text : text + " " + printable_line(unit);
 }
 
 std::string report_text(const Scene& scene, const SceneSummary& s) {
@@ -93,7 +92,7 @@ std::string report_text(const Scene& scene, const SceneSummary& s) {
     name.resize(9, ' ');
     text += name + value + "\n";
   };
-  row("model", printable(scene.model));
+  row("model", printable_line(scene.model));
   row("frames",
       std::to_string(s.frames) +
           (s.frames == 0 ? ""
@@ -163,8 +162,8 @@ int run(const Options& options) {
                                   options.elevation_degrees, options.terminal});
     return kExitDone;
   }
-  if ((options.xyz == "-") + (options.png == "-") + options.wants_report() > 1)
-    throw CLI::ValidationError("only one of --xyz, --png and the report can be standard output");
+  if (options.xyz == "-" && options.png == "-")
+    throw CLI::ValidationError("only one of --xyz and --png can be standard output");
 
   std::optional<OutputFile> xyz;
   if (!options.xyz.empty()) xyz.emplace(options.xyz, /*binary=*/false);
@@ -203,31 +202,19 @@ int run(const Options& options) {
   return kExitDone;
 }
 
-}  // namespace
+CLI::Validator length_validator() {
+  return number_within(1e-12, 1e12, "a length from 1e-12 to 1e12");
+}
 
-int main(int argc, char** argv) {
-  CLI::App app(
-      "Shows the frames that play --frames wrote: as a report (unless something else is asked\n"
-      "for), a trajectory, a picture; or live, in a window or a terminal, from\n"
-      "play --frames - through a pipe.");
-  Options options;
-  app.add_option("frames", options.frames, "Frames ('-': standard input)")
-      ->type_name("FRAMES")
-      ->capture_default_str();
-  auto* const info =
-      app.add_flag("--info", options.info,
-                   "Report on standard output what is in the frames, also beside --xyz and --png");
+void add_file_options(CLI::App& app, Options& options) {
+  app.option_defaults()->group("Files, instead of the report");
   app.add_option("--format", options.format, "How the report is written")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
-  auto* const xyz =
-      app.add_option("--xyz", options.xyz,
-                     "Write the spheres of all frames as a trajectory in the XYZ format ('-': "
-                     "standard output)")
-          ->type_name("FILE");
-  app.add_option("--hip-label", options.hip_label,
-                 "Append the HIP to each frame of --xyz as an atom with this symbol, as in "
-                 "--hip-label Xx (default: no such atom)")
+  auto* const xyz = app.add_option("--xyz", options.xyz,
+                                   "The spheres of all frames as a trajectory in the XYZ format")
+                        ->type_name("FILE");
+  app.add_option("--hip-label", options.hip_label, "The HIP as an atom of --xyz with this symbol")
       ->type_name("SYMBOL")
       ->check(CLI::Validator(
           [](const std::string& text) {
@@ -237,108 +224,91 @@ int main(int argc, char** argv) {
           ""))
       ->needs(xyz);
   auto* const png =
-      app.add_option("--png", options.png, "Draw one frame as a PNG picture ('-': standard output)")
-          ->type_name("FILE");
-  app.add_option("--at", options.at_s,
-                 "Draw the frame nearest to this time of play, in seconds (default: the last one)")
-      ->type_name("T")
+      app.add_option("--png", options.png, "One frame as a picture")->type_name("FILE");
+  app.add_option("--at", options.at_s, "The frame nearest to this time (default: the last one)")
+      ->type_name("SECONDS")
       ->check(number_within(0, 1e12, "a time from 0 to 1e12 s"))
       ->needs(png);
-  auto* const window =
-      app.add_flag("--window", options.window,
-                   "Show the frames in a window as they come; a file is played in its own time");
-  app.add_flag("--close", options.close,
-               "Close the window when the frames are over (default: it stays until it is closed)")
-      ->needs(window);
+}
+
+void add_live_options(CLI::App& app, Options& options) {
+  app.option_defaults()->group("Live");
+  auto* const window = app.add_flag("--window", options.window,
+                                    "A window; frames from a file are shown in their own time");
+  app.add_flag("--close", options.close, "Close the window after the last frame")->needs(window);
   app.add_option("--screenshot", options.screenshot,
-                 "When the window is closed, write what it showed last as a PNG picture")
+                 "What the window showed last, as a picture, when it is closed")
       ->type_name("FILE")
       ->needs(window);
   // A flag, so that a file's name behind it is not taken for its value.
   auto* const terminal =
       app.add_flag("--terminal{auto}", options.terminal,
-                   "Show the frames in the terminal that standard output is; --terminal=MODE says "
-                   "how: symbols, sixel, kitty, or auto (the default) for the best of what the "
-                   "environment says that the terminal can do")
+                   "The terminal; --terminal=MODE is symbols, sixel, kitty or auto")
           ->check(CLI::IsMember({"auto", "symbols", "sixel", "kitty"}));
   window->excludes(terminal);
-  for (auto* const file : {info, xyz, png}) {
-    window->excludes(file);
-    terminal->excludes(file);
+  for (const char* const file : {"--xyz", "--png"}) {
+    window->excludes(app.get_option(file));
+    terminal->excludes(app.get_option(file));
   }
-  auto* const size = app.add_option("--size", options.size,
-                                    "Width and height of the picture, or of the window, in pixels")
-                         ->type_name("WxH")
-                         ->check(CLI::Validator(
-                             [](const std::string& text) {
-                               return parse_size(text)
-                                          ? std::string()
-                                          : "'" + text + "' is not like 800x600, at most " +
-                                                std::to_string(kMaxPixels) + " each";
-                             },
-                             ""))
-                         ->capture_default_str();
-  auto* const azimuth =
-      app.add_option(
-             "--azimuth", options.azimuth_degrees,
-             "Where the picture is seen from: counterclockwise around z, in degrees; at 0 x "
-             "goes to the right and y away")
-          ->type_name("DEGREES")
-          ->check(number_within(-360, 360, "an angle from -360 to 360 degrees"))
-          ->capture_default_str();
-  auto* const elevation = app.add_option("--elevation", options.elevation_degrees,
-                                         "And from how far above the plane of x and y, in degrees")
-                              ->type_name("DEGREES")
-                              ->check(number_within(-90, 90, "an angle from -90 to 90 degrees"))
-                              ->capture_default_str();
-  auto* const hip_radius =
-      app.add_option("--hip-radius", options.hip_radius,
-                     "Radius of the translucent ball at the HIP, in the model's unit of length "
-                     "(default: the frames' own, or a 40th of the box's longest side)")
-          ->type_name("R")
-          ->check(number_within(1e-12, 1e12, "a length from 1e-12 to 1e12"));
-  auto* const arrow =
-      app.add_option("--arrow", options.arrow,
-                     "Length of the arrow for a force of one newton, in the model's unit of length "
-                     "(default: a sixth of the box's longest side)")
-          ->type_name("LENGTH")
-          ->check(number_within(1e-12, 1e12, "a length from 1e-12 to 1e12"));
-  app.callback([&] {
-    if (*size && !*png && !*window) throw CLI::RequiresError("--size", "--png or --window");
-    for (const auto* option : {azimuth, elevation, hip_radius, arrow})
-      if (*option && !*png && !*window && !*terminal)
-        throw CLI::RequiresError(option->get_name(), "--png, --window or --terminal");
+}
+
+void add_picture_options(CLI::App& app, Options& options) {
+  app.option_defaults()->group("The picture");
+  app.add_option("--size", options.size, "Pixels of the picture or of the window")
+      ->type_name("WxH")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            return parse_size(text) ? std::string()
+                                    : "'" + text + "' is not like 800x600, at most " +
+                                          std::to_string(kMaxPixels) + " each";
+          },
+          ""))
+      ->capture_default_str();
+  app.add_option("--azimuth", options.azimuth_degrees,
+                 "The viewer's direction around z; at 0, x points right, y away")
+      ->type_name("DEGREES")
+      ->check(number_within(-360, 360, "an angle from -360 to 360 degrees"))
+      ->capture_default_str();
+  app.add_option("--elevation", options.elevation_degrees,
+                 "The viewer's angle above the plane of x and y")
+      ->type_name("DEGREES")
+      ->check(number_within(-90, 90, "an angle from -90 to 90 degrees"))
+      ->capture_default_str();
+  app.add_option("--hip-radius", options.hip_radius, "Radius of the ball at the HIP")
+      ->type_name("LENGTH")
+      ->check(length_validator());
+  app.add_option("--arrow", options.arrow, "Length of the arrow for a force of one newton")
+      ->type_name("LENGTH")
+      ->check(length_validator());
+  app.callback([&app] {
+    const auto has = [&](const char* name) { return app.get_option(name)->count() > 0; };
+    if (has("--size") && !has("--png") && !has("--window"))
+      throw CLI::RequiresError("--size", "--png or --window");
+    for (const char* const name : {"--azimuth", "--elevation", "--hip-radius", "--arrow"})
+      if (has(name) && !has("--png") && !has("--window") && !has("--terminal"))
+        throw CLI::RequiresError(name, "--png, --window or --terminal");
   });
-  set_help(
-      app, "view",
-      "The report (numbers rounded; --format json has them whole, null where there is none):\n"
-      "  frames   how many, and the time of play of the first and the last one, in seconds\n"
-      "  spheres  how many, and what they filled, in the model's unit of length\n"
-      "  force    the largest one that was sent, in newtons, and its time\n"
-      "  energy   the lowest and the highest one, if the model has one\n"
-      "\n"
-      "XYZ: a sphere's label is the atom's symbol, X where it has none; positions are in the\n"
-      "model's unit of length (XYZ means angstrom). The comment has time in seconds, tick, the\n"
-      "HIP as the device gave it, the force in newtons as it was sent, the energy.\n"
-      "\n"
-      "The picture has the spheres, the grid's box, the HIP held in the box, and the force as an\n"
-      "arrow, on white; no display is needed.\n"
-      "\n"
-      "The window (OpenGL 3.3) has the same picture, seen so that the first frame fits, and below\n"
-      "it what is newest and the last 10 s: force in newtons, energy in the model's unit, a "
-      "vertical\n"
-      "line where a corner of the HIP's cell got another level. --size is that of the window; the\n"
-      "lowest 120 pixels are the curves'. Live, it shows the newest frame; frames that nobody saw "
-      "are\n"
-      "counted as dropped.\n"
-      "  mouse    drag: turn; wheel: zoom\n"
-      "  keys     space: pause; r: the first camera, so that all fits; s: write hapgrid-TICK.png "
-      "into\n"
-      "           the working directory; q, Escape: close\n"
-      "\n"
-      "The terminal has the picture, the same numbers, and the curves of force and energy as "
-      "blocks,\n"
-      "on yellow where levels changed. Nothing is read from it: in play --device keys | view\n"
-      "--terminal the keyboard is play's.\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Shows the frames that play --frames wrote: as a report, a trajectory, a picture; or live, in\n"
+      "a window or a terminal, from play --frames - through a pipe.");
+  Options options;
+  app.add_option("frames", options.frames, "Frames ('-': standard input)")
+      ->type_name("FRAMES")
+      ->capture_default_str();
+  add_file_options(app, options);
+  add_live_options(app, options);
+  add_picture_options(app, options);
+  set_help(app, "view",
+           "In a file's name '-' is standard output. Lengths are in the model's unit.\n"
+           "\n"
+           "In the window:\n"
+           "  mouse    drag: turn; wheel: zoom\n"
+           "  keys     space: pause; r: the first camera; s: write hapgrid-TICK.png into the\n"
+           "           working directory; q, Escape: close\n");
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -1,11 +1,13 @@
 #include "libcore/base/text.hpp"
 
+#include <array>
 #include <charconv>
 
 namespace hapgrid {
 
 namespace {
-constexpr int kDigits = 32;  // sign, point, 17 digits, e-308
+constexpr int kDigits = 32;       // sign, point, 17 digits, e-308
+constexpr int kFixedDigits = 400;  // sign, 309 digits, point, and the few decimals of a report
 }
 
 std::string to_text(double value) {
@@ -17,6 +19,19 @@ void append_digits17(std::string& text, double value) {
   char buffer[kDigits];
   text.append(buffer,
               std::to_chars(buffer, buffer + kDigits, value, std::chars_format::general, 17).ptr);
+}
+
+std::string fixed(double value, int decimals) {
+  std::array<char, kFixedDigits> digits;
+  const auto end =
+      std::to_chars(digits.begin(), digits.end(), value, std::chars_format::fixed, decimals).ptr;
+  return std::string(digits.begin(), end);
+}
+
+std::string rounded(double value) {
+  char buffer[kDigits];
+  return std::string(
+      buffer, std::to_chars(buffer, buffer + kDigits, value, std::chars_format::general, 6).ptr);
 }
 
 std::string printable_line(std::string_view text, std::size_t limit) {
@@ -33,6 +48,8 @@ std::string printable_line(std::string_view text, std::size_t limit) {
     bool whole = length > 0 && byte < 0xf5 && i + length <= text.size();
     for (std::size_t k = 1; whole && k < length; ++k)
       whole = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
+    // U+0080 to U+009F are control characters, which some terminals obey.
+    whole = whole && !(byte == 0xc2 && static_cast<unsigned char>(text[i + 1]) < 0xa0);
     if (!whole) {
       line += '?';
     } else if (byte < 0x20 || byte == 0x7f) {

@@ -13,6 +13,12 @@ std::string to_text(double value);
 /// double, and equal texts mean equal doubles.
 void append_digits17(std::string& text, double value);
 
+/// `value` with `decimals` digits after the point ("1.023").
+std::string fixed(double value, int decimals);
+
+/// `value` with at most six significant digits, for people ("0.025", "1e-06").
+std::string rounded(double value);
+
 /// One line of at most `limit` bytes, whatever a model or a shard wrote: control characters become
 /// blanks, what is no UTF-8 '?'.
 std::string printable_line(std::string_view text, std::size_t limit = 200);

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
@@ -75,7 +75,7 @@ class Row {
     add("mixed", share(walked_.mixed), "",
         walked_.mixed_state.value > 0
             ? "where play blends branches; the state is off by " +
-                  rounded(walked_.mixed_state.value) + " " + printable(terms_.state_unit) + " " +
+                  rounded(walked_.mixed_state.value) + " " + printable_line(terms_.state_unit) + " " +
                   walked_.mixed_state.where
             : "where play blends branches");
     add("parted", share(walked_.parted), "", "where play and the model are in different branches");

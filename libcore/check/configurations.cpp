@@ -5,7 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "libcore/check/parallel.hpp"
+#include "libcore/check/random.hpp"
 
 namespace hapgrid {
 
@@ -17,11 +17,7 @@ constexpr int kPortion = 1024;
 
 struct Hash {
   std::size_t operator()(const Configuration& c) const {
-    // The last steps of SplitMix64 (check/random.hpp).
-    std::uint64_t z = c.levels + c.base * 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
+    return mix(c.levels + mix(c.base));
   }
 };
 

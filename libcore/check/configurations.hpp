@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "libcore/check/parallel.hpp"
 #include "libcore/grid/cell.hpp"
 #include "libcore/grid/grid.hpp"
 
@@ -52,7 +53,7 @@ class CellMap {
   CellMap(const Grid& grid, int threads);
 
   bool exists(PointIndex base) const { return kind_[base] != kNone; }
-  /// All that it takes for one configuration: one level in each corner, and links from there to
+  /// Whether the cell has one configuration: one level in each corner, and links from there to
   /// levels that exist in all directions that stay in the box.
   bool is_simple(PointIndex base) const { return kind_[base] == kSimple; }
   /// The moves to cells that exist.
@@ -85,5 +86,27 @@ std::uint64_t default_configuration_limit(const CellMap& map);
 /// @param threads at least 1; the result does not depend on it.
 Configurations find_configurations(const Grid& grid, const CellMap& map, int threads,
                                    std::uint64_t limit);
+
+/// Calls cell(base, seen) for each point and listed(configuration, seen) for each listed
+/// configuration, in threads, and joins what they have seen in this order.
+template <class Seen, class Cell, class Listed>
+Seen look_at_all(const Grid& grid, const Configurations& found, int threads, const Cell& cell,
+                 const Listed& listed) {
+  constexpr std::uint64_t kBlock = 1 << 12;
+  const auto of = [](const auto& look_at) {
+    return [&look_at](std::uint64_t begin, std::uint64_t end) {
+      Seen seen;
+      for (std::uint64_t i = begin; i < end; ++i) look_at(i, seen);
+      return seen;
+    };
+  };
+  const auto look_at_cell = [&](std::uint64_t p, Seen& seen) {
+    cell(static_cast<PointIndex>(p), seen);
+  };
+  const auto look_at_listed = [&](std::uint64_t i, Seen& seen) { listed(found.listed[i], seen); };
+  Seen seen = sum_of_blocks<Seen>(grid.box().points(), kBlock, threads, of(look_at_cell));
+  seen.add(sum_of_blocks<Seen>(found.listed.size(), kBlock, threads, of(look_at_listed)));
+  return seen;
+}
 
 }  // namespace hapgrid

@@ -1,18 +1,19 @@
-// That no closed walk of the hand returns energy.
+// Proves that no closed walk of the hand returns energy.
 //
 // The grid is a directed graph: nodes are records, edges are links. Along a link r -> t of the
 // shift d the force gives the hand the work (F_r + F_t)/2 · d, by the trapezoid rule, which is
 // exact for a stored force, as play interpolates it along a cell's edge. Nobody knows the model's
 // force between the points, so each link has a bound of what the rule may be off by:
 //
-//   there and back on one branch  half of the larger second difference of F · d along the link, at
-//                                 either end. The error is a twelfth of it where F is smooth, at
-//                                 most a quarter with one kink anywhere in the link (contact
-//                                 begins). At the end of a branch or of the box, where one of the
-//                                 two is not known, all of the other and half of the change of
-//                                 F · d; where none is, half of both.
+//   there and back on one branch  half of the larger one of the second differences of F · d at the
+//                                 link's two ends. The error is a twelfth of it where F is smooth,
+//                                 and at most a quarter with one kink in the link (contact begins).
+//                                 At the end of a branch or of the box only one of the two is
+//                                 known: then the bound is all of it, and half of the change of
+//                                 F · d along the link. With none known, it is half of |F · d| at
+//                                 both ends.
 //   one way                       the state jumps somewhere on the link: half of the jump of F · d,
-//                                 and half of what it changes by over the links before and after.
+//                                 and half of its change over the links before and after.
 //
 // A link can hold more than one kink or jump where the spacing barely resolves the field, so four
 // times the bound is allowed (the hung ball at h = r/2 needs 0.9 of it, alanine dipeptide at 30

@@ -9,7 +9,7 @@
 #include "libcore/base/text.hpp"
 #include "libcore/check/parallel.hpp"
 #include "libcore/check/random.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
 

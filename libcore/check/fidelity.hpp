@@ -23,7 +23,7 @@ struct ModelFunctions {
   std::function<bool(const double* s, const Vec3& x, const Vec3& d, double* row,
                      std::string& error)>
       convert;
-  /// Of a model process, which takes many at once; else empty.
+  /// Only set for a model process, which takes many questions at once.
   std::function<void(const NextConversion&, const ConversionDone&)> convert_many;
   /// Fills in what is stored with the state at the beginning of `row`, for the HIP at x.
   std::function<bool(const Vec3& x, double* row, std::string& error)> complete;

@@ -8,7 +8,6 @@
 
 #include "libcore/base/text.hpp"
 #include "libcore/check/parallel.hpp"
-#include "libcore/check/text.hpp"
 #include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
@@ -71,10 +70,10 @@ bool is_blend(const Grid& grid, RecordIndex start, const GridCoordinates& cell,
   return false;
 }
 
-/// Looks at the points in `points`, block by block in threads.
+/// Looks at the grid's points, block by block in threads.
 template <class LookAt>
-Findings for_each_point(const Range& points, int threads, const LookAt& look_at) {
-  return sum_of_blocks<Findings>(points, kBlock, threads,
+Findings for_each_point(const Grid& grid, int threads, const LookAt& look_at) {
+  return sum_of_blocks<Findings>(grid.box().points(), kBlock, threads,
                                  [&](std::uint64_t begin, std::uint64_t end) {
                                    Findings found;
                                    for (std::uint64_t p = begin; p < end; ++p)
@@ -83,40 +82,36 @@ Findings for_each_point(const Range& points, int threads, const LookAt& look_at)
                                  });
 }
 
-/// Looks at the records of the points in `points`, as above.
 template <class LookAt>
-Findings for_each_record(const Grid& grid, const Range& points, int threads,
-                         const LookAt& look_at) {
-  return for_each_point(points, threads, [&](PointIndex p, Findings& found) {
+Findings for_each_record(const Grid& grid, int threads, const LookAt& look_at) {
+  return for_each_point(grid, threads, [&](PointIndex p, Findings& found) {
     for (RecordIndex r = grid.first(p); r < grid.first(p) + grid.levels(p); ++r) look_at(r, found);
   });
 }
 
 }  // namespace
 
-Range all_points(const Grid& grid) { return {0, grid.box().points()}; }
-
-Check check_complete(const Grid& grid, const Range& points, int threads) {
+Check check_complete(const Grid& grid, int threads) {
   Check check{"complete", "records", "records that no expand has looked at (the frontier)", {}};
-  check.found = for_each_record(grid, points, threads, [&](RecordIndex r, Findings& found) {
+  check.found = for_each_record(grid, threads, [&](RecordIndex r, Findings& found) {
     ++found.counted;
     if (grid.in_frontier(r)) found.offend([&] { return describe(grid, r); });
   });
   return check;
 }
 
-Check check_coverage(const Grid& grid, const Range& points, int threads) {
+Check check_coverage(const Grid& grid, int threads) {
   Check check{"coverage", "points", "points without a level", {}};
-  check.found = for_each_point(points, threads, [&](PointIndex p, Findings& found) {
+  check.found = for_each_point(grid, threads, [&](PointIndex p, Findings& found) {
     ++found.counted;
     if (grid.levels(p) == 0) found.offend([&] { return describe(grid.box(), p); });
   });
   return check;
 }
 
-Check check_links(const Grid& grid, const Range& points, int threads) {
+Check check_links(const Grid& grid, int threads) {
   Check check{"links", "directions", "destination levels that cannot be", {}};
-  check.found = for_each_record(grid, points, threads, [&](RecordIndex r, Findings& found) {
+  check.found = for_each_record(grid, threads, [&](RecordIndex r, Findings& found) {
     found.counted += kDirections;
     const DirectionMask inside = grid.neighbourhood().inside(grid.point(r));
     const auto links = grid.links(r);
@@ -139,9 +134,9 @@ bool is_finite(std::span<const double> state) {
   return std::all_of(state.begin(), state.end(), [](double v) { return std::isfinite(v); });
 }
 
-Check check_finite(const Grid& grid, const Range& points, int threads) {
+Check check_finite(const Grid& grid, int threads) {
   Check check{"finite", "records", "rows with a number that is not finite", {}};
-  check.found = for_each_record(grid, points, threads, [&](RecordIndex r, Findings& found) {
+  check.found = for_each_record(grid, threads, [&](RecordIndex r, Findings& found) {
     ++found.counted;
     if (is_finite(grid.row(r))) return;
     found.offend([&] {
@@ -157,12 +152,12 @@ Check check_finite(const Grid& grid, const Range& points, int threads) {
   return check;
 }
 
-Check check_distinct(const Grid& grid, const SameState& same, const Range& points) {
+Check check_distinct(const Grid& grid, const SameState& same) {
   Check check{"distinct",
               "pairs of levels",
               "levels of one point that are the same state under the tolerance function",
               {}};
-  for (std::uint64_t p = points.begin; p < points.end; ++p) {
+  for (std::uint64_t p = 0; p < grid.box().points(); ++p) {
     const RecordIndex begin = grid.first(static_cast<PointIndex>(p));
     const RecordIndex end = begin + grid.levels(static_cast<PointIndex>(p));
     for (RecordIndex a = begin; a < end; ++a)
@@ -235,12 +230,12 @@ std::vector<Check> check_reachable(const Grid& grid) {
   return {std::move(reachable), std::move(generations)};
 }
 
-Check check_blends(const Grid& grid, const Range& points, int threads) {
+Check check_blends(const Grid& grid, int threads) {
   Check check{"blends", "cells", "cells whose corners can belong to different branches", {}, true};
   const Box& box = grid.box();
   GridCoordinates size;  // corners along each axis
   for (int a = 0; a < 3; ++a) size[a] = std::min(2u, box.counts[a]);
-  check.found = for_each_point(points, threads, [&](PointIndex base, Findings& found) {
+  check.found = for_each_point(grid, threads, [&](PointIndex base, Findings& found) {
     const GridCoordinates cell = box.coordinates(base);
     for (int a = 0; a < 3; ++a)
       if (cell[a] + size[a] > box.counts[a]) return;  // no cell's lowest corner

@@ -4,15 +4,13 @@
 // A check never stops at its first offender, and each looks at one thing only: a link that leads
 // nowhere is an offender of `links`, and the other checks pass over it.
 //
-// Those that look at one point after the other take a range of points, and threads (at least 1),
-// on which the result does not depend: what is found in ranges that follow each other adds up.
+// `threads` is at least 1; no result depends on it.
 #pragma once
 
 #include <functional>
 #include <span>
 #include <vector>
 
-#include "libcore/check/range.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/grid/grid.hpp"
 
@@ -21,28 +19,25 @@ namespace hapgrid {
 /// The tolerance function of Sect. 2.3 on two states of n doubles.
 using SameState = std::function<bool(const double* a, const double* b)>;
 
-/// All of the grid's.
-Range all_points(const Grid& grid);
-
 /// `complete`: no record is left in the frontier.
-Check check_complete(const Grid& grid, const Range& points, int threads);
+Check check_complete(const Grid& grid, int threads);
 
 /// `coverage`: each point of the box has a level.
-Check check_coverage(const Grid& grid, const Range& points, int threads);
+Check check_coverage(const Grid& grid, int threads);
 
 /// `links`: each direction that stays in the box leads to a level that exists, or is not settled
 /// and the record is in the frontier; each direction that leaves the box is marked so.
-Check check_links(const Grid& grid, const Range& points, int threads);
+Check check_links(const Grid& grid, int threads);
 
 /// Whether each component is a finite number.
 bool is_finite(std::span<const double> state);
 
 /// `finite`: each component of each state is a finite number.
-Check check_finite(const Grid& grid, const Range& points, int threads);
+Check check_finite(const Grid& grid, int threads);
 
 /// `distinct`: no two levels of a point are the same state under the tolerance function
 /// (condition c), 1:1). Counts pairs; states that are not finite are left to `finite`.
-Check check_distinct(const Grid& grid, const SameState& same, const Range& points);
+Check check_distinct(const Grid& grid, const SameState& same);
 
 /// `reachable`: links lead to each record from the records of generation 0 (the seeds), and
 /// `generations`: a record's generation is the smallest number of links from there. Algorithm 1
@@ -55,6 +50,6 @@ std::vector<Check> check_reachable(const Grid& grid);
 /// corner's destination levels are not linked with each other. Near a tear-off they belong to
 /// different branches, and the interpolated state is one that the model never takes.
 /// A cell is looked at with its lowest point. Source: design.md, section 7.6.
-Check check_blends(const Grid& grid, const Range& points, int threads);
+Check check_blends(const Grid& grid, int threads);
 
 }  // namespace hapgrid

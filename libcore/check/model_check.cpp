@@ -11,7 +11,6 @@
 
 #include "libcore/base/text.hpp"
 #include "libcore/check/random.hpp"
-#include "libcore/check/text.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/shard/format.hpp"
 

@@ -9,8 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "libcore/check/range.hpp"
-
 namespace hapgrid {
 
 /// Calls work(i) once for each i in [0, count), in `threads` threads, in no particular order.
@@ -47,20 +45,15 @@ Result sum_of(std::vector<Result>&& results) {
   return sum;
 }
 
-/// Cuts [begin, end) into blocks, calls work(begin, end) for each, in threads, and joins the
-/// results in ascending order, whatever the number of threads.
-template <class Result, class Work>
-Result sum_of_blocks(const Range& range, std::uint64_t block, int threads, const Work& work) {
-  std::vector<Result> results((range.size() + block - 1) / block);
-  for_each_in_threads(results.size(), threads, [&](std::size_t b) {
-    const std::uint64_t begin = range.begin + b * block;
-    results[b] = work(begin, std::min(range.end, begin + block));
-  });
-  return sum_of(std::move(results));
-}
+/// Cuts [0, count) into blocks, calls work(begin, end) for each, in threads, and joins the results in
+/// ascending order, whatever the number of threads.
 template <class Result, class Work>
 Result sum_of_blocks(std::uint64_t count, std::uint64_t block, int threads, const Work& work) {
-  return sum_of_blocks<Result>(Range{0, count}, block, threads, work);
+  std::vector<Result> results((count + block - 1) / block);
+  for_each_in_threads(results.size(), threads, [&](std::size_t b) {
+    results[b] = work(b * block, std::min(count, (b + 1) * block));
+  });
+  return sum_of(std::move(results));
 }
 
 }  // namespace hapgrid

@@ -6,15 +6,14 @@
 #include <utility>
 
 #include "libcore/check/energy.hpp"
-#include "libcore/check/parallel.hpp"
 #include "libcore/check/paths.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
+#include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
 
 namespace {
 
-constexpr std::uint64_t kBlock = 1 << 12;
 constexpr std::size_t kMostShown = 12;  // links of a closed walk
 
 /// A work, and the first configuration where it is largest.
@@ -92,7 +91,7 @@ std::string describe(const Grid& grid, const ClosedWalk& walk, const std::string
 Check check_passive(const Grid& grid, const CellMap& map, const Configurations& found,
                     const Forces& forces, int threads) {
   const std::string unit =
-      "N " + (grid.spec().length_unit.empty() ? "lengths" : printable(grid.spec().length_unit));
+      "N " + (grid.spec().length_unit.empty() ? "lengths" : printable_line(grid.spec().length_unit));
   const Work work(grid, forces);
   const Energy energy = find_energy(grid, work, threads, Findings::kShown);
 
@@ -123,24 +122,14 @@ Check check_passive(const Grid& grid, const CellMap& map, const Configurations& 
                                     : ""});
 
   const Survey survey(grid, forces, energy);
-  const auto simple = [&](std::uint64_t begin, std::uint64_t end) {
-    InsideCells part;
-    for (std::uint64_t p = begin; p < end; ++p) {
-      const auto base = static_cast<PointIndex>(p);
-      if (map.exists(base) && map.is_simple(base)) survey.look_at({base, 0}, part);
-    }
-    return part;
+  const auto simple = [&](PointIndex base, InsideCells& seen) {
+    if (map.exists(base) && map.is_simple(base)) survey.look_at({base, 0}, seen);
   };
-  const auto listed = [&](std::uint64_t begin, std::uint64_t end) {
-    InsideCells part;
-    for (std::uint64_t i = begin; i < end; ++i) {
-      survey.look_at(found.listed[i], part);
-      survey.look_at_mixture(found.listed[i], part);
-    }
-    return part;
+  const auto listed = [&](const Configuration& configuration, InsideCells& seen) {
+    survey.look_at(configuration, seen);
+    survey.look_at_mixture(configuration, seen);
   };
-  auto inside = sum_of_blocks<InsideCells>(grid.box().points(), kBlock, threads, simple);
-  inside.add(sum_of_blocks<InsideCells>(found.listed.size(), kBlock, threads, listed));
+  const auto inside = look_at_all<InsideCells>(grid, found, threads, simple, listed);
   const auto add = [&](const std::string& name, const Largest& l, const std::string& where) {
     check.figures.push_back(
         {name, l.work, unit, l.work > 0 ? where + describe(grid, l.where) : ""});

@@ -4,15 +4,11 @@
 #include <optional>
 #include <utility>
 
-#include "libcore/check/parallel.hpp"
-#include "libcore/check/text.hpp"
 #include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
 
 namespace {
-
-constexpr std::uint64_t kBlock = 1 << 12;
 
 std::string describe_move(int q) {
   const auto step = Direction(q).step();
@@ -195,18 +191,8 @@ std::string describe(const Grid& grid, const Configuration& configuration) {
 std::vector<Check> check_paths(const Grid& grid, const CellMap& map, const Configurations& found,
                                int threads) {
   const Judge judge(grid, map);
-  const auto cells = [&](std::uint64_t begin, std::uint64_t end) {
-    Seen seen;
-    for (std::uint64_t p = begin; p < end; ++p) judge.look_at(static_cast<PointIndex>(p), seen);
-    return seen;
-  };
-  const auto listed = [&](std::uint64_t begin, std::uint64_t end) {
-    Seen seen;
-    for (std::uint64_t i = begin; i < end; ++i) judge.look_at(found.listed[i], seen);
-    return seen;
-  };
-  Seen seen = sum_of_blocks<Seen>(grid.box().points(), kBlock, threads, cells);
-  seen.add(sum_of_blocks<Seen>(found.listed.size(), kBlock, threads, listed));
+  const auto look_at = [&](const auto& what, Seen& seen) { judge.look_at(what, seen); };
+  Seen seen = look_at_all<Seen>(grid, found, threads, look_at, look_at);
   if (found.gave_up)
     seen.paths.offend([&] {
       return "more than " + std::to_string(found.listed.size()) +

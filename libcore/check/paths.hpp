@@ -1,5 +1,5 @@
-// That play never gets stuck and never jumps, whatever the hand does: proved over all
-// configurations (configurations.hpp), and what is worth knowing about them.
+// Proves over all configurations (configurations.hpp) that play never gets stuck and never jumps,
+// whatever the hand does; and counts what is worth knowing about them.
 #pragma once
 
 #include <cstdint>

@@ -4,7 +4,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
@@ -54,7 +54,7 @@ std::string checks_text(const std::vector<Check>& checks) {
     text += "\n" + c.name + ": " + c.meaning + "\n";
     for (const Figure& figure : c.figures)
       text += "  " + figure.name + " " + rounded(figure.value) +
-              (figure.unit.empty() ? "" : " " + printable(figure.unit)) +
+              (figure.unit.empty() ? "" : " " + printable_line(figure.unit)) +
               (figure.where.empty() ? "" : ": " + figure.where) + "\n";
     for (const std::string& offender : c.found.first) text += "  " + offender + "\n";
     if (c.found.offenders > c.found.first.size())
@@ -63,15 +63,11 @@ std::string checks_text(const std::vector<Check>& checks) {
   return text;
 }
 
-GridSummary summary_of(const Grid& grid) {
-  return {grid.spec().model, grid.box().counts, grid.records(), grid.generation()};
-}
-
-std::string report_text(const GridSummary& grid, const std::vector<Check>& checks) {
-  const auto& n = grid.counts;
-  return printable(grid.model) + ": " + std::to_string(n[0]) + " x " + std::to_string(n[1]) +
-         " x " + std::to_string(n[2]) + " points, " + std::to_string(grid.records) +
-         " records, generation " + std::to_string(grid.generation) + "\n\n" + checks_text(checks);
+std::string report_text(const Grid& grid, const std::vector<Check>& checks) {
+  const auto& n = grid.box().counts;
+  return printable_line(grid.spec().model) + ": " + std::to_string(n[0]) + " x " + std::to_string(n[1]) +
+         " x " + std::to_string(n[2]) + " points, " + std::to_string(grid.records()) +
+         " records, generation " + std::to_string(grid.generation()) + "\n\n" + checks_text(checks);
 }
 
 nlohmann::ordered_json checks_json(const std::vector<Check>& checks) {
@@ -94,12 +90,12 @@ nlohmann::ordered_json checks_json(const std::vector<Check>& checks) {
   return json;
 }
 
-std::string report_json(const GridSummary& grid, const std::vector<Check>& checks) {
+std::string report_json(const Grid& grid, const std::vector<Check>& checks) {
   nlohmann::ordered_json json;
-  json["model"] = grid.model;
-  json["counts"] = grid.counts;
-  json["records"] = grid.records;
-  json["generation"] = grid.generation;
+  json["model"] = grid.spec().model;
+  json["counts"] = grid.box().counts;
+  json["records"] = grid.records();
+  json["generation"] = grid.generation();
   json["fine"] = is_fine(checks);
   json["checks"] = checks_json(checks);
   // "replace": a shard's strings need not be UTF-8.

@@ -65,21 +65,11 @@ std::string checks_text(const std::vector<Check>& checks);
 /// "value", "unit", "where"}]}]
 nlohmann::ordered_json checks_json(const std::vector<Check>& checks);
 
-/// What a report says of the grid.
-struct GridSummary {
-  std::string model;
-  GridCoordinates counts{};
-  std::uint64_t records = 0;
-  std::uint32_t generation = 0;
-  friend bool operator==(const GridSummary&, const GridSummary&) = default;
-};
-GridSummary summary_of(const Grid& grid);
-
 /// What grid it is, and checks_text().
-std::string report_text(const GridSummary& grid, const std::vector<Check>& checks);
+std::string report_text(const Grid& grid, const std::vector<Check>& checks);
 
 /// {"model", "counts", "records", "generation", "fine", "checks": checks_json()}; keys are only
 /// ever added.
-std::string report_json(const GridSummary& grid, const std::vector<Check>& checks);
+std::string report_json(const Grid& grid, const std::vector<Check>& checks);
 
 }  // namespace hapgrid

@@ -4,16 +4,13 @@
 #include <string>
 #include <utility>
 
-#include "libcore/check/parallel.hpp"
 #include "libcore/check/paths.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
 
 namespace {
-
-constexpr std::uint64_t kBlock = 1 << 12;
 
 /// The largest of some numbers, and where the first of them is.
 struct Largest {
@@ -88,9 +85,9 @@ class Survey {
       seen.force_in_branch.look_at(largest, configuration, steepest);
     const double stiffness = norm(along);
     seen.stiffness.look_at(stiffness, configuration, steepest);
-    if (rendering_.scale && !(stiffness / *rendering_.scale < rendering_.limit()))
+    if (rendering_.scale && !(stiffness * *rendering_.scale < rendering_.limit()))
       seen.found.offend([&] {
-        return describe(grid_, configuration) + ": " + rounded(stiffness / *rendering_.scale) +
+        return describe(grid_, configuration) + ": " + rounded(stiffness * *rendering_.scale) +
                " N/m";
       });
   }
@@ -120,21 +117,11 @@ class Survey {
 Check check_steep(const Grid& grid, const CellMap& map, const Configurations& found,
                   const Forces* forces, const Rendering& rendering, int threads) {
   const Survey survey(grid, forces, rendering);
-  const auto simple = [&](std::uint64_t begin, std::uint64_t end) {
-    Steepest seen;
-    for (std::uint64_t p = begin; p < end; ++p) {
-      const auto base = static_cast<PointIndex>(p);
-      if (map.exists(base) && map.is_simple(base)) survey.look_at({base, 0}, false, seen);
-    }
-    return seen;
+  const auto simple = [&](PointIndex base, Steepest& seen) {
+    if (map.exists(base) && map.is_simple(base)) survey.look_at({base, 0}, false, seen);
   };
-  const auto listed = [&](std::uint64_t begin, std::uint64_t end) {
-    Steepest seen;
-    for (std::uint64_t i = begin; i < end; ++i) survey.look_at(found.listed[i], true, seen);
-    return seen;
-  };
-  Steepest seen = sum_of_blocks<Steepest>(grid.box().points(), kBlock, threads, simple);
-  seen.add(sum_of_blocks<Steepest>(found.listed.size(), kBlock, threads, listed));
+  const auto listed = [&](const Configuration& c, Steepest& seen) { survey.look_at(c, true, seen); };
+  Steepest seen = look_at_all<Steepest>(grid, found, threads, simple, listed);
 
   const GridSpec& spec = grid.spec();
   const std::string a_length =
@@ -154,13 +141,14 @@ Check check_steep(const Grid& grid, const CellMap& map, const Configurations& fo
                              " N/m with b = " + rounded(rendering.damping) +
                              " N s/m and f = " + rounded(rendering.rate_hz) + " Hz";
   if (rendering.scale) {
-    const double stiffness = seen.stiffness.value / *rendering.scale;
+    const double stiffness = seen.stiffness.value * *rendering.scale;
     check.figures.push_back(
         {"stiffness", stiffness, "N/m",
          (stiffness < rendering.limit() ? "stable: " : "not stable: ") + device});
-  } else {
-    check.figures.push_back({"smallest stable scale", seen.stiffness.value / rendering.limit(),
-                             "m" + a_length, device});
+  } else if (seen.stiffness.value > 0) {
+    check.figures.push_back({"largest stable scale", rendering.limit() / seen.stiffness.value,
+                             (spec.length_unit.empty() ? "lengths" : spec.length_unit) + "/m",
+                             device});
   }
   return check;
 }

@@ -25,7 +25,7 @@ namespace hapgrid {
 struct Rendering {
   double damping = 2;             ///< b, N s/m
   double rate_hz = 1000;          ///< f
-  std::optional<double> scale{};  ///< metres of the hand in the model's unit of length
+  std::optional<double> scale{};  ///< model's units of length for a metre of the hand
 
   /// The largest stable stiffness, N/m.
   double limit() const { return 2 * damping * rate_hz; }

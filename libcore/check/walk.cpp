@@ -11,7 +11,7 @@
 #include "libcore/check/random.hpp"
 #include "libcore/check/random_hand.hpp"
 #include "libcore/check/state_distance.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/haptic/traversal.hpp"
 
 namespace hapgrid {
@@ -244,13 +244,13 @@ void Walked::add(Walked&& later) {
   failed.add(std::move(later.failed));
 }
 
-Walked walk_grid(const Grid& grid, const Range& walks, std::uint64_t seed, const WalkModels& models,
+Walked walk_grid(const Grid& grid, std::uint64_t walks, std::uint64_t seed, const WalkModels& models,
                  int threads, std::atomic<std::uint64_t>& walks_done) {
   std::deque<Walker> walkers;
   for (int t = 0; t < threads; ++t) walkers.emplace_back(grid, models);
-  std::vector<Walked> found(walks.size());
+  std::vector<Walked> found(walks);
   for_each_with_own(found.size(), walkers, [&](Walker& walker, std::size_t w) {
-    found[w] = walker.walk(seed_of(seed, walks.begin + w));
+    found[w] = walker.walk(seed_of(seed, w));
     ++walks_done;
   });
   return sum_of(std::move(found));

@@ -1,25 +1,23 @@
 // What play does off the grid's points, against what the model does there.
 //
 // A random hand walks through the box. Play follows it (haptic/traversal.hpp), and so does the
-// model, from the same state, by C in steps that are small against the spacing. Every now and then
-// the two are compared. They differ for two reasons, which have nothing to do with each other:
-// - play interpolates, and the model is no polynomial: an error that falls with the spacing;
-// - a branch ends. The model loses contact at one place; play does at the cell's faces, corner by
-//   corner, anywhere in the same cell or those around, and between holds a blend. The difference is
-//   the distance of the branches, whatever the spacing; only where it is found shrinks.
-// So each place is told apart by the model itself: C from each corner of the cell, with the record
-// that play has there, must lead to the state of the model that walked, and C from there back to
-// the record. Where that holds of all corners, there is one branch, and the difference is the
-// interpolation's. Where it holds of none, the two have parted, and go on from a common place: the
-// nearest corner, with play's record there, so that play itself never jumps. Else play blends
-// branches.
+// model, from the same state, by C in steps that are small against the spacing. After some steps the
+// two are compared. They differ for two reasons:
+// - Play interpolates. This error falls with the spacing.
+// - A branch ends. The model changes its branch at one place; play changes it corner by corner at
+//   the faces of nearby cells, and blends the branches in between. This error is the distance of the
+//   branches, whatever the spacing; only the region where it occurs shrinks.
+// The model itself says which reason applies: C from each corner of the cell, with the record that
+// play has there, must lead to the state of the model that walked, and C from there back to the
+// record. Where that holds for all corners, there is one branch, and the error is the
+// interpolation's. Where it holds for none, play and model have parted, and both go on from the
+// nearest corner with play's record. Else play blends branches.
 //
-// Much of a box can be empty: wherever play and the model can be in the cell, they are in one
-// state, and there is nothing to interpolate. These places are counted apart, or a larger box would
-// be the more accurate one.
+// Places where all corners and the model are in one state are called empty and counted apart:
+// otherwise a larger box would look more accurate.
 //
-// For the same place the state is interpolated once more from every other point of the grid, which
-// is a grid of twice the spacing: how the error falls with the spacing (accuracy.hpp).
+// The state of the same place is interpolated again from every other point of the grid, as in a grid
+// of twice the spacing. This tells how the error falls with the spacing (accuracy.hpp).
 #pragma once
 
 #include <atomic>
@@ -30,7 +28,6 @@
 #include <vector>
 
 #include "libcore/check/fidelity.hpp"
-#include "libcore/check/range.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/grid/grid.hpp"
 #include "libcore/model/fields.hpp"
@@ -82,9 +79,9 @@ struct WalkModels {
   std::function<Fields()> fields;   ///< for the force; empty: there is none
 };
 
-/// @param walks which of the walks: each is drawn by its own number and `seed` alone.
+/// @param walks how many; each is drawn by its own number and `seed` alone.
 /// @param walks_done counts up meanwhile.
-Walked walk_grid(const Grid& grid, const Range& walks, std::uint64_t seed, const WalkModels& models,
+Walked walk_grid(const Grid& grid, std::uint64_t walks, std::uint64_t seed, const WalkModels& models,
                  int threads, std::atomic<std::uint64_t>& walks_done);
 
 }  // namespace hapgrid

@@ -1,5 +1,9 @@
 #include "libcore/grid/describe.hpp"
 
+#include <algorithm>
+
+#include "libcore/base/text.hpp"
+
 namespace hapgrid {
 
 std::string describe(const Box& box, PointIndex point) {
@@ -10,6 +14,25 @@ std::string describe(const Box& box, PointIndex point) {
 
 std::string describe(const Box& box, PointIndex point, Level level) {
   return describe(box, point) + " level " + std::to_string(level);
+}
+
+std::string describe(const Grid& grid, RecordIndex r) {
+  return describe(grid.box(), grid.point(r), grid.level(r));
+}
+
+std::string describe_link(const Grid& grid, RecordIndex r, int q) {
+  const auto step = Direction(q).step();
+  return describe(grid, r) + " direction " + std::to_string(q) + " (" + std::to_string(step[0]) +
+         ", " + std::to_string(step[1]) + ", " + std::to_string(step[2]) + ")";
+}
+
+std::string state_text(std::span<const double> state) {
+  if (state.size() == 1) return to_text(state[0]);
+  constexpr std::size_t kShown = 4;
+  std::string text = "(";
+  for (std::size_t c = 0; c < std::min(state.size(), kShown); ++c)
+    text += (c == 0 ? "" : ", ") + to_text(state[c]);
+  return text + (state.size() > kShown ? ", ...)" : ")");
 }
 
 }  // namespace hapgrid

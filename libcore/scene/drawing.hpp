@@ -10,9 +10,9 @@
 
 namespace hapgrid {
 
-/// A parallel projection. At azimuth and elevation 0 it looks along +y: x goes to the right, z up.
-/// A positive azimuth takes the viewer counterclockwise around z (at 90 degrees he stands at +x), a
-/// positive elevation lifts him.
+/// A parallel projection. At azimuth and elevation 0 it looks along +y: x points right, and z up. A
+/// positive azimuth takes the viewer counterclockwise around z, at 90 degrees to +x; a positive
+/// elevation lifts the viewer.
 struct Camera {
   double azimuth_degrees = 30;
   double elevation_degrees = 20;
@@ -45,7 +45,8 @@ struct Ball {
   Colour colour;
 };
 
-/// What is nearer to it than half_width in x and y; its depth is that of the nearest place on it.
+/// A band around a line: all places nearer to it than half_width in x and y. The depth of such a
+/// place is that of the nearest place on the line.
 struct Line {
   Vec3 from;
   Vec3 to;
@@ -55,16 +56,16 @@ struct Line {
 
 struct Drawing {
   std::vector<Line> lines;        ///< the box
-  std::vector<Ball> balls;        ///< the spheres, and the arrow as many that stand close together
-  std::vector<Ball> translucent;  ///< the HIP: over the rest, with kHipOpacity
+  std::vector<Ball> balls;        ///< the spheres; and the arrow, which is a row of balls
+  std::vector<Ball> translucent;  ///< the HIP, drawn over the rest with kHipOpacity
 };
 
 /// The camera in these angles that sees the box, the spheres, the HIP, and the arrow as a whole.
 Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
                   double azimuth_degrees, double elevation_degrees);
 
-/// What `frame` looks like. Spheres that are not in a finite place are left out; the HIP stands
-/// where it is held in the box.
+/// What `frame` looks like. A sphere whose place is not finite is left out; the HIP is drawn where
+/// it is held in the box.
 Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
              const RenderOptions& options);
 

@@ -152,7 +152,7 @@ ImdListener::State ImdListener::take(std::span<const std::byte> bytes) {
   return state_;
 }
 
-/// Where a type has no body its length is not used, and says whatever the client likes.
+/// The length of a message without a body is ignored: clients set it to anything.
 void ImdListener::obey(std::int32_t type, std::int32_t length) {
   if (state_ == State::kGreeted) {
     state_ = type == static_cast<std::int32_t>(ImdType::kGo) ? State::kRunning : State::kClosed;

@@ -36,8 +36,8 @@ enum class ImdType : std::int32_t {
   kWait = 16,
 };
 
-/// What the model's numbers are multiplied with: to angstrom; to kcal/mol for version 2, to kJ/mol
-/// for version 3. A unit that is not known is sent unchanged.
+/// Factors that take the model's lengths to angstroms, and its energies to kcal/mol (version 2) or
+/// kJ/mol (version 3). The factor of an unknown unit is 1.
 struct ImdUnits {
   double length = 1;
   double energy = 1;
@@ -50,12 +50,13 @@ struct ImdUnits {
 
 /// What a server says: a greeting to each client, then frames.
 ///
-/// Version 2 has ENERGIES (where the model has energies) and FCOORDS. Version 3 has TIME, ENERGIES
-/// (likewise), BOX, FCOORDS and FORCES: time and the time of a tick in ps; the edges of the grid's
-/// box, which is not periodic and whose corner need not be at 0; the force on the HIP as it was
-/// sent to the device, its newtons as kJ/(mol angstrom), and zero for the spheres. The step is the
-/// tick; in ENERGIES, which has 32 bits for it, at most 2^31 - 1. Total and potential energy are
-/// the model's, all other energies and the temperature are 0.
+/// A frame of version 2 has the messages ENERGIES (if the model has an energy) and FCOORDS. A frame
+/// of version 3 has TIME, ENERGIES (likewise), BOX, FCOORDS and FORCES. TIME has the time and the
+/// length of a tick in ps. BOX has the edges of the grid's box, which is not periodic, and whose
+/// corner need not be at 0. FORCES has the force on the HIP as it was sent to the device, a newton as
+/// one kJ/(mol angstrom), and zero for the spheres. The step is the tick; ENERGIES has 32 bits for
+/// it, so it is at most 2^31 - 1 there. Total and potential energy are the model's; all other
+/// energies and the temperature are 0.
 class ImdEncoder {
  public:
   /// @param version 2 or 3. @param tick_s seconds.
@@ -76,9 +77,9 @@ class ImdEncoder {
   std::vector<std::byte> bytes_;
 };
 
-/// What a client says. It is hostile: nothing of it is kept but where we are in a message, forces
-/// and rates are taken off the stream and thrown away. A type that a client has no business to
-/// send, a negative length, and forces on more atoms than there are, are a client's end.
+/// What a client says. Clients are hostile: only the place in the current message is kept; forces
+/// and rates are read and thrown away. A message of a type that only servers send, a negative
+/// length, or forces on more atoms than there are, close the client.
 class ImdListener {
  public:
   enum class State {

@@ -25,8 +25,8 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr int kSendBuffer = 1 << 16;  // bytes; small, so that nobody sees what is long past
-// Also how many are accepted, and mostly closed, a cycle: a storm of them must not fill the queue
-// that a good one stands in, too.
+// Also the number of clients that are accepted in a cycle, even if most are closed at once: a flood
+// of them must not fill the queue in which a good client waits.
 constexpr int kBacklog = 128;
 constexpr std::size_t kReadBytes = 4096;  // of a client, a cycle
 constexpr auto kCycle = 1ms;              // at least, between two looks at what clients sent
@@ -167,9 +167,8 @@ bool ImdServer::all_clients(Predicate&& predicate) const {
   return std::all_of(clients_.begin(), clients_.end(), predicate);
 }
 
-/// The thread. Its work a cycle is bounded, whatever clients do: so many of them, so many bytes of
-/// each, so many new ones; and a cycle that clients brought about lasts a while, in which others
-/// have the lock.
+/// The thread. Whatever clients do, the work of a cycle is bounded: the number of clients, the bytes
+/// of each, and the new clients. A cycle lasts a while, in which others get the lock.
 void ImdServer::run() {
   std::vector<pollfd> polled;
   std::unique_lock lock(mutex_);
@@ -231,7 +230,7 @@ void ImdServer::listen_to(Client& client) {
   if (count == 0 || after == State::kClosed) client.dead = true;
   if (before == State::kGreeted && after != State::kGreeted && !client.dead) ++counts_.viewers;
   if (before != State::kRunning && after == State::kRunning) {
-    client.seen = number_;  // what came before was not for it
+    client.seen = number_;  // it gets only frames that follow
     client.since = Clock::now();
   }
 }
@@ -266,7 +265,7 @@ void ImdServer::send_to(Client& client) {
   }
 }
 
-/// Who lets us wait for too long is closed.
+/// Closes a client that takes too long.
 void ImdServer::check(Client& client, Clock::time_point now) {
   using State = ImdListener::State;
   if (client.dead) return;

@@ -1,9 +1,9 @@
-// Serves frames to viewers of molecules over TCP (imd_protocol.hpp), to several at once. They only
-// look on: nothing that a client sends reaches the play.
+// Serves frames over TCP to several viewers of molecules at once (imd_protocol.hpp). Nothing that a
+// client sends reaches the play.
 //
-// One thread of its own accepts, listens and sends what did not go at once. A client gets frames
-// whole or not at all: while one is on its way the next ones wait, and the newest of them replaces
-// the others, which are counted as dropped.
+// One thread accepts clients, listens to them, and sends what could not be sent at once. A client
+// gets whole frames: while one is on its way, the newest frame waits and replaces those that waited
+// before, which are counted as dropped.
 #pragma once
 
 #include <atomic>
@@ -27,8 +27,8 @@ struct ImdOptions {
   std::string address = "127.0.0.1";  ///< IPv4 or IPv6, in numbers
   std::uint16_t port = 0;             ///< 0: the system chooses
   int version = 2;                    ///< or 3
-  /// A client that has not said GO after this is closed. The protocol asks for a second; the other
-  /// one is for slow machines.
+  /// A client that has not said GO after this time is closed. The protocol asks for one second; the
+  /// second one is for slow machines.
   std::chrono::milliseconds greeting{2000};
   /// A client, unless paused, that takes longer than this for one frame is closed.
   std::chrono::milliseconds patience{5000};
@@ -49,11 +49,11 @@ class ImdServer {
   static constexpr std::chrono::milliseconds kWait{1000 / kFramesPerSecond};
   static constexpr std::chrono::milliseconds kLinger{1000};  ///< for viewers, at the end
 
-  /// Whether the system takes it for an address in numbers.
+  /// Whether the text is a numeric IPv4 or IPv6 address.
   static bool is_address(const std::string& address);
 
-  /// Takes the port; clients can connect, and wait for start().
-  /// @throw std::system_error "ADDRESS:PORT: ..."; Error when the address is none.
+  /// Opens the port. Clients can connect from now on; they wait for start().
+  /// @throw std::system_error "ADDRESS:PORT: ..."; Error when `address` is no numeric address.
   explicit ImdServer(const ImdOptions& options);
   ~ImdServer();
   ImdServer(const ImdServer&) = delete;
@@ -65,13 +65,13 @@ class ImdServer {
   /// Starts the thread, which blocks all signals. Once.
   /// @param tick_s seconds.
   void start(const Scene& scene, bool has_energy, double tick_s, bool paced);
-  /// Waits until a client has said GO; false when none has in this time, or `stop` became nonzero.
+  /// Waits until a client has said GO. False when the time is over or `stop` became nonzero.
   bool wait_for_viewer(std::chrono::duration<double> time, const std::atomic<int>& stop);
-  /// Sends a frame to all who take it. Paced: waits for nobody. Otherwise for clients with an older
-  /// frame on its way, kWait at most.
+  /// Sends a frame to all clients. A paced server waits for nobody; another one waits for clients
+  /// that still read an older frame, at most kWait.
   void publish(const Frame& frame);
-  /// Gives the clients kLinger to take what is left and to close, then closes them.
-  /// @throw what the thread has met
+  /// Gives the clients kLinger to read the rest and to close, then closes them.
+  /// @throw what the thread threw
   ImdCounts finish();
 
  private:
@@ -84,7 +84,7 @@ class ImdServer {
     std::size_t sent = 0;            // bytes of it
     bool greeted = false;            // the message is a frame
     std::uint64_t seen = 0;          // number of the newest frame that it got or missed
-    bool ended = false;              // told that nothing comes any more
+    bool ended = false;              // it was told that no frame follows
     bool dead = false;
     bool running() const {
       return !dead && listener.state() == ImdListener::State::kRunning && greeted;

@@ -87,7 +87,7 @@ void FramePublisher::run(const std::stop_token& token) {
   std::optional<Clock::time_point> patience;
   std::uint64_t shown = 0;  // periods
   const GiveUp give_up = [&] {
-    // A file's viewer that sleeps is no reason for others to see nothing.
+    // The other viewers get frames even while the file's viewer sleeps.
     const auto period = static_cast<std::uint64_t>((Clock::now() - start) / kPeriod);
     if (show_ && period > shown) {
       shown = period;
@@ -138,7 +138,7 @@ void FramePublisher::complete_newest() {
   if (show_) show_(frame_);
 }
 
-/// Also writes it, and what was only shown while the file's viewer slept.
+/// Also writes it, or the frame that was only shown while the file's viewer slept.
 void FramePublisher::write_newest(const GiveUp& give_up) {
   if (!open() && !show_) return;
   complete_newest();

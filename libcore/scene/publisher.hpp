@@ -1,11 +1,10 @@
 // From the haptic loop to a viewer.
 //
-// Problem. The loop must never wait for a viewer, nor for the shape of a state, which a model may
-// need milliseconds for. Paced, the loop leaves each tick in a triple buffer, and a slow thread
-// takes the newest one 25 times a second, completes it once for all who see it, and writes it; what
-// a viewer is too slow for is dropped and counted. A play without a pace has no deadlines: each
-// tick of scripted time that is due is written where it happens, so that the same play gives the
-// same bytes.
+// Problem. The loop must never wait for a viewer, nor for the shape of a state, for which a model may
+// need milliseconds. In a paced play the loop leaves each tick in a triple buffer. A slow thread
+// takes the newest tick 25 times a second, completes it once for all viewers, and writes it. Frames
+// that a viewer is too slow for are dropped and counted. A play without a pace has no deadlines: it
+// writes each due tick of scripted time itself, so that the same play gives the same bytes.
 #pragma once
 
 #include <atomic>
@@ -25,18 +24,17 @@ namespace hapgrid {
 /// How writing frames to the file went.
 struct FrameCounts {
   std::uint64_t written = 0;
-  std::uint64_t dropped = 0;  ///< due while the viewer, or the slow thread, was behind
-  bool closed = false;        ///< the viewer closed its end: there are no frames behind that
-  bool cut = false;           ///< the viewer did not read any more: the last message is cut
+  std::uint64_t dropped = 0;  ///< due while the viewer or the slow thread was late
+  bool closed = false;        ///< the viewer closed the pipe; nothing was written after that
+  bool cut = false;           ///< the viewer stopped reading; the last message is cut
 };
 
 class FramePublisher {
  public:
-  /// Sets energy and centres (which has the scene's size) of a frame from what the haptic loop
-  /// left.
+  /// Sets a frame's energy and centres, which has the scene's size, from the rest of the frame.
   using Complete = std::function<void(Frame&)>;
-  /// Gets each completed frame before the file does; where the file's viewer is slow also those
-  /// that the file misses. May throw.
+  /// Gets each completed frame before it is written, also frames that the file's slow viewer
+  /// misses. May throw.
   using Show = std::function<void(const Frame&)>;
 
   /// @param output the file or pipe for frames, if any.
@@ -50,19 +48,20 @@ class FramePublisher {
   FramePublisher(std::optional<OutputFile> output, const Scene& scene, std::size_t row_size,
                  Complete complete, bool paced, double ticks_per_second,
                  const std::atomic<int>& stop, Show show = {});
-  /// Without finish(): no file appears.
+  /// Without finish() no file appears.
   ~FramePublisher();
   FramePublisher(const FramePublisher&) = delete;
   FramePublisher& operator=(const FramePublisher&) = delete;
 
-  /// The snapshot to fill for the tick at hand, all of it; its vectors have their sizes.
+  /// The snapshot of this tick: all of it must be set. Its vectors have their sizes already.
   /// Real-time safe.
   Snapshot& next() noexcept { return buffer_.back(); }
   /// The snapshot is filled. Paced: real-time safe. @throw std::system_error when not paced.
   void publish();
 
-  /// After the last tick, which becomes the last frame. Waits at most a second for a slow viewer.
-  /// @throw std::system_error, also what the slow thread has met
+  /// Called after the last tick, which becomes the last frame. Waits at most a second for a slow
+  /// viewer.
+  /// @throw std::system_error, also what the slow thread threw
   FrameCounts finish();
 
  private:
@@ -85,7 +84,7 @@ class FramePublisher {
   const std::uint64_t ticks_per_frame_;  // without a pace
   const GiveUp stopped_;
   TripleBuffer<Snapshot> buffer_;
-  // From here on the slow thread's while it runs.
+  // While the slow thread runs, the members from here on belong to it.
   SceneEncoder encoder_;
   Frame frame_;
   bool unwritten_ = false;  // the frame is newer than what the file has

@@ -18,6 +18,7 @@
 
 #include "frame.capnp.h"
 #include "libcore/base/error.hpp"
+#include "libcore/grid/box_message.hpp"
 
 namespace hapgrid {
 
@@ -35,7 +36,7 @@ constexpr std::uint32_t kMaxSegments = 512;  // as Cap'n Proto's own readers
 constexpr std::uint64_t kSceneLimit = std::uint64_t{64} << 20;
 constexpr std::size_t kMaxText = 255;  // bytes of a name, unit or label; a file name has no more
 
-// Words of a message, from above: pointers and structs of a fixed size, and the lists.
+// Upper bounds for the words of a message: pointers and structs of a fixed size, and the lists.
 constexpr std::size_t kFixedWords = 64;
 
 std::size_t text_words(const std::string& text) { return text.size() / 8 + 1; }
@@ -79,10 +80,7 @@ Scene decode_scene(scene_schema::Scene::Reader in) {
   scene.model = get_text(in.getModel(), "a model's name");
   scene.length_unit = get_text(in.getLengthUnit(), "a unit");
   scene.energy_unit = get_text(in.getEnergyUnit(), "a unit");
-  const auto box = in.getBox();
-  scene.box.origin = {box.getOriginX(), box.getOriginY(), box.getOriginZ()};
-  scene.box.spacing = box.getSpacing();
-  scene.box.counts = {box.getCountX(), box.getCountY(), box.getCountZ()};
+  scene.box = get_box(in.getBox());
   try {
     scene.box.validate();
   } catch (const Error& e) {
@@ -162,14 +160,7 @@ std::span<const std::byte> SceneEncoder::encode(const Scene& scene) {
     out.setModel(scene.model);
     out.setLengthUnit(scene.length_unit);
     out.setEnergyUnit(scene.energy_unit);
-    auto box = out.initBox();
-    box.setOriginX(scene.box.origin[0]);
-    box.setOriginY(scene.box.origin[1]);
-    box.setOriginZ(scene.box.origin[2]);
-    box.setSpacing(scene.box.spacing);
-    box.setCountX(scene.box.counts[0]);
-    box.setCountY(scene.box.counts[1]);
-    box.setCountZ(scene.box.counts[2]);
+    set_box(out.initBox(), scene.box);
     out.setStateSize(scene.state_size);
     out.setHipRadius(scene.hip_radius);
     auto spheres = out.initSpheres(static_cast<unsigned>(scene.spheres.size()));
@@ -263,7 +254,7 @@ bool SceneReader::next(Frame& frame) {
   return true;
 }
 
-/// Waits for bytes or for the end, or to be told not to.
+/// Waits for bytes, for the end, or until the wait is given up (give_up_on()).
 bool SceneReader::given_up() const {
   if (give_up_ < 0) return false;
   std::array<pollfd, 2> files{{{fd_, POLLIN, 0}, {give_up_, POLLIN, 0}}};
@@ -322,7 +313,7 @@ bool SceneReader::take_message(std::uint64_t limit) {
   if (words > limit / sizeof(std::uint64_t))
     fail("a message of " + std::to_string(words * sizeof(std::uint64_t)) + " bytes, the limit is " +
          std::to_string(limit));
-  // Memory grows with what is there, not with what is claimed.
+  // Memory grows with the bytes that were read, not with the claimed size.
   while (words_.size() < words) {
     const std::size_t old = words_.size();
     words_.resize(std::min<std::size_t>(words, old + kReadBytes));

@@ -17,8 +17,7 @@ struct SceneSummary {
   std::uint64_t frames = 0;
   double first_s = 0;  ///< time of the first and last frame; without frames 0
   double last_s = 0;
-  /// What the spheres filled, in all frames together, x y z; empty without a sphere in a finite
-  /// place.
+  /// The box x y z that the spheres of all frames filled; empty without a sphere in a finite place.
   std::optional<std::array<Range, 3>> bounds;
   double largest_force = 0;  ///< newtons, of the magnitude, as sent
   double largest_force_s = 0;

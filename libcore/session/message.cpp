@@ -8,6 +8,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/grid/box_message.hpp"
 #include "libcore/session/column.hpp"
 #include "libcore/session/format.hpp"
 #include "session.capnp.h"
@@ -105,14 +106,7 @@ Message encode_header(const SessionHeader& header) {
     out.setModel(header.model);
     out.setGridDigest(header.grid_digest);
     out.setLengthUnit(header.length_unit);
-    auto box = out.initBox();
-    box.setOriginX(header.box.origin[0]);
-    box.setOriginY(header.box.origin[1]);
-    box.setOriginZ(header.box.origin[2]);
-    box.setSpacing(header.box.spacing);
-    box.setCountX(header.box.counts[0]);
-    box.setCountY(header.box.counts[1]);
-    box.setCountZ(header.box.counts[2]);
+    set_box(out.initBox(), header.box);
     out.setRate(header.rate_hz);
     auto flags = out.initFlagNames(static_cast<unsigned>(header.flags.size()));
     for (unsigned i = 0; i < header.flags.size(); ++i) flags.set(i, header.flags[i]);
@@ -132,10 +126,7 @@ SessionHeader decode_header(const Message& message) {
     header.model = get_text(in.getModel(), kMaxText, "a model's name");
     header.grid_digest = get_text(in.getGridDigest(), kMaxText, "a grid's digest");
     header.length_unit = get_text(in.getLengthUnit(), kMaxText, "a unit");
-    const auto box = in.getBox();
-    header.box.origin = {box.getOriginX(), box.getOriginY(), box.getOriginZ()};
-    header.box.spacing = box.getSpacing();
-    header.box.counts = {box.getCountX(), box.getCountY(), box.getCountZ()};
+    header.box = get_box(in.getBox());
     header.rate_hz = in.getRate();
     const auto flags = in.getFlagNames();
     if (flags.size() > kMaxFlags)

@@ -139,7 +139,7 @@ void SessionReader::salvage(std::uint64_t header_end) {
   }
 }
 
-/// The index of what is there, without the footer's.
+/// Makes an index from the chunks that can be read, without a footer.
 void SessionReader::scan(std::uint64_t header_end) {
   std::uint64_t offset = header_end;
   std::vector<TickRecord> ticks;

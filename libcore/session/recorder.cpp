@@ -74,7 +74,7 @@ void SessionRecorder::run(const std::stop_token& token) {
 
 void SessionRecorder::drain() {
   for (auto ticks = ring_->peek(); !ticks.empty(); ticks = ring_->peek()) {
-    // Room is given back as soon as it is there, also while a large backlog is written.
+    // Written ticks leave the ring at once, so that it has room while a large backlog is written.
     ticks = ticks.first(std::min<std::size_t>(ticks.size(), kChunkTicks));
     for (const TickRecord& tick : ticks) writer_.add(tick);
     ring_->pop(ticks.size());

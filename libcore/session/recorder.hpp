@@ -1,10 +1,10 @@
 // From the haptic loop to a session's file.
 //
-// Problem. The loop must never wait for a disk, nor for a compressor. Paced, a tick is copied into
-// a ring that is allocated beforehand, and a slow thread looks into it every 20 ms, packs and
-// writes; nobody wakes it, since that would be a system call in the loop. When the disk is slower
-// than the ring is long, ticks are dropped and counted. A play without a pace has no deadlines: its
-// ticks are written where they happen, and all of them are.
+// Problem. The loop must never wait for a disk, nor for a compressor. In a paced play the loop copies
+// each tick into a ring that was allocated before. A slow thread looks into the ring every 20 ms,
+// compresses and writes; the loop does not wake it, since that would be a system call. When the ring
+// is full because the disk is slow, ticks are dropped and counted. A play without a pace has no
+// deadlines: it writes every tick itself.
 //
 // add() takes some 0.1 us, the slow thread 1 us a tick (tests/bench/session.cpp).
 #pragma once
@@ -32,26 +32,26 @@ class SessionRecorder {
   /// @param paced ticks come in real time, header.rate_hz a second.
   /// @throw as SessionWriter
   SessionRecorder(const std::string& name, const SessionHeader& header, bool paced);
-  /// Without finish() what was recorded stays as NAME.part, as SessionWriter has it.
+  /// Without finish() the recorded ticks stay in NAME.part (SessionWriter).
   ~SessionRecorder();
   SessionRecorder(const SessionRecorder&) = delete;
   SessionRecorder& operator=(const SessionRecorder&) = delete;
 
-  /// False when the tick is dropped, for want of room or since writing has failed, which finish()
-  /// will say. Paced: real-time safe.
+  /// False when the tick is dropped: the ring is full, or writing has failed, which finish() reports.
+  /// Real-time safe in a paced play.
   bool add(const TickRecord& tick) noexcept;
-  /// Of add() so far.
+  /// Ticks that add() dropped.
   std::uint64_t dropped() const noexcept { return dropped_; }
 
-  /// After the last tick: everything is on the disk, and the file appears. Once only.
-  /// @throw std::system_error, Error: what has failed first, and where the rest is.
+  /// Called once, after the last tick: everything is on the disk, and the file appears.
+  /// @throw std::system_error, Error: the first failure, and where the recorded ticks are.
   SessionCounts finish();
 
  private:
   void run(const std::stop_token& token);
   void drain();
 
-  SessionWriter writer_;  // the slow thread's while it runs
+  SessionWriter writer_;  // belongs to the slow thread while it runs
   std::exception_ptr failure_;
   std::atomic<bool> failed_{false};
   std::uint64_t dropped_ = 0;

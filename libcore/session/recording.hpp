@@ -1,4 +1,4 @@
-// What a hand did, from a session or from a log of play as text: for playing it again.
+// The motion of a hand, read from a session or from a text log of play, to be replayed.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace hapgrid {
 
 struct RecordedTick {
   std::uint64_t number = 0;  ///< ascending; what is skipped was missed
-  Vec3 hip{};                ///< the box's axes, the model's unit; as it was, also where not finite
+  Vec3 hip{};                ///< the box's axes, the model's unit; need not be finite
   bool clutch = false;
   bool stalled = false;
   bool reset = false;

@@ -12,8 +12,8 @@
 
 namespace hapgrid {
 
-/// Names of flags that mean something to others than people; those of what the safety core did
-/// start with kSafetyFlag.
+/// Names of flags that programs look for. The names of the safety core's flags start with
+/// kSafetyFlag.
 inline constexpr const char* kClutchFlag = "clutch";        ///< DeviceInput::clutch
 inline constexpr const char* kStalledFlag = "stalled";      ///< DeviceInput::stalled
 inline constexpr const char* kResetFlag = "reset";          ///< DeviceInput::reset
@@ -33,7 +33,7 @@ struct SessionHeader {
   std::vector<std::string> flags;  ///< names of the bits of TickRecord::flags, bit 0 first
   std::string settings;            ///< JSON, not looked at here; may be empty
 
-  /// The bit of that name; kMaxFlags where there is none.
+  /// The bit of the flag with this name; kMaxFlags if there is no such flag.
   std::size_t flag(const std::string& name) const {
     const auto found = std::find(flags.begin(), flags.end(), name);
     return found == flags.end() ? kMaxFlags : static_cast<std::size_t>(found - flags.begin());
@@ -41,7 +41,7 @@ struct SessionHeader {
   /// Seconds of play.
   double time_of(std::uint64_t number) const { return static_cast<double>(number) / rate_hz; }
 
-  /// @throw Error when it cannot be a session's: what is wrong and the limit.
+  /// @throw Error when a value is impossible: what is wrong, and the limit.
   void validate() const;
 
   friend bool operator==(const SessionHeader&, const SessionHeader&) = default;
@@ -59,7 +59,7 @@ struct TickRecord {
   std::uint32_t compute_ns = 0;          ///< from its start until its force was sent
 };
 
-/// Nanoseconds for a record: those that do not fit become the nearest ones that do.
+/// Nanoseconds for a record, held in its range.
 inline std::uint32_t saturated_ns(std::int64_t ns) noexcept {
   return static_cast<std::uint32_t>(
       std::clamp<std::int64_t>(ns, 0, std::numeric_limits<std::uint32_t>::max()));

@@ -11,11 +11,10 @@
 
 namespace hapgrid {
 
-/// What a session cannot be made again for: a hand was there once. So it is written as NAME.part, a
-/// chunk at a time, and becomes NAME when it is whole; an interrupted one stays NAME.part, which is
-/// refused as truncated wherever nobody asks for what can be saved of it. Alternatives: a file
-/// without a name (lost with the process), NAME itself (an old session is gone, and a half one
-/// could be taken for whole by its name).
+/// A session cannot be repeated: a hand was there once. So it is written chunk by chunk as NAME.part,
+/// and becomes NAME when it is whole. An interrupted session stays NAME.part, which readers refuse as
+/// truncated unless they are asked to salvage it. Alternatives: a file without a name would be lost
+/// with the process; NAME itself would destroy an old session, and half a session would look whole.
 class SessionWriter {
  public:
   /// Writes the header at once. "-" is standard output; a device or pipe is written directly.
@@ -37,7 +36,7 @@ class SessionWriter {
 
   /// Whether a chunk of ticks is in the file.
   bool any_written() const { return !footer_.chunks.empty(); }
-  /// Where it is until then: NAME.part; empty for a device or pipe.
+  /// The file's name until finish(): NAME.part; empty for a device or pipe.
   std::string part() const { return output_.part(); }
 
  private:

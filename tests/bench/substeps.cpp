@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "libcore/check/fidelity.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/grid/describe.hpp"
 #include "libcore/model/plugin_model.hpp"
 #include "libcore/shard/load.hpp"
 

@@ -31,9 +31,6 @@ for shard in seeds requests frontier.1 both grid coded lossy stored stored-coded
   [[ $shard == both ]] || zstd -qdc "$shard" | put shard_messages "$shard"
 done
 
-# Reports of parts.
-verify grid --walks 2 --accuracy 0.05 --recompute 50 --part 1/2 2>/dev/null | put part walks
-verify seeds --part 2/2 2>/dev/null | put part broken
 
 # Sessions, whole and cut, their text, and frames.
 for step in {0..84}; do

@@ -65,11 +65,11 @@ inline void read_shard(std::span<const std::byte> bytes) {
   refusable([&] {
     MemoryFile memory(bytes);
     const Grid grid = load_grid({memory.name()}).grid;
-    check_complete(grid, all_points(grid), 1);
-    check_links(grid, all_points(grid), 1);
-    check_finite(grid, all_points(grid), 1);
+    check_complete(grid, 1);
+    check_links(grid, 1);
+    check_finite(grid, 1);
     check_reachable(grid);
-    check_blends(grid, all_points(grid), 1);
+    check_blends(grid, 1);
     play(grid);
   });
 }

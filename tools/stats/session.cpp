@@ -7,11 +7,10 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/text.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/session/statistics.hpp"
 #include "libcore/session/text.hpp"
-#include "tools/common/gnuplot.hpp"
+#include "tools/stats/gnuplot.hpp"
 #include "tools/stats/session_picture.hpp"
 #include "tools/stats/session_report.hpp"
 

@@ -14,8 +14,8 @@ struct SessionOptions {
   bool salvage = false;
   std::string png;          ///< empty: no picture
   std::string export_file;  ///< empty: no text
-  std::string format;       ///< of the report, which there is where there is none of both
-  std::string output;       ///< of the report
+  std::string format;       ///< of the report, which is written when png and export_file are empty
+  std::string output;       ///< where the report goes
 };
 
 /// @throw Error, std::system_error

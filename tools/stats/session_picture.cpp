@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "libcore/base/text.hpp"
-#include "libcore/check/text.hpp"
-#include "tools/common/gnuplot.hpp"
+#include "tools/stats/gnuplot.hpp"
 
 namespace hapgrid {
 
@@ -218,7 +217,7 @@ std::string SessionCurves::flag_panel(const std::vector<std::size_t>& flags) con
   for (std::size_t row = 0; row < flags.size(); ++row) {
     const std::string& name = header_.flags[flags[row]];
     const std::string y = std::to_string(row);
-    script += (row == 0 ? "" : ", ") + gnuplot_string(plain(name.substr(0, 16))) + " " + y;
+    script += (row == 0 ? "" : ", ") + gnuplot_string(printable_line(name, 16)) + " " + y;
     const char* colour = name == kLevelFlag              ? "#0072b2"
                          : name.starts_with(kSafetyFlag) ? "#d55e00"
                                                          : "#777777";
@@ -251,7 +250,7 @@ std::string SessionCurves::script(const std::string& subtitle) const {
   for (const std::size_t flag : flags) append_flag(script, flag);
 
   script += "set multiplot\nset label 1 " +
-            gnuplot_string("Session with " + plain(header_.model.substr(0, 40))) +
+            gnuplot_string("Session with " + printable_line(header_.model, 40)) +
             " at screen 0.5, screen " + y(25) + " center font 'sans,14'\nset label 2 " +
             gnuplot_string(subtitle) + " at screen 0.5, screen " + y(50) + " center\n";
   // At least what gnuplot can tell apart.

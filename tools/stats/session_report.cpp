@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "libcore/base/text.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
 

@@ -7,13 +7,13 @@
 
 namespace hapgrid {
 
-/// Of a letter, in pixels at scale 1.
+/// The size of a letter in pixels, at scale 1.
 inline constexpr int kLetterWidth = 6;
 inline constexpr int kLetterHeight = 13;
 
 Image blank(int width, int height, Rgb colour);
 
-// What is outside the picture is left out.
+// Pixels outside the picture are left out.
 
 void fill(Image& image, int x, int y, int width, int height, Rgb colour);
 /// A line `thickness` pixels high and wide.

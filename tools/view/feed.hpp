@@ -1,5 +1,5 @@
-// Frames as they come, read on a thread of their own: whoever draws is never waited for, and gets
-// the newest one.
+// Reads frames in a thread of its own. Reading never waits for the drawing, which gets the newest
+// frame.
 #pragma once
 
 #include <chrono>
@@ -17,8 +17,8 @@
 
 namespace hapgrid {
 
-/// Everything of a stream is read at once, so that its writer waits for nobody; only a regular file
-/// is given out in the time in which it was recorded.
+/// A stream is read as fast as it comes, so that its writer never waits. The frames of a regular
+/// file are given out in the time in which they were recorded.
 class Feed {
  public:
   /// Takes the scene off the stream and waits for it; "-" is standard input. `changed` is called on
@@ -35,8 +35,7 @@ class Feed {
 
   /// Starts reading.
   void start();
-  /// What there is; `frame` and `traces` are written only when there is a frame that was not given
-  /// out before.
+  /// The state of the stream. `frame` and `traces` are written only when there is a new frame.
   struct State {
     bool fresh = false;
     bool ended = false;         ///< no frame comes after this one
@@ -45,7 +44,7 @@ class Feed {
   State update(Frame& frame, Traces& traces);
   /// Stops and starts the clock of a file; a live stream goes on.
   void pause(bool paused);
-  /// @throw what ended the stream, if it was not its end. Call it when the stream has ended.
+  /// Called when the stream has ended. @throw the error that ended it, if there was one.
   void check() const;
 
  private:

@@ -62,7 +62,7 @@ struct Gl {
 #undef HAPGRID_GL_MEMBER
 };
 
-/// Of the context that is current. @throw Error when a function is missing.
+/// Loads the functions of the current context. @throw Error when one is missing.
 Gl load_gl();
 
 }  // namespace hapgrid

@@ -1,10 +1,10 @@
-// A window's picture, drawn with OpenGL 3.3: what render() draws, from the same Drawing.
+// Draws a window's picture with OpenGL 3.3, from the same Drawing as render().
 //
-// A sphere is a square whose fragment shader finds the sphere's surface, its normal and its depth,
-// so that it is round at every size and spheres that cut into each other meet where they should.
-// All of it goes into a picture in memory with several rays a pixel, which is then made smaller:
-// multisampling does not smooth what a fragment shader discards. The window shows a copy of that
-// picture, so that a screenshot has what other windows hide.
+// A sphere is a square whose fragment shader finds the sphere's surface, its normal and its depth.
+// So a sphere is round at every size, and spheres that intersect do so in the right places. The
+// picture is painted into memory with several rays a pixel and then made smaller, because
+// multisampling does not smooth the edges of what a fragment shader discards. The window shows a
+// copy of it, so a screenshot is whole even behind other windows.
 #pragma once
 
 #include <cstddef>
@@ -16,15 +16,14 @@
 
 namespace hapgrid {
 
-/// Everything it makes belongs to the context, which must be current in each call, and goes with
-/// it.
+/// Its objects belong to the OpenGL context, which must be current in each call.
 class Painter {
  public:
   /// @throw Error when the context cannot do what is needed.
   Painter();
 
-  /// Pixels of the picture, and below it of the panel; all of them at least 1.
-  /// @throw Error when that is too large for the context.
+  /// Sets the size of the picture and of the panel below it in pixels, at least 1 each.
+  /// @throw Error when they are too large for the context.
   void resize(int width, int picture_height, int panel_height);
   /// Rays a pixel and axis, for draw(); resize() can change it.
   int supersampling() const { return supersampling_; }

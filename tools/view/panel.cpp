@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 #include "tools/view/canvas.hpp"
 
 namespace hapgrid {
@@ -92,7 +92,7 @@ Image draw_panel(int width, int scale, const Scene& scene, const Traces& traces,
              kForce);
   if (!both) return image;
   place.y += place.height + gap;
-  const std::string unit = printable(scene.energy_unit);
+  const std::string unit = printable_line(scene.energy_unit);
   draw_curve(image, place, scale, traces, &Traces::Sample::energy, energy,
              unit.empty() || unit.size() > 8 ? "energy" : unit, kEnergy);
   return image;

@@ -1,4 +1,4 @@
-// A picture as what a terminal understands: coloured symbols, or an image in one of two protocols.
+// A picture for a terminal: as coloured symbols, or as an image in one of two protocols.
 #pragma once
 
 #include <chafa.h>
@@ -21,7 +21,7 @@ struct ChafaDeleter {
 template <class T>
 using ChafaPointer = std::unique_ptr<T, ChafaDeleter>;
 
-/// What the environment (TERM and its like) says of the terminal, which is not asked itself.
+/// The terminal's abilities, as the environment (TERM and others) describes them.
 class TerminalPixels {
  public:
   /// @param mode "symbols", "sixel" or "kitty", or "auto" for what the terminal can do.
@@ -30,8 +30,8 @@ class TerminalPixels {
   bool symbols() const { return pixel_mode_ == CHAFA_PIXEL_MODE_SYMBOLS; }
   bool kitty() const { return pixel_mode_ == CHAFA_PIXEL_MODE_KITTY; }
 
-  /// The picture on columns x rows cells of cell_width x cell_height pixels: its rows of text, or
-  /// one row for the whole of it where it is an image. It has no line breaks.
+  /// The picture on columns x rows cells of cell_width x cell_height pixels, as its rows of text. An
+  /// image is one row. There are no line breaks.
   std::vector<std::string> encode(const Image& image, int columns, int rows, int cell_width,
                                   int cell_height) const;
 

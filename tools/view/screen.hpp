@@ -1,12 +1,11 @@
-// The terminal that standard output is: its size, its other screen, and the signals that concern
-// it.
+// The terminal on standard output: its size, its alternate screen, and its signals.
 #pragma once
 
 #include <string_view>
 
 namespace hapgrid {
 
-/// Columns, rows, and a cell's size in pixels, which many terminals do not tell.
+/// Columns, rows, and a cell's size in pixels, which many terminals do not report.
 struct TerminalSize {
   int columns = 80;
   int rows = 24;
@@ -16,23 +15,23 @@ struct TerminalSize {
 
 TerminalSize terminal_size();
 
-/// From now on signals that end or stop a program, or tell of another size, are kept for the
-/// functions below, and `eventfd` is written to; but for those that are ignored, as nohup wants it.
+/// Handles the signals that end or stop a program, and the one for a new size, from now on: they are
+/// kept for the functions below, and `eventfd` is written. Ignored signals stay ignored (nohup).
 void watch_signals(int eventfd);
-/// Writes to that eventfd; also for other threads.
+/// Writes to that eventfd, from any thread.
 void wake();
-/// The signal that wants the process to end, or 0.
+/// The signal that asks the process to end, or 0.
 int ending_signal();
-/// Whether since the last call the process was asked to stop (^Z), or the size changed.
+/// Whether the process was asked to stop (^Z), or the size changed, since the last call.
 bool take_stop();
 bool take_resize();
 /// Ends the process as the signal would have.
 void die_of(int signal);
 
-/// The other screen of the terminal, without a cursor, while it is in use.
+/// The terminal's alternate screen, without a cursor.
 class Screen {
  public:
-  /// @param images of kitty's protocol are on it, and go with it.
+  /// @param images whether images of kitty's protocol are shown, which are deleted at the end.
   explicit Screen(bool images) : images_(images) { enter(); }
   ~Screen() { leave(); }
   Screen(const Screen&) = delete;
@@ -40,9 +39,9 @@ class Screen {
 
   /// @throw std::system_error
   void enter();
-  /// Also from the middle of a sequence that was not written to its end.
+  /// Leaves the screen, even after half an escape sequence.
   void leave() noexcept;
-  /// The rest is left out once a signal wants the process to end.
+  /// Writes text; stops early when a signal asks the process to end.
   /// @throw std::system_error
   void write(std::string_view text);
 

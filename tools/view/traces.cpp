@@ -6,7 +6,7 @@
 #include <limits>
 #include <set>
 
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
@@ -83,7 +83,7 @@ std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dr
       " s   force " + three_digits(magnitude(frame.force)) + " N";
   if (std::isfinite(frame.energy)) {
     text += "   energy " + three_digits(frame.energy);
-    if (!scene.energy_unit.empty()) text += " " + printable(scene.energy_unit);
+    if (!scene.energy_unit.empty()) text += " " + printable_line(scene.energy_unit);
   }
   text += "   levels";
   for (const int level : std::set<int>(frame.levels.begin(), frame.levels.end()))

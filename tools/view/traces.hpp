@@ -1,4 +1,4 @@
-// What happened in the last seconds, for curves, and the newest numbers as a line of text.
+// The last seconds of play as curves, and the newest numbers as a line of text.
 #pragma once
 
 #include <array>
@@ -16,18 +16,18 @@ namespace hapgrid {
 class Traces {
  public:
   static constexpr double kSeconds = 10;
-  /// More than play writes in that time; of a stream that has more the newest are kept.
+  /// More frames than play writes in that time; of a faster stream the newest are kept.
   static constexpr std::size_t kMaxSamples = 4096;
 
   struct Sample {
     double time_s;
     double force;   ///< newtons, the magnitude, as sent
     double energy;  ///< in the scene's unit; NaN: none
-    /// The levels in the cell's corners are others than in the frame before.
+    /// Whether the levels in the cell's corners differ from those of the frame before.
     bool switched;
   };
 
-  /// Frames come in the order of ticks; where the time goes back all the same, curves start anew.
+  /// Frames come in the order of ticks. When the time goes back, the curves start anew.
   void add(const Frame& frame);
   const std::deque<Sample>& samples() const { return samples_; }
 
@@ -36,7 +36,7 @@ class Traces {
   std::array<std::uint8_t, 8> levels_{};
 };
 
-/// The lowest and the highest finite value of a curve, apart even where all are the same.
+/// The lowest and the highest finite value of a curve; never equal.
 struct Extent {
   double low = 0;
   double high = 0;
@@ -45,27 +45,27 @@ struct Extent {
   double operator()(double value) const { return (value - low) / (high - low); }
 };
 
-/// From zero on. Of no sample, and of nothing but zeros, 0 .. 1.
+/// From zero to the largest force; 0 to 1 when there is no force at all.
 Extent force_extent(const Traces& traces);
-/// Without a finite energy low and high are NaN.
+/// Low and high are NaN when no energy is finite.
 Extent energy_extent(const Traces& traces);
 
-/// A column of a curve with few of them, as a terminal has.
+/// One of the few columns that a terminal has for a curve.
 struct Column {
   double force;   ///< the largest; NaN before the first sample
   double energy;  ///< the last; NaN where there is none
   bool switched = false;
 };
 
-/// The kSeconds up to the newest sample in `count` equal parts; one without a sample has the values
-/// of the one before.
+/// The kSeconds before the newest sample, in `count` equal parts. A part without a sample has the
+/// values of the part before.
 std::vector<Column> columns(const Traces& traces, int count);
 
 /// A number for people, three significant digits: "0.513", "1.2e+06".
 std::string three_digits(double value);
 
-/// "t 3.24 s   force 0.513 N   energy 12.3 kJ/mol   levels 0 1   dropped 2": energy only if there
-/// is one, the levels that the cell's corners have, and how many frames were never drawn.
+/// "t 3.24 s   force 0.513 N   energy 12.3 kJ/mol   levels 0 1   dropped 2": the energy if the model
+/// has one, the levels in the cell's corners, and the number of frames that were never drawn.
 std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dropped);
 
 }  // namespace hapgrid

@@ -12,7 +12,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/scene/image.hpp"
 #include "tools/view/feed.hpp"
 #include "tools/view/painter.hpp"
@@ -179,7 +179,7 @@ void Window::on_move(double x, double y) {
 void Window::set_title() {
   ::glfwSetWindowTitle(
       window_,
-      (printable(scene_.model) + " - hapgrid view" + (paused_ ? " (paused)" : "")).c_str());
+      (printable_line(scene_.model) + " - hapgrid view" + (paused_ ? " (paused)" : "")).c_str());
 }
 
 void Window::reset_camera() {

@@ -16,8 +16,8 @@ struct WindowOptions {
 };
 
 /// Shows the frames of `frames` ("-": standard input) until the window is closed.
-/// @throw Error where there is no display or no OpenGL 3.3; what Feed throws, after the window is
-/// closed where the stream was damaged behind its scene.
+/// @throw Error when there is no display or no OpenGL 3.3; what Feed throws: for damage behind the
+/// scene only after the window is closed.
 void run_window(const std::string& frames, const WindowOptions& options);
 
 }  // namespace hapgrid

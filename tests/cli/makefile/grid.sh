@@ -26,7 +26,7 @@ same "lines" $((last + 1)) "$(wc -l <make.out)"
 same "first line" 'hung-ball: generation 0 has a frontier of 8 records' "$(head -n 1 make.out)"
 same "last line" "hung-ball: complete after $last generations: work/hung-ball.grid" "$(tail -n 1 make.out)"
 # The parts' costs add up to the conversions that the grid needed.
-[[ $(stats work/hung-ball.grid --reports work/hung-ball.cost --get reports.conversions) == \
+[[ $(stats work/hung-ball.grid --cost work/hung-ball.cost --get costs.conversions) == \
    $(stats work/hung-ball.grid --get conversions) ]]
 nothing_left work hung-ball hung-ball.grid hung-ball.cost
 nothing_left work/hung-ball cost.1 cost.2 cost.3 cost.merge lock seeds
@@ -72,7 +72,7 @@ for LOSS in 0 1; do
   cmp work/hung-ball.grid reference
   # Each part was made once.
   same "conversions" "$(stats reference --get conversions)" \
-    "$(stats reference --reports work/hung-ball.cost --get reports.conversions)"
+    "$(stats reference --cost work/hung-ball.cost --get costs.conversions)"
 done
 
 # Killed in the middle: all of it, only the make, or with a signal that it sees. Afterwards another

@@ -42,7 +42,7 @@ refuses 'stats: slice z=0.6 is outside the box: z goes from -0.475 to 0.475' -- 
 printf '# t\tx\ty\ts0\n0\t-1\t0\tup\n' >word
 refuses "stats: word: line 2: column s0: 'up' is no finite number" -- \
   stats --log word --plot x,s0 --png empty/log.png
-refuses "stats: log: line 1: no column 's1' in: t\?x\?y\?s0" -- \
+refuses "stats: log: line 1: no column 's1' in: t x y s0" -- \
   stats --log log --plot x,s1 --png empty/log.png
 refuses 'stats: none: No such file or directory' -- \
   stats --log none --plot x,s1 --png empty/log.png

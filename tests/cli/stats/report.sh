@@ -1,4 +1,4 @@
-# The report, single values of it, and the sums of --reports.
+# The report, single values of it, and the sums of --cost.
 source "$(dirname "$0")/../lib.sh"
 
 # 4 x 3 x 2 points far left of where the ball hangs: one level each, and every link leads back.
@@ -27,7 +27,7 @@ size         $bytes bytes, $per_record a record
 model      avg. levels  data size  CPU hours
 hung-ball        1.000   $megabytes MB          -
 (average levels: records per point that has a level; data size: the shards as stored, in
-10^6 bytes; CPU hours: the sum of --reports)"
+10^6 bytes; CPU hours: the sum of --cost)"
 expect 0 "$report" '' -- stats grid
 expect 0 "$report" '' -- stats <grid
 expect 0 "$report" '' -- stats - <grid
@@ -54,20 +54,20 @@ expect 0 1.0 '' -- stats seeds --get average_levels
 expect 0 0.3333333333333333 '' -- stats seeds --get share_reached
 expect 0 null '' -- stats seeds --get irreversible_share
 
-# Reports of the tools, and such that are none.
-expand seeds --part 1/2 --report r1 -o q1
-expand seeds --part 2/2 --report r2 -o q2
-merge seeds q1 q2 --report r2 -o second
-expect 0 3 '' -- stats second --get reports.lines --reports r1 r2
+# Cost files of the tools, and files that are none.
+expand seeds --part 1/2 --cost r1 -o q1
+expand seeds --part 2/2 --cost r2 -o q2
+merge seeds q1 q2 --cost r2 -o second
+expect 0 3 '' -- stats second --get costs.lines --cost r1 r2
 expect 0 "$(stats second --get conversions)" '' -- \
-  stats second --get reports.conversions --reports r1 r2
+  stats second --get costs.conversions --cost r1 r2
 echo '{"cpu_seconds": 7200, "conversions": 5}' >hours
-expect 0 2.0 '' -- stats --get cpu_hours --reports hours -- grid
-stats grid --reports hours | grep -qx 'hung-ball        1.000   [0-9.]* MB        2.0' ||
+expect 0 2.0 '' -- stats --get cpu_hours --cost hours -- grid
+stats grid --cost hours | grep -qx 'hung-ball        1.000   [0-9.]* MB        2.0' ||
   fail "CPU hours in the table"
 echo '{"cpu_seconds": 1' >>hours
-refuses 'stats: hours: line 2: no JSON object' -- stats grid --reports r1 hours
-refuses 'stats: missing: No such file or directory' -- stats grid --reports missing
+refuses 'stats: hours: line 2: no JSON object' -- stats grid --cost r1 hours
+refuses 'stats: missing: No such file or directory' -- stats grid --cost missing
 
 # What is refused.
 refuses 'stats: --get: this grid has no value parameters.mass' -- stats grid --get parameters.mass
@@ -78,9 +78,9 @@ refuses 'stats: cut: .*' -- stats cut --get frontier
 refuses 'stats: q1: .*' -- stats q1
 refuses 'stats: q1: .*' -- stats q1 --get records
 see='\(see stats --help\)'
-expect 2 '' "~stats: --get: no value mass \(there are: model, .*, reports\) $see" -- \
+expect 2 '' "~stats: --get: no value mass \(there are: model, .*, costs\) $see" -- \
   stats grid --get mass
-expect 2 '' "~stats: --get, --dump, --slice, --ranges and --log exclude each other $see" -- \
+expect 2 '' "~stats: --get, --dump, --slice and --log exclude each other $see" -- \
   stats grid --dump --get records
 expect 2 '' "~stats: standard input can be read only once $see" -- stats - - <grid
 expect 2 '' "~stats: --format: xml not in .*$see" -- stats grid --format xml

@@ -1,10 +1,16 @@
 """faults.py [--table | WORDS...]: plants faults into grids, one at a time, and asks verify; called
 by faults.sh in its directory, where the good grids are.
 
-The faults are in faults_in_*.py: functions that change a grid, and answer what the report must say
-of the place, if anything. Rows of the report are exactly those that are broken, the first is the one
-whose business it is. Everything is sealed again with right checksums, digests and sums: only what
-the fault is about is wrong, but for those of the last part.
+The faults are in faults_in_*.py: each is a function that changes a grid, and may return the place
+that the report must name. FAULTS.tsv lists all of them with the rows of the report that must be
+broken: exactly these, and the first is the check for this kind of fault. A text between asterisks is
+the end of the error message with which verify refuses the grid (exit code 1). verify runs with
+--recompute all unless the options say otherwise.
+Checksums, digests and sums are made right again after each change, except in the part "not sealed".
+
+The grids (faults.sh): ball is a hung ball of 14 x 3 x 2 points; stored is the same with force, energy
+and shape; fine has half of the spacing; middle waits for its second round; chunks has five large
+states of a toy model. Faults in play's switch rule are planted by unit/check/switch_rule_test.cpp.
 """
 
 import concurrent.futures
@@ -19,33 +25,18 @@ import faults_in_links  # noqa: F401
 import faults_in_records  # noqa: F401
 import faults_in_numbers  # noqa: F401
 import faults_in_headers  # noqa: F401
-import faults_in_coding  # noqa: F401
 import faults_in_streams  # noqa: F401
 import no_faults  # noqa: F401
 
-TABLE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "FAULTS.md")
-INTRODUCTION = """# Faults that `verify` was shown
-
-Each is planted into a good grid, alone, and `verify` (with `--recompute all` where nothing else is said) must find it by just
-these rows of its report, the first being the one whose business it is; or refuse the grid, exit code 1, with the line
-*in italics*. `faults.sh` does it and compares this page with what it did; `faults.sh --table` writes it. *ball* is a hung
-ball of 14 x 3 x 2 points, *stored* the same with force, energy and shape in the grid, *fine* has half of the spacing, *coded*
-and *lossy* come from `merge --final` (*lossy* from *stored* with `--precision 0.001`), *middle* waits for its second round,
-*chunks* has five large states of a toy.
-What is wrong in the switch rule of play and not in a grid is planted in `tests/unit/check/switch_rule_test.cpp`.
-"""
+TABLE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "FAULTS.tsv")
 
 
 def table():
-    lines = [INTRODUCTION]
-    for title in dict.fromkeys(f.part for f in planting.FAULTS):
-        lines += ["## " + title, "", "| fault | in | found by |", "|---|---|---|"]
-        for f in planting.FAULTS:
-            if f.part == title:
-                options = " `%s`" % " ".join(f.arguments) if f.arguments else ""
-                lines.append("| %s | %s%s | %s |" % (f.name, f.grid, options, f.found_by()))
-        lines.append("")
-    return "\n".join(lines).rstrip("\n") + "\n"
+    """A line a fault: its part, what was changed, the grid, options of verify, and what finds it."""
+    lines = ["part\tfault\tgrid\toptions\tfound by"]
+    for f in planting.FAULTS:
+        lines.append("\t".join((f.part, f.name, f.grid, " ".join(f.arguments), f.found_by())))
+    return "\n".join(lines) + "\n"
 
 
 def examine(number, fault, shows):
@@ -92,7 +83,7 @@ def main(words):
     if not words and found < 100:
         bad.append("only %d faults" % found)
     if not words and planting.read(TABLE).decode() != table():
-        bad.append("FAULTS.md is not what was done: faults.sh --table writes it")
+        bad.append("FAULTS.tsv is not what was done: faults.sh --table writes it")
     print("%d faults found, %d grids that are no fault" % (found, len(faults) - found))
     if bad:
         sys.exit("\n".join(bad))

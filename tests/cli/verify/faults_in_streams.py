@@ -40,11 +40,6 @@ def _(data):
     return b"".join(half.seal() for half in halves)
 
 
-@byte_fault("a frontier instead of the grid", refused="holds frontier where a shard of grid is needed", grid="ball")
-def _(data):
-    return read("frontier.1")
-
-
 @byte_fault("requests instead of the grid", refused="holds requests where a shard of grid is needed")
 def _(data):
     return read("requests")

@@ -99,7 +99,7 @@ class Fault:
     def found_by(self):
         if self.refused:
             return "*" + self.refused + "*"
-        return ", ".join(self.rows) if self.rows else "nothing"
+        return ", ".join(self.rows) or "nothing"
 
 
 def part(title):

@@ -13,7 +13,7 @@ force    at most 0\.[0-9]+ N, at 0\.[0-9]+ s
 energy   0 \.\. 0\.[0-9]+ N rope lengths'
 expect 0 "~$report" '' -- view x.frames
 expect 0 "~$report" '' -- view <x.frames
-expect 0 "~$report" '' -- view - --info <x.frames
+expect 0 "~$report" '' -- view - <x.frames
 view x.frames --format json | python3 -c '
 import json, sys
 r = json.load(sys.stdin)
@@ -43,7 +43,7 @@ play grid --device path:path --set safety.ramp=0 --set safety.slew=inf --frames 
 same "lines" $((6 * 12)) "$(wc -l <x.xyz)"
 same "first lines" $'10\ntime=0 tick=0 hip=-0.9,0.01,0 force=0,0,0 energy=0\nX 0.000000 0.000000 0.000000' \
   "$(head -3 x.xyz)"
-view x.frames --xyz hip.xyz --hip-label Xx --info | grep -q '^frames   6' || fail "--info"
+view x.frames --xyz hip.xyz --hip-label Xx
 same "the HIP" 'Xx -0.900000 0.010000 0.000000' "$(sed -n 13p hip.xyz)"
 if command -v obabel >/dev/null; then
   for file in "x.xyz 10" "hip.xyz 11"; do
@@ -108,9 +108,7 @@ change 's/red = 0.9/red = -1/' >changed
 refuses 'view: changed: byte 0: a colour is not in \[0, 1\]' -- view changed
 nothing_left empty
 
-expect 2 '' "view: only one of --xyz, --png and the report can be standard output $see" \
-  -- view x.frames --xyz - --info
-expect 2 '' "view: only one of --xyz, --png and the report can be standard output $see" \
+expect 2 '' "view: only one of --xyz and --png can be standard output $see" \
   -- view x.frames --xyz - --png -
 expect 2 '' "view: --at requires --png $see" -- view x.frames --at 1
 expect 2 '' "view: --hip-label requires --xyz $see" -- view x.frames --hip-label Xx

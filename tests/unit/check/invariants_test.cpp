@@ -12,9 +12,8 @@ namespace {
 
 std::vector<Check> all_checks(const Grid& grid, double tolerance = 1e-6) {
   std::vector<Check> checks{
-      check_complete(grid, all_points(grid), 1), check_coverage(grid, all_points(grid), 1),
-      check_links(grid, all_points(grid), 1), check_finite(grid, all_points(grid), 1),
-      check_distinct(grid, tiny::model(tolerance).same, all_points(grid))};
+      check_complete(grid, 1), check_coverage(grid, 1), check_links(grid, 1),
+      check_finite(grid, 1), check_distinct(grid, tiny::model(tolerance).same)};
   for (Check& check : check_reachable(grid)) checks.push_back(std::move(check));
   std::atomic<std::uint64_t> done{0};
   checks.push_back(check_fidelity(
@@ -119,7 +118,7 @@ TEST_CASE("a settled link in the frontier is a fault") {
   tiny::add(records, 2, 0, 1, -1, kUnsettled, kUnsettled);
   tiny::add(records, 3, 0, 0, 0, 0, kLeavesBox);
   const Grid grid(tiny::spec(), 1, records);
-  const auto check = check_links(grid, all_points(grid), 1);
+  const auto check = check_links(grid, 1);
   CHECK(check.found.first ==
         std::vector<std::string>{"point 1 (1, 0, 0) level 0 direction 12 (-1, 0, 0): destination "
                                  "level 0, but the record is in the frontier"});
@@ -191,14 +190,13 @@ TEST_CASE("levels that are not numbered in the order in which they were found") 
 
 TEST_CASE("blends are the cells at the two tear-offs") {
   // From level 1 of point 1 (state -1) the left end is reached, and from there level 0 (+1).
-  const Range all = all_points(tiny::grid());
-  const auto check = check_blends(tiny::grid(), all, 1);
+  const auto check = check_blends(tiny::grid(), 1);
   CHECK(check.is_note);
   CHECK(check.found.counted == 3);
   CHECK(check.found.first ==
         std::vector<std::string>{"cell (0, 0, 0) from point 1 (1, 0, 0) level 1",
                                  "cell (2, 0, 0) from point 2 (2, 0, 0) level 1"});
-  CHECK(check_blends(tiny::after_one_round(), all, 1).found.offenders == 0);
+  CHECK(check_blends(tiny::after_one_round(), 1).found.offenders == 0);
 }
 
 TEST_CASE("only the first five offenders are described") {
@@ -207,33 +205,34 @@ TEST_CASE("only the first five offenders are described") {
   GridSpec spec = tiny::spec();
   spec.box.counts = {9, 1, 1};
   const Grid grid(spec, 7, records);
-  const auto check = check_complete(grid, all_points(grid), 1);
+  const auto check = check_complete(grid, 1);
   CHECK(check.found.offenders == 9);
   CHECK(check.found.first.size() == 5);
   CHECK(check.found.first.back() == "point 4 (4, 0, 0) level 0");
 }
 
-TEST_CASE("ranges of points add up to the whole, in threads or not") {
-  auto records = tiny::records();
-  records.rows[1] = records.rows[4] = std::numeric_limits<double>::quiet_NaN();
-  tiny::link(records, 0, tiny::kRight) = tiny::link(records, 5, tiny::kLeft) = 7;
-  const Grid grid(tiny::spec(), 2, records);  // two records in the frontier
-  const auto rows = [&](const Range& points, int threads) {
-    return std::vector<Check>{check_complete(grid, points, threads),
-                              check_coverage(grid, points, threads),
-                              check_links(grid, points, threads),
-                              check_finite(grid, points, threads),
-                              check_distinct(grid, tiny::model(2.5).same, points),
-                              check_blends(grid, points, threads)};
-  };
-  const auto whole = rows(all_points(grid), 1);
-  CHECK(broken(whole).size() == 3);
-  for (const std::uint64_t of : {1u, 2u, 3u, 4u, 7u}) {
-    auto sum = rows(CheckPart{1, of}.share(4), 3);
-    for (std::uint64_t k = 2; k <= of; ++k) {
-      auto more = rows(CheckPart{k, of}.share(4), 2);
-      for (std::size_t c = 0; c < sum.size(); ++c) sum[c].found.add(std::move(more[c].found));
-    }
-    CHECK(checks_text(sum) == checks_text(whole));
+TEST_CASE("what threads find in blocks of points is joined in the order of the points") {
+  // Three blocks of 4096 points, one level each, every 1000th in the frontier and not finite.
+  GridSpec spec = tiny::spec();
+  spec.box.counts = {10000, 1, 1};
+  RecordColumns records;
+  for (PointIndex p = 0; p < 10000; ++p) {
+    const bool is_bad = p % 1000 == 999;
+    tiny::add(records, p, 0, is_bad ? 7 : 1, is_bad ? std::nan("") : 0, 0, 0);
+  }
+  const Grid grid(spec, 7, records);
+  for (const int threads : {1, 3}) {
+    const Check complete = check_complete(grid, threads);
+    CHECK(complete.found.counted == 10000);
+    CHECK(complete.found.offenders == 10);
+    CHECK(complete.found.first ==
+          std::vector<std::string>{
+              "point 999 (999, 0, 0) level 0", "point 1999 (1999, 0, 0) level 0",
+              "point 2999 (2999, 0, 0) level 0", "point 3999 (3999, 0, 0) level 0",
+              "point 4999 (4999, 0, 0) level 0"});
+    CHECK(check_finite(grid, threads).found.offenders == 10);
+    CHECK(check_coverage(grid, threads).found.offenders == 0);
+    // Both ends lead out of the box, and the frontier's links are not settled.
+    CHECK(check_links(grid, threads).found.offenders == 21);
   }
 }

@@ -24,7 +24,7 @@ std::vector<Check> checks() {
 }  // namespace
 
 TEST_CASE("the report as text") {
-  CHECK(report_text(summary_of(tiny::grid()), checks()) ==
+  CHECK(report_text(tiny::grid(), checks()) ==
         "tiny: 4 x 1 x 1 points, 6 records, generation 3\n"
         "\n"
         "check   counted             offenders  verdict\n"
@@ -57,7 +57,7 @@ TEST_CASE("the report as JSON, also when the shard's strings are no UTF-8") {
   GridSpec spec = tiny::spec();
   spec.model = "bad\xff";
   const Grid grid(spec, tiny::kGeneration, tiny::records());
-  const auto json = nlohmann::json::parse(report_json(summary_of(grid), checks()));
+  const auto json = nlohmann::json::parse(report_json(grid, checks()));
   CHECK(json["fine"] == false);
   CHECK(json["counts"] == std::vector<int>{4, 1, 1});
   CHECK(json["records"] == 6);
@@ -66,5 +66,5 @@ TEST_CASE("the report as JSON, also when the shard's strings are no UTF-8") {
   CHECK(json["checks"][1]["verdict"] == "broken");
   CHECK(json["checks"][1]["offenders"] == 7);
   CHECK(json["checks"][1]["first"].size() == 5);
-  CHECK(report_text(summary_of(grid), {}).substr(0, 5) == "bad?:");
+  CHECK(report_text(grid, {}).substr(0, 5) == "bad?:");
 }

@@ -88,7 +88,8 @@ TEST_CASE("nothing that play can do is steeper, and something is as steep") {
     // A few roundings of numbers below 2, each way.
     CHECK(figure(check, "state") == Approx(state / kSpacing).epsilon(1e-14));
     CHECK(figure(check, "force") == Approx(force).epsilon(1e-14));
-    CHECK(figure(check, "smallest stable scale") == Approx(stiffness / 4000).epsilon(1e-14));
+    if (stiffness > 0)
+      CHECK(figure(check, "largest stable scale") == Approx(4000 / stiffness).epsilon(1e-14));
     CHECK(figure(check_passive(grid, map, found, forces, 2), "largest turn") ==
           Approx(turn).epsilon(1e-13));
     if (box.points() > 1) CHECK(force > 0);
@@ -121,13 +122,13 @@ TEST_CASE("a device is stable below K = 2 b f and not above") {
   const Check free = check({});
   CHECK(figure(free, "force") == Approx(100));
   CHECK(figure(free, "force in one branch") == Approx(100));
-  CHECK(figure(free, "smallest stable scale") == Approx(100.0 / (2 * 2 * 1000)));
+  CHECK(figure(free, "largest stable scale") == Approx(2 * 2 * 1000 / 100.0));
   CHECK(free.found.offenders == 0);
-  const Check stable = check({.damping = 2, .rate_hz = 1000, .scale = 0.026});
-  CHECK(figure(stable, "stiffness") == Approx(100 / 0.026));
+  const Check stable = check({.damping = 2, .rate_hz = 1000, .scale = 39});
+  CHECK(figure(stable, "stiffness") == Approx(100 * 39));
   CHECK(stable.figures.back().where.substr(0, 7) == "stable:");
   CHECK(stable.found.offenders == 0);
-  const Check not_stable = check({.damping = 2, .rate_hz = 500, .scale = 0.026});
+  const Check not_stable = check({.damping = 2, .rate_hz = 500, .scale = 39});
   CHECK(not_stable.figures.back().where.substr(0, 11) == "not stable:");
   CHECK(not_stable.found.offenders == not_stable.found.counted);
   CHECK(is_fine({not_stable}));

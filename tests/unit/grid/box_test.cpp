@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "libcore/base/error.hpp"
+#include "libcore/grid/describe.hpp"
 
 using namespace hapgrid;
 
@@ -54,4 +55,10 @@ TEST_CASE("an impossible box is refused") {
   CHECK_THROWS_AS((Box{{0, 0, 0}, 1, {4000000000u, 4000000000u, 4000000000u}}.validate()), Error);
   const double inf = std::numeric_limits<double>::infinity();
   CHECK_THROWS_AS((Box{{inf, 0, 0}, 1, {1, 1, 1}}.validate()), Error);
+}
+
+TEST_CASE("long states are shortened") {
+  CHECK(state_text(std::vector<double>{0.5}) == "0.5");
+  CHECK(state_text(std::vector<double>{1, 2}) == "(1, 2)");
+  CHECK(state_text(std::vector<double>{1, 2, 3, 4, 5}) == "(1, 2, 3, 4, ...)");
 }

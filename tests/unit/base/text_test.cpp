@@ -1,14 +1,10 @@
 #include "libcore/base/text.hpp"
-#include "libcore/check/text.hpp"
 
 #include <catch2/catch.hpp>
 #include <clocale>
 #include <cmath>
 #include <cstdio>
 #include <limits>
-
-#include "libcore/check/dump.hpp"
-#include "tests/unit/check/tiny_grid.hpp"
 
 using namespace hapgrid;
 
@@ -46,32 +42,9 @@ TEST_CASE("numbers do not depend on the locale") {
 }
 
 TEST_CASE("hostile strings become printable") {
-  CHECK(printable("a b~") == "a b~");
-  CHECK(printable("\x1b[2J\n\x7f\xc3\xa9") == "?[2J????");
-}
-
-TEST_CASE("long states are shortened") {
-  CHECK(state_text(std::vector<double>{0.5}) == "0.5");
-  CHECK(state_text(std::vector<double>{1, 2}) == "(1, 2)");
-  CHECK(state_text(std::vector<double>{1, 2, 3, 4, 5}) == "(1, 2, 3, 4, ...)");
-}
-
-TEST_CASE("the dump, literally") {
-  std::string text;
-  const Grid grid = tiny::grid();
-  for (RecordIndex r = 0; r < 2; ++r) append_record(text, grid, r);
-  append_record(text, tiny::after_one_round(), 1);
-  const std::string twelve = "\t-\t-\t-\t-\t-\t-\t-\t-\t-\t-\t-\t-";
-  CHECK(text == "0\t0\t0\t0\t0" + twelve + "\t-\t0" + twelve + "\n" + "1\t0\t0\t0\t1" + twelve +
-                    "\t0\t1" + twelve + "\n" + "1\t0\t0\t0\t1" + twelve + "\t?\t?" + twelve + "\n");
-}
-
-TEST_CASE("a dump of several components, with all their digits") {
-  GridSpec spec;
-  spec.box = {{0, 0, 0}, 1, {1, 1, 1}};
-  spec.state_size = 2;
-  RecordColumns records{{0}, {0}, {0}, {0.1, -2.5}, std::vector<Level>(26, kLeavesBox)};
-  std::string text;
-  append_record(text, Grid(spec, 1, records), 0);
-  CHECK(text.substr(0, 35) == "0\t0\t0\t0\t0.10000000000000001\t-2.5\t-\t");
+  CHECK(printable_line("a b~") == "a b~");
+  CHECK(printable_line("\x1b[2J\n\x7f") == " [2J  ");
+  CHECK(printable_line("\xc3\xa9 \xe2\x88\x92") == "\xc3\xa9 \xe2\x88\x92");
+  CHECK(printable_line("\xc2\x9b" "2J \xff \xc3") == "??2J ? ?");  // CSI in eight bits; no UTF-8
+  CHECK(printable_line("abcd", 3) == "abc");
 }

@@ -1,4 +1,4 @@
-#include "libcore/check/motion_log.hpp"
+#include "tools/stats/motion_log.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "libcore/base/error.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
@@ -38,7 +38,7 @@ std::vector<XY> read_log(std::istream& log, const std::string& name, const std::
   const std::vector<std::string_view> names = split(header);
   const auto column = [&](const std::string& wanted) {
     const auto found = std::find(names.begin(), names.end(), wanted);
-    if (found == names.end()) fail("no column '" + wanted + "' in: " + printable(header));
+    if (found == names.end()) fail("no column '" + wanted + "' in: " + printable_line(header));
     return static_cast<std::size_t>(found - names.begin());
   };
   const std::size_t x_column = column(x);
@@ -56,7 +56,7 @@ std::vector<XY> read_log(std::istream& log, const std::string& name, const std::
       const char* end = cells[c].data() + cells[c].size();
       const auto read = std::from_chars(cells[c].data(), end, result);
       if (read.ec != std::errc() || read.ptr != end || !std::isfinite(result))
-        fail("column " + column_name + ": '" + printable(cells[c].substr(0, 40)) +
+        fail("column " + column_name + ": '" + printable_line(cells[c].substr(0, 40)) +
              "' is no finite number");
       return result;
     };

@@ -1,4 +1,4 @@
-#include "libcore/check/slice.hpp"
+#include "tools/stats/slice.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,6 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/text.hpp"
 
 namespace hapgrid {
 

@@ -1,7 +1,6 @@
-#include "libcore/check/dump.hpp"
+#include "tools/stats/dump.hpp"
 
 #include "libcore/base/text.hpp"
-#include "libcore/check/text.hpp"
 
 namespace hapgrid {
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "libcore/grid/grid.hpp"
-#include "libcore/shard/format.hpp"
 
 namespace hapgrid {
 
@@ -28,14 +27,13 @@ struct Statistics {
   std::uint64_t conversions = 0;
   std::uint64_t conversions_left = 0;  ///< that the frontier asks for
   std::uint64_t stored_bytes = 0;
-  Coding coding{};  ///< how the shards are stored
 };
 
 /// @param stored_bytes size of the shards as they are stored, compressed
 Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes);
 
-/// What the lines of `expand --report` and `merge --report` add up to.
-struct ReportSums {
+/// The sums over the lines of `expand --cost` and `merge --cost`.
+struct CostSums {
   std::uint64_t lines = 0;
   std::uint64_t conversions = 0;
   double cpu_seconds = 0;
@@ -44,15 +42,15 @@ struct ReportSums {
 /// Adds the JSON lines in `text`, each an object with at least "cpu_seconds" (a number >= 0) and
 /// "conversions" (a whole number >= 0).
 /// @throw Error with `name` and line number at the first line that is not.
-void add_reports(ReportSums& sums, const std::string& name, const std::string& text);
+void add_costs(CostSums& sums, const std::string& name, const std::string& text);
 
-/// The report; "cpu_hours" and "reports" are null without `reports`, shares and averages of nothing
+/// The report; "cpu_hours" and "costs" are null without `costs`, shares and averages of nothing
 /// are null. Keys are only ever added.
 nlohmann::ordered_json statistics_json(const GridSpec& spec, const Statistics& statistics,
-                                       const ReportSums* reports);
+                                       const CostSums* costs);
 
 /// The same for people, with the definition of each number.
 std::string statistics_text(const GridSpec& spec, const Statistics& statistics,
-                            const ReportSums* reports);
+                            const CostSums* costs);
 
 }  // namespace hapgrid

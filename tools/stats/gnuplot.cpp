@@ -1,4 +1,4 @@
-#include "tools/common/gnuplot.hpp"
+#include "tools/stats/gnuplot.hpp"
 
 #include <spawn.h>
 #include <sys/mman.h>
@@ -16,7 +16,6 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/text.hpp"
 
 namespace hapgrid {
 
@@ -46,7 +45,7 @@ std::string complaint(int fd) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string line = text.substr(begin, end - begin);
     const std::size_t word = line.find_first_not_of(" \t^");
-    if (word != line.npos && line.find("arning") == line.npos) last = printable(line.substr(word));
+    if (word != line.npos && line.find("arning") == line.npos) last = printable_line(line.substr(word));
     begin = end + 1;
   }
   return last;
@@ -122,24 +121,13 @@ std::string axis_range(const Box& box, int axis) {
 
 }  // namespace
 
-std::string plain(std::string_view text) {
-  std::string safe(text);
-  for (char& c : safe) {
-    const bool is_alphanumeric =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    if (!is_alphanumeric && c != '-' && c != '_' && c != '.') c = '?';
-  }
-  return safe;
-}
-
 std::string gnuplot_string(std::string_view text) {
   std::string result = "'";
-  for (const char c : text) {
-    const bool is_control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+  for (const char c : printable_line(text, text.npos)) {
     if (c == '\'')
       result += "''";
     else
-      result += is_control || c == '\\' || c == '`' ? '?' : c;
+      result += c == '\\' || c == '`' ? '?' : c;
   }
   return result + "'";
 }
@@ -195,8 +183,9 @@ std::string slice_script(const GridSpec& spec, const Slice& slice) {
   const auto name = [](int axis) { return std::string(1, "xyz"[axis]); };
   const std::string unit = " / model's unit of length";
   constexpr std::size_t kLongestName = 32;
-  std::string model = plain(spec.model);
-  if (model.size() > kLongestName) model = model.substr(0, kLongestName - 3) + "...";
+  const bool is_long = spec.model.size() > kLongestName;
+  const std::string model =
+      is_long ? printable_line(spec.model, kLongestName - 3) + "..." : spec.model;
   std::string script = setup(
       canvas,
       model + ": levels of each point at " + name(slice.axis) + " = " + rounded(slice.coordinate),

@@ -1,4 +1,4 @@
-#include "libcore/check/statistics.hpp"
+#include "tools/stats/statistics.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "libcore/base/error.hpp"
-#include "libcore/check/text.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
@@ -57,7 +57,7 @@ Json value_json(const ParameterValue& value) {
   return std::visit([](const auto& v) { return Json(v); }, value);
 }
 
-double hours(const ReportSums& reports) { return reports.cpu_seconds / 3600; }
+double hours(const CostSums& costs) { return costs.cpu_seconds / 3600; }
 
 // How much of a parameter the text shows.
 constexpr std::size_t kLongValue = 100;
@@ -68,6 +68,22 @@ std::vector<std::string> stored_names(const GridSpec& spec) {
   if (spec.stored.energy) names.push_back("energy");
   if (spec.stored.shape) names.push_back("shape");
   return names;
+}
+
+/// The row of the paper's Table 2, below its head, and what its numbers are.
+std::string table_row(const std::string& model, const Statistics& s, const CostSums* costs) {
+  const std::size_t width = std::max<std::size_t>(model.size(), 5);
+  const std::string average =
+      s.points_reached == 0
+          ? "-"
+          : fixed(static_cast<double>(s.records) / static_cast<double>(s.points_reached), 3);
+  const std::string cpu_hours = costs ? fixed(hours(*costs), hours(*costs) < 1 ? 5 : 1) : "-";
+  return left("model", width) + "  avg. levels  data size  CPU hours\n" + left(model, width) +
+         "  " + right(average, 11) + "  " + right(megabytes(s.stored_bytes), 9) + "  " +
+         right(cpu_hours, 9) +
+         "\n"
+         "(average levels: records per point that has a level; data size: the shards as stored, in\n"
+         "10^6 bytes; CPU hours: the sum of --cost)\n";
 }
 
 }  // namespace
@@ -107,7 +123,7 @@ Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes) {
   return s;
 }
 
-void add_reports(ReportSums& sums, const std::string& name, const std::string& text) {
+void add_costs(CostSums& sums, const std::string& name, const std::string& text) {
   std::size_t number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -131,7 +147,7 @@ void add_reports(ReportSums& sums, const std::string& name, const std::string& t
   }
 }
 
-Json statistics_json(const GridSpec& spec, const Statistics& s, const ReportSums* reports) {
+Json statistics_json(const GridSpec& spec, const Statistics& s, const CostSums* costs) {
   Json json;
   json["model"] = spec.model;
   json["parameters"] = Json::object();
@@ -161,20 +177,18 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const ReportSums
   json["conversions"] = s.conversions;
   json["conversions_left"] = s.conversions_left;
   json["bytes"] = s.stored_bytes;
-  json["coded"] = s.coding.is_coded;
-  json["precision"] = s.coding.precision;
   json["bytes_per_record"] = ratio(static_cast<double>(s.stored_bytes), s.records);
-  json["cpu_hours"] = reports ? Json(hours(*reports)) : Json();
-  json["reports"] = Json();
-  if (reports)
-    json["reports"] = {{"lines", reports->lines},
-                       {"conversions", reports->conversions},
-                       {"cpu_seconds", reports->cpu_seconds}};
+  json["cpu_hours"] = costs ? Json(hours(*costs)) : Json();
+  json["costs"] = Json();
+  if (costs)
+    json["costs"] = {{"lines", costs->lines},
+                     {"conversions", costs->conversions},
+                     {"cpu_seconds", costs->cpu_seconds}};
   return json;
 }
 
-std::string statistics_text(const GridSpec& spec, const Statistics& s, const ReportSums* reports) {
-  const std::string model = printable(spec.model);
+std::string statistics_text(const GridSpec& spec, const Statistics& s, const CostSums* costs) {
+  const std::string model = printable_line(spec.model);
   std::string text;
   const auto row = [&](const std::string& name, const std::string& value) {
     text += left(name, 13) + value + "\n";
@@ -186,7 +200,7 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Rep
     // Contents of files; --format json has them in full.
     if (value.size() > kLongValue)
       value = value.substr(0, kLongValue) + "... (" + std::to_string(value.size()) + " bytes)";
-    row("parameter", printable(p.key) + " = " + value);
+    row("parameter", printable_line(p.key) + " = " + value);
   }
   const auto& n = spec.box.counts;
   row("box", std::to_string(n[0]) + " x " + std::to_string(n[1]) + " x " + std::to_string(n[2]) +
@@ -194,7 +208,7 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Rep
                  vector_text(spec.box.origin) + " to " +
                  vector_text(spec.box.position(GridCoordinates{n[0] - 1, n[1] - 1, n[2] - 1})));
   row("state", std::to_string(spec.state_size) + " component" + (spec.state_size == 1 ? "" : "s") +
-                   ", tolerance " + rounded(spec.tolerance) + " " + printable(spec.tolerance_unit));
+                   ", tolerance " + rounded(spec.tolerance) + " " + printable_line(spec.tolerance_unit));
   std::string stored;
   for (const std::string& name : stored_names(spec)) stored += (stored.empty() ? "" : ", ") + name;
   if (spec.stored.shape) stored += " of " + std::to_string(spec.spheres.size()) + " spheres";
@@ -216,7 +230,7 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Rep
                           " links (there and back does not return to the level)");
   row("conversions",
       std::to_string(s.conversions) + " that this grid needed" +
-          (reports ? ", " + std::to_string(reports->conversions) + " in the reports" : ""));
+          (costs ? ", " + std::to_string(costs->conversions) + " in the cost files" : ""));
   row("size", std::to_string(s.stored_bytes) + " bytes" +
                   (s.records == 0 ? ""
                                   : ", " +
@@ -224,24 +238,7 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Rep
                                                   static_cast<double>(s.records),
                                               2) +
                                         " a record"));
-  if (s.coding.is_coded)
-    row("coding", s.coding.is_lossy()
-                      ? "numbers may be off by " + rounded(s.coding.precision) + " of their range"
-                      : "nothing is lost");
-  const std::size_t name_width = std::max<std::size_t>(model.size(), 5);
-  text += "\n" + left("model", name_width) + "  avg. levels  data size  CPU hours\n";
-  text +=
-      left(model, name_width) + "  " +
-      right(s.points_reached == 0
-                ? "-"
-                : fixed(static_cast<double>(s.records) / static_cast<double>(s.points_reached), 3),
-            11) +
-      "  " + right(megabytes(s.stored_bytes), 9) + "  " +
-      right(reports ? fixed(hours(*reports), hours(*reports) < 1 ? 5 : 1) : "-", 9) + "\n";
-  text +=
-      "(average levels: records per point that has a level; data size: the shards as stored, in\n"
-      "10^6 bytes; CPU hours: the sum of --reports)\n";
-  return text;
+  return text + "\n" + table_row(model, s, costs);
 }
 
 }  // namespace hapgrid

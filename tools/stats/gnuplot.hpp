@@ -1,25 +1,21 @@
 // Pictures, drawn by the program gnuplot.
 //
 // A script is data and commands at once, and some of its strings come from shards, which are
-// hostile. Strings enter a script through gnuplot_string() only, and those of shards through
-// plain() first.
+// hostile. Strings enter a script through gnuplot_string() only.
 #pragma once
 
 #include <string>
 #include <string_view>
 
 #include "libcore/base/file.hpp"
-#include "libcore/check/motion_log.hpp"
-#include "libcore/check/slice.hpp"
+#include "tools/stats/motion_log.hpp"
+#include "tools/stats/slice.hpp"
 #include "libcore/grid/spec.hpp"
 
 namespace hapgrid {
 
-/// Letters, digits, '-', '_' and '.' of `text`; everything else becomes '?'.
-std::string plain(std::string_view text);
-
-/// `text` as a string of a gnuplot script, in single quotes, where gnuplot expands nothing; control
-/// characters, backslashes and backquotes become '?' all the same.
+/// `text` as a string of a gnuplot script: a printable line (base/text.hpp) in single quotes, where
+/// gnuplot expands nothing. Backslashes and backquotes become '?' all the same.
 std::string gnuplot_string(std::string_view text);
 
 /// Runs gnuplot on `script`, which leaves `set output` alone, and puts the picture into `png`

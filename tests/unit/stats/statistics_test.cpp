@@ -1,4 +1,4 @@
-#include "libcore/check/statistics.hpp"
+#include "tools/stats/statistics.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -29,7 +29,7 @@ TEST_CASE("statistics of the tiny grid, counted by hand") {
   CHECK(json["bytes_per_record"] == 200.0);
   CHECK(json["share_reached"] == 1.0);
   CHECK(json["cpu_hours"].is_null());
-  CHECK(json["reports"].is_null());
+  CHECK(json["costs"].is_null());
   CHECK(json["parameters"]["probe.radius"] == 0.1);
   CHECK(json["box"]["counts"] == std::vector<int>{4, 1, 1});
 }
@@ -62,7 +62,7 @@ TEST_CASE("a seed record in the frontier at one of two points") {
 }
 
 TEST_CASE("the statistics as text") {
-  ReportSums sums{2, 12, 5400};
+  CostSums sums{2, 12, 5400};
   CHECK(statistics_text(tiny::spec(), count_statistics(tiny::grid(), 1200), &sums) ==
         "model        tiny\n"
         "parameter    name = \"x\\ufffd\\n\"\n"
@@ -74,48 +74,48 @@ TEST_CASE("the statistics as text") {
         "frontier     0 records (complete)\n"
         "levels       1: 2, 2: 2 (levels: points that have so many; at most 8)\n"
         "irreversible 20.00 % of 10 links (there and back does not return to the level)\n"
-        "conversions  10 that this grid needed, 12 in the reports\n"
+        "conversions  10 that this grid needed, 12 in the cost files\n"
         "size         1200 bytes, 200.00 a record\n"
         "\n"
         "model  avg. levels  data size  CPU hours\n"
         "tiny         1.500   0.001 MB        1.5\n"
         "(average levels: records per point that has a level; data size: the shards as stored, in\n"
-        "10^6 bytes; CPU hours: the sum of --reports)\n");
+        "10^6 bytes; CPU hours: the sum of --cost)\n");
 }
 
-TEST_CASE("reports add up") {
-  ReportSums sums;
-  add_reports(sums, "a",
+TEST_CASE("cost files add up") {
+  CostSums sums;
+  add_costs(sums, "a",
               "{\"tool\":\"expand\",\"wall_seconds\":1,\"cpu_seconds\":1.5,\"conversions\":100,"
               "\"host\":\"h\",\"generation\":0,\"part\":1,\"parts\":2}\n"
               "{\"tool\":\"merge\",\"cpu_seconds\":2,\"conversions\":0}\n");
-  add_reports(sums, "b", "{\"cpu_seconds\": 1e-1, \"conversions\": 4000000000000}");
-  add_reports(sums, "c", "");
+  add_costs(sums, "b", "{\"cpu_seconds\": 1e-1, \"conversions\": 4000000000000}");
+  add_costs(sums, "c", "");
   CHECK(sums.lines == 3);
   CHECK(sums.cpu_seconds == Approx(3.6).epsilon(1e-15));
   CHECK(sums.conversions == 4000000000100u);
 }
 
-TEST_CASE("a malformed report is named with its line") {
+TEST_CASE("a malformed cost file is named with its line") {
   const std::string good = "{\"cpu_seconds\":1,\"conversions\":1}\n";
   const auto message = [](const std::string& text) {
-    ReportSums sums;
+    CostSums sums;
     try {
-      add_reports(sums, "r.json", text);
+      add_costs(sums, "cost", text);
     } catch (const Error& e) {
       return std::string(e.what());
     }
     return std::string();
   };
   CHECK(message(good + good) == "");
-  CHECK(message(good + "{\"cpu_seconds\":1,") == "r.json: line 2: no JSON object");
-  CHECK(message(good + "\n" + good) == "r.json: line 2: no JSON object");
-  CHECK(message("[1]\n") == "r.json: line 1: no JSON object");
-  const std::string seconds = "r.json: line 1: \"cpu_seconds\" is no number of 0 or more";
+  CHECK(message(good + "{\"cpu_seconds\":1,") == "cost: line 2: no JSON object");
+  CHECK(message(good + "\n" + good) == "cost: line 2: no JSON object");
+  CHECK(message("[1]\n") == "cost: line 1: no JSON object");
+  const std::string seconds = "cost: line 1: \"cpu_seconds\" is no number of 0 or more";
   CHECK(message("{\"conversions\":1}") == seconds);
   CHECK(message("{\"cpu_seconds\":-1,\"conversions\":1}") == seconds);
   CHECK(message("{\"cpu_seconds\":\"1\",\"conversions\":1}") == seconds);
-  const std::string conversions = "r.json: line 1: \"conversions\" is no whole number of 0 or more";
+  const std::string conversions = "cost: line 1: \"conversions\" is no whole number of 0 or more";
   CHECK(message("{\"cpu_seconds\":1}") == conversions);
   CHECK(message("{\"cpu_seconds\":1,\"conversions\":-1}") == conversions);
   CHECK(message("{\"cpu_seconds\":1,\"conversions\":1.5}") == conversions);
