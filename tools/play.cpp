@@ -113,7 +113,7 @@ int play(const CLI::App& app, PlayOptions options) {
     guard.emplace();
   }
   Viewers viewers(options);
-  const LoadedGrid loaded = load_grid({options.grid});
+  const LoadedGrid loaded = load_grid(options.grid);
   const Grid& grid = loaded.grid;
   require_playable(grid, options.grid == "-" ? "standard input" : options.grid);
   const GridSpec& spec = grid.spec();

@@ -18,7 +18,6 @@
 #include "libcore/check/slice.hpp"
 #include "libcore/check/statistics.hpp"
 #include "libcore/check/text.hpp"
-#include "libcore/search/ranges.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/section.hpp"
@@ -35,11 +34,10 @@ namespace {
 constexpr std::uint64_t kReportLimit = 256u << 20;
 
 struct Options {
-  std::vector<std::string> shards;
+  std::string grid = "-";
   std::vector<std::string> reports;
   std::string format = "text";
   std::string get;
-  std::uint64_t ranges = 0;
   bool dump = false;
   std::string slice;
   std::string log;
@@ -94,39 +92,15 @@ void require_known_key(const std::string& key) {
   throw CLI::ValidationError("--get: no value " + key + " (there are: " + known + ")");
 }
 
-/// A value that headers and footers tell, so that a loop over generations need not read the whole
+/// A value that header and footer tell, so that a loop over generations need not read the whole
 /// grid each time: its chunks are not looked at, and damage in them is not seen here.
-std::optional<Json> value_from_footers(const std::string& key,
-                                       const std::vector<std::string>& shards) {
+std::optional<Json> value_from_footer(const std::string& key, const std::string& name) {
   if (key != "frontier" && key != "records" && key != "generation" && key != "conversions_left")
     return std::nullopt;
-  const std::vector<Section> sections = open_sections(shards);
-  require_content(sections, Content::kGrid);
-  if (key == "generation") return generation_of(sections);
-  std::uint64_t sum = 0;
-  for (const Section& section : sections)
-    sum += key == "frontier"           ? section.footer.frontier
-           : key == "conversions_left" ? section.footer.conversions
-                                       : section.footer.records;
-  return sum;
-}
-
-/// How a grid is cut: a line a range, with its number, the number of its first point and of the one
-/// behind its last, and the first and the last range that a merge of it needs.
-std::string ranges_text(const GridSpec& spec, std::uint64_t wanted) {
-  const std::uint64_t ranges = range_count(spec, wanted);
-  std::string text;
-  for (std::uint64_t k = 1; k <= ranges; ++k) {
-    const PointRange range = point_range(spec, k, ranges);
-    const PointRange needed = needed_points(spec, range);
-    std::uint64_t first = k, last = k;
-    while (first > 1 && point_range(spec, first, ranges).begin > needed.begin) --first;
-    while (last < ranges && point_range(spec, last, ranges).end < needed.end) ++last;
-    for (const std::uint64_t number : {k, range.begin, range.end, first})
-      text += std::to_string(number) + "\t";
-    text += std::to_string(last) + "\n";
-  }
-  return text;
+  const Section grid = open_grid(name);
+  if (key == "generation") return grid.header.generation;
+  if (key == "frontier") return grid.frontier();
+  return key == "conversions_left" ? grid.conversions() : grid.records();
 }
 
 /// A value as a line for scripts: texts without quotes, everything else as JSON. "replace": a
@@ -207,10 +181,8 @@ void show_log(const Options& options) {
 
 int run(const Options& options) {
   const bool reads_log = !options.log.empty();
-  if (!options.get.empty() + options.dump + !options.slice.empty() + reads_log +
-          (options.ranges > 0) >
-      1)
-    throw CLI::ValidationError("--get, --dump, --slice, --ranges and --log exclude each other");
+  if (!options.get.empty() + options.dump + !options.slice.empty() + reads_log > 1)
+    throw CLI::ValidationError("--get, --dump, --slice and --log exclude each other");
   if (!options.slice.empty() && options.png.empty())
     throw CLI::ValidationError("--slice needs --png");
   if (!options.png.empty() && options.slice.empty() && !reads_log)
@@ -222,28 +194,22 @@ int run(const Options& options) {
     throw CLI::ValidationError("--from, --to, --export and --salvage need --log");
   if (!options.get.empty()) require_known_key(options.get);
   if (reads_log) {
-    if (!options.shards.empty())
+    if (options.grid != "-")
       throw CLI::ValidationError("--log tells of a play and reads no shard");
     show_log(options);
     return kExitDone;
   }
-  const std::vector<std::string> shards = inputs_or_stdin(options.shards);
   if (!options.get.empty())
-    if (const auto value = value_from_footers(options.get, shards)) {
+    if (const auto value = value_from_footer(options.get, options.grid)) {
       write_all(options.output, value_line(*value));
       return kExitDone;
     }
-  if (options.ranges > 0) {
-    write_all(options.output,
-              ranges_text(open_sections(shards).front().header.spec, options.ranges));
-    return kExitDone;
-  }
   ReportSums sums;
   for (const std::string& name : options.reports)
     add_reports(sums, name, read_text(name, kReportLimit));
   const ReportSums* reports = options.reports.empty() ? nullptr : &sums;
 
-  const LoadedGrid loaded = load_grid(shards);
+  const LoadedGrid loaded = load_grid(options.grid);
   const GridSpec& spec = loaded.grid.spec();
   if (options.dump) {
     dump(loaded.grid, options.output);
@@ -256,7 +222,6 @@ int run(const Options& options) {
     return kExitDone;
   }
   Statistics statistics = count_statistics(loaded.grid, loaded.stored_bytes);
-  statistics.coding = loaded.coding;
   if (options.get.empty() && options.format == "text") {
     write_all(options.output, statistics_text(spec, statistics, reports));
     return kExitDone;
@@ -281,9 +246,9 @@ int main(int argc, char** argv) {
       "--log,\n"
       "what happened in a play.");
   Options options;
-  add_inputs(app, options.shards, "Shards that hold one grid together");
+  add_grid(app, options.grid);
   app.add_option("--reports", options.reports,
-                 "JSON lines that expand --report and merge --report wrote; their CPU seconds and "
+                 "JSON lines that expand --cost and merge --cost wrote; their CPU seconds and "
                  "conversions are added up. Takes all names up to the next option or '--'")
       ->type_name("FILE");
   app.add_option("--format", options.format, "How the report is written")
@@ -293,14 +258,8 @@ int main(int argc, char** argv) {
          "--get", options.get,
          "Print this value of the JSON report alone, as in --get average_levels, --get "
          "box.spacing; frontier, conversions_left, records and generation are read from the "
-         "footers at once, without a look at the records")
+         "footer at once, without a look at the records")
       ->type_name("KEY");
-  app.add_option("--ranges", options.ranges,
-                 "Print how expand --ranges and merge --range cut the grid, at most into R ranges: "
-                 "a line each, with its number, its first point, the point behind its last, and "
-                 "the first and the last range that must be among the inputs of its merge")
-      ->type_name("R")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}));
   app.add_flag("--dump", options.dump,
                "Print a record a line, separated by tabs: i j k level state... and 26 destination "
                "levels, '-' where a direction leaves the box, '?' where it is not settled");
@@ -367,8 +326,7 @@ int main(int argc, char** argv) {
       "  conversions         evaluations of C that the grid needed: in-box directions of all\n"
       "                      records but the frontier's\n"
       "  conversions_left    those that the frontier asks for\n"
-      "  bytes               size of the shards as stored (compressed)\n"
-      "  precision           the share of its range by which each number may be off; 0: none\n"
+      "  bytes               size of the grid as stored (compressed)\n"
       "  cpu_hours           CPU seconds of --reports / 3600\n"
       "\n"
       "In the report of a session:\n"

@@ -18,6 +18,7 @@ using namespace hapgrid;
 namespace {
 
 struct Options {
+  std::vector<std::string> inputs;
   Examination asked;
   std::string recompute = "1000";
   std::string part;    // empty: all of it, and a report for people
@@ -64,15 +65,12 @@ int conclude(const Options& options, std::vector<PartReport> parts,
 }
 
 int run(const Options& options) {
-  const std::vector<std::string> inputs = inputs_or_stdin(options.asked.shards);
+  const std::vector<std::string> inputs = inputs_or_stdin(options.inputs);
   if (options.merge) return conclude(options, read_parts(inputs), inputs);
 
   Examination asked = options.asked;
-  if (!asked.against.empty()) {
-    std::vector<std::string> both = inputs;
-    both.push_back(asked.against);
-    inputs_or_stdin(both);  // refuses standard input twice
-  }
+  if (inputs.size() > 1) throw CLI::ValidationError("a grid is one shard");
+  asked.grid = inputs.front();
   parse_recompute(options.recompute, asked.recompute);
   if (asked.accuracy && asked.walks == 0) asked.walks = kDefaultWalks;
   if (options.part.empty()) return conclude(options, {examine(asked)}, {"the grid"});
@@ -94,7 +92,7 @@ int main(int argc, char** argv) {
       "evaluated again. The report goes to standard output, the verdict to standard error.");
   Options options;
   Examination& asked = options.asked;
-  add_inputs(app, asked.shards, "Shards that hold one grid together; reports with --merge");
+  add_inputs(app, options.inputs, "A grid; reports with --merge");
   app.add_option("--recompute", options.recompute,
                  "Records for which C is evaluated again in all 26 directions: all, none, or how "
                  "many to draw as a sample")
@@ -104,9 +102,6 @@ int main(int argc, char** argv) {
         return parse_recompute(text, count) ? "" : "'" + text + "' is not all, none or a number";
       })
       ->capture_default_str();
-  app.add_option("--against", asked.against,
-                 "The grid that this one was coded from (merge --final): compares all records")
-      ->type_name("ORIGINAL");
   app.add_option("--sample-seed", asked.sample_seed,
                  "Draws another sample; the same number draws the same records everywhere")
       ->type_name("S")
@@ -156,7 +151,7 @@ int main(int argc, char** argv) {
                "The inputs are what all the parts wrote: the report, verdict and exit code of one "
                "run over all of it")
       ->excludes(part);
-  for (const char* other : {"--recompute", "--against", "--sample-seed", "--walks", "--accuracy",
+  for (const char* other : {"--recompute", "--sample-seed", "--walks", "--accuracy",
                             "--damping", "--rate", "--scale"})
     app.get_option("--merge")->excludes(app.get_option(other));
   add_model_options(app, asked.model);
@@ -174,9 +169,6 @@ int main(int argc, char** argv) {
       "               levels of a point ascend with it\n"
       "  fidelity     C(s, x, d), evaluated again, is the state where the link leads\n"
       "  stored       force, energy and shape, evaluated again, are what is stored\n"
-      "  precision    of a grid of merge --precision: its bounds fit its numbers; --against:\n"
-      "               all numbers are within them. distinct and fidelity then forgive what\n"
-      "               the bounds explain, and stored and passive are no faults\n"
       "  blends       (no fault) cells where play may mix branches, near tear-offs\n"
       "What play can do, proved over every configuration (a cell with the levels of its corners)\n"
       "that any motion of the hand leads to, not over samples:\n"

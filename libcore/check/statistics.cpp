@@ -161,8 +161,6 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const ReportSums
   json["conversions"] = s.conversions;
   json["conversions_left"] = s.conversions_left;
   json["bytes"] = s.stored_bytes;
-  json["coded"] = s.coding.is_coded;
-  json["precision"] = s.coding.precision;
   json["bytes_per_record"] = ratio(static_cast<double>(s.stored_bytes), s.records);
   json["cpu_hours"] = reports ? Json(hours(*reports)) : Json();
   json["reports"] = Json();
@@ -224,10 +222,6 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Rep
                                                   static_cast<double>(s.records),
                                               2) +
                                         " a record"));
-  if (s.coding.is_coded)
-    row("coding", s.coding.is_lossy()
-                      ? "numbers may be off by " + rounded(s.coding.precision) + " of their range"
-                      : "nothing is lost");
   const std::size_t name_width = std::max<std::size_t>(model.size(), 5);
   text += "\n" + left("model", name_width) + "  avg. levels  data size  CPU hours\n";
   text +=

@@ -28,7 +28,6 @@ struct Statistics {
   std::uint64_t conversions = 0;
   std::uint64_t conversions_left = 0;  ///< that the frontier asks for
   std::uint64_t stored_bytes = 0;
-  Coding coding{};  ///< how the shards are stored
 };
 
 /// @param stored_bytes size of the shards as they are stored, compressed

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
-#include "libcore/base/frame.hpp"
+#include "libcore/base/zstd_frame.hpp"
 #include "libcore/session/format.hpp"
 
 namespace hapgrid {
@@ -68,7 +68,7 @@ class SessionReader {
   void read_chunk(const ChunkEntry& chunk, std::vector<TickRecord>& ticks);
 
   InputFile file_;
-  FrameDecoder frames_{"session"};
+  ZstdFrameDecoder frames_{"session"};
   std::vector<std::byte> buffer_;
   Message message_;
   SessionHeader header_;

@@ -1,6 +1,6 @@
 // Shards as messages: header, chunks, footer. The frames' digests are put into the footer, all else
 // that it says is the input's.
-#include "libcore/base/frame.hpp"
+#include "libcore/base/zstd_frame.hpp"
 #include "libcore/shard/schema.hpp"
 #include "libcore/shard/section_digest.hpp"
 #include "tests/fuzz/messages.hpp"
@@ -36,7 +36,7 @@ Words with_digests(const Words& message, const std::vector<ChunkInfo>& chunks,
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::vector<Words> messages = split({data, size});
   if (messages.empty()) return 0;
-  static FrameEncoder encoder;
+  static ZstdFrameEncoder encoder;
   std::vector<std::byte> shard;
   std::vector<ChunkInfo> chunks;
   SectionDigester digester(bytes_of(messages.front()));

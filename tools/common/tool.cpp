@@ -19,8 +19,6 @@ namespace hapgrid {
 
 namespace {
 
-constexpr const char* kMark = "{}";
-
 /// A message is one line, whatever a file name or a library put into it.
 std::string one_line(std::string text) {
   for (char& c : text)
@@ -80,6 +78,10 @@ CLI::Option* add_inputs(CLI::App& app, std::vector<std::string>& names, const st
       ->type_name("SHARD");
 }
 
+void add_grid(CLI::App& app, std::string& name) {
+  app.add_option("grid", name, "Grid to read ('-' or none: standard input)")->type_name("GRID");
+}
+
 std::vector<std::string> inputs_or_stdin(std::vector<std::string> names) {
   if (names.empty()) names.push_back("-");
   if (std::count(names.begin(), names.end(), "-") > 1)
@@ -92,15 +94,6 @@ void add_output(CLI::App& app, std::string& name) {
                  "File to write; it appears when it is complete ('-': standard output)")
       ->type_name("FILE")
       ->capture_default_str();
-}
-
-void require_mark(const std::string& option, const std::string& pattern) {
-  if (pattern.find(kMark) == std::string::npos)
-    throw CLI::ValidationError(option, "'" + pattern + "' has no {} for the number");
-}
-
-std::string numbered(std::string pattern, std::uint64_t k) {
-  return pattern.replace(pattern.find(kMark), std::strlen(kMark), std::to_string(k));
 }
 
 std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
@@ -117,9 +110,9 @@ std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
   throw CLI::ValidationError(option, "'" + text + "' is not K/N with 1 <= K <= N < 2^32");
 }
 
-void add_report(CLI::App& app, std::string& report) {
+void add_cost(CLI::App& app, std::string& file) {
   app.add_option(
-         "--report", report,
+         "--cost", file,
          "Append one JSON line to FILE: wall and CPU seconds (those of model processes when they "
          "have ended), conversions, host")
       ->type_name("FILE");
@@ -179,14 +172,6 @@ int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& r
     return wrong_usage(tool, e);
   }
   return guarded(tool, [&] { return flushed(run()); });
-}
-
-int run_line(CLI::App& app, std::vector<std::string> words, const std::function<int()>& run) {
-  std::reverse(words.begin(), words.end());  // as CLI11 wants them
-  return guarded(app.get_name(), [&] {
-    app.parse(std::move(words));
-    return run();
-  });
 }
 
 }  // namespace hapgrid

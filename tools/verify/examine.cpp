@@ -12,7 +12,6 @@
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
 #include "libcore/check/paths.hpp"
-#include "libcore/check/precision.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
 #include "libcore/shard/load.hpp"
@@ -27,17 +26,16 @@ class Examiner {
  public:
   explicit Examiner(const Examination& asked)
       : asked_(asked),
-        loaded_(load_grid(inputs_or_stdin(asked.shards))),
+        loaded_(load_grid(asked.grid)),
         grid_(loaded_.grid),
         points_(asked.part.share(grid_.box().points())) {
     if (asked.recompute > 0 || asked.walks > 0)
       source_ = model_source(grid_.spec(), asked.model,
                              asked.walks > 0 ? " (or leave C out: --recompute none, and no --walks)"
                                              : " (or leave C out: --recompute none)");
-    if (!asked.against.empty()) original_.emplace(load_grid({asked.against}));
     Model model = judge();
     has_force_ = has_force(grid_.spec(), model);
-    same_ = same_in_spite_of(model_functions(std::move(model)).same, loaded_);
+    same_ = model_functions(std::move(model)).same;
   }
 
   PartReport report() {
@@ -48,7 +46,6 @@ class Examiner {
     look_at_points();
     if (is_first()) add(check_reachable(grid_));
     if (asked_.recompute > 0) ask_model_again();
-    if (is_first()) look_at_precision();
     report_.checks.push_back(check_blends(grid_, points_, asked_.threads));
     if (is_first()) look_at_configurations();
     if (asked_.walks > 0) walk();
@@ -63,7 +60,7 @@ class Examiner {
 
   Model judge() const { return judging_model(grid_.spec(), asked_.model.path); }
   ModelFunctions make_model() const {
-    return forgiving(model_functions(create_model(*source_, grid_.spec())), loaded_);
+    return model_functions(create_model(*source_, grid_.spec()));
   }
 
   /// What parts must have in common beside the grid.
@@ -75,8 +72,7 @@ class Examiner {
                                    {"--accuracy", asked_.accuracy.value_or(0)},
                                    {"--damping", device.damping},
                                    {"--rate", device.rate_hz},
-                                   {"--scale", device.scale.value_or(0)},
-                                   {"--against", original_ ? original_->digest : ""}};
+                                   {"--scale", device.scale.value_or(0)}};
     return options;
   }
 
@@ -101,15 +97,6 @@ class Examiner {
     report_.checks.push_back(check_fidelity(grid_, sample, model, asked_.threads, done));
     if (grid_.spec().row_size() == grid_.state_size()) return;
     report_.checks.push_back(check_stored(grid_, sample, model, asked_.threads));
-    // A force may be any number of times as sensitive as the state that it is evaluated from.
-    report_.checks.back().is_note = loaded_.coding.is_lossy();
-  }
-
-  void look_at_precision() {
-    if (original_)
-      report_.checks.push_back(check_precision(loaded_, *original_));
-    else if (loaded_.coding.is_lossy())
-      report_.checks.push_back(check_precision(loaded_));
   }
 
   void look_at_configurations() {
@@ -125,8 +112,6 @@ class Examiner {
                                          asked_.rendering, asked_.threads));
     if (!forces) return;
     report_.checks.push_back(check_passive(grid_, map, found, *forces, asked_.threads));
-    // Its bound is for forces of the model's own states.
-    if (loaded_.coding.is_lossy()) report_.checks.back().is_note = true;
   }
 
   void walk() {
@@ -152,7 +137,6 @@ class Examiner {
   const Grid& grid_;
   const Range points_;
   std::unique_ptr<ModelSource> source_;
-  std::optional<LoadedGrid> original_;
   bool has_force_ = false;
   SameState same_;
   PartReport report_;

@@ -14,9 +14,8 @@
 namespace hapgrid {
 
 struct Examination {
-  std::vector<std::string> shards;
+  std::string grid;
   std::uint64_t recompute = 1000;  ///< records; ~0: all
-  std::string against;             ///< empty: nothing to compare with
   std::uint64_t sample_seed = 1;
   std::uint64_t walks = 0;
   std::optional<double> accuracy;

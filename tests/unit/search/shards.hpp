@@ -130,7 +130,7 @@ inline void write_shard(const std::string& name, const SectionHeader& header,
 
 inline void write_seed_shard(const Case& c, const std::string& name) {
   Model model = toy_plugin().create(c.definition.parameters);
-  const GridSpec spec = describe_grid(c.definition, model);
+  const GridSpec spec = spec_of(c.definition, model);
   write_shard(name, {Content::kGrid, 0, spec},
               [&](SectionWriter& out) { write_seeds(c.definition, spec, model, out); });
 }

@@ -1,4 +1,4 @@
-#include "libcore/base/frame.hpp"
+#include "libcore/base/zstd_frame.hpp"
 
 #define ZSTD_STATIC_LINKING_ONLY  // ZSTD_d_forceIgnoreChecksum, ZSTD_c_literalCompressionMode
 #include <zstd.h>
@@ -27,15 +27,15 @@ auto* context_of_thread() {
 
 }  // namespace
 
-std::size_t frame_size(std::span<const std::byte> bytes) {
+std::size_t zstd_frame_size(std::span<const std::byte> bytes) {
   const std::size_t size = ZSTD_findFrameCompressedSize(bytes.data(), bytes.size());
   return ZSTD_isError(size) ? 0 : size;
 }
 
-std::size_t frame_bound(std::uint64_t content) { return ZSTD_compressBound(content) + 64; }
+std::size_t zstd_frame_bound(std::uint64_t content) { return ZSTD_compressBound(content) + 64; }
 
-std::span<const std::byte> FrameEncoder::encode(std::span<const std::byte> content) {
-  if (const std::size_t bound = frame_bound(content.size()); bound > capacity_) {
+std::span<const std::byte> ZstdFrameEncoder::encode(std::span<const std::byte> content) {
+  if (const std::size_t bound = zstd_frame_bound(content.size()); bound > capacity_) {
     frame_ = std::make_unique_for_overwrite<std::byte[]>(bound);
     capacity_ = bound;
   }
@@ -51,9 +51,9 @@ std::span<const std::byte> FrameEncoder::encode(std::span<const std::byte> conte
   return {frame_.get(), size};
 }
 
-void FrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t limit,
+void ZstdFrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t limit,
                           std::vector<std::uint64_t>& words) const {
-  if (frame.empty() || frame_size(frame) != frame.size())
+  if (frame.empty() || zstd_frame_size(frame) != frame.size())
     throw FormatError("damaged: a frame is cut");
   const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
   if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR)

@@ -10,13 +10,13 @@
 namespace hapgrid {
 
 /// Bytes of the frame that `bytes` starts with; 0 when none is there as a whole.
-std::size_t frame_size(std::span<const std::byte> bytes);
+std::size_t zstd_frame_size(std::span<const std::byte> bytes);
 /// The most bytes that a frame with `content` bytes can have.
-std::size_t frame_bound(std::uint64_t content);
+std::size_t zstd_frame_bound(std::uint64_t content);
 
 /// Compresses messages. The bytes depend on the content, on what the constructor is told, and on
 /// zstd.
-class FrameEncoder {
+class ZstdFrameEncoder {
  public:
   /// What zstd does with bytes that occur nowhere before: kPlain leaves them as they are, which is
   /// twice as fast, both ways, and larger: by 4 % where numbers are noise in their last digits, by
@@ -24,7 +24,7 @@ class FrameEncoder {
   enum class Literals : std::uint8_t { kCoded, kPlain };
 
   /// `level`: zstd's; 1 is the fastest that is used here, 3 its own default.
-  explicit FrameEncoder(int level = 1, Literals literals = Literals::kCoded)
+  explicit ZstdFrameEncoder(int level = 1, Literals literals = Literals::kCoded)
       : level_(level), literals_(literals) {}
 
   /// The frame is valid until the next call.
@@ -38,12 +38,12 @@ class FrameEncoder {
 };
 
 /// Decompresses frames.
-class FrameDecoder {
+class ZstdFrameDecoder {
  public:
   /// @param kind what the frames are of, for messages: "not a `kind`: ..."
   /// @param hashed the frames are compared with a hash of them before they are decoded, so that
   /// zstd need not compute the content's checksum, too.
-  explicit FrameDecoder(const char* kind, bool hashed = false) : kind_(kind), hashed_(hashed) {}
+  explicit ZstdFrameDecoder(const char* kind, bool hashed = false) : kind_(kind), hashed_(hashed) {}
 
   /// Decodes a frame without anything behind it into `words` (8-byte aligned, as Cap'n Proto wants
   /// them).
