@@ -21,12 +21,6 @@ constexpr std::uint64_t kEntryBytes = 64;  // in the footer's message, from abov
 
 }  // namespace
 
-bool starts_with_frame(const InputFile& file) {
-  static constexpr unsigned char kMagic[] = {0x28, 0xB5, 0x2F, 0xFD};
-  std::array<std::byte, sizeof kMagic> start{};
-  return file.read(0, start) == sizeof kMagic && std::memcmp(start.data(), kMagic, 4) == 0;
-}
-
 SessionReader::SessionReader(InputFile file, Damage damage) : file_(std::move(file)) {
   const std::uint64_t header_end = read_header();
   if (damage == Damage::kSalvaged)
@@ -58,7 +52,7 @@ auto SessionReader::decode(std::span<const std::byte> frame, std::uint64_t offse
 }
 
 std::uint64_t SessionReader::read_header() {
-  if (!starts_with_frame(file_)) fail(0, "not a session: no zstd frame");
+  if (!starts_with_zstd_frame(file_)) fail(0, "not a session: no zstd frame");
   // Most headers are small.
   std::size_t size = 0;
   std::span<const std::byte> bytes;

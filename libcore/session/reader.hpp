@@ -11,9 +11,6 @@
 
 namespace hapgrid {
 
-/// Whether a file starts as a session does, or a shard; a log of play as text does not.
-bool starts_with_frame(const InputFile& file);
-
 /// The memory is that of the index, which is in proportion to the file, and of one chunk.
 class SessionReader {
  public:

@@ -31,6 +31,7 @@ class BackwardReader {
  public:
   explicit BackwardReader(std::shared_ptr<const InputFile> file) : file_(std::move(file)) {
     if (file_->size() == 0) throw FormatError(file_->name() + ": empty, not a shard");
+    if (!starts_with_zstd_frame(*file_)) fail(0, "not a shard: no zstd frame");
   }
 
   /// The section that ends at `end`.
@@ -64,7 +65,7 @@ class BackwardReader {
     std::optional<Locator> locator;
     if (end >= kLocatorBytes && file_->read(end - kLocatorBytes, bytes) == kLocatorBytes)
       locator = decode_locator(bytes);
-    if (!locator) fail(end, "truncated, or not a shard: no index at its end");
+    if (!locator) fail(end, "truncated: a shard ends with an index");
     const std::uint64_t footer_end = end - kLocatorBytes;
     if (locator->size > footer_end) fail(footer_end, "damaged: the footer is not in the file");
     const std::uint64_t offset = footer_end - locator->size;

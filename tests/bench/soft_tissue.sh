@@ -38,13 +38,11 @@ seed "$source/examples/soft-tissue/soft-tissue.toml" "$@" -o seeds
 measure expand--complete expand --complete seeds -o grid
 echo "$(stats --get points grid) points, $(stats --get records grid) records, $(stats --get conversions grid) conversions, $(stat -c %s grid) bytes"
 
-cp seeds round; for k in 1 2 3 4; do measure expand expand --part $k/4 seeds -o requests.$k; done
-while :; do
-  measure merge merge round requests.* --frontier 'frontier.{}' --parts 4 -o next
-  mv next round; rm -f requests.*
-  [ "$(stats --get frontier round)" -gt 0 ] || break
-  for f in frontier.*; do measure expand expand "$f" -o "requests.${f#*.}"; done
-  rm -f frontier.*
+cp seeds round
+while [ "$(stats --get frontier round)" -gt 0 ]; do
+  for k in 1 2 3 4; do measure expand expand --part $k/4 round -o requests.$k; done
+  measure merge merge round requests.* -o next
+  mv next round
 done
 cmp round grid
 

@@ -3,7 +3,7 @@ by faults.sh in its directory, where the good grids are.
 
 The faults are in faults_in_*.py: functions that change a grid, and answer what the report must say
 of the place, if anything. Rows of the report are exactly those that are broken, the first is the one
-whose business it is. Everything is sealed again with right checksums, digests and sums: only what
+whose business it is. Everything is sealed again with right checksums, and digests: only what
 the fault is about is wrong, but for those of the last part.
 """
 
@@ -19,7 +19,6 @@ import faults_in_links  # noqa: F401
 import faults_in_records  # noqa: F401
 import faults_in_numbers  # noqa: F401
 import faults_in_headers  # noqa: F401
-import faults_in_coding  # noqa: F401
 import faults_in_streams  # noqa: F401
 import no_faults  # noqa: F401
 
@@ -29,9 +28,8 @@ INTRODUCTION = """# Faults that `verify` was shown
 Each is planted into a good grid, alone, and `verify` (with `--recompute all` where nothing else is said) must find it by just
 these rows of its report, the first being the one whose business it is; or refuse the grid, exit code 1, with the line
 *in italics*. `faults.sh` does it and compares this page with what it did; `faults.sh --table` writes it. *ball* is a hung
-ball of 14 x 3 x 2 points, *stored* the same with force, energy and shape in the grid, *fine* has half of the spacing, *coded*
-and *lossy* come from `merge --final` (*lossy* from *stored* with `--precision 0.001`), *middle* waits for its second round,
-*chunks* has five large states of a toy.
+ball of 14 x 3 x 2 points, *stored* the same with force, energy and shape in the grid, *fine* has half of the spacing,
+*middle* waits for its second round, *chunks* has five large states of a toy.
 What is wrong in the switch rule of play and not in a grid is planted in `tests/unit/check/switch_rule_test.cpp`.
 """
 
