@@ -1,8 +1,8 @@
 # What play records of a session, tick by tick. A session is a sequence of zstd frames, each with its
 # content checksum; each zstd frame holds one Cap'n Proto message with the root Message: a header, any
 # number of chunks of ticks, ascending, and a footer. Behind the footer stands a skippable zstd frame
-# (magic 0x184D2A5E, 16 bytes): two little-endian UInt64, where the footer's zstd frame starts, and the
-# XXH3-64 (seed 0) of that zstd frame. A session without this end was interrupted.
+# (magic 0x184D2A5E, 16 bytes): two little-endian UInt64, the size of the footer's zstd frame and the
+# XXH3-64 (seed 0) of its bytes. A session without this end was interrupted.
 #
 #   zstd -dc x.session | capnp decode schemas/session.capnp Message
 #

@@ -1,6 +1,10 @@
-# The stream format of hapgrid's shards. A shard is a sequence of zstd frames, each with its content
-# checksum; each frame holds one Cap'n Proto message with the root Message. A section is a header,
-# any number of chunks, and a footer; shards are concatenated by concatenating their sections.
+# The stream format of hapgrid's shards. A shard is one section, or several concatenated ones. A section
+# is a sequence of zstd frames, each with its content checksum; each zstd frame holds one Cap'n Proto
+# message with the root Message: a header, any number of chunks, and a footer, which is their index.
+# Behind the footer stands a skippable zstd frame (magic 0x184D2A5E, 16 bytes): two little-endian
+# UInt64, the size of the footer's zstd frame and the XXH3-64 (seed 0) of its bytes. So a reader goes
+# straight from the end of a file to the index and to what it needs. A section without this end is
+# truncated. A grid is one section; requests come in any number of them.
 #
 #   zstd -dc x.grid | capnp decode schemas/shard.capnp Message
 #
@@ -18,8 +22,6 @@ struct Message {
     records @1 :RecordChunk;
     requests @2 :RequestChunk;
     footer @3 :Footer;
-    coded @4 :CodedChunk;
-    reached @5 :ReachedChunk;
   }
 }
 
@@ -28,13 +30,13 @@ struct Header {
   # 0x6861706772696431, "hapgrid1" in ASCII.
 
   version @1 :UInt32;
-  # Format version: 1, or 2 where `coding` says how the chunks are coded. A reader refuses any other.
+  # Format version, 1. A reader refuses any other.
 
   content @2 :Content;
 
   generation @3 :UInt32;
-  # The youngest generation. In a grid, the records of this generation are the frontier; a frontier
-  # shard holds some of them, and requests were found from them.
+  # The youngest generation. In a grid, the records of this generation are the frontier; requests
+  # start from these records.
 
   box @4 :Box;
   model @5 :Text;
@@ -70,15 +72,11 @@ struct Header {
   # For people and pictures; empty or 0 where the model does not say. hipRadius: of the ball that
   # the HIP moves.
 
-  coding @17 :Coding;
-  # Of a grid in version 2: its chunks are CodedChunks. Never set in version 1.
-
   enum Content {
     grid @0;
-    # All records that are known.
-    frontier @1;
-    # A part of the frontier's conversions: records with the directions to be expanded.
-    requests @2;
+    # Record chunks: all records that are known.
+    requests @1;
+    # Request chunks: what some of the frontier's conversions reached.
   }
 }
 
@@ -103,16 +101,6 @@ struct Stored {
   shape @2 :Bool;
 }
 
-struct Coding {
-  precision @0 :Float64;
-  # 0: the numbers are the plain grid's, bit by bit. Else they may be off by this share of the
-  # range that each column of the numbers has in the whole grid.
-
-  bounds @1 :List(Float64);
-  # Where precision is not 0: by how much each column of the numbers may be off, in its own unit;
-  # 0: not at all. One a column, in the order of CodedChunk.
-}
-
 struct Parameter {
   key @0 :Text;
   # Tables are flattened: "probe.radius".
@@ -126,13 +114,10 @@ struct Parameter {
   }
 }
 
-# Chunks are columnar: entry r of each column belongs to row r, and a chunk is near 256 KiB, of a
-# grid near 64 KiB. In a grid a chunk never crosses a multiple of the points that one chunk holds at one
-# level a point, so that a change of one record leaves the other chunks' bytes alone; but in a layer,
-# or the tip, of a grid (merge --layer), which never changes, it ends where it is full.
-#
-# A grid can be in several sections, with each record in one of them; those that have no frontier may be of
-# older generations.
+# Chunks are columnar: entry r of each column belongs to row r. A chunk is near 64 KiB before it is
+# compressed. A chunk of a grid never crosses a multiple of the points that one chunk holds at one level
+# a point (the power of two that fits), so that a change of one record leaves the other chunks' bytes
+# alone. The chunks of a finished grid may also be near 1 MiB (merge --small).
 
 struct RecordChunk {
   # Records ascend by (point, level) through a section.
@@ -150,67 +135,21 @@ struct RecordChunk {
   # Component by component: component c of row r is state[c * rows + r].
 
   links @4 :Data;
-  # Grids only. 26 bytes a record, q ascending: the destination level in direction
+  # 26 bytes a record, q ascending: the destination level in direction
   # q = (d1+1) + 3 (d2+1) + 9 (d3+1), the centre left out; 255 where the direction leaves the box,
   # 254 where it is not settled yet (the record is in the frontier).
 
-  todo @5 :List(UInt32);
-  # Frontier shards only. Bit q: the direction q is to be expanded by the taker of this shard.
-
-  force @6 :List(Float64);
-  energy @7 :List(Float64);
-  shape @8 :List(Float32);
-  # Grids only, where the header says that they are stored; else empty. Force on the HIP in newtons
-  # (3 components), energy (1), centres of the spheres (x y z by sphere), each component by
-  # component like the states.
-}
-
-struct CodedChunk {
-  # A RecordChunk of a finished grid, made small: schemas/CODING.md says how to get the records
-  # back. "Planes" of 4-byte integers are the lowest byte of all rows, then the next byte, and so on.
-
-  rows @0 :UInt32;
-
-  point @1 :Data;
-  # Each row's point minus that of the row before it (0 before the first), as 4 planes.
-
-  level @2 :Data;
-  links @3 :Data;
-  # As in RecordChunk.
-
-  generation @4 :Data;
-  # Each row's generation minus that of the row before it, modulo 2^32 and zigzag, as 4 planes.
-
-  order @5 :Data;
-  shift @6 :Data;
-  planes @7 :Data;
-  # One byte each for each column of numbers: the state's components, force (3), energy (1), shape.
-  # order: how its values are predicted, i + 4 j + 16 k; shift: how many of the lowest bits are 0 in
-  # each value, 0 to 52, or 255: the values are multiples of the column's step; planes: bytes a row
-  # in `residuals`, 0 to 8.
-
-  residuals @8 :Data;
-  # Column by column, each as so many planes.
-
-  first @9 :Data;
-  # 8 bytes for each column, little-endian: the value of its first row; with shift 255 the multiple.
+  force @5 :List(Float64);
+  energy @6 :List(Float64);
+  shape @7 :List(Float32);
+  # Where the header says that they are stored; else empty. Force on the HIP in newtons (3
+  # components), energy (1), centres of the spheres (x y z by sphere), each component by component
+  # like the states.
 }
 
 struct RequestChunk {
-  # How requests were written before ReachedChunk, ascending by target. Not read any more.
-
-  target @0 :List(UInt32);
-  direction @1 :Data;
-  level @2 :Data;
-  state @3 :List(Float64);
-  force @4 :List(Float64);
-  energy @5 :List(Float64);
-  shape @6 :List(Float32);
-}
-
-struct ReachedChunk {
-  # What conversions reached: the requests of source records, which ascend by (point, level) through
-  # a section. A request's target is point + offset(q), where offset = d1 + nx (d2 + ny d3).
+  # The requests of source records, which ascend by (point, level) through a section. A request's
+  # target is point + offset(q), where offset = d1 + nx (d2 + ny d3).
 
   point @0 :List(UInt32);
   level @1 :Data;
@@ -230,43 +169,39 @@ struct ReachedChunk {
 }
 
 struct Footer {
-  chunks @0 :List(ChunkInfo);
-  # The messages between header and footer, in order.
+  headerSize @0 :UInt32;
+  # Bytes of the header's zstd frame. The chunks stand between header and footer without a gap.
 
-  records @1 :UInt64;
-  requests @2 :UInt64;
+  chunks @1 :List(ChunkInfo);
+  # In order.
 
-  frontier @3 :UInt64;
-  # Records whose generation is the header's: no expand has looked at them yet.
-
-  conversions @4 :UInt64;
-  # Conversions that the section's frontier asks for.
-
-  digestLow @5 :UInt64;
-  digestHigh @6 :UInt64;
-  # XXH3-128 (seed 0) of the section's decoded content: of the header's message, followed by the
-  # digests of the chunks, each as its low and its high word, little-endian. So a chunk that a round
-  # does not touch is copied without being decoded.
+  digestLow @2 :UInt64;
+  digestHigh @3 :UInt64;
+  # XXH3-128 (seed 0) of the digests, each as its low and its high word, little-endian, of the
+  # header's message and of each chunk's. So a chunk that a round does not touch is copied without
+  # being decoded.
 }
 
 struct ChunkInfo {
-  rows @0 :UInt32;
+  size @0 :UInt32;
+  # Bytes of the chunk's zstd frame.
 
-  frontier @1 :UInt32;
-  # How many of its records are in the frontier: expand passes over a chunk without any.
+  rows @1 :UInt32;
 
-  firstPoint @2 :UInt32;
-  lastPoint @3 :UInt32;
+  frontier @2 :UInt32;
+  # How many of its records are in the frontier: their generation is the header's.
+
+  conversions @3 :UInt32;
+  # Those that its frontier asks for; of a request chunk, its requests.
+
+  firstPoint @4 :UInt32;
+  lastPoint @5 :UInt32;
   # Of requests: of their source records.
 
-  digestLow @4 :UInt64;
-  digestHigh @5 :UInt64;
+  digestLow @6 :UInt64;
+  digestHigh @7 :UInt64;
   # XXH3-128 of the chunk's message.
 
-  stored @6 :UInt64;
-  # XXH3-64 of the chunk's frame as it is stored: what a copy checks instead of decoding.
-
-  conversions @7 :UInt32;
-  # What its frontier asks for: expand passes over what comes before its part. 0 is not known where
-  # there is a frontier: shards of before this field have it.
+  stored @8 :UInt64;
+  # XXH3-64 of the chunk's zstd frame: what a copy checks instead of decoding.
 }

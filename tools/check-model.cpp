@@ -119,7 +119,7 @@ int run(const Options& options) {
   const Definition definition = load_definition(options.definition);
   const auto source = model_source(definition, options.definition.file, options.model);
   const auto model = source->create(definition.parameters);
-  const GridSpec spec = describe_grid(definition, *model);
+  const GridSpec spec = spec_of(definition, *model);
   const Seeds seeds = seed_states(definition, *model);
 
   const ModelCheck found = check_model(

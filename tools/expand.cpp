@@ -4,10 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
@@ -16,31 +14,22 @@
 #include "tools/common/crash.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
-#include "tools/common/serve.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/expand/launcher.hpp"
-#include "tools/expand/request_output.hpp"
 
 namespace {
 
 using namespace hapgrid;
 
-/// Of one run.
 struct Options {
-  std::vector<std::string> shards;
+  std::string grid = "-";
   std::string output = "-";
   std::string part = "1/1";
-  std::string conversions;   // empty: all of the part
-  std::uint64_t ranges = 0;  // 0: one shard
   bool complete = false;
-  std::string report;
-};
-
-/// Of all runs of a process (--serve).
-struct StandingOptions {
-  ModelOptions model;
   unsigned threads = 1;
   bool progress = false;
+  std::string cost;
+  ModelOptions model;
 };
 
 std::string progress_text(const Progress& progress, const GridSpec& spec, bool complete,
@@ -60,16 +49,26 @@ std::string progress_text(const Progress& progress, const GridSpec& spec, bool c
   return text;
 }
 
-/// A:B with A <= B < 2^64.
-ConversionRange parse_conversions(const std::string& text) {
-  ConversionRange range;
-  const char* end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, range.begin);
-  if (first.ec == std::errc() && first.ptr != end && *first.ptr == ':') {
-    const auto second = std::from_chars(first.ptr + 1, end, range.end);
-    if (second.ec == std::errc() && second.ptr == end && range.begin <= range.end) return range;
-  }
-  throw CLI::ValidationError("--conversions", "'" + text + "' is not A:B with A <= B < 2^64");
+void write_complete(const Section& grid, Converter& converter, Progress& progress,
+                    OutputFile& out) {
+  complete(grid, converter, progress, [&out](const SectionHeader& finished) {
+    return SectionWriter(out.fd(), out.name(), finished);
+  });
+}
+
+void write_requests(const Section& grid, Part part, Converter& converter, Progress& progress,
+                    OutputFile& out) {
+  FrontierReader frontier(grid, part);
+  progress.frontier_conversions = frontier.conversions();
+  progress.frontier_records = grid.frontier();
+  SectionHeader header = grid.header;
+  header.content = Content::kRequests;
+  SectionWriter requests(out.fd(), out.name(), header);
+  expand(frontier, converter, header.spec,
+         [&requests](PointIndex point, Level level, DirectionMask directions, const double* rows) {
+           requests.requests(point, level, directions, rows);
+         });
+  requests.finish();
 }
 
 Part part_of(const std::string& text) {
@@ -91,151 +90,66 @@ bool is_there(const std::string& name, const SectionHeader& grid) {
   return true;
 }
 
-/// The models of the grid at hand.
-class LoadedModels {
- public:
-  explicit LoadedModels(const StandingOptions& options) : options_(options) {}
-
-  /// Loaded where they are not those of this grid. Starts to count the progress anew.
-  Converter& of(const GridSpec& spec) {
-    progress.conversions = progress.frontier_done = 0;
-    if (converter_ && spec == spec_) return *converter_;
-    unload();
-    spec_ = spec;
-    source_ = model_source(spec, options_.model);
-    return converter_.emplace(*source_, spec, options_.threads, progress);
-  }
-  void unload() {
-    converter_.reset();
-    source_.reset();
-  }
-
-  bool shows_progress() const { return options_.progress; }
-
-  Progress progress;
-
- private:
-  const StandingOptions& options_;
-  GridSpec spec_;
-  std::unique_ptr<ModelSource> source_;
-  std::optional<Converter> converter_;
-};
-
-int run(const Options& options, LoadedModels& models, bool stay) {
+int run(const Options& options) {
   const Part part = part_of(options.part);
-  std::optional<ConversionRange> range;
-  if (!options.conversions.empty()) range = parse_conversions(options.conversions);
-  if (range && part.of != 1)
-    throw CLI::ValidationError("--part and --conversions exclude each other");
-  if (options.complete && (range || part.of != 1))
+  if (options.complete && part.of != 1)
     throw CLI::ValidationError("--complete", "works on the whole frontier");
-  if (options.complete && options.ranges > 0)
-    throw CLI::ValidationError("--ranges", "--complete writes a grid, and no requests");
-  if (options.ranges > 0) require_mark("--output", options.output);
-  const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
-  allow_open_files(inputs.size());
-  const std::vector<Section> sections = open_sections(inputs);
-  require_lossless(sections);
-  SectionHeader header = sections.front().header;
-  header.coding = {};
-  header.generation = generation_of(sections);
-  Progress& progress = models.progress;
-  progress.generation = header.generation;
-  const bool is_named_by_part = !options.complete && options.ranges == 0;
+  const Section grid = open_grid(options.grid);
+  const GridSpec& spec = grid.header.spec;
+  Progress progress;
+  progress.generation = grid.header.generation;
   const std::string output =
-      is_named_by_part ? named_by_part(options.output, part) : options.output;
-  if (is_named_by_part && output != options.output && is_there(output, header)) return kExitDone;
-
-  std::optional<OutputFile> out;  // the grid of --complete
-  if (options.complete) out.emplace(output);
-  std::optional<RequestOutput> requests;
+      options.complete ? options.output : named_by_part(options.output, part);
+  if (output != options.output && is_there(output, grid.header)) return kExitDone;
+  OutputFile out(output);
   {
-    Converter& converter = models.of(header.spec);
-    const ProgressLine line(models.shows_progress(), [&](double seconds) {
-      return progress_text(progress, header.spec, options.complete, seconds);
+    const std::unique_ptr<ModelSource> source = model_source(spec, options.model);
+    Converter converter(*source, spec, options.threads, progress);
+    const ProgressLine line(options.progress, [&](double seconds) {
+      return progress_text(progress, spec, options.complete, seconds);
     });
-    if (options.complete) {
-      complete(sections, converter, progress, [&out](const SectionHeader& finished) {
-        return SectionWriter(out->fd(), out->name(), finished);
-      });
-    } else {
-      FrontierReader frontier =
-          range ? FrontierReader(sections, *range) : FrontierReader(sections, part);
-      progress.frontier_conversions = frontier.conversions();
-      progress.frontier_records = 0;
-      for (const Section& section : sections) progress.frontier_records += section.footer.frontier;
-      header.content = Content::kRequests;
-      requests.emplace(output, options.ranges, header);
-      expand(frontier, converter, header.spec,
-             [&requests](PointIndex point, Level level, DirectionMask directions,
-                         const double* rows) { requests->add(point, level, directions, rows); });
-    }
-  }
-  if (!stay) models.unload();  // the report counts the time of processes that have ended
-  if (out) out->commit();
-  if (requests) requests->commit();
-  if (!options.report.empty())
-    append_report(options.report,
-                  {"expand", header.generation, progress.conversions, part.number, part.of});
+    if (options.complete)
+      write_complete(grid, converter, progress, out);
+    else
+      write_requests(grid, part, converter, progress, out);
+  }  // the cost counts the time of processes that have ended
+  out.commit();
+  if (!options.cost.empty())
+    append_cost(options.cost,
+                {"expand", grid.header.generation, progress.conversions, part.number, part.of});
   return kExitDone;
-}
-
-void add_options(CLI::App& app, Options& options) {
-  add_inputs(app, options.shards, "Grid, or frontier shards");
-  add_output(app, options.output);
-  app.add_option(
-         "--part", options.part,
-         "Only the K-th of N equal parts of the frontier's conversions (1 <= K <= N < 2^32), or "
-         "'auto': the part that srun, a job array of Slurm or mpirun gives this process. {} in "
-         "the name of --output becomes K-of-N, and a part whose file is there is not computed "
-         "again")
-      ->type_name("K/N|auto")
-      ->capture_default_str();
-  app.add_option("--conversions", options.conversions,
-                 "Only the frontier's conversions from A to before B, counted from 0 (--part cuts "
-                 "into equal parts without that one has to know how many there are)")
-      ->type_name("A:B");
-  app.add_option("--ranges", options.ranges,
-                 "Write the requests in shards by the range of their target, for merge --range; {} "
-                 "in the name of --output becomes the range's number, and a range without requests "
-                 "gets no shard")
-      ->type_name("R")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}));
-  app.add_flag("--complete", options.complete,
-               "Merge in memory and go on until the frontier is empty; writes the complete grid");
-  add_report(app, options.report);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
-  StandingOptions standing;
-  bool serves = false;
   CLI::App app{
       "Evaluates the model's conversion function in 26 directions for each record of the\n"
-      "frontier, and writes what was found as requests for merge. Reads a grid, or the frontier\n"
-      "shards that merge writes."};
-  hapgrid::set_help(
-      app, "expand",
-      "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
-  add_options(app, options);
-  hapgrid::add_serve(app, serves);
-  hapgrid::add_progress(app, standing.progress);
-  app.add_option("-j,--threads", standing.threads,
+      "frontier of a grid, and writes what was reached as requests for merge."};
+  set_help(app, "expand",
+           "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
+  add_grid(app, options.grid);
+  add_output(app, options.output);
+  app.add_option("--part", options.part,
+                 "Only the K-th of N equal parts of the frontier (1 <= K <= N < 2^32), or 'auto': the "
+                 "part that srun, a job array of Slurm or mpirun gives this process. {} in the name "
+                 "of --output becomes K-of-N, and a part whose file is there is not computed again")
+      ->type_name("K/N|auto")
+      ->capture_default_str();
+  app.add_flag("--complete", options.complete,
+               "Merge in memory and go on until the frontier is empty; write the finished grid");
+  app.add_option("-j,--threads", options.threads,
                  "Threads, each with a model (a plug-in or a process) of its own (1 to 1024)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  hapgrid::add_model_options(app, standing.model);
-  return hapgrid::run_tool(app, argc, argv, [&] {
-    hapgrid::keep_memory();
-    hapgrid::report_crashes("expand");
-    LoadedModels models(standing);
-    if (!serves) return run(options, models, /*stay=*/false);
-    return hapgrid::serve(
-        "expand", add_options,
-        [&models](const Options& line) { return run(line, models, /*stay=*/true); },
-        [&models] { models.unload(); });
+  add_cost(app, options.cost);
+  add_progress(app, options.progress);
+  add_model_options(app, options.model);
+  return run_tool(app, argc, argv, [&] {
+    keep_memory();
+    report_crashes("expand");
+    return run(options);
   });
 }

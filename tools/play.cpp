@@ -178,7 +178,7 @@ int play(PlayOptions options) {
   check(options);
   const std::unique_ptr<HidGuard> guard = start_guard(*options.device);
   Viewers viewers(options);
-  const LoadedGrid loaded = load_grid({options.grid});
+  const LoadedGrid loaded = load_grid(options.grid);
   const Grid& grid = loaded.grid;
   require_playable(grid, options.grid == "-" ? "standard input" : options.grid);
   const GridSpec& spec = grid.spec();

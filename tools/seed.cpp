@@ -22,7 +22,7 @@ int run(const Options& options) {
   const Definition definition = load_definition(options.definition);
   const auto model = model_source(definition, options.definition.file, options.model)
                          ->create(definition.parameters);
-  const GridSpec spec = describe_grid(definition, *model);
+  const GridSpec spec = spec_of(definition, *model);
   OutputFile out(options.output);
   SectionWriter writer(out.fd(), out.name(), {Content::kGrid, 0, spec});
   write_seeds(definition, spec, *model, writer);

@@ -35,7 +35,7 @@ namespace {
 constexpr std::uint64_t kCostLimit = 256u << 20;
 
 struct Options {
-  std::vector<std::string> shards;
+  std::string grid = "-";
   std::vector<std::string> costs;
   std::string format = "text";
   std::string get;
@@ -94,20 +94,15 @@ void require_known_key(const std::string& key) {
 }
 
 /// A value that stands in headers and footers, so that a loop over generations need not read the
-/// whole grid each time. Damage in the chunks is not noticed here.
-std::optional<Json> value_from_footers(const std::string& key,
-                                       const std::vector<std::string>& shards) {
+/// A value that header and footer tell, so that a loop over generations need not read the whole
+/// grid each time: its chunks are not looked at, and damage in them is not seen here.
+std::optional<Json> value_from_footer(const std::string& key, const std::string& name) {
   if (key != "frontier" && key != "records" && key != "generation" && key != "conversions_left")
     return std::nullopt;
-  const std::vector<Section> sections = open_sections(shards);
-  require_content(sections, Content::kGrid);
-  if (key == "generation") return generation_of(sections);
-  std::uint64_t sum = 0;
-  for (const Section& section : sections)
-    sum += key == "frontier"           ? section.footer.frontier
-           : key == "conversions_left" ? section.footer.conversions
-                                       : section.footer.records;
-  return sum;
+  const Section grid = open_grid(name);
+  if (key == "generation") return grid.header.generation;
+  if (key == "frontier") return grid.frontier();
+  return key == "conversions_left" ? grid.conversions() : grid.records();
 }
 
 /// A value as a line for scripts: texts without quotes, everything else as JSON. "replace" is for
@@ -171,7 +166,7 @@ void plot_text(const InputFile& file, const Options& options) {
 /// A session or a text, whichever the content is.
 void show_log(const Options& options) {
   InputFile file(options.log);
-  if (!starts_with_frame(file)) {
+  if (!starts_with_zstd_frame(file)) {
     plot_text(file, options);
     return;
   }
@@ -201,7 +196,7 @@ void check_options(const Options& options) {
   if (asks_for_session(options.session) && !reads_log)
     throw CLI::ValidationError("--from, --to, --export and --salvage need --log");
   if (!options.get.empty()) require_known_key(options.get);
-  if (reads_log && !options.shards.empty())
+  if (reads_log && options.grid != "-")
     throw CLI::ValidationError("--log tells of a play and reads no shard");
 }
 
@@ -223,11 +218,10 @@ std::string report(const Options& options, const LoadedGrid& loaded) {
 }
 
 void show_grid(const Options& options) {
-  const std::vector<std::string> shards = inputs_or_stdin(options.shards);
   if (!options.get.empty())
-    if (const auto value = value_from_footers(options.get, shards))
+    if (const auto value = value_from_footer(options.get, options.grid))
       return write_all(options.output, value_line(*value));
-  const LoadedGrid loaded = load_grid(shards);
+  const LoadedGrid loaded = load_grid(options.grid);
   if (options.dump) return dump(loaded.grid, options.output);
   if (options.slice.empty()) return write_all(options.output, report(options, loaded));
   const Plane plane = *parse_plane(options.slice);
@@ -301,7 +295,7 @@ int main(int argc, char** argv) {
       "Tells what is in a grid, complete or not: the row of the paper's Table 2 and more. With\n"
       "--log it tells what happened in a play.");
   Options options;
-  add_inputs(app, options.shards, "Shards that hold one grid together");
+  add_grid(app, options.grid);
   add_grid_options(app, options);
   add_log_options(app, options);
   app.option_defaults()->group("Output");

@@ -19,7 +19,7 @@ using namespace hapgrid;
 namespace {
 
 struct Options {
-  std::vector<std::string> shards;
+  std::string grid = "-";
   Examination asked;
   std::string recompute = "1000";
   std::string format = "text";
@@ -59,11 +59,10 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
 }
 
 int run(const Options& options) {
-  const std::vector<std::string> inputs = inputs_or_stdin(options.shards);
   Examination asked = options.asked;
   parse_recompute(options.recompute, asked.recompute);
   if (asked.accuracy && asked.walks == 0) asked.walks = kDefaultWalks;
-  const LoadedGrid loaded = load_grid(inputs);
+  const LoadedGrid loaded = load_grid(options.grid);
   const std::vector<Check> checks = examine(loaded.grid, asked);
   OutputFile output(options.output, /*binary=*/false);
   output.write(options.format == "json" ? report_json(loaded.grid, checks)
@@ -117,7 +116,7 @@ int main(int argc, char** argv) {
       "Checks a whole grid: what Algorithm 1 promises of every record, what play can do in it, and\n"
       "C itself evaluated again. The report goes to standard output, the verdict to standard error.");
   Options options;
-  add_inputs(app, options.shards, "Shards that hold one grid together");
+  add_grid(app, options.grid);
   add_checks(app, options);
   app.option_defaults()->group("The model");
   add_model_options(app, options.asked.model);

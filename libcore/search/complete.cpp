@@ -4,53 +4,66 @@
 #include <bit>
 
 #include "libcore/search/levels.hpp"
-#include "libcore/shard/merged_rows.hpp"
+#include "libcore/shard/reader.hpp"
 
 namespace hapgrid {
 
-void complete(const std::vector<Section>& sections, Converter& converter, Progress& progress,
+namespace {
+
+using Frontier = std::vector<Levels::Stored>;
+
+/// Appends a grid; answers its frontier.
+Frontier load(const Section& grid, Levels& levels) {
+  Frontier frontier;
+  SectionReader reader(grid);
+  RecordRows rows;
+  for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
+    reader.read(i, rows);
+    levels.append(rows);
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      if (rows.generation[r] == grid.header.generation)
+        frontier.push_back({rows.point[r], rows.level[r]});
+  }
+  return frontier;
+}
+
+void show(const Frontier& frontier, const Neighbourhood& neighbourhood, const Levels& levels,
+          std::uint32_t generation, Progress& progress) {
+  std::uint64_t conversions = 0;
+  for (const Levels::Stored& record : frontier)
+    conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood.inside(record.point)));
+  progress.generation = generation;
+  progress.frontier_records = frontier.size();
+  progress.frontier_done = 0;
+  progress.frontier_conversions = conversions;
+  progress.records = levels.records();
+}
+
+}  // namespace
+
+void complete(const Section& grid, Converter& converter, Progress& progress,
               const std::function<SectionWriter(const SectionHeader&)>& open) {
-  require_content(sections, Content::kGrid);
-  SectionHeader header = sections.front().header;
-  header.generation = generation_of(sections);
-  header.coding = {};
+  SectionHeader header = grid.header;
   Levels levels(header.spec, converter.model());
   const Neighbourhood neighbourhood(header.spec.box);
   Batch batch(header.spec);
   const std::size_t width = header.spec.row_size();
-  std::vector<Levels::Stored> frontier;
-
-  MergedRows<RecordRows> rows(sections);
-  for (Run<RecordRows> run = rows.next(); run.rows; run = rows.next()) {
-    const RecordRows& in = *run.rows;
-    levels.append(in, run.begin, run.end);
-    for (std::size_t r = run.begin; r < run.end; ++r)
-      if (in.generation[r] == header.generation) frontier.push_back({in.point[r], in.level[r]});
-  }
-
-  std::vector<Levels::Stored> found;
-  while (!frontier.empty()) {
-    std::uint64_t conversions = 0;
-    for (const Levels::Stored& record : frontier)
-      conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood.inside(record.point)));
-    progress.generation = header.generation;
-    progress.frontier_records = frontier.size();
-    progress.frontier_done = 0;
-    progress.frontier_conversions = conversions;
-    progress.records = levels.records();
-
-    const std::uint32_t generation = header.generation + 1;
-    const auto finish_batch = [&] {
-      converter.convert(batch);
-      for (std::size_t i = 0; i < batch.size(); ++i) {
-        const double* const reached = batch.reached(i);
-        levels.settle(
-            levels.find(batch.point(i), batch.level(i)), batch.todo(i), generation,
-            [&](int q) { return reached + static_cast<unsigned>(q) * width; },
-            [&found](const Levels::Stored& record) { found.push_back(record); });
-      }
-      batch.clear();
-    };
+  Frontier frontier = load(grid, levels);
+  Frontier found;
+  const auto finish_batch = [&] {
+    converter.convert(batch);
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const double* const reached = batch.reached(i);
+      levels.settle(
+          levels.find(batch.point(i), batch.level(i)), batch.todo(i), header.generation,
+          [&](int q) { return reached + static_cast<unsigned>(q) * width; },
+          [&found](const Levels::Stored& record) { found.push_back(record); });
+    }
+    batch.clear();
+  };
+  for (; !frontier.empty(); frontier.swap(found)) {
+    show(frontier, neighbourhood, levels, header.generation, progress);
+    ++header.generation;
     found.clear();
     for (const Levels::Stored& record : frontier) {
       batch.add(record.point, record.level, levels.state(levels.find(record.point, record.level)),
@@ -59,11 +72,8 @@ void complete(const std::vector<Section>& sections, Converter& converter, Progre
     }
     finish_batch();
     std::sort(found.begin(), found.end());
-    frontier.swap(found);
-    header.generation = generation;
   }
-  progress.records = levels.records();
-  progress.frontier_records = 0;
+  show(frontier, neighbourhood, levels, header.generation, progress);
 
   SectionWriter out = open(header);
   for (std::uint64_t b = 0; b < levels.blocks(); ++b) {

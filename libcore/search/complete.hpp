@@ -9,10 +9,10 @@
 
 namespace hapgrid {
 
-/// Completes the grid in `sections`. `open` is called once, with the header of the finished grid,
-/// and gives the writer for it. The bytes are those that rounds of expand and merge end with.
+/// Completes a grid. `open` is called once, with the header of the finished grid, and gives the
+/// writer for it. The bytes are those that rounds of expand and merge end with.
 /// @throw Error (level limit), ModelError, FormatError, std::system_error
-void complete(const std::vector<Section>& sections, Converter& converter, Progress& progress,
+void complete(const Section& grid, Converter& converter, Progress& progress,
               const std::function<SectionWriter(const SectionHeader&)>& open);
 
 }  // namespace hapgrid

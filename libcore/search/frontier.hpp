@@ -3,35 +3,51 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
-#include "libcore/shard/merged_rows.hpp"
+#include "libcore/shard/reader.hpp"
 
 namespace hapgrid {
 
-/// Part K of N, 1 <= K <= N: an N-th of the conversions, in their order.
+/// Part K of N, 1 <= K <= N < 2^32.
 struct Part {
   std::uint64_t number = 1;
   std::uint64_t of = 1;
 };
 
-/// Conversions [begin, end), counted through a frontier in its order; what is behind the frontier's
-/// last one does not count.
-struct ConversionRange {
-  std::uint64_t begin = 0;
-  std::uint64_t end = ~std::uint64_t{0};
+/// Which conversions of a frontier are a part's. Slow conversions lie together, so the frontier is
+/// cut into blocks of equally many conversions, which are dealt out in turns: block b goes to part
+/// b mod N + 1. The size of a block follows from the frontier and N alone: there are kTurns turns,
+/// or as many as there are conversions for. More turns make the parts more alike, but more of the
+/// grid's chunks are then read by several parts.
+class Deal {
+ public:
+  Deal(std::uint64_t conversions, Part part);
+
+  /// Conversions of the part.
+  std::uint64_t conversions() const;
+  /// Whether one of the conversions [begin, end) is the part's.
+  bool has_any(std::uint64_t begin, std::uint64_t end) const;
+  /// Of the `directions`, whose conversions are those from `first` on, the part's.
+  DirectionMask own(DirectionMask directions, std::uint64_t first) const;
+
+ private:
+  static constexpr std::uint64_t kTurns = 64;
+
+  bool is_own(std::uint64_t block) const { return block % part_.of == part_.number - 1; }
+
+  std::uint64_t total_;
+  Part part_;
+  std::uint64_t block_;  // conversions in a block
 };
 
-/// The frontier of a grid or of frontier shards, record by record, cut to a part.
+/// A part of the frontier of a grid, record by record. Only the chunks of the part are read.
 class FrontierReader {
  public:
-  /// @param sections grids or frontiers of one generation; must outlive this object.
-  /// @throw FormatError when there are requests among them.
-  FrontierReader(const std::vector<Section>& sections, ConversionRange range);
-  explicit FrontierReader(const std::vector<Section>& sections, Part part = {});
+  /// @param grid must outlive this object.
+  explicit FrontierReader(const Section& grid, Part part = {});
 
   /// Conversions that the part asks for.
-  std::uint64_t conversions() const { return end_ - begin_; }
+  std::uint64_t conversions() const { return deal_.conversions(); }
 
   struct Record {
     PointIndex point;
@@ -39,29 +55,20 @@ class FrontierReader {
     const double* state;
     DirectionMask todo;
   };
-  /// The next record, valid until the next call; false behind the last.
-  /// @throw FormatError when one record comes with two different states.
+  /// The next record, valid until the next call; false behind the last. @throw FormatError
   bool next(Record& record);
 
  private:
-  bool is_before_part(const ChunkInfo& chunk, const Record* in_hand) const;
-  bool next_row(Record& record, const Record* in_hand);
-  void read_rest();
+  bool next_chunk();
 
+  const Section& grid_;
   Neighbourhood neighbourhood_;
-  std::uint32_t n_;
-  std::uint32_t generation_;
-  MergedRows<RecordRows> rows_;
-  Run<RecordRows> run_;
-  StoredChunk passed_over_;
-  std::uint64_t begin_ = 0;  // the part's conversions, counted through the frontier
-  std::uint64_t end_ = 0;
-  std::uint64_t passed_ = 0;
-  bool others_follow_ = false;  // parts behind this one
-  bool waiting_ = false;        // next_ holds a row that was read ahead
-  Record next_{};
-  std::vector<double> state_;
-  std::vector<double> next_state_;
+  Deal deal_;
+  SectionReader reader_;
+  std::size_t chunk_ = 0;  // to be read next
+  RecordRows rows_;
+  std::size_t row_ = 0;       // to be looked at next
+  std::uint64_t passed_ = 0;  // conversions before it
 };
 
 }  // namespace hapgrid

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -13,9 +12,10 @@
 
 namespace hapgrid {
 
-Levels::Levels(const GridSpec& spec, const Model& model)
+Levels::Levels(const GridSpec& spec, const Model& model, Load load)
     : spec_(spec),
       model_(model),
+      load_(std::move(load)),
       neighbourhood_(spec.box),
       state_size_(spec.state_size),
       row_size_(spec.row_size()),
@@ -24,19 +24,17 @@ Levels::Levels(const GridSpec& spec, const Model& model)
   blocks_.resize((spec.box.points() + block_points_ - 1) >> block_bits_);
 }
 
-Levels::Block& Levels::block(PointIndex point) {
-  std::unique_ptr<Block>& block = blocks_[point >> block_bits_];
-  if (!block) {
-    if (free_blocks_.empty()) {
-      block = std::make_unique<Block>();
-    } else {
-      block = std::move(free_blocks_.back());
-      free_blocks_.pop_back();
-    }
-    block->first.assign(block_points_, kNone);
-    block->visited.assign((block_points_ + kWordBits - 1) / kWordBits, 0);
+void Levels::touch(std::uint64_t number) {
+  std::unique_ptr<Block>& block = blocks_[number];
+  if (block) return;
+  if (free_blocks_.empty()) {
+    block = std::make_unique<Block>();
+  } else {
+    block = std::move(free_blocks_.back());
+    free_blocks_.pop_back();
   }
-  return *block;
+  block->first.assign(block_points_, kNone);
+  if (load_) load_(number);
 }
 
 void Levels::reserve(Block& block, std::size_t count) const {
@@ -59,10 +57,10 @@ void Levels::reserve(Block& block, std::size_t count) const {
   block.capacity = static_cast<std::uint32_t>(capacity);
 }
 
-void Levels::append(const RecordRows& rows, std::size_t begin, std::size_t end, bool passive) {
-  while (begin < end) {
+void Levels::append(const RecordRows& rows) {
+  for (std::size_t begin = 0; begin < rows.size();) {
     Block& here = block(rows.point[begin]);
-    const auto points = rows.point.subspan(begin, end - begin);
+    const auto points = rows.point.subspan(begin);
     const auto count = static_cast<std::size_t>(
         std::upper_bound(points.begin(), points.end(), points.front() | (block_points_ - 1)) -
         points.begin());
@@ -79,8 +77,6 @@ void Levels::append(const RecordRows& rows, std::size_t begin, std::size_t end, 
     here.records += static_cast<std::uint32_t>(count);
     records_ += count;
     chain(here, from);
-    if (!passive)
-      for (std::uint32_t r = from; r < here.records; ++r) include(here, in_block(here.point[r]));
     begin += count;
   }
 }
@@ -116,14 +112,13 @@ RecordRows Levels::view(const Block& block) const {
   return rows;
 }
 
-Levels::Place Levels::find(PointIndex point, Level level) const {
+Levels::Place Levels::find(PointIndex point, Level level) {
   Place place;
-  Block* const block = blocks_[point >> block_bits_].get();
-  if (!block) return place;
-  std::uint32_t r = block->first[in_block(point)];
-  for (; level > 0 && r != kNone; --level) r = block->next[r];
+  Block& here = block(point);
+  std::uint32_t r = here.first[in_block(point)];
+  for (; level > 0 && r != kNone; --level) r = here.next[r];
   if (r == kNone) return place;
-  place.block_ = block;
+  place.block_ = &here;
   place.record_ = r;
   return place;
 }
@@ -136,22 +131,7 @@ const double* Levels::state(Place place) const {
   return &place.block_->numbers[std::size_t{place.record_} * row_size_];
 }
 
-DirectionMask unsettled(const Level* links) {
-  static_assert(kDirections == 26 && std::endian::native == std::endian::little);
-  const auto unsettled_of = [links](std::size_t first) {  // of eight links
-    constexpr std::uint64_t kOnes = 0x0101010101010101;
-    constexpr std::uint64_t kLow = 0x7f * kOnes;
-    std::uint64_t bytes = 0;
-    std::memcpy(&bytes, links + first, sizeof bytes);
-    bytes ^= kUnsettled * kOnes;  // now 0 where a link is unsettled
-    const std::uint64_t zeros = ~(((bytes & kLow) + kLow) | bytes | kLow);
-    // The top bits of the bytes, byte i's to bit i.
-    return static_cast<DirectionMask>((zeros >> 7) * 0x0102040810204080 >> 56);
-  };
-  return unsettled_of(0) | unsettled_of(8) << 8 | unsettled_of(16) << 16 | unsettled_of(18) << 18;
-}
-
-std::string Levels::describe_source(Place source, int q) const {
+std::string Levels::source_text(Place source, int q) const {
   const Block& from = *source.block_;
   return describe(spec_.box, from.point[source.record_], from.level[source.record_]) +
          ", direction " + std::to_string(q);
@@ -161,7 +141,7 @@ bool Levels::settle_other(Place source, int q, PointIndex target, const double* 
                           std::uint32_t generation) {
   Level& link = source.block_->links[std::size_t{source.record_} * kDirections + unsigned(q)];
   if (link != kUnsettled)
-    throw FormatError("requests: " + describe_source(source, q) +
+    throw FormatError("requests: " + source_text(source, q) +
                       ": the grid's frontier asks for no such conversion");
   Block& here = block(target);
   std::uint32_t r = here.first[in_block(target)];
@@ -181,13 +161,12 @@ bool Levels::settle_other(Place source, int q, PointIndex target, const double* 
   if (!model_.equal(numbers, numbers))
     throw ModelError(
         "model " + spec_.model + ": its tolerance function tells a state from itself: " +
-        describe(spec_.box, target, level) + ", reached from " + describe_source(source, q));
+        describe(spec_.box, target, level) + ", reached from " + source_text(source, q));
   link = level;
   // `link` ends here: making room may move the records of its block.
   reserve(here, 1);
   r = here.records++;
   ++records_;
-  include(here, in_block(target));
   (last == kNone ? here.first[in_block(target)] : here.next[last]) = r;
   here.next[r] = kNone;
   here.point[r] = target;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,8 +15,9 @@
 
 namespace hapgrid {
 
-/// Records live in blocks of consecutive points, the points of one chunk of a grid; a block can be
-/// given away when nothing will touch it any more, so a merge needs only those around its wave.
+/// Records live in blocks of consecutive points, the points of one chunk of a grid. A block is loaded
+/// when it is first touched, and can be given away when nothing will touch it any more, so a merge
+/// needs only those around its wave.
 /// Requests must come ascending by (source point, source level): the order in which they reach each
 /// target decides, together with the tolerance function, which states become levels (design section
 /// 2).
@@ -41,18 +43,24 @@ class Levels {
     std::uint32_t record_ = 0;
   };
 
-  /// @param model judges equality.
-  Levels(const GridSpec& spec, const Model& model);
+  /// Appends what is known of a block.
+  using Load = std::function<void(std::uint64_t block)>;
+
+  /// @param model judges equality. @param load is called when a block is touched that is not there.
+  Levels(const GridSpec& spec, const Model& model, Load load = nullptr);
 
   std::uint32_t block_points() const { return block_points_; }
 
-  /// Adds records that are known already, [begin, end) of `rows`; a point's records come by level.
-  /// @param passive they are for comparison alone: what visit() would say of them nobody needs.
+  /// Adds records that are known already; a point's records come by level.
   /// @throw FormatError when a level is not the next one at its point.
-  void append(const RecordRows& rows, std::size_t begin, std::size_t end, bool passive = false);
+  void append(const RecordRows& rows);
+
+  /// Touches a block.
+  void touch(std::uint64_t number);
+  bool is_loaded(std::uint64_t number) const { return blocks_[number] != nullptr; }
 
   /// Where the record is, nowhere where there is none.
-  Place find(PointIndex point, Level level) const;
+  Place find(PointIndex point, Level level);
   std::uint32_t generation(Place place) const;
   const double* state(Place place) const;
 
@@ -66,8 +74,7 @@ class Levels {
               F&& stored);
 
   /// Calls f(rows, begin, end) for the records of block `number`, ascending: as few runs of them as
-  /// there are, one where no record was added to those that were appended. Points that have passive
-  /// records alone are passed over.
+  /// there are, one where no record was added to those that were appended.
   template <class F>
   void visit(std::uint64_t number, F&& f) const;
   /// Blocks: points / block_points(), rounded up.
@@ -79,13 +86,11 @@ class Levels {
 
  private:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  static constexpr std::uint32_t kWordBits = 64;
 
   // Records in columns, in the order in which they came; so a block that is read, touched in
   // places, and written again is copied in long runs. Not initialised beyond `records`.
   struct Block {
     std::vector<std::uint32_t> first;       // block_points, first record of each point
-    std::vector<std::uint64_t> visited;     // bits, by point: whether visit() comes by
     std::unique_ptr<std::uint32_t[]> next;  // next record of a record's point
     std::unique_ptr<PointIndex[]> point;
     std::unique_ptr<Level[]> level;
@@ -96,15 +101,14 @@ class Levels {
     std::uint32_t records = 0;
   };
 
-  Block& block(PointIndex point);
+  Block& block(PointIndex point) {
+    touch(point >> block_bits_);
+    return *blocks_[point >> block_bits_];
+  }
   /// Makes room for `count` more records.
   void reserve(Block& block, std::size_t count) const;
   /// Chains the records from `from` on to those of their points.
   void chain(Block& block, std::uint32_t from) const;
-  /// Has visit() come by at a point of the block.
-  static void include(Block& block, std::uint32_t in_block) {
-    block.visited[in_block / kWordBits] |= std::uint64_t{1} << in_block % kWordBits;
-  }
   /// The records of a block, valid until one is added.
   RecordRows view(const Block& block) const;
   std::uint32_t in_block(PointIndex point) const { return point & (block_points_ - 1); }
@@ -117,11 +121,12 @@ class Levels {
            (state_size_ == 1 || std::memcmp(a, b, state_size_ * sizeof(double)) == 0);
   }
   /// For messages: the source and its direction.
-  std::string describe_source(Place source, int q) const;
+  std::string source_text(Place source, int q) const;
   [[noreturn]] void fail_level_limit(PointIndex target, Place source) const;
 
   const GridSpec& spec_;
   const Model& model_;
+  Load load_;
   Neighbourhood neighbourhood_;
   std::uint32_t state_size_;
   std::uint32_t row_size_;
@@ -132,9 +137,6 @@ class Levels {
   std::uint64_t records_ = 0;
   Stored last_stored_{};
 };
-
-/// Directions of a record that are not settled.
-DirectionMask unsettled(const Level* links);
 
 template <class Row, class F>
 void Levels::settle(Place source, DirectionMask directions, std::uint32_t generation, Row&& row,
@@ -170,16 +172,13 @@ void Levels::visit(std::uint64_t number, F&& f) const {
   const RecordRows rows = view(*block);
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
-  for (std::size_t word = 0; word < block->visited.size(); ++word) {
-    for (std::uint64_t left = block->visited[word]; left; left &= left - 1) {
-      const std::size_t i = word * kWordBits + static_cast<unsigned>(std::countr_zero(left));
-      for (std::uint32_t r = block->first[i]; r != kNone; r = block->next[r]) {
-        if (r != end) {
-          if (begin != end) f(rows, begin, end);
-          begin = r;
-        }
-        end = r + 1;
+  for (const std::uint32_t first : block->first) {
+    for (std::uint32_t r = first; r != kNone; r = block->next[r]) {
+      if (r != end) {
+        if (begin != end) f(rows, begin, end);
+        begin = r;
       }
+      end = r + 1;
     }
   }
   if (begin != end) f(rows, begin, end);

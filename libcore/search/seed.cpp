@@ -76,7 +76,7 @@ Seeds seed_states(const Definition& definition, Model& model) {
   return seeds;
 }
 
-GridSpec describe_grid(const Definition& definition, const Model& model) {
+GridSpec spec_of(const Definition& definition, const Model& model) {
   const ModelInfo& info = model.info();
   const double reach = std::sqrt(3.0) * definition.box.spacing;
   if (info.d_max < reach)

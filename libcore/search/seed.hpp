@@ -12,7 +12,7 @@ namespace hapgrid {
 
 /// The description of the grid that `definition` asks for with this model.
 /// @throw Error when d_max < sqrt(3) h (Sect. 2.2, condition a).
-GridSpec describe_grid(const Definition& definition, const Model& model);
+GridSpec spec_of(const Definition& definition, const Model& model);
 
 /// By point the states that are known there, row after row.
 using Seeds = std::map<PointIndex, std::vector<double>>;

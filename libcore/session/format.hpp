@@ -1,5 +1,4 @@
-// Between structs, Cap'n Proto messages and the end of the file. Only for the sources of this
-// folder.
+// Between structs and Cap'n Proto messages. Only for the sources of this folder.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +20,8 @@ inline constexpr std::uint64_t kChunkLimit = 128 * kChunkTicks;
 
 /// What the footer says of a chunk.
 struct ChunkEntry {
-  std::uint64_t offset = 0;  ///< of its frame in the file
-  std::uint64_t size = 0;    ///< of its frame
+  std::uint64_t offset = 0;  ///< of its zstd frame in the file
+  std::uint64_t size = 0;    ///< of its zstd frame
   std::uint64_t first = 0;   ///< numbers of its first and last tick
   std::uint64_t last = 0;
   std::uint32_t ticks = 0;
@@ -48,15 +47,5 @@ SessionHeader decode_header(const Message& message);
 void decode_ticks(const Message& message, std::vector<TickRecord>& ticks);
 /// @param most chunks that can be in the file.
 SessionFooter decode_footer(const Message& message, std::uint64_t most);
-
-/// The end of the file.
-inline constexpr std::size_t kLocatorBytes = 24;
-struct Locator {
-  std::uint64_t footer = 0;  ///< where its frame starts
-  std::uint64_t hash = 0;    ///< XXH3-64 of that frame
-};
-std::array<std::byte, kLocatorBytes> encode_locator(const Locator& locator);
-/// False when it is none.
-bool decode_locator(std::span<const std::byte, kLocatorBytes> bytes, Locator& locator);
 
 }  // namespace hapgrid

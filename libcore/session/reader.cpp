@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/locator.hpp"
 
 namespace hapgrid {
 
@@ -19,12 +20,6 @@ constexpr std::uint64_t kLeastFrame = 32;
 constexpr std::uint64_t kEntryBytes = 64;  // in the footer's message, from above
 
 }  // namespace
-
-bool starts_with_frame(const InputFile& file) {
-  static constexpr unsigned char kMagic[] = {0x28, 0xB5, 0x2F, 0xFD};
-  std::array<std::byte, sizeof kMagic> start{};
-  return file.read(0, start) == sizeof kMagic && std::memcmp(start.data(), kMagic, 4) == 0;
-}
 
 SessionReader::SessionReader(InputFile file, Damage damage) : file_(std::move(file)) {
   const std::uint64_t header_end = read_header();
@@ -57,12 +52,12 @@ auto SessionReader::decode(std::span<const std::byte> frame, std::uint64_t offse
 }
 
 std::uint64_t SessionReader::read_header() {
-  if (!starts_with_frame(file_)) fail(0, "not a session: no zstd frame");
+  if (!starts_with_zstd_frame(file_)) fail(0, "not a session: no zstd frame");
   // Most headers are small.
   std::size_t size = 0;
   std::span<const std::byte> bytes;
-  for (std::uint64_t window : {std::uint64_t{1} << 16, std::uint64_t{frame_bound(kHeaderLimit)}})
-    if (size == 0) size = frame_size(bytes = bytes_at(0, window));
+  for (std::uint64_t window : {std::uint64_t{1} << 16, std::uint64_t{zstd_frame_bound(kHeaderLimit)}})
+    if (size == 0) size = zstd_frame_size(bytes = bytes_at(0, window));
   if (size == 0) fail(0, "not a session, or its header is cut");
   decode(bytes.first(size), 0, kHeaderLimit, [&] { header_ = decode_header(message_); });
   header_digest_ = digest_of(std::as_bytes(std::span(message_)));
@@ -71,26 +66,27 @@ std::uint64_t SessionReader::read_header() {
 
 void SessionReader::read_index(std::uint64_t header_end) {
   const std::uint64_t size = file_.size();
-  Locator locator;
   std::array<std::byte, kLocatorBytes> end;
-  if (size < header_end + kLocatorBytes || file_.read(size - kLocatorBytes, end) != kLocatorBytes ||
-      !decode_locator(end, locator))
+  std::optional<Locator> locator;
+  if (size >= header_end + kLocatorBytes && file_.read(size - kLocatorBytes, end) == kLocatorBytes)
+    locator = decode_locator(end);
+  if (!locator)
     fail(size,
          "truncated: no index at its end, as of a session that was interrupted (stats "
          "--salvage takes what is there)");
   const std::uint64_t at = size - kLocatorBytes;
-  if (locator.footer < header_end || locator.footer >= at)
+  if (locator->size == 0 || locator->size > at - header_end)
     fail(at, "damaged: the index is said to be outside the file");
-  const std::uint64_t most = (locator.footer - header_end) / kLeastFrame;
+  const std::uint64_t footer = at - locator->size;
+  const std::uint64_t most = (footer - header_end) / kLeastFrame;
   const std::uint64_t limit = kEntryBytes * most + 4096;
-  if (at - locator.footer > frame_bound(limit))
-    fail(locator.footer, "damaged: an index larger than any can be");
-  const std::span<const std::byte> frame = bytes_at(locator.footer, at - locator.footer);
-  if (hash_of(frame) != locator.hash)
-    fail(locator.footer, "damaged: the index does not fit its hash");
-  decode(frame, locator.footer, limit, [&] {
+  if (locator->size > zstd_frame_bound(limit))
+    fail(footer, "damaged: an index larger than any can be");
+  const std::span<const std::byte> frame = bytes_at(footer, locator->size);
+  if (hash_of(frame) != locator->hash) fail(footer, "damaged: the index does not fit its hash");
+  decode(frame, footer, limit, [&] {
     footer_ = decode_footer(message_, most);
-    check_index(header_end, locator.footer);
+    check_index(header_end, footer);
   });
 }
 
@@ -103,7 +99,7 @@ void SessionReader::check_index(std::uint64_t header_end, std::uint64_t footer) 
   digests.reserve(footer_.chunks.size() + 1);
   for (const ChunkEntry& chunk : footer_.chunks) {
     if (chunk.offset != offset || chunk.size == 0 || chunk.size > footer - offset ||
-        chunk.size > frame_bound(kChunkLimit) || chunk.ticks == 0 || chunk.ticks > kChunkTicks ||
+        chunk.size > zstd_frame_bound(kChunkLimit) || chunk.ticks == 0 || chunk.ticks > kChunkTicks ||
         chunk.last < chunk.first || chunk.last - chunk.first < chunk.ticks - 1 ||
         (before && chunk.first <= before->last))
       throw FormatError("damaged: the index does not fit the file");
@@ -144,8 +140,8 @@ void SessionReader::scan(std::uint64_t header_end) {
   std::uint64_t offset = header_end;
   std::vector<TickRecord> ticks;
   while (offset < file_.size()) {
-    const std::span<const std::byte> bytes = bytes_at(offset, frame_bound(kChunkLimit));
-    const std::size_t size = frame_size(bytes);
+    const std::span<const std::byte> bytes = bytes_at(offset, zstd_frame_bound(kChunkLimit));
+    const std::size_t size = zstd_frame_size(bytes);
     if (size == 0) break;  // cut
     try {
       frames_.decode(bytes.first(size), kChunkLimit, message_);

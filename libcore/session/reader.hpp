@@ -6,13 +6,10 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
-#include "libcore/base/frame.hpp"
+#include "libcore/base/zstd_frame.hpp"
 #include "libcore/session/format.hpp"
 
 namespace hapgrid {
-
-/// Whether a file starts as a session does, or a shard; a log of play as text does not.
-bool starts_with_frame(const InputFile& file);
 
 /// The memory is that of the index, which is in proportion to the file, and of one chunk.
 class SessionReader {
@@ -68,7 +65,7 @@ class SessionReader {
   void read_chunk(const ChunkEntry& chunk, std::vector<TickRecord>& ticks);
 
   InputFile file_;
-  FrameDecoder frames_{"session"};
+  ZstdFrameDecoder frames_{"session"};
   std::vector<std::byte> buffer_;
   Message message_;
   SessionHeader header_;

@@ -1,6 +1,7 @@
 #include "libcore/session/writer.hpp"
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/locator.hpp"
 
 namespace hapgrid {
 
@@ -53,9 +54,8 @@ void SessionWriter::finish(std::uint64_t dropped) {
   flush();
   footer_.dropped = dropped;
   footer_.digest = digest_of(std::as_bytes(std::span(digests_)));
-  const std::uint64_t offset = offset_;
-  write(encode_footer(footer_));
-  output_.write(encode_locator({offset, footer_hash_}));
+  const std::uint64_t size = write(encode_footer(footer_));
+  output_.write(encode_locator({size, footer_hash_}));
   output_.commit();
 }
 

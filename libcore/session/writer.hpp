@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
-#include "libcore/base/frame.hpp"
+#include "libcore/base/zstd_frame.hpp"
 #include "libcore/session/format.hpp"
 
 namespace hapgrid {
@@ -45,7 +45,7 @@ class SessionWriter {
   void flush();
 
   OutputFile output_;
-  FrameEncoder frames_{3};  // the slow thread has time, and a session is kept: zstd's own default
+  ZstdFrameEncoder frames_{3};  // the slow thread has time, and a session is kept: zstd's own default
   std::vector<TickRecord> rows_;  // of the chunk that is being filled
   SessionFooter footer_;
   std::vector<Digest> digests_;

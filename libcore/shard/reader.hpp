@@ -2,40 +2,47 @@
 // handed out is safe to index with, except for links, whose destination may not exist.
 #pragma once
 
-#include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
+#include "libcore/base/zstd_frame.hpp"
 #include "libcore/shard/section.hpp"
 
 namespace hapgrid {
 
-/// Reads the chunks of one section. Each is compared with what the footer says of it, and behind
-/// the last one the footer's sums with what was read.
+/// Reads any chunks of one section, each by its number in the index, with which it is compared.
 class SectionReader {
  public:
   /// `section` must outlive this object.
   explicit SectionReader(const Section& section);
-  ~SectionReader();
-  SectionReader(SectionReader&&) noexcept;
 
-  /// What the footer says of the next chunk; nullptr behind the last.
-  const ChunkInfo* peek() const;
+  /// Decodes a chunk. Its rows ascend; whether they come behind those of the chunk before is for
+  /// the caller to check, since a point can be in both. @throw FormatError, std::system_error
+  void read(std::size_t chunk, RecordRows& rows);
+  void read(std::size_t chunk, RequestRows& rows);
 
-  /// The next chunk; false behind the last. @throw FormatError
-  bool next(RecordRows& rows);
-  bool next(RequestRows& rows);
-
-  /// The next chunk of a grid or a frontier as it is stored; its frame is checked against the
-  /// footer's hash, its content not looked at. @throw FormatError
-  void next_stored(StoredChunk& chunk);
-  /// Goes on behind the next chunk, of which nothing is needed and nothing checked.
-  /// @throw FormatError
-  void pass_over();
-  /// Decodes what next_stored() gave. @throw FormatError
-  void decode(const StoredChunk& chunk, RecordRows& rows);
+  /// A chunk as it is stored: its zstd frame is checked against the footer's hash, and its content
+  /// is not looked at. @throw FormatError, std::system_error
+  void read_stored(std::size_t chunk, StoredChunk& stored);
 
  private:
-  class State;
-  std::unique_ptr<State> state_;
+  template <class Rows>
+  void decode(std::size_t chunk, Rows& rows);
+  void read_bytes(const ChunkInfo& info, std::vector<std::byte>& bytes);
+  /// Of the rows: how many are in the frontier, and the conversions.
+  struct Counts {
+    std::uint32_t frontier = 0;
+    std::uint32_t conversions = 0;
+  };
+  Counts check(const RecordRows& rows) const;
+  Counts check(RequestRows& rows) const;
+  void check_order(const Chunk& rows) const;
+
+  const Section* section_;
+  Neighbourhood neighbourhood_;
+  ZstdFrameDecoder decoder_{"shard", /*hashed=*/true};
+  std::vector<std::byte> bytes_;
 };
 
 }  // namespace hapgrid

@@ -66,24 +66,10 @@ Parameter decode_parameter(schema::Parameter::Reader in) {
   return parameter;
 }
 
-schema::Header::Content encode_content(Content content) {
-  switch (content) {
-    case Content::kGrid:
-      return schema::Header::Content::GRID;
-    case Content::kFrontier:
-      return schema::Header::Content::FRONTIER;
-    case Content::kRequests:
-      break;
-  }
-  return schema::Header::Content::REQUESTS;
-}
-
 Content decode_content(schema::Header::Content content) {
   switch (content) {
     case schema::Header::Content::GRID:
       return Content::kGrid;
-    case schema::Header::Content::FRONTIER:
-      return Content::kFrontier;
     case schema::Header::Content::REQUESTS:
       return Content::kRequests;
   }
@@ -114,22 +100,64 @@ Equality::Norm decode_norm(schema::Equality::Norm norm) {
   throw FormatError("a tolerance function of a kind that this version does not know");
 }
 
-Coding decode_coding(schema::Header::Reader in, const SectionHeader& header) {
-  Coding coding;
-  coding.is_coded = in.getVersion() == kCodedVersion;
-  if (coding.is_coded != in.hasCoding() || (coding.is_coded && header.content != Content::kGrid))
-    throw FormatError("a coding where there can be none, or none where it must be");
-  coding.precision = in.getCoding().getPrecision();
-  if (!(coding.precision >= 0 && coding.precision <= kMaxPrecision))
-    throw FormatError("an impossible precision");
-  const auto bounds = in.getCoding().getBounds();
-  if (bounds.size() != (coding.is_lossy() ? header.spec.row_size() : 0))
-    throw FormatError("bounds of " + std::to_string(bounds.size()) + " columns");
-  for (const double bound : bounds) {
-    if (!(std::isfinite(bound) && bound >= 0)) throw FormatError("an impossible bound of a column");
-    coding.bounds.push_back(bound);
+void encode_box(const Box& box, schema::Box::Builder out) {
+  out.setOriginX(box.origin[0]);
+  out.setOriginY(box.origin[1]);
+  out.setOriginZ(box.origin[2]);
+  out.setSpacing(box.spacing);
+  out.setCountX(box.counts[0]);
+  out.setCountY(box.counts[1]);
+  out.setCountZ(box.counts[2]);
+}
+
+Box decode_box(schema::Box::Reader in) {
+  const Box box{{in.getOriginX(), in.getOriginY(), in.getOriginZ()},
+                in.getSpacing(),
+                {in.getCountX(), in.getCountY(), in.getCountZ()}};
+  try {
+    box.validate();
+  } catch (const Error& e) {
+    throw FormatError(e.what());
   }
-  return coding;
+  return box;
+}
+
+void encode_sphere(const Sphere& sphere, schema::Sphere::Builder out) {
+  out.setRadius(sphere.radius);
+  out.setRed(sphere.colour[0]);
+  out.setGreen(sphere.colour[1]);
+  out.setBlue(sphere.colour[2]);
+  out.setLabel(sphere.label);
+}
+
+Sphere decode_sphere(schema::Sphere::Reader in) {
+  const Sphere sphere{in.getRadius(), {in.getRed(), in.getGreen(), in.getBlue()}, in.getLabel()};
+  if (!std::isfinite(sphere.radius) || sphere.radius < 0 || !std::isfinite(sphere.colour[0]) ||
+      !std::isfinite(sphere.colour[1]) || !std::isfinite(sphere.colour[2]) ||
+      sphere.label.size() > kMaxLabelSize)
+    throw FormatError("a sphere whose radius, colour or label is impossible");
+  return sphere;
+}
+
+/// The numbers of a header that have limits.
+void decode_limits(schema::Header::Reader in, GridSpec& spec) {
+  spec.state_size = in.getStateSize();
+  if (spec.state_size == 0 || spec.state_size > kMaxStateSize)
+    throw FormatError("a state of " + std::to_string(spec.state_size) + " components; 1 to " +
+                      std::to_string(kMaxStateSize) + " are possible");
+  spec.tolerance = in.getTolerance();
+  if (!std::isfinite(spec.tolerance)) throw FormatError("the tolerance is not finite");
+  spec.max_levels = in.getMaxLevels();
+  if (spec.max_levels == 0 || spec.max_levels > static_cast<unsigned>(kMaxLevels))
+    throw FormatError("a level limit of " + std::to_string(spec.max_levels) + "; 1 to " +
+                      std::to_string(kMaxLevels) + " are possible");
+  spec.equality.norm = decode_norm(in.getEquality().getNorm());
+  for (const double weight : in.getEquality().getWeights()) spec.equality.weights.push_back(weight);
+  if (!spec.equality.fits(spec.state_size))
+    throw FormatError("impossible weights of the tolerance function");
+  spec.hip_radius = in.getHipRadius();
+  if (!std::isfinite(spec.hip_radius) || spec.hip_radius < 0)
+    throw FormatError("the radius of the HIP is negative or not finite");
 }
 
 }  // namespace
@@ -137,17 +165,11 @@ Coding decode_coding(schema::Header::Reader in, const SectionHeader& header) {
 void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   const GridSpec& spec = header.spec;
   out.setMagic(kMagic);
-  out.setVersion(header.coding.is_coded ? kCodedVersion : kFormatVersion);
-  out.setContent(encode_content(header.content));
+  out.setVersion(kFormatVersion);
+  out.setContent(header.content == Content::kGrid ? schema::Header::Content::GRID
+                                                  : schema::Header::Content::REQUESTS);
   out.setGeneration(header.generation);
-  auto box = out.initBox();
-  box.setOriginX(spec.box.origin[0]);
-  box.setOriginY(spec.box.origin[1]);
-  box.setOriginZ(spec.box.origin[2]);
-  box.setSpacing(spec.box.spacing);
-  box.setCountX(spec.box.counts[0]);
-  box.setCountY(spec.box.counts[1]);
-  box.setCountZ(spec.box.counts[2]);
+  encode_box(spec.box, out.initBox());
   out.setModel(spec.model);
   auto parameters = out.initParameters(static_cast<unsigned>(spec.parameters.size()));
   for (unsigned i = 0; i < parameters.size(); ++i)
@@ -162,121 +184,73 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   stored.setEnergy(spec.stored.energy);
   stored.setShape(spec.stored.shape);
   auto spheres = out.initSpheres(static_cast<unsigned>(spec.spheres.size()));
-  for (unsigned i = 0; i < spheres.size(); ++i) {
-    const Sphere& sphere = spec.spheres[i];
-    spheres[i].setRadius(sphere.radius);
-    spheres[i].setRed(sphere.colour[0]);
-    spheres[i].setGreen(sphere.colour[1]);
-    spheres[i].setBlue(sphere.colour[2]);
-    spheres[i].setLabel(sphere.label);
-  }
+  for (unsigned i = 0; i < spheres.size(); ++i) encode_sphere(spec.spheres[i], spheres[i]);
   auto equality = out.initEquality();
   equality.setNorm(encode_norm(spec.equality.norm));
   equality.setWeights(kj::arrayPtr(spec.equality.weights.data(), spec.equality.weights.size()));
   out.setLengthUnit(spec.length_unit);
   out.setEnergyUnit(spec.energy_unit);
   out.setHipRadius(spec.hip_radius);
-  if (!header.coding.is_coded) return;
-  auto coding = out.initCoding();
-  coding.setPrecision(header.coding.precision);
-  coding.setBounds(kj::arrayPtr(header.coding.bounds.data(), header.coding.bounds.size()));
 }
 
 SectionHeader decode_header(schema::Header::Reader in) {
   if (in.getMagic() != kMagic) throw FormatError("not a hapgrid shard");
-  if (in.getVersion() != kFormatVersion && in.getVersion() != kCodedVersion)
+  if (in.getVersion() != kFormatVersion)
     throw FormatError("format version " + std::to_string(in.getVersion()) +
-                      ", this program reads versions " + std::to_string(kFormatVersion) + " and " +
-                      std::to_string(kCodedVersion));
+                      ", this program reads version " + std::to_string(kFormatVersion));
   SectionHeader header;
   header.content = decode_content(in.getContent());
   header.generation = in.getGeneration();
   GridSpec& spec = header.spec;
-  const auto box = in.getBox();
-  spec.box.origin = {box.getOriginX(), box.getOriginY(), box.getOriginZ()};
-  spec.box.spacing = box.getSpacing();
-  spec.box.counts = {box.getCountX(), box.getCountY(), box.getCountZ()};
-  try {
-    spec.box.validate();
-  } catch (const Error& e) {
-    throw FormatError(e.what());
-  }
+  spec.box = decode_box(in.getBox());
   spec.model = in.getModel();
   for (const auto parameter : in.getParameters())
     spec.parameters.push_back(decode_parameter(parameter));
-  spec.state_size = in.getStateSize();
-  if (spec.state_size == 0 || spec.state_size > kMaxStateSize)
-    throw FormatError("a state of " + std::to_string(spec.state_size) + " components; 1 to " +
-                      std::to_string(kMaxStateSize) + " are possible");
-  spec.tolerance = in.getTolerance();
+  decode_limits(in, spec);
   spec.tolerance_unit = in.getToleranceUnit();
-  if (!std::isfinite(spec.tolerance)) throw FormatError("the tolerance is not finite");
-  spec.max_levels = in.getMaxLevels();
-  if (spec.max_levels == 0 || spec.max_levels > static_cast<unsigned>(kMaxLevels))
-    throw FormatError("a level limit of " + std::to_string(spec.max_levels) + "; 1 to " +
-                      std::to_string(kMaxLevels) + " are possible");
-  spec.equality.norm = decode_norm(in.getEquality().getNorm());
-  for (const double weight : in.getEquality().getWeights()) spec.equality.weights.push_back(weight);
-  if (!spec.equality.fits(spec.state_size))
-    throw FormatError("impossible weights of the tolerance function");
   spec.length_unit = in.getLengthUnit();
   spec.energy_unit = in.getEnergyUnit();
-  spec.hip_radius = in.getHipRadius();
-  if (!std::isfinite(spec.hip_radius) || spec.hip_radius < 0)
-    throw FormatError("the radius of the HIP is negative or not finite");
   spec.stored = {in.getStored().getForce(), in.getStored().getEnergy(), in.getStored().getShape()};
   const auto spheres = in.getSpheres();
   if (spec.stored.shape != (spheres.size() > 0) || spheres.size() > kMaxSpheres)
     throw FormatError("a shape of " + std::to_string(spheres.size()) + " spheres");
-  for (const auto sphere : spheres) {
-    spec.spheres.push_back({sphere.getRadius(),
-                            {sphere.getRed(), sphere.getGreen(), sphere.getBlue()},
-                            sphere.getLabel()});
-    const Sphere& s = spec.spheres.back();
-    if (!std::isfinite(s.radius) || s.radius < 0 || !std::isfinite(s.colour[0]) ||
-        !std::isfinite(s.colour[1]) || !std::isfinite(s.colour[2]) ||
-        s.label.size() > kMaxLabelSize)
-      throw FormatError("a sphere whose radius, colour or label is impossible");
-  }
-  header.coding = decode_coding(in, header);
+  for (const auto sphere : spheres) spec.spheres.push_back(decode_sphere(sphere));
   return header;
 }
 
 void encode_footer(const SectionFooter& footer, schema::Footer::Builder out) {
+  out.setHeaderSize(footer.header_size);
   auto chunks = out.initChunks(static_cast<unsigned>(footer.chunks.size()));
   for (unsigned i = 0; i < chunks.size(); ++i) {
     const ChunkInfo& chunk = footer.chunks[i];
+    chunks[i].setSize(chunk.size);
     chunks[i].setRows(chunk.rows);
     chunks[i].setFrontier(chunk.frontier);
+    chunks[i].setConversions(chunk.conversions);
     chunks[i].setFirstPoint(chunk.first_point);
     chunks[i].setLastPoint(chunk.last_point);
     chunks[i].setDigestLow(chunk.digest.low);
     chunks[i].setDigestHigh(chunk.digest.high);
     chunks[i].setStored(chunk.stored);
-    chunks[i].setConversions(chunk.conversions);
   }
-  out.setRecords(footer.records);
-  out.setRequests(footer.requests);
-  out.setFrontier(footer.frontier);
-  out.setConversions(footer.conversions);
   out.setDigestLow(footer.digest.low);
   out.setDigestHigh(footer.digest.high);
 }
 
 SectionFooter decode_footer(schema::Footer::Reader in) {
   SectionFooter footer;
-  for (const auto chunk : in.getChunks())
-    footer.chunks.push_back({chunk.getRows(),
-                             chunk.getFrontier(),
-                             chunk.getFirstPoint(),
-                             chunk.getLastPoint(),
-                             {chunk.getDigestLow(), chunk.getDigestHigh()},
-                             chunk.getStored(),
-                             chunk.getConversions()});
-  footer.records = in.getRecords();
-  footer.requests = in.getRequests();
-  footer.frontier = in.getFrontier();
-  footer.conversions = in.getConversions();
+  footer.header_size = in.getHeaderSize();
+  for (const auto chunk : in.getChunks()) {
+    ChunkInfo& info = footer.chunks.emplace_back();
+    info.size = chunk.getSize();
+    info.rows = chunk.getRows();
+    info.frontier = chunk.getFrontier();
+    info.conversions = chunk.getConversions();
+    info.first_point = chunk.getFirstPoint();
+    info.last_point = chunk.getLastPoint();
+    info.digest = {chunk.getDigestLow(), chunk.getDigestHigh()};
+    info.stored = chunk.getStored();
+  }
   footer.digest = {in.getDigestLow(), in.getDigestHigh()};
   return footer;
 }

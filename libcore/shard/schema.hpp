@@ -18,7 +18,6 @@ namespace hapgrid {
 
 inline constexpr std::uint64_t kMagic = 0x6861706772696431;  // "hapgrid1"
 inline constexpr std::uint32_t kFormatVersion = 1;
-inline constexpr std::uint32_t kCodedVersion = 2;  // of coded grids
 
 /// Decodes one message and hands it to `use`; everything that Cap'n Proto throws becomes a
 /// FormatError.
@@ -32,7 +31,7 @@ auto read_message(const std::vector<std::uint64_t>& words, const std::string& wh
     const auto* begin = reinterpret_cast<const capnp::word*>(words.data());
     capnp::FlatArrayMessageReader reader(kj::arrayPtr(begin, words.size()), options);
     if (reader.getEnd() != begin + words.size())
-      throw FormatError("bytes behind the message in a frame");
+      throw FormatError("bytes behind the message in a zstd frame");
     return use(reader.getRoot<schema::Message>());
   } catch (const FormatError& e) {
     throw FormatError(where + ": " + e.what());

@@ -1,89 +1,149 @@
 #include "libcore/shard/section.hpp"
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <span>
 
 #include "libcore/base/error.hpp"
-#include "libcore/base/frame.hpp"
-#include "libcore/base/text.hpp"
-#include "libcore/shard/frame_reader.hpp"
+#include "libcore/base/locator.hpp"
+#include "libcore/base/zstd_frame.hpp"
 #include "libcore/shard/schema.hpp"
-#include "libcore/shard/section_digest.hpp"
 
 namespace hapgrid {
 
 namespace {
 
-// A header carries the model's parameters in full and 8 bytes for each number of a row; a footer
-// 48 bytes a chunk, half of them hashes, and so not much more than its frame.
+// A header carries the model's parameters in full. A footer has 56 bytes a chunk, half of them
+// hashes, and so is not much larger than its zstd frame.
 constexpr std::uint64_t kMaxHeaderBytes = 64 << 20;
-constexpr std::uint64_t kMaxFooterBytes = 256 << 20;
 constexpr std::uint64_t kMaxFooterRatio = 16;
 
-}  // namespace
+template <class F>
+std::uint64_t sum(const Section& section, F&& of) {
+  std::uint64_t sum = 0;
+  for (const ChunkInfo& chunk : section.footer.chunks) sum += of(chunk);
+  return sum;
+}
 
-std::vector<Section> open_sections(const std::shared_ptr<const InputFile>& file) {
-  if (file->size() == 0) throw FormatError(file->name() + ": empty, not a shard");
-  constexpr std::uint64_t kMaxFrame = kMaxFooterBytes;
-  FrameReader frames(*file, 0, file->size());
-  FrameDecoder decoder("shard");
-  std::vector<std::uint64_t> words;
-  std::vector<std::uint64_t> offsets;
-  while (!frames.at_end()) {
-    offsets.push_back(frames.offset());
-    frames.next(kMaxFrame);
+/// Reads sections from the end of a file to its beginning.
+class BackwardReader {
+ public:
+  explicit BackwardReader(std::shared_ptr<const InputFile> file) : file_(std::move(file)) {
+    if (file_->size() == 0) throw FormatError(file_->name() + ": empty, not a shard");
+    if (!starts_with_zstd_frame(*file_)) fail(0, "not a shard: no zstd frame");
   }
-  offsets.push_back(file->size());
-  const auto message = [&](std::size_t frame, std::uint64_t limit, auto&& use) {
-    frames.seek(offsets[frame]);
-    const std::string where = at(*file, offsets[frame]);
+
+  /// The section that ends at `end`.
+  Section read(std::uint64_t end) {
+    Section section;
+    section.file = file_;
+    section.end = end;
+    const std::uint64_t footer = read_footer(end, section.footer);
+    place_chunks(footer, section);
+    std::uint64_t at = section.begin;
+    decode(at, section.footer.header_size, [&](schema::Message::Reader message) {
+      if (!message.isHeader())
+        throw FormatError("damaged: no header where a footer's section starts");
+      section.header = decode_header(message.getHeader());
+    });
+    const Digest header = digest_of(std::as_bytes(std::span(words_)));
+    if (section_digest(header, section.footer.chunks) != section.footer.digest)
+      fail(footer, "damaged: the digest in the footer does not fit the content");
+    check_order(footer, section);
+    return section;
+  }
+
+ private:
+  [[noreturn]] void fail(std::uint64_t offset, const std::string& what) const {
+    throw FormatError(at(*file_, offset) + ": " + what);
+  }
+
+  /// Answers where the footer starts.
+  std::uint64_t read_footer(std::uint64_t end, SectionFooter& footer) {
+    std::array<std::byte, kLocatorBytes> bytes;
+    std::optional<Locator> locator;
+    if (end >= kLocatorBytes && file_->read(end - kLocatorBytes, bytes) == kLocatorBytes)
+      locator = decode_locator(bytes);
+    if (!locator) fail(end, "truncated: a shard ends with an index");
+    const std::uint64_t footer_end = end - kLocatorBytes;
+    if (locator->size > footer_end) fail(footer_end, "damaged: the footer is not in the file");
+    const std::uint64_t offset = footer_end - locator->size;
+    decode(offset, locator->size, [&](schema::Message::Reader message) {
+      if (hash_of(stored_) != locator->hash)
+        throw FormatError("damaged: the footer does not fit its hash");
+      if (!message.isFooter()) throw FormatError("damaged: no footer where there must be one");
+      footer = decode_footer(message.getFooter());
+    });
+    return offset;
+  }
+
+  /// The zstd frames stand one after the other, the header's first, and end where the footer starts.
+  void place_chunks(std::uint64_t footer, Section& section) const {
+    std::uint64_t size = section.footer.header_size;
+    for (const ChunkInfo& chunk : section.footer.chunks) size += chunk.size;
+    if (size > footer)
+      fail(footer, "truncated: the footer's section is larger than what stands before it");
+    section.begin = footer - size;
+    std::uint64_t offset = section.begin + section.footer.header_size;
+    for (ChunkInfo& chunk : section.footer.chunks) {
+      chunk.offset = offset;
+      offset += chunk.size;
+    }
+  }
+
+  void check_order(std::uint64_t footer, const Section& section) const {
+    const ChunkInfo* before = nullptr;
+    for (const ChunkInfo& chunk : section.footer.chunks) {
+      if (chunk.last_point < chunk.first_point ||
+          (before && chunk.first_point < before->last_point) || chunk.frontier > chunk.rows)
+        fail(footer, "damaged: chunks out of order");
+      before = &chunk;
+    }
+  }
+
+  /// Decodes the zstd frame at `offset` and hands its message to use(); stored_ and words_ hold it.
+  template <class F>
+  void decode(std::uint64_t offset, std::uint64_t size, F&& use) {
+    stored_.resize(size);
+    stored_.resize(file_->read(offset, stored_));
+    const std::string where = at(*file_, offset);
     try {
-      const auto bytes = frames.next(kMaxFrame);
-      decoder.decode(
-          bytes, std::min(limit, std::max(kMaxHeaderBytes, kMaxFooterRatio * bytes.size())), words);
+      decoder_.decode(stored_, std::max(kMaxHeaderBytes, kMaxFooterRatio * size), words_);
     } catch (const FormatError& e) {
       throw FormatError(where + ": " + e.what());
     }
-    read_message(words, where, use);
-  };
-  // From the end backwards: a footer says how many chunks stand between it and its header.
-  std::vector<Section> found;
-  for (std::size_t end = offsets.size() - 1; end > 0;) {
-    Section section;
-    section.file = file;
-    section.end = offsets[end];
-    message(end - 1, kMaxFooterBytes, [&](schema::Message::Reader last) {
-      if (!last.isFooter()) throw FormatError("truncated: the shard does not end with a footer");
-      section.footer = decode_footer(last.getFooter());
-    });
-    const std::size_t chunks = section.footer.chunks.size();
-    if (chunks + 2 > end)
-      throw FormatError(file->name() + ": truncated: a footer counts " + std::to_string(chunks) +
-                        " chunks, " + std::to_string(end - 1) + " messages stand before it");
-    const std::size_t first = end - 2 - chunks;
-    section.begin = offsets[first + 1];
-    section.stored_bytes = section.end - offsets[first];
-    message(first, kMaxHeaderBytes, [&](schema::Message::Reader head) {
-      if (!head.isHeader()) throw FormatError("damaged: no header where a footer's section starts");
-      section.header = decode_header(head.getHeader());
-      SectionDigester digester(std::as_bytes(std::span(words)));
-      for (const ChunkInfo& chunk : section.footer.chunks) digester.add(chunk.digest);
-      if (digester.digest() != section.footer.digest)
-        throw FormatError("damaged: the digest in the footer does not fit the content");
-    });
-    found.push_back(std::move(section));
-    end = first;
+    read_message(words_, where, use);
   }
-  std::reverse(found.begin(), found.end());
-  return found;
+
+  std::shared_ptr<const InputFile> file_;
+  ZstdFrameDecoder decoder_{"shard"};
+  std::vector<std::byte> stored_;
+  std::vector<std::uint64_t> words_;
+};
+
+}  // namespace
+
+std::uint64_t Section::records() const {
+  return sum(*this, [](const ChunkInfo& chunk) { return chunk.rows; });
+}
+std::uint64_t Section::frontier() const {
+  return sum(*this, [](const ChunkInfo& chunk) { return chunk.frontier; });
+}
+std::uint64_t Section::conversions() const {
+  return sum(*this, [](const ChunkInfo& chunk) { return chunk.conversions; });
 }
 
 std::vector<Section> open_sections(const std::vector<std::string>& names) {
   std::vector<Section> sections;
   for (const std::string& name : names) {
-    std::vector<Section> found = open_sections(std::make_shared<const InputFile>(name));
-    sections.insert(sections.end(), std::make_move_iterator(found.begin()),
-                    std::make_move_iterator(found.end()));
+    const auto file = std::make_shared<const InputFile>(name);
+    BackwardReader reader(file);
+    std::vector<Section> found;
+    for (std::uint64_t end = file->size(); end > 0; end = found.back().begin)
+      found.push_back(reader.read(end));
+    sections.insert(sections.end(), std::make_move_iterator(found.rbegin()),
+                    std::make_move_iterator(found.rend()));
   }
   for (const Section& section : sections) {
     const Section& first = sections.front();
@@ -94,46 +154,15 @@ std::vector<Section> open_sections(const std::vector<std::string>& names) {
   return sections;
 }
 
-std::uint32_t generation_of(const std::vector<Section>& sections) {
-  std::uint32_t youngest = 0;
-  for (const Section& section : sections) youngest = std::max(youngest, section.header.generation);
-  return youngest;
-}
-
-void require_content(const std::vector<Section>& sections, Content content) {
-  const std::uint32_t youngest = generation_of(sections);
-  const auto reference = std::find_if(sections.begin(), sections.end(), [&](const Section& s) {
-    return s.header.generation == youngest;
-  });
-  for (const Section& section : sections) {
-    if (section.header.content != content)
-      throw FormatError(section.file->name() + ": holds " + to_string(section.header.content) +
-                        " where a shard of " + to_string(content) + " is needed");
-    if (section.header.generation == youngest) continue;
-    if (content == Content::kGrid && section.footer.frontier == 0) continue;
-    throw FormatError(section.file->name() + ": generation " +
-                      std::to_string(section.header.generation) + ", but " +
-                      reference->file->name() + " has generation " + std::to_string(youngest));
-  }
-}
-
-void require_same_precision(const std::vector<Section>& sections) {
-  const Section& first = sections.front();
-  for (const Section& section : sections)
-    if (section.header.coding.bounds != first.header.coding.bounds ||
-        section.header.coding.precision != first.header.coding.precision)
-      throw FormatError(section.file->name() + ": precision " +
-                        to_text(section.header.coding.precision) + ", but " + first.file->name() +
-                        " has precision " + to_text(first.header.coding.precision) +
-                        ", or other bounds");
-}
-
-void require_lossless(const std::vector<Section>& sections) {
-  for (const Section& section : sections)
-    if (section.header.coding.is_lossy())
-      throw FormatError(section.file->name() + ": precision " +
-                        to_text(section.header.coding.precision) +
-                        ": its numbers are not the model's; take the grid that it was made from");
+Section open_grid(const std::string& name) {
+  const std::vector<Section> sections = open_sections({name});
+  const Section& grid = sections.back();
+  if (grid.header.content != Content::kGrid)
+    throw FormatError(grid.file->name() + ": holds requests where a grid is needed");
+  if (sections.size() > 1)
+    throw FormatError(grid.file->name() + ": holds " + std::to_string(sections.size()) +
+                      " sections where one grid is needed");
+  return grid;
 }
 
 }  // namespace hapgrid

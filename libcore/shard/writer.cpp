@@ -12,11 +12,9 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
-#include "libcore/base/frame.hpp"
-#include "libcore/shard/coded_message.hpp"
-#include "libcore/shard/coding.hpp"
+#include "libcore/base/locator.hpp"
+#include "libcore/base/zstd_frame.hpp"
 #include "libcore/shard/schema.hpp"
-#include "libcore/shard/section_digest.hpp"
 
 namespace hapgrid {
 
@@ -25,14 +23,13 @@ static_assert(std::endian::native == std::endian::little,
 
 namespace {
 
-/// How chunks are compressed. In most, speed counts, and links and smooth states compress nearly as
-/// well at level 1 as at level 3; above all in requests and frontiers, which are written and read
-/// once. Layers of a grid are not among these: a chunk of them can be copied into the grid as it is
-/// stored, whose bytes must not tell. A coded grid is written once and kept.
-FrameEncoder frame_encoder(const SectionHeader& header) {
-  if (header.coding.is_coded) return FrameEncoder(3);
-  using Literals = FrameEncoder::Literals;
-  return FrameEncoder(1, header.content == Content::kGrid ? Literals::kCoded : Literals::kPlain);
+/// How chunks are compressed. Speed counts, and links and smooth states compress nearly as well at
+/// level 1 as at level 3; above all in requests, which are written and read once. What is to be
+/// small is written once and kept.
+ZstdFrameEncoder encoder_for(Content content, Packing packing) {
+  using Literals = ZstdFrameEncoder::Literals;
+  if (content == Content::kRequests) return ZstdFrameEncoder(1, Literals::kPlain);
+  return ZstdFrameEncoder(packing == Packing::kSmall ? 19 : 1);
 }
 
 template <class List, class T>
@@ -84,16 +81,16 @@ kj::ArrayPtr<const kj::byte> bytes_of(const std::unique_ptr<std::uint8_t[]>& col
 
 }  // namespace
 
-/// Messages to digest, frames and the file.
+/// Messages to zstd frames, the index and the file.
 class SectionWriter::Encoder {
  public:
-  Encoder(int fd, std::string name, FrameEncoder frames)
-      : fd_(fd), name_(std::move(name)), frames_(std::move(frames)) {}
+  Encoder(int fd, std::string name, ZstdFrameEncoder encoder)
+      : fd_(fd), name_(std::move(name)), zstd_(std::move(encoder)) {}
 
   /// Builds one message with `fill(schema::Message::Builder)`, which needs at most `words`, and
-  /// writes it. Sets the digests of `info` where it is not null.
+  /// writes it.
   template <class F>
-  void write(std::size_t words, ChunkInfo* info, F&& fill) {
+  void write(std::size_t words, F&& fill) {
     // The message is built one word behind the start of the buffer: its segment table goes in
     // front, so that no copy is needed. Cap'n Proto clears the segment again when it is done.
     reserve(words + kSpareWords);
@@ -105,26 +102,31 @@ class SectionWriter::Encoder {
       const auto size = static_cast<std::uint32_t>(segments[0].size());
       const std::uint32_t table[2] = {0, size};
       std::memcpy(scratch_.get(), table, sizeof table);
-      encode(std::as_bytes(std::span(scratch_.get(), size + 1)), info);
+      encode(std::as_bytes(std::span(scratch_.get(), size + 1)));
     } else {
       const auto flat = capnp::messageToFlatArray(segments);
       const auto bytes = flat.asBytes();
-      encode(std::as_bytes(std::span(bytes.begin(), bytes.size())), info);
+      encode(std::as_bytes(std::span(bytes.begin(), bytes.size())));
     }
   }
 
-  void copy(const StoredChunk& chunk) {
-    digester_->add(chunk.info.digest);
-    write(chunk.frame);
+  // Of the message written last.
+  Digest digest() const { return digest_; }
+  std::uint32_t size() const { return size_; }
+  std::uint64_t hash() const { return hash_; }
+
+  /// Zstd frames of a grid are a few KiB each, and a call of the system for each would cost more
+  /// than to copy them.
+  void put(std::span<const std::byte> bytes) {
+    pending_.insert(pending_.end(), bytes.begin(), bytes.end());
+    if (pending_.size() >= kWriteBytes) drain();
   }
 
-  /// Everything that was encoded or copied is in the file.
+  /// Everything is in the file.
   void drain() {
     write_all(fd_, pending_, name_);
     pending_.clear();
   }
-
-  Digest digest() const { return digester_->digest(); }
 
  private:
   static constexpr std::size_t kSpareWords = 256;
@@ -138,30 +140,21 @@ class SectionWriter::Encoder {
     scratch_words_ = words;
   }
 
-  void encode(std::span<const std::byte> message, ChunkInfo* info) {
-    const std::span<const std::byte> frame = frames_.encode(message);
-    if (info) {
-      info->digest = digest_of(message);
-      info->stored = hash_of(frame);
-      digester_->add(info->digest);
-    } else if (!digester_) {  // the first message is the header
-      digester_.emplace(message);
-    }
-    write(frame);
-  }
-
-  /// Frames of a grid are a few KiB each, and a call of the system for each would cost more than to
-  /// copy them.
-  void write(std::span<const std::byte> frame) {
-    pending_.insert(pending_.end(), frame.begin(), frame.end());
-    if (pending_.size() >= kWriteBytes) drain();
+  void encode(std::span<const std::byte> message) {
+    const std::span<const std::byte> bytes = zstd_.encode(message);
+    digest_ = digest_of(message);
+    size_ = static_cast<std::uint32_t>(bytes.size());
+    hash_ = hash_of(bytes);
+    put(bytes);
   }
 
   int fd_;
   std::string name_;
-  FrameEncoder frames_;
-  std::vector<std::byte> pending_;  // frames that are not written yet
-  std::optional<SectionDigester> digester_;
+  ZstdFrameEncoder zstd_;
+  std::vector<std::byte> pending_;  // not written yet
+  Digest digest_;
+  std::uint32_t size_ = 0;
+  std::uint64_t hash_ = 0;
   struct Free {
     void operator()(void* memory) const { std::free(memory); }
   };
@@ -169,32 +162,31 @@ class SectionWriter::Encoder {
   std::size_t scratch_words_ = 0;
 };
 
-SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeader& header, Cut cut)
+SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeader& header,
+                             Packing packing)
     : header_(header),
-      row_size_(row_size(header)),
+      row_size_(header.spec.row_size()),
       neighbourhood_(header.spec.box),
-      encoder_(std::make_unique<Encoder>(fd, name, frame_encoder(header))),
-      cut_(cut),
-      row_limit_(header.content == Content::kRequests
-                     ? std::max<std::uint32_t>(chunk_rows(row_size_), kDirections)
-                 : header.content == Content::kFrontier ? chunk_rows(row_size_)
-                 : header.coding.is_coded               ? coded_chunk_points(row_size_)
-                                                        : chunk_points(row_size_)) {
-  if (header.coding.is_coded) coder_ = std::make_unique<ChunkEncoder>(header_);
+      encoder_(std::make_unique<Encoder>(fd, name, encoder_for(header.content, packing))),
+      row_limit_(header.content == Content::kRequests ? chunk_requests(row_size_)
+                 : packing == Packing::kSmall               ? chunk_points(row_size_, kLargeChunkBytes)
+                                                      : chunk_points(row_size_)) {
   const std::size_t rows = row_limit_;
   columns_.point = std::make_unique_for_overwrite<PointIndex[]>(rows);
   columns_.level = std::make_unique_for_overwrite<Level[]>(rows);
   columns_.numbers = std::make_unique_for_overwrite<double[]>(rows * row_size_);
-  if (header.content != Content::kRequests)
+  if (header.content == Content::kGrid) {
     columns_.generation = std::make_unique_for_overwrite<std::uint32_t[]>(rows);
-  if (header.content == Content::kGrid)
     columns_.links = std::make_unique_for_overwrite<Level[]>(rows * kDirections);
-  else
+  } else {
     columns_.directions = std::make_unique_for_overwrite<DirectionMask[]>(rows);
+  }
   // A guess: what does not fit is put together from more segments.
-  encoder_->write(1024, nullptr, [&](schema::Message::Builder message) {
+  encoder_->write(1024, [&](schema::Message::Builder message) {
     encode_header(header, message.initHeader());
   });
+  footer_.header_size = encoder_->size();
+  header_digest_ = encoder_->digest();
 }
 SectionWriter::~SectionWriter() = default;
 SectionWriter::SectionWriter(SectionWriter&&) noexcept = default;
@@ -202,11 +194,14 @@ SectionWriter::SectionWriter(SectionWriter&&) noexcept = default;
 void SectionWriter::record(PointIndex point, Level level, std::uint32_t generation,
                            const double* row_numbers, const Level* links) {
   enter_range(point);
-  const std::size_t row = add_row(point, level, row_numbers);
-  ++footer_.records;
+  if (rows_ == row_limit_) flush();
+  columns_.point[rows_] = point;
+  columns_.level[rows_] = level;
+  columns_.generation[rows_] = generation;
+  std::copy_n(row_numbers, row_size_, &columns_.numbers[rows_ * row_size_]);
+  std::memcpy(&columns_.links[rows_ * kDirections], links, kDirections);
   count_frontier(point, generation);
-  columns_.generation[row] = generation;
-  std::memcpy(&columns_.links[row * kDirections], links, kDirections);
+  ++rows_;
 }
 
 void SectionWriter::records(const RecordRows& rows, std::size_t begin, std::size_t end) {
@@ -225,7 +220,6 @@ void SectionWriter::records(const RecordRows& rows, std::size_t begin, std::size
     copy(rows.links, columns_.links.get(), kDirections, stop - begin);
     for (std::size_t r = begin; r < stop; ++r) count_frontier(rows.point[r], rows.generation[r]);
     rows_ += stop - begin;
-    footer_.records += stop - begin;
     begin = stop;
   }
 }
@@ -233,8 +227,7 @@ void SectionWriter::records(const RecordRows& rows, std::size_t begin, std::size
 void SectionWriter::enter_range(PointIndex point) {
   if (point < range_end_) return;
   flush();
-  range_end_ = cut_ == Cut::kByRows ? ~std::uint64_t{0}
-                                    : (std::uint64_t{point} / row_limit_ + 1) * row_limit_;
+  range_end_ = (std::uint64_t{point} / row_limit_ + 1) * row_limit_;
 }
 
 void SectionWriter::count_frontier(PointIndex point, std::uint32_t generation) {
@@ -243,111 +236,72 @@ void SectionWriter::count_frontier(PointIndex point, std::uint32_t generation) {
   conversions_ += static_cast<std::uint32_t>(std::popcount(neighbourhood_.inside(point)));
 }
 
-void SectionWriter::frontier(PointIndex point, Level level, const double* state,
-                             DirectionMask todo) {
-  const std::size_t row = add_row(point, level, state);
-  ++footer_.records;
-  ++frontier_;
-  conversions_ += static_cast<std::uint32_t>(std::popcount(todo));
-  columns_.generation[row] = header_.generation;
-  columns_.directions[row] = todo;
-}
-
 void SectionWriter::requests(PointIndex point, Level level, DirectionMask directions,
                              const double* rows) {
-  const auto count = static_cast<std::size_t>(std::popcount(directions));
-  if (requests_ + count > row_limit_) flush();
+  const auto count = static_cast<std::uint32_t>(std::popcount(directions));
+  if (conversions_ + count > row_limit_) flush();
   columns_.point[rows_] = point;
   columns_.level[rows_] = level;
   columns_.directions[rows_] = directions;
   ++rows_;
-  double* to = &columns_.numbers[requests_ * row_size_];
-  if (directions == kAllDirections) {
-    std::copy_n(rows, count * row_size_, to);
-  } else {
-    for (DirectionMask left = directions; left; left &= left - 1, to += row_size_)
-      std::copy_n(rows + static_cast<std::size_t>(std::countr_zero(left)) * row_size_, row_size_,
-                  to);
-  }
-  requests_ += count;
-  footer_.requests += count;
+  double* to = &columns_.numbers[std::size_t{conversions_} * row_size_];
+  for (DirectionMask left = directions; left; left &= left - 1, to += row_size_)
+    std::copy_n(rows + static_cast<std::size_t>(std::countr_zero(left)) * row_size_, row_size_, to);
+  conversions_ += count;
 }
 
 void SectionWriter::copy(const StoredChunk& chunk) {
   flush();
-  footer_.records += chunk.info.rows;
   footer_.chunks.push_back(chunk.info);
-  encoder_->copy(chunk);
-}
-
-RecordRows SectionWriter::rows_so_far() const {
-  RecordRows rows;
-  rows.width = row_size_;
-  rows.numbers = {columns_.numbers.get(), rows_ * row_size_};
-  rows.point = {columns_.point.get(), rows_};
-  rows.level = {columns_.level.get(), rows_};
-  rows.generation = {columns_.generation.get(), rows_};
-  rows.links = {columns_.links.get(), rows_ * kDirections};
-  return rows;
-}
-
-/// Of the columns of the chunk at hand; where it is coded, more than that.
-std::size_t SectionWriter::message_bytes() const {
-  const std::size_t row = sizeof(double) * row_size_;
-  switch (header_.content) {
-    case Content::kRequests:
-      return rows_ * (sizeof(PointIndex) + sizeof(Level) + sizeof(DirectionMask)) + requests_ * row;
-    case Content::kFrontier:
-      return rows_ * (2 * sizeof(PointIndex) + sizeof(Level) + sizeof(DirectionMask) + row);
-    case Content::kGrid:
-      break;
-  }
-  return rows_ * record_bytes(row_size_);
+  encoder_->put(chunk.bytes);
 }
 
 void SectionWriter::flush() {
   if (rows_ == 0) return;
+  const bool requests = header_.content == Content::kRequests;
   const auto rows = static_cast<unsigned>(rows_);
+  const unsigned numbers = requests ? conversions_ : rows;
   // Each column ends at a word; there are row_size_ + 8 of them at most, and Cap'n Proto's own
   // words.
-  const std::size_t words = message_bytes() / sizeof(std::uint64_t) + 11 * row_size_ + 64;
-  ChunkInfo info{rows, frontier_, columns_.point[0], columns_.point[rows - 1], {}, 0, conversions_};
-  encoder_->write(words, &info, [&](schema::Message::Builder message) {
-    if (coder_) return encode_coded(coder_->encode(rows_so_far()), message.initCoded());
-    if (header_.content == Content::kRequests) {
-      auto chunk = message.initReached();
+  const std::size_t bytes = (std::size_t{rows} + numbers) * record_bytes(row_size_);
+  encoder_->write(bytes / sizeof(std::uint64_t) + 64, [&](schema::Message::Builder message) {
+    if (requests) {
+      auto chunk = message.initRequests();
       copy_column(chunk.initPoint(rows), columns_.point);
       chunk.setLevel(bytes_of(columns_.level, rows));
       copy_column(chunk.initDirections(rows), columns_.directions);
-      copy_rows(chunk, static_cast<unsigned>(requests_), columns_.numbers.get(), row_size_,
-                header_.spec);
+      copy_rows(chunk, numbers, columns_.numbers.get(), row_size_, header_.spec);
       return;
     }
     auto chunk = message.initRecords();
     copy_column(chunk.initPoint(rows), columns_.point);
     chunk.setLevel(bytes_of(columns_.level, rows));
     copy_column(chunk.initGeneration(rows), columns_.generation);
-    copy_rows(chunk, rows, columns_.numbers.get(), row_size_, header_.spec);
-    if (header_.content == Content::kGrid) {
-      chunk.setLinks(bytes_of(columns_.links, rows * kDirections));
-    } else {
-      copy_column(chunk.initTodo(rows), columns_.directions);
-    }
+    copy_rows(chunk, numbers, columns_.numbers.get(), row_size_, header_.spec);
+    chunk.setLinks(bytes_of(columns_.links, rows * kDirections));
   });
-  footer_.frontier += frontier_;
-  footer_.conversions += conversions_;
+  ChunkInfo info;
+  info.size = encoder_->size();
+  info.rows = rows;
+  info.frontier = frontier_;
+  info.conversions = conversions_;
+  info.first_point = columns_.point[0];
+  info.last_point = columns_.point[rows - 1];
+  info.digest = encoder_->digest();
+  info.stored = encoder_->hash();
   footer_.chunks.push_back(info);
-  rows_ = requests_ = 0;
+  rows_ = 0;
   frontier_ = conversions_ = 0;
 }
 
 void SectionWriter::finish() {
   flush();
-  footer_.digest = encoder_->digest();
+  footer_.digest = section_digest(header_digest_, footer_.chunks);
   const std::size_t words = 64 + footer_.chunks.size() * sizeof(ChunkInfo) / sizeof(std::uint64_t);
-  encoder_->write(words, nullptr, [&](schema::Message::Builder message) {
+  encoder_->write(words, [&](schema::Message::Builder message) {
     encode_footer(footer_, message.initFooter());
   });
+  encoder_->put(encode_locator({encoder_->size(), encoder_->hash()}));
   encoder_->drain();
 }
 

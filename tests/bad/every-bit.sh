@@ -5,21 +5,18 @@
 source "$(dirname "$0")/../cli/lib.sh"
 export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
 
-# Shards of the search: seeds, requests, a grid with a frontier, the frontier in parts, ranges of
-# requests and of a grid, the finished grid plain and coded. With one number a record, and, in a
-# smaller box, with force, energy and shape.
+# Shards of the search: seeds, requests, two sections of these, a grid with a frontier, the finished
+# grid, and a small one. With one number a record, and, in a smaller box, with force, energy and shape.
 make() { # NAME OPTION...
   seed "$ball" --set grid.spacing=0.25 --set 'grid.origin=[-0.6,-0.15,-0.1]' "${@:2}" -o "seeds.$1"
   expand "seeds.$1" -o "requests.$1"
   expand --complete "seeds.$1" -o "grid.$1"
-  merge --final "grid.$1" -o "coded.$1"
-  merge --final --precision 0.01 "grid.$1" -o "lossy.$1"
+  merge --small "grid.$1" -o "small.$1"
 }
 make ball --set 'grid.counts=[5,2,2]'
 make stored --set 'grid.counts=[5,1,1]' --set model.parameters.stored=true
-merge seeds.ball requests.ball -o middle.ball --frontier "frontier.{}.ball" --parts 2
-expand middle.ball --ranges 2 -o 'range.requests.{}'
-merge --range 2/2 middle.ball range.requests.* -o range.grid
+merge seeds.ball requests.ball -o middle.ball
+for k in 1 2; do expand --part "$k/2" middle.ball; done >parts.ball
 # Three states of 24 kB, all zeros: two chunks.
 cat >toy.toml <<'END'
 grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 1, 1]}
@@ -38,6 +35,6 @@ play grid.stored --device path:path --log play.session --frames frames 2>/dev/nu
 each=1
 if sanitized; then each=7; fi
 every_bit=$HAPGRID_BUILD/tests/every_bit
-"$every_bit" shard "$each" ./*.ball ./*.stored range.* chunks
+"$every_bit" shard "$each" ./*.ball ./*.stored chunks
 "$every_bit" session "$each" play.session
 "$every_bit" frames "$each" frames

@@ -105,17 +105,13 @@ void add(Content& content, const GridSpec& spec) {
     content.add_all(sphere.radius, sphere.colour, sphere.label);
 }
 
-void add(Content& content, const Coding& coding) {
-  content.add_all(coding.is_coded, coding.precision, coding.bounds);
-}
-
 void add(Content& content, const ChunkInfo& chunk) {
-  content.add_all(chunk.rows, chunk.frontier, chunk.first_point, chunk.last_point, chunk.digest.low,
-                  chunk.digest.high, chunk.stored);
+  content.add_all(chunk.size, chunk.rows, chunk.frontier, chunk.conversions, chunk.first_point,
+                  chunk.last_point, chunk.digest.low, chunk.digest.high, chunk.stored);
 }
 
 void add(Content& content, const RecordRows& rows) {
-  content.add_all(rows.point, rows.level, rows.generation, rows.numbers, rows.links, rows.todo);
+  content.add_all(rows.point, rows.level, rows.generation, rows.numbers, rows.links);
 }
 void add(Content& content, const RequestRows& rows) {
   content.add_all(rows.point, rows.level, rows.directions, rows.numbers);
@@ -124,18 +120,20 @@ void add(Content& content, const RequestRows& rows) {
 template <class Rows>
 void add_rows(Content& content, const Section& section) {
   SectionReader reader(section);
-  for (Rows rows; reader.next(rows);) add(content, rows);
+  Rows rows;
+  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) {
+    reader.read(i, rows);
+    add(content, rows);
+  }
 }
 
 /// All that a filter can take from a shard: sections, footers, rows.
 std::string read_shard(const std::string& name) {
   Content content;
   for (const Section& section : open_sections({name})) {
-    content.add_all(section.header.content, section.header.generation, section.footer.records,
-                    section.footer.requests, section.footer.frontier, section.footer.conversions,
+    content.add_all(section.header.content, section.header.generation, section.begin, section.end,
                     section.footer.digest.low, section.footer.digest.high);
     add(content, section.header.spec);
-    add(content, section.header.coding);
     for (const ChunkInfo& chunk : section.footer.chunks) add(content, chunk);
     if (section.header.content == hapgrid::Content::kRequests)
       add_rows<RequestRows>(content, section);
@@ -148,27 +146,23 @@ std::string read_shard(const std::string& name) {
 /// As merge copies a grid: chunks as they are stored, looked at only then.
 std::string copy_grid(const std::string& name) {
   Content content;
-  for (const Section& section : open_sections({name})) {
-    SectionReader reader(section);
-    StoredChunk chunk;
-    RecordRows rows;
-    while (reader.peek()) {
-      reader.next_stored(chunk);
-      reader.decode(chunk, rows);
-      add(content, rows);
-    }
-    reader.next(rows);  // compares the sums
+  const Section grid = open_grid(name);
+  SectionReader reader(grid);
+  StoredChunk chunk;
+  for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
+    reader.read_stored(i, chunk);
+    content.add(chunk.bytes.size());
+    for (const std::byte byte : chunk.bytes) content.add(std::to_integer<unsigned>(byte));
   }
   return content.bytes();
 }
 
 /// As stats, verify and play take a grid.
 std::string load(const std::string& name) {
-  const LoadedGrid loaded = load_grid({name});
+  const LoadedGrid loaded = load_grid(name);
   const Grid& grid = loaded.grid;
   Content content;
   add(content, grid.spec());
-  add(content, loaded.coding);
   content.add_all(grid.generation(), loaded.digest, grid.records());
   for (RecordIndex r = 0; r < grid.records(); ++r)
     content.add_all(grid.point(r), grid.level(r), grid.record_generation(r), grid.row(r),

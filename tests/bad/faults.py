@@ -24,14 +24,13 @@ MODEL, ALL = sys.argv[1], sys.argv[2] == "all"
 # A command and what it writes into OUT. Those that write to standard output are given a file.
 COMMANDS = {
     "seed": ["seed", MODEL, "--set", "grid.counts=[4,3,2]", "-o", "OUT/grid"],
-    "expand": ["expand", "grid", "-o", "OUT/requests", "--report", "OUT/report"],
+    "expand": ["expand", "grid", "-o", "OUT/requests", "--cost", "OUT/cost"],
     "piped": ["expand", "-", "-o", "OUT/requests"],
     "threads": ["expand", "grid", "-j", "3", "-o", "OUT/requests"],
-    "shards": ["expand", *(f"f.{k}" for k in range(1, 9)), "-o", "OUT/requests"],
-    "ranges": ["expand", "grid", "--ranges", "3", "-o", "OUT/requests.{}"],
+    "shards": ["merge", "grid", *(f"r.{k}" for k in range(1, 9)), "-o", "OUT/grid"],
     "complete": ["expand", "--complete", "grid", "-o", "OUT/grid"],
-    "merge": ["merge", "grid", "requests", "-o", "OUT/grid", "--frontier", "OUT/f.{}", "--parts", "2"],
-    "final": ["merge", "--final", "complete", "-o", "OUT/grid"],
+    "merge": ["merge", "grid", "requests", "-o", "OUT/grid"],
+    "small": ["merge", "--small", "complete", "-o", "OUT/grid"],
     "stdout": ["expand", "grid"],
     "stats": ["stats", "complete"],
     "replaced": ["merge", "grid", "requests", "-o", "OUT/grid"],
@@ -46,7 +45,7 @@ PIPED = {"piped": "grid"}  # what comes through standard input
 OLD = {"replaced": "grid"}  # what is there before
 EXITS = {"text": (1, 2)}  # without its first bytes a session is taken for a text, which --log cannot
 # One after the other, some of them appear before others, and none is taken back: whole, and harmless.
-SEVERAL = {"ranges", "merge", "play", "view", "expand"}
+SEVERAL = {"play", "view", "expand"}
 # What is left on purpose: what was felt cannot be made again.
 UNFINISHED = {"session": "log.session.part"}
 
@@ -113,7 +112,7 @@ def is_whole(run, name, good, varying):
     path = os.path.join(run.out, name)
     if name.endswith(".session"):  # it tells how long each tick took
         return subprocess.run(["stats", "--log", path], capture_output=True).returncode == 0
-    try:  # reports, with times in them: one object, or one a line, or none of them yet
+    try:  # reports and costs, with times in them: one object, or one a line, or none of them yet
         json.loads("[" + run.files[name].decode().strip().replace("\n{", ",{") + "]")
         return True
     except ValueError:

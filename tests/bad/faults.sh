@@ -8,7 +8,7 @@ sanitized && skip "the sanitizers make system calls of their own"
 
 seed "$ball" --set 'grid.counts=[4,3,2]' -o grid
 expand grid -o requests
-merge grid requests -o next --frontier 'f.{}' --parts 8
+for k in {1..8}; do expand grid --part "$k/8" -o "r.$k"; done
 expand --complete grid -o complete
 printf '%s\n' '-0.95 -0.45 -0.45' '-0.9 -0.44 -0.44' '-0.83 -0.38 -0.43' >path
 play complete --device path:path --log log.session --frames frames 2>/dev/null

@@ -23,7 +23,7 @@ writers=(
   "expand --complete large -o d/out"
   "merge large large.requests -o d/out"
   "merge complete -o d/out"
-  "merge --final complete -o d/out"
+  "merge --small complete -o d/out"
   "stats medium --dump --output d/out"
   "stats small --slice y=-0.425 --png d/out"
   "stats --log log.session --png d/out"
@@ -101,7 +101,7 @@ else
 fi
 
 # A pipe whose reader is gone before anything is written.
-for tool in "seed $ball" "expand large" "merge complete" "merge --final complete" "stats complete" \
+for tool in "seed $ball" "expand large" "merge complete" "merge --small complete" "stats complete" \
   "stats complete --dump" "verify complete --recompute none" "check-model $ball --steps 20" \
   "play small --device path:long-path --log -" "view frames" "view frames --xyz -" "view frames --png -"; do
   python3 -c '
@@ -132,7 +132,7 @@ slow() {
 }
 slow grid expand -
 slow requests merge grid -
-slow small merge --final -
+slow small merge --small -
 slow small stats - --dump
 slow small verify - --recompute all 2>/dev/null
 slow small play - --device path:path --log - 2>/dev/null

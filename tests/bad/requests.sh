@@ -4,7 +4,7 @@ source "$(dirname "$0")/../cli/lib.sh"
 
 seed "$ball" --set 'grid.counts=[4,3,2]' -o g0
 expand g0 -o r0
-merge g0 r0 -o g1 --frontier 'f1.{}' --parts 2
+merge g0 r0 -o g1
 expand g1 -o r1
 for k in 1 2 3; do expand g0 --part $k/3 -o r0.$k; done
 
@@ -27,19 +27,19 @@ refuses 'merge: requests are missing: 1 of the 2 conversions .* from point 1 \(1
 refuses 'merge: r0: requests of generation 0, the grid.s frontier is 1' -- merge g1 r0 -o out
 refuses 'merge: r0\.2: requests of generation 0, the grid.s frontier is 1' -- merge g1 r1 r0.2 -o out
 refuses 'merge: r1: requests of generation 1, the grid.s frontier is 0' -- merge g0 r0 r1 -o out
-refuses 'merge: g0: generation 0, but g1 has generation 1' -- merge g0 g1 r0 -o out
-refuses 'expand: f1\.1: holds frontier where a shard of grid is needed' -- expand g1 f1.1 -o out
-refuses 'expand: g0: holds grid where a shard of frontier is needed' -- expand f1.1 g0 -o out
+refuses 'merge: g1: a second grid, beside g0' -- merge g0 g1 r0 -o out
 
 # Of the wrong kind.
-refuses 'expand: r0: holds requests where .*' -- expand r0 -o out
-refuses 'expand: r0: holds requests where a shard of grid is needed' -- expand --complete r0 -o out
-refuses 'expand: f1\.1: holds frontier where a shard of grid is needed' -- expand --complete f1.1 -o out
+refuses 'expand: r0: holds requests where a grid is needed' -- expand r0 -o out
+refuses 'expand: r0: holds requests where a grid is needed' -- expand --complete r0 -o out
 refuses 'merge: r0: requests, but no grid to merge them into' -- merge r0 -o out
-refuses 'merge: f1\.1: holds a part of a frontier; merge takes a grid and requests' -- merge f1.1 -o out
-refuses 'merge: f1\.2: holds a part of a frontier; .*' -- merge g1 r1 f1.2 -o out
-refuses 'stats: r0: holds requests where a shard of grid is needed' -- stats r0
-refuses 'verify: f1\.1: holds frontier where a shard of grid is needed' -- verify f1.1
+refuses 'merge: r0: holds requests where a grid is needed' -- merge --small r0 -o out
+refuses 'merge: g0: [0-9]+ records are still in the frontier; only a finished grid can be made small' -- merge --small g0 -o out
+refuses 'stats: r0: holds requests where a grid is needed' -- stats r0
+cat g0 r0 >cat
+refuses 'expand: cat: holds requests where a grid is needed' -- expand cat -o out
+cat r0 g0 >cat
+refuses 'verify: cat: holds 2 sections where one grid is needed' -- verify cat
 
 # Of another grid: what differs is said, and both values.
 other() {
@@ -47,7 +47,6 @@ other() {
   expand other -o other.requests
   refuses "merge: other\.requests: another grid than g0: $1" -- merge g0 r0 other.requests -o out
   refuses "merge: g0: another grid than other\.requests: .*" -- merge other.requests g0 -o out
-  refuses "expand: other: another grid than g0: $1" -- expand g0 other -o out
   cat g0 other.requests >cat
   refuses "merge: cat: another grid than cat: $1" -- merge cat -o out
 }
@@ -66,14 +65,13 @@ import sys
 sys.path.insert(0, sys.argv[1])
 import shard
 messages = shard.decode(open("r0", "rb").read())
-rows = messages[1]["reached"]
+rows = messages[1]["requests"]
 rows["state"][5] = 0.25
 open("another.answer", "wb").write(shard.seal(messages))
 for column in rows.values():
     del column[1:]
 rows["level"][0] = 3
 rows["directions"][0] &= -rows["directions"][0]
-messages[-1]["footer"]["requests"] = "1"
 open("unasked", "wb").write(shard.seal(messages))
 END
 python3 spoil.py "$HAPGRID_SOURCE/tests/cli"

@@ -6,12 +6,10 @@ export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
 
 seed "$ball" --set 'grid.counts=[3,2,2]' --set 'grid.origin=[-0.9,-0.025,-0.025]' -o seeds
 expand seeds -o requests
-merge seeds requests -o next --frontier 'next.{}'
+merge seeds requests -o next
 expand next -o next.requests
 merge next next.requests -o grid
-mv next.1 frontier
-merge --final grid -o coded
-merge --final --precision 0.001 grid -o lossy
+merge --small grid -o small
 # Two components.
 cat >toy.toml <<END
 grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 2, 1]}

@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
   const std::size_t stretches = std::strtoul(argv[2], nullptr, 10);
   const std::size_t length = std::strtoul(argv[3], nullptr, 10);
 
-  const LoadedGrid loaded = load_grid({argv[1]});
+  const LoadedGrid loaded = load_grid(argv[1]);
   const Grid& grid = loaded.grid;
   std::vector<RecordIndex> order(grid.records());
   std::iota(order.begin(), order.end(), 0);

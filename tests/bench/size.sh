@@ -63,9 +63,11 @@ for n; do
   parts=$(($(stats --get records lattice) / 4096 + 1))
   part=$(measured peak expand lattice --part "$(((parts + 1) / 2))/$parts" -o part)
   expand lattice -o requests
-  printf '%3d points a side: expand of a part (of %d) %.0f MB, merge %.0f MB\n' "$n" "$parts" "$part" \
-    "$(measured peak merge lattice requests -o next --frontier 'f.{}' --parts 8)"
-  rm -f lattice requests next f.* part
+  one=$(measured peak merge lattice requests -o next)
+  for k in $(seq 1000); do expand lattice --part "$k/1000" -o "part.$k"; done
+  printf '%3d points a side: expand of a part (of %d) %.0f MB, merge %.0f MB, of 1,000 parts %.0f MB\n' \
+    "$n" "$parts" "$part" "$one" "$(measured peak merge lattice part.* -o next)"
+  rm -f lattice requests next part part.*
 done
 
 # A conversion of 10 us of processor time.

@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: bench_substeps GRID RECORDS\n");
     return 2;
   }
-  const LoadedGrid loaded = load_grid({argv[1]});
+  const LoadedGrid loaded = load_grid(argv[1]);
   const Grid& grid = loaded.grid;
   const Plugin plugin(grid.spec().model, {HAPGRID_BUILD_DIR "/models"});
   std::vector<Parameter> halved = grid.spec().parameters;

@@ -6,7 +6,6 @@ message and seals the section again, so that only what it damaged is wrong.
 """
 
 import copy
-import itertools
 import json
 import os
 import struct
@@ -39,12 +38,17 @@ def split(stream):
 
 
 def frames(shard):
-    """The zstd frames (RFC 8878, 3.1.1), each of which must have a checksum and its content's size."""
+    """The zstd frames (RFC 8878, 3.1.1), each of which must have a checksum and its content's size. A
+    skippable one must be the locator of the one before it."""
     found = []
     at = 0
     while at < len(shard):
         begin = at
         magic, flags = struct.unpack_from("<IB", shard, at)
+        if magic == 0x184D2A5E:
+            at += 24
+            assert shard[begin:at] == locator(found[-1]), "another locator at byte %d" % begin
+            continue
         assert magic == 0xFD2FB528 and flags & 4, "a frame without checksum at byte %d" % at
         single = flags >> 5 & 1
         size_bytes = (single, 2, 4, 8)[flags >> 6]
@@ -86,21 +90,19 @@ def xxh3_64(content):
     return int(run(["xxhsum", "-H3", "-"], content).split()[-1], 16)
 
 
+def locator(footer):
+    """What stands behind a footer's zstd frame."""
+    return struct.pack("<IIQQ", 0x184D2A5E, 16, len(footer), xxh3_64(footer))
+
+
+def joined(parts):
+    """Zstd frames as a section; the last one is the footer's."""
+    return b"".join(parts) + locator(parts[-1])
+
+
 def section_digest(header, chunk_digests):
-    """Of the header's message, followed by the digests of the chunks."""
-    return xxh3_128(header + b"".join(struct.pack("<QQ", *d) for d in chunk_digests))
-
-
-def uncoded(chunk):
-    """The points and generations of a coded chunk (schemas/CODING.md)."""
-    rows = {}
-    for name in ("point", "generation"):
-        data = chunk.get(name, [])
-        values = [int.from_bytes(data[r :: max(1, len(data) // 4)], "little") for r in range(len(data) // 4)]
-        if name == "generation":
-            values = [-(z + 1) // 2 if z & 1 else z // 2 for z in values]
-        rows[name] = [v % (1 << 32) for v in itertools.accumulate(values)]
-    return rows
+    """Of the digests of the header's message and of the chunks."""
+    return xxh3_128(b"".join(struct.pack("<QQ", *d) for d in [xxh3_128(header), *chunk_digests]))
 
 
 def requests(rows):
@@ -112,39 +114,38 @@ def requests(rows):
 
 
 def chunk_info(header, message, content, stored):
-    """What a footer says of a chunk: of its JSON, its message and its frame."""
+    """What a footer says of a chunk: of its JSON, its message and its zstd frame."""
     kind, rows = next(iter(message.items()))
-    if kind == "coded":
-        rows = uncoded(rows)
     point = rows["point"]
     generations = rows.get("generation", [])
     young = [int(p or 0) for p, g in zip(point, generations) if g == header["generation"]]
-    if rows.get("todo"):
-        asked = sum((todo or 0).bit_count() for todo in rows["todo"])
+    if kind == "requests":
+        asked = sum((directions or 0).bit_count() for directions in rows["directions"])
     else:
         asked = sum(neighbours(header.get("box"), p) for p in young)
     low, high = xxh3_128(content)
     return {
+        "size": len(stored),
         "rows": len(point),
         "frontier": generations.count(header["generation"]),
+        "conversions": asked,
         "firstPoint": int(point[0] or 0) if point else 0,
         "lastPoint": int(point[-1] or 0) if point else 0,
         "digestLow": str(low),
         "digestHigh": str(high),
         "stored": str(xxh3_64(stored)),
-        "conversions": asked,
     }
 
 
 def seal(messages, edit=None, edit_last=None, schema=SCHEMA):
-    """The bytes of a section with the footer that its messages need. Its sums (records, requests,
-    frontier, conversions) are taken as they are. `edit` changes the footer before its digest is
-    computed, `edit_last` after that."""
+    """The bytes of a section with the footer that its messages need. `edit` changes the footer before
+    its digest is computed, `edit_last` after that."""
     messages = copy.deepcopy(messages)
     body = encode(messages[:-1], schema)
     stored = [frame(m) for m in body]
     header = messages[0].get("header", {"generation": 0})
     footer = messages[-1]["footer"]
+    footer["headerSize"] = len(stored[0])
     footer["chunks"] = [
         chunk_info(header, *chunk) for chunk in zip(messages[1:-1], body[1:], stored[1:])
     ]
@@ -155,7 +156,7 @@ def seal(messages, edit=None, edit_last=None, schema=SCHEMA):
     footer.update(digestLow=str(low), digestHigh=str(high))
     if edit_last:
         edit_last(footer)
-    return b"".join(stored + [frame(m) for m in encode(messages[-1:])])
+    return joined(stored + [frame(m) for m in encode(messages[-1:])])
 
 
 def rearranged(data, order):
@@ -163,11 +164,10 @@ def rearranged(data, order):
     parts = frames(data)
     header, footer = decompress(parts[0]), decode(parts[-1])[0]["footer"]
     footer["chunks"] = [footer["chunks"][c] for c in order]
-    footer["records"] = str(sum(c["rows"] for c in footer["chunks"]))
     low, high = section_digest(header, [(int(c["digestLow"]), int(c["digestHigh"])) for c in footer["chunks"]])
     footer.update(digestLow=str(low), digestHigh=str(high))
     chunks = [parts[1 + c] for c in order]
-    return b"".join([parts[0], *chunks, frame(encode([{"footer": footer}])[0])])
+    return joined([parts[0], *chunks, frame(encode([{"footer": footer}])[0])])
 
 
 STEPS = [(a, b, c) for c in (-1, 0, 1) for b in (-1, 0, 1) for a in (-1, 0, 1) if (a, b, c) != (0, 0, 0)]

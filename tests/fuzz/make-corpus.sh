@@ -13,20 +13,17 @@ put() {
   cat >"$corpus/$1/made-$2"
 }
 
-# Shards: seeds, requests, a frontier, a grid on its way and finished, coded without loss and with,
-# with and without what is stored; two sections in one file.
+# Shards: seeds, requests, a grid on its way and finished, small, with and without what is stored; two
+# sections in one file.
 small=(--set grid.spacing=0.25 --set 'grid.counts=[6,3,2]' --set 'grid.origin=[-0.7,-0.2,-0.1]')
 seed "$ball" "${small[@]}" >seeds
 expand seeds >requests
-merge seeds requests --frontier 'frontier.{}' --parts 2 -o next
+merge seeds requests -o next
 expand --complete seeds >grid
-merge --final grid -o coded
-merge --final --precision 0.01 grid -o lossy
-cat frontier.1 frontier.2 >both
+merge --small grid -o small
+for k in 1 2; do expand --part "$k/2" next; done >both
 seed "$ball" "${small[@]}" --set model.parameters.stored=true | expand --complete >stored
-merge --final stored -o stored-coded
-merge --final --precision 0.001 stored -o stored-lossy
-for shard in seeds requests frontier.1 both grid coded lossy stored stored-coded stored-lossy; do
+for shard in seeds requests next both grid small stored; do
   put shard "$shard" <"$shard"
   [[ $shard == both ]] || zstd -qdc "$shard" | put shard_messages "$shard"
 done

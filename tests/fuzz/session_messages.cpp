@@ -1,6 +1,6 @@
 // Sessions as messages: header, ticks, footer. Where the frames are and their digests are put into
 // the footer, all else that it says is the input's.
-#include "libcore/base/frame.hpp"
+#include "libcore/base/zstd_frame.hpp"
 #include "tests/fuzz/messages.hpp"
 #include "tests/fuzz/read_session.hpp"
 
@@ -10,7 +10,7 @@ using namespace hapgrid::fuzz;
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::vector<Words> messages = split({data, size});
   if (messages.empty()) return 0;
-  static FrameEncoder encoder;
+  static ZstdFrameEncoder encoder;
   std::vector<std::byte> session;
   std::vector<ChunkEntry> chunks;
   std::vector<Digest> digests;

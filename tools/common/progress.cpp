@@ -23,9 +23,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Of the run at hand: where a process does several, they come one after the other.
-Clock::time_point run_start = Clock::now();
-double cpu_seconds_before = 0;
+const Clock::time_point process_start = Clock::now();
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -82,21 +80,16 @@ std::string short_number(double value) {
   return text;
 }
 
-void begin_run() {
-  run_start = Clock::now();
-  cpu_seconds_before = cpu_seconds();
-}
-
-void append_report(const std::string& file, const RunReport& report) {
+void append_cost(const std::string& file, const RunCost& cost) {
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);
-  const nlohmann::ordered_json line = {{"tool", report.tool},
-                                       {"generation", report.generation},
-                                       {"part", report.part},
-                                       {"parts", report.parts},
-                                       {"conversions", report.conversions},
-                                       {"wall_seconds", seconds_since(run_start)},
-                                       {"cpu_seconds", cpu_seconds() - cpu_seconds_before},
+  const nlohmann::ordered_json line = {{"tool", cost.tool},
+                                       {"generation", cost.generation},
+                                       {"part", cost.part},
+                                       {"parts", cost.parts},
+                                       {"conversions", cost.conversions},
+                                       {"wall_seconds", seconds_since(process_start)},
+                                       {"cpu_seconds", cpu_seconds()},
                                        {"host", host.data()}};
   const FileDescriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
   // Lines of processes that share the file stay whole, also when the disk takes half of one.

@@ -32,9 +32,9 @@ class ProgressLine {
 /// 1234567 as "1.23 M".
 std::string short_number(double value);
 
-/// The cost of one run, appended as one JSON line to the file of --report: what must not enter a
+/// The cost of one run, appended as one JSON line to the file of --cost: what must not enter a
 /// shard (design section 2).
-struct RunReport {
+struct RunCost {
   std::string tool;
   std::uint32_t generation = 0;
   std::uint64_t conversions = 0;
@@ -42,12 +42,9 @@ struct RunReport {
   std::uint64_t parts = 1;
 };
 
-/// Wall and CPU seconds are counted from here on, otherwise from the start of the process.
-void begin_run();
-
-/// Wall and CPU seconds are the process's own, and of model processes that ended.
+/// Adds the wall and CPU seconds of this process and of the model processes that have ended.
 /// @throw std::system_error
-void append_report(const std::string& file, const RunReport& report);
+void append_cost(const std::string& file, const RunCost& cost);
 
 /// Opens at least `files` files at once where the system allows it.
 void allow_open_files(std::size_t files);

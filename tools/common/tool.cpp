@@ -21,7 +21,6 @@ namespace hapgrid {
 
 namespace {
 
-constexpr const char* kMark = "{}";
 
 /// A standard stream that was closed (`tool <&-`) would be taken by the first file that is opened,
 /// and a message could end up in a shard. What is put in its place fails when it is used.
@@ -64,6 +63,10 @@ CLI::Option* add_inputs(CLI::App& app, std::vector<std::string>& names, const st
       ->type_name("SHARD");
 }
 
+void add_grid(CLI::App& app, std::string& name) {
+  app.add_option("grid", name, "Grid to read ('-' or none: standard input)")->type_name("GRID");
+}
+
 std::vector<std::string> inputs_or_stdin(std::vector<std::string> names) {
   if (names.empty()) names.push_back("-");
   if (std::count(names.begin(), names.end(), "-") > 1)
@@ -76,15 +79,6 @@ void add_output(CLI::App& app, std::string& name) {
                  "File to write; it appears when it is complete ('-': standard output)")
       ->type_name("FILE")
       ->capture_default_str();
-}
-
-void require_mark(const std::string& option, const std::string& pattern) {
-  if (pattern.find(kMark) == std::string::npos)
-    throw UsageError(option + ": '" + pattern + "' has no {} for the number");
-}
-
-std::string numbered(std::string pattern, std::uint64_t k) {
-  return pattern.replace(pattern.find(kMark), std::strlen(kMark), std::to_string(k));
 }
 
 std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
@@ -101,9 +95,9 @@ std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
   throw UsageError(option + ": '" + text + "' is not K/N with 1 <= K <= N < 2^32");
 }
 
-void add_report(CLI::App& app, std::string& report) {
+void add_cost(CLI::App& app, std::string& file) {
   app.add_option(
-         "--report", report,
+         "--cost", file,
          "Append one JSON line to FILE: wall and CPU seconds (those of model processes when they "
          "have ended), conversions, host")
       ->type_name("FILE");
@@ -165,14 +159,6 @@ int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& r
     return wrong_usage(tool, e);
   }
   return guarded(tool, [&] { return flushed(run()); });
-}
-
-int run_line(CLI::App& app, std::vector<std::string> words, const std::function<int()>& run) {
-  std::reverse(words.begin(), words.end());  // as CLI11 wants them
-  return guarded(app.get_name(), [&] {
-    app.parse(std::move(words));
-    return run();
-  });
 }
 
 }  // namespace hapgrid

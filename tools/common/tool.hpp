@@ -41,6 +41,9 @@ void add_model_path(CLI::App& app, std::vector<std::string>& directories);
 /// The positional SHARD...
 CLI::Option* add_inputs(CLI::App& app, std::vector<std::string>& names, const std::string& help);
 
+/// The positional GRID, by default "-".
+void add_grid(CLI::App& app, std::string& name);
+
 /// What add_inputs() collected, with "-" where nothing was named.
 /// @throw UsageError when standard input is named twice: it can be read only once.
 std::vector<std::string> inputs_or_stdin(std::vector<std::string> names);
@@ -48,18 +51,13 @@ std::vector<std::string> inputs_or_stdin(std::vector<std::string> names);
 /// The option -o, --output FILE, by default "-".
 void add_output(CLI::App& app, std::string& name);
 
-/// A name with {} in it, made that of number k. @param option for the message.
-/// @throw UsageError without a {}.
-void require_mark(const std::string& option, const std::string& pattern);
-std::string numbered(std::string pattern, std::uint64_t k);
-
 /// "K/N" with 1 <= K <= N < 2^32, which keeps the arithmetic of cutting inside 64 bits.
 /// @throw UsageError
 std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
                                                    const std::string& text);
 
-/// The options of work that can take long: --report FILE (see append_report()), --progress.
-void add_report(CLI::App& app, std::string& report);
+/// The options of work that can take long: --cost FILE (see append_cost()), --progress.
+void add_cost(CLI::App& app, std::string& file);
 void add_progress(CLI::App& app, bool& progress);
 
 /// Memory that is freed stays with the process: what one chunk, round or command line needed, the
@@ -69,8 +67,5 @@ void keep_memory();
 /// Parses the command line and calls `run`, whose result is the exit code; every exception becomes
 /// one line "NAME: message" on standard error and an exit code.
 int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run);
-
-/// The same for one command line of several that a process gets, in `words`.
-int run_line(CLI::App& app, std::vector<std::string> words, const std::function<int()>& run);
 
 }  // namespace hapgrid

@@ -82,7 +82,7 @@ std::string table_row(const std::string& model, const Statistics& s, const CostS
          "  " + right(average, 11) + "  " + right(megabytes(s.stored_bytes), 9) + "  " +
          right(cpu_hours, 9) +
          "\n"
-         "(average levels: records per point that has a level; data size: the shards as stored, in\n"
+         "(average levels: records per point that has a level; data size: the grid as stored, in\n"
          "10^6 bytes; CPU hours: the sum of --cost)\n";
 }
 

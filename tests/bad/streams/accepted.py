@@ -17,7 +17,7 @@ def accepted(name, command, good, right):
 
 
 def segments():
-    """Cap'n Proto messages of many segments; frames from another compressor level."""
+    """Cap'n Proto messages of many segments; zstd frames of another compressor level."""
     for kind, command in (("seeds", "expand GOOD"), ("requests", "merge seeds GOOD")):
         whole = READERS[kind][0]
         right = run([kind if w == "GOOD" else w for w in command.split()])[1]
@@ -29,9 +29,9 @@ def segments():
         messages = shard.decode(whole)
         infos = [shard.chunk_info(messages[0]["header"], messages[1], body[1], shard.frame(body[1], "-19"))]
         low, high = shard.section_digest(body[0], [(int(i["digestLow"]), int(i["digestHigh"])) for i in infos])
-        messages[-1]["footer"].update(chunks=infos, digestLow=str(low), digestHigh=str(high))
+        messages[-1]["footer"].update(headerSize=len(shard.frame(body[0])), chunks=infos, digestLow=str(low), digestHigh=str(high))
         footer = original([messages[-1]])[0]
-        accepted("segments", command, shard.frame(body[0]) + shard.frame(body[1], "-19") + shard.frame(footer), right)
+        accepted("segments", command, shard.joined([shard.frame(body[0]), shard.frame(body[1], "-19"), shard.frame(footer)]), right)
 
 
 def four_billion_points():
@@ -66,7 +66,7 @@ def copied_chunks():
     for cut in (begin - 1, begin, len(whole) - len(parts[-1]) // 2):
         refused("cut behind copied chunks", "merge BAD", whole[:cut], "truncated")
     swapped = [parts[0], parts[2], parts[1]] + parts[3:]
-    refused("swapped chunks", "merge BAD", b"".join(swapped), "a chunk does not fit the footer's hash")
+    refused("swapped chunks", "merge BAD", shard.joined(swapped), "a chunk does not fit the footer's hash")
     # The footer swaps them too. The first two may have the same point, and then a copy cannot tell: it
     # does not look at levels. What reads them does.
     last = len(parts) - 3

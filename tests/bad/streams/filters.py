@@ -97,19 +97,16 @@ def later_refused(*arguments):
     later(refused, *arguments)
 
 
-SEEDS, REQUESTS, FRONTIER, GRID, NEXT = map(read, ("seeds", "requests", "frontier", "grid", "next"))
-CODED, LOSSY = map(read, ("coded", "lossy"))
+SEEDS, REQUESTS, GRID, NEXT, SMALL = map(read, ("seeds", "requests", "grid", "next", "small"))
 TOY_SEEDS, TOY_REQUESTS = map(read, ("toy.seeds", "toy.requests"))
 
 # The commands that read each kind of shard; where they are slow, one of them each.
 READERS = {
     "seeds": (SEEDS, ["expand BAD", "expand --complete BAD", "merge BAD requests", "stats BAD", "verify BAD"]),
     "requests": (REQUESTS, ["merge seeds BAD"]),
-    "frontier": (FRONTIER, ["expand BAD"]),
     "next": (NEXT, ["merge BAD next.requests", "stats --dump BAD"]),
     "grid": (GRID, ["merge BAD", "expand BAD", "verify BAD", "stats BAD"]),
-    "coded": (CODED, ["merge BAD", "merge --final BAD", "expand BAD", "verify BAD --against grid"]),
-    "lossy": (LOSSY, ["stats --dump BAD", "verify BAD"]),
+    "small": (SMALL, ["merge --small BAD", "stats --dump BAD"]),
     "toy.seeds": (TOY_SEEDS, ["expand BAD", "merge toy.requests BAD"]),
     "toy.requests": (TOY_REQUESTS, ["merge toy.seeds BAD"]),
 }

@@ -1,4 +1,4 @@
-"""Messages that are no messages, and frames of zstd that claim too much."""
+"""Messages that are no messages, and zstd frames that claim too much."""
 
 import os
 import struct
@@ -6,7 +6,7 @@ import struct
 from filters import *
 
 
-def with_chunk(content, **options):
+def with_chunk(content):
     """SEEDS with another chunk, right digests."""
     messages = shard.decode(SEEDS)
     parts = shard.frames(SEEDS)
@@ -15,7 +15,7 @@ def with_chunk(content, **options):
     footer["chunks"] = [info]
     low, high = shard.section_digest(shard.decompress(parts[0]), [(int(info["digestLow"]), int(info["digestHigh"]))])
     footer.update(digestLow=str(low), digestHigh=str(high))
-    return parts[0] + shard.frame(content, *options.get("zstd", ())) + shard.frame(shard.encode([messages[-1]])[0])
+    return shard.joined([parts[0], shard.frame(content), shard.frame(shard.encode([messages[-1]])[0])])
 
 
 def not_messages():
@@ -37,30 +37,51 @@ def not_messages():
             refused("wild word at %d" % at, "expand BAD", with_chunk(good[:at] + wild + good[at + 8 :]), "BAD: ", may_pass=True)
 
 
+def with_parts(parts):
+    """Zstd frames as a section whose footer has their sizes and hashes, where it is one that can have."""
+    try:
+        footer = shard.decode(parts[-1])[0]["footer"]
+    except Exception:
+        return shard.joined(parts)
+    footer["headerSize"] = len(parts[0])
+    for chunk, part in zip(footer["chunks"], parts[1:]):
+        chunk.update(size=len(part), stored=str(shard.xxh3_64(part)))
+    return shard.joined([*parts[:-1], shard.frame(shard.encode([{"footer": footer}])[0])])
+
+
 def hostile_frames():
     parts = shard.frames(SEEDS)
-    # A frame that says it holds 2^62 bytes, 8 TB, 64 MiB and a word; and one that does not say.
+    # A zstd frame that says it holds 2^62 bytes, 8 TB, 64 MiB and a word; and one that does not say.
     for size in (1 << 62, 1 << 43, (64 << 20) + 8):
         claim = b"\x28\xb5\x2f\xfd\xe4" + struct.pack("<Q", size) + b"\x01\x00\x00" + b"\0\0\0\0"
         for at in range(3):
             bad = parts[:at] + [claim] + parts[at + 1 :]
-            refused("a frame of %d bytes" % size, "expand BAD", b"".join(bad), "a message of %d bytes, the limit is|does not end|damaged" % size)
+            refused("a zstd frame of %d bytes" % size, "expand BAD", with_parts(bad), "a message of %d bytes, the limit is" % size)
     silent = shard.run(["zstd", "-qc", "--check"], shard.decompress(parts[0]))
-    refused("a frame without its size", "expand BAD", silent + parts[1] + parts[2], "a frame without its content's size")
-    # Bombs: what 64 MiB of zeros become, in each place. Only a footer may be so large.
+    refused("a zstd frame without its size", "expand BAD", with_parts([silent, parts[1], parts[2]]), "a zstd frame without its content's size")
+    # Bombs: what 64 MiB of zeros become, in each place. A header or a footer may be so large.
     bomb = shard.frame(bytes(64 << 20))
     for at in range(3):
-        bad = parts[:at] + [bomb] + parts[at + 1 :]
-        refused("a bomb at %d" % at, "expand BAD", b"".join(bad), "the limit is|damaged|bytes behind|does not end")
-        refused("a bomb at %d" % at, "merge BAD requests", b"".join(bad), "the limit is|damaged|bytes behind|does not end")
-    refused("a hundred bombs", "expand BAD", bomb * 100 + SEEDS, "bytes behind|damaged|does not end")
+        bad = with_parts(parts[:at] + [bomb] + parts[at + 1 :])
+        refused("a bomb at %d" % at, "expand BAD", bad, "the limit is|bytes behind the message")
+        refused("a bomb at %d" % at, "merge BAD requests", bad, "the limit is|bytes behind the message")
+    refused("a hundred bombs", "expand BAD", bomb * 100 + SEEDS, "truncated: a shard ends with an index")
     # Long, with nothing in it.
     empty = shard.frame(b"")
-    refused("empty frames", "expand BAD", empty * 200000, "no Cap'n Proto message")
+    refused("empty zstd frames", "expand BAD", empty * 200000, "truncated: a shard ends with an index")
+    refused("an empty footer", "expand BAD", shard.joined([*parts[:-1], empty]), "no Cap'n Proto message")
     noise = os.urandom(1 << 20)
     refused("noise", "expand BAD", noise, "not a shard: no zstd frame")
-    refused("noise in a frame", "expand BAD", shard.frame(noise), "damaged|does not end|bytes behind")
-    refused("a frame that never ends", "expand BAD", b"\x28\xb5\x2f\xfd\x04\x58" + b"\0\x80\0" * 1, "a frame is cut|truncated")
+    refused("noise in a zstd frame", "expand BAD", shard.joined([shard.frame(noise)]), "damaged|bytes behind")
+    endless = b"\x28\xb5\x2f\xfd\x04\x58" + b"\0\x80\0" * 1
+    refused("a zstd frame that never ends", "expand BAD", shard.joined([endless]), "a zstd frame is cut")
+    # Locators that lead elsewhere.
+    for size in (0, 1, len(SEEDS) - 24, len(SEEDS), 1 << 62):
+        locator = struct.pack("<IIQQ", 0x184D2A5E, 16, size, shard.xxh3_64(parts[-1]))
+        refused("a footer of %d bytes" % size, "expand BAD", SEEDS[:-24] + locator, "damaged")
+    wrong = bytearray(SEEDS)
+    wrong[-1] ^= 1
+    refused("a footer's hash", "expand BAD", bytes(wrong), "the footer does not fit its hash")
 
 
 later(not_messages)

@@ -4,8 +4,8 @@ source "$(dirname "$0")/../lib.sh"
 
 expect 0 '~hapgrid expand [0-9]+\.[0-9]+\.[0-9]+' '' -- expand --version
 expand --help >help
-for text in "standard input" "FILE=-" "-j,--threads N:INT in [1 - 1024]=1" "--part K/N|auto=1/1" --conversions --complete \
-  "--report FILE" "seconds" --progress "--model-path DIR" "HAPGRID_MODEL_PATH" "Exit codes:" \
+for text in "standard input" "FILE=-" "-j,--threads N:INT in [1 - 1024]=1" "--part K/N|auto=1/1" --complete \
+  "--cost FILE" "seconds" --progress "--model-path DIR" "HAPGRID_MODEL_PATH" "Exit codes:" \
   "  0  done" "  1  could not" "  2  the command line is wrong"; do
   grep -qF -- "$text" help || fail "--help does not say: $text"
 done
@@ -17,14 +17,9 @@ for part in 0/3 4/3 1 1/0 0/0 -1/3 1/-3 1/3x ' 1/3' 1//3 /3 1/ x '' 1/4294967296
   18446744073709551617/18446744073709551618; do
   usage -- expand seeds -o out --part "$part"
 done
-for range in 5 5: :5 7:5 -1:5 1:-5 1:5x ' 1:5' 1/5 0:18446744073709551616; do
-  usage -- expand seeds -o out --conversions "$range"
-done
-usage -- expand seeds -o out --conversions 0:5 --part 1/2
-usage -- expand seeds -o out --conversions 0:5 --complete
 for threads in 0 -1 1025 x 1.5 ''; do usage -- expand seeds -o out -j "$threads"; done
 usage -- expand seeds -o out --complete --part 1/2
-usage -- expand - seeds - -o out
+usage -- expand seeds seeds -o out
 nothing_left . help seeds
 
 # Progress only when asked for, or on a terminal: never in a log.

@@ -33,9 +33,6 @@ for tool in "${tools[@]}"; do
   refuses '.*' -- $tool -o d/out
   nothing_left d
 done
-# Nor does merge leave frontier shards.
-refuses '.*' -- merge seeds -o d/out --frontier 'd/f.{}' --parts 3
-nothing_left d
 
 # A new file replaces the old one; a symbolic link stays, and what it names is replaced.
 echo old >d/real
@@ -61,8 +58,6 @@ rm d/out
 refuses 'seed: missing/out: No such file or directory' -- seed toy.toml -o missing/out
 refuses 'seed: d: Is a directory' -- seed toy.toml -o d
 refuses 'seed: toy.toml/out: Not a directory' -- seed toy.toml -o toy.toml/out
-refuses 'merge: missing/f.1: No such file or directory' -- merge seeds requests -o out --frontier 'missing/f.{}'
-[[ ! -e out ]] || fail "the grid is there, and its frontier is not"
 if [[ $(id -u) != 0 ]]; then
   chmod a-w d
   refuses 'seed: d/out: Permission denied' -- seed toy.toml -o d/out

@@ -7,7 +7,7 @@ seed "$ball" --set 'grid.counts=[82,7,6]' --set 'grid.origin=[-2.025,-0.15,-0.12
 expand --complete seeds -o whole
 generations=$(header whole generation)
 ((generations >= 40)) || fail "only $generations generations"
-records=$(decode whole | tail -n 1 | sed 's/.*"records":"\([0-9]*\)".*/\1/')
+records=$(stats --get records whole)
 ((records > 82 * 7 * 6)) || fail "no point has two levels: the order of requests was not tried"
 
 same_grid() { cmp "$1" whole || fail "$2"; }
@@ -20,39 +20,30 @@ done
 rounds seeds piped
 same_grid piped "rounds through a pipe"
 
-# Rounds through files. How: `part` cuts the grid with --part, `frontier` takes the shards that merge
-# writes; the requests go to merge in the order that `order` makes of their names.
+# Rounds through files; the requests go to merge in the order that `order` makes of their names.
 in_rounds() {
-  local how=$1 parts=$2 order=$3 g=0
-  rm -f g.* f.* r.*
+  local parts=$1 order=$2 g=0
+  rm -f g.* r.*
   cp seeds g.0
   while :; do
-    if [[ $how == part || $g == 0 ]]; then
-      seq "$parts" | xargs -P 4 -I{} expand g.$g --part "{}/$parts" -j 2 -o r.{}
-    else
-      seq "$parts" | xargs -P 4 -I{} expand f.$g.{} -o r.{}
-    fi
+    seq "$parts" | xargs -P 4 -I{} expand g.$g --part "{}/$parts" -j 2 -o r.{}
     local next=$((g + 1)) requests
     mapfile -t requests < <(ls r.* | $order)
-    merge "${requests[@]:0:1}" g.$g "${requests[@]:1}" -o g.$next \
-      --frontier "f.$next.{}" --parts "$parts"
-    rm f.$g.* r.* 2>/dev/null || true
+    merge "${requests[@]:0:1}" g.$g "${requests[@]:1}" -o g.$next
+    rm r.*
     cmp -s g.$g g.$next && break
     rm g.$g
     g=$next
   done
   same_grid g.$g "rounds: $*"
   same "generations" "$generations" "$g"
-  rm -f g.* f.*
+  rm -f g.*
 }
 shuffled() { shuf --random-source=<(yes); }
-in_rounds part 3 "sort -r"
-in_rounds frontier 7 shuffled
+in_rounds 3 "sort -r"
 if ! sanitized; then
-  in_rounds part 1 cat
-  in_rounds part 7 shuffled
-  in_rounds frontier 1 cat
-  in_rounds frontier 3 "sort -r"
+  in_rounds 1 cat
+  in_rounds 7 shuffled
 fi
 
 # Halfway, where records of many generations and of both levels are there.
@@ -78,11 +69,5 @@ cat r.2 r.5 half r.1 r.4 r.3 | merge - | same_step "concatenated in another orde
 merge half r.* r.* | same_step "requests given twice"
 expand half -o r.all
 merge half r.2 r.all r.4 | same_step "requests given in part twice"
-
-# Frontier shards: several of them in one expand, some of them twice, parts of their parts.
-merge half r.* --frontier 'f.{}' --parts 5 | same_step "with --frontier"
-expand expected | merge expected - -o after
-expand f.3 f.1 f.5 f.2 f.4 | merge expected - | cmp - after
-cat f.* | expand | merge expected - | cmp - after
-expand f.2 f.1 f.5 f.2 f.4 f.3 | merge expected - | cmp - after
-for k in 1 2 3; do expand f.* --part $k/3; done | merge expected - | cmp - after
+expand half --part 2/3 -o other
+merge half r.* other | same_step "requests of other parts, too"

@@ -70,9 +70,9 @@ header("force that is said not to be stored", refused="column force does not fit
        stored={"force": False, "energy": True, "shape": True})
 header("force that is said to be stored", refused="column force does not fit the chunk", stored={"force": True})
 header("another generation of the header", refused="a record of generation 11", generation=9)
-header("content of another kind", refused="holds requests where a shard of grid is needed", content="requests")
+header("content of another kind", refused="holds requests where a grid is needed", content="requests")
 header("another format", refused="not a hapgrid shard", magic="1")
-header("a version to come", refused="format version 3...", version=3)
+header("a version to come", refused="format version 2...", version=2)
 
 
 @message_fault("a sphere of another size", refused="keeps other forces or shapes...", grid="stored")

@@ -60,11 +60,6 @@ class Grid:
             columns[name] = [v if v == v and abs(v) != float("inf") else
                              {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}[str(v)]
                              for column in zip(*(row[name] for row in self.rows)) for v in column]
-        young = [row for row in self.rows if row["generation"] == self.header["generation"]]
-        self.footer.update(
-            records=str(len(self.rows)), frontier=str(len(young)),
-            conversions=str(sum(shard.neighbour(self.box, row["point"], q) is not None
-                                for row in young for q in range(26))))
         return [{"header": self.header}, {"records": columns}, {"footer": self.footer}]
 
     def seal(self, **options):

@@ -1,56 +1,41 @@
-// A frontier as FrontierReader reads it, from grids and from shards of its own.
+// A frontier as FrontierReader reads it, dealt out to parts.
 #include "libcore/search/frontier.hpp"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <map>
 #include <tuple>
 #include <vector>
 
-#include "libcore/base/error.hpp"
 #include "tests/unit/shard/rows.hpp"
 #include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 
-TEST_CASE("a frontier is cut into parts that cover each conversion exactly once") {
+TEST_CASE("parts cover each conversion of a frontier exactly once") {
   Random random(2006);
   for (int i = 0; i < 200; ++i) {
     CAPTURE(i);
     const TemporaryDirectory dir;
-    const Content content = i % 2 ? Content::kGrid : Content::kFrontier;
     const SectionHeader header{
-        content, 3, make_spec(2, {draw(random, 1, 7), draw(random, 1, 7), draw(random, 1, 7)})};
+        Content::kGrid, 3,
+        make_spec(2, {draw(random, 1, 7), draw(random, 1, 7), draw(random, 1, 7)})};
     const Neighbourhood neighbourhood(header.spec.box);
     const std::vector<Row> rows = random_rows(random, header, draw(random, 0, 80));
-    // Frontier shards may share a record, each with its own directions.
-    std::vector<Row> halves[2];
     std::map<std::tuple<PointIndex, Level, int>, int> asked;
     std::map<RowKey, std::vector<double>> states;
     for (const Row& row : rows) {
-      if (row.generation != 3) {
-        halves[0].push_back(row);
-        continue;
-      }
-      const DirectionMask todo =
-          content == Content::kGrid ? neighbourhood.inside(row.point) : row.todo;
+      if (row.generation != 3) continue;
+      const DirectionMask inside = neighbourhood.inside(row.point);
       for (int q = 0; q < kDirections; ++q)
-        if (todo >> q & 1) asked[{row.point, row.level, q}] = 0;
+        if (inside >> q & 1) asked[{row.point, row.level, q}] = 0;
       states[record_key(row.point, row.level)] = row.state;
-      Row half[2] = {row, row};
-      if (content == Content::kFrontier) {
-        half[0].todo &= static_cast<DirectionMask>(random());
-        half[1].todo &= ~half[0].todo;
-        halves[1].push_back(half[1]);
-      }
-      halves[0].push_back(half[0]);
     }
-    write(dir.file("a"), header, halves[0]);
-    write(dir.file("b"), header, halves[1]);
-    const auto sections = open_sections({dir.file("b"), dir.file("a")});
-    const std::uint64_t parts = draw(random, 1, 12);
+    write(dir.file("grid"), header, rows);
+    const Section grid = open_grid(dir.file("grid"));
+    // Now and then more parts than conversions.
+    const std::uint64_t parts = draw(random, 1, i % 10 ? 12 : 2000);
     for (std::uint64_t k = 1; k <= parts; ++k) {
-      FrontierReader reader(sections, Part{k, parts});
+      FrontierReader reader(grid, Part{k, parts});
       std::uint64_t found = 0;
       FrontierReader::Record record;
       RowKey last = 0;
@@ -67,19 +52,33 @@ TEST_CASE("a frontier is cut into parts that cover each conversion exactly once"
         }
       }
       REQUIRE(found == reader.conversions());
-      REQUIRE(std::abs(double(found) - double(asked.size()) / double(parts)) < 1);
     }
     for (const auto& [conversion, times] : asked) REQUIRE(times == 1);
   }
 }
 
-TEST_CASE("a frontier's record with two states is refused") {
-  const TemporaryDirectory dir;
-  const SectionHeader header{Content::kFrontier, 3, make_spec(1, {3, 3, 3})};
-  write(dir.file("a"), header, {{4, 0, 3, {0.5}, {}, 1u << 25}});
-  write(dir.file("b"), header, {{4, 0, 3, {0.25}, {}, 1u << 25}});
-  const auto sections = open_sections({dir.file("a"), dir.file("b")});
-  FrontierReader reader(sections);
-  FrontierReader::Record record;
-  REQUIRE_THROWS_AS(reader.next(record), FormatError);
+TEST_CASE("blocks of a frontier are dealt out in turns, and parts differ by one of them at most") {
+  Random random(2007);
+  for (int i = 0; i < 300; ++i) {
+    const std::uint64_t total = random() % (i % 2 ? 100000 : 100);
+    const std::uint64_t parts = draw(random, 1, i % 3 ? 9 : 300);
+    CAPTURE(total, parts);
+    std::uint64_t sum = 0, least = ~std::uint64_t{0}, most = 0;
+    for (std::uint64_t k = 1; k <= parts; ++k) {
+      const Deal deal(total, {k, parts});
+      std::uint64_t own = 0;
+      for (std::uint64_t c = 0; c < total; ++c) own += deal.own(1, c);
+      REQUIRE(own == deal.conversions());
+      REQUIRE(deal.has_any(0, total) == (own > 0));
+      sum += own;
+      least = std::min(least, own);
+      most = std::max(most, own);
+    }
+    REQUIRE(sum == total);
+    // 64 turns of a block each, and what is left of a turn.
+    REQUIRE(most - least <= std::max<std::uint64_t>(total / parts / 64, 1));
+  }
+  // Numbers near the limits of a grid and of N.
+  const Deal last(std::uint64_t{1} << 45, {0xffffffff, 0xffffffff});
+  REQUIRE(last.conversions() <= (std::uint64_t{1} << 14));
 }

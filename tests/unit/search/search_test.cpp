@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "libcore/base/error.hpp"
+#include "libcore/search/requests.hpp"
 #include "tests/unit/search/shards.hpp"
 #include "tests/unit/temporary.hpp"
 
@@ -16,98 +17,70 @@ TEST_CASE("rounds of expand and merge are Algorithm 1, generation by generation"
   for (int i = 0; i < 120; ++i) {
     CAPTURE(i);
     const TemporaryDirectory dir;
-    const Case c(random);
+    Case c(random);
+    if (i % 20 == 0) c.resize({16, 16, 20});  // several chunks
     reference::Search search = c.search();
-    std::vector<std::string> grid{dir.file("grid")};  // in one shard, or in layers and a tip
-    write_seed_shard(c, grid.front());
+    std::string grid = dir.file("grid");
+    write_seed_shard(c, grid);
     require_same(grid, search);
-    std::vector<std::string> frontier;  // of generation 0 there are no frontier shards
     int round = 0;
     for (bool more = true; more; ++round) {
-      // The generation in parts, from the grid or from frontier shards; merged in any order, and
-      // some of the requests twice.
+      // The generation in parts, merged in any order, and some of the requests twice.
       const int parts = draw(random, 1, 4);
-      const bool from_frontier = !frontier.empty() && draw(random, 0, 1);
-      std::vector<std::string> inputs = grid;
+      std::vector<std::string> inputs{grid};
       for (int k = 1; k <= parts; ++k) {
         inputs.push_back(dir.file("requests" + std::to_string(k)));
-        expand_shards(from_frontier ? frontier : grid,
-                      {static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(parts)},
-                      inputs.back());
+        expand_shard(grid, {static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(parts)},
+                     inputs.back());
       }
       if (draw(random, 0, 2) == 0) inputs.push_back(inputs.back());
-      std::shuffle(inputs.begin(), inputs.end(), random);
-      const std::string next = dir.file("grid" + std::to_string(round));
-      frontier = {dir.file("frontier")};
-      const bool apart = grid.size() > 1 || round == 0;
-      switch (draw(random, 1, apart ? 6 : 2)) {
-        case 1:
-          merge_shards(inputs, next, frontier.front());
-          grid = {next};
-          break;
-        case 2:
-          merge_shards(inputs, next, frontier.front(), next + ".tip");
-          grid = {next, next + ".tip"};
-          break;
-        default:
-          merge_shards(inputs, next, frontier.front(), next + ".tip", /*layer=*/true);
-          // What had a frontier is in the layer now.
-          std::erase_if(grid, [](const std::string& name) {
-            return open_sections({name}).front().footer.frontier > 0;
-          });
-          grid.push_back(next);
-          grid.push_back(next + ".tip");
+      if (draw(random, 0, 2) == 0) {
+        inputs.push_back(dir.file("other-parts"));
+        expand_shard(grid, {2, 3}, inputs.back());
       }
+      std::shuffle(inputs.begin(), inputs.end(), random);
+      grid = dir.file("grid" + std::to_string(round));
+      merge_shards(inputs, grid);
       more = search.round();
       require_same(grid, search);
     }
     for (const auto& [key, record] : search.x())
       most_levels = std::max(most_levels, std::size_t(key.second) + 1);
+    // The chunks that were copied from round to round are those of a search in memory.
+    complete_shard(dir.file("grid"), dir.file("complete"), 2);
+    REQUIRE(load_grid(grid).digest == load_grid(dir.file("complete")).digest);
   }
   // Else the order of requests was not put to the test.
   REQUIRE(most_levels >= 4);
 }
 
-// A merge reads old layers only in the blocks of points where second levels need them: here there
-// are several, and the reference looks at every level of every target.
-TEST_CASE("layers of a grid of several blocks are Algorithm 1") {
-  Random random(20037);
-  const std::array<int, 3> sizes[] = {{16, 16, 20}, {40, 12, 10}, {7, 11, 60}};
-  for (int i = 0; i < 6; ++i) {
+TEST_CASE("a finished grid that is stored small holds the same, and merges into itself") {
+  Random random(20038);
+  for (int i = 0; i < 10; ++i) {
     CAPTURE(i);
-    const std::array<int, 3>& counts = sizes[i % 3];
     const TemporaryDirectory dir;
     Case c(random);
-    while (c.toy.state_size != 1 || c.toy.amplitude > 0.3 || c.seeds.size() < 2) c = Case(random);
-    // Second levels that end at once are in recent layers where no other second level is.
-    if (i >= 3)
-      c.set_model({.salt = c.toy.salt, .amplitude = 0.1, .tolerance = 0.15, .memory = 0.25});
-    c.resize(counts);
+    if (i % 2) c.resize({16, 16, 20});
     reference::Search search = c.search();
-    std::vector<std::string> layers;
-    std::string tip = dir.file("tip0");
-    write_seed_shard(c, tip);
-    for (int round = 1; layers.empty() || open_sections({tip}).front().footer.frontier > 0;
-         ++round) {
-      expand_shards({tip}, {}, dir.file("requests"));
-      std::vector<std::string> inputs = layers;
-      inputs.push_back(tip);
-      inputs.push_back(dir.file("requests"));
-      layers.push_back(dir.file("layer" + std::to_string(round)));
-      tip = dir.file("tip" + std::to_string(round));
-      merge_shards(inputs, layers.back(), "", tip, /*layer=*/true);
-      search.round();
+    write_seed_shard(c, dir.file("seeds"));
+    complete_shard(dir.file("seeds"), dir.file("grid"), 1);
+    while (search.round()) {
     }
-    std::vector<std::string> all = layers;
-    all.push_back(tip);
-    require_same(all, search);
-    // Else no old layer was needed.
-    REQUIRE(std::any_of(search.x().begin(), search.x().end(),
-                        [](const auto& record) { return record.first.second > 0; }));
-    // As one shard, which is the one that a search in memory writes.
-    merge_shards(all, dir.file("joined"));
-    complete_shard(dir.file("tip0"), dir.file("complete"), 2);
-    REQUIRE(load_grid({dir.file("joined")}).digest == load_grid({dir.file("complete")}).digest);
+    const Section grid = open_grid(dir.file("grid"));
+    const FileDescriptor file = open_plain(dir.file("small"));
+    SectionWriter small(file.get(), "small", grid.header, Packing::kSmall);
+    copy_finished(grid, small);
+    require_same(dir.file("small"), search);
+    REQUIRE(open_grid(dir.file("small")).footer.chunks.size() == 1);
+    merge_shards({dir.file("small")}, dir.file("merged"));
+    REQUIRE(load_grid(dir.file("merged")).digest == load_grid(dir.file("small")).digest);
+    // Seeds are a frontier.
+    const Section seeds = open_grid(dir.file("seeds"));
+    const FileDescriptor other = open_plain(dir.file("refused"));
+    SectionWriter refused(other.get(), "refused", seeds.header, Packing::kSmall);
+    REQUIRE_THROWS_WITH(copy_finished(seeds, refused),
+                        Catch::Matchers::EndsWith(" records are still in the frontier; only a "
+                                                  "finished grid can be made small"));
   }
 }
 
@@ -122,7 +95,7 @@ TEST_CASE("complete() is Algorithm 1, with any number of threads") {
     // From the seeds, or from a generation on the way.
     if (draw(random, 0, 1)) {
       for (int g = draw(random, 1, 3); g > 0 && search.round(); --g) {
-        expand_shards({dir.file("seeds")}, {}, dir.file("requests"));
+        expand_shard(dir.file("seeds"), {}, dir.file("requests"));
         merge_shards({dir.file("seeds"), dir.file("requests")}, dir.file("next"));
         move_file(dir.file("next"), dir.file("seeds"));
       }
@@ -130,7 +103,7 @@ TEST_CASE("complete() is Algorithm 1, with any number of threads") {
     complete_shard(dir.file("seeds"), dir.file("grid"), static_cast<unsigned>(draw(random, 1, 4)));
     while (search.round()) {
     }
-    require_same({dir.file("grid")}, search);
+    require_same(dir.file("grid"), search);
   }
 }
 
@@ -146,7 +119,7 @@ TEST_CASE("expand's requests are the queue, and its parts cut it without overlap
     const std::string grid = dir.file("grid");
     write_seed_shard(c, grid);
     for (int g = draw(random, 0, large ? 12 : 4); g > 0 && search.round(); --g) {
-      expand_shards({grid}, {}, dir.file("requests"));
+      expand_shard(grid, {}, dir.file("requests"));
       merge_shards({grid, dir.file("requests")}, dir.file("next"));
       move_file(dir.file("next"), grid);
     }
@@ -159,29 +132,20 @@ TEST_CASE("expand's requests are the queue, and its parts cut it without overlap
     const auto parts = static_cast<std::uint64_t>(draw(random, 1, 9));
     std::vector<Row> found;
     for (std::uint64_t k = 1; k <= parts; ++k) {
-      expand_shards({grid}, {k, parts}, dir.file("part"));
+      expand_shard(grid, {k, parts}, dir.file("part"));
       const auto sections = open_sections({dir.file("part")});
-      const std::uint32_t n = sections.front().header.spec.state_size;
       const Neighbourhood neighbourhood(sections.front().header.spec.box);
-      MergedRows<RequestRows> rows(sections);
-      const std::size_t before = found.size();
-      for (auto run = rows.next(); run.rows; run = rows.next())
-        for (std::size_t r = run.begin; r < run.end; ++r) {
-          const PointIndex point = run.rows->point[r];
-          const double* s = run.rows->row(run.rows->first[r]);
-          for (int q = 0; q < kDirections; ++q) {
-            if (!(run.rows->directions[r] >> q & 1)) continue;
-            found.emplace_back(point, run.rows->level[r], q,
-                               static_cast<std::uint64_t>(point + neighbourhood.offset(q)),
-                               std::vector<double>(s, s + n));
-            s += n;
-          }
-        }
-      // Equal parts.
-      const double share = double(expected.size()) / double(parts);
-      REQUIRE(std::abs(double(found.size() - before) - share) < 1);
+      RequestReader requests(sections);
+      SourceRequests source;
+      while (requests.next(source))
+        for (int q = 0; q < kDirections; ++q)
+          if (source.directions >> q & 1)
+            found.emplace_back(source.point, source.level, q,
+                               static_cast<std::uint64_t>(source.point + neighbourhood.offset(q)),
+                               std::vector<double>(source.row(q), source.row(q) + source.width));
     }
-    // The parts one after the other are the queue in its order.
+    std::sort(found.begin(), found.end());
+    // Together the parts are the queue.
     REQUIRE(found == expected);
   }
 }
@@ -208,9 +172,9 @@ TEST_CASE("merge counts the requests that are missing, and refuses those nobody 
   const std::string grid = dir.file("grid");
   write_seed_shard(c, grid);
   for (std::uint64_t k = 1; k <= 3; ++k)
-    expand_shards({grid}, {k, 3}, dir.file("r" + std::to_string(k)));
+    expand_shard(grid, {k, 3}, dir.file("r" + std::to_string(k)));
   const auto count = [&](const std::string& name) {
-    return open_sections({dir.file(name)}).front().footer.requests;
+    return open_sections({dir.file(name)}).front().conversions();
   };
   const std::uint64_t missing = count("r2");
   const std::uint64_t all = missing + count("r1") + count("r3");
@@ -226,15 +190,15 @@ TEST_CASE("merge counts the requests that are missing, and refuses those nobody 
   const auto sections = open_sections({dir.file("r1")});
   const std::uint32_t n = sections.front().header.spec.state_size;
   write_shard(dir.file("wrong"), sections.front().header, [&](SectionWriter& out) {
-    MergedRows<RequestRows> rows(sections);
-    const auto run = rows.next();
-    const DirectionMask directions = run.rows->directions[0];
-    const DirectionMask one = directions & (0 - directions);
+    RequestReader requests(sections);
+    SourceRequests first;
+    REQUIRE(requests.next(first));
+    const DirectionMask one = first.directions & (0 - first.directions);
     std::vector<double> reached(std::size_t{kDirections} * n);
     const auto q = static_cast<std::size_t>(std::countr_zero(one));
-    std::copy_n(run.rows->row(0), n, &reached[q * n]);
+    std::copy_n(first.rows, n, &reached[q * n]);
     reached[q * n] += 1e-9;
-    out.requests(run.rows->point[0], run.rows->level[0], one, reached.data());
+    out.requests(first.point, first.level, one, reached.data());
     out.finish();
   });
   const std::vector<std::string> right{grid, dir.file("r1"), dir.file("r2"), dir.file("r3")};
@@ -288,7 +252,7 @@ TEST_CASE("threads share the directions of a record") {
   const TemporaryDirectory dir;
   write_seed_shard(c, dir.file("seeds"));
   const auto start = std::chrono::steady_clock::now();
-  expand_shards({dir.file("seeds")}, {}, dir.file("requests"), 13);
+  expand_shard(dir.file("seeds"), {}, dir.file("requests"), 13);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
   // Two pauses a thread; one thread would make 26 of them.
   CHECK(time.count() > 2 * 0.05);

@@ -131,30 +131,29 @@ inline void write_shard(const std::string& name, const SectionHeader& header,
 
 inline void write_seed_shard(const Case& c, const std::string& name) {
   const auto model = toy_plugin().create(c.definition.parameters);
-  const GridSpec spec = describe_grid(c.definition, *model);
+  const GridSpec spec = spec_of(c.definition, *model);
   write_shard(name, {Content::kGrid, 0, spec},
               [&](SectionWriter& out) { write_seeds(c.definition, spec, *model, out); });
 }
 
 inline void complete_shard(const std::string& from, const std::string& to, unsigned threads) {
-  const auto sections = open_sections({from});
+  const Section grid = open_grid(from);
   Progress progress;
-  Converter converter(toy_plugin(), sections.front().header.spec, threads, progress);
+  Converter converter(toy_plugin(), grid.header.spec, threads, progress);
   const FileDescriptor file = open_plain(to);
-  complete(sections, converter, progress,
+  complete(grid, converter, progress,
            [&](const SectionHeader& header) { return SectionWriter(file.get(), to, header); });
 }
 
-inline void expand_shards(const std::vector<std::string>& from, Part part, const std::string& to,
-                          unsigned threads = 1) {
-  const auto sections = open_sections(from);
+inline void expand_shard(const std::string& from, Part part, const std::string& to,
+                         unsigned threads = 1) {
+  const Section grid = open_grid(from);
   Progress progress;
-  SectionHeader header = sections.front().header;
+  SectionHeader header = grid.header;
   Converter converter(toy_plugin(), header.spec, threads, progress);
-  FrontierReader frontier(sections, part);
+  FrontierReader frontier(grid, part);
   const std::uint64_t expected = frontier.conversions();
   header.content = Content::kRequests;
-  header.generation = generation_of(sections);
   write_shard(to, header, [&](SectionWriter& out) {
     expand(frontier, converter, header.spec,
            [&out](PointIndex point, Level level, DirectionMask directions, const double* rows) {
@@ -162,35 +161,20 @@ inline void expand_shards(const std::vector<std::string>& from, Part part, const
            });
     out.finish();
   });
-  REQUIRE(open_sections({to}).front().footer.requests == expected);
+  REQUIRE(open_sections({to}).front().conversions() == expected);
 }
 
-inline void merge_shards(const std::vector<std::string>& from, const std::string& to,
-                         const std::string& frontier_name = "", const std::string& tip_name = "",
-                         bool layer = false) {
-  const MergeInput input(open_sections(from));
-  const auto model = toy_plugin().create(input.spec().parameters);
+inline void merge_shards(const std::vector<std::string>& from, const std::string& to) {
+  const MergeInput input = merge_input(open_sections(from));
+  const auto model = toy_plugin().create(input.grid.header.spec.parameters);
   Progress progress;
-  SectionHeader frontier_header = input.merged_header();
-  frontier_header.content = Content::kFrontier;
-  std::vector<FileDescriptor> files;
-  const auto writer = [&](const std::string& name, const SectionHeader& header, Cut cut) {
-    files.push_back(open_plain(name));
-    return SectionWriter(files.back().get(), name, header, cut);
-  };
-  SectionWriter out = writer(to, input.merged_header(), layer ? Cut::kByRows : Cut::kByPoints);
-  std::optional<SectionWriter> tip;
-  if (!tip_name.empty()) tip.emplace(writer(tip_name, input.merged_header(), Cut::kByRows));
-  std::optional<SectionWriter> frontier;
-  if (!frontier_name.empty())
-    frontier.emplace(writer(frontier_name, frontier_header, Cut::kByRows));
-  merge(input, {}, *model, {out, tip ? &*tip : nullptr, layer, frontier ? &*frontier : nullptr},
-        progress);
+  write_shard(to, input.merged_header(),
+              [&](SectionWriter& out) { merge(input, *model, out, progress); });
 }
 
 /// Compares a grid with X, record by record.
-inline void require_same(const std::vector<std::string>& shards, const reference::Search& search) {
-  const Grid grid = load_grid(shards).grid;
+inline void require_same(const std::string& shard, const reference::Search& search) {
+  const Grid grid = load_grid(shard).grid;
   REQUIRE(grid.generation() == search.generation());
   REQUIRE(grid.records() == search.x().size());
   RecordIndex r = 0;

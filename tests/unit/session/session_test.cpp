@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
-#include "libcore/base/frame.hpp"
+#include "libcore/base/zstd_frame.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/session/writer.hpp"
 #include "tests/unit/session/ticks.hpp"
@@ -190,7 +190,7 @@ TEST_CASE("what is salvaged does not go back in time") {
   const std::string bytes = bytes_of(file);
   std::size_t end = 0;
   const auto next_frame = [&] {
-    const std::size_t size = frame_size(std::as_bytes(std::span(bytes)).subspan(end));
+    const std::size_t size = zstd_frame_size(std::as_bytes(std::span(bytes)).subspan(end));
     return bytes.substr(std::exchange(end, end + size), size);
   };
   const std::string header = next_frame();

@@ -53,7 +53,7 @@ struct Row {
   std::uint32_t generation = 0;
   std::vector<double> state;  // of requests, of one after the other
   std::vector<Level> links;
-  DirectionMask todo = 0;  // also the directions of requests
+  DirectionMask directions = 0;  // of requests
 
   friend bool operator==(const Row&, const Row&) = default;
 };
@@ -68,7 +68,7 @@ inline std::vector<double> random_state(Random& random, std::uint32_t n) {
 
 /// The numbers of a row; those of a stored shape are floats.
 inline std::vector<double> random_row(Random& random, const SectionHeader& header) {
-  std::vector<double> row = random_state(random, row_size(header));
+  std::vector<double> row = random_state(random, header.spec.row_size());
   for (std::size_t i = header.spec.shape_offset(); i < row.size(); ++i)
     row[i] = static_cast<float>(std::clamp(row[i], -1e30, 1e30));
   return row;
@@ -85,21 +85,18 @@ inline std::vector<Row> random_rows(Random& random, const SectionHeader& header,
     row.point = draw(random, 0, last);
     const DirectionMask inside = neighbourhood.inside(row.point);
     row.level = static_cast<Level>(draw(random, 0, 3));
-    if (header.content != Content::kGrid)
-      row.todo = random() % 4 == 0 ? inside : inside & static_cast<DirectionMask>(random());
     if (header.content == Content::kRequests) {
-      if (!row.todo) continue;
-      for (DirectionMask left = row.todo; left; left &= left - 1) {
+      row.directions = random() % 4 == 0 ? inside : inside & static_cast<DirectionMask>(random());
+      if (!row.directions) continue;
+      for (DirectionMask left = row.directions; left; left &= left - 1) {
         const std::vector<double> reached = random_row(random, header);
         row.state.insert(row.state.end(), reached.begin(), reached.end());
       }
     } else {
-      row.generation = header.generation;
-      if (header.content == Content::kGrid) row.generation -= draw(random, 0, header.generation);
+      row.generation = header.generation - draw(random, 0, header.generation);
       row.state = random_row(random, header);
-    }
-    if (header.content == Content::kGrid)
       for (int q = 0; q < kDirections; ++q) row.links.push_back(static_cast<Level>(random()));
+    }
     rows[record_key(row.point, row.level)] = row;
   }
   std::vector<Row> sorted;
@@ -112,7 +109,7 @@ inline std::vector<double> spread(const Row& row, std::uint32_t width) {
   std::vector<double> rows(std::size_t{kDirections} * width, std::nan(""));
   auto from = row.state.begin();
   for (int q = 0; q < kDirections; ++q)
-    if (row.todo >> q & 1)
+    if (row.directions >> q & 1)
       for (std::uint32_t c = 0; c < width; ++c)
         rows[static_cast<std::size_t>(q) * width + c] = *from++;
   return rows;
@@ -120,21 +117,16 @@ inline std::vector<double> spread(const Row& row, std::uint32_t width) {
 
 /// Appends a section to a file.
 inline void write(const std::string& name, const SectionHeader& header,
-                  const std::vector<Row>& rows) {
+                  const std::vector<Row>& rows, Packing packing = Packing::kFast) {
   const FileDescriptor file(::open(name.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
   REQUIRE(file);
-  SectionWriter out(file.get(), name, header);
+  SectionWriter out(file.get(), name, header, packing);
   for (const Row& row : rows) {
-    switch (header.content) {
-      case Content::kGrid:
-        out.record(row.point, row.level, row.generation, row.state.data(), row.links.data());
-        break;
-      case Content::kFrontier:
-        out.frontier(row.point, row.level, row.state.data(), row.todo);
-        break;
-      case Content::kRequests:
-        out.requests(row.point, row.level, row.todo, spread(row, row_size(header)).data());
-    }
+    if (header.content == Content::kGrid)
+      out.record(row.point, row.level, row.generation, row.state.data(), row.links.data());
+    else
+      out.requests(row.point, row.level, row.directions,
+                   spread(row, header.spec.row_size()).data());
   }
   out.finish();
 }

@@ -1,12 +1,12 @@
-// What is written comes back, row by row; sections merge in order, whatever they are.
+// What is written comes back, row by row, whatever its chunks are.
 #include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <fstream>
-#include <utility>
 
+#include "libcore/base/error.hpp"
 #include "libcore/shard/load.hpp"
-#include "libcore/shard/merged_rows.hpp"
 #include "libcore/shard/reader.hpp"
 #include "tests/unit/shard/rows.hpp"
 #include "tests/unit/temporary.hpp"
@@ -18,9 +18,7 @@ namespace {
 Row row_of(const RecordRows& rows, std::size_t r, std::uint32_t n) {
   Row row{rows.point[r], rows.level[r], rows.generation[r], {}, {}, 0};
   row.state.assign(rows.row(r), rows.row(r) + n);
-  if (!rows.links.empty())
-    row.links.assign(&rows.links[r * kDirections], &rows.links[r * kDirections] + kDirections);
-  if (!rows.todo.empty()) row.todo = rows.todo[r];
+  row.links.assign(&rows.links[r * kDirections], &rows.links[r * kDirections] + kDirections);
   return row;
 }
 Row row_of(const RequestRows& rows, std::size_t r, std::uint32_t n) {
@@ -31,53 +29,42 @@ Row row_of(const RequestRows& rows, std::size_t r, std::uint32_t n) {
 }
 
 template <class Rows>
-std::vector<Row> read_section(const Section& section) {
+std::vector<Row> read_rows(const Section& section) {
   std::vector<Row> found;
   SectionReader reader(section);
-  for (Rows rows; reader.next(rows);)
+  Rows rows;
+  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) {
+    reader.read(i, rows);
     for (std::size_t r = 0; r < rows.size(); ++r)
-      found.push_back(row_of(rows, r, row_size(section.header)));
-  return found;
-}
-
-template <class Rows>
-std::vector<Row> read_merged(const std::vector<Section>& sections) {
-  std::vector<Row> found;
-  MergedRows<Rows> merged(sections);
-  for (Run<Rows> run = merged.next(); run.rows; run = merged.next()) {
-    REQUIRE(run.begin < run.end);
-    REQUIRE(run.end <= run.rows->size());
-    for (std::size_t r = run.begin; r < run.end; ++r)
-      found.push_back(row_of(*run.rows, r, row_size(sections.front().header)));
+      found.push_back(row_of(rows, r, section.header.spec.row_size()));
   }
   return found;
 }
 
-std::vector<Row> read_any(const std::vector<Section>& sections, bool merged) {
-  if (sections.front().header.content == Content::kRequests)
-    return merged ? read_merged<RequestRows>(sections) : read_section<RequestRows>(sections[0]);
-  return merged ? read_merged<RecordRows>(sections) : read_section<RecordRows>(sections[0]);
+std::vector<Row> read_any(const Section& section) {
+  return section.header.content == Content::kRequests ? read_rows<RequestRows>(section)
+                                                      : read_rows<RecordRows>(section);
 }
 
-constexpr Content kContents[] = {Content::kGrid, Content::kFrontier, Content::kRequests};
+std::string bytes_of(const std::string& name) {
+  std::ifstream file(name, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 }  // namespace
 
 TEST_CASE("rows come back from a shard as they were") {
   Random random(2003);
-  bool first = true;  // once a coded grid, once a plain one
-  for (const Content content :
-       {Content::kGrid, Content::kGrid, Content::kFrontier, Content::kRequests}) {
-    const bool coded = content == Content::kGrid && std::exchange(first, false);
+  for (const Content content : {Content::kGrid, Content::kRequests}) {
     for (const std::uint32_t n : {1u, 2u, 1500u}) {
       // Nothing, one row, and several chunks.
       for (const std::size_t wanted :
            {std::size_t{0}, std::size_t{1}, n == 1500 ? std::size_t{300} : 150000}) {
-        CAPTURE(to_string(content), coded, n, wanted);
+        CAPTURE(to_string(content), n, wanted);
         const TemporaryDirectory dir;
         GridSpec spec = make_spec(n, {60, 50, 20});
         if (n == 2) spec = storing(spec);
-        const SectionHeader header{content, 7, spec, {coded, 0, {}}};
+        const SectionHeader header{content, 7, spec};
         const std::vector<Row> rows = random_rows(random, header, wanted);
         write(dir.file("shard"), header, rows);
         const auto sections = open_sections({dir.file("shard")});
@@ -86,84 +73,90 @@ TEST_CASE("rows come back from a shard as they were") {
         REQUIRE(section.header.content == content);
         REQUIRE(section.header.generation == 7);
         REQUIRE(section.header.spec == header.spec);
-        std::uint64_t requests = 0;
-        for (const Row& row : rows) requests += row.state.size() / row_size(header);
-        const bool of_requests = content == Content::kRequests;
-        REQUIRE(section.footer.records == (of_requests ? 0 : rows.size()));
-        REQUIRE(section.footer.requests == (of_requests ? requests : 0));
-        REQUIRE(section.footer.chunks.size() >=
-                (wanted > 1 && !coded ? 2 : std::min<std::size_t>(wanted, 1)));
-        REQUIRE(read_any(sections, false) == rows);
-        REQUIRE(read_any(sections, true) == rows);
+        REQUIRE(section.begin == 0);
+        REQUIRE(section.end == std::filesystem::file_size(dir.file("shard")));
+        REQUIRE(section.records() == rows.size());
+        if (content == Content::kRequests) {
+          std::uint64_t requests = 0;
+          for (const Row& row : rows) requests += row.state.size() / spec.row_size();
+          REQUIRE(section.conversions() == requests);
+        }
+        const std::size_t chunks = section.footer.chunks.size();
+        REQUIRE((wanted > 1 ? chunks >= 2 : chunks == rows.size()));
+        REQUIRE(read_any(section) == rows);
         // The same rows are the same bytes.
         write(dir.file("again"), header, rows);
-        std::ifstream a(dir.file("shard"), std::ios::binary);
-        std::ifstream b(dir.file("again"), std::ios::binary);
-        REQUIRE(std::equal(std::istreambuf_iterator<char>(a), {}, std::istreambuf_iterator<char>(b),
-                           {}));
+        REQUIRE(bytes_of(dir.file("shard")) == bytes_of(dir.file("again")));
       }
     }
   }
 }
 
-TEST_CASE("chunks of a grid stay below 64 KiB") {
+TEST_CASE("chunks of a grid stay below 64 KiB, or 1 MiB, and keep to their points") {
   Random random(2004);
-  for (const std::uint32_t n : {1u, 9u, 1500u, 200000u}) {
-    CAPTURE(n);
-    const TemporaryDirectory dir;
-    const SectionHeader header{Content::kGrid, 0, make_spec(n, {40, 40, 40})};
-    std::vector<Row> rows = random_rows(random, header, n > 1500 ? 5 : n > 9 ? 1000 : 40000);
-    write(dir.file("shard"), header, rows);
-    const auto sections = open_sections({dir.file("shard")});
-    for (const ChunkInfo& chunk : sections[0].footer.chunks) {
-      const std::uint64_t bytes = chunk.rows * record_bytes(n);
-      REQUIRE((chunk.rows == 1 || bytes <= 64 << 10));
+  for (const Packing packing : {Packing::kFast, Packing::kSmall}) {
+    const std::uint64_t most = packing == Packing::kFast ? 1 << 16 : 1 << 20;
+    for (const std::uint32_t n : {1u, 9u, 1500u, 200000u}) {
+      CAPTURE(n, most);
+      const TemporaryDirectory dir;
+      const SectionHeader header{Content::kGrid, 0, make_spec(n, {40, 40, 40})};
+      const std::vector<Row> rows =
+          random_rows(random, header, n > 1500 ? 5 : n > 9 ? 1000 : 40000);
+      write(dir.file("shard"), header, rows, packing);
+      const Section section = open_grid(dir.file("shard"));
+      const std::uint32_t points = chunk_points(n, most);
+      for (const ChunkInfo& chunk : section.footer.chunks) {
+        REQUIRE((chunk.rows == 1 || chunk.rows * record_bytes(n) <= most));
+        REQUIRE(chunk.first_point / points == chunk.last_point / points);
+      }
+      REQUIRE(read_any(section) == rows);
     }
-    REQUIRE(read_any(sections, false) == rows);
   }
 }
 
-TEST_CASE("sections merge in order, whatever they are and wherever they come from") {
+TEST_CASE("sections that are concatenated are found again, from any number of files") {
   Random random(2005);
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 60; ++i) {
     CAPTURE(i);
     const TemporaryDirectory dir;
-    const Content content = kContents[i % 3];
-    SectionHeader header{content, 2,
+    SectionHeader header{i % 2 ? Content::kGrid : Content::kRequests, 2,
                          make_spec(draw(random, 1, 3),
                                    {draw(random, 1, 30), draw(random, 1, 9), draw(random, 1, 9)})};
-    if (i % 2) header.spec = storing(header.spec);
-    const std::vector<Row> rows = random_rows(random, header, i % 10 ? draw(random, 0, 60) : 30000);
-    // Each row goes to one section or to several of them: equal keys, one after the other.
-    const std::uint32_t count = draw(random, 1, 6);
-    std::vector<std::vector<Row>> sections(count);
-    std::vector<Row> expected;
-    const bool slices = random() % 2;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      const std::size_t home = slices ? r * count / rows.size() : draw(random, 0, count - 1);
-      sections[home].push_back(rows[r]);
-      expected.push_back(rows[r]);
-      for (std::size_t s = 0; s < count; ++s) {
-        if (s == home || random() % 5 != 0) continue;
-        sections[s].push_back(rows[r]);
-        expected.push_back(rows[r]);
-      }
-    }
-    // In random order over some files.
-    std::shuffle(sections.begin(), sections.end(), random);
+    if (i % 3) header.spec = storing(header.spec);
+    std::vector<std::vector<Row>> written(draw(random, 1, 6));
     std::vector<std::string> names;
-    for (const auto& section : sections) {
+    std::uint64_t bytes = 0;
+    for (std::vector<Row>& rows : written) {
+      rows = random_rows(random, header, i % 10 ? draw(random, 0, 60) : 30000);
       if (names.empty() || random() % 2) names.push_back(dir.file(std::to_string(names.size())));
-      write(names.back(), header, section);
+      write(names.back(), header, rows);
     }
-    std::shuffle(names.begin(), names.end(), random);
     const std::vector<Section> opened = open_sections(names);
-    REQUIRE(opened.size() == count);
-    REQUIRE(read_any(opened, true) == expected);
+    REQUIRE(opened.size() == written.size());
+    for (std::size_t s = 0; s < opened.size(); ++s) {
+      REQUIRE(read_any(opened[s]) == written[s]);
+      bytes += opened[s].end - opened[s].begin;
+    }
+    for (const std::string& name : names) bytes -= std::filesystem::file_size(name);
+    REQUIRE(bytes == 0);
   }
 }
 
-TEST_CASE("load_grid() holds what was written, from any number of shards") {
+TEST_CASE("what is not one grid is refused where a grid is needed") {
+  Random random(2006);
+  const TemporaryDirectory dir;
+  const SectionHeader grid{Content::kGrid, 2, make_spec(1, {5, 5, 5})};
+  const SectionHeader requests{Content::kRequests, 2, grid.spec};
+  write(dir.file("requests"), requests, random_rows(random, requests, 10));
+  for (int i = 0; i < 2; ++i) write(dir.file("two"), grid, random_rows(random, grid, 10));
+  REQUIRE_THROWS_WITH(
+      open_grid(dir.file("requests")),
+      Catch::Matchers::EndsWith("requests: holds requests where a grid is needed"));
+  REQUIRE_THROWS_WITH(open_grid(dir.file("two")),
+                      Catch::Matchers::EndsWith("two: holds 2 sections where one grid is needed"));
+}
+
+TEST_CASE("load_grid() holds what was written") {
   Random random(2007);
   const TemporaryDirectory dir;
   const SectionHeader header{Content::kGrid, 5, make_spec(3, {13, 11, 7})};
@@ -178,15 +171,11 @@ TEST_CASE("load_grid() holds what was written, from any number of shards") {
       rows.push_back(row);
     }
   }
-  std::vector<Row> parts[3];
-  for (std::size_t r = 0; r < rows.size(); ++r) parts[random() % 3].push_back(rows[r]);
-  for (int k = 0; k < 3; ++k) write(dir.file(std::to_string(k)), header, parts[k]);
-  const LoadedGrid loaded = load_grid({dir.file("2"), dir.file("0"), dir.file("1")});
+  write(dir.file("grid"), header, rows);
+  const LoadedGrid loaded = load_grid(dir.file("grid"));
   const Grid& grid = loaded.grid;
   REQUIRE(grid.records() == rows.size());
-  REQUIRE(loaded.stored_bytes == std::filesystem::file_size(dir.file("0")) +
-                                     std::filesystem::file_size(dir.file("1")) +
-                                     std::filesystem::file_size(dir.file("2")));
+  REQUIRE(loaded.stored_bytes == std::filesystem::file_size(dir.file("grid")));
   for (RecordIndex r = 0; r < grid.records(); ++r) {
     REQUIRE(grid.point(r) == rows[r].point);
     REQUIRE(grid.level(r) == rows[r].level);

@@ -1,4 +1,4 @@
-// zstd frames: one holds one Cap'n Proto message, its size and its checksum.
+// Zstd frames: one holds one Cap'n Proto message, its size and its checksum.
 #pragma once
 
 #include <cstddef>
@@ -9,14 +9,18 @@
 
 namespace hapgrid {
 
-/// Bytes of the frame that `bytes` starts with; 0 when none is there as a whole.
-std::size_t frame_size(std::span<const std::byte> bytes);
-/// The most bytes that a frame with `content` bytes can have.
-std::size_t frame_bound(std::uint64_t content);
+class InputFile;
+
+/// Whether a file begins with what every zstd frame begins with.
+bool starts_with_zstd_frame(const InputFile& file);
+/// Bytes of the zstd frame that `bytes` starts with; 0 when none is there as a whole.
+std::size_t zstd_frame_size(std::span<const std::byte> bytes);
+/// The most bytes that a zstd frame with `content` bytes can have.
+std::size_t zstd_frame_bound(std::uint64_t content);
 
 /// Compresses messages. The bytes depend on the content, on what the constructor is told, and on
 /// zstd.
-class FrameEncoder {
+class ZstdFrameEncoder {
  public:
   /// What zstd does with bytes that occur nowhere before: kPlain leaves them as they are, which is
   /// twice as fast, both ways, and larger: by 4 % where numbers are noise in their last digits, by
@@ -24,10 +28,10 @@ class FrameEncoder {
   enum class Literals : std::uint8_t { kCoded, kPlain };
 
   /// `level`: zstd's; 1 is the fastest that is used here, 3 its own default.
-  explicit FrameEncoder(int level = 1, Literals literals = Literals::kCoded)
+  explicit ZstdFrameEncoder(int level = 1, Literals literals = Literals::kCoded)
       : level_(level), literals_(literals) {}
 
-  /// The frame is valid until the next call.
+  /// The zstd frame is valid until the next call.
   std::span<const std::byte> encode(std::span<const std::byte> content);
 
  private:
@@ -37,19 +41,19 @@ class FrameEncoder {
   std::size_t capacity_ = 0;
 };
 
-/// Decompresses frames.
-class FrameDecoder {
+/// Decompresses zstd frames.
+class ZstdFrameDecoder {
  public:
-  /// @param kind what the frames are of, for messages: "not a `kind`: ..."
-  /// @param hashed the frames are compared with a hash of them before they are decoded, so that
+  /// @param kind what the zstd frames are of, for messages: "not a `kind`: ..."
+  /// @param hashed the zstd frames are compared with a hash of them before they are decoded, so that
   /// zstd need not compute the content's checksum, too.
-  explicit FrameDecoder(const char* kind, bool hashed = false) : kind_(kind), hashed_(hashed) {}
+  explicit ZstdFrameDecoder(const char* kind, bool hashed = false) : kind_(kind), hashed_(hashed) {}
 
-  /// Decodes a frame without anything behind it into `words` (8-byte aligned, as Cap'n Proto wants
+  /// Decodes a zstd frame without anything behind it into `words` (8-byte aligned, as Cap'n Proto wants
   /// them).
   /// @param limit bytes of content that are possible here; a larger claim is refused before any
   /// memory is taken for it.
-  /// @throw FormatError (without the file's name) when the frame is damaged or too large.
+  /// @throw FormatError (without the file's name) when the zstd frame is damaged or too large.
   void decode(std::span<const std::byte> frame, std::uint64_t limit,
               std::vector<std::uint64_t>& words) const;
 

@@ -1,5 +1,5 @@
 // Frames: the bytes do not depend on what the thread has coded before.
-#include "libcore/base/frame.hpp"
+#include "libcore/base/zstd_frame.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstddef>
@@ -34,8 +34,8 @@ Words draw_content(std::mt19937_64& random) {
   return words;
 }
 
-std::vector<std::byte> encode(const Words& content, int level, FrameEncoder::Literals literals) {
-  FrameEncoder encoder(level, literals);
+std::vector<std::byte> encode(const Words& content, int level, ZstdFrameEncoder::Literals literals) {
+  ZstdFrameEncoder encoder(level, literals);
   const auto frame = encoder.encode(std::as_bytes(std::span(content)));
   return {frame.begin(), frame.end()};
 }
@@ -44,14 +44,14 @@ std::vector<std::byte> encode(const Words& content, int level, FrameEncoder::Lit
 
 TEST_CASE("a frame is the same in a thread that has coded others and in a fresh one") {
   std::mt19937_64 random(20061);
-  const FrameDecoder plain("frame");
-  const FrameDecoder hashed("frame", /*hashed=*/true);
+  const ZstdFrameDecoder plain("frame");
+  const ZstdFrameDecoder hashed("frame", /*hashed=*/true);
   for (int i = 0; i < 100; ++i) {
     CAPTURE(i);
     const Words content = draw_content(random);
     const int level = random() % 2 ? 1 : 3;
     const auto literals =
-        random() % 2 ? FrameEncoder::Literals::kCoded : FrameEncoder::Literals::kPlain;
+        random() % 2 ? ZstdFrameEncoder::Literals::kCoded : ZstdFrameEncoder::Literals::kPlain;
     const std::vector<std::byte> frame = encode(content, level, literals);
     std::vector<std::byte> fresh;
     std::thread([&] { fresh = encode(content, level, literals); }).join();
@@ -64,12 +64,12 @@ TEST_CASE("a frame is the same in a thread that has coded others and in a fresh 
 
 TEST_CASE("the checksum of a frame counts, unless its bytes were compared with a hash") {
   // An XXH64 of the content ends a frame (RFC 8878, 3.1.1): its last byte says nothing else.
-  std::vector<std::byte> frame = encode(Words(100, 7), 1, FrameEncoder::Literals::kCoded);
+  std::vector<std::byte> frame = encode(Words(100, 7), 1, ZstdFrameEncoder::Literals::kCoded);
   frame.back() ^= std::byte{1};
   Words decoded;
-  REQUIRE_THROWS(FrameDecoder("frame").decode(frame, 800, decoded));
-  FrameDecoder("frame", /*hashed=*/true).decode(frame, 800, decoded);
+  REQUIRE_THROWS(ZstdFrameDecoder("frame").decode(frame, 800, decoded));
+  ZstdFrameDecoder("frame", /*hashed=*/true).decode(frame, 800, decoded);
   REQUIRE(decoded == Words(100, 7));
   // Nothing of the last one is left in the thread.
-  REQUIRE_THROWS(FrameDecoder("frame").decode(frame, 800, decoded));
+  REQUIRE_THROWS(ZstdFrameDecoder("frame").decode(frame, 800, decoded));
 }

@@ -1,19 +1,22 @@
-#include "libcore/base/frame.hpp"
+#include "libcore/base/zstd_frame.hpp"
 
 #define ZSTD_STATIC_LINKING_ONLY  // ZSTD_d_forceIgnoreChecksum, ZSTD_c_literalCompressionMode
 #include <zstd.h>
 
+#include <array>
+#include <cstring>
 #include <new>
 #include <string>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
 
 namespace hapgrid {
 
 namespace {
 
-/// A thread has one context of each kind for all frames: making one asks the processor what it can
-/// do, which takes longer than a small frame, above all in a virtual machine.
+/// A thread has one context of each kind for all zstd frames: making one asks the processor what it can
+/// do, which takes longer than a small zstd frame, above all in a virtual machine.
 template <auto kCreate, auto kFree>
 auto* context_of_thread() {
   struct Context {
@@ -27,15 +30,21 @@ auto* context_of_thread() {
 
 }  // namespace
 
-std::size_t frame_size(std::span<const std::byte> bytes) {
+bool starts_with_zstd_frame(const InputFile& file) {
+  static constexpr unsigned char kMagic[] = {0x28, 0xB5, 0x2F, 0xFD};
+  std::array<std::byte, sizeof kMagic> start{};
+  return file.read(0, start) == sizeof kMagic && std::memcmp(start.data(), kMagic, 4) == 0;
+}
+
+std::size_t zstd_frame_size(std::span<const std::byte> bytes) {
   const std::size_t size = ZSTD_findFrameCompressedSize(bytes.data(), bytes.size());
   return ZSTD_isError(size) ? 0 : size;
 }
 
-std::size_t frame_bound(std::uint64_t content) { return ZSTD_compressBound(content) + 64; }
+std::size_t zstd_frame_bound(std::uint64_t content) { return ZSTD_compressBound(content) + 64; }
 
-std::span<const std::byte> FrameEncoder::encode(std::span<const std::byte> content) {
-  if (const std::size_t bound = frame_bound(content.size()); bound > capacity_) {
+std::span<const std::byte> ZstdFrameEncoder::encode(std::span<const std::byte> content) {
+  if (const std::size_t bound = zstd_frame_bound(content.size()); bound > capacity_) {
     frame_ = std::make_unique_for_overwrite<std::byte[]>(bound);
     capacity_ = bound;
   }
@@ -51,13 +60,13 @@ std::span<const std::byte> FrameEncoder::encode(std::span<const std::byte> conte
   return {frame_.get(), size};
 }
 
-void FrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t limit,
+void ZstdFrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t limit,
                           std::vector<std::uint64_t>& words) const {
-  if (frame.empty() || frame_size(frame) != frame.size())
-    throw FormatError("damaged: a frame is cut");
+  if (frame.empty() || zstd_frame_size(frame) != frame.size())
+    throw FormatError("damaged: a zstd frame is cut");
   const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
   if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR)
-    throw FormatError(std::string("not a ") + kind_ + ": a frame without its content's size");
+    throw FormatError(std::string("not a ") + kind_ + ": a zstd frame without its content's size");
   if (size > limit)
     throw FormatError("a message of " + std::to_string(size) + " bytes, the limit is " +
                       std::to_string(limit));
@@ -71,7 +80,7 @@ void FrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t limit,
       ZSTD_decompressDCtx(zstd, words.data(), size, frame.data(), frame.size());
   if (ZSTD_isError(decoded))
     throw FormatError(std::string("damaged: ") + ZSTD_getErrorName(decoded));
-  if (decoded != size) throw FormatError("damaged: a frame is shorter than it says");
+  if (decoded != size) throw FormatError("damaged: a zstd frame is shorter than it says");
 }
 
 }  // namespace hapgrid
