@@ -18,7 +18,7 @@ merge none merged - <none | cmp - merged
 
 # A larger one.
 seed "$ball" -o grid
-for ((g = 0; g < 12; ++g)); do
+for ((g = 0; g < 24; ++g)); do
   expand grid | merge grid - -o next
   mv next grid
 done
