@@ -31,7 +31,7 @@ class Deal {
   DirectionMask own(DirectionMask directions, std::uint64_t first) const;
 
  private:
-  static constexpr std::uint64_t kTurns = 64;
+  static constexpr std::uint64_t kTurns = 32;
 
   bool is_own(std::uint64_t block) const { return block % part_.of == part_.number - 1; }
 

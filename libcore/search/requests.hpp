@@ -21,6 +21,7 @@ struct SourceRequests {
 
   /// What was reached in direction q, one of the directions.
   const double* row(int q) const {
+    if (directions == kAllDirections) return rows + width * static_cast<unsigned>(q);
     const DirectionMask before = directions & ((DirectionMask{1} << q) - 1);
     return rows + width * static_cast<unsigned>(std::popcount(before));
   }

@@ -129,9 +129,9 @@ check("seeds", 8, one["seeds.grid"][1]["rows"])
 middle, whole = one["middle.grid"], one["complete.grid"]
 check("generations", (0, 11, 11, 12), tuple(one[k][3] for k in ("seeds.grid", "middle.grid", "all.requests", "next.grid")))
 check("a request a conversion", middle[1]["conversions"], one["all.requests"][1]["conversions"])
-# A part has a block of each of 64 turns or more.
+# A part has a block of each of 32 turns or more.
 third = middle[1]["conversions"] / 3
-check("a third", True, abs(one["part.requests"][1]["conversions"] - third) <= third / 64 + 1)
+check("a third", True, abs(one["part.requests"][1]["conversions"] - third) <= third / 32 + 1)
 check("a complete grid has no frontier", (0, 0), (whole[1]["frontier"], whole[1]["conversions"]))
 check("levels", True, whole[1]["rows"] > 40 * 22 * 20)
 check("several chunks were tried", True, whole[2] >= 2)

@@ -26,7 +26,7 @@ def _(data):
     return shard.joined([parts[0], parts[2]])
 
 
-@byte_fault("the chunk of another grid", refused="damaged: no header where a footer's section starts...")
+@byte_fault("the chunk of another grid", refused="damaged: a zstd frame is cut")
 def _(data):
     parts = shard.frames(data)
     return shard.joined([parts[0], shard.frames(read("stored"))[1], parts[2]])

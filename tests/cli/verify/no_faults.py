@@ -1,6 +1,6 @@
 """Changes that are no faults: verify has to find these grids fine."""
 
-from planting import MIDDLE, TOLERANCE, Grid, byte_fault, fault, part
+from planting import MIDDLE, TOLERANCE, fault, part
 
 part("No faults: other grids that are as good, or what only people read")
 
@@ -47,9 +47,3 @@ def _(g):
 def _(g):
     for row in g.rows:
         row["force"] = [0.0, 0.0, 0.0]
-
-
-@byte_fault("two halves, the second one first")
-def _(data):
-    halves = [Grid(data).part(lambda row: (row["point"] < 42) == low) for low in (False, True)]
-    return b"".join(half.seal() for half in halves)

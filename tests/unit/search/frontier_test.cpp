@@ -75,10 +75,10 @@ TEST_CASE("blocks of a frontier are dealt out in turns, and parts differ by one 
       most = std::max(most, own);
     }
     REQUIRE(sum == total);
-    // 64 turns of a block each, and what is left of a turn.
-    REQUIRE(most - least <= std::max<std::uint64_t>(total / parts / 64, 1));
+    // 32 turns of a block each, and what is left of a turn.
+    REQUIRE(most - least <= std::max<std::uint64_t>(total / parts / 32, 1));
   }
   // Numbers near the limits of a grid and of N.
   const Deal last(std::uint64_t{1} << 45, {0xffffffff, 0xffffffff});
-  REQUIRE(last.conversions() <= (std::uint64_t{1} << 14));
+  REQUIRE(last.conversions() <= (std::uint64_t{1} << 15));
 }

@@ -54,7 +54,8 @@ class Search {
   /// Lines 9 to 21 for the requests that are in the queue now; answers whether there were any.
   /// The order is design.md's section 2: ascending (source point, source level, direction).
   bool round() {
-    if (queue_.empty()) return false;
+    // Seeds are looked at once, also where a box of one point leaves nothing to ask for.
+    if (queue_.empty() && generation_ > 0) return false;
     std::vector<Request> generation = std::exchange(queue_, {});
     std::sort(generation.begin(), generation.end(), [](const Request& a, const Request& b) {
       return std::tuple(a.source, a.level, a.q) < std::tuple(b.source, b.level, b.q);
