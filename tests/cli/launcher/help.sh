@@ -1,0 +1,26 @@
+#!/bin/bash
+# The help of each tool is short enough to read, and its manual page has what a reader looks for.
+source "$(dirname "$0")/../lib.sh"
+export LC_ALL=C.UTF-8
+
+for tool in hapgrid seed expand merge verify stats play view check-model; do
+  lines=60 page=hapgrid-$tool
+  [[ $tool != play ]] || lines=90
+  [[ $tool != hapgrid ]] || page=hapgrid
+  "$tool" --help >help
+  (($(wc -L <help) <= 100)) || fail "$tool --help is $(wc -L <help) columns wide"
+  (($(wc -l <help) <= lines)) || fail "$tool --help has $(wc -l <help) lines"
+  [[ $tool == hapgrid ]] || for code in 'Exit codes:' '  0  done' '  1  could not' '  2  the command line is wrong'; do
+    grep -q "^$code" help || fail "$tool --help does not say: $code"
+  done
+
+  man=$HAPGRID_BUILD/man/$page.1
+  grep -q "^\.TH ${page^^} \"1\" " "$man" || fail "the title of $man: $(grep '^\.TH' "$man")"
+  same "name in $man" "~$page "'\\- [a-z].*' "$(sed -n '/^\.SH NAME/{n;p}' "$man")"
+  grep -q '^\.SH EXAMPLES' "$man" || fail "$man has no EXAMPLES"
+  # SEE ALSO names pages that there are.
+  sed -n '/^\.SH "SEE ALSO"/,/^\.SH/p' "$man" | grep -oE 'hapgrid[a-z-]*' >others || fail "$man has no SEE ALSO"
+  while read -r other; do
+    [[ -e $HAPGRID_BUILD/man/$other.1 ]] || fail "$man: there is no page $other"
+  done <others
+done
