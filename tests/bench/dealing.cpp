@@ -9,9 +9,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <memory>
 #include <vector>
 
-#include "libcore/model/model.hpp"
+#include "libcore/model/plugin_model.hpp"
 #include "libcore/search/frontier.hpp"
 #include "libcore/shard/load.hpp"
 
@@ -58,11 +59,11 @@ int main(int argc, char** argv) {
   if (argc < 4) return std::fputs("usage: bench_dealing GRID PARTS GENERATION...\n", stderr), 2;
   const LoadedGrid loaded = load_grid(argv[1]);
   const std::size_t parts = std::strtoul(argv[2], nullptr, 10);
-  Model model =
+  const std::unique_ptr<Model> model =
       Plugin(loaded.grid.spec().model, model_path({})).create(loaded.grid.spec().parameters);
   for (int i = 3; i < argc; ++i) {
     const auto generation = static_cast<std::uint32_t>(std::strtoul(argv[i], nullptr, 10));
-    const std::vector<double> seconds = measure(loaded.grid, model, generation);
+    const std::vector<double> seconds = measure(loaded.grid, *model, generation);
     std::printf("generation %u: %zu conversions\n", generation, seconds.size());
     std::vector<double> dealt(parts), stretches(parts);
     for (std::size_t k = 0; k < parts; ++k) {
