@@ -284,18 +284,20 @@ void damage_everywhere(Patient& patient, const std::string& name, std::size_t ea
   }
 }
 
-/// Each damage is refused by `read`, or changes nothing.
+/// Each damage is refused by `read`, or changes nothing; but a cut between two sections leaves the
+/// first one whole.
 Counts examine(const std::string& name, std::size_t each, const Read& read) {
   Patient patient(name);
   const std::optional<std::string> right = diagnose(patient, read, name);
   if (!right) finding(name + ": refused as it is");
   Counts counts;
-  damage_everywhere(patient, name, each, [&](const std::string& damage, bool) {
+  damage_everywhere(patient, name, each, [&](const std::string& damage, bool is_cut) {
     ++counts.damaged;
     const std::optional<std::string> content = diagnose(patient, read, damage);
     if (!content) return;
     ++counts.accepted;
-    if (content != right) finding(damage + ": other content");
+    if (content != right && !(is_cut && right->starts_with(*content)))
+      finding(damage + ": other content");
   });
   if (diagnose(patient, read, name) != right) finding(name + ": not mended");
   return counts;

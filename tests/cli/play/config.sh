@@ -61,7 +61,7 @@ wrong_set $'safety.slew=1\nx=2' "'safety.slew=1 x=2' is not like KEY=VALUE"
 wrong_set mapping.offset=1 "mapping.offset must be 3 numbers in \[ \] from -1e\+15 to 1e\+15 units"
 wrong_set imd.wait=1e9 "imd.wait must be a number from 0 to 86400 s"
 wrong_set safety.slew "'safety.slew' is not like KEY=VALUE"
-wrong_set =1 "unknown key ''; .*"
+wrong_set '=1' "unknown key ''; .*"
 expect 2 '' "~play: --scale: '-1' is not a number from 0 to 1e\+15 UNITS/M $help" \
   -- play grid --device path:path --scale -1
 

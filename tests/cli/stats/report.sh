@@ -26,7 +26,7 @@ size         $bytes bytes, $per_record a record
 
 model      avg. levels  data size  CPU hours
 hung-ball        1.000   $megabytes MB          -
-(average levels: records per point that has a level; data size: the shards as stored, in
+(average levels: records per point that has a level; data size: the grid as stored, in
 10^6 bytes; CPU hours: the sum of --cost)"
 expect 0 "$report" '' -- stats grid
 expect 0 "$report" '' -- stats <grid

@@ -60,7 +60,7 @@ def seal(messages, edit=None, footer_frame=None, locator=None):
             if key not in ("chunks", ) and not (where is not footer and key == "ticks"):
                 where[key] = str(value)
     last = footer_frame or shard.frame(shard.encode([{"footer": footer}], SCHEMA)[0])
-    end = struct.pack("<IIQQ", 0x184D2A5E, 16, locator or at, shard.xxh3_64(last))
+    end = struct.pack("<IIQQ", 0x184D2A5E, 16, locator or len(last), shard.xxh3_64(last))
     return b"".join(frames) + last + end
 
 
@@ -231,7 +231,7 @@ def bad(name):
 
     def index(what, edit, base=messages, message="damaged: the index does not fit the file"):
         data = seal(base, edit)
-        at_footer = struct.unpack_from("<Q", data, len(data) - 16)[0]
+        at_footer = len(data) - LOCATOR - struct.unpack_from("<Q", data, len(data) - 16)[0]
         refuse(what, data, "byte %d: %s" % (at_footer, message))
 
     def set_in(entry, key, value):
@@ -258,9 +258,10 @@ def bad(name):
     refuse("huge footer", seal(messages, footer_frame=bomb), large)
     large = "byte %d: a message of 4194304 bytes, the limit is " % at[-2]
     refuse("large footer", seal(messages, footer_frame=shard.frame(bytes(4 << 20))), large)
+    behind = len(good) - LOCATOR
     refuse("locator outside", seal(messages, locator=1 << 63), "byte ")
-    refuse("locator in a chunk", seal(messages, locator=at[1] + 1), "byte ")
-    refuse("locator at the header", seal(messages, locator=1), "byte ")
+    refuse("locator in a chunk", seal(messages, locator=behind - at[1] - 1), "byte ")
+    refuse("locator at the header", seal(messages, locator=behind - 1), "byte ")
     refuse("a bomb instead of a header", bomb, "byte 0: a message of 1073741824 bytes")
 
     # Cuts: between frames, in frames, in the locator.

@@ -144,5 +144,5 @@ see='\(see verify --help\)'
 for count in some -1 1.5 ''; do
   expect 2 '' "~verify: --recompute: .*$see" -- verify grid --recompute "$count"
 done
-expect 2 '' "~verify: standard input can be read only once $see" -- verify - -
+expect 2 '' "~verify: .*: - $see" -- verify - -
 expect 2 '' "~verify: -j: .*|verify: --threads: .*" -- verify grid -j 0

@@ -79,7 +79,7 @@ TEST_CASE("the statistics as text") {
         "\n"
         "model  avg. levels  data size  CPU hours\n"
         "tiny         1.500   0.001 MB        1.5\n"
-        "(average levels: records per point that has a level; data size: the shards as stored, in\n"
+        "(average levels: records per point that has a level; data size: the grid as stored, in\n"
         "10^6 bytes; CPU hours: the sum of --cost)\n");
 }
 
