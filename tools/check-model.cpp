@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "libcore/base/file.hpp"
-#include "libcore/check/model_check.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/check/model_check.hpp"
 #include "libcore/search/converter.hpp"
 #include "libcore/search/seed.hpp"
 #include "tools/common/definition.hpp"

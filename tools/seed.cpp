@@ -36,7 +36,8 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{
       "Writes the seed records of a grid: the known states at the seed points, all of them in the\n"
-      "frontier. MODEL.toml defines the model and its parameters, the box, the seeds and the limit\n"
+      "frontier. MODEL.toml defines the model and its parameters, the box, the seeds and the "
+      "limit\n"
       "of levels."};
   hapgrid::set_help(app, "seed");
   hapgrid::add_definition(app, options.definition);

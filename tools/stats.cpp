@@ -14,17 +14,17 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/input_stream.hpp"
-#include "tools/stats/dump.hpp"
-#include "tools/stats/motion_log.hpp"
-#include "tools/stats/slice.hpp"
-#include "tools/stats/statistics.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/section.hpp"
-#include "tools/stats/gnuplot.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/stats/dump.hpp"
+#include "tools/stats/gnuplot.hpp"
+#include "tools/stats/motion_log.hpp"
 #include "tools/stats/session.hpp"
+#include "tools/stats/slice.hpp"
+#include "tools/stats/statistics.hpp"
 
 using namespace hapgrid;
 using Json = nlohmann::ordered_json;
@@ -225,8 +225,8 @@ void show_grid(const Options& options) {
   if (options.dump) return dump(loaded.grid, options.output);
   if (options.slice.empty()) return write_all(options.output, report(options, loaded));
   const Plane plane = *parse_plane(options.slice);
-  write_picture(options.png, slice_script(loaded.grid.spec(), slice_levels(loaded.grid, plane.axis,
-                                                                           plane.coordinate)));
+  write_picture(options.png, slice_script(loaded.grid.spec(),
+                                          slice_levels(loaded.grid, plane.axis, plane.coordinate)));
 }
 
 int run(const Options& options) {
@@ -243,7 +243,8 @@ void add_grid_options(CLI::App& app, Options& options) {
   app.add_option("--cost", options.costs,
                  "Cost files of expand and merge to be summed, up to an option or '--'")
       ->type_name("FILE");
-  app.add_option("--get", options.get, "Print one value of the JSON report, as in --get box.spacing")
+  app.add_option("--get", options.get,
+                 "Print one value of the JSON report, as in --get box.spacing")
       ->type_name("KEY");
   app.add_flag("--dump", options.dump,
                "A line a record: i j k level state..., and the levels of 26 links");

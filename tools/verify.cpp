@@ -95,7 +95,8 @@ void add_checks(CLI::App& app, Options& options) {
   app.add_option("--sample-seed", asked.sample_seed, "Another number draws other records and walks")
       ->type_name("S")
       ->capture_default_str();
-  app.add_option("--damping", asked.rendering.damping, "For `steep`: the damping of the device in N s/m")
+  app.add_option("--damping", asked.rendering.damping,
+                 "For `steep`: the damping of the device in N s/m")
       ->type_name("B")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -113,8 +114,10 @@ void add_checks(CLI::App& app, Options& options) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Checks a whole grid: what Algorithm 1 promises of every record, what play can do in it, and\n"
-      "C itself evaluated again. The report goes to standard output, the verdict to standard error.");
+      "Checks a whole grid: what Algorithm 1 promises of every record, what play can do in it, "
+      "and\n"
+      "C itself evaluated again. The report goes to standard output, the verdict to standard "
+      "error.");
   Options options;
   add_grid(app, options.grid);
   add_checks(app, options);

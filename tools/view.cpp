@@ -294,7 +294,8 @@ void add_picture_options(CLI::App& app, Options& options) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Shows the frames that play --frames wrote: as a report, a trajectory, a picture; or live, in\n"
+      "Shows the frames that play --frames wrote: as a report, a trajectory, a picture; or live, "
+      "in\n"
       "a window or a terminal, from play --frames - through a pipe.");
   Options options;
   app.add_option("frames", options.frames, "Frames ('-': standard input)")

@@ -1,5 +1,5 @@
-// The last bytes of a section or a session: they say where its footer is, so that a reader of a file
-// goes straight to it.
+// The last bytes of a section or a session: they say where its footer is, so that a reader of a
+// file goes straight to it.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@
 
 namespace hapgrid {
 
-/// A skippable zstd frame, which `zstd -d` passes over: the magic number 0x184D2A5E and the size 16,
-/// as UInt32, and the two numbers of the Locator, as UInt64, all little-endian.
+/// A skippable zstd frame, which `zstd -d` passes over: the magic number 0x184D2A5E and the size
+/// 16, as UInt32, and the two numbers of the Locator, as UInt64, all little-endian.
 inline constexpr std::size_t kLocatorBytes = 24;
 
 struct Locator {

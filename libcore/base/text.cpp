@@ -6,9 +6,9 @@
 namespace hapgrid {
 
 namespace {
-constexpr int kDigits = 32;       // sign, point, 17 digits, e-308
+constexpr int kDigits = 32;        // sign, point, 17 digits, e-308
 constexpr int kFixedDigits = 400;  // sign, 309 digits, point, and the few decimals of a report
-}
+}  // namespace
 
 std::string to_text(double value) {
   char buffer[kDigits];

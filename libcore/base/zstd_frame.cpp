@@ -15,8 +15,8 @@ namespace hapgrid {
 
 namespace {
 
-/// A thread has one context of each kind for all zstd frames: making one asks the processor what it can
-/// do, which takes longer than a small zstd frame, above all in a virtual machine.
+/// A thread has one context of each kind for all zstd frames: making one asks the processor what it
+/// can do, which takes longer than a small zstd frame, above all in a virtual machine.
 template <auto kCreate, auto kFree>
 auto* context_of_thread() {
   struct Context {
@@ -61,7 +61,7 @@ std::span<const std::byte> ZstdFrameEncoder::encode(std::span<const std::byte> c
 }
 
 void ZstdFrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t limit,
-                          std::vector<std::uint64_t>& words) const {
+                              std::vector<std::uint64_t>& words) const {
   if (frame.empty() || zstd_frame_size(frame) != frame.size())
     throw FormatError("damaged: a zstd frame is cut");
   const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());

@@ -45,12 +45,12 @@ class ZstdFrameEncoder {
 class ZstdFrameDecoder {
  public:
   /// @param kind what the zstd frames are of, for messages: "not a `kind`: ..."
-  /// @param hashed the zstd frames are compared with a hash of them before they are decoded, so that
-  /// zstd need not compute the content's checksum, too.
+  /// @param hashed the zstd frames are compared with a hash of them before they are decoded, so
+  /// that zstd need not compute the content's checksum, too.
   explicit ZstdFrameDecoder(const char* kind, bool hashed = false) : kind_(kind), hashed_(hashed) {}
 
-  /// Decodes a zstd frame without anything behind it into `words` (8-byte aligned, as Cap'n Proto wants
-  /// them).
+  /// Decodes a zstd frame without anything behind it into `words` (8-byte aligned, as Cap'n Proto
+  /// wants them).
   /// @param limit bytes of content that are possible here; a larger claim is refused before any
   /// memory is taken for it.
   /// @throw FormatError (without the file's name) when the zstd frame is damaged or too large.

@@ -75,8 +75,8 @@ class Row {
     add("mixed", share(walked_.mixed), "",
         walked_.mixed_state.value > 0
             ? "where play blends branches; the state is off by " +
-                  rounded(walked_.mixed_state.value) + " " + printable_line(terms_.state_unit) + " " +
-                  walked_.mixed_state.where
+                  rounded(walked_.mixed_state.value) + " " + printable_line(terms_.state_unit) +
+                  " " + walked_.mixed_state.where
             : "where play blends branches");
     add("parted", share(walked_.parted), "", "where play and the model are in different branches");
   }

@@ -16,9 +16,7 @@ constexpr std::size_t kShards = 64;
 constexpr int kPortion = 1024;
 
 struct Hash {
-  std::size_t operator()(const Configuration& c) const {
-    return mix(c.levels + mix(c.base));
-  }
+  std::size_t operator()(const Configuration& c) const { return mix(c.levels + mix(c.base)); }
 };
 
 Box box_of_cells(const Box& box) {

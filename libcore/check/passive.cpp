@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
+#include "libcore/base/text.hpp"
 #include "libcore/check/energy.hpp"
 #include "libcore/check/paths.hpp"
-#include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
@@ -91,7 +91,8 @@ std::string describe(const Grid& grid, const ClosedWalk& walk, const std::string
 Check check_passive(const Grid& grid, const CellMap& map, const Configurations& found,
                     const Forces& forces, int threads) {
   const std::string unit =
-      "N " + (grid.spec().length_unit.empty() ? "lengths" : printable_line(grid.spec().length_unit));
+      "N " +
+      (grid.spec().length_unit.empty() ? "lengths" : printable_line(grid.spec().length_unit));
   const Work work(grid, forces);
   const Energy energy = find_energy(grid, work, threads, Findings::kShown);
 

@@ -1,5 +1,5 @@
-// A hand that moves at random: it goes straight for a while, turns, and is reflected at the sides of
-// the box.
+// A hand that moves at random: it goes straight for a while, turns, and is reflected at the sides
+// of the box.
 #pragma once
 
 #include <cstdint>

@@ -65,9 +65,10 @@ std::string checks_text(const std::vector<Check>& checks) {
 
 std::string report_text(const Grid& grid, const std::vector<Check>& checks) {
   const auto& n = grid.box().counts;
-  return printable_line(grid.spec().model) + ": " + std::to_string(n[0]) + " x " + std::to_string(n[1]) +
-         " x " + std::to_string(n[2]) + " points, " + std::to_string(grid.records()) +
-         " records, generation " + std::to_string(grid.generation()) + "\n\n" + checks_text(checks);
+  return printable_line(grid.spec().model) + ": " + std::to_string(n[0]) + " x " +
+         std::to_string(n[1]) + " x " + std::to_string(n[2]) + " points, " +
+         std::to_string(grid.records()) + " records, generation " +
+         std::to_string(grid.generation()) + "\n\n" + checks_text(checks);
 }
 
 nlohmann::ordered_json checks_json(const std::vector<Check>& checks) {

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "libcore/check/paths.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/check/paths.hpp"
 #include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
@@ -120,7 +120,9 @@ Check check_steep(const Grid& grid, const CellMap& map, const Configurations& fo
   const auto simple = [&](PointIndex base, Steepest& seen) {
     if (map.exists(base) && map.is_simple(base)) survey.look_at({base, 0}, false, seen);
   };
-  const auto listed = [&](const Configuration& c, Steepest& seen) { survey.look_at(c, true, seen); };
+  const auto listed = [&](const Configuration& c, Steepest& seen) {
+    survey.look_at(c, true, seen);
+  };
   Steepest seen = look_at_all<Steepest>(grid, found, threads, simple, listed);
 
   const GridSpec& spec = grid.spec();

@@ -7,11 +7,11 @@
 #include <limits>
 #include <utility>
 
+#include "libcore/base/text.hpp"
 #include "libcore/check/parallel.hpp"
 #include "libcore/check/random.hpp"
 #include "libcore/check/random_hand.hpp"
 #include "libcore/check/state_distance.hpp"
-#include "libcore/base/text.hpp"
 #include "libcore/haptic/traversal.hpp"
 
 namespace hapgrid {
@@ -244,8 +244,8 @@ void Walked::add(Walked&& later) {
   failed.add(std::move(later.failed));
 }
 
-Walked walk_grid(const Grid& grid, std::uint64_t walks, std::uint64_t seed, const WalkModels& models,
-                 int threads, std::atomic<std::uint64_t>& walks_done) {
+Walked walk_grid(const Grid& grid, std::uint64_t walks, std::uint64_t seed,
+                 const WalkModels& models, int threads, std::atomic<std::uint64_t>& walks_done) {
   std::deque<Walker> walkers;
   for (int t = 0; t < threads; ++t) walkers.emplace_back(grid, models);
   std::vector<Walked> found(walks);

@@ -1,12 +1,12 @@
 // What play does off the grid's points, against what the model does there.
 //
 // A random hand walks through the box. Play follows it (haptic/traversal.hpp), and so does the
-// model, from the same state, by C in steps that are small against the spacing. After some steps the
-// two are compared. They differ for two reasons:
+// model, from the same state, by C in steps that are small against the spacing. After some steps
+// the two are compared. They differ for two reasons:
 // - Play interpolates. This error falls with the spacing.
 // - A branch ends. The model changes its branch at one place; play changes it corner by corner at
-//   the faces of nearby cells, and blends the branches in between. This error is the distance of the
-//   branches, whatever the spacing; only the region where it occurs shrinks.
+//   the faces of nearby cells, and blends the branches in between. This error is the distance of
+//   the branches, whatever the spacing; only the region where it occurs shrinks.
 // The model itself says which reason applies: C from each corner of the cell, with the record that
 // play has there, must lead to the state of the model that walked, and C from there back to the
 // record. Where that holds for all corners, there is one branch, and the error is the
@@ -16,8 +16,8 @@
 // Places where all corners and the model are in one state are called empty and counted apart:
 // otherwise a larger box would look more accurate.
 //
-// The state of the same place is interpolated again from every other point of the grid, as in a grid
-// of twice the spacing. This tells how the error falls with the spacing (accuracy.hpp).
+// The state of the same place is interpolated again from every other point of the grid, as in a
+// grid of twice the spacing. This tells how the error falls with the spacing (accuracy.hpp).
 #pragma once
 
 #include <atomic>
@@ -81,7 +81,7 @@ struct WalkModels {
 
 /// @param walks how many; each is drawn by its own number and `seed` alone.
 /// @param walks_done counts up meanwhile.
-Walked walk_grid(const Grid& grid, std::uint64_t walks, std::uint64_t seed, const WalkModels& models,
-                 int threads, std::atomic<std::uint64_t>& walks_done);
+Walked walk_grid(const Grid& grid, std::uint64_t walks, std::uint64_t seed,
+                 const WalkModels& models, int threads, std::atomic<std::uint64_t>& walks_done);
 
 }  // namespace hapgrid

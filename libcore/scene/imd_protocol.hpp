@@ -53,9 +53,9 @@ struct ImdUnits {
 /// A frame of version 2 has the messages ENERGIES (if the model has an energy) and FCOORDS. A frame
 /// of version 3 has TIME, ENERGIES (likewise), BOX, FCOORDS and FORCES. TIME has the time and the
 /// length of a tick in ps. BOX has the edges of the grid's box, which is not periodic, and whose
-/// corner need not be at 0. FORCES has the force on the HIP as it was sent to the device, a newton as
-/// one kJ/(mol angstrom), and zero for the spheres. The step is the tick; ENERGIES has 32 bits for
-/// it, so it is at most 2^31 - 1 there. Total and potential energy are the model's; all other
+/// corner need not be at 0. FORCES has the force on the HIP as it was sent to the device, a newton
+/// as one kJ/(mol angstrom), and zero for the spheres. The step is the tick; ENERGIES has 32 bits
+/// for it, so it is at most 2^31 - 1 there. Total and potential energy are the model's; all other
 /// energies and the temperature are 0.
 class ImdEncoder {
  public:

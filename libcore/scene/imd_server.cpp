@@ -167,8 +167,8 @@ bool ImdServer::all_clients(Predicate&& predicate) const {
   return std::all_of(clients_.begin(), clients_.end(), predicate);
 }
 
-/// The thread. Whatever clients do, the work of a cycle is bounded: the number of clients, the bytes
-/// of each, and the new clients. A cycle lasts a while, in which others get the lock.
+/// The thread. Whatever clients do, the work of a cycle is bounded: the number of clients, the
+/// bytes of each, and the new clients. A cycle lasts a while, in which others get the lock.
 void ImdServer::run() {
   std::vector<pollfd> polled;
   std::unique_lock lock(mutex_);

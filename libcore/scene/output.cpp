@@ -20,8 +20,8 @@ namespace {
 
 constexpr int kAskEvery_ms = 20;
 
-/// While an object lives, the calling thread gets EPIPE and no SIGPIPE. A pending SIGPIPE is removed
-/// at the end, so that it does not arrive later.
+/// While an object lives, the calling thread gets EPIPE and no SIGPIPE. A pending SIGPIPE is
+/// removed at the end, so that it does not arrive later.
 class NoSigpipe {
  public:
   NoSigpipe() {
@@ -47,8 +47,8 @@ class NoSigpipe {
 }  // namespace
 
 FrameOutput::FrameOutput(OutputFile file) : file_(std::move(file)) {
-  // A pipe that poll() calls writable takes PIPE_BUF bytes. O_NONBLOCK would work for any number, but
-  // it belongs to the pipe: other writers would see it too.
+  // A pipe that poll() calls writable takes PIPE_BUF bytes. O_NONBLOCK would work for any number,
+  // but it belongs to the pipe: other writers would see it too.
   struct stat status {};
   const bool regular = ::fstat(file_.fd(), &status) == 0 && S_ISREG(status.st_mode);
   piece_ = regular ? std::numeric_limits<std::size_t>::max() : PIPE_BUF;

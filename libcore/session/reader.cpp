@@ -56,7 +56,8 @@ std::uint64_t SessionReader::read_header() {
   // Most headers are small.
   std::size_t size = 0;
   std::span<const std::byte> bytes;
-  for (std::uint64_t window : {std::uint64_t{1} << 16, std::uint64_t{zstd_frame_bound(kHeaderLimit)}})
+  for (std::uint64_t window :
+       {std::uint64_t{1} << 16, std::uint64_t{zstd_frame_bound(kHeaderLimit)}})
     if (size == 0) size = zstd_frame_size(bytes = bytes_at(0, window));
   if (size == 0) fail(0, "not a session, or its header is cut");
   decode(bytes.first(size), 0, kHeaderLimit, [&] { header_ = decode_header(message_); });
@@ -99,9 +100,9 @@ void SessionReader::check_index(std::uint64_t header_end, std::uint64_t footer) 
   digests.reserve(footer_.chunks.size() + 1);
   for (const ChunkEntry& chunk : footer_.chunks) {
     if (chunk.offset != offset || chunk.size == 0 || chunk.size > footer - offset ||
-        chunk.size > zstd_frame_bound(kChunkLimit) || chunk.ticks == 0 || chunk.ticks > kChunkTicks ||
-        chunk.last < chunk.first || chunk.last - chunk.first < chunk.ticks - 1 ||
-        (before && chunk.first <= before->last))
+        chunk.size > zstd_frame_bound(kChunkLimit) || chunk.ticks == 0 ||
+        chunk.ticks > kChunkTicks || chunk.last < chunk.first ||
+        chunk.last - chunk.first < chunk.ticks - 1 || (before && chunk.first <= before->last))
       throw FormatError("damaged: the index does not fit the file");
     offset += chunk.size;
     ticks += chunk.ticks;

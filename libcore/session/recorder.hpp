@@ -1,10 +1,10 @@
 // From the haptic loop to a session's file.
 //
-// Problem. The loop must never wait for a disk, nor for a compressor. In a paced play the loop copies
-// each tick into a ring that was allocated before. A slow thread looks into the ring every 20 ms,
-// compresses and writes; the loop does not wake it, since that would be a system call. When the ring
-// is full because the disk is slow, ticks are dropped and counted. A play without a pace has no
-// deadlines: it writes every tick itself.
+// Problem. The loop must never wait for a disk, nor for a compressor. In a paced play the loop
+// copies each tick into a ring that was allocated before. A slow thread looks into the ring every
+// 20 ms, compresses and writes; the loop does not wake it, since that would be a system call. When
+// the ring is full because the disk is slow, ticks are dropped and counted. A play without a pace
+// has no deadlines: it writes every tick itself.
 //
 // add() takes some 0.1 us, the slow thread 1 us a tick (tests/bench/session.cpp).
 #pragma once
@@ -37,8 +37,8 @@ class SessionRecorder {
   SessionRecorder(const SessionRecorder&) = delete;
   SessionRecorder& operator=(const SessionRecorder&) = delete;
 
-  /// False when the tick is dropped: the ring is full, or writing has failed, which finish() reports.
-  /// Real-time safe in a paced play.
+  /// False when the tick is dropped: the ring is full, or writing has failed, which finish()
+  /// reports. Real-time safe in a paced play.
   bool add(const TickRecord& tick) noexcept;
   /// Ticks that add() dropped.
   std::uint64_t dropped() const noexcept { return dropped_; }

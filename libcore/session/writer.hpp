@@ -11,10 +11,11 @@
 
 namespace hapgrid {
 
-/// A session cannot be repeated: a hand was there once. So it is written chunk by chunk as NAME.part,
-/// and becomes NAME when it is whole. An interrupted session stays NAME.part, which readers refuse as
-/// truncated unless they are asked to salvage it. Alternatives: a file without a name would be lost
-/// with the process; NAME itself would destroy an old session, and half a session would look whole.
+/// A session cannot be repeated: a hand was there once. So it is written chunk by chunk as
+/// NAME.part, and becomes NAME when it is whole. An interrupted session stays NAME.part, which
+/// readers refuse as truncated unless they are asked to salvage it. Alternatives: a file without a
+/// name would be lost with the process; NAME itself would destroy an old session, and half a
+/// session would look whole.
 class SessionWriter {
  public:
   /// Writes the header at once. "-" is standard output; a device or pipe is written directly.
@@ -45,7 +46,8 @@ class SessionWriter {
   void flush();
 
   OutputFile output_;
-  ZstdFrameEncoder frames_{3};  // the slow thread has time, and a session is kept: zstd's own default
+  ZstdFrameEncoder frames_{
+      3};  // the slow thread has time, and a session is kept: zstd's own default
   std::vector<TickRecord> rows_;  // of the chunk that is being filled
   SessionFooter footer_;
   std::vector<Digest> digests_;

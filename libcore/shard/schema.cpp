@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "libcore/base/error.hpp"
+#include "libcore/grid/box_message.hpp"
 
 namespace hapgrid {
 
@@ -100,20 +101,8 @@ Equality::Norm decode_norm(schema::Equality::Norm norm) {
   throw FormatError("a tolerance function of a kind that this version does not know");
 }
 
-void encode_box(const Box& box, schema::Box::Builder out) {
-  out.setOriginX(box.origin[0]);
-  out.setOriginY(box.origin[1]);
-  out.setOriginZ(box.origin[2]);
-  out.setSpacing(box.spacing);
-  out.setCountX(box.counts[0]);
-  out.setCountY(box.counts[1]);
-  out.setCountZ(box.counts[2]);
-}
-
 Box decode_box(schema::Box::Reader in) {
-  const Box box{{in.getOriginX(), in.getOriginY(), in.getOriginZ()},
-                in.getSpacing(),
-                {in.getCountX(), in.getCountY(), in.getCountZ()}};
+  const Box box = get_box(in);
   try {
     box.validate();
   } catch (const Error& e) {
@@ -169,7 +158,7 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   out.setContent(header.content == Content::kGrid ? schema::Header::Content::GRID
                                                   : schema::Header::Content::REQUESTS);
   out.setGeneration(header.generation);
-  encode_box(spec.box, out.initBox());
+  set_box(out.initBox(), spec.box);
   out.setModel(spec.model);
   auto parameters = out.initParameters(static_cast<unsigned>(spec.parameters.size()));
   for (unsigned i = 0; i < parameters.size(); ++i)

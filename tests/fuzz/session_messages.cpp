@@ -1,5 +1,5 @@
-// Sessions as messages: header, ticks, footer. The places and the digests of the zstd frames are put into
-// the footer, all else that it says is the input's.
+// Sessions as messages: header, ticks, footer. The places and the digests of the zstd frames are
+// put into the footer, all else that it says is the input's.
 #include "libcore/base/locator.hpp"
 #include "libcore/base/zstd_frame.hpp"
 #include "tests/fuzz/messages.hpp"

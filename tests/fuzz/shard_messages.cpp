@@ -44,8 +44,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const Digest header = digest_of(bytes_of(messages.front()));
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const bool last = i > 0 && i + 1 == messages.size();
-    if (last)
-      refusable([&] { messages[i] = with_sizes_and_digests(messages[i], footer, header); });
+    if (last) refusable([&] { messages[i] = with_sizes_and_digests(messages[i], footer, header); });
     const std::span<const std::byte> bytes = encoder.encode(bytes_of(messages[i]));
     append(shard, bytes);
     const auto stored = static_cast<std::uint32_t>(bytes.size());

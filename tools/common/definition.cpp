@@ -8,7 +8,8 @@
 namespace hapgrid {
 
 void add_definition(CLI::App& app, DefinitionOptions& options) {
-  app.add_option("definition", options.file, "The definition, see hapgrid-seed(1) ('-': standard input)")
+  app.add_option("definition", options.file,
+                 "The definition, see hapgrid-seed(1) ('-': standard input)")
       ->type_name("MODEL.toml")
       ->required();
   app.add_option("--set", options.overrides,

@@ -62,7 +62,7 @@ class HelpFormatter : public CLI::Formatter {
 void set_help(CLI::App& app, const std::string& name, const std::string& details,
               const std::string& more_exits) {
   app.name(name);
-  app.set_version_flag("--version", "hapgrid " + name + " " HAPGRID_VERSION);
+  app.set_version_flag("--version", "hapgrid " + name + " " HAPGRID_VERSION)->group("Options");
   app.formatter(std::make_shared<HelpFormatter>());
   app.footer(details + (details.empty() ? "" : "\n") +
              "Exit codes:\n"

@@ -1,9 +1,9 @@
 #include "tools/common/tool.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fcntl.h>
 #include <malloc.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -20,7 +20,6 @@
 namespace hapgrid {
 
 namespace {
-
 
 /// A standard stream that was closed (`tool <&-`) would be taken by the first file that is opened,
 /// and a message could end up in a shard. What is put in its place fails when it is used.

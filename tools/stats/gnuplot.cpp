@@ -45,7 +45,8 @@ std::string complaint(int fd) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string line = text.substr(begin, end - begin);
     const std::size_t word = line.find_first_not_of(" \t^");
-    if (word != line.npos && line.find("arning") == line.npos) last = printable_line(line.substr(word));
+    if (word != line.npos && line.find("arning") == line.npos)
+      last = printable_line(line.substr(word));
     begin = end + 1;
   }
   return last;

@@ -8,9 +8,9 @@
 #include <string_view>
 
 #include "libcore/base/file.hpp"
+#include "libcore/grid/spec.hpp"
 #include "tools/stats/motion_log.hpp"
 #include "tools/stats/slice.hpp"
-#include "libcore/grid/spec.hpp"
 
 namespace hapgrid {
 

@@ -208,7 +208,8 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Cos
                  vector_text(spec.box.origin) + " to " +
                  vector_text(spec.box.position(GridCoordinates{n[0] - 1, n[1] - 1, n[2] - 1})));
   row("state", std::to_string(spec.state_size) + " component" + (spec.state_size == 1 ? "" : "s") +
-                   ", tolerance " + rounded(spec.tolerance) + " " + printable_line(spec.tolerance_unit));
+                   ", tolerance " + rounded(spec.tolerance) + " " +
+                   printable_line(spec.tolerance_unit));
   std::string stored;
   for (const std::string& name : stored_names(spec)) stored += (stored.empty() ? "" : ", ") + name;
   if (spec.stored.shape) stored += " of " + std::to_string(spec.spheres.size()) + " spheres";

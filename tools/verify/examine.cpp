@@ -52,7 +52,9 @@ class Examiner {
 
   /// A model that is asked for forces and for equality, and never for a conversion.
   std::unique_ptr<Model> judge() const { return judging_model(grid_.spec(), asked_.model.path); }
-  ModelFunctions make_model() const { return model_functions(create_model(*source_, grid_.spec())); }
+  ModelFunctions make_model() const {
+    return model_functions(create_model(*source_, grid_.spec()));
+  }
 
   void ask_model_again() {
     const auto sample = sample_records(grid_, asked_.recompute, asked_.sample_seed);

@@ -30,8 +30,8 @@ class TerminalPixels {
   bool symbols() const { return pixel_mode_ == CHAFA_PIXEL_MODE_SYMBOLS; }
   bool kitty() const { return pixel_mode_ == CHAFA_PIXEL_MODE_KITTY; }
 
-  /// The picture on columns x rows cells of cell_width x cell_height pixels, as its rows of text. An
-  /// image is one row. There are no line breaks.
+  /// The picture on columns x rows cells of cell_width x cell_height pixels, as its rows of text.
+  /// An image is one row. There are no line breaks.
   std::vector<std::string> encode(const Image& image, int columns, int rows, int cell_width,
                                   int cell_height) const;
 

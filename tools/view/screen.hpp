@@ -15,8 +15,9 @@ struct TerminalSize {
 
 TerminalSize terminal_size();
 
-/// Handles the signals that end or stop a program, and the one for a new size, from now on: they are
-/// kept for the functions below, and `eventfd` is written. Ignored signals stay ignored (nohup).
+/// Handles the signals that end or stop a program, and the one for a new size, from now on: they
+/// are kept for the functions below, and `eventfd` is written. Ignored signals stay ignored
+/// (nohup).
 void watch_signals(int eventfd);
 /// Writes to that eventfd, from any thread.
 void wake();

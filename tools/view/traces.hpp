@@ -64,8 +64,8 @@ std::vector<Column> columns(const Traces& traces, int count);
 /// A number for people, three significant digits: "0.513", "1.2e+06".
 std::string three_digits(double value);
 
-/// "t 3.24 s   force 0.513 N   energy 12.3 kJ/mol   levels 0 1   dropped 2": the energy if the model
-/// has one, the levels in the cell's corners, and the number of frames that were never drawn.
+/// "t 3.24 s   force 0.513 N   energy 12.3 kJ/mol   levels 0 1   dropped 2": the energy if the
+/// model has one, the levels in the cell's corners, and the number of frames that were never drawn.
 std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dropped);
 
 }  // namespace hapgrid

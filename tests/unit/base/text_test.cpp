@@ -45,6 +45,7 @@ TEST_CASE("hostile strings become printable") {
   CHECK(printable_line("a b~") == "a b~");
   CHECK(printable_line("\x1b[2J\n\x7f") == " [2J  ");
   CHECK(printable_line("\xc3\xa9 \xe2\x88\x92") == "\xc3\xa9 \xe2\x88\x92");
-  CHECK(printable_line("\xc2\x9b" "2J \xff \xc3") == "??2J ? ?");  // CSI in eight bits; no UTF-8
+  CHECK(printable_line("\xc2\x9b"
+                       "2J \xff \xc3") == "??2J ? ?");  // CSI in eight bits; no UTF-8
   CHECK(printable_line("abcd", 3) == "abc");
 }

@@ -34,7 +34,8 @@ Words draw_content(std::mt19937_64& random) {
   return words;
 }
 
-std::vector<std::byte> encode(const Words& content, int level, ZstdFrameEncoder::Literals literals) {
+std::vector<std::byte> encode(const Words& content, int level,
+                              ZstdFrameEncoder::Literals literals) {
   ZstdFrameEncoder encoder(level, literals);
   const auto frame = encoder.encode(std::as_bytes(std::span(content)));
   return {frame.begin(), frame.end()};

@@ -129,8 +129,7 @@ TEST_CASE("the spacing that is told reaches the wanted error, and no coarser one
         other.counts[a] =
             1 + static_cast<std::uint32_t>((box.counts[a] - 1) * 0.25 / other.spacing);
       const Grid finer = grid_of(squares, other);
-      const double reached =
-          figure(row(finer, walk(finer, model_of(squares), 300)), "state 99 %");
+      const double reached = figure(row(finer, walk(finer, model_of(squares), 300)), "state 99 %");
       CHECK((reached <= wanted) == (factor < 1));
     }
   }
@@ -183,8 +182,7 @@ TEST_CASE("places without change are counted apart, and walks begin where there 
   CHECK(walked.one_branch.size() > walked.places / 10);
   // What the grid steps over is not empty: the corners are, the model is not.
   const Field narrow = [](const Vec3& x) { return std::abs(x[0] - 0.25) < 0.2 ? 1.0 : 0.0; };
-  const Walked missed =
-      walk(grid_of(narrow, {{0, 0, 0}, 0.5, {2, 1, 1}}), model_of(narrow), 20);
+  const Walked missed = walk(grid_of(narrow, {{0, 0, 0}, 0.5, {2, 1, 1}}), model_of(narrow), 20);
   CHECK(missed.state.value == 1);
 }
 
@@ -251,6 +249,7 @@ TEST_CASE("a walk depends on its number and the seed alone") {
   const std::vector<double> twenty = errors_of(walk(grid, model, 20, 1));
   CHECK(errors_of(walk(grid, model, 20, 3)) == twenty);
   const std::vector<double> seven = errors_of(walk(grid, model, 7, 2));
-  CHECK(seven == std::vector<double>(twenty.begin(), twenty.begin() + std::ptrdiff_t(seven.size())));
+  CHECK(seven ==
+        std::vector<double>(twenty.begin(), twenty.begin() + std::ptrdiff_t(seven.size())));
   CHECK(errors_of(walk(grid, model, 20, 1, 2)) != twenty);
 }

@@ -11,9 +11,9 @@ using namespace hapgrid;
 namespace {
 
 std::vector<Check> all_checks(const Grid& grid, double tolerance = 1e-6) {
-  std::vector<Check> checks{
-      check_complete(grid, 1), check_coverage(grid, 1), check_links(grid, 1),
-      check_finite(grid, 1), check_distinct(grid, tiny::model(tolerance).same)};
+  std::vector<Check> checks{check_complete(grid, 1), check_coverage(grid, 1), check_links(grid, 1),
+                            check_finite(grid, 1),
+                            check_distinct(grid, tiny::model(tolerance).same)};
   for (Check& check : check_reachable(grid)) checks.push_back(std::move(check));
   std::atomic<std::uint64_t> done{0};
   checks.push_back(check_fidelity(
@@ -225,11 +225,11 @@ TEST_CASE("what threads find in blocks of points is joined in the order of the p
     const Check complete = check_complete(grid, threads);
     CHECK(complete.found.counted == 10000);
     CHECK(complete.found.offenders == 10);
-    CHECK(complete.found.first ==
-          std::vector<std::string>{
-              "point 999 (999, 0, 0) level 0", "point 1999 (1999, 0, 0) level 0",
-              "point 2999 (2999, 0, 0) level 0", "point 3999 (3999, 0, 0) level 0",
-              "point 4999 (4999, 0, 0) level 0"});
+    CHECK(complete.found.first == std::vector<std::string>{"point 999 (999, 0, 0) level 0",
+                                                           "point 1999 (1999, 0, 0) level 0",
+                                                           "point 2999 (2999, 0, 0) level 0",
+                                                           "point 3999 (3999, 0, 0) level 0",
+                                                           "point 4999 (4999, 0, 0) level 0"});
     CHECK(check_finite(grid, threads).found.offenders == 10);
     CHECK(check_coverage(grid, threads).found.offenders == 0);
     // Both ends lead out of the box, and the frontier's links are not settled.

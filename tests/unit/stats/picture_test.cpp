@@ -3,9 +3,9 @@
 #include <sstream>
 
 #include "libcore/base/error.hpp"
+#include "tests/unit/check/tiny_grid.hpp"
 #include "tools/stats/motion_log.hpp"
 #include "tools/stats/slice.hpp"
-#include "tests/unit/check/tiny_grid.hpp"
 
 using namespace hapgrid;
 

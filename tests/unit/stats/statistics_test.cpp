@@ -86,9 +86,9 @@ TEST_CASE("the statistics as text") {
 TEST_CASE("cost files add up") {
   CostSums sums;
   add_costs(sums, "a",
-              "{\"tool\":\"expand\",\"wall_seconds\":1,\"cpu_seconds\":1.5,\"conversions\":100,"
-              "\"host\":\"h\",\"generation\":0,\"part\":1,\"parts\":2}\n"
-              "{\"tool\":\"merge\",\"cpu_seconds\":2,\"conversions\":0}\n");
+            "{\"tool\":\"expand\",\"wall_seconds\":1,\"cpu_seconds\":1.5,\"conversions\":100,"
+            "\"host\":\"h\",\"generation\":0,\"part\":1,\"parts\":2}\n"
+            "{\"tool\":\"merge\",\"cpu_seconds\":2,\"conversions\":0}\n");
   add_costs(sums, "b", "{\"cpu_seconds\": 1e-1, \"conversions\": 4000000000000}");
   add_costs(sums, "c", "");
   CHECK(sums.lines == 3);
