@@ -1,6 +1,7 @@
 #!/bin/bash
 # Shards that are cut, flipped, or made to do harm: one line, exit code 1, nothing written, and no
-# more memory or time than an honest shard takes. The faults are in streams/.
+# more memory or time than an honest shard takes. The faults are in streams/. With STREAMS=all each is put
+# before all filters that read such a shard.
 source "$(dirname "$0")/../cli/lib.sh"
 export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
 
@@ -22,6 +23,6 @@ expand toy.seeds -o toy.requests
 seed toy.toml --set model.parameters.state_size=3000 --set search.max_levels=25 --set 'grid.counts=[5,5,5]' \
   --set 'seeds={points = [[0, 0, 0]]}' | expand --complete -o toy.grid
 
-slow=0
-if sanitized; then slow=1; fi
-exec python3 "$here/streams" $slow "${1:-}"
+which=${STREAMS:-some}
+if sanitized; then which=sanitized; fi
+exec python3 "$here/streams" "$which" "${1:-}"

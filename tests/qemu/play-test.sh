@@ -4,11 +4,11 @@
 source "$(dirname "$0")/lib.sh"
 
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o ball.grid
-# The hand: there and back along x, 100 mm a second, as a line a report at 5 kHz; then it rests. The
+# The hand: there and back along x, 200 mm a second, as a line a report at 5 kHz; then it rests. The
 # reach of 0.2 m fills the box of 1.9 along x: 9.5 units a metre.
 python3 - >positions.txt <<'PYTHON'
-for i in range(10000):
-    x = 20 * i if i < 5000 else 20 * (10000 - i)
+for i in range(5000):
+    x = 40 * i if i < 2500 else 40 * (5000 - i)
     print(x - 80000, 0, 0)
 PYTHON
 cat >profile.toml <<'TOML'
@@ -47,22 +47,22 @@ summary() {
   grep ' out ' /tmp/record | cut -d' ' -f2-5 | tail -n 1
 }
 
-echo "== 10000 ticks"
+echo "== 5000 ticks"
 device
-$play --duration 2 --log /tmp/log.session --report /tmp/report >/dev/null
+$play --duration 1 --log /tmp/log.session --report /tmp/report >/dev/null
 echo "exit $?"
 over
 echo "== report"; cat /tmp/report
 echo "== record"; grep ' out ' /tmp/record | cut -d' ' -f3-5
 echo "== session"; base64 /tmp/log.session
 echo "== unplugged"
-device --unplug-after 4500; $play >/dev/null; echo "exit $?"; over; summary
+device --unplug-after 2250; $play >/dev/null; echo "exit $?"; over; summary
 echo "== silent"
-device --unplug-after 4500 --silent 200; $play >/dev/null; echo "exit $?"; over; summary
+device --unplug-after 2250 --silent 200; $play >/dev/null; echo "exit $?"; over; summary
 echo "== interrupted"
-device; timeout -s INT 1 $play >/dev/null; echo "exit $?"; over; summary
+device; timeout -s INT 0.5 $play >/dev/null; echo "exit $?"; over; summary
 echo "== killed"
-device; timeout -s KILL 1 $play >/dev/null; echo "exit $?"; usleep 300000; over; summary
+device; timeout -s KILL 0.5 $play >/dev/null; echo "exit $?"; usleep 300000; over; summary
 echo "== descriptor"
 device; play --list-devices; play --dump-descriptor 16c0:0486; over
 echo "== pid"

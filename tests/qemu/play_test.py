@@ -18,19 +18,18 @@ def exit_code(lines):
     return [line for line in lines if line.startswith("exit ")]
 
 
-# 10,000 ticks at 5 kHz, none missed.
+# 5,000 ticks at 5 kHz, none missed.
 report = json.loads("\n".join(parts["report"]))
-assert report["ticks"] == 10000 and report["missed"] == 0 and report["overruns"] == 0, report
+assert report["ticks"] == 5000 and report["missed"] == 0 and report["overruns"] == 0, report
 assert report["device"] == "test device" or "test device" in report["device"], report
-assert exit_code(parts["10000 ticks"]) == ["exit 0"], parts["10000 ticks"]
+assert exit_code(parts["5000 ticks"]) == ["exit 0"], parts["5000 ticks"]
 open(session, "wb").write(base64.b64decode("".join(parts["session"])))
 forces = [tuple(map(int, line.split())) for line in parts["record"]]
-assert len(forces) > 5000 and forces[-1] == (0, 0, 0), (len(forces), forces[-3:])
+assert len(forces) > 2500 and forces[-1] == (0, 0, 0), (len(forces), forces[-3:])
 strongest = max(abs(f[0]) for f in forces)
 assert strongest > 100, ("no contact was felt", strongest)
-print("10000 ticks: %d reports of force, p99 of lateness %g us, of computing %g us" % (
+print("5000 ticks: %d reports of force, p99 of lateness %g us, of computing %g us" % (
     len(forces), report["lateness"]["p99_us"], report["compute"]["p99_us"]))
-
 
 
 def felt(lines):

@@ -1,6 +1,7 @@
-"""python3 streams SLOW [CASES]: feeds bad shards to the filters; called by streams.sh in its directory.
+"""python3 streams some|all|sanitized [CASES]: feeds bad shards to the filters; called by streams.sh in its directory.
 
-SLOW: the filters have sanitizers, which take memory and time. CASES: only tests whose name has this.
+some: each shard goes to one filter that reads it, not to all. sanitized: so, too, since the filters have
+sanitizers, which take memory and time. CASES: only tests whose name has this.
 """
 
 import damaged

@@ -1,9 +1,7 @@
-"""Shards that are cut at the ends of their parts or have a bit flipped here and there, through each filter
-that reads them. Every bit and every byte: bad/every-bit, which reads them in one process."""
+"""Shards that are cut at the ends of their parts, through each filter that reads them. Every bit and every
+byte: bad/every-bit, which reads them in one process."""
 
 import itertools
-import os
-import re
 import struct
 
 from filters import *
@@ -42,39 +40,3 @@ for kind, (whole, commands) in READERS.items():
         later_refused("%s: a zstd frame for all" % kind, command, shard.joined([shard.frame(shard.decompress(whole))]), "bytes behind the message")
         later_refused("%s: two messages in a zstd frame" % kind, command,
                       shard.joined([shard.frame(b"".join(map(shard.decompress, parts[:2]))), parts[2]]), "truncated|damaged|bytes behind")
-
-# Flipped: a prime number of bytes apart.
-
-
-def flipped(kind, command, whole, at, mask, right):
-    name = "flip %s at %d by %d" % (kind, at, mask)
-    if ONLY not in name:
-        return
-    file = "bad.%d" % next(numbers)
-    bad = bytearray(whole)
-    bad[at] ^= mask
-    with open(file, "wb") as stream:
-        stream.write(bad)
-    words = [file if w == "BAD" else w for w in command.split()]
-    code, stdout, stderr, _ = run(words)
-    os.unlink(file)
-    # A bit without meaning, in a zstd frame's header, may be overlooked.
-    if code == 0 and stdout == right and not stderr:
-        return
-    if code != 1 or not re.fullmatch("%s: [^\n]+\n" % words[0], stderr):
-        failures.append("%s: %s: exit code %d\n  %s" % (name, command, code, stderr[:400]))
-
-
-for kind, command in (
-    ("seeds", "expand BAD"),
-    ("requests", "merge seeds BAD"),
-    ("next", "merge next.requests BAD"),
-    ("grid", "stats --dump BAD"),
-    ("small", "stats --dump BAD"),
-    ("toy.requests", "merge BAD toy.seeds"),
-):
-    whole = READERS[kind][0]
-    code, right, stderr, _ = run([kind if w == "BAD" else w for w in command.split()])
-    assert code == 0, stderr
-    for at in range(0, len(whole), 23 if SLOW else 7):
-        later(flipped, kind, command, whole, at, 1 << at % 8, right)

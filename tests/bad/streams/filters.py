@@ -1,6 +1,6 @@
 """The shards of streams.sh, the filters that read them, and how one refuses a bad one; jobs run in threads.
 
-Arguments of the program: SLOW [CASES], see __main__.py.
+Arguments of the program: some|all|sanitized [CASES], see __main__.py.
 """
 
 import concurrent.futures
@@ -15,7 +15,8 @@ import threading
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "cli"))
 import shard
 
-SLOW = sys.argv[1] == "1"
+ALL = sys.argv[1] == "all"
+SLOW = sys.argv[1] == "sanitized"
 ONLY = sys.argv[2] if len(sys.argv) > 2 else ""
 MEMORY_MB = 200  # an honest shard of this size takes some 10 MB
 SECONDS = 60 if SLOW else 10
@@ -100,7 +101,7 @@ def later_refused(*arguments):
 SEEDS, REQUESTS, GRID, NEXT, SMALL = map(read, ("seeds", "requests", "grid", "next", "small"))
 TOY_SEEDS, TOY_REQUESTS = map(read, ("toy.seeds", "toy.requests"))
 
-# The commands that read each kind of shard; where they are slow, one of them each.
+# The commands that read each kind of shard; unless it is all, one of them each.
 READERS = {
     "seeds": (SEEDS, ["expand BAD", "expand --complete BAD", "merge BAD requests", "stats BAD", "verify BAD"]),
     "requests": (REQUESTS, ["merge seeds BAD"]),
@@ -110,7 +111,7 @@ READERS = {
     "toy.seeds": (TOY_SEEDS, ["expand BAD", "merge toy.requests BAD"]),
     "toy.requests": (TOY_REQUESTS, ["merge toy.seeds BAD"]),
 }
-if SLOW:
+if not ALL:
     READERS = {kind: (whole, commands[:1]) for kind, (whole, commands) in READERS.items()}
 
 

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Table 2 of the paper at 12 points a side: both molecules through shards, verified; the bytes do not
+# Table 2 of the paper at 8 points a side: both molecules through shards, verified; the bytes do not
 # depend on the number of parts.
 source "$(dirname "$0")/../lib.sh"
 sanitized && skip "it takes minutes; what it computes with is in unit/molecule, and smaller in cli/view/window"
@@ -7,14 +7,14 @@ sanitized && skip "it takes minutes; what it computes with is in unit/molecule, 
 molecules=$HAPGRID_SOURCE/examples/molecule
 [[ $(seed "$molecules/alanine-dipeptide/alanine-dipeptide.toml" | stats --get box.counts) == '[30,30,30]' ]] ||
   fail "alanine dipeptide has no 30 points a side"
-"$molecules/table2" 12 >table 2>err || fail "$(cat err)"
+"$molecules/table2" 8 >table 2>err || fail "$(cat err)"
 same "grids that were verified" 2 "$(grep -cE '^verify: fine: [0-9]+ checks' err)"
 for m in alanine-dipeptide leu-enkephalin; do
   # The substep is fine enough: at most one conversion in a thousand depends on it.
   "$HAPGRID_BUILD/bench/bench_substeps" table2/$m.grid 200 >substeps
   awk -F '[(%]' '/^substep/ { seen = 1; if ($2 > 0.1) exit 1 } END { exit !seen }' substeps || fail "$(tail -n 1 substeps)"
 done
-seed "$molecules/alanine-dipeptide/alanine-dipeptide.toml" --set "grid.counts=[12,12,12]" \
+seed "$molecules/alanine-dipeptide/alanine-dipeptide.toml" --set "grid.counts=[8,8,8]" \
   --set "grid.spacing=$(stats --get box.spacing table2/alanine-dipeptide.grid)" |
   expand --complete -j 2 | cmp - table2/alanine-dipeptide.grid
 

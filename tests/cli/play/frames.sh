@@ -91,9 +91,6 @@ PYTHON
 same "paced frames" "$(sed -nE 's/.*"frames": ([0-9]+),.*/\1/p' json)" \
   "$(sed -nE 's/play: frames written ([0-9]+), dropped [0-9]+/\1/p' err)"
 
-# Viewers that die, sleep or wake up late.
-python3 "$here/viewers.py" grid path
-
 # A signal: the frames so far are a whole file.
 # A shell starts background commands with SIGINT ignored; env undoes that.
 for i in {1..500}; do echo "0.0$i 0 0"; done >slow

@@ -31,11 +31,9 @@ def header(kind, length=0):
 class Client:
     """Says GO in the constructor, unless told otherwise; finds out version and byte order."""
 
-    def __init__(self, port, go=True, buffer=None):
+    def __init__(self, port, go=True):
         self.socket = socket.socket()
         self.socket.settimeout(LONG)
-        if buffer:
-            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
         self.socket.connect(("127.0.0.1", port))
         kind, = struct.unpack(">i", self.take(4))
         assert kind == HANDSHAKE, kind
@@ -241,33 +239,6 @@ def hostile():
         assert a.read() == b.read()
 
 
-def asleep():
-    """A viewer that never reads, without a pace: play ends, the other one gets whole frames in their
-    order, the last among them, and the sleeper is closed after 5 s."""
-    count = 1000 * 40
-    with open(PATH) as file:
-        lines = file.readlines()
-    with open("many", "w") as file:
-        file.writelines((lines * (count // len(lines) + 1))[:count])
-    play = Play("--imd-version", "3", *WAIT_FOR_VIEWER, "--frames", "asleep.frames",
-                path="many")
-    sleeper = Client(play.port, go=False, buffer=4096)
-    sleeper.socket.sendall(header(GO))
-    # Now play begins, and goes on slowly while the sleeper's buffers are full.
-    reader = Client(play.port)
-    got = reader.rest()
-    lines = play.end()
-    viewers, sent, dropped, slow = counts(lines)
-    assert viewers == 2 and slow == 1, lines
-    frames = expected("asleep.frames", 3, 1000, reader.order)
-    size = len(frames[0])
-    assert len(got) % size == 0
-    place = {frame: i for i, frame in enumerate(frames)}
-    numbers = [place[got[i:i + size]] for i in range(0, len(got), size)]
-    assert numbers == sorted(set(numbers)) and numbers[-1] == len(frames) - 1, numbers
-    sleeper.socket.close()
-
-
 def stopped():
     """SIGINT while play waits for a viewer."""
     play = Play(*WAIT_FOR_VIEWER)
@@ -292,5 +263,4 @@ exact()
 if MODEL == "ball":
     in_use()
     hostile()
-    asleep()
     stopped()

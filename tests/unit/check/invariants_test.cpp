@@ -58,15 +58,6 @@ TEST_CASE("records that wait in the frontier are only incomplete") {
         Broken{{"complete", {"point 1 (1, 0, 0) level 0", "point 2 (2, 0, 0) level 0"}}});
 }
 
-TEST_CASE("seed records alone leave points uncovered") {
-  RecordColumns seeds;
-  tiny::add(seeds, 0, 0, 0, 0, kLeavesBox, kUnsettled);
-  tiny::add(seeds, 3, 0, 0, 0, kUnsettled, kLeavesBox);
-  CHECK(broken(all_checks(Grid(tiny::spec(), 0, seeds))) ==
-        Broken{{"complete", {"point 0 (0, 0, 0) level 0", "point 3 (3, 0, 0) level 0"}},
-               {"coverage", {"point 1 (1, 0, 0)", "point 2 (2, 0, 0)"}}});
-}
-
 TEST_CASE("an empty grid covers nothing") {
   const auto found = broken(all_checks(Grid(tiny::spec(), 0, {})));
   REQUIRE(found.size() == 1);
@@ -111,19 +102,6 @@ TEST_CASE("links that cannot be") {
   }
 }
 
-TEST_CASE("a settled link in the frontier is a fault") {
-  RecordColumns records;
-  tiny::add(records, 0, 0, 0, 0, kLeavesBox, 0);
-  tiny::add(records, 1, 0, 1, +1, 0, kUnsettled);
-  tiny::add(records, 2, 0, 1, -1, kUnsettled, kUnsettled);
-  tiny::add(records, 3, 0, 0, 0, 0, kLeavesBox);
-  const Grid grid(tiny::spec(), 1, records);
-  const auto check = check_links(grid, 1);
-  CHECK(check.found.first ==
-        std::vector<std::string>{"point 1 (1, 0, 0) level 0 direction 12 (-1, 0, 0): destination "
-                                 "level 0, but the record is in the frontier"});
-}
-
 TEST_CASE("a state that is not finite") {
   auto records = tiny::records();
   records.rows[2] = std::numeric_limits<double>::quiet_NaN();
@@ -166,26 +144,6 @@ TEST_CASE("a generation that is not the distance from the seeds") {
     CHECK(broken(records) ==
           Broken{{"generations", {"point 1 (1, 0, 0) level 0: generation 2, distance 1"}}});
   }
-}
-
-TEST_CASE("a grid that is said to be older than a round behind its youngest record") {
-  const Broken found =
-      broken(all_checks(Grid(tiny::spec(), tiny::kGeneration + 1, tiny::records())));
-  CHECK(found == Broken{{"generations", {"the grid has generation 4, its youngest record 2"}}});
-}
-
-TEST_CASE("levels that are not numbered in the order in which they were found") {
-  // Point 1's levels exchanged, and all links to them: the same grid but for where play starts.
-  RecordColumns records;
-  tiny::add(records, 0, 0, 0, 0, kLeavesBox, 1);
-  tiny::add(records, 1, 0, 2, -1, 0, 0);
-  tiny::add(records, 1, 1, 1, +1, 0, 1);
-  tiny::add(records, 2, 0, 1, -1, 0, 0);
-  tiny::add(records, 2, 1, 2, +1, 1, 0);
-  tiny::add(records, 3, 0, 0, 0, 0, kLeavesBox);
-  CHECK(
-      broken(records) ==
-      Broken{{"generations", {"point 1 (1, 0, 0) level 1: generation 1, the level below has 2"}}});
 }
 
 TEST_CASE("blends are the cells at the two tear-offs") {

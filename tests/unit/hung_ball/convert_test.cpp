@@ -285,46 +285,6 @@ TEST_CASE("above the hinge the branch of φ is not felt") {
   CHECK(phi + delta < kPi + 0.01);
 }
 
-TEST_CASE("C does not depend on how a move is cut") {
-  // Cut where the substeps are: the same positions but for rounding. Cut of one substep: the same
-  // state as long as the arc is wide against the turn of φ, so that the side is beyond doubt.
-  const auto model = make();
-  int even = 0;
-  int small = 0;
-  walk(*model, kRadius, 5, 40000, 0.05, [&](double alpha, const Vec3& x, const Vec3& d) {
-    const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    const Vec3 half{d[0] / 2, d[1] / 2, d[2] / 2};
-    const auto halves = [&](const Vec3& h) {
-      return convert(*model, convert(*model, alpha, x, h), sum(x, h), h);
-    };
-    const auto same = [&](double a, double b, const Vec3& p) {
-      if (a == 0 || b == 0) return a == b;
-      // The end (x + d/2) + d/2 is off by 2u in each coordinate, and |dα/dp| is at most
-      // 1 / (ρ sin δ) = 2 / s: less than the second bound.
-      const double bound = angle_bound(*arc(p, kRadius), p);
-      return std::abs(a - b) <= 2 * bound;
-    };
-    if (static_cast<int>(std::ceil(length / (kRadius / 16))) % 2 == 0) {
-      CHECK(same(convert(*model, alpha, x, d), halves(half), sum(x, d)));
-      ++even;
-    }
-    const double shorter = 0.9 * kRadius / 16 / length;
-    const Vec3 step{shorter * d[0], shorter * d[1], shorter * d[2]};
-    const Vec3 half_step{step[0] / 2, step[1] / 2, step[2] / 2};
-    const Real turn = kRadius / 16 / 0.8;  // arcs have ρ > 1 - 2r
-    const auto wide = [&](const Vec3& p) {
-      const auto a = arc(p, kRadius);
-      return a && a->delta > 2 * turn;
-    };
-    if (wide(x) && wide(sum(x, half_step)) && wide(sum(x, step))) {
-      CHECK(same(convert(*model, alpha, x, step), halves(half_step), sum(x, step)));
-      ++small;
-    }
-  });
-  CHECK(even > 1000);
-  CHECK(small > 1000);
-}
-
 TEST_CASE("C is defined from no shift at all up to d_max in all directions, and no further") {
   const auto model = make();
   CHECK(convert(*model, 0.25, {0, 0, 0}, {0, 0, 0}) == 0.25);
