@@ -131,10 +131,11 @@ int main(int argc, char** argv) {
            "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
   add_grid(app, options.grid);
   add_output(app, options.output);
-  app.add_option("--part", options.part,
-                 "Only the K-th of N equal parts of the frontier (1 <= K <= N < 2^32), or 'auto': the "
-                 "part that srun, a job array of Slurm or mpirun gives this process. {} in the name "
-                 "of --output becomes K-of-N, and a part whose file is there is not computed again")
+  app.add_option(
+         "--part", options.part,
+         "Only the K-th of N equal parts of the frontier (1 <= K <= N < 2^32), or 'auto': the "
+         "part that srun, a job array of Slurm or mpirun gives this process. {} in the name "
+         "of --output becomes K-of-N, and a part whose file is there is not computed again")
       ->type_name("K/N|auto")
       ->capture_default_str();
   app.add_flag("--complete", options.complete,

@@ -17,9 +17,11 @@ namespace {
 
 thread_local CurrentConversion current;
 
+}  // namespace
+
 /// Conversions of a batch that one thread makes: `count` of them, from those that `todo` leaves of
 /// record `i` on.
-struct Stretch {
+struct Converter::Stretch {
   std::size_t i = 0;
   DirectionMask todo = 0;
   std::uint64_t count = 0;
@@ -29,7 +31,7 @@ struct Stretch {
 /// Deals out the conversions of a batch in ascending order, and remembers the first that failed.
 /// Which one that is does not depend on the threads: no conversion behind one that failed is given
 /// out, and all before it are.
-class Dealer {
+class Converter::Dealer {
  public:
   Dealer(const Batch& batch, std::size_t models, bool one_by_one) : batch_(batch) {
     for (std::size_t i = 0; i < batch.size(); ++i)
@@ -107,8 +109,6 @@ class Dealer {
   std::string why_;
 };
 
-}  // namespace
-
 std::unique_ptr<Model> create_model(const ModelSource& source, const GridSpec& spec) {
   std::unique_ptr<Model> model = source.create(spec.parameters);
   const ModelInfo& info = model->info();
@@ -141,40 +141,62 @@ Converter::~Converter() {
 
 const CurrentConversion& current_conversion() noexcept { return current; }
 
+void Converter::count(Stretch& stretch) {
+  progress_.conversions.fetch_add(stretch.done, std::memory_order_relaxed);
+  progress_.frontier_done.fetch_add(std::exchange(stretch.done, 0), std::memory_order_relaxed);
+}
+
+/// This is the search's inner loop: it has no calls but the dealer's, inlined, and the model's.
+void Converter::ask_plugin(Batch& batch, Dealer& dealer, Model& model) {
+  const std::size_t width = model.row_size();
+  Stretch mine;
+  std::size_t record = batch.size();  // that x is the position of
+  Vec3 x{};
+  for (std::uint64_t tag = 0; dealer.next(mine, true, tag);) {
+    const auto q = static_cast<unsigned>(tag % 32);
+    if (record != mine.i) {
+      record = mine.i;
+      x = box_.position(batch.point(record));
+      current = {batch.point(record), batch.level(record), -1};
+    }
+    current.q = static_cast<int>(q);
+    if (model.convert(batch.state(record), x, neighbourhood_.shift(static_cast<int>(q)),
+                      batch.reached(record) + q * width))
+      ++mine.done;
+    else
+      dealer.fail(tag, model.error());
+    if (mine.count == 0) count(mine);
+  }
+  current.q = -1;
+  count(mine);
+}
+
+void Converter::ask_process(Batch& batch, Dealer& dealer, Model& model) {
+  const std::size_t width = model.row_size();
+  Stretch mine;
+  model.convert_all(
+      [&](Conversion& conversion, bool idle) {
+        std::uint64_t tag = 0;
+        if (!dealer.next(mine, idle, tag)) return false;
+        const auto q = static_cast<unsigned>(tag % 32);
+        conversion = {batch.state(mine.i), box_.position(batch.point(mine.i)),
+                      neighbourhood_.shift(static_cast<int>(q)), batch.reached(mine.i) + q * width,
+                      tag};
+        return true;
+      },
+      [&](const Conversion& conversion, std::string_view error) {
+        if (!error.empty()) return dealer.fail(conversion.tag, error);
+        mine.done = 1;
+        count(mine);
+      });
+}
+
 void Converter::convert(Batch& batch) {
   const bool is_process = models_.front()->is_process();
-  const std::size_t width = models_.front()->row_size();
   Dealer dealer(batch, models_.size(), is_process);
-
   const auto work = [&](Model& model) {
-    Stretch mine;
-    const auto count = [&] {
-      progress_.conversions.fetch_add(mine.done, std::memory_order_relaxed);
-      progress_.frontier_done.fetch_add(std::exchange(mine.done, 0), std::memory_order_relaxed);
-    };
-    model.convert_all(
-        [&](Conversion& conversion, bool idle) {
-          if (mine.count == 0) count();
-          std::uint64_t tag = 0;
-          if (!dealer.next(mine, idle, tag)) return false;
-          const auto q = static_cast<unsigned>(tag % 32);
-          const PointIndex point = batch.point(mine.i);
-          if (!is_process) current = {point, batch.level(mine.i), static_cast<int>(q)};
-          conversion = {batch.state(mine.i), box_.position(point),
-                        neighbourhood_.shift(static_cast<int>(q)),
-                        batch.reached(mine.i) + q * width, tag};
-          return true;
-        },
-        [&](const Conversion& conversion, std::string_view error) {
-          if (error.empty())
-            ++mine.done;
-          else
-            dealer.fail(conversion.tag, error);
-        });
-    current.q = -1;
-    count();
+    is_process ? ask_process(batch, dealer, model) : ask_plugin(batch, dealer, model);
   };
-
   {
     std::vector<std::jthread> threads;
     try {

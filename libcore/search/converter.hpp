@@ -47,6 +47,14 @@ class Converter {
   const Model& model() const { return *models_.front(); }
 
  private:
+  class Dealer;
+  struct Stretch;
+
+  // What one thread does.
+  void ask_plugin(Batch& batch, Dealer& dealer, Model& model);
+  void ask_process(Batch& batch, Dealer& dealer, Model& model);
+  void count(Stretch& stretch);
+
   Neighbourhood neighbourhood_;
   Box box_;
   std::vector<std::unique_ptr<Model>> models_;

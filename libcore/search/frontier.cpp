@@ -11,7 +11,8 @@ namespace hapgrid {
 Deal::Deal(std::uint64_t conversions, Part part)
     : total_(conversions),
       part_(part),
-      block_(std::max<std::uint64_t>(conversions / (kTurns * part.of), 1)) {}
+      block_(std::max<std::uint64_t>(
+          conversions / ((conversions < kLarge ? kTurns : kTurnsOfLarge) * part.of), 1)) {}
 
 std::uint64_t Deal::conversions() const {
   const std::uint64_t turn = block_ * part_.of;

@@ -15,12 +15,11 @@
 
 namespace hapgrid {
 
-/// Records live in blocks of consecutive points, the points of one chunk of a grid. A block is loaded
-/// when it is first touched, and can be given away when nothing will touch it any more, so a merge
-/// needs only those around its wave.
-/// Requests must come ascending by (source point, source level): the order in which they reach each
-/// target decides, together with the tolerance function, which states become levels (design section
-/// 2).
+/// Records live in blocks of consecutive points, the points of one chunk of a grid. A block is
+/// loaded when it is first touched, and can be given away when nothing will touch it any more, so a
+/// merge needs only those around its wave. Requests must come ascending by (source point, source
+/// level): the order in which they reach each target decides, together with the tolerance function,
+/// which states become levels (design section 2).
 class Levels {
   struct Block;
 

@@ -48,8 +48,7 @@ namespace {
 /// Counts the conversions of the frontier that no request answered.
 class Completeness {
  public:
-  explicit Completeness(const SectionHeader& grid)
-      : grid_(grid), neighbourhood_(grid.spec.box) {}
+  explicit Completeness(const SectionHeader& grid) : grid_(grid), neighbourhood_(grid.spec.box) {}
 
   /// Records that nothing will settle any more.
   void look_at(const RecordRows& rows, std::size_t begin, std::size_t end) {
@@ -98,9 +97,9 @@ class GridBlocks {
 
   /// Reads a block. Any block can be asked for.
   void load(std::uint64_t block, Levels& levels) {
-    const auto first = std::partition_point(
-        chunks_.begin(), chunks_.end(),
-        [&](const ChunkInfo& chunk) { return block_of(chunk) < block; });
+    const auto first =
+        std::partition_point(chunks_.begin(), chunks_.end(),
+                             [&](const ChunkInfo& chunk) { return block_of(chunk) < block; });
     for (auto chunk = first; chunk != chunks_.end() && block_of(*chunk) == block; ++chunk) {
       reader_.read(static_cast<std::size_t>(chunk - chunks_.begin()), rows_);
       levels.append(rows_);
@@ -142,8 +141,8 @@ class GridBlocks {
 };
 
 [[noreturn]] void fail_unasked(const GridSpec& spec, const SourceRequests& source) {
-  throw FormatError("requests: " + describe(spec.box, source.point, source.level) +
-                    ", direction " + std::to_string(std::countr_zero(source.directions)) +
+  throw FormatError("requests: " + describe(spec.box, source.point, source.level) + ", direction " +
+                    std::to_string(std::countr_zero(source.directions)) +
                     ": the grid's frontier asks for no such conversion");
 }
 
@@ -173,13 +172,12 @@ void merge(const MergeInput& input, const Model& model, SectionWriter& out, Prog
   Completeness completeness(header);
   const auto reach = static_cast<std::uint64_t>(Neighbourhood(header.spec.box).reach());
   while (requests.next(source)) {
-    if (source.point > reach)
-      blocks.write_before(source.point - reach, levels, completeness, out);
+    if (source.point > reach) blocks.write_before(source.point - reach, levels, completeness, out);
     const Levels::Place place = levels.find(source.point, source.level);
     if (!place || levels.generation(place) != header.generation) fail_unasked(header.spec, source);
     levels.settle(
-        place, source.directions, header.generation + 1,
-        [&source](int q) { return source.row(q); }, [](const Levels::Stored&) {});
+        place, source.directions, header.generation + 1, [&source](int q) { return source.row(q); },
+        [](const Levels::Stored&) {});
     progress.conversions += static_cast<std::uint64_t>(std::popcount(source.directions));
   }
   blocks.write_before(levels.blocks() * levels.block_points(), levels, completeness, out);

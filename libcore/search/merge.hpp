@@ -31,8 +31,8 @@ MergeInput merge_input(std::vector<Section> sections);
 /// not asked for; Error (level limit), ModelError, std::system_error.
 void merge(const MergeInput& input, const Model& model, SectionWriter& out, Progress& progress);
 
-/// Writes the records of a finished grid to `out`, which cuts them into its own chunks, and finishes
-/// it. @throw Error when the frontier is not empty; FormatError, std::system_error
+/// Writes the records of a finished grid to `out`, which cuts them into its own chunks, and
+/// finishes it. @throw Error when the frontier is not empty; FormatError, std::system_error
 void copy_finished(const Section& grid, SectionWriter& out);
 
 }  // namespace hapgrid

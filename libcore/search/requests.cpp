@@ -88,7 +88,8 @@ bool RequestReader::next(SourceRequests& source) {
   } while (take_first() && first_->key() == key);
   rows_.clear();
   for (DirectionMask left = source.directions; left; left &= left - 1) {
-    const double* const row = &spread_[static_cast<unsigned>(std::countr_zero(left)) * source.width];
+    const double* const row =
+        &spread_[static_cast<unsigned>(std::countr_zero(left)) * source.width];
     rows_.insert(rows_.end(), row, row + source.width);
   }
   source.rows = rows_.data();
@@ -103,9 +104,9 @@ void RequestReader::gather(const SourceRequests& more, DirectionMask& known) {
     const int q = std::countr_zero(left);
     double* const row = &spread_[static_cast<unsigned>(q) * more.width];
     if ((known >> q & 1) && std::memcmp(row, more.row(q), more.width * sizeof(double)) != 0)
-      throw FormatError("requests: " +
-                        describe(first_->section->header.spec.box, more.point, more.level) +
-                        ", direction " + std::to_string(q) + ": two different answers");
+      throw FormatError(
+          "requests: " + describe(first_->section->header.spec.box, more.point, more.level) +
+          ", direction " + std::to_string(q) + ": two different answers");
     std::copy_n(more.row(q), more.width, row);
   }
   known |= more.directions;

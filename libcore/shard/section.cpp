@@ -78,7 +78,8 @@ class BackwardReader {
     return offset;
   }
 
-  /// The zstd frames stand one after the other, the header's first, and end where the footer starts.
+  /// The zstd frames stand one after the other, the header's first, and end where the footer
+  /// starts.
   void place_chunks(std::uint64_t footer, Section& section) const {
     std::uint64_t size = section.footer.header_size;
     for (const ChunkInfo& chunk : section.footer.chunks) size += chunk.size;

@@ -169,7 +169,7 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
       neighbourhood_(header.spec.box),
       encoder_(std::make_unique<Encoder>(fd, name, encoder_for(header.content, packing))),
       row_limit_(header.content == Content::kRequests ? chunk_requests(row_size_)
-                 : packing == Packing::kSmall               ? chunk_points(row_size_, kLargeChunkBytes)
+                 : packing == Packing::kSmall         ? chunk_points(row_size_, kLargeChunkBytes)
                                                       : chunk_points(row_size_)) {
   const std::size_t rows = row_limit_;
   columns_.point = std::make_unique_for_overwrite<PointIndex[]>(rows);
@@ -182,9 +182,8 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
     columns_.directions = std::make_unique_for_overwrite<DirectionMask[]>(rows);
   }
   // A guess: what does not fit is put together from more segments.
-  encoder_->write(1024, [&](schema::Message::Builder message) {
-    encode_header(header, message.initHeader());
-  });
+  encoder_->write(
+      1024, [&](schema::Message::Builder message) { encode_header(header, message.initHeader()); });
   footer_.header_size = encoder_->size();
   header_digest_ = encoder_->digest();
 }

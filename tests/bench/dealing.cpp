@@ -1,6 +1,6 @@
-// How alike the parts of a round are: measures every conversion of one generation, CPU time, and adds
-// up those of each part, dealt out in turns as `expand --part` does, and for comparison cut into
-// stretches of the frontier.
+// How alike the parts of a round are: measures every conversion of one generation, CPU time, and
+// adds up those of each part, dealt out in turns as `expand --part` does, and for comparison cut
+// into stretches of the frontier.
 //
 //   bench_dealing alanine.grid 8 GENERATION...
 //

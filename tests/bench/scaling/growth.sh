@@ -16,5 +16,5 @@ for n; do
   "$build/bin/seed" "$ball" --set "grid.counts=[$n,$n,$n]" --set 'grid.origin=[-0.975,-0.975,-0.975]' \
     --set "grid.spacing=$(awk "BEGIN { print 1.95 / ($n - 1) }")" |
     "$build/bin/expand" --complete -o "$work/grid"
-  "$build/bench/bench_growth" "$work/grid" 1 | awk -v n="$n" -v OFS='\t' '{ print n, $1, $2 }'
+  "$build/bench/bench_growth" "$work/grid" | sed "s/^/$n\t/"
 done

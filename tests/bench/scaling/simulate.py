@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 
 HERE = Path(__file__).parent
-TURNS = 64  # of libcore/search/frontier.hpp
 
 
 class Times:
@@ -42,9 +41,14 @@ class Times:
         return sums, np.maximum(self.slowest[j][begin], self.slowest[j][(begin + count - 2**j) % length])
 
 
+def block_size(conversions, parts):
+    """That of libcore/search/frontier.hpp."""
+    return max(conversions // ((1024 if conversions < 2**18 else 32) * parts), 1)
+
+
 def deal(conversions, parts, times, rng):
     """The work of each part, the slowest conversion in it, and its number of conversions."""
-    block = max(conversions // (TURNS * parts), 1)
+    block = block_size(conversions, parts)
     length = len(times.until) - 1
     work, slowest, sizes = np.zeros(parts), np.zeros(parts), np.zeros(parts, int)
     turns, rest = divmod(conversions, block * parts)

@@ -31,7 +31,7 @@ class Simulation(unittest.TestCase):
 
     def test_even_times_in_a_multiple_of_the_workers_are_ideal(self):
         for workers in 1, 8, 40:
-            self.assertAlmostEqual(s.build([64 * 40, 64 * 400], workers, 1, FREE, EVEN, rng())[0], 1)
+            self.assertAlmostEqual(s.build([1024 * 40, 1024 * 200], workers, 1, FREE, EVEN, rng())[0], 1)
 
     def test_what_cannot_be_shared(self):
         # 7 equal conversions for 4 workers take two turns; 5 for 99 one.
@@ -42,8 +42,8 @@ class Simulation(unittest.TestCase):
 
     def test_deal_is_that_of_expand(self):
         """Part k gets each block b with b mod N = k: counted one by one."""
-        for conversions, parts in (7, 3), (64 * 5, 5), (64 * 5 * 3 + 17, 5), (100000, 7), (3, 3):
-            block = max(conversions // (s.TURNS * parts), 1)
+        for conversions, parts in (7, 3), (64 * 5, 5), (64 * 5 * 3 + 17, 5), (100000, 7), (400000, 7), (3, 3):
+            block = s.block_size(conversions, parts)
             expected = np.bincount(np.arange(conversions) // block % parts, minlength=parts)
             work, slowest, sizes = s.deal(conversions, parts, EVEN, rng())
             self.assertEqual(list(sizes), list(expected))

@@ -100,8 +100,10 @@ TEST_CASE("chunks of a grid stay below 64 KiB, or 1 MiB, and keep to their point
       CAPTURE(n, most);
       const TemporaryDirectory dir;
       const SectionHeader header{Content::kGrid, 0, make_spec(n, {40, 40, 40})};
-      const std::vector<Row> rows =
-          random_rows(random, header, n > 1500 ? 5 : n > 9 ? 1000 : 40000);
+      const std::vector<Row> rows = random_rows(random, header,
+                                                n > 1500 ? 5
+                                                : n > 9  ? 1000
+                                                         : 40000);
       write(dir.file("shard"), header, rows, packing);
       const Section section = open_grid(dir.file("shard"));
       const std::uint32_t points = chunk_points(n, most);
@@ -149,9 +151,8 @@ TEST_CASE("what is not one grid is refused where a grid is needed") {
   const SectionHeader requests{Content::kRequests, 2, grid.spec};
   write(dir.file("requests"), requests, random_rows(random, requests, 10));
   for (int i = 0; i < 2; ++i) write(dir.file("two"), grid, random_rows(random, grid, 10));
-  REQUIRE_THROWS_WITH(
-      open_grid(dir.file("requests")),
-      Catch::Matchers::EndsWith("requests: holds requests where a grid is needed"));
+  REQUIRE_THROWS_WITH(open_grid(dir.file("requests")),
+                      Catch::Matchers::EndsWith("requests: holds requests where a grid is needed"));
   REQUIRE_THROWS_WITH(open_grid(dir.file("two")),
                       Catch::Matchers::EndsWith("two: holds 2 sections where one grid is needed"));
 }
