@@ -1,7 +1,9 @@
 """Clients of play --imd, written from the text of the protocol, with sockets and struct alone. What
 must come is made of the frames in play's own file, which Cap'n Proto's tool has read.
 
-usage: imd.py ball|spring SCHEMA GRID PATH
+usage: imd.py ball|spring SCHEMA GRID PATH [asleep]
+
+With "asleep" only the viewer that never reads.
 """
 import json
 import random
@@ -14,7 +16,7 @@ import sys
 import threading
 import time
 
-MODEL, SCHEMA, GRID, PATH = sys.argv[1:]
+MODEL, SCHEMA, GRID, PATH = sys.argv[1:5]
 DISCONNECT, ENERGIES, FCOORDS, GO, HANDSHAKE, KILL, MDCOMM, PAUSE, TRATE, IOERROR = range(10)
 SESSIONINFO, RESUME, TIME, BOX, VELOCITIES, FORCES, WAIT = range(10, 17)
 LONG = 60  # seconds for what must happen
@@ -31,9 +33,11 @@ def header(kind, length=0):
 class Client:
     """Says GO in the constructor, unless told otherwise; finds out version and byte order."""
 
-    def __init__(self, port, go=True):
+    def __init__(self, port, go=True, buffer=None):
         self.socket = socket.socket()
         self.socket.settimeout(LONG)
+        if buffer:
+            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
         self.socket.connect(("127.0.0.1", port))
         kind, = struct.unpack(">i", self.take(4))
         assert kind == HANDSHAKE, kind
@@ -239,6 +243,33 @@ def hostile():
         assert a.read() == b.read()
 
 
+def asleep():
+    """A viewer that never reads, without a pace: play ends, the other one gets whole frames in their
+    order, the last among them, and the sleeper is closed after 5 s."""
+    count = 1000 * 40
+    with open(PATH) as file:
+        lines = file.readlines()
+    with open("many", "w") as file:
+        file.writelines((lines * (count // len(lines) + 1))[:count])
+    play = Play("--imd-version", "3", *WAIT_FOR_VIEWER, "--frames", "asleep.frames",
+                path="many")
+    sleeper = Client(play.port, go=False, buffer=4096)
+    sleeper.socket.sendall(header(GO))
+    # Now play begins, and goes on slowly while the sleeper's buffers are full.
+    reader = Client(play.port)
+    got = reader.rest()
+    lines = play.end()
+    viewers, sent, dropped, slow = counts(lines)
+    assert viewers == 2 and slow == 1, lines
+    frames = expected("asleep.frames", 3, 1000, reader.order)
+    size = len(frames[0])
+    assert len(got) % size == 0
+    place = {frame: i for i, frame in enumerate(frames)}
+    numbers = [place[got[i:i + size]] for i in range(0, len(got), size)]
+    assert numbers == sorted(set(numbers)) and numbers[-1] == len(frames) - 1, numbers
+    sleeper.socket.close()
+
+
 def stopped():
     """SIGINT while play waits for a viewer."""
     play = Play(*WAIT_FOR_VIEWER)
@@ -259,6 +290,9 @@ def in_use():
     assert done.stderr == f"play: 127.0.0.1:{port}: Address already in use\n", done.stderr
 
 
+if sys.argv[5:] == ["asleep"]:
+    asleep()
+    sys.exit()
 exact()
 if MODEL == "ball":
     in_use()
