@@ -43,7 +43,7 @@ class Times:
 
 def block_size(conversions, parts):
     """That of libcore/search/frontier.hpp."""
-    return max(conversions // ((1024 if conversions < 2**18 else 32) * parts), 1)
+    return max(conversions // ((512 if conversions < 150_000 else 32) * parts), 1)
 
 
 def deal(conversions, parts, times, rng):
