@@ -150,18 +150,21 @@ void Converter::count(Stretch& stretch) {
 void Converter::ask_plugin(Batch& batch, Dealer& dealer, Model& model) {
   const std::size_t width = model.row_size();
   Stretch mine;
-  std::size_t record = batch.size();  // that x is the position of
+  std::size_t record = batch.size();  // that the next three belong to
+  const double* state = nullptr;
   Vec3 x{};
+  double* reached = nullptr;
   for (std::uint64_t tag = 0; dealer.next(mine, true, tag);) {
-    const auto q = static_cast<unsigned>(tag % 32);
     if (record != mine.i) {
       record = mine.i;
+      state = batch.state(record);
       x = box_.position(batch.point(record));
+      reached = batch.reached(record);
       current = {batch.point(record), batch.level(record), -1};
     }
+    const auto q = static_cast<unsigned>(tag % 32);
     current.q = static_cast<int>(q);
-    if (model.convert(batch.state(record), x, neighbourhood_.shift(static_cast<int>(q)),
-                      batch.reached(record) + q * width))
+    if (model.convert(state, x, neighbourhood_.shift(current.q), reached + q * width))
       ++mine.done;
     else
       dealer.fail(tag, model.error());

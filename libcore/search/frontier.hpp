@@ -31,8 +31,8 @@ class Deal {
   DirectionMask own(DirectionMask directions, std::uint64_t first) const;
 
  private:
-  static constexpr std::uint64_t kLarge = 1 << 18;  // conversions of a large frontier
-  static constexpr std::uint64_t kTurns = 1024;
+  static constexpr std::uint64_t kLarge = 150'000;  // conversions of a large frontier
+  static constexpr std::uint64_t kTurns = 512;
   static constexpr std::uint64_t kTurnsOfLarge = 32;
 
   bool is_own(std::uint64_t block) const { return block % part_.of == part_.number - 1; }

@@ -43,28 +43,23 @@ class Times:
 
 def block_size(conversions, parts):
     """That of libcore/search/frontier.hpp."""
-    return max(conversions // ((1024 if conversions < 2**18 else 32) * parts), 1)
+    return max(conversions // ((512 if conversions < 150_000 else 32) * parts), 1)
 
 
 def deal(conversions, parts, times, rng):
     """The work of each part, the slowest conversion in it, and its number of conversions."""
     block = block_size(conversions, parts)
-    length = len(times.until) - 1
-    work, slowest, sizes = np.zeros(parts), np.zeros(parts), np.zeros(parts, int)
     turns, rest = divmod(conversions, block * parts)
-    for turn in range(turns + (rest > 0)):
-        blocks = np.full(parts, block)
-        if turn == turns:
-            blocks = np.clip(rest - block * np.arange(parts), 0, block)
-        # The blocks of a turn lie beside each other.
-        begin = (rng.integers(length) + block * np.arange(parts)) % length
-        for count in set(blocks[blocks > 0]):
-            of = blocks == count
-            sums, most = times.stretches(begin[of], count)
-            work[of] += sums
-            slowest[of] = np.maximum(slowest[of], most)
-        sizes += blocks
-    return work, slowest, sizes
+    sizes = np.full((turns + 1, parts), block)
+    sizes[turns] = np.clip(rest - block * np.arange(parts), 0, block)  # the last turn
+    # The blocks of a turn lie beside each other.
+    length = len(times.until) - 1
+    begin = (rng.integers(length, size=(turns + 1, 1)) + block * np.arange(parts)) % length
+    work, slowest = np.zeros(sizes.shape), np.zeros(sizes.shape)
+    for count in np.unique(sizes[sizes > 0]):
+        of = sizes == count
+        work[of], slowest[of] = times.stretches(begin[of], count)
+    return work.sum(axis=0), slowest.max(axis=0), sizes.sum(axis=0)
 
 
 def round_seconds(conversions, records, workers, threads, costs, times, rng):

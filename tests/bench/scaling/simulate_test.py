@@ -31,7 +31,7 @@ class Simulation(unittest.TestCase):
 
     def test_even_times_in_a_multiple_of_the_workers_are_ideal(self):
         for workers in 1, 8, 40:
-            self.assertAlmostEqual(s.build([1024 * 40, 1024 * 200], workers, 1, FREE, EVEN, rng())[0], 1)
+            self.assertAlmostEqual(s.build([1024 * 40, 1024 * 120], workers, 1, FREE, EVEN, rng())[0], 1)
 
     def test_what_cannot_be_shared(self):
         # 7 equal conversions for 4 workers take two turns; 5 for 99 one.

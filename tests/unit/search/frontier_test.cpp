@@ -62,7 +62,7 @@ TEST_CASE("blocks of a frontier are dealt out in turns, and parts differ by one 
   for (int i = 0; i < 300; ++i) {
     const bool large = i % 50 == 1;
     const std::uint64_t total =
-        large ? draw(random, 1 << 18, 1 << 20) : random() % (i % 2 ? 100000 : 100);
+        large ? draw(random, 150000, 1 << 20) : random() % (i % 2 ? 100000 : 100);
     const std::uint64_t parts = draw(random, 1, large || i % 3 ? 9 : 300);
     CAPTURE(total, parts);
     std::uint64_t sum = 0, least = ~std::uint64_t{0}, most = 0;
@@ -78,7 +78,7 @@ TEST_CASE("blocks of a frontier are dealt out in turns, and parts differ by one 
     }
     REQUIRE(sum == total);
     // Turns of a block each, and what is left of a turn.
-    REQUIRE(most - least <= std::max<std::uint64_t>(total / parts / (large ? 32 : 1024), 1));
+    REQUIRE(most - least <= std::max<std::uint64_t>(total / parts / (large ? 32 : 512), 1));
   }
   // Numbers near the limits of a grid and of N.
   const Deal last(std::uint64_t{1} << 45, {0xffffffff, 0xffffffff});
