@@ -11,8 +11,7 @@ namespace hapgrid {
 Deal::Deal(std::uint64_t conversions, Part part)
     : total_(conversions),
       part_(part),
-      block_(std::max<std::uint64_t>(
-          conversions / ((conversions < kLarge ? kTurns : kTurnsOfLarge) * part.of), 1)) {}
+      block_(std::max<std::uint64_t>(conversions / (kTurns * part.of), 1)) {}
 
 std::uint64_t Deal::conversions() const {
   const std::uint64_t turn = block_ * part_.of;
@@ -39,19 +38,37 @@ DirectionMask Deal::own(DirectionMask directions, std::uint64_t first) const {
 FrontierReader::FrontierReader(const Section& grid, Part part)
     : grid_(grid),
       neighbourhood_(grid.header.spec.box),
+      part_(part),
       deal_(grid.conversions(), part),
-      reader_(grid) {}
+      reader_(grid) {
+  const std::vector<ChunkInfo>& chunks = grid.footer.chunks;
+  const auto asking = std::count_if(chunks.begin(), chunks.end(), [](const ChunkInfo& chunk) {
+    return chunk.conversions > 0;
+  });
+  deals_chunks_ = static_cast<std::uint64_t>(asking) / kManyChunks >= part.of;
+  if (!deals_chunks_) {
+    conversions_ = deal_.conversions();
+    return;
+  }
+  for (; chunk_ < chunks.size(); ++chunk_)
+    if (has_own_chunk()) conversions_ += chunks[chunk_].conversions;
+  chunk_ = turn_ = 0;
+}
+
+bool FrontierReader::has_own_chunk() {
+  const std::uint64_t count = grid_.footer.chunks[chunk_].conversions;
+  if (deals_chunks_) return count > 0 && turn_++ % part_.of == part_.number - 1;
+  return deal_.has_any(passed_, passed_ + count);
+}
 
 bool FrontierReader::next_chunk() {
-  const std::vector<ChunkInfo>& chunks = grid_.footer.chunks;
-  for (; chunk_ < chunks.size(); ++chunk_) {
-    const std::uint64_t end = passed_ + chunks[chunk_].conversions;
-    if (deal_.has_any(passed_, end)) {
+  for (; chunk_ < grid_.footer.chunks.size(); ++chunk_) {
+    if (has_own_chunk()) {
       reader_.read(chunk_++, rows_);
       row_ = 0;
       return true;
     }
-    passed_ = end;
+    passed_ += grid_.footer.chunks[chunk_].conversions;
   }
   return false;
 }
@@ -62,7 +79,7 @@ bool FrontierReader::next(Record& record) {
       if (rows_.generation[row_] != grid_.header.generation) continue;
       const PointIndex point = rows_.point[row_];
       const DirectionMask inside = neighbourhood_.inside(point);
-      const DirectionMask todo = deal_.own(inside, passed_);
+      const DirectionMask todo = deals_chunks_ ? inside : deal_.own(inside, passed_);
       passed_ += static_cast<std::uint64_t>(std::popcount(inside));
       if (!todo) continue;
       record = {point, rows_.level[row_], rows_.row(row_), todo};

@@ -16,9 +16,8 @@ struct Part {
 
 /// Which conversions of a frontier are a part's. Slow conversions lie together, so the frontier is
 /// cut into blocks of equally many conversions, which are dealt out in turns: block b goes to part
-/// b mod N + 1. The size of a block follows from the number of conversions and N alone. More turns
-/// make the parts more alike, but each part then reads more of the grid's chunks: a large frontier
-/// has many, and is dealt out in fewer turns. Measured with tests/bench/dealing.cpp.
+/// b mod N + 1. The size of a block follows from the number of conversions and N alone. Measured
+/// with tests/bench/dealing.cpp.
 class Deal {
  public:
   Deal(std::uint64_t conversions, Part part);
@@ -31,9 +30,7 @@ class Deal {
   DirectionMask own(DirectionMask directions, std::uint64_t first) const;
 
  private:
-  static constexpr std::uint64_t kLarge = 150'000;  // conversions of a large frontier
   static constexpr std::uint64_t kTurns = 512;
-  static constexpr std::uint64_t kTurnsOfLarge = 32;
 
   bool is_own(std::uint64_t block) const { return block % part_.of == part_.number - 1; }
 
@@ -42,14 +39,16 @@ class Deal {
   std::uint64_t block_;  // conversions in a block
 };
 
-/// A part of the frontier of a grid, record by record. Only the chunks of the part are read.
+/// A part of the frontier of a grid, record by record. Only the chunks of the part are read. Where
+/// the frontier lies in many chunks, these are the blocks that are dealt out, so that no chunk is
+/// read by several parts.
 class FrontierReader {
  public:
   /// @param grid must outlive this object.
   explicit FrontierReader(const Section& grid, Part part = {});
 
   /// Conversions that the part asks for.
-  std::uint64_t conversions() const { return deal_.conversions(); }
+  std::uint64_t conversions() const { return conversions_; }
 
   struct Record {
     PointIndex point;
@@ -61,11 +60,19 @@ class FrontierReader {
   bool next(Record& record);
 
  private:
+  static constexpr std::uint64_t kManyChunks = 16;  // a part
+
+  /// Whether the next chunk has conversions of the part. Asked once for each chunk, in order.
+  bool has_own_chunk();
   bool next_chunk();
 
   const Section& grid_;
   Neighbourhood neighbourhood_;
+  Part part_;
   Deal deal_;
+  bool deals_chunks_;
+  std::uint64_t turn_ = 0;  // of the chunks that are dealt out, the next one
+  std::uint64_t conversions_ = 0;
   SectionReader reader_;
   std::size_t chunk_ = 0;  // to be read next
   RecordRows rows_;
