@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
+#include <numeric>
+#include <queue>
 #include <string>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 
@@ -38,37 +42,47 @@ DirectionMask Deal::own(DirectionMask directions, std::uint64_t first) const {
 FrontierReader::FrontierReader(const Section& grid, Part part)
     : grid_(grid),
       neighbourhood_(grid.header.spec.box),
-      part_(part),
       deal_(grid.conversions(), part),
+      conversions_(deal_.conversions()),
       reader_(grid) {
   const std::vector<ChunkInfo>& chunks = grid.footer.chunks;
-  const auto asking = std::count_if(chunks.begin(), chunks.end(), [](const ChunkInfo& chunk) {
-    return chunk.conversions > 0;
-  });
-  deals_chunks_ = static_cast<std::uint64_t>(asking) / kManyChunks >= part.of;
-  if (!deals_chunks_) {
-    conversions_ = deal_.conversions();
-    return;
-  }
-  for (; chunk_ < chunks.size(); ++chunk_)
-    if (has_own_chunk()) conversions_ += chunks[chunk_].conversions;
-  chunk_ = turn_ = 0;
+  const auto asking = std::count_if(chunks.begin(), chunks.end(),
+                                    [](const ChunkInfo& chunk) { return chunk.conversions > 0; });
+  if (static_cast<std::uint64_t>(asking) / kManyChunks >= part.of) deal_chunks(part);
 }
 
-bool FrontierReader::has_own_chunk() {
-  const std::uint64_t count = grid_.footer.chunks[chunk_].conversions;
-  if (deals_chunks_) return count > 0 && turn_++ % part_.of == part_.number - 1;
-  return deal_.has_any(passed_, passed_ + count);
+void FrontierReader::deal_chunks(Part part) {
+  const std::vector<ChunkInfo>& chunks = grid_.footer.chunks;
+  std::vector<std::size_t> order(chunks.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return chunks[a].conversions > chunks[b].conversions;
+  });
+  using Load = std::pair<std::uint64_t, std::uint64_t>;  // conversions of a part, its number
+  std::priority_queue<Load, std::vector<Load>, std::greater<>> loads;
+  for (std::uint64_t number = 1; number <= part.of; ++number) loads.emplace(0, number);
+  own_chunks_.resize(chunks.size());
+  conversions_ = 0;
+  for (const std::size_t i : order) {
+    const auto [load, number] = loads.top();
+    loads.pop();
+    loads.emplace(load + chunks[i].conversions, number);
+    if (number != part.number || chunks[i].conversions == 0) continue;
+    own_chunks_[i] = true;
+    conversions_ += chunks[i].conversions;
+  }
 }
 
 bool FrontierReader::next_chunk() {
-  for (; chunk_ < grid_.footer.chunks.size(); ++chunk_) {
-    if (has_own_chunk()) {
+  const std::vector<ChunkInfo>& chunks = grid_.footer.chunks;
+  for (; chunk_ < chunks.size(); ++chunk_) {
+    const std::uint64_t end = passed_ + chunks[chunk_].conversions;
+    if (own_chunks_.empty() ? deal_.has_any(passed_, end) : own_chunks_[chunk_]) {
       reader_.read(chunk_++, rows_);
       row_ = 0;
       return true;
     }
-    passed_ += grid_.footer.chunks[chunk_].conversions;
+    passed_ = end;
   }
   return false;
 }
@@ -79,7 +93,7 @@ bool FrontierReader::next(Record& record) {
       if (rows_.generation[row_] != grid_.header.generation) continue;
       const PointIndex point = rows_.point[row_];
       const DirectionMask inside = neighbourhood_.inside(point);
-      const DirectionMask todo = deals_chunks_ ? inside : deal_.own(inside, passed_);
+      const DirectionMask todo = own_chunks_.empty() ? deal_.own(inside, passed_) : inside;
       passed_ += static_cast<std::uint64_t>(std::popcount(inside));
       if (!todo) continue;
       record = {point, rows_.level[row_], rows_.row(row_), todo};

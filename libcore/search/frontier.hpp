@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "libcore/shard/reader.hpp"
 
@@ -40,8 +41,8 @@ class Deal {
 };
 
 /// A part of the frontier of a grid, record by record. Only the chunks of the part are read. Where
-/// the frontier lies in many chunks, these are the blocks that are dealt out, so that no chunk is
-/// read by several parts.
+/// the frontier lies in many chunks, whole chunks are dealt out, so that no chunk is read by
+/// several parts: the largest first, each to the part that has the fewest conversions so far.
 class FrontierReader {
  public:
   /// @param grid must outlive this object.
@@ -62,16 +63,14 @@ class FrontierReader {
  private:
   static constexpr std::uint64_t kManyChunks = 16;  // a part
 
-  /// Whether the next chunk has conversions of the part. Asked once for each chunk, in order.
-  bool has_own_chunk();
+  void deal_chunks(Part part);
   bool next_chunk();
 
   const Section& grid_;
   Neighbourhood neighbourhood_;
-  Part part_;
   Deal deal_;
-  bool deals_chunks_;
-  std::uint64_t turn_ = 0;  // of the chunks that are dealt out, the next one
+  std::vector<bool>
+      own_chunks_;  // where whole chunks are dealt out: by chunk, whether it is the part's
   std::uint64_t conversions_ = 0;
   SectionReader reader_;
   std::size_t chunk_ = 0;  // to be read next
