@@ -42,7 +42,7 @@ class Times:
 
 
 def block_size(conversions, parts):
-    """That of libcore/search/frontier.hpp."""
+    """That of libcore/search/frontier.hpp. Whole chunks of a large frontier are about 32 turns."""
     return max(conversions // ((512 if conversions < 150_000 else 32) * parts), 1)
 
 
