@@ -39,6 +39,7 @@ kill_something() {
     1) pkill -KILL -s "$session" -x make ;;
     2)
       mapfile -t processes < <(pgrep -s "$session")
+      ((${#processes[@]})) || return 1  # all have ended; a division by 0 would leave the loop
       kill -KILL "${processes[RANDOM % ${#processes[@]}]}" 2>/dev/null
       ;;
   esac
@@ -60,5 +61,6 @@ until ((killed >= kills && grids > 0)); do
     rm -r work journal
   fi
 done
+((killed >= kills && grids > 0)) || fail "$killed kills, $grids grids"
 ((again <= kills * jobs)) || fail "$again files were begun again after $kills kills of $jobs jobs"
 echo "$kills kills, $grids grids, $again files begun again"
