@@ -30,7 +30,7 @@ struct CurrentConversion {
 /// Of the calling thread. May be called in a signal's handler.
 const CurrentConversion& current_conversion() noexcept;
 
-/// A model a thread; the answers do not depend on how many there are.
+/// Each thread has a model of its own; the answers do not depend on how many threads there are.
 class Converter {
  public:
   /// @param threads >= 1. @throw ModelError when the model refuses the spec's parameters, or says
