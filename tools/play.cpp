@@ -17,6 +17,8 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/haptic/paper_traversal.hpp"
+#include "libcore/haptic/playable.hpp"
 #include "libcore/haptic/watchdog.hpp"
 #include "libcore/model/fields.hpp"
 #include "libcore/model/plugin_model.hpp"
@@ -202,7 +204,7 @@ int play(PlayOptions options) {
   const double rate_hz = loop.tick_rate_hz();
 
   Mapping mapping(settings.mapping, device.info(), spec.box);
-  Traversal traversal(grid);
+  PaperTraversal traversal(grid);
   SafetyCore safety(settings.safety);
   Log log(options.log, loaded, fields, rate_hz, loop.paced(), open.ticks,
           {.limits = settings.safety, .scale = mapping.scale()});

@@ -12,7 +12,7 @@
 #include "libcore/check/random.hpp"
 #include "libcore/check/random_hand.hpp"
 #include "libcore/check/state_distance.hpp"
-#include "libcore/haptic/traversal.hpp"
+#include "libcore/haptic/paper_traversal.hpp"
 
 namespace hapgrid {
 
@@ -224,7 +224,7 @@ class Walker {
   const ModelFunctions model_;
   StateDistance distance_;
   std::optional<Fields> fields_;
-  Traversal play_;
+  PaperTraversal play_;
   std::vector<double> row_;  // the model's that walked: its state, and what is stored with it
   std::vector<double> next_;
   std::vector<double> coarse_;

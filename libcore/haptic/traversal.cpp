@@ -18,28 +18,14 @@ std::int64_t farthest(const std::array<std::int64_t, 3>& cells) {
   return std::max({std::abs(cells[0]), std::abs(cells[1]), std::abs(cells[2])});
 }
 
-void blend(const std::array<double, 8>& w, const std::array<const double*, 8>& s,
-           std::span<double> out) noexcept {
-  const auto [s0, s1, s2, s3, s4, s5, s6, s7] = s;
-  const auto [w0, w1, w2, w3, w4, w5, w6, w7] = w;
-  double* const o = out.data();
-  const std::size_t n = out.size();
-#ifndef __clang__  // clang does not know this pragma
-#pragma GCC ivdep
-#endif
-  for (std::size_t i = 0; i < n; ++i)
-    o[i] = ((w0 * s0[i] + w1 * s1[i]) + (w2 * s2[i] + w3 * s3[i])) +
-           ((w4 * s4[i] + w5 * s5[i]) + (w6 * s6[i] + w7 * s7[i]));
-}
-
 }  // namespace
 
 Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
     : grid_(grid),
       cells_(grid),
       box_(grid.box()),
-      max_sub_steps_(std::max<int>(max_sub_steps, 1)),
-      row_(grid.spec().row_size(), 0.0) {
+      row_(grid.spec().row_size(), 0.0),
+      max_sub_steps_(std::max<int>(max_sub_steps, 1)) {
   for (int a = 0; a < 3; ++a) {
     box_low_[a] = face(a, 0);
     box_high_[a] = face(a, box_.counts[a] - 1);
@@ -78,15 +64,14 @@ StepResult Traversal::start(const Vec3& hip) noexcept {
   }
 
   const PointIndex base = box_.index(cell);
-  Corners corners;
-  if (!cells_.start(base, nearest, corners)) {
+  if (!start_in(base, nearest, x)) {
     result.blocked = true;
     return result;
   }
-  enter(cell, base, corners);
+  enter(cell, base);
   started_ = true;
   position_ = x;
-  interpolate(x);
+  evaluate();
   return result;
 }
 
@@ -95,8 +80,11 @@ StepResult Traversal::step(const Vec3& hip) noexcept {
   // The most frequent case comes first: a HIP in the closed cell is finite and in the box.
   if (started_ && hip[0] >= low_[0] && hip[0] <= high_[0] && hip[1] >= low_[1] &&
       hip[1] <= high_[1] && hip[2] >= low_[2] && hip[2] <= high_[2]) {
-    position_ = hip;
-    interpolate(hip);
+    if (move(hip, result))
+      position_ = hip;
+    else
+      result.blocked = true;
+    evaluate();
     return result;
   }
   if (!started_) return start(hip);
@@ -107,7 +95,7 @@ StepResult Traversal::step(const Vec3& hip) noexcept {
   Vec3 x = hip;
   result.outside = clamp(x);
   travel(x, result);
-  interpolate(position_);
+  evaluate();
   return result;
 }
 
@@ -154,8 +142,8 @@ std::array<std::int64_t, 3> Traversal::cells_away(const Vec3& x) const noexcept 
 /// Moves to x, which is inside the box and outside the cell, as far as links and the bound allow.
 void Traversal::travel(const Vec3& x, StepResult& result) noexcept {
   for (int sub_steps = 0;; ++sub_steps) {
-    auto move = cells_away(x);
-    const std::int64_t distance = farthest(move);
+    auto away = cells_away(x);
+    const std::int64_t distance = farthest(away);
     Vec3 y = x;
     if (distance > 1) {
       result.split = true;
@@ -168,14 +156,14 @@ void Traversal::travel(const Vec3& x, StepResult& result) noexcept {
       // enough.
       for (auto parts = static_cast<double>(distance);; parts *= 2) {
         for (int a = 0; a < 3; ++a) y[a] = position_[a] + (x[a] - position_[a]) / parts;
-        move = cells_away(y);
-        if (farthest(move) <= 1) break;
+        away = cells_away(y);
+        if (farthest(away) <= 1) break;
       }
     } else if (sub_steps == max_sub_steps_ && distance == 1) {
       result.lagging = true;
       return;
     }
-    if (farthest(move) > 0 && !switch_cell(move, result)) {
+    if ((farthest(away) > 0 && !switch_cell(away, y, result)) || !move(y, result)) {
       result.blocked = true;
       return;
     }
@@ -186,38 +174,24 @@ void Traversal::travel(const Vec3& x, StepResult& result) noexcept {
 
 /// Goes to the cell at `move`, whose components are -1, 0 or 1. When a link is missing, nothing
 /// changes.
-bool Traversal::switch_cell(const std::array<std::int64_t, 3>& move, StepResult& result) noexcept {
+bool Traversal::switch_cell(const std::array<std::int64_t, 3>& move, const Vec3& y,
+                            StepResult& result) noexcept {
   const int q =
       Direction::of(static_cast<int>(move[0]), static_cast<int>(move[1]), static_cast<int>(move[2]))
           .q();
   const auto base = static_cast<PointIndex>(base_ + grid_.neighbourhood().offset(q));
-  Corners corners;
-  bool changed = false;
-  if (!cells_.cross(q, base, corners_, corners, changed)) return false;
+  if (!cross(q, base, y, result)) return false;
   GridCoordinates cell;
   for (int a = 0; a < 3; ++a) cell[a] = static_cast<std::uint32_t>(cell_[a] + move[a]);
-  enter(cell, base, corners);
-  result.level_changed |= changed;
+  enter(cell, base);
   const int axes = (move[0] != 0) + (move[1] != 0) + (move[2] != 0);
   ++(axes == 1 ? result.face_switches : axes == 2 ? result.edge_switches : result.vertex_switches);
   return true;
 }
 
-void Traversal::enter(const GridCoordinates& cell, PointIndex base,
-                      const Corners& corners) noexcept {
+void Traversal::enter(const GridCoordinates& cell, PointIndex base) noexcept {
   cell_ = cell;
   base_ = base;
-  corners_ = corners;
-  for (int corner = 0; corner < 8; ++corner) {
-    const double* const row = grid_.row(corners.record[corner]).data();
-    corner_rows_[corner] = row;
-    // All rows are needed now, the links at the next switch.
-    const Level* const links = grid_.links(corners.record[corner]).data();
-    __builtin_prefetch(row);
-    __builtin_prefetch(row + row_.size() - 1);
-    __builtin_prefetch(links);
-    __builtin_prefetch(links + kDirections - 1);
-  }
   for (int a = 0; a < 3; ++a) {
     low_[a] = face(a, cell[a]);
     high_[a] = low_[a];
@@ -229,11 +203,6 @@ void Traversal::enter(const GridCoordinates& cell, PointIndex base,
   }
 }
 
-void Traversal::interpolate(const Vec3& x) noexcept {
-  const auto xbar = [&](int a) { return std::min((x[a] - low_[a]) * scale_[a], 1.0); };
-  blend(corner_weights({xbar(0), xbar(1), xbar(2)}), corner_rows_, row_);
-}
-
 std::array<double, 8> corner_weights(const Vec3& xbar) noexcept {
   const auto [x, y, z] = xbar;
   const double u = 1 - x, v = 1 - y, w = 1 - z;
@@ -241,31 +210,18 @@ std::array<double, 8> corner_weights(const Vec3& xbar) noexcept {
   return {uv * w, xv * w, uy * w, xy * w, uv * z, xv * z, uy * z, xy * z};
 }
 
-void require_playable(const Grid& grid, const std::string& name) {
-  std::uint64_t frontier = 0, without_level = 0, broken = 0, not_finite = 0;
-  const Box& box = grid.box();
-  const Neighbourhood& around = grid.neighbourhood();
-  for (std::uint64_t point = 0; point < box.points(); ++point) {
-    const auto p = static_cast<PointIndex>(point);
-    without_level += grid.levels(p) == 0;
-    const DirectionMask inside = around.inside(p);
-    for (RecordIndex r = grid.first(p); r < grid.first(p) + grid.levels(p); ++r) {
-      frontier += grid.in_frontier(r);
-      const auto links = grid.links(r);
-      for (int q = 0; q < kDirections; ++q)
-        if (inside >> q & 1)
-          broken += links[q] >= grid.levels(static_cast<PointIndex>(p + around.offset(q)));
-      const auto row = grid.row(r);
-      not_finite += !std::all_of(row.begin(), row.end(), [](double s) { return std::isfinite(s); });
-    }
-  }
-  const auto refuse = [&](std::uint64_t count, const std::string& what) {
-    if (count != 0) throw Error(name + ": " + std::to_string(count) + what);
-  };
-  refuse(frontier, " records are still in the frontier: finish the grid with expand --complete");
-  refuse(without_level, " grid points have no level: the seeds do not reach them, see verify");
-  refuse(broken, " links lead to no record: the grid is damaged, see verify");
-  refuse(not_finite, " records have a state, force or shape that is not finite, see verify");
+void blend(const std::array<double, 8>& w, const std::array<const double*, 8>& rows,
+           std::span<double> out) noexcept {
+  const auto [s0, s1, s2, s3, s4, s5, s6, s7] = rows;
+  const auto [w0, w1, w2, w3, w4, w5, w6, w7] = w;
+  double* const o = out.data();
+  const std::size_t n = out.size();
+#ifndef __clang__  // clang does not know this pragma
+#pragma GCC ivdep
+#endif
+  for (std::size_t i = 0; i < n; ++i)
+    o[i] = ((w0 * s0[i] + w1 * s1[i]) + (w2 * s2[i] + w3 * s3[i])) +
+           ((w4 * s4[i] + w5 * s5[i]) + (w6 * s6[i] + w7 * s7[i]));
 }
 
 }  // namespace hapgrid

@@ -1,4 +1,7 @@
-// Algorithm 2 (Sect. 2.4): from a stream of HIP positions to a continuous stream of states.
+// From a stream of HIP positions to a continuous stream of states (Sect. 2.4): the part of
+// Algorithm 2 that every rule of traversal shares, which is where the HIP is. The rules, which say
+// what the state is there, are classes of their own: PaperTraversal, BranchTraversal,
+// ModelTraversal.
 //
 // Problem. A tick of the haptic loop has a millisecond at most, and it must never be delayed: it
 // may not allocate, lock, read or write. Every position has a defined outcome, also a position that
@@ -11,11 +14,11 @@
 // state, and on a shared face, edge or vertex both cells give the same bits: the other corners have
 // the weight 0 and the common ones the same weights in the same order of summation.
 //
-// Which corners? Eight records, and eight pointers to their states where the grid has them. In a
-// cell a copy of the states in an n x 8 block is no faster (n = 9: 19.0 against 18.8 ns), and each
-// switch would have to make it; a copy of the whole grid in another layout would double the memory.
-// It does help to prefetch the links of the new corners together with their states: the next switch
-// finds them in the cache (tests/bench/traversal.cpp).
+// Which corners? Eight pointers to rows. In a cell a copy of the states in an n x 8 block is no
+// faster (n = 9: 19.0 against 18.8 ns), and each switch would have to make it; a copy of the whole
+// grid in another layout would double the memory. It does help to prefetch the links of the new
+// corners together with their states: the next switch finds them in the cache
+// (tests/bench/traversal.cpp).
 //
 // Jumps. When the HIP moved to a cell that shares no vertex with the old one, the traversal follows
 // the straight line in equal parts, as many as there are cells between on the farthest axis. Each
@@ -25,10 +28,10 @@
 // bound is reached, the traversal goes on along the line in the next tick.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "libcore/grid/cell.hpp"
@@ -43,6 +46,7 @@ struct StepResult {
   bool lagging = false;        ///< the bound on sub-steps was reached before the HIP
   bool blocked = false;        ///< a link leads nowhere (never in a playable grid): not followed
   bool level_changed = false;  ///< some conversion led to another level number than it came from
+  bool snapped = false;        ///< the state jumped to another branch, as the model does there
   std::uint16_t face_switches = 0;
   std::uint16_t edge_switches = 0;
   std::uint16_t vertex_switches = 0;
@@ -58,32 +62,64 @@ class Traversal {
  public:
   static constexpr std::uint16_t kDefaultMaxSubSteps = 64;
 
-  /// @param max_sub_steps the most sub-steps (cells, for a straight jump) in one step, >= 1.
-  /// @throw Error when neighbouring grid points coincide in double precision.
-  explicit Traversal(const Grid& grid, std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
+  virtual ~Traversal() = default;
 
-  /// Starts in the cell of the HIP: the corner nearest to the HIP (the lower one of two) gets level
-  /// 0, the other seven its destination levels. Source: Sect. 2.4. Deviation: level 0 in
-  /// all corners, as printed, can mix branches.
+  /// Starts in the cell of the HIP.
   StepResult start(const Vec3& hip) noexcept;
-
   /// Follows the HIP. Until a start has succeeded it does the same as start().
   StepResult step(const Vec3& hip) noexcept;
 
-  /// The interpolated state, n values in the model's units; zeros before the first start.
+  /// The state there, n values in the model's units; zeros before the first start.
   std::span<const double> state() const {
     return std::span<const double>(row_).first(grid_.state_size());
   }
-  /// The interpolated row: the state and what the grid stores with it; spec().row_size() values.
+  /// The state and what the grid stores with it; spec().row_size() values.
   std::span<const double> row() const { return row_; }
   /// The place of state(), in the model's unit of length: the HIP, clamped to the box; after a step
   /// that was not usable or is lagging, a former place.
   const Vec3& position() const { return position_; }
-  /// The current level in corner i + 2j + 4k of the cell (Corners).
-  const std::array<Level, 8>& levels() const { return corners_.level; }
-  const std::array<RecordIndex, 8>& records() const { return corners_.record; }
+  /// The current level in corner i + 2j + 4k of the cell; kNoLevel where the rule has no record.
+  const std::array<Level, 8>& levels() const { return levels_; }
   /// The corner (0,0,0) of the cell.
   const GridCoordinates& cell() const { return cell_; }
+
+ protected:
+  /// @param max_sub_steps the most sub-steps (cells, for a straight jump) in one step, >= 1.
+  /// @throw Error when neighbouring grid points coincide in double precision.
+  Traversal(const Grid& grid, std::uint16_t max_sub_steps);
+  Traversal(const Traversal&) = default;
+
+  // What a rule answers. Each of these is real-time safe. Here base() and cell() are still those of
+  // the cell before in start_in() and cross(), and position() the place before in move().
+
+  /// Begins in the cell at `base`; the HIP at x is nearest to its corner `nearest`. False when a
+  /// link is missing.
+  virtual bool start_in(PointIndex base, int nearest, const Vec3& x) noexcept = 0;
+  /// Changes to the neighbouring cell at `base`, in direction q, on the way to y in that cell.
+  /// False when a link is missing: then nothing changes.
+  virtual bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept = 0;
+  /// Moves on to x inside the closed cell. False when that cannot be.
+  virtual bool move(const Vec3& x, StepResult& result) noexcept = 0;
+  /// Sets row() to what is at position().
+  virtual void evaluate() noexcept = 0;
+
+  /// Where x is in the current cell, in [0, 1] on each axis; exactly 0 and 1 on its faces.
+  Vec3 part_of_cell(const Vec3& x) const noexcept {
+    const auto part = [&](int a) { return std::min((x[a] - low_[a]) * scale_[a], 1.0); };
+    return {part(0), part(1), part(2)};
+  }
+  /// The point of the current closed cell that is nearest to x.
+  Vec3 nearest_in_cell(const Vec3& x) const noexcept {
+    return {std::clamp(x[0], low_[0], high_[0]), std::clamp(x[1], low_[1], high_[1]),
+            std::clamp(x[2], low_[2], high_[2])};
+  }
+  PointIndex base() const { return base_; }
+
+  const Grid& grid_;
+  const Cells cells_;
+  const Box box_;
+  std::array<Level, 8> levels_{};
+  std::vector<double> row_;
 
  private:
   double face(int axis, std::int64_t c) const {
@@ -93,17 +129,13 @@ class Traversal {
   std::int64_t cells_away(int axis, double x) const noexcept;
   std::array<std::int64_t, 3> cells_away(const Vec3& x) const noexcept;
   void travel(const Vec3& x, StepResult& result) noexcept;
-  bool switch_cell(const std::array<std::int64_t, 3>& move, StepResult& result) noexcept;
-  void enter(const GridCoordinates& cell, PointIndex base, const Corners& corners) noexcept;
-  void interpolate(const Vec3& x) noexcept;
+  bool switch_cell(const std::array<std::int64_t, 3>& move, const Vec3& y,
+                   StepResult& result) noexcept;
+  void enter(const GridCoordinates& cell, PointIndex base) noexcept;
 
-  const Grid& grid_;
-  const Cells cells_;
-  const Box box_;
   const int max_sub_steps_;
   Vec3 box_low_;
   Vec3 box_high_;
-
   bool started_ = false;
   Vec3 position_{0, 0, 0};
   GridCoordinates cell_{0, 0, 0};
@@ -111,20 +143,18 @@ class Traversal {
   Vec3 low_{0, 0, 0};    // the closed cell: low_ <= x <= high_
   Vec3 high_{0, 0, 0};
   Vec3 scale_{1, 1, 1};  // 1 / (high_ - low_), rounded so that high_ gives at least 1
-  Corners corners_;
-  std::array<const double*, 8> corner_rows_{};
-  std::vector<double> row_;
 };
+
+/// In Traversal::levels(): no record of the grid.
+inline constexpr Level kNoLevel = 255;
 
 /// Weights of the corners i + 2j + 4k at xbar, dimensionless in [0,1]^3; they are >= 0, sum to 1
 /// within 4 epsilon, and at a corner one is exactly 1 and the others exactly 0.
 /// Source: Sect. 2.4. Deviation: the printed weights are mirrored; (1-i)(1-x) + i x is used.
 std::array<double, 8> corner_weights(const Vec3& xbar) noexcept;
 
-/// Refuses a grid that cannot be played as a whole, and says what to do about it.
-/// @param name of the grid, for messages.
-/// @throw Error when the frontier has records, a point has no level, a link inside the box leads
-/// nowhere, or a state is not finite.
-void require_playable(const Grid& grid, const std::string& name);
+/// out = the sum of w[k] rows[k], in an order of summation that never changes.
+void blend(const std::array<double, 8>& w, const std::array<const double*, 8>& rows,
+           std::span<double> out) noexcept;
 
 }  // namespace hapgrid

@@ -4,7 +4,7 @@
 // side and 12 with 128.
 //
 // The column s/step counts: 18n is 18 ns of CPU time a step.
-#include "libcore/haptic/traversal.hpp"
+#include "libcore/haptic/paper_traversal.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -42,7 +42,7 @@ void step(benchmark::State& state) {
   // a real grid.
   const Grid grid = testing::random_grid(box, kStateSize, 2, 1);
   const auto path = smooth_path(spacing / static_cast<double>(state.range(1)), 1 << 20);
-  Traversal traversal(grid);
+  PaperTraversal traversal(grid);
   traversal.start(path[0]);
   std::uint64_t switches = 0, steps = 0;
   for (auto _ : state) {  // an iteration is the whole path: a step is too short to be timed

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "libcore/check/invariants.hpp"
-#include "libcore/haptic/traversal.hpp"
+#include "libcore/haptic/paper_traversal.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/reader.hpp"
 #include "tests/fuzz/fuzz.hpp"
@@ -30,7 +30,7 @@ inline void read_stored(const Section& section) {
 /// and no number.
 inline void play(const Grid& grid) {
   const Box& box = grid.spec().box;
-  Traversal traversal(grid);
+  PaperTraversal traversal(grid);
   const auto place = [&](double share) {
     Vec3 x{};
     for (int a = 0; a < 3; ++a) x[a] = box.origin[a] + share * box.spacing * (box.counts[a] - 1);

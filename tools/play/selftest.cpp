@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "libcore/grid/grid.hpp"
+#include "libcore/haptic/paper_traversal.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/report.hpp"
 #include "tools/play/signals.hpp"
@@ -84,7 +85,7 @@ void measure_loop(const Grid& grid, double rate_hz, double spin_us, std::uint64_
                   Measured& measured) {
   NoDevice device(ticks);
   Mapping mapping({}, device.info(), grid.box());
-  Traversal traversal(grid);
+  PaperTraversal traversal(grid);
   SafetyCore safety;
   std::atomic<std::uint64_t> heartbeat{0};
   const LoopSummary summary = run_loop(

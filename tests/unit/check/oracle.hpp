@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "libcore/check/report.hpp"
-#include "libcore/haptic/traversal.hpp"
+#include "libcore/haptic/paper_traversal.hpp"
 
 namespace hapgrid::testing {
 
 /// What one sees of the traversal from outside.
 using Seen = std::pair<GridCoordinates, std::array<RecordIndex, 8>>;
-inline Seen seen(const Traversal& t) { return {t.cell(), t.records()}; }
+inline Seen seen(const PaperTraversal& t) { return {t.cell(), t.records()}; }
 
 inline std::uint32_t cells_along(const Box& box, int a) { return std::max(1u, box.counts[a] - 1); }
 
@@ -33,13 +33,13 @@ inline Vec3 inside(const Box& box, const GridCoordinates& cell, const Vec3& part
 /// The oracle: the traversal itself, copied at each place that it has not been at before and sent
 /// from there to all neighbours. Also what the notes should say of these places.
 struct Oracle {
-  std::map<Seen, Traversal> at;
+  std::map<Seen, PaperTraversal> at;
   std::uint64_t switches = 0, one_way = 0, one_way_switches = 0, blocked = 0;
 
   explicit Oracle(const Grid& grid) {
     const Box& box = grid.box();
-    std::vector<const Traversal*> todo;
-    const auto visit = [&](const Traversal& t) {
+    std::vector<const PaperTraversal*> todo;
+    const auto visit = [&](const PaperTraversal& t) {
       const auto [where, is_new] = at.try_emplace(seen(t), t);
       if (is_new) todo.push_back(&where->second);
     };
@@ -50,7 +50,7 @@ struct Oracle {
           for (int octant = 0; octant < 8; ++octant) {
             Vec3 part;
             for (int a = 0; a < 3; ++a) part[a] = octant >> a & 1 ? 0.75 : 0.25;
-            Traversal t(grid);
+            PaperTraversal t(grid);
             if (t.start(inside(box, cell, part)).usable())
               visit(t);
             else
@@ -68,7 +68,7 @@ struct Oracle {
           exists &= to[a] < cells_along(box, a);
         }
         if (!exists) continue;
-        Traversal t(*todo[i]);
+        PaperTraversal t(*todo[i]);
         const StepResult there = t.step(inside(box, to, {0.5, 0.5, 0.5}));
         REQUIRE_FALSE(there.split);
         if (there.blocked) {

@@ -236,7 +236,7 @@ TEST_CASE("a mixture of branches that the hand carries along returns energy, as 
   const Grid grid = hung_ball::grid(kBallBox, kUncut);
   const Forces forces = forces_of(grid);
   const double touched = 0.1751, free = 0.2249, low = -0.05, high = 0.2;
-  Traversal t(grid);
+  PaperTraversal t(grid);
   double gain = 0;
   Vec3 last;
   const auto force_here = [&] {  // as play interpolates one that is stored

@@ -126,7 +126,7 @@ TEST_CASE("random walks and jumps meet nothing that was not enumerated") {
     const auto all = places(grid, map, find_configurations(grid, map, 2, kNoLimit));
     std::mt19937_64 random(7);
     std::set<Seen> visited;
-    Traversal t(grid);
+    PaperTraversal t(grid);
     for (int i = 0; i < 20000; ++i) {
       Vec3 x;
       for (int a = 0; a < 3; ++a) {

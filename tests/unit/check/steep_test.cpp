@@ -29,8 +29,8 @@ Forces stored_forces(const Grid& grid) {
 double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 /// What play has somewhere in its cell, given as parts along the axes.
-std::vector<double> row_at(const Box& box, const Traversal& t, const Vec3& part) {
-  Traversal there(t);
+std::vector<double> row_at(const Box& box, const PaperTraversal& t, const Vec3& part) {
+  PaperTraversal there(t);
   REQUIRE(there.step(inside(box, t.cell(), part)).usable());
   REQUIRE(there.cell() == t.cell());
   return {there.row().begin(), there.row().end()};

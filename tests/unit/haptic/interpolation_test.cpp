@@ -31,7 +31,7 @@ TEST_CASE("corner weights sum to 1 and are exact in the corners") {
 TEST_CASE("a grid point gives its stored state to the last bit") {
   for (const Box& box : boxes()) {
     const Grid grid = random_grid(box, 5, 3, 7);
-    Traversal t(grid);
+    PaperTraversal t(grid);
     for (int pass = 0; pass < 2; ++pass)  // afresh, and followed along all points
       for (PointIndex p = 0; p < box.points(); ++p) {
         const Vec3 x = box.position(p);
@@ -52,7 +52,7 @@ TEST_CASE("a grid point gives its stored state to the last bit") {
 TEST_CASE("inside a cell the state is the trilinear interpolation") {
   const Box box{{-0.975, -0.475, -0.475}, 0.05, {9, 7, 8}};
   const Grid grid = random_grid(box, 4, 2, 3);
-  Traversal t(grid);
+  PaperTraversal t(grid);
   std::mt19937_64 random(5);
   for (int i = 0; i < 2000; ++i) {
     const Vec3 x = random_point(box, random);
@@ -92,7 +92,7 @@ TEST_CASE("the state is continuous across every face, edge and vertex") {
           common[a] = move[a] == 0 ? uniform(random, low, high) : move[a] > 0 ? high : low;
           beyond[a] = move[a] == 0 ? common[a] : std::nextafter(common[a], move[a] * kInf);
         }
-        Traversal t(grid);
+        PaperTraversal t(grid);
         t.start(inside);
         REQUIRE(switches(t.step(common)) == 0);
         const auto before = copy(t.state());

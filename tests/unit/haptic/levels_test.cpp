@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "libcore/haptic/playable.hpp"
 #include "tests/unit/haptic/literal.hpp"
 #include "tests/unit/haptic/places.hpp"
 
@@ -15,7 +16,7 @@ TEST_CASE("levels along random walks are those of the paper's text") {
   for (const Box& box : boxes()) {
     const Grid grid = random_grid(box, 1, 4, ++seed);
     std::mt19937_64 random(seed);
-    Traversal t(grid);
+    PaperTraversal t(grid);
     Literal literal(grid);
 
     // Design 7.3: the corner nearest to the HIP at level 0.
@@ -82,7 +83,7 @@ TEST_CASE("the way there and the way back differ where the grid says so") {
   const Grid grid(spec_for(box, 1), 1, std::move(columns));
   require_playable(grid, "grid");
 
-  Traversal t(grid);
+  PaperTraversal t(grid);
   const auto at = [&](double x) {
     t.step({x, 0, 0});
     return t.state()[0];
@@ -103,7 +104,7 @@ TEST_CASE("the way there and the way back differ where the grid says so") {
   CHECK(at(2.5) == 1);
 
   // One long jump does what the way does.
-  Traversal jump(grid);
+  PaperTraversal jump(grid);
   jump.step({0.5, 0, 0});
   CHECK(jump.step({2.5, 0, 0}).split);
   CHECK(jump.state()[0] == 1);
@@ -115,7 +116,7 @@ TEST_CASE("a HIP at rest on a face does not flap") {
   for (const double side : {-kInf, kInf}) {
     const double on = face(box, 0, 3);
     Vec3 x{on, -0.46, -0.46};
-    Traversal t(grid);
+    PaperTraversal t(grid);
     t.start({on + (side > 0 ? 0.01 : -0.01), x[1], x[2]});
     for (int i = 0; i < 10; ++i) {
       x[0] = i % 2 ? on : std::nextafter(on, side);

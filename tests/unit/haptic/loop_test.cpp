@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "libcore/haptic/paper_traversal.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
@@ -75,7 +76,7 @@ constexpr SafetyLimits kClampOnly{.slew = std::numeric_limits<double>::infinity(
 
 struct Fixture {
   Grid grid = random_grid({{0, 0, 0}, 1, {4, 4, 4}}, 2, 2, 1);
-  Traversal traversal{grid};
+  PaperTraversal traversal{grid};
   SafetyCore safety{kClampOnly};
   std::atomic<int> stop{0};
   std::atomic<std::uint64_t> heartbeat{0};

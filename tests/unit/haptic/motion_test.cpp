@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libcore/base/error.hpp"
+#include "libcore/haptic/playable.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/places.hpp"
 
@@ -18,7 +19,7 @@ TEST_CASE("outside the box the HIP is held at its edge") {
   for (const Box& box : boxes()) {
     const Grid grid = random_grid(box, 3, 3, 11);
     std::mt19937_64 random(2);
-    Traversal t(grid, 1000), held(grid, 1000);
+    PaperTraversal t(grid, 1000), held(grid, 1000);
     t.start(box.position(PointIndex{0}));
     held.start(box.position(PointIndex{0}));
     for (int i = 0; i < 500; ++i) {
@@ -40,7 +41,7 @@ TEST_CASE("outside the box the HIP is held at its edge") {
       REQUIRE(copy(t.state()) == copy(held.state()));
       REQUIRE(t.records() == held.records());
     }
-    CHECK(Traversal(grid).start({1e300, -1e300, 1e300}).outside);
+    CHECK(PaperTraversal(grid).start({1e300, -1e300, 1e300}).outside);
   }
 }
 
@@ -51,7 +52,7 @@ TEST_CASE("a HIP that is not finite changes nothing") {
     for (int a = 0; a < 3; ++a) {
       Vec3 x{1.5, 1.5, 1.5};
       x[a] = bad;
-      Traversal t(grid);
+      PaperTraversal t(grid);
       CHECK(t.step(x).not_finite);
       CHECK(copy(t.state()) == std::vector<double>{0, 0, 0});
       CHECK(t.step({0.25, 0.5, 0.75}).usable());
@@ -69,7 +70,7 @@ TEST_CASE("a jump is split into equal parts, as many as cells on its farthest ax
   const Box box{{0, 0, 0}, 1, {40, 40, 40}};
   const Grid grid = random_grid(box, 2, 4, 4);
   const Vec3 from{0.3, 0.6, 20.2}, to{12.7, 7.1, 20.9};
-  Traversal t(grid), by_hand(grid);
+  PaperTraversal t(grid), by_hand(grid);
   t.start(from);
   by_hand.start(from);
   const StepResult r = t.step(to);
@@ -89,7 +90,7 @@ TEST_CASE("the bound on sub-steps delays a jump and changes nothing else") {
   const Box box{{0, 0, 0}, 1, {40, 40, 40}};
   const Grid grid = random_grid(box, 2, 4, 4);
   const Vec3 from{0.3, 0.6, 20.2}, to{30.7, 7.1, 20.9};
-  Traversal bounded(grid, 8), t(grid);
+  PaperTraversal bounded(grid, 8), t(grid);
   bounded.start(from);
   t.start(from);
   CHECK(switches(t.step(to)) == 30);
@@ -108,7 +109,7 @@ TEST_CASE("the bound on sub-steps delays a jump and changes nothing else") {
   CHECK(copy(bounded.state()) == copy(t.state()));
 
   // A bound of one part still gets there, one cell a tick.
-  Traversal slow(grid, 1);
+  PaperTraversal slow(grid, 1);
   slow.start(from);
   int ticks = 1;
   while (slow.step(to).lagging) ++ticks;
@@ -119,7 +120,7 @@ TEST_CASE("random jumps end where they should") {
   for (const Box& box : boxes()) {
     const Grid grid = random_grid(box, 3, 4, 9);
     std::mt19937_64 random(3);
-    Traversal t(grid);
+    PaperTraversal t(grid);
     t.start(random_point(box, random));
     for (int i = 0; i < 5000; ++i) {
       const Vec3 x = random_point(box, random);
@@ -148,7 +149,7 @@ TEST_CASE("links and points that lead nowhere are met without harm") {
     for (Level& link : columns.links)
       if (random() % 16 == 0) link = static_cast<Level>(random());
     const Grid grid(spec_for(box, 2), 1, std::move(columns));
-    Traversal t(grid);
+    PaperTraversal t(grid);
     StepResult r;
     bool started = false;
     for (int i = 0; i < 300; ++i) {
@@ -172,7 +173,7 @@ TEST_CASE("links and points that lead nowhere are met without harm") {
 
   // No point has a level.
   const Grid empty(spec_for({{0, 0, 0}, 1, {3, 3, 3}}, 2), 1, {});
-  Traversal t(empty);
+  PaperTraversal t(empty);
   CHECK(t.step({1, 1, 1}).blocked);
 }
 
@@ -222,14 +223,14 @@ TEST_CASE("a box whose points coincide in double precision is refused") {
   for (const Box& box : {Box{{1e16, 0, 0}, 0.5, {3, 3, 3}}, Box{{0, 0, 0}, 1e-310, {3, 3, 3}},
                          Box{{-1e308, 0, 0}, 1e308, {3, 1, 1}}}) {
     const Grid grid = random_grid(box, 1, 1, 1);
-    CHECK_THROWS_AS(Traversal(grid), Error);
+    CHECK_THROWS_AS(PaperTraversal(grid), Error);
   }
 }
 
 TEST_CASE("a step allocates nothing") {
   const Box box{{0, 0, 0}, 1, {20, 20, 20}};
   const Grid grid = random_grid(box, 9, 3, 4);
-  Traversal t(grid);
+  PaperTraversal t(grid);
   std::mt19937_64 random(3);
   std::vector<Vec3> path(20000);
   for (Vec3& x : path)

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "libcore/haptic/traversal.hpp"
+#include "libcore/haptic/paper_traversal.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 namespace hapgrid::testing {
@@ -69,7 +69,7 @@ inline Vec3 random_point_in(const Box& box, const Cell& cell, std::mt19937_64& r
 
 inline std::vector<double> copy(std::span<const double> s) { return {s.begin(), s.end()}; }
 
-inline Cell cell_of(const Traversal& t) {
+inline Cell cell_of(const PaperTraversal& t) {
   return {static_cast<int>(t.cell()[0]), static_cast<int>(t.cell()[1]),
           static_cast<int>(t.cell()[2])};
 }
@@ -96,7 +96,7 @@ inline Cell cell_from(const Box& box, const Cell& from, const Vec3& x) {
 }
 
 /// Records, levels and cell of a traversal belong together, whatever happened to it.
-inline void require_consistent(const Grid& grid, const Traversal& t) {
+inline void require_consistent(const Grid& grid, const PaperTraversal& t) {
   const Box& box = grid.box();
   for (int corner = 0; corner < 8; ++corner) {
     GridCoordinates c = t.cell();

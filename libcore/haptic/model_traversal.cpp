@@ -1,0 +1,47 @@
+#include "libcore/haptic/model_traversal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hapgrid {
+
+ModelTraversal::ModelTraversal(const Grid& grid, std::unique_ptr<Model> model, double steps_a_cell,
+                               std::uint16_t max_sub_steps)
+    : Traversal(grid, max_sub_steps),
+      model_(std::move(model)),
+      longest_(grid.box().spacing / steps_a_cell),
+      next_(row_.size()) {
+  levels_.fill(kNoLevel);
+}
+
+bool ModelTraversal::start_in(PointIndex base, int nearest, const Vec3& x) noexcept {
+  const PointIndex p = cells_.point(base, nearest);
+  if (grid_.levels(p) == 0) return false;
+  const std::span<const double> row = grid_.row(grid_.first(p));
+  std::copy(row.begin(), row.end(), row_.begin());
+  return follow(box_.position(p), x);
+}
+
+bool ModelTraversal::move(const Vec3& x, StepResult&) noexcept { return follow(position(), x); }
+
+/// Whole or not at all: when a conversion fails, the state before the first one stays.
+bool ModelTraversal::follow(Vec3 from, const Vec3& to) noexcept {
+  const Vec3 way{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+  const double length = std::hypot(way[0], way[1], way[2]);
+  if (length == 0) return true;
+  const double steps = std::ceil(length / longest_);
+  const Vec3 d{way[0] / steps, way[1] / steps, way[2] / steps};
+  const std::vector<double> before = row_;
+  for (double i = 0; i < steps; ++i) {
+    for (int a = 0; a < 3; ++a) from[a] = to[a] - (steps - i) * d[a];
+    if (!model_->convert(row_.data(), from, d, next_.data())) {
+      row_ = before;
+      return false;
+    }
+    row_.swap(next_);
+  }
+  return true;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,36 @@
+// The truth that the rules of traversal are measured by: the model itself, asked along the way of
+// the hand in steps that are small against the spacing. It is as slow as the model, so it is for
+// virtual time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "libcore/haptic/traversal.hpp"
+#include "libcore/model/model.hpp"
+
+namespace hapgrid {
+
+class ModelTraversal final : public Traversal {
+ public:
+  /// @param steps_a_cell the model is asked at least so often on the way along one spacing; > 0
+  /// @throw Error as Traversal does
+  ModelTraversal(const Grid& grid, std::unique_ptr<Model> model, double steps_a_cell = 32,
+                 std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
+
+ private:
+  /// Level 0 of the corner nearest to the HIP, and C from there to the HIP.
+  bool start_in(PointIndex base, int nearest, const Vec3& x) noexcept override;
+  bool cross(int, PointIndex, const Vec3&, StepResult&) noexcept override { return true; }
+  /// `blocked`, by its return value, when a conversion fails: the state is held.
+  bool move(const Vec3& x, StepResult& result) noexcept override;
+  void evaluate() noexcept override {}
+  bool follow(Vec3 from, const Vec3& to) noexcept;
+
+  std::unique_ptr<Model> model_;
+  double longest_;  // step, in the model's unit
+  std::vector<double> next_;
+};
+
+}  // namespace hapgrid
