@@ -25,8 +25,13 @@ Grid::Grid(GridSpec spec, std::uint32_t generation, RecordColumns columns)
   const std::size_t count = columns_.size();
   if (count >= kNoRecord) throw FormatError("grid: more than 4294967294 records");
   if (columns_.level.size() != count || columns_.generation.size() != count ||
-      columns_.rows.size() != count * row_size_ || columns_.links.size() != count * kDirections)
+      columns_.rows.size() != count * row_size_ || columns_.links.size() != count * kDirections ||
+      (has_tears() && columns_.tears.size() != count * kDirections))
     throw FormatError("grid: columns of different lengths");
+  for (const TearByte tear : columns_.tears)
+    if (!is_tear_byte(tear))
+      throw FormatError("grid: a tear fraction of " + std::to_string(tear) + ", at most " +
+                        std::to_string(kTearSteps - 1) + " is possible");
   const std::uint64_t points = spec_.box.points();
   if (points > kMostlyEmptyPoints && points / kPointsARecord > count)
     throw FormatError("grid: a box of " + std::to_string(points) + " points with " +
@@ -58,6 +63,11 @@ RecordIndex Grid::destination(RecordIndex r, int q) const {
   if (!(neighbourhood_.inside(p) >> q & 1)) return kNoRecord;
   const auto target = static_cast<PointIndex>(p + neighbourhood_.offset(q));
   return level < levels(target) ? first_[target] + level : kNoRecord;
+}
+
+bool Grid::is_one_way(RecordIndex r, int q) const {
+  const RecordIndex there = destination(r, q);
+  return there != kNoRecord && destination(there, Direction(q).opposite().q()) != r;
 }
 
 }  // namespace hapgrid

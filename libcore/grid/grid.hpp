@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libcore/grid/spec.hpp"
+#include "libcore/grid/tear.hpp"
 
 namespace hapgrid {
 
@@ -14,13 +15,15 @@ using RecordIndex = std::uint32_t;
 
 /// Records in columns, ascending by (point, level).
 /// Shapes, for R records: `rows` R x spec.row_size() row-major (a record's row, its state first, is
-/// contiguous), `links` R x 26 row-major, slot q is the destination level in direction q.
+/// contiguous), `links` R x 26 row-major, slot q is the destination level in direction q; `tears`
+/// R x 26 like the links, or empty where the grid has no tear fractions (tear.hpp).
 struct RecordColumns {
   std::vector<PointIndex> point;
   std::vector<Level> level;
   std::vector<std::uint32_t> generation;
   std::vector<double> rows;
   std::vector<Level> links;
+  std::vector<TearByte> tears = {};
 
   std::size_t size() const { return point.size(); }
 };
@@ -64,6 +67,17 @@ class Grid {
   /// The record to which direction q leads from record r; kNoRecord when the direction leaves the
   /// box, is not settled, or leads to a level that does not exist. Real-time safe.
   RecordIndex destination(RecordIndex r, int q) const;
+  /// Whether direction q of record r leads to a record whose link straight back leads elsewhere.
+  /// Real-time safe.
+  bool is_one_way(RecordIndex r, int q) const;
+
+  bool has_tears() const { return !columns_.tears.empty(); }
+  /// The tear bytes of a record's links, where has_tears(). Each is kNoTear or below kTearSteps;
+  /// which links have one is *not* trusted, like the links.
+  std::span<const TearByte, kDirections> tears(RecordIndex r) const {
+    return std::span<const TearByte, kDirections>(
+        columns_.tears.data() + std::size_t{r} * kDirections, kDirections);
+  }
 
  private:
   GridSpec spec_;

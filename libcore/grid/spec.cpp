@@ -46,6 +46,7 @@ std::string difference(const GridSpec& a, const GridSpec& b) {
   if (!(a.equality == b.equality)) return "the tolerance function";
   if (!(a.stored == b.stored)) return "what is stored with each state";
   if (a.spheres != b.spheres) return "the spheres that show the model";
+  if (a.tears != b.tears) return "whether it has tear fractions";
   if (a.hip_radius != b.hip_radius) return both("radius of the HIP", a.hip_radius, b.hip_radius);
   return a == b ? "" : "the units";
 }

@@ -70,6 +70,7 @@ struct GridSpec {
   std::string energy_unit;
   double hip_radius = 0;  ///< of the ball that pictures show at the HIP; 0 when there is none
   Stored stored;
+  bool tears = false;           ///< whether the finished grid has tear fractions (tear.hpp)
   std::vector<Sphere> spheres;  ///< empty when the shape is not stored
 
   std::uint32_t force_offset() const { return state_size; }

@@ -20,8 +20,9 @@ std::string digest_text(const Digest& digest) {
 }
 }  // namespace
 
-LoadedGrid load_grid(const std::string& name) {
-  const Section section = open_grid(name);
+LoadedGrid load_grid(const std::string& name) { return load_grid(open_grid(name)); }
+
+LoadedGrid load_grid(const Section& section) {
   const GridSpec& spec = section.header.spec;
   const std::uint64_t stored_bytes = section.end - section.begin;
   RecordColumns columns;
@@ -35,6 +36,7 @@ LoadedGrid load_grid(const std::string& name) {
   columns.generation.reserve(expected);
   columns.rows.reserve(expected * spec.row_size());
   columns.links.reserve(expected * kDirections);
+  if (section.header.has_tears) columns.tears.reserve(expected * kDirections);
   SectionReader reader(section);
   RecordRows rows;
   for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) {
@@ -47,6 +49,7 @@ LoadedGrid load_grid(const std::string& name) {
     append(columns.generation, rows.generation);
     append(columns.rows, rows.numbers);
     append(columns.links, rows.links);
+    append(columns.tears, rows.tears);
   }
   return {Grid(spec, section.header.generation, std::move(columns)), stored_bytes,
           digest_text(section.footer.digest)};

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "libcore/grid/grid.hpp"
+#include "libcore/shard/section.hpp"
 
 namespace hapgrid {
 
@@ -17,5 +18,6 @@ struct LoadedGrid {
 /// Reads a grid ("-" is standard input). Every digest and count is checked.
 /// @throw FormatError when the stream is damaged, or is not one grid; std::system_error.
 LoadedGrid load_grid(const std::string& name);
+LoadedGrid load_grid(const Section& section);
 
 }  // namespace hapgrid

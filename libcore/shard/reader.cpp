@@ -71,7 +71,14 @@ void read_numbers(ChunkReader in, std::size_t rows, const GridSpec& spec, Chunk&
   chunk.numbers = chunk.transposed;
 }
 
-void read_columns(schema::Message::Reader message, const GridSpec& spec, RecordRows& rows) {
+std::size_t count_directions(std::span<const DirectionMask> directions) {
+  std::size_t count = 0;
+  for (const DirectionMask mask : directions)
+    count += static_cast<std::size_t>(std::popcount(mask));
+  return count;
+}
+
+void read_columns(schema::Message::Reader message, const SectionHeader& header, RecordRows& rows) {
   if (!message.isRecords()) throw FormatError("damaged: a chunk of records was expected");
   const schema::RecordChunk::Reader chunk = message.getRecords();
   const std::size_t count = chunk.getPoint().size();
@@ -79,20 +86,28 @@ void read_columns(schema::Message::Reader message, const GridSpec& spec, RecordR
   rows.level = column(chunk.getLevel(), count, "level");
   rows.generation = column<std::uint32_t>(chunk.getGeneration(), count, "generation");
   rows.links = column(chunk.getLinks(), count * kDirections, "links");
-  read_numbers(chunk, count, spec, rows);
+  rows.tears = column(chunk.getTears(), header.has_tears ? count * kDirections : 0, "tears");
+  read_numbers(chunk, count, header.spec, rows);
 }
 
-void read_columns(schema::Message::Reader message, const GridSpec& spec, RequestRows& rows) {
+void read_columns(schema::Message::Reader message, const SectionHeader& header, RequestRows& rows) {
   if (!message.isRequests()) throw FormatError("damaged: a chunk of requests was expected");
   const schema::RequestChunk::Reader chunk = message.getRequests();
   const std::size_t count = chunk.getPoint().size();
   rows.point = column<PointIndex>(chunk.getPoint(), count, "point");
   rows.level = column(chunk.getLevel(), count, "level");
   rows.directions = column<DirectionMask>(chunk.getDirections(), count, "directions");
-  std::size_t requests = 0;
-  for (const DirectionMask directions : rows.directions)
-    requests += static_cast<std::size_t>(std::popcount(directions));
-  read_numbers(chunk, requests, spec, rows);
+  read_numbers(chunk, count_directions(rows.directions), header.spec, rows);
+}
+
+void read_columns(schema::Message::Reader message, const SectionHeader&, TearRows& rows) {
+  if (!message.isTears()) throw FormatError("damaged: a chunk of tear fractions was expected");
+  const schema::TearChunk::Reader chunk = message.getTears();
+  const std::size_t count = chunk.getPoint().size();
+  rows.point = column<PointIndex>(chunk.getPoint(), count, "point");
+  rows.level = column(chunk.getLevel(), count, "level");
+  rows.directions = column<DirectionMask>(chunk.getDirections(), count, "directions");
+  rows.tears = column(chunk.getTears(), count_directions(rows.directions), "tears");
 }
 
 }  // namespace
@@ -102,6 +117,7 @@ SectionReader::SectionReader(const Section& section)
 
 void SectionReader::read(std::size_t chunk, RecordRows& rows) { decode(chunk, rows); }
 void SectionReader::read(std::size_t chunk, RequestRows& rows) { decode(chunk, rows); }
+void SectionReader::read(std::size_t chunk, TearRows& rows) { decode(chunk, rows); }
 
 void SectionReader::read_stored(std::size_t chunk, StoredChunk& stored) {
   stored.info = section_->footer.chunks[chunk];
@@ -128,7 +144,7 @@ void SectionReader::decode(std::size_t chunk, Rows& rows) {
   if (digest_of(std::as_bytes(std::span(rows.message))) != info.digest)
     throw FormatError(where + ": damaged: a chunk does not fit the footer's digest of it");
   read_message(rows.message, where, [&](schema::Message::Reader message) {
-    read_columns(message, section_->header.spec, rows);
+    read_columns(message, section_->header, rows);
     if (rows.size() == 0) throw FormatError("damaged: a chunk without rows");
     check_order(rows);
     const Counts counts = check(rows);
@@ -158,6 +174,9 @@ void SectionReader::check_order(const Chunk& rows) const {
 
 SectionReader::Counts SectionReader::check(const RecordRows& rows) const {
   Counts counts;
+  for (const TearByte tear : rows.tears)
+    if (!is_tear_byte(tear))
+      throw FormatError("damaged: a tear fraction of " + std::to_string(tear));
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (rows.generation[r] > section_->header.generation)
       throw FormatError("damaged: a record of generation " + std::to_string(rows.generation[r]));
@@ -167,6 +186,18 @@ SectionReader::Counts SectionReader::check(const RecordRows& rows) const {
         static_cast<std::uint32_t>(std::popcount(neighbourhood_.inside(rows.point[r])));
   }
   return counts;
+}
+
+SectionReader::Counts SectionReader::check(const TearRows& rows) const {
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (rows.directions[r] == 0) throw FormatError("damaged: a record without tear fractions");
+    if (rows.directions[r] & ~neighbourhood_.inside(rows.point[r]))
+      throw FormatError("damaged: a tear fraction of a link that leaves the box");
+  }
+  for (const TearByte tear : rows.tears)
+    if (tear >= kTearSteps)
+      throw FormatError("damaged: a tear fraction of " + std::to_string(tear));
+  return {0, static_cast<std::uint32_t>(rows.tears.size())};
 }
 
 SectionReader::Counts SectionReader::check(RequestRows& rows) const {

@@ -21,6 +21,7 @@ class SectionReader {
   /// the caller to check, since a point can be in both. @throw FormatError, std::system_error
   void read(std::size_t chunk, RecordRows& rows);
   void read(std::size_t chunk, RequestRows& rows);
+  void read(std::size_t chunk, TearRows& rows);
 
   /// A chunk as it is stored: its zstd frame is checked against the footer's hash, and its content
   /// is not looked at. @throw FormatError, std::system_error
@@ -37,6 +38,7 @@ class SectionReader {
   };
   Counts check(const RecordRows& rows) const;
   Counts check(RequestRows& rows) const;
+  Counts check(const TearRows& rows) const;
   void check_order(const Chunk& rows) const;
 
   const Section* section_;

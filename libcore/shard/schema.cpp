@@ -73,8 +73,30 @@ Content decode_content(schema::Header::Content content) {
       return Content::kGrid;
     case schema::Header::Content::REQUESTS:
       return Content::kRequests;
+    case schema::Header::Content::TEARS:
+      return Content::kTears;
   }
   throw FormatError("content of a kind that this version does not know");
+}
+
+schema::Header::Content encode_content(Content content) {
+  switch (content) {
+    case Content::kGrid:
+      return schema::Header::Content::GRID;
+    case Content::kRequests:
+      return schema::Header::Content::REQUESTS;
+    case Content::kTears:
+      break;
+  }
+  return schema::Header::Content::TEARS;
+}
+
+void decode_tears(schema::Header::Tears tears, SectionHeader& header) {
+  if (tears > schema::Header::Tears::STORED ||
+      (tears == schema::Header::Tears::STORED && header.content != Content::kGrid))
+    throw FormatError("tear fractions of a kind that this version does not know");
+  header.spec.tears = tears != schema::Header::Tears::NONE;
+  header.has_tears = tears == schema::Header::Tears::STORED;
 }
 
 schema::Equality::Norm encode_norm(Equality::Norm norm) {
@@ -155,8 +177,7 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   const GridSpec& spec = header.spec;
   out.setMagic(kMagic);
   out.setVersion(kFormatVersion);
-  out.setContent(header.content == Content::kGrid ? schema::Header::Content::GRID
-                                                  : schema::Header::Content::REQUESTS);
+  out.setContent(encode_content(header.content));
   out.setGeneration(header.generation);
   set_box(out.initBox(), spec.box);
   out.setModel(spec.model);
@@ -180,6 +201,9 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   out.setLengthUnit(spec.length_unit);
   out.setEnergyUnit(spec.energy_unit);
   out.setHipRadius(spec.hip_radius);
+  out.setTears(header.has_tears ? schema::Header::Tears::STORED
+               : spec.tears     ? schema::Header::Tears::WANTED
+                                : schema::Header::Tears::NONE);
 }
 
 SectionHeader decode_header(schema::Header::Reader in) {
@@ -204,6 +228,7 @@ SectionHeader decode_header(schema::Header::Reader in) {
   if (spec.stored.shape != (spheres.size() > 0) || spheres.size() > kMaxSpheres)
     throw FormatError("a shape of " + std::to_string(spheres.size()) + " spheres");
   for (const auto sphere : spheres) spec.spheres.push_back(decode_sphere(sphere));
+  decode_tears(in.getTears(), header);
   return header;
 }
 

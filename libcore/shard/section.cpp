@@ -51,6 +51,8 @@ class BackwardReader {
     if (section_digest(header, section.footer.chunks) != section.footer.digest)
       fail(footer, "damaged: the digest in the footer does not fit the content");
     check_order(footer, section);
+    if (section.header.has_tears && section.frontier() > 0)
+      fail(footer, "damaged: tear fractions in a grid that has a frontier");
     return section;
   }
 

@@ -28,7 +28,7 @@ namespace {
 /// small is written once and kept.
 ZstdFrameEncoder encoder_for(Content content, Packing packing) {
   using Literals = ZstdFrameEncoder::Literals;
-  if (content == Content::kRequests) return ZstdFrameEncoder(1, Literals::kPlain);
+  if (content != Content::kGrid) return ZstdFrameEncoder(1, Literals::kPlain);
   return ZstdFrameEncoder(packing == Packing::kSmall ? 19 : 1);
 }
 
@@ -168,16 +168,21 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
       row_size_(header.spec.row_size()),
       neighbourhood_(header.spec.box),
       encoder_(std::make_unique<Encoder>(fd, name, encoder_for(header.content, packing))),
-      row_limit_(header.content == Content::kRequests ? chunk_requests(row_size_)
-                 : packing == Packing::kSmall         ? chunk_points(row_size_, kLargeChunkBytes)
-                                                      : chunk_points(row_size_)) {
+      row_limit_(header.content != Content::kGrid ? chunk_requests(row_size_)
+                 : packing == Packing::kSmall     ? chunk_points(row_size_, kLargeChunkBytes)
+                                                  : chunk_points(row_size_)) {
   const std::size_t rows = row_limit_;
   columns_.point = std::make_unique_for_overwrite<PointIndex[]>(rows);
   columns_.level = std::make_unique_for_overwrite<Level[]>(rows);
-  columns_.numbers = std::make_unique_for_overwrite<double[]>(rows * row_size_);
+  if (header.content == Content::kTears)
+    columns_.tears = std::make_unique_for_overwrite<TearByte[]>(rows);
+  else
+    columns_.numbers = std::make_unique_for_overwrite<double[]>(rows * row_size_);
   if (header.content == Content::kGrid) {
     columns_.generation = std::make_unique_for_overwrite<std::uint32_t[]>(rows);
     columns_.links = std::make_unique_for_overwrite<Level[]>(rows * kDirections);
+    if (header.has_tears)
+      columns_.tears = std::make_unique_for_overwrite<TearByte[]>(rows * kDirections);
   } else {
     columns_.directions = std::make_unique_for_overwrite<DirectionMask[]>(rows);
   }
@@ -191,7 +196,7 @@ SectionWriter::~SectionWriter() = default;
 SectionWriter::SectionWriter(SectionWriter&&) noexcept = default;
 
 void SectionWriter::record(PointIndex point, Level level, std::uint32_t generation,
-                           const double* row_numbers, const Level* links) {
+                           const double* row_numbers, const Level* links, const TearByte* tears) {
   enter_range(point);
   if (rows_ == row_limit_) flush();
   columns_.point[rows_] = point;
@@ -199,6 +204,7 @@ void SectionWriter::record(PointIndex point, Level level, std::uint32_t generati
   columns_.generation[rows_] = generation;
   std::copy_n(row_numbers, row_size_, &columns_.numbers[rows_ * row_size_]);
   std::memcpy(&columns_.links[rows_ * kDirections], links, kDirections);
+  if (columns_.tears) std::memcpy(&columns_.tears[rows_ * kDirections], tears, kDirections);
   count_frontier(point, generation);
   ++rows_;
 }
@@ -217,6 +223,7 @@ void SectionWriter::records(const RecordRows& rows, std::size_t begin, std::size
     copy(rows.generation, columns_.generation.get(), 1, stop - begin);
     copy(rows.numbers, columns_.numbers.get(), row_size_, stop - begin);
     copy(rows.links, columns_.links.get(), kDirections, stop - begin);
+    if (columns_.tears) copy(rows.tears, columns_.tears.get(), kDirections, stop - begin);
     for (std::size_t r = begin; r < stop; ++r) count_frontier(rows.point[r], rows.generation[r]);
     rows_ += stop - begin;
     begin = stop;
@@ -249,6 +256,18 @@ void SectionWriter::requests(PointIndex point, Level level, DirectionMask direct
   conversions_ += count;
 }
 
+void SectionWriter::tears(PointIndex point, Level level, DirectionMask directions,
+                          const TearByte* tears) {
+  const auto count = static_cast<std::uint32_t>(std::popcount(directions));
+  if (conversions_ + count > row_limit_) flush();
+  columns_.point[rows_] = point;
+  columns_.level[rows_] = level;
+  columns_.directions[rows_] = directions;
+  ++rows_;
+  std::copy_n(tears, count, &columns_.tears[conversions_]);
+  conversions_ += count;
+}
+
 void SectionWriter::copy(const StoredChunk& chunk) {
   flush();
   footer_.chunks.push_back(chunk.info);
@@ -257,27 +276,32 @@ void SectionWriter::copy(const StoredChunk& chunk) {
 
 void SectionWriter::flush() {
   if (rows_ == 0) return;
-  const bool requests = header_.content == Content::kRequests;
   const auto rows = static_cast<unsigned>(rows_);
-  const unsigned numbers = requests ? conversions_ : rows;
   // Each column ends at a word; there are row_size_ + 8 of them at most, and Cap'n Proto's own
   // words.
-  const std::size_t bytes = (std::size_t{rows} + numbers) * record_bytes(row_size_);
+  const unsigned numbers = header_.content == Content::kGrid ? rows : conversions_;
+  const std::size_t bytes = (std::size_t{rows} + numbers) * (record_bytes(row_size_) + kDirections);
   encoder_->write(bytes / sizeof(std::uint64_t) + 64, [&](schema::Message::Builder message) {
-    if (requests) {
-      auto chunk = message.initRequests();
+    const auto fill_keys = [&](auto chunk) {
       copy_column(chunk.initPoint(rows), columns_.point);
       chunk.setLevel(bytes_of(columns_.level, rows));
+      return chunk;
+    };
+    if (header_.content == Content::kRequests) {
+      auto chunk = fill_keys(message.initRequests());
       copy_column(chunk.initDirections(rows), columns_.directions);
       copy_rows(chunk, numbers, columns_.numbers.get(), row_size_, header_.spec);
-      return;
+    } else if (header_.content == Content::kTears) {
+      auto chunk = fill_keys(message.initTears());
+      copy_column(chunk.initDirections(rows), columns_.directions);
+      chunk.setTears(bytes_of(columns_.tears, conversions_));
+    } else {
+      auto chunk = fill_keys(message.initRecords());
+      copy_column(chunk.initGeneration(rows), columns_.generation);
+      copy_rows(chunk, numbers, columns_.numbers.get(), row_size_, header_.spec);
+      chunk.setLinks(bytes_of(columns_.links, rows * kDirections));
+      if (columns_.tears) chunk.setTears(bytes_of(columns_.tears, rows * kDirections));
     }
-    auto chunk = message.initRecords();
-    copy_column(chunk.initPoint(rows), columns_.point);
-    chunk.setLevel(bytes_of(columns_.level, rows));
-    copy_column(chunk.initGeneration(rows), columns_.generation);
-    copy_rows(chunk, numbers, columns_.numbers.get(), row_size_, header_.spec);
-    chunk.setLinks(bytes_of(columns_.links, rows * kDirections));
   });
   ChunkInfo info;
   info.size = encoder_->size();

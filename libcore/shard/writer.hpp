@@ -25,15 +25,20 @@ class SectionWriter {
   ~SectionWriter();
   SectionWriter(SectionWriter&&) noexcept;
 
-  /// A record of a grid. `row_numbers`: row_size() of them, the state first; `links` 26 levels.
+  /// A record of a grid. `row_numbers`: row_size() of them, the state first; `links` 26 levels;
+  /// `tears` 26 bytes, read where the header says that they are stored.
   /// @throw std::system_error
   void record(PointIndex point, Level level, std::uint32_t generation, const double* row_numbers,
-              const Level* links);
+              const Level* links, const TearByte* tears = nullptr);
   /// A grid's records [begin, end) of `rows`. @throw std::system_error
   void records(const RecordRows& rows, std::size_t begin, std::size_t end);
   /// What the conversions of a source record reached. `rows`: 26 x row_size() numbers, of which
   /// those of the `directions` count, one at least. @throw std::system_error
   void requests(PointIndex point, Level level, DirectionMask directions, const double* rows);
+
+  /// The tear fractions of a source record's links, one for each of the `directions`, ascending.
+  /// @throw std::system_error
+  void tears(PointIndex point, Level level, DirectionMask directions, const TearByte* tears);
 
   /// A whole chunk of a grid as it is stored: no record of it is in the new frontier, and no other
   /// record of its range of points is written. @throw std::system_error
@@ -52,7 +57,8 @@ class SectionWriter {
     std::unique_ptr<double[]> numbers;            // row_limit_ x row_size_
     std::unique_ptr<std::uint32_t[]> generation;  // of a grid, as the links
     std::unique_ptr<Level[]> links;
-    std::unique_ptr<DirectionMask[]> directions;  // of requests
+    std::unique_ptr<TearByte[]> tears;            // of a grid that stores them, or of links
+    std::unique_ptr<DirectionMask[]> directions;  // of requests and tear fractions
   };
 
   /// A chunk of a grid ends where its range of points ends.
