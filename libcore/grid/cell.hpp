@@ -28,6 +28,18 @@ struct CellSwitch {
 
 namespace cell_detail {
 
+constexpr std::array<std::array<std::int8_t, 8>, 8> between_corners() {
+  std::array<std::array<std::int8_t, 8>, 8> between{};
+  for (int from = 0; from < 8; ++from)
+    for (int to = 0; to < 8; ++to) {
+      std::array<int, 3> d{};
+      for (int a = 0; a < 3; ++a) d[a] = (to >> a & 1) - (from >> a & 1);
+      between[from][to] =
+          static_cast<std::int8_t>(from == to ? -1 : Direction::of(d[0], d[1], d[2]).q());
+    }
+  return between;
+}
+
 /// Sect. 2.4, i) to iii) in one rule: along the axes of the move the source is the common corner,
 /// along the others it has the new corner's own index. So a move across a face converts along one
 /// axis; across an edge, three times from each of its ends; across a vertex, seven times from it.
@@ -54,6 +66,9 @@ constexpr std::array<CellSwitch, kDirections> cell_switches() {
 }
 
 }  // namespace cell_detail
+
+/// The direction from one corner of a cell to another; -1 from a corner to itself.
+inline constexpr auto kBetweenCorners = cell_detail::between_corners();
 
 /// By the direction q of the move.
 inline constexpr auto kCellSwitches = cell_detail::cell_switches();
@@ -125,17 +140,21 @@ class Cells {
     return true;
   }
 
- private:
-  /// The destination of a link whose target point is known to be in the box; Grid::destination()
-  /// would compute the target and its neighbourhood again.
-  bool follow(RecordIndex from, int q, PointIndex base, Corners& corners,
-              int corner) const noexcept {
+  /// The record to which direction q leads from a record, where it is known to lead to corner
+  /// `corner` of the cell at `base`; Grid::kNoRecord as Grid::destination() says, which would
+  /// compute the target and its neighbourhood again.
+  RecordIndex destination(RecordIndex from, int q, PointIndex base, int corner) const noexcept {
     const PointIndex target = point(base, corner);
     const Level level = grid_.links(from)[q];
-    if (level >= grid_.levels(target)) return false;  // kUnsettled and kLeavesBox among them
-    corners.level[corner] = level;
-    corners.record[corner] = grid_.first(target) + level;
-    return true;
+    return level < grid_.levels(target) ? grid_.first(target) + level : Grid::kNoRecord;
+  }
+
+ private:
+  bool follow(RecordIndex from, int q, PointIndex base, Corners& corners,
+              int corner) const noexcept {
+    corners.record[corner] = destination(from, q, base, corner);
+    corners.level[corner] = grid_.links(from)[q];
+    return corners.record[corner] != Grid::kNoRecord;
   }
 
   const Grid& grid_;

@@ -11,16 +11,18 @@ ModelTraversal::ModelTraversal(const Grid& grid, std::unique_ptr<Model> model, d
     : Traversal(grid, max_sub_steps),
       model_(std::move(model)),
       longest_(grid.box().spacing / steps_a_cell),
-      next_(row_.size()) {
+      next_(row_.size()),
+      before_(row_.size()) {
+  records_.fill(Grid::kNoRecord);
   levels_.fill(kNoLevel);
 }
 
-bool ModelTraversal::start_in(PointIndex base, int nearest, const Vec3& x) noexcept {
-  const PointIndex p = cells_.point(base, nearest);
+bool ModelTraversal::begin(int nearest) noexcept {
+  const PointIndex p = cells_.point(base(), nearest);
   if (grid_.levels(p) == 0) return false;
   const std::span<const double> row = grid_.row(grid_.first(p));
   std::copy(row.begin(), row.end(), row_.begin());
-  return follow(box_.position(p), x);
+  return follow(box_.position(p), position());
 }
 
 bool ModelTraversal::move(const Vec3& x, StepResult&) noexcept { return follow(position(), x); }
@@ -32,11 +34,11 @@ bool ModelTraversal::follow(Vec3 from, const Vec3& to) noexcept {
   if (length == 0) return true;
   const double steps = std::ceil(length / longest_);
   const Vec3 d{way[0] / steps, way[1] / steps, way[2] / steps};
-  const std::vector<double> before = row_;
+  before_ = row_;
   for (double i = 0; i < steps; ++i) {
     for (int a = 0; a < 3; ++a) from[a] = to[a] - (steps - i) * d[a];
     if (!model_->convert(row_.data(), from, d, next_.data())) {
-      row_ = before;
+      row_ = before_;
       return false;
     }
     row_.swap(next_);

@@ -21,7 +21,7 @@ class ModelTraversal final : public Traversal {
 
  private:
   /// Level 0 of the corner nearest to the HIP, and C from there to the HIP.
-  bool start_in(PointIndex base, int nearest, const Vec3& x) noexcept override;
+  bool begin(int nearest) noexcept override;
   bool cross(int, PointIndex, const Vec3&, StepResult&) noexcept override { return true; }
   /// `blocked`, by its return value, when a conversion fails: the state is held.
   bool move(const Vec3& x, StepResult& result) noexcept override;
@@ -31,6 +31,7 @@ class ModelTraversal final : public Traversal {
   std::unique_ptr<Model> model_;
   double longest_;  // step, in the model's unit
   std::vector<double> next_;
+  std::vector<double> before_;
 };
 
 }  // namespace hapgrid

@@ -2,9 +2,9 @@
 
 namespace hapgrid {
 
-bool PaperTraversal::start_in(PointIndex base, int nearest, const Vec3&) noexcept {
+bool PaperTraversal::begin(int nearest) noexcept {
   Corners corners;
-  if (!cells_.start(base, nearest, corners)) return false;
+  if (!cells_.start(base(), nearest, corners)) return false;
   take(corners);
   return true;
 }

@@ -19,19 +19,16 @@ class PaperTraversal final : public Traversal {
   explicit PaperTraversal(const Grid& grid, std::uint16_t max_sub_steps = kDefaultMaxSubSteps)
       : Traversal(grid, max_sub_steps) {}
 
-  const std::array<RecordIndex, 8>& records() const { return records_; }
-
  private:
   /// The corner nearest to the HIP (the lower one of two) gets level 0, the other seven its
   /// destination levels. Source: Sect. 2.4. Deviation: level 0 in all corners, as printed, can mix
   /// branches.
-  bool start_in(PointIndex base, int nearest, const Vec3& x) noexcept override;
+  bool begin(int nearest) noexcept override;
   bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept override;
   bool move(const Vec3&, StepResult&) noexcept override { return true; }
   void evaluate() noexcept override;
   void take(const Corners& corners) noexcept;
 
-  std::array<RecordIndex, 8> records_{};
   std::array<const double*, 8> rows_{};
 };
 

@@ -63,15 +63,15 @@ StepResult Traversal::start(const Vec3& hip) noexcept {
     if (x[a] - face(a, c) > face(a, c + 1) - x[a]) nearest |= 1 << a;
   }
 
-  const PointIndex base = box_.index(cell);
-  if (!start_in(base, nearest, x)) {
-    result.blocked = true;
-    return result;
-  }
-  enter(cell, base);
-  started_ = true;
+  enter(cell, box_.index(cell));
+  const Vec3 before = position_;
   position_ = x;
-  evaluate();
+  started_ = begin(nearest);
+  result.blocked = !started_;
+  if (started_)
+    evaluate();
+  else
+    position_ = before;
   return result;
 }
 

@@ -78,7 +78,9 @@ class Traversal {
   /// The place of state(), in the model's unit of length: the HIP, clamped to the box; after a step
   /// that was not usable or is lagging, a former place.
   const Vec3& position() const { return position_; }
-  /// The current level in corner i + 2j + 4k of the cell; kNoLevel where the rule has no record.
+  /// The record in corner i + 2j + 4k of the cell; Grid::kNoRecord where the rule has none.
+  const std::array<RecordIndex, 8>& records() const { return records_; }
+  /// Their levels; kNoLevel where there is no record.
   const std::array<Level, 8>& levels() const { return levels_; }
   /// The corner (0,0,0) of the cell.
   const GridCoordinates& cell() const { return cell_; }
@@ -89,16 +91,16 @@ class Traversal {
   Traversal(const Grid& grid, std::uint16_t max_sub_steps);
   Traversal(const Traversal&) = default;
 
-  // What a rule answers. Each of these is real-time safe. Here base() and cell() are still those of
-  // the cell before in start_in() and cross(), and position() the place before in move().
+  // What a rule answers. Each of these is real-time safe.
 
-  /// Begins in the cell at `base`; the HIP at x is nearest to its corner `nearest`. False when a
-  /// link is missing.
-  virtual bool start_in(PointIndex base, int nearest, const Vec3& x) noexcept = 0;
+  /// Begins at position(), which is nearest to the corner `nearest` of the cell. False when a link
+  /// is missing.
+  virtual bool begin(int nearest) noexcept = 0;
   /// Changes to the neighbouring cell at `base`, in direction q, on the way to y in that cell.
-  /// False when a link is missing: then nothing changes.
+  /// Until it returns, the cell is the one before. False when a link is missing: then nothing
+  /// changes.
   virtual bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept = 0;
-  /// Moves on to x inside the closed cell. False when that cannot be.
+  /// Moves on from position() to x, which is in the closed cell. False when that cannot be.
   virtual bool move(const Vec3& x, StepResult& result) noexcept = 0;
   /// Sets row() to what is at position().
   virtual void evaluate() noexcept = 0;
@@ -118,6 +120,7 @@ class Traversal {
   const Grid& grid_;
   const Cells cells_;
   const Box box_;
+  std::array<RecordIndex, 8> records_{};
   std::array<Level, 8> levels_{};
   std::vector<double> row_;
 

@@ -69,7 +69,7 @@ inline Vec3 random_point_in(const Box& box, const Cell& cell, std::mt19937_64& r
 
 inline std::vector<double> copy(std::span<const double> s) { return {s.begin(), s.end()}; }
 
-inline Cell cell_of(const PaperTraversal& t) {
+inline Cell cell_of(const Traversal& t) {
   return {static_cast<int>(t.cell()[0]), static_cast<int>(t.cell()[1]),
           static_cast<int>(t.cell()[2])};
 }

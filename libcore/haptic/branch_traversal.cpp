@@ -1,0 +1,274 @@
+#include "libcore/haptic/branch_traversal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "libcore/haptic/tear_function.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+// In spacings squared: how much nearer another corner must be than the anchor, so that a HIP at
+// rest between two of them does not change it again and again.
+constexpr double kNearer = 0.02;
+// How often the state can snap at one place. Snaps that go in a circle must end.
+constexpr int kMostSnaps = 4;
+
+double square(double x) { return x * x; }
+
+/// In spacings squared.
+double distance2(const Vec3& part, int corner) {
+  double sum = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double d = part[a] - (corner >> a & 1);
+    sum += d * d;
+  }
+  return sum;
+}
+
+}  // namespace
+
+BranchMap::BranchMap(const Grid& grid) : sheets(grid), tear(tear_function(grid, sheets)) {}
+
+/// The corners that an anchor gives a cell.
+struct BranchTraversal::Branch {
+  int anchor;
+  std::array<Node, 8> nodes{};
+  bool is_torn = false;   // a corner is a ghost
+  bool is_mixed = false;  // another corner as the anchor would give other corners
+};
+
+/// Which corners two neighbouring cells have in common. Corner k of the old cell is corner k ^
+/// moved of the new one.
+struct BranchTraversal::Common {
+  int moved = 0;  // bits of the axes of the move
+  int side = 0;   // and of those along which it goes up
+
+  bool has(int corner) const { return ((corner ^ side) & moved) == 0; }
+};
+
+BranchTraversal::BranchTraversal(const Grid& grid, const BranchMap& map,
+                                 std::uint16_t max_sub_steps)
+    : Traversal(grid, max_sub_steps), map_(map), offset_(row_.size()) {
+  for (int a = 0; a < 3; ++a)
+    if (box_.counts[a] == 1) flat_ |= 1 << a;
+}
+
+bool BranchTraversal::begin(int nearest) noexcept {
+  const PointIndex p = cells_.point(base(), nearest);
+  Branch branch;
+  if (grid_.levels(p) == 0 || !derive(base(), grid_.first(p), nearest, branch)) return false;
+  take(branch);
+  has_offset_ = false;
+  StepResult ignored;
+  return move(position(), ignored);
+}
+
+bool BranchTraversal::derive(PointIndex base, RecordIndex anchor, int corner,
+                             Branch& branch) const noexcept {
+  branch.anchor = corner & ~flat_;
+  branch.is_torn = false;
+  branch.is_mixed = map_.sheets.is_mixed(anchor, branch.anchor);
+  for (int k = 0; k < 8; ++k) {
+    // Along an axis with one point both corners are the same.
+    const int own = k & ~flat_;
+    const int q = kBetweenCorners[branch.anchor][own];
+    branch.nodes[k] = q < 0 ? anchor : map_.sheets.node(anchor, q, cells_, base, own);
+    if (branch.nodes[k] == Sheets::kNoNode) return false;
+    branch.is_torn |= map_.sheets.is_ghost(branch.nodes[k]);
+  }
+  return true;
+}
+
+void BranchTraversal::take(const Branch& branch) noexcept {
+  anchor_ = branch.anchor;
+  nodes_ = branch.nodes;
+  is_torn_ = branch.is_torn;
+  is_mixed_ = branch.is_mixed;
+  for (int k = 0; k < 8; ++k) {
+    rows_[k] = map_.sheets.row(nodes_[k]);
+    __builtin_prefetch(rows_[k]);
+    __builtin_prefetch(rows_[k] + row_.size() - 1);
+    if (map_.sheets.is_ghost(nodes_[k])) {
+      records_[k] = Grid::kNoRecord;
+      levels_[k] = kNoLevel;
+    } else {
+      records_[k] = nodes_[k];
+      levels_[k] = grid_.level(nodes_[k]);
+      const Level* const links = grid_.links(nodes_[k]).data();
+      __builtin_prefetch(links);
+      __builtin_prefetch(links + kDirections - 1);
+    }
+    if (is_torn_) tear_[k] = map_.tear[nodes_[k]];
+  }
+}
+
+bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept {
+  // The corners that both cells have. Along an axis of the move they are on the one side of the old
+  // cell and on the other side of the new one.
+  const auto d = Direction(q).step();
+  Common common;
+  for (int a = 0; a < 3; ++a) {
+    common.moved |= (d[a] != 0) << a;
+    common.side |= (d[a] > 0) << a;
+  }
+  // Most cells have one branch: then any common corner will do, and nothing changes in the others.
+  const int beside = (anchor_ & ~common.moved) | (common.side & common.moved);
+  if (!is_torn_ && !is_mixed_ && map_.sheets.is_whole(nodes_[beside]))
+    return go_on(base, beside, common);
+
+  const Vec3 part = part_of_cell(nearest_in_cell(y));  // on the common face, edge or vertex
+  const int from = common_record(common, part);
+  Branch next;
+  if (from < 0) {  // the branch does not reach into the new cell
+    const RecordIndex anchor =
+        cells_.destination(nodes_[anchor_], kBetweenCorners[anchor_][beside], this->base(), beside);
+    if (anchor == Grid::kNoRecord || !derive(base, anchor, beside ^ common.moved, next))
+      return false;
+    take(next);
+    result.snapped = result.level_changed = true;
+    has_offset_ = false;
+    return true;
+  }
+  if (!derive(base, nodes_[from], from ^ common.moved, next)) return false;
+  const std::array<const double*, 8> before = rows_;
+  std::array<const double*, 8> after = before;
+  take(next);
+  for (int k = 0; k < 8; ++k)
+    if (common.has(k)) after[k] = rows_[k ^ common.moved];
+  if (after != before) keep_state(before, corner_weights(part), after);
+  return true;
+}
+
+/// Into a cell of one branch from another one: the common corners stay.
+bool BranchTraversal::go_on(PointIndex base, int from, const Common& common) noexcept {
+  const RecordIndex anchor = nodes_[from];
+  const int at = from ^ common.moved;
+  Branch next{at, nodes_};
+  for (int k = 0; k < 8; ++k) {
+    const int own = k & ~flat_;
+    if (common.has(own ^ common.moved)) {
+      next.nodes[k] = nodes_[own ^ common.moved];
+      continue;
+    }
+    next.nodes[k] = cells_.destination(anchor, kBetweenCorners[at][own], base, own);
+    if (next.nodes[k] == Grid::kNoRecord) return false;
+  }
+  take(next);
+  return true;
+}
+
+/// The anchor, if the cells have it in common, else the common record that is nearest to the HIP;
+/// -1 where they have none in common.
+int BranchTraversal::common_record(const Common& common, const Vec3& part) const noexcept {
+  if (common.has(anchor_)) return anchor_;
+  double nearest = std::numeric_limits<double>::infinity();
+  int from = -1;
+  for (int k = 0; k < 8; ++k) {
+    if (!common.has(k) || map_.sheets.is_ghost(nodes_[k]) || distance2(part, k) >= nearest)
+      continue;
+    nearest = distance2(part, k);
+    from = k;
+  }
+  return from < 0 ? from : from & ~flat_;
+}
+
+/// Where corners change without a snap: what the blend loses goes to the offset.
+void BranchTraversal::keep_state(const std::array<const double*, 8>& before,
+                                 const std::array<double, 8>& weights,
+                                 const std::array<const double*, 8>& after) noexcept {
+  if (!has_offset_) std::fill(offset_.begin(), offset_.end(), 0.0);
+  for (int k = 0; k < 8; ++k) {
+    if (before[k] == after[k] || weights[k] == 0) continue;
+    for (std::size_t c = 0; c < offset_.size(); ++c)
+      offset_[c] += weights[k] * (before[k][c] - after[k][c]);
+  }
+  has_offset_ = true;
+  left_ = box_.spacing / 2;
+}
+
+bool BranchTraversal::move(const Vec3& x, StepResult& result) noexcept {
+  if (has_offset_) fade(x);
+  const Vec3 part = part_of_cell(x);
+  weights_ = corner_weights(part);
+  if (is_mixed_) change_anchor(part);
+  for (int i = 0; i < kMostSnaps && is_torn_; ++i) {
+    double tear = 0;
+    for (int k = 0; k < 8; ++k) tear += weights_[k] * tear_[k];
+    if (tear >= 0 || !snap(part)) break;
+    result.snapped = result.level_changed = true;
+    has_offset_ = false;
+  }
+  return true;
+}
+
+void BranchTraversal::fade(const Vec3& x) noexcept {
+  const Vec3& from = position();
+  const double moved =
+      std::sqrt(square(x[0] - from[0]) + square(x[1] - from[1]) + square(x[2] - from[2]));
+  if (moved >= left_) {
+    has_offset_ = false;
+    return;
+  }
+  const double part = 1 - moved / left_;
+  for (double& value : offset_) value *= part;
+  left_ -= moved;
+}
+
+/// In a cell whose corners disagree, the nearest record knows best what is here.
+void BranchTraversal::change_anchor(const Vec3& part) noexcept {
+  double nearest = distance2(part, anchor_) - kNearer;
+  int corner = -1;
+  for (int k = 0; k < 8; ++k) {
+    if (map_.sheets.is_ghost(nodes_[k]) || (k & flat_) != 0) continue;
+    if (distance2(part, k) < nearest) {
+      nearest = distance2(part, k);
+      corner = k;
+    }
+  }
+  Branch next;
+  if (corner < 0 || !derive(base(), nodes_[corner], corner, next)) return;
+  const std::array<const double*, 8> before = rows_;
+  take(next);
+  keep_state(before, weights_, rows_);
+}
+
+/// Goes to where the links lead at the tear that is nearest to the HIP. False when there is none.
+bool BranchTraversal::snap(const Vec3& part) noexcept {
+  double nearest = std::numeric_limits<double>::infinity();
+  int to = -1;
+  RecordIndex anchor = Grid::kNoRecord;
+  for (int k = 0; k < 8; ++k) {
+    if (map_.sheets.is_ghost(nodes_[k]) || (k & flat_) != 0) continue;
+    for (int j = 0; j < 8; ++j) {
+      if (!map_.sheets.is_ghost(nodes_[j]) || (j & flat_) != 0) continue;
+      const int q = kBetweenCorners[k][j];
+      if (map_.sheets.node(nodes_[k], q, cells_, base(), j) != nodes_[j]) continue;
+      const double t = tear_fraction(grid_, nodes_[k], q);
+      double sum = 0;
+      for (int a = 0; a < 3; ++a) {
+        const int at = k >> a & 1;
+        const double d = part[a] - (at + t * ((j >> a & 1) - at));
+        sum += d * d;
+      }
+      if (sum >= nearest) continue;
+      nearest = sum;
+      to = j;
+      anchor = cells_.destination(nodes_[k], q, base(), j);
+    }
+  }
+  Branch next;
+  if (to < 0 || !derive(base(), anchor, to, next)) return false;
+  take(next);
+  return true;
+}
+
+void BranchTraversal::evaluate() noexcept {
+  blend(weights_, rows_, row_);
+  if (!has_offset_) return;
+  for (std::size_t c = 0; c < row_.size(); ++c) row_[c] += offset_[c];
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,73 @@
+// A rule of traversal that stays on a branch until the model snaps off it.
+//
+// The paper's rule (paper_traversal.hpp) gives each corner of a cell a level of its own. Where
+// branches end the corners then belong to several of them, and the state is a blend that the model
+// never takes. Here one record of the cell, the *anchor*, says which branch the hand is on, and the
+// other corners are that branch's (sheets.hpp). Where the branch ends inside the cell, a function
+// of place says where (tear_function.hpp): when the hand comes there the state snaps, to where the
+// links lead.
+//
+// The state jumps where it snaps and nowhere else, whatever the links are. With the same corners it
+// is continuous, because it is interpolated. When the corners change otherwise, because a new cell
+// has another anchor, the difference at the place of the change becomes an *offset*: the state goes
+// on from where it was, and the offset fades while the hand moves on, by half a spacing.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "libcore/haptic/sheets.hpp"
+#include "libcore/haptic/traversal.hpp"
+
+namespace hapgrid {
+
+/// What is computed of a grid once, when it is loaded, for all BranchTraversals.
+struct BranchMap {
+  /// @param grid outlives this.
+  explicit BranchMap(const Grid& grid);
+
+  Sheets sheets;
+  std::vector<float> tear;  ///< tear_function(), by node
+};
+
+class BranchTraversal final : public Traversal {
+ public:
+  /// @param map of the same grid, outlives this. @throw Error as Traversal does
+  BranchTraversal(const Grid& grid, const BranchMap& map,
+                  std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
+
+ private:
+  /// The corner nearest to the HIP has level 0, as in the paper's rule.
+  bool begin(int nearest) noexcept override;
+  bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept override;
+  bool move(const Vec3& x, StepResult& result) noexcept override;
+  void evaluate() noexcept override;
+
+  struct Branch;
+  struct Common;
+  bool derive(PointIndex base, RecordIndex anchor, int corner, Branch& branch) const noexcept;
+  void take(const Branch& branch) noexcept;
+  bool go_on(PointIndex base, int from, const Common& common) noexcept;
+  int common_record(const Common& common, const Vec3& part) const noexcept;
+  bool snap(const Vec3& part) noexcept;
+  void change_anchor(const Vec3& part) noexcept;
+  void fade(const Vec3& x) noexcept;
+  void keep_state(const std::array<const double*, 8>& before, const std::array<double, 8>& weights,
+                  const std::array<const double*, 8>& after) noexcept;
+
+  const BranchMap& map_;
+  int flat_ = 0;    // bits of the axes with one point
+  int anchor_ = 0;  // the corner whose record names the branch
+  std::array<Node, 8> nodes_{};
+  std::array<const double*, 8> rows_{};
+  std::array<double, 8> tear_{};
+  std::array<double, 8> weights_{};  // at position()
+  bool is_torn_ = false;             // a corner is a ghost
+  bool is_mixed_ = false;            // another corner as the anchor would give other corners
+  bool has_offset_ = false;
+  double left_ = 0;  // of the way on which the offset fades
+  std::vector<double> offset_;
+};
+
+}  // namespace hapgrid

@@ -1,0 +1,181 @@
+#include "libcore/haptic/sheets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace hapgrid {
+
+namespace {
+
+using Step = std::array<int, 3>;
+
+/// The direction of a step, or -1 where it is none or leaves the cube of the 26 neighbours.
+int direction_of(const Step& step) {
+  const bool is_near =
+      std::all_of(step.begin(), step.end(), [](int s) { return s >= -1 && s <= 1; });
+  if (!is_near || step == Step{0, 0, 0}) return -1;
+  return Direction::of(step[0], step[1], step[2]).q();
+}
+
+Step plus(const Step& a, const Step& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+
+std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/// The records at the neighbours of a point, united where two-way links connect them.
+class Branches {
+ public:
+  Branches(const Grid& grid, PointIndex centre) : grid_(grid) {
+    const DirectionMask inside = grid.neighbourhood().inside(centre);
+    for (int q = 0; q < kDirections; ++q) {
+      begin_[q] = count_;
+      if (!(inside >> q & 1)) continue;
+      point_[q] = static_cast<PointIndex>(centre + grid.neighbourhood().offset(q));
+      count_ += grid.levels(point_[q]);
+    }
+    begin_[kDirections] = count_;
+    parent_.resize(count_);
+    std::iota(parent_.begin(), parent_.end(), 0U);
+    for (int q = 0; q < kDirections; ++q)
+      for (std::uint32_t i = begin_[q]; i < begin_[q + 1]; ++i) unite(q, i);
+  }
+
+  /// The branch of a record at the neighbour in direction q.
+  std::uint32_t of(int q, RecordIndex r) {
+    return root_of(parent_, begin_[q] + (r - grid_.first(point_[q])));
+  }
+
+ private:
+  void unite(int q, std::uint32_t i) {
+    const RecordIndex r = grid_.first(point_[q]) + (i - begin_[q]);
+    // Each two-way link is seen from one of its ends.
+    for (int e = kDirections / 2; e < kDirections; ++e) {
+      const int to = direction_of(plus(Direction(q).step(), Direction(e).step()));
+      if (to < 0 || begin_[to] == begin_[to + 1]) continue;
+      const RecordIndex there = grid_.destination(r, e);
+      if (there == Grid::kNoRecord || grid_.is_one_way(r, e)) continue;
+      const std::uint32_t j = begin_[to] + (there - grid_.first(point_[to]));
+      parent_[root_of(parent_, i)] = root_of(parent_, j);
+    }
+  }
+
+  const Grid& grid_;
+  std::array<PointIndex, kDirections> point_{};
+  std::array<std::uint32_t, kDirections + 1> begin_{};
+  std::uint32_t count_ = 0;
+  std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace
+
+Sheets::Sheets(const Grid& grid) : grid_(grid), row_size_(grid.spec().row_size()) {
+  const std::vector<End> ends = find_ends();
+  for (std::size_t i = 0; i < ends.size();) {
+    std::size_t end = i;
+    while (end < ends.size() && ends[end].point == ends[i].point) ++end;
+    add_ghosts(std::span(ends).subspan(i, end - i));
+    i = end;
+  }
+  mixed_.resize(grid.records());
+  for (RecordIndex r = 0; r < grid.records(); ++r) mixed_[r] = find_mixed(r);
+}
+
+/// All one-way links, ascending by the point to which they lead.
+std::vector<Sheets::End> Sheets::find_ends() {
+  std::vector<End> found;
+  ends_.resize(grid_.records());
+  for (RecordIndex r = 0; r < grid_.records(); ++r) {
+    ends_[r].first = static_cast<std::uint32_t>(found.size());
+    for (int q = 0; q < kDirections; ++q) {
+      if (!grid_.is_one_way(r, q)) continue;
+      ends_[r].one_way |= DirectionMask{1} << q;
+      found.push_back({grid_.point(grid_.destination(r, q)), r, static_cast<std::uint8_t>(q)});
+    }
+  }
+  ghost_of_.assign(found.size(), kNoNode);
+  std::stable_sort(found.begin(), found.end(),
+                   [](const End& a, const End& b) { return a.point < b.point; });
+  return found;
+}
+
+/// Of the branches that end before one point: one ghost each.
+void Sheets::add_ghosts(std::span<const End> ends) {
+  Branches branches(grid_, ends.front().point);
+  std::vector<std::uint32_t> branch;
+  branch.reserve(ends.size());
+  for (const End& end : ends)
+    branch.push_back(branches.of(Direction(end.q).opposite().q(), end.from));
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    if (std::find(branch.begin(), branch.begin() + static_cast<std::ptrdiff_t>(i), branch[i]) ==
+        branch.begin() + static_cast<std::ptrdiff_t>(i))
+      add_ghost(ends, branch, branch[i]);
+}
+
+/// Extrapolates along each link that goes on behind its record: through three records where there
+/// are so many, since states bend most where branches end, else through two. Where none goes on,
+/// the mean of the records has to do.
+void Sheets::add_ghost(std::span<const End> ends, const std::vector<std::uint32_t>& branch,
+                       std::uint32_t which) {
+  const Node ghost = grid_.records() + ghosts();
+  std::vector<double> row(row_size_), mean(row_size_);
+  double weights = 0, members = 0;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (branch[i] != which) continue;
+    const End& end = ends[i];
+    ghost_of_[end_number(end.from, end.q)] = ghost;
+    const int back = Direction(end.q).opposite().q();
+    const double* const r0 = grid_.row(end.from).data();
+    const double* const r1 = two_way_row(end.from, back);
+    const double* const r2 = r1 ? two_way_row(grid_.destination(end.from, back), back) : nullptr;
+    const Step d = Direction(end.q).step();
+    const double weight = r1 ? 1.0 / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) : 0;
+    for (std::size_t c = 0; c < row_size_; ++c) {
+      mean[c] += r0[c];
+      if (r1) row[c] += weight * (r2 ? 3 * (r0[c] - r1[c]) + r2[c] : 2 * r0[c] - r1[c]);
+    }
+    weights += weight;
+    ++members;
+  }
+  for (std::size_t c = 0; c < row_size_; ++c)
+    ghost_rows_.push_back(weights > 0 ? row[c] / weights : mean[c] / members);
+  ghost_points_.push_back(ends.front().point);
+}
+
+/// The row where a link leads, if it is two-way.
+const double* Sheets::two_way_row(RecordIndex r, int q) const {
+  const RecordIndex to = grid_.destination(r, q);
+  return to == Grid::kNoRecord || (ends_[r].one_way >> q & 1) ? nullptr : grid_.row(to).data();
+}
+
+std::uint8_t Sheets::find_mixed(RecordIndex r) const {
+  const DirectionMask inside = grid_.neighbourhood().inside(grid_.point(r));
+  std::array<Node, kDirections> neighbour{};
+  bool is_alone = true;
+  for (int q = 0; q < kDirections; ++q) {
+    neighbour[q] = inside >> q & 1 ? node(r, q) : kNoNode;
+    is_alone &= neighbour[q] == kNoNode ||
+                (!is_ghost(neighbour[q]) && grid_.levels(point(neighbour[q])) == 1);
+  }
+  if (is_alone) return 0;  // its neighbours can only be linked to each other
+  std::uint8_t mixed = 0;
+  for (int own = 0; own < 8; ++own) {
+    const auto corner = [&](int k) {
+      return kBetweenCorners[own][k] < 0 ? r : neighbour[kBetweenCorners[own][k]];
+    };
+    bool agree = true;
+    for (int a = 0; a < 8; ++a)
+      for (int b = a + 1; b < 8; ++b) {
+        if (a == own || b == own) continue;  // of its branch by definition
+        const Node from = corner(a), to = corner(b);
+        if (from == kNoNode || to == kNoNode || is_ghost(from) || is_ghost(to)) continue;
+        agree &= node(from, kBetweenCorners[a][b]) == to;
+      }
+    mixed |= static_cast<std::uint8_t>(!agree) << own;
+  }
+  return mixed;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,93 @@
+// The branches of a grid as sheets: what of each branch lies at the points of a cell, also where
+// the branch ends.
+//
+// Records that two-way links connect are one branch. Where a link is one-way, the model snaps on
+// the way: the branch of its record ends before the point to which the link leads. There it gets a
+// *ghost*: the row that it would have at that point if it did not end, extrapolated along the
+// branch. So a branch has a row in all corners of a cell in which it ends, and it can be
+// interpolated up to the place where the model snaps (tear_function.hpp says where that is).
+//
+// One point can have ghosts of several branches. Two records beside it belong to the same one when
+// they are connected by two-way links among the records of the neighbouring points.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "libcore/grid/cell.hpp"
+#include "libcore/grid/grid.hpp"
+
+namespace hapgrid {
+
+/// A record (below Grid::records()), or a ghost.
+using Node = std::uint32_t;
+
+class Sheets {
+ public:
+  static constexpr Node kNoNode = Grid::kNoRecord;
+
+  /// @param grid outlives this. Its links are not trusted.
+  explicit Sheets(const Grid& grid);
+
+  bool is_ghost(Node node) const { return node >= grid_.records(); }
+  Node ghosts() const { return static_cast<Node>(ghost_points_.size()); }
+  /// Where the branch of record r is at its neighbour in direction q; kNoNode where there is no
+  /// link. Real-time safe, as all that follow.
+  Node node(RecordIndex r, int q) const noexcept {
+    return ends_[r].one_way >> q & 1 ? ghost_of_[end_number(r, q)] : grid_.destination(r, q);
+  }
+  /// The same where the neighbour is known to be corner `corner` of the cell at `base`.
+  Node node(RecordIndex r, int q, const Cells& cells, PointIndex base, int corner) const noexcept {
+    return ends_[r].one_way >> q & 1 ? ghost_of_[end_number(r, q)]
+                                     : cells.destination(r, q, base, corner);
+  }
+  /// The directions in which the branch of record r ends before the neighbour.
+  DirectionMask one_way(RecordIndex r) const noexcept { return ends_[r].one_way; }
+  /// Whether no branch ends in the cells around record r, and none of them is mixed.
+  bool is_whole(RecordIndex r) const noexcept { return ends_[r].one_way == 0 && mixed_[r] == 0; }
+  /// Whether the cell in which record r is corner `corner` is mixed: two other records of the
+  /// branch in this cell are not of one branch themselves.
+  bool is_mixed(RecordIndex r, int corner) const noexcept { return mixed_[r] >> corner & 1; }
+  const double* row(Node node) const noexcept {
+    return is_ghost(node) ? &ghost_rows_[std::size_t{node - grid_.records()} * row_size_]
+                          : grid_.row(node).data();
+  }
+  PointIndex point(Node node) const noexcept {
+    return is_ghost(node) ? ghost_points_[node - grid_.records()] : grid_.point(node);
+  }
+
+ private:
+  struct Ends {
+    DirectionMask one_way = 0;
+    std::uint32_t first = 0;  // its ghosts in ghost_of_, by direction
+  };
+  /// A one-way link, by the point before which its branch ends.
+  struct End {
+    PointIndex point;
+    RecordIndex from;
+    std::uint8_t q;
+  };
+
+  std::uint32_t end_number(RecordIndex r, int q) const noexcept {
+    const DirectionMask before = ends_[r].one_way & ((DirectionMask{1} << q) - 1);
+    return ends_[r].first + static_cast<std::uint32_t>(std::popcount(before));
+  }
+  const double* two_way_row(RecordIndex r, int q) const;
+  std::vector<End> find_ends();
+  void add_ghosts(std::span<const End> ends_at_point);
+  void add_ghost(std::span<const End> ends, const std::vector<std::uint32_t>& branch,
+                 std::uint32_t which);
+  std::uint8_t find_mixed(RecordIndex r) const;
+
+  const Grid& grid_;
+  std::size_t row_size_;
+  std::vector<Ends> ends_;           // by record
+  std::vector<Node> ghost_of_;       // by one-way link
+  std::vector<std::uint8_t> mixed_;  // by record: bit c, of the cell where it is corner c
+  std::vector<PointIndex> ghost_points_;
+  std::vector<double> ghost_rows_;  // ghosts x row_size
+};
+
+}  // namespace hapgrid

@@ -1,0 +1,229 @@
+// The rule that stays on a branch: where it must agree with the paper's, where it must snap, and
+// that the state jumps nowhere else.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "libcore/haptic/branch_traversal.hpp"
+#include "libcore/haptic/paper_traversal.hpp"
+#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/haptic/places.hpp"
+
+using namespace hapgrid;
+using namespace hapgrid::testing;
+
+namespace {
+
+/// Random links, and random tear fractions on those that are one-way.
+Grid random_torn_grid(const Box& box, std::uint32_t n, unsigned levels, std::uint64_t seed) {
+  const Grid without = random_grid(box, n, levels, seed);
+  RecordColumns columns = random_columns(box, n, levels, seed);
+  std::mt19937_64 random(seed);
+  for (RecordIndex r = 0; r < without.records(); ++r)
+    for (int q = 0; q < kDirections; ++q)
+      columns.tears.push_back(
+          without.is_one_way(r, q) ? static_cast<TearByte>(random() % kTearSteps) : kNoTear);
+  GridSpec spec = spec_for(box, n);
+  spec.tears = true;
+  return Grid(spec, 1, std::move(columns));
+}
+
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// Two branches of a unit grid. The one is where normal·x < reach, with the state slope·x, and
+/// snaps at the plane to the other, which is everywhere, with the state -100.
+struct Half {
+  Vec3 normal, slope;
+  double reach;
+
+  bool has_upper(const Vec3& x) const { return dot(normal, x) < reach; }
+
+  Grid grid(const Box& box) const {
+    const Neighbourhood around(box);
+    RecordColumns columns;
+    for (PointIndex p = 0; p < box.points(); ++p)
+      for (int level = has_upper(box.position(p)) ? 0 : 1; level < 2; ++level) {
+        const Vec3 x = box.position(p);
+        columns.point.push_back(p);
+        columns.level.push_back(static_cast<Level>(has_upper(x) ? level : 0));
+        columns.generation.push_back(0);
+        columns.rows.push_back(level == 0 ? dot(slope, x) : -100);
+        for (int q = 0; q < kDirections; ++q) {
+          const bool stays = around.inside(p) >> q & 1;
+          const Vec3 to = stays ? box.position(static_cast<PointIndex>(p + around.offset(q))) : x;
+          const bool lower_there = level == 1 || !has_upper(to);
+          columns.links.push_back(!stays ? kLeavesBox
+                                         : static_cast<Level>(has_upper(to) && lower_there));
+          double t = (reach - dot(normal, x)) / dot(normal, around.shift(q));
+          t = std::clamp(std::floor(t * kTearSteps), 0.0, kTearSteps - 1.0);
+          columns.tears.push_back(stays && level == 0 && lower_there ? static_cast<TearByte>(t)
+                                                                     : kNoTear);
+        }
+      }
+    GridSpec spec = spec_for(box, 1);
+    spec.tears = true;
+    return Grid(spec, 1, std::move(columns));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("on a grid of one branch both rules give the same bits") {
+  for (const Box& box : boxes()) {
+    const Grid grid = random_grid(box, 3, 1, 5);
+    const BranchMap map(grid);
+    CHECK(map.sheets.ghosts() == 0);
+    PaperTraversal paper(grid);
+    BranchTraversal branch(grid, map);
+    std::mt19937_64 random(5);
+    for (int i = 0; i < 3000; ++i) {
+      const Vec3 x = random_point(box, random);
+      REQUIRE(paper.step(x).usable());
+      const StepResult r = branch.step(x);
+      REQUIRE(r.usable());
+      REQUIRE_FALSE(r.snapped);
+      REQUIRE(copy(branch.row()) == copy(paper.row()));
+      REQUIRE(branch.records() == paper.records());
+    }
+  }
+}
+
+TEST_CASE("along a line the state snaps where the tear fraction says, and comes back elsewhere") {
+  // 0 1 2 3 4 on the upper branch, which ends 10.5/32 behind 4; the lower one, -100, from 3 on,
+  // ends 5.5/32 before 3 on the way back.
+  const Box box{{0, 0, 0}, 1, {8, 1, 1}};
+  const int right = Direction::of(1, 0, 0).q(), left = Direction::of(-1, 0, 0).q();
+  RecordColumns columns;
+  for (int i = 0; i < 8; ++i)
+    for (int upper = 1; upper >= 0; --upper) {
+      if (upper ? i > 4 : i < 3) continue;
+      columns.point.push_back(static_cast<PointIndex>(i));
+      columns.level.push_back(static_cast<Level>(!upper && i <= 4));
+      columns.generation.push_back(0);
+      columns.rows.push_back(upper ? 10.0 + i : -100);
+      std::array<Level, kDirections> links;
+      std::array<TearByte, kDirections> tears;
+      links.fill(kLeavesBox);
+      tears.fill(kNoTear);
+      if (i < 7) links[right] = static_cast<Level>(!upper && i + 1 <= 4);
+      if (i > 0) links[left] = static_cast<Level>(!upper && i - 1 <= 4 && i - 1 >= 3);
+      if (upper && i == 4) tears[right] = 10;
+      if (!upper && i == 3) tears[left] = 5;
+      columns.links.insert(columns.links.end(), links.begin(), links.end());
+      columns.tears.insert(columns.tears.end(), tears.begin(), tears.end());
+    }
+  GridSpec spec = spec_for(box, 1);
+  spec.tears = true;
+  const Grid grid(spec, 1, std::move(columns));
+  const BranchMap map(grid);
+  REQUIRE(map.sheets.ghosts() == 2);
+  BranchTraversal t(grid, map);
+  const double ends = 4 + 10.5 / 32, comes_back = 3 - 5.5 / 32;
+  int snaps = 0;
+  const auto go = [&](double from, double to, auto&& expected) {
+    for (int i = 0; i <= 1000; ++i) {
+      const double x = from + (to - from) * i / 1000;
+      snaps += t.step({x, 0, 0}).snapped;
+      // States are linear on a branch, so that even the ghosts are exact: some roundings of 100.
+      CHECK(std::abs(t.state()[0] - expected(x)) < 1e-12);
+    }
+  };
+  go(0.25, 6.75, [&](double x) { return x <= ends ? 10 + x : -100; });
+  go(6.75, 0.25, [&](double x) { return x >= comes_back ? -100 : 10 + x; });
+  CHECK(snaps == 2);
+  // Turning back before the end costs nothing.
+  go(0.25, ends - 0.01, [](double x) { return 10 + x; });
+  go(ends - 0.01, 0.25, [](double x) { return 10 + x; });
+  CHECK(snaps == 2);
+}
+
+TEST_CASE("at a plane the state snaps where the plane is") {
+  // Two spacings from the sides of the box, where a branch cannot be extrapolated.
+  const Box box{{0, 0, 0}, 1, {9, 9, 9}};
+  for (const Vec3& normal : {Vec3{1, 0, 0}, Vec3{0.6, 0.8, 0}, Vec3{0.48, 0.6, 0.64}}) {
+    const Half half{normal, {0.3, -0.2, 0.1}, dot(normal, {4.2, 4.2, 4.2})};
+    const Grid grid = half.grid(box);
+    const BranchMap map(grid);
+    BranchTraversal t(grid, map);
+    std::mt19937_64 random(7);
+    int paths = 0;
+    while (paths < 100) {
+      Vec3 from, to;
+      for (int a = 0; a < 3; ++a) {
+        from[a] = uniform(random, 2, 6);
+        to[a] = uniform(random, 2, 6);
+      }
+      // So far on the upper side that the nearest corner is there too.
+      if (dot(normal, from) > half.reach - 1 || dot(normal, to) < half.reach + 0.1) continue;
+      ++paths;
+      t.start(from);
+      double snapped_at = -1;
+      for (int i = 1; i <= 1000 && snapped_at < 0; ++i) {
+        Vec3 x;
+        for (int a = 0; a < 3; ++a) x[a] = from[a] + (to[a] - from[a]) * i / 1000;
+        if (t.step(x).snapped) snapped_at = dot(normal, x);
+        // On the branch up to the end, and off it behind: the slope is exact in ghosts, too.
+        CHECK(std::abs(t.state()[0] - (snapped_at < 0 ? dot(half.slope, x) : -100)) < 1e-12);
+      }
+      // A fraction is known to 1/64 of a link, which has at most 1.72 spacings along the normal,
+      // and a tick is 0.01 at most. Near the side of the box and the distance of 2 spacings at
+      // which the tear function is cut, the fit may take as much again.
+      CHECK(std::abs(snapped_at - half.reach) < 2 * 1.72 / 64 + 0.007);
+    }
+  }
+}
+
+TEST_CASE("whatever the links are, the state jumps only where it snaps") {
+  constexpr int kSteps = 20000;
+  std::uint64_t seed = 0, snaps = 0;
+  for (const Box& box : boxes()) {
+    if (box.origin[0] == 1e9) continue;  // there a step is not small against the rounding
+    for (unsigned levels = 2; levels <= 4; ++levels) {
+      const Grid grid = random_torn_grid(box, 2, levels, ++seed);
+      const BranchMap map(grid);
+      BranchTraversal t(grid, map);
+      std::mt19937_64 random(seed);
+      Vec3 x = random_point(box, random);
+      REQUIRE(t.start(x).usable());
+      for (int leg = 0; leg < 20; ++leg) {
+        x = t.position();  // a leg can end outside the box
+        const Vec3 to = random_point_in(box, cell_of(t), random);
+        Vec3 beyond;
+        for (int a = 0; a < 3; ++a) beyond[a] = x[a] + 3 * (to[a] - x[a]);
+        for (int i = 0; i < kSteps; ++i) {
+          Vec3 next = x;
+          for (int a = 0; a < 3; ++a) next[a] += (beyond[a] - x[a]) / (kSteps - i);
+          const auto before = copy(t.row());
+          const auto r = t.step(next);
+          REQUIRE(r.usable());
+          x = next;
+          snaps += r.snapped;
+          if (r.snapped) continue;
+          // States are in [-1, 1] and ghosts in [-7, 7], and a step is at most 1.5e-4 spacings an
+          // axis: so the blend moves by 3 x 14 x 1.5e-4 at most. An offset of 70, from five changes
+          // of all corners within half a spacing, fades by 70 x 2 x sqrt(3) x 1.5e-4.
+          for (std::size_t c = 0; c < before.size(); ++c)
+            REQUIRE(std::abs(t.row()[c] - before[c]) < 0.0063 + 0.0364);
+        }
+      }
+    }
+  }
+  CHECK(snaps > 100);
+}
+
+TEST_CASE("no step allocates, however far the hand jumps") {
+  const Box box{{0, 0, 0}, 1, {12, 11, 10}};
+  const Grid grid = random_torn_grid(box, 40, 4, 3);
+  const BranchMap map(grid);
+  BranchTraversal t(grid, map);
+  std::mt19937_64 random(3);
+  std::vector<Vec3> path(5000);
+  for (Vec3& x : path) x = random_point(box, random);
+  const std::uint64_t before = allocations();
+  bool usable = true;
+  for (const Vec3& x : path) usable &= t.step(x).usable();
+  CHECK(allocations() == before);
+  CHECK(usable);
+}
