@@ -50,6 +50,8 @@ inline void read_shard(std::span<const std::byte> bytes) {
       small = small && section.header.spec.box.points() <= 1 << 16;
       if (section.header.content == Content::kRequests) {
         read_rows<RequestRows>(section);
+      } else if (section.header.content == Content::kTears) {
+        read_rows<TearRows>(section);
       } else {
         read_rows<RecordRows>(section);
         read_stored(section);
