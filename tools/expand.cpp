@@ -10,6 +10,8 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/search/complete.hpp"
+#include "libcore/search/tears.hpp"
+#include "libcore/shard/load.hpp"
 #include "libcore/shard/writer.hpp"
 #include "tools/common/crash.hpp"
 #include "tools/common/models.hpp"
@@ -37,6 +39,10 @@ std::string progress_text(const Progress& progress, const GridSpec& spec, bool c
   const double done = static_cast<double>(progress.frontier_done);
   const double all = static_cast<double>(progress.frontier_conversions);
   const double rate = static_cast<double>(progress.conversions) / std::max(seconds, 1e-3);
+  if (progress.links > 0)
+    return "expand: tear fractions, " + short_number(static_cast<double>(progress.links_done)) +
+           " of " + short_number(static_cast<double>(progress.links)) + " one-way links, " +
+           short_number(static_cast<double>(progress.tear_conversions)) + " conversions";
   std::string text = "expand: generation " + std::to_string(progress.generation) + ", frontier " +
                      short_number(static_cast<double>(progress.frontier_records)) + " records, " +
                      short_number(done) + " of " + short_number(all) + " conversions, " +
@@ -56,13 +62,16 @@ void write_complete(const Section& grid, Converter& converter, Progress& progres
   });
 }
 
+SectionHeader header_of(const Section& grid, Content content) {
+  return {content, grid.header.generation, grid.header.spec};
+}
+
 void write_requests(const Section& grid, Part part, Converter& converter, Progress& progress,
                     OutputFile& out) {
   FrontierReader frontier(grid, part);
   progress.frontier_conversions = frontier.conversions();
   progress.frontier_records = grid.frontier();
-  SectionHeader header = grid.header;
-  header.content = Content::kRequests;
+  const SectionHeader header = header_of(grid, Content::kRequests);
   SectionWriter requests(out.fd(), out.name(), header);
   expand(frontier, converter, header.spec,
          [&requests](PointIndex point, Level level, DirectionMask directions, const double* rows) {
@@ -71,21 +80,33 @@ void write_requests(const Section& grid, Part part, Converter& converter, Progre
   requests.finish();
 }
 
+void write_tears(const Section& section, Part part, Converter& converter, Progress& progress,
+                 OutputFile& out) {
+  const Grid grid = load_grid(section).grid;
+  const std::vector<OneWayLink> links = one_way_links(grid, part);
+  const std::vector<TearByte> tears = find_tears(grid, links, converter, progress);
+  SectionWriter shard(out.fd(), out.name(), header_of(section, Content::kTears));
+  write_tears(grid, links, tears, shard);
+}
+
 Part part_of(const std::string& text) {
   if (text == "auto") return part_of_launcher();
   const auto [number, of] = parse_part("--part", text);
   return {number, of};
 }
 
-/// Is there a file `name` with requests for `grid`? @throw FormatError when it holds something else
-bool is_there(const std::string& name, const SectionHeader& grid) {
+/// Is there a file `name` with what expand makes of `grid`? @throw FormatError when it holds
+/// something else
+bool is_there(const std::string& name, const Section& grid) {
   if (!std::filesystem::exists(name)) return false;
+  const Content content = grid.next_round().value_or(Content::kRequests);
   for (const Section& section : open_sections({name})) {
     const SectionHeader& header = section.header;
-    if (header.content != Content::kRequests || header.generation != grid.generation ||
-        !(header.spec == grid.spec))
-      throw FormatError(name + " is there already, and holds no requests for generation " +
-                        std::to_string(grid.generation) + " of this grid: remove it first");
+    if (header.content != content || header.generation != grid.header.generation ||
+        !(header.spec == grid.header.spec))
+      throw FormatError(name + " is there already, and holds no " + to_string(content) +
+                        " for generation " + std::to_string(grid.header.generation) +
+                        " of this grid: remove it first");
   }
   return true;
 }
@@ -100,7 +121,7 @@ int run(const Options& options) {
   progress.generation = grid.header.generation;
   const std::string output =
       options.complete ? options.output : named_by_part(options.output, part);
-  if (output != options.output && is_there(output, grid.header)) return kExitDone;
+  if (output != options.output && is_there(output, grid)) return kExitDone;
   OutputFile out(output);
   {
     const std::unique_ptr<ModelSource> source = model_source(spec, options.model);
@@ -110,13 +131,15 @@ int run(const Options& options) {
     });
     if (options.complete)
       write_complete(grid, converter, progress, out);
+    else if (grid.next_round() == Content::kTears)
+      write_tears(grid, part, converter, progress, out);
     else
       write_requests(grid, part, converter, progress, out);
   }  // the cost counts the time of processes that have ended
   out.commit();
   if (!options.cost.empty())
-    append_cost(options.cost,
-                {"expand", grid.header.generation, progress.conversions, part.number, part.of});
+    append_cost(options.cost, {"expand", grid.header.generation, progress.conversions,
+                               progress.tear_conversions, part.number, part.of});
   return kExitDone;
 }
 
@@ -126,20 +149,21 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{
       "Evaluates the model's conversion function in 26 directions for each record of the\n"
-      "frontier of a grid, and writes what was reached as requests for merge."};
+      "frontier of a grid, and writes what was reached as requests for merge. When there is no\n"
+      "frontier, it finds how far along each one-way link the model snaps: tear fractions."};
   set_help(app, "expand",
            "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
   add_grid(app, options.grid);
   add_output(app, options.output);
   app.add_option(
          "--part", options.part,
-         "Only the K-th of N equal parts of the frontier (1 <= K <= N < 2^32), or 'auto': the "
+         "Only the K-th of N equal parts of the round (1 <= K <= N < 2^32), or 'auto': the "
          "part that srun, a job array of Slurm or mpirun gives this process. {} in the name "
          "of --output becomes K-of-N, and a part whose file is there is not computed again")
       ->type_name("K/N|auto")
       ->capture_default_str();
   app.add_flag("--complete", options.complete,
-               "Merge in memory and go on until the frontier is empty; write the finished grid");
+               "Merge in memory and go on until nothing is left to do; write the finished grid");
   app.add_option("-j,--threads", options.threads,
                  "Threads, each with a model (a plug-in or a process) of its own (1 to 1024)")
       ->type_name("N")

@@ -60,7 +60,7 @@ int run(const Options& options) {
   if (options.small && names.size() > 1) throw CLI::ValidationError("--small", "takes one grid");
   const std::uint32_t generation =
       options.small ? write_small(names.front(), options.output) : write_merged(names, options);
-  if (!options.cost.empty()) append_cost(options.cost, {"merge", generation, 0, 1, 1});
+  if (!options.cost.empty()) append_cost(options.cost, {.tool = "merge", .generation = generation});
   return kExitDone;
 }
 
@@ -72,9 +72,11 @@ int main(int argc, char** argv) {
       "Merges the requests of one whole generation into a grid: finds or stores each state that\n"
       "was reached, and settles the destination levels (Algorithm 1, lines 10 to 20). The grid\n"
       "and the requests come in any order and any number of shards; requests that are missing\n"
-      "are an error. A grid whose frontier is empty stays as it is."};
+      "are an error. A grid without frontier gets its tear fractions in the same way; when it has\n"
+      "them, or does not want them, it stays as it is."};
   set_help(app, "merge");
-  add_inputs(app, options.shards, "The grid and all requests of its frontier");
+  add_inputs(app, options.shards,
+             "The grid and all requests of its frontier, or all its tear fractions");
   add_output(app, options.output);
   app.add_flag("--small", options.small,
                "Write a finished grid in large chunks at a high zstd level, for keeping and for "

@@ -19,7 +19,7 @@ if ! seed "$model" | cmp -s - "$name.rounds/seeds"; then  # this is another grid
   cp "$name.rounds/0.grid" "$name.rounds/seeds"
 fi
 while n=$(basename -a -s .grid "$name.rounds"/*.grid | sort -n | tail -n 1) && now=$name.rounds/$n &&
-  [[ $(stats --get frontier "$now.grid") != 0 ]]; do
+  [[ $(stats --get todo "$now.grid") != 0 ]]; do
   "${launcher[@]}" expand "$now.grid" --part auto -j "${SLURM_CPUS_PER_TASK:-1}" \
     -o "$now.requests.{}" </dev/null 9>&-
   seq -f "$now.requests.%.0f-of-$parts" "$parts" | xargs -d '\n' merge -o "$name.rounds/$((n + 1)).grid" "$now.grid"

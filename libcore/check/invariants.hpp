@@ -7,17 +7,14 @@
 // `threads` is at least 1; no result depends on it.
 #pragma once
 
-#include <functional>
 #include <span>
 #include <vector>
 
 #include "libcore/check/report.hpp"
 #include "libcore/grid/grid.hpp"
+#include "libcore/grid/state_distance.hpp"
 
 namespace hapgrid {
-
-/// The tolerance function of Sect. 2.3 on two states of n doubles.
-using SameState = std::function<bool(const double* a, const double* b)>;
 
 /// `complete`: no record is left in the frontier.
 Check check_complete(const Grid& grid, int threads);

@@ -11,7 +11,7 @@
 #include "libcore/check/parallel.hpp"
 #include "libcore/check/random.hpp"
 #include "libcore/check/random_hand.hpp"
-#include "libcore/check/state_distance.hpp"
+#include "libcore/grid/state_distance.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
 
 namespace hapgrid {

@@ -57,10 +57,11 @@ class Reader : private TomlFile {
 
     if (root().contains("search")) {
       const toml::table& search = table(root(), "search");
-      only_keys(search, "search.", {"max_levels"});
+      only_keys(search, "search.", {"max_levels", "tears"});
       if (const toml::node* limit = search.get("max_levels"))
         d.max_levels =
             static_cast<std::uint32_t>(whole(*limit, "search.max_levels", 1, kMaxLevels));
+      if (const toml::node* tears = search.get("tears")) d.tears = boolean(*tears, "search.tears");
     }
     if (root().contains("seeds")) seeds(table(root(), "seeds"), d.seeds);
     return d;

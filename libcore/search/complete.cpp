@@ -4,6 +4,8 @@
 #include <bit>
 
 #include "libcore/search/levels.hpp"
+#include "libcore/search/merge.hpp"
+#include "libcore/search/tears.hpp"
 #include "libcore/shard/reader.hpp"
 
 namespace hapgrid {
@@ -39,11 +41,35 @@ void show(const Frontier& frontier, const Neighbourhood& neighbourhood, const Le
   progress.records = levels.records();
 }
 
+/// The records, which leave `levels`.
+Grid take_grid(const SectionHeader& header, Levels& levels) {
+  RecordColumns columns;
+  for (std::uint64_t b = 0; b < levels.blocks(); ++b) {
+    levels.visit(b, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
+      const auto append = [&](auto& out, const auto& in, std::size_t each) {
+        const auto own = in.subspan(begin * each, (end - begin) * each);
+        out.insert(out.end(), own.begin(), own.end());
+      };
+      append(columns.point, rows.point, 1);
+      append(columns.level, rows.level, 1);
+      append(columns.generation, rows.generation, 1);
+      append(columns.rows, rows.numbers, rows.width);
+      append(columns.links, rows.links, kDirections);
+    });
+    levels.release(b);
+  }
+  return {header.spec, header.generation, std::move(columns)};
+}
+
 }  // namespace
 
 void complete(const Section& grid, Converter& converter, Progress& progress,
               const std::function<SectionWriter(const SectionHeader&)>& open) {
   SectionHeader header = grid.header;
+  if (header.has_tears) {
+    SectionWriter out = open(header);
+    return copy_finished(grid, out);
+  }
   Levels levels(header.spec, converter.model());
   const Neighbourhood neighbourhood(header.spec.box);
   Batch batch(header.spec);
@@ -75,6 +101,14 @@ void complete(const Section& grid, Converter& converter, Progress& progress,
   }
   show(frontier, neighbourhood, levels, header.generation, progress);
 
+  if (header.lacks_tears()) {
+    const Grid finished = take_grid(header, levels);
+    const std::vector<OneWayLink> links = one_way_links(finished);
+    const std::vector<TearByte> tears = find_tears(finished, links, converter, progress);
+    header.has_tears = true;
+    SectionWriter out = open(header);
+    return write_torn_grid(finished, links, tears, out);
+  }
   SectionWriter out = open(header);
   for (std::uint64_t b = 0; b < levels.blocks(); ++b) {
     levels.visit(b, [&out](const RecordRows& records, std::size_t begin, std::size_t end) {

@@ -139,7 +139,7 @@ Converter::~Converter() {
   for (const auto& model : models_) model->hang_up();  // before the first of them is waited for
 }
 
-const CurrentConversion& current_conversion() noexcept { return current; }
+CurrentConversion& current_conversion() noexcept { return current; }
 
 void Converter::count(Stretch& stretch) {
   progress_.conversions.fetch_add(stretch.done, std::memory_order_relaxed);
@@ -194,23 +194,27 @@ void Converter::ask_process(Batch& batch, Dealer& dealer, Model& model) {
       });
 }
 
+void Converter::work(std::uint64_t threads, const std::function<void(Model&)>& work,
+                     const std::function<void()>& stop) {
+  std::vector<std::jthread> others;
+  try {
+    for (std::uint64_t k = 1; k < threads; ++k) others.emplace_back([&, k] { work(*models_[k]); });
+  } catch (...) {  // nobody waits for the work of the others
+    stop();
+    throw;
+  }
+  if (threads > 0) work(*models_.front());
+}
+
 void Converter::convert(Batch& batch) {
   const bool is_process = models_.front()->is_process();
   Dealer dealer(batch, models_.size(), is_process);
-  const auto work = [&](Model& model) {
-    is_process ? ask_process(batch, dealer, model) : ask_plugin(batch, dealer, model);
-  };
-  {
-    std::vector<std::jthread> threads;
-    try {
-      for (std::uint64_t k = 1; k < dealer.threads(); ++k)
-        threads.emplace_back([&, k] { work(*models_[k]); });
-    } catch (...) {  // a thread cannot be started: nobody waits for the work of the others
-      dealer.stop();
-      throw;
-    }
-    if (dealer.threads() > 0) work(*models_.front());
-  }
+  work(
+      dealer.threads(),
+      [&](Model& model) {
+        is_process ? ask_process(batch, dealer, model) : ask_plugin(batch, dealer, model);
+      },
+      [&] { dealer.stop(); });
   dealer.require_success(box_);
 }
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct Progress {
   std::atomic<std::uint64_t> frontier_records{0};
   std::atomic<std::uint64_t> records{0};  ///< records of the grid so far
   std::atomic<std::uint32_t> generation{0};
+  std::atomic<std::uint64_t> links{0};             ///< whose tear fractions are asked for
+  std::atomic<std::uint64_t> links_done{0};        ///< of these, done
+  std::atomic<std::uint64_t> tear_conversions{0};  ///< made for them; not among `conversions`
 };
 
 /// What a thread has asked its plug-in for, so that a crash handler can name it.
@@ -28,7 +32,7 @@ struct CurrentConversion {
   int q = -1;  ///< -1: nothing
 };
 /// Of the calling thread. May be called in a signal's handler.
-const CurrentConversion& current_conversion() noexcept;
+CurrentConversion& current_conversion() noexcept;
 
 /// Each thread has a model of its own; the answers do not depend on how many threads there are.
 class Converter {
@@ -43,6 +47,11 @@ class Converter {
   /// @throw ModelError naming point, level and direction of the first that failed.
   void convert(Batch& batch);
 
+  /// Calls work(model) for `threads` of the models, each in a thread of its own. When a thread
+  /// cannot be started, it calls stop() and throws what the system says.
+  void work(std::uint64_t threads, const std::function<void(Model&)>& work,
+            const std::function<void()>& stop);
+  std::size_t models() const { return models_.size(); }
   /// A model for the caller's own thread, between calls of convert().
   const Model& model() const { return *models_.front(); }
 

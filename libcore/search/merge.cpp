@@ -9,6 +9,7 @@
 #include "libcore/grid/describe.hpp"
 #include "libcore/search/levels.hpp"
 #include "libcore/search/requests.hpp"
+#include "libcore/search/tears.hpp"
 
 namespace hapgrid {
 
@@ -20,26 +21,38 @@ MergeInput merge_input(std::vector<Section> sections) {
       input.requests.push_back(std::move(section));
       continue;
     }
+    if (section.header.content == Content::kTears) {
+      input.tears.push_back(std::move(section));
+      continue;
+    }
     if (any)
       throw FormatError(section.file->name() + ": a second grid, beside " +
                         input.grid.file->name());
     any = true;
     input.grid = std::move(section);
   }
-  if (!any)
-    throw FormatError(input.requests.front().file->name() +
-                      ": requests, but no grid to merge them into");
-  for (const Section& section : input.requests)
-    if (section.header.generation != input.grid.header.generation)
-      throw FormatError(section.file->name() + ": requests of generation " +
-                        std::to_string(section.header.generation) + ", the grid's frontier is " +
-                        std::to_string(input.grid.header.generation));
+  if (!any) {
+    const Section& first = (input.requests.empty() ? input.tears : input.requests).front();
+    throw FormatError(first.file->name() + ": " + to_string(first.header.content) +
+                      ", but no grid to merge them into");
+  }
+  for (const auto* shards : {&input.requests, &input.tears})
+    for (const Section& section : *shards)
+      if (section.header.generation != input.grid.header.generation)
+        throw FormatError(section.file->name() + ": " + to_string(section.header.content) +
+                          " of generation " + std::to_string(section.header.generation) +
+                          ", the grid's frontier is " +
+                          std::to_string(input.grid.header.generation));
+  if (!input.tears.empty() && input.grid.next_round() != Content::kTears)
+    throw FormatError(input.tears.front().file->name() +
+                      ": tear fractions, which the grid does not lack");
   return input;
 }
 
 SectionHeader MergeInput::merged_header() const {
   SectionHeader header = grid.header;
   if (grid.frontier() > 0) ++header.generation;
+  header.has_tears |= grid.next_round() == Content::kTears;
   return header;
 }
 
@@ -164,6 +177,7 @@ void merge(const MergeInput& input, const Model& model, SectionWriter& out, Prog
   SourceRequests source;
   if (input.grid.frontier() == 0) {
     if (requests.next(source)) fail_unasked(header.spec, source);
+    if (header.lacks_tears()) return merge_tears(input.grid, input.tears, out, progress);
     copy_chunks(input.grid, out);
     return out.finish();
   }

@@ -15,18 +15,21 @@ namespace hapgrid {
 struct MergeInput {
   Section grid;
   std::vector<Section> requests;
+  std::vector<Section> tears;
 
-  /// The header of the merged grid. A grid whose frontier is empty keeps its generation.
+  /// The header of the merged grid. A grid whose frontier is empty keeps its generation, and has
+  /// its tear fractions where it wants them.
   SectionHeader merged_header() const;
 };
 
-/// Sorts sections into the grid and the requests.
-/// @throw FormatError unless there is one grid, and all requests are of its generation.
+/// Sorts sections into the grid, the requests and the tear fractions.
+/// @throw FormatError unless there is one grid, and all the others are of its generation.
 MergeInput merge_input(std::vector<Section> sections);
 
-/// Merges a whole generation: each of the conversions of the grid's frontier must be among the
-/// requests. Memory: a chunk of each section of requests, and the records between three slices of
-/// the grid. `out` was begun with merged_header(), and is finished here.
+/// Merges a whole round: each of the conversions of the grid's frontier must be among the requests;
+/// when it has no frontier, but lacks tear fractions, merge_tears() (tears.hpp) takes them. Memory:
+/// a chunk of each section of requests, and the records between three slices of the grid. `out` was
+/// begun with merged_header(), and is finished here.
 /// @throw FormatError when requests are missing (it counts them), contradict each other, or were
 /// not asked for; Error (level limit), ModelError, std::system_error.
 void merge(const MergeInput& input, const Model& model, SectionWriter& out, Progress& progress);

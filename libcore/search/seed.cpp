@@ -97,6 +97,7 @@ GridSpec spec_of(const Definition& definition, const Model& model) {
   spec.energy_unit = info.energy_unit;
   spec.hip_radius = info.hip_radius;
   spec.stored = info.stored;
+  spec.tears = definition.tears;
   if (spec.stored.shape) spec.spheres = info.spheres;
   return spec;
 }

@@ -137,6 +137,15 @@ std::uint64_t Section::conversions() const {
   return sum(*this, [](const ChunkInfo& chunk) { return chunk.conversions; });
 }
 
+std::optional<Content> Section::next_round() const {
+  if (frontier() > 0) return Content::kRequests;
+  if (header.lacks_tears()) return Content::kTears;
+  return std::nullopt;
+}
+std::uint64_t Section::todo() const {
+  return next_round() == Content::kTears ? records() : frontier();
+}
+
 std::vector<Section> open_sections(const std::vector<std::string>& names) {
   std::vector<Section> sections;
   for (const std::string& name : names) {
@@ -161,7 +170,8 @@ Section open_grid(const std::string& name) {
   const std::vector<Section> sections = open_sections({name});
   const Section& grid = sections.back();
   if (grid.header.content != Content::kGrid)
-    throw FormatError(grid.file->name() + ": holds requests where a grid is needed");
+    throw FormatError(grid.file->name() + ": holds " + to_string(grid.header.content) +
+                      " where a grid is needed");
   if (sections.size() > 1)
     throw FormatError(grid.file->name() + ": holds " + std::to_string(sections.size()) +
                       " sections where one grid is needed");

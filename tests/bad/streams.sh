@@ -11,6 +11,10 @@ merge seeds requests -o next
 expand next -o next.requests
 merge next next.requests -o grid
 merge --small grid -o small
+# A grid that lacks its tear fractions, and these.
+seed "$ball" --set 'grid.counts=[7,2,2]' --set 'grid.spacing=0.2' --set 'grid.origin=[-0.6,-0.15,-0.1]' -o lacking
+while (($(stats --get frontier lacking))); do expand lacking | merge lacking - -o lacking; done
+expand lacking -o tears
 # Two components.
 cat >toy.toml <<END
 grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 2, 1]}

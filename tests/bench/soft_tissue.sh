@@ -14,7 +14,7 @@ measure expand--complete expand --complete seeds -o grid
 echo "$(stats --get points grid) points, $(stats --get records grid) records, $(stats --get conversions grid) conversions, $(stat -c %s grid) bytes"
 
 cp seeds round
-while (($(stats --get frontier round) > 0)); do
+while (($(stats --get todo round) > 0)); do
   for k in 1 2 3 4; do measure expand expand --part $k/4 round -o "requests.$k"; done
   measure merge merge round requests.? -o next
   mv next round

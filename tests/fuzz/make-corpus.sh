@@ -14,7 +14,7 @@ put() {
 }
 
 # Shards: seeds, requests, a grid on its way and finished, small, with and without what is stored; two
-# sections in one file.
+# sections in one file; the tear fractions of a grid that lacks them.
 small=(--set grid.spacing=0.25 --set 'grid.counts=[6,3,2]' --set 'grid.origin=[-0.7,-0.2,-0.1]')
 seed "$ball" "${small[@]}" >seeds
 expand seeds >requests
@@ -23,7 +23,10 @@ expand --complete seeds >grid
 merge --small grid -o small
 for k in 1 2; do expand --part "$k/2" next; done >both
 seed "$ball" "${small[@]}" --set model.parameters.stored=true | expand --complete >stored
-for shard in seeds requests next both grid small stored; do
+cp next lacking
+while (($(stats --get frontier lacking))); do expand lacking | merge lacking - -o lacking; done
+expand lacking >tears
+for shard in seeds requests next both grid small stored tears; do
   put shard "$shard" <"$shard"
   [[ $shard == both ]] || zstd -qdc "$shard" | put shard_messages "$shard"
 done

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "libcore/check/invariants.hpp"
+#include "libcore/check/tears.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/reader.hpp"
@@ -50,6 +51,8 @@ inline void read_shard(std::span<const std::byte> bytes) {
       small = small && section.header.spec.box.points() <= 1 << 16;
       if (section.header.content == Content::kRequests) {
         read_rows<RequestRows>(section);
+      } else if (section.header.content == Content::kTears) {
+        read_rows<TearRows>(section);
       } else {
         read_rows<RecordRows>(section);
         read_stored(section);
@@ -62,6 +65,7 @@ inline void read_shard(std::span<const std::byte> bytes) {
     const Grid grid = load_grid(memory.name()).grid;
     check_complete(grid, 1);
     check_links(grid, 1);
+    if (grid.has_tears()) check_fractions(grid);
     check_finite(grid, 1);
     check_reachable(grid);
     check_blends(grid, 1);

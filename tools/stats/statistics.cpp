@@ -117,9 +117,12 @@ Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes) {
       const RecordIndex back = grid.destination(there, Direction(q).opposite().q());
       if (back == Grid::kNoRecord) continue;
       ++s.links;
-      s.irreversible_links += back != r;
+      s.one_way_links += back != r;
     }
   }
+  s.has_tears = grid.has_tears();
+  const bool lacks_tears = s.frontier == 0 && grid.spec().tears && !s.has_tears;
+  s.todo = lacks_tears ? s.records : s.frontier;
   return s;
 }
 
@@ -138,12 +141,16 @@ void add_costs(CostSums& sums, const std::string& name, const std::string& text)
     const auto seconds = json.find("cpu_seconds");
     if (seconds == json.end() || !seconds->is_number() || !(seconds->get<double>() >= 0))
       fail("\"cpu_seconds\" is no number of 0 or more");
-    const auto conversions = json.find("conversions");
-    if (conversions == json.end() || !conversions->is_number_unsigned())
-      fail("\"conversions\" is no whole number of 0 or more");
+    const auto count = [&](const char* key) {
+      const auto value = json.find(key);
+      if (value == json.end() || !value->is_number_unsigned())
+        fail("\"" + std::string(key) + "\" is no whole number of 0 or more");
+      return value->get<std::uint64_t>();
+    };
     ++sums.lines;
     sums.cpu_seconds += seconds->get<double>();
-    sums.conversions += conversions->get<std::uint64_t>();
+    sums.conversions += count("conversions");
+    sums.tear_conversions += count("tear_conversions");
   }
 }
 
@@ -172,10 +179,12 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const CostSums* 
   json["average_levels"] = ratio(static_cast<double>(s.records), s.points_reached);
   json["levels_histogram"] = s.levels_histogram;
   json["links"] = s.links;
-  json["irreversible_links"] = s.irreversible_links;
-  json["irreversible_share"] = ratio(static_cast<double>(s.irreversible_links), s.links);
+  json["one_way_links"] = s.one_way_links;
+  json["one_way_share"] = ratio(static_cast<double>(s.one_way_links), s.links);
+  json["tears"] = s.has_tears;
   json["conversions"] = s.conversions;
   json["conversions_left"] = s.conversions_left;
+  json["todo"] = s.todo;
   json["bytes"] = s.stored_bytes;
   json["bytes_per_record"] = ratio(static_cast<double>(s.stored_bytes), s.records);
   json["cpu_hours"] = costs ? Json(hours(*costs)) : Json();
@@ -183,6 +192,7 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const CostSums* 
   if (costs)
     json["costs"] = {{"lines", costs->lines},
                      {"conversions", costs->conversions},
+                     {"tear_conversions", costs->tear_conversions},
                      {"cpu_seconds", costs->cpu_seconds}};
   return json;
 }
@@ -227,11 +237,16 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Cos
                    std::to_string(s.levels_histogram[k]);
   row("levels", histogram + " (levels: points that have so many; at most " +
                     std::to_string(spec.max_levels) + ")");
-  row("irreversible", percent(s.irreversible_links, s.links) + " of " + std::to_string(s.links) +
-                          " links (there and back does not return to the level)");
+  row("one-way", percent(s.one_way_links, s.links) + " of " + std::to_string(s.links) +
+                     " links (there and back does not return to the level)" +
+                     (s.has_tears           ? ", with tear fractions"
+                      : s.todo > s.frontier ? ", whose tear fractions are still to be found"
+                                            : ""));
   row("conversions",
       std::to_string(s.conversions) + " that this grid needed" +
-          (costs ? ", " + std::to_string(costs->conversions) + " in the cost files" : ""));
+          (costs ? ", " + std::to_string(costs->conversions) + " in the cost files, and " +
+                       std::to_string(costs->tear_conversions) + " for tear fractions"
+                 : ""));
   row("size", std::to_string(s.stored_bytes) + " bytes" +
                   (s.records == 0 ? ""
                                   : ", " +

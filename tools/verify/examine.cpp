@@ -12,6 +12,7 @@
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
 #include "libcore/check/paths.hpp"
+#include "libcore/check/tears.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
 #include "tools/common/progress.hpp"
@@ -37,6 +38,7 @@ class Examiner {
     add({check_complete(grid_, threads_), check_coverage(grid_, threads_),
          check_links(grid_, threads_), check_finite(grid_, threads_),
          check_distinct(grid_, same_)});
+    if (grid_.has_tears()) add({check_fractions(grid_)});
     add(check_reachable(grid_));
     if (asked_.recompute > 0) ask_model_again();
     add({check_blends(grid_, threads_)});
@@ -67,6 +69,10 @@ class Examiner {
     add({check_fidelity(grid_, sample, model, threads_, done)});
     if (grid_.spec().row_size() > grid_.state_size())
       add({check_stored(grid_, sample, model, threads_)});
+    if (!grid_.has_tears()) return;
+    Progress conversions;
+    Converter converter(*source_, grid_.spec(), static_cast<unsigned>(threads_), conversions);
+    add({check_tears(grid_, sample, converter)});
   }
 
   void look_at_configurations() {

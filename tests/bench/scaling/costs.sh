@@ -16,7 +16,7 @@ cd "$work"
 # The rounds of a grid of 64 points a side, and those of one with next to no work in 1 and in 256 parts.
 seed "$ball" --set 'grid.counts=[64,64,64]' --set 'grid.origin=[-0.975,-0.975,-0.975]' \
   --set grid.spacing=0.030952 -o grid
-while (($(stats --get frontier grid))); do
+while (($(stats --get todo grid))); do
   expand grid --cost expand -o requests
   merge grid requests --cost merge -o next
   mv next grid

@@ -20,11 +20,11 @@ reference "$small"
 build PARTS=3 -j 2 || fail "$(cat make.err)"
 cmp work/hung-ball.grid reference
 [[ ! -s make.err ]] || fail "$(cat make.err)"
-# A line a generation, and one at the end.
-last=$(stats --get generation reference)
+# A line a round, of which the last one finds tear fractions, and one at the end.
+last=$(($(stats --get generation reference) + 1))
 same "lines" $((last + 1)) "$(wc -l <make.out)"
-same "first line" 'hung-ball: generation 0 has a frontier of 8 records' "$(head -n 1 make.out)"
-same "last line" "hung-ball: complete after $last generations: work/hung-ball.grid" "$(tail -n 1 make.out)"
+same "first line" 'hung-ball: round 1 is for 8 records' "$(head -n 1 make.out)"
+same "last line" "hung-ball: complete after $last rounds: work/hung-ball.grid" "$(tail -n 1 make.out)"
 # The parts' costs add up to the conversions that the grid needed.
 [[ $(stats work/hung-ball.grid --cost work/hung-ball.cost --get costs.conversions) == \
    $(stats work/hung-ball.grid --get conversions) ]]

@@ -36,7 +36,7 @@ in_rounds() {
     g=$next
   done
   same_grid g.$g "rounds: $*"
-  same "generations" "$generations" "$g"
+  same "rounds, the last for tear fractions" $((generations + 1)) "$g"
   rm -f g.*
 }
 shuffled() { shuf --random-source=<(yes); }

@@ -13,7 +13,7 @@ stats --dump evaluated >evaluated.dump
 stats --dump stored >stored.dump
 cmp evaluated.dump stored.dump
 cp seeds rounds
-while (($(stats --get frontier rounds) > 0)); do
+while (($(stats --get todo rounds) > 0)); do
   expand --part 1/2 rounds -o r1
   expand --part 2/2 rounds -o r2
   merge rounds r2 r1 -o next

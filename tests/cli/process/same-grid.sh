@@ -22,7 +22,7 @@ mkdir elsewhere
 expect 0 '' '' -- env -C elsewhere "$HAPGRID_BIN/expand" --complete ../seeds $allow -j 3 --in-flight 7 -o ../grid.3
 cmp grid grid.3
 cp seeds round
-while [[ $(stats --get frontier round) -gt 0 ]]; do
+while [[ $(stats --get todo round) -gt 0 ]]; do
   expand round $allow --part 1/2 -j 2 -o requests.1
   expand round $allow --part 2/2 --in-flight 1 -o requests.2
   expect 0 '' '' -- merge round requests.2 requests.1 -o next

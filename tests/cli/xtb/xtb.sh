@@ -48,7 +48,7 @@ files=$(ls -A "$example")
 seed "$toml" "${small[@]}" --allow-process -o seeds
 expand --complete seeds $allow -o grid
 cp seeds round
-while [[ $(stats --get frontier round) -gt 0 ]]; do
+while [[ $(stats --get todo round) -gt 0 ]]; do
   expand round $allow --part 1/2 -o requests.1
   expand round $allow --part 2/2 --in-flight 1 -o requests.2
   merge round requests.2 requests.1 -o next

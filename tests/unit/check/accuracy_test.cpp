@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "libcore/base/error.hpp"
-#include "libcore/check/state_distance.hpp"
+#include "libcore/grid/state_distance.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
 using namespace hapgrid;

@@ -20,6 +20,7 @@
 #include "libcore/search/expand.hpp"
 #include "libcore/search/merge.hpp"
 #include "libcore/search/seed.hpp"
+#include "libcore/search/tears.hpp"
 #include "libcore/shard/load.hpp"
 #include "tests/unit/search/reference.hpp"
 
@@ -70,6 +71,7 @@ struct Case {
     set_model(model);
     definition.plugin = "toy";
     definition.max_levels = 254;
+    definition.tears = false;
     grid.origin = {-1.5, 0.25, 2};
     grid.spacing = 1.125;
     definition.box.origin = grid.origin;
@@ -136,10 +138,11 @@ inline void write_seed_shard(const Case& c, const std::string& name) {
               [&](SectionWriter& out) { write_seeds(c.definition, spec, *model, out); });
 }
 
-inline void complete_shard(const std::string& from, const std::string& to, unsigned threads) {
+inline void complete_shard(const std::string& from, const std::string& to, unsigned threads,
+                           const Plugin& plugin = toy_plugin()) {
   const Section grid = open_grid(from);
   Progress progress;
-  Converter converter(toy_plugin(), grid.header.spec, threads, progress);
+  Converter converter(plugin, grid.header.spec, threads, progress);
   const FileDescriptor file = open_plain(to);
   complete(grid, converter, progress,
            [&](const SectionHeader& header) { return SectionWriter(file.get(), to, header); });
@@ -149,11 +152,18 @@ inline void expand_shard(const std::string& from, Part part, const std::string& 
                          unsigned threads = 1) {
   const Section grid = open_grid(from);
   Progress progress;
-  SectionHeader header = grid.header;
+  SectionHeader header{Content::kRequests, grid.header.generation, grid.header.spec};
   Converter converter(toy_plugin(), header.spec, threads, progress);
+  if (grid.next_round() == Content::kTears) {
+    header.content = Content::kTears;
+    const Grid loaded = load_grid(grid).grid;
+    const auto links = one_way_links(loaded, part);
+    return write_shard(to, header, [&](SectionWriter& out) {
+      write_tears(loaded, links, find_tears(loaded, links, converter, progress), out);
+    });
+  }
   FrontierReader frontier(grid, part);
   const std::uint64_t expected = frontier.conversions();
-  header.content = Content::kRequests;
   write_shard(to, header, [&](SectionWriter& out) {
     expand(frontier, converter, header.spec,
            [&out](PointIndex point, Level level, DirectionMask directions, const double* rows) {

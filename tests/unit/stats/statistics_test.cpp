@@ -21,11 +21,11 @@ TEST_CASE("statistics of the tiny grid, counted by hand") {
   CHECK(s.conversions == 10);
   CHECK(s.links == 10);
   // (1, -1) to the left end and back is (1, +1); (2, +1) to the right end and back is (2, -1).
-  CHECK(s.irreversible_links == 2);
+  CHECK(s.one_way_links == 2);
 
   const auto json = statistics_json(tiny::spec(), s, nullptr);
   CHECK(json["average_levels"] == 1.5);
-  CHECK(json["irreversible_share"] == 0.2);
+  CHECK(json["one_way_share"] == 0.2);
   CHECK(json["bytes_per_record"] == 200.0);
   CHECK(json["share_reached"] == 1.0);
   CHECK(json["cpu_hours"].is_null());
@@ -41,13 +41,32 @@ TEST_CASE("statistics of an incomplete grid") {
   CHECK(s.conversions == 2);
   CHECK(s.links == 0);  // the way back from the frontier is not known yet
   const auto json = statistics_json(tiny::spec(), s, nullptr);
-  CHECK(json["irreversible_share"].is_null());
+  CHECK(json["one_way_share"].is_null());
   CHECK(json["average_levels"] == 1.0);
 
   const Statistics none = count_statistics(Grid(tiny::spec(), 0, {}), 100);
   CHECK(none.generations == 0);
   CHECK(none.points_reached == 0);
   CHECK(statistics_json(tiny::spec(), none, nullptr)["average_levels"].is_null());
+}
+
+TEST_CASE("what is still to be done: the frontier, then the tear fractions that are wanted") {
+  CHECK(count_statistics(tiny::after_one_round(), 100).todo == 2);
+  CHECK(count_statistics(tiny::grid(), 100).todo == 0);
+  GridSpec spec = tiny::spec();
+  spec.tears = true;
+  RecordColumns records = tiny::records();
+  const Statistics lacking = count_statistics(Grid(spec, 3, records), 1200);
+  CHECK(lacking.todo == 6);
+  CHECK_THAT(
+      statistics_text(spec, lacking, nullptr),
+      Catch::Matchers::Contains("to the level), whose tear fractions are still to be found\n"));
+  records.tears.assign(records.links.size(), kNoTear);
+  const Statistics torn = count_statistics(Grid(spec, 3, records), 1200);
+  CHECK(torn.todo == 0);
+  CHECK(statistics_json(spec, torn, nullptr)["tears"] == true);
+  CHECK_THAT(statistics_text(spec, torn, nullptr),
+             Catch::Matchers::Contains("to the level), with tear fractions\n"));
 }
 
 TEST_CASE("a seed record in the frontier at one of two points") {
@@ -62,7 +81,7 @@ TEST_CASE("a seed record in the frontier at one of two points") {
 }
 
 TEST_CASE("the statistics as text") {
-  CostSums sums{2, 12, 5400};
+  CostSums sums{2, 12, 3, 5400};
   CHECK(statistics_text(tiny::spec(), count_statistics(tiny::grid(), 1200), &sums) ==
         "model        tiny\n"
         "parameter    name = \"x\\ufffd\\n\"\n"
@@ -73,8 +92,8 @@ TEST_CASE("the statistics as text") {
         "records      6 in 3 generations\n"
         "frontier     0 records (complete)\n"
         "levels       1: 2, 2: 2 (levels: points that have so many; at most 8)\n"
-        "irreversible 20.00 % of 10 links (there and back does not return to the level)\n"
-        "conversions  10 that this grid needed, 12 in the cost files\n"
+        "one-way      20.00 % of 10 links (there and back does not return to the level)\n"
+        "conversions  10 that this grid needed, 12 in the cost files, and 3 for tear fractions\n"
         "size         1200 bytes, 200.00 a record\n"
         "\n"
         "model  avg. levels  data size  CPU hours\n"
@@ -87,17 +106,19 @@ TEST_CASE("cost files add up") {
   CostSums sums;
   add_costs(sums, "a",
             "{\"tool\":\"expand\",\"wall_seconds\":1,\"cpu_seconds\":1.5,\"conversions\":100,"
-            "\"host\":\"h\",\"generation\":0,\"part\":1,\"parts\":2}\n"
-            "{\"tool\":\"merge\",\"cpu_seconds\":2,\"conversions\":0}\n");
-  add_costs(sums, "b", "{\"cpu_seconds\": 1e-1, \"conversions\": 4000000000000}");
+            "\"tear_conversions\":20,\"host\":\"h\",\"generation\":0,\"part\":1,\"parts\":2}\n"
+            "{\"tool\":\"merge\",\"cpu_seconds\":2,\"conversions\":0,\"tear_conversions\":1}\n");
+  add_costs(sums, "b",
+            "{\"cpu_seconds\": 1e-1, \"conversions\": 4000000000000, \"tear_conversions\": 0}");
   add_costs(sums, "c", "");
   CHECK(sums.lines == 3);
   CHECK(sums.cpu_seconds == Approx(3.6).epsilon(1e-15));
   CHECK(sums.conversions == 4000000000100u);
+  CHECK(sums.tear_conversions == 21);
 }
 
 TEST_CASE("a malformed cost file is named with its line") {
-  const std::string good = "{\"cpu_seconds\":1,\"conversions\":1}\n";
+  const std::string good = "{\"cpu_seconds\":1,\"conversions\":1,\"tear_conversions\":1}\n";
   const auto message = [](const std::string& text) {
     CostSums sums;
     try {
@@ -119,4 +140,6 @@ TEST_CASE("a malformed cost file is named with its line") {
   CHECK(message("{\"cpu_seconds\":1}") == conversions);
   CHECK(message("{\"cpu_seconds\":1,\"conversions\":-1}") == conversions);
   CHECK(message("{\"cpu_seconds\":1,\"conversions\":1.5}") == conversions);
+  CHECK(message("{\"cpu_seconds\":1,\"conversions\":1}") ==
+        "cost: line 1: \"tear_conversions\" is no whole number of 0 or more");
 }

@@ -9,14 +9,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "libcore/check/invariants.hpp"
 #include "libcore/grid/spec.hpp"
 
 namespace hapgrid {
+
+/// The tolerance function of Sect. 2.3 on two states of n doubles.
+using SameState = std::function<bool(const double* a, const double* b)>;
 
 /// For one thread.
 class StateDistance {
