@@ -1,5 +1,5 @@
-// The command line of a filter. A source that includes CLI11 takes some 4 s longer to compile: only one does.
-// source does.
+// The command line of a filter. To compile CLI11 takes 4 s for each source that includes it: only
+// one source does.
 #pragma once
 
 #include <cstdint>
