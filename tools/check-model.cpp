@@ -1,6 +1,5 @@
 // check-model: finds what would go wrong in the search of a grid before the search is paid for.
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -137,13 +136,13 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app(
+  CommandLine app(
       "Tries a model before its grid is searched: walks through the box as a hand would, checks "
       "at\n"
       "each step what the search and the player rely on, and estimates the cost of the whole "
       "grid.");
-  set_help(
-      app, "check-model",
+  app.set_help(
+      "check-model",
       "Checks:\n"
       "  defined        C answers at every step of the grid\n"
       "  deterministic  C, asked again and asked of a second model, answers with the same bits\n"
@@ -158,21 +157,18 @@ int main(int argc, char** argv) {
       "--seconds ends the walks.\n",
       "  3  the model breaks what the search relies on\n");
   add_definition(app, options.definition);
-  app.add_option("--steps", options.limits.conversions, "Steps along the walks")
-      ->type_name("N")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
-      ->capture_default_str();
-  app.add_option("--seconds", options.limits.seconds,
-                 "No step is begun after this time, in seconds")
-      ->type_name("S")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--walk-seed", options.limits.walk_seed, "Draws other walks")
-      ->type_name("S")
-      ->capture_default_str();
-  app.add_option("--format", options.format, "How the report is written")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
+  app.add("--steps", options.limits.conversions, "Steps along the walks")
+      .type("N")
+      .whole(1, std::int64_t{1} << 40)
+      .shows_default();
+  app.add("--seconds", options.limits.seconds, "No step is begun after this time, in seconds")
+      .type("S")
+      .positive()
+      .shows_default();
+  app.add("--walk-seed", options.limits.walk_seed, "Draws other walks").type("S").shows_default();
+  app.add("--format", options.format, "How the report is written")
+      .one_of({"text", "json"})
+      .shows_default();
   add_model_options(app, options.model);
   add_output(app, options.output);
   return run_tool(app, argc, argv, [&] { return run(options); });

@@ -2,7 +2,6 @@
 
 #include "libcore/search/expand.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -113,8 +112,7 @@ bool is_there(const std::string& name, const Section& grid) {
 
 int run(const Options& options) {
   const Part part = part_of(options.part);
-  if (options.complete && part.of != 1)
-    throw CLI::ValidationError("--complete", "works on the whole frontier");
+  if (options.complete && part.of != 1) throw UsageError("--complete: works on the whole frontier");
   const Section grid = open_grid(options.grid);
   const GridSpec& spec = grid.header.spec;
   Progress progress;
@@ -147,28 +145,27 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{
+  CommandLine app{
       "Evaluates the model's conversion function in 26 directions for each record of the\n"
       "frontier of a grid, and writes what was reached as requests for merge. When there is no\n"
       "frontier, it finds how far along each one-way link the model snaps: tear fractions."};
-  set_help(app, "expand",
-           "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
+  app.set_help("expand",
+               "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
   add_grid(app, options.grid);
   add_output(app, options.output);
-  app.add_option(
-         "--part", options.part,
-         "Only the K-th of N equal parts of the round (1 <= K <= N < 2^32), or 'auto': the "
-         "part that srun, a job array of Slurm or mpirun gives this process. {} in the name "
-         "of --output becomes K-of-N, and a part whose file is there is not computed again")
-      ->type_name("K/N|auto")
-      ->capture_default_str();
+  app.add("--part", options.part,
+          "Only the K-th of N equal parts of the round (1 <= K <= N < 2^32), or 'auto': the "
+          "part that srun, a job array of Slurm or mpirun gives this process. {} in the name "
+          "of --output becomes K-of-N, and a part whose file is there is not computed again")
+      .type("K/N|auto")
+      .shows_default();
   app.add_flag("--complete", options.complete,
                "Merge in memory and go on until nothing is left to do; write the finished grid");
-  app.add_option("-j,--threads", options.threads,
-                 "Threads, each with a model (a plug-in or a process) of its own (1 to 1024)")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  app.add("-j,--threads", options.threads,
+          "Threads, each with a model (a plug-in or a process) of its own (1 to 1024)")
+      .type("N")
+      .whole(1, 1024)
+      .shows_default();
   add_cost(app, options.cost);
   add_progress(app, options.progress);
   add_model_options(app, options.model);

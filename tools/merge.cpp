@@ -2,7 +2,6 @@
 
 #include "libcore/search/merge.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "libcore/base/file.hpp"
@@ -57,7 +56,7 @@ std::uint32_t write_merged(const std::vector<std::string>& names, const Options&
 
 int run(const Options& options) {
   const std::vector<std::string> names = inputs_or_stdin(options.shards);
-  if (options.small && names.size() > 1) throw CLI::ValidationError("--small", "takes one grid");
+  if (options.small && names.size() > 1) throw UsageError("--small: takes one grid");
   const std::uint32_t generation =
       options.small ? write_small(names.front(), options.output) : write_merged(names, options);
   if (!options.cost.empty()) append_cost(options.cost, {.tool = "merge", .generation = generation});
@@ -68,13 +67,13 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{
+  CommandLine app{
       "Merges the requests of one whole generation into a grid: finds or stores each state that\n"
       "was reached, and settles the destination levels (Algorithm 1, lines 10 to 20). The grid\n"
       "and the requests come in any order and any number of shards; requests that are missing\n"
       "are an error. A grid without frontier gets its tear fractions in the same way; when it has\n"
       "them, or does not want them, it stays as it is."};
-  set_help(app, "merge");
+  app.set_help("merge");
   add_inputs(app, options.shards,
              "The grid and all requests of its frontier, or all its tear fractions");
   add_output(app, options.output);

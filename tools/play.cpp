@@ -3,7 +3,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -58,11 +57,11 @@ bool same_file(const std::string& a, const std::string& b) {
   return !a.empty() && (a == b || std::filesystem::equivalent(a, b, ignored));
 }
 
-/// @throw CLI::ValidationError when an output would replace an input, or two outputs are one file.
+/// @throw UsageError when an output would replace an input, or two outputs are one file.
 void check_files(const PlayOptions& options) {
   const std::string input = input_file(*options.device);
   if (options.grid == "-" && input == "-")
-    throw CLI::ValidationError("the grid and the path cannot both be standard input");
+    throw UsageError("the grid and the path cannot both be standard input");
   struct Output {
     const char* option;
     const char* what;
@@ -77,25 +76,24 @@ void check_files(const PlayOptions& options) {
                            : same_file(output.file, options.grid) ? "grid"
                                                                   : nullptr;
     if (replaced)
-      throw CLI::ValidationError(output.option,
-                                 std::string(output.what) + " would replace the " + replaced);
+      throw UsageError(std::string(output.option) + ": " + output.what + " would replace the " +
+                       replaced);
   }
   for (std::size_t i = 0; i < std::size(outputs); ++i)
     for (std::size_t j = i + 1; j < std::size(outputs); ++j)
       if (same_file(outputs[i].file, outputs[j].file))
-        throw CLI::ValidationError(std::string(outputs[i].option) + " and " + outputs[j].option +
-                                   " cannot both be " + outputs[j].file);
+        throw UsageError(std::string(outputs[i].option) + " and " + outputs[j].option +
+                         " cannot both be " + outputs[j].file);
 }
 
-/// @throw CLI::ParseError, Error for a command line that cannot be played.
+/// @throw UsageError, Error for a command line that cannot be played.
 void check(const PlayOptions& options) {
-  if (options.grid.empty()) throw CLI::RequiredError("grid");
-  if (!options.device) throw CLI::RequiredError("--device");
+  if (options.grid.empty()) throw UsageError("grid is required");
+  if (!options.device) throw UsageError("--device is required");
   check_files(options);
   if (!options.log.empty() && !is_session_name(options.log) && is_live(*options.device))
-    throw CLI::ValidationError(
-        "--log",
-        "a text is kept in memory until the end, which a live device does not have: name it "
+    throw UsageError(
+        "--log: a text is kept in memory until the end, which a live device does not have: name it "
         "FILE.session (stats --log FILE.session --export makes it a text)");
   if (options.frames == "-" && ::isatty(STDOUT_FILENO))
     throw Error("standard output is a terminal: redirect it, or name a file after --frames");
@@ -259,13 +257,13 @@ int run(const PlayOptions& options) {
 
 int main(int argc, char** argv) {
   PlayOptions options;
-  CLI::App app(
+  CommandLine app(
       "Drives a device through a complete grid: reads the HIP, follows the levels of the grid's\n"
       "cells, interpolates the state, computes the force (or interpolates it where the grid "
       "stores\n"
       "it), and sends it through the safety core to the device.");
-  set_help(
-      app, "play",
+  app.set_help(
+      "play",
       "Settings for --set and for the table [play]; inf switches a limit off:\n" + settings_help() +
           "\n"
           "Keyboard: arrows move the HIP along x and z, page up and down along y; + and - change\n"

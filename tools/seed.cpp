@@ -2,8 +2,6 @@
 
 #include "libcore/search/seed.hpp"
 
-#include <CLI/CLI.hpp>
-
 #include "libcore/base/file.hpp"
 #include "tools/common/definition.hpp"
 #include "tools/common/models.hpp"
@@ -34,12 +32,12 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{
+  hapgrid::CommandLine app{
       "Writes the seed records of a grid: the known states at the seed points, all of them in the\n"
       "frontier. MODEL.toml defines the model and its parameters, the box, the seeds and the "
       "limit\n"
       "of levels."};
-  hapgrid::set_help(app, "seed");
+  app.set_help("seed");
   hapgrid::add_definition(app, options.definition);
   hapgrid::add_model_options(app, options.model);
   hapgrid::add_output(app, options.output);

@@ -1,10 +1,10 @@
 // stats: what is in a grid, as a report, a single value, a dump or a picture; and what happened in
 // a play.
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <istream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -90,7 +90,7 @@ void require_known_key(const std::string& key) {
   if (keys.contains(key.substr(0, key.find('.')))) return;
   std::string known;
   for (const auto& item : keys.items()) known += (known.empty() ? "" : ", ") + item.key();
-  throw CLI::ValidationError("--get: no value " + key + " (there are: " + known + ")");
+  throw UsageError("--get: no value " + key + " (there are: " + known + ")");
 }
 
 /// A value that header and footer tell, so that a loop over generations need not read the whole
@@ -148,9 +148,9 @@ bool asks_for_session(const SessionOptions& options) {
 
 void plot_text(const InputFile& file, const Options& options) {
   if (options.plot.empty() || options.png.empty())
-    throw CLI::ValidationError("--log: a log that is text needs --plot and --png");
+    throw UsageError("--log: a log that is text needs --plot and --png");
   if (asks_for_session(options.session))
-    throw CLI::ValidationError("--from, --to, --export and --salvage are for sessions, not text");
+    throw UsageError("--from, --to, --export and --salvage are for sessions, not text");
   const auto [x, y] = *parse_pair(options.plot);
   const auto [x_label, y_label] =
       *parse_pair(options.labels.empty() ? options.plot : options.labels);
@@ -172,7 +172,7 @@ void show_log(const Options& options) {
     return;
   }
   if (!options.plot.empty())
-    throw CLI::ValidationError(
+    throw UsageError(
         "--plot draws a log that is text; the picture of a session is --png "
         "alone");
   SessionOptions session = options.session;
@@ -186,19 +186,17 @@ void show_log(const Options& options) {
 void check_options(const Options& options) {
   const bool reads_log = !options.log.empty();
   if (!options.get.empty() + options.dump + !options.slice.empty() + reads_log > 1)
-    throw CLI::ValidationError("--get, --dump, --slice and --log exclude each other");
-  if (!options.slice.empty() && options.png.empty())
-    throw CLI::ValidationError("--slice needs --png");
+    throw UsageError("--get, --dump, --slice and --log exclude each other");
+  if (!options.slice.empty() && options.png.empty()) throw UsageError("--slice needs --png");
   if (!options.png.empty() && options.slice.empty() && !reads_log)
-    throw CLI::ValidationError("--png needs --slice or --log");
-  if (!options.plot.empty() && !reads_log) throw CLI::ValidationError("--plot needs --log");
-  if (!options.labels.empty() && options.plot.empty())
-    throw CLI::ValidationError("--labels needs --plot");
+    throw UsageError("--png needs --slice or --log");
+  if (!options.plot.empty() && !reads_log) throw UsageError("--plot needs --log");
+  if (!options.labels.empty() && options.plot.empty()) throw UsageError("--labels needs --plot");
   if (asks_for_session(options.session) && !reads_log)
-    throw CLI::ValidationError("--from, --to, --export and --salvage need --log");
+    throw UsageError("--from, --to, --export and --salvage need --log");
   if (!options.get.empty()) require_known_key(options.get);
   if (reads_log && options.grid != "-")
-    throw CLI::ValidationError("--log tells of a play and reads no shard");
+    throw UsageError("--log tells of a play and reads no shard");
 }
 
 /// The report on the whole grid, or one value of it.
@@ -239,74 +237,60 @@ int run(const Options& options) {
   return kExitDone;
 }
 
-void add_grid_options(CLI::App& app, Options& options) {
-  app.option_defaults()->group("A grid");
-  app.add_option("--cost", options.costs,
-                 "Cost files of expand and merge to be summed, up to an option or '--'")
-      ->type_name("FILE");
-  app.add_option("--get", options.get,
-                 "Print one value of the JSON report, as in --get box.spacing")
-      ->type_name("KEY");
+void add_grid_options(CommandLine& app, Options& options) {
+  app.group("A grid");
+  app.add("--cost", options.costs,
+          "Cost files of expand and merge to be summed, up to an option or '--'")
+      .type("FILE");
+  app.add("--get", options.get, "Print one value of the JSON report, as in --get box.spacing")
+      .type("KEY");
   app.add_flag("--dump", options.dump,
                "A line a record: i j k level state..., and the levels of 26 links");
-  app.add_option("--slice", options.slice,
-                 "Draw the numbers of levels in the plane nearest to, say, z=0 (--png)")
-      ->type_name("AXIS=VALUE")
-      ->check([](const std::string& text) {
-        return parse_plane(text) ? "" : "'" + text + "' is not like z=0.25";
-      });
+  app.add("--slice", options.slice,
+          "Draw the numbers of levels in the plane nearest to, say, z=0 (--png)")
+      .type("AXIS=VALUE")
+      .check([](const std::string& text) { return parse_plane(text).has_value(); }, "like z=0.25");
 }
 
-void add_log_options(CLI::App& app, Options& options) {
-  app.option_defaults()->group("A log of play, instead of a grid");
-  app.add_option("--log", options.log, "What play --log wrote ('-': standard input)")
-      ->type_name("FILE");
-  const auto is_finite = CLI::Validator(
-      [](const std::string& text) {
-        double value = std::nan("");
-        return CLI::detail::lexical_cast(text, value) && std::isfinite(value)
-                   ? std::string()
-                   : "'" + text + "' is not a number of seconds";
-      },
-      "");
-  app.add_option("--from", options.session.from, "Only a session's ticks from this time on")
-      ->type_name("SECONDS")
-      ->check(is_finite);
-  app.add_option("--to", options.session.to, "Only a session's ticks before this time")
-      ->type_name("SECONDS")
-      ->check(is_finite);
-  app.add_option("--export", options.session.export_file, "Write a session's ticks as text")
-      ->type_name("FILE");
+void add_log_options(CommandLine& app, Options& options) {
+  app.group("A log of play, instead of a grid");
+  app.add("--log", options.log, "What play --log wrote ('-': standard input)").type("FILE");
+  constexpr double kMost = std::numeric_limits<double>::max();
+  app.add("--from", options.session.from, "Only a session's ticks from this time on")
+      .type("SECONDS")
+      .within(-kMost, kMost, "a number of seconds");
+  app.add("--to", options.session.to, "Only a session's ticks before this time")
+      .type("SECONDS")
+      .within(-kMost, kMost, "a number of seconds");
+  app.add("--export", options.session.export_file, "Write a session's ticks as text").type("FILE");
   app.add_flag("--salvage", options.session.salvage,
                "Read as much as possible of a session that was cut off or is damaged");
-  const auto is_pair = [](const std::string& text) {
-    return parse_pair(text) ? "" : "'" + text + "' is not two texts with a comma between";
-  };
-  app.add_option("--plot", options.plot, "Draw column Y of a text log over column X (--png)")
-      ->type_name("X,Y")
-      ->check(is_pair);
-  app.add_option("--labels", options.labels, "Labels of the plot's axes (default: the names)")
-      ->type_name("X,Y")
-      ->check(is_pair);
+  const auto is_pair = [](const std::string& text) { return parse_pair(text).has_value(); };
+  app.add("--plot", options.plot, "Draw column Y of a text log over column X (--png)")
+      .type("X,Y")
+      .check(is_pair, "two texts with a comma between");
+  app.add("--labels", options.labels, "Labels of the plot's axes (default: the names)")
+      .type("X,Y")
+      .check(is_pair, "two texts with a comma between");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Tells what is in a grid, complete or not: the row of the paper's Table 2 and more. With\n"
       "--log it tells what happened in a play.");
   Options options;
   add_grid(app, options.grid);
   add_grid_options(app, options);
   add_log_options(app, options);
-  app.option_defaults()->group("Output");
-  app.add_option("--format", options.format, "How the report is written")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
-  app.add_option("--png", options.png, "Where the picture goes; the program gnuplot draws it")
-      ->type_name("FILE");
+  app.group("Output");
+  app.add("--format", options.format, "How the report is written")
+      .one_of({"text", "json"})
+      .shows_default();
+  app.add("--png", options.png, "Where the picture goes; the program gnuplot draws it")
+      .type("FILE");
   add_output(app, options.output);
-  set_help(app, "stats", "hapgrid-stats(1) says what the numbers mean.\n");
+  app.set_help("stats", "hapgrid-stats(1) says what the numbers mean.\n");
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -1,6 +1,5 @@
 // verify: whether a grid is what Algorithm 1 promises, and what the model says today.
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdio>
 #include <limits>
@@ -72,48 +71,49 @@ int run(const Options& options) {
   return is_fine(checks) ? kExitDone : kExitInvalid;
 }
 
-void add_checks(CLI::App& app, Options& options) {
+void add_checks(CommandLine& app, Options& options) {
   Examination& asked = options.asked;
-  app.option_defaults()->group("Checks");
-  app.add_option("--recompute", options.recompute,
-                 "Records whose conversions are evaluated again, as a random sample")
-      ->type_name("all|N|none")
-      ->check([](const std::string& text) {
-        std::uint64_t count = 0;
-        return parse_recompute(text, count) ? "" : "'" + text + "' is not all, none or a number";
-      })
-      ->capture_default_str();
-  app.add_option("--walks", asked.walks,
-                 "Random walks of the hand, about 600 conversions each (default: none)")
-      ->type_name("N")
-      ->check(CLI::Range(std::uint64_t{1}, kMostWalks).description(""));
-  app.add_option("--accuracy", asked.accuracy,
-                 "Fault: 1 % of the walked places are off by more; sets --walks " +
-                     std::to_string(kDefaultWalks))
-      ->type_name("E")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--sample-seed", asked.sample_seed, "Another number draws other records and walks")
-      ->type_name("S")
-      ->capture_default_str();
-  app.add_option("--damping", asked.rendering.damping,
-                 "For `steep`: the damping of the device in N s/m")
-      ->type_name("B")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--rate", asked.rendering.rate_hz, "For `steep`: its ticks a second")
-      ->type_name("HZ")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--scale", asked.rendering.scale,
-                 "For `steep`: model's units of length for a metre of the hand")
-      ->type_name("UNITS/M")
-      ->check(CLI::PositiveNumber);
+  app.group("Checks");
+  app.add("--recompute", options.recompute,
+          "Records whose conversions are evaluated again, as a random sample")
+      .type("all|N|none")
+      .check(
+          [](const std::string& text) {
+            std::uint64_t count = 0;
+            return parse_recompute(text, count);
+          },
+          "all, none or a number")
+      .shows_default();
+  app.add("--walks", asked.walks,
+          "Random walks of the hand, about 600 conversions each (default: none)")
+      .type("N")
+      .whole(1, kMostWalks, /*shown=*/false);
+  app.add("--accuracy", asked.accuracy,
+          "Fault: 1 % of the walked places are off by more; sets --walks " +
+              std::to_string(kDefaultWalks))
+      .type("E")
+      .positive();
+  app.add("--sample-seed", asked.sample_seed, "Another number draws other records and walks")
+      .type("S")
+      .shows_default();
+  app.add("--damping", asked.rendering.damping, "For `steep`: the damping of the device in N s/m")
+      .type("B")
+      .positive()
+      .shows_default();
+  app.add("--rate", asked.rendering.rate_hz, "For `steep`: its ticks a second")
+      .type("HZ")
+      .positive()
+      .shows_default();
+  app.add("--scale", asked.rendering.scale,
+          "For `steep`: model's units of length for a metre of the hand")
+      .type("UNITS/M")
+      .positive();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Checks a whole grid: what Algorithm 1 promises of every record, what play can do in it, "
       "and\n"
       "C itself evaluated again. The report goes to standard output, the verdict to standard "
@@ -121,17 +121,17 @@ int main(int argc, char** argv) {
   Options options;
   add_grid(app, options.grid);
   add_checks(app, options);
-  app.option_defaults()->group("The model");
+  app.group("The model");
   add_model_options(app, options.asked.model);
-  app.option_defaults()->group("Options");
-  app.add_option("-j,--threads", options.asked.threads, "Threads; the report is the same")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024).description(""))
-      ->capture_default_str();
-  app.add_option("--format", options.format, "How the report is written")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
+  app.group("Options");
+  app.add("-j,--threads", options.asked.threads, "Threads; the report is the same")
+      .type("N")
+      .whole(1, 1024, /*shown=*/false)
+      .shows_default();
+  app.add("--format", options.format, "How the report is written")
+      .one_of({"text", "json"})
+      .shows_default();
   add_output(app, options.output);
-  set_help(app, "verify", kChecks, "  3  read everything, and an invariant is broken\n");
+  app.set_help("verify", kChecks, "  3  read everything, and an invariant is broken\n");
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -1,7 +1,6 @@
 // view: shows the frames of play: as a report, a trajectory, a picture, or live in a window or a
 // terminal (view/).
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -163,7 +162,7 @@ int run(const Options& options) {
     return kExitDone;
   }
   if (options.xyz == "-" && options.png == "-")
-    throw CLI::ValidationError("only one of --xyz and --png can be standard output");
+    throw UsageError("only one of --xyz and --png can be standard output");
 
   std::optional<OutputFile> xyz;
   if (!options.xyz.empty()) xyz.emplace(options.xyz, /*binary=*/false);
@@ -202,114 +201,99 @@ int run(const Options& options) {
   return kExitDone;
 }
 
-CLI::Validator length_validator() {
-  return number_within(1e-12, 1e12, "a length from 1e-12 to 1e12");
+void add_file_options(CommandLine& app, Options& options) {
+  app.group("Files, instead of the report");
+  app.add("--format", options.format, "How the report is written")
+      .one_of({"text", "json"})
+      .shows_default();
+  const Option xyz =
+      app.add("--xyz", options.xyz, "The spheres of all frames as a trajectory in the XYZ format")
+          .type("FILE");
+  app.add("--hip-label", options.hip_label, "The HIP as an atom of --xyz with this symbol")
+      .type("SYMBOL")
+      .check(is_symbol, "a letter, then letters or digits")
+      .needs(xyz);
+  const Option png = app.add("--png", options.png, "One frame as a picture").type("FILE");
+  app.add("--at", options.at_s, "The frame nearest to this time (default: the last one)")
+      .type("SECONDS")
+      .within(0, 1e12, "a time from 0 to 1e12 s")
+      .needs(png);
 }
 
-void add_file_options(CLI::App& app, Options& options) {
-  app.option_defaults()->group("Files, instead of the report");
-  app.add_option("--format", options.format, "How the report is written")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
-  auto* const xyz = app.add_option("--xyz", options.xyz,
-                                   "The spheres of all frames as a trajectory in the XYZ format")
-                        ->type_name("FILE");
-  app.add_option("--hip-label", options.hip_label, "The HIP as an atom of --xyz with this symbol")
-      ->type_name("SYMBOL")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            return is_symbol(text) ? std::string()
-                                   : "'" + text + "' is not a letter, then letters or digits";
-          },
-          ""))
-      ->needs(xyz);
-  auto* const png =
-      app.add_option("--png", options.png, "One frame as a picture")->type_name("FILE");
-  app.add_option("--at", options.at_s, "The frame nearest to this time (default: the last one)")
-      ->type_name("SECONDS")
-      ->check(number_within(0, 1e12, "a time from 0 to 1e12 s"))
-      ->needs(png);
-}
-
-void add_live_options(CLI::App& app, Options& options) {
-  app.option_defaults()->group("Live");
-  auto* const window = app.add_flag("--window", options.window,
-                                    "A window; frames from a file are shown in their own time");
-  app.add_flag("--close", options.close, "Close the window after the last frame")->needs(window);
-  app.add_option("--screenshot", options.screenshot,
-                 "What the window showed last, as a picture, when it is closed")
-      ->type_name("FILE")
-      ->needs(window);
+void add_live_options(CommandLine& app, Options& options) {
+  app.group("Live");
+  Option window = app.add_flag("--window", options.window,
+                               "A window; frames from a file are shown in their own time");
+  app.add_flag("--close", options.close, "Close the window after the last frame").needs(window);
+  app.add("--screenshot", options.screenshot,
+          "What the window showed last, as a picture, when it is closed")
+      .type("FILE")
+      .needs(window);
   // A flag, so that a file's name behind it is not taken for its value.
-  auto* const terminal =
-      app.add_flag("--terminal{auto}", options.terminal,
-                   "The terminal; --terminal=MODE is symbols, sixel, kitty or auto")
-          ->check(CLI::IsMember({"auto", "symbols", "sixel", "kitty"}));
-  window->excludes(terminal);
+  Option terminal = app.add_flag("--terminal{auto}", options.terminal,
+                                 "The terminal; --terminal=MODE is symbols, sixel, kitty or auto")
+                        .one_of({"auto", "symbols", "sixel", "kitty"});
+  window.excludes(terminal);
   for (const char* const file : {"--xyz", "--png"}) {
-    window->excludes(app.get_option(file));
-    terminal->excludes(app.get_option(file));
+    window.excludes(app.option(file));
+    terminal.excludes(app.option(file));
   }
 }
 
-void add_picture_options(CLI::App& app, Options& options) {
-  app.option_defaults()->group("The picture");
-  app.add_option("--size", options.size, "Pixels of the picture or of the window")
-      ->type_name("WxH")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            return parse_size(text) ? std::string()
-                                    : "'" + text + "' is not like 800x600, at most " +
-                                          std::to_string(kMaxPixels) + " each";
-          },
-          ""))
-      ->capture_default_str();
-  app.add_option("--azimuth", options.azimuth_degrees,
-                 "The viewer's direction around z; at 0, x points right, y away")
-      ->type_name("DEGREES")
-      ->check(number_within(-360, 360, "an angle from -360 to 360 degrees"))
-      ->capture_default_str();
-  app.add_option("--elevation", options.elevation_degrees,
-                 "The viewer's angle above the plane of x and y")
-      ->type_name("DEGREES")
-      ->check(number_within(-90, 90, "an angle from -90 to 90 degrees"))
-      ->capture_default_str();
-  app.add_option("--hip-radius", options.hip_radius, "Radius of the ball at the HIP")
-      ->type_name("LENGTH")
-      ->check(length_validator());
-  app.add_option("--arrow", options.arrow, "Length of the arrow for a force of one newton")
-      ->type_name("LENGTH")
-      ->check(length_validator());
-  app.callback([&app] {
-    const auto has = [&](const char* name) { return app.get_option(name)->count() > 0; };
-    if (has("--size") && !has("--png") && !has("--window"))
-      throw CLI::RequiresError("--size", "--png or --window");
-    for (const char* const name : {"--azimuth", "--elevation", "--hip-radius", "--arrow"})
-      if (has(name) && !has("--png") && !has("--window") && !has("--terminal"))
-        throw CLI::RequiresError(name, "--png, --window or --terminal");
-  });
+void add_picture_options(CommandLine& app, Options& options) {
+  app.group("The picture");
+  app.add("--size", options.size, "Pixels of the picture or of the window")
+      .type("WxH")
+      .check([](const std::string& text) { return parse_size(text).has_value(); },
+             "like 800x600, at most " + std::to_string(kMaxPixels) + " each")
+      .shows_default();
+  app.add("--azimuth", options.azimuth_degrees,
+          "The viewer's direction around z; at 0, x points right, y away")
+      .type("DEGREES")
+      .within(-360, 360, "an angle from -360 to 360 degrees")
+      .shows_default();
+  app.add("--elevation", options.elevation_degrees, "The viewer's angle above the plane of x and y")
+      .type("DEGREES")
+      .within(-90, 90, "an angle from -90 to 90 degrees")
+      .shows_default();
+  app.add("--hip-radius", options.hip_radius, "Radius of the ball at the HIP")
+      .type("LENGTH")
+      .within(1e-12, 1e12, "a length from 1e-12 to 1e12");
+  app.add("--arrow", options.arrow, "Length of the arrow for a force of one newton")
+      .type("LENGTH")
+      .within(1e-12, 1e12, "a length from 1e-12 to 1e12");
+}
+
+/// @throw UsageError for options of a picture without one.
+void check_picture(const CommandLine& app) {
+  const bool picture = app.given("--png") || app.given("--window");
+  if (app.given("--size") && !picture) throw UsageError("--size requires --png or --window");
+  for (const char* const name : {"--azimuth", "--elevation", "--hip-radius", "--arrow"})
+    if (app.given(name) && !picture && !app.given("--terminal"))
+      throw UsageError(std::string(name) + " requires --png, --window or --terminal");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  CommandLine app(
       "Shows the frames that play --frames wrote: as a report, a trajectory, a picture; or live, "
       "in\n"
       "a window or a terminal, from play --frames - through a pipe.");
   Options options;
-  app.add_option("frames", options.frames, "Frames ('-': standard input)")
-      ->type_name("FRAMES")
-      ->capture_default_str();
+  app.add("frames", options.frames, "Frames ('-': standard input)").type("FRAMES").shows_default();
   add_file_options(app, options);
   add_live_options(app, options);
   add_picture_options(app, options);
-  set_help(app, "view",
-           "In a file's name '-' is standard output. Lengths are in the model's unit.\n"
-           "\n"
-           "In the window:\n"
-           "  mouse    drag: turn; wheel: zoom\n"
-           "  keys     space: pause; r: the first camera; s: write hapgrid-TICK.png into the\n"
-           "           working directory; q, Escape: close\n");
-  return run_tool(app, argc, argv, [&] { return run(options); });
+  app.set_help("view",
+               "In a file's name '-' is standard output. Lengths are in the model's unit.\n"
+               "\n"
+               "In the window:\n"
+               "  mouse    drag: turn; wheel: zoom\n"
+               "  keys     space: pause; r: the first camera; s: write hapgrid-TICK.png into the\n"
+               "           working directory; q, Escape: close\n");
+  return run_tool(app, argc, argv, [&] {
+    check_picture(app);
+    return run(options);
+  });
 }

@@ -1,6 +1,5 @@
 // molecule-check: prints a table that shows whether a MODEL.toml of the molecule plug-in makes
 // sense, or one shape of the molecule as XYZ, for other programs.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -30,7 +29,7 @@ constexpr double kMaxMiss = 1e-6;
 
 struct Options {
   DefinitionOptions definition;
-  std::vector<double> shape;
+  std::vector<std::string> shape;
 };
 
 /// The parameters as a plug-in gets them.
@@ -231,9 +230,13 @@ int run(const Options& options) {
   if (options.shape.size() != setup.molecule.paths.size())
     throw Error("--xyz: " + std::to_string(options.shape.size()) + " numbers for " +
                 std::to_string(setup.molecule.paths.size()) + " transition states");
-  for (const double t : options.shape)
-    if (!(t >= 0 && t <= 1)) throw Error("--xyz: numbers from 0 to 1");
-  checker.print_xyz(options.shape);
+  std::vector<double> shape;
+  for (const std::string& text : options.shape) {
+    char* end = nullptr;
+    const double t = shape.emplace_back(std::strtod(text.c_str(), &end));
+    if (*end || !(t >= 0 && t <= 1)) throw Error("--xyz: numbers from 0 to 1");
+  }
+  checker.print_xyz(shape);
   return kExitDone;
 }
 
@@ -241,12 +244,12 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{
+  CommandLine app{
       "Checks the molecule of a MODEL.toml: its paths, the nearest atoms on each path and where "
       "two\n"
       "paths are combined, and the box. The exit code is 1 when something is not sane."};
-  set_help(
-      app, "molecule-check",
+  app.set_help(
+      "molecule-check",
       "A molecule is not sane when two atoms, at least three bonds apart, come nearer than 0.55 "
       "of\n"
       "the sum of their radii on a path, or 0.4 where two paths are combined; when the morph "
@@ -254,9 +257,8 @@ int main(int argc, char** argv) {
       "a node by more than 1e-6 Å RMS; or when the probe touches the conformation in a corner of\n"
       "the box.\n");
   add_definition(app, options.definition);
-  app.add_option(
-         "--xyz", options.shape,
-         "Print the shape for these morphing parameters as XYZ instead, e.g. --xyz 0.5,0,0,1")
-      ->delimiter(',');
+  app.add("--xyz", options.shape,
+          "Print the shape for these morphing parameters as XYZ instead, e.g. --xyz 0.5,0,0,1")
+      .comma_separated();
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -15,7 +15,7 @@ namespace hapgrid {
 
 namespace {
 
-constexpr std::uint64_t kBlock = 1 << 12;
+constexpr std::uint64_t kRecordBlock = 1 << 12;
 // How often a record's potential is lowered before the search is given up: on real grids once or
 // twice, and by Bellman and Ford's bound as often as there are records.
 constexpr std::uint64_t kMostLowered = 256;
@@ -96,7 +96,7 @@ class Relaxation {
     is_waiting_.assign(grid_.records(), false);
     waiting_.clear();
     for (const RecordIndex r : unfit()) wait_for(r);
-    std::uint64_t lowered = 0, next_look = kBlock;
+    std::uint64_t lowered = 0, next_look = kRecordBlock;
     std::vector<RecordIndex> touched;
     while (!waiting_.empty()) {
       const RecordIndex r = waiting_.front();
@@ -119,7 +119,7 @@ class Relaxation {
       }
       // A cycle of parents is a negative one. Looking costs no more than what was done since.
       if (auto cycle = find_cycle(touched)) return cycle;
-      next_look = lowered + std::max<std::uint64_t>(kBlock, touched.size());
+      next_look = lowered + std::max<std::uint64_t>(kRecordBlock, touched.size());
     }
     return std::nullopt;
   }
@@ -170,7 +170,7 @@ class Relaxation {
       std::vector<RecordIndex> all;
       void add(Records&& later) { all.insert(all.end(), later.all.begin(), later.all.end()); }
     };
-    return sum_of_blocks<Records>(grid_.records(), kBlock, threads_,
+    return sum_of_blocks<Records>(grid_.records(), kRecordBlock, threads_,
                                   [&](std::uint64_t begin, std::uint64_t end) {
                                     Records records;
                                     for (auto r = static_cast<RecordIndex>(begin); r < end; ++r)

@@ -17,7 +17,7 @@ namespace {
 
 // Records that a thread takes at once: up to 1664 conversions, so that the shared counter costs
 // nothing, and still few enough to keep all threads busy until the end with a slow model.
-constexpr std::size_t kBlock = 64;
+constexpr std::size_t kSampleBlock = 64;
 
 // The search evaluates force and shape at x + d, this at the point's own position: half a unit in
 // the last place of x apart, which the stiffest contacts make 1e-10 of a force.
@@ -109,14 +109,15 @@ template <class Work>
 Findings for_each_record(const Grid& grid, std::span<const RecordIndex> records,
                          const std::function<ModelFunctions()>& make_model, int threads,
                          std::atomic<std::uint64_t>& records_done, Work&& work_on) {
-  std::vector<Findings> blocks((records.size() + kBlock - 1) / kBlock);
+  std::vector<Findings> blocks((records.size() + kSampleBlock - 1) / kSampleBlock);
   std::vector<ModelFunctions> models;
   for (int t = 0; t < threads; ++t) models.push_back(make_model());
   for_each_with_own(blocks.size(), models, [&](const ModelFunctions& model, std::size_t b) {
     std::vector<double> row(grid.spec().row_size());
-    const std::size_t end = std::min(records.size(), (b + 1) * kBlock);
-    for (std::size_t i = b * kBlock; i < end; ++i) work_on(grid, records[i], model, row, blocks[b]);
-    records_done += end - b * kBlock;
+    const std::size_t end = std::min(records.size(), (b + 1) * kSampleBlock);
+    for (std::size_t i = b * kSampleBlock; i < end; ++i)
+      work_on(grid, records[i], model, row, blocks[b]);
+    records_done += end - b * kSampleBlock;
   });
   return sum_of(std::move(blocks));
 }

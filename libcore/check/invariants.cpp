@@ -14,7 +14,7 @@ namespace hapgrid {
 
 namespace {
 
-constexpr std::uint64_t kBlock = 1 << 12;
+constexpr std::uint64_t kPointBlock = 1 << 12;
 
 /// What is wrong with one destination level, empty when nothing is.
 /// @param inside whether the direction stays in the box
@@ -73,7 +73,7 @@ bool is_blend(const Grid& grid, RecordIndex start, const GridCoordinates& cell,
 /// Looks at the grid's points, block by block in threads.
 template <class LookAt>
 Findings for_each_point(const Grid& grid, int threads, const LookAt& look_at) {
-  return sum_of_blocks<Findings>(grid.box().points(), kBlock, threads,
+  return sum_of_blocks<Findings>(grid.box().points(), kPointBlock, threads,
                                  [&](std::uint64_t begin, std::uint64_t end) {
                                    Findings found;
                                    for (std::uint64_t p = begin; p < end; ++p)

@@ -47,10 +47,10 @@ CallTimes summary(std::vector<double> seconds) {
   return times;
 }
 
-class Walker {
+class ModelWalker {
  public:
-  Walker(const GridSpec& spec, const std::map<PointIndex, State>& seeds,
-         const MakeModel& make_model, const ModelCheckLimits& limits)
+  ModelWalker(const GridSpec& spec, const std::map<PointIndex, State>& seeds,
+              const MakeModel& make_model, const ModelCheckLimits& limits)
       : spec_(spec),
         seeds_(seeds),
         limits_(limits),
@@ -307,7 +307,7 @@ class Walker {
 
 ModelCheck check_model(const GridSpec& spec, const std::map<PointIndex, std::vector<double>>& seeds,
                        const MakeModel& make_model, const ModelCheckLimits& limits) {
-  return Walker(spec, seeds, make_model, limits).run();
+  return ModelWalker(spec, seeds, make_model, limits).run();
 }
 
 GridEstimate estimate_grid(const GridSpec& spec, double seconds_a_conversion) {

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kMostShown = 12;  // links of a closed walk
 
 /// A work, and the first configuration where it is largest.
-struct Largest {
+struct LargestGain {
   double work = 0;
   Configuration where;
   void look_at(double other, const Configuration& configuration) {
@@ -28,16 +28,16 @@ struct Largest {
 };
 
 struct InsideCells {
-  Largest turn, mixture;
+  LargestGain turn, mixture;
   void add(const InsideCells& later) {
     turn.look_at(later.turn.work, later.turn.where);
     mixture.look_at(later.mixture.work, later.mixture.where);
   }
 };
 
-class Survey {
+class GainSurvey {
  public:
-  Survey(const Grid& grid, const Forces& forces, const Energy& energy)
+  GainSurvey(const Grid& grid, const Forces& forces, const Energy& energy)
       : grid_(grid), cells_(grid), forces_(forces), energy_(energy), pairs_(corner_pairs(cells_)) {}
 
   void look_at(const Configuration& configuration, InsideCells& seen) const {
@@ -122,7 +122,7 @@ Check check_passive(const Grid& grid, const CellMap& map, const Configurations& 
                                           ", and back by reversible links"
                                     : ""});
 
-  const Survey survey(grid, forces, energy);
+  const GainSurvey survey(grid, forces, energy);
   const auto simple = [&](PointIndex base, InsideCells& seen) {
     if (map.exists(base) && map.is_simple(base)) survey.look_at({base, 0}, seen);
   };
@@ -131,7 +131,7 @@ Check check_passive(const Grid& grid, const CellMap& map, const Configurations& 
     survey.look_at_mixture(configuration, seen);
   };
   const auto inside = look_at_all<InsideCells>(grid, found, threads, simple, listed);
-  const auto add = [&](const std::string& name, const Largest& l, const std::string& where) {
+  const auto add = [&](const std::string& name, const LargestGain& l, const std::string& where) {
     check.figures.push_back(
         {name, l.work, unit, l.work > 0 ? where + describe(grid, l.where) : ""});
   };

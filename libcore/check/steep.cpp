@@ -13,7 +13,7 @@ namespace hapgrid {
 namespace {
 
 /// The largest of some numbers, and where the first of them is.
-struct Largest {
+struct LargestSlope {
   double value = 0;
   Configuration where;
   CornerPair edge{};
@@ -24,12 +24,12 @@ struct Largest {
     where = configuration;
     edge = pair;
   }
-  void add(const Largest& later) { look_at(later.value, later.where, later.edge); }
+  void add(const LargestSlope& later) { look_at(later.value, later.where, later.edge); }
 };
 
 struct Steepest {
   Findings found;
-  Largest state, force, force_in_branch, stiffness;
+  LargestSlope state, force, force_in_branch, stiffness;
 
   void add(Steepest&& later) {
     found.add(std::move(later.found));
@@ -45,9 +45,9 @@ double length(const Vec3& a, const Vec3& b) {
   return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]});
 }
 
-class Survey {
+class SlopeSurvey {
  public:
-  Survey(const Grid& grid, const Forces* forces, const Rendering& rendering)
+  SlopeSurvey(const Grid& grid, const Forces* forces, const Rendering& rendering)
       : grid_(grid),
         cells_(grid),
         forces_(forces),
@@ -92,7 +92,7 @@ class Survey {
       });
   }
 
-  std::string describe_edge(const Largest& l) const {
+  std::string describe_edge(const LargestSlope& l) const {
     return "from " + describe(grid_.box(), cells_.point(l.where.base, l.edge.a)) + " to " +
            describe(grid_.box(), cells_.point(l.where.base, l.edge.b)) + ", in " +
            describe(grid_, l.where);
@@ -116,7 +116,7 @@ class Survey {
 
 Check check_steep(const Grid& grid, const CellMap& map, const Configurations& found,
                   const Forces* forces, const Rendering& rendering, int threads) {
-  const Survey survey(grid, forces, rendering);
+  const SlopeSurvey survey(grid, forces, rendering);
   const auto simple = [&](PointIndex base, Steepest& seen) {
     if (map.exists(base) && map.is_simple(base)) survey.look_at({base, 0}, false, seen);
   };
@@ -131,7 +131,8 @@ Check check_steep(const Grid& grid, const CellMap& map, const Configurations& fo
   Check check{"steep", "configurations",
               "configurations that are stiffer than the device renders stably",
               std::move(seen.found), true};
-  const auto add = [&](const std::string& name, const std::string& unit, const Largest& largest) {
+  const auto add = [&](const std::string& name, const std::string& unit,
+                       const LargestSlope& largest) {
     check.figures.push_back({name, largest.value, unit + a_length,
                              largest.value > 0 ? survey.describe_edge(largest) : ""});
   };

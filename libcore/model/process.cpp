@@ -31,7 +31,7 @@ constexpr auto kGrace = 2s;        // after the end of its input
 constexpr auto kTermGrace = 1s;    // after SIGTERM
 constexpr auto kEndingGrace = 1s;  // between closing its output and being gone
 
-[[noreturn]] void fail(const std::string& what) {
+[[noreturn]] void fail_by_errno(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
@@ -59,14 +59,14 @@ struct Pipe {
   FileDescriptor read, write;
   Pipe() {
     int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) fail("a pipe to a model process");
+    if (::pipe2(ends, O_CLOEXEC) != 0) fail_by_errno("a pipe to a model process");
     read = FileDescriptor(ends[0]);
     write = FileDescriptor(ends[1]);
   }
 };
 
 void set_nonblocking(int fd) {
-  if (::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) | O_NONBLOCK) != 0) fail("a pipe");
+  if (::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) | O_NONBLOCK) != 0) fail_by_errno("a pipe");
 }
 
 /// What the child does between fork and exec: only what is allowed while other threads of the
@@ -125,7 +125,7 @@ ChildProcess::ChildProcess(const Command& command) : buffer_(kReadBytes, '\0') {
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (pid_ < 0) {
     errno = fork_error;
-    fail("a model process");
+    fail_by_errno("a model process");
   }
   ::setpgid(pid_, pid_);  // whichever of the two comes first
   exec.write = FileDescriptor();
@@ -170,7 +170,7 @@ ChildProcess::Event ChildProcess::pump(Clock::time_point deadline) {
     pollfd fds[2] = {{from_.get(), POLLIN, 0}, {to_.get(), POLLOUT, 0}};
     const int ready = ::poll(fds, out_.empty() ? 1 : 2, milliseconds_until(deadline));
     if (ready < 0 && errno == EINTR) continue;
-    if (ready < 0) fail("a pipe from a model process");
+    if (ready < 0) fail_by_errno("a pipe from a model process");
     if (ready == 0) {
       if (Clock::now() < deadline) continue;
       return Event::kTimeout;

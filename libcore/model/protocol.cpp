@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kNumberBytes = 64;  // sign, 17 digits, point, exponent, comma, and blanks
 constexpr std::size_t kLineBytes = 4096;  // everything in an answer that is no array
 
-[[noreturn]] void fail(const std::string& what) { throw ModelError(what); }
+[[noreturn]] void wrong_answer(const std::string& what) { throw ModelError(what); }
 
 /// Takes an answer apart while it is parsed: no tree of the line is built. Unknown keys are passed
 /// over.
@@ -158,8 +158,8 @@ void append_numbers(std::string& text, const char* key, const double* numbers, s
 
 void require_count(const char* what, std::size_t got, std::size_t expected) {
   if (got == expected) return;
-  fail(std::string("an answer with ") + std::to_string(got) + " numbers in \"" + what + "\", not " +
-       std::to_string(expected));
+  wrong_answer(std::string("an answer with ") + std::to_string(got) + " numbers in \"" + what +
+               "\", not " + std::to_string(expected));
 }
 
 }  // namespace
@@ -200,7 +200,7 @@ void read_answer(std::string_view line, Answer& answer) {
   const bool parsed = Json::sax_parse(line, &reader);
   std::string why = reader.failure();
   if (parsed && !reader.has_id()) why = "no whole number \"id\"";
-  if (!parsed || !why.empty()) fail("answered '" + printable_line(line) + "': " + why);
+  if (!parsed || !why.empty()) wrong_answer("answered '" + printable_line(line) + "': " + why);
 }
 
 void take_row(const Answer& answer, const ModelInfo& model, Operation operation, double* row) {
@@ -221,21 +221,21 @@ void take_row(const Answer& answer, const ModelInfo& model, Operation operation,
     require_count("shape", answer.shape.size(), 3 * model.spheres.size());
     for (const double centre : answer.shape) {
       if (!(std::abs(centre) <= std::numeric_limits<float>::max()))
-        fail("an answer with a centre in \"shape\" that is too large");
+        wrong_answer("an answer with a centre in \"shape\" that is too large");
       *out++ = static_cast<float>(centre);
     }
   }
 }
 
 std::vector<double> take_states(const Answer& answer, const ModelInfo& model) {
-  if (!answer.has_states) fail("an answer without \"states\"");
+  if (!answer.has_states) wrong_answer("an answer without \"states\"");
   for (const std::uint32_t size : answer.states_sizes)
     if (size != model.state_size)
-      fail("an answer with a state of " + std::to_string(size) + " components, not " +
-           std::to_string(model.state_size));
+      wrong_answer("an answer with a state of " + std::to_string(size) + " components, not " +
+                   std::to_string(model.state_size));
   if (answer.states_sizes.size() > static_cast<std::size_t>(kMaxLevels))
-    fail(std::to_string(answer.states_sizes.size()) + " states at one point, the limit is " +
-         std::to_string(kMaxLevels));
+    wrong_answer(std::to_string(answer.states_sizes.size()) +
+                 " states at one point, the limit is " + std::to_string(kMaxLevels));
   return answer.states;
 }
 

@@ -28,9 +28,9 @@ constexpr int kSendBuffer = 1 << 16;  // bytes; small, so that nobody sees what 
 // Also the number of clients that are accepted in a cycle, even if most are closed at once: a flood
 // of them must not fill the queue in which a good client waits.
 constexpr int kBacklog = 128;
-constexpr std::size_t kReadBytes = 4096;  // of a client, a cycle
-constexpr auto kCycle = 1ms;              // at least, between two looks at what clients sent
-constexpr int kLook_ms = 50;              // at most, between two looks at the clock
+constexpr std::size_t kClientBytes = 4096;  // of a client, a cycle
+constexpr auto kCycle = 1ms;                // at least, between two looks at what clients sent
+constexpr int kLook_ms = 50;                // at most, between two looks at the clock
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -218,7 +218,7 @@ void ImdServer::accept_clients() {
 
 void ImdServer::listen_to(Client& client) {
   if (client.dead) return;
-  std::array<std::byte, kReadBytes> bytes;
+  std::array<std::byte, kClientBytes> bytes;
   const ssize_t count = ::recv(client.socket.get(), bytes.data(), bytes.size(), 0);
   if (count < 0) {
     if (!would_block()) client.dead = true;

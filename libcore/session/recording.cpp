@@ -100,7 +100,7 @@ class TextLog {
     const auto read = std::from_chars(cell.data(), end, result);
     if (!found || read.ec != std::errc() || read.ptr != end)
       fail("column " + std::string(kNames[i]) + ": " +
-           (found ? "'" + printable_line(cell, 40) + "' is no number" : "not there"));
+           (found ? std::string("'") + printable_line(cell, 40) + "' is no number" : "not there"));
     return result;
   }
 

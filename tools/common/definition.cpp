@@ -1,28 +1,26 @@
 #include "tools/common/definition.hpp"
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "libcore/base/file.hpp"
 
 namespace hapgrid {
 
-void add_definition(CLI::App& app, DefinitionOptions& options) {
-  app.add_option("definition", options.file,
-                 "The definition, see hapgrid-seed(1) ('-': standard input)")
-      ->type_name("MODEL.toml")
-      ->required();
-  app.add_option("--set", options.overrides,
-                 "Override a key of the definition, e.g. --set grid.spacing=0.025 or "
-                 "--set 'grid.counts=[80,40,40]'; repeatable")
-      ->type_name("KEY=VALUE")
-      ->check([](const std::string& text) {
-        const std::size_t equals = text.find('=');
-        const bool good = equals != std::string::npos && equals > 0;
-        return good ? "" : "'" + text + "' is not like KEY=VALUE";
-      })
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+void add_definition(CommandLine& app, DefinitionOptions& options) {
+  app.add("definition", options.file, "The definition, see hapgrid-seed(1) ('-': standard input)")
+      .type("MODEL.toml")
+      .required();
+  app.add("--set", options.overrides,
+          "Override a key of the definition, e.g. --set grid.spacing=0.025 or "
+          "--set 'grid.counts=[80,40,40]'; repeatable")
+      .type("KEY=VALUE")
+      .check(
+          [](const std::string& text) {
+            const std::size_t equals = text.find('=');
+            return equals != std::string::npos && equals > 0;
+          },
+          "like KEY=VALUE")
+      .repeatable();
 }
 
 Definition load_definition(const DefinitionOptions& options) {

@@ -6,10 +6,7 @@
 #include <vector>
 
 #include "libcore/model/definition.hpp"
-
-namespace CLI {
-class App;
-}
+#include "tools/common/command_line.hpp"
 
 namespace hapgrid {
 
@@ -22,7 +19,7 @@ struct DefinitionOptions {
 };
 
 /// The positional MODEL.toml and --set KEY=VALUE.
-void add_definition(CLI::App& app, DefinitionOptions& options);
+void add_definition(CommandLine& app, DefinitionOptions& options);
 
 /// Reads it, and the files that it names beside itself. @throw Error; std::system_error
 Definition load_definition(const DefinitionOptions& options);

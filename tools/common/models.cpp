@@ -1,8 +1,7 @@
 #include "tools/common/models.hpp"
 
-#include <CLI/CLI.hpp>
-#include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
@@ -15,18 +14,12 @@ namespace {
 
 std::string shown(const std::string& file) { return file == "-" ? "standard input" : file; }
 
-void add_process_timeout(CLI::App& app, ProcessOptions& options) {
-  app.add_option("--process-timeout", options.timeout_seconds,
-                 "Seconds that a model process may take for an answer before it is replaced")
-      ->type_name("S")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            double value = std::nan("");
-            const bool good = CLI::detail::lexical_cast(text, value) && value > 0 && value <= 1e6;
-            return good ? std::string() : "'" + text + "' is not above 0 and at most 1000000";
-          },
-          ""))
-      ->capture_default_str();
+void add_process_timeout(CommandLine& app, ProcessOptions& options) {
+  app.add("--process-timeout", options.timeout_seconds,
+          "Seconds that a model process may take for an answer before it is replaced")
+      .type("S")
+      .within(std::numeric_limits<double>::denorm_min(), 1e6, "above 0 and at most 1000000")
+      .shows_default();
 }
 
 /// It runs in the directory of the definition's file.
@@ -39,21 +32,21 @@ std::unique_ptr<ModelSource> process_source(const ProcessDefinition& process,
 
 }  // namespace
 
-void add_model_options(CLI::App& app, ModelOptions& options) {
+void add_model_options(CommandLine& app, ModelOptions& options) {
   add_model_path(app, options.path);
-  app.add_option("--allow-process", options.allowed,
-                 "Where the grid's model is a process: the definition that names its command, "
-                 "which is then run")
-      ->type_name("MODEL.toml");
-  app.add_option("--in-flight", options.process.in_flight,
-                 "Questions that one model process has at a time (1 to 1024)")
-      ->type_name("N")
-      ->check(CLI::Range(1u, 1024u))
-      ->capture_default_str();
+  app.add("--allow-process", options.allowed,
+          "Where the grid's model is a process: the definition that names its command, "
+          "which is then run")
+      .type("MODEL.toml");
+  app.add("--in-flight", options.process.in_flight,
+          "Questions that one model process has at a time (1 to 1024)")
+      .type("N")
+      .whole(1, 1024)
+      .shows_default();
   add_process_timeout(app, options.process);
 }
 
-void add_model_options(CLI::App& app, DefinedModelOptions& options) {
+void add_model_options(CommandLine& app, DefinedModelOptions& options) {
   add_model_path(app, options.path);
   app.add_flag("--allow-process", options.allow_process,
                "Run the command that MODEL.toml names as its model");

@@ -10,10 +10,6 @@
 #include "libcore/model/process_model.hpp"
 #include "tools/common/definition.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace hapgrid {
 
 /// Options of a filter that reads a grid.
@@ -31,9 +27,9 @@ struct DefinedModelOptions {
 };
 
 /// --model-path, --allow-process MODEL.toml, --in-flight, --process-timeout.
-void add_model_options(CLI::App& app, ModelOptions& options);
+void add_model_options(CommandLine& app, ModelOptions& options);
 /// --model-path, --allow-process, --process-timeout.
-void add_model_options(CLI::App& app, DefinedModelOptions& options);
+void add_model_options(CommandLine& app, DefinedModelOptions& options);
 
 /// The source of the model that `definition`, read from `file`, defines.
 /// @throw ModelError; Error when it is a process and not allowed

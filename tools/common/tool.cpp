@@ -3,10 +3,8 @@
 #include <fcntl.h>
 #include <malloc.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -37,33 +35,20 @@ int report(const std::string& tool, const std::string& message, int code) {
 
 }  // namespace
 
-CLI::Validator number_within(double low, double high, const std::string& description) {
-  return CLI::Validator(
-      [=](const std::string& text) {
-        double value = std::nan("");
-        if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high)
-          return std::string();
-        return "'" + text + "' is not " + description;
-      },
-      "");
+void add_model_path(CommandLine& app, std::vector<std::string>& directories) {
+  app.add("--model-path", directories,
+          "Directory to look for plug-ins in, before those of HAPGRID_MODEL_PATH "
+          "(separated by ':') and ../models beside this program; repeatable")
+      .type("DIR")
+      .repeatable();
 }
 
-void add_model_path(CLI::App& app, std::vector<std::string>& directories) {
-  app.add_option("--model-path", directories,
-                 "Directory to look for plug-ins in, before those of HAPGRID_MODEL_PATH "
-                 "(separated by ':') and ../models beside this program; repeatable")
-      ->type_name("DIR")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+void add_inputs(CommandLine& app, std::vector<std::string>& names, const std::string& help) {
+  app.add("shard", names, help + " ('-' or none: standard input)").type("SHARD");
 }
 
-CLI::Option* add_inputs(CLI::App& app, std::vector<std::string>& names, const std::string& help) {
-  return app.add_option("shard", names, help + " ('-' or none: standard input)")
-      ->type_name("SHARD");
-}
-
-void add_grid(CLI::App& app, std::string& name) {
-  app.add_option("grid", name, "Grid to read ('-' or none: standard input)")->type_name("GRID");
+void add_grid(CommandLine& app, std::string& name) {
+  app.add("grid", name, "Grid to read ('-' or none: standard input)").type("GRID");
 }
 
 std::vector<std::string> inputs_or_stdin(std::vector<std::string> names) {
@@ -73,11 +58,11 @@ std::vector<std::string> inputs_or_stdin(std::vector<std::string> names) {
   return names;
 }
 
-void add_output(CLI::App& app, std::string& name) {
-  app.add_option("-o,--output", name,
-                 "File to write; it appears when it is complete ('-': standard output)")
-      ->type_name("FILE")
-      ->capture_default_str();
+void add_output(CommandLine& app, std::string& name) {
+  app.add("-o,--output", name,
+          "File to write; it appears when it is complete ('-': standard output)")
+      .type("FILE")
+      .shows_default();
 }
 
 std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
@@ -94,15 +79,14 @@ std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
   throw UsageError(option + ": '" + text + "' is not K/N with 1 <= K <= N < 2^32");
 }
 
-void add_cost(CLI::App& app, std::string& file) {
-  app.add_option(
-         "--cost", file,
-         "Append one JSON line to FILE: wall and CPU seconds (those of model processes when they "
-         "have ended), conversions, host")
-      ->type_name("FILE");
+void add_cost(CommandLine& app, std::string& file) {
+  app.add("--cost", file,
+          "Append one JSON line to FILE: wall and CPU seconds (those of model processes when they "
+          "have ended), conversions, host")
+      .type("FILE");
 }
 
-void add_progress(CLI::App& app, bool& progress) {
+void add_progress(CommandLine& app, bool& progress) {
   app.add_flag("--progress", progress, "Show progress on standard error even if it is no terminal");
 }
 
@@ -117,8 +101,6 @@ int guarded(const std::string& tool, const std::function<int()>& run) {
   try {
     return run();
   } catch (const UsageError& e) {
-    return wrong_usage(tool, e);
-  } catch (const CLI::ParseError& e) {  // found wrong only when put together
     return wrong_usage(tool, e);
   } catch (const std::bad_alloc&) {
     return report(tool, "out of memory", kExitFailed);
@@ -143,21 +125,15 @@ void keep_memory() {
   ::mallopt(M_TOP_PAD, 1 << 20);  // asked for at once, and not touched before it is used
 }
 
-int run_tool(CLI::App& app, int argc, char** argv, const std::function<int()>& run) {
-  const std::string tool = app.get_name();
-  const auto flushed = [&tool](int code) {
-    return std::cout.flush() ? code : report(tool, "cannot write to standard output", kExitFailed);
-  };
+int run_tool(CommandLine& app, int argc, char** argv, const std::function<int()>& run) {
   occupy_standard_streams();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& e) {  // --help, --version
-    app.exit(e, std::cout, std::cerr);
-    return flushed(kExitDone);
-  } catch (const CLI::ParseError& e) {
-    return wrong_usage(tool, e);
-  }
-  return guarded(tool, [&] { return flushed(run()); });
+  const std::string tool = app.name();
+  return guarded(tool, [&] {
+    const std::optional<std::string> answer = app.parse(argc, argv);
+    if (answer) std::cout << *answer;
+    const int code = answer ? kExitDone : run();
+    return std::cout.flush() ? code : report(tool, "cannot write to standard output", kExitFailed);
+  });
 }
 
 }  // namespace hapgrid

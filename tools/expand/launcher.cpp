@@ -1,11 +1,12 @@
 #include "tools/expand/launcher.hpp"
 
-#include <CLI/Error.hpp>
 #include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
+
+#include "tools/common/command_line.hpp"
 
 namespace hapgrid {
 
@@ -13,11 +14,9 @@ namespace {
 
 constexpr std::uint64_t kMostParts = (std::uint64_t{1} << 32) - 1;
 
-[[noreturn]] void refuse(const std::string& why) {
-  throw CLI::ValidationError("--part", "auto: " + why);
-}
+[[noreturn]] void refuse(const std::string& why) { throw UsageError("--part: auto: " + why); }
 
-/// A variable's value. @throw CLI::ValidationError when it is not set or not in [low, high]
+/// A variable's value. @throw UsageError when it is not set or not in [low, high]
 std::uint64_t number(const std::string& name, std::uint64_t low, std::uint64_t high) {
   const char* const text = std::getenv(name.c_str());
   if (!text) refuse(name + " is not set");

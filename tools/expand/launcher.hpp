@@ -15,7 +15,7 @@ namespace hapgrid {
 ///   SLURM_PROCID of SLURM_NTASKS,
 ///   SLURM_ARRAY_TASK_ID counted from _MIN to _MAX in steps of _STEP.
 /// Source: the manual pages of srun, sbatch, and mpirun(1) of Open MPI 4.
-/// @throw CLI::ValidationError when none is set, or when one that is set makes no sense.
+/// @throw UsageError when none is set, or when one that is set makes no sense.
 Part part_of_launcher();
 
 /// `pattern`, in which {} becomes K-of-N.

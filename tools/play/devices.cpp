@@ -1,6 +1,5 @@
 #include "tools/play/devices.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <utility>
@@ -145,7 +144,7 @@ DeviceChoice parse_device(const std::string& name) {
     if (name.substr(0, colon) == form.name && fits) return form.make(argument);
     forms += (forms.empty() ? "" : ", ") + std::string(form.shown);
   }
-  throw CLI::ValidationError("--device", "'" + name + "' is not a device: " + forms);
+  throw UsageError("--device: '" + name + "' is not a device: " + forms);
 }
 
 std::string input_file(const DeviceChoice& device) {

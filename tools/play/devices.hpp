@@ -34,7 +34,7 @@ struct SpaceMouse {
 using DeviceChoice =
     std::variant<PathFile, ReplayFile, TerminalKeys, ProfileFile, PidJoystick, SpaceMouse>;
 
-/// Opens nothing. @throw CLI::ValidationError for what is not a device's name
+/// Opens nothing. @throw UsageError for what is not a device's name
 DeviceChoice parse_device(const std::string& name);
 
 /// The file that the hand's positions come from, "-" for standard input; empty for a live device.

@@ -12,10 +12,6 @@
 #include "tools/play/devices.hpp"
 #include "tools/play/settings.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace hapgrid {
 
 struct PlayOptions {
@@ -42,6 +38,6 @@ struct PlayOptions {
 inline constexpr double kDefaultRateHz = 1000;
 
 /// Binds them; --config FILE takes them from a table [play].
-void add_play_options(CLI::App& app, PlayOptions& options);
+void add_play_options(CommandLine& app, PlayOptions& options);
 
 }  // namespace hapgrid

@@ -30,7 +30,7 @@ Json to_json(const Histogram& h) {
           {"histogram", {{"columns", {"from_us", "to_us", "ticks"}}, {"bins", bins}}}};
 }
 
-const char* to_text(LoopEnd end) {
+const char* name_of(LoopEnd end) {
   switch (end) {
     case LoopEnd::kDeviceEnd:
       return "device";
@@ -88,7 +88,7 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
       {"device", facts.device},
       {"rate_hz", facts.rate_hz},
       {"realtime", facts.realtime},
-      {"end", to_text(s.end)},
+      {"end", name_of(s.end)},
       {"exit_code", facts.exit_code},
       {"zero_sent", s.zero_sent},
       {"ticks", s.ticks},

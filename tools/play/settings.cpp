@@ -1,6 +1,5 @@
 #include "tools/play/settings.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -144,7 +143,7 @@ void set(const std::string& text, GivenSettings& given) {
       mistake = take(text.substr(0, equals), *value.root().get("value"), given);
   } catch (const Error&) {  // VALUE is not one
   }
-  if (!mistake.empty()) throw CLI::ValidationError("--set", mistake);
+  if (!mistake.empty()) throw UsageError("--set: " + mistake);
 }
 
 /// Takes the keys of a table, which begin with `prefix`, and of the tables in it. @throw Error
@@ -169,49 +168,28 @@ std::string word(const TomlFile& file, const toml::node& node, const std::string
   file.fail(node, "play." + key + " must be a number, a text, true or false, or an array");
 }
 
-std::vector<CLI::ConfigItem> read_play(const TomlFile& file, const CLI::App& app,
-                                       GivenSettings& given) {
-  std::vector<CLI::ConfigItem> items;
+std::vector<ConfigEntry> read_play(const TomlFile& file, const CommandLine& app,
+                                   GivenSettings& given) {
+  std::vector<ConfigEntry> items;
   if (!file.root().contains("play")) return items;
   for (const auto& [k, node] : file.table(file.root(), "play")) {
-    CLI::ConfigItem item;
+    ConfigEntry item;
     item.name = k.str();
     if (const toml::table* inner = node.as_table()) {
       take_all(file, *inner, item.name + ".", given);
       continue;
     }
-    if (item.name == "config" || item.name == "set" || !app.get_option_no_throw("--" + item.name))
+    if (item.name == "config" || item.name == "set" || !app.has("--" + item.name))
       file.fail(node, unknown_key(item.name));
     if (const toml::array* entries = node.as_array()) {
-      for (const toml::node& entry : *entries) item.inputs.push_back(word(file, entry, item.name));
+      for (const toml::node& entry : *entries) item.values.push_back(word(file, entry, item.name));
     } else {
-      item.inputs.push_back(word(file, node, item.name));
+      item.values.push_back(word(file, node, item.name));
     }
     items.push_back(item);
   }
   return items;
 }
-
-/// Reads the table [play] of a TOML file; other filters read the rest of the file.
-class PlayTable : public CLI::Config {
- public:
-  PlayTable(const CLI::App& app, GivenSettings& given) : app_(app), given_(given) {}
-  std::string to_config(const CLI::App*, bool, bool, std::string) const override { return ""; }
-  /// @throw CLI::ConfigError "--config: line N: ..."
-  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-    std::ostringstream text;
-    text << input.rdbuf();
-    try {
-      return read_play(TomlFile(text.str(), "--config"), app_, given_);
-    } catch (const Error& e) {
-      throw CLI::ConfigError(e.what(), CLI::ExitCodes::ConfigError);
-    }
-  }
-
- private:
-  const CLI::App& app_;
-  GivenSettings& given_;
-};
 
 }  // namespace
 
@@ -221,28 +199,30 @@ PlaySettings changed(PlaySettings settings, const GivenSettings& given) {
   return settings;
 }
 
-void add_settings(CLI::App& app, GivenSettings& given) {
-  app.config_formatter(std::make_shared<PlayTable>(app, given));
+void add_settings(CommandLine& app, GivenSettings& given) {
+  // Other filters read the other tables of such a file.
+  app.add_config(
+      "--config",
+      "Take options and settings from the table [play] of a TOML\n"
+      "file, such as the MODEL.toml; the command line counts more",
+      [&](const std::string& text) { return read_play(TomlFile(text, "--config"), app, given); });
   for (const Setting& setting : kSettings) {
     if (!is_option(setting)) continue;
-    app.add_option_function<double>(
+    app.add(
            setting.name,
-           [&](const double& value) { given.emplace_back(&setting, std::vector{value}); },
+           [&](const std::string& text) {
+             given.emplace_back(&setting, std::vector{std::strtod(text.c_str(), nullptr)});
+           },
            setting.meaning)
-        ->type_name(setting.unit)
-        ->check(number_within(setting.low, setting.high, "a number" + bounds(setting)));
+        .type(setting.unit)
+        .within(setting.low, setting.high, "a number" + bounds(setting));
   }
-  app.add_option_function<std::vector<std::string>>(
-         "--set",
-         [&](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts) set(text, given);
-         },
+  app.add(
+         "--set", [&](const std::string& text) { set(text, given); },
          "Change a setting of the table below: --set safety.ramp=200 or\n"
          "--set 'mapping.offset=[0.1,0,0]'; repeatable")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->allow_extra_args(false)  // the argument after the value is not another value
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      .type("KEY=VALUE")
+      .repeatable();
 }
 
 std::string settings_help() {

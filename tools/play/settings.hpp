@@ -10,10 +10,7 @@
 #include "libcore/device/pid.hpp"
 #include "libcore/haptic/mapping.hpp"
 #include "libcore/haptic/safety.hpp"
-
-namespace CLI {
-class App;
-}
+#include "tools/common/command_line.hpp"
 
 namespace hapgrid {
 
@@ -44,7 +41,7 @@ PlaySettings changed(PlaySettings settings, const GivenSettings& given);
 /// Adds the options --gain, --max-force, --scale and --set, and reads files of --config: keys of
 /// their table [play] are the names of options, and its sub-tables have the keys of --set. What the
 /// command line gives comes after what a file gives, and so it counts. `given` must outlive `app`.
-void add_settings(CLI::App& app, GivenSettings& given);
+void add_settings(CommandLine& app, GivenSettings& given);
 
 /// The keys of --set as a table for the help.
 std::string settings_help();

@@ -1,0 +1,106 @@
+// The command line of a filter. To compile CLI11 takes 4 s for each source that includes it: only
+// one source does.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace hapgrid {
+
+/// The command line is wrong, which may show only when its options are put together.
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// An option that was added to a CommandLine; copies are the same option.
+class Option {
+ public:
+  /// What --help calls the value.
+  Option& type(const std::string& name);
+  Option& required();
+  /// --help shows the value that the variable has now.
+  Option& shows_default();
+  /// Takes one value each time that it is given.
+  Option& repeatable();
+  /// Takes several values with commas between them.
+  Option& comma_separated();
+  Option& needs(const Option& other);
+  Option& excludes(const Option& other);
+  /// A text that is not `good` is refused with the message "'TEXT' is not DESCRIPTION".
+  Option& check(std::function<bool(const std::string&)> good, const std::string& description);
+  Option& one_of(const std::vector<std::string>& texts);
+  Option& positive();
+  /// A whole number in [low, high]; --help shows the range where `shown`.
+  Option& whole(std::int64_t low, std::int64_t high, bool shown = true);
+  /// A number in [low, high], not NaN; `description` says so: "a rate from ...".
+  Option& within(double low, double high, const std::string& description);
+
+ private:
+  friend class CommandLine;
+  explicit Option(CLI::Option* option) : option_(option) {}
+  CLI::Option* option_;
+};
+
+/// A key of a table of options, and its values as the command line would have them.
+struct ConfigEntry {
+  std::string name;
+  std::vector<std::string> values;
+};
+
+/// `names` are "-o,--output", or without a dash those of a positional. Variables keep their values
+/// where the option is not given, and must outlive parse(), as functions must, which are called for
+/// each value.
+class CommandLine {
+ public:
+  explicit CommandLine(const std::string& about);
+  ~CommandLine();
+
+  Option add(const std::string& names, std::string& value, const std::string& help);
+  Option add(const std::string& names, double& value, const std::string& help);
+  Option add(const std::string& names, std::optional<double>& value, const std::string& help);
+  Option add(const std::string& names, int& value, const std::string& help);
+  Option add(const std::string& names, unsigned& value, const std::string& help);
+  Option add(const std::string& names, std::uint64_t& value, const std::string& help);
+  Option add(const std::string& names, std::vector<std::string>& values, const std::string& help);
+  Option add(const std::string& names, std::function<void(const std::string&)> take,
+             const std::string& help);
+  Option add_flag(const std::string& name, bool& value, const std::string& help);
+  /// A flag that may have a value behind '=', as in "--terminal{auto}".
+  Option add_flag(const std::string& name, std::string& value, const std::string& help);
+  /// An option whose file has more options; `read` gets the file's text. @throw Error in `read`
+  void add_config(const std::string& name, const std::string& help,
+                  std::function<std::vector<ConfigEntry>(const std::string& text)> read);
+
+  /// The heading of the options that are added from now on.
+  void group(const std::string& name);
+  Option option(const std::string& name);
+  bool has(const std::string& name) const;
+  /// Whether the parsed command line has it.
+  bool given(const std::string& name) const;
+
+  /// Names the program, and gives it --version and a --help of at most 100 columns that ends with
+  /// `details` and the table of exit codes; `more_exits` are further lines of that table ("  130
+  /// ...\n").
+  void set_help(const std::string& name, const std::string& details = "",
+                const std::string& more_exits = "");
+  std::string name() const;
+  /// @return what --help or --version print, when one of them was asked for
+  /// @throw UsageError
+  std::optional<std::string> parse(int argc, char** argv);
+
+ private:
+  std::unique_ptr<CLI::App> app_;
+};
+
+}  // namespace hapgrid
