@@ -74,10 +74,10 @@ class Row {
     add("empty", share(walked_.empty), "", "where all corners and the model are in one state");
     add("mixed", share(walked_.mixed), "",
         walked_.mixed_state.value > 0
-            ? "where play blends branches; the state is off by " +
+            ? "where a branch ends in the cell; the state is off by " +
                   rounded(walked_.mixed_state.value) + " " + printable_line(terms_.state_unit) +
                   " " + walked_.mixed_state.where
-            : "where play blends branches");
+            : "where a branch ends in the cell");
     add("parted", share(walked_.parted), "", "where play and the model are in different branches");
   }
 

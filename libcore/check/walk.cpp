@@ -12,7 +12,6 @@
 #include "libcore/check/random.hpp"
 #include "libcore/check/random_hand.hpp"
 #include "libcore/grid/state_distance.hpp"
-#include "libcore/haptic/paper_traversal.hpp"
 
 namespace hapgrid {
 
@@ -40,7 +39,7 @@ class Walker {
         cells_(grid),
         model_(models.functions()),
         distance_(grid.spec(), models.same()),
-        play_(grid),
+        play_(models.traversal()),
         row_(grid.spec().row_size()),
         next_(row_.size()),
         coarse_(row_.size()) {
@@ -53,22 +52,19 @@ class Walker {
     RandomHand hand(grid_.box(), seed, kStepsToPlace);
     for (int draw = 0; draw < kDraws && !changes_around(hand.jump()); ++draw) continue;
     // Where play cannot start or go on, `complete` and `paths` say why.
-    if (!play_.start(hand.at()).usable() || !take_over()) return seen;
+    if (!play_->start(hand.at()).usable() || !take_over()) return seen;
     for (int place = 0; place < kPlacesInWalk; ++place) {
       hand.set_out();
       bool fails = false;
       for (int i = 0; i < kStepsToPlace && !fails; ++i) {
         const Vec3 from = hand.at();
         hand.step();
-        if (!play_.step(hand.at()).usable() || !is_finite(play_.row())) return seen;
+        if (!play_->step(hand.at()).usable() || !is_finite(play_->row())) return seen;
         fails = !convert(row_.data(), from, hand.at(), next_, seen.failed);
         if (!fails) std::swap(row_, next_);
       }
       if (!fails && look_around(hand.at(), seen)) continue;
-      const Vec3 common = nearest_corner();
-      hand.put(common);
-      play_.step(common);
-      if (!take_over()) return seen;
+      if (!meet(hand)) return seen;
     }
     return seen;
   }
@@ -88,20 +84,25 @@ class Walker {
 
   /// On a point of the grid, where play has a record as it is stored: the model goes on with it.
   bool take_over() {
-    std::copy(play_.row().begin(), play_.row().end(), row_.begin());
+    std::copy(play_->row().begin(), play_->row().end(), row_.begin());
     return is_finite(row_);
   }
 
-  Vec3 nearest_corner() const {
-    Vec3 nearest{};
+  /// Both go to the nearest corner and on from play's record there; play starts anew where it has
+  /// none.
+  bool meet(RandomHand& hand) {
+    int corner = 0;
     for (int a = 0; a < 3; ++a) {
-      GridCoordinates c = play_.cell();
-      const double low = grid_.box().position(c)[a];
-      if (grid_.box().counts[a] > 1) ++c[a];
-      const double high = grid_.box().position(c)[a];
-      nearest[a] = play_.position()[a] - low > high - play_.position()[a] ? high : low;
+      const double low = grid_.box().position(play_->cell())[a];
+      if (grid_.box().counts[a] > 1 && 2 * (play_->position()[a] - low) > grid_.box().spacing)
+        corner |= 1 << a;
     }
-    return nearest;
+    const RecordIndex record = play_->records()[corner];
+    hand.put(grid_.box().position(cells_.point(grid_.box().index(play_->cell()), corner)));
+    if (record == Grid::kNoRecord) return play_->start(hand.at()).usable() && take_over();
+    if (!play_->step(hand.at()).usable()) return false;
+    std::copy(grid_.row(record).begin(), grid_.row(record).end(), row_.begin());
+    return is_finite(row_);
   }
 
   bool convert(const double* s, const Vec3& from, const Vec3& to, std::vector<double>& row,
@@ -122,7 +123,8 @@ class Walker {
     for (int c = 0; c < 8; ++c) {
       if (!cells_.is_corner(c)) continue;
       ++corners;
-      const RecordIndex r = play_.records()[c];
+      const RecordIndex r = play_->records()[c];
+      if (r == Grid::kNoRecord) continue;
       if (!is_finite(grid_.row(r))) return false;
       const Vec3 corner = grid_.box().position(grid_.point(r));
       if (!convert(grid_.state(r).data(), corner, x, next_, seen.failed)) return false;
@@ -135,7 +137,7 @@ class Walker {
       ++seen.parted;
       return false;
     }
-    PlayError error{off(play_.row()), force_off(x, play_.row()), kNone, kNone};
+    PlayError error{off(play_->row()), force_off(x, play_->row()), kNone, kNone};
     if (same < corners) {
       ++seen.mixed;
       note(seen.mixed_state, error.state, x);
@@ -155,10 +157,11 @@ class Walker {
     return true;
   }
 
-  /// Then play's state, between those, is the same, and a stored force not off at all.
+  /// All corners are records here. Then play's state, between those, is the same, and a stored
+  /// force not off at all.
   bool is_empty(const PlayError& error) const {
     for (int c = 0; c < 8; ++c)
-      if (!distance_.is_same(grid_.row(play_.records()[c]), row_)) return false;
+      if (!distance_.is_same(grid_.row(play_->records()[c]), row_)) return false;
     return !(grid_.spec().stored.force && error.force > 0);
   }
 
@@ -172,7 +175,7 @@ class Walker {
 
   void note(WorstError& worst, double value, const Vec3& x) const {
     if (!(value > worst.value)) return;
-    const GridCoordinates& c = play_.cell();
+    const GridCoordinates& c = play_->cell();
     worst = {value, "at (" + rounded(x[0]) + ", " + rounded(x[1]) + ", " + rounded(x[2]) +
                         "), in cell (" + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " +
                         std::to_string(c[2]) + ")"};
@@ -183,7 +186,7 @@ class Walker {
   /// back; and where an axis has only two points.
   bool interpolate_coarsely(const Vec3& x) {
     const Box& box = grid_.box();
-    const GridCoordinates& cell = play_.cell();
+    const GridCoordinates& cell = play_->cell();
     GridCoordinates low = cell;
     Vec3 xbar{0, 0, 0};
     for (int a = 0; a < 3; ++a) {
@@ -203,7 +206,7 @@ class Walker {
         if (box.counts[a] > 1)
           step[a] = static_cast<int>(low[a]) + 2 * bit - (static_cast<int>(cell[a]) + bit);
       }
-      RecordIndex record = play_.records()[corner];
+      RecordIndex record = play_->records()[corner];
       if (step != std::array<int, 3>{0, 0, 0}) {
         const Direction towards = Direction::of(step[0], step[1], step[2]);
         const RecordIndex near = record;
@@ -224,7 +227,7 @@ class Walker {
   const ModelFunctions model_;
   StateDistance distance_;
   std::optional<Fields> fields_;
-  PaperTraversal play_;
+  std::unique_ptr<Traversal> play_;
   std::vector<double> row_;  // the model's that walked: its state, and what is stored with it
   std::vector<double> next_;
   std::vector<double> coarse_;

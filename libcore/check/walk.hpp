@@ -4,14 +4,16 @@
 // model, from the same state, by C in steps that are small against the spacing. After some steps
 // the two are compared. They differ for two reasons:
 // - Play interpolates. This error falls with the spacing.
-// - A branch ends. The model changes its branch at one place; play changes it corner by corner at
-//   the faces of nearby cells, and blends the branches in between. This error is the distance of
-//   the branches, whatever the spacing; only the region where it occurs shrinks.
+// - A branch ends. The model changes its branch at one place. By the paper's rule play changes it
+//   corner by corner at the faces of nearby cells, and blends the branches in between: this error
+//   is the distance of the branches, whatever the spacing; only the region where it occurs shrinks.
+//   By the rule that stays on a branch (haptic/branch_traversal.hpp) some corners are extrapolated
+//   there.
 // The model itself says which reason applies: C from each corner of the cell, with the record that
 // play has there, must lead to the state of the model that walked, and C from there back to the
 // record. Where that holds for all corners, there is one branch, and the error is the
 // interpolation's. Where it holds for none, play and model have parted, and both go on from the
-// nearest corner with play's record. Else play blends branches.
+// nearest corner with play's record. Else a branch ends in the cell.
 //
 // Places where all corners and the model are in one state are called empty and counted apart:
 // otherwise a larger box would look more accurate.
@@ -23,6 +25,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +33,7 @@
 #include "libcore/check/fidelity.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/grid/grid.hpp"
+#include "libcore/haptic/traversal.hpp"
 #include "libcore/model/fields.hpp"
 
 namespace hapgrid {
@@ -62,7 +66,7 @@ struct WorstError {
 struct Walked {
   std::uint64_t places = 0;
   std::uint64_t empty = 0;            ///< of these: all corners, and the model, in one state
-  std::uint64_t mixed = 0;            ///< of these: play blends branches
+  std::uint64_t mixed = 0;            ///< of these: a branch ends in the cell
   std::uint64_t parted = 0;           ///< of these: play and the model are in different branches
   std::vector<PlayError> one_branch;  ///< all others, in the order of the walks
   WorstError state, force;            ///< in one branch
@@ -75,8 +79,9 @@ struct Walked {
 /// What walks need of the grid's model. Each is called once a thread, from the calling thread.
 struct WalkModels {
   std::function<ModelFunctions()> functions;
-  std::function<SameState()> same;  ///< the tolerance function as it is
-  std::function<Fields()> fields;   ///< for the force; empty: there is none
+  std::function<SameState()> same;                        ///< the tolerance function as it is
+  std::function<Fields()> fields;                         ///< for the force; empty: there is none
+  std::function<std::unique_ptr<Traversal>()> traversal;  ///< the rule that play follows
 };
 
 /// @param walks how many; each is drawn by its own number and `seed` alone.

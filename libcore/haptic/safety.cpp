@@ -103,7 +103,7 @@ std::uint32_t reason_for_zero(const SafetyLimits& limits, SafetyState& state,
   watch_buzz(limits, state, wanted, input.dt);
   if (static_cast<double>(input.missed) >= limits.watchdog_ticks) return kMissed;
   if (state.too_fast) return kTooFast;
-  return state.buzzing ? kBuzzing : 0;
+  return state.buzzing ? std::uint32_t{kBuzzing} : 0;
 }
 
 /// At a switch of levels the force stays what it was, and the difference goes away linearly.

@@ -5,6 +5,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/grid/state_distance.hpp"
+#include "libcore/haptic/paper_traversal.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
 using namespace hapgrid;
@@ -51,7 +52,10 @@ Grid grid_of(Field field, const Box& box) {
 Walked walk(const Grid& grid, const ModelFunctions& model, std::uint64_t walks, int threads = 2,
             std::uint64_t seed = 1) {
   std::atomic<std::uint64_t> done{0};
-  WalkModels models{[&] { return model; }, [&] { return model.same; }, {}};
+  WalkModels models{[&] { return model; },
+                    [&] { return model.same; },
+                    {},
+                    [&] { return std::make_unique<PaperTraversal>(grid); }};
   if (grid.spec().stored.force)
     models.fields = [&] {
       return Fields(

@@ -1,4 +1,4 @@
-#include "libcore/haptic/model_traversal.hpp"
+#include "libcore/check/model_traversal.hpp"
 
 #include <algorithm>
 #include <cmath>
