@@ -17,11 +17,11 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
-#include "libcore/haptic/paper_traversal.hpp"
 #include "libcore/haptic/playable.hpp"
 #include "libcore/haptic/watchdog.hpp"
 #include "libcore/model/fields.hpp"
 #include "libcore/model/plugin_model.hpp"
+#include "libcore/search/converter.hpp"
 #include "libcore/shard/load.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/devices.hpp"
@@ -62,7 +62,7 @@ bool same_file(const std::string& a, const std::string& b) {
 void check_files(const PlayOptions& options) {
   const std::string input = input_file(*options.device);
   if (options.grid == "-" && input == "-")
-    throw CLI::ValidationError("the grid and the path cannot both be standard input");
+    throw CLI::ValidationError("the grid and the device cannot both be standard input");
   struct Output {
     const char* option;
     const char* what;
@@ -70,10 +70,11 @@ void check_files(const PlayOptions& options) {
   };
   const Output outputs[] = {{"--log", "the log", options.log},
                             {"--frames", "the frames", options.frames},
-                            {"--report", "the report", options.report}};
+                            {"--report", "the report", options.report},
+                            {"--sessions", "the table", options.sessions}};
   for (const Output& output : outputs) {
     if (output.file == "-") continue;
-    const char* replaced = same_file(output.file, input)          ? "path or session that is played"
+    const char* replaced = same_file(output.file, input)          ? "file that --device names"
                            : same_file(output.file, options.grid) ? "grid"
                                                                   : nullptr;
     if (replaced)
@@ -92,6 +93,10 @@ void check(const PlayOptions& options) {
   if (options.grid.empty()) throw CLI::RequiredError("grid");
   if (!options.device) throw CLI::RequiredError("--device");
   check_files(options);
+  if (options.traversal && is_slow(*options.traversal) && is_live(*options.device))
+    throw CLI::ValidationError("--traversal", "a live device cannot wait for the model itself");
+  if (!options.sessions.empty() && !std::holds_alternative<SimulationFile>(*options.device))
+    throw CLI::ValidationError("--sessions", "only --device sim:FILE has sessions to tell of");
   if (!options.log.empty() && !is_session_name(options.log) && is_live(*options.device))
     throw CLI::ValidationError(
         "--log",
@@ -110,6 +115,14 @@ bool viewer_waits(const PlayOptions& options) {
          S_ISFIFO(out.st_mode);
 }
 
+/// The model for states of the grid: one that answers as the grid's did. @throw ModelError
+std::unique_ptr<Model> exact_model(const GridSpec& spec, const std::vector<std::string>& path) {
+  if (spec.equality.is_declared())
+    throw ModelError("model " + spec.model +
+                     ": is a process, and play starts none: the model itself cannot be played");
+  return create_model(Plugin(spec.model, model_path(path)), spec);
+}
+
 /// The guard process, which is started before there is a thread, or a grid that it would copy.
 std::unique_ptr<HidGuard> start_guard(const DeviceChoice& device) {
   if (!pushes(device)) return nullptr;
@@ -118,9 +131,18 @@ std::unique_ptr<HidGuard> start_guard(const DeviceChoice& device) {
   return std::make_unique<HidGuard>();
 }
 
+/// What the user gave, and defaults.
+PlaySettings given_settings(const PlayOptions& options) {
+  PlaySettings settings = changed({}, options.given);
+  if (options.axes) settings.mapping.axes = *options.axes;
+  return settings;
+}
+
 /// The settings of a play: those that the user gave, then those that a replay recorded, then the
 /// defaults. The device's own limit holds in any case.
-PlaySettings settle(const PlayOptions& options, const OpenDevice& open, const LoadedGrid& loaded) {
+/// @param rule of traversal, by the same order.
+PlaySettings settle(const PlayOptions& options, const OpenDevice& open, const LoadedGrid& loaded,
+                    TraversalRule& rule) {
   PlaySettings settings;
   if (open.session) {
     const std::string file = input_file(*options.device);
@@ -131,16 +153,24 @@ PlaySettings settle(const PlayOptions& options, const OpenDevice& open, const Lo
     const PlayedWith with = played_with(*open.session, file);
     settings.safety = with.limits;
     settings.mapping.scale = with.scale;
+    rule = with.traversal;
   }
   settings = changed(settings, options.given);
+  if (options.traversal) rule = *options.traversal;
   if (options.axes) settings.mapping.axes = *options.axes;
   settings.safety.max_force = std::min(settings.safety.max_force, open.device->info().max_force);
   return settings;
 }
 
+/// Ticks in a second that nobody waits for.
+double virtual_rate_hz(const PlayOptions& options) {
+  return options.rate_hz > 0 ? options.rate_hz : kUnpacedHz;
+}
+
 LoopOptions pace(const PlayOptions& options, const OpenDevice& open, double spin_us) {
   LoopOptions loop{.rate_hz = options.rate_hz, .spin_us = spin_us};
   if (open.session) loop.unpaced_hz = open.session->rate_hz;
+  if (open.simulated) loop = {.unpaced_hz = virtual_rate_hz(options)};
   if (is_live(*options.device) && loop.rate_hz == 0) loop.rate_hz = kDefaultRateHz;
   if (options.duration_s > 0)
     loop.ticks = static_cast<std::uint64_t>(std::ceil(options.duration_s * loop.tick_rate_hz()));
@@ -171,6 +201,11 @@ int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts fa
   print_summary(summary, facts);
   viewers.print_summary();
   if (!options.report.empty()) write_report(options.report, summary, facts);
+  if (facts.sessions && !options.sessions.empty()) {
+    OutputFile table(options.sessions, /*binary=*/false);
+    table.write(sessions_table(*facts.sessions));
+    table.commit();
+  }
   require_good_end(summary, safety, device);
   return facts.exit_code;
 }
@@ -193,23 +228,34 @@ int play(PlayOptions options) {
   // and echo. They still end a play that reads a path from standard input.
   std::optional<CaughtSignals> signals;
   if (is_live(*options.device)) signals.emplace();
-  const PlaySettings given = changed({}, options.given);
-  const OpenDevice open =
-      open_device(*options.device, given, options.rate_hz > 0 ? options.rate_hz : kUnpacedHz,
-                  spec.box, guard.get());
+  const OpenDevice open = open_device(*options.device, given_settings(options),
+                                      virtual_rate_hz(options), spec.box, guard.get());
   if (!signals) signals.emplace();
   Device& device = *open.device;
-  const PlaySettings settings = settle(options, open, loaded);
+  TraversalRule rule = kDefaultRule;
+  const PlaySettings settings = settle(options, open, loaded, rule);
   const LoopOptions loop = pace(options, open, settings.spin_us);
   const double rate_hz = loop.tick_rate_hz();
 
   Mapping mapping(settings.mapping, device.info(), spec.box);
-  PaperTraversal traversal(grid);
+  const auto create_exact = [&] { return exact_model(spec, options.model_path); };
+  const auto traversal = make_traversal(rule, grid, create_exact);
+  const auto truth =
+      open.wants_truth ? make_traversal(TraversalRule::kModel, grid, create_exact) : nullptr;
   SafetyCore safety(settings.safety);
   Log log(options.log, loaded, fields, rate_hz, loop.paced(), open.ticks,
-          {.limits = settings.safety, .scale = mapping.scale()});
+          {.limits = settings.safety, .scale = mapping.scale(), .traversal = rule});
+  std::optional<Sessions> sessions;
+  if (open.simulated)
+    sessions.emplace(
+        *open.simulated, fields,
+        Sessions::Setup{.rate_hz = rate_hz, .gain = settings.safety.gain, .scale = mapping.scale()},
+        truth.get());
   viewers.start(spec, create, rate_hz, loop.paced(), caught_signal);
-  RunFacts facts{.model = spec.model, .device = device.info().name, .rate_hz = loop.rate_hz};
+  RunFacts facts{.model = spec.model,
+                 .device = device.info().name,
+                 .traversal = name_of(rule),
+                 .rate_hz = loop.rate_hz};
   LoopSummary summary;
   {
     std::atomic<std::uint64_t> heartbeat{0};
@@ -221,11 +267,12 @@ int play(PlayOptions options) {
       std::fprintf(stderr, "play: %s at %g Hz; real time: %s\n", facts.device.c_str(), loop.rate_hz,
                    facts.realtime.c_str());
     summary = run_loop(
-        device, mapping, traversal, safety,
+        device, mapping, *traversal, safety,
         [&](const Vec3& x, std::span<const double> row) { return fields.force(x, row); },
         [&](const Tick& tick) {
           log.add(tick);
           viewers.show(tick);
+          if (sessions) sessions->add(tick);
         },
         caught_signal, heartbeat, loop);
     signals.reset();  // a second signal may interrupt the writing of what is left
@@ -233,6 +280,10 @@ int play(PlayOptions options) {
   log.finish();
   viewers.finish();
   facts.frames = viewers.frames();
+  if (sessions) {
+    sessions->finish();
+    facts.sessions = &*sessions;
+  }
   return conclude(options, summary, facts, safety, device, viewers);
 }
 

@@ -13,12 +13,6 @@ using Json = nlohmann::ordered_json;
 
 double microseconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-3; }
 
-std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 Json to_json(const Histogram& h) {
   Json bins = Json::array();
   for (const Histogram::Bin& bin : h.bins())
@@ -46,6 +40,12 @@ const char* to_text(LoopEnd end) {
 
 }  // namespace
 
+std::string short_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
 std::string quantiles_text(const Histogram& h) {
   return "p50 " + short_number(microseconds(h.quantile(0.5))) + ", p99 " +
          short_number(microseconds(h.quantile(0.99))) + ", p99.9 " +
@@ -72,6 +72,7 @@ void print_summary(const LoopSummary& s, const RunFacts& facts) {
   std::fprintf(stderr, "play: largest force %s N of the model, %s N sent; safety, in ticks: %s\n",
                short_number(s.largest_raw).c_str(), short_number(s.largest_force).c_str(),
                acted.empty() ? "nothing to do" : acted.c_str());
+  if (facts.sessions) std::fputs(sessions_text(*facts.sessions).c_str(), stderr);
   if (facts.rate_hz > 0) {
     std::fprintf(stderr, "play: ticks missed at %g Hz: %llu, in %llu overruns\n", facts.rate_hz,
                  n(s.missed), n(s.overruns));
@@ -86,6 +87,7 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
   Json report{
       {"model", facts.model},
       {"device", facts.device},
+      {"traversal", facts.traversal},
       {"rate_hz", facts.rate_hz},
       {"realtime", facts.realtime},
       {"end", to_text(s.end)},
@@ -107,6 +109,7 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
       {"compute", to_json(s.compute)}};
   if (facts.frames)
     report["frames"] = {{"written", facts.frames->written}, {"dropped", facts.frames->dropped}};
+  if (facts.sessions) report["simulation"] = sessions_json(*facts.sessions);
   OutputFile output(file, /*binary=*/false);
   output.write(report.dump(2) + "\n");
   output.commit();
