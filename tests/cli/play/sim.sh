@@ -22,6 +22,19 @@ cmp again table
 # A replay starts anew where the sessions did, by the same rule.
 play grid --device replay:a.session --log replayed 2>/dev/null
 cmp replayed log
+# stats counts the same energy: exactly so when a force is in effect at once, with the encoder's positions.
+sed 's/delay = 1/delay = 0/' sim.toml >prompt.toml
+play grid --device sim:prompt.toml --log prompt.session --sessions prompt 2>/dev/null
+stats --log prompt.session --format json >energy
+python3 - <<'PYTHON'
+import json
+said = json.load(open("energy"))["energy"]
+rows = [list(map(float, line.split("\t"))) for line in open("prompt") if line[0] != "#"]
+given, returned = sum(row[2] for row in rows), max(row[1] + row[3] for row in rows if row[3] > 0)
+assert said["unit"] == "mJ", said
+assert abs(said["given"] - given) < 1e-9 * abs(given), (said, given)
+assert abs(said["returned"] - returned) < 1e-9 * returned, (said, returned)
+PYTHON
 # The first sessions are the same whatever comes after them.
 sed 's/sessions = 6/sessions = 2/' sim.toml >two.toml
 play grid --device sim:two.toml --sessions - 2>/dev/null | cmp - <(head -3 table)
