@@ -39,17 +39,25 @@ namespace {
 // A loop that is silent for so long will not come back. Devices take their force away long before.
 constexpr std::chrono::milliseconds kHungAfter{2000};
 
+/// Whether a fault was left: at the end, or in any session of a simulation.
+bool is_faulted(const LoopSummary& s, const SafetyCore& safety, const RunFacts& facts) {
+  return safety.faulted() || (facts.sessions && s.count_of(kFault) > 0);
+}
+
 /// @throw Error when the play must not count as done.
-void require_good_end(const LoopSummary& s, const SafetyCore& safety, const Device& device) {
+void require_good_end(const LoopSummary& s, bool faulted, const RunFacts& facts,
+                      const Device& device) {
   if (s.end == LoopEnd::kDeviceFailed) throw DeviceError("device: " + device.error());
   if (!s.zero_sent)
     throw DeviceError("device: did not take the last zero force: " + device.error());
-  if (!safety.faulted()) return;
-  const std::string why = s.blocked      ? "a link of the grid leads nowhere"
-                          : s.not_finite ? "the HIP was not finite"
-                                         : "the force was not finite";
-  throw Error(why + ": zero force in the last " + std::to_string(s.count_of(kFault)) + " of " +
-              std::to_string(s.ticks) + " ticks");
+  if (!faulted) return;
+  const bool by_model = facts.traversal == name_of(TraversalRule::kModel);
+  const std::string why = s.blocked && by_model ? "the model could not convert a state"
+                          : s.blocked           ? "a link of the grid leads nowhere"
+                          : s.not_finite        ? "the HIP was not finite"
+                                                : "the force was not finite";
+  throw Error(why + ": zero force in " + (facts.sessions ? "" : "the last ") +
+              std::to_string(s.count_of(kFault)) + " of " + std::to_string(s.ticks) + " ticks");
 }
 
 /// Whether two names are the same file.
@@ -194,7 +202,8 @@ std::unique_ptr<Watchdog> watch(Device& device, const std::atomic<std::uint64_t>
 /// Prints and writes what happened. @return the exit code @throw Error for a bad end
 int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts facts,
              const SafetyCore& safety, const Device& device, const Viewers& viewers) {
-  const bool bad = summary.end == LoopEnd::kDeviceFailed || !summary.zero_sent || safety.faulted();
+  const bool faulted = is_faulted(summary, safety, facts);
+  const bool bad = summary.end == LoopEnd::kDeviceFailed || !summary.zero_sent || faulted;
   facts.exit_code = bad                                ? kExitFailed
                     : summary.end == LoopEnd::kStopped ? 128 + caught_signal.load()
                                                        : kExitDone;
@@ -206,7 +215,7 @@ int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts fa
     table.write(sessions_table(*facts.sessions));
     table.commit();
   }
-  require_good_end(summary, safety, device);
+  require_good_end(summary, faulted, facts, device);
   return facts.exit_code;
 }
 
