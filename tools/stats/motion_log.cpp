@@ -43,6 +43,7 @@ std::vector<std::vector<XY>> read_log(std::istream& log, const std::string& name
   };
   const std::size_t x_column = column(x);
   std::vector<std::size_t> y_columns;
+  y_columns.reserve(y.size());
   for (const std::string& wanted : y) y_columns.push_back(column(wanted));
   const std::size_t columns = names.size();
 
