@@ -42,8 +42,9 @@ void add_device_options(CLI::App& app, PlayOptions& options) {
       ->type_name("DEVICE");
   app.add_option_function<std::string>(
          "--traversal", [&](const std::string& name) { options.traversal = rule_named(name); },
-         "How states follow the hand: paper, by Algorithm 2 (default); or\n"
-         "model, by the model itself, which no live device can wait for")
+         "How states follow the hand: paper, by Algorithm 2 (default);\n"
+         "branch, with snaps where the model snaps; or model, by the\n"
+         "model itself, which no live device can wait for")
       ->type_name("RULE")
       ->check(CLI::Validator(
           [](const std::string& name) {

@@ -1,5 +1,6 @@
 #include "tools/play/traversals.hpp"
 
+#include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/model_traversal.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
 
@@ -10,19 +11,30 @@ namespace {
 struct Rule {
   TraversalRule rule;
   const char* name;
-  std::unique_ptr<Traversal> (*make)(const Grid& grid, const MakeModel& create);
+  std::shared_ptr<Traversal> (*make)(const Grid& grid, const MakeModel& create);
 };
 
 template <class T>
-std::unique_ptr<Traversal> make(const Grid& grid, const MakeModel&) {
-  return std::make_unique<T>(grid);
+std::shared_ptr<Traversal> make(const Grid& grid, const MakeModel&) {
+  return std::make_shared<T>(grid);
+}
+
+std::shared_ptr<Traversal> make_on_branch(const Grid& grid, const MakeModel&) {
+  struct WithMap {
+    explicit WithMap(const Grid& grid) : map(grid), traversal(grid, map) {}
+    BranchMap map;
+    BranchTraversal traversal;
+  };
+  const auto both = std::make_shared<WithMap>(grid);
+  return {both, &both->traversal};
 }
 
 constexpr Rule kRules[] = {
     {TraversalRule::kPaper, "paper", make<PaperTraversal>},
+    {TraversalRule::kBranch, "branch", make_on_branch},
     {TraversalRule::kModel, "model",
-     [](const Grid& grid, const MakeModel& create) -> std::unique_ptr<Traversal> {
-       return std::make_unique<ModelTraversal>(grid, create());
+     [](const Grid& grid, const MakeModel& create) -> std::shared_ptr<Traversal> {
+       return std::make_shared<ModelTraversal>(grid, create());
      }},
 };
 
@@ -48,7 +60,7 @@ std::string rule_names() {
   return names;
 }
 
-std::unique_ptr<Traversal> make_traversal(TraversalRule rule, const Grid& grid,
+std::shared_ptr<Traversal> make_traversal(TraversalRule rule, const Grid& grid,
                                           const MakeModel& create) {
   return entry(rule).make(grid, create);
 }

@@ -75,7 +75,7 @@ no '[hand]\npath = "hands/path"\n[random]\n' \
   'line 2: a hand with a path moves along it once: there must be no table [random]'
 help='(see play --help)'
 expect 1 '' 'play: none: No such file or directory' -- play grid --device sim:none
-expect 2 '' "play: --traversal: 'best' is not one of paper, model $help" -- \
+expect 2 '' "play: --traversal: 'best' is not one of paper, branch, model $help" -- \
   play grid --device sim:sim.toml --traversal best
 expect 2 '' "play: --traversal: a live device cannot wait for the model itself $help" -- \
   play grid --device keys --traversal model
