@@ -45,8 +45,8 @@ struct Header {
 
   flagNames @7 :List(Text);
   # What the bits of a tick's flags mean, bit 0 first; 32 at most. "clutch" and "stalled" are what
-  # the device said, "level_changed" is a switch of levels, and "safety_..." is what the safety core
-  # did to the force. Other names are for people.
+  # the device said, "begins" is where a simulated hand began anew, "level_changed" is a switch of
+  # levels, and "safety_..." is what the safety core did to the force. Other names are for people.
 
   settings @8 :Text;
   # How play was set up: JSON, for people and for play itself; may be empty.

@@ -16,11 +16,11 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
-#include "libcore/haptic/paper_traversal.hpp"
 #include "libcore/haptic/playable.hpp"
 #include "libcore/haptic/watchdog.hpp"
 #include "libcore/model/fields.hpp"
 #include "libcore/model/plugin_model.hpp"
+#include "libcore/search/converter.hpp"
 #include "libcore/shard/load.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/devices.hpp"
@@ -38,17 +38,25 @@ namespace {
 // A loop that is silent for so long will not come back. Devices take their force away long before.
 constexpr std::chrono::milliseconds kHungAfter{2000};
 
+/// Whether a fault was left: at the end, or in any session of a simulation.
+bool is_faulted(const LoopSummary& s, const SafetyCore& safety, const RunFacts& facts) {
+  return safety.faulted() || (facts.sessions && s.count_of(kFault) > 0);
+}
+
 /// @throw Error when the play must not count as done.
-void require_good_end(const LoopSummary& s, const SafetyCore& safety, const Device& device) {
+void require_good_end(const LoopSummary& s, bool faulted, const RunFacts& facts,
+                      const Device& device) {
   if (s.end == LoopEnd::kDeviceFailed) throw DeviceError("device: " + device.error());
   if (!s.zero_sent)
     throw DeviceError("device: did not take the last zero force: " + device.error());
-  if (!safety.faulted()) return;
-  const std::string why = s.blocked      ? "a link of the grid leads nowhere"
-                          : s.not_finite ? "the HIP was not finite"
-                                         : "the force was not finite";
-  throw Error(why + ": zero force in the last " + std::to_string(s.count_of(kFault)) + " of " +
-              std::to_string(s.ticks) + " ticks");
+  if (!faulted) return;
+  const bool by_model = facts.traversal == name_of(TraversalRule::kModel);
+  const std::string why = s.blocked && by_model ? "the model could not convert a state"
+                          : s.blocked           ? "a link of the grid leads nowhere"
+                          : s.not_finite        ? "the HIP was not finite"
+                                                : "the force was not finite";
+  throw Error(why + ": zero force in " + (facts.sessions ? "" : "the last ") +
+              std::to_string(s.count_of(kFault)) + " of " + std::to_string(s.ticks) + " ticks");
 }
 
 /// Whether two names are the same file.
@@ -61,7 +69,7 @@ bool same_file(const std::string& a, const std::string& b) {
 void check_files(const PlayOptions& options) {
   const std::string input = input_file(*options.device);
   if (options.grid == "-" && input == "-")
-    throw UsageError("the grid and the path cannot both be standard input");
+    throw UsageError("the grid and the device cannot both be standard input");
   struct Output {
     const char* option;
     const char* what;
@@ -69,10 +77,11 @@ void check_files(const PlayOptions& options) {
   };
   const Output outputs[] = {{"--log", "the log", options.log},
                             {"--frames", "the frames", options.frames},
-                            {"--report", "the report", options.report}};
+                            {"--report", "the report", options.report},
+                            {"--sessions", "the table", options.sessions}};
   for (const Output& output : outputs) {
     if (output.file == "-") continue;
-    const char* replaced = same_file(output.file, input)          ? "path or session that is played"
+    const char* replaced = same_file(output.file, input)          ? "file that --device names"
                            : same_file(output.file, options.grid) ? "grid"
                                                                   : nullptr;
     if (replaced)
@@ -91,6 +100,10 @@ void check(const PlayOptions& options) {
   if (options.grid.empty()) throw UsageError("grid is required");
   if (!options.device) throw UsageError("--device is required");
   check_files(options);
+  if (options.traversal && is_slow(*options.traversal) && is_live(*options.device))
+    throw UsageError("--traversal: a live device cannot wait for the model itself");
+  if (!options.sessions.empty() && !std::holds_alternative<SimulationFile>(*options.device))
+    throw UsageError("--sessions: only --device sim:FILE has sessions to tell of");
   if (!options.log.empty() && !is_session_name(options.log) && is_live(*options.device))
     throw UsageError(
         "--log: a text is kept in memory until the end, which a live device does not have: name it "
@@ -108,6 +121,14 @@ bool viewer_waits(const PlayOptions& options) {
          S_ISFIFO(out.st_mode);
 }
 
+/// The model for states of the grid: one that answers as the grid's did. @throw ModelError
+std::unique_ptr<Model> exact_model(const GridSpec& spec, const std::vector<std::string>& path) {
+  if (spec.equality.is_declared())
+    throw ModelError("model " + spec.model +
+                     ": is a process, and play starts none: the model itself cannot be played");
+  return create_model(Plugin(spec.model, model_path(path)), spec);
+}
+
 /// The guard process, which is started before there is a thread, or a grid that it would copy.
 std::unique_ptr<HidGuard> start_guard(const DeviceChoice& device) {
   if (!pushes(device)) return nullptr;
@@ -116,9 +137,18 @@ std::unique_ptr<HidGuard> start_guard(const DeviceChoice& device) {
   return std::make_unique<HidGuard>();
 }
 
+/// What the user gave, and defaults.
+PlaySettings given_settings(const PlayOptions& options) {
+  PlaySettings settings = changed({}, options.given);
+  if (options.axes) settings.mapping.axes = *options.axes;
+  return settings;
+}
+
 /// The settings of a play: those that the user gave, then those that a replay recorded, then the
 /// defaults. The device's own limit holds in any case.
-PlaySettings settle(const PlayOptions& options, const OpenDevice& open, const LoadedGrid& loaded) {
+/// @param rule of traversal, by the same order.
+PlaySettings settle(const PlayOptions& options, const OpenDevice& open, const LoadedGrid& loaded,
+                    TraversalRule& rule) {
   PlaySettings settings;
   if (open.session) {
     const std::string file = input_file(*options.device);
@@ -129,16 +159,24 @@ PlaySettings settle(const PlayOptions& options, const OpenDevice& open, const Lo
     const PlayedWith with = played_with(*open.session, file);
     settings.safety = with.limits;
     settings.mapping.scale = with.scale;
+    rule = with.traversal;
   }
   settings = changed(settings, options.given);
+  if (options.traversal) rule = *options.traversal;
   if (options.axes) settings.mapping.axes = *options.axes;
   settings.safety.max_force = std::min(settings.safety.max_force, open.device->info().max_force);
   return settings;
 }
 
+/// Ticks in a second that nobody waits for.
+double virtual_rate_hz(const PlayOptions& options) {
+  return options.rate_hz > 0 ? options.rate_hz : kUnpacedHz;
+}
+
 LoopOptions pace(const PlayOptions& options, const OpenDevice& open, double spin_us) {
   LoopOptions loop{.rate_hz = options.rate_hz, .spin_us = spin_us};
   if (open.session) loop.unpaced_hz = open.session->rate_hz;
+  if (open.simulated) loop = {.unpaced_hz = virtual_rate_hz(options)};
   if (is_live(*options.device) && loop.rate_hz == 0) loop.rate_hz = kDefaultRateHz;
   if (options.duration_s > 0)
     loop.ticks = static_cast<std::uint64_t>(std::ceil(options.duration_s * loop.tick_rate_hz()));
@@ -162,14 +200,20 @@ std::unique_ptr<Watchdog> watch(Device& device, const std::atomic<std::uint64_t>
 /// Prints and writes what happened. @return the exit code @throw Error for a bad end
 int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts facts,
              const SafetyCore& safety, const Device& device, const Viewers& viewers) {
-  const bool bad = summary.end == LoopEnd::kDeviceFailed || !summary.zero_sent || safety.faulted();
+  const bool faulted = is_faulted(summary, safety, facts);
+  const bool bad = summary.end == LoopEnd::kDeviceFailed || !summary.zero_sent || faulted;
   facts.exit_code = bad                                ? kExitFailed
                     : summary.end == LoopEnd::kStopped ? 128 + caught_signal.load()
                                                        : kExitDone;
   print_summary(summary, facts);
   viewers.print_summary();
   if (!options.report.empty()) write_report(options.report, summary, facts);
-  require_good_end(summary, safety, device);
+  if (facts.sessions && !options.sessions.empty()) {
+    OutputFile table(options.sessions, /*binary=*/false);
+    table.write(sessions_table(*facts.sessions));
+    table.commit();
+  }
+  require_good_end(summary, faulted, facts, device);
   return facts.exit_code;
 }
 
@@ -191,23 +235,34 @@ int play(PlayOptions options) {
   // and echo. They still end a play that reads a path from standard input.
   std::optional<CaughtSignals> signals;
   if (is_live(*options.device)) signals.emplace();
-  const PlaySettings given = changed({}, options.given);
-  const OpenDevice open =
-      open_device(*options.device, given, options.rate_hz > 0 ? options.rate_hz : kUnpacedHz,
-                  spec.box, guard.get());
+  const OpenDevice open = open_device(*options.device, given_settings(options),
+                                      virtual_rate_hz(options), spec.box, guard.get());
   if (!signals) signals.emplace();
   Device& device = *open.device;
-  const PlaySettings settings = settle(options, open, loaded);
+  TraversalRule rule = kDefaultRule;
+  const PlaySettings settings = settle(options, open, loaded, rule);
   const LoopOptions loop = pace(options, open, settings.spin_us);
   const double rate_hz = loop.tick_rate_hz();
 
   Mapping mapping(settings.mapping, device.info(), spec.box);
-  PaperTraversal traversal(grid);
+  const auto create_exact = [&] { return exact_model(spec, options.model_path); };
+  const std::unique_ptr<Traversal> traversal = traversals(rule, grid, create_exact)();
+  const auto truth =
+      open.wants_truth ? traversals(TraversalRule::kModel, grid, create_exact)() : nullptr;
   SafetyCore safety(settings.safety);
   Log log(options.log, loaded, fields, rate_hz, loop.paced(), open.ticks,
-          {.limits = settings.safety, .scale = mapping.scale()});
+          {.limits = settings.safety, .scale = mapping.scale(), .traversal = rule});
+  std::optional<Sessions> sessions;
+  if (open.simulated)
+    sessions.emplace(
+        *open.simulated, fields,
+        Sessions::Setup{.rate_hz = rate_hz, .gain = settings.safety.gain, .scale = mapping.scale()},
+        truth.get());
   viewers.start(spec, create, rate_hz, loop.paced(), caught_signal);
-  RunFacts facts{.model = spec.model, .device = device.info().name, .rate_hz = loop.rate_hz};
+  RunFacts facts{.model = spec.model,
+                 .device = device.info().name,
+                 .traversal = name_of(rule),
+                 .rate_hz = loop.rate_hz};
   LoopSummary summary;
   {
     std::atomic<std::uint64_t> heartbeat{0};
@@ -219,11 +274,12 @@ int play(PlayOptions options) {
       std::fprintf(stderr, "play: %s at %g Hz; real time: %s\n", facts.device.c_str(), loop.rate_hz,
                    facts.realtime.c_str());
     summary = run_loop(
-        device, mapping, traversal, safety,
+        device, mapping, *traversal, safety,
         [&](const Vec3& x, std::span<const double> row) { return fields.force(x, row); },
         [&](const Tick& tick) {
           log.add(tick);
           viewers.show(tick);
+          if (sessions) sessions->add(tick);
         },
         caught_signal, heartbeat, loop);
     signals.reset();  // a second signal may interrupt the writing of what is left
@@ -231,6 +287,10 @@ int play(PlayOptions options) {
   log.finish();
   viewers.finish();
   facts.frames = viewers.frames();
+  if (sessions) {
+    sessions->finish();
+    facts.sessions = &*sessions;
+  }
   return conclude(options, summary, facts, safety, device, viewers);
 }
 

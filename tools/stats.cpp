@@ -146,6 +146,15 @@ bool asks_for_session(const SessionOptions& options) {
          !options.export_file.empty();
 }
 
+/// What is drawn when column `y` is asked for. A force is drawn as the model gave it and as it was
+/// sent, so that what the safety core does is not taken for a property of the model.
+std::vector<std::string> columns_of(const std::string& y) {
+  for (const char* axis : {"x", "y", "z"})
+    if (y == std::string("force_") + axis || y == std::string("sent_") + axis)
+      return {std::string("force_") + axis, std::string("sent_") + axis};
+  return {y};
+}
+
 void plot_text(const InputFile& file, const Options& options) {
   if (options.plot.empty() || options.png.empty())
     throw UsageError("--log: a log that is text needs --plot and --png");
@@ -156,12 +165,15 @@ void plot_text(const InputFile& file, const Options& options) {
       *parse_pair(options.labels.empty() ? options.plot : options.labels);
   InputBuffer buffer(file);
   std::istream lines(&buffer);
-  const std::vector<XY> ticks = read_log(lines, file.name(), x, y);
-  write_picture(
-      options.png,
-      motion_script(split_motion(ticks), y_label + " over " + x_label + ", there and back",
-                    file.name() + ": " + std::to_string(ticks.size()) + " ticks", x_label,
-                    y_label));
+  const std::vector<std::string> names = columns_of(y);
+  const std::vector<std::vector<XY>> ticks = read_log(lines, file.name(), x, names);
+  std::vector<MotionCurve> curves;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    curves.push_back({names[i], split_motion(ticks[i])});
+  write_picture(options.png,
+                motion_script(curves, y_label + " over " + x_label + ", there and back",
+                              file.name() + ": " + std::to_string(ticks[0].size()) + " ticks",
+                              x_label, y_label));
 }
 
 /// A session or a text, whichever the content is.

@@ -40,6 +40,8 @@ constexpr const char* kChecks =
     "  fidelity     C, evaluated again, gives the state where the link leads\n"
     "  stored       force, energy and shape, evaluated again, are the stored ones\n"
     "  blends       a note: cells whose corners can belong to different branches\n"
+    "  branches     the branch of each record has a row in all corners of each cell\n"
+    "  The next four with --traversal paper, in place of `branches`:\n"
     "  paths        play never needs a link that is missing\n"
     "  continuous   the state never jumps when play changes the cell\n"
     "  mixed        a note: configurations with corners of several branches\n"
@@ -93,6 +95,15 @@ void add_checks(CommandLine& app, Options& options) {
               std::to_string(kDefaultWalks))
       .type("E")
       .positive();
+  app.add(
+         "--traversal", [&](const std::string& name) { asked.traversal = *rule_named(name); },
+         "The rule by which play follows the hand: branch (default) or paper")
+      .type("RULE")
+      .check(
+          [](const std::string& name) {
+            return rule_named(name) && rule_named(name) != TraversalRule::kModel;
+          },
+          "branch or paper");
   app.add("--sample-seed", asked.sample_seed, "Another number draws other records and walks")
       .type("S")
       .shows_default();

@@ -12,11 +12,11 @@ namespace hapgrid {
 
 namespace {
 
-struct Seen {
+struct BranchesSeen {
   Findings cells;
   std::uint64_t torn = 0, mixed = 0;
 
-  void add(Seen&& later) {
+  void add(BranchesSeen&& later) {
     cells.add(std::move(later.cells));
     torn += later.torn;
     mixed += later.mixed;
@@ -35,7 +35,8 @@ bool has_cell(const Box& box, PointIndex point, int corner) {
   return true;
 }
 
-void look_around(const Grid& grid, const Sheets& sheets, RecordIndex r, int corner, Seen& seen) {
+void look_around(const Grid& grid, const Sheets& sheets, RecordIndex r, int corner,
+                 BranchesSeen& seen) {
   ++seen.cells.counted;
   bool is_torn = false;
   for (int k = 0; k < 8; ++k) {
@@ -56,9 +57,9 @@ void look_around(const Grid& grid, const Sheets& sheets, RecordIndex r, int corn
 
 Check check_branches(const Grid& grid, const Sheets& sheets, int threads) {
   constexpr std::uint64_t kBlock = 1 << 12;
-  Seen seen = sum_of_blocks<Seen>(
+  BranchesSeen seen = sum_of_blocks<BranchesSeen>(
       grid.records(), kBlock, threads, [&](std::uint64_t begin, std::uint64_t end) {
-        Seen part;
+        BranchesSeen part;
         for (auto r = static_cast<RecordIndex>(begin); r < end; ++r)
           for (int corner = 0; corner < 8; ++corner)
             if (!grid.in_frontier(r) && has_cell(grid.box(), grid.point(r), corner))

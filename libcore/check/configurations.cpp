@@ -5,7 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "libcore/check/random.hpp"
+#include "libcore/base/random.hpp"
 
 namespace hapgrid {
 

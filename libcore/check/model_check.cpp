@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/random.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/shard/format.hpp"
 

@@ -42,12 +42,12 @@ void RandomHand::turn() {
   do {
     squares = 0;
     for (int a = 0; a < 3; ++a) {
-      towards_[a] = box_.counts[a] > 1 ? 2 * part() - 1 : 0;
+      towards_[a] = box_.counts[a] > 1 ? 2 * random_.part() - 1 : 0;
       squares += towards_[a] * towards_[a];
     }
   } while (squares > 1 || squares < 0.01);
   for (double& component : towards_) component /= std::sqrt(squares);
-  length_ = box_.spacing / (2 * steps_) * (1 + part()) / 2;
+  length_ = box_.spacing / (2 * steps_) * (1 + random_.part()) / 2;
 }
 
 }  // namespace hapgrid

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "libcore/check/random.hpp"
+#include "libcore/base/random.hpp"
 #include "libcore/grid/box.hpp"
 
 namespace hapgrid {
@@ -26,8 +26,6 @@ class RandomHand {
 
  private:
   void turn();
-  /// In [0, 1).
-  double part() { return static_cast<double>(random_.below(std::uint64_t{1} << 53)) * 0x1p-53; }
 
   const Box& box_;
   SplitMix64 random_;

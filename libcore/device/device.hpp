@@ -1,4 +1,5 @@
-// The interface of a device to the haptic loop, for hardware, a keyboard, a path and a replay.
+// The interface of a device to the haptic loop, for hardware, a keyboard, a path, a replay and a
+// simulation.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +28,8 @@ struct DeviceInput {
   /// The user wants the force back after a fault. The loop acts when the button is pressed, not
   /// while it is held, so that no fault ends before the user has felt it.
   bool reset = false;
+  /// The hand is another one, or was put elsewhere: nothing of the ticks before counts.
+  bool begins = false;
   /// Only in a replay: how many ticks were missed before this one when it was recorded.
   std::uint64_t missed = 0;
 };

@@ -120,7 +120,8 @@ class Responder {
   Response respond(const DeviceInput& input, double dt, std::uint64_t missed) {
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     Response r{mapping_.hip(input, dt), {}, {kNaN, kNaN, kNaN}, {}};
-    r.step = traversal_.step(r.hip);
+    if (input.begins) begin();
+    r.step = input.begins ? traversal_.start(r.hip) : traversal_.step(r.hip);
     // The loop takes the press of the reset button alone: a button that was pressed before the
     // fault does not answer it. The clutch may be held: nobody wants a force meanwhile, and its
     // release starts a ramp.
@@ -145,6 +146,12 @@ class Responder {
   }
 
  private:
+  void begin() noexcept {
+    safety_.reset();
+    speed_ = Speed(mapping_.scale());
+    reset_held_ = false;
+  }
+
   Mapping& mapping_;
   Traversal& traversal_;
   SafetyCore& safety_;

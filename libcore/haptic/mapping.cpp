@@ -109,6 +109,12 @@ Vec3 Mapping::to_device(const Vec3& force) const noexcept {
   return out;
 }
 
+Vec3 Mapping::handle(const Vec3& hip) const noexcept {
+  Vec3 hand;
+  for (int a = 0; a < 3; ++a) hand[a] = (hip[a] - shift_[a]) / scale_;
+  return to_device(hand);
+}
+
 double Mapping::outside_cells(const Vec3& hip) const noexcept {
   Vec3 beyond{0, 0, 0};
   for (int a = 0; a < 3; ++a)

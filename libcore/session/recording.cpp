@@ -35,10 +35,12 @@ Recording load_session(InputFile file, std::uint64_t limit) {
   const std::uint32_t clutch = bit(kClutchFlag);
   const std::uint32_t stalled = bit(kStalledFlag);
   const std::uint32_t reset = bit(kResetFlag);
+  const std::uint32_t begins = bit(kBeginsFlag);
   for (std::vector<TickRecord> chunk; reader.next(chunk);)
     for (const TickRecord& tick : chunk)
       recording.ticks.push_back({tick.number, tick.hip, (tick.flags & clutch) != 0,
-                                 (tick.flags & stalled) != 0, (tick.flags & reset) != 0});
+                                 (tick.flags & stalled) != 0, (tick.flags & reset) != 0,
+                                 (tick.flags & begins) != 0});
   return recording;
 }
 
@@ -81,7 +83,7 @@ class TextLog {
     if (number_ > 2 && number <= tick.number)
       fail("t = " + to_text(t) + " at " + to_text(rate_hz_) + " Hz is tick " +
            std::to_string(number) + ", and the line before is tick " + std::to_string(tick.number));
-    tick = {number, {value(1), value(2), value(3)}, false, false};
+    tick = {.number = number, .hip = {value(1), value(2), value(3)}};
     return true;
   }
 

@@ -16,6 +16,7 @@ struct RecordedTick {
   bool clutch = false;
   bool stalled = false;
   bool reset = false;
+  bool begins = false;
 };
 
 struct Recording {
@@ -30,7 +31,8 @@ inline constexpr std::uint64_t kRecordingLimit = 1'000'000'000;
 ///
 /// A text has a first line "# t x y z ...", as play --log and stats --export write it: names of
 /// columns, separated by tabs, of which t (seconds) and x, y, z are taken. A tick's number is
-/// t * text_rate_hz, rounded. Clutch, stalled and reset are not in a text.
+/// t * text_rate_hz, rounded. Clutch, stalled, reset and begins are not in a
+/// text.
 /// @throw std::system_error; FormatError "NAME: byte N: ..." for a session; Error "NAME: line N:
 /// ..." for a text; Error when there is no tick, or more than `limit` bytes of them.
 Recording load_recording(const std::string& name, double text_rate_hz,

@@ -15,6 +15,27 @@ void take_largest(LargestForce& largest, const Vec3& force, std::uint64_t tick) 
 
 }  // namespace
 
+void HandEnergy::add(const TickRecord& tick) {
+  const bool begins = begins_ < kMaxFlags && (tick.flags >> begins_ & 1) != 0;
+  if (begins || !any_) {
+    since_begin_ = 0;
+  } else {
+    double work = 0;
+    for (int a = 0; a < 3; ++a) work += last_.force[a] * (tick.hip[a] - last_.hip[a]);
+    if (std::isfinite(work)) {  // a HIP that is not finite is no place
+      given_ += work;
+      since_begin_ += work;
+    }
+  }
+  if (!any_) returned_tick_ = tick.number;
+  if (since_begin_ > returned_) {
+    returned_ = since_begin_;
+    returned_tick_ = tick.number;
+  }
+  any_ = true;
+  last_ = tick;
+}
+
 void SessionStatistics::add(const TickRecord& tick) {
   if (ticks == 0)
     first = tick.number;

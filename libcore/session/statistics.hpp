@@ -16,6 +16,32 @@ struct LargestForce {
   bool any = false;        ///< false: no force was finite
 };
 
+/// The work that the device does on the hand: the sum over ticks of the force that was sent times
+/// the way of the HIP until the next tick, in newtons times the box's unit of length. It is exact
+/// for a device whose force is in effect at once and holds until the next one.
+class HandEnergy {
+ public:
+  explicit HandEnergy(const SessionHeader& header) : begins_(header.flag(kBeginsFlag)) {}
+
+  void add(const TickRecord& tick);
+  /// Of all ticks; below 0 where the hand worked.
+  double given() const { return given_; }
+  /// Since the hand began anew (kBeginsFlag), or since the first tick.
+  double since_begin() const { return since_begin_; }
+  /// The largest since_begin() that there was, at least 0, and the tick that had it.
+  double returned() const { return returned_; }
+  std::uint64_t returned_tick() const { return returned_tick_; }
+
+ private:
+  std::size_t begins_;  // kMaxFlags: there is no such flag
+  bool any_ = false;
+  TickRecord last_;
+  double given_ = 0;
+  double since_begin_ = 0;
+  double returned_ = 0;
+  std::uint64_t returned_tick_ = 0;
+};
+
 /// Counts of the ticks that were added, in order.
 struct SessionStatistics {
   std::uint64_t ticks = 0;

@@ -8,7 +8,7 @@ wire = [tuple(map(int, line.split())) for line in
         re.search(r"== record\n(.*?)== session", text, re.S).group(1).splitlines()]
 ticks = [line.split("\t") for line in open(exported) if not line.startswith("#")]
 hips = [tuple(map(float, t[1:4])) for t in ticks]
-forces = [tuple(map(float, t[4:7])) for t in ticks]
+forces = [tuple(map(float, t[7:10])) for t in ticks]
 
 # Positions: 0.2 m of reach fill 1.9 along x, so 9.5 units a metre, from the box's middle, which is at
 # (-0.025, -0.025, -0.025). Each HIP is one that the device sent, in their order, none older than the

@@ -15,6 +15,8 @@
 #include "libcore/device/profile.hpp"
 #include "libcore/device/replay.hpp"
 #include "libcore/device/spacemouse.hpp"
+#include "libcore/haptic/mapping.hpp"
+#include "tools/play/simulation.hpp"
 
 namespace hapgrid {
 
@@ -41,6 +43,7 @@ constexpr Form kForms[] = {
     {"keys", Argument::kNone, "keys",
      [](const std::string&) { return DeviceChoice(TerminalKeys()); }},
     {"replay", Argument::kNeeded, "replay:FILE", make<ReplayFile>},
+    {"sim", Argument::kNeeded, "sim:FILE", make<SimulationFile>},
     {"profile", Argument::kNeeded, "profile:FILE", make<ProfileFile>},
     {"pid", Argument::kMayBe, "pid[:WHICH]", make<PidJoystick>},
     {"spacemouse", Argument::kMayBe, "spacemouse[:WHICH]", make<SpaceMouse>},
@@ -73,7 +76,8 @@ OpenDevice open_replay(const std::string& file, double text_rate_hz) {
     ticks.push_back({.input = {.position = tick.hip,
                                .stalled = tick.stalled,
                                .clutch = tick.clutch,
-                               .reset = tick.reset},
+                               .reset = tick.reset,
+                               .begins = tick.begins},
                      .missed = tick.number - next});
     next = tick.number + 1;
   }
@@ -81,6 +85,17 @@ OpenDevice open_replay(const std::string& file, double text_rate_hz) {
   return {.device = std::make_unique<ReplayDevice>(std::move(ticks)),
           .ticks = count,
           .session = recording.header};
+}
+
+OpenDevice open_simulation(const std::string& file, double rate_hz, const MappingOptions& mapping,
+                           const Box& box) {
+  const Simulation simulation = read_simulation(file, rate_hz);
+  OpenDevice open{.device = {}, .session = {}, .wants_truth = simulation.truth};
+  const Mapping map(mapping, SimulatedDevice::info(simulation.device), box);
+  auto device = simulated_device(simulation, map, box);
+  open.simulated = device.get();
+  open.device = std::move(device);
+  return open;
 }
 
 std::unique_ptr<Device> open_profile(const std::string& file, HidGuard* guard) {
@@ -150,6 +165,7 @@ DeviceChoice parse_device(const std::string& name) {
 std::string input_file(const DeviceChoice& device) {
   if (const auto* path = std::get_if<PathFile>(&device)) return path->file;
   if (const auto* replay = std::get_if<ReplayFile>(&device)) return replay->file;
+  if (const auto* simulation = std::get_if<SimulationFile>(&device)) return simulation->file;
   return "";
 }
 
@@ -159,11 +175,11 @@ bool pushes(const DeviceChoice& device) {
   return std::holds_alternative<ProfileFile>(device) || std::holds_alternative<PidJoystick>(device);
 }
 
-OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
-                       double text_rate_hz, const Box& box, HidGuard* guard) {
+OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double virtual_hz,
+                       const Box& box, HidGuard* guard) {
   struct Open {
     const PlaySettings& settings;
-    double text_rate_hz;
+    double virtual_hz;
     const Box& box;
     HidGuard* guard;
 
@@ -172,7 +188,10 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
     }
     OpenDevice operator()(const PathFile& path) const { return open_path(path.file); }
     OpenDevice operator()(const ReplayFile& replay) const {
-      return open_replay(replay.file, text_rate_hz);
+      return open_replay(replay.file, virtual_hz);
+    }
+    OpenDevice operator()(const SimulationFile& simulation) const {
+      return open_simulation(simulation.file, virtual_hz, settings.mapping, box);
     }
     OpenDevice operator()(const TerminalKeys&) const {
       return live(std::make_unique<KeyboardDevice>(keyboard_options(settings, box)));
@@ -187,7 +206,7 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
       return live(open_spacemouse(mouse.which));
     }
   };
-  return std::visit(Open{settings, text_rate_hz, box, guard}, device);
+  return std::visit(Open{settings, virtual_hz, box, guard}, device);
 }
 
 void print_devices() { std::cout << list_text(list_hid()); }

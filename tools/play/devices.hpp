@@ -8,6 +8,7 @@
 
 #include "libcore/device/device.hpp"
 #include "libcore/device/hid_guard.hpp"
+#include "libcore/device/simulated.hpp"
 #include "libcore/session/recording.hpp"
 #include "tools/play/settings.hpp"
 
@@ -21,6 +22,9 @@ struct PathFile {
 struct ReplayFile {
   std::string file;
 };
+struct SimulationFile {
+  std::string file;
+};
 struct TerminalKeys {};
 struct ProfileFile {
   std::string file;
@@ -31,13 +35,13 @@ struct PidJoystick {
 struct SpaceMouse {
   std::string which;
 };
-using DeviceChoice =
-    std::variant<PathFile, ReplayFile, TerminalKeys, ProfileFile, PidJoystick, SpaceMouse>;
+using DeviceChoice = std::variant<PathFile, ReplayFile, SimulationFile, TerminalKeys, ProfileFile,
+                                  PidJoystick, SpaceMouse>;
 
 /// Opens nothing. @throw UsageError for what is not a device's name
 DeviceChoice parse_device(const std::string& name);
 
-/// The file that the hand's positions come from, "-" for standard input; empty for a live device.
+/// The file that tells what the hand does, "-" for standard input; empty for a live device.
 std::string input_file(const DeviceChoice& device);
 /// Whether a person moves the device, for as long as they like.
 bool is_live(const DeviceChoice& device);
@@ -47,15 +51,17 @@ bool pushes(const DeviceChoice& device);
 /// A device that is open, and what play has to know about it.
 struct OpenDevice {
   std::unique_ptr<Device> device;
-  std::size_t ticks = 0;                 ///< how many a path or a replay has
-  std::optional<SessionHeader> session;  ///< of a replay
+  std::size_t ticks = ~std::size_t{0};         ///< how many a path or a replay has
+  std::optional<SessionHeader> session;        ///< of a replay
+  const SimulatedDevice* simulated = nullptr;  ///< `device`, if it is one
+  bool wants_truth = false;                    ///< of a simulation: the model runs beside it
 };
 
-/// @param text_rate_hz ticks a second of a replayed text, which does not say it.
+/// @param virtual_hz ticks a second of a simulation, and of a replayed text, which does not say it.
 /// @param box of the grid. @param guard for a device that pushes.
 /// @throw DeviceError, Error, std::system_error
-OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
-                       double text_rate_hz, const Box& box, HidGuard* guard);
+OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double virtual_hz,
+                       const Box& box, HidGuard* guard);
 
 /// Prints what --list-devices and --dump-descriptor ask for. @throw DeviceError
 void print_devices();

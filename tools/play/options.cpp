@@ -43,9 +43,18 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
          "--device", [&](const std::string& name) { options.device = parse_device(name); },
          "path:FILE, the positions in FILE ('path:-': standard input);\n"
          "keys, the keyboard of this terminal; replay:FILE, what a log has;\n"
+         "sim:FILE, a simulated device and hand that a TOML describes;\n"
          "profile:FILE, a HID device that a text describes; pid[:WHICH],\n"
          "a joystick of HID's PID class; spacemouse[:WHICH], which steers")
       .type("DEVICE");
+  app.add(
+         "--traversal", [&](const std::string& name) { options.traversal = rule_named(name); },
+         "How states follow the hand: branch, with snaps where the model\n"
+         "snaps (default); paper, by Algorithm 2; or model, by the\n"
+         "model itself, which no live device can wait for")
+      .type("RULE")
+      .check([](const std::string& name) { return rule_named(name).has_value(); },
+             "one of " + rule_names());
   app.add_flag("--list-devices", options.list_devices, "List the HID devices of this machine");
   app.add("--dump-descriptor", options.dump_descriptor,
           "Print the report descriptor of a HID device. WHICH is a path,\n"
@@ -57,7 +66,8 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
 void add_time_options(CommandLine& app, PlayOptions& options) {
   app.add("--rate", options.rate_hz,
           "Ticks a second (default: 1000 for a live device; a path or\n"
-          "replay plays as fast as possible)")
+          "replay plays as fast as possible, sim: always so, and its\n"
+          "virtual ticks are of this rate or 1000 Hz)")
       .type("HZ")
       .within(1e-3, 1e6, "a rate from 0.001 to 1000000 Hz");
   app.add("--duration", options.duration_s,
@@ -91,6 +101,8 @@ void add_output_options(CommandLine& app, PlayOptions& options) {
   app.add("--report", options.report,
           "JSON report of the play: ticks, lateness, computing time, what\n"
           "the safety core did")
+      .type("FILE");
+  app.add("--sessions", options.sessions, "Table of the sessions of sim:, a line for each of them")
       .type("FILE");
 }
 

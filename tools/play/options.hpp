@@ -9,6 +9,7 @@
 
 #include "libcore/haptic/realtime.hpp"
 #include "libcore/scene/imd_server.hpp"
+#include "tools/common/traversals.hpp"
 #include "tools/play/devices.hpp"
 #include "tools/play/settings.hpp"
 
@@ -17,12 +18,14 @@ namespace hapgrid {
 struct PlayOptions {
   std::string grid;
   std::optional<DeviceChoice> device;
-  double rate_hz = 0;     ///< 0: kDefaultRateHz for a live device, no pace for a scripted one
+  double rate_hz = 0;  ///< 0: kDefaultRateHz for a live device, no pace for a scripted one
+  std::optional<TraversalRule> traversal;
   double duration_s = 0;  ///< 0: until the device ends
   RealtimeMode realtime = RealtimeMode::kTry;
   std::string log;
   std::string frames;
   std::string report;
+  std::string sessions;
   std::optional<std::uint16_t> imd_port;
   ImdOptions imd;
   std::vector<std::string> model_path;

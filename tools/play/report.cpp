@@ -13,12 +13,6 @@ using Json = nlohmann::ordered_json;
 
 double microseconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-3; }
 
-std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 Json to_json(const Histogram& h) {
   Json bins = Json::array();
   for (const Histogram::Bin& bin : h.bins())
@@ -46,11 +40,17 @@ const char* name_of(LoopEnd end) {
 
 }  // namespace
 
+std::string three_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
 std::string quantiles_text(const Histogram& h) {
-  return "p50 " + short_number(microseconds(h.quantile(0.5))) + ", p99 " +
-         short_number(microseconds(h.quantile(0.99))) + ", p99.9 " +
-         short_number(microseconds(h.quantile(0.999))) + ", max " +
-         short_number(microseconds(h.max())) + " us";
+  return "p50 " + three_digits(microseconds(h.quantile(0.5))) + ", p99 " +
+         three_digits(microseconds(h.quantile(0.99))) + ", p99.9 " +
+         three_digits(microseconds(h.quantile(0.999))) + ", max " +
+         three_digits(microseconds(h.max())) + " us";
 }
 
 void print_summary(const LoopSummary& s, const RunFacts& facts) {
@@ -70,8 +70,9 @@ void print_summary(const LoopSummary& s, const RunFacts& facts) {
       acted += (acted.empty() ? "" : ", ") + std::string(kSafetyNames[i]) + " " +
                std::to_string(s.acted[i]);
   std::fprintf(stderr, "play: largest force %s N of the model, %s N sent; safety, in ticks: %s\n",
-               short_number(s.largest_raw).c_str(), short_number(s.largest_force).c_str(),
+               three_digits(s.largest_raw).c_str(), three_digits(s.largest_force).c_str(),
                acted.empty() ? "nothing to do" : acted.c_str());
+  if (facts.sessions) std::fputs(sessions_text(*facts.sessions).c_str(), stderr);
   if (facts.rate_hz > 0) {
     std::fprintf(stderr, "play: ticks missed at %g Hz: %llu, in %llu overruns\n", facts.rate_hz,
                  n(s.missed), n(s.overruns));
@@ -86,6 +87,7 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
   Json report{
       {"model", facts.model},
       {"device", facts.device},
+      {"traversal", facts.traversal},
       {"rate_hz", facts.rate_hz},
       {"realtime", facts.realtime},
       {"end", name_of(s.end)},
@@ -107,6 +109,7 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
       {"compute", to_json(s.compute)}};
   if (facts.frames)
     report["frames"] = {{"written", facts.frames->written}, {"dropped", facts.frames->dropped}};
+  if (facts.sessions) report["simulation"] = sessions_json(*facts.sessions);
   OutputFile output(file, /*binary=*/false);
   output.write(report.dump(2) + "\n");
   output.commit();

@@ -5,6 +5,7 @@
 
 #include "libcore/haptic/loop.hpp"
 #include "libcore/scene/publisher.hpp"
+#include "tools/play/sessions.hpp"
 
 namespace hapgrid {
 
@@ -12,9 +13,11 @@ namespace hapgrid {
 struct RunFacts {
   std::string model = {};
   std::string device = {};
+  std::string traversal = {};
   double rate_hz = 0;                   ///< 0: not paced
   std::string realtime = {};            ///< see Realtime::got()
   const FrameCounts* frames = nullptr;  ///< null: no frames were written
+  const Sessions* sessions = nullptr;   ///< of a simulated device
   int exit_code = 0;
 };
 
@@ -23,6 +26,8 @@ void print_summary(const LoopSummary& summary, const RunFacts& facts);
 /// @throw std::system_error
 void write_report(const std::string& file, const LoopSummary& summary, const RunFacts& facts);
 
+/// With three digits.
+std::string three_digits(double value);
 /// "p50 12, p99 34, p99.9 56, max 78 us"
 std::string quantiles_text(const Histogram& histogram);
 

@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // The flags of a tick: first the bits of the safety core, then these.
-enum : std::uint32_t { kClutchBit = kSafetyActions, kStalledBit, kResetBit, kLevelBit };
+enum : std::uint32_t { kClutchBit = kSafetyActions, kStalledBit, kResetBit, kLevelBit, kBeginsBit };
 
 /// Calls f(name, value) for each limit.
 template <class Limits, class F>
@@ -43,11 +43,14 @@ SessionHeader session_header(const GridSpec& spec, const std::string& digest, do
   header.box = spec.box;
   header.rate_hz = rate_hz;
   for (const char* name : kSafetyNames) header.flags.push_back(kSafetyFlag + std::string(name));
-  header.flags.insert(header.flags.end(), {kClutchFlag, kStalledFlag, kResetFlag, kLevelFlag});
+  header.flags.insert(header.flags.end(),
+                      {kClutchFlag, kStalledFlag, kResetFlag, kLevelFlag, kBeginsFlag});
   Json safety;
   // JSON has no infinity; null stands for it.
   each_limit(with.limits, [&](const char* name, double value) { safety[name] = value; });
-  header.settings = Json{{"safety", safety}, {"scale_per_m", with.scale}}.dump();
+  header.settings =
+      Json{{"safety", safety}, {"scale_per_m", with.scale}, {"traversal", name_of(with.traversal)}}
+          .dump();
   return header;
 }
 
@@ -60,6 +63,9 @@ PlayedWith played_with(const SessionHeader& header, const std::string& name) {
       value = written.is_null() ? std::numeric_limits<double>::infinity() : written.get<double>();
     });
     with.scale = settings.at("scale_per_m").get<double>();
+    const auto rule = rule_named(settings.at("traversal").get<std::string>());
+    if (!rule) throw Error(name + ": played by a rule of traversal that this program lacks");
+    with.traversal = *rule;
   } catch (const Json::exception&) {
     throw Error(name + ": its settings are not those of play");
   }
@@ -75,7 +81,7 @@ TickRecord tick_record(const Tick& tick) noexcept {
           .levels = tick.traversal.levels(),
           .flags = tick.force.acted | bit(tick.input.clutch, kClutchBit) |
                    bit(tick.input.stalled, kStalledBit) | bit(tick.input.reset, kResetBit) |
-                   bit(tick.step.level_changed, kLevelBit),
+                   bit(tick.step.level_changed, kLevelBit) | bit(tick.input.begins, kBeginsBit),
           .lateness_ns = saturated_ns(tick.lateness_ns),
           .compute_ns = saturated_ns(tick.compute_ns)};
 }

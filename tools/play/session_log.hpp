@@ -7,6 +7,7 @@
 #include "libcore/haptic/loop.hpp"
 #include "libcore/session/recorder.hpp"
 #include "libcore/session/recording.hpp"
+#include "tools/common/traversals.hpp"
 
 namespace hapgrid {
 
@@ -18,6 +19,7 @@ bool is_session_name(const std::string& file);
 struct PlayedWith {
   SafetyLimits limits;  ///< as they were applied, with the device's own limit
   double scale = 0;     ///< Mapping::scale()
+  TraversalRule traversal = kDefaultRule;
 };
 
 /// The header of a session. @param digest of the grid.

@@ -9,7 +9,7 @@ namespace hapgrid {
 namespace {
 
 constexpr std::size_t kWriteBytes = 1 << 16;
-constexpr std::size_t kBeforeState = 7;  // t, the HIP, the force
+constexpr std::size_t kBeforeState = 10;  // t, the HIP, the model's force and the one that was sent
 
 }  // namespace
 
@@ -19,7 +19,7 @@ TextLog::TextLog(const std::string& file, const GridSpec& spec, const Fields& fi
       spec_(spec),
       fields_(fields),
       rate_hz_(rate_hz),
-      columns_(kBeforeState + spec.state_size + 3),
+      columns_(kBeforeState + spec.state_size),
       capacity_(capacity) {
   numbers_.resize(capacity * columns_);
   if (spec.stored.energy)
@@ -27,11 +27,11 @@ TextLog::TextLog(const std::string& file, const GridSpec& spec, const Fields& fi
   else if (fields.has_energy())
     positions_.resize(capacity);
   levels_.resize(capacity);
-  text_ = "# t\tx\ty\tz\tfx\tfy\tfz";
+  text_ = "# t\tx\ty\tz\tforce_x\tforce_y\tforce_z\tsent_x\tsent_y\tsent_z";
   for (int i = 0; i < 8; ++i) text_ += "\tl" + std::to_string(i);
   for (std::size_t i = 0; i < spec.state_size; ++i) text_ += "\ts" + std::to_string(i);
   if (fields.has_energy()) text_ += "\tenergy";
-  text_ += "\trx\try\trz\n";
+  text_ += '\n';
   output_.write(text_);
 }
 
@@ -39,9 +39,9 @@ void TextLog::add(const Tick& tick) noexcept {
   double* to = numbers_.data() + size_ * columns_;
   *to++ = static_cast<double>(tick.number) / rate_hz_;
   for (const double x : tick.hip) *to++ = x;
+  for (const double f : tick.raw_force) *to++ = f;
   for (const double f : tick.force.force) *to++ = f;
   for (const double s : tick.traversal.state()) *to++ = s;
-  for (const double f : tick.raw_force) *to++ = f;
   if (!energies_.empty()) energies_[size_] = tick.traversal.row()[spec_.energy_offset()];
   if (!positions_.empty()) positions_[size_] = tick.traversal.position();
   levels_[size_++] = tick.traversal.levels();
@@ -57,7 +57,6 @@ void TextLog::flush() {
     for (const double s : state) append(s, "\t");
     if (!energies_.empty()) append(energies_[row], "\t");
     if (!positions_.empty()) append(fields_.energy(positions_[row], state), "\t");
-    for (const double f : numbers.last(3)) append(f, "\t");
     text_ += '\n';
     if (text_.size() < kWriteBytes) continue;
     output_.write(text_);

@@ -35,7 +35,7 @@ class TextLog {
   const GridSpec& spec_;
   const Fields& fields_;
   double rate_hz_;
-  std::size_t columns_;  // t, the HIP, the force, the state, the raw force
+  std::size_t columns_;  // t, the HIP, the force before and after the safety core, the state
   std::size_t capacity_;
   std::size_t size_ = 0;
   std::vector<double> numbers_;

@@ -236,7 +236,7 @@ std::string slice_script(const GridSpec& spec, const Slice& slice) {
   return script + "\n";
 }
 
-std::string motion_script(const Motion& motion, const std::string& title,
+std::string motion_script(const std::vector<MotionCurve>& curves, const std::string& title,
                           const std::string& subtitle, const std::string& x_label,
                           const std::string& y_label) {
   std::string script = setup({880, 480, 95, 25, 75, 110}, title, subtitle, x_label, y_label);
@@ -245,24 +245,26 @@ std::string motion_script(const Motion& motion, const std::string& title,
       "set autoscale fix\n"
       "set offsets graph 0.02, graph 0.02, graph 0.05, graph 0.05\n"
       "set key at screen 0.5, screen 0.87 center horizontal Left reverse samplen 3 width 2\n";
-  const auto append_lines = [&](const char* name, const std::vector<std::vector<XY>>& lines) {
-    script += std::string("$") + name + " << END\n";
-    for (const auto& line : lines) {
-      for (const auto& [x, y] : line) append_numbers(script, {x, y});
-      script += "\n";  // an empty line ends a polyline
-    }
-    script += "END\n";
-  };
-  append_lines("there", motion.there);
-  append_lines("back", motion.back);
   // The way there is broad and light, the way back thin and dark, so that both are seen where they
-  // run over each other.
+  // run over each other; a second curve is thinner than the first.
+  constexpr std::array<std::array<const char*, 2>, 2> kLooks{
+      {{"lw 7 lc rgb '#56b4e9'", "lw 2.5 lc rgb '#d55e00'"},
+       {"lw 4 lc rgb '#bbbbbb'", "lw 1.2 lc rgb '#000000'"}}};
   std::string plots;
-  if (!motion.there.empty())
-    plots += "$there with lines lw 7 lc rgb '#56b4e9' title 'there (rightwards →)'";
-  if (!motion.back.empty())
-    plots += std::string(plots.empty() ? "" : ", ") +
-             "$back with lines lw 2.5 lc rgb '#d55e00' title 'back (leftwards ←)'";
+  const auto append = [&](std::size_t c, int back, const std::vector<XY>& line) {
+    if (line.empty()) return;
+    const std::string data = (back ? "$back" : "$there") + std::to_string(c);
+    script += data + " << END\n";
+    for (const auto& [x, y] : line) append_numbers(script, {x, y});
+    script += "END\n";
+    const std::string way = back ? "back" : "there";
+    plots += std::string(plots.empty() ? "" : ", ") + data + " with lines " + kLooks[c][back] +
+             " title " + gnuplot_string(curves.size() > 1 ? way + ", " + curves[c].name : way);
+  };
+  for (std::size_t c = 0; c < std::min(curves.size(), kLooks.size()); ++c) {
+    append(c, 0, curves[c].motion.there);
+    append(c, 1, curves[c].motion.back);
+  }
   return script + "plot " + plots + "\n";
 }
 

@@ -6,6 +6,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "libcore/base/file.hpp"
 #include "libcore/grid/spec.hpp"
@@ -27,8 +28,13 @@ void run_gnuplot(const std::string& script, OutputFile& png);
 /// The levels of each point in a plane: a coloured square a point, and what the colours mean.
 std::string slice_script(const GridSpec& spec, const Slice& slice);
 
-/// The lines of `motion`, there and back in two colours. Titles and labels may be any text.
-std::string motion_script(const Motion& motion, const std::string& title,
+/// A column of a log over another one.
+struct MotionCurve {
+  std::string name;
+  Motion motion;
+};
+/// One or two curves, there and back in two colours each. Names, titles and labels may be any text.
+std::string motion_script(const std::vector<MotionCurve>& curves, const std::string& title,
                           const std::string& subtitle, const std::string& x_label,
                           const std::string& y_label);
 

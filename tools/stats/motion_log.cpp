@@ -24,8 +24,8 @@ std::vector<std::string_view> split(std::string_view line) {
 
 }  // namespace
 
-std::vector<XY> read_log(std::istream& log, const std::string& name, const std::string& x,
-                         const std::string& y) {
+std::vector<std::vector<XY>> read_log(std::istream& log, const std::string& name,
+                                      const std::string& x, const std::vector<std::string>& y) {
   std::size_t number = 1;
   const auto fail = [&](const std::string& what) {
     throw Error(name + ": line " + std::to_string(number) + ": " + what);
@@ -42,10 +42,12 @@ std::vector<XY> read_log(std::istream& log, const std::string& name, const std::
     return static_cast<std::size_t>(found - names.begin());
   };
   const std::size_t x_column = column(x);
-  const std::size_t y_column = column(y);
+  std::vector<std::size_t> y_columns;
+  y_columns.reserve(y.size());
+  for (const std::string& wanted : y) y_columns.push_back(column(wanted));
   const std::size_t columns = names.size();
 
-  std::vector<XY> ticks;
+  std::vector<std::vector<XY>> ticks(y.size());
   while (std::getline(log, line)) {
     ++number;
     const std::vector<std::string_view> cells = split(line);
@@ -60,30 +62,20 @@ std::vector<XY> read_log(std::istream& log, const std::string& name, const std::
              "' is no finite number");
       return result;
     };
-    ticks.emplace_back(value(x_column, x), value(y_column, y));
+    const double at = value(x_column, x);
+    for (std::size_t i = 0; i < y.size(); ++i) ticks[i].emplace_back(at, value(y_columns[i], y[i]));
   }
   if (log.bad()) throw Error(name + ": cannot be read");
-  if (ticks.empty()) fail("no ticks after the names of the columns");
+  if (number == 1) fail("no ticks after the names of the columns");
   return ticks;
 }
 
 Motion split_motion(const std::vector<XY>& ticks) {
-  Motion motion;
-  int sign = 0;  // of the line that is being drawn; 0 before x has moved
-  std::size_t begin = 0;
-  const auto draw = [&](std::size_t end) {  // ticks begin .. end
-    auto& lines = sign < 0 ? motion.back : motion.there;
-    lines.emplace_back(ticks.begin() + static_cast<std::ptrdiff_t>(begin),
-                       ticks.begin() + static_cast<std::ptrdiff_t>(end) + 1);
-    begin = end;
-  };
-  for (std::size_t i = 1; i < ticks.size(); ++i) {
-    const double dx = ticks[i].first - ticks[i - 1].first;
-    const int moved = dx > 0 ? 1 : dx < 0 ? -1 : sign;
-    if (sign != 0 && moved != sign) draw(i - 1);
-    sign = moved;
-  }
-  draw(ticks.size() - 1);
+  const auto way = [&](const XY& tick) { return std::abs(tick.first - ticks.front().first); };
+  const auto turn = std::max_element(ticks.begin(), ticks.end(),
+                                     [&](const XY& a, const XY& b) { return way(a) < way(b); });
+  Motion motion{{ticks.begin(), turn + 1}, {}};
+  if (turn + 1 != ticks.end()) motion.back.assign(turn, ticks.end());
   return motion;
 }
 

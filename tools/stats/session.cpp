@@ -67,8 +67,10 @@ void run_session(InputFile file, const SessionOptions& options) {
   std::optional<Export> text;
   if (!options.export_file.empty()) text.emplace(options.export_file);
   SessionStatistics statistics;
+  HandEnergy energy(header);
   for_ticks(session, options.from, options.to, [&](const TickRecord& tick) {
     statistics.add(tick);
+    energy.add(tick);
     if (text) text->add(header, tick);
   });
   if (statistics.ticks == 0)
@@ -78,7 +80,7 @@ void run_session(InputFile file, const SessionOptions& options) {
   if (text) text->commit();
   if (!options.png.empty()) {
     // Again from the beginning: what the columns are is known now.
-    SessionCurves curves(header, statistics.first, statistics.last);
+    SessionCurves curves(header, statistics.first, statistics.last, energy_unit(header));
     for_ticks(session, options.from, options.to, [&](const TickRecord& tick) { curves.add(tick); });
     OutputFile png(options.png);
     run_gnuplot(
@@ -92,9 +94,9 @@ void run_session(InputFile file, const SessionOptions& options) {
 
   OutputFile output(options.output, /*binary=*/false);
   if (options.format == "text")
-    output.write(session_text(session, statistics));
+    output.write(session_text(session, statistics, energy));
   else  // "replace": a session's strings need not be UTF-8
-    output.write(session_json(session, statistics)
+    output.write(session_json(session, statistics, energy)
                      .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
                  "\n");
   output.commit();

@@ -66,10 +66,13 @@ void SessionCurves::Range::take(double value) {
   any = true;
 }
 
-SessionCurves::SessionCurves(SessionHeader header, std::uint64_t first, std::uint64_t last)
+SessionCurves::SessionCurves(SessionHeader header, std::uint64_t first, std::uint64_t last,
+                             EnergyUnit unit)
     : header_(std::move(header)),
       first_(first),
       last_(last),
+      unit_(std::move(unit)),
+      energy_(header_),
       columns_(static_cast<std::size_t>(std::min(last - first, kMostColumns - 1) + 1)) {}
 
 void SessionCurves::add(const TickRecord& tick) {
@@ -86,6 +89,8 @@ void SessionCurves::add(const TickRecord& tick) {
     column.series[3 + a].take(tick.raw_force[a]);
     column.series[6 + a].take(tick.hip[a]);
   }
+  energy_.add(tick);
+  column.series[9].take(energy_.since_begin() * unit_.factor);
   column.flags |= tick.flags;
   column.lateness_us = std::max(column.lateness_us, tick.lateness_ns / 1e3);
   column.compute_us = std::max(column.compute_us, tick.compute_ns / 1e3);
@@ -180,7 +185,7 @@ std::string SessionCurves::force_panel() const {
   std::string script = y_range(all.low, all.high) + "set ylabel 'force / N'\nplot ";
   for (std::size_t a = 0; a < 3; ++a)
     script += curve("$s" + std::to_string(3 + a), 5, kLightColours[a],
-                    std::string(1, "xyz"[a]) + ", before safety") +
+                    std::string(1, "xyz"[a]) + ", of the model") +
               ", ";
   for (std::size_t a = 0; a < 3; ++a)
     script += (a == 0 ? "" : ", ") + curve("$s" + std::to_string(a), 1.5, kAxisColours[a],
@@ -198,6 +203,13 @@ std::string SessionCurves::hip_panel() const {
     script += (a == 0 ? "" : ", ") +
               curve("$s" + std::to_string(6 + a), 1.5, kAxisColours[a], std::string(1, "xyz"[a]));
   return script + "\n";
+}
+
+std::string SessionCurves::energy_panel() const {
+  const Range all = range(9, 10);
+  const std::string unit = unit_.name == "mJ" ? "mJ" : "(" + unit_.name + ")";
+  return y_range(all.low, all.high) + "set ylabel " + gnuplot_string("work on the hand / " + unit) +
+         "\nplot " + curve("$s9", 1.5, "#000000", "since it began") + "\n";
 }
 
 std::string SessionCurves::time_panel() const {
@@ -240,7 +252,7 @@ std::string SessionCurves::script(const std::string& subtitle) const {
     if ((seen >> i & 1) != 0) flags.push_back(i);
 
   const double strip = kFlagRow * std::max(1.0, static_cast<double>(flags.size())) + 8;
-  const double height = kTop + 3 * (kPanel + kGap) + strip + kBottom;
+  const double height = kTop + 4 * (kPanel + kGap) + strip + kBottom;
   const auto y = [&](double pixels) { return rounded(1 - pixels / height); };
   std::string script = "set encoding utf8\nset terminal pngcairo noenhanced size " +
                        rounded(kWidth) + "," + rounded(std::round(height)) + " font 'sans,12'\n";
@@ -268,6 +280,8 @@ std::string SessionCurves::script(const std::string& subtitle) const {
   script += force_panel() + "unset label 1\nunset label 2\n";
   next(kPanel);
   script += hip_panel();
+  next(kPanel);
+  script += energy_panel();
   next(kPanel);
   script += time_panel();
   next(strip);

@@ -1,4 +1,5 @@
-// A session as curves over time: force, HIP, lateness and compute time, and what the flags say.
+// A session as curves over time: force, HIP, energy, lateness and compute time, and what the flags
+// say.
 #pragma once
 
 #include <array>
@@ -7,6 +8,8 @@
 #include <vector>
 
 #include "libcore/session/session.hpp"
+#include "libcore/session/statistics.hpp"
+#include "tools/stats/session_report.hpp"
 
 namespace hapgrid {
 
@@ -15,7 +18,7 @@ namespace hapgrid {
 class SessionCurves {
  public:
   /// For ticks with numbers from `first` to `last`.
-  SessionCurves(SessionHeader header, std::uint64_t first, std::uint64_t last);
+  SessionCurves(SessionHeader header, std::uint64_t first, std::uint64_t last, EnergyUnit unit);
 
   void add(const TickRecord& tick);
 
@@ -23,7 +26,7 @@ class SessionCurves {
   std::string script(const std::string& subtitle) const;
 
  private:
-  static constexpr std::size_t kSeries = 9;  // force, raw force, HIP
+  static constexpr std::size_t kSeries = 10;  // force as sent, of the model, HIP, energy
   struct Range {
     double low = 0;
     double high = 0;
@@ -49,12 +52,15 @@ class SessionCurves {
   Range time_range() const;
   std::string force_panel() const;
   std::string hip_panel() const;
+  std::string energy_panel() const;
   std::string time_panel() const;
   std::string flag_panel(const std::vector<std::size_t>& flags) const;
 
   SessionHeader header_;
   std::uint64_t first_;
   std::uint64_t last_;
+  EnergyUnit unit_;
+  HandEnergy energy_;
   std::vector<Column> columns_;
 };
 

@@ -1,6 +1,7 @@
 #include "tools/stats/session_report.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -52,7 +53,20 @@ std::string share_text(std::uint64_t part, std::uint64_t whole) {
 
 }  // namespace
 
-Json session_json(const SessionReader& session, const SessionStatistics& s) {
+EnergyUnit energy_unit(const SessionHeader& header) {
+  const Json settings = Json::parse(header.settings, nullptr, /*allow_exceptions=*/false);
+  if (settings.is_object() && settings.contains("scale_per_m") &&
+      settings["scale_per_m"].is_number()) {
+    const double scale = settings["scale_per_m"].get<double>();
+    if (scale > 0 && std::isfinite(1000 / scale)) return {1000 / scale, "mJ"};
+  }
+  return {1, "N " + (header.length_unit.empty() ? "model's unit of length"
+                                                : printable_line(header.length_unit, 24))};
+}
+
+Json session_json(const SessionReader& session, const SessionStatistics& s,
+                  const HandEnergy& energy) {
+  const EnergyUnit unit = energy_unit(session.header());
   const SessionHeader& header = session.header();
   Json flags = Json::object();
   for (std::size_t i = 0; i < header.flags.size(); ++i) flags[header.flags[i]] = s.flags[i];
@@ -77,13 +91,19 @@ Json session_json(const SessionReader& session, const SessionStatistics& s) {
           {"lost_bytes", session.lost_bytes()},
           {"largest_raw_force", force_json(header, s.raw)},
           {"largest_force", force_json(header, s.sent)},
+          {"energy",
+           {{"unit", unit.name},
+            {"given", energy.given() * unit.factor},
+            {"returned", energy.returned() * unit.factor},
+            {"returned_time_s", header.time_of(energy.returned_tick())}}},
           {"force_not_computed", s.not_computed},
           {"flags", flags},
           {"lateness_us", times_json(s.lateness)},
           {"compute_us", times_json(s.compute)}};
 }
 
-std::string session_text(const SessionReader& session, const SessionStatistics& s) {
+std::string session_text(const SessionReader& session, const SessionStatistics& s,
+                         const HandEnergy& energy) {
   const SessionHeader& header = session.header();
   const Box& box = header.box;
   const double start = header.time_of(s.first);
@@ -120,6 +140,11 @@ std::string session_text(const SessionReader& session, const SessionStatistics& 
     line("salvaged", std::to_string(session.lost_bytes()) + " bytes of the file are lost");
   line("largest force", force_text(header, s.sent) + " as sent, " + force_text(header, s.raw) +
                             " before the safety core");
+  const EnergyUnit unit = energy_unit(header);
+  line("energy", rounded(energy.given() * unit.factor) + " " + unit.name +
+                     " given to the hand, at most " + rounded(energy.returned() * unit.factor) +
+                     " " + unit.name + " until " + to_text(header.time_of(energy.returned_tick())) +
+                     " s");
   line("not computed", share_text(s.not_computed, s.ticks));
   line("lateness", times_text(s.lateness));
   line("compute time", times_text(s.compute));

@@ -9,10 +9,19 @@
 
 namespace hapgrid {
 
+/// How energies of a session are shown: in mJ where its settings tell how many units of length a
+/// metre of the hand is.
+struct EnergyUnit {
+  double factor = 1;  ///< of newtons times the box's unit of length
+  std::string name;   ///< "mJ" or "N angstrom"
+};
+EnergyUnit energy_unit(const SessionHeader& header);
+
 /// `statistics` are of the session's ticks or a part of them, at least one. Keys are only ever
 /// added.
 nlohmann::ordered_json session_json(const SessionReader& session,
-                                    const SessionStatistics& statistics);
-std::string session_text(const SessionReader& session, const SessionStatistics& statistics);
+                                    const SessionStatistics& statistics, const HandEnergy& energy);
+std::string session_text(const SessionReader& session, const SessionStatistics& statistics,
+                         const HandEnergy& energy);
 
 }  // namespace hapgrid

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libcore/check/accuracy.hpp"
+#include "libcore/check/branches.hpp"
 #include "libcore/check/configurations.hpp"
 #include "libcore/check/fidelity.hpp"
 #include "libcore/check/forces.hpp"
@@ -79,7 +80,10 @@ class Examiner {
     const CellMap map(grid_, threads_);
     const Configurations found =
         find_configurations(grid_, map, threads_, default_configuration_limit(map));
-    add(check_paths(grid_, map, found, threads_));
+    if (asked_.traversal == TraversalRule::kPaper)
+      add(check_paths(grid_, map, found, threads_));
+    else
+      add({check_branches(grid_, Sheets(grid_), threads_)});
     std::optional<Forces> forces;
     if (has_force_)
       forces.emplace(
@@ -90,7 +94,10 @@ class Examiner {
 
   void walk() {
     WalkModels models{
-        [&] { return make_model(); }, [&] { return model_functions(judge()).same; }, {}};
+        [&] { return make_model(); },
+        [&] { return model_functions(judge()).same; },
+        {},
+        traversals(asked_.traversal, grid_, [&] { return create_model(*source_, grid_.spec()); })};
     if (has_force_)
       models.fields = [&] {
         return Fields(

@@ -8,6 +8,7 @@
 #include "libcore/check/report.hpp"
 #include "libcore/check/steep.hpp"
 #include "tools/common/models.hpp"
+#include "tools/common/traversals.hpp"
 
 namespace hapgrid {
 
@@ -16,6 +17,7 @@ struct Examination {
   std::uint64_t sample_seed = 1;
   std::uint64_t walks = 0;
   std::optional<double> accuracy;
+  TraversalRule traversal = kDefaultRule;
   int threads = 1;
   Rendering rendering;
   ModelOptions model;

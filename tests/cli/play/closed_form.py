@@ -78,7 +78,7 @@ ticks = []
 for line in open(LOG):
     if not line.startswith("#"):
         f = line.split("\t")
-        ticks.append((float(f[1]), float(f[15])))
+        ticks.append((float(f[1]), float(f[18])))
 turn = max(range(len(ticks)), key=lambda i: ticks[i][0])
 for i, (x, s) in enumerate(ticks):
     if i > turn:  # from the right it is the mirror image

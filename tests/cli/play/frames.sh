@@ -29,7 +29,7 @@ for f in frames:
     triple = lambda v: [f[v][a] for a in "xyz"]
     assert f["time"] == at("t")
     assert triple("hip") == triple("position") == [at("x"), at("y"), at("z")]
-    assert triple("force") == triple("rawForce") == [at("fx"), at("fy"), at("fz")]
+    assert triple("force") == triple("rawForce") == [at(f"sent_{a}") for a in "xyz"]
     assert f["levels"] == [int(row[names[f"l{i}"]]) for i in range(8)]
     assert f["state"] == [at("s0")] and f["energy"] == at("energy")
     assert len(f["centres"]) == 30

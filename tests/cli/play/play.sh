@@ -14,18 +14,18 @@ play: largest force 3 N of the model, 1.47 N sent; safety, in ticks: ramped 362,
   -- play grid --device path:path --log log
 
 # The log: one line that names the columns, a line a tick.
-[ "$(head -1 log)" = $'# t\tx\ty\tz\tfx\tfy\tfz\tl0\tl1\tl2\tl3\tl4\tl5\tl6\tl7\ts0\tenergy\trx\try\trz' ] || fail "header"
+[ "$(head -1 log)" = $'# t\tx\ty\tz\tforce_x\tforce_y\tforce_z\tsent_x\tsent_y\tsent_z\tl0\tl1\tl2\tl3\tl4\tl5\tl6\tl7\ts0\tenergy' ] || fail "header"
 awk -F '\t' 'NR > 1 && (NF != 20 || $1 != (NR - 2) / 1000) { bad = 1 } END { exit bad || NR != 363 }' log ||
   fail "lines of the log"
 [[ $(sed -n 3p log) == $'0.001\t-0.89000000000000001\t0\t0\t'* ]] || fail "17 digits: $(sed -n 3p log)"
 
 # Pushed from the left the ball is right of x = 0, pushed from the right it is left of it, and it
-# hangs at the ends (issue 2). Columns: x is 2, the angle 16.
+# hangs at the ends (issue 2). Columns: x is 2, the angle 19.
 awk -F '\t' '
   NR == 1 { next }
-  $2 == 0 && NR <= 182 { there = $16 }
-  $2 == 0 && NR > 182 { back = $16 }
-  ($2 < -0.85 || $2 > 0.85) && $16 != 0 { bad = 1 }
+  $2 == 0 && NR <= 182 { there = $19 }
+  $2 == 0 && NR > 182 { back = $19 }
+  ($2 < -0.85 || $2 > 0.85) && $19 != 0 { bad = 1 }
   END { exit bad || !(there > 0.15 && back < -0.15 && there + back < 1e-12 && there + back > -1e-12) }' log ||
   fail "hysteresis"
 
@@ -43,9 +43,9 @@ play: ticks outside the box 1, with a jump split 2, lagging behind a jump 0
 play: largest force 0.199 N of the model, 0.05 N sent; safety, in ticks: clamped 1" \
   -- play grid --device path:jumps --max-force 0.05 --set safety.ramp=0 --set safety.blend=0 \
   --set safety.slew=inf --set safety.fade=0 --log log
-awk -F '\t' 'NR > 1 && $5 * $5 + $6 * $6 + $7 * $7 > 0.05 * 0.05 * (1 + 1e-15) { bad = 1 }
-             NR == 3 && $5 * $5 + $6 * $6 + $7 * $7 < 0.049 * 0.049 { bad = 1 }
-             NR == 4 && ($2 != -9 || $16 != 0) { bad = 1 } END { exit bad }' log || fail "limits: $(cat log)"
+awk -F '\t' 'NR > 1 && $8 * $8 + $9 * $9 + $10 * $10 > 0.05 * 0.05 * (1 + 1e-15) { bad = 1 }
+             NR == 3 && $8 * $8 + $9 * $9 + $10 * $10 < 0.049 * 0.049 { bad = 1 }
+             NR == 4 && ($2 != -9 || $19 != 0) { bad = 1 } END { exit bad }' log || fail "limits: $(cat log)"
 # A jump over 70 cells takes a second tick: 64 cells are the most in one.
 seed "$ball" --set 'grid.origin=[-0.9,0,0]' --set grid.spacing=0.01 --set 'grid.counts=[72,2,2]' \
   --set 'seeds.points=[[-0.9,0,0]]' |

@@ -4,12 +4,12 @@ seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --co
 echo '0 0 0' >path
 
 help='(see play --help)'
-forms='path:FILE, keys, replay:FILE, profile:FILE, pid[:WHICH], spacemouse[:WHICH]'
+forms='path:FILE, keys, replay:FILE, sim:FILE, profile:FILE, pid[:WHICH], spacemouse[:WHICH]'
 expect 2 '' "play: grid is required $help" -- play
 expect 2 '' "play: --device is required $help" -- play grid
 expect 2 '' "play: --device: 'falcon' is not a device: $forms $help" -- play grid --device falcon
 expect 2 '' "play: --device: 'path:' is not a device: $forms $help" -- play grid --device path:
-expect 2 '' "play: the grid and the path cannot both be standard input $help" -- play - --device path:-
+expect 2 '' "play: the grid and the device cannot both be standard input $help" -- play - --device path:-
 for rate in 0 -1 nan 1e7 fast; do
   expect 2 '' "play: --rate: '$rate' is not a rate from 0.001 to 1000000 Hz $help" \
     -- play grid --device path:path --rate "$rate"
@@ -62,7 +62,7 @@ expect 2 '' "play: --log: the log would replace the grid $help" \
   -- play grid --device path:path --log ./grid
 cmp grid kept
 rm kept
-expect 2 '' "play: --log: the log would replace the path or session that is played $help" \
+expect 2 '' "play: --log: the log would replace the file that --device names $help" \
   -- play grid --device path:path --log ./path
 expect 2 '' "play: --log: a text is kept in memory until the end, which a live device does not have: \
 name it FILE.session (stats --log FILE.session --export makes it a text) $help" \

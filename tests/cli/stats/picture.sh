@@ -35,6 +35,20 @@ same "size" "1000 x 665" "$(png_size log.png)"
 expect 0 '' '' -- stats --log - --plot t,x --labels "it's time,\`id\` \"α\" / rad" --png two.png <log
 png_size two.png >/dev/null
 
+# A force is drawn with the one that was sent: gnuplot gets four lines.
+printf '# x\tforce_x\tsent_x\n0\t1\t0\n1\t1\t0.5\n0\t1\t1\n' >forces
+mkdir spy
+printf '#!/bin/sh\nexec tee "$SCRIPT" | PATH=%q gnuplot "$@"\n' "$PATH" >spy/gnuplot
+chmod +x spy/gnuplot
+for column in force_x sent_x; do
+  SCRIPT=$PWD/script PATH=$PWD/spy:$PATH expect 0 '' '' -- stats --log forces --plot x,$column --png forces.png
+  png_size forces.png >/dev/null
+  same "lines" "there, force_x
+back, force_x
+there, sent_x
+back, sent_x" "$(grep -o "title '[a-z_, ]*'" script | sed "s/title '//; s/'//")"
+done
+
 # Refused: no picture is left, and an old one stays as it was.
 mkdir empty
 refuses 'stats: slice z=0.6 is outside the box: z goes from -0.475 to 0.475' -- \

@@ -119,7 +119,7 @@ def text(name):
     with open(name, "rb") as file:
         messages = decode(file.read())
     rate = messages[0]["header"]["rate"]
-    names = "# t x y z fx fy fz l0 l1 l2 l3 l4 l5 l6 l7 rawx rawy rawz flags lateness_us compute_us"
+    names = "# t x y z force_x force_y force_z sent_x sent_y sent_z l0 l1 l2 l3 l4 l5 l6 l7 flags lateness_us compute_us"
     lines = ["# " + "\t".join(names[2:].split())]
     for message in messages[1:-1]:
         ticks = message["ticks"]
@@ -130,9 +130,10 @@ def text(name):
         for i, (hip, raw) in enumerate(zip(vectors(ticks["hip"], n), raws)):
             number += int(ticks["skipped"][i]) + 1
             cells = [digits(number / rate)] + [digits(double(b)) for b in hip]
+            cells += [digits(double(b)) for b in raw]
             cells += [digits(double(force[a][i] ^ raw[a])) for a in range(3)]
             cells += [str(ticks["levels"][c * n + i]) for c in range(8)]
-            cells += [digits(double(b)) for b in raw] + [str(ticks["flags"][i])]
+            cells += [str(ticks["flags"][i])]
             cells += [digits(ticks[k][i] / 1000) for k in ("lateness", "compute")]
             lines.append("\t".join(cells))
     print("\n".join(lines))

@@ -12,6 +12,7 @@ rate                10 Hz
 ticks               4, from 0.5 s to 1 s (0.5 s)
 missed              2 (33.333 %)
 largest force       2 N at 0.6 s as sent, 5 N at 0.6 s before the safety core
+energy              1.9 N m given to the hand, at most 1.9 N m until 0.9 s
 not computed        1 (25.000 %)
 lateness            p50 0.100, p99 4294967.295, p99.9 4294967.295, max 4294967.295 us
 compute time        p50 0.002, p99 0.004, p99.9 0.004, max 0.004 us
@@ -40,6 +41,8 @@ assert (r["ticks"], r["missed"], r["dropped"], r["lost_bytes"]) == (2, 2, 0, 0)
 assert (r["start_s"], r["end_s"], r["rate_hz"]) == (0.6, 0.9, 10)
 assert r["largest_raw_force"] == {"newtons": 5, "time_s": 0.6, "tick": 6}
 assert r["largest_force"] == {"newtons": 2, "time_s": 0.6, "tick": 6}
+assert r["energy"] == {"unit": "N m", "given": 1.2 * 0.25 + 1.6, "returned": 1.2 * 0.25 + 1.6,
+                       "returned_time_s": 0.9}
 assert r["force_not_computed"] == 1
 assert r["flags"] == {"clutch": 1, "safety_clamped": 1, "level_changed": 1}
 assert r["lateness_us"]["max"] == 1.5 and r["compute_us"]["p50"] == 0.002

@@ -1,5 +1,6 @@
 #include "libcore/haptic/loop.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
@@ -344,4 +345,32 @@ TEST_CASE_METHOD(Fixture, "the heart beats once a tick") {
   FakeDevice d = device(100);
   loop(d, kConstant, kIgnore);
   CHECK(heartbeat == 101);  // the last one met the end of the device
+}
+
+TEST_CASE_METHOD(Fixture, "where the hand begins anew, nothing of the ticks before counts") {
+  struct Twice : FakeDevice {
+    std::size_t begin = 0;
+    Status read(DeviceInput& input) noexcept override {
+      const Status status = FakeDevice::read(input);
+      input.begins = next - 1 == begin;
+      return status;
+    }
+  };
+  // Ramp, blend, slew and the speed guard all remember; a hole in the first hand's path is a fault.
+  const auto sent = [&](std::size_t from) {
+    Twice d;
+    const FakeDevice whole = device(400);
+    d.path.assign(whole.path.begin() + static_cast<std::ptrdiff_t>(from), whole.path.end());
+    if (from == 0) d.path[20][1] = std::nan("");
+    d.begin = 100 - from;
+    PaperTraversal afresh(grid);
+    SafetyCore core({.ramp_ms = 150, .buzz_force = 0.01});
+    Mapping mapping({.scale = 40}, d.info(), grid.box());
+    const auto force = [](const Vec3&, std::span<const double> s) { return Vec3{s[0], s[1], 0}; };
+    run_loop(d, mapping, afresh, core, force, kIgnore, stop, heartbeat);
+    return std::vector<Vec3>(d.sent.end() - 301, d.sent.end());
+  };
+  const std::vector<Vec3> alone = sent(100);
+  CHECK(sent(0) == alone);
+  CHECK(std::any_of(alone.begin(), alone.end(), [](const Vec3& f) { return f != kZero; }));
 }

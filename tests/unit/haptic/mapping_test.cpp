@@ -68,6 +68,15 @@ TEST_CASE("the clutch moves the handle without the HIP, as often as one likes") 
   CHECK(hip[0] == Approx(3));  // three strokes of 0.1 m, 10 a metre
 }
 
+TEST_CASE("where the handle is for a HIP") {
+  const Mapping there(
+      {.scale = 8, .axes = {Vec3{0, -1, 0}, {0, 0, 1}, {1, 0, 0}}, .offset = {1, 0, 0}},
+      held({-1, 0, 0}, {1, 2, 3}), kBox);
+  Mapping back = there;
+  for (const Vec3& x : {Vec3{0, 0, 0}, Vec3{0.5, -0.25, 11}, Vec3{-3, 7, 10}})
+    CHECK(back.hip({.position = there.handle(x)}, 1) == x);  // exact: all numbers are dyadic
+}
+
 TEST_CASE("a HIP that is steered moves with its speed and stays in the box") {
   const DeviceInfo steered{.name = "steered", .unit = DeviceInfo::Unit::kRate};
   Mapping mapping({.speed = 2}, steered, kBox);

@@ -103,8 +103,8 @@ TEST_CASE("a session as text reads back to the same hand") {
   const SessionHeader header = small_header();
   std::string text = session_text_header();
   CHECK(text ==
-        "# t\tx\ty\tz\tfx\tfy\tfz\tl0\tl1\tl2\tl3\tl4\tl5\tl6\tl7\trawx\trawy\trawz\tflags\t"
-        "lateness_us\tcompute_us\n");
+        "# t\tx\ty\tz\tforce_x\tforce_y\tforce_z\tsent_x\tsent_y\tsent_z\tl0\tl1\tl2\tl3\tl4\tl5\t"
+        "l6\tl7\tflags\tlateness_us\tcompute_us\n");
   for (const TickRecord& tick : ticks) append_session_text(text, header, tick);
   const Recording got = load_recording(text_file(text), 1000);
   REQUIRE(got.ticks.size() == ticks.size());
@@ -119,7 +119,7 @@ TEST_CASE("a session as text reads back to the same hand") {
   text.clear();
   append_session_text(text, header, one);
   CHECK(text ==
-        "1.234\t0.10000000000000001\t0\t0\t-0.5\t0\t0\t1\t2\t3\t4\t5\t6\t7\t8\t1\t2\t3\t5\t1.5\t"
+        "1.234\t0.10000000000000001\t0\t0\t1\t2\t3\t-0.5\t0\t0\t1\t2\t3\t4\t5\t6\t7\t8\t5\t1.5\t"
         "0.01\n");
 }
 

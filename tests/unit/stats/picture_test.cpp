@@ -13,10 +13,8 @@ namespace {
 
 std::vector<XY> read(const std::string& text) {
   std::istringstream log(text);
-  return read_log(log, "p.log", "x", "s0");
+  return read_log(log, "p.log", "x", {"s0"}).at(0);
 }
-
-using Lines = std::vector<std::vector<XY>>;
 
 }  // namespace
 
@@ -82,21 +80,25 @@ TEST_CASE("a malformed log is named with its line") {
   CHECK_THROWS_AS(read("# x\ts0\n\t1\n"), Error);
 }
 
-TEST_CASE("motion is split where x turns") {
-  const std::vector<XY> there{{0, 0}, {1, 1}};
-  const std::vector<XY> back{{1, 1}, {0, 2}};
-  const auto motion = split_motion({{0, 0}, {1, 1}, {0, 2}});
-  CHECK(motion.there == Lines{there});
-  CHECK(motion.back == Lines{back});
-  SECTION("a step straight up keeps the direction") {
-    const auto up = split_motion({{0, 0}, {1, 1}, {1, 5}, {0, 2}});
-    CHECK(up.there == Lines{{{0, 0}, {1, 1}, {1, 5}}});
-    CHECK(up.back == Lines{{{1, 5}, {0, 2}}});
-  }
-  SECTION("a rest at the beginning goes to the first motion") {
-    const auto rest = split_motion({{1, 0}, {1, 1}, {0, 1}});
-    CHECK(rest.there.empty());
-    CHECK(rest.back == Lines{{{1, 0}, {1, 1}, {0, 1}}});
-  }
-  SECTION("one tick is a point") { CHECK(split_motion({{1, 2}}).there == Lines{{{1, 2}}}); }
+TEST_CASE("several columns are read at once") {
+  std::istringstream log("# x\ta\tb\n1\t2\t3\n4\t5\t6\n");
+  const std::vector<std::vector<XY>> expected{{{1, 3}, {4, 6}}, {{1, 2}, {4, 5}}};
+  CHECK(read_log(log, "p.log", "x", {"b", "a"}) == expected);
+}
+
+TEST_CASE("there and back follow time: the farthest place from the start is where back begins") {
+  using Line = std::vector<XY>;
+  const auto check = [](const Line& ticks, const Line& there, const Line& back) {
+    const Motion motion = split_motion(ticks);
+    CHECK(motion.there == there);
+    CHECK(motion.back == back);
+  };
+  check({{0, 0}, {1, 1}, {0, 2}}, {{0, 0}, {1, 1}}, {{1, 1}, {0, 2}});
+  // The way there may run to the left, and may turn on the way.
+  check({{0, 0}, {-2, 1}, {-1, 2}, {-3, 3}, {0, 4}}, {{0, 0}, {-2, 1}, {-1, 2}, {-3, 3}},
+        {{-3, 3}, {0, 4}});
+  // A rest at the farthest place is on the way back.
+  check({{0, 0}, {1, 1}, {1, 5}, {0, 2}}, {{0, 0}, {1, 1}}, {{1, 1}, {1, 5}, {0, 2}});
+  check({{0, 0}, {1, 1}}, {{0, 0}, {1, 1}}, {});
+  check({{1, 2}}, {{1, 2}}, {});
 }

@@ -19,6 +19,8 @@ class SplitMix64 {
   explicit SplitMix64(std::uint64_t seed) : state_(seed) {}
   /// A number below `bound`; the bias of the remainder is below 2^-32 for 32-bit bounds.
   std::uint64_t below(std::uint64_t bound) { return mix(state_ += kStep) % bound; }
+  /// In [0, 1), with 53 random bits.
+  double part() { return static_cast<double>(below(std::uint64_t{1} << 53)) * 0x1p-53; }
 
  private:
   static constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;  // 2^64 over the golden ratio

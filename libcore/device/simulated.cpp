@@ -1,0 +1,121 @@
+#include "libcore/device/simulated.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hapgrid {
+
+namespace {
+
+using Matrix = std::array<std::array<double, 3>, 3>;
+
+Matrix product(const Matrix& a, const Matrix& b) {
+  Matrix c{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) c[i][j] += a[i][k] * b[k][j];
+  return c;
+}
+
+/// The exponential by its series, of a part so small that the series ends soon, squared as often as
+/// needed.
+Matrix exponential(Matrix a) {
+  double largest = 0;
+  for (const auto& row : a)
+    for (const double entry : row) largest = std::max(largest, std::abs(entry));
+  int squarings = 0;
+  for (; largest > 0.125; largest /= 2) ++squarings;
+  for (auto& row : a)
+    for (double& entry : row)
+      for (int i = 0; i < squarings; ++i) entry /= 2;
+  constexpr Matrix kOne{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  Matrix sum = kOne;
+  for (int n = 16; n > 0; --n) {  // Horner: 1 + a/1 (1 + a/2 (1 + ...)); 0.375^16 / 16! < 1e-20
+    sum = product(a, sum);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) sum[i][j] = kOne[i][j] + sum[i][j] / n;
+  }
+  for (int i = 0; i < squarings; ++i) sum = product(sum, sum);
+  return sum;
+}
+
+}  // namespace
+
+HandleMechanics::HandleMechanics(const SimulatedOptions& o)
+    : dt_(1 / o.rate_hz), mass_(o.mass), damping_(o.damping) {
+  const double spring = o.stiffness / o.mass;
+  const double friction = (o.hand_damping + o.damping) / o.mass;
+  // u' = w, w' = -spring u - friction w + a, a' = 0.
+  const Matrix e = exponential({{{0, dt_, 0}, {-spring * dt_, -friction * dt_, dt_}, {0, 0, 0}}});
+  step_ = {e[0], e[1]};
+}
+
+void HandleMechanics::advance(double& x, double& v, double force, double from,
+                              double to) const noexcept {
+  const double speed = (to - from) / dt_;
+  const double u = x - from;
+  const double w = v - speed;
+  const double a = (force - damping_ * speed) / mass_;
+  x = to + (step_[0][0] * u + step_[0][1] * w + step_[0][2] * a);
+  v = speed + (step_[1][0] * u + step_[1][1] * w + step_[1][2] * a);
+}
+
+SimulatedDevice::SimulatedDevice(const SimulatedOptions& options, Targets targets)
+    : options_(options),
+      mechanics_(options),
+      source_(std::move(targets)),
+      sent_(std::size_t{options.delay} + 1, Vec3{0, 0, 0}) {}
+
+DeviceInfo SimulatedDevice::info(const SimulatedOptions& options) {
+  const double half = options.reach / 2;
+  return {.name = "simulated",
+          .unit = DeviceInfo::Unit::kMetres,
+          .low = {-half, -half, -half},
+          .high = {half, half, half}};
+}
+
+DeviceStatus SimulatedDevice::read(DeviceInput& input) noexcept {
+  const bool over = started_ && at_ + 1 == targets_.size();
+  if (over && session_ + 1 == options_.sessions) return DeviceStatus::kEnd;
+  const bool begins = over || !started_;
+  if (over) ++session_;
+  if (begins)
+    begin();
+  else
+    advance();
+  input = {.begins = begins};
+  for (int a = 0; a < 3; ++a)
+    input.position[a] = options_.encoder > 0
+                            ? std::floor(x_[a] / options_.encoder + 0.5) * options_.encoder
+                            : x_[a];
+  return DeviceStatus::kOk;
+}
+
+DeviceStatus SimulatedDevice::send(const Vec3& force) noexcept {
+  newest_ = (newest_ + 1) % sent_.size();
+  sent_[newest_] = force;
+  return DeviceStatus::kOk;
+}
+
+void SimulatedDevice::begin() {
+  source_(session_, targets_);
+  started_ = true;
+  at_ = 0;
+  x_ = targets_.front();
+  v_ = {0, 0, 0};
+  work_ = 0;
+  std::fill(sent_.begin(), sent_.end(), Vec3{0, 0, 0});
+}
+
+void SimulatedDevice::advance() {
+  const Vec3& force = sent_[(newest_ + 1) % sent_.size()];  // the oldest
+  for (int a = 0; a < 3; ++a) {
+    const double before = x_[a];
+    mechanics_.advance(x_[a], v_[a], force[a], targets_[at_][a], targets_[at_ + 1][a]);
+    work_ += force[a] * (x_[a] - before);
+  }
+  ++at_;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,102 @@
+// A device and the hand that holds it, simulated in virtual time: a closed loop whose every run
+// gives the same bits.
+//
+// On each axis the handle is a mass m between the device's force F and the hand, which is a spring
+// and a damper to a point X that moves by itself:
+//
+//   m x'' = F + k (X - x) + b (X' - x') - c x'
+//
+// F is what was sent, and it holds for a tick; X goes straight from one tick's target to the next
+// one's. So each tick has an exact solution, whatever the stiffness and however long the tick, and
+// it is one small matrix product. The matrix is a series of sums and products: no function of the
+// mathematical library, whose last bit differs between machines, is used.
+//
+// Nothing here is real-time safe: nobody waits for a simulated device.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "libcore/device/device.hpp"
+
+namespace hapgrid {
+
+struct SimulatedOptions {
+  double mass = 0.1;          ///< m of the handle, kg; > 0
+  double damping = 0;         ///< c of the device, N s/m
+  double stiffness = 300;     ///< k of the hand, N/m; 0: the handle is free
+  double hand_damping = 1.5;  ///< b of the hand, N s/m
+  double encoder = 5.5e-5;    ///< positions are reported in such steps, m; 0: exactly
+  std::uint32_t delay = 0;    ///< ticks from when a force is sent until it is in effect
+  double reach = 0.1;         ///< side of the cube around 0 that the handle reaches, m
+  double rate_hz = 1000;      ///< ticks a second
+  std::uint64_t sessions = 1;
+};
+
+/// How the handle moves in one tick.
+class HandleMechanics {
+ public:
+  explicit HandleMechanics(const SimulatedOptions& options);
+
+  /// The handle's place and speed on one axis, a tick later.
+  /// @param force of the device, in newtons. @param from, to of the hand's point X, in metres.
+  void advance(double& x, double& v, double force, double from, double to) const noexcept;
+
+ private:
+  double dt_, mass_, damping_;
+  // (u, w, a) -> u and w a tick later; u = x - X, w = v - X', a the constant acceleration.
+  std::array<std::array<double, 3>, 2> step_;
+};
+
+class SimulatedDevice : public Device {
+ public:
+  /// Fills in the hand's point X, in metres, for each tick of a session, at least one: it replaces
+  /// what the vector had.
+  using Targets = std::function<void(std::uint64_t session, std::vector<Vec3>& targets)>;
+
+  SimulatedDevice(const SimulatedOptions& options, Targets targets);
+
+  /// What info() will say; the options alone decide it.
+  static DeviceInfo info(const SimulatedOptions& options);
+
+  DeviceInfo info() const override { return info(options_); }
+  /// A tick later; each session begins with DeviceInput::begins, at rest in its first target. kEnd
+  /// after the last session.
+  DeviceStatus read(DeviceInput& input) noexcept override;
+  DeviceStatus send(const Vec3& force) noexcept override;
+  DeviceStatus stop() noexcept override { return DeviceStatus::kOk; }
+  std::string error() const override { return "a simulated device does not fail"; }
+
+  // What the simulation knows at the tick that was read last.
+
+  /// Of the session, from 0.
+  std::uint64_t session() const { return session_; }
+  /// Where the handle is, in metres, whatever the encoder says.
+  const Vec3& position() const { return x_; }
+  /// The hand's point X, in metres.
+  const Vec3& target() const { return targets_[at_]; }
+  /// What the device's force, as it was in effect, has done on the hand since the session began, in
+  /// joules; exact.
+  double work() const { return work_; }
+
+ private:
+  void begin();
+  void advance();
+
+  SimulatedOptions options_;
+  HandleMechanics mechanics_;
+  Targets source_;
+  std::vector<Vec3> targets_;
+  std::uint64_t session_ = 0;
+  std::size_t at_ = 0;  // the tick in targets_
+  bool started_ = false;
+  Vec3 x_{0, 0, 0};
+  Vec3 v_{0, 0, 0};
+  double work_ = 0;
+  std::vector<Vec3> sent_;  // the last delay + 1 forces, a ring
+  std::size_t newest_ = 0;
+};
+
+}  // namespace hapgrid

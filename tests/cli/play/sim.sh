@@ -1,0 +1,84 @@
+# play --device sim: what its sessions are judged by, against a count over the log in Python; the same bytes
+# again; the model in the grid's place; what is refused.
+source "$(dirname "$0")/../lib.sh"
+seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
+cat >sim.toml <<'TOML'
+encoder = 0
+delay = 1
+truth = true
+[random]
+seed = 3
+sessions = 6
+seconds = 4
+speed = 0.2
+hold = 1.25
+TOML
+
+# The box is 1.9 rope lengths long, and 0.1 m reach from end to end: 19 a metre.
+play grid --device sim:sim.toml --log log --report report --sessions table 2>summary
+python3 "$here/sim.py" log table report summary
+expect 0 '' "~play: 24000 ticks, .*" -- play grid --device sim:sim.toml --log a.session --sessions again
+cmp again table
+# A replay starts anew where the sessions did, by the same rule.
+play grid --device replay:a.session --log replayed 2>/dev/null
+cmp replayed log
+# stats counts the same energy: exactly so when a force is in effect at once, with the encoder's positions.
+sed 's/delay = 1/delay = 0/' sim.toml >prompt.toml
+play grid --device sim:prompt.toml --log prompt.session --sessions prompt 2>/dev/null
+stats --log prompt.session --format json >energy
+python3 - <<'PYTHON'
+import json
+said = json.load(open("energy"))["energy"]
+rows = [list(map(float, line.split("\t"))) for line in open("prompt") if line[0] != "#"]
+given, returned = sum(row[2] for row in rows), max(row[1] + row[3] for row in rows if row[3] > 0)
+assert said["unit"] == "mJ", said
+assert abs(said["given"] - given) < 1e-9 * abs(given), (said, given)
+assert abs(said["returned"] - returned) < 1e-9 * returned, (said, returned)
+PYTHON
+# The first sessions are the same whatever comes after them.
+sed 's/sessions = 6/sessions = 2/' sim.toml >two.toml
+play grid --device sim:two.toml --sessions - 2>/dev/null | cmp - <(head -3 table)
+# Along the recorded positions the model gives the forces that the errors were taken against.
+play grid --device replay:a.session --traversal model --log truth 2>/dev/null
+python3 "$here/sim.py" error log truth table
+# Played itself it is the truth, and the loop closes without energy from mixed branches.
+play grid --device sim:sim.toml --traversal model --report report 2>/dev/null
+python3 - <<'PYTHON'
+import json
+r = json.load(open("report"))
+assert r["traversal"] == "model" and r["simulation"]["ticks_in_contact"] > 100, r
+assert r["simulation"]["error_before_safety_N"] == {"mean": 0, "p99": 0}, r
+PYTHON
+
+# Along a path: one session, which follows it behind a stiff spring. The time is virtual.
+mkdir hands
+for i in {-60..-20}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >hands/path
+printf '[hand]\npath = "path"\nstiffness = 1e6\ndamping = 600\n' >hands/sim.toml
+expect 0 '' "~play: 41 ticks, .*in session 0
+play: largest step of the force in a tick: .*" -- play grid --device sim:hands/sim.toml --rate 0.5 --log log
+awk -F '\t' -v h=2.9e-6 'NR > 1 { d = $2 - (-0.6 + (NR - 2) / 100); if (d < 0) d = -d
+  if (d > 19 * h + 1e-3 || $1 != (NR - 2) * 2) { bad = 1 } } END { exit bad || NR != 42 }' log || fail "path: $(cat log)"
+
+# What is refused.
+no() {
+  printf "%b" "$1" >bad.toml
+  expect 1 '' "play: bad.toml: $2" -- play grid --device sim:bad.toml --log nothing
+}
+no 'weight = 1\n' 'line 1: unknown key weight (known: mass, damping, encoder, delay, reach, truth, hand, random)'
+no 'mass = 0\n' 'line 1: mass must be a number from 0.001 to 1000 kg, not 0'
+no 'mass = "1"\n' 'line 1: mass must be a number'
+no 'delay = 0.5\n' 'line 1: delay must be a whole number from 0 to 10000'
+no '[hand]\nspeed = 1\n' 'line 2: unknown key hand.speed (known: stiffness, damping, path)'
+no '[random]\nseconds = 1e5\n' 'line 2: random.seconds must be a number from 0.001 to 10000 s, not 1e+05'
+no 'random = 1\n' 'line 1: random must be a table'
+no '[hand]\npath = "hands/path"\n[random]\n' \
+  'line 2: a hand with a path moves along it once: there must be no table [random]'
+help='(see play --help)'
+expect 1 '' 'play: none: No such file or directory' -- play grid --device sim:none
+expect 2 '' "play: --traversal: 'best' is not one of paper, branch, model $help" -- \
+  play grid --device sim:sim.toml --traversal best
+expect 2 '' "play: --traversal: a live device cannot wait for the model itself $help" -- \
+  play grid --device keys --traversal model
+expect 2 '' "play: --sessions: only --device sim:FILE has sessions to tell of $help" -- \
+  play grid --device replay:a.session --sessions table
+[[ ! -e nothing ]] || fail "a log is left"

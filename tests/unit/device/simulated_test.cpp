@@ -1,0 +1,174 @@
+#include "libcore/device/simulated.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+
+#include "libcore/device/wandering.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+constexpr Vec3 kOrigin{0, 0, 0};
+
+/// A device in one session of `ticks`, whose hand's point follows `target`.
+SimulatedDevice device(const SimulatedOptions& options, std::size_t ticks,
+                       const std::function<Vec3(double)>& target) {
+  return SimulatedDevice(options, [=](std::uint64_t, std::vector<Vec3>& targets) {
+    targets.clear();
+    for (std::size_t i = 0; i < ticks; ++i)
+      targets.push_back(target(static_cast<double>(i) / options.rate_hz));
+  });
+}
+
+}  // namespace
+
+TEST_CASE("a handle on a spring and a damper swings as the closed form says") {
+  // A constant force F from rest: x = F/k (1 - e^(-d t) (cos w t + d/w sin w t)), at any rate.
+  for (const double rate : {50.0, 1000.0, 20000.0}) {
+    const SimulatedOptions options{.damping = 0.5, .encoder = 0, .rate_hz = rate};
+    const double d = (1.5 + 0.5) / (2 * 0.1);
+    const double w = std::sqrt(300 / 0.1 - d * d);
+    SimulatedDevice swing = device(options, 1000, [](double) { return kOrigin; });
+    DeviceInput input;
+    for (int n = 0; swing.read(input) == DeviceStatus::kOk; ++n) {
+      CHECK(input.begins == (n == 0));
+      const double t = n / rate;
+      const double x =
+          2.0 / 300 * (1 - std::exp(-d * t) * (std::cos(w * t) + d / w * std::sin(w * t)));
+      // The exact solution: a thousand products of numbers below 1 round by less than 1e-12.
+      CHECK(std::abs(input.position[1] - x) < 1e-12);
+      CHECK(std::abs(swing.work() - 2.0 * x) < 1e-12);
+      REQUIRE(swing.send({0, 2, 0}) == DeviceStatus::kOk);
+    }
+  }
+}
+
+TEST_CASE("a handle without a hand, and a hand that drags a handle through a damping device") {
+  SECTION("x = F t^2 / (2 m)") {
+    SimulatedDevice free = device({.mass = 2, .stiffness = 0, .hand_damping = 0, .encoder = 0}, 101,
+                                  [](double) { return kOrigin; });
+    DeviceInput input;
+    while (free.read(input) == DeviceStatus::kOk)
+      REQUIRE(free.send({0, 0, 3}) == DeviceStatus::kOk);
+    CHECK(std::abs(free.position()[2] - 3 * 0.1 * 0.1 / (2 * 2)) < 1e-12);
+  }
+  SECTION("behind a point of constant speed it stays back by c V / k, and the force takes work") {
+    // 10 s are 100 times the time in which the swing goes to 1/e.
+    SimulatedDevice dragged = device({.damping = 3, .encoder = 0}, 10001, [](double t) {
+      return Vec3{0.02 * t, 0, 0};
+    });
+    DeviceInput input;
+    while (dragged.read(input) == DeviceStatus::kOk)
+      REQUIRE(dragged.send({0, 0, 0}) == DeviceStatus::kOk);
+    CHECK(std::abs(dragged.position()[0] - (0.2 - 3 * 0.02 / 300)) < 1e-10);
+    CHECK(dragged.work() == 0);
+  }
+}
+
+TEST_CASE("a force is in effect after the delay, and positions are rounded to the encoder's step") {
+  SimulatedDevice late = device({.encoder = 1e-4, .delay = 3}, 100, [](double) {
+    return Vec3{1.26e-4, 0, -1.26e-4};
+  });
+  DeviceInput input;
+  for (int n = 0; late.read(input) == DeviceStatus::kOk; ++n) {
+    // The force of tick 0 is in effect from tick 3 to tick 4.
+    CHECK((late.position()[0] == 1.26e-4) == (n <= 3));
+    if (n <= 3) CHECK(input.position == Vec3{1e-4, 0, -1e-4});
+    REQUIRE(late.send({5, 0, 0}) == DeviceStatus::kOk);
+  }
+  CHECK(late.info().low == Vec3{-0.05, -0.05, -0.05});
+  CHECK(late.info().unit == DeviceInfo::Unit::kMetres);
+}
+
+TEST_CASE("a sampled wall returns K (v T)^2 for each tick of depth, and more with a delay") {
+  // A hand on rails goes N ticks into a wall of stiffness K with the speed v, and out again. In
+  // each tick T the wall pushes with the force of the place D ticks before: too little on the way
+  // in, too much on the way out (Colgate and Schenkel 1994). The sum of force times way is K (v
+  // T)^2 (N (2 D + 1) - D (D + 1)).
+  constexpr double kWall = 1000, kWay = 1e-4;
+  constexpr int kDepth = 10;
+  for (const std::uint32_t delay : {0U, 2U}) {
+    const SimulatedOptions rails{.mass = 1,
+                                 .stiffness = 1e9,
+                                 .hand_damping = 2 * std::sqrt(1e9),
+                                 .encoder = 0,
+                                 .delay = delay};
+    SimulatedDevice hand = device(rails, 2 * kDepth + 10, [&](double t) {
+      const double n = t * rails.rate_hz;
+      return Vec3{(n < kDepth ? n : 2 * kDepth - n) * kWay, 0, 0};
+    });
+    DeviceInput input;
+    while (hand.read(input) == DeviceStatus::kOk)
+      REQUIRE(hand.send({-kWall * std::max(0.0, input.position[0]), 0, 0}) == DeviceStatus::kOk);
+    const double returned =
+        kWall * kWay * kWay * (kDepth * (2 * delay + 1) - delay * (delay + 1.0));
+    // The rails give by K/k = 1e-6 of the depth, and follow in 1/30 of a tick where they turn: 2 %.
+    CHECK(std::abs(hand.work() - returned) < 0.02 * returned);
+  }
+}
+
+TEST_CASE("each session begins anew, and its number and the seed alone decide it") {
+  const Vec3 low{-0.05, 0, 0.01}, high{0.05, 0, 0.02};
+  const WanderingOptions wandering{.seed = 7};
+  const auto source = [&](std::uint64_t session, std::vector<Vec3>& places) {
+    wander(wandering, low, high, session, places);
+  };
+  const auto positions = [&](std::uint64_t sessions, double force) {
+    SimulatedOptions options;
+    options.sessions = sessions;
+    SimulatedDevice wanderer(options, source);
+    std::vector<std::vector<Vec3>> all;
+    DeviceInput input;
+    while (wanderer.read(input) == DeviceStatus::kOk) {
+      if (input.begins) {
+        CHECK(wanderer.position() == wanderer.target());
+        CHECK(wanderer.work() == 0);
+        CHECK(wanderer.session() == all.size());
+        all.emplace_back();
+      }
+      all.back().push_back(input.position);
+      REQUIRE(wanderer.send({force, 0, 0}) == DeviceStatus::kOk);
+    }
+    return all;
+  };
+  const auto three = positions(3, 0.5);
+  REQUIRE(three.size() == 3);
+  CHECK(three == positions(3, 0.5));
+  CHECK(three[0] == positions(1, 0.5)[0]);
+  CHECK(three[0] != three[1]);
+  CHECK(three[2].size() == 5000);
+}
+
+TEST_CASE("a wandering hand stays in its box, keeps its speed, and rests") {
+  const Vec3 low{-1, 0, 2}, high{1, 0, 2.5};
+  const WanderingOptions options{.seed = 3, .seconds = 4, .speed = 0.5, .hold = 1.25};
+  int rests = 0, shorter = 0;
+  double fastest = 0;
+  std::vector<Vec3> places;
+  for (std::uint64_t session = 0; session < 200; ++session) {
+    wander(options, low, high, session, places);
+    REQUIRE(places.size() == 4000);
+    int still = 1;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      for (int a = 0; a < 3; ++a) CHECK_FALSE((places[i][a] < low[a] || places[i][a] > high[a]));
+      if (i == 0) continue;
+      const Vec3 &x = places[i], &y = places[i - 1];
+      fastest = std::max(fastest, std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]) * 1000);
+      if (x == y) {
+        ++still;
+        continue;
+      }
+      rests += still >= 1250;
+      shorter += still > 10 && still < 1250;
+      still = 1;
+    }
+  }
+  CHECK(shorter == 0);
+  CHECK(rests > 100);
+  // Least jerk is 15/8 times the mean speed at its fastest; a leg of whole ticks is no faster.
+  CHECK(fastest <= 0.5 * 15 / 8);
+  CHECK(fastest > 0.45 * 15 / 8);
+}

@@ -1,0 +1,123 @@
+#include "tools/play/simulation.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "libcore/base/file.hpp"
+#include "libcore/base/text.hpp"
+#include "libcore/base/toml.hpp"
+#include "libcore/device/path.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr std::uint64_t kMaxBytes = 1 << 20;
+constexpr std::uint64_t kMaxPathBytes = std::uint64_t{1} << 30;
+constexpr double kMostTicks = 1e7;  // of a session: its targets are kept in memory
+constexpr std::int64_t kMostSessions = 1'000'000;
+
+/// One table and what its keys may be. A key that is not there leaves the default.
+class Table {
+ public:
+  Table(const TomlFile& file, const toml::table& table, std::string prefix)
+      : file_(file), table_(table), prefix_(std::move(prefix)) {}
+
+  void number(const char* key, double low, double high, const char* unit, double& value) const {
+    const toml::node* node = table_.get(key);
+    if (!node) return;
+    value = file_.number(*node, prefix_ + key);
+    if (value < low || value > high)
+      file_.fail(*node, prefix_ + key + " must be a number from " + to_text(low) + " to " +
+                            to_text(high) + " " + unit + ", not " + to_text(value));
+  }
+  template <class T>
+  void whole(const char* key, std::int64_t low, std::int64_t high, T& value) const {
+    if (const toml::node* node = table_.get(key))
+      value = static_cast<T>(file_.whole(*node, prefix_ + key, low, high));
+  }
+
+ private:
+  const TomlFile& file_;
+  const toml::table& table_;
+  std::string prefix_;
+};
+
+void read_device(const TomlFile& file, Simulation& s) {
+  file.only_keys(file.root(), "",
+                 {"mass", "damping", "encoder", "delay", "reach", "truth", "hand", "random"});
+  const Table device(file, file.root(), "");
+  device.number("mass", 1e-3, 1e3, "kg", s.device.mass);
+  device.number("damping", 0, 1e4, "N s/m", s.device.damping);
+  device.number("encoder", 0, 0.1, "m", s.device.encoder);
+  device.number("reach", 1e-3, 1e3, "m", s.device.reach);
+  device.whole("delay", 0, 10000, s.device.delay);
+  if (const toml::node* node = file.root().get("truth")) s.truth = file.boolean(*node, "truth");
+}
+
+/// The path's file is looked for from the folder of the TOML.
+void read_hand(const TomlFile& file, const std::string& name, Simulation& s) {
+  if (!file.root().get("hand")) return;
+  const toml::table& table = file.table(file.root(), "hand");
+  file.only_keys(table, "hand.", {"stiffness", "damping", "path"});
+  const Table hand(file, table, "hand.");
+  hand.number("stiffness", 0, 1e6, "N/m", s.device.stiffness);
+  hand.number("damping", 0, 1e4, "N s/m", s.device.hand_damping);
+  if (const toml::node* node = table.get("path")) {
+    const auto path = std::filesystem::path(name).parent_path() / file.text(*node, "hand.path");
+    if (file.root().get("random"))
+      file.fail(*node, "a hand with a path moves along it once: there must be no table [random]");
+    s.path = parse_path(read_text(path, kMaxPathBytes), path);
+  }
+}
+
+void read_random(const TomlFile& file, Simulation& s) {
+  if (!file.root().get("random")) return;
+  const toml::table& table = file.table(file.root(), "random");
+  file.only_keys(table, "random.", {"seed", "sessions", "seconds", "speed", "hold"});
+  const Table random(file, table, "random.");
+  random.whole("seed", 0, std::int64_t{1} << 53, s.hand.seed);
+  random.whole("sessions", 1, kMostSessions, s.device.sessions);
+  random.number("seconds", 0.001, kMostTicks / s.device.rate_hz, "s", s.hand.seconds);
+  random.number("speed", 1e-6, 1e3, "m/s", s.hand.speed);
+  random.number("hold", 0, 1e6, "s", s.hand.hold);
+}
+
+}  // namespace
+
+Simulation read_simulation(const std::string& name, double rate_hz) {
+  const TomlFile file(read_text(name, kMaxBytes), name == "-" ? "standard input" : name);
+  Simulation s;
+  s.device.rate_hz = s.hand.rate_hz = rate_hz;
+  s.device.sessions = 1000;
+  read_device(file, s);
+  read_hand(file, name, s);
+  read_random(file, s);
+  if (!s.path.empty()) s.device.sessions = 1;
+  return s;
+}
+
+std::unique_ptr<SimulatedDevice> simulated_device(const Simulation& s, const Mapping& mapping,
+                                                  const Box& box) {
+  if (!s.path.empty()) {
+    std::vector<Vec3> path = s.path;
+    for (Vec3& x : path) x = mapping.handle(x);
+    return std::make_unique<SimulatedDevice>(
+        s.device, [path](std::uint64_t, std::vector<Vec3>& targets) { targets = path; });
+  }
+  const Vec3 one = mapping.handle(box.position({0, 0, 0}));
+  const Vec3 other =
+      mapping.handle(box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1}));
+  Vec3 low, high;  // axes can be mirrored
+  for (int a = 0; a < 3; ++a) {
+    low[a] = std::min(one[a], other[a]);
+    high[a] = std::max(one[a], other[a]);
+  }
+  return std::make_unique<SimulatedDevice>(
+      s.device, [low, high, hand = s.hand](std::uint64_t session, std::vector<Vec3>& targets) {
+        wander(hand, low, high, session, targets);
+      });
+}
+
+}  // namespace hapgrid

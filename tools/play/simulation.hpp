@@ -1,0 +1,31 @@
+// The TOML of --device sim:FILE; tools/man/play.h2m describes it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "libcore/device/simulated.hpp"
+#include "libcore/device/wandering.hpp"
+#include "libcore/haptic/mapping.hpp"
+
+namespace hapgrid {
+
+struct Simulation {
+  SimulatedOptions device;
+  WanderingOptions hand;  ///< of a hand that moves at random
+  std::vector<Vec3>
+      path;            ///< of a hand that follows a path, in the box's axes and unit; else empty
+  bool truth = false;  ///< the model runs beside what is played, and forces are compared
+};
+
+/// @param rate_hz ticks a second.
+/// @throw Error "NAME: line N: ..." for anything but such a TOML, or when its path is none;
+/// std::system_error
+Simulation read_simulation(const std::string& file, double rate_hz);
+
+/// A device whose hand moves in `box`, as `mapping` maps the one to the other.
+std::unique_ptr<SimulatedDevice> simulated_device(const Simulation& simulation,
+                                                  const Mapping& mapping, const Box& box);
+
+}  // namespace hapgrid
