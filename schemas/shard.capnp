@@ -97,7 +97,7 @@ struct Header {
 struct Equality {
   norm @0 :Norm;
   weights @1 :List(Float64);
-  # One a component of the state, finite and not negative; empty: all 1.
+  # Each component of the state has one, finite and not negative. Empty: all are 1.
 
   enum Norm {
     plugin @0;
@@ -140,7 +140,7 @@ struct RecordChunk {
   # p = i + nx (j + ny k).
 
   level @1 :Data;
-  # One byte a record.
+  # Each record has one byte here.
 
   generation @2 :List(UInt32);
   # The round in which the record was stored; 0 are the seed records.
@@ -173,7 +173,7 @@ struct RequestChunk {
 
   point @0 :List(UInt32);
   level @1 :Data;
-  # Of the source record; one byte a record.
+  # Of the source record. Each record has one byte here.
 
   directions @2 :List(UInt32);
   # Bit q: the request in direction q is here. All these bits, record by record and q ascending, are
