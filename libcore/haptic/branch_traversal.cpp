@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "libcore/haptic/tear_function.hpp"
 
@@ -49,9 +50,9 @@ struct BranchTraversal::Common {
   bool has(int corner) const { return ((corner ^ side) & moved) == 0; }
 };
 
-BranchTraversal::BranchTraversal(const Grid& grid, const BranchMap& map,
+BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                                  std::uint16_t max_sub_steps)
-    : Traversal(grid, max_sub_steps), map_(map), offset_(row_.size()) {
+    : Traversal(grid, max_sub_steps), map_(std::move(map)), offset_(row_.size()) {
   for (int a = 0; a < 3; ++a)
     if (box_.counts[a] == 1) flat_ |= 1 << a;
 }
@@ -70,14 +71,14 @@ bool BranchTraversal::derive(PointIndex base, RecordIndex anchor, int corner,
                              Branch& branch) const noexcept {
   branch.anchor = corner & ~flat_;
   branch.is_torn = false;
-  branch.is_mixed = map_.sheets.is_mixed(anchor, branch.anchor);
+  branch.is_mixed = map_->sheets.is_mixed(anchor, branch.anchor);
   for (int k = 0; k < 8; ++k) {
     // Along an axis with one point both corners are the same.
     const int own = k & ~flat_;
     const int q = kBetweenCorners[branch.anchor][own];
-    branch.nodes[k] = q < 0 ? anchor : map_.sheets.node(anchor, q, cells_, base, own);
+    branch.nodes[k] = q < 0 ? anchor : map_->sheets.node(anchor, q, cells_, base, own);
     if (branch.nodes[k] == Sheets::kNoNode) return false;
-    branch.is_torn |= map_.sheets.is_ghost(branch.nodes[k]);
+    branch.is_torn |= map_->sheets.is_ghost(branch.nodes[k]);
   }
   return true;
 }
@@ -88,10 +89,10 @@ void BranchTraversal::take(const Branch& branch) noexcept {
   is_torn_ = branch.is_torn;
   is_mixed_ = branch.is_mixed;
   for (int k = 0; k < 8; ++k) {
-    rows_[k] = map_.sheets.row(nodes_[k]);
+    rows_[k] = map_->sheets.row(nodes_[k]);
     __builtin_prefetch(rows_[k]);
     __builtin_prefetch(rows_[k] + row_.size() - 1);
-    if (map_.sheets.is_ghost(nodes_[k])) {
+    if (map_->sheets.is_ghost(nodes_[k])) {
       records_[k] = Grid::kNoRecord;
       levels_[k] = kNoLevel;
     } else {
@@ -101,7 +102,7 @@ void BranchTraversal::take(const Branch& branch) noexcept {
       __builtin_prefetch(links);
       __builtin_prefetch(links + kDirections - 1);
     }
-    if (is_torn_) tear_[k] = map_.tear[nodes_[k]];
+    if (is_torn_) tear_[k] = map_->tear[nodes_[k]];
   }
 }
 
@@ -116,7 +117,7 @@ bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& r
   }
   // Most cells have one branch: then any common corner will do, and nothing changes in the others.
   const int beside = (anchor_ & ~common.moved) | (common.side & common.moved);
-  if (!is_torn_ && !is_mixed_ && map_.sheets.is_whole(nodes_[beside]))
+  if (!is_torn_ && !is_mixed_ && map_->sheets.is_whole(nodes_[beside]))
     return go_on(base, beside, common);
 
   const Vec3 part = part_of_cell(nearest_in_cell(y));  // on the common face, edge or vertex
@@ -167,7 +168,7 @@ int BranchTraversal::common_record(const Common& common, const Vec3& part) const
   double nearest = std::numeric_limits<double>::infinity();
   int from = -1;
   for (int k = 0; k < 8; ++k) {
-    if (!common.has(k) || map_.sheets.is_ghost(nodes_[k]) || distance2(part, k) >= nearest)
+    if (!common.has(k) || map_->sheets.is_ghost(nodes_[k]) || distance2(part, k) >= nearest)
       continue;
     nearest = distance2(part, k);
     from = k;
@@ -222,7 +223,7 @@ void BranchTraversal::change_anchor(const Vec3& part) noexcept {
   double nearest = distance2(part, anchor_) - kNearer;
   int corner = -1;
   for (int k = 0; k < 8; ++k) {
-    if (map_.sheets.is_ghost(nodes_[k]) || (k & flat_) != 0) continue;
+    if (map_->sheets.is_ghost(nodes_[k]) || (k & flat_) != 0) continue;
     if (distance2(part, k) < nearest) {
       nearest = distance2(part, k);
       corner = k;
@@ -241,11 +242,11 @@ bool BranchTraversal::snap(const Vec3& part) noexcept {
   int to = -1;
   RecordIndex anchor = Grid::kNoRecord;
   for (int k = 0; k < 8; ++k) {
-    if (map_.sheets.is_ghost(nodes_[k]) || (k & flat_) != 0) continue;
+    if (map_->sheets.is_ghost(nodes_[k]) || (k & flat_) != 0) continue;
     for (int j = 0; j < 8; ++j) {
-      if (!map_.sheets.is_ghost(nodes_[j]) || (j & flat_) != 0) continue;
+      if (!map_->sheets.is_ghost(nodes_[j]) || (j & flat_) != 0) continue;
       const int q = kBetweenCorners[k][j];
-      if (map_.sheets.node(nodes_[k], q, cells_, base(), j) != nodes_[j]) continue;
+      if (map_->sheets.node(nodes_[k], q, cells_, base(), j) != nodes_[j]) continue;
       const double t = tear_fraction(grid_, nodes_[k], q);
       double sum = 0;
       for (int a = 0; a < 3; ++a) {

@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "libcore/haptic/sheets.hpp"
@@ -33,8 +34,8 @@ struct BranchMap {
 
 class BranchTraversal final : public Traversal {
  public:
-  /// @param map of the same grid, outlives this. @throw Error as Traversal does
-  BranchTraversal(const Grid& grid, const BranchMap& map,
+  /// @param map of the same grid. @throw Error as Traversal does
+  BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                   std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
 
  private:
@@ -56,7 +57,7 @@ class BranchTraversal final : public Traversal {
   void keep_state(const std::array<const double*, 8>& before, const std::array<double, 8>& weights,
                   const std::array<const double*, 8>& after) noexcept;
 
-  const BranchMap& map_;
+  std::shared_ptr<const BranchMap> map_;
   int flat_ = 0;    // bits of the axes with one point
   int anchor_ = 0;  // the corner whose record names the branch
   std::array<Node, 8> nodes_{};

@@ -24,6 +24,7 @@
 #include <cstdlib>
 #include <deque>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <string>
@@ -263,10 +264,9 @@ int run(int argc, char** argv) {
   const int count = argc > 5 ? std::atoi(argv[5]) : 20;
   const std::uint64_t seed = argc > 6 ? std::strtoull(argv[6], nullptr, 10) : 1;
   const Paths paths(grid, argv[3], argc > 7 ? std::atof(argv[7]) : 25);
-  const BranchMap map(grid);
   ModelTraversal truth(grid, make());
   PaperTraversal paper(grid);
-  BranchTraversal branch(grid, map);
+  BranchTraversal branch(grid, std::make_shared<const BranchMap>(grid));
   Comparison comparison(grid, make, right);
   Figures of_paper, of_branch;
   for (int i = 0; i < count; ++i) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <numeric>
+#include <memory>
 #include <random>
 
 #include "libcore/haptic/branch_traversal.hpp"
@@ -73,8 +73,8 @@ struct Half {
 TEST_CASE("on a grid of one branch both rules give the same bits") {
   for (const Box& box : boxes()) {
     const Grid grid = random_grid(box, 3, 1, 5);
-    const BranchMap map(grid);
-    CHECK(map.sheets.ghosts() == 0);
+    const auto map = std::make_shared<const BranchMap>(grid);
+    CHECK(map->sheets.ghosts() == 0);
     PaperTraversal paper(grid);
     BranchTraversal branch(grid, map);
     std::mt19937_64 random(5);
@@ -117,8 +117,8 @@ TEST_CASE("along a line the state snaps where the tear fraction says, and comes 
   GridSpec spec = spec_for(box, 1);
   spec.tears = true;
   const Grid grid(spec, 1, std::move(columns));
-  const BranchMap map(grid);
-  REQUIRE(map.sheets.ghosts() == 2);
+  const auto map = std::make_shared<const BranchMap>(grid);
+  REQUIRE(map->sheets.ghosts() == 2);
   BranchTraversal t(grid, map);
   const double ends = 4 + 10.5 / 32, comes_back = 3 - 5.5 / 32;
   int snaps = 0;
@@ -145,7 +145,7 @@ TEST_CASE("at a plane the state snaps where the plane is") {
   for (const Vec3& normal : {Vec3{1, 0, 0}, Vec3{0.6, 0.8, 0}, Vec3{0.48, 0.6, 0.64}}) {
     const Half half{normal, {0.3, -0.2, 0.1}, dot(normal, {4.2, 4.2, 4.2})};
     const Grid grid = half.grid(box);
-    const BranchMap map(grid);
+    const auto map = std::make_shared<const BranchMap>(grid);
     BranchTraversal t(grid, map);
     std::mt19937_64 random(7);
     int paths = 0;
@@ -182,7 +182,7 @@ TEST_CASE("whatever the links are, the state jumps only where it snaps") {
     if (box.origin[0] == 1e9) continue;  // there a step is not small against the rounding
     for (unsigned levels = 2; levels <= 4; ++levels) {
       const Grid grid = random_torn_grid(box, 2, levels, ++seed);
-      const BranchMap map(grid);
+      const auto map = std::make_shared<const BranchMap>(grid);
       BranchTraversal t(grid, map);
       std::mt19937_64 random(seed);
       Vec3 x = random_point(box, random);
@@ -216,7 +216,7 @@ TEST_CASE("whatever the links are, the state jumps only where it snaps") {
 TEST_CASE("no step allocates, however far the hand jumps") {
   const Box box{{0, 0, 0}, 1, {12, 11, 10}};
   const Grid grid = random_torn_grid(box, 40, 4, 3);
-  const BranchMap map(grid);
+  const auto map = std::make_shared<const BranchMap>(grid);
   BranchTraversal t(grid, map);
   std::mt19937_64 random(3);
   std::vector<Vec3> path(5000);
