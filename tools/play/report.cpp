@@ -55,11 +55,13 @@ std::string quantiles_text(const Histogram& h) {
 
 void print_summary(const LoopSummary& s, const RunFacts& facts) {
   const auto n = [](std::uint64_t count) { return static_cast<unsigned long long>(count); };
-  std::fprintf(stderr,
-               "play: %llu ticks, %llu cell switches: %llu face, %llu edge, %llu vertex; levels "
-               "changed in %llu ticks\n",
-               n(s.ticks), n(s.face_switches + s.edge_switches + s.vertex_switches),
-               n(s.face_switches), n(s.edge_switches), n(s.vertex_switches), n(s.level_changed));
+  std::fprintf(
+      stderr,
+      "play: %llu ticks, %llu cell switches: %llu face, %llu edge, %llu vertex; %s in %llu "
+      "ticks\n",
+      n(s.ticks), n(s.face_switches + s.edge_switches + s.vertex_switches), n(s.face_switches),
+      n(s.edge_switches), n(s.vertex_switches),
+      facts.traversal == "branch" ? "the state snapped" : "levels changed", n(s.level_changed));
   std::fprintf(stderr,
                "play: ticks outside the box %llu, with a jump split %llu, lagging behind a jump "
                "%llu\n",

@@ -24,6 +24,13 @@ mixed              6 configurations           0  note
 one-way            6 configurations           0  note
 steep              6 configurations           0  note
 passive          256 links                    0  ok'
+by_branch=${fine/paths*one-way            6 configurations           0  note/branches          48 cells                    0  ok}
+ends='
+
+branches: cells around a record in which its branch lacks a corner
+  torn 0: of these cells: the branch ends in them
+  mixed 0: of these cells: two other corners are not of one branch themselves
+  ghosts 0: extrapolated rows at points before which a branch ends'
 figures='
 
 steep: configurations that are stiffer than the device renders stably
@@ -35,18 +42,20 @@ passive: closed walks that return energy to the hand
   largest loss 0 N rope lengths
   largest turn 0 N rope lengths
   largest mixture 0 N rope lengths'
-table=$fine fine=$fine$figures  # the ball is nowhere touched
-expect 0 "$fine" 'verify: fine: 11 checks' -- verify grid
-expect 0 "$fine" 'verify: fine: 11 checks' -- verify <grid
-expect 0 "$fine" 'verify: fine: 11 checks' -- verify grid --recompute all -j 3
-expect 0 '' 'verify: fine: 11 checks' -- verify grid -o report
-same "the report in a file" "$fine" "$(cat report)"
-expect 0 "$(grep -v ^fidelity report)" 'verify: fine: 10 checks' -- verify grid --recompute none
+# The ball is nowhere touched. 24 records in 6 cells of 8 corners each.
+table=$by_branch by_branch=$by_branch$ends$figures
+expect 0 "$fine$figures" 'verify: fine: 11 checks' -- verify grid --traversal paper
+expect 0 "$by_branch" 'verify: fine: 10 checks' -- verify grid
+expect 0 "$by_branch" 'verify: fine: 10 checks' -- verify <grid
+expect 0 "$by_branch" 'verify: fine: 10 checks' -- verify grid --recompute all -j 3
+expect 0 '' 'verify: fine: 10 checks' -- verify grid -o report
+same "the report in a file" "$by_branch" "$(cat report)"
+expect 0 "$(grep -v ^fidelity report)" 'verify: fine: 9 checks' -- verify grid --recompute none
 
 # The whole ball, all of it evaluated again; a sample is the same each time, with any -j.
 seed "$ball" | expand --complete -o ball.grid
 verify ball.grid --recompute all -j 2 >all 2>err
-same "verdict" 'verify: fine: 13 checks' "$(cat err)"  # two of them for its tear fractions
+same "verdict" 'verify: fine: 12 checks' "$(cat err)"  # two of them for its tear fractions
 same "tears" "$(stats ball.grid --get one_way_links)" "$(awk '$1 == "tears" { print $2 }' all)"
 same "conversions" "$(stats ball.grid --get conversions)" "$(awk '$1 == "fidelity" { print $2 }' all)"
 verify ball.grid --recompute 37 --sample-seed 5 --format json >one 2>err
@@ -60,8 +69,8 @@ grep -qE '^  stiffness [0-9.]+ N/m: not stable: K < 2 b f = 1000 N/m with b = 1 
   fail "$(cat small)"
 verify ball.grid --recompute none --scale 5 2>err | grep -q '^  stiffness [0-9.]* N/m: stable: '
 # All that play can be in is more than the cells, and the same with any -j.
-verify ball.grid --recompute none -j 1 --format json >one 2>err
-verify ball.grid --recompute none -j 3 --format json 2>err | cmp - one
+verify ball.grid --traversal paper --recompute none -j 1 --format json >one 2>err
+verify ball.grid --traversal paper --recompute none -j 3 --format json 2>err | cmp - one
 same "configurations" 42431 "$(sed -n '/"paths"/,/counted/s/.*counted": \([0-9]*\).*/\1/p' one)"
 
 # Incomplete: an answer, not a failure.
@@ -77,10 +86,7 @@ reachable          8 records                  0  ok
 generations        8 records                  0  ok
 fidelity           0 conversions              0  ok
 blends             6 cells                    0  note
-paths              0 configurations           0  ok
-continuous         0 switches                 0  ok
-mixed              0 configurations           0  note
-one-way            0 configurations           0  note
+branches           0 cells                    0  ok
 steep              0 configurations           0  note
 passive            0 links                    0  ok
 
@@ -98,7 +104,7 @@ coverage: points without a level
   point 4 (0, 1, 0)
   point 5 (1, 1, 0)
   point 6 (2, 1, 0)
-  and 11 more'"$figures" 'verify: broken: complete (8 of 8), coverage (16 of 24)' -- verify seeds
+  and 11 more'"$ends$figures" 'verify: broken: complete (8 of 8), coverage (16 of 24)' -- verify seeds
 
 # A model that has changed since: fidelity finds it, and nothing else can. It fails on the way to
 # the last plane of x, 28 times from the plane before and 28 - 6 within; of the others with d3 > 0
@@ -117,7 +123,7 @@ fidelity: links to a state that C, evaluated again, does not reach
   point 0 (0, 0, 0) level 0 direction 24 (0, 1, 1): C gives 0.25, stored at level 0 is 0
   point 0 (0, 0, 0) level 0 direction 25 (1, 1, 1): C gives 0.25, stored at level 0 is 0
   point 1 (1, 0, 0) level 0 direction 20 (-1, 0, 1): C gives 0.25, stored at level 0 is 0
-  and 101 more${figures%%$'\n'  force*}" 'verify: broken: fidelity (106 of 256)' -- verify grid --model-path changed
+  and 101 more$ends${figures%%$'\n'  force*}" 'verify: broken: fidelity (106 of 256)' -- verify grid --model-path changed
 verify grid --model-path changed --recompute all --format json >found 2>err || code=$?
 same "exit code" 3 "${code:-0}"
 grep -q '"fine": false' found || fail "JSON verdict"
