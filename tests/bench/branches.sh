@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Which branch the hand is on: both rules of traversal against the model itself (branches.cpp), as a table,
+# and a picture of a tear-off.
+#
+#   tests/bench/branches.sh [BUILD] [PATHS] [SEED] [PICTURE]        (default: build 100 1 tear-off.png)
+#
+# The grids are computed first: the hung ball with two spacings, alanine dipeptide with 30 points
+# a side, butane with 20, leu-enkephalin with 12, and the soft tissue as it is: some minutes of CPU time. Another
+# SEED draws other paths.
+picture=$(realpath "${4:-tear-off.png}") paths=${2:-100} seed=${3:-1}
+source "$(dirname "$0")/lib.sh"
+
+# compute NAME MODEL POINTS_OF_THE_LONGEST_SIDE: the model's own box with another spacing.
+compute() {
+  local spacing counts scaled
+  spacing=$(seed "$2" | stats --get box.spacing) counts=$(seed "$2" | stats --get box.counts | tr -d '[]')
+  scaled=$(awk -v counts="$counts" -v points="$3" -v spacing="$spacing" 'BEGIN {
+    n = split(counts, c, ","); m = c[1]; for (i in c) if (c[i] + 0 > m) m = c[i] + 0
+    s = (m - 1) / (points - 1); printf "%.17g", spacing * s
+    for (i = 1; i <= n; ++i) printf "%s%d", i > 1 ? "," : " ", int((c[i] - 1) / s + 1.5) }')
+  seed "$2" --set "grid.spacing=${scaled% *}" --set "grid.counts=[${scaled#* }]" | expand --complete -j 2 -o "$1.grid"
+}
+molecules=$HAPGRID_SOURCE/examples/molecule
+compute ball "$ball" 40
+compute ball-fine "$ball" 79
+compute alanine "$molecules/alanine-dipeptide/alanine-dipeptide.toml" 30
+compute butane "$molecules/butane/butane.toml" 20
+compute leu-enkephalin "$molecules/leu-enkephalin/leu-enkephalin.toml" 12
+compute soft-tissue "$HAPGRID_SOURCE/examples/soft-tissue/soft-tissue.toml" 8
+
+models=$HAPGRID_BUILD/models
+echo '|grid|paths|paper: right|off 99 %|branch: right|off median|off 99 %|time of a step|'
+echo '|---|---|---|---|---|---|---|---|'
+row() { # GRID RIGHT KIND
+  "$HAPGRID_BUILD/bench/bench_branches" "$1.grid" "$models" "$3" "$2" "$paths" "$seed" |
+    awk -F '\t' -v grid="$1" '{ n = $3; right[NR] = $4; median[NR] = $5; most[NR] = $6; time[NR] = $8 }
+      END { if (n > 0) printf "|%s|%s|%.1f %%|%.2f|%.1f %%|%.3f|%.2f|%.2f|\n", grid, $1, right[1], most[1],
+              right[2], median[2], most[2], time[2] / time[1] }'
+}
+for grid in ball ball-fine; do
+  for kind in straight smooth diagonal tear-off; do row "$grid" 0.05 "$kind"; done
+done
+for grid in alanine butane leu-enkephalin soft-tissue; do
+  for kind in smooth tear-off; do row "$grid" 0.3 "$kind"; done
+done
+
+# Straight across the hung ball, off its middle: what tears off, and where.
+awk 'BEGIN { for (x = -0.9; x <= 0.9; x += 0.001) print x, 0.07, 0.03 }' >path
+for rule in paper branch model; do
+  play ball.grid --device path:path --traversal "$rule" --log "$rule.log" 2>/dev/null
+done
+gnuplot <<END
+set terminal pngcairo size 900,420 font ',11'
+set output '$picture'
+set xlabel 'HIP position x (rope length 1)'
+set ylabel 'angle of the ball α / rad'
+set xrange [-0.2:0.9]
+set key left
+plot 'model.log' using 2:19 with lines lw 6 lc rgb '#cccccc' title 'the model', \
+  'paper.log' using 2:19 with lines lw 1.5 lc rgb '#d95f02' title 'paper', \
+  'branch.log' using 2:19 with lines lw 1.5 lc rgb '#1b9e77' title 'branch'
+END
