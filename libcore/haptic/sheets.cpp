@@ -18,56 +18,12 @@ int direction_of(const Step& step) {
   return Direction::of(step[0], step[1], step[2]).q();
 }
 
-Step plus(const Step& a, const Step& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+Step minus(const Step& a, const Step& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
 }
-
-/// The records at the neighbours of a point, united where two-way links connect them.
-class Branches {
- public:
-  Branches(const Grid& grid, PointIndex centre) : grid_(grid) {
-    const DirectionMask inside = grid.neighbourhood().inside(centre);
-    for (int q = 0; q < kDirections; ++q) {
-      begin_[q] = count_;
-      if (!(inside >> q & 1)) continue;
-      point_[q] = static_cast<PointIndex>(centre + grid.neighbourhood().offset(q));
-      count_ += grid.levels(point_[q]);
-    }
-    begin_[kDirections] = count_;
-    parent_.resize(count_);
-    std::iota(parent_.begin(), parent_.end(), 0U);
-    for (int q = 0; q < kDirections; ++q)
-      for (std::uint32_t i = begin_[q]; i < begin_[q + 1]; ++i) unite(q, i);
-  }
-
-  /// The branch of a record at the neighbour in direction q.
-  std::uint32_t of(int q, RecordIndex r) {
-    return root_of(parent_, begin_[q] + (r - grid_.first(point_[q])));
-  }
-
- private:
-  void unite(int q, std::uint32_t i) {
-    const RecordIndex r = grid_.first(point_[q]) + (i - begin_[q]);
-    // Each two-way link is seen from one of its ends.
-    for (int e = kDirections / 2; e < kDirections; ++e) {
-      const int to = direction_of(plus(Direction(q).step(), Direction(e).step()));
-      if (to < 0 || begin_[to] == begin_[to + 1]) continue;
-      const RecordIndex there = grid_.destination(r, e);
-      if (there == Grid::kNoRecord || grid_.is_one_way(r, e)) continue;
-      const std::uint32_t j = begin_[to] + (there - grid_.first(point_[to]));
-      parent_[root_of(parent_, i)] = root_of(parent_, j);
-    }
-  }
-
-  const Grid& grid_;
-  std::array<PointIndex, kDirections> point_{};
-  std::array<std::uint32_t, kDirections + 1> begin_{};
-  std::uint32_t count_ = 0;
-  std::vector<std::uint32_t> parent_;
-};
 
 }  // namespace
 
@@ -101,17 +57,23 @@ std::vector<Sheets::End> Sheets::find_ends() {
   return found;
 }
 
-/// Of the branches that end before one point: one ghost each.
+/// Of the branches that end before one point: one ghost each. Two links belong to one branch where
+/// two-way links between such records connect them; a way round by other records does not count,
+/// because the sheet can have a cut there.
 void Sheets::add_ghosts(std::span<const End> ends) {
-  Branches branches(grid_, ends.front().point);
-  std::vector<std::uint32_t> branch;
-  branch.reserve(ends.size());
-  for (const End& end : ends)
-    branch.push_back(branches.of(Direction(end.q).opposite().q(), end.from));
-  for (std::size_t i = 0; i < ends.size(); ++i)
-    if (std::find(branch.begin(), branch.begin() + static_cast<std::ptrdiff_t>(i), branch[i]) ==
-        branch.begin() + static_cast<std::ptrdiff_t>(i))
-      add_ghost(ends, branch, branch[i]);
+  std::vector<std::uint32_t> parent(ends.size());
+  std::iota(parent.begin(), parent.end(), 0U);
+  for (std::uint32_t i = 0; i < ends.size(); ++i)
+    for (std::uint32_t j = i + 1; j < ends.size(); ++j) {
+      // Both steps lead to the same point.
+      const int q = direction_of(minus(Direction(ends[i].q).step(), Direction(ends[j].q).step()));
+      if (q >= 0 && node(ends[i].from, q) == ends[j].from)
+        parent[root_of(parent, i)] = root_of(parent, j);
+    }
+  std::vector<std::uint32_t> branch(ends.size());
+  for (std::uint32_t i = 0; i < ends.size(); ++i) branch[i] = root_of(parent, i);
+  for (std::uint32_t i = 0; i < ends.size(); ++i)
+    if (branch[i] == i) add_ghost(ends, branch, i);
 }
 
 /// Extrapolates along each link that goes on behind its record: through three records where there

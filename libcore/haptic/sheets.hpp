@@ -8,7 +8,7 @@
 // interpolated up to the place where the model snaps (tear_function.hpp says where that is).
 //
 // One point can have ghosts of several branches. Two records beside it belong to the same one when
-// they are connected by two-way links among the records of the neighbouring points.
+// two-way links connect them, directly or by other records that end before this point.
 #pragma once
 
 #include <bit>
