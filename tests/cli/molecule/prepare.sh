@@ -1,4 +1,4 @@
-# prepare makes butane's paths from SMILES; the committed molecules are compared with xtb itself.
+# prepare makes butane's paths from SMILES, and xtb itself finds the same energies and saddles.
 source "$(dirname "$0")/../lib.sh"
 sanitized && skip "nothing in it has sanitizers"
 command -v xtb >/dev/null || skip "xtb is not installed"
