@@ -27,7 +27,6 @@ Conversion::Conversion(HybridEnergy& energy, double substep, const MinimiserLimi
 
 void Conversion::convert(const double* s, const double* x, const double* d, double* result) {
   const std::size_t n = energy_.variables();
-  ++work_.conversions;
   std::array<double, kMaxVariables> state;
   for (std::size_t i = 0; i < n; ++i) {
     const bool morphs = i < energy_.morph().paths();
@@ -38,19 +37,16 @@ void Conversion::convert(const double* s, const double* x, const double* d, doub
   // There is at least one substep: a state that is given need not be a minimum.
   const double substeps = std::max(1.0, std::ceil(length / substep_));
   const double move[3] = {d[0] / substeps, d[1] / substeps, d[2] / substeps};
-  if (!at_rest) {
-    minimiser_.start(state.data(), x);
-    ++work_.evaluations;
-  }
+  if (!at_rest) minimiser_.start(state.data(), x);
   for (double step = 1; step <= substeps; ++step) {
     const double f = step / substeps;
     const double p[3] = {x[0] + f * d[0], x[1] + f * d[1], x[2] + f * d[2]};
     // Without contact the state 0 is a minimum, with no energy at all. Most conversions end there.
     if (at_rest && !energy_.touches_conformation(p)) continue;
-    ++work_.minimisations;
-    const int evaluations =
-        at_rest ? minimiser_.minimise(state.data(), p) : minimiser_.follow(state.data(), p, move);
-    work_.evaluations += static_cast<std::uint64_t>(evaluations);
+    if (at_rest)
+      minimiser_.minimise(state.data(), p);
+    else
+      minimiser_.follow(state.data(), p, move);
     at_rest = false;
     if (energy_.touches() || energy_.touches_conformation(p)) continue;
     double distance = 0;

@@ -2,8 +2,6 @@
 // state goes down to the minimum of the hybrid energy in whose basin it is.
 #pragma once
 
-#include <cstdint>
-
 #include "examples/molecule/energy.hpp"
 #include "examples/molecule/minimiser.hpp"
 
@@ -22,17 +20,10 @@ class Conversion {
   /// @throw std::runtime_error when a minimisation does not converge.
   void convert(const double* s, const double* x, const double* d, double* result);
 
-  /// The work of convert() since construction.
-  struct Work {
-    std::uint64_t conversions = 0, minimisations = 0, evaluations = 0;
-  };
-  const Work& work() const { return work_; }
-
  private:
   HybridEnergy& energy_;
   double substep_;
   Minimiser minimiser_;
-  Work work_;
 };
 
 }  // namespace hapgrid::molecule

@@ -102,7 +102,7 @@ void Minimiser::add(const Vector& p, double* trial) const {
   }
 }
 
-int Minimiser::minimise(double* s, const double* x) { return descend(s, x, energy_.value(s, x)); }
+void Minimiser::minimise(double* s, const double* x) { descend(s, x, energy_.value(s, x)); }
 
 void Minimiser::start(const double* s, const double* x) {
   energy_.value(s, x);
@@ -112,7 +112,7 @@ void Minimiser::start(const double* s, const double* x) {
 // The contacts depend on the difference of the shift and the probe's position. So moving the probe
 // by d changes the gradient as moving the shift by -d would, except for the anchor's part; the
 // Hessian gives that change.
-int Minimiser::follow(double* s, const double* x, const double* d) {
+void Minimiser::follow(double* s, const double* x, const double* d) {
   const auto n = static_cast<Eigen::Index>(energy_.variables());
   const auto shift = static_cast<Eigen::Index>(energy_.morph().paths());
   for (Eigen::Index a = 0; a < 3; ++a) {
@@ -126,13 +126,13 @@ int Minimiser::follow(double* s, const double* x, const double* d) {
   const double stays = energy_.value(s, x);  // cheap: the shape of this s is known
   if (!moves) return descend(s, x, stays);
   const double lower = energy_.value(trial.data(), x);
-  if (!(lower < stays)) return 1 + descend(s, x, energy_.value(s, x));
+  if (!(lower < stays)) return descend(s, x, energy_.value(s, x));
   std::copy_n(trial.begin(), n, s);
   return descend(s, x, lower);
 }
 
 /// `value` is H(s, x), which was evaluated last.
-int Minimiser::descend(double* s, const double* x, double value) {
+void Minimiser::descend(double* s, const double* x, double value) {
   const auto n = static_cast<Eigen::Index>(energy_.variables());
   const auto paths = static_cast<Eigen::Index>(energy_.morph().paths());
   Vector p(n);
@@ -158,7 +158,7 @@ int Minimiser::descend(double* s, const double* x, double value) {
         gradient_[k] = limits_.tolerance;
         rests = false;
       }
-      if (rests) return evaluations;
+      if (rests) return;
     }
     for (;;) {
       if (step(radius, p)) {
@@ -177,7 +177,7 @@ int Minimiser::descend(double* s, const double* x, double value) {
       } else {
         radius *= 0.25;
       }
-      if (stationary && radius < kLeastNudge) return evaluations;
+      if (stationary && radius < kLeastNudge) return;
       if (evaluations >= limits_.max_evaluations || radius < 1e-12) {
         evaluations = limits_.max_evaluations;
         break;

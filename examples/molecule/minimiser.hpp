@@ -28,16 +28,15 @@ class Minimiser {
       : energy_(energy), limits_(limits) {}
 
   /// Moves s (n numbers, t in [0, 1]) down to a local minimum of H(., x).
-  /// @return the number of evaluations of H
   /// @throw std::runtime_error when it takes more than max_evaluations
-  int minimise(double* s, const double* x);
+  void minimise(double* s, const double* x);
 
   /// Prepares follow() for an s that is (nearly) a minimum with the probe at x.
   void start(const double* s, const double* x);
   /// As minimise(), but the last call must have been start(), minimise() or follow() with this s
   /// and with the probe at x - d. The minimum's own move is tried first, to first order, and taken
   /// when it lowers H.
-  int follow(double* s, const double* x, const double* d);
+  void follow(double* s, const double* x, const double* d);
 
  private:
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxVariables, 1>;
@@ -49,7 +48,7 @@ class Minimiser {
   void differentiate(const double* s, bool anew);
   /// Sets `trial` to s + p, with t exactly on the bounds that p reaches.
   void add(const Vector& p, double* trial) const;
-  int descend(double* s, const double* x, double value);
+  void descend(double* s, const double* x, double value);
   bool step(double radius, Vector& p) const;
   Vector within(double radius, const Matrix& b, const Vector& g) const;
 

@@ -1,8 +1,6 @@
 // session FILE [TICKS [RATE]]: writes a session as play would, of a hand that explores a stiff
-// object with a device whose positions are multiples of 2.5 um. It prints the size of a tick on the
-// disk, what add() costs the haptic thread, and how long reading takes. The same arguments give the
-// same ticks, so tests/cli/stats/session.sh uses it, too.
-#include <chrono>
+// object with a device whose positions are multiples of 2.5 um, and prints the size of a tick on
+// the disk. The same arguments give the same ticks, so tests/cli/stats/session.sh uses it, too.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -12,14 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "libcore/session/reader.hpp"
 #include "libcore/session/recorder.hpp"
 
 using namespace hapgrid;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 enum Flag : std::uint32_t {
   kOutside = 1,
@@ -89,42 +84,14 @@ std::vector<TickRecord> make_ticks(std::size_t count, double rate_hz) {
   return ticks;
 }
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 int run(const std::string& file, std::size_t count, double rate_hz) {
   const std::vector<TickRecord> ticks = make_ticks(count, rate_hz);
-  const auto n = static_cast<double>(count);
-
-  auto start = Clock::now();
   SessionRecorder writer(file, make_header(rate_hz), /*paced=*/false);
   for (const TickRecord& tick : ticks) writer.add(tick);
   writer.finish();
   const auto bytes = static_cast<double>(std::filesystem::file_size(file));
-  std::printf("written: %zu ticks, %.0f bytes, %.2f a tick, %.0f ns a tick\n", count, bytes,
-              bytes / n, seconds_since(start) * 1e9 / n);
-
-  start = Clock::now();
-  SessionReader reader(file);
-  for (std::vector<TickRecord> chunk; reader.next(chunk);) {
-  }
-  std::printf("read: %.0f ns a tick\n", seconds_since(start) * 1e9 / n);
-
-  // This rate gives the largest ring. Ticks come in bursts: nothing here waits for the slow thread.
-  SessionRecorder recorder("/dev/null", make_header(1e6), /*paced=*/true);
-  double total = 0;
-  double worst = 0;
-  for (const TickRecord& tick : ticks) {
-    const auto before = Clock::now();
-    recorder.add(tick);
-    const double took = seconds_since(before);
-    total += took;
-    worst = std::max(worst, took);
-  }
-  const SessionCounts counts = recorder.finish();
-  std::printf("add(): %.0f ns on average with the clock's own, at worst %.0f ns; %llu dropped\n",
-              total * 1e9 / n, worst * 1e9, static_cast<unsigned long long>(counts.dropped));
+  std::printf("%zu ticks, %.0f bytes, %.2f a tick\n", count, bytes,
+              bytes / static_cast<double>(count));
   return 0;
 }
 

@@ -10,9 +10,7 @@ from filters import *
 
 for kind, (whole, commands) in READERS.items():
     ends = list(itertools.accumulate(len(f) for f in shard.frames(whole)))
-    edges = {0, 1, 2, 3, 4, 5, 17, 18, len(whole) - 1}
-    for end in ends[:-1]:
-        edges |= {end - 5, end - 4, end - 1, end, end + 1, end + 3, end + 4, end + 10}
+    edges = {0, 3, 4, len(whole) - 1, *ends[:-1]}
     for command in commands:
         for cut in sorted(edges):
             message = (

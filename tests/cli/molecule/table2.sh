@@ -11,7 +11,7 @@ molecules=$HAPGRID_SOURCE/examples/molecule
 same "grids that were verified" 2 "$(grep -cE '^verify: fine: [0-9]+ checks' err)"
 for m in alanine-dipeptide leu-enkephalin; do
   # The substep is fine enough: at most one conversion in a thousand depends on it.
-  "$HAPGRID_BUILD/bench/bench_substeps" table2/$m.grid 200 >substeps
+  "$HAPGRID_BUILD/bench/bench_substeps" table2/$m.grid 100 >substeps
   awk -F '[(%]' '/^substep/ { seen = 1; if ($2 > 0.1) exit 1 } END { exit !seen }' substeps || fail "$(tail -n 1 substeps)"
 done
 seed "$molecules/alanine-dipeptide/alanine-dipeptide.toml" --set "grid.counts=[8,8,8]" \

@@ -35,54 +35,6 @@ TEST_CASE("a HIP that pushes the ball to the right feels it to the left") {
   CHECK(model->force({0, 0, 0}, &rest) == Vec3{0, 0, 0});
 }
 
-TEST_CASE("the work that the HIP does is what the ball gains in height") {
-  const auto model = heavy();
-  // Along the branch, from the contact to near where the bound begins, the work of -Fx is held
-  // between the sum at midpoints and that of trapezoids: where -Fx is convex the former is below
-  // the integral and the latter above, where it is concave the other way round. In the two panels
-  // at an inflection -Fx rises or falls, and the integral is off by no more than that. The ball is
-  // highest at x = 0.6, above the HIP; from there on -Fx is negative.
-  const int samples = 20000;
-  const double from = -2 * kRadius;
-  const double to = 0.62;
-  const double h = (to - from) / samples;
-  const auto pushing = [&](double x) {
-    const double alpha = static_cast<double>(alpha_1(x, kRadius));
-    const Vec3 f = model->force({x, 0, 0}, &alpha);
-    REQUIRE(norm(f) < kMaxForce);
-    return -f[0];
-  };
-  double below = 0;
-  double above = 0;
-  int inflections = 0;
-  bool was_convex = false;
-  double last = pushing(from);
-  for (int i = 0; i < samples; ++i) {
-    const double middle = pushing(from + h * (i + 0.5));
-    const double next = pushing(from + h * (i + 1));
-    const bool convex = (last + next) / 2 > middle;
-    if (i > 0 && convex != was_convex) {
-      ++inflections;
-      REQUIRE((last < middle) == (middle < next));
-      below -= 2 * h * std::abs(next - last);
-      above += 2 * h * std::abs(next - last);
-    }
-    was_convex = convex;
-    below += h * std::min(middle, (last + next) / 2);
-    above += h * std::max(middle, (last + next) / 2);
-    last = next;
-  }
-  CHECK(inflections <= 2);
-  CHECK(last < 0);
-  const double gained = kWeight * (1 - std::cos(static_cast<double>(alpha_1(to, kRadius)))) -
-                        kWeight * (1 - std::cos(static_cast<double>(alpha_1(from, kRadius))));
-  // The rounding of a sum of `samples` terms.
-  const double rounding = samples * kU * kMaxForce;
-  CHECK(below - rounding <= gained);
-  CHECK(gained <= above + rounding);
-  CHECK(above - below < 1e-7);
-}
-
 TEST_CASE("in 3D the force is the slope of the energy, which is the ball's height") {
   const auto model = heavy();
   int tested = 0;

@@ -35,13 +35,6 @@ inline double convert(hapgrid::Model& model, double alpha, const Vec3& x, const 
 
 inline Vec3 sum(const Vec3& x, const Vec3& d) { return {x[0] + d[0], x[1] + d[1], x[2] + d[2]}; }
 
-/// |c(α) - p|, from the coordinates.
-inline Real distance(Real alpha, const Vec3& p) {
-  const Real dx = std::sin(alpha) - p[0];
-  const Real dz = 1 - std::cos(alpha) - p[2];
-  return std::sqrt(dx * dx + Real{p[1]} * p[1] + dz * dz);
-}
-
 /// The arc of overlap about φ, half as wide as 2δ.
 struct Arc {
   Real phi, delta;

@@ -158,25 +158,6 @@ TEST_CASE("a slow model makes frames rare and nothing else") {
   CHECK(read_all(name).back().tick == 399);
 }
 
-TEST_CASE("a viewer that sleeps costs frames, and a second at the end") {
-  Pipe pipe;
-  const auto begin = Clock::now();
-  FrameCounts counts;
-  {
-    FramePublisher publisher(pipe.output(), kScene, 3, complete, true, 1000, stop);
-    for (std::uint64_t tick = 0; Clock::now() - begin < 1s; ++tick) {
-      offer(publisher, tick);
-      std::this_thread::sleep_for(1ms);
-    }
-    counts = publisher.finish();
-  }
-  CHECK(counts.cut);
-  CHECK_FALSE(counts.closed);
-  CHECK(counts.written < kPipeFrames);
-  CHECK(counts.dropped > 0);
-  CHECK(Clock::now() - begin >= 2s);
-}
-
 TEST_CASE("a viewer that wakes up goes on with whole frames") {
   Pipe pipe;
   FramePublisher publisher(pipe.output(), kScene, 3, complete, true, 1000, stop);
@@ -303,7 +284,11 @@ TEST_CASE("paced, others see frames while the file's viewer sleeps, and after it
       offer(publisher, tick);
       std::this_thread::sleep_for(1ms);
     }
+    const auto end = Clock::now();
     const FrameCounts counts = publisher.finish();
+    // A viewer that sleeps costs frames, and a second at the end.
+    if (!dies) CHECK(counts.dropped > 0);
+    if (!dies) CHECK(Clock::now() - end >= 1s);
     CHECK(counts.cut == !dies);
     CHECK(counts.closed == dies);
     CHECK(counts.written < kPipeFrames);
