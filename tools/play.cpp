@@ -279,7 +279,7 @@ int play(PlayOptions options) {
     std::atomic<std::uint64_t> heartbeat{0};
     viewers.wait(settings.imd_wait_s, caught_signal);
     const std::unique_ptr<Watchdog> watchdog = watch(device, heartbeat, loop);
-    const Realtime realtime(loop.paced() ? options.realtime : RealtimeMode::kOff);
+    const Realtime realtime(loop.paced() ? options.realtime : RealtimeMode::kOff, &device);
     facts.realtime = realtime.got();
     if (loop.paced())
       std::fprintf(stderr, "play: %s at %g Hz; real time: %s\n", facts.device.c_str(), loop.rate_hz,
