@@ -37,7 +37,7 @@ struct HidHeart {
 inline constexpr std::chrono::milliseconds kHidBeat{10};
 /// A heart that was silent at so many looks of the guard has stopped. The looks are 20 ms apart,
 /// and more where the machine is busy, which then holds for the program as well.
-inline constexpr int kHidSilentLooks = 10;
+inline constexpr int kHidSilentLooks = 25;
 
 class HidGuard {
  public:

@@ -60,14 +60,15 @@ def play(*options, grid="stuck.0", wrapper=(), device=f"profile:{PROFILE}"):
                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
-def await_force(device):
+def await_force(device, process):
     """Until the whole half newton is on the device."""
     deadline = time.monotonic() + 30
-    while time.monotonic() < deadline:
+    while time.monotonic() < deadline and process.poll() is None:
         if any(force(w) == 500 for w in device.written()):
             return
         time.sleep(0.02)
-    sys.exit("no force came")
+    process.kill()
+    sys.exit(f"no force came: {process.communicate()[1]}")
 
 
 def case(name, disturb, code, line, grid="stuck.0", reachable=True):
@@ -75,7 +76,7 @@ def case(name, disturb, code, line, grid="stuck.0", reachable=True):
     own stop, as the last that a device hears which is still there."""
     device = Device()
     process = play(grid=grid)
-    await_force(device)
+    await_force(device, process)
     disturb(device, process)
     error = process.communicate(timeout=30)[1]
     assert process.returncode == code, (name, process.returncode, error)
@@ -125,7 +126,7 @@ case("stopped", stand_still, 1, r"^play: device: .*: the program stood still, an
 # Each thread's priority, as chrt says it: a force passes through the device's threads.
 device = Device()
 process = play()
-await_force(device)
+await_force(device, process)
 said = {}
 for task in os.listdir(f"/proc/{process.pid}/task"):
     name = open(f"/proc/{process.pid}/task/{task}/comm").read().strip()
@@ -145,7 +146,7 @@ else:
 # The clutch's button takes the force away, and gives it back.
 device = Device()
 process = play()
-await_force(device)
+await_force(device, process)
 count = len(device.written())
 device.tell(f"repeat 500 {report(-40, buttons=1)}")
 deadline = time.monotonic() + 20
