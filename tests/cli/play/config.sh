@@ -66,5 +66,5 @@ expect 2 '' "~play: --scale: '-1' is not a number from 0 to 1e\+15 UNITS/M $help
 
 # The help's table, which is also the manual page's, has each key once.
 play --help >help
-same "keys" "19" "$(grep -oE '^  [a-z]+\.[a-z_]+ +[^ ]+ +[^ ]+ +[^ ]+ to [^ ]+ +[A-Z]' help |
+same "keys" "18" "$(grep -oE '^  [a-z]+\.[a-z_]+ +[^ ]+ +[^ ]+ +[^ ]+ to [^ ]+ +[A-Z]' help |
   cut -d' ' -f3 | sort -u | wc -l)"
