@@ -28,8 +28,7 @@ std::span<double> limit(PlaySettings& s) {
 constexpr Setting kSettings[] = {
     {"--gain", "FACTOR", 0, 1e12, "Newtons felt for a newton of the model (default: 1)",
      limit<&SafetyLimits::gain>},
-    {"--max-force", "N", 0, 1e6,
-     "Largest force (default: 3, or the device's own smaller limit)",
+    {"--max-force", "N", 0, 1e6, "Largest force (default: 3, or the device's own smaller limit)",
      limit<&SafetyLimits::max_force>},
     {"--scale", "UNITS/M", 0, 1e15,
      "Model units per metre of the hand; 0: the device's reach fills\n"
@@ -49,7 +48,7 @@ constexpr Setting kSettings[] = {
      limit<&SafetyLimits::fade_cells>},
     {"safety.watchdog", "ticks", 0, kInf, "So many missed ticks give zero force",
      limit<&SafetyLimits::watchdog_ticks>},
-    {"safety.reserve", "mJ", 0, kInf, "Given at most beyond what is stored; needs a scale",
+    {"safety.reserve", "mJ", 0, kInf, "Given at most beyond what was stored",
      limit<&SafetyLimits::reserve>},
     {"safety.encoder", "m", 0, 0.1, "The device's positions come in such steps",
      limit<&SafetyLimits::encoder>},
