@@ -152,6 +152,8 @@ void HidShared::write_forces(std::vector<HidReport>& reports) {
 
 void HidShared::write_loop() {
   std::vector<HidReport> reports;
+  // What the first call allocates must not hold up the loop's first tick.
+  protocol->encode({0, 0, 0}, reports);
   write_forces(reports);
   bool took = write_stop(reports);
   if (!took && !stop.load()) {
