@@ -197,6 +197,17 @@ std::unique_ptr<Watchdog> watch(Device& device, const std::atomic<std::uint64_t>
   });
 }
 
+/// What the loop plays.
+struct PlayedForce {
+  const Fields& fields;
+  double metres;  ///< of the hand, for a unit of the model's length, times the gain
+
+  Vec3 operator()(const Vec3& x, std::span<const double> row) const { return fields.force(x, row); }
+  double stored_energy(const Vec3& x, std::span<const double> row) const {
+    return fields.has_energy() ? fields.energy(x, row) * fields.force_scale() * metres : 0;
+  }
+};
+
 /// Prints and writes what happened. @return the exit code @throw Error for a bad end
 int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts facts,
              const SafetyCore& safety, const Device& device, const Viewers& viewers) {
@@ -268,14 +279,14 @@ int play(PlayOptions options) {
     std::atomic<std::uint64_t> heartbeat{0};
     viewers.wait(settings.imd_wait_s, caught_signal);
     const std::unique_ptr<Watchdog> watchdog = watch(device, heartbeat, loop);
-    const Realtime realtime(loop.paced() ? options.realtime : RealtimeMode::kOff);
+    const Realtime realtime(loop.paced() ? options.realtime : RealtimeMode::kOff, &device);
     facts.realtime = realtime.got();
     if (loop.paced())
       std::fprintf(stderr, "play: %s at %g Hz; real time: %s\n", facts.device.c_str(), loop.rate_hz,
                    facts.realtime.c_str());
     summary = run_loop(
         device, mapping, *traversal, safety,
-        [&](const Vec3& x, std::span<const double> row) { return fields.force(x, row); },
+        PlayedForce{fields, mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0},
         [&](const Tick& tick) {
           log.add(tick);
           viewers.show(tick);

@@ -71,6 +71,10 @@ class Device {
   /// The last call: sends zero force, and waits a second at most until the hardware took it, which
   /// kOk says. Not real-time safe. Later calls do nothing and return the same.
   virtual DeviceStatus stop() noexcept = 0;
+  /// Forces that pass through threads of the device are late where these have to wait: gives them
+  /// this priority under SCHED_FIFO; 0 takes it back. Not real-time safe.
+  /// @return whether all of them took it
+  virtual bool set_priority(int) noexcept { return true; }
   /// What went wrong first, in words. Not real-time safe.
   virtual std::string error() const = 0;
 

@@ -1,5 +1,8 @@
 #include "libcore/device/hid_device.hpp"
 
+#include <pthread.h>
+#include <sched.h>
+
 #include <chrono>
 #include <utility>
 #include <vector>
@@ -27,7 +30,10 @@ HidDevice::HidDevice(const std::string& path, std::unique_ptr<HidProtocol> proto
       shared_(std::make_shared<HidShared>(path, std::move(protocol))),
       guard_(guard) {
   HidShared& s = *shared_;
-  if (guard_) guard_->watch(path, s.protocol->stop());
+  if (guard_) {
+    guard_->watch(path, s.protocol->stop());
+    s.heart = guard_->heart();
+  }
   try {
     s.protocol->start(s.out);
     if (guard_) guard_->watch(path, s.protocol->stop());
@@ -58,6 +64,8 @@ std::thread HidDevice::start_thread(void (HidShared::*loop)(), bool HidShared::*
   const BlockedSignals blocked;
   // The thread shares what it uses. It throws only when memory is missing, which is a fault, too.
   return std::thread([shared = shared_, loop, done] {
+    const bool reads = loop == &HidShared::read_loop;
+    ::pthread_setname_np(::pthread_self(), reads ? "hid-reader" : "hid-writer");
     try {
       (*shared.*loop)();
     } catch (const std::exception& e) {
@@ -65,6 +73,16 @@ std::thread HidDevice::start_thread(void (HidShared::*loop)(), bool HidShared::*
     }
     shared->change([&] { (*shared).*done = true; });
   });
+}
+
+bool HidDevice::set_priority(int priority) noexcept {
+  const sched_param wanted{.sched_priority = priority};
+  bool took = true;
+  for (std::thread* thread : {&reader_, &writer_})
+    if (thread->joinable())
+      took &= ::pthread_setschedparam(thread->native_handle(),
+                                      priority > 0 ? SCHED_FIFO : SCHED_OTHER, &wanted) == 0;
+  return took;
 }
 
 DeviceStatus HidDevice::read(DeviceInput& input) noexcept {

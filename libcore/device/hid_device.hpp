@@ -17,6 +17,7 @@
 // | no send() for timing().watchdog     | zero force once, counted, until the next send()        |
 // | stop() while a write hangs          | kFailed after a second; the thread goes on alone and   |
 // |                                     | writes zero force as soon as the kernel lets it        |
+// | the program stands still (SIGSTOP)  | zero force by the guard; kFailed when it goes on       |
 // | the program vanishes                | see HidGuard                                           |
 #pragma once
 
@@ -47,7 +48,7 @@ class HidDevice : public Device {
   /// Opens the path, starts the device, and waits 2 s at most for its first input, so that no
   /// position is made up. Only a device that is silent at rest (timing().stall is 0) counts as
   /// being at 0 until its first input. Call this before the thread becomes real-time: the threads
-  /// that it starts would inherit that.
+  /// that it starts would inherit that; set_priority() gives them theirs.
   /// @param guard watches the device, from before start() until stop() returned kOk; null: none. It
   /// must live longer than this object.
   /// @throw DeviceError; std::system_error when no thread can be started. The device was stopped.
@@ -60,6 +61,7 @@ class HidDevice : public Device {
   DeviceStatus read(DeviceInput& input) noexcept override;
   DeviceStatus send(const Vec3& force) noexcept override;
   DeviceStatus stop() noexcept override;
+  bool set_priority(int priority) noexcept override;
   std::string error() const override;
 
   HidCounts counts() const noexcept;

@@ -4,6 +4,7 @@
 #include <linux/close_range.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
@@ -14,8 +15,10 @@
 #include <chrono>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/device/hid_handle.hpp"
@@ -34,6 +37,7 @@ constexpr std::size_t kMaxMessage = 1 << 16;
 constexpr int kAnswerMs = 2000;
 constexpr int kTries = 5;
 constexpr auto kBetweenTries = 50ms;
+constexpr int kLookMs = 20;
 
 [[noreturn]] void fail(const char* what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -77,11 +81,26 @@ void let_go(Watched& watched) {
     std::this_thread::sleep_for(kBetweenTries);
 }
 
+/// Waits for a message, and lets go meanwhile if the heart stops.
+void wait_for_message(int socket, HidHeart& heart, Watched& watched) {
+  int silent = 0;
+  std::uint64_t last = heart.beats.load();
+  pollfd ready{socket, POLLIN, 0};
+  while (::poll(&ready, 1, kLookMs) <= 0) {
+    const std::uint64_t now = heart.beats.load();
+    silent = now == std::exchange(last, now) ? silent + 1 : 0;
+    if (now == 0 || silent != kHidSilentLooks) continue;
+    heart.let_go.store(true);  // first, so that no force comes after the stop reports
+    let_go(watched);
+  }
+}
+
 /// What the child does all its life.
-void guard(int socket) {
+void guard(int socket, HidHeart& heart) {
   std::vector<char> buffer(kMaxMessage);
   Watched watched;
   for (;;) {
+    wait_for_message(socket, heart, watched);
     const ssize_t got = ::recv(socket, buffer.data(), buffer.size(), 0);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return let_go(watched);
@@ -96,7 +115,7 @@ void guard(int socket) {
   }
 }
 
-[[noreturn]] void become_guard(int socket) {
+[[noreturn]] void become_guard(int socket, HidHeart& heart) {
   ::setsid();
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP, SIGUSR1, SIGUSR2})
     ::signal(signal, SIG_IGN);
@@ -110,16 +129,24 @@ void guard(int socket) {
     for (int fd = 4; fd < 65536; ++fd) ::close(fd);  // before Linux 5.9
   ::fcntl(3, F_SETFD, FD_CLOEXEC);
   try {
-    guard(3);
+    guard(3, heart);
   } catch (...) {
   }
   // At once, because buffers and exit handlers belong to the parent.
   ::_exit(0);
 }
 
+/// A heart in memory that a child shares.
+std::shared_ptr<HidHeart> shared_heart() {
+  void* const memory =
+      ::mmap(nullptr, sizeof(HidHeart), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) fail("the guard's memory");
+  return {new (memory) HidHeart, [](HidHeart* heart) { ::munmap(heart, sizeof *heart); }};
+}
+
 }  // namespace
 
-HidGuard::HidGuard() {
+HidGuard::HidGuard() : heart_(shared_heart()) {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
     fail("the guard's socket");
@@ -127,7 +154,7 @@ HidGuard::HidGuard() {
   const FileDescriptor childs(ends[1]);
   pid_ = ::fork();
   if (pid_ < 0) fail("the guard process");
-  if (pid_ == 0) become_guard(childs.get());
+  if (pid_ == 0) become_guard(childs.get(), *heart_);
 }
 
 HidGuard::~HidGuard() {

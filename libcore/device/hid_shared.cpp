@@ -106,6 +106,14 @@ void HidShared::read_loop() {
   }
 }
 
+bool HidShared::beat() {
+  if (!heart) return true;
+  heart->beats.fetch_add(1);
+  if (!heart->let_go.load()) return true;
+  tell_fault("the program stood still, and its guard sent zero force");
+  return false;
+}
+
 /// Runs until it must stop or the device fails.
 void HidShared::write_forces(std::vector<HidReport>& reports) {
   const auto watchdog = hid_duration(timing.watchdog);
@@ -118,8 +126,9 @@ void HidShared::write_forces(std::vector<HidReport>& reports) {
     auto deadline = HidClock::now() + 1h;
     if (!idle && watchdog > 0s) deadline = std::min(deadline, now_applied.time + watchdog);
     if (keep_alive > 0s) deadline = std::min(deadline, repeat);
+    if (heart) deadline = std::min(deadline, HidClock::now() + kHidBeat);
     bell.wait(deadline);
-    if (stop.load()) return;
+    if (stop.load() || !beat()) return;
     bool due = force.update();
     if (due) {
       now_applied = force.front();
@@ -143,6 +152,8 @@ void HidShared::write_forces(std::vector<HidReport>& reports) {
 
 void HidShared::write_loop() {
   std::vector<HidReport> reports;
+  // What the first call allocates must not hold up the loop's first tick.
+  protocol->encode({0, 0, 0}, reports);
   write_forces(reports);
   bool took = write_stop(reports);
   if (!took && !stop.load()) {

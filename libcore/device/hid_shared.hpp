@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "libcore/base/triple_buffer.hpp"
+#include "libcore/device/hid_guard.hpp"
 #include "libcore/device/hid_handle.hpp"
 #include "libcore/device/hid_protocol.hpp"
 
@@ -68,7 +69,8 @@ struct HidShared {
   const std::string path;
   const std::unique_ptr<HidProtocol> protocol;
   const HidTiming timing;
-  HidHandle out;  // the writer's
+  std::shared_ptr<HidHeart> heart;  // null: nobody looks at it
+  HidHandle out;                    // the writer's
   // The reader's. It is opened after the device was started: for a handle that nobody reads, the
   // kernel keeps the oldest reports, and the first position must not be an old one.
   std::optional<HidHandle> in;
@@ -103,6 +105,8 @@ struct HidShared {
   }
 
  private:
+  /// Shows the guard that the program lives. @return false when the guard let go of the device
+  bool beat();
   bool write(const HidReport& report);
   bool write_force(const Vec3& value, std::vector<HidReport>& reports);
   /// Writes zero force and the stop reports. @return whether the device took them all

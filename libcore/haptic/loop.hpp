@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "libcore/base/histogram.hpp"
@@ -120,8 +121,9 @@ class Responder {
   Response respond(const DeviceInput& input, double dt, std::uint64_t missed) {
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     Response r{mapping_.hip(input, dt), {}, {kNaN, kNaN, kNaN}, {}};
-    if (input.begins) begin();
-    r.step = input.begins ? traversal_.start(r.hip) : traversal_.step(r.hip);
+    const bool begins = input.begins || !begun_;
+    r.step = begins ? traversal_.start(r.hip) : traversal_.step(r.hip);
+    if (begins) begin(r.step);
     // The loop takes the press of the reset button alone: a button that was pressed before the
     // fault does not answer it. The clutch may be held: nobody wants a force meanwhile, and its
     // release starts a ramp.
@@ -137,8 +139,8 @@ class Responder {
                              .dt = dt,
                              .missed = missed,
                              .speed = unusable ? 0 : speed_.next(r.hip, dt),
+                             .place = place(r.hip),
                              .outside_cells = mapping_.outside_cells(r.hip),
-                             .level_changed = r.step.level_changed,
                              .stalled = input.stalled,
                              .clutch = input.clutch,
                              .unusable = unusable});
@@ -146,10 +148,21 @@ class Responder {
   }
 
  private:
-  void begin() noexcept {
-    safety_.reset();
+  void begin(const StepResult& step) {
+    double stored = 0;
+    if constexpr (requires { force_.stored_energy(traversal_.position(), traversal_.row()); })
+      if (step.usable()) stored = force_.stored_energy(traversal_.position(), traversal_.row());
+    safety_.begin(stored);
     speed_ = Speed(mapping_.scale());
     reset_held_ = false;
+    begun_ = true;
+  }
+
+  /// The HIP in metres of the hand.
+  std::optional<Vec3> place(const Vec3& hip) const noexcept {
+    const double scale = mapping_.scale();
+    if (!(scale > 0)) return std::nullopt;
+    return Vec3{hip[0] / scale, hip[1] / scale, hip[2] / scale};
   }
 
   Mapping& mapping_;
@@ -157,6 +170,7 @@ class Responder {
   SafetyCore& safety_;
   Force& force_;
   Speed speed_;
+  bool begun_ = false;
   bool reset_held_ = false;
 };
 
@@ -216,7 +230,9 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 
 /// Drives `device` until it ends or fails or `stop` is nonzero.
 /// @param force  Vec3 (const Vec3& x, std::span<const double> row): the force in newtons on a HIP
-///               at x, clamped to the box; the row begins with the state. Real-time safe.
+///               at x, clamped to the box; the row begins with the state. Real-time safe. It may
+///               have a member double stored_energy(x, row): the energy in joules that the hand may
+///               get back, because the play begins there; without it that is 0.
 /// @param sink   void (const Tick&), after the force was sent; real-time safe when paced.
 /// @param heartbeat counts the ticks as they begin, for a watchdog in another thread.
 /// @throw whatever force and sink throw, after a zero force was sent.

@@ -33,7 +33,7 @@ std::string take_priority() {
   const int error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
   if (error == 0) return "";
   return "no SCHED_FIFO (" + std::string(std::strerror(error)) + ": rtprio " +
-         std::to_string(kRealtimePriority) + " in /etc/security/limits.d)";
+         std::to_string(kDevicePriority) + " in /etc/security/limits.d)";
 }
 
 /// Locks the memory. @return why the system refused it, empty when it did not
@@ -60,29 +60,39 @@ FileDescriptor keep_awake() {
 
 }  // namespace
 
-Realtime::Realtime(RealtimeMode mode) {
+Realtime::Realtime(RealtimeMode mode, Device* device) : device_(device) {
   if (mode == RealtimeMode::kOff) {
     got_ = "not asked for";
     return;
   }
   const std::string memory = lock_memory();
   locked_ = memory.empty();
-  const std::string priority = take_priority();
+  std::string priority = take_priority();
   scheduled_ = priority.empty();
+  if (scheduled_ && device_ && !device_->set_priority(kDevicePriority)) {
+    give_priority_back();
+    priority = "no SCHED_FIFO for the device's threads (rtprio " + std::to_string(kDevicePriority) +
+               " in /etc/security/limits.d)";
+  }
   awake_ = keep_awake();
   got_ = (scheduled_ ? "SCHED_FIFO " + std::to_string(kRealtimePriority) : priority) + ", " +
          (locked_ ? "memory locked" : memory) + (awake_ ? ", processors awake" : "");
   if (mode == RealtimeMode::kTry || (scheduled_ && locked_)) return;
   const std::string why = got_;
   if (locked_) ::munlockall();
+  if (scheduled_) give_priority_back();
   throw Error("real time was required: " + why);
 }
 
+void Realtime::give_priority_back() noexcept {
+  const sched_param none{};
+  ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &none);
+  if (device_) device_->set_priority(0);
+  scheduled_ = false;
+}
+
 Realtime::~Realtime() {
-  if (scheduled_) {
-    const sched_param none{};
-    ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &none);
-  }
+  if (scheduled_) give_priority_back();
   if (locked_) ::munlockall();
 }
 

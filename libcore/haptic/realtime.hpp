@@ -1,11 +1,12 @@
-// Gives the haptic thread a real-time priority and memory that is never paged out. A system refuses
-// one or both to a user without the right limits. play prints what it got, because a user feels a
-// force that stutters and does not know why.
+// Gives the haptic thread and the threads of its device real-time priorities, and memory that is
+// never paged out. A system refuses one or both to a user without the right limits. play prints
+// what it got, because a user feels a force that stutters and does not know why.
 #pragma once
 
 #include <string>
 
 #include "libcore/base/file.hpp"
+#include "libcore/device/device.hpp"
 
 namespace hapgrid {
 
@@ -18,15 +19,20 @@ enum class RealtimeMode {
 /// Linux runs its interrupt threads at 50. A loop above them would starve the USB stack that feeds
 /// its device.
 inline constexpr int kRealtimePriority = 40;
+/// Of the device's own threads, which have little to do: each force passes through one of them, and
+/// must not wait for the next tick.
+inline constexpr int kDevicePriority = 45;
 
-/// While an object lives, the calling thread is under SCHED_FIFO, the process's memory is locked,
-/// and the processors are asked not to sleep deeply (/dev/cpu_dma_latency), because waking up makes
-/// ticks late. Threads that exist already keep their policy.
+/// While an object lives, the calling thread and those of the device are under SCHED_FIFO, the
+/// process's memory is locked, and the processors are asked not to sleep deeply
+/// (/dev/cpu_dma_latency), because waking up makes ticks late. Other threads that exist already
+/// keep their policy.
 class Realtime {
  public:
   /// @throw Error with kRequire when something was refused: what it is, its limit, and how to raise
   /// the limit.
-  explicit Realtime(RealtimeMode mode);
+  /// @param device it must live longer than this object; null: none.
+  explicit Realtime(RealtimeMode mode, Device* device = nullptr);
   /// Gives both back.
   ~Realtime();
   Realtime(const Realtime&) = delete;
@@ -37,6 +43,9 @@ class Realtime {
   const std::string& got() const { return got_; }
 
  private:
+  void give_priority_back() noexcept;
+
+  Device* device_;
   bool scheduled_ = false;
   bool locked_ = false;
   FileDescriptor awake_;  // the wish holds as long as it is open

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
@@ -14,6 +15,8 @@ namespace {
 // Forces stay this far below a limit, so that a check of the two promises that rounds differently
 // holds as well.
 constexpr double kMargin = 1 - 1e-12;
+
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 // Seconds over which the hand's speed is smoothed: one step of a coarse encoder at 5 kHz looks
 // fast.
@@ -47,6 +50,16 @@ bool clamp_magnitude(Vec3& f, double limit) {
   return true;
 }
 
+/// What the energy tank counts on.
+TankTerms tank_terms(const SafetyLimits& limits, const SafetyInput& input) {
+  return {.reserve = limits.reserve / 1000,
+          .acceleration = limits.acceleration,
+          .encoder = limits.encoder,
+          .delay = static_cast<std::uint32_t>(limits.delay_ticks),
+          .slew = limits.slew * 1000,
+          .period = input.dt / (1 + static_cast<double>(input.missed))};
+}
+
 /// Zero at once. Later forces start from there.
 SafeForce let_go(SafetyState& state, std::uint32_t why) {
   const SafetyState before = state;
@@ -59,6 +72,8 @@ SafeForce let_go(SafetyState& state, std::uint32_t why) {
   state.extreme = before.extreme;
   state.swings = before.swings;
   state.buzzing = before.buzzing;
+  state.tank = before.tank;
+  state.clutched = before.clutched;
   return {.force = {0, 0, 0}, .acted = why};
 }
 
@@ -106,37 +121,43 @@ std::uint32_t reason_for_zero(const SafetyLimits& limits, SafetyState& state,
   return state.buzzing ? std::uint32_t{kBuzzing} : 0;
 }
 
-/// At a switch of levels the force stays what it was, and the difference goes away linearly.
-/// @return whether that changed the force
-bool blend(const SafetyLimits& limits, SafetyState& state, const SafetyInput& input, Vec3& force) {
-  if (input.level_changed && state.any && limits.blend_ms > 0) {
-    state.offset = minus(state.wanted, force);
-    state.blend_left = 1;
-  } else if (state.blend_left > 0) {
-    state.blend_left -= input.dt * 1000 / limits.blend_ms;
+/// Charges the tank for what happened since the tick before. @return whether it limits forces
+bool watch_energy(const SafetyLimits& limits, SafetyState& state, const SafetyInput& input,
+                  const TankTerms& terms) {
+  const bool clutched = std::exchange(state.clutched, input.clutch);
+  if (!(limits.reserve < kUnlimited)) return false;
+  const bool seen = input.place && finite(*input.place) && std::isfinite(input.dt) && input.dt > 0;
+  if (input.stalled || !seen) {
+    state.tank.lose_sight();
+    return false;
   }
-  if (!(state.blend_left > 0)) return false;
-  force = plus(force, times(state.offset, state.blend_left));
+  // While the clutch is held the handle moves, and the HIP does not.
+  if (input.clutch && !clutched) state.tank.let_go_unseen(terms);
+  if (input.clutch) return false;
+  state.tank.move(terms, *input.place, input.dt, input.missed == 0);
   return true;
 }
 
-}  // namespace
+/// From the force that is wanted to the one that keeps slew and limit, in one call because both
+/// look at the force of the tick before.
+void slew_and_clamp(const SafetyLimits& limits, const Vec3& sent, double dt, Vec3& force,
+                    std::uint32_t& acted) {
+  // In halves, because the difference of two finite forces can be infinite.
+  Vec3 half_step = minus(times(force, 0.5), times(sent, 0.5));
+  if (clamp_magnitude(half_step, limits.slew * 1000 * dt / 2)) {
+    force = plus(sent, times(half_step, 2));
+    acted |= kSlewed;
+  }
+  if (clamp_magnitude(force, limits.max_force)) acted |= kClamped;
+}
 
-SafeForce limit_force(const SafetyLimits& limits, SafetyState& state,
-                      const SafetyInput& input) noexcept {
+SafeForce limit(const SafetyLimits& limits, SafetyState& state, const SafetyInput& input,
+                const TankTerms& terms, bool tank) {
   Vec3 force = times(input.force, limits.gain);
   if (const std::uint32_t why = reason_for_zero(limits, state, input, force))
     return let_go(state, why);
 
   SafeForce safe;
-  if (blend(limits, state, input, force)) safe.acted |= kBlended;
-  if (!finite(force)) {  // the difference of two finite forces can be infinite
-    state.faulted = true;
-    return let_go(state, kFault);
-  }
-  state.wanted = force;
-  state.any = true;
-
   const auto scale = [&](double by, SafetyAction action) {
     if (by >= 1) return;
     force = times(force, by > 0 ? by : 0);  // a factor that is NaN counts as 0
@@ -154,15 +175,44 @@ SafeForce limit_force(const SafetyLimits& limits, SafetyState& state,
     scale(state.ramp, kRamped);
   }
 
-  // In halves, because the difference of two finite forces can be infinite.
-  Vec3 half_step = minus(times(force, 0.5), times(state.sent, 0.5));
-  if (clamp_magnitude(half_step, limits.slew * 1000 * input.dt / 2)) {
-    force = plus(state.sent, times(half_step, 2));
-    safe.acted |= kSlewed;
+  const auto spend = [&](const Vec3& affordable) {
+    if (force != affordable) safe.acted |= kEnergy;
+    force = affordable;
+  };
+  if (tank) {
+    // What will not be sent need not be withheld.
+    if (clamp_magnitude(force, limits.max_force)) safe.acted |= kClamped;
+    spend(state.tank.soften(terms, force, input.dt));
   }
-  if (clamp_magnitude(force, limits.max_force)) safe.acted |= kClamped;
+  slew_and_clamp(limits, state.sent, input.dt, force, safe.acted);
+  if (tank)
+    spend(state.tank.bound(terms, force, state.sent, limits.slew * 1000 * input.dt * kMargin));
   safe.force = state.sent = force;
   return safe;
+}
+
+}  // namespace
+
+SafeForce limit_force(const SafetyLimits& limits, SafetyState& state,
+                      const SafetyInput& input) noexcept {
+  const TankTerms terms = tank_terms(limits, input);
+  const bool tank = watch_energy(limits, state, input, terms);
+  const SafeForce safe = limit(limits, state, input, terms, tank);
+  if (tank || input.clutch) state.tank.sent(safe.force);
+  return safe;
+}
+
+void SafetyCore::begin(double stored) noexcept {
+  state_ = {};
+  if (stored > 0 && std::isfinite(stored)) state_.tank.fill(stored);
+}
+
+void SafetyCore::reset() noexcept {
+  const EnergyTank tank = state_.tank;
+  const bool clutched = state_.clutched;
+  state_ = {};
+  state_.tank = tank;
+  state_.clutched = clutched;
 }
 
 SafetyCore::SafetyCore(const SafetyLimits& limits) : limits_(limits) {
@@ -174,13 +224,19 @@ SafetyCore::SafetyCore(const SafetyLimits& limits) : limits_(limits) {
   check("the gain", limits.gain, false);
   check("the force limit", limits.max_force, false);
   check("the slew limit", limits.slew, true);
-  check("the blend's time", limits.blend_ms, false);
   check("the ramp's time", limits.ramp_ms, false);
   check("the speed limit", limits.max_speed, true);
   check("the swing of a buzz", limits.buzz_force, true);
   check("the rate of a buzz", limits.buzz_rate, true);
   check("the fade", limits.fade_cells, true);
   check("the watchdog", limits.watchdog_ticks, true);
+  check("the reserve", limits.reserve, true);
+  check("the hand's acceleration", limits.acceleration, false);
+  check("the encoder's step", limits.encoder, false);
+  check("the delay", limits.delay_ticks, false);
+  if (limits.delay_ticks > kMaxTankDelay)
+    throw Error("safety: the delay is " + to_text(limits.delay_ticks) + " ticks, the limit is " +
+                std::to_string(kMaxTankDelay));
 }
 
 }  // namespace hapgrid

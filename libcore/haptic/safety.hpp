@@ -1,21 +1,31 @@
 // The safety core: the one thing between a computed force and the hand.
 //
 // Every force goes through limit_force() before a device gets it, whatever computed it. The
-// function depends only on the input, the limits, and a small state of its own. It keeps two
+// function depends only on the input, the limits, and a small state of its own. It keeps three
 // promises for every sequence of inputs, hostile ones included:
 //
 //   |F| <= limits.max_force, always;
-//   |F - F of the tick before| <= slew dt, unless F is a zero that a fault demands.
+//   |F - F of the tick before| <= slew dt, unless F is a zero that a fault demands;
+//   the energy that the hand got back <= the energy that was stored + limits.reserve + 0.01 mJ.
+//
+// What was stored is what begin() was told, and what the hand has put in. The third promise assumes
+// that the hand's acceleration, the encoder and the delay are those of the limits, and that no tick
+// is missed; energy_tank.hpp says what happens else. It needs the hand's place in metres, so there
+// is no such promise where the scale is not known: that is so only for devices that push nobody
+// (paths, keys, and replays of them). A fault grants nothing anew.
 //
 // Faults are a number that is not finite, a silent device, a hand that is too fast, missed ticks,
 // and buzzing that does not stop. A fault gives zero in the very tick in which it is seen, without
 // a ramp. Afterwards the force comes back with a ramp; after a number that was not finite, which
 // means that something is broken, only once reset() was called.
 //
-// The order. What scales the wanted force comes first (gain, blend, fade, damping, ramp), so that
-// the slew limit sees everything that could step. The clamp is last: the projection to a ball never
+// The order. What scales the wanted force comes first (gain, fade, damping, ramp), so that the slew
+// limit sees everything that could step. The clamp comes after it: the projection to a ball never
 // moves two points apart, so it keeps the slew. The other order, or a clamp per axis (which also
-// turns the force), would break a promise.
+// turns the force), would break a promise. The energy is looked at twice: before the slew limit the
+// force is made smaller where the tank runs low; at the end it is held between the wanted force and
+// the last one made shorter, which both keep the other promises. A snap is not blended over: the
+// slew limit is enough, and a blend gives energy back.
 //
 // Alternatives: limits in each device (the next device would forget them); limits in the model (a
 // plug-in cannot be trusted).
@@ -24,9 +34,11 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "libcore/grid/box.hpp"
+#include "libcore/haptic/energy_tank.hpp"
 
 namespace hapgrid {
 
@@ -35,13 +47,16 @@ struct SafetyLimits {
   double gain = 1;          ///< newtons felt for a newton of the model
   double max_force = 3;     ///< newtons, of the magnitude
   double slew = 1;          ///< newtons a millisecond, of the vector's change; inf: none
-  double blend_ms = 20;     ///< from the force before a switch of levels to the one after; 0: none
   double ramp_ms = 500;     ///< from zero to the full force, at the start and after a fault
   double max_speed = 2;     ///< of the hand, m/s; a faster hand gets zero force; inf: none
   double buzz_force = 0.5;  ///< newtons: a swing of the force this large counts as one; inf: none
   double buzz_rate = 30;    ///< swings a second; with more the force is damped, see kBuzzStop
   double fade_cells = 1;    ///< outside the box the force fades to zero over so many cells; 0: none
   double watchdog_ticks = 10;  ///< this many missed ticks give zero, then a ramp; inf: none
+  double reserve = 1;          ///< mJ that letting go may cost beyond what is stored; inf: no limit
+  double acceleration = 40;    ///< of the hand at most, m/s^2
+  double encoder = 5.5e-5;     ///< the device's positions come in such steps, m
+  double delay_ticks = 0;      ///< from when a force is sent until it is in effect
 };
 
 /// At this multiple of buzz_rate damping did not help, and the force becomes zero.
@@ -49,15 +64,16 @@ inline constexpr double kBuzzStop = 2;
 
 /// What the loop knows at a tick.
 struct SafetyInput {
-  Vec3 force{0, 0, 0};         ///< newtons, as the model gave it
-  double dt = 0.001;           ///< seconds since the tick before; > 0
-  std::uint64_t missed = 0;    ///< ticks that were missed in between
-  double speed = 0;            ///< of the hand, m/s; 0 when the scale is not known
-  double outside_cells = 0;    ///< how far the HIP is outside the box, in grid spacings
-  bool level_changed = false;  ///< a corner has another level than in the tick before
-  bool stalled = false;        ///< the device is silent, so nobody knows where the hand is
-  bool clutch = false;         ///< the hand moves without the HIP and must feel nothing
-  bool unusable = false;       ///< the state is not that of the HIP: a fault
+  Vec3 force{0, 0, 0};       ///< newtons, as the model gave it
+  double dt = 0.001;         ///< seconds since the tick before; > 0
+  std::uint64_t missed = 0;  ///< ticks that were missed in between
+  double speed = 0;          ///< of the hand, m/s; 0 when the scale is not known
+  /// The HIP in metres of the hand, in the box's axes; nothing when the scale is not known.
+  std::optional<Vec3> place = std::nullopt;
+  double outside_cells = 0;  ///< how far the HIP is outside the box, in grid spacings
+  bool stalled = false;      ///< the device is silent, so nobody knows where the hand is
+  bool clutch = false;       ///< the hand moves without the HIP and must feel nothing
+  bool unusable = false;     ///< the state is not that of the HIP: a fault
 };
 
 /// What acted in a tick, as bits of SafeForce::acted.
@@ -71,15 +87,15 @@ enum SafetyAction : std::uint32_t {
   kDamped = 1U << 6,    ///< the buzz detector made the force smaller
   kFaded = 1U << 7,     ///< outside the box
   kRamped = 1U << 8,    ///< on the way back from zero
-  kBlended = 1U << 9,   ///< on the way from the force before a switch of levels
-  kSlewed = 1U << 10,   ///< the change was above the limit
-  kClamped = 1U << 11,  ///< the magnitude was above the limit
+  kSlewed = 1U << 9,    ///< the change was above the limit
+  kClamped = 1U << 10,  ///< the magnitude was above the limit
+  kEnergy = 1U << 11,   ///< the hand would have got back more than was stored
 };
 inline constexpr std::size_t kSafetyActions = 12;
 /// The names of the bits in logs and reports.
 inline constexpr std::array<const char*, kSafetyActions> kSafetyNames{
     "fault",  "stalled", "missed", "too-fast", "buzzing", "clutch",
-    "damped", "faded",   "ramped", "blended",  "slewed",  "clamped"};
+    "damped", "faded",   "ramped", "slewed",   "clamped", "energy"};
 /// The actions that give zero at once.
 inline constexpr std::uint32_t kSafetyZero = kFault | kStalled | kMissed | kTooFast | kBuzzing;
 
@@ -93,11 +109,6 @@ struct SafetyState {
   Vec3 sent{0, 0, 0};  // the force of the tick before
   bool faulted = false;
   double ramp = 0;  // in [0, 1]
-  // Blend.
-  Vec3 wanted{0, 0, 0};   // the force of the tick before, after gain and blend
-  Vec3 offset{0, 0, 0};   // the force before the last switch minus the one after it
-  double blend_left = 0;  // 1 at the switch, 0 when it is over
-  bool any = false;       // there was a tick before, without a fault
   // Velocity guard.
   double speed = 0;  // m/s, smoothed
   bool too_fast = false;
@@ -106,6 +117,9 @@ struct SafetyState {
   Vec3 extreme{0, 0, 0};  // the force that was farthest from it since
   double swings = 0;      // a leaky count: swings a second times the time constant
   bool buzzing = false;
+  // Energy.
+  EnergyTank tank;
+  bool clutched = false;
 };
 
 /// The force to send for `input`. Real-time safe; pure: equal arguments give equal results.
@@ -121,8 +135,13 @@ class SafetyCore {
   /// Real-time safe.
   SafeForce apply(const SafetyInput& input) noexcept { return limit_force(limits_, state_, input); }
   bool faulted() const noexcept { return state_.faulted; }
+  /// Another hand: nothing of the ticks before counts. Real-time safe.
+  /// @param stored the energy in joules that the hand may get back, because it was there before.
+  void begin(double stored) noexcept;
   /// Ends a fault: the force comes back with the ramp. Real-time safe.
-  void reset() noexcept { state_ = {}; }
+  void reset() noexcept;
+  /// Joules that the hand may get back. Real-time safe.
+  double stored() const noexcept { return state_.tank.energy(); }
 
  private:
   SafetyLimits limits_;

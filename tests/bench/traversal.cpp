@@ -4,14 +4,21 @@
 // side and 12 with 128.
 //
 // The column s/step counts: 18n is 18 ns of CPU time a step.
-#include "libcore/haptic/paper_traversal.hpp"
-
+//
+// The worst tick: states of 1,521 numbers (507 atoms), and a HIP that jumps from end to end of a
+// long box in each tick, so that each step takes all 64 sub-steps. `worst` and `p99` are seconds of
+// CPU time of single steps; `substeps` is how many the median step took.
 #include <benchmark/benchmark.h>
+#include <time.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
+#include "libcore/base/histogram.hpp"
+#include "libcore/haptic/branch_traversal.hpp"
+#include "libcore/haptic/paper_traversal.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 namespace {
@@ -65,6 +72,45 @@ BENCHMARK(step)
     ->Args({128, 50})
     ->Args({128, 12})
     ->Args({128, 4});
+
+std::int64_t cpu_ns() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return t.tv_sec * 1'000'000'000 + t.tv_nsec;
+}
+
+/// Arguments: numbers in a state, whether the traversal stays on its branch.
+void worst_tick(benchmark::State& state) {
+  const Box box{{0, 0, 0}, 1, {80, 6, 6}};
+  const Grid grid = testing::random_grid(box, static_cast<std::uint32_t>(state.range(0)), 2, 1);
+  const BranchMap map(grid);
+  BranchTraversal branch(grid, std::make_shared<const BranchMap>(grid));
+  PaperTraversal paper(grid);
+  Traversal& traversal = state.range(1) ? static_cast<Traversal&>(branch) : paper;
+  traversal.start({0.5, 0.5, 0.5});
+  Histogram times, switches;
+  std::uint64_t lagging = 0;
+  std::size_t i = 0;
+  for (auto _ : state) {
+    // 79 cells in x, and an eighth of that much across: faces, edges, vertices.
+    const Vec3 hip{++i % 2 ? 78.5 : 0.5, 0.3 + 0.37 * static_cast<double>(i % 13),
+                   0.3 + 0.37 * static_cast<double>(i / 13 % 13)};
+    const std::int64_t before = cpu_ns();
+    const StepResult r = traversal.step(hip);
+    times.add(cpu_ns() - before);
+    switches.add(r.face_switches + r.edge_switches + r.vertex_switches);
+    lagging += r.lagging;
+  }
+  state.counters["worst"] = static_cast<double>(times.max()) * 1e-9;
+  state.counters["p99"] = static_cast<double>(times.quantile(0.99)) * 1e-9;
+  state.counters["substeps"] = static_cast<double>(switches.quantile(0.5));
+  state.counters["lagging"] = static_cast<double>(lagging) / static_cast<double>(i);
+}
+
+BENCHMARK(worst_tick)
+    ->ArgNames({"n", "branch"})
+    ->ArgsProduct({{9, 1521}, {0, 1}})
+    ->Iterations(5000);
 
 }  // namespace
 

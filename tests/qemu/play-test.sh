@@ -55,6 +55,17 @@ over
 echo "== report"; cat /tmp/report
 echo "== record"; grep ' out ' /tmp/record | cut -d' ' -f3-5
 echo "== session"; base64 /tmp/log.session
+echo "== busy"  # a desktop that takes all the time that it can get; the device itself is never late
+chrt -f 48 rawhid-device --rate 5000 /positions.txt >/tmp/record & device=$!; await /dev/hidraw0
+(while :; do :; done) & desktop=$!
+$play --duration 1 --report /tmp/report >/dev/null & player=$!
+usleep 900000
+for task in /proc/$player/task/*; do
+  echo "task $(cat $task/comm) $(chrt -p ${task##*/} | sed 's/.*: //' | tr '\n' ' ')"
+done
+wait $player; echo "exit $?"; kill $desktop; over
+echo "forces $(grep -c ' out ' /tmp/record)"
+echo "== busy report"; cat /tmp/report
 echo "== unplugged"
 device --unplug-after 2250; $play >/dev/null; echo "exit $?"; over; summary
 echo "== silent"
@@ -73,7 +84,7 @@ over; cut -d' ' -f2- /tmp/record
 echo "== end"
 END
 TIMEOUT=300 machine "$qemu/rawhid-device" "$qemu/pid-device" "$HAPGRID_BIN/play" "$HAPGRID_BUILD/models/hung-ball.so" \
-  ball.grid profile.toml positions.txt session -- 'sh session'
+  "$(command -v chrt)" ball.grid profile.toml positions.txt session -- 'sh session'
 printf '%s\n' "$output" >got
 python3 "$here/play_test.py" got positions.txt log.session
 # What was recorded there gives the same forces here, bit for bit.

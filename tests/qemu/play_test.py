@@ -32,6 +32,16 @@ print("5000 ticks: %d reports of force, p99 of lateness %g us, of computing %g u
     len(forces), report["lateness"]["p99_us"], report["compute"]["p99_us"]))
 
 
+# As many under load: no thread that a force passes through waits for the desktop.
+report = json.loads("\n".join(parts["busy report"]))
+assert report["ticks"] == 5000 and report["missed"] == 0, report
+assert exit_code(parts["busy"]) == ["exit 0"], parts["busy"]
+tasks = [line for line in parts["busy"] if line.startswith("task hid-")]
+assert sorted(tasks) == ["task hid-reader SCHED_FIFO 45 ", "task hid-writer SCHED_FIFO 45 "], tasks
+busy = int(next(line for line in parts["busy"] if line.startswith("forces ")).split()[1])
+assert busy > 0.95 * len(forces), (busy, len(forces))
+
+
 def felt(lines):
     """The last report, and whether the ball was felt before."""
     count, most = map(int, lines[-2].split())

@@ -99,8 +99,7 @@ void add_output_options(CommandLine& app, PlayOptions& options) {
           "the default for a live device and a pipe)")
       .type("FILE");
   app.add("--report", options.report,
-          "JSON report of the play: ticks, lateness, computing time, what\n"
-          "the safety core did")
+          "JSON report: ticks, lateness, computing time, what safety did")
       .type("FILE");
   app.add("--sessions", options.sessions, "Table of the sessions of sim:, a line for each of them")
       .type("FILE");

@@ -21,13 +21,16 @@ void each_limit(Limits& limits, F&& f) {
   f("gain", limits.gain);
   f("max_force_N", limits.max_force);
   f("slew_N_per_ms", limits.slew);
-  f("blend_ms", limits.blend_ms);
   f("ramp_ms", limits.ramp_ms);
   f("max_speed_m_per_s", limits.max_speed);
   f("buzz_force_N", limits.buzz_force);
   f("buzz_rate_per_s", limits.buzz_rate);
   f("fade_cells", limits.fade_cells);
   f("watchdog_ticks", limits.watchdog_ticks);
+  f("reserve_mJ", limits.reserve);
+  f("acceleration_m_per_s2", limits.acceleration);
+  f("encoder_m", limits.encoder);
+  f("delay_ticks", limits.delay_ticks);
 }
 
 }  // namespace

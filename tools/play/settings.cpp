@@ -28,9 +28,7 @@ std::span<double> limit(PlaySettings& s) {
 constexpr Setting kSettings[] = {
     {"--gain", "FACTOR", 0, 1e12, "Newtons felt for a newton of the model (default: 1)",
      limit<&SafetyLimits::gain>},
-    {"--max-force", "N", 0, 1e6,
-     "Largest force; a larger one is scaled down (default: 3, or the\n"
-     "device's own limit if it is smaller)",
+    {"--max-force", "N", 0, 1e6, "Largest force (default: 3, or the device's own smaller limit)",
      limit<&SafetyLimits::max_force>},
     {"--scale", "UNITS/M", 0, 1e15,
      "Model units per metre of the hand; 0: the device's reach fills\n"
@@ -38,8 +36,6 @@ constexpr Setting kSettings[] = {
      [](PlaySettings& s) { return std::span(&s.mapping.scale, 1); }},
     {"safety.slew", "N/ms", 0, kInf, "Largest change of the force in a millisecond",
      limit<&SafetyLimits::slew>},
-    {"safety.blend", "ms", 0, 1e6, "Time over which a switch of levels is blended",
-     limit<&SafetyLimits::blend_ms>},
     {"safety.ramp", "ms", 0, 1e6, "Time in which the force comes back after a zero",
      limit<&SafetyLimits::ramp_ms>},
     {"safety.max_speed", "m/s", 0, kInf, "A faster hand gets zero force; needs a scale",
@@ -52,6 +48,12 @@ constexpr Setting kSettings[] = {
      limit<&SafetyLimits::fade_cells>},
     {"safety.watchdog", "ticks", 0, kInf, "So many missed ticks give zero force",
      limit<&SafetyLimits::watchdog_ticks>},
+    {"safety.reserve", "mJ", 0, kInf, "Given at most beyond what was stored",
+     limit<&SafetyLimits::reserve>},
+    {"safety.encoder", "m", 0, 0.1, "The device's positions come in such steps",
+     limit<&SafetyLimits::encoder>},
+    {"safety.delay", "ticks", 0, kMaxTankDelay, "From when a force is sent until it acts",
+     limit<&SafetyLimits::delay_ticks>},
     {"mapping.offset", "units", -1e15, 1e15, "Middle of the reach, from the middle of the box",
      [](PlaySettings& s) { return std::span<double>(s.mapping.offset); }},
     {"mapping.speed", "units/s", 0, 1e15, "Of a SpaceMouse's HIP; 0: the box in 4 s",

@@ -9,7 +9,6 @@ axes = "-z,x,y"
 model-path = ["models"]
 [play.safety]
 ramp = 0
-blend = 0
 slew = inf
 [play.mapping]
 offset = [0.1, 0, 0]
@@ -20,7 +19,7 @@ seed model.toml --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand -
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete | cmp - grid
 for i in {-90..90}; do echo "$(printf '%de-2' "$i") 0 0"; done >path
 # --set takes one value each: the grid behind it is the grid.
-play --max-force 0.05 --set safety.ramp=0 --set safety.blend=0 --set safety.slew=inf grid \
+play --max-force 0.05 --set safety.ramp=0 --set safety.slew=inf grid \
   --device path:path --log here 2>/dev/null
 play grid --config model.toml --device path:path --log there 2>err
 cmp here there
@@ -67,5 +66,5 @@ expect 2 '' "~play: --scale: '-1' is not a number from 0 to 1e\+15 UNITS/M $help
 
 # The help's table, which is also the manual page's, has each key once.
 play --help >help
-same "keys" "16" "$(grep -oE '^  [a-z]+\.[a-z_]+ +[^ ]+ +[^ ]+ +[^ ]+ to [^ ]+ +[A-Z]' help |
+same "keys" "18" "$(grep -oE '^  [a-z]+\.[a-z_]+ +[^ ]+ +[^ ]+ +[^ ]+ to [^ ]+ +[A-Z]' help |
   cut -d' ' -f3 | sort -u | wc -l)"

@@ -60,14 +60,15 @@ def play(*options, grid="stuck.0", wrapper=(), device=f"profile:{PROFILE}"):
                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
-def await_force(device):
+def await_force(device, process):
     """Until the whole half newton is on the device."""
     deadline = time.monotonic() + 30
-    while time.monotonic() < deadline:
+    while time.monotonic() < deadline and process.poll() is None:
         if any(force(w) == 500 for w in device.written()):
             return
         time.sleep(0.02)
-    sys.exit("no force came")
+    process.kill()
+    sys.exit(f"no force came: {process.communicate()[1]}")
 
 
 def case(name, disturb, code, line, grid="stuck.0", reachable=True):
@@ -75,7 +76,7 @@ def case(name, disturb, code, line, grid="stuck.0", reachable=True):
     own stop, as the last that a device hears which is still there."""
     device = Device()
     process = play(grid=grid)
-    await_force(device)
+    await_force(device, process)
     disturb(device, process)
     error = process.communicate(timeout=30)[1]
     assert process.returncode == code, (name, process.returncode, error)
@@ -108,10 +109,44 @@ case("killed", lambda device, process: process.kill(), -signal.SIGKILL, r"")
 case("hangs", move(60), 1, r"^play: the haptic loop hangs, .*zero force was sent")
 case("crashed", move(60), -signal.SIGABRT, r"", grid="stuck.1")
 
+
+
+def stand_still(device, process):
+    """The guard lets go while the program stands still; then it goes on."""
+    process.send_signal(signal.SIGSTOP)
+    deadline = time.monotonic() + 20
+    while force(device.written()[-1]) != "stop":
+        assert time.monotonic() < deadline, "stopped, and the force is left on the device"
+        time.sleep(0.02)
+    process.send_signal(signal.SIGCONT)
+
+
+case("stopped", stand_still, 1, r"^play: device: .*: the program stood still, and its guard sent zero force$")
+
+# Each thread's priority, as chrt says it: a force passes through the device's threads.
+device = Device()
+process = play()
+await_force(device, process)
+said = {}
+for task in os.listdir(f"/proc/{process.pid}/task"):
+    name = open(f"/proc/{process.pid}/task/{task}/comm").read().strip()
+    text = subprocess.run(["chrt", "-p", task], check=True, capture_output=True, text=True).stdout
+    policy, priority = re.findall(r": (\w+)$", text, re.M)
+    said.setdefault(name if task != str(process.pid) else "loop", []).append((policy, int(priority)))
+process.send_signal(signal.SIGINT)
+process.communicate(timeout=30)
+device.end()
+if subprocess.run(["chrt", "-f", "45", "true"], stderr=subprocess.DEVNULL).returncode == 0:
+    assert said["loop"] == [("SCHED_FIFO", 40)], said
+    assert said["hid-reader"] == said["hid-writer"] == [("SCHED_FIFO", 45)], said
+    print("priorities:", said)
+else:
+    print("priorities: NOT TESTED, this machine allows no SCHED_FIFO:", said)
+
 # The clutch's button takes the force away, and gives it back.
 device = Device()
 process = play()
-await_force(device)
+await_force(device, process)
 count = len(device.written())
 device.tell(f"repeat 500 {report(-40, buttons=1)}")
 deadline = time.monotonic() + 20

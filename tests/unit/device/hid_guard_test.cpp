@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
@@ -111,6 +112,19 @@ TEST_CASE("the stop reports are the last thing written, however a program ends")
     program.wait();
     expect_stop();
     CHECK(hardware.written_by_two());
+  }
+  SECTION("stopped, and let run again") {
+    REQUIRE(::kill(program.pid, SIGSTOP) == 0);
+    CHECK(hardware.wait([&] { return hardware.written_by_two(); }));
+    CHECK(hardware.written().back() == TinyProtocol::stopped());
+    const std::size_t before = hardware.written().size();
+    REQUIRE(::kill(program.pid, SIGCONT) == 0);
+    CHECK(WEXITSTATUS(program.wait()) == 3);  // the device failed
+    expect_stop();
+    // At most the force whose write was under way comes again.
+    const std::vector<Bytes> written = hardware.written();
+    CHECK(std::count(written.begin() + static_cast<std::ptrdiff_t>(before), written.end(),
+                     TinyProtocol::force(7)) <= 1);
   }
   SECTION("in good order, which leaves the guard nothing to do") {
     REQUIRE(::write(program.in.get(), "q", 1) == 1);

@@ -69,11 +69,11 @@ FakeDevice device(std::size_t count) {
 
 /// Every stage off but the clamp: what is sent is what was computed.
 constexpr SafetyLimits kClampOnly{.slew = std::numeric_limits<double>::infinity(),
-                                  .blend_ms = 0,
                                   .ramp_ms = 0,
                                   .buzz_force = std::numeric_limits<double>::infinity(),
                                   .fade_cells = 0,
-                                  .watchdog_ticks = std::numeric_limits<double>::infinity()};
+                                  .watchdog_ticks = std::numeric_limits<double>::infinity(),
+                                  .reserve = std::numeric_limits<double>::infinity()};
 
 struct Fixture {
   Grid grid = random_grid({{0, 0, 0}, 1, {4, 4, 4}}, 2, 2, 1);
@@ -326,7 +326,8 @@ TEST_CASE_METHOD(Fixture, "a replay's missed ticks count as time and in the numb
   HeldDevice d;
   for (int i = 0; i < 10; ++i) d.inputs.push_back({.missed = i == 4 ? 7U : 0U});
   d.sent.reserve(100);
-  safety = SafetyCore({.slew = 0.1, .blend_ms = 0, .ramp_ms = 0});
+  safety =
+      SafetyCore({.slew = 0.1, .ramp_ms = 0, .reserve = std::numeric_limits<double>::infinity()});
   std::vector<std::uint64_t> numbers;
   const LoopSummary summary = loop(
       d,
@@ -356,7 +357,7 @@ TEST_CASE_METHOD(Fixture, "where the hand begins anew, nothing of the ticks befo
       return status;
     }
   };
-  // Ramp, blend, slew and the speed guard all remember; a hole in the first hand's path is a fault.
+  // Ramp, slew and the speed guard all remember; a hole in the first hand's path is a fault.
   const auto sent = [&](std::size_t from) {
     Twice d;
     const FakeDevice whole = device(400);

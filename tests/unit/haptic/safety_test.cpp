@@ -55,7 +55,6 @@ double any_limit(std::mt19937_64& random, double typical) {
 SafetyLimits only_clamp(double max_force) {
   return {.max_force = max_force,
           .slew = kInf,
-          .blend_ms = 0,
           .ramp_ms = 0,
           .max_speed = kInf,
           .buzz_force = kInf,
@@ -103,13 +102,16 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
     limits.gain = std::exp(uniform(random, -3, 3));
     limits.max_force = 3 * std::exp(uniform(random, -3, 3));
     limits.slew = any_limit(random, 1);
-    limits.blend_ms = std::min(any_limit(random, 20), 1e6);
     limits.ramp_ms = std::min(any_limit(random, 200), 1e6);
     limits.max_speed = any_limit(random, 1);
     limits.buzz_force = any_limit(random, 0.5);
     limits.buzz_rate = any_limit(random, 30);
     limits.fade_cells = any_limit(random, 1);
     limits.watchdog_ticks = any_limit(random, 10);
+    limits.reserve = any_limit(random, 1);
+    limits.acceleration = std::min(any_limit(random, 40), 1e6);
+    limits.encoder = std::min(any_limit(random, 1e-4), 1e-2);
+    limits.delay_ticks = static_cast<double>(random() % (kMaxTankDelay + 1));
     SafetyCore safety(limits);
     Vec3 before = kZero;
     Vec3 calm{uniform(random, -5, 5), uniform(random, -5, 5), uniform(random, -5, 5)};
@@ -129,13 +131,16 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
       } else if (kind == 17 && random() % 8 == 0) {
         in.unusable = true;
       }
-      in.level_changed = random() % 8 == 0;
       in.stalled = random() % 32 == 0;
       in.clutch = random() % 32 == 0;
       in.missed = random() % 16 == 0 ? random() % 30 : 0;  // a pause
       in.dt = 0.001 * static_cast<double>(1 + in.missed);
       in.speed = random() % 16 == 0 ? std::abs(hostile(random)) : uniform(random, 0, 1);
       in.outside_cells = random() % 8 == 0 ? uniform(random, 0, 3) : 0;
+      if (random() % 16 != 0)
+        in.place = {uniform(random, -1e-3, 1e-3), 0, i * 1e-4};
+      else if (random() % 2 == 0)
+        in.place = {hostile(random), random() % 2 ? kNaN : 0, 0};
       const bool number = std::isfinite(in.force[0] * limits.gain) &&
                           std::isfinite(in.force[1] * limits.gain) &&
                           std::isfinite(in.force[2] * limits.gain);
@@ -169,16 +174,7 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
 }
 
 TEST_CASE("finite forces whose difference is not") {
-  SafetyLimits limits = only_clamp(3);
-  limits.blend_ms = 20;
-  SafetyCore blended(limits);
-  blended.apply(tick({kMax, 0, 0}));
-  SafetyInput after_switch = tick({-kMax, 0, 0});
-  after_switch.level_changed = true;
-  CHECK(blended.apply(after_switch).force == kZero);
-  CHECK(blended.faulted());
-
-  limits = only_clamp(1e304);
+  SafetyLimits limits = only_clamp(1e304);
   limits.slew = 5e303;  // N/ms
   SafetyCore slewed(limits);
   double before = 0;
@@ -206,21 +202,6 @@ TEST_CASE("what is not finite holds zero until reset, and then comes back by the
   for (int i = 1; i <= 100; ++i)
     REQUIRE(safety.apply(tick({1, 0, 0})).force[0] == Approx(i / 100.0).margin(1e-12));
   CHECK(safety.apply(tick({1, 0, 0})).acted == 0);
-}
-
-TEST_CASE("a switch of levels does not kick") {
-  SafetyLimits limits = only_clamp(10);
-  limits.blend_ms = 20;
-  SafetyCore safety(limits);
-  safety.apply(tick({2, 0, 0}));
-  SafetyInput in = tick({-1, 0, 0});
-  in.level_changed = true;
-  CHECK(safety.apply(in).force == Vec3{2, 0, 0});  // still what it was
-  in.level_changed = false;
-  // Then linearly to the new one in 20 ticks of a millisecond: 3 N in 20 ms.
-  for (int i = 1; i <= 20; ++i)
-    REQUIRE(safety.apply(in).force[0] == Approx(2 - 3 * i / 20.0).margin(1e-12));
-  CHECK(safety.apply(in).acted == 0);
 }
 
 TEST_CASE("the slew limit is a line to the wanted force, in its direction") {
@@ -356,4 +337,8 @@ TEST_CASE("limits that are none are refused") {
   CHECK_FALSE(refusal({.slew = kNaN}).empty());
   CHECK(refusal({.slew = kInf}).empty());
   CHECK_FALSE(refusal({.watchdog_ticks = kNaN}).empty());
+  CHECK_FALSE(refusal({.reserve = -1}).empty());
+  CHECK_FALSE(refusal({.acceleration = kInf}).empty());
+  CHECK_FALSE(refusal({.encoder = kNaN}).empty());
+  CHECK(refusal({.delay_ticks = 31}) == "safety: the delay is 31 ticks, the limit is 30");
 }

@@ -1,0 +1,196 @@
+#include "libcore/haptic/energy_tank.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "libcore/grid/vec3.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+// Seconds over which the hand's speed is measured: shorter, and an encoder's step looks fast.
+constexpr double kWindow = 0.002;
+// Seconds in which a force that was withheld comes back: while the tank is overdrawn, and else.
+constexpr double kSlowReturn = 0.3;
+constexpr double kReturn = 0.03;
+// Newtons: less is not withheld at all, so that withholding ends.
+constexpr double kNothing = 1e-6;
+// The part of the way to the wanted force is found to 2^-20.
+constexpr int kHalvings = 20;
+
+double norm(const Vec3& v) { return std::sqrt(dot(v, v)); }
+Vec3 moved(const Vec3& a, const Vec3& b, double s) {
+  return {a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]};
+}
+Vec3 difference(const Vec3& a, const Vec3& b) { return moved(a, b, -1); }
+
+/// The force that costs `joules` to let go of at this speed without acceleration: letgo()
+/// backwards. With n steps it is linear, period speed (n force - step n (n - 1) / 2).
+double affordable(double joules, double speed, const TankTerms& terms) {
+  const double sum = joules / (terms.period * speed);  // newtons, over all ticks
+  const double step = terms.slew * terms.period;
+  if (!(step < kUnbounded)) return sum;
+  const double n = std::max(1.0, std::ceil((std::sqrt(1 + 8 * sum / step) - 1) / 2));
+  return sum / n + step * (n - 1) / 2;
+}
+
+/// By how much rounded positions can count more work than true ones while a force goes to zero, or
+/// in one tick: both ends of the way are off by half a step on each axis.
+double rounding(const TankTerms& terms, const Vec3& force) {
+  return (std::abs(force[0]) + std::abs(force[1]) + std::abs(force[2])) * terms.encoder;
+}
+
+}  // namespace
+
+double letgo(double force, double speed, const TankTerms& terms) noexcept {
+  const double dt = terms.period;
+  const double step = terms.slew * dt;
+  const double gain = terms.acceleration * dt;  // of speed in a tick
+  const double first = speed + gain / 2;
+  if (force == 0) return 0;
+  if (force <= step) return dt * force * std::max(0.0, first);
+  const double n = std::ceil(force / step);
+  double begin = 0;  // ticks before it run against the force
+  if (first < 0) {
+    if (!(gain > 0)) return 0;
+    begin = std::ceil(-first / gain);
+    if (begin >= n) return 0;
+  }
+  const double count = n - begin;
+  const double sum = count * (begin + n - 1) / 2;  // of j, and of its square
+  const double squares = ((n - 1) * n * (2 * n - 1) - (begin - 1) * begin * (2 * begin - 1)) / 6;
+  const double all =
+      force * first * count + (force * gain - step * first) * sum - step * gain * squares;
+  return std::isfinite(all) ? std::max(0.0, dt * all) : kUnbounded;
+}
+
+const Vec3& EnergyTank::force(std::uint32_t ticks_ago) const noexcept {
+  return forces_[(last_force_ + kForces - ticks_ago) % kForces];
+}
+
+void EnergyTank::move(const TankTerms& terms, const Vec3& place, double dt, bool certain) noexcept {
+  if (placed_) {
+    const Vec3 way = difference(place, place_);
+    double work = std::max(dot(force(terms.delay), way), dot(force(terms.delay + 1), way));
+    if (!certain || seen_ == 0) work = std::max(work, 0.0);
+    energy_ -= work;
+    // A sum that cannot be computed stands for a tank that is empty for good.
+    if (!std::isfinite(energy_)) energy_ = std::numeric_limits<double>::lowest();
+  }
+  place_ = place;
+  placed_ = true;
+
+  time_ += dt;
+  newest_ = (newest_ + 1) % kSeen;
+  places_[newest_] = place;
+  times_[newest_] = time_;
+  if (seen_ == 0) oldest_ = newest_;
+  if (seen_ == kSeen) {
+    oldest_ = (oldest_ + 1) % kSeen;
+  } else {
+    ++seen_;
+  }
+  measure_speed();
+}
+
+void EnergyTank::measure_speed() noexcept {
+  // The window is the shortest one that is not below kWindow.
+  while (seen_ > 2) {
+    const std::uint32_t next = (oldest_ + 1) % kSeen;
+    if (time_ - times_[next] < kWindow * (1 - 1e-9)) break;
+    oldest_ = next;
+    --seen_;
+  }
+  window_ = time_ - times_[oldest_];
+  if (!(window_ > 0)) {
+    window_ = 0;
+    speed_ = {0, 0, 0};
+    return;
+  }
+  const Vec3 way = difference(places_[newest_], places_[oldest_]);
+  speed_ = {way[0] / window_, way[1] / window_, way[2] / window_};
+}
+
+/// A bound on the hand's speed along a force.
+double EnergyTank::speed_along(const TankTerms& terms, const Vec3& force,
+                               double length) const noexcept {
+  if (window_ == 0) return kUnbounded;
+  const double error = rounding(terms, force) / length / window_;
+  const double speed = dot(force, speed_) / length + error + terms.acceleration * window_ / 2;
+  return speed < kUnbounded ? speed : kUnbounded;  // also where it is not a number
+}
+
+/// What the forces that were sent and are not yet over can do.
+double EnergyTank::under_way(const TankTerms& terms) const noexcept {
+  double all = 0;
+  for (std::uint32_t j = 0; j <= terms.delay; ++j) {
+    const Vec3& f = force(terms.delay - j);
+    const double size = norm(f);
+    if (size == 0) continue;
+    const double speed =
+        speed_along(terms, f, size) + terms.acceleration * (j + 0.5) * terms.period;
+    all += size * terms.period * std::max(0.0, speed) + rounding(terms, f);
+  }
+  return all;
+}
+
+double EnergyTank::cost(const TankTerms& terms, const Vec3& force) const noexcept {
+  const double size = norm(force);
+  if (size == 0) return 0;
+  const double speed =
+      speed_along(terms, force, size) + terms.acceleration * (terms.delay + 1) * terms.period;
+  return letgo(size, speed, terms) + rounding(terms, force);
+}
+
+void EnergyTank::let_go_unseen(const TankTerms& terms) noexcept {
+  if (seen_ == 0) return;
+  const double all = cost(terms, force(0)) + under_way(terms);
+  energy_ = all < kUnbounded ? energy_ - all : std::numeric_limits<double>::lowest();
+  lose_sight();
+}
+
+Vec3 EnergyTank::soften(const TankTerms& terms, const Vec3& wanted, double dt) noexcept {
+  Vec3 force = wanted;
+  const double affords = energy_ + kTankSlack;
+  const double time = affords < 0 ? kSlowReturn : kReturn;
+  for (double& w : withheld_) w *= time / (time + dt);
+  if (const double kept = norm(withheld_); kept > kNothing) {
+    const double along = dot(force, withheld_) / kept;
+    force = moved(force, withheld_, -std::min(kept, std::max(0.0, along)) / kept);
+  }
+  if (const double speed = norm(speed_); speed > 0 && speed < kUnbounded) {
+    const double along = dot(force, speed_) / speed;
+    TankTerms steady = terms;
+    steady.acceleration = 0;
+    if (along > 0 && letgo(along, speed, steady) > std::max(0.0, affords))
+      force = moved(
+          force, speed_,
+          (std::min(along, affordable(std::max(0.0, affords), speed, terms)) - along) / speed);
+  }
+  withheld_ = difference(wanted, force);
+  return force;
+}
+
+Vec3 EnergyTank::bound(const TankTerms& terms, const Vec3& wanted, const Vec3& before,
+                       double step) const noexcept {
+  const double rest = std::max(0.0, energy_ + kTankSlack + terms.reserve) - under_way(terms);
+  if (cost(terms, wanted) <= rest) return wanted;
+  const double size = norm(before);
+  const Vec3 shorter = size > step ? moved(before, before, -step / size) : Vec3{0, 0, 0};
+  const Vec3 way = difference(wanted, shorter);
+  double part = 0;
+  for (double half = 0.5; half > std::ldexp(1.0, -kHalvings - 1); half /= 2)
+    if (cost(terms, moved(shorter, way, part + half)) <= rest) part += half;
+  return moved(shorter, way, part);
+}
+
+void EnergyTank::sent(const Vec3& force) noexcept {
+  last_force_ = (last_force_ + 1) % kForces;
+  forces_[last_force_] = force;
+}
+
+}  // namespace hapgrid

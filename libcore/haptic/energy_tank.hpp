@@ -1,0 +1,109 @@
+// What the hand has put into a device and not got back, and which force that can pay for.
+//
+// Problem. A force that is right at every place can still give energy to the hand: it comes a tick
+// late, it is ramped in while the hand is inside, or it belongs to no energy at all. Choice: the
+// tank holds the energy that the hand stored. Before a force is sent, the tank must cover what it
+// would cost to let go of that force at the slew limit while the hand runs along with it. So zero
+// can always be reached within the slew, and it is paid for. For any sequence of forces, the energy
+// returned is at most what the tank held at the start plus kTankSlack plus the reserve.
+//
+// That holds under these assumptions:
+//   the hand's acceleration is at most TankTerms::acceleration;
+//   a force is in effect TankTerms::delay or one more ticks after it was sent, for whole ticks;
+//   positions are rounded to TankTerms::encoder, and energy is counted along rounded positions.
+//   Along
+//     the true ones each change dF of the force adds at most |dF| times half a step, of either
+//     sign;
+//   no tick is missed. A missed tick is charged when it is over, so that later forces pay for it.
+//
+// Alternatives: damping that dissipates what an observer counted (it drags, and it breaks the
+// slew), a virtual coupling (passive, but softer than the model and drags in free air), scaling the
+// whole force (ten times the error).
+//
+// The forces and places are vectors in the box's axes; places are in metres, energies in joules.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "libcore/grid/box.hpp"
+
+namespace hapgrid {
+
+/// Joules by which the tank may be overdrawn before forces become softer.
+inline constexpr double kTankSlack = 1e-5;
+/// The largest TankTerms::delay.
+inline constexpr std::uint32_t kMaxTankDelay = 30;
+
+/// What the tank counts on.
+struct TankTerms {
+  double reserve = 1e-3;     ///< joules that letting go may cost beyond what is stored
+  double acceleration = 40;  ///< bound on the hand's, m/s^2
+  double encoder = 0;        ///< step of the positions, m
+  std::uint32_t delay = 0;   ///< ticks from when a force is sent until it is in effect; or one more
+  double slew = 1000;        ///< N/s
+  double period = 0.001;     ///< seconds from a tick to the next
+};
+
+/// What it costs at most, in joules, to let go of a force of so many newtons at the slew limit, a
+/// step in each tick, while the hand runs along with it:
+///   period * sum over j < ceil(force / step) of
+///       (force - j step) max(0, speed + acceleration (j + 1/2) period), step = slew period.
+/// In closed form. Infinite when it cannot be computed.
+double letgo(double force, double speed, const TankTerms& terms) noexcept;
+
+/// For one thread; real-time safe. In each tick: move(), then soften() and bound() if a force is to
+/// be sent, then sent().
+class EnergyTank {
+ public:
+  /// Joules that the hand may get back; a tank begins with 0.
+  void fill(double joules) noexcept { energy_ = joules; }
+  double energy() const noexcept { return energy_; }
+
+  /// The hand came to `place`; charges what the force has done.
+  /// @param dt seconds since the move before. @param certain false when ticks were missed, so that
+  /// nobody knows which force was in effect in between: then nothing is gained.
+  void move(const TankTerms& terms, const Vec3& place, double dt, bool certain) noexcept;
+  /// Nobody knows where the hand is. The next move() is uncertain, and its speed is not known.
+  void lose_sight() noexcept { seen_ = 0; }
+  /// The handle will move unseen, and the force goes to zero: charges what that may cost.
+  void let_go_unseen(const TankTerms& terms) noexcept;
+
+  /// `wanted`, made smaller along the hand's motion where the tank cannot pay for it. What was
+  /// taken away comes back slowly, so that the force does not flicker.
+  Vec3 soften(const TankTerms& terms, const Vec3& wanted, double dt) noexcept;
+  /// `wanted` if the tank can pay for it; else a force between it and the last one made shorter.
+  /// @param before the last force. @param step the slew limit of this tick in newtons.
+  Vec3 bound(const TankTerms& terms, const Vec3& wanted, const Vec3& before,
+             double step) const noexcept;
+  void sent(const Vec3& force) noexcept;
+
+ private:
+  const Vec3& force(std::uint32_t ticks_ago) const noexcept;
+  double cost(const TankTerms& terms, const Vec3& force) const noexcept;
+  double under_way(const TankTerms& terms) const noexcept;
+  double speed_along(const TankTerms& terms, const Vec3& force, double length) const noexcept;
+  void measure_speed() noexcept;
+
+  double energy_ = 0;
+  Vec3 withheld_{0, 0, 0};
+  Vec3 place_{0, 0, 0};
+  bool placed_ = false;
+  // The last places, a ring: enough for the window at 30 kHz.
+  static constexpr std::uint32_t kSeen = 64;
+  std::array<Vec3, kSeen> places_{};
+  std::array<double, kSeen> times_{};
+  double time_ = 0;
+  std::uint32_t newest_ = 0;
+  std::uint32_t oldest_ = 0;  // of the window
+  std::uint32_t seen_ = 0;    // places in the window
+  Vec3 speed_{0, 0, 0};       // mean over the window
+  double window_ = 0;         // seconds; 0: the speed is not known
+  // The last forces, a ring.
+  static constexpr std::uint32_t kForces = 32;
+  static_assert(kForces >= kMaxTankDelay + 2);
+  std::array<Vec3, kForces> forces_{};
+  std::uint32_t last_force_ = 0;
+};
+
+}  // namespace hapgrid
