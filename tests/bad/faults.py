@@ -188,7 +188,7 @@ def limits(good):
     for bytes_left in range(0, size + 1, 1 if ALL else max(1, size // 12)):
         yield resource.RLIMIT_FSIZE, bytes_left, "bytes in a file"
     # From a little above what the loader needs to what the tools need.
-    for kilobytes in range(8000, 80000, 500 if ALL else 6000):
+    for kilobytes in range(10000, 80000, 500 if ALL else 6000):
         yield resource.RLIMIT_AS, kilobytes << 10, "bytes of memory"
     for descriptors in range(3, 20, 1 if ALL else 2):
         yield resource.RLIMIT_NOFILE, descriptors, "descriptors"
