@@ -75,6 +75,9 @@ struct Header {
 
   tears @17 :Tears;
 
+  forceScale @18 :Float64;
+  # Newtons that one unit of energy per unit of length is; 0 where the model does not say.
+
   enum Content {
     grid @0;
     # Record chunks: all records that are known.

@@ -24,6 +24,7 @@
 #include "libcore/shard/load.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/devices.hpp"
+#include "tools/play/forces.hpp"
 #include "tools/play/log.hpp"
 #include "tools/play/options.hpp"
 #include "tools/play/report.hpp"
@@ -102,6 +103,9 @@ void check(const PlayOptions& options) {
   check_files(options);
   if (options.traversal && is_slow(*options.traversal) && is_live(*options.device))
     throw UsageError("--traversal: a live device cannot wait for the model itself");
+  if (options.traversal == TraversalRule::kModel && options.force &&
+      options.force != ForceRule::kState)
+    throw UsageError("--force: --traversal model has no records to interpolate between");
   if (!options.sessions.empty() && !std::holds_alternative<SimulationFile>(*options.device))
     throw UsageError("--sessions: only --device sim:FILE has sessions to tell of");
   if (!options.log.empty() && !is_session_name(options.log) && is_live(*options.device))
@@ -144,12 +148,17 @@ PlaySettings given_settings(const PlayOptions& options) {
   return settings;
 }
 
+struct Settled {
+  PlaySettings settings;
+  TraversalRule traversal = kDefaultRule;
+  std::optional<ForceRule> force;  ///< nothing: PlayForce's default
+};
+
 /// The settings of a play: those that the user gave, then those that a replay recorded, then the
 /// defaults. The device's own limit holds in any case.
-/// @param rule of traversal, by the same order.
-PlaySettings settle(const PlayOptions& options, const OpenDevice& open, const LoadedGrid& loaded,
-                    TraversalRule& rule) {
-  PlaySettings settings;
+Settled settle(const PlayOptions& options, const OpenDevice& open, const LoadedGrid& loaded) {
+  Settled settled;
+  auto& [settings, rule, force] = settled;
   if (open.session) {
     const std::string file = input_file(*options.device);
     if (open.session->grid_digest != loaded.digest)
@@ -160,12 +169,17 @@ PlaySettings settle(const PlayOptions& options, const OpenDevice& open, const Lo
     settings.safety = with.limits;
     settings.mapping.scale = with.scale;
     rule = with.traversal;
+    force = with.force;
   }
   settings = changed(settings, options.given);
-  if (options.traversal) rule = *options.traversal;
+  if (options.traversal) {
+    if (rule != *options.traversal) force.reset();
+    rule = *options.traversal;
+  }
+  if (options.force) force = options.force;
   if (options.axes) settings.mapping.axes = *options.axes;
   settings.safety.max_force = std::min(settings.safety.max_force, open.device->info().max_force);
-  return settings;
+  return settled;
 }
 
 /// Ticks in a second that nobody waits for.
@@ -199,10 +213,12 @@ std::unique_ptr<Watchdog> watch(Device& device, const std::atomic<std::uint64_t>
 
 /// What the loop plays.
 struct PlayedForce {
+  PlayForce& force;
+  const Traversal& traversal;
   const Fields& fields;
   double metres;  ///< of the hand, for a unit of the model's length, times the gain
 
-  Vec3 operator()(const Vec3& x, std::span<const double> row) const { return fields.force(x, row); }
+  Vec3 operator()(const Vec3&, std::span<const double>) const { return force(traversal); }
   double stored_energy(const Vec3& x, std::span<const double> row) const {
     return fields.has_energy() ? fields.energy(x, row) * fields.force_scale() * metres : 0;
   }
@@ -250,8 +266,7 @@ int play(PlayOptions options) {
                                       virtual_rate_hz(options), spec.box, guard.get());
   if (!signals) signals.emplace();
   Device& device = *open.device;
-  TraversalRule rule = kDefaultRule;
-  const PlaySettings settings = settle(options, open, loaded, rule);
+  const auto [settings, rule, wanted_force] = settle(options, open, loaded);
   const LoopOptions loop = pace(options, open, settings.spin_us);
   const double rate_hz = loop.tick_rate_hz();
 
@@ -260,9 +275,13 @@ int play(PlayOptions options) {
   const std::unique_ptr<Traversal> traversal = traversals(rule, grid, create_exact)();
   const auto truth =
       open.wants_truth ? traversals(TraversalRule::kModel, grid, create_exact)() : nullptr;
+  PlayForce force(wanted_force, rule, grid, traversal->sheets(), fields, create);
   SafetyCore safety(settings.safety);
   Log log(options.log, loaded, fields, rate_hz, loop.paced(), open.ticks,
-          {.limits = settings.safety, .scale = mapping.scale(), .traversal = rule});
+          {.limits = settings.safety,
+           .scale = mapping.scale(),
+           .traversal = rule,
+           .force = force.rule()});
   std::optional<Sessions> sessions;
   if (open.simulated)
     sessions.emplace(
@@ -273,6 +292,7 @@ int play(PlayOptions options) {
   RunFacts facts{.model = spec.model,
                  .device = device.info().name,
                  .traversal = name_of(rule),
+                 .force = name_of(force.rule()),
                  .rate_hz = loop.rate_hz};
   LoopSummary summary;
   {
@@ -286,7 +306,8 @@ int play(PlayOptions options) {
                    facts.realtime.c_str());
     summary = run_loop(
         device, mapping, *traversal, safety,
-        PlayedForce{fields, mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0},
+        PlayedForce{force, *traversal, fields,
+                    mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0},
         [&](const Tick& tick) {
           log.add(tick);
           viewers.show(tick);
@@ -330,9 +351,8 @@ int main(int argc, char** argv) {
   PlayOptions options;
   CommandLine app(
       "Drives a device through a complete grid: reads the HIP, follows the levels of the grid's\n"
-      "cells, interpolates the state, computes the force (or interpolates it where the grid "
-      "stores\n"
-      "it), and sends it through the safety core to the device.");
+      "cells, interpolates energy or state, and sends the force through the safety core to the "
+      "device.");
   app.set_help(
       "play",
       "Settings for --set and for the table [play]; inf switches a limit off:\n" + settings_help() +

@@ -19,7 +19,7 @@ int run(const Options& options) {
   using namespace hapgrid;
   const Definition definition = load_definition(options.definition);
   const auto model = model_source(definition, options.definition.file, options.model)
-                         ->create(definition.parameters);
+                         ->create(definition.parameters, definition.store);
   const GridSpec spec = spec_of(definition, *model);
   OutputFile out(options.output);
   SectionWriter writer(out.fd(), out.name(), {Content::kGrid, 0, spec});

@@ -41,7 +41,8 @@ constexpr const char* kChecks =
     "  stored       force, energy and shape, evaluated again, are the stored ones\n"
     "  blends       a note: cells whose corners can belong to different branches\n"
     "  branches     the branch of each record has a row in all corners of each cell\n"
-    "  paths, continuous, mixed, one-way: with --traversal paper, in place of `branches`\n"
+    "  paths, continuous, mixed, one-way   --traversal paper: in place of `branches`\n"
+    "  gradient     a note: whether the force is the gradient of the energy\n"
     "  steep        a note: the largest slopes, and what the device renders stably\n"
     "  passive      no closed walk of the hand gains energy\n"
     "  accurate     --walks: the error between the points; a fault with --accuracy only\n";

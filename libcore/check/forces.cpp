@@ -1,6 +1,5 @@
 #include "libcore/check/forces.hpp"
 
-#include <algorithm>
 #include <deque>
 
 #include "libcore/check/parallel.hpp"
@@ -11,17 +10,25 @@ bool has_force(const GridSpec& spec, const Model& model) {
   return spec.stored.force || model.has_force();
 }
 
-Forces::Forces(const Grid& grid, const MakeModel& create, int threads) : forces_(grid.records()) {
-  const auto parts = static_cast<std::size_t>(threads);
-  std::deque<Fields> fields;  // for one thread each
-  for (std::size_t t = 0; t < parts; ++t)
-    fields.emplace_back(grid.spec(), create, /*wants_shape=*/false);
-  const std::size_t part = (forces_.size() + parts - 1) / parts;
-  for_each_in_threads(parts, threads, [&](std::size_t t) {
-    const auto end = static_cast<RecordIndex>(std::min(forces_.size(), (t + 1) * part));
-    for (auto r = static_cast<RecordIndex>(t * part); r < end; ++r)
-      forces_[r] = fields[t].force(grid.box().position(grid.point(r)), grid.row(r));
-  });
+RecordFields record_fields(const Grid& grid, const MakeModel& create, int threads) {
+  std::deque<Fields> fields;  // one a thread
+  for (int t = 0; t < threads; ++t) fields.emplace_back(grid.spec(), create, /*wants_shape=*/false);
+  RecordFields found;
+  found.force.resize(grid.records());
+  const double scale = fields.front().force_scale();
+  const bool has_energy = fields.front().has_energy() && scale > 0;
+  if (has_energy) found.energy.resize(grid.records());
+  constexpr std::size_t kBlock = 1024;
+  for_each_with_own(
+      (grid.records() + kBlock - 1) / kBlock, fields, [&](const Fields& own, std::size_t block) {
+        const std::size_t end = std::min<std::size_t>(grid.records(), (block + 1) * kBlock);
+        for (auto r = static_cast<RecordIndex>(block * kBlock); r < end; ++r) {
+          const Vec3 x = grid.box().position(grid.point(r));
+          found.force[r] = own.force(x, grid.row(r));
+          if (has_energy) found.energy[r] = scale * own.energy(x, grid.row(r));
+        }
+      });
+  return found;
 }
 
 }  // namespace hapgrid

@@ -1,9 +1,11 @@
-// The force on the HIP at the grid's points, as play has it there.
+// Force and energy of the HIP at the grid's points, as play has them there.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "libcore/grid/grid.hpp"
+#include "libcore/haptic/node_energies.hpp"
 #include "libcore/model/fields.hpp"
 
 namespace hapgrid {
@@ -12,13 +14,15 @@ namespace hapgrid {
 /// @param model the grid's, or what its header says of it
 bool has_force(const GridSpec& spec, const Model& model);
 
-/// By record, in newtons; one stored with the record, or evaluated by the grid's model.
+/// What the grid stores, or its model gives.
+/// @param create makes the grid's model; called only where the grid does not store the force, in
+/// the calling thread, once for each of `threads`. The result does not depend on `threads`.
+/// @throw ModelError when no force can be had; what `create` throws.
+RecordFields record_fields(const Grid& grid, const MakeModel& create, int threads);
+
+/// By record, in newtons.
 class Forces {
  public:
-  /// @param create makes the grid's model; called from the calling thread, only where no force is
-  /// stored, once a thread.
-  /// @throw ModelError when no force can be had.
-  Forces(const Grid& grid, const MakeModel& create, int threads);
   /// `forces`: as many as records.
   explicit Forces(std::vector<Vec3> forces) : forces_(std::move(forces)) {}
 

@@ -48,6 +48,8 @@ std::string difference(const GridSpec& a, const GridSpec& b) {
   if (a.spheres != b.spheres) return "the spheres that show the model";
   if (a.tears != b.tears) return "whether it has tear fractions";
   if (a.hip_radius != b.hip_radius) return both("radius of the HIP", a.hip_radius, b.hip_radius);
+  if (a.force_scale != b.force_scale)
+    return both("scale of the force", a.force_scale, b.force_scale);
   return a == b ? "" : "the units";
 }
 

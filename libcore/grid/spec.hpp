@@ -68,7 +68,8 @@ struct GridSpec {
   std::uint32_t max_levels = 8;  ///< the most levels that a point may have, 1 .. kMaxLevels
   std::string length_unit;       ///< for people to read, as is the next one; may be empty
   std::string energy_unit;
-  double hip_radius = 0;  ///< of the ball that pictures show at the HIP; 0 when there is none
+  double force_scale = 0;  ///< newtons that one unit of energy per unit of length is; 0: unknown
+  double hip_radius = 0;   ///< of the ball that pictures show at the HIP; 0 when there is none
   Stored stored;
   bool tears = false;           ///< whether the finished grid has tear fractions (tear.hpp)
   std::vector<Sphere> spheres;  ///< empty when the shape is not stored

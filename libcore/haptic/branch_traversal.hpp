@@ -37,6 +37,7 @@ class BranchTraversal final : public Traversal {
   /// @param map of the same grid. @throw Error as Traversal does
   BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                   std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
+  const Sheets* sheets() const override { return &map_->sheets; }
 
  private:
   /// The corner nearest to the HIP has level 0, as in the paper's rule.
@@ -60,7 +61,6 @@ class BranchTraversal final : public Traversal {
   std::shared_ptr<const BranchMap> map_;
   int flat_ = 0;    // bits of the axes with one point
   int anchor_ = 0;  // the corner whose record names the branch
-  std::array<Node, 8> nodes_{};
   std::array<const double*, 8> rows_{};
   std::array<double, 8> tear_{};
   std::array<double, 8> weights_{};  // at position()

@@ -19,7 +19,7 @@ bool PaperTraversal::cross(int q, PointIndex base, const Vec3&, StepResult& resu
 }
 
 void PaperTraversal::take(const Corners& corners) noexcept {
-  records_ = corners.record;
+  records_ = nodes_ = corners.record;
   levels_ = corners.level;
   for (int corner = 0; corner < 8; ++corner) {
     rows_[corner] = grid_.row(records_[corner]).data();

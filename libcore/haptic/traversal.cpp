@@ -26,6 +26,7 @@ Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
       box_(grid.box()),
       row_(grid.spec().row_size(), 0.0),
       max_sub_steps_(std::max<int>(max_sub_steps, 1)) {
+  nodes_.fill(Grid::kNoRecord);
   for (int a = 0; a < 3; ++a) {
     box_low_[a] = face(a, 0);
     box_high_[a] = face(a, box_.counts[a] - 1);
@@ -44,6 +45,7 @@ Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
 StepResult Traversal::start(const Vec3& hip) noexcept {
   StepResult result;
   started_ = false;
+  ++jumps_;
   if (!finite(hip)) {
     result.not_finite = true;
     return result;
@@ -84,6 +86,7 @@ StepResult Traversal::step(const Vec3& hip) noexcept {
       position_ = hip;
     else
       result.blocked = true;
+    jumps_ += result.snapped;
     evaluate();
     return result;
   }
@@ -95,6 +98,7 @@ StepResult Traversal::step(const Vec3& hip) noexcept {
   Vec3 x = hip;
   result.outside = clamp(x);
   travel(x, result);
+  jumps_ += result.snapped;
   evaluate();
   return result;
 }

@@ -38,6 +38,8 @@
 
 namespace hapgrid {
 
+class Sheets;
+
 /// What happened in a step. When all is false and zero, the HIP stayed in its cell.
 struct StepResult {
   bool not_finite = false;     ///< the HIP was not finite: nothing changed, the state is held
@@ -82,6 +84,15 @@ class Traversal {
   const std::array<RecordIndex, 8>& records() const { return records_; }
   /// Their levels; kNoLevel where there is no record.
   const std::array<Level, 8>& levels() const { return levels_; }
+  /// The nodes that state() is interpolated from, by corner: a record, or from Grid::records() on a
+  /// ghost (sheets.hpp); Grid::kNoRecord where the rule has none.
+  const std::array<RecordIndex, 8>& nodes() const { return nodes_; }
+  /// What knows the ghosts among them; null where the rule has none.
+  virtual const Sheets* sheets() const { return nullptr; }
+  /// Where position() is in the cell, in [0, 1] on each axis.
+  Vec3 part() const noexcept { return part_of_cell(position_); }
+  /// Counts the ticks in which the state jumped, because it started or snapped.
+  std::uint64_t jumps() const { return jumps_; }
   /// The corner (0,0,0) of the cell.
   const GridCoordinates& cell() const { return cell_; }
 
@@ -122,6 +133,7 @@ class Traversal {
   const Box box_;
   std::array<RecordIndex, 8> records_{};
   std::array<Level, 8> levels_{};
+  std::array<RecordIndex, 8> nodes_{};
   std::vector<double> row_;
 
  private:
@@ -140,6 +152,7 @@ class Traversal {
   Vec3 box_low_;
   Vec3 box_high_;
   bool started_ = false;
+  std::uint64_t jumps_ = 0;
   Vec3 position_{0, 0, 0};
   GridCoordinates cell_{0, 0, 0};
   PointIndex base_ = 0;  // the point of cell_

@@ -57,11 +57,12 @@ class Reader : private TomlFile {
 
     if (root().contains("search")) {
       const toml::table& search = table(root(), "search");
-      only_keys(search, "search.", {"max_levels", "tears"});
+      only_keys(search, "search.", {"max_levels", "tears", "store"});
       if (const toml::node* limit = search.get("max_levels"))
         d.max_levels =
             static_cast<std::uint32_t>(whole(*limit, "search.max_levels", 1, kMaxLevels));
       if (const toml::node* tears = search.get("tears")) d.tears = boolean(*tears, "search.tears");
+      if (search.contains("store")) d.store = store(array(*search.get("store"), "search.store"));
     }
     if (root().contains("seeds")) seeds(table(root(), "seeds"), d.seeds);
     return d;
@@ -101,6 +102,17 @@ class Reader : private TomlFile {
       if (!at) throw Error("--set " + entry + ": " + names[i] + " is no table");
     }
     at->insert_or_assign(names.back(), *parsed.get("value"));
+  }
+
+  Stored store(const toml::array& names) const {
+    Stored stored;
+    for (const toml::node& node : names) {
+      const std::string name = text(node, "search.store");
+      if (name != "energy" && name != "force" && name != "shape")
+        fail(node, "search.store names " + name + "; energy, force and shape are possible");
+      (name == "energy" ? stored.energy : name == "force" ? stored.force : stored.shape) = true;
+    }
+    return stored;
   }
 
   Vec3 position(const toml::node& node, const std::string& key) const {

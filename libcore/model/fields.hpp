@@ -20,8 +20,9 @@ class Fields {
   Fields(const GridSpec& spec, const MakeModel& create, bool wants_shape);
 
   bool has_energy() const { return spec_.stored.energy || (model_ && model_->has_energy()); }
-  /// Newtons that one unit of energy per unit of length is; 0 where no model tells.
-  double force_scale() const { return model_ ? model_->info().force_scale : 0; }
+  /// Newtons that one unit of energy per unit of length is; 0 where it is not
+  /// known.
+  double force_scale() const { return model_ ? model_->info().force_scale : spec_.force_scale; }
   /// The spheres of shape(); empty where there is no shape.
   const std::vector<Sphere>& spheres() const { return spheres_; }
 

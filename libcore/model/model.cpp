@@ -57,6 +57,8 @@ void ModelInfo::validate() const {
     throw ModelError("the tolerance is negative or not finite");
   if (!std::isfinite(hip_radius) || hip_radius < 0)
     throw ModelError("the radius of the HIP is negative or not finite");
+  if (!std::isfinite(force_scale) || force_scale < 0)
+    throw ModelError("the scale of the force is negative or not finite");
   require_possible_shape(spheres.size());
   for (const Sphere& sphere : spheres)
     if (!std::isfinite(sphere.radius) || sphere.radius < 0)
@@ -89,6 +91,7 @@ std::unique_ptr<Model> declared_model(const GridSpec& spec) {
   info.equality = spec.equality;
   info.length_unit = spec.length_unit;
   info.energy_unit = spec.energy_unit;
+  info.force_scale = spec.force_scale;
   info.hip_radius = spec.hip_radius;
   info.stored = spec.stored;
   info.spheres = spec.spheres;

@@ -122,9 +122,14 @@ class ModelSource {
   virtual const char* kind() const = 0;
   /// One of several models that are used at a time, each by a thread of its own. One thread calls
   /// this.
-  /// @throw ModelError when the model refuses the parameters or says something impossible of
-  /// itself.
-  virtual std::unique_ptr<Model> create(const std::vector<Parameter>& parameters) const = 0;
+  /// @param store what the model shall store with each state, beside what it stores by itself.
+  /// @throw ModelError when the model refuses the parameters, cannot store that, or says something
+  /// impossible of itself.
+  virtual std::unique_ptr<Model> create(const std::vector<Parameter>& parameters,
+                                        const Stored& store) const = 0;
+  std::unique_ptr<Model> create(const std::vector<Parameter>& parameters) const {
+    return create(parameters, {});
+  }
 };
 
 /// What a shard tells of a model that is a process: it can judge equality, and nothing is started.

@@ -68,7 +68,8 @@ class CParameters {
 };
 
 /// @throw ModelError
-ModelInfo info_of(const hapgrid_model_table& table, const hapgrid_model* model) {
+ModelInfo info_of(const hapgrid_model_table& table, const hapgrid_model* model,
+                  const Stored& store) {
   hapgrid_model_info in{};
   table.info(model, &in);
   for (char* unit : {in.tolerance_unit, in.length_unit, in.energy_unit})
@@ -101,6 +102,12 @@ ModelInfo info_of(const hapgrid_model_table& table, const hapgrid_model* model) 
   }
   if (info.stored.shape && info.spheres.empty())
     throw ModelError("info.stored names a shape without spheres");
+  if (store.force && !table.force) throw ModelError("has no force that could be stored");
+  if (store.energy && !table.energy) throw ModelError("has no energy that could be stored");
+  if (store.shape && info.spheres.empty()) throw ModelError("has no shape that could be stored");
+  info.stored.force |= store.force;
+  info.stored.energy |= store.energy;
+  info.stored.shape |= store.shape;
   info.validate();
   return info;
 }
@@ -109,8 +116,9 @@ using OwnedModel = std::unique_ptr<hapgrid_model, void (*)(hapgrid_model*)>;
 
 class PluginModel final : public Model {
  public:
-  PluginModel(std::shared_ptr<void> library, const hapgrid_model_table& table, OwnedModel model)
-      : Model(info_of(table, model.get())),
+  PluginModel(std::shared_ptr<void> library, const hapgrid_model_table& table, OwnedModel model,
+              const Stored& store)
+      : Model(info_of(table, model.get(), store)),
         library_(std::move(library)),
         table_(table),
         model_(std::move(model)),
@@ -251,14 +259,15 @@ Plugin::Plugin(const std::string& name, const std::vector<fs::path>& directories
   if (table_->summary) summary_ = printable_line(table_->summary);
 }
 
-std::unique_ptr<Model> Plugin::create(const std::vector<Parameter>& parameters) const {
+std::unique_ptr<Model> Plugin::create(const std::vector<Parameter>& parameters,
+                                      const Stored& store) const {
   const CParameters c(parameters);
   char error[kErrorSize] = "";
   OwnedModel model(table_->create(c.list().data(), c.list().size(), error, sizeof error),
                    table_->destroy);
   try {
     if (!model) throw ModelError(reason(error));
-    return std::make_unique<PluginModel>(library_, *table_, std::move(model));
+    return std::make_unique<PluginModel>(library_, *table_, std::move(model), store);
   } catch (const ModelError& e) {
     throw ModelError("model " + name_ + ": " + e.what());
   }

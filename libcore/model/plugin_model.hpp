@@ -28,7 +28,9 @@ class Plugin : public ModelSource {
   const std::string& summary() const { return summary_; }
 
   const char* kind() const override { return "plug-in"; }
-  std::unique_ptr<Model> create(const std::vector<Parameter>& parameters) const override;
+  using ModelSource::create;
+  std::unique_ptr<Model> create(const std::vector<Parameter>& parameters,
+                                const Stored& store) const override;
 
  private:
   std::string name_;

@@ -297,7 +297,8 @@ ProcessSource::ProcessSource(std::string name, std::vector<std::string> command,
       directory_(std::move(directory)),
       options_(options) {}
 
-std::unique_ptr<Model> ProcessSource::create(const std::vector<Parameter>& parameters) const {
+std::unique_ptr<Model> ProcessSource::create(const std::vector<Parameter>& parameters,
+                                             const Stored& store) const {
   try {
     std::string handshake = handshake_line(parameters);
     if (group_ && group_->handshake == handshake)
@@ -310,6 +311,10 @@ std::unique_ptr<Model> ProcessSource::create(const std::vector<Parameter>& param
     const NoSigpipe no_sigpipe;
     Started first = start(*group);
     group->info = std::move(first.info);
+    const Stored& given = group->info->stored;
+    if ((store.force && !given.force) || (store.energy && !given.energy) ||
+        (store.shape && !given.shape))
+      throw ModelError("what is to be stored must be in its \"stored\"");
     group_ = group;
     return std::make_unique<ProcessModel>(group_, std::move(first.child));
   } catch (const ModelError& e) {

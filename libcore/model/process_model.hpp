@@ -30,7 +30,9 @@ class ProcessSource : public ModelSource {
                 const ProcessOptions& options);
 
   const char* kind() const override { return "process"; }
-  std::unique_ptr<Model> create(const std::vector<Parameter>& parameters) const override;
+  using ModelSource::create;
+  std::unique_ptr<Model> create(const std::vector<Parameter>& parameters,
+                                const Stored& store) const override;
 
  private:
   std::string name_;

@@ -110,7 +110,7 @@ class Converter::Dealer {
 };
 
 std::unique_ptr<Model> create_model(const ModelSource& source, const GridSpec& spec) {
-  std::unique_ptr<Model> model = source.create(spec.parameters);
+  std::unique_ptr<Model> model = source.create(spec.parameters, spec.stored);
   const ModelInfo& info = model->info();
   const auto require = [&](bool same, const std::string& what) {
     if (!same)

@@ -95,6 +95,7 @@ GridSpec spec_of(const Definition& definition, const Model& model) {
   spec.max_levels = definition.max_levels;
   spec.length_unit = info.length_unit;
   spec.energy_unit = info.energy_unit;
+  spec.force_scale = info.force_scale;
   spec.hip_radius = info.hip_radius;
   spec.stored = info.stored;
   spec.tears = definition.tears;

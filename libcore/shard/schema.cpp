@@ -169,6 +169,9 @@ void decode_limits(schema::Header::Reader in, GridSpec& spec) {
   spec.hip_radius = in.getHipRadius();
   if (!std::isfinite(spec.hip_radius) || spec.hip_radius < 0)
     throw FormatError("the radius of the HIP is negative or not finite");
+  spec.force_scale = in.getForceScale();
+  if (!std::isfinite(spec.force_scale) || spec.force_scale < 0)
+    throw FormatError("the scale of the force is negative or not finite");
 }
 
 }  // namespace
@@ -204,6 +207,7 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   out.setTears(header.has_tears ? schema::Header::Tears::STORED
                : spec.tears     ? schema::Header::Tears::WANTED
                                 : schema::Header::Tears::NONE);
+  out.setForceScale(spec.force_scale);
 }
 
 SectionHeader decode_header(schema::Header::Reader in) {

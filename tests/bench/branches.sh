@@ -10,16 +10,6 @@
 picture=$(realpath "${4:-tear-off.png}") paths=${2:-100} seed=${3:-1}
 source "$(dirname "$0")/lib.sh"
 
-# compute NAME MODEL POINTS_OF_THE_LONGEST_SIDE: the model's own box with another spacing.
-compute() {
-  local spacing counts scaled
-  spacing=$(seed "$2" | stats --get box.spacing) counts=$(seed "$2" | stats --get box.counts | tr -d '[]')
-  scaled=$(awk -v counts="$counts" -v points="$3" -v spacing="$spacing" 'BEGIN {
-    n = split(counts, c, ","); m = c[1]; for (i in c) if (c[i] + 0 > m) m = c[i] + 0
-    s = (m - 1) / (points - 1); printf "%.17g", spacing * s
-    for (i = 1; i <= n; ++i) printf "%s%d", i > 1 ? "," : " ", int((c[i] - 1) / s + 1.5) }')
-  seed "$2" --set "grid.spacing=${scaled% *}" --set "grid.counts=[${scaled#* }]" | expand --complete -j 2 -o "$1.grid"
-}
 molecules=$HAPGRID_SOURCE/examples/molecule
 compute ball "$ball" 40
 compute ball-fine "$ball" 79

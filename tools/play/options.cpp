@@ -55,6 +55,13 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
       .type("RULE")
       .check([](const std::string& name) { return rule_named(name).has_value(); },
              "one of " + rule_names());
+  app.add(
+         "--force", [&](const std::string& name) { options.force = force_named(name); },
+         "What is interpolated: energy (default with branch); records,\n"
+         "their forces; or state (default with paper and model)")
+      .type("RULE")
+      .check([](const std::string& name) { return force_named(name).has_value(); },
+             "one of energy, records, state");
   app.add_flag("--list-devices", options.list_devices, "List the HID devices of this machine");
   app.add("--dump-descriptor", options.dump_descriptor,
           "Print the report descriptor of a HID device. WHICH is a path,\n"

@@ -11,6 +11,7 @@
 #include "libcore/scene/imd_server.hpp"
 #include "tools/common/traversals.hpp"
 #include "tools/play/devices.hpp"
+#include "tools/play/forces.hpp"
 #include "tools/play/settings.hpp"
 
 namespace hapgrid {
@@ -20,6 +21,7 @@ struct PlayOptions {
   std::optional<DeviceChoice> device;
   double rate_hz = 0;  ///< 0: kDefaultRateHz for a live device, no pace for a scripted one
   std::optional<TraversalRule> traversal;
+  std::optional<ForceRule> force;
   double duration_s = 0;  ///< 0: until the device ends
   RealtimeMode realtime = RealtimeMode::kTry;
   std::string log;

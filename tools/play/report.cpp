@@ -90,6 +90,7 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
       {"model", facts.model},
       {"device", facts.device},
       {"traversal", facts.traversal},
+      {"force", facts.force},
       {"rate_hz", facts.rate_hz},
       {"realtime", facts.realtime},
       {"end", name_of(s.end)},

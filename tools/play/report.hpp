@@ -14,6 +14,7 @@ struct RunFacts {
   std::string model = {};
   std::string device = {};
   std::string traversal = {};
+  std::string force = {};
   double rate_hz = 0;                   ///< 0: not paced
   std::string realtime = {};            ///< see Realtime::got()
   const FrameCounts* frames = nullptr;  ///< null: no frames were written

@@ -51,9 +51,11 @@ SessionHeader session_header(const GridSpec& spec, const std::string& digest, do
   Json safety;
   // JSON has no infinity; null stands for it.
   each_limit(with.limits, [&](const char* name, double value) { safety[name] = value; });
-  header.settings =
-      Json{{"safety", safety}, {"scale_per_m", with.scale}, {"traversal", name_of(with.traversal)}}
-          .dump();
+  header.settings = Json{{"safety", safety},
+                         {"scale_per_m", with.scale},
+                         {"traversal", name_of(with.traversal)},
+                         {"force", name_of(with.force)}}
+                        .dump();
   return header;
 }
 
@@ -69,6 +71,9 @@ PlayedWith played_with(const SessionHeader& header, const std::string& name) {
     const auto rule = rule_named(settings.at("traversal").get<std::string>());
     if (!rule) throw Error(name + ": played by a rule of traversal that this program lacks");
     with.traversal = *rule;
+    const auto force = force_named(settings.at("force").get<std::string>());
+    if (!force) throw Error(name + ": played with a rule of forces that this program lacks");
+    with.force = *force;
   } catch (const Json::exception&) {
     throw Error(name + ": its settings are not those of play");
   }

@@ -7,7 +7,7 @@
 #include "libcore/haptic/loop.hpp"
 #include "libcore/session/recorder.hpp"
 #include "libcore/session/recording.hpp"
-#include "tools/common/traversals.hpp"
+#include "tools/play/forces.hpp"
 
 namespace hapgrid {
 
@@ -20,6 +20,7 @@ struct PlayedWith {
   SafetyLimits limits;  ///< as they were applied, with the device's own limit
   double scale = 0;     ///< Mapping::scale()
   TraversalRule traversal = kDefaultRule;
+  ForceRule force = ForceRule::kState;
 };
 
 /// The header of a session. @param digest of the grid.

@@ -10,6 +10,7 @@
 #include "libcore/check/configurations.hpp"
 #include "libcore/check/fidelity.hpp"
 #include "libcore/check/forces.hpp"
+#include "libcore/check/gradient.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
 #include "libcore/check/paths.hpp"
@@ -85,9 +86,12 @@ class Examiner {
     else
       add({check_branches(grid_, Sheets(grid_), threads_)});
     std::optional<Forces> forces;
-    if (has_force_)
-      forces.emplace(
+    if (has_force_) {
+      RecordFields fields = record_fields(
           grid_, [&] { return judge(); }, threads_);
+      if (!fields.energy.empty()) add({check_gradient(grid_, fields)});
+      forces.emplace(std::move(fields.force));
+    }
     add({check_steep(grid_, map, found, forces ? &*forces : nullptr, asked_.rendering, threads_)});
     if (forces) add({check_passive(grid_, map, found, *forces, threads_)});
   }

@@ -60,6 +60,8 @@ for kind in ("seeds", "requests"):
         crafted("weights", kind, "impossible weights of the tolerance function", header(equality={"norm": "max", "weights": weights}))
     for radius in (-1, "NaN", "Infinity"):
         crafted("radius of the HIP", kind, "the radius of the HIP is negative or not finite", header(hipRadius=radius))
+    for scale in (-1, "NaN", "Infinity"):
+        crafted("scale of the force", kind, "the scale of the force is negative or not finite", header(forceScale=scale))
     crafted("spheres, no shape", kind, "a shape of 1 spheres", header(spheres=[{"radius": 1}]))
     crafted("shape, no spheres", kind, "a shape of 0 spheres", header(stored={"shape": True}))
     for sphere in ({"radius": -1}, {"radius": "NaN"}, {"radius": 1, "green": "Infinity"}, {"radius": 1, "label": "C" * 1000}):

@@ -55,8 +55,8 @@ def force(written):
 
 
 def play(*options, grid="stuck.0", wrapper=(), device=f"profile:{PROFILE}"):
-    return subprocess.Popen([*wrapper, "play", grid, "--device", device, "--model-path", plugins, "--set",
-                             "safety.ramp=50", *options], env=environment,
+    return subprocess.Popen([*wrapper, "play", grid, "--device", device, "--model-path", plugins, "--force",
+                             "state", "--set", "safety.ramp=50", *options], env=environment,
                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 

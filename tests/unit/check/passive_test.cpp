@@ -70,8 +70,8 @@ Sum sum_of(const Work& work, const std::vector<Link>& links) {
 }
 
 Forces forces_of(const Grid& grid) {
-  return Forces(
-      grid, [&] { return hung_ball::make(grid.spec().parameters); }, 2);
+  const auto make = [&] { return hung_ball::make(grid.spec().parameters); };
+  return Forces(record_fields(grid, make, 2).force);
 }
 Forces turned(const Grid& grid, const Forces& forces) {
   std::vector<Vec3> all;

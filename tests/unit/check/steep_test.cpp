@@ -22,8 +22,8 @@ Grid grid_with_force(const GridCoordinates& counts, unsigned levels, std::uint64
 }
 
 Forces stored_forces(const Grid& grid) {
-  return Forces(
-      grid, []() -> std::unique_ptr<Model> { throw std::logic_error("not needed"); }, 2);
+  const auto none = []() -> std::unique_ptr<Model> { throw std::logic_error("not needed"); };
+  return Forces(record_fields(grid, none, 2).force);
 }
 
 double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }

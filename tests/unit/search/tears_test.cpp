@@ -99,7 +99,8 @@ class Coarse : public Jumbled {
 template <class M>
 struct Source : ModelSource {
   const char* kind() const override { return "plug-in"; }
-  std::unique_ptr<Model> create(const std::vector<Parameter>& parameters) const override {
+  std::unique_ptr<Model> create(const std::vector<Parameter>& parameters,
+                                const Stored&) const override {
     return std::make_unique<M>(toy_plugin().create(parameters));
   }
 };

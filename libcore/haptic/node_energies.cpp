@@ -1,0 +1,110 @@
+#include "libcore/haptic/node_energies.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace hapgrid {
+
+namespace {
+
+/// The record that a two-way link in direction q connects with r, or kNoRecord.
+RecordIndex beside(const Grid& grid, RecordIndex r, int q) {
+  const RecordIndex to = grid.destination(r, q);
+  return to == Grid::kNoRecord || grid.is_one_way(r, q) ? Grid::kNoRecord : to;
+}
+
+int along(int axis, int step) {
+  std::array<int, 3> d{0, 0, 0};
+  d[axis] = step;
+  return Direction::of(d[0], d[1], d[2]).q();
+}
+
+}  // namespace
+
+NodeEnergies::NodeEnergies(const Grid& grid, const Sheets* sheets, const RecordFields& fields)
+    : nodes_(grid.records() + (sheets ? sheets->ghosts() : 0)) {
+  // Energies are large against their differences: only what is above the lowest one fits a float.
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const double energy : fields.energy) lowest = std::min(lowest, energy);
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    NodeEnergy& node = nodes_[r];
+    if (!fields.energy.empty())
+      node.energy = static_cast<float>((fields.energy[r] - lowest) / grid.box().spacing);
+    for (int a = 0; a < 3; ++a) node.slope[a] = static_cast<float>(-fields.force[r][a]);
+  }
+  for (RecordIndex r = 0; r < grid.records(); ++r) add_mixed(grid, r);
+  if (sheets) add_ghosts(grid, *sheets);
+}
+
+/// Each mixed derivative is the mean of the slope along a, differentiated along b, and the other
+/// way round. Where nothing pushes it stays 0, or force would leak into free cells.
+void NodeEnergies::add_mixed(const Grid& grid, RecordIndex r) {
+  if (nodes_[r].slope == std::array<float, 3>{}) return;
+  std::array<float, 3> sum{}, ways{};
+  for (int a = 0; a < 3; ++a) {
+    RecordIndex low = beside(grid, r, along(a, -1)), high = beside(grid, r, along(a, 1));
+    const float width = low != Grid::kNoRecord && high != Grid::kNoRecord ? 2.0F : 1.0F;
+    if (low == Grid::kNoRecord) low = r;
+    if (high == Grid::kNoRecord) high = r;
+    if (low == high) continue;
+    for (int b = 0; b < 3; ++b) {
+      if (b == a) continue;
+      const int left_out = 3 - a - b;
+      sum[left_out] += (nodes_[high].slope[b] - nodes_[low].slope[b]) / width;
+      ++ways[left_out];
+    }
+  }
+  for (int c = 0; c < 3; ++c) nodes_[r].mixed[c] = ways[c] > 0 ? sum[c] / ways[c] : 0.0F;
+}
+
+void NodeEnergies::add_ghosts(const Grid& grid, const Sheets& sheets) {
+  /// Sums over the records whose links lead to a ghost's point, each with a weight.
+  struct Sum {
+    double weight = 0;
+    std::array<double, 3> slope{}, mixed{};
+    double energy = 0;
+  };
+  std::vector<Sum> ahead(sheets.ghosts()), beside_it(sheets.ghosts());
+  const auto for_each_end = [&](auto&& use) {
+    for (RecordIndex r = 0; r < grid.records(); ++r)
+      for (int q = 0; q < kDirections; ++q) {
+        if (!(sheets.one_way(r) >> q & 1)) continue;
+        const auto d = Direction(q).step();
+        use(r, q, sheets.node(r, q) - grid.records(), d,
+            1.0 / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
+      }
+  };
+  for_each_end([&](RecordIndex r, int q, Node ghost, const auto&, double weight) {
+    const RecordIndex behind = beside(grid, r, Direction(q).opposite().q());
+    Sum& mean = beside_it[ghost];
+    mean.weight += weight;
+    if (behind != Grid::kNoRecord) ahead[ghost].weight += weight;
+    for (int c = 0; c < 3; ++c) {
+      const double slope = nodes_[r].slope[c];
+      mean.slope[c] += weight * slope;
+      mean.mixed[c] += weight * nodes_[r].mixed[c];
+      if (behind != Grid::kNoRecord)
+        ahead[ghost].slope[c] += weight * (2 * slope - nodes_[behind].slope[c]);
+    }
+  });
+  for (Node ghost = 0; ghost < sheets.ghosts(); ++ghost) {
+    const Sum& mean = beside_it[ghost];
+    const Sum& slopes = ahead[ghost].weight > 0 ? ahead[ghost] : mean;
+    NodeEnergy& node = nodes_[grid.records() + ghost];
+    for (int c = 0; c < 3; ++c) {
+      node.slope[c] = static_cast<float>(slopes.slope[c] / slopes.weight);
+      node.mixed[c] = static_cast<float>(mean.mixed[c] / mean.weight);
+    }
+  }
+  for_each_end([&](RecordIndex r, int, Node ghost, const auto& d, double weight) {
+    double energy = nodes_[r].energy;
+    for (int c = 0; c < 3; ++c)
+      energy += (nodes_[r].slope[c] + nodes_[grid.records() + ghost].slope[c]) / 2 * d[c];
+    beside_it[ghost].energy += weight * energy;
+  });
+  for (Node ghost = 0; ghost < sheets.ghosts(); ++ghost)
+    nodes_[grid.records() + ghost].energy =
+        static_cast<float>(beside_it[ghost].energy / beside_it[ghost].weight);
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,69 @@
+// The force on the hand from what is known at the nodes of its cell (node_energies.hpp).
+//
+// The paper interpolates the state and evaluates the force there. But a state between two minima is
+// no minimum: its force is wrong in first order and belongs to no energy. The energy of the minima
+// themselves is smooth on a branch. So the energy is interpolated here, by a C1 tricubic Hermite
+// from its values and slopes at the corners, and the force is its negated gradient. On a branch
+// this force is conservative by construction, and continuous across the faces of cells, because it
+// depends there on what the corners of the face have and on nothing else.
+//
+// Where the traversal changes corners without a snap, the two interpolations have different forces
+// at the place of the change. What the force would lose there becomes an offset, which fades while
+// the hand moves on by half a spacing, as the offset of the state does (branch_traversal.hpp). An
+// offset of the energy that fades would push the hand itself, along its way and without a bound for
+// a short way; the difference of the energies is lost or won here instead, once.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "libcore/haptic/node_energies.hpp"
+#include "libcore/haptic/traversal.hpp"
+
+namespace hapgrid {
+
+/// The nodes of the corners i + 2j + 4k of a cell.
+using NodeCorners = std::array<const NodeEnergy*, 8>;
+
+/// The energy at `part`, in [0, 1] on each axis, in newtons times the spacing.
+/// Source: products of the cubic Hermite functions; the derivative xyz at the corners is 0.
+double hermite_energy(const NodeCorners& corners, const Vec3& part) noexcept;
+/// Its gradient, negated, in newtons.
+Vec3 hermite_force(const NodeCorners& corners, const Vec3& part) noexcept;
+/// The forces of the nodes themselves, interpolated linearly along each axis; newtons.
+Vec3 mean_force(const NodeCorners& corners, const Vec3& part) noexcept;
+
+/// Follows a traversal, for one thread.
+class NodeForce {
+ public:
+  using Interpolate = Vec3 (*)(const NodeCorners&, const Vec3&) noexcept;
+
+  /// @param interpolate hermite_force or mean_force.
+  /// @param box outlives this.
+  NodeForce(std::shared_ptr<const NodeEnergies> energies, const Box& box, Interpolate interpolate)
+      : energies_(std::move(energies)), interpolate_(interpolate), box_(box) {}
+
+  /// The force at the traversal's position. Called once in each tick, after the step; real-time
+  /// safe. The traversal has nodes, and steps that are not usable() are passed over.
+  Vec3 operator()(const Traversal& traversal) noexcept;
+
+ private:
+  NodeCorners corners_of(const std::array<RecordIndex, 8>& nodes) const noexcept;
+  void keep_force(const Traversal& traversal, const NodeCorners& corners) noexcept;
+  void fade(const Vec3& x) noexcept;
+
+  std::shared_ptr<const NodeEnergies> energies_;
+  Interpolate interpolate_;
+  const Box& box_;
+  // Of the tick before.
+  std::uint64_t jumps_ = 0;
+  GridCoordinates cell_{0, 0, 0};
+  std::array<RecordIndex, 8> nodes_{};
+  Vec3 position_{0, 0, 0};
+  Vec3 part_{0, 0, 0};
+  double left_ = 0;  // of the way on which the offset fades; 0: there is none
+  Vec3 offset_{0, 0, 0};
+};
+
+}  // namespace hapgrid

@@ -1,0 +1,68 @@
+# play --force: which rule is the default, what is refused, and grids that are played without their model.
+source "$(dirname "$0")/../lib.sh"
+coarse=(--set grid.spacing=0.1 --set 'grid.counts=[20,10,10]')
+seed "$ball" "${coarse[@]}" | expand --complete -o grid
+seed "$ball" "${coarse[@]}" --set 'search.store=["energy","force","shape"]' | expand --complete -o stored
+[[ $(stats stored) == *"force, energy, shape of 10 spheres"* ]] || fail "stats: $(stats stored)"
+for i in {-60..40}; do echo "$(printf '%de-2' "$i") 0.012 0.03"; done >path
+summary='~play: 101 ticks, [^:]*: .*
+play: ticks outside the box 0, .*
+play: largest force .*'
+used() { python3 -c 'import json; print(json.load(open("report"))["force"])'; }
+
+# The default, by the traversal; a session records it, and a replay takes it.
+for words in '' '--force energy' '--force records' '--force state' '--traversal paper' '--traversal model'; do
+  # shellcheck disable=SC2086  # words are split
+  play grid --device path:path $words --report report --log "a$words" 2>/dev/null
+  # shellcheck disable=SC2086
+  expect 0 '' "$summary" -- play grid --device path:path $words --log a.session
+  expect 0 '' "$summary" -- play grid --device replay:a.session --log b
+  cmp "a$words" b >&2
+  used
+done >rules
+[[ $(md5sum a a-* | cut -d ' ' -f 1 | sort -u | wc -l) == 5 ]] || fail "rules with the same forces: $(md5sum a a-*)"
+same rules $'energy\nenergy\nrecords\nstate\nstate\nstate' "$(cat rules)"
+
+# Without the plug-in, from what the grid stores: the same forces. Stored numbers are the model's own, so
+# nothing is rounded on the way.
+mkdir -p alone/bin alone/models
+cp "$HAPGRID_BUILD/bin/play" alone/bin
+play grid --device path:path --log evaluated 2>/dev/null
+expect 0 '' "$summary" -- alone/bin/play stored --device path:path --log taken --report report
+same rule energy "$(used)"
+cmp <(cut -f 1-7 evaluated) <(cut -f 1-7 taken)
+
+# An energy whose gradient the force is not, larger by a fifth; no energy; a grid too small to tell.
+python3 - <<'PYTHON'
+import os, sys
+sys.path.insert(0, os.environ["HAPGRID_SOURCE"] + "/tests/cli/verify")
+import planting
+grid = planting.Grid(planting.read("stored"))
+for row in grid.rows:
+    row["energy"] = [1.2 * e for e in row["energy"]]
+open("spoilt", "wb").write(grid.seal())
+PYTHON
+seed "$ball" "${coarse[@]}" --set 'search.store=["force"]' | expand --complete -o dull
+seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[2,2,2]' | expand --complete -o small
+refused() { # GRID REASON
+  expect 0 '' "~play: $2: the forces of the records are interpolated
+${summary:1}" -- play "$1" --device path:path --report report
+  same rule records "$(used)"
+  expect 1 '' "~play: --force energy: $2" -- play "$1" --device path:path --force energy
+}
+refused spoilt 'the force is not the gradient of the energy \(off by 0\.[0-9]+ N with the energy, 0\.[0-9]+ N without\)'
+refused dull 'no energy is known'
+summary='~play: 101 ticks, [^:]*: .*
+play: ticks outside the box [0-9]+, .*
+play: largest force .*' refused small 'the grid is too small to compare force and energy'
+verify stored --recompute none 2>/dev/null | grep '^gradient .* 0  note$' >/dev/null || fail "verify: stored"
+verify spoilt --recompute none 2>/dev/null | grep '^gradient .* 1  note$' >/dev/null || fail "verify: spoilt"
+
+help='(see play --help)'
+expect 2 '' "play: --force: 'best' is not one of energy, records, state $help" -- \
+  play grid --device path:path --force best
+expect 2 '' "play: --force: --traversal model has no records to interpolate between $help" -- \
+  play grid --device path:path --traversal model --force records
+stores() { expect 1 '' "$2" -- seed "$ball" --set "search.store=$1"; }
+stores '["heat"]' '~.*search.store names heat; energy, force and shape are possible'
+stores 1 '~.*search.store must be an array.*'

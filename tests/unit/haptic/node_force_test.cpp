@@ -1,0 +1,362 @@
+// The force from the energy at the nodes: what it is exact for, that it gives no energy, and that
+// it jumps with the state alone.
+#include "libcore/haptic/node_force.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "libcore/haptic/agreement.hpp"
+#include "libcore/haptic/branch_traversal.hpp"
+#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/haptic/places.hpp"
+
+using namespace hapgrid;
+using namespace hapgrid::testing;
+
+namespace {
+
+/// Numbers with 20 bits in [-1, 1): floats without rounding.
+float exact(std::mt19937_64& random) {
+  return static_cast<float>(static_cast<double>(random() >> 44) * 0x1p-19 - 1);
+}
+
+NodeEnergy random_node(std::mt19937_64& random) {
+  NodeEnergy node;
+  node.energy = exact(random);
+  for (float& s : node.slope) s = exact(random);
+  for (float& m : node.mixed) m = exact(random);
+  return node;
+}
+
+/// The work of `force`, a function of the place, from a to b: by Gauss's rule with five points,
+/// which is exact for a polynomial of degree 9. Along a line in a cell the force has degree 8.
+template <class Force>
+double work(const Vec3& a, const Vec3& b, Force&& force) {
+  constexpr double kAt[] = {-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831,
+                            0.9061798459386640};
+  constexpr double kWeight[] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889,
+                                0.4786286704993665, 0.2369268850561891};
+  double sum = 0;
+  for (int i = 0; i < 5; ++i) {
+    Vec3 x;
+    for (int c = 0; c < 3; ++c) x[c] = a[c] + (b[c] - a[c]) * (1 + kAt[i]) / 2;
+    const Vec3 f = force(x);
+    for (int c = 0; c < 3; ++c) sum += kWeight[i] / 2 * f[c] * (b[c] - a[c]);
+  }
+  return sum;
+}
+
+/// Energy and force at the records of a grid, from functions of the place.
+template <class Energy, class Force>
+RecordFields fields_of(const Grid& grid, Energy&& energy, Force&& force) {
+  RecordFields fields;
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    const Vec3 x = grid.box().position(grid.point(r));
+    fields.energy.push_back(energy(x));
+    fields.force.push_back(force(x));
+  }
+  return fields;
+}
+
+RecordFields random_fields(const Grid& grid, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  return fields_of(
+      grid, [&](const Vec3&) { return exact(random); },
+      [&](const Vec3&) {
+        return Vec3{exact(random), exact(random), exact(random)};
+      });
+}
+
+/// All cubic polynomials but x y z, with random coefficients.
+struct Cubic {
+  explicit Cubic(std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    for (auto& of_x : c)
+      for (auto& of_y : of_x)
+        for (double& of_z : of_y) of_z = uniform(random, -1, 1);
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j)
+        for (int k = 0; k < 4; ++k)
+          if (i + j + k > 3 || i * j * k > 0) c[i][j][k] = 0;
+  }
+  double energy(const Vec3& x) const {
+    double sum = 0;
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j)
+        for (int k = 0; k < 4; ++k)
+          sum += c[i][j][k] * std::pow(x[0], i) * std::pow(x[1], j) * std::pow(x[2], k);
+    return sum;
+  }
+  /// By central differences, from which Richardson takes the part of the third derivative.
+  Vec3 force(const Vec3& x) const {
+    Vec3 f;
+    for (int a = 0; a < 3; ++a) {
+      const auto difference = [&](double e) {
+        Vec3 low = x, high = x;
+        low[a] -= e;
+        high[a] += e;
+        return (energy(low) - energy(high)) / (2 * e);
+      };
+      f[a] = (4 * difference(0.25) - difference(0.5)) / 3;
+    }
+    return f;
+  }
+  double c[4][4][4];
+};
+
+double distance(const Vec3& a, const Vec3& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+Vec3 random_part(std::mt19937_64& random) {
+  return {uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1)};
+}
+
+}  // namespace
+
+TEST_CASE("in a cell the work of the force is what the energy loses") {
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 200; ++i) {
+    std::array<NodeEnergy, 8> nodes;
+    NodeCorners corners;
+    for (int k = 0; k < 8; ++k) {
+      nodes[k] = random_node(random);
+      corners[k] = &nodes[k];
+    }
+    const Vec3 a = random_part(random), b = random_part(random);
+    const double done = work(a, b, [&](const Vec3& x) { return hermite_force(corners, x); });
+    // 64 terms below 2, in doubles: some hundred roundings of 2^-53.
+    CHECK(std::abs(done - (hermite_energy(corners, a) - hermite_energy(corners, b))) < 1e-13);
+    // At a corner both are what the corner has.
+    const int k = static_cast<int>(random() % 8);
+    const Vec3 at{static_cast<double>(k & 1), static_cast<double>(k >> 1 & 1),
+                  static_cast<double>(k >> 2)};
+    CHECK(hermite_energy(corners, at) == nodes[k].energy);
+    for (int c = 0; c < 3; ++c) {
+      CHECK(hermite_force(corners, at)[c] == -nodes[k].slope[c]);
+      CHECK(mean_force(corners, at)[c] == -nodes[k].slope[c]);
+    }
+  }
+}
+
+TEST_CASE("on a branch no closed way of the hand gains energy") {
+  const Box box{{0.3, -2, 5}, 0.25, {5, 6, 4}};
+  const Grid grid = random_grid(box, 1, 1, 2);
+  const auto map = std::make_shared<const BranchMap>(grid);
+  const auto energies =
+      std::make_shared<const NodeEnergies>(grid, &map->sheets, random_fields(grid, 2));
+  BranchTraversal t(grid, map);
+  NodeForce force(energies, box, hermite_force);
+  std::mt19937_64 random(2);
+  const Vec3 home = random_point(box, random);
+  Vec3 at = home;
+  double gained = 0, turned_over = 0;
+  // A leg ends in the closed cell where it began, and often on a face, where the next cell begins.
+  const auto go = [&](const Vec3& to) {
+    const double done = work(at, to, [&](const Vec3& x) {
+      REQUIRE(t.step(x).usable());
+      return force(t);
+    });
+    gained += done;
+    turned_over += std::abs(done);
+    at = to;
+  };
+  t.start(at);
+  std::vector<Vec3> way{at};
+  for (int leg = 0; leg < 3000; ++leg) {
+    // Into the neighbouring cell of a face on which the hand is.
+    Vec3 inside = at;
+    for (int a = 0; a < 3; ++a) {
+      const double middle = face(box, a, static_cast<int>(random() % (box.counts[a] - 1)));
+      if (std::abs(middle - at[a]) < 0.25) inside[a] = at[a] + 0.01 * (middle - at[a]);
+    }
+    Cell cell;
+    for (int a = 0; a < 3; ++a)
+      cell[a] = std::clamp(static_cast<int>((inside[a] - box.origin[a]) / box.spacing), 0,
+                           static_cast<int>(box.counts[a]) - 2);
+    const Vec3 to = random_point_in(box, cell, random);
+    bool is_in = true;  // the same closed cell
+    for (int a = 0; a < 3; ++a)
+      is_in &= at[a] >= face(box, a, cell[a]) && at[a] <= face(box, a, cell[a] + 1);
+    if (!is_in) continue;
+    go(to);
+    way.push_back(to);
+  }
+  way.pop_back();
+  REQUIRE(way.size() > 1000);
+  REQUIRE(turned_over > 50);
+  const double there = gained;
+  for (; !way.empty(); way.pop_back()) go(way.back());
+  CHECK(at == home);
+  CHECK(std::abs(there) > 1e-3);
+  CHECK(std::abs(gained) < 1e-11);  // the roundings of some 1e4 works below 1
+}
+
+TEST_CASE("inside a grid a cubic energy comes back") {
+  const Box box{{0, 0, 0}, 1, {5, 5, 5}};
+  const Grid grid = random_grid(box, 1, 1, 3);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Cubic cubic(seed);
+    const RecordFields fields = fields_of(
+        grid, [&](const Vec3& x) { return cubic.energy(x); },
+        [&](const Vec3& x) { return cubic.force(x); });
+    const auto energies = std::make_shared<const NodeEnergies>(grid, nullptr, fields);
+    double largest = 0;
+    for (const double e : fields.energy) largest = std::max(largest, std::abs(e));
+    PaperTraversal t(grid);
+    NodeForce force(energies, box, hermite_force);
+    std::mt19937_64 random(seed);
+    for (int i = 0; i < 300; ++i) {
+      // The mixed derivatives are differences to both sides: exact one spacing from the box's.
+      const Vec3 x{uniform(random, 1, 3), uniform(random, 1, 3), uniform(random, 1, 3)};
+      t.step(x);
+      const Vec3 has = force(t), wanted = cubic.force(x);
+      // The roundings of floats, times 1.5 for the slope between two values.
+      for (int a = 0; a < 3; ++a) CHECK(std::abs(has[a] - wanted[a]) < 8 * 1.5 * largest * 0x1p-24);
+    }
+  }
+}
+
+TEST_CASE("ghosts are exact where forces are linear") {
+  // A branch where x + y / 16 < 4.2 and another one, to which it snaps: each ghost has a record
+  // beside it from which the branch goes on straight back.
+  const Box box{{0, 0, 0}, 1, {8, 5, 5}};
+  const auto ends = [](const Vec3& x) { return x[0] + x[1] / 16 > 4.2; };
+  const Neighbourhood around(box);
+  RecordColumns columns;
+  for (PointIndex p = 0; p < box.points(); ++p) {
+    const bool behind = ends(box.position(p));
+    for (int level = 0; level < (behind ? 1 : 2); ++level) {
+      columns.point.push_back(p);
+      columns.level.push_back(static_cast<Level>(level));
+      columns.generation.push_back(0);
+      columns.rows.push_back(0);
+      for (int q = 0; q < kDirections; ++q) {
+        const bool stays = around.inside(p) >> q & 1;
+        // Level 0 is on both sides, level 1 ends.
+        const bool upper = stays && level == 1 &&
+                           !ends(box.position(static_cast<PointIndex>(p + around.offset(q))));
+        columns.links.push_back(stays ? static_cast<Level>(upper) : kLeavesBox);
+      }
+    }
+  }
+  const Grid grid(spec_for(box, 1), 1, std::move(columns));
+  const Sheets sheets(grid);
+  REQUIRE(sheets.ghosts() > 25);
+  const double stiffness[3][3] = {{1, 0.5, -0.25}, {0.5, 2, 0.75}, {-0.25, 0.75, -1}};
+  const auto force = [&](const Vec3& x) {
+    Vec3 f;
+    for (int a = 0; a < 3; ++a)
+      f[a] = 1 - stiffness[a][0] * x[0] - stiffness[a][1] * x[1] - stiffness[a][2] * x[2];
+    return f;
+  };
+  const auto energy = [&](const Vec3& x) {
+    const Vec3 f = force(x);
+    return -((f[0] + 1) * x[0] + (f[1] + 1) * x[1] + (f[2] + 1) * x[2]) / 2;
+  };
+  RecordFields fields = fields_of(grid, energy, force);
+  const NodeEnergies nodes(grid, &sheets, fields);
+  const double lowest = *std::min_element(fields.energy.begin(), fields.energy.end());
+  for (Node ghost = grid.records(); ghost < grid.records() + sheets.ghosts(); ++ghost) {
+    const Vec3 x = box.position(sheets.point(ghost));
+    // Small whole multiples of 1/8: no rounding but that of the averages, to floats below 128.
+    CHECK(std::abs(nodes[ghost].energy - (energy(x) - lowest)) < 128 * 0x1p-24);
+    for (int a = 0; a < 3; ++a) {
+      CHECK(std::abs(nodes[ghost].slope[a] + force(x)[a]) < 16 * 0x1p-24);
+      const int b = (a + 1) % 3;
+      CHECK(std::abs(nodes[ghost].mixed[3 - a - b] - stiffness[a][b]) < 0x1p-24);
+    }
+  }
+}
+
+TEST_CASE("whatever the links are, the force jumps only where the state does") {
+  constexpr int kTicks = 20000;
+  const Box box{{0, 0, 0}, 0.5, {7, 6, 5}};
+  std::uint64_t changes = 0, faded = 0;
+  for (unsigned levels = 2; levels <= 4; ++levels) {
+    const Grid grid = random_grid(box, 1, levels, levels);
+    const auto map = std::make_shared<const BranchMap>(grid);
+    const auto energies =
+        std::make_shared<const NodeEnergies>(grid, &map->sheets, random_fields(grid, levels));
+    BranchTraversal t(grid, map);
+    NodeForce force(energies, box, hermite_force);
+    std::mt19937_64 random(levels);
+    Vec3 x = random_point(box, random);
+    t.start(x);
+    Vec3 before = force(t);
+    double largest_step = 0, since = 0;  // spacings since the nodes changed
+    bool is_plain = true;
+    const std::uint64_t allocated = allocations();
+    for (int leg = 0; leg < 60; ++leg) {
+      const Vec3 from = x, to = random_point(box, random);
+      for (int i = 1; i <= kTicks; ++i) {
+        for (int a = 0; a < 3; ++a) x[a] = from[a] + (to[a] - from[a]) * i / kTicks;
+        const std::uint64_t jumps = t.jumps();
+        const auto nodes = t.nodes();
+        const auto cell = t.cell();
+        t.step(x);
+        const Vec3 now = force(t);
+        since = t.nodes() == nodes ? since + distance(from, to) / box.spacing / kTicks : 0;
+        if (since > 0.5) {
+          NodeCorners corners;
+          for (int k = 0; k < 8; ++k) corners[k] = &(*energies)[t.nodes()[k]];
+          is_plain &= now == hermite_force(corners, t.part());
+          ++faded;
+        }
+        if (t.jumps() == jumps) {
+          changes += t.cell() == cell && t.nodes() != nodes;
+          largest_step = std::max(largest_step, distance(now, before));
+        }
+        before = now;
+      }
+    }
+    CHECK(allocations() == allocated);
+    CHECK(is_plain);
+    // A tick is 5.2e-4 spacings at most. Energies differ by less than 12 there (ghosts included)
+    // and slopes by less than 6, so an axis of the force changes by less than 6 x 12 + 4 x 6 + 2 x
+    // 6 in a spacing; an offset of 100 N fades by 0.11 N. What jumps, jumps by newtons.
+    CHECK(largest_step < 0.3);
+  }
+  CHECK(changes > 20);
+  CHECK(faded > 1000);
+}
+
+TEST_CASE("what tells an energy whose gradient the force is from one that is spoilt") {
+  // Two wells that cross in the middle of 10 points a side.
+  const Box box{{-1, -1, -1}, 2.0 / 9, {10, 10, 10}};
+  const Grid grid = random_grid(box, 1, 1, 5);
+  const auto energy = [](const Vec3& x) {
+    return std::sin(2 * x[0]) * std::cos(x[1]) + std::exp(-x[2] * x[2] + x[0] * x[1]);
+  };
+  const auto force = [&](const Vec3& x) {
+    const double e = std::exp(-x[2] * x[2] + x[0] * x[1]);
+    return Vec3{-2 * std::cos(2 * x[0]) * std::cos(x[1]) - x[1] * e,
+                std::sin(2 * x[0]) * std::sin(x[1]) - x[0] * e, 2 * x[2] * e};
+  };
+  const RecordFields honest = fields_of(grid, energy, force);
+  CHECK(agreement(grid, honest).is_good());
+  RecordFields fifth = honest;
+  for (double& e : fifth.energy) e *= 1.2;
+  CHECK_FALSE(agreement(grid, fifth).is_good());
+  const RecordFields curl = fields_of(grid, energy, [&](const Vec3& x) {
+    const Vec3 f = force(x);
+    return Vec3{f[0] - 0.2 * x[1], f[1] + 0.2 * x[0], f[2]};
+  });
+  CHECK_FALSE(agreement(grid, curl).is_good());
+
+  // A linear force leaves no error to either of the predictions.
+  const auto spring = [](const Vec3& x) { return Vec3{-x[0], -2 * x[1], -3 * x[2]}; };
+  const auto half = [](double share) {
+    return [share](const Vec3& x) {
+      return share * (x[0] * x[0] + 2 * x[1] * x[1] + 3 * x[2] * x[2]);
+    };
+  };
+  CHECK(agreement(grid, fields_of(grid, half(0.5), spring)).is_good());
+  CHECK_FALSE(agreement(grid, fields_of(grid, half(0.6), spring)).is_good());
+
+  // Two points an axis predict nothing.
+  const Grid small = random_grid({{0, 0, 0}, 1, {2, 2, 2}}, 1, 1, 5);
+  CHECK_FALSE(agreement(small, fields_of(small, energy, force)).is_good());
+}

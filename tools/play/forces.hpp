@@ -1,0 +1,47 @@
+// The force of a play: what --force can name, and what each of it asks.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "libcore/haptic/node_force.hpp"
+#include "libcore/model/fields.hpp"
+#include "tools/common/traversals.hpp"
+
+namespace hapgrid {
+
+enum class ForceRule {
+  kEnergy,   ///< the gradient of the interpolated energy
+  kRecords,  ///< the forces of the records, interpolated
+  kState     ///< as the paper has it: the force of the interpolated state, or the stored one
+};
+
+const char* name_of(ForceRule rule);
+/// Nothing when no rule has that name.
+std::optional<ForceRule> force_named(const std::string& name);
+
+/// For one thread.
+class PlayForce {
+ public:
+  /// @param wanted nothing: kEnergy for the rule of branches, or kRecords where no energy has the
+  /// forces as its gradient; kState for the other rules of traversal. Says on standard error where
+  /// it falls back to kRecords.
+  /// @param sheets of the traversal; may be null. @param fields, grid outlive this.
+  /// @throw Error when kEnergy is wanted and cannot be had; what `create` throws.
+  PlayForce(std::optional<ForceRule> wanted, TraversalRule traversal, const Grid& grid,
+            const Sheets* sheets, const Fields& fields, const MakeModel& create);
+
+  ForceRule rule() const { return rule_; }
+
+  /// The force at the traversal's position, once in each tick. Real-time safe, as far as the model.
+  Vec3 operator()(const Traversal& traversal) noexcept {
+    return nodes_ ? (*nodes_)(traversal) : fields_.force(traversal.position(), traversal.row());
+  }
+
+ private:
+  const Fields& fields_;
+  ForceRule rule_;
+  std::optional<NodeForce> nodes_;
+};
+
+}  // namespace hapgrid
