@@ -45,7 +45,7 @@ assert busy > 0.95 * len(forces), (busy, len(forces))
 def felt(lines):
     """The last report, and whether the ball was felt before."""
     count, most = map(int, lines[-2].split())
-    assert count > 1000 and most > 100, lines
+    assert count > 500 and most > 100, lines
     return lines[-1]
 
 
