@@ -11,8 +11,8 @@ source "$(dirname "$0")/lib.sh"
 molecules=$HAPGRID_SOURCE/examples/molecule
 printf '[random]\nsessions = %d\n' "$sessions" >sim.toml
 open=(--max-force 100)
-for limit in slew max_speed buzz_force; do open+=(--set "safety.$limit=inf"); done
-for stage in ramp blend fade; do open+=(--set "safety.$stage=0"); done
+for limit in slew max_speed buzz_force reserve; do open+=(--set "safety.$limit=inf"); done
+for stage in ramp fade; do open+=(--set "safety.$stage=0"); done
 
 returned() { # GRID FORCE
   play "$1" --device sim:sim.toml --force "$2" "${open[@]}" --report report 2>/dev/null
