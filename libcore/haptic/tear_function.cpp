@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kNothingTears = 2;  // spacings
 constexpr double kLeast = 1e-3;      // spacings; the sign that a record or a ghost keeps
-// How much an equation of the start value counts beside one of a tear fraction, and how often the
-// conjugate gradients step. Both were tuned with tests/bench/branches.sh; neither matters much.
+// How much an equation of the start value counts beside one of a tear fraction: little, so that it
+// decides only where no fraction does. And how often the conjugate gradients step.
 constexpr double kStartWeight = 0.02;
 constexpr int kSteps = 20;
 

@@ -42,13 +42,15 @@ class Sheets;
 
 /// What happened in a step. When all is false and zero, the HIP stayed in its cell.
 struct StepResult {
-  bool not_finite = false;     ///< the HIP was not finite: nothing changed, the state is held
-  bool outside = false;        ///< the HIP was outside the box and is held at the box's edge
-  bool split = false;          ///< the HIP jumped to a cell that shares no vertex
-  bool lagging = false;        ///< the bound on sub-steps was reached before the HIP
-  bool blocked = false;        ///< a link leads nowhere (never in a playable grid): not followed
-  bool level_changed = false;  ///< some conversion led to another level number than it came from
-  bool snapped = false;        ///< the state jumped to another branch, as the model does there
+  bool not_finite = false;  ///< the HIP was not finite: nothing changed, the state is held
+  bool outside = false;     ///< the HIP was outside the box and is held at the box's edge
+  bool split = false;       ///< the HIP jumped to a cell that shares no vertex
+  bool lagging = false;     ///< the bound on sub-steps was reached before the HIP
+  bool blocked = false;     ///< a link leads nowhere (never in a playable grid): not followed
+  /// By the paper's rule: some conversion led to another level number than it came from. By the one
+  /// that stays on a branch: `snapped`.
+  bool level_changed = false;
+  bool snapped = false;  ///< the state jumped to another branch, as the model does there
   std::uint16_t face_switches = 0;
   std::uint16_t edge_switches = 0;
   std::uint16_t vertex_switches = 0;

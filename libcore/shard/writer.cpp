@@ -242,28 +242,28 @@ void SectionWriter::count_frontier(PointIndex point, std::uint32_t generation) {
   conversions_ += static_cast<std::uint32_t>(std::popcount(neighbourhood_.inside(point)));
 }
 
-void SectionWriter::requests(PointIndex point, Level level, DirectionMask directions,
-                             const double* rows) {
-  const auto count = static_cast<std::uint32_t>(std::popcount(directions));
-  if (conversions_ + count > row_limit_) flush();
+/// A row for a source record, in a chunk that has room for all its directions.
+void SectionWriter::add_source(PointIndex point, Level level, DirectionMask directions) {
+  if (conversions_ + static_cast<std::uint32_t>(std::popcount(directions)) > row_limit_) flush();
   columns_.point[rows_] = point;
   columns_.level[rows_] = level;
   columns_.directions[rows_] = directions;
   ++rows_;
+}
+
+void SectionWriter::requests(PointIndex point, Level level, DirectionMask directions,
+                             const double* rows) {
+  add_source(point, level, directions);
   double* to = &columns_.numbers[std::size_t{conversions_} * row_size_];
   for (DirectionMask left = directions; left; left &= left - 1, to += row_size_)
     std::copy_n(rows + static_cast<std::size_t>(std::countr_zero(left)) * row_size_, row_size_, to);
-  conversions_ += count;
+  conversions_ += static_cast<std::uint32_t>(std::popcount(directions));
 }
 
 void SectionWriter::tears(PointIndex point, Level level, DirectionMask directions,
                           const TearByte* tears) {
+  add_source(point, level, directions);
   const auto count = static_cast<std::uint32_t>(std::popcount(directions));
-  if (conversions_ + count > row_limit_) flush();
-  columns_.point[rows_] = point;
-  columns_.level[rows_] = level;
-  columns_.directions[rows_] = directions;
-  ++rows_;
   std::copy_n(tears, count, &columns_.tears[conversions_]);
   conversions_ += count;
 }

@@ -63,6 +63,7 @@ class SectionWriter {
 
   /// A chunk of a grid ends where its range of points ends.
   void enter_range(PointIndex point);
+  void add_source(PointIndex point, Level level, DirectionMask directions);
   void count_frontier(PointIndex point, std::uint32_t generation);
   void flush();
 
