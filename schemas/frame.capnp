@@ -46,6 +46,9 @@ struct Scene {
 
   spheres @8 :List(Common.Sphere);
   # What shows a state; empty where the model has no shape.
+
+  keys @9 :Text;
+  # For people: what the keys do that play reads; empty where it reads none.
 }
 
 struct Vector {
@@ -87,4 +90,7 @@ struct Frame {
 
   centres @9 :List(Float32);
   # Of the scene's spheres, x y z by sphere.
+
+  jumps @10 :UInt64;
+  # In how many ticks the state has jumped, because the play began or the model snaps there.
 }

@@ -1,7 +1,6 @@
 // check-model: finds what would go wrong in the search of a grid before the search is paid for.
 
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "libcore/base/file.hpp"
@@ -111,7 +110,7 @@ std::string report_json(const GridSpec& spec, const ModelInfo& info, const Model
                   {"workers_for_a_night", e.workers_for_a_night},
                   {"play_bytes", e.play_bytes},
                   {"expand_bytes", e.expand_bytes}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n";
 }
 
 int run(const Options& options) {
@@ -125,10 +124,11 @@ int run(const Options& options) {
       spec, seeds, [&] { return create_model(*source, spec); }, options.limits);
   const GridEstimate estimate = estimate_grid(spec, found.convert.mean);
   OutputFile output(options.output, /*binary=*/false);
-  output.write(options.format == "json" ? report_json(spec, model->info(), found, estimate)
-                                        : report_text(spec, model->info(), found, estimate));
+  output.write(options.format == "json"
+                   ? report_json(spec, model->info(), found, estimate)
+                   : printable_text(report_text(spec, model->info(), found, estimate)));
   output.commit();
-  std::fprintf(stderr, "check-model: %s\n", verdict_line(found.checks).c_str());
+  say("check-model", verdict_line(found.checks));
   return is_fine(found.checks) ? kExitDone : kExitInvalid;
 }
 

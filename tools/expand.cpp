@@ -2,9 +2,13 @@
 
 #include "libcore/search/expand.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
@@ -30,6 +34,7 @@ struct Options {
   unsigned threads = 1;
   bool progress = false;
   std::string cost;
+  double keep_s = 30;
   ModelOptions model;
 };
 
@@ -54,11 +59,29 @@ std::string progress_text(const Progress& progress, const GridSpec& spec, bool c
   return text;
 }
 
-void write_complete(const Section& grid, Converter& converter, Progress& progress,
-                    OutputFile& out) {
-  complete(grid, converter, progress, [&out](const SectionHeader& finished) {
-    return SectionWriter(out.fd(), out.name(), finished);
-  });
+/// Tells of the file that keeps what is found. A line of progress would be in the way.
+void say_beside_progress(const std::string& text) {
+  if (::isatty(STDERR_FILENO)) static_cast<void>(std::fputs("\r\033[K", stderr));
+  say("expand", text);
+}
+
+/// Where the last whole generation is kept: beside a file, nowhere when the grid goes to a pipe.
+std::optional<PartialGrid> partial_of(const Options& options) {
+  namespace fs = std::filesystem;
+  const bool beside =
+      options.output != "-" && (!fs::exists(options.output) || fs::is_regular_file(options.output));
+  if (!options.complete || !beside) return std::nullopt;
+  return PartialGrid(options.output + ".partial", options.keep_s, say_beside_progress);
+}
+
+void write_complete(const Section& grid, Converter& converter, Progress& progress, OutputFile& out,
+                    PartialGrid* partial) {
+  complete(
+      grid, converter, progress,
+      [&out](const SectionHeader& finished) {
+        return SectionWriter(out.fd(), out.name(), finished);
+      },
+      partial);
 }
 
 SectionHeader header_of(const Section& grid, Content content) {
@@ -113,6 +136,7 @@ bool is_there(const std::string& name, const Section& grid) {
 int run(const Options& options) {
   const Part part = part_of(options.part);
   if (options.complete && part.of != 1) throw UsageError("--complete: works on the whole frontier");
+  announce_terminal(options.grid);
   const Section grid = open_grid(options.grid);
   const GridSpec& spec = grid.header.spec;
   Progress progress;
@@ -121,6 +145,11 @@ int run(const Options& options) {
       options.complete ? options.output : named_by_part(options.output, part);
   if (output != options.output && is_there(output, grid)) return kExitDone;
   OutputFile out(output);
+  std::optional<PartialGrid> partial = partial_of(options);
+  const Section start = partial ? partial->start(grid) : grid;
+  if (partial && partial->kept())
+    say("expand", "goes on from generation " + std::to_string(*partial->kept()) + ", which " +
+                      partial->name() + " keeps");
   {
     const std::unique_ptr<ModelSource> source = model_source(spec, options.model);
     Converter converter(*source, spec, options.threads, progress);
@@ -128,13 +157,14 @@ int run(const Options& options) {
       return progress_text(progress, spec, options.complete, seconds);
     });
     if (options.complete)
-      write_complete(grid, converter, progress, out);
+      write_complete(start, converter, progress, out, partial ? &*partial : nullptr);
     else if (grid.next_round() == Content::kTears)
       write_tears(grid, part, converter, progress, out);
     else
       write_requests(grid, part, converter, progress, out);
   }  // the cost counts the time of processes that have ended
   out.commit();
+  if (partial) partial->remove();
   if (!options.cost.empty())
     append_cost(options.cost, {"expand", grid.header.generation, progress.conversions,
                                progress.tear_conversions, part.number, part.of});
@@ -161,6 +191,12 @@ int main(int argc, char** argv) {
       .shows_default();
   app.add_flag("--complete", options.complete,
                "Merge in memory and go on until nothing is left to do; write the finished grid");
+  app.add("--keep", options.keep_s,
+          "With --complete and -o FILE, keep the last whole generation in FILE.partial at most so "
+          "often; the same command goes on from it after an interruption")
+      .type("SECONDS")
+      .within(0, 1e9, "a time from 0 to 1e9 s")
+      .shows_default();
   app.add("-j,--threads", options.threads,
           "Threads, each with a model (a plug-in or a process) of its own (1 to 1024)")
       .type("N")

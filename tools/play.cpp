@@ -1,5 +1,4 @@
 // play: drives a device through a complete grid (Algorithm 2).
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -16,17 +15,20 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
+#include "libcore/device/process_device.hpp"
 #include "libcore/haptic/playable.hpp"
 #include "libcore/haptic/watchdog.hpp"
 #include "libcore/model/fields.hpp"
 #include "libcore/model/plugin_model.hpp"
 #include "libcore/search/converter.hpp"
 #include "libcore/shard/load.hpp"
+#include "tools/common/terminal_turn.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/devices.hpp"
-#include "tools/play/forces.hpp"
 #include "tools/play/log.hpp"
 #include "tools/play/options.hpp"
+#include "tools/play/played_force.hpp"
 #include "tools/play/report.hpp"
 #include "tools/play/selftest.hpp"
 #include "tools/play/signals.hpp"
@@ -101,6 +103,10 @@ void check(const PlayOptions& options) {
   if (options.grid.empty()) throw UsageError("grid is required");
   if (!options.device) throw UsageError("--device is required");
   check_files(options);
+  if (std::holds_alternative<AdapterProcess>(*options.device) && options.rate_hz > 0 &&
+      options.rate_hz < kSlowestProcessHz)
+    throw UsageError("--rate: an adapter lets go of the hand below " + rounded(kSlowestProcessHz) +
+                     " Hz");
   if (options.traversal && is_slow(*options.traversal) && is_live(*options.device))
     throw UsageError("--traversal: a live device cannot wait for the model itself");
   if (options.traversal == TraversalRule::kModel && options.force &&
@@ -133,14 +139,6 @@ std::unique_ptr<Model> exact_model(const GridSpec& spec, const std::vector<std::
   return create_model(Plugin(spec.model, model_path(path)), spec);
 }
 
-/// The guard process, which is started before there is a thread, or a grid that it would copy.
-std::unique_ptr<HidGuard> start_guard(const DeviceChoice& device) {
-  if (!pushes(device)) return nullptr;
-  const rlimit no_core{0, 0};  // the guard would wait until a core file is written
-  ::setrlimit(RLIMIT_CORE, &no_core);
-  return std::make_unique<HidGuard>();
-}
-
 /// What the user gave, and defaults.
 PlaySettings given_settings(const PlayOptions& options) {
   PlaySettings settings = changed({}, options.given);
@@ -162,9 +160,7 @@ Settled settle(const PlayOptions& options, const OpenDevice& open, const LoadedG
   if (open.session) {
     const std::string file = input_file(*options.device);
     if (open.session->grid_digest != loaded.digest)
-      std::fprintf(stderr,
-                   "play: %s was recorded with another grid: its forces will be different\n",
-                   file.c_str());
+      say("play", file + " was recorded with another grid: its forces will be different");
     const PlayedWith with = played_with(*open.session, file);
     settings.safety = with.limits;
     settings.mapping.scale = with.scale;
@@ -191,7 +187,11 @@ LoopOptions pace(const PlayOptions& options, const OpenDevice& open, double spin
   LoopOptions loop{.rate_hz = options.rate_hz, .spin_us = spin_us};
   if (open.session) loop.unpaced_hz = open.session->rate_hz;
   if (open.simulated) loop = {.unpaced_hz = virtual_rate_hz(options)};
-  if (is_live(*options.device) && loop.rate_hz == 0) loop.rate_hz = kDefaultRateHz;
+  if (is_live(*options.device) && loop.rate_hz == 0)
+    loop.rate_hz = open.rate_hz > 0 ? open.rate_hz : kDefaultRateHz;
+  if (open.rate_hz > 0 && loop.rate_hz > open.rate_hz)
+    throw Error("--rate: " + open.device->info().name + " takes at most " + rounded(open.rate_hz) +
+                " forces a second");
   if (options.duration_s > 0)
     loop.ticks = static_cast<std::uint64_t>(std::ceil(options.duration_s * loop.tick_rate_hz()));
   return loop;
@@ -224,6 +224,13 @@ struct PlayedForce {
   }
 };
 
+/// How far play's blends leave the energies of their corners.
+BlendedEnergy blended_energy(const Grid& grid, const Traversal& traversal, const Fields& fields) {
+  if (!can_ask_energy(grid.spec(), fields)) return {};
+  return traversal.sheets() ? energy_of_branches(grid, *traversal.sheets(), fields)
+                            : energy_of_blends(grid, fields);
+}
+
 /// Prints and writes what happened. @return the exit code @throw Error for a bad end
 int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts facts,
              const SafetyCore& safety, const Device& device, const Viewers& viewers) {
@@ -232,6 +239,7 @@ int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts fa
   facts.exit_code = bad                                ? kExitFailed
                     : summary.end == LoopEnd::kStopped ? 128 + caught_signal.load()
                                                        : kExitDone;
+  wait_for_terminal();
   print_summary(summary, facts);
   viewers.print_summary();
   if (!options.report.empty()) write_report(options.report, summary, facts);
@@ -244,10 +252,22 @@ int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts fa
   return facts.exit_code;
 }
 
+/// Takes what a file of --config gives and the command line does not, and says so.
+void take_file(PlayOptions& options) {
+  const PlayFile& file = options.file;
+  if (file.name.empty()) return;
+  say("play", file_text(file, options.given, options.axes.has_value()));
+  options.given.insert(options.given.begin(), file.given.begin(), file.given.end());
+  if (!options.axes) options.axes = read_axes(file.axes);
+}
+
 int play(PlayOptions options) {
+  take_file(options);
   if (viewer_waits(options)) options.frames = "-";
   check(options);
-  const std::unique_ptr<HidGuard> guard = start_guard(*options.device);
+  for (const std::string& input : {options.grid, input_file(*options.device)})
+    announce_terminal(input);
+  DeviceGuard guard(*options.device);
   Viewers viewers(options);
   const LoadedGrid loaded = load_grid(options.grid);
   const Grid& grid = loaded.grid;
@@ -263,7 +283,7 @@ int play(PlayOptions options) {
   std::optional<CaughtSignals> signals;
   if (is_live(*options.device)) signals.emplace();
   const OpenDevice open = open_device(*options.device, given_settings(options),
-                                      virtual_rate_hz(options), spec.box, guard.get());
+                                      virtual_rate_hz(options), spec.box, guard);
   if (!signals) signals.emplace();
   Device& device = *open.device;
   const auto [settings, rule, wanted_force] = settle(options, open, loaded);
@@ -293,6 +313,8 @@ int play(PlayOptions options) {
                  .device = device.info().name,
                  .traversal = name_of(rule),
                  .force = name_of(force.rule()),
+                 .blended = blended_energy(grid, *traversal, fields),
+                 .energy_unit = printable_line(spec.energy_unit),
                  .rate_hz = loop.rate_hz};
   LoopSummary summary;
   {
@@ -302,8 +324,8 @@ int play(PlayOptions options) {
     const Realtime realtime(loop.paced() ? options.realtime : RealtimeMode::kOff, &device);
     facts.realtime = realtime.got();
     if (loop.paced())
-      std::fprintf(stderr, "play: %s at %g Hz; real time: %s\n", facts.device.c_str(), loop.rate_hz,
-                   facts.realtime.c_str());
+      say("play",
+          facts.device + " at " + rounded(loop.rate_hz) + " Hz; real time: " + facts.realtime);
     summary = run_loop(
         device, mapping, *traversal, safety,
         PlayedForce{force, *traversal, fields,

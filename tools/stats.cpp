@@ -109,8 +109,9 @@ std::optional<Json> value_from_footer(const std::string& key, const std::string&
 /// A value as a line for scripts: texts without quotes, everything else as JSON. "replace" is for
 /// strings of shards, which need not be UTF-8.
 std::string value_line(const Json& value) {
-  return (value.is_string() ? printable_line(value.get<std::string>(), std::string::npos)
-                            : value.dump(-1, ' ', false, Json::error_handler_t::replace)) +
+  return (value.is_string()
+              ? printable_line(value.get<std::string>(), std::string::npos)
+              : value.dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace)) +
          "\n";
 }
 
@@ -219,10 +220,11 @@ std::string report(const Options& options, const LoadedGrid& loaded) {
   const GridSpec& spec = loaded.grid.spec();
   const Statistics statistics = count_statistics(loaded.grid, loaded.stored_bytes);
   if (options.get.empty() && options.format == "text")
-    return statistics_text(spec, statistics, costs);
+    return printable_text(statistics_text(spec, statistics, costs));
   const Json json = statistics_json(spec, statistics, costs);
   // "replace": a shard's strings need not be UTF-8.
-  if (options.get.empty()) return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (options.get.empty())
+    return json.dump(2, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n";
   const Json* value = find(json, options.get);
   if (!value) throw Error("--get: this grid has no value " + options.get);
   return value_line(*value);
@@ -242,6 +244,7 @@ void show_grid(const Options& options) {
 
 int run(const Options& options) {
   check_options(options);
+  announce_terminal(options.log.empty() ? options.grid : options.log);
   if (options.log.empty())
     show_grid(options);
   else
@@ -252,8 +255,9 @@ int run(const Options& options) {
 void add_grid_options(CommandLine& app, Options& options) {
   app.group("A grid");
   app.add("--cost", options.costs,
-          "Cost files of expand and merge to be summed, up to an option or '--'")
-      .type("FILE");
+          "Cost file of expand and merge, to be summed with the others; repeatable")
+      .type("FILE")
+      .repeatable();
   app.add("--get", options.get, "Print one value of the JSON report, as in --get box.spacing")
       .type("KEY");
   app.add_flag("--dump", options.dump,

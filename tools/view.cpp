@@ -18,6 +18,7 @@
 #include "libcore/scene/summary.hpp"
 #include "libcore/scene/xyz.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/view/page/page.hpp"
 #include "tools/view/terminal.hpp"
 #include "tools/view/window.hpp"
 
@@ -34,6 +35,7 @@ struct Options {
   std::string xyz;
   std::string hip_label;
   std::string png;
+  std::string html;
   double at_s = std::numeric_limits<double>::infinity();  // beyond: the last frame
   std::string size = "800x600";
   double azimuth_degrees = Camera{}.azimuth_degrees;
@@ -45,7 +47,7 @@ struct Options {
   std::string screenshot;
   std::string terminal;  // how to draw there; empty: not asked for
 
-  bool wants_report() const { return xyz.empty() && png.empty(); }
+  bool wants_report() const { return xyz.empty() && png.empty() && html.empty(); }
 };
 
 /// WxH in pixels; nothing when it is not that.
@@ -131,7 +133,7 @@ std::string report_json(const Scene& scene, const SceneSummary& s) {
   json["largest_force_s"] = s.largest_force > 0 ? Json(s.largest_force_s) : Json();
   json["energy"] = s.energy ? Json({s.energy->low, s.energy->high}) : Json();
   // "replace": a stream's strings need not be UTF-8.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n";
 }
 
 RenderOptions render_options(const Options& options) {
@@ -151,6 +153,11 @@ Image picture(const Options& options, const Scene& scene, const Frame& frame) {
 }
 
 int run(const Options& options) {
+  if (options.frames.ends_with(".session"))
+    throw Error(options.frames +
+                ": a session has no shape to show; play GRID --device replay:FILE --frames - "
+                "makes frames of it");
+  announce_terminal(options.frames);
   if (options.window) {
     run_window(options.frames, {render_options(options), options.azimuth_degrees,
                                 options.elevation_degrees, options.close, options.screenshot});
@@ -161,22 +168,26 @@ int run(const Options& options) {
                                   options.elevation_degrees, options.terminal});
     return kExitDone;
   }
-  if (options.xyz == "-" && options.png == "-")
-    throw UsageError("only one of --xyz and --png can be standard output");
+  if ((options.xyz == "-") + (options.png == "-") + (options.html == "-") > 1)
+    throw UsageError("only one of --xyz, --png and --html can be standard output");
 
   std::optional<OutputFile> xyz;
   if (!options.xyz.empty()) xyz.emplace(options.xyz, /*binary=*/false);
   std::optional<OutputFile> png;
   if (!options.png.empty()) png.emplace(options.png);
+  std::optional<OutputFile> html;
+  if (!options.html.empty()) html.emplace(options.html, /*binary=*/false);
 
   SceneReader reader(options.frames);
   const Scene& scene = reader.scene();
   SceneSummary summary;
   Chosen chosen(options.at_s);
+  Page page;
   std::string text;
   for (Frame frame; reader.next(frame);) {
     summary.add(scene, frame);
     if (png) chosen.offer(frame);
+    if (html) page.add(frame);
     if (!xyz) continue;
     text.clear();
     try {
@@ -191,11 +202,17 @@ int run(const Options& options) {
     png->write(encode_png(picture(options, scene, *chosen.frame())));
     png->commit();
   }
+  if (html) {
+    if (summary.frames == 0) throw Error(reader.name() + ": no frame in it, nothing to draw");
+    html->write(page.finish(scene, render_options(options), options.azimuth_degrees,
+                            options.elevation_degrees));
+    html->commit();
+  }
   if (xyz) xyz->commit();
   if (options.wants_report()) {
     OutputFile output("-", /*binary=*/false);
     output.write(options.format == "json" ? report_json(scene, summary)
-                                          : report_text(scene, summary));
+                                          : printable_text(report_text(scene, summary)));
     output.commit();
   }
   return kExitDone;
@@ -218,6 +235,8 @@ void add_file_options(CommandLine& app, Options& options) {
       .type("SECONDS")
       .within(0, 1e12, "a time from 0 to 1e12 s")
       .needs(png);
+  app.add("--html", options.html, "All frames as one web page, to turn, to play and to send")
+      .type("FILE");
 }
 
 void add_live_options(CommandLine& app, Options& options) {
@@ -234,7 +253,7 @@ void add_live_options(CommandLine& app, Options& options) {
                                  "The terminal; --terminal=MODE is symbols, sixel, kitty or auto")
                         .one_of({"auto", "symbols", "sixel", "kitty"});
   window.excludes(terminal);
-  for (const char* const file : {"--xyz", "--png"}) {
+  for (const char* const file : {"--xyz", "--png", "--html"}) {
     window.excludes(app.option(file));
     terminal.excludes(app.option(file));
   }
@@ -269,8 +288,8 @@ void check_picture(const CommandLine& app) {
   const bool picture = app.given("--png") || app.given("--window");
   if (app.given("--size") && !picture) throw UsageError("--size requires --png or --window");
   for (const char* const name : {"--azimuth", "--elevation", "--hip-radius", "--arrow"})
-    if (app.given(name) && !picture && !app.given("--terminal"))
-      throw UsageError(std::string(name) + " requires --png, --window or --terminal");
+    if (app.given(name) && !picture && !app.given("--terminal") && !app.given("--html"))
+      throw UsageError(std::string(name) + " requires --png, --html, --window or --terminal");
 }
 
 }  // namespace
@@ -289,9 +308,9 @@ int main(int argc, char** argv) {
                "In a file's name '-' is standard output. Lengths are in the model's unit.\n"
                "\n"
                "In the window:\n"
-               "  mouse    drag: turn; wheel: zoom\n"
-               "  keys     space: pause; r: the first camera; s: write hapgrid-TICK.png into the\n"
-               "           working directory; q, Escape: close\n");
+               "  mouse    drag: turn; right drag: move; wheel: zoom\n"
+               "  keys     h, ?: help; space: pause; r: the first view; s: write hapgrid-TICK.png\n"
+               "           into the working directory; q, Escape: close\n");
   return run_tool(app, argc, argv, [&] {
     check_picture(app);
     return run(options);

@@ -27,6 +27,33 @@ fs::path temporary_directory() {
   return directory && *directory ? directory : "/tmp";
 }
 
+struct stat status_of(int fd, const std::string& name) {
+  struct stat status {};
+  if (::fstat(fd, &status) != 0) fail(name);
+  return status;
+}
+
+/// What a file, pipe or device has from where it stands, at most `limit` bytes.
+std::string rest_of(int fd, const std::string& name, std::uint64_t limit) {
+  const struct stat status = status_of(fd, name);
+  const off_t at = ::lseek(fd, 0, SEEK_CUR);
+  if (S_ISREG(status.st_mode) && at >= 0 && status.st_size > at &&
+      static_cast<std::uint64_t>(status.st_size - at) > limit)
+    throw Error(name + ": " + std::to_string(status.st_size - at) + " bytes, the limit is " +
+                std::to_string(limit));
+  std::string text;
+  std::array<char, 1 << 16> buffer;
+  for (;;) {
+    const ssize_t count = ::read(fd, buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail(name);
+    if (count == 0) return text;
+    text.append(buffer.data(), static_cast<std::size_t>(count));
+    if (text.size() > limit)
+      throw Error(name + ": more than " + std::to_string(limit) + " bytes, which is the limit");
+  }
+}
+
 /// A fresh file `directory`/.`stem`.XXXXXX; sets `name`.
 int named_temporary(const fs::path& directory, const std::string& stem, std::string& name) {
   name = (directory / ("." + stem + ".XXXXXX")).string();
@@ -208,13 +235,19 @@ std::size_t InputFile::read(std::uint64_t offset, std::span<std::byte> bytes) co
 }
 
 std::string read_text(const std::string& name, std::uint64_t limit) {
-  const InputFile file(name);
-  if (file.size() > limit)
-    throw Error(file.name() + ": " + std::to_string(file.size()) + " bytes, the limit is " +
-                std::to_string(limit));
-  std::string text(file.size(), '\0');
-  text.resize(file.read(0, std::as_writable_bytes(std::span(text))));
-  return text;
+  if (name == "-") return rest_of(STDIN_FILENO, "standard input", limit);
+  const FileDescriptor file(::open(name.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file) fail(name);
+  return rest_of(file.get(), name, limit);
+}
+
+std::string read_regular_text(const std::string& name, std::uint64_t limit) {
+  // Without waiting: for the other end of a pipe, or for a modem.
+  const FileDescriptor file(::open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+  if (!file) fail(name);
+  if (const mode_t mode = status_of(file.get(), name).st_mode; !S_ISREG(mode) && !S_ISDIR(mode))
+    throw Error(name + ": is no regular file");
+  return rest_of(file.get(), name, limit);
 }
 
 }  // namespace hapgrid

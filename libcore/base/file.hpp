@@ -102,8 +102,13 @@ FileDescriptor unlinked_file(const std::filesystem::path& directory);
 /// @param name for the message. @throw std::system_error; then a part may be written.
 void write_all(int fd, std::span<const std::byte> bytes, const std::string& name);
 
-/// The whole of a text file, or of standard input for "-". @throw std::system_error; Error when it
-/// is larger than `limit` bytes.
+/// The whole of a text file or pipe, or of standard input for "-". No more is read than tells that
+/// it is too large. @throw std::system_error; Error when it is larger than `limit` bytes.
 std::string read_text(const std::string& name, std::uint64_t limit);
+
+/// The whole of a regular file, also through links, for names that a stranger may have written: a
+/// device has no end, and opening a pipe can wait for ever. "-" is a name as any other.
+/// @throw as read_text(); Error when it is no regular file.
+std::string read_regular_text(const std::string& name, std::uint64_t limit);
 
 }  // namespace hapgrid

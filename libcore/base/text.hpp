@@ -19,8 +19,14 @@ std::string fixed(double value, int decimals);
 /// `value` with at most six significant digits, for people ("0.025", "1e-06").
 std::string rounded(double value);
 
-/// One line of at most `limit` bytes, whatever a model or a shard wrote: control characters become
-/// blanks, what is no UTF-8 '?'.
+/// One line of at most `limit` bytes, whatever a model, a shard or a file's name has in it: the
+/// control characters of ASCII become blanks. What is no UTF-8, and what is not seen but changes
+/// how the rest is shown (other control characters, marks of writing direction, separators of
+/// lines, characters without width), becomes '?'. Every text from outside goes through here before
+/// it reaches a terminal.
 std::string printable_line(std::string_view text, std::size_t limit = 200);
+
+/// The same for a text of any length whose line ends and tabs are our own.
+std::string printable_text(std::string_view text);
 
 }  // namespace hapgrid

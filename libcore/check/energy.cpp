@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "libcore/check/parallel.hpp"
-#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
@@ -19,15 +18,9 @@ constexpr std::uint64_t kRecordBlock = 1 << 12;
 // How often a record's potential is lowered before the search is given up: on real grids once or
 // twice, and by Bellman and Ford's bound as often as there are records.
 constexpr std::uint64_t kMostLowered = 256;
-// Forces come out of solvers; differences of this part of them are no gain.
-constexpr double kNoise = 1e-9;
-
-/// Where a link leads on the same branch: there and back; kNoRecord elsewhere.
-RecordIndex along_branch(const Grid& grid, RecordIndex r, int q) {
-  const RecordIndex target = grid.destination(r, q);
-  if (target == Grid::kNoRecord) return target;
-  return grid.destination(target, Direction(q).opposite().q()) == r ? target : Grid::kNoRecord;
-}
+// How often a steeper closed walk is looked for: each is steeper than the one before, and on real
+// grids some ten are enough.
+constexpr int kMostRates = 30;
 
 /// Bellman-Ford on the links, from a potential that fits nearly everywhere.
 class Relaxation {
@@ -39,9 +32,10 @@ class Relaxation {
         potential_(grid.records()),
         part_(grid.records()) {}
 
-  /// A potential, exact along a tree of links: reversible ones first, so that a part of the grid
-  /// that they connect has one zero, and those with the smallest bounds first of all, so that a
-  /// place where the spacing does not resolve the force is at the tree's ends.
+  /// A potential: the energy where there is one, else exact along a tree of links: reversible ones
+  /// first, so that a part of the grid that they connect has one zero, and those with the smallest
+  /// allowances first of all, so that a place where the spacing does not resolve the force is at
+  /// the tree's ends.
   void integrate() {
     std::vector<bool> is_set(grid_.records());
     std::array<std::deque<Link>, kQueues> reversible;
@@ -49,16 +43,16 @@ class Relaxation {
     std::size_t queue = 0;  // none before this one has links
     const auto set = [&](RecordIndex r, double value, std::uint32_t part) {
       is_set[r] = true;
-      potential_[r] = value;
+      potential_[r] = work_.energy(r).value_or(value);
       part_[r] = part;
       for (int q = 0; q < kDirections; ++q) {
         const RecordIndex target = grid_.destination(r, q);
-        if (target == Grid::kNoRecord || is_set[target]) continue;
+        if (!work_.takes(q) || target == Grid::kNoRecord || is_set[target]) continue;
         if (!work_.is_reversible({r, q})) {
           one_way.push_back({r, q});
           continue;
         }
-        const std::size_t into = queue_of(work_.bound({r, q}));
+        const std::size_t into = queue_of(work_.allowance({r, q}));
         reversible[into].push_back({r, q});
         queue = std::min(queue, into);
       }
@@ -90,8 +84,11 @@ class Relaxation {
   const std::vector<double>& potential() const { return potential_; }
   const std::vector<std::uint32_t>& part() const { return part_; }
 
-  /// Lowers the potential until each link fits, or a cycle shows that none can.
-  std::optional<ClosedWalk> relax() {
+  /// Lowers the potential until each link fits, or a cycle shows that none can: one with a larger
+  /// rate.
+  std::optional<ClosedWalk> relax(double rate) {
+    rate_ = rate;
+    gave_up_ = false;
     parent_.assign(grid_.records(), {Grid::kNoRecord, 0});
     is_waiting_.assign(grid_.records(), false);
     waiting_.clear();
@@ -132,11 +129,12 @@ class Relaxation {
 
  private:
   static constexpr std::size_t kQueues = 66;
-  /// Bounds of up to a factor of two, the smallest first; where there is no force, in the first.
-  static std::size_t queue_of(double bound) {
-    if (bound == 0) return 0;
-    if (!std::isfinite(bound)) return kQueues - 1;
-    return static_cast<std::size_t>(std::clamp(std::ilogb(bound) + 40, 1, int{kQueues} - 1));
+  /// Allowances of up to a factor of two, the smallest first; where there is no force, in the
+  /// first.
+  static std::size_t queue_of(double allowance) {
+    if (allowance == 0) return 0;
+    if (!std::isfinite(allowance)) return kQueues - 1;
+    return static_cast<std::size_t>(std::clamp(std::ilogb(allowance) + 40, 1, int{kQueues} - 1));
   }
 
   static std::uint64_t slot(const Link& link) {
@@ -152,11 +150,11 @@ class Relaxation {
   /// What the potential at the link's end must be lowered to; nothing where it fits.
   std::optional<double> fit(const Link& link) const {
     const RecordIndex target = grid_.destination(link.from, link.q);
-    if (target == Grid::kNoRecord) return std::nullopt;
+    if (!work_.takes(link.q) || target == Grid::kNoRecord) return std::nullopt;
     // Most links fit without an allowance, which takes longer.
     const double tight = potential_[link.from] - work_.gain(link);
     if (!(potential_[target] > tight)) return std::nullopt;
-    const double lower = tight + work_.allowance(link);
+    const double lower = tight + work_.allowance(link) + rate_ * work_.length(link);
     // Not for less than what rounding makes of the sum.
     const double least = 1e-12 * (std::abs(tight) + std::abs(potential_[target]));
     if (!(potential_[target] > lower + least)) return std::nullopt;
@@ -201,6 +199,7 @@ class Relaxation {
         cycle.links.push_back(parent_[at]);
         cycle.gain += work_.gain(parent_[at]);
         cycle.allowance += work_.allowance(parent_[at]);
+        cycle.length += work_.length(parent_[at]);
         at = parent_[at].from;
       } while (at != r);
       std::reverse(cycle.links.begin(), cycle.links.end());
@@ -217,6 +216,7 @@ class Relaxation {
   const Grid& grid_;
   const Work& work_;
   const int threads_;
+  double rate_ = 0;
   std::vector<double> potential_;
   std::vector<std::uint32_t> part_;
   std::vector<Link> parent_;
@@ -228,55 +228,34 @@ class Relaxation {
 
 }  // namespace
 
-double Work::gain(const Link& link) const {
-  const Vec3& d = grid_.neighbourhood().shift(link.q);
-  const RecordIndex target = grid_.destination(link.from, link.q);
-  return 0.5 * (dot(forces_[link.from], d) + dot(forces_[target], d));
-}
-
-bool Work::is_reversible(const Link& link) const {
-  return along_branch(grid_, link.from, link.q) != Grid::kNoRecord;
-}
-
-double Work::bound(const Link& link) const {
-  const Vec3& d = grid_.neighbourhood().shift(link.q);
-  const int back = Direction(link.q).opposite().q();
-  const RecordIndex target = grid_.destination(link.from, link.q);
-  const RecordIndex before = along_branch(grid_, link.from, back);
-  const RecordIndex after = along_branch(grid_, target, link.q);
-  const double from = dot(forces_[link.from], d), to = dot(forces_[target], d);
-  const double noise = kNoise * (std::abs(from) + std::abs(to));
-  const auto change = [&](RecordIndex r, double other) {
-    return r == Grid::kNoRecord ? 0 : std::abs(dot(forces_[r], d) - other);
-  };
-  if (!is_reversible(link))
-    return noise + 0.5 * (std::abs(to - from) + change(before, from) + change(after, to));
-  // F(before) - 2 F(from) + F(to), and the same about `to`.
-  const double here = change(before, 2 * from - to), there = change(after, 2 * to - from);
-  const bool has_before = before != Grid::kNoRecord, has_after = after != Grid::kNoRecord;
-  if (has_before && has_after) return noise + 0.5 * std::max(here, there);
-  if (has_before || has_after) return noise + std::max(here, there) + 0.5 * std::abs(to - from);
-  return noise + 0.5 * (std::abs(from) + std::abs(to));
-}
-
-Energy find_energy(const Grid& grid, const Work& work, int threads, std::size_t most) {
+Energy find_energy(const Grid& grid, const Work& work, int threads, std::size_t most,
+                   double tolerated) {
   Energy energy;
   Relaxation relaxation(grid, work, threads);
   relaxation.integrate();
   energy.potential = relaxation.potential();
   energy.part = relaxation.part();
-  while (auto cycle = relaxation.relax()) {
-    const auto excess = [&](const Link& link) { return work.gain(link) - work.allowance(link); };
+  for (int i = 0; i < kMostRates && !energy.is_steepest; ++i) {
+    auto steeper = relaxation.relax(energy.steepest.rate());
+    // A cycle that is no steeper is one of rounding.
+    if (steeper && steeper->rate() > energy.steepest.rate())
+      energy.steepest = std::move(*steeper);
+    else
+      energy.is_steepest = !relaxation.gave_up();
+    if (relaxation.gave_up()) break;
+  }
+  relaxation.integrate();
+  while (auto cycle = relaxation.relax(tolerated)) {
+    const auto excess = [&](const Link& link) {
+      return work.gain(link) - work.allowance(link) - tolerated * work.length(link);
+    };
     relaxation.ban(
         *std::max_element(cycle->links.begin(), cycle->links.end(),
                           [&](const Link& a, const Link& b) { return excess(a) < excess(b); }));
     energy.gaining.push_back(std::move(*cycle));
-    if (energy.gaining.size() == most) {
-      energy.gave_up = true;
-      break;
-    }
+    if (energy.gaining.size() == most) break;
   }
-  energy.gave_up |= relaxation.gave_up();
+  energy.gave_up = relaxation.gave_up();
   return energy;
 }
 

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "libcore/base/text.hpp"
-#include "libcore/check/energy.hpp"
 #include "libcore/check/paths.hpp"
 #include "libcore/grid/describe.hpp"
 
@@ -77,8 +76,13 @@ class GainSurvey {
   const std::vector<CornerPair> pairs_;
 };
 
-std::string describe(const Grid& grid, const ClosedWalk& walk, const std::string& unit) {
-  std::string text = "gains " + rounded(walk.gain) + " " + unit + ", allowance " +
+std::string unit_of_work(const Grid& grid) {
+  const std::string& length = grid.spec().length_unit;
+  return "N " + (length.empty() ? "lengths" : printable_line(length));
+}
+
+std::string describe(const Grid& grid, const ClosedWalk& walk) {
+  std::string text = "gains " + rounded(walk.gain) + " " + unit_of_work(grid) + ", allowance " +
                      rounded(walk.allowance) + ", in " + std::to_string(walk.links.size()) +
                      " links from " + describe(grid, walk.links[0].from) + ": directions";
   for (std::size_t i = 0; i < std::min(walk.links.size(), kMostShown); ++i)
@@ -86,42 +90,57 @@ std::string describe(const Grid& grid, const ClosedWalk& walk, const std::string
   return walk.links.size() > kMostShown ? text + " ..." : text;
 }
 
-}  // namespace
+Figure gain_per_length(const Grid& grid, const Energy& energy) {
+  std::string where = energy.steepest.links.empty() ? "" : describe(grid, energy.steepest);
+  if (!energy.is_steepest) where = "at least; " + where;
+  return {"gain per length", energy.steepest.rate(), "N", where};
+}
 
-Check check_passive(const Grid& grid, const CellMap& map, const Configurations& found,
-                    const Forces& forces, int threads) {
-  const std::string unit =
-      "N " +
-      (grid.spec().length_unit.empty() ? "lengths" : printable_line(grid.spec().length_unit));
-  const Work work(grid, forces);
-  const Energy energy = find_energy(grid, work, threads, Findings::kShown);
-
-  Check check{"passive", "links", "closed walks that return energy to the hand", {}};
+/// The most that a one-way link and the reversible way back cost, and work that is no number.
+Figure look_at_links(const Grid& grid, const Work& work, const Energy& energy, Findings& found) {
   double loss = 0;
   Link lossy{0, 0};
   for (RecordIndex r = 0; r < grid.records(); ++r)
     for (int q = 0; q < kDirections; ++q) {
       const RecordIndex target = grid.destination(r, q);
-      if (target == Grid::kNoRecord) continue;
-      ++check.found.counted;
+      if (!work.takes(q) || target == Grid::kNoRecord) continue;
+      ++found.counted;
+      const double gain = work.gain({r, q});
+      if (!std::isfinite(gain)) {
+        found.offend([&] { return describe_link(grid, r, q) + ": its work is not finite"; });
+        continue;
+      }
       // Between parts the potential has no common zero.
       if (energy.part[r] != energy.part[target] || work.is_reversible({r, q})) continue;
-      const double lost = energy.potential[r] - energy.potential[target] - work.gain({r, q});
+      const double lost = energy.potential[r] - energy.potential[target] - gain;
       if (!(lost > loss)) continue;
       loss = lost;
       lossy = {r, q};
     }
-  for (const ClosedWalk& walk : energy.gaining)
-    check.found.offend([&] { return describe(grid, walk, unit); });
-  if (energy.gave_up && energy.gaining.empty())
-    check.found.offend([] { return "undecided: the search for them was given up"; });
-  else if (energy.gave_up)
-    check.meaning += " (more were not looked for)";
-  check.figures.push_back({"largest loss", loss, unit,
-                           loss > 0 ? "one way by " + describe_link(grid, lossy.from, lossy.q) +
-                                          ", and back by reversible links"
-                                    : ""});
+  return {"largest loss", loss, unit_of_work(grid),
+          loss > 0 ? "one way by " + describe_link(grid, lossy.from, lossy.q) +
+                         ", and back by reversible links"
+                   : ""};
+}
 
+}  // namespace
+
+Check check_passive(const Grid& grid, const Work& work, const Energy& energy) {
+  Check check{"passive", "links", "closed walks that return energy to the hand", {}};
+  const Figure loss = look_at_links(grid, work, energy, check.found);
+  for (const ClosedWalk& walk : energy.gaining)
+    check.found.offend([&] { return describe(grid, walk); });
+  if (energy.gave_up && check.found.offenders == 0)
+    check.not_proved =
+        "the search for closed walks that gain energy was given up; try a part of the grid, or a "
+        "smaller one, and look at the steepest walk below";
+  check.figures = {gain_per_length(grid, energy), loss};
+  return check;
+}
+
+void add_inside_cells(Check& check, const Grid& grid, const CellMap& map,
+                      const Configurations& found, const Forces& forces, const Energy& energy,
+                      int threads) {
   const GainSurvey survey(grid, forces, energy);
   const auto simple = [&](PointIndex base, InsideCells& seen) {
     if (map.exists(base) && map.is_simple(base)) survey.look_at({base, 0}, seen);
@@ -133,10 +152,25 @@ Check check_passive(const Grid& grid, const CellMap& map, const Configurations& 
   const auto inside = look_at_all<InsideCells>(grid, found, threads, simple, listed);
   const auto add = [&](const std::string& name, const LargestGain& l, const std::string& where) {
     check.figures.push_back(
-        {name, l.work, unit, l.work > 0 ? where + describe(grid, l.where) : ""});
+        {name, l.work, unit_of_work(grid), l.work > 0 ? where + describe(grid, l.where) : ""});
   };
   add("largest turn", inside.turn, "around a face of ");
   add("largest mixture", inside.mixture, "between branches in ");
+}
+
+Check check_limited(const Grid& grid, const ForceLimit& limit, const Energy& energy) {
+  Check check{"limited",
+              "walks",
+              "what a limit of " + rounded(limit.max_force) + " N at a gain of " +
+                  rounded(limit.gain) +
+                  " makes of this: closed walks that gain, for which the safety core's energy "
+                  "promise pays",
+              {},
+              /*is_note=*/true};
+  check.found.counted = energy.gaining.size();
+  for (const ClosedWalk& walk : energy.gaining)
+    check.found.offend([&] { return describe(grid, walk); });
+  check.figures = {gain_per_length(grid, energy)};
   return check;
 }
 

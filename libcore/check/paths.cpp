@@ -193,16 +193,15 @@ std::vector<Check> check_paths(const Grid& grid, const CellMap& map, const Confi
   const Judge judge(grid, map);
   const auto look_at = [&](const auto& what, Seen& seen) { judge.look_at(what, seen); };
   Seen seen = look_at_all<Seen>(grid, found, threads, look_at, look_at);
-  if (found.gave_up)
-    seen.paths.offend([&] {
-      return "more than " + std::to_string(found.listed.size()) +
-             " configurations were found, and the search was given up";
-    });
   // Those of simple cells are neither mixed nor one-way: there is one level at each corner.
   seen.mixed.counted = seen.one_way.counted = seen.paths.counted;
 
   Check paths{"paths", "configurations", "starts and switches of play that need a missing link",
               std::move(seen.paths)};
+  if (found.gave_up)
+    paths.not_proved = "more than " + std::to_string(found.listed.size()) +
+                       " configurations were found, and the search was given up; by --traversal "
+                       "branch nothing has to be searched";
   Check continuous{"continuous", "switches",
                    "switches of play that do not keep the common vertices",
                    std::move(seen.continuous)};

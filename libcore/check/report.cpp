@@ -9,23 +9,35 @@
 namespace hapgrid {
 
 bool is_fine(const std::vector<Check>& checks) {
-  return std::none_of(checks.begin(), checks.end(),
-                      [](const Check& c) { return !c.is_note && c.found.offenders > 0; });
+  return std::none_of(checks.begin(), checks.end(), [](const Check& c) {
+    return !c.is_note && (c.found.offenders > 0 || !c.not_proved.empty());
+  });
+}
+
+bool is_broken(const std::vector<Check>& checks) {
+  return std::any_of(checks.begin(), checks.end(),
+                     [](const Check& c) { return !c.is_note && c.found.offenders > 0; });
 }
 
 std::string verdict_line(const std::vector<Check>& checks) {
-  std::string broken;
+  std::string broken, open;
   std::size_t passed = 0;
+  const auto add = [](std::string& list, const std::string& entry) {
+    list += (list.empty() ? "" : ", ") + entry;
+  };
   for (const Check& c : checks) {
     if (c.is_note) continue;
-    if (c.found.offenders == 0) {
+    if (c.found.offenders > 0)
+      add(broken, c.name + " (" + std::to_string(c.found.offenders) + " of " +
+                      std::to_string(c.found.counted) + ")");
+    else if (!c.not_proved.empty())
+      add(open, c.name);
+    else
       ++passed;
-    } else {
-      broken += (broken.empty() ? "" : ", ") + c.name + " (" + std::to_string(c.found.offenders) +
-                " of " + std::to_string(c.found.counted) + ")";
-    }
   }
-  return broken.empty() ? "fine: " + std::to_string(passed) + " checks" : "broken: " + broken;
+  if (broken.empty() && open.empty()) return "fine: " + std::to_string(passed) + " checks";
+  if (broken.empty()) return "not proved: " + open;
+  return "broken: " + broken + (open.empty() ? "" : "; not proved: " + open);
 }
 
 std::string checks_text(const std::vector<Check>& checks) {
@@ -50,8 +62,9 @@ std::string checks_text(const std::vector<Check>& checks) {
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   for (const Check& c : checks) {
-    if (c.found.offenders == 0 && c.figures.empty()) continue;
+    if (c.found.offenders == 0 && c.figures.empty() && c.not_proved.empty()) continue;
     text += "\n" + c.name + ": " + c.meaning + "\n";
+    if (!c.not_proved.empty()) text += "  not proved: " + c.not_proved + "\n";
     for (const Figure& figure : c.figures)
       text += "  " + figure.name + " " + rounded(figure.value) +
               (figure.unit.empty() ? "" : " " + printable_line(figure.unit)) +
@@ -82,6 +95,7 @@ nlohmann::ordered_json checks_json(const std::vector<Check>& checks) {
     row["offenders"] = c.found.offenders;
     row["meaning"] = c.meaning;
     row["first"] = c.found.first;
+    if (!c.not_proved.empty()) row["not_proved"] = c.not_proved;
     row["figures"] = nlohmann::ordered_json::array();
     for (const Figure& f : c.figures)
       row["figures"].push_back(
@@ -100,7 +114,9 @@ std::string report_json(const Grid& grid, const std::vector<Check>& checks) {
   json["fine"] = is_fine(checks);
   json["checks"] = checks_json(checks);
   // "replace": a shard's strings need not be UTF-8.
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', /*ensure_ascii=*/true,
+                   nlohmann::ordered_json::error_handler_t::replace) +
+         "\n";
 }
 
 }  // namespace hapgrid

@@ -49,14 +49,23 @@ struct Check {
   Findings found;
   bool is_note = false;  ///< worth knowing, but no fault
   std::vector<Figure> figures{};
-  /// "ok", "broken" or "note"
-  std::string verdict() const { return is_note ? "note" : found.offenders == 0 ? "ok" : "broken"; }
+  /// Why the check neither found an offender nor proved that there is none, and what to do; empty
+  /// where it did.
+  std::string not_proved{};
+  /// "ok", "broken", "not proved" or "note"
+  std::string verdict() const {
+    if (is_note) return "note";
+    return found.offenders > 0 ? "broken" : not_proved.empty() ? "ok" : "not proved";
+  }
 };
 
-/// Whether no check is broken.
+/// Whether no check is broken, and each has proved what it says.
 bool is_fine(const std::vector<Check>& checks);
+/// Whether a check is broken.
+bool is_broken(const std::vector<Check>& checks);
 
-/// One line: "fine: 8 checks" or "broken: links (3 of 104), distinct (1 of 2)".
+/// One line: "fine: 8 checks", "broken: links (3 of 104), distinct (1 of 2)", or "not proved:
+/// passive".
 std::string verdict_line(const std::vector<Check>& checks);
 
 /// A table with a row a check, then figures and first offenders of each check that has any.

@@ -52,7 +52,8 @@ struct DeviceInfo {
 };
 
 /// A constructor opens the device, the destructor closes it. The haptic thread calls read() and
-/// send(), which are real-time safe: they do not allocate, lock, throw, or wait for the hardware.
+/// send(), which are real-time safe: they do not allocate, lock, throw, or wait for the hardware
+/// (only ProcessDevice waits, for an adapter that is late).
 ///
 /// A device sends what it is given. The haptic loop limits forces and sends a zero force at every
 /// way out, because a destructor cannot report that it failed. By itself a device only takes the

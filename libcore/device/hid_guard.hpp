@@ -14,42 +14,20 @@
 
 #include <sys/types.h>
 
-#include <atomic>
-#include <chrono>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "libcore/base/file.hpp"
+#include "libcore/device/guard_process.hpp"
 #include "libcore/device/hid_protocol.hpp"
 
 namespace hapgrid {
 
-/// The program beats it at least every kHidBeat while the device may have a force; the guard looks
-/// at it. Both have the same memory.
-struct HidHeart {
-  std::atomic<std::uint64_t> beats{0};  ///< 0: it has not begun to beat
-  /// The guard let go, since the heart stopped. The program must not send forces any more: nobody
-  /// knows in which state the device is.
-  std::atomic<bool> let_go{false};
-};
-inline constexpr std::chrono::milliseconds kHidBeat{10};
-/// A heart that was silent at so many looks of the guard has stopped. The looks are 20 ms apart,
-/// and more where the machine is busy, which then holds for the program as well.
-inline constexpr int kHidSilentLooks = 25;
-
 class HidGuard {
  public:
-  /// Forks, so make it before this program has threads or much memory. The child leads a session of
-  /// its own, ignores the signals of terminals and of a shutdown, and closes every descriptor that
-  /// it inherits. @throw std::system_error
+  /// See GuardProcess. @throw std::system_error
   HidGuard();
-  /// Without release() the child writes the stop reports, as after a crash. Waits a second at most
-  /// for the child's end.
-  ~HidGuard();
-  HidGuard(const HidGuard&) = delete;
-  HidGuard& operator=(const HidGuard&) = delete;
+  // Without release() the child writes the stop reports, as after a crash.
 
   /// Makes the child responsible for the device at `path`, with these output reports in this order.
   /// The child opens the device now, because later the path may belong to another one. A later call
@@ -59,13 +37,11 @@ class HidGuard {
   /// The goodbye: the device was stopped, and the child ends.
   void release() noexcept;
 
-  pid_t pid() const { return pid_; }
-  const std::shared_ptr<HidHeart>& heart() const { return heart_; }
+  pid_t pid() const { return process_.pid(); }
+  const std::shared_ptr<Heart>& heart() const { return process_.heart(); }
 
  private:
-  std::shared_ptr<HidHeart> heart_;
-  FileDescriptor socket_;
-  pid_t pid_ = -1;
+  GuardProcess process_;
 };
 
 }  // namespace hapgrid

@@ -126,7 +126,7 @@ void HidShared::write_forces(std::vector<HidReport>& reports) {
     auto deadline = HidClock::now() + 1h;
     if (!idle && watchdog > 0s) deadline = std::min(deadline, now_applied.time + watchdog);
     if (keep_alive > 0s) deadline = std::min(deadline, repeat);
-    if (heart) deadline = std::min(deadline, HidClock::now() + kHidBeat);
+    if (heart) deadline = std::min(deadline, HidClock::now() + kHeartBeat);
     bell.wait(deadline);
     if (stop.load() || !beat()) return;
     bool due = force.update();

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "libcore/base/triple_buffer.hpp"
-#include "libcore/device/hid_guard.hpp"
+#include "libcore/device/guard_process.hpp"
 #include "libcore/device/hid_handle.hpp"
 #include "libcore/device/hid_protocol.hpp"
 
@@ -69,8 +69,8 @@ struct HidShared {
   const std::string path;
   const std::unique_ptr<HidProtocol> protocol;
   const HidTiming timing;
-  std::shared_ptr<HidHeart> heart;  // null: nobody looks at it
-  HidHandle out;                    // the writer's
+  std::shared_ptr<Heart> heart;  // null: nobody looks at it
+  HidHandle out;                 // the writer's
   // The reader's. It is opened after the device was started: for a handle that nobody reads, the
   // kernel keeps the oldest reports, and the first position must not be an old one.
   std::optional<HidHandle> in;

@@ -130,7 +130,9 @@ void PidProtocol::encode(const Vec3& force, std::vector<HidReport>& reports) noe
     double share = parameters_.signs[axis] * kTurn[axis] * force[axis] / parameters_.newtons;
     if (!std::isfinite(share)) share = 0;
     reports[axis] = forces_[axis];  // of the same size as the last time: no allocation
-    set(reports[axis], reports_.magnitude, std::llround(std::clamp(share, -1.0, 1.0) * full));
+    // Towards zero, so that the device never gets more than what was sent.
+    set(reports[axis], reports_.magnitude,
+        static_cast<std::int64_t>(std::clamp(share, -1.0, 1.0) * full));
   }
 }
 

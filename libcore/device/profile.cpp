@@ -262,12 +262,13 @@ class Reader : private TomlFile {
     axis.zero = count("zero", 0);
     if (axis.zero < axis.low || axis.zero > axis.high)
       fail(in, prefix + "zero must lie from " + prefix + "low to " + prefix + "high");
-    // A force that is cut on one axis alone would change its direction.
+    // A force that is cut on one axis alone would change its direction. Less than a count is cut on
+    // every axis, since forces are rounded towards zero.
     const auto room = static_cast<double>(std::min(axis.high - axis.zero, axis.zero - axis.low));
-    const double most = (room + 0.5) * std::abs(axis.newtons_per_count);
-    if (max_force > most)
-      fail(in, prefix + "low to " + prefix + "high hold " + to_text(most) + " N, force.max is " +
-                   to_text(max_force) + " N");
+    const double newtons = std::abs(axis.newtons_per_count);
+    if (max_force >= (room + 1) * newtons)
+      fail(in, prefix + "low to " + prefix + "high hold " + to_text(room * newtons) +
+                   " N, force.max is " + to_text(max_force) + " N");
     return axis;
   }
 

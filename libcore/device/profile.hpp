@@ -91,8 +91,9 @@ Profile read_profile(const std::string& text, const std::string& name);
 /// @throw DeviceError for a usage that is missing, or a field of the wrong kind.
 void resolve_usages(Profile& profile, const HidDescriptor& descriptor);
 
-/// The protocol of a profile. Values that a field cannot hold stay at its limit; a force that is
-/// not finite counts as zero.
+/// The protocol of a profile. Forces are rounded towards zero, so that what the device gets is
+/// never more than what was sent; values that a field cannot hold stay at its limit; a force that
+/// is not finite counts as zero.
 class ProfileProtocol : public HidProtocol {
  public:
   /// @throw DeviceError when resolve_usages() was not called.

@@ -18,12 +18,26 @@ Vec3 times(const Matrix3& m, const Vec3& v) noexcept {
   return product;
 }
 
+/// Towards the count without force: rounded to the nearest count, three axes could together push
+/// harder than the force that the safety core let through.
 std::int64_t counts(const Profile::OutputAxis& axis, double newtons) noexcept {
-  const double value = static_cast<double>(axis.zero) + newtons / axis.newtons_per_count;
+  const double value =
+      static_cast<double>(axis.zero) + std::trunc(newtons / axis.newtons_per_count);
   if (!std::isfinite(value)) return axis.zero;
   // Clamped as double, because a large double has no integer.
-  return std::llround(
+  return static_cast<std::int64_t>(
       std::clamp(value, static_cast<double>(axis.low), static_cast<double>(axis.high)));
+}
+
+/// The force of the outputs' axes, never longer than `force`: rows of force.axes that were written
+/// with few digits keep lengths only nearly.
+Vec3 on_axes(const Matrix3& axes, const Vec3& force) noexcept {
+  if (!finite(force)) return {0, 0, 0};
+  Vec3 newtons = times(axes, force);
+  const double longer = std::sqrt(dot(newtons, newtons) / dot(force, force));
+  if (longer > 1)
+    for (double& component : newtons) component /= longer;
+  return newtons;
 }
 
 std::string usage_text(std::uint16_t page, std::uint16_t usage) {
@@ -126,7 +140,7 @@ void ProfileProtocol::encode(const Vec3& force, std::vector<HidReport>& reports)
 }
 
 void ProfileProtocol::write_force(const Vec3& force, std::vector<HidReport>& reports) const {
-  const Vec3 newtons = finite(force) ? times(profile_.force_axes, force) : Vec3{0, 0, 0};
+  const Vec3 newtons = on_axes(profile_.force_axes, force);
   reports.resize(profile_.outputs.size());
   for (std::size_t i = 0; i < reports.size(); ++i) {
     const Profile::Output& output = profile_.outputs[i];

@@ -101,14 +101,14 @@ class Cells {
   PointIndex point(PointIndex base, int corner) const { return base + corner_offset_[corner]; }
 
   /// How play starts in a cell: the corner nearest to the HIP has level 0, and the other seven have
-  /// its destination levels. False when a link or that level 0 is missing. Source: Sect. 2.4.
+  /// its destination levels. False when a link or that level is missing. Source: Sect. 2.4.
   /// Deviation: level 0 in all corners, as printed there, can mix branches.
   /// @param nearest the corner nearest to the HIP; is_corner(nearest) must hold
-  bool start(PointIndex base, int nearest, Corners& corners) const noexcept {
+  bool start(PointIndex base, int nearest, Corners& corners, Level level = 0) const noexcept {
     const PointIndex nearest_point = point(base, nearest);
-    if (grid_.levels(nearest_point) == 0) return false;
-    corners.level.fill(0);
-    corners.record.fill(grid_.first(nearest_point));
+    if (grid_.levels(nearest_point) <= level) return false;
+    corners.level.fill(level);
+    corners.record.fill(grid_.first(nearest_point) + level);
     for (int corner = 0; corner < 8; ++corner) {
       std::array<int, 3> d{};
       for (int a = 0; a < 3; ++a)

@@ -11,9 +11,10 @@ namespace hapgrid {
 
 namespace {
 
-// In spacings squared: how much nearer another corner must be than the anchor, so that a HIP at
-// rest between two of them does not change it again and again.
-constexpr double kNearer = 0.02;
+// How much less the corners of another anchor must disagree, so that a HIP at rest between two of
+// them does not change it again and again; and what a corner counts at least (disagreement()).
+constexpr double kBetter = 0.05;
+constexpr double kLeastWeight = 0.02;
 // How often the state can snap at one place. Snaps that go in a circle must end.
 constexpr int kMostSnaps = 4;
 
@@ -29,6 +30,18 @@ double distance2(const Vec3& part, int corner) {
   return sum;
 }
 
+/// How much corners that are not of one branch contradict each other at the HIP: the sum, over such
+/// pairs, of the product of their weights in the blend.
+/// @param apart Sheets::apart()
+double disagreement(const std::array<std::uint8_t, 8>& apart,
+                    const std::array<double, 8>& weights) noexcept {
+  double sum = 0;
+  for (int a = 0; a < 8; ++a)
+    for (int b = a + 1; apart[a] != 0 && b < 8; ++b)
+      if (apart[a] >> b & 1) sum += (weights[a] + kLeastWeight) * (weights[b] + kLeastWeight);
+  return sum;
+}
+
 }  // namespace
 
 BranchMap::BranchMap(const Grid& grid) : sheets(grid), tear(tear_function(grid, sheets)) {}
@@ -37,8 +50,9 @@ BranchMap::BranchMap(const Grid& grid) : sheets(grid), tear(tear_function(grid, 
 struct BranchTraversal::Branch {
   int anchor;
   std::array<Node, 8> nodes{};
-  bool is_torn = false;   // a corner is a ghost
-  bool is_mixed = false;  // another corner as the anchor would give other corners
+  bool is_torn = false;                 // a corner is a ghost
+  bool is_mixed = false;                // other corners are not of one branch themselves
+  std::array<std::uint8_t, 8> apart{};  // and which: Sheets::apart()
 };
 
 /// Which corners two neighbouring cells have in common. Corner k of the old cell is corner k ^
@@ -80,6 +94,11 @@ bool BranchTraversal::derive(PointIndex base, RecordIndex anchor, int corner,
     if (branch.nodes[k] == Sheets::kNoNode) return false;
     branch.is_torn |= map_->sheets.is_ghost(branch.nodes[k]);
   }
+  if (!branch.is_mixed) return true;
+  std::array<Node, 8> corners = branch.nodes;
+  for (int k = 0; k < 8; ++k)
+    if ((k & flat_) != 0) corners[k] = Sheets::kNoNode;
+  branch.apart = map_->sheets.apart(corners);
   return true;
 }
 
@@ -88,6 +107,7 @@ void BranchTraversal::take(const Branch& branch) noexcept {
   nodes_ = branch.nodes;
   is_torn_ = branch.is_torn;
   is_mixed_ = branch.is_mixed;
+  apart_ = branch.apart;
   for (int k = 0; k < 8; ++k) {
     rows_[k] = map_->sheets.row(nodes_[k]);
     __builtin_prefetch(rows_[k]);
@@ -134,6 +154,16 @@ bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& r
     return true;
   }
   if (!derive(base, nodes_[from], from ^ common.moved, next)) return false;
+  if (next.is_mixed) {
+    std::array<Node, 8> kept;
+    for (int k = 0; k < 8; ++k)
+      kept[k] = common.has(k ^ common.moved) ? nodes_[k ^ common.moved] : Sheets::kNoNode;
+    // On the common face, edge or vertex, as seen from the new cell.
+    Vec3 at = part;
+    for (int a = 0; a < 3; ++a)
+      if (d[a] != 0) at[a] = d[a] > 0 ? 0 : 1;
+    find_better(base, corner_weights(at), kept, next);
+  }
   const std::array<const double*, 8> before = rows_;
   std::array<const double*, 8> after = before;
   take(next);
@@ -194,7 +224,7 @@ bool BranchTraversal::move(const Vec3& x, StepResult& result) noexcept {
   if (has_offset_) fade(x);
   const Vec3 part = part_of_cell(x);
   weights_ = corner_weights(part);
-  if (is_mixed_) change_anchor(part);
+  if (is_mixed_) change_anchor();
   for (int i = 0; i < kMostSnaps && is_torn_; ++i) {
     double tear = 0;
     for (int k = 0; k < 8; ++k) tear += weights_[k] * tear_[k];
@@ -218,19 +248,43 @@ void BranchTraversal::fade(const Vec3& x) noexcept {
   left_ -= moved;
 }
 
-/// In a cell whose corners disagree, the nearest record knows best what is here.
-void BranchTraversal::change_anchor(const Vec3& part) noexcept {
-  double nearest = distance2(part, anchor_) - kNearer;
-  int corner = -1;
-  for (int k = 0; k < 8; ++k) {
-    if (map_->sheets.is_ghost(nodes_[k]) || (k & flat_) != 0) continue;
-    if (distance2(part, k) < nearest) {
-      nearest = distance2(part, k);
-      corner = k;
-    }
+/// In a mixed cell each record has its own view of what the other corners are. Of the records of a
+/// branch, takes the one as the anchor whose corners disagree least where the HIP is.
+/// @param kept corners that should stay; kNoNode where any will do
+/// @returns whether another anchor was found, whose corners disagree less by kBetter at least
+bool BranchTraversal::find_better(PointIndex base, const std::array<double, 8>& weights,
+                                  const std::array<Node, 8>& kept, Branch& branch) const noexcept {
+  const auto cost = [&](const Branch& b) {
+    double sum = disagreement(b.apart, weights);
+    // To keep corners comes first: a sum of products of weights is small against 8.
+    for (int k = 0; k < 8; ++k)
+      if (kept[k] != Sheets::kNoNode && b.nodes[k] != kept[k]) sum += 8;
+    return sum;
+  };
+  const std::array<Node, 8> candidates = branch.nodes;
+  const int own = branch.anchor;
+  double least = cost(branch) - kBetter;
+  bool found = false;
+  for (int k = 0; k < 8 && least > 0; ++k) {
+    if (k == own || (k & flat_) != 0 || map_->sheets.is_ghost(candidates[k])) continue;
+    Branch other;
+    if (!derive(base, candidates[k], k, other) || !(cost(other) < least)) continue;
+    least = cost(other);
+    branch = other;
+    found = true;
   }
-  Branch next;
-  if (corner < 0 || !derive(base(), nodes_[corner], corner, next)) return;
+  return found;
+}
+
+void BranchTraversal::change_anchor() noexcept {
+  if (disagreement(apart_, weights_) <= kBetter) return;
+  Branch next{anchor_, nodes_, is_torn_, is_mixed_, apart_};
+  constexpr std::array<Node, 8> kAny = [] {
+    std::array<Node, 8> any{};
+    any.fill(Sheets::kNoNode);
+    return any;
+  }();
+  if (!find_better(base(), weights_, kAny, next)) return;
   const std::array<const double*, 8> before = rows_;
   take(next);
   keep_state(before, weights_, rows_);

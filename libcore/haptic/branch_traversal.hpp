@@ -7,6 +7,10 @@
 // of place says where (tear_function.hpp): when the hand comes there the state snaps, to where the
 // links lead.
 //
+// In a *mixed* cell the records contradict each other: there the branches meet, finer than the
+// grid. Of the records that keep what the cell shares with the one before, that one is the anchor
+// whose corners contradict each other least where the HIP is.
+//
 // The state jumps where it snaps and nowhere else, whatever the links are. With the same corners it
 // is continuous, because it is interpolated. When the corners change otherwise, because a new cell
 // has another anchor, the difference at the place of the change becomes an *offset*: the state goes
@@ -53,7 +57,9 @@ class BranchTraversal final : public Traversal {
   bool go_on(PointIndex base, int from, const Common& common) noexcept;
   int common_record(const Common& common, const Vec3& part) const noexcept;
   bool snap(const Vec3& part) noexcept;
-  void change_anchor(const Vec3& part) noexcept;
+  bool find_better(PointIndex base, const std::array<double, 8>& weights,
+                   const std::array<RecordIndex, 8>& kept, Branch& branch) const noexcept;
+  void change_anchor() noexcept;
   void fade(const Vec3& x) noexcept;
   void keep_state(const std::array<const double*, 8>& before, const std::array<double, 8>& weights,
                   const std::array<const double*, 8>& after) noexcept;
@@ -65,7 +71,8 @@ class BranchTraversal final : public Traversal {
   std::array<double, 8> tear_{};
   std::array<double, 8> weights_{};  // at position()
   bool is_torn_ = false;             // a corner is a ghost
-  bool is_mixed_ = false;            // another corner as the anchor would give other corners
+  bool is_mixed_ = false;            // corners are not of one branch, and which: Sheets::apart()
+  std::array<std::uint8_t, 8> apart_{};
   bool has_offset_ = false;
   double left_ = 0;  // of the way on which the offset fades
   std::vector<double> offset_;

@@ -112,6 +112,16 @@ const double* Sheets::two_way_row(RecordIndex r, int q) const {
   return to == Grid::kNoRecord || (ends_[r].one_way >> q & 1) ? nullptr : grid_.row(to).data();
 }
 
+std::array<std::uint8_t, 8> Sheets::apart(const std::array<Node, 8>& corners) const noexcept {
+  std::array<std::uint8_t, 8> pairs{};
+  const auto is_record = [&](int k) { return corners[k] != kNoNode && !is_ghost(corners[k]); };
+  for (int a = 0; a < 8; ++a)
+    for (int b = a + 1; is_record(a) && b < 8; ++b)
+      if (is_record(b) && node(corners[a], kBetweenCorners[a][b]) != corners[b])
+        pairs[a] |= static_cast<std::uint8_t>(1 << b);
+  return pairs;
+}
+
 std::uint8_t Sheets::find_mixed(RecordIndex r) const {
   const DirectionMask inside = grid_.neighbourhood().inside(grid_.point(r));
   std::array<Node, kDirections> neighbour{};
@@ -124,18 +134,10 @@ std::uint8_t Sheets::find_mixed(RecordIndex r) const {
   if (is_alone) return 0;  // its neighbours can only be linked to each other
   std::uint8_t mixed = 0;
   for (int own = 0; own < 8; ++own) {
-    const auto corner = [&](int k) {
-      return kBetweenCorners[own][k] < 0 ? r : neighbour[kBetweenCorners[own][k]];
-    };
-    bool agree = true;
-    for (int a = 0; a < 8; ++a)
-      for (int b = a + 1; b < 8; ++b) {
-        if (a == own || b == own) continue;  // of its branch by definition
-        const Node from = corner(a), to = corner(b);
-        if (from == kNoNode || to == kNoNode || is_ghost(from) || is_ghost(to)) continue;
-        agree &= node(from, kBetweenCorners[a][b]) == to;
-      }
-    mixed |= static_cast<std::uint8_t>(!agree) << own;
+    std::array<Node, 8> corners;
+    for (int k = 0; k < 8; ++k) corners[k] = k == own ? r : neighbour[kBetweenCorners[own][k]];
+    if (apart(corners) != std::array<std::uint8_t, 8>{})
+      mixed |= static_cast<std::uint8_t>(1 << own);
   }
   return mixed;
 }

@@ -11,6 +11,7 @@
 // two-way links connect them, directly or by other records that end before this point.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -50,6 +51,9 @@ class Sheets {
   /// Whether the cell in which record r is corner `corner` is mixed: two other records of the
   /// branch in this cell are not of one branch themselves.
   bool is_mixed(RecordIndex r, int corner) const noexcept { return mixed_[r] >> corner & 1; }
+  /// Which corners of a cell have records that are not of one branch: bit b of entry a, a < b.
+  /// Corners that are ghosts or kNoNode belong to any branch.
+  std::array<std::uint8_t, 8> apart(const std::array<Node, 8>& corners) const noexcept;
   const double* row(Node node) const noexcept {
     return is_ghost(node) ? &ghost_rows_[std::size_t{node - grid_.records()} * row_size_]
                           : grid_.row(node).data();

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 
+#include "libcore/base/json.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -157,6 +158,8 @@ std::string handshake_line(const std::vector<Parameter>& parameters) {
 }
 
 ModelInfo read_first_line(std::string_view line) {
+  if (nests_too_deep(line))
+    fail("its first line nests deeper than " + std::to_string(kMaxJsonDepth) + " levels");
   Json in;
   try {
     in = Json::parse(line);

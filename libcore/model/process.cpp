@@ -71,8 +71,8 @@ void set_nonblocking(int fd) {
 
 /// What the child does between fork and exec: only what is allowed while other threads of the
 /// parent may have held any lock. Writes errno to `failed` when it cannot.
-[[noreturn]] void become(const char* file, char* const* arguments, const char* directory, int in,
-                         int out, int failed, pid_t parent) {
+[[noreturn]] void become(const char* file, char* const* arguments, char* const* environment,
+                         const char* directory, int in, int out, int failed, pid_t parent) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::raise(SIGKILL);  // it died before prctl()
@@ -89,12 +89,20 @@ void set_nonblocking(int fd) {
   if (placed) {
     // Also what this program itself inherited; where the kernel is too old, ours still close.
     ::syscall(SYS_close_range, 3u, ~0u, CLOSE_RANGE_CLOEXEC);
-    ::execv(file, arguments);
+    ::execve(file, arguments, environment);
   }
   const int error = errno;
   (void)!::write(failed, &error, sizeof error);
   ::raise(SIGKILL);
   for (;;) ::pause();
+}
+
+/// As execve() takes them.
+std::vector<char*> pointers(const std::vector<std::string>& texts) {
+  std::vector<char*> list;
+  for (const std::string& text : texts) list.push_back(const_cast<char*>(text.c_str()));
+  list.push_back(nullptr);
+  return list;
 }
 
 int milliseconds_until(ChildProcess::Clock::time_point deadline) {
@@ -105,12 +113,12 @@ int milliseconds_until(ChildProcess::Clock::time_point deadline) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(const Command& command) : buffer_(kReadBytes, '\0') {
+ChildProcess::ChildProcess(const Command& command)
+    : mark_(command.mark), buffer_(kReadBytes, '\0') {
   const fs::path file = find_program(command);
-  std::vector<char*> arguments;
-  for (const std::string& word : command.words)
-    arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
+  const std::vector<std::string> variables = Keeper::environment(mark_);
+  const std::vector<char*> arguments = pointers(command.words);
+  const std::vector<char*> environment = pointers(variables);
   Pipe in, out, exec;
   const pid_t parent = ::getpid();
   // Nothing that the parent's threads are told may run in the child before exec.
@@ -119,8 +127,8 @@ ChildProcess::ChildProcess(const Command& command) : buffer_(kReadBytes, '\0') {
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
   pid_ = ::fork();
   if (pid_ == 0)
-    become(file.c_str(), arguments.data(), command.directory.c_str(), in.read.get(),
-           out.write.get(), exec.write.get(), parent);
+    become(file.c_str(), arguments.data(), environment.data(), command.directory.c_str(),
+           in.read.get(), out.write.get(), exec.write.get(), parent);
   const int fork_error = errno;
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (pid_ < 0) {
@@ -247,6 +255,7 @@ void ChildProcess::end() {
 
 void ChildProcess::kill() {
   if (pid_ >= 0) reap();
+  if (!mark_.empty()) kill_marked(mark_);
 }
 
 std::string ChildProcess::how_it_ended() {
@@ -267,11 +276,13 @@ Starter::Starter()
       }) {}
 
 std::unique_ptr<ChildProcess> Starter::start(const Command& command) {
+  Command marked = command;
   std::packaged_task<std::unique_ptr<ChildProcess>()> task(
-      [&command] { return std::make_unique<ChildProcess>(command); });
+      [&marked] { return std::make_unique<ChildProcess>(marked); });
   auto child = task.get_future();
   {
     const std::lock_guard lock(mutex_);
+    marked.mark = keeper_.mark(++children_);
     tasks_.push_back(std::move(task));
   }
   changed_.notify_all();

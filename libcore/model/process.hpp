@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
+#include "libcore/model/keeper.hpp"
 
 namespace hapgrid {
 
@@ -24,6 +25,8 @@ namespace hapgrid {
 struct Command {
   std::vector<std::string> words;   ///< program and arguments; the program is looked up in PATH
   std::filesystem::path directory;  ///< where it runs, and where "./program" is looked for
+  /// In the environment of all that it starts, see Keeper; empty: in none.
+  std::string mark = {};
 };
 
 /// The child has pipes as standard input and output and inherits standard error; every other file
@@ -59,7 +62,7 @@ class ChildProcess {
   void hang_up();
   /// hang_up(), then after a grace of 2 s SIGTERM, after another 1 s SIGKILL.
   void end();
-  /// Kills it at once.
+  /// Kills it at once, with all that it started.
   void kill();
   /// After kEnded: how the child ended, "exited with status 3". Kills a child that lives on.
   std::string how_it_ended();
@@ -70,6 +73,7 @@ class ChildProcess {
   std::string reap();
 
   pid_t pid_ = -1;  // -1: reaped
+  std::string mark_;
   FileDescriptor to_, from_;
   std::string out_;
   std::size_t written_ = 0;
@@ -81,7 +85,7 @@ class ChildProcess {
 
 /// Starts children from a thread of its own, which lives as long as this object: workers come and
 /// go, and a child is killed with the thread that started it. So it dies with this program, however
-/// that ends. Children must not outlive the starter.
+/// that ends, and a keeper ends what it started. Children must not outlive the starter.
 class Starter {
  public:
   Starter();
@@ -90,7 +94,9 @@ class Starter {
   std::unique_ptr<ChildProcess> start(const Command& command);
 
  private:
+  Keeper keeper_;  // declared first: forked before there is a thread
   std::mutex mutex_;
+  unsigned children_ = 0;
   std::condition_variable_any changed_;
   std::deque<std::packaged_task<std::unique_ptr<ChildProcess>()>> tasks_;
   std::jthread thread_;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "libcore/base/json.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -58,7 +59,7 @@ class AnswerReader final : public nlohmann::json_sax<Json> {
   }
   bool start_object(std::size_t) override {
     if (depth_ > 0 && !other()) return false;
-    ++depth_;
+    if (!open()) return false;
     objects_ += depth_ > 1;
     return true;
   }
@@ -86,8 +87,7 @@ class AnswerReader final : public nlohmann::json_sax<Json> {
     if (!wanted && !other()) return false;
     if (field_ == Field::kStates && depth_ == 1) answer_.has_states = true;
     if (field_ == Field::kStates && depth_ == 2) answer_.states_sizes.push_back(0);
-    ++depth_;
-    return true;
+    return open();
   }
   bool end_array() override {
     --depth_;
@@ -133,6 +133,10 @@ class AnswerReader final : public nlohmann::json_sax<Json> {
                                              "force", "shape", "energy", "states"};
     return complain(std::string("\"") + kNames[static_cast<int>(field_)] +
                     "\" is of the wrong type");
+  }
+  bool open() {
+    return ++depth_ <= static_cast<int>(kMaxJsonDepth) ||
+           complain("nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
   }
   bool complain(const std::string& what) {
     failure_ = what;

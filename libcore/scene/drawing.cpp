@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "libcore/grid/vec3.hpp"
+#include "libcore/scene/legend.hpp"
 
 namespace hapgrid {
 
@@ -19,25 +20,9 @@ constexpr double kLinePixels = 0.6;  // half the width of the box's edges
 Vec3 along(const Vec3& a, const Vec3& b, double t) {
   return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
 }
-/// The picture's axes in the model's space: to the right, up, towards the viewer.
-struct Axes {
-  Vec3 right;
-  Vec3 up;
-  Vec3 near;
-
-  explicit Axes(const Camera& camera) {
-    const double a = camera.azimuth_degrees * std::numbers::pi / 180;
-    const double e = camera.elevation_degrees * std::numbers::pi / 180;
-    right = {std::cos(a), std::sin(a), 0};
-    near = {std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e)};
-    up = {-std::sin(a) * std::sin(e), std::cos(a) * std::sin(e), std::cos(e)};
-  }
-  Vec3 operator()(const Vec3& v) const { return {dot(right, v), dot(up, v), dot(near, v)}; }
-};
-
 /// Model to rays: x right, y down, z towards the viewer, all in distances of neighbouring rays.
 struct Projection {
-  Axes axes;
+  PictureAxes axes;
   Vec3 centre;  // in the picture's axes
   double scale;
   double x0;
@@ -63,11 +48,6 @@ double longest_side(const Box& box) {
   return box.spacing * std::max<double>(1, most - 1.0);
 }
 
-double hip_radius(const Scene& scene, const RenderOptions& options) {
-  if (options.hip_radius > 0) return options.hip_radius;
-  return scene.hip_radius > 0 ? scene.hip_radius : longest_side(scene.box) / 40;
-}
-
 Vec3 corner(const Box& box, int c) {
   return box.position(GridCoordinates{c & 1 ? box.counts[0] - 1 : 0, c & 2 ? box.counts[1] - 1 : 0,
                                       c & 4 ? box.counts[2] - 1 : 0});
@@ -80,7 +60,7 @@ struct Arrow {
 };
 
 Arrow arrow(const Scene& scene, const Frame& frame, const RenderOptions& options) {
-  const double newton = options.arrow > 0 ? options.arrow : longest_side(scene.box) / 6;
+  const double newton = newton_length(scene, options);
   const Vec3& x = frame.position;
   const Vec3& f = frame.force;
   return {x,
@@ -105,10 +85,35 @@ void add_arrow(const Arrow& a, const Projection& project, std::vector<Ball>& bal
 
 }  // namespace
 
+double hip_radius(const Scene& scene, const RenderOptions& options) {
+  if (options.hip_radius > 0) return options.hip_radius;
+  return scene.hip_radius > 0 ? scene.hip_radius : longest_side(scene.box) / 40;
+}
+
+double newton_length(const Scene& scene, const RenderOptions& options) {
+  return options.arrow > 0 ? options.arrow : longest_side(scene.box) / 6;
+}
+
+PictureAxes::PictureAxes(const Camera& camera) {
+  const double a = camera.azimuth_degrees * std::numbers::pi / 180;
+  const double e = camera.elevation_degrees * std::numbers::pi / 180;
+  right = {std::cos(a), std::sin(a), 0};
+  near = {std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e)};
+  up = {-std::sin(a) * std::sin(e), std::cos(a) * std::sin(e), std::cos(e)};
+}
+
+Camera panned(const Camera& camera, const RenderOptions& options, double right, double down) {
+  const PictureAxes axes(camera);
+  const double unit = 2 * camera.half_width / std::min(options.width, options.height);
+  Camera moved = camera;
+  for (int a = 0; a < 3; ++a) moved.centre[a] += unit * (down * axes.up[a] - right * axes.right[a]);
+  return moved;
+}
+
 Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
                   double azimuth_degrees, double elevation_degrees) {
   Camera camera{azimuth_degrees, elevation_degrees, {0, 0, 0}, 1};
-  const Axes axes(camera);
+  const PictureAxes axes(camera);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec3 low{kInfinity, kInfinity, kInfinity};
   Vec3 high{-kInfinity, -kInfinity, -kInfinity};
@@ -167,6 +172,7 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
     all.translucent.push_back(
         {project(frame.position), hip_radius(scene, options) * project.scale, kHipColour});
   }
+  if (options.legend) add_legend(all, scene, camera, options);
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "libcore/grid/vec3.hpp"
 #include "libcore/scene/scene.hpp"
 
 namespace hapgrid {
@@ -20,6 +21,17 @@ struct Camera {
   double half_width = 1;  ///< model's units from the middle to the nearer edges
 };
 
+/// The picture's axes in the model's space: to the right, up, towards the viewer.
+struct PictureAxes {
+  Vec3 right;
+  Vec3 up;
+  Vec3 near;
+
+  explicit PictureAxes(const Camera& camera);
+  /// A place or a direction in these axes.
+  Vec3 operator()(const Vec3& v) const { return {dot(right, v), dot(up, v), dot(near, v)}; }
+};
+
 struct RenderOptions {
   int width = 800;
   int height = 600;
@@ -27,8 +39,15 @@ struct RenderOptions {
   double hip_radius = 0;  ///< 0: the scene's own, or a 40th of the box's longest side
   double arrow = 0;       ///< length of a newton; 0: a sixth of the box's longest side
   bool box = true;
-  bool hip = true;  ///< with the force
+  bool hip = true;      ///< with the force
+  bool legend = true;   ///< the axes and a scale bar
+  bool letters = true;  ///< what the legend says; without them the caller writes it
+  int letter_scale = 1;
 };
+
+/// The radius of the ball at the HIP, and the length of the arrow for a newton.
+double hip_radius(const Scene& scene, const RenderOptions& options);
+double newton_length(const Scene& scene, const RenderOptions& options);
 
 /// Red, green, blue in [0, 1].
 using Colour = std::array<float, 3>;
@@ -55,10 +74,13 @@ struct Line {
 };
 
 struct Drawing {
-  std::vector<Line> lines;        ///< the box
+  std::vector<Line> lines;        ///< the box, and the legend in front of all
   std::vector<Ball> balls;        ///< the spheres; and the arrow, which is a row of balls
   std::vector<Ball> translucent;  ///< the HIP, drawn over the rest with kHipOpacity
 };
+
+/// The camera after the picture was moved by so many pixels to the right and down.
+Camera panned(const Camera& camera, const RenderOptions& options, double right, double down);
 
 /// The camera in these angles that sees the box, the spheres, the HIP, and the arrow as a whole.
 Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,

@@ -24,6 +24,7 @@ struct Scene {
   std::uint32_t state_size = 1;
   double hip_radius = 0;  ///< of the ball that the HIP moves; 0: unknown
   std::vector<Sphere> spheres;
+  std::string keys;  ///< for people: what the keys do that play reads; may be empty
   friend bool operator==(const Scene&, const Scene&) = default;
 };
 
@@ -36,6 +37,7 @@ struct Snapshot {
   Vec3 force{};      ///< newtons, as sent
   Vec3 raw_force{};  ///< newtons, before the safety core; NaN where it was not computed
   std::array<std::uint8_t, 8> levels{};  ///< in the corners i + 2j + 4k of the cell
+  std::uint64_t jumps = 0;  ///< ticks in which the state jumped, because it started or snapped
   std::vector<double> row;  ///< the state, then what the grid keeps with it, which no stream has
 };
 

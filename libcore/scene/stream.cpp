@@ -80,6 +80,7 @@ Scene decode_scene(scene_schema::Scene::Reader in) {
   scene.model = get_text(in.getModel(), "a model's name");
   scene.length_unit = get_text(in.getLengthUnit(), "a unit");
   scene.energy_unit = get_text(in.getEnergyUnit(), "a unit");
+  scene.keys = get_text(in.getKeys(), "a line about keys");
   scene.box = get_box(in.getBox());
   try {
     scene.box.validate();
@@ -128,6 +129,7 @@ void decode_frame(scene_schema::Frame::Reader in, const Scene& scene, Frame& fra
   get_list(in.getState(), frame.row.size(), "state", frame.row);
   get_list(in.getLevels(), frame.levels.size(), "levels", frame.levels);
   get_list(in.getCentres(), frame.centres.size(), "centres", frame.centres);
+  frame.jumps = in.getJumps();
 }
 
 }  // namespace
@@ -151,7 +153,7 @@ std::span<const std::byte> SceneEncoder::build(std::size_t words, F&& fill) {
 
 std::span<const std::byte> SceneEncoder::encode(const Scene& scene) {
   std::size_t words = kFixedWords + text_words(scene.model) + text_words(scene.length_unit) +
-                      text_words(scene.energy_unit);
+                      text_words(scene.energy_unit) + text_words(scene.keys);
   for (const Sphere& sphere : scene.spheres) words += 3 + text_words(sphere.label);
   return build(words, [&](scene_schema::Message::Builder message) {
     auto out = message.initScene();
@@ -160,6 +162,7 @@ std::span<const std::byte> SceneEncoder::encode(const Scene& scene) {
     out.setModel(scene.model);
     out.setLengthUnit(scene.length_unit);
     out.setEnergyUnit(scene.energy_unit);
+    if (!scene.keys.empty()) out.setKeys(scene.keys);
     set_box(out.initBox(), scene.box);
     out.setStateSize(scene.state_size);
     out.setHipRadius(scene.hip_radius);
@@ -189,6 +192,7 @@ std::span<const std::byte> SceneEncoder::encode(const Frame& frame, std::size_t 
     out.setState(kj::arrayPtr(frame.row.data(), state_size));
     out.setLevels(kj::arrayPtr(frame.levels.data(), frame.levels.size()));
     out.setCentres(kj::arrayPtr(frame.centres.data(), frame.centres.size()));
+    out.setJumps(frame.jumps);
   });
 }
 

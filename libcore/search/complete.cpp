@@ -61,50 +61,131 @@ Grid take_grid(const SectionHeader& header, Levels& levels) {
   return {header.spec, header.generation, std::move(columns)};
 }
 
+/// The rounds, in memory.
+class Rounds {
+ public:
+  Rounds(const Section& grid, Converter& converter, Progress& progress, PartialGrid* partial)
+      : header_(grid.header),
+        converter_(converter),
+        progress_(progress),
+        partial_(partial),
+        levels_(header_.spec, converter.model()),
+        neighbourhood_(header_.spec.box),
+        batch_(header_.spec),
+        frontier_(load(grid, levels_)) {}
+
+  /// Until the frontier is empty.
+  void run() {
+    for (; !frontier_.empty(); frontier_.swap(found_)) {
+      show(frontier_, neighbourhood_, levels_, header_.generation, progress_);
+      whole_ = header_.generation++;
+      found_.clear();
+      keep_if_due();
+      for (const Levels::Stored& record : frontier_) {
+        batch_.add(record.point, record.level,
+                   levels_.state(levels_.find(record.point, record.level)),
+                   neighbourhood_.inside(record.point));
+        if (batch_.is_full()) finish_batch();
+      }
+      finish_batch();
+      std::sort(found_.begin(), found_.end());
+    }
+    whole_ = header_.generation;
+    keep_if_due();
+    show(frontier_, neighbourhood_, levels_, header_.generation, progress_);
+  }
+
+  /// After an error in run().
+  void keep() {
+    if (partial_) partial_->keep(whole_header(), levels_);
+  }
+
+  SectionHeader header() const { return header_; }
+  Levels& levels() { return levels_; }
+
+ private:
+  SectionHeader whole_header() const {
+    SectionHeader header = header_;
+    header.generation = whole_;
+    return header;
+  }
+  void keep_if_due() {
+    if (partial_) partial_->keep_if_due(whole_header(), levels_);
+  }
+  void finish_batch() {
+    converter_.convert(batch_);
+    const std::size_t width = header_.spec.row_size();
+    for (std::size_t i = 0; i < batch_.size(); ++i) {
+      const double* const reached = batch_.reached(i);
+      levels_.settle(
+          levels_.find(batch_.point(i), batch_.level(i)), batch_.todo(i), header_.generation,
+          [&](int q) { return reached + static_cast<unsigned>(q) * width; },
+          [this](const Levels::Stored& record) { found_.push_back(record); });
+    }
+    batch_.clear();
+    keep_if_due();
+  }
+
+  SectionHeader header_;
+  Converter& converter_;
+  Progress& progress_;
+  PartialGrid* partial_;
+  Levels levels_;
+  Neighbourhood neighbourhood_;
+  Batch batch_;
+  Frontier frontier_;
+  Frontier found_;
+  std::uint32_t whole_ = 0;  // the last generation that is whole
+};
+
+/// Calls work(), and keep() when it throws.
+/// @throw what work() throws; of an Error, the message says what is kept.
+template <class Work, class Keep>
+void kept(const PartialGrid* partial, Work&& work, Keep&& keep) {
+  const auto what_is_kept = [&](const char* how) {
+    return partial && partial->kept()
+               ? "; " + partial->name() + " keeps generation " + std::to_string(*partial->kept()) +
+                     ", from which the same command goes on" + how
+               : std::string();
+  };
+  try {
+    work();
+  } catch (const LevelLimit& e) {
+    keep();
+    throw Error(e.what() +
+                what_is_kept(", also when the grid is seeded with a larger search.max_levels"));
+  } catch (const Error& e) {
+    keep();
+    throw Error(e.what() + what_is_kept(""));
+  } catch (...) {
+    keep();
+    throw;
+  }
+}
+
 }  // namespace
 
 void complete(const Section& grid, Converter& converter, Progress& progress,
-              const std::function<SectionWriter(const SectionHeader&)>& open) {
-  SectionHeader header = grid.header;
-  if (header.has_tears) {
-    SectionWriter out = open(header);
+              const std::function<SectionWriter(const SectionHeader&)>& open,
+              PartialGrid* partial) {
+  if (grid.header.has_tears) {
+    SectionWriter out = open(grid.header);
     return copy_finished(grid, out);
   }
-  Levels levels(header.spec, converter.model());
-  const Neighbourhood neighbourhood(header.spec.box);
-  Batch batch(header.spec);
-  const std::size_t width = header.spec.row_size();
-  Frontier frontier = load(grid, levels);
-  Frontier found;
-  const auto finish_batch = [&] {
-    converter.convert(batch);
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      const double* const reached = batch.reached(i);
-      levels.settle(
-          levels.find(batch.point(i), batch.level(i)), batch.todo(i), header.generation,
-          [&](int q) { return reached + static_cast<unsigned>(q) * width; },
-          [&found](const Levels::Stored& record) { found.push_back(record); });
-    }
-    batch.clear();
-  };
-  for (; !frontier.empty(); frontier.swap(found)) {
-    show(frontier, neighbourhood, levels, header.generation, progress);
-    ++header.generation;
-    found.clear();
-    for (const Levels::Stored& record : frontier) {
-      batch.add(record.point, record.level, levels.state(levels.find(record.point, record.level)),
-                neighbourhood.inside(record.point));
-      if (batch.is_full()) finish_batch();
-    }
-    finish_batch();
-    std::sort(found.begin(), found.end());
-  }
-  show(frontier, neighbourhood, levels, header.generation, progress);
-
+  Rounds rounds(grid, converter, progress, partial);
+  kept(
+      partial, [&] { rounds.run(); }, [&] { rounds.keep(); });
+  SectionHeader header = rounds.header();
+  Levels& levels = rounds.levels();
   if (header.lacks_tears()) {
     const Grid finished = take_grid(header, levels);
     const std::vector<OneWayLink> links = one_way_links(finished);
-    const std::vector<TearByte> tears = find_tears(finished, links, converter, progress);
+    std::vector<TearByte> tears;
+    kept(
+        partial, [&] { tears = find_tears(finished, links, converter, progress); },
+        [&] {
+          if (partial) partial->keep(finished);
+        });
     header.has_tears = true;
     SectionWriter out = open(header);
     return write_torn_grid(finished, links, tears, out);

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "libcore/search/converter.hpp"
+#include "libcore/search/partial.hpp"
 #include "libcore/shard/section.hpp"
 #include "libcore/shard/writer.hpp"
 
@@ -12,8 +13,11 @@ namespace hapgrid {
 
 /// Completes a grid. `open` is called once, with the header of the finished grid, and gives the
 /// writer for it. The bytes are those that rounds of expand and merge end with.
+/// @param partial keeps the last whole generation meanwhile, and when there is an error, whose
+/// message then says so; null: nothing is kept. `grid` is what it starts from.
 /// @throw Error (level limit), ModelError, FormatError, std::system_error
 void complete(const Section& grid, Converter& converter, Progress& progress,
-              const std::function<SectionWriter(const SectionHeader&)>& open);
+              const std::function<SectionWriter(const SectionHeader&)>& open,
+              PartialGrid* partial = nullptr);
 
 }  // namespace hapgrid

@@ -182,7 +182,7 @@ bool Levels::settle_other(Place source, int q, PointIndex target, const double* 
 
 void Levels::fail_level_limit(PointIndex target, Place source) const {
   const Block& from = *source.block_;
-  throw Error(
+  throw LevelLimit(
       "level limit: " + describe(spec_.box, target) + " has " + std::to_string(spec_.max_levels) +
       " levels (search.max_levels), and a state reached from " +
       describe(spec_.box, from.point[source.record_], from.level[source.record_]) +

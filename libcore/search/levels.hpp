@@ -9,11 +9,18 @@
 #include <string>
 #include <vector>
 
+#include "libcore/base/error.hpp"
 #include "libcore/grid/grid.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/shard/format.hpp"
 
 namespace hapgrid {
+
+/// A point has as many levels as the grid allows, and one more was reached.
+class LevelLimit : public Error {
+ public:
+  using Error::Error;
+};
 
 /// Records live in blocks of consecutive points, the points of one chunk of a grid. A block is
 /// loaded when it is first touched, and can be given away when nothing will touch it any more, so a
@@ -67,7 +74,7 @@ class Levels {
   /// `source` reached (lines 11 to 19), and sets the link there (line 20). `row(q)` is the row that
   /// was reached in direction q; its state equals one whose bits it has. Calls stored(Stored) for
   /// each record that this stores, of generation `generation`.
-  /// @throw FormatError when a link is settled already; Error when the level limit is reached.
+  /// @throw FormatError when a link is settled already; LevelLimit.
   template <class Row, class F>
   void settle(Place source, DirectionMask directions, std::uint32_t generation, Row&& row,
               F&& stored);

@@ -48,7 +48,20 @@ refuses 'seed: gone: No such file or directory' -- seed bad.toml -o out
 bad '4a [model.files]\nnotes = "zeros"' 'line 6: model\.files\.notes: is no text file'
 bad '4a [model.files]\nnotes = ["big", "big"]' 'line 6: the files of \[model\.files\] have more than 2097152 bytes in all'
 bad '4a [model.files]\nnotes = 3' 'line 6: model\.files\.notes must be a text in quotes'
-rm zeros big
+# What has no end, or waits for one: refused at once, and the temporary directory stays empty.
+mkfifo pipe
+ln -s pipe way
+for name in /dev/zero pipe way /dev/stdin -; do
+  sed "4a [model.files]\nnotes = \"$name\"" good.toml >bad.toml
+  why='is no regular file'
+  [[ $name != - ]] || why='No such file or directory'
+  refuses "seed: $name: $why" -- timeout 10 seed bad.toml -o out < <(sleep 10 2>/dev/null)
+done
+for name in /dev/zero pipe way; do
+  refuses "seed: $name: is no regular file" -- timeout 10 seed $name -o out
+done
+refuses 'seed: standard input: more than 16777216 bytes, which is the limit' -- seed - -o out </dev/zero
+rm zeros big pipe way
 
 # Unknown ones.
 bad '7a colour = 1' 'line 8: unknown key grid\.colour \(known: origin, spacing, counts\)'
@@ -163,6 +176,6 @@ for ((g = 0; g < 40; ++g)); do
   merge limited requests -o next 2>err || break
   mv next limited
 done
-same "message of merge" "merge: $(sed 's/^expand: //' in-one)" "$(cat err)"
+same "message of merge" "merge: $(sed 's/^expand: //; s/; out\.partial keeps .*//' in-one)" "$(cat err)"
 refuses "merge: $limit" -- merge limited requests -o out
-nothing_left . bad.toml corners.toml err good good.toml in-one limited requests
+nothing_left . bad.toml corners.toml err good good.toml in-one limited out.partial requests

@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # The forces that play can send, on grids of several sizes: their error against the number of conversions,
-# what a tick costs, and the energy that comes back in a closed loop without the safety core.
+# what a tick costs, and the energy that comes back in a closed loop, without the safety core and with it.
 #
-#   tests/bench/force.sh [BUILD] [TICKS] [SESSIONS] [POINTS] [PICTURE]
-#                                              (default: build 200000 1000 '12 20 30' force-error.png)
+#   tests/bench/force.sh [BUILD] [TICKS] [SESSIONS] [POINTS] [MODELS]
+#           (default: build 200000 1000 '12 20 30' 'hung-ball alanine-dipeptide butane leu-enkephalin')
 #
-# The grids are computed first: some ten minutes of CPU time, most of it leu-enkephalin's.
-ticks=${2:-200000} sessions=${3:-1000} points=${4:-12 20 30} picture=$(realpath "${5:-force-error.png}")
+# The grids are computed first: some ten minutes of CPU time, most of it leu-enkephalin's. The pictures
+# force-error.png and closed-loop.png are left where it was started.
+ticks=${2:-200000} sessions=${3:-1000} points=${4:-12 20 30} into=$PWD
+models=${5:-hung-ball alanine-dipeptide butane leu-enkephalin}
 source "$(dirname "$0")/lib.sh"
 molecules=$HAPGRID_SOURCE/examples/molecule
 printf '[random]\nsessions = %d\n' "$sessions" >sim.toml
@@ -14,15 +16,15 @@ open=(--max-force 100)
 for limit in slew max_speed buzz_force reserve; do open+=(--set "safety.$limit=inf"); done
 for stage in ramp fade; do open+=(--set "safety.$stage=0"); done
 
-returned() { # GRID FORCE
-  play "$1" --device sim:sim.toml --force "$2" "${open[@]}" --report report 2>/dev/null
+returned() { # GRID FORCE OPTIONS...
+  play "$1" --device sim:sim.toml --force "$2" "${@:3}" --report report 2>/dev/null
   python3 -c 'import json; r = json.load(open("report"))["simulation"]["returned_mJ"]
 print("%.4f / %.2f" % (r["mean"], r["worst"]))'
 }
 
-echo '|model|points a side|conversions|force|whole cells: median / 99 %, N|torn: median / 99 %, N|ns a tick|returned: mean / worst, mJ|'
-echo '|---|---|---|---|---|---|---|---|'
-for model in hung-ball alanine-dipeptide butane leu-enkephalin; do
+echo '|model|points a side|conversions|force|whole cells: median / 99 %, N|torn: median / 99 %, N|ns a tick|returned: mean / worst, mJ|with the core|'
+echo '|---|---|---|---|---|---|---|---|---|'
+for model in $models; do
   definition=$molecules/$model/$model.toml
   [[ $model != hung-ball ]] || definition=$ball
   for n in $points; do
@@ -32,22 +34,50 @@ for model in hung-ball alanine-dipeptide butane leu-enkephalin; do
     for force in energy records state; do
       read -r median most torn_median torn_most ns < <(awk -F '\t' -v force=$force '$1 == force {
         if ($2 == "whole") whole = $4 " " $5; else print whole, $4, $5, $6 }' measured)
-      echo "|$model|$n|$conversions|$force|$median / $most|$torn_median / $torn_most|$ns|$(returned "$model.grid" $force)|"
+      echo "|$model|$n|$conversions|$force|$median / $most|$torn_median / $torn_most|$ns|$(returned "$model.grid" $force "${open[@]}")|$(returned "$model.grid" $force)|"
       echo "$conversions $median $most" >>"$model.$force"
     done
   done
 done
 
+# One session of the hung ball, in which the paper's rule returns most, by three kinds of play: the energy that
+# the hand has got back beyond what the ball had stored.
+compute loop "$ball" 40
+printf '[random]\nsessions = 40\n' >loop.toml
+loop() { # NAME OPTIONS...
+  play loop.grid --device sim:loop.toml --log loop.log --report report "${@:2}" 2>/dev/null
+  [[ -n ${session:-} ]] ||
+    session=$(python3 -c 'import json; print(json.load(open("report"))["simulation"]["returned_mJ"]["session"])')
+  awk -v from=$((5000 * session)) '/^#/ { next }
+    n++ < from || n > from + 5000 { next }
+    first == "" { first = $1; stored = $NF }
+    { if ($1 > first) given += (a * ($2 - x) + b * ($3 - y) + c * ($4 - z)); x = $2; y = $3; z = $4; a = $8; b = $9; c = $10
+      print $1 - first, given + $NF - stored }' loop.log >"$1.loop"
+}
+loop paper --traversal paper --force state "${open[@]}"
+loop energy "${open[@]}"
+loop core
+
 gnuplot <<END
 set terminal pngcairo size 900,700 font ',11'
-set output '$picture'
+set output '$into/force-error.png'
 set multiplot layout 2,2
 set logscale xy
 set xlabel 'conversions'
 set ylabel 'error of the force, median / N'
-do for [model in 'hung-ball alanine-dipeptide butane leu-enkephalin'] {
+do for [model in '$models'] {
   set title model
   plot for [force in 'energy records state'] model.'.'.force using 1:2 with linespoints title force
 }
+unset multiplot
+set terminal pngcairo size 900,420 font ',11'
+set output '$into/closed-loop.png'
+unset logscale
+unset title
+set key left
+set xlabel 'time / s'
+set ylabel 'returned beyond what was stored / N rope lengths'
+plot 'paper.loop' with lines lw 1.5 lc rgb '#d95f02' title 'paper, no safety core', \
+  'energy.loop' with lines lw 1.5 lc rgb '#7570b3' title 'branch and energy, no safety core', \
+  'core.loop' with lines lw 1.5 lc rgb '#1b9e77' title 'the same with the safety core'
 END
-echo "picture: $picture"

@@ -129,6 +129,23 @@ rounds() {
   done
 }
 
+# stuck_grid CRASH: makes the grid stuck.CRASH of the test plug-in `stuck`: half a newton along x, until a HIP
+# beyond x = 0.5 hangs the force function, or makes it crash.
+stuck_grid() {
+  local plugins=$HAPGRID_BUILD/tests/plugins
+  cat >stuck.toml <<TOML
+[model]
+plugin = "stuck"
+[model.parameters]
+crash = $1
+[grid]
+origin = [-1, -1, -1]
+spacing = 0.5
+counts = [5, 5, 5]
+TOML
+  seed stuck.toml --model-path "$plugins" | expand --complete --model-path "$plugins" -o "stuck.$1"
+}
+
 # sanitized: whether the filters have sanitizers or a wrapper, which cost memory and time.
 sanitized() { [[ -n ${HAPGRID_WRAPPER-} ]] || grep -q '^HAPGRID_SANITIZE:[A-Z]*=.' "$HAPGRID_BUILD/CMakeCache.txt"; }
 

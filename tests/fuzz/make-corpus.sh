@@ -70,6 +70,18 @@ cat <<'JSON' | put process stored
 {"id": 3, "error": "no convergence"}
 JSON
 
+# An adapter: what the handle on a spring says, and answers to forces from the first on.
+python3 - "$HAPGRID_SOURCE/examples/devices/handle.py" <<'PYTHON' | put adapter handle
+import socket, struct, subprocess, sys
+ours, its = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+with subprocess.Popen([sys.executable, sys.argv[1]], stdin=its, stdout=its):
+    said = ours.recv(200)
+    for number in range(1, 5):
+        ours.send(struct.pack("<3d2I", 0.1 * number, 0, 0, number, number == 4))
+        said += ours.recv(200)
+sys.stdout.buffer.write(said)
+PYTHON
+
 # Reports of devices, and what viewers and terminals send.
 cat >descriptors.c <<'C'
 #include <stdio.h>

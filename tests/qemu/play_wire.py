@@ -22,11 +22,16 @@ for tick, (x, y, z) in enumerate(hips):
     assert abs(y + 0.025) < 1e-9 and abs(z + 0.025) < 1e-9, (y, z)
 assert at > 4900, at
 
-# Forces: each report is what a tick had, in millinewtons, in their order; what was replaced before it
-# was written is left out, and that are few.
+def is_of(force, report):
+    """Whether a report has this force in whole millinewtons, rounded towards zero."""
+    return all(abs(w) <= abs(1000 * f) + 1e-6 and abs(1000 * f - w) < 1 + 1e-6 for f, w in zip(force, report))
+
+
+# Forces: each report is what a tick had, in their order; what was replaced before it was written is
+# left out, and that are few.
 tick = 0
 for number, report in enumerate(wire[:-1]):  # the last one is the stop's zero
-    while tick < len(forces) and any(abs(1000 * f - w) > 0.5 + 1e-9 for f, w in zip(forces[tick], report)):
+    while tick < len(forces) and not is_of(forces[tick], report):
         tick += 1
     if tick == len(forces):
         rest = wire[number:]

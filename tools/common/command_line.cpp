@@ -5,8 +5,6 @@
 #include <sstream>
 #include <utility>
 
-#include "libcore/base/error.hpp"
-
 namespace hapgrid {
 
 namespace {
@@ -56,33 +54,6 @@ class HelpFormatter : public CLI::Formatter {
     }
     return help;
   }
-};
-
-/// CLI11 calls it for a file of options.
-class ConfigReader : public CLI::Config {
- public:
-  using Read = std::function<std::vector<ConfigEntry>(const std::string&)>;
-
-  explicit ConfigReader(Read read) : read_(std::move(read)) {}
-  std::string to_config(const CLI::App*, bool, bool, std::string) const override { return ""; }
-  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-    std::ostringstream text;
-    text << input.rdbuf();
-    std::vector<CLI::ConfigItem> items;
-    try {
-      for (ConfigEntry& entry : read_(text.str())) {
-        CLI::ConfigItem& item = items.emplace_back();
-        item.name = std::move(entry.name);
-        item.inputs = std::move(entry.values);
-      }
-    } catch (const Error& e) {
-      throw UsageError(e.what());
-    }
-    return items;
-  }
-
- private:
-  Read read_;
 };
 
 /// As CLI::App::add_option() does it, in a tenth of the templates.
@@ -227,13 +198,6 @@ Option CommandLine::add_flag(const std::string& name, bool& value, const std::st
 
 Option CommandLine::add_flag(const std::string& name, std::string& value, const std::string& help) {
   return Option(app_->add_flag(name, value, help));
-}
-
-void CommandLine::add_config(const std::string& name, const std::string& help,
-                             std::function<std::vector<ConfigEntry>(const std::string&)> read) {
-  app_->set_config(name, "", help)->type_name("FILE");
-  app_->allow_config_extras(CLI::config_extras_mode::error);
-  app_->config_formatter(std::make_shared<ConfigReader>(std::move(read)));
 }
 
 void CommandLine::group(const std::string& name) { app_->option_defaults()->group(name); }

@@ -52,12 +52,6 @@ class Option {
   CLI::Option* option_;
 };
 
-/// A key of a table of options, and its values as the command line would have them.
-struct ConfigEntry {
-  std::string name;
-  std::vector<std::string> values;
-};
-
 /// `names` are "-o,--output", or without a dash those of a positional. Variables keep their values
 /// where the option is not given, and must outlive parse(), as functions must, which are called for
 /// each value.
@@ -78,9 +72,6 @@ class CommandLine {
   Option add_flag(const std::string& name, bool& value, const std::string& help);
   /// A flag that may have a value behind '=', as in "--terminal{auto}".
   Option add_flag(const std::string& name, std::string& value, const std::string& help);
-  /// An option whose file has more options; `read` gets the file's text. @throw Error in `read`
-  void add_config(const std::string& name, const std::string& help,
-                  std::function<std::vector<ConfigEntry>(const std::string& text)> read);
 
   /// The heading of the options that are added from now on.
   void group(const std::string& name);

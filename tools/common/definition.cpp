@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "libcore/base/file.hpp"
+#include "tools/common/tool.hpp"
 
 namespace hapgrid {
 
@@ -26,9 +27,15 @@ void add_definition(CommandLine& app, DefinitionOptions& options) {
 Definition load_definition(const DefinitionOptions& options) {
   const std::string name = options.file == "-" ? "standard input" : options.file;
   const std::filesystem::path directory = std::filesystem::path(options.file).parent_path();
-  return read_definition(
-      read_text(options.file, kMaxDefinitionBytes), name, options.overrides,
-      [&](const std::string& file) { return read_text(directory / file, kMaxDefinitionBytes); });
+  return read_definition(read_toml(options.file), name, options.overrides,
+                         [&](const std::string& file) {
+                           return read_regular_text(directory / file, kMaxDefinitionBytes);
+                         });
+}
+
+std::string read_toml(const std::string& name, std::uint64_t limit) {
+  announce_terminal(name);
+  return name == "-" ? read_text(name, limit) : read_regular_text(name, limit);
 }
 
 }  // namespace hapgrid

@@ -21,7 +21,11 @@ struct DefinitionOptions {
 /// The positional MODEL.toml and --set KEY=VALUE.
 void add_definition(CommandLine& app, DefinitionOptions& options);
 
-/// Reads it, and the files that it names beside itself. @throw Error; std::system_error
+/// Reads it, and the files that it names beside itself, which must be regular files.
+/// @throw Error; std::system_error
 Definition load_definition(const DefinitionOptions& options);
+
+/// The text of a TOML, a regular file or "-", standard input. @throw Error; std::system_error
+std::string read_toml(const std::string& name, std::uint64_t limit = kMaxDefinitionBytes);
 
 }  // namespace hapgrid

@@ -75,8 +75,7 @@ std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptio
                      ": is a process, which is only started with --allow-process MODEL.toml" +
                      instead);
   const std::string name = shown(options.allowed);
-  const ProcessDefinition process =
-      read_process(read_text(options.allowed, kMaxDefinitionBytes), name);
+  const ProcessDefinition process = read_process(read_toml(options.allowed), name);
   if (process.name != spec.model)
     throw ModelError(name + ": defines the model " + process.name + ", the grid's is " +
                      spec.model);

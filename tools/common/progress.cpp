@@ -97,7 +97,9 @@ void append_cost(const std::string& file, const RunCost& cost) {
   struct stat before {};
   if (!out || ::flock(out.get(), LOCK_EX) != 0 || ::fstat(out.get(), &before) != 0)
     throw std::system_error(errno, std::generic_category(), file);
-  const std::string text = line.dump() + "\n";
+  const std::string text =
+      line.dump(-1, ' ', /*ensure_ascii=*/true, nlohmann::ordered_json::error_handler_t::replace) +
+      "\n";
   try {
     write_all(out.get(), std::as_bytes(std::span(text)), file);
   } catch (...) {

@@ -2,8 +2,10 @@
 
 #include <fcntl.h>
 #include <malloc.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cstdio>
 #include <cstring>
@@ -28,12 +30,20 @@ void occupy_standard_streams() {
 
 /// A message is one line, whatever a file name or a library put into it.
 int report(const std::string& tool, const std::string& message, int code) {
-  std::fprintf(stderr, "%s: %s\n", tool.c_str(),
-               printable_line(message, std::string::npos).c_str());
+  say(tool, message);
   return code;
 }
 
 }  // namespace
+
+void say(const std::string& tool, const std::string& text) {
+  std::fprintf(stderr, "%s: %s\n", tool.c_str(), printable_line(text, text.npos).c_str());
+}
+
+void announce_terminal(const std::string& input) {
+  if (input == "-" && ::isatty(STDIN_FILENO))
+    say(program_invocation_short_name, "reads this terminal (Ctrl-D ends the input)");
+}
 
 void add_model_path(CommandLine& app, std::vector<std::string>& directories) {
   app.add("--model-path", directories,
@@ -55,6 +65,7 @@ std::vector<std::string> inputs_or_stdin(std::vector<std::string> names) {
   if (names.empty()) names.push_back("-");
   if (std::count(names.begin(), names.end(), "-") > 1)
     throw UsageError("standard input can be read only once");
+  for (const std::string& name : names) announce_terminal(name);
   return names;
 }
 

@@ -16,6 +16,7 @@ inline constexpr int kExitDone = 0;
 inline constexpr int kExitFailed = 1;   ///< input, I/O, model, device, level limit
 inline constexpr int kExitUsage = 2;    ///< wrong command line; nothing was read or written
 inline constexpr int kExitInvalid = 3;  ///< verify: an invariant is broken
+inline constexpr int kExitNotProved = 4;  ///< verify: nothing is broken, but not all is proved
 
 /// The option --model-path DIR, repeatable.
 void add_model_path(CommandLine& app, std::vector<std::string>& directories);
@@ -41,6 +42,13 @@ std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
 /// The options of work that can take long: --cost FILE (see append_cost()), --progress.
 void add_cost(CommandLine& app, std::string& file);
 void add_progress(CommandLine& app, bool& progress);
+
+/// Writes the line "TOOL: TEXT" to standard error; `text` may have anything in it.
+void say(const std::string& tool, const std::string& text);
+
+/// Says in a line that this program reads a terminal, where `input` is "-" and standard input is
+/// one: who forgot a file's name would wait without knowing for what.
+void announce_terminal(const std::string& input);
 
 /// Memory that is freed stays with the process: what one chunk, round or command line needed, the
 /// next one needs again, and the system would clear it anew each time.

@@ -1,21 +1,27 @@
 #include "tools/play/devices.hpp"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <iostream>
+#include <sstream>
 #include <utility>
 #include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/device/hid_bus.hpp"
 #include "libcore/device/hid_describe.hpp"
 #include "libcore/device/hid_device.hpp"
 #include "libcore/device/keyboard.hpp"
 #include "libcore/device/path.hpp"
+#include "libcore/device/process_device.hpp"
 #include "libcore/device/profile.hpp"
 #include "libcore/device/replay.hpp"
 #include "libcore/device/spacemouse.hpp"
 #include "libcore/haptic/mapping.hpp"
+#include "tools/common/definition.hpp"
 #include "tools/play/simulation.hpp"
 
 namespace hapgrid {
@@ -38,6 +44,15 @@ DeviceChoice make(const std::string& argument) {
   return Choice{argument};
 }
 
+/// The words of the command; blanks stand between them, and quotes mean nothing.
+DeviceChoice make_process(const std::string& argument) {
+  AdapterProcess process;
+  std::istringstream words(argument);
+  for (std::string word; words >> word;) process.command.push_back(word);
+  if (process.command.empty()) throw UsageError("--device: process: names no program");
+  return process;
+}
+
 constexpr Form kForms[] = {
     {"path", Argument::kNeeded, "path:FILE", make<PathFile>},
     {"keys", Argument::kNone, "keys",
@@ -47,6 +62,7 @@ constexpr Form kForms[] = {
     {"profile", Argument::kNeeded, "profile:FILE", make<ProfileFile>},
     {"pid", Argument::kMayBe, "pid[:WHICH]", make<PidJoystick>},
     {"spacemouse", Argument::kMayBe, "spacemouse[:WHICH]", make<SpaceMouse>},
+    {"process", Argument::kNeeded, "process:COMMAND", make_process},
 };
 
 KeyboardOptions keyboard_options(const PlaySettings& settings, const Box& box) {
@@ -98,13 +114,13 @@ OpenDevice open_simulation(const std::string& file, double rate_hz, const Mappin
   return open;
 }
 
-std::unique_ptr<Device> open_profile(const std::string& file, HidGuard* guard) {
-  Profile profile = read_profile(read_text(file, kMaxProfileBytes), file);
+std::unique_ptr<Device> open_profile(const std::string& file, HidGuard& guard) {
+  Profile profile = read_profile(read_toml(file, kMaxProfileBytes), file);
   const HidInfo info = find_one_hid(list_hid(), profile.match, "[match] serial or path in " + file);
   if (profile.has_usages())
     resolve_usages(profile, parse_hid_descriptor(read_report_descriptor(info.path)));
   return std::make_unique<HidDevice>(info.path,
-                                     std::make_unique<ProfileProtocol>(std::move(profile)), guard);
+                                     std::make_unique<ProfileProtocol>(std::move(profile)), &guard);
 }
 
 /// Those of `devices` that have all that a PID joystick needs. A device that cannot be read is left
@@ -122,7 +138,7 @@ std::vector<HidInfo> pid_devices(const std::vector<HidInfo>& devices) {
 }
 
 std::unique_ptr<Device> open_pid(const std::string& which, const PidParameters& parameters,
-                                 HidGuard* guard) {
+                                 HidGuard& guard) {
   const std::vector<HidInfo> all = list_hid();
   const HidMatch match = parse_hid_match(which);
   // A device that the user named is opened in any case: the error then says what it lacks.
@@ -133,7 +149,7 @@ std::unique_ptr<Device> open_pid(const std::string& which, const PidParameters& 
   return std::make_unique<HidDevice>(
       info.path,
       std::make_unique<PidProtocol>(parse_hid_descriptor(read_report_descriptor(info.path)), named),
-      guard);
+      &guard);
 }
 
 std::unique_ptr<Device> open_spacemouse(const std::string& which) {
@@ -171,17 +187,29 @@ std::string input_file(const DeviceChoice& device) {
 
 bool is_live(const DeviceChoice& device) { return input_file(device).empty(); }
 
-bool pushes(const DeviceChoice& device) {
-  return std::holds_alternative<ProfileFile>(device) || std::holds_alternative<PidJoystick>(device);
+std::string keys_of(const DeviceChoice& device) {
+  if (!std::holds_alternative<TerminalKeys>(device)) return "";
+  return "arrows: x, z   page up, down: y   + -: step   0: start   r: force back   q: end";
+}
+
+DeviceGuard::DeviceGuard(const DeviceChoice& device) {
+  const bool is_hid =
+      std::holds_alternative<ProfileFile>(device) || std::holds_alternative<PidJoystick>(device);
+  const auto* adapter = std::get_if<AdapterProcess>(&device);
+  if (!is_hid && !adapter) return;
+  const rlimit no_core{0, 0};  // the guard would wait until a core file is written
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  if (is_hid) hid.emplace();
+  if (adapter) process.emplace(adapter->command);
 }
 
 OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double virtual_hz,
-                       const Box& box, HidGuard* guard) {
+                       const Box& box, DeviceGuard& guard) {
   struct Open {
     const PlaySettings& settings;
     double virtual_hz;
     const Box& box;
-    HidGuard* guard;
+    DeviceGuard& guard;
 
     static OpenDevice live(std::unique_ptr<Device> device) {
       return {.device = std::move(device), .session = {}};
@@ -197,25 +225,30 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
       return live(std::make_unique<KeyboardDevice>(keyboard_options(settings, box)));
     }
     OpenDevice operator()(const ProfileFile& profile) const {
-      return live(open_profile(profile.file, guard));
+      return live(open_profile(profile.file, *guard.hid));
     }
     OpenDevice operator()(const PidJoystick& pid) const {
-      return live(open_pid(pid.which, settings.pid, guard));
+      return live(open_pid(pid.which, settings.pid, *guard.hid));
     }
     OpenDevice operator()(const SpaceMouse& mouse) const {
       return live(open_spacemouse(mouse.which));
+    }
+    OpenDevice operator()(const AdapterProcess&) const {
+      auto device = std::make_unique<ProcessDevice>(*guard.process);
+      const double rate_hz = device->rate_hz();
+      return {.device = std::move(device), .session = {}, .rate_hz = rate_hz};
     }
   };
   return std::visit(Open{settings, virtual_hz, box, guard}, device);
 }
 
-void print_devices() { std::cout << list_text(list_hid()); }
+void print_devices() { std::cout << printable_text(list_text(list_hid())); }
 
 void print_descriptor(const std::string& which) {
   const HidInfo info = find_one_hid(list_hid(), parse_hid_match(which), "--dump-descriptor WHICH");
   const std::vector<std::uint8_t> bytes = read_report_descriptor(info.path);
-  std::cout << shown_name(info) << " at " << info.path << "\n"
-            << hex_text(bytes) << describe(parse_hid_descriptor(bytes));
+  std::cout << printable_text(shown_name(info) + " at " + info.path + "\n" + hex_text(bytes) +
+                              describe(parse_hid_descriptor(bytes)));
 }
 
 }  // namespace hapgrid

@@ -2,33 +2,12 @@
 
 #include <charconv>
 #include <map>
-#include <sstream>
 
 #include "tools/common/tool.hpp"
 
 namespace hapgrid {
 
 namespace {
-
-/// Reads "x,-z,y": the device's axis, with a sign, that each axis of the box follows.
-std::optional<std::array<Vec3, 3>> read_axes(const std::string& text) {
-  std::istringstream words(text);
-  std::string word;
-  std::array<Vec3, 3> read{};
-  int count = 0;
-  std::string used;
-  for (; std::getline(words, word, ','); ++count) {
-    if (count == 3) return std::nullopt;
-    const double sign = word[0] == '-' ? -1 : 1;
-    if (word[0] == '-' || word[0] == '+') word.erase(0, 1);
-    if (word.size() != 1 || word[0] < 'x' || word[0] > 'z') return std::nullopt;
-    if (used.find(word) != std::string::npos) return std::nullopt;
-    used += word;
-    read[count][word[0] - 'x'] = sign;
-  }
-  if (count != 3) return std::nullopt;
-  return read;
-}
 
 std::optional<std::uint16_t> read_port(const std::string& text) {
   std::uint16_t port = 0;
@@ -45,7 +24,8 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
          "keys, the keyboard of this terminal; replay:FILE, what a log has;\n"
          "sim:FILE, a simulated device and hand that a TOML describes;\n"
          "profile:FILE, a HID device that a text describes; pid[:WHICH],\n"
-         "a joystick of HID's PID class; spacemouse[:WHICH], which steers")
+         "a joystick of HID's PID class; spacemouse[:WHICH], which steers;\n"
+         "process:COMMAND, an adapter to a maker's kit (split at blanks)")
       .type("DEVICE");
   app.add(
          "--traversal", [&](const std::string& name) { options.traversal = rule_named(name); },
@@ -72,9 +52,9 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
 
 void add_time_options(CommandLine& app, PlayOptions& options) {
   app.add("--rate", options.rate_hz,
-          "Ticks a second (default: 1000 for a live device; a path or\n"
-          "replay plays as fast as possible, sim: always so, and its\n"
-          "virtual ticks are of this rate or 1000 Hz)")
+          "Ticks a second (default: 1000 live, or what an adapter takes; a\n"
+          "path or replay plays as fast as possible, sim: always so, and\n"
+          "its virtual ticks are of this rate or 1000 Hz)")
       .type("HZ")
       .within(1e-3, 1e6, "a rate from 0.001 to 1000000 Hz");
   app.add("--duration", options.duration_s,
@@ -87,8 +67,7 @@ void add_time_options(CommandLine& app, PlayOptions& options) {
                                                          {"off", RealtimeMode::kOff}};
   app.add(
          "--realtime", [&](const std::string& name) { options.realtime = modes.at(name); },
-         "SCHED_FIFO and locked memory: require, try or off (default:\n"
-         "try); play says at the start what it got")
+         "SCHED_FIFO and locked memory: require, try (default) or off")
       .type("MODE")
       .check([](const std::string& name) { return modes.contains(name); }, "require, try or off");
   app.add_flag("--selftest", options.selftest,
@@ -119,7 +98,7 @@ void add_force_options(CommandLine& app, PlayOptions& options) {
          "the box's x, y and z follow: -z,x,y (default: x,y,z)")
       .type("AXES")
       .check([](const std::string& text) { return read_axes(text).has_value(); }, "like -z,x,y");
-  add_settings(app, options.given);
+  add_settings(app, options.given, options.file);
 }
 
 void add_imd_options(CommandLine& app, PlayOptions& options) {

@@ -1,7 +1,6 @@
-// The options of play, on the command line and in the table [play] of a TOML file.
+// The options of play.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,7 +10,7 @@
 #include "libcore/scene/imd_server.hpp"
 #include "tools/common/traversals.hpp"
 #include "tools/play/devices.hpp"
-#include "tools/play/forces.hpp"
+#include "tools/play/played_force.hpp"
 #include "tools/play/settings.hpp"
 
 namespace hapgrid {
@@ -31,8 +30,9 @@ struct PlayOptions {
   std::optional<std::uint16_t> imd_port;
   ImdOptions imd;
   std::vector<std::string> model_path;
-  std::optional<std::array<Vec3, 3>> axes;
+  std::optional<Axes> axes;
   GivenSettings given;
+  PlayFile file;  ///< of --config
   // Instead of playing.
   bool selftest = false;
   bool list_devices = false;
@@ -42,7 +42,7 @@ struct PlayOptions {
 /// The rate of a live device for which none was given.
 inline constexpr double kDefaultRateHz = 1000;
 
-/// Binds them; --config FILE takes them from a table [play].
+/// Binds them.
 void add_play_options(CommandLine& app, PlayOptions& options);
 
 }  // namespace hapgrid

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/json.hpp"
 
 namespace hapgrid {
 
@@ -62,6 +63,7 @@ SessionHeader session_header(const GridSpec& spec, const std::string& digest, do
 PlayedWith played_with(const SessionHeader& header, const std::string& name) {
   PlayedWith with;
   try {
+    if (nests_too_deep(header.settings)) throw Error(name + ": its settings are not those of play");
     const Json settings = Json::parse(header.settings);
     each_limit(with.limits, [&](const char* key, double& value) {
       const Json& written = settings.at("safety").at(key);

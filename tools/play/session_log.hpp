@@ -7,7 +7,7 @@
 #include "libcore/haptic/loop.hpp"
 #include "libcore/session/recorder.hpp"
 #include "libcore/session/recording.hpp"
-#include "tools/play/forces.hpp"
+#include "tools/play/played_force.hpp"
 
 namespace hapgrid {
 

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <memory>
 #include <numeric>
 #include <sstream>
+#include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/base/toml.hpp"
 #include "tools/common/tool.hpp"
@@ -25,50 +26,54 @@ std::span<double> limit(PlaySettings& s) {
   return {&(s.safety.*kMember), 1};
 }
 
+using From = FromFile;
+
 constexpr Setting kSettings[] = {
-    {"--gain", "FACTOR", 0, 1e12, "Newtons felt for a newton of the model (default: 1)",
-     limit<&SafetyLimits::gain>},
-    {"--max-force", "N", 0, 1e6, "Largest force (default: 3, or the device's own smaller limit)",
+    {"--gain", "FACTOR", 0, 1e12, From::kFree,
+     "Newtons felt for a newton of the model (default: 1)", limit<&SafetyLimits::gain>},
+    {"--max-force", "N", 0, 1e6, From::kLower,
+     "Largest force (default: 3, or the device's own smaller limit)",
      limit<&SafetyLimits::max_force>},
-    {"--scale", "UNITS/M", 0, 1e15,
+    {"--scale", "UNITS/M", 0, 1e15, From::kFree,
      "Model units per metre of the hand; 0: the device's reach fills\n"
      "the box (default: 0)",
      [](PlaySettings& s) { return std::span(&s.mapping.scale, 1); }},
-    {"safety.slew", "N/ms", 0, kInf, "Largest change of the force in a millisecond",
+    {"safety.slew", "N/ms", 0, kInf, From::kLower, "Largest change of the force in a millisecond",
      limit<&SafetyLimits::slew>},
-    {"safety.ramp", "ms", 0, 1e6, "Time in which the force comes back after a zero",
+    {"safety.ramp", "ms", 0, 1e6, From::kHigher, "Time in which the force comes back after a zero",
      limit<&SafetyLimits::ramp_ms>},
-    {"safety.max_speed", "m/s", 0, kInf, "A faster hand gets zero force; needs a scale",
-     limit<&SafetyLimits::max_speed>},
-    {"safety.buzz_force", "N", 0, kInf, "Swings of the force count from this size on",
+    {"safety.max_speed", "m/s", 0, kInf, From::kLower,
+     "A faster hand gets zero force; needs a scale", limit<&SafetyLimits::max_speed>},
+    {"safety.buzz_force", "N", 0, kInf, From::kLower, "Swings of the force count from this size on",
      limit<&SafetyLimits::buzz_force>},
-    {"safety.buzz_rate", "1/s", 0, kInf, "More swings are damped; twice as many give zero",
-     limit<&SafetyLimits::buzz_rate>},
-    {"safety.fade", "cells", 0, kInf, "Length of the fade outside the box; 0: no fade",
+    {"safety.buzz_rate", "1/s", 0, kInf, From::kLower,
+     "More swings are damped; twice as many give zero", limit<&SafetyLimits::buzz_rate>},
+    {"safety.fade", "cells", 0, kInf, From::kNo, "Length of the fade outside the box; 0: no fade",
      limit<&SafetyLimits::fade_cells>},
-    {"safety.watchdog", "ticks", 0, kInf, "So many missed ticks give zero force",
+    {"safety.watchdog", "ticks", 0, kInf, From::kLower, "So many missed ticks give zero force",
      limit<&SafetyLimits::watchdog_ticks>},
-    {"safety.reserve", "mJ", 0, kInf, "Given at most beyond what was stored",
+    {"safety.reserve", "mJ", 0, kInf, From::kLower, "Given at most beyond what was stored",
      limit<&SafetyLimits::reserve>},
-    {"safety.encoder", "m", 0, 0.1, "The device's positions come in such steps",
+    {"safety.encoder", "m", 0, 0.1, From::kHigher, "The device's positions come in such steps",
      limit<&SafetyLimits::encoder>},
-    {"safety.delay", "ticks", 0, kMaxTankDelay, "From when a force is sent until it acts",
-     limit<&SafetyLimits::delay_ticks>},
-    {"mapping.offset", "units", -1e15, 1e15, "Middle of the reach, from the middle of the box",
+    {"safety.delay", "ticks", 0, kMaxTankDelay, From::kHigher,
+     "From when a force is sent until it acts", limit<&SafetyLimits::delay_ticks>},
+    {"mapping.offset", "units", -1e15, 1e15, From::kFree,
+     "Middle of the reach, from the middle of the box",
      [](PlaySettings& s) { return std::span<double>(s.mapping.offset); }},
-    {"mapping.speed", "units/s", 0, 1e15, "Of a SpaceMouse's HIP; 0: the box in 4 s",
+    {"mapping.speed", "units/s", 0, 1e15, From::kFree, "Of a SpaceMouse's HIP; 0: the box in 4 s",
      [](PlaySettings& s) { return std::span(&s.mapping.speed, 1); }},
-    {"keys.step", "units", 0, 1e15, "A key moves the HIP so far; 0: half the spacing",
+    {"keys.step", "units", 0, 1e15, From::kNo, "A key moves the HIP so far; 0: half the spacing",
      [](PlaySettings& s) { return std::span(&s.key_step, 1); }},
-    {"pid.newtons", "N", 1e-6, 1e6, "What the joystick gives at most on each axis",
+    {"pid.newtons", "N", 1e-6, 1e6, From::kNo, "What the joystick gives at most on each axis",
      [](PlaySettings& s) { return std::span(&s.pid.newtons, 1); }},
-    {"pid.range", "m", 1e-6, 1e3, "From the middle of each axis to its end",
+    {"pid.range", "m", 1e-6, 1e3, From::kNo, "From the middle of each axis to its end",
      [](PlaySettings& s) { return std::span(&s.pid.half_range, 1); }},
-    {"pid.signs", "+1/-1", -1, 1, "Signs of forces to the right, towards the user",
+    {"pid.signs", "+1/-1", -1, 1, From::kNo, "Signs of forces to the right, towards the user",
      [](PlaySettings& s) { return std::span<double>(s.pid.signs); }},
-    {"loop.spin", "us", 0, 1000, "The end of each wait is spent awake: less late",
+    {"loop.spin", "us", 0, 1000, From::kNo, "The end of each wait is spent awake: less late",
      [](PlaySettings& s) { return std::span(&s.spin_us, 1); }},
-    {"imd.wait", "s", 0, 86400, "Longest wait for a viewer before the first tick",
+    {"imd.wait", "s", 0, 86400, From::kNo, "Longest wait for a viewer before the first tick",
      [](PlaySettings& s) { return std::span(&s.imd_wait_s, 1); }},
 };
 
@@ -120,11 +125,17 @@ std::vector<double> read_numbers(const toml::node& node) {
   return numbers;
 }
 
+/// Nothing when there is no such setting.
+const Setting* find_setting(const std::string& name) {
+  const auto found = std::find_if(std::begin(kSettings), std::end(kSettings),
+                                  [&](const Setting& s) { return s.name == name; });
+  return found == std::end(kSettings) ? nullptr : &*found;
+}
+
 /// Takes `key = node`. @return what is wrong with it, empty when nothing is
 std::string take(const std::string& key, const toml::node& node, GivenSettings& given) {
-  const auto setting = std::find_if(std::begin(kSettings), std::end(kSettings),
-                                    [&](const Setting& s) { return s.name == key; });
-  if (setting == std::end(kSettings)) return unknown_key(key);
+  const Setting* const setting = find_setting(key);
+  if (!setting) return unknown_key(key);
   PlaySettings defaults;
   const std::size_t count = setting->values(defaults).size();
   const std::vector<double> values = read_numbers(node);
@@ -148,49 +159,79 @@ void set(const std::string& text, GivenSettings& given) {
   if (!mistake.empty()) throw UsageError("--set: " + mistake);
 }
 
-/// Takes the keys of a table, which begin with `prefix`, and of the tables in it. @throw Error
-void take_all(const TomlFile& file, const toml::table& table, const std::string& prefix,
-              GivenSettings& given) {
-  for (const auto& [k, node] : table) {
-    const std::string key = prefix + std::string(k.str());
-    if (const toml::table* inner = node.as_table()) {
-      take_all(file, *inner, key + ".", given);
-    } else if (const std::string mistake = take(key, node, given); !mistake.empty()) {
-      file.fail(node, mistake);
+/// Reads the table [play] of a file that may be a stranger's.
+class PlayTable {
+ public:
+  PlayTable(const std::string& text, const CommandLine& app, PlayFile& into)
+      : file_(text, "--config"), app_(app), into_(into) {}
+
+  /// @throw Error naming the first key that a file cannot set
+  void read() {
+    if (!file_.root().contains("play")) return;
+    for (const auto& [k, node] : file_.table(file_.root(), "play")) {
+      const std::string key(k.str());
+      if (const toml::table* inner = node.as_table())
+        take_inner(*inner, key + ".");
+      else if (key == "axes")
+        take_axes(node);
+      else
+        take_number("--" + key, key, node);
     }
   }
-}
 
-/// The value of an option, as the command line would have it.
-std::string word(const TomlFile& file, const toml::node& node, const std::string& key) {
-  if (node.is_string()) return **node.as_string();
-  if (node.is_boolean()) return **node.as_boolean() ? "true" : "false";
-  if (node.is_integer()) return std::to_string(**node.as_integer());
-  if (node.is_floating_point()) return to_text(**node.as_floating_point());
-  file.fail(node, "play." + key + " must be a number, a text, true or false, or an array");
-}
-
-std::vector<ConfigEntry> read_play(const TomlFile& file, const CommandLine& app,
-                                   GivenSettings& given) {
-  std::vector<ConfigEntry> items;
-  if (!file.root().contains("play")) return items;
-  for (const auto& [k, node] : file.table(file.root(), "play")) {
-    ConfigEntry item;
-    item.name = k.str();
-    if (const toml::table* inner = node.as_table()) {
-      take_all(file, *inner, item.name + ".", given);
-      continue;
+ private:
+  void take_inner(const toml::table& table, const std::string& prefix) {
+    for (const auto& [k, node] : table) {
+      const std::string key = prefix + std::string(k.str());
+      if (const toml::table* inner = node.as_table())
+        take_inner(*inner, key + ".");
+      else
+        take_number(key, key, node);
     }
-    if (item.name == "config" || item.name == "set" || !app.has("--" + item.name))
-      file.fail(node, unknown_key(item.name));
-    if (const toml::array* entries = node.as_array()) {
-      for (const toml::node& entry : *entries) item.values.push_back(word(file, entry, item.name));
-    } else {
-      item.values.push_back(word(file, node, item.name));
-    }
-    items.push_back(item);
   }
-  return items;
+
+  void take_axes(const toml::node& node) {
+    into_.axes = file_.text(node, "axes");
+    if (!read_axes(into_.axes)) file_.fail(node, "axes: '" + into_.axes + "' is not like -z,x,y");
+  }
+
+  /// @param name of the setting or option. @param key as the file has it.
+  void take_number(const std::string& name, const std::string& key, const toml::node& node) {
+    const Setting* const setting = find_setting(name);
+    if (setting ? setting->from_file == From::kNo : app_.has(name))
+      file_.fail(node, key + " cannot be set by a file, only by the command line");
+    if (!setting) file_.fail(node, unknown_key(key));
+    if (const std::string mistake = take(name, node, into_.given); !mistake.empty())
+      file_.fail(node, mistake);
+    PlaySettings defaults;
+    const double usual = setting->values(defaults)[0];
+    const double value = into_.given.back().second[0];
+    const bool lower = setting->from_file == From::kLower && value > usual;
+    const bool higher = setting->from_file == From::kHigher && value < usual;
+    if (lower || higher)
+      file_.fail(node, key + " = " + to_text(value) + ": a file can only set " + to_text(usual) +
+                           " " + setting->unit + " or " + (lower ? "less" : "more") +
+                           "; the command line can set " + (lower ? "more" : "less"));
+  }
+
+  TomlFile file_;
+  const CommandLine& app_;
+  PlayFile& into_;
+};
+
+/// The largest file of --config: other filters' tables may be in it, too.
+constexpr std::uint64_t kMaxConfigBytes = 16 << 20;
+
+/// @throw UsageError
+void read_config(const std::string& name, const CommandLine& app, PlayFile& file) {
+  file = {.name = name};
+  try {
+    PlayTable(read_regular_text(name, kMaxConfigBytes), app, file).read();
+  } catch (const Error& e) {
+    throw UsageError(e.what());
+  } catch (const std::system_error& e) {
+    throw UsageError(std::string("--config: ") + e.what());
+  }
 }
 
 }  // namespace
@@ -201,13 +242,49 @@ PlaySettings changed(PlaySettings settings, const GivenSettings& given) {
   return settings;
 }
 
-void add_settings(CommandLine& app, GivenSettings& given) {
+std::optional<Axes> read_axes(const std::string& text) {
+  std::istringstream words(text);
+  std::string word;
+  Axes read{};
+  int count = 0;
+  std::string used;
+  for (; std::getline(words, word, ','); ++count) {
+    if (count == 3) return std::nullopt;
+    const double sign = word[0] == '-' ? -1 : 1;
+    if (word[0] == '-' || word[0] == '+') word.erase(0, 1);
+    if (word.size() != 1 || word[0] < 'x' || word[0] > 'z') return std::nullopt;
+    if (used.find(word) != std::string::npos) return std::nullopt;
+    used += word;
+    read[count][word[0] - 'x'] = sign;
+  }
+  if (count != 3) return std::nullopt;
+  return read;
+}
+
+std::string file_text(const PlayFile& file, const GivenSettings& given, bool axes_given) {
+  std::string text;
+  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  for (const auto& [setting, values] : file.given) {
+    if (std::any_of(given.begin(), given.end(),
+                    [setting = setting](const auto& own) { return own.first == setting; }))
+      continue;
+    std::string numbers;
+    for (const double value : values) numbers += (numbers.empty() ? "" : ",") + to_text(value);
+    if (values.size() > 1) numbers = "[" + numbers + "]";
+    const std::string name = setting->name;
+    add(name.substr(is_option(*setting) ? 2 : 0) + " = " + numbers);
+  }
+  if (!file.axes.empty() && !axes_given) add("axes = " + file.axes);
+  return file.name + " sets " + (text.empty() ? "nothing" : text);
+}
+
+void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file) {
   // Other filters read the other tables of such a file.
-  app.add_config(
-      "--config",
-      "Take options and settings from the table [play] of a TOML\n"
-      "file, such as the MODEL.toml; the command line counts more",
-      [&](const std::string& text) { return read_play(TomlFile(text, "--config"), app, given); });
+  app.add(
+         "--config", [&](const std::string& name) { read_config(name, app, file); },
+         "Take --axes, --gain, --scale, mapping.* and lower limits from the\n"
+         "table [play] of a TOML file; the command line counts more")
+      .type("FILE");
   for (const Setting& setting : kSettings) {
     if (!is_option(setting)) continue;
     app.add(

@@ -1,7 +1,12 @@
 // The numbers that a play can be told: what each of them means, its unit, default and bounds stand
 // in one table. It drives the parsing of --set and of the table [play] of --config, and the help.
+//
+// A file of --config may be a stranger's: it maps the hand to the model, and lowers limits. Nothing
+// else in it is taken, least of all where plug-ins and outputs are, and no limit is raised by it.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -23,11 +28,20 @@ struct PlaySettings {
   double imd_wait_s = 0;
 };
 
+/// Whether a file may set a number.
+enum class FromFile {
+  kNo,
+  kFree,    ///< as the command line
+  kLower,   ///< to the default at most
+  kHigher,  ///< to the default at least: a larger number is the more careful one
+};
+
 /// One row of the table: one number, or several that belong together.
 struct Setting {
   const char* name;  ///< a key of --set; or an option, which begins with "--"
   const char* unit;
   double low, high;  ///< bounds of each number
+  FromFile from_file;
   const char* meaning;
   std::span<double> (*values)(PlaySettings&);
 };
@@ -38,10 +52,26 @@ using GivenSettings = std::vector<std::pair<const Setting*, std::vector<double>>
 /// `settings` with what was given.
 PlaySettings changed(PlaySettings settings, const GivenSettings& given);
 
-/// Adds the options --gain, --max-force, --scale and --set, and reads files of --config: keys of
-/// their table [play] are the names of options, and its sub-tables have the keys of --set. What the
-/// command line gives comes after what a file gives, and so it counts. `given` must outlive `app`.
-void add_settings(CommandLine& app, GivenSettings& given);
+/// Device's axes (x to the right, y away from the user, z up) that the box's axes follow.
+using Axes = std::array<Vec3, 3>;
+/// Reads "x,-z,y"; nothing when it is not like that.
+std::optional<Axes> read_axes(const std::string& text);
+
+/// What a file of --config says.
+struct PlayFile {
+  std::string name;  ///< empty: there is none
+  GivenSettings given = {};
+  std::string axes = {};  ///< as it is written; empty: it has none
+};
+
+/// Adds the options --gain, --max-force, --scale, --set and --config, whose file's table [play] has
+/// keys `axes`, gain, max-force and scale, and sub-tables with keys of --set. `given` and `file`
+/// must outlive `app`.
+void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file);
+
+/// "NAME sets max-force = 1.5, axes = -z,x,y": what counts of a file beside the command line's
+/// own settings.
+std::string file_text(const PlayFile& file, const GivenSettings& given, bool axes_given);
 
 /// The keys of --set as a table for the help.
 std::string settings_help();

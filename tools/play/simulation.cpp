@@ -8,6 +8,7 @@
 #include "libcore/base/text.hpp"
 #include "libcore/base/toml.hpp"
 #include "libcore/device/path.hpp"
+#include "tools/common/definition.hpp"
 
 namespace hapgrid {
 
@@ -68,7 +69,7 @@ void read_hand(const TomlFile& file, const std::string& name, Simulation& s) {
     const auto path = std::filesystem::path(name).parent_path() / file.text(*node, "hand.path");
     if (file.root().get("random"))
       file.fail(*node, "a hand with a path moves along it once: there must be no table [random]");
-    s.path = parse_path(read_text(path, kMaxPathBytes), path);
+    s.path = parse_path(read_regular_text(path, kMaxPathBytes), path);
   }
 }
 
@@ -87,7 +88,7 @@ void read_random(const TomlFile& file, Simulation& s) {
 }  // namespace
 
 Simulation read_simulation(const std::string& name, double rate_hz) {
-  const TomlFile file(read_text(name, kMaxBytes), name == "-" ? "standard input" : name);
+  const TomlFile file(read_toml(name, kMaxBytes), name == "-" ? "standard input" : name);
   Simulation s;
   s.device.rate_hz = s.hand.rate_hz = rate_hz;
   s.device.sessions = 1000;

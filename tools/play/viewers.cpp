@@ -1,26 +1,32 @@
 #include "tools/play/viewers.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <string>
 #include <utility>
 
+#include "libcore/base/file.hpp"
 #include "libcore/base/text.hpp"
+#include "tools/common/tool.hpp"
 
 namespace hapgrid {
 
 namespace {
 
 /// What the frames show of the grid's model.
-Scene describe_scene(const GridSpec& spec, const Fields& fields) {
+Scene describe_scene(const GridSpec& spec, const Fields& fields, const PlayOptions& options) {
   return {.model = spec.model,
           .length_unit = spec.length_unit,
           .energy_unit = spec.energy_unit,
           .box = spec.box,
           .state_size = spec.state_size,
           .hip_radius = spec.hip_radius,
-          .spheres = fields.spheres()};
+          .spheres = fields.spheres(),
+          .keys = keys_of(*options.device)};
 }
 
 /// Energy and shape of a frame.
@@ -38,6 +44,7 @@ void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
   snapshot.force = tick.force.force;
   snapshot.raw_force = tick.raw_force;
   snapshot.levels = tick.traversal.levels();
+  snapshot.jumps = tick.traversal.jumps();
   const auto row = tick.traversal.row();
   std::copy(row.begin(), row.end(), snapshot.row.begin());
 }
@@ -46,9 +53,9 @@ void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
 void print_imd_units(const Scene& scene, bool has_energy, int version) {
   const ImdUnits units(version, scene.length_unit, scene.energy_unit);
   const auto print = [](const char* what, const std::string& unit, const char* taken_for) {
-    const std::string shown = unit.empty() ? "a unit without a name" : printable_line(unit);
-    std::fprintf(stderr, "play: IMD: %s go out in %s, viewers take them for %s\n", what,
-                 shown.c_str(), taken_for);
+    say("play", std::string("IMD: ") + what + " go out in " +
+                    (unit.empty() ? "a unit without a name" : unit) + ", viewers take them for " +
+                    taken_for);
   };
   if (!units.length_known) print("lengths", scene.length_unit, "angstrom");
   if (has_energy && !units.energy_known)
@@ -68,7 +75,7 @@ void Viewers::start(const GridSpec& spec, const MakeModel& create, double rate_h
   if (!imd_ && !file_) return;
   rate_hz_ = rate_hz;
   fields_.emplace(spec, create, /*wants_shape=*/true);
-  const Scene scene = describe_scene(spec, *fields_);
+  const Scene scene = describe_scene(spec, *fields_, options_);
   FramePublisher::Show show;
   if (imd_) {
     print_imd_units(scene, fields_->has_energy(), options_.imd.version);
@@ -96,6 +103,8 @@ void Viewers::show(const Tick& tick) {
 
 void Viewers::finish() {
   if (publisher_) counts_ = publisher_->finish();
+  // The viewer at the end of a pipe learns now that this was all, and gives the terminal back.
+  if (options_.frames == "-") ::dup2(FileDescriptor(::open("/dev/null", O_WRONLY)).get(), 1);
   if (imd_) imd_counts_ = imd_->finish();
 }
 

@@ -94,11 +94,12 @@ void run_session(InputFile file, const SessionOptions& options) {
 
   OutputFile output(options.output, /*binary=*/false);
   if (options.format == "text")
-    output.write(session_text(session, statistics, energy));
+    output.write(printable_text(session_text(session, statistics, energy)));
   else  // "replace": a session's strings need not be UTF-8
-    output.write(session_json(session, statistics, energy)
-                     .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
-                 "\n");
+    output.write(
+        session_json(session, statistics, energy)
+            .dump(2, ' ', /*ensure_ascii=*/true, nlohmann::ordered_json::error_handler_t::replace) +
+        "\n");
   output.commit();
 }
 

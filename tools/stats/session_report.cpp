@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "libcore/base/json.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 
@@ -54,7 +55,9 @@ std::string share_text(std::uint64_t part, std::uint64_t whole) {
 }  // namespace
 
 EnergyUnit energy_unit(const SessionHeader& header) {
-  const Json settings = Json::parse(header.settings, nullptr, /*allow_exceptions=*/false);
+  const Json settings = nests_too_deep(header.settings)
+                            ? Json()
+                            : Json::parse(header.settings, nullptr, /*allow_exceptions=*/false);
   if (settings.is_object() && settings.contains("scale_per_m") &&
       settings["scale_per_m"].is_number()) {
     const double scale = settings["scale_per_m"].get<double>();

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/json.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -133,7 +134,9 @@ void add_costs(CostSums& sums, const std::string& name, const std::string& text)
     const std::string_view line(text.data() + begin, end - begin);
     begin = end + 1;
     ++number;
-    const auto json = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
+    const auto json = nests_too_deep(line)
+                          ? nlohmann::json()
+                          : nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
     const auto fail = [&](const std::string& what) {
       throw Error(name + ": line " + std::to_string(number) + ": " + what);
     };

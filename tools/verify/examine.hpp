@@ -5,8 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "libcore/check/played_work.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/check/steep.hpp"
+#include "tools/common/force_rules.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/traversals.hpp"
 
@@ -18,6 +20,10 @@ struct Examination {
   std::uint64_t walks = 0;
   std::optional<double> accuracy;
   TraversalRule traversal = kDefaultRule;
+  std::optional<ForceRule> force;  ///< nothing: the default of play
+  ForceLimit limit;
+  /// Newtons that a closed walk of the played force may gain a unit of length.
+  std::optional<double> friction;
   int threads = 1;
   Rendering rendering;
   ModelOptions model;

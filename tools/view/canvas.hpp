@@ -4,12 +4,9 @@
 #include <string_view>
 
 #include "libcore/scene/image.hpp"
+#include "libcore/scene/letters.hpp"
 
 namespace hapgrid {
-
-/// The size of a letter in pixels, at scale 1.
-inline constexpr int kLetterWidth = 6;
-inline constexpr int kLetterHeight = 13;
 
 Image blank(int width, int height, Rgb colour);
 

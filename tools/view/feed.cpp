@@ -64,10 +64,13 @@ void Feed::run() {
       if (recorded_ && !wait_until_due(frame.time_s)) break;
       {
         const std::lock_guard lock(mutex_);
-        std::swap(newest_, frame);
-        traces_.add(newest_);
-        ++published_;
-        fresh_ = true;
+        traces_.add(frame);
+        late_ = late_ || waiting_.size() == kMostWaiting;
+        if (late_) {
+          if (any_given_out_) dropped_ += waiting_.size();
+          waiting_.clear();
+        }
+        waiting_.push_back(frame);
       }
       changed_();
     }
@@ -100,13 +103,15 @@ bool Feed::wait_until_due(double time_s) {
 
 Feed::State Feed::update(Frame& frame, Traces& traces) {
   const std::lock_guard lock(mutex_);
-  const bool fresh = std::exchange(fresh_, false);
+  const bool fresh = !waiting_.empty();
   if (fresh) {
-    frame = newest_;
+    frame = std::move(waiting_.front());
+    waiting_.pop_front();
+    late_ = false;
+    any_given_out_ = true;
     traces = traces_;
-    ++given_out_;
   }
-  return {fresh, ended_, published_ - given_out_};
+  return {fresh, !waiting_.empty(), ended_ && waiting_.empty(), dropped_};
 }
 
 void Feed::pause(bool paused) {

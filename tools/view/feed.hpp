@@ -1,10 +1,12 @@
-// Reads frames in a thread of its own. Reading never waits for the drawing, which gets the newest
-// frame.
+// Reads frames in a thread of its own. Reading never waits for the drawing. It gets each frame
+// while few of them wait, so that a hiccup of the machine costs no picture; else it gets the newest
+// one.
 #pragma once
 
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <exception>
 #include <functional>
 #include <mutex>
@@ -38,8 +40,9 @@ class Feed {
   /// The state of the stream. `frame` and `traces` are written only when there is a new frame.
   struct State {
     bool fresh = false;
+    bool more = false;          ///< there is a newer frame already
     bool ended = false;         ///< no frame comes after this one
-    std::uint64_t dropped = 0;  ///< frames that were never given out
+    std::uint64_t dropped = 0;  ///< frames that were never given out, after the first that was
   };
   State update(Frame& frame, Traces& traces);
   /// Stops and starts the clock of a file; a live stream goes on.
@@ -49,6 +52,9 @@ class Feed {
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  /// At 25 frames a second 0.12 s: what no hand feels as a delay.
+  static constexpr std::size_t kMostWaiting = 3;
 
   void run();
   bool wait_until_due(double time_s);
@@ -65,11 +71,11 @@ class Feed {
   double first_s_ = 0;       // the recording starts with this time,
   Clock::time_point start_;  // which was due then; pauses move it on
   Clock::time_point paused_since_;
-  Frame newest_;
+  std::deque<Frame> waiting_;  // the oldest first
   Traces traces_;
-  std::uint64_t published_ = 0;
-  std::uint64_t given_out_ = 0;
-  bool fresh_ = false;
+  bool late_ = false;  // too many waited: only the newest one is kept
+  bool any_given_out_ = false;
+  std::uint64_t dropped_ = 0;
   bool ended_ = false;
   std::exception_ptr error_;
 

@@ -49,7 +49,7 @@ void draw_curve(Image& image, const Place& place, int scale, const Traces& trace
   for (int s = 1; s < Traces::kSeconds; ++s)
     fill(image, column(end_s - s), y, scale, height, {232, 234, 238});
   for (const auto& sample : traces.samples())
-    if (sample.switched) fill(image, column(sample.time_s), y, scale, height, kSwitch);
+    if (sample.snapped) fill(image, column(sample.time_s), y, scale, height, kSwitch);
   for (const int edge : {y - scale, y + height})
     fill(image, x - scale, edge, width + 2 * scale, scale, kFrame);
   for (const int edge : {x - scale, x + width}) fill(image, edge, y, scale, height, kFrame);
@@ -71,13 +71,28 @@ void draw_curve(Image& image, const Place& place, int scale, const Traces& trace
   }
 }
 
+Image paper(int width, int scale) {
+  Image image = blank(width, scale * kPanelHeight, kPaper);
+  fill(image, 0, 0, width, scale, kFrame);
+  return image;
+}
+
 }  // namespace
+
+Image draw_text(int width, int scale, const std::vector<std::string>& lines) {
+  Image image = paper(width, scale);
+  int y = scale * kMargin;
+  for (const std::string& line : lines) {
+    write(image, scale * kMargin, y, scale, line, kInk);
+    y += scale * (kLetterHeight + 1);
+  }
+  return image;
+}
 
 Image draw_panel(int width, int scale, const Scene& scene, const Traces& traces,
                  const std::string& status) {
   const int height = scale * kPanelHeight;
-  Image image = blank(width, height, kPaper);
-  fill(image, 0, 0, width, scale, kFrame);
+  Image image = paper(width, scale);
   write(image, scale * kMargin, scale * kMargin, scale, status, kInk);
 
   const Extent energy = energy_extent(traces);

@@ -1,5 +1,7 @@
 #include "tools/view/pixels.hpp"
 
+#include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
@@ -66,9 +68,13 @@ std::vector<std::string> TerminalPixels::encode(const Image& image, int columns,
   chafa_canvas_config_set_work_factor(config.get(), 0.2F);
 
   const ChafaPointer<ChafaCanvas> canvas(chafa_canvas_new(config.get()));
-  chafa_canvas_draw_all_pixels(canvas.get(), CHAFA_PIXEL_RGB8, image.pixels.front().data(),
-                               image.width, image.height,
-                               static_cast<gint>(sizeof(Rgb)) * image.width);
+  // Rows of chafa begin at multiples of four bytes, whatever stride it is told: three bytes a pixel
+  // would shear most pictures.
+  std::vector<std::array<std::uint8_t, 4>> pixels;
+  pixels.reserve(image.pixels.size());
+  for (const Rgb& p : image.pixels) pixels.push_back({p[0], p[1], p[2], 255});
+  chafa_canvas_draw_all_pixels(canvas.get(), CHAFA_PIXEL_RGBA8_UNASSOCIATED, pixels.front().data(),
+                               image.width, image.height, 4 * image.width);
   const ChafaPointer<GString> text(chafa_canvas_print(canvas.get(), info_.get()));
   std::vector<std::string> lines;
   for (std::string_view rest(text->str, text->len); !rest.empty();) {

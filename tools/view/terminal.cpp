@@ -14,7 +14,10 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/text.hpp"
+#include "libcore/scene/legend.hpp"
 #include "libcore/scene/render.hpp"
+#include "tools/common/terminal_turn.hpp"
 #include "tools/view/feed.hpp"
 #include "tools/view/pixels.hpp"
 #include "tools/view/screen.hpp"
@@ -23,19 +26,20 @@ namespace hapgrid {
 
 namespace {
 
-constexpr int kLinesBelow = 3;  // status, force, energy
+constexpr int kLinesBelow = 3;   // status, force, energy
+constexpr int kSymbolScale = 2;  // of the legend, whose letters are the terminal's own
 
 std::string at_row(int row) { return "\033[" + std::to_string(row) + ";1H"; }
 
-/// "force    0.52 |..:|  ", with blocks up to the height of the value; where levels were switched
+/// "force    0.52 |..:|  ", with blocks up to the height of the value; where the state snapped
 /// the ground is yellow. `columns` wide.
 std::string curve_line(const std::string& name, const std::vector<Column>& curve,
                        double Column::*value, const Extent& extent) {
   std::string text = name;
   bool marked = false;
   for (const Column& column : curve) {
-    if (column.switched != marked) text += column.switched ? "\033[43m" : "\033[49m";
-    marked = column.switched;
+    if (column.snapped != marked) text += column.snapped ? "\033[43m" : "\033[49m";
+    marked = column.snapped;
     const double at = extent(column.*value);
     // From one to eight eighths, U+2581 to U+2588.
     if (std::isfinite(at))
@@ -61,7 +65,7 @@ class Display {
 
   /// The picture on the upper part of the terminal.
   std::vector<std::string> picture(const Frame& frame) {
-    const int rows = std::max(1, size_.rows - kLinesBelow);
+    const int rows = picture_rows();
     // Symbols have eight by eight pixels each, and are twice as high as wide.
     int width = pixels_.symbols() ? 8 : size_.cell_width;
     int height = pixels_.symbols() ? 16 : size_.cell_height;
@@ -78,10 +82,13 @@ class Display {
       height = std::max(1, static_cast<int>(factor * height));
     }
     how.supersampling = 1;
+    how.letters = !pixels_.symbols();
+    how.letter_scale = pixels_.symbols() ? kSymbolScale : 1;
     if (!fitted_)
       camera_ =
           fit_camera(scene_, frame, how, options_.azimuth_degrees, options_.elevation_degrees);
     fitted_ = true;
+    if (pixels_.symbols()) write_legend(how, rows);
     return pixels_.encode(render(scene_, frame, camera_, how), size_.columns, rows, width, height);
   }
 
@@ -90,7 +97,8 @@ class Display {
     if (kitty()) text += "\033_Ga=d\033\\";
     int row = 1;
     for (const std::string& line : picture(frame)) text += at_row(row++) + line;
-    row = std::max(1, size_.rows - kLinesBelow) + 1;
+    text += "\033[0;30;107m" + legend_ + "\033[0m";
+    row = picture_rows() + 1;
     const auto below = [&](const std::string& line) {
       if (row <= size_.rows) text += at_row(row++) + "\033[0m" + line + "\033[K";
     };
@@ -103,6 +111,7 @@ class Display {
     below(std::isfinite(energy.low)
               ? curve_line(label("energy", energy.high), curve, &Column::energy, energy)
               : "");
+    if (!scene_.keys.empty()) below(fitting(scene_.keys));
     return text + "\033[?2026l";
   }
 
@@ -114,6 +123,21 @@ class Display {
   }
 
  private:
+  int picture_rows() const {
+    return std::max(1, size_.rows - kLinesBelow - (scene_.keys.empty() ? 0 : 1));
+  }
+  /// The legend's letters in the terminal's own cells.
+  void write_legend(const RenderOptions& how, int rows) {
+    legend_.clear();
+    for (const Label& label : make_legend(scene_, camera_, how).labels) {
+      const int row = static_cast<int>(label.left[1] * rows / how.height);
+      const int column = static_cast<int>(label.left[0] * size_.columns / how.width);
+      if (row < 0 || row >= rows || column < 0) continue;
+      const int room = std::max(0, size_.columns - column);
+      legend_ += "\033[" + std::to_string(row + 1) + ";" + std::to_string(column + 1) + "H" +
+                 label.text.substr(0, static_cast<std::size_t>(room));
+    }
+  }
   /// The name of a curve, and what its highest block stands for.
   static std::string label(std::string name, double high) {
     name.resize(7, ' ');
@@ -122,7 +146,10 @@ class Display {
     return name + number + " ";
   }
   std::string status(const Frame& frame, std::uint64_t dropped) const {
-    return status_text(scene_, frame, dropped).substr(0, static_cast<std::size_t>(size_.columns));
+    return fitting(status_text(scene_, frame, dropped));
+  }
+  std::string fitting(const std::string& text) const {
+    return printable_line(text, static_cast<std::size_t>(size_.columns));
   }
 
   const Scene& scene_;
@@ -130,6 +157,7 @@ class Display {
   TerminalPixels pixels_;
   TerminalSize size_ = terminal_size();
   Camera camera_;
+  std::string legend_;  // what writes it; of symbols
   bool fitted_ = false;
 };
 
@@ -149,6 +177,7 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
   Traces traces;
   Feed::State state;
   bool any = false;
+  const TerminalTurn turn(STDOUT_FILENO);
   {
     Screen screen(display.kitty());
     screen.write("waiting for frames");
@@ -156,7 +185,8 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
     while (!ending_signal() && !state.ended) {
       pollfd file{woken.get(), POLLIN, 0};
       std::uint64_t count = 0;
-      if (::poll(&file, 1, -1) == 1) static_cast<void>(!::read(woken.get(), &count, sizeof count));
+      if (::poll(&file, 1, state.more ? 0 : -1) == 1)
+        static_cast<void>(!::read(woken.get(), &count, sizeof count));
       if (take_stop()) {
         screen.leave();
         ::raise(SIGSTOP);  // and goes on here

@@ -26,9 +26,9 @@ std::string number(double value, std::chars_format format, int precision) {
 
 void Traces::add(const Frame& frame) {
   if (!samples_.empty() && frame.time_s < samples_.back().time_s) samples_.clear();
-  const bool switched = !samples_.empty() && frame.levels != levels_;
-  levels_ = frame.levels;
-  samples_.push_back({frame.time_s, magnitude(frame.force), frame.energy, switched});
+  const bool snapped = !samples_.empty() && frame.jumps != jumps_;
+  jumps_ = frame.jumps;
+  samples_.push_back({frame.time_s, magnitude(frame.force), frame.energy, snapped});
   while (samples_.size() > kMaxSamples || samples_.front().time_s < frame.time_s - kSeconds)
     samples_.pop_front();
 }
@@ -65,7 +65,7 @@ std::vector<Column> columns(const Traces& traces, int count) {
     Column& column = result[i];
     column.force = any[i] ? std::fmax(column.force, s.force) : s.force;
     column.energy = s.energy;
-    column.switched = column.switched || s.switched;
+    column.snapped = column.snapped || s.snapped;
     any[i] = true;
   }
   for (std::size_t i = 1; i < result.size(); ++i)

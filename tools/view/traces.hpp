@@ -23,8 +23,8 @@ class Traces {
     double time_s;
     double force;   ///< newtons, the magnitude, as sent
     double energy;  ///< in the scene's unit; NaN: none
-    /// Whether the levels in the cell's corners differ from those of the frame before.
-    bool switched;
+    /// Whether the state snapped after the frame before.
+    bool snapped;
   };
 
   /// Frames come in the order of ticks. When the time goes back, the curves start anew.
@@ -33,7 +33,7 @@ class Traces {
 
  private:
   std::deque<Sample> samples_;
-  std::array<std::uint8_t, 8> levels_{};
+  std::uint64_t jumps_ = 0;
 };
 
 /// The lowest and the highest finite value of a curve; never equal.
@@ -54,7 +54,7 @@ Extent energy_extent(const Traces& traces);
 struct Column {
   double force;   ///< the largest; NaN before the first sample
   double energy;  ///< the last; NaN where there is none
-  bool switched = false;
+  bool snapped = false;
 };
 
 /// The kSeconds before the newest sample, in `count` equal parts. A part without a sample has the

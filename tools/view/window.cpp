@@ -8,12 +8,15 @@
 #include <cstdint>
 #include <cstdio>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/scene/image.hpp"
+#include "tools/common/tool.hpp"
 #include "tools/view/feed.hpp"
 #include "tools/view/painter.hpp"
 #include "tools/view/panel.hpp"
@@ -25,6 +28,7 @@ namespace {
 constexpr double kDegreesPerPixel = 0.4;  // of a drag
 constexpr double kZoomStep = 1.1;         // of the wheel
 constexpr double kMaxZoom = 1000;
+constexpr int kNoButton = -1;
 
 [[noreturn]] void no_window(const std::string& why) {
   throw Error("no window: " + why +
@@ -74,6 +78,7 @@ class Window {
   void on_move(double x, double y);
 
   void set_title();
+  std::vector<std::string> help() const;
   void reset_camera();
   void draw();
   void save();
@@ -92,11 +97,12 @@ class Window {
   Camera camera_;    // in these angles
   double zoom_ = 1;  // times the size that fits
   bool fitted_ = false;
-  bool dragging_ = false;
+  int dragging_ = kNoButton;  // the button that is held
   double last_x_ = 0;
   double last_y_ = 0;
 
   bool paused_ = false;
+  bool help_ = false;  // in place of the curves
   bool save_ = false;  // asked for by a key
   bool stale_ = true;  // the window does not show what it should
 };
@@ -130,8 +136,13 @@ void Window::listen() {
     if (action == GLFW_PRESS) of(w).on_key(key);
   });
   ::glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int) {
-    if (button != GLFW_MOUSE_BUTTON_LEFT) return;
-    of(w).dragging_ = action == GLFW_PRESS;
+    of(w).dragging_ = action == GLFW_PRESS ? button : kNoButton;
+  });
+  // As letters: where '?' is on the keyboard depends on its layout.
+  ::glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned letter) {
+    if (letter != 'h' && letter != '?') return;
+    of(w).help_ = !of(w).help_;
+    of(w).stale_ = true;
   });
   ::glfwSetCursorPosCallback(window_,
                              [](GLFWwindow* w, double x, double y) { of(w).on_move(x, y); });
@@ -168,7 +179,11 @@ void Window::on_key(int key) {
 void Window::on_move(double x, double y) {
   const double right = x - std::exchange(last_x_, x);
   const double down = y - std::exchange(last_y_, y);
-  if (!dragging_) return;
+  if (dragging_ == GLFW_MOUSE_BUTTON_RIGHT || dragging_ == GLFW_MOUSE_BUTTON_MIDDLE) {
+    camera_ = panned(camera_, render_, right / zoom_, down / zoom_);
+    stale_ = true;
+  }
+  if (dragging_ != GLFW_MOUSE_BUTTON_LEFT) return;
   // The picture follows the hand: to the right means that the viewer goes to the left.
   camera_.azimuth_degrees = std::remainder(camera_.azimuth_degrees - kDegreesPerPixel * right, 360);
   camera_.elevation_degrees =
@@ -180,6 +195,19 @@ void Window::set_title() {
   ::glfwSetWindowTitle(
       window_,
       (printable_line(scene_.model) + " - hapgrid view" + (paused_ ? " (paused)" : "")).c_str());
+}
+
+std::vector<std::string> Window::help() const {
+  std::vector<std::string> lines{
+      "drag         turn the picture       r          the first view again",
+      "right drag   move the picture       space      pause, go on",
+      "wheel        zoom                   s          write hapgrid-TICK.png",
+      "h, ?         this help, no help     q, Escape  close",
+      "",
+      "blue: the HIP   red arrow: the force as it is sent   orange lines: the state snapped"};
+  if (!scene_.keys.empty())
+    lines.push_back("in the terminal of play:  " + printable_line(scene_.keys));
+  return lines;
 }
 
 void Window::reset_camera() {
@@ -198,11 +226,12 @@ void Window::draw() {
   const int letters = std::max(1, static_cast<int>(std::lround(scale)));
   // A low window has the picture alone.
   int panel_height = letters * kPanelHeight;
-  const bool with_panel = height >= 2 * panel_height;
+  const bool with_panel = height >= 2 * panel_height || (help_ && height > panel_height);
   if (!with_panel) panel_height = 0;
   painter_->resize(width, height - panel_height, panel_height);
   render_.width = width;
   render_.height = height - panel_height;
+  render_.letter_scale = letters;
   render_.supersampling = painter_->supersampling();
   Drawing drawing;
   std::string status = "waiting for frames";
@@ -215,8 +244,10 @@ void Window::draw() {
   }
   if (state_.ended) status += "   ended";
   if (paused_) status += "   paused";
-  painter_->paint(drawing,
-                  with_panel ? draw_panel(width, letters, scene_, traces_, status) : Image{});
+  status += "   h: help";
+  painter_->paint(drawing, !with_panel ? Image{}
+                           : help_     ? draw_text(width, letters, help())
+                                       : draw_panel(width, letters, scene_, traces_, status));
   painter_->show();
   ::glfwSwapBuffers(window_);
 }
@@ -228,7 +259,7 @@ void Window::save() {
     write_png(name, painter_->read());
     std::fprintf(stderr, "view: wrote %s\n", name.c_str());
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "view: %s\n", e.what());  // no reason to close the window
+    say("view", e.what());  // no reason to close the window
   }
 }
 
@@ -248,7 +279,10 @@ void Window::run(Feed& feed) {
     if (std::exchange(stale_, false)) draw();
     if (has_frame_ && std::exchange(save_, false)) save();
     if (state_.ended && options_.close) return;
-    ::glfwWaitEvents();
+    if (state_.more && !paused_)
+      ::glfwPollEvents();
+    else
+      ::glfwWaitEvents();
   }
 }
 

@@ -6,29 +6,36 @@ cat >>model.toml <<'TOML'
 [play]
 max-force = 0.05
 axes = "-z,x,y"
-model-path = ["models"]
+gain = 1
 [play.safety]
-ramp = 0
-slew = inf
+ramp = 600
+slew = 0.5
 [play.mapping]
 offset = [0.1, 0, 0]
 TOML
-ln -s "$HAPGRID_BUILD/models" models
 # The other filters pass over the table.
 seed model.toml --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete | cmp - grid
-for i in {-90..90}; do echo "$(printf '%de-2' "$i") 0 0"; done >path
+for i in {-900..900}; do echo "$(printf '%de-3' "$i") 0 0"; done >path
 # --set takes one value each: the grid behind it is the grid.
-play --max-force 0.05 --set safety.ramp=0 --set safety.slew=inf grid \
+play --max-force 0.05 --set safety.ramp=600 --set safety.slew=0.5 grid \
   --device path:path --log here 2>/dev/null
 play grid --config model.toml --device path:path --log there 2>err
 cmp here there
-grep -q ' 0.05 N sent; safety, in ticks: clamped' err || fail "$(cat err)"
-play grid --config model.toml --device path:path --max-force 0.1 2>err
+grep -qE ' 0.05 N sent; safety, in ticks: .*clamped' err || fail "$(cat err)"
+# What the file changed comes first.
+same "the file's settings" "play: model.toml sets gain = 1, mapping.offset = [0.1,0,0], \
+max-force = 0.05, safety.ramp = 600, safety.slew = 0.5, axes = -z,x,y" "$(head -1 err)"
+play grid --config model.toml --device path:path --max-force 0.1 --axes x,y,z 2>err
 grep -q ' 0.1 N sent' err || fail "the command line counts more: $(cat err)"
+same "the file's settings" "play: model.toml sets gain = 1, mapping.offset = [0.1,0,0], \
+safety.ramp = 600, safety.slew = 0.5" "$(head -1 err)"
+printf '[play]\n' >empty.toml
+play grid --config empty.toml --device path:path 2>err
+same "an empty table" "play: empty.toml sets nothing" "$(head -1 err)"
 # One key of the command line changes that key alone.
 play grid --config model.toml --device path:path --set safety.ramp=1e6 2>err
-grep -qE '; safety, in ticks: ramped 181$' err || fail "the command line counts more: $(cat err)"
+grep -qE '; safety, in ticks: ramped 1801$' err || fail "the command line counts more: $(cat err)"
 
 help='\(see play --help\)'
 wrong() { # LINE MESSAGE
@@ -36,14 +43,51 @@ wrong() { # LINE MESSAGE
   expect 2 '' "~play: $2 $help" -- play grid --config wrong.toml --device path:path
 }
 wrong 'max-forse = 1' "--config: line 2: unknown key 'max-forse'; did you mean '--max-force'\?"
-wrong 'max-force = -1' "--max-force: '-1' is not a number from 0 to 1e\+06 N"
-wrong 'axes = "x,x,y"' "--axes: 'x,x,y' is not like -z,x,y"
-wrong 'realtime = "perhaps"' "--realtime: 'perhaps' is not require, try or off"
-wrong 'realtime = 1' "--realtime: '1' is not require, try or off"
+wrong 'max-force = -1' "--config: line 2: --max-force must be a number from 0 to 1e\+06 N"
+wrong 'axes = "x,x,y"' "--config: line 2: axes: 'x,x,y' is not like -z,x,y"
+wrong 'axes = 1' "--config: line 2: axes must be a text in quotes"
 wrong 'scale = 1 2' '--config: line 2: .*'
-wrong 'scale = 2020-01-01' '--config: line 2: play.scale must be a number, a text, true or false, or an array'
-wrong 'set = "safety.slew=1"' "--config: line 2: unknown key 'set'; .*"
+wrong 'scale = 2020-01-01' '--config: line 2: --scale must be a number from 0 to 1e\+15 UNITS/M'
 wrong $'[play.safety]\nslow = 1' "--config: line 3: unknown key 'safety.slow'; did you mean 'safety.slew'\?"
+# A stranger's file chooses no code, writes and listens nowhere, and raises no limit.
+cannot='cannot be set by a file, only by the command line'
+for line in 'model-path = ["."]' 'log = "log"' 'report = "report"' 'frames = "frames"' 'sessions = "table"' \
+  'imd = 8888' 'imd-address = "0.0.0.0"' 'imd-version = "2"' 'device = "keys"' 'grid = "grid"' 'rate = 1' \
+  'duration = 1' 'realtime = "off"' 'traversal = "paper"' 'force = "state"' 'selftest = true' \
+  'config = "model.toml"' 'set = "safety.slew=1"'; do
+  [[ $line == grid* ]] || wrong "$line" "--config: line 2: ${line%% *} $cannot"
+  [[ $line != grid* ]] || wrong "$line" "--config: line 2: unknown key 'grid'; .*"
+done
+for key in safety.fade keys.step pid.newtons pid.range pid.signs loop.spin imd.wait; do
+  wrong "$key = 0.1" "--config: line 2: $key $cannot"
+done
+only() { # KEY VALUE DEFAULT less|more: it can only be set to the default and further
+  local other=more
+  [[ $4 == less ]] || other=less
+  wrong "$1 = $2" "--config: line 2: $1 = $2: a file can only set $3 or $4; the command line can set $other"
+  printf '[play]\n%s = %s\n' "$1" "${3%% *}" >good.toml
+  play grid --config good.toml --device path:path 2>/dev/null
+}
+only max-force 3.01 '3 N' less
+only safety.slew inf '1 N/ms' less
+only safety.ramp 0 '500 ms' more
+only safety.max_speed inf '2 m/s' less
+only safety.buzz_force 0.6 '0.5 N' less
+only safety.buzz_rate 31 '30 1/s' less
+only safety.watchdog 11 '10 ticks' less
+only safety.reserve 2 '1 mJ' less
+only safety.encoder 1e-05 '5.5e-05 m' more
+nothing_left . empty.toml err good.toml grid here model.toml path there wrong.toml
+
+for file in /dev/zero pipe; do
+  [[ -e $file ]] || mkfifo $file
+  expect 2 '' "~play: $file: is no regular file $help" -- \
+    timeout 10 play grid --config $file --device path:path
+done
+expect 1 '' 'play: pipe: is no regular file' -- timeout 10 play grid --device profile:pipe
+expect 1 '' 'play: pipe: is no regular file' -- timeout 10 play grid --device sim:pipe
+rm pipe
+
 expect 2 '' "~play: .*none.toml.* $help" -- play grid --config none.toml --device path:path
 
 wrong_set() { # SETTING MESSAGE

@@ -4,12 +4,16 @@ seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --co
 echo '0 0 0' >path
 
 help='(see play --help)'
-forms='path:FILE, keys, replay:FILE, sim:FILE, profile:FILE, pid[:WHICH], spacemouse[:WHICH]'
+forms='path:FILE, keys, replay:FILE, sim:FILE, profile:FILE, pid[:WHICH], spacemouse[:WHICH], process:COMMAND'
 expect 2 '' "play: grid is required $help" -- play
 expect 2 '' "play: --device is required $help" -- play grid
 expect 2 '' "play: --device: 'falcon' is not a device: $forms $help" -- play grid --device falcon
 expect 2 '' "play: --device: 'path:' is not a device: $forms $help" -- play grid --device path:
 expect 2 '' "play: the grid and the device cannot both be standard input $help" -- play - --device path:-
+expect 2 '' "play: --device: 'process:' is not a device: $forms $help" -- play grid --device process:
+expect 2 '' "play: --device: process: names no program $help" -- play grid --device 'process: '
+expect 2 '' "play: --rate: an adapter lets go of the hand below 20 Hz $help" \
+  -- play grid --device process:true --rate 19
 for rate in 0 -1 nan 1e7 fast; do
   expect 2 '' "play: --rate: '$rate' is not a rate from 0.001 to 1000000 Hz $help" \
     -- play grid --device path:path --rate "$rate"

@@ -40,6 +40,7 @@ refuses "expand: other\.toml: defines the model other, the grid's is puppet" -- 
   expand seeds --allow-process other.toml -o out
 refuses "expand: $ball: (line [0-9]+: )?the key model\.process is missing" -- expand seeds --allow-process "$ball" -o out
 refuses "expand: gone\.toml: No such file or directory" -- expand seeds --allow-process gone.toml -o out
+refuses "expand: /dev/zero: is no regular file" -- expand seeds --allow-process /dev/zero -o out
 expect 2 '' '~expand: .*' -- expand seeds --allow-process
 for bad in 0 -1 nan x; do
   expect 2 '' '~expand: .*--process-timeout.*' -- expand seeds --allow-process good.toml --process-timeout $bad
@@ -65,6 +66,9 @@ for tool in "seed told.toml --allow-process" "expand seeds --allow-process told.
   refuses "${tool%% *}: model puppet: $who version' it speaks version 2 of the protocol, this hapgrid speaks 1" \
     -- $tool -o out
 done
+define puppet deep >told.toml
+refuses "seed: model puppet: $who deep' its first line nests deeper than 64 levels" -- \
+  seed told.toml --allow-process -o out
 define puppet refuse >told.toml
 refuses "seed: model puppet: no way" -- seed told.toml --allow-process -o out
 sed 's/"python3"/"no-such-program"/' good.toml >bad.toml
@@ -121,4 +125,31 @@ for signal in TERM HUP KILL; do
   done
   ! pgrep -f "puppet.py hang 1 $mark" >/dev/null || fail "a model is left after $signal"
   [[ ! -e half ]] || fail "half a file after $signal"
+done
+
+# Nor anything that a model has started, whatever group and session it went to: after a good end, when a
+# model is replaced, and after a signal to the tool.
+family() {  # AT: the model dies at its AT-th question
+  mark=1$RANDOM$RANDOM  # seconds, for `sleep`
+  define puppet family "$1" "$mark" >told.toml
+}
+left() { pgrep -f "sleep 1000 $mark" >/dev/null; }
+gone() { ! left; }
+three() { [[ $(pgrep -c -f "sleep 1000 $mark") -ge 3 ]]; }
+family 1000
+expect 0 '' '' -- expand seeds --allow-process told.toml -o requests
+! left || fail "a good end leaves what the model has started"
+family 1
+refuses "expand: $conversion: $who family 1 .*' exited with status 7; asked 3 times" -- \
+  expand seeds --allow-process told.toml -o out
+! left || fail "a bad end leaves what the model has started"
+for signal in TERM KILL; do
+  family 1
+  sed -i "s/\"family\"/\"slow-family\"/" told.toml
+  "$HAPGRID_BIN/expand" seeds --allow-process "$PWD/told.toml" -o half &
+  tool=$!
+  wait_for 10 "family" three
+  kill -$signal $tool
+  wait $tool 2>/dev/null || true
+  wait_for 5 "end of what the model has started after $signal" gone
 done

@@ -59,15 +59,15 @@ expect 0 null '' -- stats seeds --get one_way_share
 expand seeds --part 1/2 --cost r1 -o q1
 expand seeds --part 2/2 --cost r2 -o q2
 merge seeds q1 q2 --cost r2 -o second
-expect 0 3 '' -- stats second --get costs.lines --cost r1 r2
+expect 0 3 '' -- stats second --get costs.lines --cost r1 --cost r2
 expect 0 "$(stats second --get conversions)" '' -- \
-  stats second --get costs.conversions --cost r1 r2
+  stats second --get costs.conversions --cost r1 --cost r2
 echo '{"cpu_seconds": 7200, "conversions": 5, "tear_conversions": 0}' >hours
-expect 0 2.0 '' -- stats --get cpu_hours --cost hours -- grid
+expect 0 2.0 '' -- stats --get cpu_hours --cost hours grid
 stats grid --cost hours | grep -qx 'hung-ball        1.000   [0-9.]* MB        2.0' ||
   fail "CPU hours in the table"
 echo '{"cpu_seconds": 1' >>hours
-refuses 'stats: hours: line 2: no JSON object' -- stats grid --cost r1 hours
+refuses 'stats: hours: line 2: no JSON object' -- stats grid --cost r1 --cost hours
 refuses 'stats: missing: No such file or directory' -- stats grid --cost missing
 
 # What is refused.

@@ -157,7 +157,7 @@ def _(g):
 
 
 for what in ("force", "energy", "shape"):
-    @fault("a number of the %s is nan" % what, "finite", grid="stored")
+    @fault("a number of the %s is nan" % what, "finite", *["passive"] * (what == "force"), grid="stored")
     def _(g, what=what):
         row = g.at(MIDDLE)
         row[what][0] = float("nan")

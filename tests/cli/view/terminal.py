@@ -26,7 +26,7 @@ def palette(n):
 def covered(symbol):
     """The part of a cell that is foreground, of the block elements of Unicode."""
     code = ord(symbol)
-    if symbol == " ":
+    if symbol == " " or code < 128:  # the legend's letters
         return 0
     if 0x2581 <= code <= 0x2588:  # from below
         return (code - 0x2580) / 8

@@ -39,6 +39,12 @@ wait_line '^3$'
 wait_line '^ready>$'
 before=$(on capture-pane -p)
 
+# shows PNG COLUMNS ROWS: whether the upper rows of the terminal are this picture.
+shows() {
+  on capture-pane -epN >capture
+  python3 "$here/terminal.py" cells capture "$@"
+}
+
 # True colour: the picture, then the numbers and the curves in the last three lines.
 start "COLORTERM=truecolor view live --terminal $how"
 wait_line '^energy '
@@ -67,6 +73,14 @@ sleep 0.1
 view two --png two.png --size 480x240 $how
 on capture-pane -epN >capture
 python3 "$here/terminal.py" cells capture two.png 60 15
+# In any size the picture is the same, and not sheared.
+for size in 130x48 131x48 61x18 67x23 79x24 81x25 83x31 97x40 113x47 132x43 150x50; do
+  columns=${size%x*} rows=$((${size#*x} - 3))
+  on resize-window -x "$columns" -y "${size#*x}"
+  # shellcheck disable=SC2086
+  view two --png two.png --size $((8 * columns))x$((16 * rows)) $how
+  wait_for 60 "picture of $size" shows two.png "$columns" "$rows"
+done
 on resize-window -x 80 -y 24
 # Interrupted: everything is as before.
 on send-keys C-c
@@ -117,6 +131,19 @@ head -c -1 x.frames >cut
 type_line 'view cut --terminal; echo exit $?'
 wait_line '^exit 1$'
 on capture-pane -p | grep -q '^view: cut: byte [0-9]*: truncated: a message is cut' || fail "no message"
+usual
+
+# What play says at its end stays on the usual screen, below the last picture or before it. A terminal's
+# window that shows the frames does not end with them, and play does not wait for it.
+type_line clear
+wait_line '^ready>$'
+type_line 'play grid --device keys --frames - | view --terminal'
+wait_line '^arrows: x, z .* q: end'
+wait_line '^energy '
+type_line q
+wait_line '^ready>$'
+wait_line '^play: frames written [0-9]+, dropped '
+wait_line '^play: lateness p50 '
 usual
 
 # Images, forced: what is sent is decoded.

@@ -108,7 +108,7 @@ change 's/red = 0.9/red = -1/' >changed
 refuses 'view: changed: byte 0: a colour is not in \[0, 1\]' -- view changed
 nothing_left empty
 
-expect 2 '' "view: only one of --xyz and --png can be standard output $see" \
+expect 2 '' "view: only one of --xyz, --png and --html can be standard output $see" \
   -- view x.frames --xyz - --png -
 expect 2 '' "view: --at requires --png $see" -- view x.frames --at 1
 expect 2 '' "view: --hip-label requires --xyz $see" -- view x.frames --hip-label Xx

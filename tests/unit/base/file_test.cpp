@@ -163,6 +163,28 @@ TEST_CASE("texts are limited") {
   REQUIRE_THROWS_AS(read_text(dir.file("text"), 2), Error);
 }
 
+TEST_CASE("a device that never ends is read as far as the limit") {
+  REQUIRE_THROWS_WITH(read_text("/dev/zero", 1000000),
+                      "/dev/zero: more than 1000000 bytes, which is the limit");
+}
+
+TEST_CASE("only regular files, where a stranger may have written the name") {
+  const TemporaryDirectory dir;
+  put(dir.file("text"), "abc");
+  fs::create_symlink("text", dir.path() / "link");
+  REQUIRE(read_regular_text(dir.file("link"), 3) == "abc");
+  REQUIRE_THROWS_WITH(read_regular_text(dir.file("link"), 2),
+                      dir.file("link") + ": 3 bytes, the limit is 2");
+  REQUIRE_THROWS_WITH(read_regular_text("/dev/zero", 2), "/dev/zero: is no regular file");
+  REQUIRE(::mkfifo(dir.file("pipe").c_str(), 0600) == 0);
+  fs::create_symlink("pipe", dir.path() / "way");
+  REQUIRE_THROWS_WITH(read_regular_text(dir.file("way"), 2),
+                      dir.file("way") + ": is no regular file");
+  REQUIRE_THROWS_WITH(read_regular_text(dir.path().string(), 2),
+                      dir.path().string() + ": Is a directory");
+  REQUIRE_THROWS_WITH(read_regular_text("-", 2), "-: No such file or directory");
+}
+
 TEST_CASE("an unlinked file leaves nothing") {
   const TemporaryDirectory dir;
   {

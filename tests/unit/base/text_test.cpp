@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "libcore/base/json.hpp"
+
 using namespace hapgrid;
 
 namespace {
@@ -46,6 +48,31 @@ TEST_CASE("hostile strings become printable") {
   CHECK(printable_line("\x1b[2J\n\x7f") == " [2J  ");
   CHECK(printable_line("\xc3\xa9 \xe2\x88\x92") == "\xc3\xa9 \xe2\x88\x92");
   CHECK(printable_line("\xc2\x9b"
-                       "2J \xff \xc3") == "??2J ? ?");  // CSI in eight bits; no UTF-8
+                       "2J \xff \xc3") == "?2J ? ?");  // CSI in eight bits; no UTF-8
   CHECK(printable_line("abcd", 3) == "abc");
+  CHECK(printable_line("\xc2\x85\xe2\x80\xae|\xe2\x80\xa8|\xef\xbb\xbf|\xe2\x80\x8b") ==
+        "??|?|?|?");
+  CHECK(printable_line("\xf3\xa0\x80\x81|\xc2\xad") == "?|?");  // a tag, a soft hyphen
+  // Overlong, a surrogate, beyond Unicode.
+  CHECK(printable_line("\xe0\x80\xaf|\xed\xa0\x80|\xf4\x90\x80\x80|\xf0\x82\x82\xac") ==
+        "???|???|????|????");
+  CHECK(printable_line("\xf0\x9f\x98\x80\xe6\xbc\xa2\xef\xbf\xbd") ==
+        "\xf0\x9f\x98\x80\xe6\xbc\xa2\xef\xbf\xbd");
+  CHECK(printable_text("a\033\n\n\xe2\x80\xae"
+                       "b") == "a \n\n?b");
+}
+
+TEST_CASE("JSON that nests too deep is known before it is parsed") {
+  const auto nested = [](std::size_t depth) {
+    return std::string(depth, '[') + std::string(depth, ']');
+  };
+  CHECK_FALSE(nests_too_deep(nested(kMaxJsonDepth)));
+  CHECK(nests_too_deep(nested(kMaxJsonDepth + 1)));
+  CHECK(nests_too_deep("}}}" + std::string(kMaxJsonDepth + 1, '{')));
+  CHECK_FALSE(nests_too_deep(nested(kMaxJsonDepth) + nested(kMaxJsonDepth)));
+  // Brackets in texts do not count, and a text can contain a quote.
+  CHECK_FALSE(nests_too_deep('"' + nested(100) + '"'));
+  CHECK_FALSE(nests_too_deep(R"("\")" + nested(100) + '"'));
+  CHECK(nests_too_deep(R"("\\")" + nested(100) + '"'));
+  CHECK_FALSE(nests_too_deep("\"\\"));
 }

@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "libcore/check/energy.hpp"
+#include "libcore/check/played_work.hpp"
+#include "libcore/check/trapezoid_work.hpp"
 #include "tests/unit/check/ball_grid.hpp"
 #include "tests/unit/check/oracle.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
@@ -22,18 +24,20 @@ std::vector<ClosedWalk> gaining(std::uint32_t n, double spacing, F&& force) {
   std::vector<Vec3> forces;
   for (PointIndex p = 0; p < box.points(); ++p) forces.push_back(force(box.position(p)));
   const Forces all(std::move(forces));
-  return find_energy(grid, Work(grid, all), 2, 3).gaining;
+  return find_energy(grid, TrapezoidWork(grid, all), 2, 3).gaining;
 }
 
 /// Whether a closed walk gains more than it is allowed, by Floyd and Warshall.
-bool can_gain(const Grid& grid, const Work& work) {
+bool can_gain(const Grid& grid, const Work& work, double rate = 0) {
   const std::size_t n = grid.records();
   std::vector<double> cost(n * n, std::numeric_limits<double>::infinity());
   for (RecordIndex r = 0; r < n; ++r)
     for (int q = 0; q < kDirections; ++q) {
       const RecordIndex t = grid.destination(r, q);
       if (t != Grid::kNoRecord)
-        cost[r * n + t] = std::min(cost[r * n + t], work.allowance({r, q}) - work.gain({r, q}));
+        cost[r * n + t] =
+            std::min(cost[r * n + t],
+                     work.allowance({r, q}) + rate * work.length({r, q}) - work.gain({r, q}));
     }
   for (std::size_t k = 0; k < n; ++k)
     for (std::size_t i = 0; i < n; ++i)
@@ -60,7 +64,7 @@ std::vector<Link> there_and_back(const Grid& grid) {
 struct Sum {
   double gain = 0, bound = 0;
 };
-Sum sum_of(const Work& work, const std::vector<Link>& links) {
+Sum sum_of(const TrapezoidWork& work, const std::vector<Link>& links) {
   Sum sum;
   for (const Link& link : links) {
     sum.gain += work.gain(link);
@@ -84,7 +88,7 @@ const Box kBallBox{{-0.975, -0.475, -0.475}, 0.05, {40, 20, 20}};
 // A force that is cut has no energy.
 const std::vector<Parameter> kUncut{{"max_force", 1e6}};
 
-void require_closed(const Grid& grid, const Work& work, const ClosedWalk& walk) {
+void require_closed(const Grid& grid, const TrapezoidWork& work, const ClosedWalk& walk) {
   REQUIRE_FALSE(walk.links.empty());
   for (std::size_t i = 0; i < walk.links.size(); ++i)
     REQUIRE(grid.destination(walk.links[i].from, walk.links[i].q) ==
@@ -129,10 +133,10 @@ TEST_CASE("a force that turns about an axis is found") {
     forces.push_back({-5 * x[0] - 0.01 * x[1], 0.01 * x[0] - 5 * x[1], -5 * x[2]});
   }
   const Forces all(std::move(forces));
-  const Work work(grid, all);
+  const TrapezoidWork work(grid, all);
   const Energy energy = find_energy(grid, work, 2, 3);
   REQUIRE(energy.gaining.size() == 3);
-  CHECK(energy.gave_up);
+  CHECK_FALSE(energy.gave_up);
   for (const ClosedWalk& walk : energy.gaining) {
     require_closed(grid, work, walk);
     // Twice the curl's half times the area of the walk in the plane: whole triangles of h²/2.
@@ -141,9 +145,15 @@ TEST_CASE("a force that turns about an axis is found") {
     CHECK(triangles > 0.5);
   }
   const CellMap map(grid, 1);
-  const Check check = check_passive(grid, map, {}, all, 2);
+  Check check = check_passive(grid, work, energy);
   CHECK(check.verdict() == "broken");
-  CHECK(check.found.offenders == Findings::kShown);
+  CHECK(check.found.offenders == 3);
+  // The curl, 0.02, times the area of a walk, by its length. Links at the box's sides have
+  // allowances: the square beside them is a walk, and no curve in the whole box encloses more for
+  // its length than its side by 2 + sqrt(pi) (its Cheeger set).
+  CHECK(figure(check, "gain per length") > 0.02 * 1.25 / 4);
+  CHECK(figure(check, "gain per length") < 0.02 * 1.75 / (2 + std::sqrt(3.15)));
+  add_inside_cells(check, grid, map, {}, all, energy, 2);
   CHECK(figure(check, "largest turn") == Approx(2 * 0.01 * 0.25 * 0.25));
 }
 
@@ -163,11 +173,19 @@ TEST_CASE("a closed walk that gains is found exactly where there is one") {
       forces.push_back(f);
     }
     const Forces all(std::move(forces));
-    const Work work(grid, all);
+    const TrapezoidWork work(grid, all);
     const Energy energy = find_energy(grid, work, 1 + trial % 2, 1);
     const bool can = can_gain(grid, work);
     CHECK(energy.gaining.empty() != can);
     for (const ClosedWalk& walk : energy.gaining) require_closed(grid, work, walk);
+    // No walk is steeper than the steepest one, which is as steep as it says.
+    REQUIRE(energy.is_steepest);
+    const double rate = energy.steepest.rate();
+    CHECK((rate > 0) == can);
+    CHECK_FALSE(can_gain(grid, work, rate + 1e-8));
+    if (can) require_closed(grid, work, energy.steepest);
+    CHECK(find_energy(grid, work, 1, 1, rate * (1 + 1e-9)).gaining.empty());
+    CHECK(find_energy(grid, work, 1, 1, rate / 2).gaining.empty() == !can);
     ++(can ? with : without);
   }
   CHECK(with > 5);
@@ -180,7 +198,7 @@ TEST_CASE("the hung ball's loop costs what the ball drops by") {
   const double drop = 1 - 1 / (1 + 2 * hung_ball::kRadius);
   const Grid grid = hung_ball::grid({{-0.9, 0, 0}, 1.8 / 16000, {16001, 1, 1}}, kUncut);
   const Forces forces = forces_of(grid);
-  const Work work(grid, forces);
+  const TrapezoidWork work(grid, forces);
   const auto loop = there_and_back(grid);
   CHECK(loop.size() == 32000);
   const Sum sum = sum_of(work, loop);
@@ -189,13 +207,12 @@ TEST_CASE("the hung ball's loop costs what the ball drops by") {
 
   const Energy energy = find_energy(grid, work, 2, 1);
   CHECK(energy.gaining.empty());
-  const CellMap map(grid, 1);
-  const Check check = check_passive(grid, map, {}, forces, 1);
+  const Check check = check_passive(grid, work, energy);
   CHECK(check.verdict() == "ok");
   CHECK(check.found.counted == 2 * (grid.records() - 1));
   // A force of the wrong sign returns it.
   const Forces wrong = turned(grid, forces);
-  const Work wrong_work(grid, wrong);
+  const TrapezoidWork wrong_work(grid, wrong);
   const Energy returned = find_energy(grid, wrong_work, 2, 1);
   REQUIRE(returned.gaining.size() == 1);
   require_closed(grid, wrong_work, returned.gaining[0]);
@@ -208,7 +225,7 @@ TEST_CASE("a ball that falls loses what it drops by") {
   const double drop = 1 - 1 / (1 + 2 * hung_ball::kRadius);
   const Grid grid = hung_ball::grid({{-0.9, -0.3, 0}, 0.0125, {145, 49, 1}}, kUncut);
   const Forces forces = forces_of(grid);
-  const Work work(grid, forces);
+  const TrapezoidWork work(grid, forces);
   const Energy energy = find_energy(grid, work, 2, 1);
   CHECK(energy.gaining.empty());
   const int right = Direction::of(1, 0, 0).q();
@@ -225,8 +242,7 @@ TEST_CASE("a ball that falls loses what it drops by") {
   // The way there is off by its bound at most, and so may be the way that the potential took.
   CHECK(std::abs(loss - drop) <= 2 * bound);
   CHECK(bound < drop);
-  const CellMap map(grid, 1);
-  CHECK(figure(check_passive(grid, map, {}, forces, 1), "largest loss") >= loss);
+  CHECK(figure(check_passive(grid, work, energy), "largest loss") >= loss);
 }
 
 TEST_CASE("a mixture of branches that the hand carries along returns energy, as much as is said") {
@@ -275,7 +291,10 @@ TEST_CASE("a mixture of branches that the hand carries along returns energy, as 
   }
   const CellMap map(grid, 2);
   const auto found = find_configurations(grid, map, 2, 1 << 20);
-  const Check check = check_passive(grid, map, found, forces, 2);
+  const TrapezoidWork work(grid, forces);
+  const Energy energy = find_energy(grid, work, 2, 1);
+  Check check = check_passive(grid, work, energy);
+  add_inside_cells(check, grid, map, found, forces, energy, 2);
   CHECK(check.verdict() == "ok");  // no walk along links does that
   for (const double loop : loops) {
     CHECK(loop == Approx(loops[0]));
@@ -289,9 +308,9 @@ TEST_CASE(
   const Grid grid = hung_ball::grid(kBallBox, kUncut);
   CHECK(grid.records() == 18104);  // as seed and expand find them, examples/hung-ball
   const Forces forces = forces_of(grid);
-  CHECK(find_energy(grid, Work(grid, forces), 2, 1).gaining.empty());
+  CHECK(find_energy(grid, TrapezoidWork(grid, forces), 2, 1).gaining.empty());
   const Forces wrong = turned(grid, forces);
-  const Work wrong_work(grid, wrong);
+  const TrapezoidWork wrong_work(grid, wrong);
   const Energy returned = find_energy(grid, wrong_work, 2, 1);
   REQUIRE(returned.gaining.size() == 1);
   require_closed(grid, wrong_work, returned.gaining[0]);
@@ -312,7 +331,7 @@ TEST_CASE(
   std::swap(columns.links[grid.first(p) * kDirections + q],
             columns.links[(grid.first(p) + 1) * kDirections + q]);
   const Grid exchanged(grid.spec(), 1, std::move(columns));
-  const Work work(exchanged, forces);
+  const TrapezoidWork work(exchanged, forces);
   const Energy energy = find_energy(exchanged, work, 2, 1);
   REQUIRE(energy.gaining.size() == 1);
   require_closed(exchanged, work, energy.gaining[0]);
@@ -320,4 +339,123 @@ TEST_CASE(
                     [&](const Link& link) {
                       return exchanged.point(link.from) == p && link.q == static_cast<int>(q);
                     }));
+}
+
+namespace {
+
+/// A grid of one branch, and the force of its records as play interpolates it.
+struct Played {
+  Grid grid;
+  BranchMap map;
+  NodeEnergies nodes;
+
+  template <class F>
+  Played(const Box& box, F&& force)
+      : grid(random_grid(box, 1, 1, 1)), map(grid), nodes(grid, &map.sheets, fields(force)) {}
+
+  PlayedWork work(const ForceLimit& limit = {}) const {
+    return {grid, map, nodes, mean_force, limit, 2};
+  }
+
+ private:
+  template <class F>
+  RecordFields fields(F&& force) const {
+    RecordFields all;
+    for (RecordIndex r = 0; r < grid.records(); ++r)
+      all.force.push_back(force(grid.box().position(grid.point(r))));
+    return all;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a swirl under a ripple is found where the force is known between the points") {
+  // 2 N around the z axis, and 0.7 N that change from point to point: allowances for a field that
+  // nobody knows between the points hide the swirl.
+  const Box box{{-1, -1, -1}, 0.25, {9, 9, 5}};
+  std::mt19937_64 random(9);
+  const Played played(box, [&](const Vec3& x) {
+    const double r = std::max(0.1, std::hypot(x[0], x[1]));
+    Vec3 f{-2 * x[1] / r, 2 * x[0] / r, 0};
+    for (double& component : f) component += uniform(random, -0.7, 0.7);
+    return f;
+  });
+  const Energy energy = find_energy(played.grid, played.work(), 2, 3, 0.2);
+  CHECK(check_passive(played.grid, played.work(), energy).verdict() == "broken");
+  // On the square around the axis the force along the way is 2 N times the cosine of at most 45
+  // degrees, and the ripple's mean is small.
+  CHECK(energy.steepest.rate() > 1.2);
+  CHECK(energy.steepest.rate() < 2.7);
+}
+
+TEST_CASE("the work along a link is the integral of the played force") {
+  const Box box{{0, 0, 0}, 0.5, {4, 3, 3}};
+  const Played played(box, [](const Vec3& x) {
+    return Vec3{3 * x[0] - x[1], 2 - 5 * x[2] * x[0], x[1] * x[1]};
+  });
+  for (const double max_force : {1e9, 2.5}) {
+    const ForceLimit limit{1.5, max_force};
+    const PlayedWork work = played.work(limit);
+    for (RecordIndex r = 0; r < played.grid.records(); ++r)
+      for (int q = 0; q < kDirections; ++q) {
+        const RecordIndex to = played.grid.destination(r, q);
+        if (to == Grid::kNoRecord || !work.takes(q)) continue;
+        // By midpoints of a thousand parts, of the linear force between the two records.
+        const Vec3 d = played.grid.neighbourhood().shift(q);
+        double sum = 0;
+        for (int i = 0; i < 1000; ++i) {
+          Vec3 f;
+          const double u = (i + 0.5) / 1000;
+          for (int a = 0; a < 3; ++a)
+            f[a] = -(1 - u) * played.nodes[r].slope[a] - u * played.nodes[to].slope[a];
+          f = limit(f);
+          sum += (f[0] * d[0] + f[1] * d[1] + f[2] * d[2]) / 1000;
+        }
+        // A kink moves Gauss's two points off by at most a piece of 1/16, and the force changes by
+        // at most 1.5 * 6 N along a link of 0.5.
+        CHECK(work.gain({r, q}) == Approx(sum).margin(max_force > 1e6 ? 1e-6 : 0.01));
+        CHECK(work.gain({to, Direction(q).opposite().q()}) ==
+              Approx(-work.gain({r, q})).margin(1e-9));
+      }
+  }
+}
+
+TEST_CASE("a limit that keeps the direction makes a gradient gain") {
+  // Of E = 5 x² + y² / 2, far from its axis: where it is cut to a length, its curl is not 0.
+  const Box box{{-1, -1, 0}, 0.125, {17, 17, 1}};
+  const Played played(box, [](const Vec3& x) { return Vec3{-10 * x[0], -x[1], 0}; });
+  const Energy whole = find_energy(played.grid, played.work(), 2, 1, 1e-4);
+  CHECK(whole.gaining.empty());
+  const ForceLimit limit{1, 2};
+  const Energy cut = find_energy(played.grid, played.work(limit), 2, 1, 1e-4);
+  CHECK(cut.steepest.rate() > 0.1);
+  const Check check = check_limited(played.grid, limit, cut);
+  CHECK(check.verdict() == "note");
+  CHECK(figure(check, "gain per length") == cut.steepest.rate());
+}
+
+TEST_CASE("work that is not finite is broken") {
+  const Box box{{0, 0, 0}, 1, {3, 3, 3}};
+  const Grid grid = random_grid(box, 1, 1, 1);
+  std::vector<Vec3> forces(grid.records(), Vec3{0, 0, 0});
+  forces[13] = {1e308, 1e308, 1e308};
+  forces[14] = {1e308, 1e308, 1e308};
+  const Forces all(std::move(forces));
+  const TrapezoidWork work(grid, all);
+  const Check check = check_passive(grid, work, find_energy(grid, work, 1, 1));
+  CHECK(check.verdict() == "broken");
+}
+
+TEST_CASE("the hung ball's snaps lead down, also where a finer grid meets its cusp") {
+  // The finer one has points in the plane x = 0, where the two sides of the ball meet.
+  for (const Box& box : {kBallBox, Box{{-0.9875, -0.4875, -0.4875}, 0.025, {80, 40, 40}}}) {
+    const Grid grid = hung_ball::grid(box, {});
+    const RecordFields fields = record_fields(
+        grid, [&] { return hung_ball::make(grid.spec().parameters); }, 2);
+    const BranchMap map(grid);
+    const NodeEnergies nodes(grid, &map.sheets, fields);
+    const PlayedWork work(grid, map, nodes, hermite_force, {}, 2);
+    const Energy energy = find_energy(grid, work, 2, 3, 0.2);
+    CHECK(check_passive(grid, work, energy).verdict() == "ok");
+  }
 }

@@ -160,6 +160,8 @@ TEST_CASE("PID: forces are shares of the largest magnitude") {
   // 1 N of 4 is 2500 = 0x09c4 of 10000; 2 N away from the user, in HID's y -2, are -5000 = 0xec78.
   CHECK(sent({1, 2, 7}) == Reports{{5, 5, 0xc4, 0x09}, {5, 6, 0x78, 0xec}});
   CHECK(sent({0, 0, 0}) == Reports{{5, 5, 0, 0}, {5, 6, 0, 0}});
+  // Towards zero: 2500.9 and -5000.9.
+  CHECK(sent({1.00036, 2.00036, 0}) == Reports{{5, 5, 0xc4, 0x09}, {5, 6, 0x78, 0xec}});
   // Saturated: 10000 = 0x2710, -10000 = 0xd8f0.
   CHECK(sent({1e300, 4.001, 0}) == Reports{{5, 5, 0x10, 0x27}, {5, 6, 0xf0, 0xd8}});
   const double inf = std::numeric_limits<double>::infinity();

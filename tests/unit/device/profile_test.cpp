@@ -104,9 +104,9 @@ TEST_CASE("a Teensy with three axes") {
   CHECK_FALSE(teensy.decode({}, input));
   CHECK(input.position == before.position);
 
-  // 0.5 N is 500 = 0x01F4, -1.234 N is -1234 = 0xFB2E, 2.0005 N is 2001 (half away from zero).
+  // 0.5 N is 500 = 0x01F4, -1.2349 N is -1234 = 0xFB2E, 2.0019 N is 2001 (towards zero).
   std::vector<HidReport> out;
-  teensy.encode({0.5, -1.234, 2.0006}, out);
+  teensy.encode({0.5, -1.2349, 2.0019}, out);
   CHECK(out ==
         std::vector<HidReport>{teensy_report({0, 0x48, 1, 0xf4, 0x01, 0x2e, 0xfb, 0xd1, 0x07})});
   const HidReport zero = teensy_report({0, 0x48, 1});
@@ -271,6 +271,53 @@ high = [1, 0, 0]
   CHECK(device.stop() == std::vector<HidReport>{{8, 128, 0}});
 }
 
+TEST_CASE("no rounding makes a force larger") {
+  // The rows keep lengths only within the tolerance: the first is 1.0004 long.
+  Profile profile = read_profile(R"(name = "d"
+[match]
+vid = 1
+pid = 2
+[input]
+length = 1
+x = {bit = 0, bits = 8, scale = 0.001}
+[[output]]
+length = 3
+x = {bit = 0, bits = 8, newtons_per_count = 0.5}
+y = {bit = 8, bits = 8, newtons_per_count = -0.5, zero = -20}
+z = {bit = 16, bits = 8, signed = false, newtons_per_count = 0.03, zero = 128}
+[force]
+max = 3
+axes = [[0.6003, 0.8003, 0], [-0.8, 0.6, 0], [0, 0, 1]]
+[workspace]
+low = [-1, 0, 0]
+high = [1, 0, 0]
+)",
+                                 "p");
+  ProfileProtocol device(profile);
+  std::vector<HidReport> out;
+  const auto felt = [&](const Vec3& force) {
+    device.encode(force, out);
+    const std::vector<std::uint8_t>& r = out.front();
+    return Vec3{0.5 * static_cast<std::int8_t>(r[1]), -0.5 * (static_cast<std::int8_t>(r[2]) + 20),
+                0.03 * (r[3] - 128)};
+  };
+  const auto length = [](const Vec3& v) { return std::hypot(v[0], v[1], v[2]); };
+  // 2.99 N, on the outputs' axes (2.75, -0.75, -0.9), which the nearest counts make 3.29 N.
+  CHECK(length(felt({2.25, 1.75, -0.9})) <= 2.99);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 10'000; ++i) {
+    const Vec3 direction{normal(random), normal(random), normal(random)};
+    const double newtons = 3.0 * (i % 100 + 1) / 100;
+    Vec3 force;
+    for (int a = 0; a < 3; ++a) force[a] = newtons * direction[a] / length(direction);
+    const Vec3 given = felt(force);
+    REQUIRE(length(given) <= newtons * (1 + 1e-12));
+    // And less than a count is lost on each axis: 0.5 N twice, and 0.03 N; 0.15 % by the rows.
+    REQUIRE(length(given) >= newtons * (1 - 1.5e-3) - std::hypot(0.5, 0.5, 0.03));
+  }
+}
+
 TEST_CASE("a profile without an output has no force") {
   const std::string text = kGood;
   const std::size_t from = text.find("[[output]]"), to = text.find("[workspace]");
@@ -310,7 +357,7 @@ TEST_CASE("a profile that cannot be right is refused") {
   CHECK(refusal("length = 4\n", "length = 4\naxes = [[1, 0, 0], [1, 0, 0], [0, 0, 1]]\n") ==
         "p: line 7: input.axes may exchange, mirror and turn axes, not scale or skew them");
   CHECK(refusal("newtons_per_count = 0.001", "newtons_per_count = 0.001, high = 2000") ==
-        "p: line 10: output.x.low to output.x.high hold 2.0005 N, force.max is 3 N");
+        "p: line 10: output.x.low to output.x.high hold 2 N, force.max is 3 N");
   CHECK(refusal("newtons_per_count = 0.001", "newtons_per_count = 0.001, low = 1") ==
         "p: line 10: output.x.zero must lie from output.x.low to output.x.high");
   CHECK(refusal("newtons_per_count = 0.001", "newtons_per_count = 0.001, high = 32768")

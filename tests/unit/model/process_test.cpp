@@ -157,6 +157,12 @@ TEST_CASE("hostile answers are refused in one line") {
   }
   CHECK(refusal([] { answer(std::string(1000000, '[')); }).size() < 600);
   CHECK(refusal([] { answer("{\"x\":" + std::string(1000000, '[')); }).size() < 600);
+  const auto nested = [](std::size_t depth) {
+    return "{\"id\": 1, \"note\": " + std::string(depth, '[') + std::string(depth, ']') + "}";
+  };
+  CHECK(answer(nested(63)).id == 1);
+  CHECK(refusal([&] { answer(nested(64)); }).find("nested deeper than 64 levels") !=
+        std::string::npos);
 
   ModelInfo d;
   d.state_size = 2;
@@ -224,6 +230,13 @@ TEST_CASE("what a model says of itself") {
         "a sphere whose radius is negative or not finite");
   CHECK(refused("[1, 0, 0.5]", "[1, 0, 2]") == "a sphere's colour is not within 0 and 1");
   CHECK_THROWS_AS(read_first_line(R"({"error": "no"})"), RefusedError);
+  // The message would repeat the version, level by level.
+  for (const std::size_t depth : {64, 20'000, 10'000'000})
+    CHECK(refused("\"hapgrid\": 1",
+                  "\"hapgrid\": " + std::string(depth, '[') + std::string(depth, ']')) ==
+          "its first line nests deeper than 64 levels");
+  CHECK(refused("\"hapgrid\": 1", "\"hapgrid\": " + std::string(63, '[') + std::string(63, ']'))
+            .starts_with("it speaks version [[["));
   CHECK(refusal([] { read_first_line("hello"); }).find("its first line is no JSON: ") == 0);
 }
 

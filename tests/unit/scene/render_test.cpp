@@ -3,10 +3,12 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <numbers>
 
+#include "libcore/scene/legend.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
 using namespace hapgrid;
@@ -173,7 +175,37 @@ TEST_CASE("HIP, force and box are there, and can be left out") {
   CHECK(greenish(stage.render().at(pixel(0.12), 150)));
   stage.scene.spheres.clear();
   stage.options.box = stage.options.hip = false;
+  stage.options.legend = false;
   for (const Rgb& p : stage.render().pixels) REQUIRE(p == kWhite);
+}
+
+TEST_CASE("the legend says where the axes point and how long things are, in front of all") {
+  Stage stage;
+  stage.scene.box = {{-1, -1, -1}, 1, {3, 3, 3}};
+  stage.scene.length_unit = "nm";
+  stage.options = {.width = 300, .height = 300, .letters = false};
+  stage.camera = {0, 0, {0, 0, 0}, 1.5};  // 100 pixels a unit
+  stage.add(-1.3F, 0, -1.3F, 0.5F, {0, 1, 0});
+  const Image image = stage.render();
+  const auto dark = [&](int x, int y) {
+    return image.at(x, y)[1] < 120 && std::abs(image.at(x, y)[0] - image.at(x, y)[1]) < 20;
+  };
+  // A quarter of the width is 0.75 units: the bar has 0.5, from 10 pixels off the corner.
+  for (int x = 12; x < 58; ++x) REQUIRE((dark(x, 289) || dark(x, 290)));
+  CHECK_FALSE((dark(65, 289) || dark(65, 290)));
+  const Legend legend = make_legend(stage.scene, stage.camera, stage.options);
+  REQUIRE(legend.labels.size() == 4);
+  CHECK(legend.labels[0].text == "0.5 nm");
+  // From the front x points right and z up; y points away from the viewer.
+  const auto at = [&](int label) { return legend.labels[static_cast<std::size_t>(label)].left; };
+  CHECK(at(1)[0] > at(2)[0] + 20);
+  CHECK(at(1)[1] == Approx(at(2)[1]));
+  CHECK(at(3)[1] < at(2)[1] - 20);
+  // Letters add to it, and a small picture has no legend.
+  stage.options.letters = true;
+  CHECK(stage.render().pixels != image.pixels);
+  stage.options.height = 100;
+  CHECK(make_legend(stage.scene, stage.camera, stage.options).labels.empty());
 }
 
 TEST_CASE("the whole of it is in the picture, from every side") {

@@ -25,6 +25,7 @@ inline Scene small_scene() {
   scene.state_size = 2;
   scene.hip_radius = 0.25;
   scene.spheres = {{1.5F, {1, 0, 0}, "O"}, {1, {0.5F, 0.5F, 1}, ""}, {0, {0, 0, 0}, "Na"}};
+  scene.keys = "q: end";
   return scene;
 }
 
@@ -38,6 +39,7 @@ inline Frame small_frame(std::uint64_t tick) {
   frame.force = {0, 0, -t / 3};
   frame.raw_force = {0, 0, -t};
   frame.levels = {0, 1, 2, 3, 253, 5, 6, 7};
+  frame.jumps = tick / 2;
   frame.row = {t, 0.1};
   frame.energy = t == 0 ? std::numeric_limits<double>::quiet_NaN() : -t;
   frame.centres = {0, 1, 2, 3, 4, 5, 6, 7, static_cast<float>(t)};

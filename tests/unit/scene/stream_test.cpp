@@ -63,6 +63,7 @@ void check_same(const Frame& a, const Frame& b) {
   CHECK((a.energy == b.energy || (std::isnan(a.energy) && std::isnan(b.energy))));
   CHECK(a.row == b.row);
   CHECK(a.levels == b.levels);
+  CHECK(a.jumps == b.jumps);
   CHECK(a.centres == b.centres);
 }
 

@@ -131,6 +131,8 @@ TEST_CASE("a malformed cost file is named with its line") {
   CHECK(message(good + good) == "");
   CHECK(message(good + "{\"cpu_seconds\":1,") == "cost: line 2: no JSON object");
   CHECK(message(good + "\n" + good) == "cost: line 2: no JSON object");
+  CHECK(message("{\"x\":" + std::string(100'000, '[') + std::string(100'000, ']') + "}\n") ==
+        "cost: line 1: no JSON object");
   CHECK(message("[1]\n") == "cost: line 1: no JSON object");
   const std::string seconds = "cost: line 1: \"cpu_seconds\" is no number of 0 or more";
   CHECK(message("{\"conversions\":1}") == seconds);

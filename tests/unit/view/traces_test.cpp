@@ -46,21 +46,22 @@ TEST_CASE("where the time goes back curves start anew") {
   CHECK(traces.samples()[0].time_s == 4);
 }
 
-TEST_CASE("levels that differ from those of the frame before are a switch") {
+TEST_CASE("more jumps than in the frame before are a snap, other levels are none") {
   Traces traces;
   Frame frame = frame_at(0);
-  frame.levels[3] = 2;
+  frame.jumps = 2;
   traces.add(frame);  // nothing was before it
   frame.time_s = 1;
   traces.add(frame);
-  frame.levels[3] = 1;
+  frame.jumps = 3;
   frame.time_s = 2;
   traces.add(frame);
+  frame.levels[3] = 1;
   frame.time_s = 3;
   traces.add(frame);
-  std::vector<bool> switched;
-  for (const auto& s : traces.samples()) switched.push_back(s.switched);
-  CHECK(switched == std::vector<bool>{false, false, true, false});
+  std::vector<bool> snapped;
+  for (const auto& s : traces.samples()) snapped.push_back(s.snapped);
+  CHECK(snapped == std::vector<bool>{false, false, true, false});
 }
 
 TEST_CASE("a force is its magnitude, and its axis starts at zero") {
@@ -103,7 +104,7 @@ TEST_CASE("columns are equal parts of ten seconds") {
   // From 95 s to 100 s: of ten columns the left five are before the first sample.
   for (int i = 0; i <= 50; ++i) {
     Frame frame = frame_at(95 + 0.1 * i, {static_cast<double>(i % 10), 0, 0}, i);
-    frame.levels[0] = i >= 25;  // at 97.5 s
+    frame.jumps = i >= 25;  // at 97.5 s
     traces.add(frame);
   }
   const auto curve = columns(traces, 10);
@@ -114,7 +115,7 @@ TEST_CASE("columns are equal parts of ten seconds") {
   }
   for (int c = 5; c < 10; ++c) {
     CHECK(curve[c].force == 9);
-    CHECK(curve[c].switched == (c == 7));
+    CHECK(curve[c].snapped == (c == 7));
   }
   CHECK(curve[9].energy == 50);  // the newest
   // More columns than samples: a value holds until the next one.
@@ -125,7 +126,7 @@ TEST_CASE("columns are equal parts of ten seconds") {
   CHECK(std::isnan(fine[490].force));
   for (int c = 510; c < 1000; ++c) CHECK(std::isfinite(fine[c].force));
   int marks = 0;
-  for (const Column& column : fine) marks += column.switched;
+  for (const Column& column : fine) marks += column.snapped;
   CHECK(marks == 1);
 }
 

@@ -5,13 +5,15 @@ a process that lived can be checked, and `fault` says what it does beside answer
     die crash hang garbage html id number short long nan huge close   instead of an answer
     fail       answers {"error": ...}
     poison     dies at the questions whose s[0] is above AT, whoever asks
-  or before: version unknown-key no-size refuse mute dead binary late-start rms
+  or before: version deep unknown-key no-size refuse mute dead binary late-start rms
   or always: reverse (answers all that came together last first), slow-end (stays after its input),
-    chatty (answers with more keys than asked for), stderr
+    chatty (answers with more keys than asked for), stderr, family (starts processes that stay, in
+    its group and in sessions of their own, and dies at the AT-th question), slow-family (and hangs)
 """
 import json
 import os
 import signal
+import subprocess
 import sys
 import time
 
@@ -52,6 +54,8 @@ description = {"hapgrid": 1, "state_size": 2, "d_max": 10, "tolerance": 1e-3,
                "norm": "rms" if fault == "rms" else "max"}
 if fault == "version":
     description["hapgrid"] = 2
+elif fault == "deep":
+    say('{"hapgrid": ' + "[" * 100_000 + "]" * 100_000 + "}\n")
 elif fault == "unknown-key":
     description["tolerence"] = 1
 elif fault == "no-size":
@@ -66,6 +70,13 @@ elif fault == "binary":
     sys.stdout.buffer.write(b"\xff\xfe\n")
 elif fault == "late-start":
     time.sleep(0.3)
+elif fault in ("family", "slow-family"):
+    forever = ["sleep", "1000", *sys.argv[3:]]
+    quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    subprocess.Popen(forever, **quiet)
+    subprocess.Popen(forever, start_new_session=True, **quiet)
+    # A daemon: its parent is gone.
+    subprocess.run(["sh", "-c", 'setsid "$@" &', "sh", *forever], **quiet)
 elif fault == "stderr":
     print("hello from the model", file=sys.stderr)
 say(json.dumps(description) + "\n")
@@ -80,11 +91,11 @@ while True:
         if fault == "poison" and question["op"] == "convert" and question["s"][0] > at:
             os._exit(9)
         if count % at == 0 and fault != "poison":
-            if fault == "die":
+            if fault in ("die", "family"):
                 os._exit(7)
             elif fault == "crash":
                 os.kill(os.getpid(), signal.SIGSEGV)
-            elif fault == "hang":
+            elif fault in ("hang", "slow-family"):
                 time.sleep(1000)
             elif fault == "close":
                 os.close(1)

@@ -1,7 +1,7 @@
 #!/bin/bash
 # Table 2 of the paper at 8 points a side: both molecules through shards, verified; the bytes do not
 # depend on the number of parts.
-source "$(dirname "$0")/../lib.sh"
+source "$(dirname "$0")/../../lib.sh"
 sanitized && skip "it takes minutes; what it computes with is in unit/molecule, and smaller in cli/view/window"
 
 molecules=$HAPGRID_SOURCE/examples/molecule

@@ -1,24 +1,12 @@
-// The force of a play: what --force can name, and what each of it asks.
+// The force of a play, by the rule that --force names.
 #pragma once
 
 #include <optional>
-#include <string>
 
-#include "libcore/haptic/node_force.hpp"
 #include "libcore/model/fields.hpp"
-#include "tools/common/traversals.hpp"
+#include "tools/common/force_rules.hpp"
 
 namespace hapgrid {
-
-enum class ForceRule {
-  kEnergy,   ///< the gradient of the interpolated energy
-  kRecords,  ///< the forces of the records, interpolated
-  kState     ///< as the paper has it: the force of the interpolated state, or the stored one
-};
-
-const char* name_of(ForceRule rule);
-/// Nothing when no rule has that name.
-std::optional<ForceRule> force_named(const std::string& name);
 
 /// For one thread.
 class PlayForce {

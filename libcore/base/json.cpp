@@ -1,0 +1,24 @@
+#include "libcore/base/json.hpp"
+
+namespace hapgrid {
+
+bool nests_too_deep(std::string_view json) {
+  unsigned depth = 0;
+  bool in_text = false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (in_text) {
+      if (c == '\\') ++i;  // whatever follows is not the end of the text
+      in_text = c != '"';
+    } else if (c == '"') {
+      in_text = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kMaxJsonDepth) return true;
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+  }
+  return false;
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,86 @@
+#include "libcore/device/process_messages.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <string_view>
+
+#include "libcore/base/text.hpp"
+
+namespace hapgrid {
+
+static_assert(std::endian::native == std::endian::little, "messages are sent as they are");
+static_assert(sizeof(hapgrid_device_greeting) == 128 && sizeof(hapgrid_device_state) == 64 &&
+              sizeof(hapgrid_device_force) == 32);
+
+namespace {
+
+// No device for a hand reaches less or farther, is stronger or faster (m, N, Hz).
+constexpr double kNearest = 1e-3, kFarthest = 10, kStrongest = 1000, kFastest = 1e5;
+
+bool finite(std::span<const double> numbers) noexcept {
+  return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+}
+
+/// The longest side of the adapter's ranges, m.
+double reach(const hapgrid_device_greeting& g) noexcept {
+  double longest = 0;
+  for (int a = 0; a < 3; ++a) longest = std::max(longest, g.high[a] - g.low[a]);
+  return longest;
+}
+
+}  // namespace
+
+std::string greeting_flaw(const hapgrid_device_greeting& g, std::size_t size) {
+  if (size != sizeof g || std::memcmp(g.magic, HAPGRID_DEVICE_MAGIC, sizeof g.magic) != 0)
+    return "sent something that is not a greeting";
+  if (g.version != HAPGRID_DEVICE_VERSION)
+    return "speaks version " + std::to_string(g.version) + " of the protocol, this play speaks " +
+           std::to_string(HAPGRID_DEVICE_VERSION);
+  std::uint32_t axes = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double low = g.low[a], high = g.high[a];
+    const bool possible =
+        low >= -kFarthest && high <= kFarthest && (low == high || high - low >= kNearest);
+    if (!possible)
+      return std::string("says that its ") + "xyz"[a] + " goes from " + rounded(low) + " to " +
+             rounded(high) + " m";
+    axes += low < high;
+  }
+  if (axes == 0 || axes != g.axes)
+    return "says that it has " + std::to_string(g.axes) + " axes, and its ranges have " +
+           std::to_string(axes);
+  if (!(g.max_force >= 0 && g.max_force <= kStrongest))
+    return "says that its largest force is " + rounded(g.max_force) + " N";
+  if (!(g.rate >= kSlowestProcessHz && g.rate <= kFastest))
+    return "says that its rate is " + rounded(g.rate) + " Hz";
+  return "";
+}
+
+DeviceInfo device_info(const hapgrid_device_greeting& g, const std::string& name) {
+  const auto* const end = std::find(std::begin(g.name), std::end(g.name), '\0');
+  const std::string_view given(g.name, static_cast<std::size_t>(end - g.name));
+  DeviceInfo info{.name = given.empty() ? name : printable_line(given),
+                  .unit = DeviceInfo::Unit::kMetres,
+                  .max_force = g.max_force};
+  std::copy_n(g.low, 3, info.low.begin());
+  std::copy_n(g.high, 3, info.high.begin());
+  return info;
+}
+
+StateFlaw state_flaw(const hapgrid_device_greeting& greeting, const hapgrid_device_state& state,
+                     std::size_t size, std::uint32_t number, double time) noexcept {
+  if (size != sizeof state) return StateFlaw::kSize;
+  if (state.number != number) return StateFlaw::kNumber;
+  if (!std::isfinite(state.time) || !finite(state.position) || !finite(state.velocity))
+    return StateFlaw::kNotFinite;
+  const double slack = reach(greeting) / 2;  // ranges are nominal
+  for (int a = 0; a < 3; ++a)
+    if (state.position[a] < greeting.low[a] - slack || state.position[a] > greeting.high[a] + slack)
+      return StateFlaw::kOutside;
+  return state.time < time ? StateFlaw::kBackwards : StateFlaw::kNone;
+}
+
+}  // namespace hapgrid

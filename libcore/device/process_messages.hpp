@@ -1,0 +1,28 @@
+// What an adapter sends is checked here, before anything of it is used.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "libcore/device/device.hpp"
+#include "libcore/device/process_protocol.h"
+
+namespace hapgrid {
+
+/// With fewer forces a second the adapter would take each of them away before the next comes.
+inline constexpr double kSlowestProcessHz = 20;
+
+/// What is wrong with a greeting, to be read behind the adapter's name; empty when nothing is.
+/// @param size bytes that came, of which `greeting` has the first ones.
+std::string greeting_flaw(const hapgrid_device_greeting& greeting, std::size_t size);
+/// @param greeting without flaw. @param name where it has none.
+DeviceInfo device_info(const hapgrid_device_greeting& greeting, const std::string& name);
+
+enum class StateFlaw { kNone, kSize, kNumber, kNotFinite, kOutside, kBackwards };
+
+/// Real-time safe. @param greeting without flaw. @param size bytes that came, of which `state` has
+/// the first ones. @param number of the last force. @param time of the state before.
+StateFlaw state_flaw(const hapgrid_device_greeting& greeting, const hapgrid_device_state& state,
+                     std::size_t size, std::uint32_t number, double time) noexcept;
+
+}  // namespace hapgrid

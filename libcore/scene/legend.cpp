@@ -1,0 +1,106 @@
+#include "libcore/scene/legend.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libcore/base/text.hpp"
+#include "libcore/scene/letters.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr Colour kInk{0.16F, 0.17F, 0.2F};
+// In pixels at scale 1.
+constexpr double kAxis = 26;
+constexpr double kMargin = 10;
+constexpr double kSmallest = 150;  // of a picture's sides, for a legend
+constexpr double kFarthest = 1e6;  // rays: what is beyond counts for nothing, also in a window
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above `most`.
+double round_length(double most) {
+  const double power = std::pow(10, std::floor(std::log10(most)));
+  for (const double digit : {5.0, 2.0})
+    if (digit * power <= most) return digit * power;
+  return power;
+}
+
+/// Each row of a letter's pixels as lines.
+void add_letter(std::vector<Line>& lines, char letter, double x, double y, double z, double pixel) {
+  const LetterRows rows = letter_rows(letter);
+  for (int row = 0; row < kLetterHeight; ++row)
+    for (int column = 0; column < kLetterWidth; ++column) {
+      const auto set = [&](int i) {
+        return i < kLetterWidth &&
+               rows[static_cast<std::size_t>(row)] >> (kLetterWidth - 1 - i) & 1;
+      };
+      if (!set(column)) continue;
+      int last = column;
+      while (set(last + 1)) ++last;
+      const double middle = y + pixel * (row + 0.5);
+      lines.push_back({{x + pixel * (column + 0.5), middle, z},
+                       {x + pixel * (last + 0.5), middle, z},
+                       0.55 * pixel,
+                       kInk});
+      column = last;
+    }
+}
+
+}  // namespace
+
+Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions& options) {
+  Legend legend;
+  const double scale = options.letter_scale;
+  if (std::min(options.width, options.height) < kSmallest) return legend;
+  const double pixels = std::min(options.width, options.height) / (2 * camera.half_width);
+  const double length = round_length(0.25 * options.width / pixels);
+  const double bar = length * pixels;
+  if (!std::isfinite(bar)) return legend;  // an absurd camera
+  const double left = scale * kMargin, bottom = options.height - scale * kMargin - 0.5;
+  legend.lines.push_back({{{left, bottom}, {left + bar, bottom}}});
+  for (const double x : {left, left + bar})
+    legend.lines.push_back({{{x, bottom - 3 * scale}, {x, bottom + 3 * scale}}});
+  legend.labels.push_back({rounded(length) + " " + printable_line(scene.length_unit),
+                           {left + bar + 5 * scale, bottom}});
+
+  const PictureAxes axes(camera);
+  const std::array<double, 2> middle{left + scale * (kAxis + 8), bottom - scale * (kAxis + 22)};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::array<double, 2> way{axes.right[a], -axes.up[a]};
+    const auto at = [&](double distance) {
+      return std::array{middle[0] + scale * distance * way[0],
+                        middle[1] + scale * distance * way[1]};
+    };
+    legend.lines.push_back({{middle, at(kAxis)}});
+    const auto name = at(kAxis + 7);
+    legend.labels.push_back({std::string(1, "xyz"[a]), {name[0] - 2.5 * scale, name[1]}});
+  }
+  return legend;
+}
+
+void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
+                const RenderOptions& options) {
+  const Legend legend = make_legend(scene, camera, options);
+  const double rays = options.supersampling;
+  double z = 0;
+  const auto behind = [&](double depth) {
+    if (depth < kFarthest) z = std::max(z, depth + 1);
+  };
+  for (const Line& line : drawing.lines) behind(std::max(line.from[2], line.to[2]));
+  for (const auto& balls : {drawing.balls, drawing.translucent})
+    for (const Ball& ball : balls) behind(ball.centre[2] + ball.radius);
+  for (const auto& [from, to] : legend.lines)
+    drawing.lines.push_back({{rays * from[0], rays * from[1], z},
+                             {rays * to[0], rays * to[1], z},
+                             0.6 * rays * options.letter_scale,
+                             kInk});
+  if (!options.letters) return;
+  const double pixel = rays * options.letter_scale;
+  for (const Label& label : legend.labels)
+    for (std::size_t i = 0; i < label.text.size(); ++i)
+      add_letter(drawing.lines, label.text[i],
+                 rays * label.left[0] + pixel * kLetterWidth * static_cast<double>(i),
+                 rays * label.left[1] - pixel * kLetterHeight / 2, z, pixel);
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,33 @@
+// What a picture says about directions and lengths: the axes x, y and z and a scale bar, in its
+// lower left corner.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "libcore/scene/drawing.hpp"
+
+namespace hapgrid {
+
+/// A text in a picture, in pixels from the picture's upper left corner.
+struct Label {
+  std::string text;
+  std::array<double, 2> left;  ///< of the text, and the middle of its height
+};
+
+struct Legend {
+  /// In pixels: lines from one place to another.
+  std::vector<std::array<std::array<double, 2>, 2>> lines;
+  std::vector<Label> labels;  ///< "x", "y", "z", and the length of the bar with its unit
+};
+
+/// The legend of a picture; empty where the picture is too small for one. The bar is 1, 2 or 5
+/// times a power of ten long, and at most a quarter of the width.
+Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions& options);
+
+/// Draws it in front of everything, with its letters if the options say so.
+void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
+                const RenderOptions& options);
+
+}  // namespace hapgrid

@@ -1,0 +1,36 @@
+#!/bin/bash
+# An option that can be given several times takes one value each time, so that the file behind it is read;
+# a filter that reads a terminal says so.
+source "$(dirname "$0")/../lib.sh"
+
+echo 0 0 0 >path
+found=
+for tool in seed expand merge verify stats play view check-model; do
+  more=()
+  [[ $tool != play ]] || more=(--device path:path)
+  $tool --help >help
+  # Of the help's options, those whose text says so. A text can go on in further lines.
+  for option in $(awk '/^  -/ { name = $1 } /; repeatable|^ +repeatable/ { print name }' help | sort -u); do
+    case $option in
+      --set) value=safety.ramp=600 ;;
+      --cost) value=path ;;
+      *) value=. ;;
+    esac
+    found+=" $tool$option"
+    missing="$tool: no-such: No such file or directory"
+    [[ $tool != stats ]] || missing="stats: (no-such: No such file or directory|path: .*)"
+    refuses "$missing" -- $tool $option $value no-such "${more[@]}" </dev/null
+    refuses "$missing" -- $tool no-such $option $value "${more[@]}" </dev/null
+    refuses "$missing" -- $tool $option $value $option $value no-such "${more[@]}" </dev/null
+  done
+done
+same "options that can be repeated" " seed--model-path seed--set expand--model-path merge--model-path \
+verify--model-path stats--cost play--model-path play--set check-model--model-path check-model--set" "$found"
+
+for command in "seed -" expand "expand --complete" merge "merge -" verify stats "stats --log -" view \
+  "play - --device path:path" "check-model -"; do
+  script -qec "$command 2>err" /dev/null </dev/null >/dev/null || true
+  same "the line of $command" "${command%% *}: reads this terminal (Ctrl-D ends the input)" "$(head -1 err)"
+done
+script -qec "seed '$ball' -o /dev/null 2>err" /dev/null </dev/null >/dev/null
+[[ ! -s err ]] || fail "$(cat err)"

@@ -1,0 +1,129 @@
+"""An adapter for play --device process:, which records what it hears and misbehaves on command.
+
+    adapter.py RECORD MODE [AT]      MODE: a name in MODES; AT: the force at which it begins (default 150)
+
+RECORD gets a line for each event, behind the time (CLOCK_MONOTONIC, s): "pid N", "force X END", "fault"."""
+import os
+import select
+import signal
+import struct
+import subprocess
+import sys
+import time
+
+record = open(sys.argv[1], "a", buffering=1)
+mode = sys.argv[2]
+at = int(sys.argv[3]) if len(sys.argv) > 3 else 150
+forces = struct.Struct("<3d2I")
+
+
+def note(*words):
+    print(time.monotonic(), *words, file=record)
+
+
+def greeting(magic=b"hapgrid", version=1, axes=3, low=(-0.08,) * 3, high=(0.08,) * 3, force=3.0, rate=1000.0,
+             name=b"puppet"):
+    return struct.pack("<8s2I3d3d2d48s", magic, version, axes, *low, *high, force, rate, name)
+
+
+def state(number, t=None, x=-0.04, v=0.0, buttons=0):
+    return struct.pack("<7d2I", time.monotonic() if t is None else t, x, 0, 0, v, 0, 0, buttons, number)
+
+
+def forever():
+    while True:
+        time.sleep(100)
+
+
+def flood(number):
+    try:
+        while True:
+            os.write(1, state(number))
+    except OSError:
+        os._exit(0)
+
+
+def leave_children(number):
+    """A child that ignores what can be ignored, and a daemon."""
+    script = "import os,signal,sys,time;[signal.signal(s,signal.SIG_IGN) for s in (1,2,15)];" \
+             "print(time.monotonic(),'pid',os.getpid(),file=open(sys.argv[1],'a'));time.sleep(100)"
+    subprocess.Popen([sys.executable, "-c", script, sys.argv[1]], start_new_session=True)
+    if os.fork() == 0:
+        os.setsid()
+        if os.fork() == 0:
+            subprocess.Popen([sys.executable, "-c", script, sys.argv[1]])
+        os._exit(0)
+    deadline = time.monotonic() + 10
+    while open(sys.argv[1]).read().count("pid") < 3 and time.monotonic() < deadline:
+        os.write(1, state(number))  # play waits for no answer longer than it must
+        number = forces.unpack(os.read(0, forces.size))[3]
+    os._exit(3)
+
+
+first = {
+    "version": lambda: greeting(version=2),
+    "other": lambda: b"x" * 128,
+    "short": lambda: greeting()[:100],
+    "long": lambda: greeting() * 2,
+    "axes": lambda: greeting(axes=2),
+    "range": lambda: greeting(low=(float("nan"), 0, 0)),
+    "turned": lambda: greeting(low=(0.1,) * 3, high=(-0.1,) * 3),
+    "strong": lambda: greeting(force=float("inf")),
+    "slow": lambda: greeting(rate=1.0),
+    "escape": lambda: greeting(name=b"\x1b[31mred"),
+}
+later = {
+    "nan": lambda n: os.write(1, state(n, x=float("nan"))),
+    "infinite": lambda n: os.write(1, state(n, v=float("inf"))),
+    "timeless": lambda n: os.write(1, state(n, t=float("nan"))),
+    "far": lambda n: os.write(1, state(n, x=0.4)),
+    "back": lambda n: os.write(1, state(n, t=1.0)),
+    "number": lambda n: os.write(1, state(n - 1)),
+    "garbage": lambda n: os.write(1, b"garbage"),
+    "huge": lambda n: os.write(1, b"g" * 5000),
+    "empty": lambda n: forever(),
+    "stall": lambda n: forever(),
+    "stopped": lambda n: os.kill(os.getpid(), signal.SIGSTOP),
+    "dies": lambda n: os._exit(3),
+    "killed": lambda n: os.kill(os.getpid(), signal.SIGKILL),
+    "closes": lambda n: (os.close(0), os.close(1), forever()),
+    "flood": flood,
+    "family": leave_children,
+    "move": lambda n: os.write(1, state(n, x=0.06)),
+    "clutch": lambda n: os.write(1, state(n, buttons=1 if n < at + 200 else 0)),
+}
+
+note("pid", os.getpid())
+if mode == "early":
+    sys.exit(3)
+if mode == "mute":
+    forever()
+if mode == "deaf":  # takes no goodbye
+    for number in (2, 15, 1):
+        signal.signal(number, signal.SIG_IGN)
+os.write(1, first.get(mode, greeting)())
+frozen = None
+while True:
+    if not select.select([0], [], [], 0.1)[0]:
+        note("silence")
+        continue
+    message = os.read(0, forces.size)
+    if not message:
+        note("closed")
+        break
+    x, _, _, number, end = forces.unpack(message)
+    note("force", x, end)
+    if end and mode == "deaf":
+        note("fault")
+        forever()
+    if number == at:
+        note("fault")
+        frozen = time.monotonic() if mode == "frozen" else None
+    if number >= at and mode in later and not end:
+        later[mode](number)
+    else:
+        os.write(1, state(number, t=frozen))
+    if end:
+        if mode == "lingers":
+            forever()
+        break

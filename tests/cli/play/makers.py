@@ -1,0 +1,102 @@
+"""Plays with the adapters to makers' kits, each before a stand-in for its kit: axes and units, the last force, and
+what happens when the device is not there, fails or hangs. The handle is 25 mm to the left of the middle, 10 mm away
+from the user, 5 mm up; the grid's force is half a newton to the right."""
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+source, build = os.environ["HAPGRID_SOURCE"], os.environ["HAPGRID_BUILD"]
+plugins = f"{build}/tests/plugins"
+RIGHT = {"force-dimension": "force -0 0.5 0", "openhaptics": "force 0.5 0 -0", "haply": "force 0.5 0 0"}
+NONE = {"force-dimension": "force -0 0 0", "openhaptics": "force 0 0 -0", "haply": "force 0 0 0"}
+numbers = iter(range(100))
+
+
+class Play:
+    def __init__(self, adapter, *fault, options=()):
+        self.adapter, self.record, self.service = adapter, f"kit.{next(numbers)}", None
+        open(self.record, "w").close()
+        environment = dict(os.environ, HAPGRID_KIT=self.record, HAPGRID_KIT_FAULT=" ".join(fault),
+                           ASAN_OPTIONS="detect_leaks=0")  # to look for them at its end takes an adapter too long
+        command = f"{build}/tests/devices/{adapter}"
+        if adapter == "haply":
+            self.service = subprocess.Popen(
+                ["/usr/bin/python3", f"{source}/tests/standin/inverse_service.py", self.record, *fault],
+                stdout=subprocess.PIPE, text=True)
+            command = f"/usr/bin/python3 {source}/examples/devices/haply.py {self.service.stdout.readline().strip()}"
+        self.process = subprocess.Popen(
+            ["play", "stuck.0", "--device", f"process:{command}", "--model-path", plugins, "--force", "state", "--set",
+             "safety.ramp=50", *options], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+    def heard(self):
+        return open(self.record).read().splitlines()
+
+    def await_force(self):
+        deadline = time.monotonic() + 20
+        while RIGHT[self.adapter] not in self.heard():
+            assert time.monotonic() < deadline and self.process.poll() is None, \
+                (self.adapter, self.heard()[-3:], self.process.poll() and self.process.communicate()[1])
+            time.sleep(0.002)
+
+    def end(self, code, lines):
+        """Those that standard error ends with."""
+        error = self.error = self.process.communicate(timeout=30)[1]
+        assert self.process.returncode == code, (self.adapter, self.process.returncode, error)
+        assert re.search(f"(^|\n){lines}$", error.rstrip("\n")), (self.adapter, error)
+        if self.service:
+            self.service.kill()
+            self.service.wait()
+            self.service.stdout.close()
+
+
+def good(adapter, last):
+    play = Play(adapter, options=["--duration", "0.5", "--log", f"{adapter}.session"])
+    play.end(0, "play: lateness .*")
+    heard = play.heard()
+    assert RIGHT[adapter] in heard and heard[-len(last):] == last, (adapter, heard[-5:])
+    text = subprocess.run(["stats", "--log", f"{adapter}.session", "--export", "-"], check=True, capture_output=True,
+                          text=True).stdout.splitlines()
+    x, y, z = (float(number) for number in text[-1].split("\t")[1:4])
+    assert x < 0 < z < y, (adapter, x, y, z)
+    assert abs(y / x + 10 / 25) < 1e-9 and abs(z / x + 5 / 25) < 1e-9, (adapter, x, y, z)
+    print(f"{adapter}: {len(heard)} forces that differ, the last {heard[-len(last):]}")
+
+
+good("force-dimension", [NONE["force-dimension"], "brakes", "closed"])
+good("openhaptics", [NONE["openhaptics"], "brakes", "closed"])
+good("haply", [NONE["haply"], "closed"])
+
+# Killed, play leaves it to the guard.
+for adapter, last in [("force-dimension", "closed"), ("openhaptics", "closed"), ("haply", "closed")]:
+    play = Play(adapter)
+    play.await_force()
+    play.process.kill()
+    deadline = time.monotonic() + 10
+    while play.heard()[-1] != last or NONE[adapter] not in play.heard()[-3:]:
+        assert time.monotonic() < deadline, (adapter, play.heard()[-3:])
+        time.sleep(0.01)
+    play.end(-signal.SIGKILL, ".*")
+    print(f"{adapter}: killed, done")
+
+# A device that is not there: a line of the adapter and one of play.
+for adapter, why in [("force-dimension", "force-dimension: no device: no device found"),
+                     ("openhaptics", "openhaptics: no device: communication error"),
+                     ("haply", "haply.py: IndexError: list index out of range")]:
+    Play(adapter, "absent", "0").end(1, f"{why}\nplay: process '.*': exited with status 1")
+
+# One that fails while it is played; the adapter lets go by itself. And one that hangs, which is killed.
+for adapter, fault, why in [("force-dimension", "fail", "force-dimension: cannot set a force: communication error"),
+                            ("openhaptics", "fail", "openhaptics: the device failed: communication error"),
+                            ("haply", "close", "haply.py: the service is gone")]:
+    play = Play(adapter, fault, "200")
+    play.end(1, "play: device: process '.*': exited with status 1")
+    assert re.search(f"^{why}$", play.error, re.M), play.error
+    assert adapter == "haply" or play.heard()[-2:] == ["brakes", "closed"], (adapter, play.heard()[-3:])
+for adapter, why in [("force-dimension", "did not answer within 100 ms"),
+                     ("openhaptics", "its time stood still for 100 ms"),
+                     ("haply", "did not answer within 100 ms")]:
+    Play(adapter, "hang", "200").end(1, f"play: device: process '.*': {why}")
+print("faults: done")

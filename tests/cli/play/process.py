@@ -1,0 +1,254 @@
+"""Plays with adapters that lie, stall, die, or are not there (adapter.py): how play ends, what the hand feels last
+and how soon, and that no process is left."""
+import itertools
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+plugins = f"{os.environ['HAPGRID_BUILD']}/tests/plugins"
+ADAPTER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "adapter.py")
+# Seconds from the fault until nothing pushes the hand: play's patience, and what a busy machine may add.
+SILENCE, BUSY = 0.1, 1.0
+numbers = itertools.count()
+
+
+def at_once(case, arguments):
+    """Most of a case is waiting."""
+    with ThreadPoolExecutor(3) as pool:
+        for line in pool.map(lambda argument: case(*argument), arguments):
+            print(line)
+
+
+class Play:
+    def __init__(self, mode, *words, options=(), grid="stuck.0", command=None):
+        self.mode, self.record = mode, f"record.{next(numbers)}"
+        command = command or f"/usr/bin/python3 {ADAPTER} {self.record} {mode} {' '.join(words)}"
+        self.process = subprocess.Popen(
+            ["play", grid, "--device", f"process:{command}", "--model-path", plugins, "--force", "state",
+             "--set", "safety.ramp=50", *options], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+    def events(self, kind):
+        """Those of the record: (time, words...). The adapter may be in the middle of its last line."""
+        text = open(self.record).read() if os.path.exists(self.record) else ""
+        lines = [line.split() for line in text.splitlines(keepends=True) if line.endswith("\n")]
+        return [(float(time), *words) for time, what, *words in lines if what == kind]
+
+    def alive(self):
+        """Of all processes that the adapter noted."""
+        return [pid for _, pid in self.events("pid") if os.path.exists(f"/proc/{pid}")]
+
+    def wait(self, what, until):
+        deadline = time.monotonic() + 20
+        while not until():
+            assert time.monotonic() < deadline, (self.mode, "waited in vain", what)
+            time.sleep(0.002)
+
+    def await_force(self):
+        self.wait("for the force", lambda: self.process.poll() is not None or
+                  any(x == "0.5" for _, x, _ in self.events("force")))
+        assert self.process.poll() is None, self.process.communicate()[1]
+
+    def end(self, code, line, one_line=False):
+        """The exit code, the last line on standard error, and no process: not a moment later."""
+        error = self.process.communicate(timeout=30)[1]
+        assert self.process.returncode == code, (self.mode, self.process.returncode, error)
+        lines = error.splitlines()
+        assert re.fullmatch(line, lines[-1]), (self.mode, error)
+        assert not one_line or len(lines) == 1, (self.mode, error)
+        if code >= 0:
+            assert not self.alive(), (self.mode, "left alive", self.alive())
+
+    def ended_with_zero(self):
+        """The last message says so. @return seconds from the fault until it came"""
+        came, x, end = self.events("force")[-1]
+        assert float(x) == 0 and end == "1", (self.mode, self.events("force")[-3:])
+        return came - self.events("fault")[0][0]
+
+
+NAME = r"process '.*adapter\.py \S+ \S+.*'"
+
+
+def before_the_loop():
+    """One line, and nothing else."""
+    def case(mode, why, *words):
+        Play(mode, *words).end(1, f"play: {NAME}: {why}", one_line=True)
+        return f"{mode}: refused"
+
+    at_once(case, [
+        ("early", "exited with status 3"),
+        ("version", r"speaks version 2 of the protocol, this play speaks 1"),
+        ("other", "sent something that is not a greeting"),
+        ("short", "sent something that is not a greeting"),
+        ("long", "sent something that is not a greeting"),
+        ("axes", "says that it has 2 axes, and its ranges have 3"),
+        ("range", "says that its x goes from nan to 0.08 m"),
+        ("turned", "says that its x goes from 0.1 to -0.1 m"),
+        ("strong", "says that its largest force is inf N"),
+        ("slow", "says that its rate is 1 Hz"),
+        ("stall", "did not answer within 100 ms", "1"),
+            ("nan", "sent a number that is not finite", "1")])
+    Play("absent", command="/no/such/adapter").end(
+        1, "play: process '/no/such/adapter': cannot be started: No such file or directory", one_line=True)
+    Play("fast", options=["--rate", "2000"]).end(
+        1, "play: --rate: puppet takes at most 1000 forces a second", one_line=True)
+    play = Play("mute")
+    play.wait("for the adapter", lambda: play.events("pid"))
+    time.sleep(0.1)
+    play.process.send_signal(signal.SIGINT)
+    play.process.communicate(timeout=10)
+    assert play.process.returncode == 130 and not play.alive(), (play.process.returncode, play.alive())
+    print("before the loop: done")
+
+
+def in_the_loop():
+    """Who is still there is told to let go, and the others are killed."""
+    def case(mode, told, why):
+        play = Play(mode)
+        play.wait("for its fault", lambda: play.events("fault"))
+        play.wait("for the end of all", lambda: play.process.poll() is not None or not play.alive())
+        gone = time.monotonic()
+        play.end(1, f"play: device: {NAME}: {why}")
+        assert any(x == "0.5" for _, x, _ in play.events("force")), (mode, "there was no force")
+        took = play.ended_with_zero() if told else gone - play.events("fault")[0][0]
+        limit = SILENCE * (mode not in ("dies", "killed")) + BUSY
+        assert took < limit or mode == "family", (mode, took)
+        assert mode != "family" or len(play.events("pid")) == 3, play.events("pid")
+        return f"{mode}: let go after {took * 1000:.1f} ms"
+
+    at_once(case, [
+        ("nan", True, "sent a number that is not finite"),
+        ("infinite", True, "sent a number that is not finite"),
+        ("timeless", True, "sent a number that is not finite"),
+        ("far", True, "is at 0.4 0 0 m, and its ranges go from -0.08 -0.08 -0.08 m to 0.08 0.08 0.08 m"),
+        ("back", True, r"its time went back from \S+ to 1 s"),
+        ("frozen", True, "its time stood still for 100 ms"),
+        ("number", True, "answered force 149 instead of force 150"),
+        ("garbage", True, "sent 7 bytes, and a state has 64"),
+        ("huge", True, "sent 5000 bytes, and a state has 64"),
+        ("stall", False, "did not answer within 100 ms"),
+        ("stopped", False, "did not answer within 100 ms"),
+        ("dies", False, "exited with status 3"),
+        ("killed", False, r"was killed by signal 9 \(Killed\)"),
+        ("closes", False, "closed its standard input or output"),
+        ("flood", False, r"answered force \d+ instead of force \d+"),
+            ("family", False, "exited with status 3")])
+
+
+def at_the_end():
+    def recorded():
+        play = Play("good", options=["--duration", "0.3", "--log", "log.session"])
+        play.end(0, "play: lateness .*")
+        assert play.events("force")[-1][1:] == ("0.0", "1"), play.events("force")[-1]
+        assert sum(x == "0.5" for _, x, _ in play.events("force")) > 50
+        # The same forces again, without the adapter.
+        subprocess.run(["play", "stuck.0", "--device", "replay:log.session", "--log", "again.session", "--model-path",
+                        plugins, "--force", "state"], check=True, stderr=subprocess.DEVNULL)
+        texts = [subprocess.run(["stats", "--log", name, "--export", "-"], check=True, capture_output=True,
+                                text=True).stdout for name in ("log.session", "again.session")]
+        columns = texts[0].splitlines()[0].split("\t")
+        kept = [i for i, name in enumerate(columns) if not name.startswith(("late", "compute"))]
+        rows = [[[line.split("\t")[i] for i in kept] for line in text.splitlines()] for text in texts]
+        assert rows[0] == rows[1] and len(rows[0]) > 200, (columns, len(rows[0]))
+        return "recorded: played again"
+
+    def clutch():
+        play = Play("clutch", options=["--duration", "0.6"])
+        play.end(0, "play: lateness .*")
+        fault = play.events("fault")[0][0]
+        after = [float(x) for t, x, _ in play.events("force") if t > fault + 0.02]
+        assert 0 in after[:150] and 0.5 in after, after  # with the clutch, and when it is released
+        return "clutch: done"
+
+    def deaf():
+        Play("deaf", options=["--duration", "0.2"]).end(
+            1, f"play: device: did not take the last zero force: {NAME}: did not answer the last message within 1 s")
+        return "deaf: killed"
+
+    def lingers():
+        Play("lingers", options=["--duration", "0.2"]).end(0, "play: lateness .*")
+        return "lingers: killed"
+
+    def escape():
+        Play("escape", options=["--duration", "0.05"]).end(0, "play: lateness [^\x1b]*")
+        return "escape: done"
+
+    at_once(lambda case: case(), [[lingers], [deaf], [recorded], [clutch], [escape]])
+
+
+def play_ends():
+    """However play ends, the guard's word is the last, and the adapter's end follows."""
+    def case(name, disturb, code, line, mode="good", grid="stuck.0"):
+        play = Play(mode, grid=grid)
+        if mode == "good":
+            play.await_force()
+        begin = time.monotonic()
+        disturb(play)
+        play.end(code, line)
+        play.wait("for the adapter's end", lambda: not play.alive())
+        came, x, end = play.events("force")[-1]
+        assert (float(x), end) == (0, "1"), (name, play.events("force")[-3:])
+        return f"{name}: zero force after {(came - begin) * 1000:.1f} ms"
+
+    def stand_still(play):
+        play.process.send_signal(signal.SIGSTOP)
+        play.wait("for the guard", lambda: play.events("force")[-1][2] == "1")
+        assert play.events("silence")  # a good adapter lets go before
+        play.process.send_signal(signal.SIGCONT)
+
+    def orphaned():
+        """With the guard the adapter ends, and play hears it."""
+        play = Play("good")
+        play.await_force()
+        (_, adapter), = play.events("pid")
+        guard = next(line.split()[1] for line in open(f"/proc/{adapter}/status") if line.startswith("PPid"))
+        os.kill(int(guard), signal.SIGKILL)
+        error = play.process.communicate(timeout=30)[1]
+        assert re.search(f"^play: device: {NAME}: closed its standard input or output$", error, re.M), error
+        play.wait("for the adapter's end", lambda: not play.alive())  # whoever inherits it buries it
+        return "its guard killed: done"
+
+    at_once(lambda what, *rest: what() if not rest else case(what, *rest), [
+        [orphaned],
+        ("hangs", lambda play: None, 1, "play: the haptic loop hangs, .*: zero force was sent", "move"),
+        ("interrupted", lambda play: play.process.send_signal(signal.SIGINT), 130, "play: lateness .*"),
+        ("hung up", lambda play: play.process.send_signal(signal.SIGHUP), 129, "play: lateness .*"),
+        ("Ctrl-Z", lambda play: play.process.send_signal(signal.SIGTSTP), 148, "play: lateness .*"),
+        ("killed", lambda play: play.process.kill(), -signal.SIGKILL, "play: puppet at .*"),
+        ("crashed", lambda play: None, -signal.SIGABRT, "play: puppet at .*", "move", "stuck.1"),
+        ("stopped", stand_still, 1,
+         f"play: device: {NAME}: the program stood still, and its guard sent zero force")])
+
+
+def real_time():
+    """The adapter's priority is that of a device's threads; the loop only sends, receives and sleeps."""
+    play = Play("good")
+    play.await_force()
+    (_, adapter), = play.events("pid")
+    said = subprocess.run(["chrt", "-p", adapter], check=True, capture_output=True, text=True).stdout
+    if subprocess.run(["chrt", "-f", "45", "true"], stderr=subprocess.DEVNULL).returncode == 0:
+        assert re.search(r"priority: 45$", said, re.M) and "SCHED_FIFO" in said, said
+    play.process.send_signal(signal.SIGINT)
+    play.end(130, "play: lateness .*")
+    if os.environ.get("HAPGRID_WRAPPER"):
+        return
+    trace = subprocess.run(
+        ["strace", "-o", "trace", "play", "stuck.0", "--device",
+         f"process:/usr/bin/python3 {ADAPTER} record.trace good", "--model-path", plugins, "--force", "state",
+         "--rate", "200", "--duration", "0.5", "--log", "trace.session"],
+        env=dict(os.environ, ASAN_OPTIONS="detect_leaks=0"), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    assert trace.returncode == 0, trace.stderr
+    calls = re.findall(r"^(\w+)\(", open("trace").read(), re.M)
+    sleeps = [i for i, call in enumerate(calls) if call == "clock_nanosleep"]
+    between = [call for call in calls[sleeps[0]:sleeps[-1]] if call != "clock_gettime"]
+    # Since -f is missing, it is the thread that the program began with.
+    assert set(between) == {"clock_nanosleep", "recvfrom", "sendto"}, set(between)
+    assert abs(between.count("recvfrom") - between.count("sendto")) <= 1 and len(sleeps) > 50
+    print("real time: done")
+
+
+for part in sys.argv[1:]:
+    globals()[part]()

@@ -1,0 +1,55 @@
+# The page of view --html: in a browser without a screen it shows the picture of --png at any time of play, the
+# numbers and the snaps, loads nothing from elsewhere, and has nothing to complain about.
+source "$(dirname "$0")/../lib.sh"
+seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
+for i in {-90..90} {89..-90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
+play grid --device path:path --set safety.ramp=0 --set safety.slew=inf --frames x.frames --log x.session 2>words
+snaps=$(sed -nE 's/.*the state snapped in ([0-9]+) ticks/\1/p' words)
+((snaps > 0)) || fail "nothing snaps"
+
+expect 0 '' '' -- view x.frames --html x.html
+view --html - <x.frames | cmp - x.html
+# A session is played again for its page.
+refuses 'view: x.session: a session has no shape to show; play GRID --device replay:FILE .*' -- \
+  view x.session --html y.html
+play grid --device replay:x.session --frames - 2>/dev/null | view --html - | cmp - x.html
+# The strings of a stream end no script.
+frames=$HAPGRID_SOURCE/schemas/frame.capnp
+capnp decode "$frames" Message <x.frames | sed 's|"hung-ball"|"</script><script>alert(1)"|' |
+  capnp encode "$frames" Message >hostile
+view hostile --html hostile.html
+grep -q '</script><script>alert' hostile.html && fail "a model's name is code"
+grep -E '<(script|link|img|iframe)[^>]*(src|href)|@import|url\(' x.html && fail "loads from elsewhere"
+# 30 s of a molecule of 75 atoms take at most 5 MB: three.js, and what 750 frames take.
+frame=$((75 * 12 + 50))
+(($(stat -c %s x.html) + 750 * frame * 4 / 3 < 5000000)) || fail "large"
+# Refused: one line, and no file is left.
+mkdir empty
+capnp decode --short "$frames" Message <x.frames | sed -n 1p | capnp encode "$frames" Message >scene
+refuses 'view: scene: no frame in it, nothing to draw' -- view scene --html empty/x
+head -c -1 x.frames >cut
+refuses 'view: cut: byte [0-9]*: truncated: a message is cut' -- view cut --html empty/x
+nothing_left empty
+
+command -v chromium >/dev/null || skip "no chromium"
+# browse ARGUMENTS... URL: what the page has to say is on standard error.
+browse() {
+  timeout 60 chromium --headless --no-sandbox --hide-scrollbars --use-angle=swiftshader --enable-unsafe-swiftshader \
+    --user-data-dir="$work/browser" --window-size=400,496 --virtual-time-budget=200 --enable-logging=stderr \
+    "$@" 2>messages
+  grep CONSOLE messages && fail "messages of the page"
+  return 0
+}
+# Three.js draws triangles, so that rims differ, and lines a pixel wide. Much differ 8 of 1,000 (measured), and 70
+# as soon as the view is a degree off.
+browse --screenshot=shot.png "file://$PWD/x.html#t=0.12"
+same "size" "400 x 496" "$(python3 "$here/png.py" size shot.png)"
+view x.frames --at 0.12 --size 400x300 --png drawn.png
+python3 "$here/png.py" near shot.png drawn.png 0.06 0.012
+view x.frames --at 0.12 --size 400x300 --png drawn.png --azimuth 31
+python3 "$here/png.py" near shot.png drawn.png 0.06 0.012 2>/dev/null && fail "compares nothing"
+# At the end, with the hostile name: the last frame's numbers, and every snap that play counted.
+browse --dump-dom "file://$PWD/hostile.html#t=99" >dom
+last=$(view x.frames --format json | python3 -c 'import json, sys; print("%.2f" % json.load(sys.stdin)["last_s"])')
+same "status" "~t $last s   force [0-9.e-]+ N   energy [0-9.e-]+ N rope lengths   snaps $snaps of $snaps" \
+  "$(sed -nE 's/.*<div id="status">([^<]*)<.*/\1/p' dom)"

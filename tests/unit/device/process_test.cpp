@@ -1,0 +1,137 @@
+// Devices that are processes; tests/cli/play/process.sh has adapters that misbehave.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+#include "libcore/base/error.hpp"
+#include "libcore/device/process_device.hpp"
+#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/temporary.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+std::vector<std::string> adapter(const std::string& record, const std::string& mode) {
+  return {"/usr/bin/python3", HAPGRID_SOURCE_DIR "/tests/cli/play/adapter.py", record, mode};
+}
+
+bool exists(pid_t pid) { return std::filesystem::exists("/proc/" + std::to_string(pid)); }
+
+}  // namespace
+
+TEST_CASE("reading and sending take no memory") {
+  TemporaryDirectory directory;
+  std::optional<ProcessGuard> guard(adapter(directory.file("record"), "good"));
+  pid_t pid = -1;
+  {
+    ProcessDevice device(*guard);
+    pid = guard->adapter();
+    CHECK(exists(pid));
+    const DeviceInfo info = device.info();
+    CHECK(info.name == "puppet");
+    CHECK(info.unit == DeviceInfo::Unit::kMetres);
+    CHECK(info.low == Vec3{-0.08, -0.08, -0.08});
+    CHECK(info.high == Vec3{0.08, 0.08, 0.08});
+    CHECK(info.max_force == 3);
+    CHECK(device.rate_hz() == 1000);
+    DeviceInput input;
+    bool good = true;
+    const std::uint64_t before = testing::allocations_of_thread();
+    for (int i = 0; i < 100; ++i) {
+      good = device.read(input) == DeviceStatus::kOk && good;
+      good = device.send({1, 0, 0}) == DeviceStatus::kOk && good;
+    }
+    CHECK(testing::allocations_of_thread() == before);
+    CHECK(good);
+    CHECK(input.position == Vec3{-0.04, 0, 0});
+    CHECK_FALSE(input.clutch);
+    CHECK(device.stop() == DeviceStatus::kOk);
+    CHECK(device.stop() == DeviceStatus::kOk);
+    CHECK(device.read(input) == DeviceStatus::kFailed);
+  }
+  guard.reset();
+  CHECK_FALSE(exists(pid));
+}
+
+TEST_CASE("an adapter that cannot be a device is refused, and gone") {
+  TemporaryDirectory directory;
+  std::optional<ProcessGuard> guard(adapter(directory.file("record"), "version"));
+  CHECK_THROWS_WITH(ProcessDevice(*guard), Catch::Contains("version 2 of the protocol"));
+  const pid_t pid = guard->adapter();
+  REQUIRE(pid > 0);
+  guard.reset();
+  CHECK_FALSE(exists(pid));
+}
+
+TEST_CASE("a guard that started nothing has nothing to end") {
+  const auto begin = std::chrono::steady_clock::now();
+  { ProcessGuard guard({"/no/such/program"}); }
+  {
+    ProcessGuard guard({"/no/such/program"});
+    CHECK_THROWS_AS(guard.start(), DeviceError);
+  }
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(1));
+}
+
+TEST_CASE("the adapter has its socket, and no other file of the program's") {
+  TemporaryDirectory directory;
+  int pipe[2];
+  REQUIRE(::pipe(pipe) == 0);  // without O_CLOEXEC
+  ProcessGuard guard(adapter(directory.file("record"), "good"));
+  ProcessDevice device(guard);
+  const std::string files = "/proc/" + std::to_string(guard.adapter()) + "/fd/";
+  for (const auto& entry : std::filesystem::directory_iterator(files)) {
+    const std::string name = entry.path().filename().string();
+    const std::string to = std::filesystem::read_symlink(entry.path()).string();
+    CAPTURE(name, to);
+    if (name == "0" || name == "1")
+      CHECK(to.starts_with("socket:"));
+    else
+      CHECK((name == "2" || to == directory.file("record")));
+  }
+  ::close(pipe[0]);
+  ::close(pipe[1]);
+}
+
+TEST_CASE("states are checked to the last bit of their ranges") {
+  hapgrid_device_greeting greeting{.magic = HAPGRID_DEVICE_MAGIC,
+                                   .version = HAPGRID_DEVICE_VERSION,
+                                   .axes = 2,
+                                   .low = {-0.1, 0, 0},
+                                   .high = {0.1, 0.1, 0},
+                                   .max_force = 1,
+                                   .rate = 20,
+                                   .name = "two axes"};
+  REQUIRE(greeting_flaw(greeting, sizeof greeting).empty());
+  const auto flaw = [&](double x, double time, std::uint32_t number, std::size_t size) {
+    hapgrid_device_state state{};
+    state.time = time;
+    state.position[0] = x;
+    state.number = number;
+    return state_flaw(greeting, state, size, 7, 1);
+  };
+  CHECK(flaw(0.2, 1, 7, 64) == StateFlaw::kNone);  // the longest side is 0.2: half of it beyond
+  CHECK(flaw(std::nextafter(0.2, 1), 1, 7, 64) == StateFlaw::kOutside);
+  CHECK(flaw(-0.21, 1, 7, 64) == StateFlaw::kOutside);
+  CHECK(flaw(0, std::nextafter(1, 0), 7, 64) == StateFlaw::kBackwards);
+  CHECK(flaw(0, std::nan(""), 7, 64) == StateFlaw::kNotFinite);
+  CHECK(flaw(0, 1, 6, 64) == StateFlaw::kNumber);
+  CHECK(flaw(0, 1, 7, 63) == StateFlaw::kSize);
+  CHECK(flaw(0, 1, 7, 65) == StateFlaw::kSize);
+
+  // A name may fill its field.
+  std::fill(std::begin(greeting.name), std::end(greeting.name), 'n');
+  CHECK(device_info(greeting, "").name == std::string(48, 'n'));
+  greeting.name[0] = '\0';
+  CHECK(device_info(greeting, "process 'x'").name == "process 'x'");
+  CHECK_FALSE(greeting_flaw(greeting, 127).empty());
+  greeting.high[0] = greeting.low[0] + 1e-6;
+  CHECK(greeting_flaw(greeting, 128) == "says that its x goes from -0.1 to -0.099999 m");
+}
