@@ -30,7 +30,8 @@ constexpr std::uint64_t kDefaultWalks = 100;
 
 constexpr const char* kChecks =
     "The rows of the report:\n"
-    "  complete, coverage, links, finite, distinct, fractions   all points, states and links are there\n"
+    "  complete, coverage, links, finite, distinct, fractions   all points, states and links are "
+    "there\n"
     "  reachable, generations   links lead from the seeds to each record, as far as its "
     "generation\n"
     "  fidelity, stored, tears   the model, asked again, gives what the grid has\n"

@@ -87,7 +87,7 @@ BlendedEnergy energy_of_branches(const Grid& grid, const Sheets& sheets, const F
       std::int64_t base = grid.point(r);
       for (int k = 0; k < 8 && is_whole; ++k) {
         const int corner = survey.cells().is_corner(k) ? k : own;
-        const int q = kBetweenCorners[own][corner];
+        const auto q = kBetweenCorners[own][corner];
         const Node node = q < 0 ? r : sheets.node(r, q);
         is_whole = node != Sheets::kNoNode;
         if (is_whole) rows[k] = sheets.row(node);

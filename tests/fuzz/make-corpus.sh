@@ -30,7 +30,11 @@ for shard in seeds requests next both grid small stored tears; do
   put shard "$shard" <"$shard"
   [[ $shard == both ]] || zstd -qdc "$shard" | put shard_messages "$shard"
 done
-
+# Compressed bytes are as good as random ones, and the first says which kind of grid is made of them.
+for bytes in 300 1000 3000; do
+  (printf '\0'; head -c "$bytes" <(cat grid stored requests next)) | put traversal "noise-$bytes"
+  (printf '\1'; head -c "$bytes" <(cat grid stored requests next)) | put traversal "branches-$bytes"
+done
 
 # Sessions, whole and cut, their text, and frames.
 for step in {0..84}; do

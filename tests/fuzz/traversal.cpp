@@ -1,0 +1,206 @@
+// A random grid, judged and played: what the checks of verify call fine must play, by the rule that
+// stays on a branch and with the forces of the interpolated energy, without a link that is missing,
+// without a jump of the state but at a snap, and without energy for the hand. A grid that they do
+// not call fine is played as well, if play takes it: then only the safety core's promises hold.
+//
+// Made of the input: the box's counts, the levels of each point, and for each record a state, an
+// energy, a force, links and tear fractions. The first byte says whether the levels are branches
+// with an energy each, of which some snap to others, or noise.
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+
+#include "libcore/check/invariants.hpp"
+#include "libcore/check/passive.hpp"
+#include "libcore/check/played_work.hpp"
+#include "libcore/check/tears.hpp"
+#include "libcore/haptic/safety.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+using namespace hapgrid;
+using namespace hapgrid::fuzz;
+
+namespace {
+
+/// Numbers from an input; zeros behind its end.
+class Input {
+ public:
+  Input(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}
+
+  unsigned below(unsigned n) { return byte() % n; }
+  /// In [-1, 1).
+  double number() { return byte() / 128.0 - 1; }
+
+ private:
+  std::uint8_t byte() {
+    if (rest_.empty()) return 0;
+    const std::uint8_t first = rest_.front();
+    rest_ = rest_.subspan(1);
+    return first;
+  }
+
+  std::span<const std::uint8_t> rest_;
+};
+
+void require(bool holds, const char* what) {
+  if (holds) return;
+  std::cerr << "finding: " << what << std::endl;
+  std::abort();
+}
+
+/// An energy in newtons times spacings: base + slope x + 1/2 curvature x^2 on each axis.
+struct Branch {
+  double base;
+  Vec3 slope, curvature;
+
+  double energy(const Vec3& x) const {
+    double e = base;
+    for (int a = 0; a < 3; ++a) e += x[a] * (slope[a] + x[a] * curvature[a] / 2);
+    return e;
+  }
+  Vec3 force(const Vec3& x) const {
+    Vec3 f;
+    for (int a = 0; a < 3; ++a) f[a] = -(slope[a] + x[a] * curvature[a]);
+    return f;
+  }
+};
+
+struct Case {
+  std::unique_ptr<Grid> grid;
+  RecordFields fields;
+};
+
+constexpr unsigned kMostLevels = 3;
+
+Case make_case(Input& input) {
+  const bool noise = input.below(4) == 0;
+  const auto count = [&] { return 1 + input.below(4); };
+  const Box box{{0, 0, 0}, 1, {1 + count(), count(), count()}};
+  std::array<Branch, kMostLevels> branches;
+  for (Branch& b : branches) {
+    b.base = input.number();
+    for (int a = 0; a < 3; ++a) b.slope[a] = input.number();
+    for (int a = 0; a < 3; ++a) b.curvature[a] = input.number();
+  }
+  std::vector<unsigned> levels(box.points());
+  for (unsigned& n : levels) n = 1 + input.below(kMostLevels);
+  const Neighbourhood around(box);
+  RecordColumns columns;
+  Case made;
+  for (PointIndex p = 0; p < box.points(); ++p)
+    for (unsigned level = 0; level < levels[p]; ++level) {
+      columns.point.push_back(p);
+      columns.level.push_back(static_cast<Level>(level));
+      columns.generation.push_back(0);
+      const Vec3 x = box.position(p);
+      const Branch& branch = branches[level];
+      // A state in [-1, 1); a branch's changes slowly, so that branches are told from each other.
+      columns.rows.push_back(noise ? input.number()
+                                   : 0.6 * level - 0.7 + 0.02 * (x[0] + x[1] + x[2]));
+      made.fields.energy.push_back(noise ? input.number() : branch.energy(x));
+      made.fields.force.push_back(
+          noise ? Vec3{3 * input.number(), 3 * input.number(), 3 * input.number()}
+                : branch.force(x));
+      for (int q = 0; q < kDirections; ++q) {
+        if (!(around.inside(p) >> q & 1)) {
+          columns.links.push_back(kLeavesBox);
+          continue;
+        }
+        const unsigned there = levels[static_cast<std::size_t>(p + around.offset(q))];
+        // A branch goes on where it can, and where it cannot it snaps to the lowest one.
+        const unsigned to = noise ? input.below(there + (input.below(16) == 0))
+                                  : (level < there ? level : input.below(there));
+        columns.links.push_back(static_cast<Level>(to));
+      }
+    }
+  const auto spec = [&](bool tears) {
+    GridSpec of;
+    of.box = box;
+    of.state_size = 1;
+    of.tears = tears;
+    return of;
+  };
+  const Grid untorn(spec(false), 1, columns);
+  for (RecordIndex r = 0; r < untorn.records(); ++r)
+    for (int q = 0; q < kDirections; ++q)
+      columns.tears.push_back(
+          untorn.is_one_way(r, q) ? static_cast<TearByte>(input.below(kTearSteps)) : kNoTear);
+  made.grid = std::make_unique<Grid>(spec(true), 1, std::move(columns));
+  return made;
+}
+
+/// The hand: straight legs at 6 mm/s an axis or less, in ticks of a millisecond, on 2 cm a spacing.
+constexpr int kLegs = 4, kTicks = 2500;
+constexpr double kStep = 3e-4;    // spacings a tick and axis
+constexpr double kMetres = 0.02;  // a spacing
+// States are in [-1, 1] and ghosts in [-7, 7], so the blend moves by 3 x 14 steps at most; an
+// offset of 70, from five changes of all corners within half a spacing, fades by 70 x 2 x sqrt(3)
+// steps (tests/unit/haptic/branch_test.cpp).
+constexpr double kMostMoved = (3 * 14 + 70 * 2 * 1.7321) * kStep;
+
+void play(const Case& made, bool is_fine, Input& input) {
+  const Grid& grid = *made.grid;
+  const auto map = std::make_shared<const BranchMap>(grid);
+  const auto nodes = std::make_shared<const NodeEnergies>(grid, &map->sheets, made.fields);
+  BranchTraversal traversal(grid, map);
+  NodeForce force(nodes, grid.box(), hermite_force);
+  SafetyLimits limits;
+  limits.ramp_ms = 0;
+  limits.encoder = 0;
+  SafetyCore core(limits);
+  core.begin(0);
+  Vec3 x, sent{0, 0, 0};
+  for (int a = 0; a < 3; ++a) x[a] = (input.number() + 1) / 2 * (grid.box().counts[a] - 1);
+  double returned = 0;
+  double before = 0;
+  Vec3 step{0, 0, 0};
+  for (int tick = 0; tick <= kLegs * kTicks; ++tick) {
+    if (tick % kTicks == 0)
+      for (double& s : step) s = kStep * input.number();
+    for (int a = 0; a < 3; ++a) {
+      x[a] += step[a];
+      returned += sent[a] * step[a] * kMetres;
+    }
+    const StepResult result = tick == 0 ? traversal.start(x) : traversal.step(x);
+    if (is_fine) require(result.usable(), "a link is missing");
+    require(std::isfinite(traversal.state()[0]), "a state is not finite");
+    const bool jumped = std::abs(traversal.state()[0] - before) > kMostMoved;
+    require(tick == 0 || !jumped || result.snapped || !result.usable(), "a jump without a snap");
+    before = traversal.state()[0];
+    SafetyInput wanted;
+    wanted.unusable = !result.usable();
+    if (result.usable()) wanted.force = force(traversal);
+    wanted.place = Vec3{x[0] * kMetres, x[1] * kMetres, x[2] * kMetres};
+    sent = core.apply(wanted).force;
+    require(returned <= limits.reserve * 1e-3 + kTankSlack + 1e-12, "energy is returned");
+  }
+}
+
+/// The checks of verify that need no model. A walk may gain nothing at all.
+bool is_fine_grid(const Case& made) {
+  const Grid& grid = *made.grid;
+  const auto same = [](const double* a, const double* b) { return a[0] == b[0]; };
+  std::vector<Check> checks{check_complete(grid, 1),    check_coverage(grid, 1),
+                            check_links(grid, 1),       check_finite(grid, 1),
+                            check_distinct(grid, same), check_fractions(grid)};
+  for (Check& check : check_reachable(grid)) checks.push_back(std::move(check));
+  if (!is_fine(checks)) return false;
+  const BranchMap map(grid);
+  const NodeEnergies nodes(grid, &map.sheets, made.fields);
+  const PlayedWork work(grid, map, nodes, hermite_force, {}, 1);
+  return is_fine({check_passive(grid, work, find_energy(grid, work, 1, 1))});
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size < 4) return 0;
+  Input input(data, size);
+  refusable([&] {
+    const Case made = make_case(input);
+    play(made, is_fine_grid(made), input);
+  });
+  return 0;
+}
