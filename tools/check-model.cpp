@@ -29,19 +29,19 @@ struct Options {
   std::string output = "-";
 };
 
-/// Three significant digits and a unit that suits.
-std::string time_text(double seconds) {
+/// With a unit that suits.
+std::string time_text(double seconds, int digits = 3) {
   struct Unit {
     double below, scale;
     const char* name;
   };
-  static constexpr Unit kUnits[] = {{1e-6, 1e9, "ns"},       {1e-3, 1e6, "us"},
+  static constexpr Unit kUnits[] = {{1e-6, 1e9, "ns"},       {1e-3, 1e6, "µs"},
                                     {1, 1e3, "ms"},          {120, 1, "s"},
                                     {7200, 1.0 / 60, "min"}, {INFINITY, 1.0 / 3600, "h"}};
   const Unit* unit = kUnits;
   while (seconds >= unit->below) ++unit;
   char text[40];
-  std::snprintf(text, sizeof text, "%.3g %s", seconds * unit->scale, unit->name);
+  std::snprintf(text, sizeof text, "%.*g %s", digits, seconds * unit->scale, unit->name);
   return text;
 }
 
@@ -64,9 +64,9 @@ Json calls_json(const CallTimes& t) {
 }
 
 std::string report_text(const GridSpec& spec, const ModelInfo& info, const ModelCheck& m,
-                        const GridEstimate& e) {
+                        const std::optional<GridEstimate>& e) {
   const std::string length = info.length_unit.empty() ? "" : " " + printable_line(info.length_unit);
-  std::string text = checks_text(m.checks) + "\n";
+  std::string text = checks_text(m.checks, Details::kAll) + "\n";
   const auto row = [&](const std::string& name, const std::string& value) {
     text += name + std::string(13 - name.size(), ' ') + value + "\n";
   };
@@ -83,21 +83,24 @@ std::string report_text(const GridSpec& spec, const ModelInfo& info, const Model
             (info.force_scale > 0 ? "; against the energy's gradient off by " +
                                         rounded(100 * m.median_force_error) + " % of that (median)"
                                   : ""));
-  row("whole grid", std::to_string(e.conversions) + " conversions with one level a point, " +
-                        time_text(e.cpu_hours * 3600) +
-                        " of CPU time: " + std::to_string(e.workers_for_a_night) + " worker" +
-                        (e.workers_for_a_night == 1 ? "" : "s") + " for a night of ten hours");
-  row("memory", "play " + megabytes(e.play_bytes) + " with one level a point, expand up to " +
-                    megabytes(e.expand_bytes));
+  if (!e) {
+    row("whole grid", "no estimate, because a check is broken");
+    return text;
+  }
+  row("whole grid", std::to_string(e->conversions) + " conversions with one level a point: about " +
+                        time_text(e->cpu_seconds, 2) + " on one core");
+  row("memory", "play " + megabytes(e->play_bytes) + " with one level a point, expand up to " +
+                    megabytes(e->expand_bytes));
   return text;
 }
 
 std::string report_json(const GridSpec& spec, const ModelInfo& info, const ModelCheck& m,
-                        const GridEstimate& e) {
+                        const std::optional<GridEstimate>& e) {
   Json json;
+  json["version"] = 1;
   json["model"] = spec.model;
-  json["fine"] = is_fine(m.checks);
-  json["checks"] = checks_json(m.checks);
+  json["verdict"] = is_broken(m.checks) ? "broken" : "fine";
+  json["checks"] = checks_json(spec.box, m.checks);
   json["d_max"] = info.d_max;
   json["longest_step"] = std::sqrt(3.0) * spec.box.spacing;
   json["convert"] = calls_json(m.convert);
@@ -105,11 +108,11 @@ std::string report_json(const GridSpec& spec, const ModelInfo& info, const Model
   json["shape"] = m.shape.calls ? calls_json(m.shape) : Json();
   json["largest_force_newtons"] = m.largest_force;
   json["median_force_error"] = info.force_scale > 0 ? Json(m.median_force_error) : Json();
-  json["grid"] = {{"conversions", e.conversions},
-                  {"cpu_hours", e.cpu_hours},
-                  {"workers_for_a_night", e.workers_for_a_night},
-                  {"play_bytes", e.play_bytes},
-                  {"expand_bytes", e.expand_bytes}};
+  json["grid"] = e ? Json{{"conversions", e->conversions},
+                          {"cpu_seconds", e->cpu_seconds},
+                          {"play_bytes", e->play_bytes},
+                          {"expand_bytes", e->expand_bytes}}
+                   : Json();
   return json.dump(2, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n";
 }
 
@@ -122,7 +125,9 @@ int run(const Options& options) {
 
   const ModelCheck found = check_model(
       spec, seeds, [&] { return create_model(*source, spec); }, options.limits);
-  const GridEstimate estimate = estimate_grid(spec, found.convert.mean);
+  // What a broken model takes for a conversion says nothing.
+  std::optional<GridEstimate> estimate;
+  if (!is_broken(found.checks)) estimate = estimate_grid(spec, found.convert.mean);
   OutputFile output(options.output, /*binary=*/false);
   output.write(options.format == "json"
                    ? report_json(spec, model->info(), found, estimate)

@@ -23,6 +23,8 @@ struct Options {
   std::string recompute = "1000";
   std::string format = "text";
   std::string output = "-";
+  bool is_verbose = false;
+  bool is_quiet = false;
 };
 
 constexpr std::uint64_t kMostWalks = 1'000'000;
@@ -50,18 +52,28 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
   return read.ec == std::errc() && read.ptr == end;
 }
 
+std::string report(const Grid& grid, const std::vector<Check>& checks, const Options& options) {
+  if (options.format == "json") return report_json(grid, checks);
+  if (options.format == "junit") return report_junit(grid, checks);
+  return printable_text(
+      report_text(grid, checks, options.is_verbose ? Details::kAll : Details::kNotFine));
+}
+
 int run(const Options& options) {
+  if (options.is_quiet && (options.is_verbose || options.output != "-"))
+    throw UsageError("--quiet: there is no report for --verbose or --output");
   Examination asked = options.asked;
   parse_recompute(options.recompute, asked.recompute);
   if (asked.accuracy && asked.walks == 0) asked.walks = kDefaultWalks;
   announce_terminal(options.grid);
   const LoadedGrid loaded = load_grid(options.grid);
   const std::vector<Check> checks = examine(loaded.grid, asked);
-  OutputFile output(options.output, /*binary=*/false);
-  output.write(options.format == "json" ? report_json(loaded.grid, checks)
-                                        : printable_text(report_text(loaded.grid, checks)));
-  output.commit();
-  say("verify", verdict_line(checks));
+  if (!options.is_quiet) {
+    OutputFile output(options.output, /*binary=*/false);
+    output.write(report(loaded.grid, checks, options));
+    output.commit();
+    say("verify", verdict_line(checks));
+  }
   return is_broken(checks) ? kExitInvalid : is_fine(checks) ? kExitDone : kExitNotProved;
 }
 
@@ -103,9 +115,8 @@ void add_checks(CommandLine& app, Options& options) {
       .check([](const std::string& name) { return force_named(name).has_value(); },
              "energy, records or state");
   app.add("--friction", asked.friction,
-          "For `passive`: newtons that a closed walk may gain a unit of length, because the "
-          "device's\n"
-          "friction takes them (default: 0.2; 0.05 where play interpolates forces)")
+          "For `passive`: friction of the device in newtons, which pays for what a closed walk\n"
+          "gains (default: 0.2; 0.05 where play interpolates forces)")
       .type("N")
       .positive();
   app.add("--gain", asked.limit.gain, "For `passive`: newtons felt for a newton of the model")
@@ -152,9 +163,12 @@ int main(int argc, char** argv) {
       .whole(1, 1024, /*shown=*/false)
       .shows_default();
   app.add("--format", options.format, "How the report is written")
-      .one_of({"text", "json"})
+      .one_of({"text", "json", "junit"})
       .shows_default();
   add_output(app, options.output);
+  app.add_flag("-v,--verbose", options.is_verbose,
+               "Figures and places of every check that has some");
+  app.add_flag("-q,--quiet", options.is_quiet, "No report, only the exit code");
   app.set_help("verify", kChecks,
                "  3  read everything, and an invariant is broken\n"
                "  4  nothing is broken, but a check could not prove what it says\n");

@@ -128,7 +128,7 @@ class Row {
         std::count_if(errors.begin(), errors.end(), [&](double e) { return e > *terms_.wanted; }));
     auto& first = check_.found.first;
     first.insert(first.begin(),
-                 "off by " + rounded(walked_.state.value) + " " + walked_.state.where);
+                 {"off by " + rounded(walked_.state.value) + " " + walked_.state.where});
     first.resize(std::min(first.size(), Findings::kShown));
   }
 

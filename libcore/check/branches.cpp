@@ -46,7 +46,8 @@ void look_around(const Grid& grid, const Sheets& sheets, RecordIndex r, int corn
     if (q < 0 || is_flat) continue;
     const Node node = sheets.node(r, q);
     if (node == Sheets::kNoNode)
-      return seen.cells.offend([&] { return describe_link(grid, r, q) + ": leads to no record"; });
+      return seen.cells.offend(place_of(grid, r, q),
+                               [&] { return describe_link(grid, r, q) + ": leads to no record"; });
     is_torn |= sheets.is_ghost(node);
   }
   seen.torn += is_torn;

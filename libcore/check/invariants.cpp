@@ -95,7 +95,7 @@ Check check_complete(const Grid& grid, int threads) {
   Check check{"complete", "records", "records that no expand has looked at (the frontier)", {}};
   check.found = for_each_record(grid, threads, [&](RecordIndex r, Findings& found) {
     ++found.counted;
-    if (grid.in_frontier(r)) found.offend([&] { return describe(grid, r); });
+    if (grid.in_frontier(r)) found.offend(place_of(grid, r), [&] { return describe(grid, r); });
   });
   return check;
 }
@@ -104,7 +104,7 @@ Check check_coverage(const Grid& grid, int threads) {
   Check check{"coverage", "points", "points without a level", {}};
   check.found = for_each_point(grid, threads, [&](PointIndex p, Findings& found) {
     ++found.counted;
-    if (grid.levels(p) == 0) found.offend([&] { return describe(grid.box(), p); });
+    if (grid.levels(p) == 0) found.offend({p, {}, {}}, [&] { return describe(grid.box(), p); });
   });
   return check;
 }
@@ -124,7 +124,9 @@ Check check_links(const Grid& grid, int threads) {
               grid.levels(static_cast<PointIndex>(grid.point(r) + grid.neighbourhood().offset(q))))
         continue;
       const std::string fault = link_fault(grid, r, q, is_inside);
-      if (!fault.empty()) found.offend([&] { return describe_link(grid, r, q) + ": " + fault; });
+      if (!fault.empty())
+        found.offend(place_of(grid, r, q),
+                     [&] { return describe_link(grid, r, q) + ": " + fault; });
     }
   });
   return check;
@@ -139,7 +141,7 @@ Check check_finite(const Grid& grid, int threads) {
   check.found = for_each_record(grid, threads, [&](RecordIndex r, Findings& found) {
     ++found.counted;
     if (is_finite(grid.row(r))) return;
-    found.offend([&] {
+    found.offend(place_of(grid, r), [&] {
       const auto row = grid.row(r);
       const auto bad =
           std::find_if_not(row.begin(), row.end(), [](double v) { return std::isfinite(v); });
@@ -165,7 +167,7 @@ Check check_distinct(const Grid& grid, const SameState& same) {
         ++check.found.counted;
         if (!is_finite(grid.state(a)) || !is_finite(grid.state(b))) continue;
         if (!same(grid.state(a).data(), grid.state(b).data())) continue;
-        check.found.offend([&] {
+        check.found.offend(place_of(grid, a), [&] {
           return describe(grid, a) + " and level " + std::to_string(grid.level(b)) + ": states " +
                  state_text(grid.state(a)) + " and " + state_text(grid.state(b));
         });
@@ -205,16 +207,16 @@ std::vector<Check> check_reachable(const Grid& grid) {
   std::uint32_t youngest = 0;
   for (RecordIndex r = 0; r < grid.records(); ++r) {
     if (distance[r] == kUnreached) {
-      reachable.found.offend([&] { return describe(grid, r); });
+      reachable.found.offend(place_of(grid, r), [&] { return describe(grid, r); });
     } else if (distance[r] != grid.record_generation(r)) {
-      generations.found.offend([&] {
+      generations.found.offend(place_of(grid, r), [&] {
         return describe(grid, r) + ": generation " + std::to_string(grid.record_generation(r)) +
                ", distance " + std::to_string(distance[r]);
       });
     } else if (r > 0 && grid.point(r - 1) == grid.point(r) &&
                grid.record_generation(r - 1) > grid.record_generation(r)) {
       // Play starts at level 0: the numbers of levels, by when they were found, matter.
-      generations.found.offend([&] {
+      generations.found.offend(place_of(grid, r), [&] {
         return describe(grid, r) + ": generation " + std::to_string(grid.record_generation(r)) +
                ", the level below has " + std::to_string(grid.record_generation(r - 1));
       });
@@ -256,7 +258,7 @@ Check check_blends(const Grid& grid, int threads) {
         if (is_blend(grid, grid.first(corners[c]) + l, cell, size))
           blend = grid.first(corners[c]) + l;
     if (!blend) return;
-    found.offend([&] {
+    found.offend(place_of(grid, *blend), [&] {
       return "cell (" + std::to_string(cell[0]) + ", " + std::to_string(cell[1]) + ", " +
              std::to_string(cell[2]) + ") from " + describe(grid, *blend);
     });

@@ -25,7 +25,6 @@ constexpr double kDifferenceStep = 1e-3;
 // Of the largest force: what a force may be off from the energy's gradient. A central difference
 // over 2e-3 of the spacing is exact to some 1e-6; iterative models leave a residue.
 constexpr double kForceTolerance = 0.02;
-constexpr double kNightHours = 10;
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -317,9 +316,7 @@ GridEstimate estimate_grid(const GridSpec& spec, double seconds_a_conversion) {
   std::uint64_t pairs = 1;
   for (const std::uint32_t count : n) pairs *= 3 * std::uint64_t{count} - 2;
   estimate.conversions = pairs - spec.box.points();
-  estimate.cpu_hours = static_cast<double>(estimate.conversions) * seconds_a_conversion / 3600;
-  estimate.workers_for_a_night = std::max<std::uint64_t>(
-      1, static_cast<std::uint64_t>(std::ceil(estimate.cpu_hours / kNightHours)));
+  estimate.cpu_seconds = static_cast<double>(estimate.conversions) * seconds_a_conversion;
   estimate.play_bytes = spec.box.points() * (record_bytes(spec.row_size()) + sizeof(RecordIndex));
   const auto slices = static_cast<std::uint64_t>(2 * Neighbourhood(spec.box).reach());
   estimate.expand_bytes = std::min(spec.box.points(), slices) * kDirections * sizeof(double) *

@@ -49,10 +49,9 @@ ModelCheck check_model(const GridSpec& spec, const std::map<PointIndex, std::vec
 /// What the whole grid would take.
 struct GridEstimate {
   std::uint64_t conversions = 0;  ///< with one level a point
-  double cpu_hours = 0;
-  std::uint64_t workers_for_a_night = 0;  ///< that finish in ten hours
-  std::uint64_t play_bytes = 0;           ///< of the grid in memory, with one level a point
-  std::uint64_t expand_bytes = 0;         ///< of the requests around the frontier
+  double cpu_seconds = 0;
+  std::uint64_t play_bytes = 0;    ///< of the grid in memory, with one level a point
+  std::uint64_t expand_bytes = 0;  ///< of the requests around the frontier
 };
 GridEstimate estimate_grid(const GridSpec& spec, double seconds_a_conversion);
 

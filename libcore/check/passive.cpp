@@ -107,7 +107,8 @@ Figure look_at_links(const Grid& grid, const Work& work, const Energy& energy, F
       ++found.counted;
       const double gain = work.gain({r, q});
       if (!std::isfinite(gain)) {
-        found.offend([&] { return describe_link(grid, r, q) + ": its work is not finite"; });
+        found.offend(place_of(grid, r, q),
+                     [&] { return describe_link(grid, r, q) + ": its work is not finite"; });
         continue;
       }
       // Between parts the potential has no common zero.
@@ -129,7 +130,8 @@ Check check_passive(const Grid& grid, const Work& work, const Energy& energy) {
   Check check{"passive", "links", "closed walks that return energy to the hand", {}};
   const Figure loss = look_at_links(grid, work, energy, check.found);
   for (const ClosedWalk& walk : energy.gaining)
-    check.found.offend([&] { return describe(grid, walk); });
+    check.found.offend(place_of(grid, walk.links.front().from),
+                       [&] { return describe(grid, walk); });
   if (energy.gave_up && check.found.offenders == 0)
     check.not_proved =
         "the search for closed walks that gain energy was given up; try a part of the grid, or a "
@@ -169,7 +171,8 @@ Check check_limited(const Grid& grid, const ForceLimit& limit, const Energy& ene
               /*is_note=*/true};
   check.found.counted = energy.gaining.size();
   for (const ClosedWalk& walk : energy.gaining)
-    check.found.offend([&] { return describe(grid, walk); });
+    check.found.offend(place_of(grid, walk.links.front().from),
+                       [&] { return describe(grid, walk); });
   check.figures = {gain_per_length(grid, energy)};
   return check;
 }

@@ -64,7 +64,8 @@ class Judge {
       const RecordIndex from = grid_.first(point);
       for (const auto& [a, b, q] : pairs_) {
         if (a != nearest || !is_missing(from, q)) continue;
-        seen.paths.offend([&, q = q] {  // clang 14 captures no structured binding
+        seen.paths.offend(place_of(grid_, from, q), [&, q = q] {
+          // clang 14 captures no structured binding
           return "start in " + describe_cell(base) + " needs " + describe_link(grid_, from, q);
         });
         break;
@@ -92,7 +93,7 @@ class Judge {
       }
       ++seen.continuous.counted;
       if (!keeps_vertices(configuration.base, corners, base, reached))
-        seen.continuous.offend([&] {
+        seen.continuous.offend({configuration.base, {}, {}}, [&] {
           return describe(grid_, configuration) + " to " +
                  describe(grid_, configuration_of(base, reached));
         });
@@ -103,7 +104,7 @@ class Judge {
     }
     seen.one_way_switches += one_way;
     if (one_way > 0)
-      seen.one_way.offend([&] {
+      seen.one_way.offend({configuration.base, {}, {}}, [&] {
         return describe(grid_, configuration) + ", there and back in " +
                describe_move(first_one_way);
       });
@@ -129,7 +130,7 @@ class Judge {
       if (towards == CellSwitch::kKept) continue;
       const RecordIndex from = corners.record[kCellSwitches[q].from[corner]];
       if (!is_missing(from, towards)) continue;
-      return seen.paths.offend([&] {
+      return seen.paths.offend(place_of(grid_, from, towards), [&] {
         return describe(grid_, configuration) + " to its neighbour in " + describe_move(q) +
                " needs " + describe_link(grid_, from, towards);
       });
@@ -152,7 +153,7 @@ class Judge {
       seen.corner = b;
     }
     if (!is_mixed) return;
-    seen.mixed.offend([&] { return describe(grid_, configuration); });
+    seen.mixed.offend({configuration.base, {}, {}}, [&] { return describe(grid_, configuration); });
     seen.mixed_cells += seen.last_mixed != configuration.base;
     seen.last_mixed = configuration.base;
     if (!seen.first_mixed) seen.first_mixed = seen.last_mixed;

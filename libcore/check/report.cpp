@@ -40,7 +40,24 @@ std::string verdict_line(const std::vector<Check>& checks) {
   return "broken: " + broken + (open.empty() ? "" : "; not proved: " + open);
 }
 
-std::string checks_text(const std::vector<Check>& checks) {
+namespace {
+
+std::string details_text(const Check& c) {
+  std::string text = "\n" + c.name + ": " + c.meaning + "\n";
+  if (!c.not_proved.empty()) text += "  not proved: " + c.not_proved + "\n";
+  for (const Figure& figure : c.figures)
+    text += "  " + figure.name + " " + rounded(figure.value) +
+            (figure.unit.empty() ? "" : " " + printable_line(figure.unit)) +
+            (figure.where.empty() ? "" : ": " + figure.where) + "\n";
+  for (const Offender& offender : c.found.first) text += "  " + offender.text + "\n";
+  if (c.found.offenders > c.found.first.size())
+    text += "  and " + std::to_string(c.found.offenders - c.found.first.size()) + " more\n";
+  return text;
+}
+
+}  // namespace
+
+std::string checks_text(const std::vector<Check>& checks, Details details) {
   using Row = std::array<std::string, 5>;
   std::vector<Row> rows{{"check", "counted", "", "offenders", "verdict"}};
   for (const Check& c : checks)
@@ -62,29 +79,35 @@ std::string checks_text(const std::vector<Check>& checks) {
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   for (const Check& c : checks) {
-    if (c.found.offenders == 0 && c.figures.empty() && c.not_proved.empty()) continue;
-    text += "\n" + c.name + ": " + c.meaning + "\n";
-    if (!c.not_proved.empty()) text += "  not proved: " + c.not_proved + "\n";
-    for (const Figure& figure : c.figures)
-      text += "  " + figure.name + " " + rounded(figure.value) +
-              (figure.unit.empty() ? "" : " " + printable_line(figure.unit)) +
-              (figure.where.empty() ? "" : ": " + figure.where) + "\n";
-    for (const std::string& offender : c.found.first) text += "  " + offender + "\n";
-    if (c.found.offenders > c.found.first.size())
-      text += "  and " + std::to_string(c.found.offenders - c.found.first.size()) + " more\n";
+    const bool has_details = c.found.offenders > 0 || !c.figures.empty() || !c.not_proved.empty();
+    const bool is_fine = c.is_note || c.verdict() == "ok";
+    if (has_details && (details == Details::kAll || !is_fine)) text += details_text(c);
   }
   return text;
 }
 
-std::string report_text(const Grid& grid, const std::vector<Check>& checks) {
+std::string report_text(const Grid& grid, const std::vector<Check>& checks, Details details) {
   const auto& n = grid.box().counts;
   return printable_line(grid.spec().model) + ": " + std::to_string(n[0]) + " x " +
          std::to_string(n[1]) + " x " + std::to_string(n[2]) + " points, " +
          std::to_string(grid.records()) + " records, generation " +
-         std::to_string(grid.generation()) + "\n\n" + checks_text(checks);
+         std::to_string(grid.generation()) + "\n" + checks_text(checks, details);
 }
 
-nlohmann::ordered_json checks_json(const std::vector<Check>& checks) {
+namespace {
+
+nlohmann::ordered_json offender_json(const Box& box, const Offender& offender) {
+  nlohmann::ordered_json json{{"text", offender.text}};
+  const Place& place = offender.place;
+  if (place.point) json["point"] = box.coordinates(*place.point);
+  if (place.level) json["level"] = *place.level;
+  if (place.direction) json["direction"] = Direction(*place.direction).step();
+  return json;
+}
+
+}  // namespace
+
+nlohmann::ordered_json checks_json(const Box& box, const std::vector<Check>& checks) {
   auto json = nlohmann::ordered_json::array();
   for (const Check& c : checks) {
     nlohmann::ordered_json row;
@@ -94,7 +117,9 @@ nlohmann::ordered_json checks_json(const std::vector<Check>& checks) {
     row["unit"] = c.unit;
     row["offenders"] = c.found.offenders;
     row["meaning"] = c.meaning;
-    row["first"] = c.found.first;
+    row["first"] = nlohmann::ordered_json::array();
+    for (const Offender& offender : c.found.first)
+      row["first"].push_back(offender_json(box, offender));
     if (!c.not_proved.empty()) row["not_proved"] = c.not_proved;
     row["figures"] = nlohmann::ordered_json::array();
     for (const Figure& f : c.figures)
@@ -107,12 +132,13 @@ nlohmann::ordered_json checks_json(const std::vector<Check>& checks) {
 
 std::string report_json(const Grid& grid, const std::vector<Check>& checks) {
   nlohmann::ordered_json json;
+  json["version"] = 1;
   json["model"] = grid.spec().model;
   json["counts"] = grid.box().counts;
   json["records"] = grid.records();
   json["generation"] = grid.generation();
-  json["fine"] = is_fine(checks);
-  json["checks"] = checks_json(checks);
+  json["verdict"] = is_broken(checks) ? "broken" : is_fine(checks) ? "fine" : "not proved";
+  json["checks"] = checks_json(grid.box(), checks);
   // "replace": a shard's strings need not be UTF-8.
   return json.dump(2, ' ', /*ensure_ascii=*/true,
                    nlohmann::ordered_json::error_handler_t::replace) +

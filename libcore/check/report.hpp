@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,26 +12,53 @@
 
 namespace hapgrid {
 
-/// How many things were looked at, how many of them offend, and the first few in words.
+/// Where in a grid something is, as far as it has a place there.
+struct Place {
+  std::optional<PointIndex> point{};
+  std::optional<Level> level{};
+  std::optional<int> direction{};  ///< q of a link
+
+  bool operator==(const Place&) const = default;
+};
+inline Place place_of(const Grid& grid, RecordIndex r) {
+  return {grid.point(r), grid.level(r), {}};
+}
+inline Place place_of(const Grid& grid, RecordIndex r, int q) {
+  return {grid.point(r), grid.level(r), q};
+}
+
+struct Offender {
+  std::string text;  ///< for people: the place, and what is wrong there
+  Place place{};
+
+  bool operator==(const Offender&) const = default;
+};
+
+/// How many things were looked at, how many of them offend, and the first few of those.
 struct Findings {
   static constexpr std::size_t kShown = 5;
 
   std::uint64_t counted = 0;
   std::uint64_t offenders = 0;
-  std::vector<std::string> first;  ///< at most kShown, in ascending order of the grid
+  std::vector<Offender> first;  ///< at most kShown, in ascending order of the grid
 
   /// `describe()` is only called while the text is wanted.
   template <class Describe>
-  void offend(Describe&& describe) {
+  void offend(const Place& place, Describe&& describe) {
     ++offenders;
-    if (first.size() < kShown) first.push_back(describe());
+    if (first.size() < kShown) first.push_back({describe(), place});
+  }
+  /// What has no place in a grid.
+  template <class Describe>
+  void offend(Describe&& describe) {
+    offend(Place{}, std::forward<Describe>(describe));
   }
   /// Appends what was found in a later part of the grid.
   void add(Findings&& later) {
     counted += later.counted;
     offenders += later.offenders;
-    for (std::string& text : later.first)
-      if (first.size() < kShown) first.push_back(std::move(text));
+    for (Offender& offender : later.first)
+      if (first.size() < kShown) first.push_back(std::move(offender));
   }
 };
 
@@ -68,17 +96,29 @@ bool is_broken(const std::vector<Check>& checks);
 /// passive".
 std::string verdict_line(const std::vector<Check>& checks);
 
-/// A table with a row a check, then figures and first offenders of each check that has any.
-std::string checks_text(const std::vector<Check>& checks);
-/// [{"name", "verdict", "counted", "unit", "offenders", "meaning", "first", "figures": [{"name",
-/// "value", "unit", "where"}]}]
-nlohmann::ordered_json checks_json(const std::vector<Check>& checks);
+/// Of which checks a text gives figures and first offenders.
+enum class Details {
+  kNotFine,  ///< those that are broken or not proved
+  kAll
+};
+
+/// A table with a row a check, then the details.
+std::string checks_text(const std::vector<Check>& checks, Details details);
+/// [{"name", "verdict", "counted", "unit", "offenders", "meaning", "first": [{"text", and as far as
+/// it has them "point": [i, j, k], "level", "direction": [di, dj, dk]}], "not_proved" where the
+/// verdict is that, "figures": [{"name", "value", "unit", "where"}]}]
+/// @param box of the grid that was checked
+nlohmann::ordered_json checks_json(const Box& box, const std::vector<Check>& checks);
 
 /// What grid it is, and checks_text().
-std::string report_text(const Grid& grid, const std::vector<Check>& checks);
+std::string report_text(const Grid& grid, const std::vector<Check>& checks, Details details);
 
-/// {"model", "counts", "records", "generation", "fine", "checks": checks_json()}; keys are only
-/// ever added.
+/// {"version": 1, "model", "counts", "records", "generation", "verdict": "fine", "broken" or "not
+/// proved", "checks": checks_json()}. The version changes when a key changes its meaning or goes.
 std::string report_json(const Grid& grid, const std::vector<Check>& checks);
+
+/// As JUnit's XML, which CI systems show: a test case a check, a failure where it is broken or not
+/// proved, and notes as output.
+std::string report_junit(const Grid& grid, const std::vector<Check>& checks);
 
 }  // namespace hapgrid

@@ -86,7 +86,7 @@ class SlopeSurvey {
     const double stiffness = norm(along);
     seen.stiffness.look_at(stiffness, configuration, steepest);
     if (rendering_.scale && !(stiffness * *rendering_.scale < rendering_.limit()))
-      seen.found.offend([&] {
+      seen.found.offend({configuration.base, {}, {}}, [&] {
         return describe(grid_, configuration) + ": " + rounded(stiffness * *rendering_.scale) +
                " N/m";
       });

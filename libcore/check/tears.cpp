@@ -21,7 +21,7 @@ Check check_fractions(const Grid& grid) {
       ++check.found.counted;
       const TearByte tear = grid.tears(r)[static_cast<std::size_t>(q)];
       if (grid.is_one_way(r, q) == (tear != kNoTear)) continue;
-      check.found.offend([&] {
+      check.found.offend(place_of(grid, r, q), [&] {
         return describe_link(grid, r, q) +
                (tear == kNoTear ? ": one-way, without a tear fraction"
                                 : ": not one-way, with tear fraction " + std::to_string(tear));
@@ -49,7 +49,7 @@ Check check_tears(const Grid& grid, std::span<const RecordIndex> records, Conver
       const auto [r, q] = links[i];
       const TearByte stored = grid.tears(r)[q];
       if (std::abs(stored - tears[i]) <= 1) continue;
-      check.found.offend([&, r = r, q = q] {
+      check.found.offend(place_of(grid, r, q), [&, r = r, q = q] {
         return describe_link(grid, r, q) + ": stored is " + std::to_string(stored) +
                ", the model gives " + std::to_string(tears[i]);
       });

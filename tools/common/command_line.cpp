@@ -1,7 +1,9 @@
 #include "tools/common/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -66,6 +68,37 @@ CLI::Option* add_value(CLI::App& app, const std::string& names, Value& value,
         return CLI::detail::lexical_cast(given.back(), value);
       },
       help, false, [&value] { return CLI::detail::to_string(value); });
+}
+
+/// How many letters have to be put in, left out or replaced to make the one of the other.
+std::size_t edits(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t before = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = before + (a[i - 1] != b[j - 1]);
+      before = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replaced}));
+    }
+  }
+  return row.back();
+}
+
+/// The option that is nearest to one that there is not, in words; empty when none is near.
+std::string suggestion(const CLI::App& app) {
+  std::string nearest;
+  std::size_t least = 3;  // letters
+  for (const std::string& given : app.remaining()) {
+    const std::string name = given.substr(0, given.find('='));
+    if (name.rfind("--", 0) != 0) continue;
+    for (const CLI::Option* option : app.get_options())
+      for (const std::string& known : option->get_lnames())
+        if (const std::size_t far = edits(name, "--" + known); far < least) {
+          least = far;
+          nearest = "--" + known;
+        }
+  }
+  return nearest.empty() ? "" : "; did you mean " + nearest + "?";
 }
 
 }  // namespace
@@ -208,7 +241,9 @@ bool CommandLine::given(const std::string& name) const { return app_->count(name
 void CommandLine::set_help(const std::string& name, const std::string& details,
                            const std::string& more_exits) {
   app_->name(name);
-  app_->set_version_flag("--version", "hapgrid " + name + " " HAPGRID_VERSION)->group("Options");
+  app_->set_version_flag("-V,--version", "hapgrid " + name + " " HAPGRID_VERSION,
+                         "Print the version and exit")
+      ->group("Options");
   app_->formatter(std::make_shared<HelpFormatter>());
   app_->footer(details + (details.empty() ? "" : "\n") +
                "Exit codes:\n"
@@ -228,6 +263,8 @@ std::optional<std::string> CommandLine::parse(int argc, char** argv) {
     std::ostringstream text;
     app_->exit(e, text, text);
     return text.str();
+  } catch (const CLI::ExtrasError& e) {
+    throw UsageError(e.what() + suggestion(*app_));
   } catch (const CLI::ParseError& e) {
     throw UsageError(e.what());
   }

@@ -16,7 +16,7 @@ std::string shown(const std::string& file) { return file == "-" ? "standard inpu
 
 void add_process_timeout(CommandLine& app, ProcessOptions& options) {
   app.add("--process-timeout", options.timeout_seconds,
-          "Seconds that a model process may take for an answer before it is replaced")
+          "Seconds for an answer of a model process, before it is replaced")
       .type("S")
       .within(std::numeric_limits<double>::denorm_min(), 1e6, "above 0 and at most 1000000")
       .shows_default();

@@ -11,7 +11,7 @@ mv root moved; hapgrid=${hapgrid/#root/moved}
 bin=$("$hapgrid" bin)
 expect 0 "export PATH=\"$bin:\$PATH\"" '' -- "$hapgrid" env
 for tool in seed expand merge verify stats play view check-model; do
-  expect 0 "hapgrid $tool 0.1.0" '' -- "$hapgrid" "$tool" --version
+  expect 0 "hapgrid $tool 0.1.0" '' -- "$hapgrid" "$tool" -V
 done
 "$hapgrid" seed "$ball" | "$hapgrid" expand --complete -o installed.grid
 seed "$ball" | expand --complete -o built.grid
@@ -21,9 +21,13 @@ ln -s "$PWD/$hapgrid" link
 expect 0 "$bin" '' -- ./link bin
 (PATH=/usr/bin:/bin; eval "$("$hapgrid" env)"; [[ $(command -v expand) == "$bin/expand" ]])
 
-expect 2 '' "hapgrid: no tool 'exapnd' (see hapgrid --help)" -- "$hapgrid" exapnd
+expect 2 '' "hapgrid: no tool 'exapnd'; did you mean expand or env? (see hapgrid --help)" -- "$hapgrid" exapnd
+expect 2 '' "hapgrid: no tool '/../x' (see hapgrid --help)" -- "$hapgrid" /../x
+same "help by name" "$("$hapgrid" verify --help)" "$("$hapgrid" help verify)"
+same "help" "$("$hapgrid" --help)" "$("$hapgrid" help)"
 expect 2 '' 'hapgrid: which tool? (see hapgrid --help)' -- "$hapgrid"
 expect 0 'hapgrid 0.1.0' '' -- "$hapgrid" --version
+expect 0 'hapgrid 0.1.0' '' -- "$hapgrid" -V
 
 # The manual pages are there; help.sh looks into them.
 man=moved${prefix#root}/share/man/man1

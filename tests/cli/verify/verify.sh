@@ -8,7 +8,6 @@ expand --complete seeds -o grid
 # In-box directions: (3 * 4 - 2) (3 * 3 - 2) (3 * 2 - 2) - 24 = 256; cells: 3 * 2 * 1, and moves
 # between them (3 * 3 - 2) (3 * 2 - 2) - 6. Along the axes 2 (3 * 3 * 2 + 4 * 2 * 2 + 4 * 3 * 1) = 92 links.
 fine='hung-ball: 4 x 3 x 2 points, 24 records, generation 2
-
 check        counted                  offenders  verdict
 complete          24 records                  0  ok
 coverage          24 points                   0  ok
@@ -53,31 +52,36 @@ inside='
   largest turn 0 N rope lengths
   largest mixture 0 N rope lengths'
 # The ball is nowhere touched. 24 records in 6 cells of 8 corners each.
-table=$by_branch by_branch=${by_branch/256 links/ 92 links}$ends$gradient$steep
-expect 0 "$fine$gradient$steep$inside" 'verify: fine: 11 checks' -- verify grid --traversal paper
-expect 0 "$by_branch" 'verify: fine: 10 checks' -- verify grid
-expect 0 "$by_branch" 'verify: fine: 10 checks' -- verify <grid
-expect 0 "$by_branch" 'verify: fine: 10 checks' -- verify grid --recompute all -j 3
+table=${by_branch/256 links/ 92 links}
+expect 0 "$fine" 'verify: fine: 11 checks' -- verify grid --traversal paper
+expect 0 "$fine$gradient$steep$inside" 'verify: fine: 11 checks' -- verify grid --traversal paper -v
+expect 0 "$table" 'verify: fine: 10 checks' -- verify grid
+expect 0 "$table$ends$gradient$steep" 'verify: fine: 10 checks' -- verify --verbose <grid
+expect 0 "$table" 'verify: fine: 10 checks' -- verify grid --recompute all -j 3
 expect 0 '' 'verify: fine: 10 checks' -- verify grid -o report
-same "the report in a file" "$by_branch" "$(cat report)"
+same "the report in a file" "$table" "$(cat report)"
 expect 0 "$(grep -v ^fidelity report)" 'verify: fine: 9 checks' -- verify grid --recompute none
+expect 0 '' '' -- verify grid -q
+expect 3 '' '' -- verify seeds --quiet
 
 # The whole ball, all of it evaluated again; a sample is the same each time, with any -j.
 seed "$ball" | expand --complete -o ball.grid
-verify ball.grid --recompute all -j 2 >all 2>err
+verify ball.grid --recompute all -j 2 -v >all 2>err
 same "verdict" 'verify: fine: 12 checks' "$(cat err)"  # two of them for its tear fractions
 same "tears" "$(stats ball.grid --get one_way_links)" "$(awk '$1 == "tears" { print $2 }' all)"
 same "conversions" "$(stats ball.grid --get conversions)" "$(awk '$1 == "fidelity" { print $2 }' all)"
+verify ball.grid --max-force 3 --walks 1 2>err >table
+(($(wc -l <table) <= 20)) || fail "$(cat table)"
 verify ball.grid --recompute 37 --sample-seed 5 --format json >one 2>err
 verify ball.grid --recompute 37 --sample-seed 5 --format json -j 2 2>err | cmp - one
 
 # What the loop of the hung ball costs, and how large it must be on a device.
 grep -qE '^  largest loss 0\.[0-9]+ N rope lengths: one way by point' all || fail "$(cat all)"
 grep -qE '^  largest stable scale [0-9]+\.[0-9]+ rope lengths/m: K < 2 b f = 4000 N/m' all || fail "$(cat all)"
-verify ball.grid --recompute none --scale 100 --damping 1 --rate 500 2>err >small
+verify ball.grid -v --recompute none --scale 100 --damping 1 --rate 500 2>err >small
 grep -qE '^  stiffness [0-9.]+ N/m: not stable: K < 2 b f = 1000 N/m with b = 1 N s/m and f = 500 Hz$' small ||
   fail "$(cat small)"
-verify ball.grid --recompute none --scale 5 2>err | grep -q '^  stiffness [0-9.]* N/m: stable: '
+verify ball.grid -v --recompute none --scale 5 2>err | grep -q '^  stiffness [0-9.]* N/m: stable: '
 # All that play can be in is more than the cells, and the same with any -j.
 verify ball.grid --traversal paper --recompute none -j 1 --format json >one 2>err
 verify ball.grid --traversal paper --recompute none -j 3 --format json 2>err | cmp - one
@@ -85,7 +89,6 @@ same "configurations" 42431 "$(sed -n '/"paths"/,/counted/s/.*counted": \([0-9]*
 
 # Incomplete: an answer, not a failure.
 expect 3 'hung-ball: 4 x 3 x 2 points, 8 records, generation 0
-
 check        counted                  offenders  verdict
 complete           8 records                  8  broken
 coverage          24 points                  16  broken
@@ -115,7 +118,7 @@ coverage: points without a level
   point 4 (0, 1, 0)
   point 5 (1, 1, 0)
   point 6 (2, 1, 0)
-  and 11 more'"$ends$gradient$steep" 'verify: broken: complete (8 of 8), coverage (16 of 24)' -- verify seeds
+  and 11 more' 'verify: broken: complete (8 of 8), coverage (16 of 24)' -- verify seeds
 
 # A model that has changed since: fidelity finds it, and nothing else can. It fails on the way to
 # the last plane of x, 28 times from the plane before and 28 - 6 within; of the others with d3 > 0
@@ -134,10 +137,30 @@ fidelity: links to a state that C, evaluated again, does not reach
   point 0 (0, 0, 0) level 0 direction 24 (0, 1, 1): C gives 0.25, stored at level 0 is 0
   point 0 (0, 0, 0) level 0 direction 25 (1, 1, 1): C gives 0.25, stored at level 0 is 0
   point 1 (1, 0, 0) level 0 direction 20 (-1, 0, 1): C gives 0.25, stored at level 0 is 0
-  and 101 more$ends${steep%%$'\n'  force*}" 'verify: broken: fidelity (106 of 256)' -- verify grid --model-path changed
+  and 101 more" 'verify: broken: fidelity (106 of 256)' -- verify grid --model-path changed
 verify grid --model-path changed --recompute all --format json >found 2>err || code=$?
 same "exit code" 3 "${code:-0}"
-grep -q '"fine": false' found || fail "JSON verdict"
+python3 - <<'PYTHON'
+import json
+found = json.load(open("found"))
+assert found["version"] == 1 and found["verdict"] == "broken", found
+first = {check["name"]: check["first"] for check in found["checks"]}["fidelity"][4]
+assert first.pop("text").startswith("point 1 (1, 0, 0) level 0 direction 20 (-1, 0, 1): C gives 0.25"), first
+assert first == {"point": [1, 0, 0], "level": 0, "direction": [-1, 0, 1]}, first
+PYTHON
+# What CI systems show.
+expect 3 '' 'verify: broken: complete (8 of 8), coverage (16 of 24)' -- verify seeds --format junit -o junit.xml
+python3 - <<'PYTHON'
+import xml.etree.ElementTree as xml
+suite = xml.parse("junit.xml").getroot()
+cases = suite.findall("testcase")
+broken = [case.get("name") for case in cases if case.find("failure") is not None]
+assert suite.tag == "testsuite" and int(suite.get("tests")) == len(cases) == 13, suite.attrib
+assert broken == ["complete", "coverage"] and suite.get("failures") == "2", broken
+failure = cases[0].find("failure")
+assert failure.get("message").startswith("8 of 8 records: records that no expand"), failure.attrib
+assert "point 11 (3, 2, 0) level 0" in failure.text, failure.text
+PYTHON
 HAPGRID_MODEL_PATH=changed verify grid -j 2 >found 2>err || true
 same "the same with HAPGRID_MODEL_PATH and two threads" 'verify: broken: fidelity (106 of 256)' \
   "$(cat err)"
@@ -163,4 +186,6 @@ for count in some -1 1.5 ''; do
   expect 2 '' "~verify: --recompute: .*$see" -- verify grid --recompute "$count"
 done
 expect 2 '' "~verify: .*: - $see" -- verify - -
+expect 2 '' "~verify: .*--recompuet.*; did you mean --recompute\? $see" -- verify grid --recompuet none
+expect 2 '' "~verify: --quiet: .*$see" -- verify grid -q -v
 expect 2 '' "~verify: -j: .*|verify: --threads: .*" -- verify grid -j 0

@@ -237,8 +237,8 @@ TEST_CASE("conversions that fail are listed, and the walk goes on elsewhere") {
   const Check check = row(grid, walked);
   CHECK(check.verdict() == "note");
   CHECK(check.found.offenders == walked.failed.offenders);
-  CHECK(check.found.first[0].substr(0, 15) == "conversion to (");
-  CHECK(check.found.first[0].find("failed: too far") != std::string::npos);
+  CHECK(check.found.first[0].text.substr(0, 15) == "conversion to (");
+  CHECK(check.found.first[0].text.find("failed: too far") != std::string::npos);
   CHECK(row(grid, walked, 100.0).verdict() == "broken");
 }
 

@@ -35,7 +35,7 @@ TEST_CASE("a link to another state than the model reaches") {
   const auto check = fidelity(Grid(tiny::spec(), tiny::kGeneration, records));
   CHECK(check.found.counted == 10);
   CHECK(check.found.offenders == 1);
-  CHECK(check.found.first ==
+  CHECK(tiny::texts(check.found) ==
         std::vector<std::string>{"point 1 (1, 0, 0) level 1 direction 13 (1, 0, 0): C gives -1, "
                                  "stored at level 1 is 1"});
 }
@@ -46,7 +46,7 @@ TEST_CASE("a state that is off by more than the tolerance, and by less") {
   CHECK(fidelity(Grid(tiny::spec(), tiny::kGeneration, records)).found.offenders == 0);
   records.rows[1] = 1 + 2e-6;
   // Both links that lead there, and the one from there to a state of exactly 1.
-  CHECK(fidelity(Grid(tiny::spec(), tiny::kGeneration, records)).found.first ==
+  CHECK(tiny::texts(fidelity(Grid(tiny::spec(), tiny::kGeneration, records)).found) ==
         std::vector<std::string>{"point 0 (0, 0, 0) level 0 direction 13 (1, 0, 0): C gives 1, "
                                  "stored at level 0 is 1.000002",
                                  "point 1 (1, 0, 0) level 0 direction 13 (1, 0, 0): C gives "
@@ -71,7 +71,7 @@ TEST_CASE("a conversion that fails is an offender in the model's words") {
       1, done);
   CHECK(check.found.counted == 2);
   CHECK(check.found.offenders == 2);
-  CHECK(check.found.first.front() ==
+  CHECK(check.found.first.front().text ==
         "point 2 (2, 0, 0) level 0 direction 12 (-1, 0, 0): conversion failed: no minimum near "
         "1.000000");
 }

@@ -27,7 +27,7 @@ Broken broken(const std::vector<Check>& checks) {
   Broken broken;
   for (const Check& check : checks) {
     CHECK(check.found.first.size() == std::min<std::uint64_t>(check.found.offenders, 5));
-    if (check.found.offenders > 0) broken[check.name] = check.found.first;
+    if (check.found.offenders > 0) broken[check.name] = tiny::texts(check.found);
   }
   return broken;
 }
@@ -151,7 +151,7 @@ TEST_CASE("blends are the cells at the two tear-offs") {
   const auto check = check_blends(tiny::grid(), 1);
   CHECK(check.is_note);
   CHECK(check.found.counted == 3);
-  CHECK(check.found.first ==
+  CHECK(tiny::texts(check.found) ==
         std::vector<std::string>{"cell (0, 0, 0) from point 1 (1, 0, 0) level 1",
                                  "cell (2, 0, 0) from point 2 (2, 0, 0) level 1"});
   CHECK(check_blends(tiny::after_one_round(), 1).found.offenders == 0);
@@ -166,7 +166,7 @@ TEST_CASE("only the first five offenders are described") {
   const auto check = check_complete(grid, 1);
   CHECK(check.found.offenders == 9);
   CHECK(check.found.first.size() == 5);
-  CHECK(check.found.first.back() == "point 4 (4, 0, 0) level 0");
+  CHECK(check.found.first.back().text == "point 4 (4, 0, 0) level 0");
 }
 
 TEST_CASE("what threads find in blocks of points is joined in the order of the points") {
@@ -183,11 +183,11 @@ TEST_CASE("what threads find in blocks of points is joined in the order of the p
     const Check complete = check_complete(grid, threads);
     CHECK(complete.found.counted == 10000);
     CHECK(complete.found.offenders == 10);
-    CHECK(complete.found.first == std::vector<std::string>{"point 999 (999, 0, 0) level 0",
-                                                           "point 1999 (1999, 0, 0) level 0",
-                                                           "point 2999 (2999, 0, 0) level 0",
-                                                           "point 3999 (3999, 0, 0) level 0",
-                                                           "point 4999 (4999, 0, 0) level 0"});
+    CHECK(tiny::texts(complete.found) ==
+          std::vector<std::string>{
+              "point 999 (999, 0, 0) level 0", "point 1999 (1999, 0, 0) level 0",
+              "point 2999 (2999, 0, 0) level 0", "point 3999 (3999, 0, 0) level 0",
+              "point 4999 (4999, 0, 0) level 0"});
     CHECK(check_finite(grid, threads).found.offenders == 10);
     CHECK(check_coverage(grid, threads).found.offenders == 0);
     // Both ends lead out of the box, and the frontier's links are not settled.

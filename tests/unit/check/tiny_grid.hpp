@@ -14,6 +14,12 @@
 
 namespace hapgrid::tiny {
 
+inline std::vector<std::string> texts(const Findings& found) {
+  std::vector<std::string> texts;
+  for (const Offender& offender : found.first) texts.push_back(offender.text);
+  return texts;
+}
+
 inline constexpr int kLeft = 12;   // (-1, 0, 0)
 inline constexpr int kRight = 13;  // (+1, 0, 0)
 
