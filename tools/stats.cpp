@@ -19,12 +19,14 @@
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/section.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/stats/arrays.hpp"
 #include "tools/stats/dump.hpp"
 #include "tools/stats/gnuplot.hpp"
 #include "tools/stats/motion_log.hpp"
 #include "tools/stats/session.hpp"
 #include "tools/stats/slice.hpp"
 #include "tools/stats/statistics.hpp"
+#include "tools/stats/vti.hpp"
 
 using namespace hapgrid;
 using Json = nlohmann::ordered_json;
@@ -40,6 +42,9 @@ struct Options {
   std::string format = "text";
   std::string get;
   bool dump = false;
+  std::string npz;
+  std::string vti;
+  unsigned level = 0;
   std::string slice;
   std::string log;
   std::string plot;
@@ -130,7 +135,7 @@ void write_picture(const std::string& name, const std::string& script) {
 void dump(const Grid& grid, const std::string& name) {
   constexpr std::size_t kBuffer = 1 << 20;
   OutputFile output(name, /*binary=*/false);
-  std::string text;
+  std::string text = dump_header(grid);
   for (RecordIndex r = 0; r < grid.records(); ++r) {
     append_record(text, grid, r);
     if (text.size() < kBuffer) continue;
@@ -159,8 +164,8 @@ std::vector<std::string> columns_of(const std::string& y) {
 void plot_text(const InputFile& file, const Options& options) {
   if (options.plot.empty() || options.png.empty())
     throw UsageError("--log: a log that is text needs --plot and --png");
-  if (asks_for_session(options.session))
-    throw UsageError("--from, --to, --export and --salvage are for sessions, not text");
+  if (asks_for_session(options.session) || !options.npz.empty())
+    throw UsageError("--from, --to, --export, --npz and --salvage are for sessions, not text");
   const auto [x, y] = *parse_pair(options.plot);
   const auto [x_label, y_label] =
       *parse_pair(options.labels.empty() ? options.plot : options.labels);
@@ -190,6 +195,7 @@ void show_log(const Options& options) {
         "alone");
   SessionOptions session = options.session;
   session.png = options.png;
+  session.npz = options.npz;
   session.format = options.format;
   session.output = options.output;
   run_session(std::move(file), session);
@@ -198,8 +204,10 @@ void show_log(const Options& options) {
 /// Refuses options that do not go together.
 void check_options(const Options& options) {
   const bool reads_log = !options.log.empty();
-  if (!options.get.empty() + options.dump + !options.slice.empty() + reads_log > 1)
-    throw UsageError("--get, --dump, --slice and --log exclude each other");
+  if (!options.get.empty() + options.dump + !options.slice.empty() + !options.vti.empty() +
+          (reads_log || !options.npz.empty()) >
+      1)
+    throw UsageError("--get, --dump, --slice, --npz, --vti and --log exclude each other");
   if (!options.slice.empty() && options.png.empty()) throw UsageError("--slice needs --png");
   if (!options.png.empty() && options.slice.empty() && !reads_log)
     throw UsageError("--png needs --slice or --log");
@@ -236,6 +244,8 @@ void show_grid(const Options& options) {
       return write_all(options.output, value_line(*value));
   const LoadedGrid loaded = load_grid(options.grid);
   if (options.dump) return dump(loaded.grid, options.output);
+  if (!options.npz.empty()) return write_grid_arrays(loaded.grid, options.npz);
+  if (!options.vti.empty()) return write_vti(loaded.grid, options.level, options.vti);
   if (options.slice.empty()) return write_all(options.output, report(options, loaded));
   const Plane plane = *parse_plane(options.slice);
   write_picture(options.png, slice_script(loaded.grid.spec(),
@@ -262,6 +272,12 @@ void add_grid_options(CommandLine& app, Options& options) {
       .type("KEY");
   app.add_flag("--dump", options.dump,
                "A line a record: i j k level state..., and the levels of 26 links");
+  app.add("--vti", options.vti,
+          "Write an image for ParaView and VTK: levels, and what is at --level of each point")
+      .type("FILE");
+  app.add("--level", options.level, "For --vti: whose state, force and energy are written")
+      .whole(0, kMaxLevels - 1, /*shown=*/false)
+      .shows_default();
   app.add("--slice", options.slice,
           "Draw the numbers of levels in the plane nearest to, say, z=0 (--png)")
       .type("AXIS=VALUE")
@@ -305,6 +321,9 @@ int main(int argc, char** argv) {
       .one_of({"text", "json"})
       .shows_default();
   app.add("--png", options.png, "Where the picture goes; the program gnuplot draws it")
+      .type("FILE");
+  app.add("--npz", options.npz,
+          "Write arrays for numpy: of a grid, or of a session's ticks ('-': standard output)")
       .type("FILE");
   add_output(app, options.output);
   app.set_help("stats", "hapgrid-stats(1) says what the numbers mean.\n");

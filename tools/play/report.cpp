@@ -50,7 +50,7 @@ std::string quantiles_text(const Histogram& h) {
   return "p50 " + three_digits(microseconds(h.quantile(0.5))) + ", p99 " +
          three_digits(microseconds(h.quantile(0.99))) + ", p99.9 " +
          three_digits(microseconds(h.quantile(0.999))) + ", max " +
-         three_digits(microseconds(h.max())) + " us";
+         three_digits(microseconds(h.max())) + " µs";
 }
 
 void print_summary(const LoopSummary& s, const RunFacts& facts) {

@@ -71,7 +71,7 @@ constexpr Setting kSettings[] = {
      [](PlaySettings& s) { return std::span(&s.pid.half_range, 1); }},
     {"pid.signs", "+1/-1", -1, 1, From::kNo, "Signs of forces to the right, towards the user",
      [](PlaySettings& s) { return std::span<double>(s.pid.signs); }},
-    {"loop.spin", "us", 0, 1000, From::kNo, "The end of each wait is spent awake: less late",
+    {"loop.spin", "µs", 0, 1000, From::kNo, "The end of each wait is spent awake: less late",
      [](PlaySettings& s) { return std::span(&s.spin_us, 1); }},
     {"imd.wait", "s", 0, 86400, From::kNo, "Longest wait for a viewer before the first tick",
      [](PlaySettings& s) { return std::span(&s.imd_wait_s, 1); }},

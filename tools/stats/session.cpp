@@ -10,6 +10,7 @@
 #include "libcore/session/reader.hpp"
 #include "libcore/session/statistics.hpp"
 #include "libcore/session/text.hpp"
+#include "tools/stats/arrays.hpp"
 #include "tools/stats/gnuplot.hpp"
 #include "tools/stats/session_picture.hpp"
 #include "tools/stats/session_report.hpp"
@@ -90,7 +91,11 @@ void run_session(InputFile file, const SessionOptions& options) {
         png);
     png.commit();
   }
-  if (text || !options.png.empty()) return;
+  if (!options.npz.empty())
+    write_session_arrays(
+        header, statistics.ticks,
+        [&](const auto& use) { for_ticks(session, options.from, options.to, use); }, options.npz);
+  if (text || !options.png.empty() || !options.npz.empty()) return;
 
   OutputFile output(options.output, /*binary=*/false);
   if (options.format == "text")

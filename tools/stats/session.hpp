@@ -14,7 +14,8 @@ struct SessionOptions {
   bool salvage = false;
   std::string png;          ///< empty: no picture
   std::string export_file;  ///< empty: no text
-  std::string format;       ///< of the report, which is written when png and export_file are empty
+  std::string npz;          ///< empty: no arrays
+  std::string format;       ///< of the report, which is written when the three above are empty
   std::string output;       ///< where the report goes
 };
 

@@ -44,7 +44,7 @@ std::string times_text(const Histogram& times) {
   std::string text;
   for (const auto& [name, share] : kPercentiles)
     text += std::string(name) + " " + fixed(microseconds(times.quantile(share)), 3) + ", ";
-  return text + "max " + fixed(microseconds(times.max()), 3) + " us";
+  return text + "max " + fixed(microseconds(times.max()), 3) + " µs";
 }
 
 std::string share_text(std::uint64_t part, std::uint64_t whole) {

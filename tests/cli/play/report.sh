@@ -72,7 +72,7 @@ import re
 
 lines = open("selftest").read().splitlines()
 assert len(lines) == 2 + 3 * 4, lines
-times = r"p50 (\S+), p99 (\S+), p99.9 (\S+), max (\S+) us"
+times = r"p50 (\S+), p99 (\S+), p99.9 (\S+), max (\S+) µs"
 for i, rate in enumerate((1000, 2000, 5000)):
     title, loop, kernel, compute = lines[2 + 4 * i:6 + 4 * i]
     grade = re.fullmatch(rf"{rate} Hz: (good|fair|poor) \(.+\)", title).group(1)

@@ -14,8 +14,8 @@ missed              2 (33.333 %)
 largest force       2 N at 0.6 s as sent, 5 N at 0.6 s before the safety core
 energy              1.9 N m given to the hand, at most 1.9 N m until 0.9 s
 not computed        1 (25.000 %)
-lateness            p50 0.100, p99 4294967.295, p99.9 4294967.295, max 4294967.295 us
-compute time        p50 0.002, p99 0.004, p99.9 0.004, max 0.004 us
+lateness            p50 0.100, p99 4294967.295, p99.9 4294967.295, max 4294967.295 µs
+compute time        p50 0.002, p99 0.004, p99.9 0.004, max 0.004 µs
 flag clutch         1 (25.000 %)
 flag safety_clamped 1 (25.000 %)
 flag level_changed  1 (25.000 %)" '' -- stats --log known
@@ -85,7 +85,7 @@ printf '# t\tx\ty\tz\n0\t1\t2\t3\n1\t1\t2\t3\n' >log
 expect 2 '' "~stats: --log: a log that is text needs --plot and --png $see" -- stats --log log
 expect 2 '' "~stats: --log: a log that is text needs --plot and --png $see" -- \
   stats --log log --export -
-expect 2 '' "~stats: --from, --to, --export and --salvage are for sessions, not text $see" -- \
+expect 2 '' "~stats: --from, --to, --export, --npz and --salvage are for sessions, not text $see" -- \
   stats --log log --plot t,x --png x.png --from 1
 expect 2 '' "~stats: --plot draws a log that is text; the picture of a session is --png alone $see" -- \
   stats --log known --plot t,x --png x.png
