@@ -38,13 +38,11 @@ feel() {
   feel=$!
   wait_for 60 "window" xdotool search --onlyvisible --name '^hung-ball - hapgrid view$'
   # A picture can be written as soon as there is a frame.
-  until compgen -G 'hapgrid-*.png' >/dev/null; do
-    kill -0 $feel || fail "$(cat err)"
-    xdotool key s
-    sleep 0.1
-  done
+  wait_for 60 "frame" first_frame
   rm hapgrid-*.png
 }
+first_frame() { xdotool key s && sleep 0.1 && compgen -G 'hapgrid-*.png'; }
+evidence() { cat err; }
 # mouse DX DY STEPS: 50 steps a second.
 mouse() { for ((i = 0; i < $3; ++i)); do xdotool mousemove_relative -- "$1" "$2"; sleep 0.02; done; }
 shoot() {
