@@ -1,4 +1,5 @@
 """Moves a hand through the grid of the hung ball by way of the named pipe: the closed loop of a real play."""
+import atexit
 import math
 import os
 import signal
@@ -12,6 +13,7 @@ def play(*more):
     """A play in real time whose pipe nobody writes yet."""
     process = subprocess.Popen(["play", "grid", "--device", "path:hand", "--rate", "1000", *more],
                                stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+    atexit.register(process.kill)
     line = process.stderr.readline()
     assert line.startswith("play: hand at 1000 Hz"), line
     return process
@@ -51,8 +53,8 @@ os.mkfifo("hand")
 
 # Nobody comes: the HIP waits in the middle of the box, until a signal. A hand that only comes and goes ends the play.
 waiting = play()
-waiting.send_signal(signal.SIGINT)
-end(waiting, 130)
+waiting.send_signal(signal.SIGTERM)
+end(waiting, 143)
 coming = play()
 open("hand", "w").close()
 end(coming, 0)
