@@ -10,6 +10,9 @@ seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --co
 
 expect 2 '' 'hapgrid: feel: which grid? (see hapgrid --help)' -- hapgrid feel
 refuses 'hapgrid: feel: no display for the window; .*' -- hapgrid feel grid
+mkdir bare
+cp "$HAPGRID_BUILD"/bin/{hapgrid,seed} bare
+refuses 'hapgrid: feel: view is not built: make -f Makefile.example build' -- bare/hapgrid feel grid
 DISPLAY=:nowhere expect 1 '' "~(play: .*"$'\n'")*view: no window: .*" -- hapgrid feel grid
 DISPLAY=:nowhere refuses 'play: nowhere: No such file or directory' -- hapgrid feel nowhere
 DISPLAY=:nowhere expect 2 '' '~play: .*--nonsense.*' -- hapgrid feel grid --nonsense
