@@ -45,6 +45,7 @@ struct Options {
   bool window = false;
   bool close = false;
   std::string screenshot;
+  std::string hand;
   std::string terminal;  // how to draw there; empty: not asked for
 
   bool wants_report() const { return xyz.empty() && png.empty() && html.empty(); }
@@ -159,8 +160,9 @@ int run(const Options& options) {
                 "makes frames of it");
   announce_terminal(options.frames);
   if (options.window) {
-    run_window(options.frames, {render_options(options), options.azimuth_degrees,
-                                options.elevation_degrees, options.close, options.screenshot});
+    run_window(options.frames,
+               {render_options(options), options.azimuth_degrees, options.elevation_degrees,
+                options.close, options.screenshot, options.hand});
     return kExitDone;
   }
   if (!options.terminal.empty()) {
@@ -248,6 +250,11 @@ void add_live_options(CommandLine& app, Options& options) {
           "What the window showed last, as a picture, when it is closed")
       .type("FILE")
       .needs(window);
+  app.add("--hand", options.hand,
+          "The mouse in the window is the hand, which play --device path:PIPE\n"
+          "reads in this named pipe")
+      .type("PIPE")
+      .needs(window);
   // A flag, so that a file's name behind it is not taken for its value.
   Option terminal = app.add_flag("--terminal{auto}", options.terminal,
                                  "The terminal; --terminal=MODE is symbols, sixel, kitty or auto")
@@ -310,7 +317,9 @@ int main(int argc, char** argv) {
                "In the window:\n"
                "  mouse    drag: turn; right drag: move; wheel: zoom\n"
                "  keys     h, ?: help; space: pause; r: the first view; s: write hapgrid-TICK.png\n"
-               "           into the working directory; q, Escape: close\n");
+               "           into the working directory; q, Escape: close\n"
+               "With --hand the mouse moves the HIP in the plane of the picture, and the wheel in\n"
+               "depth; key t: the mouse turns the view instead, and back.\n");
   return run_tool(app, argc, argv, [&] {
     check_picture(app);
     return run(options);

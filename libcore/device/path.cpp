@@ -45,25 +45,30 @@ std::string_view parse_coordinate(std::string_view word, double& value) {
 
 }  // namespace
 
+std::optional<Vec3> parse_position(std::string_view line) {
+  line = line.substr(0, line.find('#'));
+  Vec3 x;
+  int count = 0;
+  for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
+    if (count == 3) throw Error("more than the 3 numbers x y z");
+    const std::string_view wrong = parse_coordinate(word, x[count]);
+    if (!wrong.empty()) throw Error(quoted(word) + " " + std::string(wrong));
+  }
+  if (count == 0) return std::nullopt;
+  if (count != 3) throw Error("the 3 numbers x y z are needed, found " + std::to_string(count));
+  return x;
+}
+
 std::vector<Vec3> parse_path(std::string_view text, const std::string& name) {
   std::vector<Vec3> positions;
   for (std::size_t number = 1; !text.empty(); ++number) {
-    std::string_view line = text.substr(0, text.find('\n'));
+    const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
-    line = line.substr(0, line.find('#'));
-    const auto refuse = [&](const std::string& what) {
-      throw Error(name + ": line " + std::to_string(number) + ": " + what);
-    };
-    Vec3 x;
-    int count = 0;
-    for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
-      if (count == 3) refuse("more than the 3 numbers x y z");
-      const std::string_view wrong = parse_coordinate(word, x[count]);
-      if (!wrong.empty()) refuse(quoted(word) + " " + std::string(wrong));
+    try {
+      if (const auto x = parse_position(line)) positions.push_back(*x);
+    } catch (const Error& e) {
+      throw Error(name + ": line " + std::to_string(number) + ": " + e.what());
     }
-    if (count == 0) continue;
-    if (count != 3) refuse("the 3 numbers x y z are needed, found " + std::to_string(count));
-    positions.push_back(x);
   }
   if (positions.empty()) throw Error(name + ": no position in it");
   return positions;

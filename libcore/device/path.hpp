@@ -1,6 +1,7 @@
 // A device that moves the HIP through the positions of a text. It has no force.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -9,6 +10,10 @@
 #include "libcore/device/device.hpp"
 
 namespace hapgrid {
+
+/// The position in a line of a path; nothing where it has only blanks and a comment.
+/// @throw Error that says what is wrong with the line.
+std::optional<Vec3> parse_position(std::string_view line);
 
 /// Reads positions: one x y z in each line, in the model's unit of length, separated by spaces or
 /// tabs. '#' starts a comment, blank lines are skipped. Numbers are those of the C locale.

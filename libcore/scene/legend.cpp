@@ -78,29 +78,38 @@ Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions
   return legend;
 }
 
-void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
-                const RenderOptions& options) {
-  const Legend legend = make_legend(scene, camera, options);
-  const double rays = options.supersampling;
+double depth_in_front(const Drawing& drawing) {
   double z = 0;
   const auto behind = [&](double depth) {
     if (depth < kFarthest) z = std::max(z, depth + 1);
   };
   for (const Line& line : drawing.lines) behind(std::max(line.from[2], line.to[2]));
-  for (const auto& balls : {drawing.balls, drawing.translucent})
-    for (const Ball& ball : balls) behind(ball.centre[2] + ball.radius);
+  for (const auto* balls : {&drawing.balls, &drawing.translucent})
+    for (const Ball& ball : *balls) behind(ball.centre[2] + ball.radius);
+  return z;
+}
+
+void add_label(Drawing& drawing, const Label& label, double depth, const RenderOptions& options) {
+  const double rays = options.supersampling;
+  const double pixel = rays * options.letter_scale;
+  for (std::size_t i = 0; i < label.text.size(); ++i)
+    add_letter(drawing.lines, label.text[i],
+               rays * label.left[0] + pixel * kLetterWidth * static_cast<double>(i),
+               rays * label.left[1] - pixel * kLetterHeight / 2, depth, pixel);
+}
+
+void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
+                const RenderOptions& options) {
+  const Legend legend = make_legend(scene, camera, options);
+  const double rays = options.supersampling;
+  const double z = depth_in_front(drawing);
   for (const auto& [from, to] : legend.lines)
     drawing.lines.push_back({{rays * from[0], rays * from[1], z},
                              {rays * to[0], rays * to[1], z},
                              0.6 * rays * options.letter_scale,
                              kInk});
   if (!options.letters) return;
-  const double pixel = rays * options.letter_scale;
-  for (const Label& label : legend.labels)
-    for (std::size_t i = 0; i < label.text.size(); ++i)
-      add_letter(drawing.lines, label.text[i],
-                 rays * label.left[0] + pixel * kLetterWidth * static_cast<double>(i),
-                 rays * label.left[1] - pixel * kLetterHeight / 2, z, pixel);
+  for (const Label& label : legend.labels) add_label(drawing, label, z, options);
 }
 
 }  // namespace hapgrid

@@ -30,4 +30,9 @@ Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions
 void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
                 const RenderOptions& options);
 
+/// A depth in front of all that is drawn, for what is written over a picture.
+double depth_in_front(const Drawing& drawing);
+/// Draws a text at such a depth.
+void add_label(Drawing& drawing, const Label& label, double depth, const RenderOptions& options);
+
 }  // namespace hapgrid

@@ -9,11 +9,11 @@ source "$(dirname "$0")/lib.sh"
 compute ball "$ball" 40
 compute alanine "$HAPGRID_SOURCE/examples/molecule/alanine-dipeptide/alanine-dipeptide.toml" 30
 
-# row WHAT SIM_TOML PLAY_OPTIONS...
+# row WHAT STIFFNESS DEVICE PLAY_OPTIONS...: DEVICE as lines of TOML
 row() {
-  printf '%s\n[random]\nseed = %d\nsessions = %d\n' "$2" "$seed" "$sessions" >sim.toml
+  printf '%s\n[hand]\nstiffness = %d\n[random]\nseed = %d\nsessions = %d\n' "$3" "$2" "$seed" "$sessions" >sim.toml
   for grid in ball alanine; do
-    play "$grid.grid" --device sim:sim.toml --report "$grid.report" "${@:3}" 2>/dev/null
+    play "$grid.grid" --device sim:sim.toml --report "$grid.report" "${@:4}" 2>error || fail "$(cat error)"
   done
   python3 - "$1" <<'PYTHON'
 import json, sys
@@ -27,12 +27,11 @@ PYTHON
 
 echo '|hand|ball: mean / worst, mJ|alanine dipeptide|'
 echo '|---|---|---|'
-row '300 N/m, at 1 kHz' ''
-row 'at 5 kHz' '' --rate 5000
-row '100 N/m' 'stiffness = 100'
-row '1,000 N/m' 'stiffness = 1000'
-row '`--gain 3`' '' --gain 3
-row 'forces a tick late, which `play` is not told' 'delay = 1'
-row 'steps of 0.2 mm' 'encoder = 2e-4' --set safety.encoder=2e-4
-row '1,000 N/m, `--gain 3`, a tick late, steps of 0.2 mm' $'stiffness = 1000\nencoder = 2e-4\ndelay = 1' \
-  --gain 3 --set safety.encoder=2e-4
+row '300 N/m, at 1 kHz' 300 ''
+row '300 N/m, at 5 kHz' 300 '' --rate 5000
+row '100 N/m' 100 ''
+row '1,000 N/m' 1000 ''
+row 'with --gain 3' 300 '' --gain 3
+row 'forces a tick late, which play is not told' 300 'delay = 1'
+row 'steps of 0.2 mm' 300 'encoder = 2e-4' --set safety.encoder=2e-4
+row '1,000 N/m, --gain 3, a tick late, steps of 0.2 mm' 1000 $'encoder = 2e-4\ndelay = 1' --gain 3 --set safety.encoder=2e-4

@@ -3,14 +3,17 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <sstream>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/device/hand.hpp"
 #include "libcore/device/hid_bus.hpp"
 #include "libcore/device/hid_describe.hpp"
 #include "libcore/device/hid_device.hpp"
@@ -44,6 +47,15 @@ DeviceChoice make(const std::string& argument) {
   return Choice{argument};
 }
 
+/// A pipe with a name has a hand at its other end. One without, as from `path:<(command)`, has a
+/// whole path, and its name is a link.
+DeviceChoice make_path(const std::string& argument) {
+  std::error_code ignored;  // what is not there is refused when it is opened
+  if (std::filesystem::symlink_status(argument, ignored).type() == std::filesystem::file_type::fifo)
+    return HandPipe{argument};
+  return PathFile{argument};
+}
+
 /// The words of the command; blanks stand between them, and quotes mean nothing.
 DeviceChoice make_process(const std::string& argument) {
   AdapterProcess process;
@@ -54,7 +66,7 @@ DeviceChoice make_process(const std::string& argument) {
 }
 
 constexpr Form kForms[] = {
-    {"path", Argument::kNeeded, "path:FILE", make<PathFile>},
+    {"path", Argument::kNeeded, "path:FILE", make_path},
     {"keys", Argument::kNone, "keys",
      [](const std::string&) { return DeviceChoice(TerminalKeys()); }},
     {"replay", Argument::kNeeded, "replay:FILE", make<ReplayFile>},
@@ -74,6 +86,11 @@ KeyboardOptions keyboard_options(const PlaySettings& settings, const Box& box) {
                                keys.low[a], keys.high[a]);
   keys.step = settings.key_step > 0 ? settings.key_step : box.spacing / 2;
   return keys;
+}
+
+HandOptions hand_options(const PlaySettings& settings, const Box& box) {
+  const KeyboardOptions keys = keyboard_options(settings, box);
+  return {.start = keys.start, .low = keys.low, .high = keys.high};
 }
 
 OpenDevice open_path(const std::string& file) {
@@ -180,12 +197,15 @@ DeviceChoice parse_device(const std::string& name) {
 
 std::string input_file(const DeviceChoice& device) {
   if (const auto* path = std::get_if<PathFile>(&device)) return path->file;
+  if (const auto* hand = std::get_if<HandPipe>(&device)) return hand->pipe;
   if (const auto* replay = std::get_if<ReplayFile>(&device)) return replay->file;
   if (const auto* simulation = std::get_if<SimulationFile>(&device)) return simulation->file;
   return "";
 }
 
-bool is_live(const DeviceChoice& device) { return input_file(device).empty(); }
+bool is_live(const DeviceChoice& device) {
+  return std::holds_alternative<HandPipe>(device) || input_file(device).empty();
+}
 
 std::string keys_of(const DeviceChoice& device) {
   if (!std::holds_alternative<TerminalKeys>(device)) return "";
@@ -215,6 +235,9 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
       return {.device = std::move(device), .session = {}};
     }
     OpenDevice operator()(const PathFile& path) const { return open_path(path.file); }
+    OpenDevice operator()(const HandPipe& hand) const {
+      return live(std::make_unique<HandDevice>(hand.pipe, hand_options(settings, box)));
+    }
     OpenDevice operator()(const ReplayFile& replay) const {
       return open_replay(replay.file, virtual_hz);
     }

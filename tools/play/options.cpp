@@ -20,9 +20,9 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
   app.add("grid", options.grid, "Complete grid ('-': standard input)").type("GRID");
   app.add(
          "--device", [&](const std::string& name) { options.device = parse_device(name); },
-         "path:FILE, the positions in FILE ('path:-': standard input);\n"
-         "keys, the keyboard of this terminal; replay:FILE, what a log has;\n"
-         "sim:FILE, a simulated device and hand that a TOML describes;\n"
+         "path:FILE, the positions in FILE ('path:-': standard input; live\n"
+         "in a named pipe); keys, this terminal's keyboard; replay:FILE,\n"
+         "what a log has; sim:FILE, device and hand simulated by a TOML;\n"
          "profile:FILE, a HID device that a text describes; pid[:WHICH],\n"
          "a joystick of HID's PID class; spacemouse[:WHICH], which steers;\n"
          "process:COMMAND, an adapter to a maker's kit (split at blanks)")

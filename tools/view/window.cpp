@@ -15,9 +15,13 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/device/hand.hpp"
+#include "libcore/grid/vec3.hpp"
 #include "libcore/scene/image.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/view/feed.hpp"
+#include "tools/view/force_bar.hpp"
+#include "tools/view/hand.hpp"
 #include "tools/view/painter.hpp"
 #include "tools/view/panel.hpp"
 
@@ -59,7 +63,8 @@ void write_png(const std::string& name, const Image& image) {
 
 class Window {
  public:
-  Window(const Scene& scene, const WindowOptions& options);
+  /// @param hand what the mouse moves; null: the mouse only looks.
+  Window(const Scene& scene, const WindowOptions& options, Hand* hand);
   ~Window() { ::glfwDestroyWindow(window_); }
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -75,17 +80,24 @@ class Window {
   }
   void listen();
   void on_key(int key);
+  void on_letter(unsigned letter);
   void on_move(double x, double y);
+  void on_wheel(double steps);
+  bool moves_hand() const { return hand_ && hand_->begun() && !turning_ && !paused_; }
 
   void set_title();
   std::vector<std::string> help() const;
+  std::string status() const;
   void reset_camera();
+  Camera shown_camera() const;
+  void update(Feed& feed);
   void draw();
   void save();
 
   const Scene& scene_;
   RenderOptions render_;
   const WindowOptions& options_;
+  Hand* hand_;
   GLFWwindow* window_ = nullptr;
   std::optional<Painter> painter_;
 
@@ -100,6 +112,8 @@ class Window {
   int dragging_ = kNoButton;  // the button that is held
   double last_x_ = 0;
   double last_y_ = 0;
+  bool elsewhere_ = true;  // the pointer was taken to another place: no motion of the mouse
+  bool turning_ = false;   // the mouse turns the view, although it has a hand
 
   bool paused_ = false;
   bool help_ = false;  // in place of the curves
@@ -107,8 +121,8 @@ class Window {
   bool stale_ = true;  // the window does not show what it should
 };
 
-Window::Window(const Scene& scene, const WindowOptions& options)
-    : scene_(scene), render_(options.render), options_(options) {
+Window::Window(const Scene& scene, const WindowOptions& options, Hand* hand)
+    : scene_(scene), render_(options.render), options_(options), hand_(hand) {
   ::glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   ::glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   ::glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -139,20 +153,20 @@ void Window::listen() {
     of(w).dragging_ = action == GLFW_PRESS ? button : kNoButton;
   });
   // As letters: where '?' is on the keyboard depends on its layout.
-  ::glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned letter) {
-    if (letter != 'h' && letter != '?') return;
-    of(w).help_ = !of(w).help_;
-    of(w).stale_ = true;
-  });
+  ::glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned letter) { of(w).on_letter(letter); });
   ::glfwSetCursorPosCallback(window_,
                              [](GLFWwindow* w, double x, double y) { of(w).on_move(x, y); });
-  ::glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double steps) {
-    Window& self = of(w);
-    self.zoom_ = std::clamp(self.zoom_ * std::pow(kZoomStep, steps), 1 / kMaxZoom, kMaxZoom);
-    self.stale_ = true;
-  });
+  ::glfwSetScrollCallback(window_,
+                          [](GLFWwindow* w, double, double steps) { of(w).on_wheel(steps); });
   ::glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { of(w).stale_ = true; });
   ::glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* w, int, int) { of(w).stale_ = true; });
+  if (!hand_) return;
+  // The arrow is what tells most about the force now.
+  if (render_.arrow == 0) render_.arrow = 2 * newton_length(scene_, render_);
+  ::glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int) { of(w).elsewhere_ = true; });
+  ::glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int) { of(w).elsewhere_ = true; });
+  // The pointer is not seen and has no edge to stop at: only the HIP shows where the hand is.
+  ::glfwSetInputMode(window_, GLFW_CURSOR, GLFW_CURSOR_DISABLED);
 }
 
 void Window::on_key(int key) {
@@ -176,14 +190,36 @@ void Window::on_key(int key) {
   stale_ = true;
 }
 
+void Window::on_letter(unsigned letter) {
+  if (letter == 'h' || letter == '?')
+    help_ = !help_;
+  else if (letter == 't' && hand_)
+    turning_ = !turning_;
+  stale_ = true;
+}
+
+void Window::on_wheel(double steps) {
+  if (moves_hand()) {
+    hand_->push(camera_, steps);
+    return;
+  }
+  zoom_ = std::clamp(zoom_ * std::pow(kZoomStep, steps), 1 / kMaxZoom, kMaxZoom);
+  stale_ = true;
+}
+
 void Window::on_move(double x, double y) {
   const double right = x - std::exchange(last_x_, x);
   const double down = y - std::exchange(last_y_, y);
+  if (std::exchange(elsewhere_, false) && hand_) return;
+  if (moves_hand()) {
+    hand_->move(shown_camera(), render_, right, down);
+    return;
+  }
   if (dragging_ == GLFW_MOUSE_BUTTON_RIGHT || dragging_ == GLFW_MOUSE_BUTTON_MIDDLE) {
     camera_ = panned(camera_, render_, right / zoom_, down / zoom_);
     stale_ = true;
   }
-  if (dragging_ != GLFW_MOUSE_BUTTON_LEFT) return;
+  if (dragging_ != GLFW_MOUSE_BUTTON_LEFT && !(turning_ && dragging_ == kNoButton)) return;
   // The picture follows the hand: to the right means that the viewer goes to the left.
   camera_.azimuth_degrees = std::remainder(camera_.azimuth_degrees - kDegreesPerPixel * right, 360);
   camera_.elevation_degrees =
@@ -198,6 +234,14 @@ void Window::set_title() {
 }
 
 std::vector<std::string> Window::help() const {
+  if (hand_)
+    return {"mouse   moves the hand            t          the mouse turns the view, or is the hand",
+            "wheel   takes it away, nearer     space      pause, go on",
+            "r       the first view again      s          write hapgrid-TICK.png",
+            "h, ?    this help, no help        q, Escape  close, which ends the play",
+            "",
+            "The blue HIP lags behind your hand where the model resists, and snaps when it does.",
+            "red arrow and bar: the force      orange lines: the state snapped"};
   std::vector<std::string> lines{
       "drag         turn the picture       r          the first view again",
       "right drag   move the picture       space      pause, go on",
@@ -217,6 +261,22 @@ void Window::reset_camera() {
   fitted_ = true;
 }
 
+Camera Window::shown_camera() const {
+  Camera camera = camera_;
+  camera.half_width /= zoom_;
+  return camera;
+}
+
+/// The line above the curves.
+std::string Window::status() const {
+  std::string text =
+      has_frame_ ? status_text(scene_, frame_, state_.dropped) : "waiting for frames";
+  if (state_.ended) text += "   ended";
+  if (paused_) text += "   paused";
+  if (hand_) text += turning_ ? "   t: the hand again" : "   mouse: hand   t: turn";
+  return text + "   h: help";
+}
+
 void Window::draw() {
   int width = 0, height = 0;
   ::glfwGetFramebufferSize(window_, &width, &height);
@@ -234,20 +294,17 @@ void Window::draw() {
   render_.letter_scale = letters;
   render_.supersampling = painter_->supersampling();
   Drawing drawing;
-  std::string status = "waiting for frames";
   if (has_frame_) {
     if (!fitted_) reset_camera();
-    Camera camera = camera_;
-    camera.half_width /= zoom_;
-    drawing = hapgrid::draw(scene_, frame_, camera, render_);
-    status = status_text(scene_, frame_, state_.dropped);
+    drawing = hapgrid::draw(scene_, frame_, shown_camera(), render_);
+    const Vec3& f = frame_.force;
+    if (hand_)
+      add_force_bar(drawing, std::hypot(f[0], f[1], f[2]),
+                    std::max(kHandForce, force_extent(traces_).high), render_);
   }
-  if (state_.ended) status += "   ended";
-  if (paused_) status += "   paused";
-  status += "   h: help";
   painter_->paint(drawing, !with_panel ? Image{}
                            : help_     ? draw_text(width, letters, help())
-                                       : draw_panel(width, letters, scene_, traces_, status));
+                                       : draw_panel(width, letters, scene_, traces_, status()));
   painter_->show();
   ::glfwSwapBuffers(window_);
 }
@@ -263,6 +320,15 @@ void Window::save() {
   }
 }
 
+void Window::update(Feed& feed) {
+  const bool had_ended = state_.ended;
+  state_ = feed.update(frame_, traces_);
+  has_frame_ = has_frame_ || state_.fresh;
+  stale_ = stale_ || state_.fresh || state_.ended != had_ended;
+  if (hand_ && has_frame_ && !hand_->begun() && finite(frame_.position))
+    hand_->begin(frame_.position);
+}
+
 void Window::run(Feed& feed) {
   bool was_paused = false;
   while (!::glfwWindowShouldClose(window_)) {
@@ -270,12 +336,7 @@ void Window::run(Feed& feed) {
       feed.pause(paused_);
       set_title();
     }
-    if (!paused_) {
-      const bool had_ended = state_.ended;
-      state_ = feed.update(frame_, traces_);
-      has_frame_ = has_frame_ || state_.fresh;
-      stale_ = stale_ || state_.fresh || state_.ended != had_ended;
-    }
+    if (!paused_) update(feed);
     if (std::exchange(stale_, false)) draw();
     if (has_frame_ && std::exchange(save_, false)) save();
     if (state_.ended && options_.close) return;
@@ -283,6 +344,7 @@ void Window::run(Feed& feed) {
       ::glfwPollEvents();
     else
       ::glfwWaitEvents();
+    if (hand_) hand_->send();
   }
 }
 
@@ -291,10 +353,16 @@ void Window::run(Feed& feed) {
 void run_window(const std::string& frames, const WindowOptions& options) {
   std::optional<OutputFile> screenshot;
   if (!options.screenshot.empty()) screenshot.emplace(options.screenshot);
-  const Glfw glfw;
+  std::optional<Glfw> glfw;
+  if (options.hand.empty()) glfw.emplace();
   // It is gone before the library is: its thread wakes up glfwWaitEvents().
   Feed feed(frames, [] { ::glfwPostEmptyEvent(); });
-  Window window(feed.scene(), options);
+  // Play has opened the pipe before the scene came. Taken before there is a window, it tells play
+  // that there will be none when that fails.
+  std::optional<Hand> hand;
+  if (!options.hand.empty()) hand.emplace(options.hand, feed.scene().box);
+  if (!glfw) glfw.emplace();
+  Window window(feed.scene(), options, hand ? &*hand : nullptr);
   feed.start();
   window.run(feed);
   if (screenshot) {

@@ -13,11 +13,12 @@ struct WindowOptions {
   double elevation_degrees = Camera{}.elevation_degrees;
   bool close = false;      ///< at the end of the stream
   std::string screenshot;  ///< PNG of what was shown last; empty: none
+  std::string hand;        ///< the pipe in which play reads the mouse as a hand; empty: none
 };
 
 /// Shows the frames of `frames` ("-": standard input) until the window is closed.
 /// @throw Error when there is no display or no OpenGL 3.3; what Feed throws: for damage behind the
-/// scene only after the window is closed.
+/// scene only after the window is closed; what Hand throws.
 void run_window(const std::string& frames, const WindowOptions& options);
 
 }  // namespace hapgrid

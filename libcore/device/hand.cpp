@@ -1,0 +1,143 @@
+#include "libcore/device/hand.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <exception>
+#include <system_error>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/signals.hpp"
+#include "libcore/device/path.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr int kAskMs = 50;             // how soon the listener sees that it shall stop
+constexpr std::size_t kMaxLine = 256;  // bytes
+// After a hiccup of the machine the force is old: the HIP does not go far with it.
+constexpr double kLongestTick = 0.004;
+
+double longest_side(const HandOptions& o) {
+  return std::max({o.high[0] - o.low[0], o.high[1] - o.low[1], o.high[2] - o.low[2]});
+}
+
+}  // namespace
+
+CoupledHip::CoupledHip(const HandOptions& options)
+    : options_(options),
+      speed_(kHandSpeed * longest_side(options)),
+      stiffness_(kHandForce / (kHandReach * longest_side(options))),
+      x_(options.start) {}
+
+const Vec3& CoupledHip::next(const Vec3& hand, const Vec3& force, double dt) noexcept {
+  const double tick = std::clamp(dt, 0.0, kLongestTick);
+  const double part = tick / (kHandSeconds + tick);
+  // A hand far away pulls no more than one that the HIP can be drawn behind.
+  const double margin = kHandReach * longest_side(options_);
+  Vec3 way;
+  for (int a = 0; a < 3; ++a) {
+    const double h = std::clamp(hand[a], options_.low[a] - margin, options_.high[a] + margin);
+    way[a] = part * (h + force[a] / stiffness_ - x_[a]);
+  }
+  const double length = std::hypot(way[0], way[1], way[2]);
+  const double most = speed_ * tick;
+  const double shown = length > most ? most / length : 1;
+  for (int a = 0; a < 3; ++a)
+    x_[a] = std::clamp(x_[a] + shown * way[a], options_.low[a], options_.high[a]);
+  return x_;
+}
+
+std::optional<Vec3> HandLines::take(std::string_view bytes) {
+  std::optional<Vec3> newest;
+  for (const char c : bytes) {
+    if (c == '\n') {
+      if (const auto x = take_line()) newest = x;
+      continue;
+    }
+    if (line_.size() == kMaxLine)
+      throw Error("line " + std::to_string(number_) + ": longer than " + std::to_string(kMaxLine) +
+                  " bytes");
+    line_ += c;
+  }
+  return newest;
+}
+
+std::optional<Vec3> HandLines::finish() { return take_line(); }
+
+std::optional<Vec3> HandLines::take_line() {
+  try {
+    const auto x = parse_position(line_);
+    line_.clear();
+    ++number_;
+    return x;
+  } catch (const Error& e) {
+    throw Error("line " + std::to_string(number_) + ": " + e.what());
+  }
+}
+
+HandDevice::HandDevice(const std::string& pipe, const HandOptions& options)
+    : name_(pipe),
+      // Without waiting for a writer: that is the viewer, which waits for the scene.
+      pipe_(::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)),
+      hand_(options.start),
+      hip_(options) {
+  if (!pipe_) throw std::system_error(errno, std::generic_category(), pipe);
+  const BlockedSignals blocked;
+  listener_ = std::jthread([this](const std::stop_token& token) { listen(token); });
+}
+
+void HandDevice::listen(const std::stop_token& token) {
+  try {
+    HandLines lines;
+    while (!token.stop_requested())
+      if (!listen_once(lines)) {
+        status_.store(DeviceStatus::kEnd, std::memory_order_release);
+        return;
+      }
+  } catch (const std::exception& e) {
+    error_ = e.what();
+    status_.store(DeviceStatus::kFailed, std::memory_order_release);
+  }
+}
+
+bool HandDevice::listen_once(HandLines& lines) {
+  // Before the first writer this waits; without one after that it says POLLHUP.
+  pollfd waiting{pipe_.get(), POLLIN, 0};
+  if (::poll(&waiting, 1, kAskMs) <= 0) return true;
+  char bytes[4096];
+  const ssize_t count = ::read(pipe_.get(), bytes, sizeof bytes);
+  if (count < 0) {
+    if (errno == EAGAIN || errno == EINTR) return true;
+    throw std::system_error(errno, std::generic_category());
+  }
+  const auto x = count > 0 ? lines.take({bytes, static_cast<std::size_t>(count)}) : lines.finish();
+  if (x) {
+    hand_.back() = *x;
+    hand_.publish();
+  }
+  return count > 0;
+}
+
+DeviceStatus HandDevice::read(DeviceInput& input) noexcept {
+  const DeviceStatus status = status_.load(std::memory_order_acquire);
+  if (status != DeviceStatus::kOk) return status;
+  const auto now = std::chrono::steady_clock::now();
+  const double dt = std::chrono::duration<double>(now - last_.value_or(now)).count();
+  last_ = now;
+  hand_.update();
+  input = {.position = hip_.next(hand_.front(), force_, dt)};
+  return DeviceStatus::kOk;
+}
+
+DeviceStatus HandDevice::send(const Vec3& force) noexcept {
+  force_ = force;
+  return DeviceStatus::kOk;
+}
+
+}  // namespace hapgrid

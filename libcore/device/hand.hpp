@@ -1,0 +1,115 @@
+// A hand that feels nothing, such as one on a mouse: another program writes where it is into a
+// named pipe, and what the hand cannot feel it sees.
+//
+// Pseudo-haptics (Lécuyer 2009 is the survey): what is shown moves less than the hand where the
+// force is against it, and people take that for resistance. Here the HIP itself does so, by the
+// virtual coupling of Colgate, Stanley and Brown (1995) without a mass: a spring k and a damper b
+// from the hand's place h to the HIP at x, on which the force F of the grid acts,
+//
+//   b x' = k (h - x) + F.
+//
+// At rest the HIP lags behind the hand by |F| / k. In a wall of stiffness K it makes k / (k + K) of
+// the hand's motion, and where the model snaps, so that F is gone, it goes to the hand with the
+// time constant b / k, which also makes a smooth motion of positions that come 60 to 125 times a
+// second.
+//
+// The coupling is computed here, in the loop of play, and not in the viewer, whose forces are late
+// by a frame. With the force of the tick before, a tick dt takes the HIP the part dt / (b / k + dt)
+// of the way to h + F / k. So nothing swings while K <= k (b / k) / dt = b / dt: at 1 kHz behind
+// walls of up to 30 k. A steeper one can shake the HIP, by no more than the guard against buzzing
+// of the safety core lets it. Nothing of the hand is stored between ticks but x, and the position
+// that a session records is x: it can be replayed like any other.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "libcore/base/file.hpp"
+#include "libcore/base/triple_buffer.hpp"
+#include "libcore/device/device.hpp"
+
+namespace hapgrid {
+
+/// So far, in longest sides of the box, the HIP lags behind the hand when the force is
+/// kHandForce newtons.
+inline constexpr double kHandReach = 1.0 / 3;
+inline constexpr double kHandForce = 3;
+/// The HIP crosses so many longest sides of the box in a second at most.
+inline constexpr double kHandSpeed = 4;
+/// Time constant with which the HIP follows the hand, in seconds.
+inline constexpr double kHandSeconds = 0.03;
+
+struct HandOptions {
+  Vec3 start{0, 0, 0};  ///< of the HIP, until the first position comes; in the model's unit
+  Vec3 low{0, 0, 0};    ///< of the box, which the HIP does not leave
+  Vec3 high{0, 0, 0};
+};
+
+/// The HIP on its spring. Real-time safe.
+class CoupledHip {
+ public:
+  explicit CoupledHip(const HandOptions& options);
+
+  /// The HIP `dt` seconds later; more than 4 ms count as 4 ms. @param hand, force finite; newtons.
+  const Vec3& next(const Vec3& hand, const Vec3& force, double dt) noexcept;
+  /// The stiffness k of the spring, in newtons per unit of the model's length.
+  double stiffness() const { return stiffness_; }
+
+ private:
+  HandOptions options_;
+  double speed_;  // units a second
+  double stiffness_;
+  Vec3 x_;
+};
+
+/// Takes positions, as a path has them, from a stream of bytes.
+class HandLines {
+ public:
+  /// The newest position of the lines that end in `bytes`, if there is one.
+  /// @throw Error "line N: ...", also for a line of more than 256 bytes
+  std::optional<Vec3> take(std::string_view bytes);
+  /// The stream is over: the same for what is left. @throw Error
+  std::optional<Vec3> finish();
+
+ private:
+  std::optional<Vec3> take_line();
+
+  std::string line_;
+  std::size_t number_ = 1;
+};
+
+/// Reads the pipe in a thread of its own. The HIP stays where it is while nothing comes. The play
+/// ends when the pipe's writers have closed it.
+class HandDevice : public Device {
+ public:
+  /// @param pipe a named pipe, which need not have a writer yet. @throw std::system_error
+  HandDevice(const std::string& pipe, const HandOptions& options);
+
+  DeviceInfo info() const override { return {.name = "hand"}; }
+  DeviceStatus read(DeviceInput& input) noexcept override;
+  DeviceStatus send(const Vec3& force) noexcept override;
+  DeviceStatus stop() noexcept override { return send({0, 0, 0}); }
+  std::string error() const override { return name_ + ": " + error_; }
+
+ private:
+  void listen(const std::stop_token& token);
+  /// @throw Error, std::system_error. @return false at the end of the stream
+  bool listen_once(HandLines& lines);
+
+  std::string name_;
+  FileDescriptor pipe_;
+  TripleBuffer<Vec3> hand_;
+  std::string error_;  // the listener's until kFailed
+  std::atomic<DeviceStatus> status_{DeviceStatus::kOk};
+  // The haptic thread's.
+  CoupledHip hip_;
+  Vec3 force_{0, 0, 0};
+  std::optional<std::chrono::steady_clock::time_point> last_;
+  std::jthread listener_;
+};
+
+}  // namespace hapgrid

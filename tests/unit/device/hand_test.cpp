@@ -1,0 +1,192 @@
+// A hand without a force. The HIP on its spring has closed forms behind a wall and after a snap;
+// play itself, with a grid, is in tests/cli/play/hand.sh.
+#include "libcore/device/hand.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "libcore/base/error.hpp"
+#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/temporary.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+// The longest side is 2, so that the spring has 3 N / (2 / 3) = 4.5 N a unit.
+const HandOptions kOptions{.start = {0, 0, 0}, .low = {-1, -0.5, -0.5}, .high = {1, 0.5, 0.5}};
+constexpr double kSpring = 4.5;
+constexpr double kTick = 0.001;
+
+/// A wall at x = 0: its force on the HIP, in newtons.
+Vec3 wall(double stiffness, const Vec3& x) { return {-stiffness * std::max(0.0, x[0]), 0, 0}; }
+
+/// The HIP on the way to where it rests in the wall: its x at each tick of a second.
+std::vector<double> pressed(CoupledHip& hip, double stiffness, double hand) {
+  std::vector<double> xs;
+  Vec3 x = hip.next({hand, 0, 0}, {0, 0, 0}, 0);
+  for (int i = 0; i < 1000; ++i) {
+    x = hip.next({hand, 0, 0}, wall(stiffness, x), kTick);
+    xs.push_back(x[0]);
+  }
+  return xs;
+}
+
+}  // namespace
+
+TEST_CASE("behind a wall the HIP makes k / (k + K) of the hand's motion, and does not swing") {
+  CHECK(CoupledHip(kOptions).stiffness() == Approx(kSpring));
+  // Up to K = b / dt = 30 k.
+  for (const double stiffness : {1.0, 6.0, 60.0, 30 * kSpring}) {
+    CAPTURE(stiffness);
+    const double shown = kSpring / (kSpring + stiffness);
+    CoupledHip hip(kOptions);
+    double before = 0;
+    for (const double hand : {0.1, 0.2, 0.4}) {
+      const auto xs = pressed(hip, stiffness, hand);
+      CHECK(xs.back() == Approx(shown * hand));
+      for (const double x : xs) {
+        REQUIRE(x >= before - 1e-12);
+        before = x;
+      }
+    }
+  }
+}
+
+TEST_CASE("beyond twice that stiffness it swings, but stays in the box and below its speed") {
+  CoupledHip hip(kOptions);
+  const auto xs = pressed(hip, 62 * kSpring, 0.4);
+  CHECK(std::abs(xs[999] - xs[998]) > 1e-3);
+  for (std::size_t i = 1; i < xs.size(); ++i)
+    REQUIRE(std::abs(xs[i] - xs[i - 1]) <= 2 * kHandSpeed * kTick * (1 + 1e-9));
+}
+
+TEST_CASE("at a snap the HIP goes to the hand, with its time constant, and not beyond") {
+  CoupledHip hip(kOptions);
+  const double lag = 0.4 - pressed(hip, 60, 0.4).back();
+  CHECK(lag == Approx(0.4 * 60 / 64.5));
+  // The speed is a limit at first: 0.37 / 31 is above 8e-3 a tick.
+  double left = lag;
+  const double part = kTick / (kHandSeconds + kTick);
+  for (int i = 1; i <= 300; ++i) {
+    left -= std::min(part * left, 2 * kHandSpeed * kTick);
+    REQUIRE(0.4 - hip.next({0.4, 0, 0}, {0, 0, 0}, kTick)[0] == Approx(left).margin(1e-12));
+  }
+  CHECK(left < 1e-3 * lag);
+}
+
+TEST_CASE("a leap of the hand, a hiccup and absurd numbers move the HIP no faster") {
+  CoupledHip hip(kOptions);
+  Vec3 last = hip.next({0, 0, 0}, {0, 0, 0}, 0);
+  const auto step = [&](const Vec3& hand, const Vec3& force, double dt) {
+    const Vec3 x = hip.next(hand, force, dt);
+    const double length = std::hypot(x[0] - last[0], x[1] - last[1], x[2] - last[2]);
+    REQUIRE(length <= 2 * kHandSpeed * std::min(dt, 0.004) * (1 + 1e-9));
+    for (int a = 0; a < 3; ++a) REQUIRE((x[a] >= kOptions.low[a] && x[a] <= kOptions.high[a]));
+    last = x;
+  };
+  step({1, 0, 0}, {0, 0, 0}, kTick);
+  step({1, 0, 0}, {0, 0, 0}, 10);
+  constexpr double kMost = std::numeric_limits<double>::max();
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int i = 0; i < 10000; ++i) {
+    const double size = std::pow(10.0, 300 * unit(random));
+    step({size * unit(random), kMost * unit(random), unit(random)},
+         {3 * unit(random), 3 * unit(random), 3 * unit(random)}, 0.01 * (1 + unit(random)));
+  }
+}
+
+TEST_CASE("positions come in pieces; what is none is named with its line") {
+  HandLines lines;
+  CHECK_FALSE(lines.take("1 2"));
+  CHECK_FALSE(lines.take(" 3"));
+  CHECK(lines.take("\n# a comment\n\n4 5") == Vec3{1, 2, 3});
+  CHECK(lines.take(" 6\r\n7 8 9\n1 1 1") == Vec3{7, 8, 9});
+  CHECK(lines.finish() == Vec3{1, 1, 1});
+  const auto refusal = [](std::string_view bytes) {
+    HandLines refusing;
+    try {
+      refusing.take(bytes);
+      refusing.finish();
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  CHECK(refusal("0 0 0\n0 zero 0\n") == "line 2: 'zero' is not a number");
+  CHECK(refusal("0 0\n") == "line 1: the 3 numbers x y z are needed, found 2");
+  CHECK(refusal("\n0 0 nan") == "line 2: 'nan' is not finite");
+  CHECK(refusal("0 0 0\n" + std::string(300, ' ')) == "line 2: longer than 256 bytes");
+  CHECK(refusal("0 0 0\n\n").empty());
+}
+
+namespace {
+
+/// A pipe's other end, and the device at it.
+struct Ends {
+  TemporaryDirectory dir;
+  std::string name = dir.file("hand");
+  HandDevice device = make();
+  FileDescriptor writer;
+
+  HandDevice make() const {
+    REQUIRE(::mkfifo(name.c_str(), 0600) == 0);
+    return HandDevice(name, kOptions);
+  }
+  void open() { writer = FileDescriptor(::open(name.c_str(), O_WRONLY | O_NONBLOCK)); }
+  void write(std::string_view text) const {
+    REQUIRE(::write(writer.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()));
+  }
+  /// Reads until `done`, for 20 s at most. @return what read() said last
+  template <class Done>
+  DeviceStatus read_until(Done&& done) {
+    const auto begin = std::chrono::steady_clock::now();
+    DeviceInput input;
+    DeviceStatus status = DeviceStatus::kOk;
+    while (status == DeviceStatus::kOk && !done(input) &&
+           std::chrono::steady_clock::now() - begin < std::chrono::seconds(20))
+      status = device.read(input);
+    return status;
+  }
+};
+const auto kNever = [](const DeviceInput&) { return false; };
+
+}  // namespace
+
+TEST_CASE("the hand holds still before it moves, allocates nothing, and ends with its pipe") {
+  Ends ends;
+  DeviceInput input;
+  CHECK(ends.device.info().unit == DeviceInfo::Unit::kModel);
+  for (int i = 0; i < 100; ++i) {
+    REQUIRE(ends.device.read(input) == DeviceStatus::kOk);
+    REQUIRE(input.position == kOptions.start);
+  }
+  ends.open();
+  ends.write("0.25 0.1 -0.1\n");
+  const std::uint64_t before = testing::allocations_of_thread();
+  const DeviceStatus status = ends.read_until([&](const DeviceInput& now) {
+    return ends.device.send({0, 0, 0}) == DeviceStatus::kOk && now.position[0] > 0.249;
+  });
+  CHECK(testing::allocations_of_thread() == before);
+  CHECK(status == DeviceStatus::kOk);
+  ends.writer = FileDescriptor();
+  CHECK(ends.read_until(kNever) == DeviceStatus::kEnd);
+  CHECK(ends.device.stop() == DeviceStatus::kOk);
+}
+
+TEST_CASE("a hand that writes nonsense fails, and says where") {
+  Ends ends;
+  ends.open();
+  ends.write("0 0 0\nover there\n");
+  CHECK(ends.read_until(kNever) == DeviceStatus::kFailed);
+  CHECK(ends.device.error() == ends.name + ": line 2: 'over' is not a number");
+  CHECK_THROWS_AS(HandDevice(ends.dir.file("none"), kOptions), std::system_error);
+}
