@@ -31,7 +31,7 @@ struct TerminalKeys {};
 struct ProfileFile {
   std::string file;
 };
-struct PidJoystick {
+struct EvdevStick {
   std::string which;
 };
 struct SpaceMouse {
@@ -41,7 +41,7 @@ struct AdapterProcess {
   std::vector<std::string> command;  ///< at least one word
 };
 using DeviceChoice = std::variant<PathFile, ReplayFile, SimulationFile, TerminalKeys, ProfileFile,
-                                  PidJoystick, SpaceMouse, AdapterProcess>;
+                                  EvdevStick, SpaceMouse, AdapterProcess>;
 
 /// Opens nothing. @throw UsageError for what is not a device's name
 DeviceChoice parse_device(const std::string& name);
@@ -77,8 +77,7 @@ struct OpenDevice {
 OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double virtual_hz,
                        const Box& box, DeviceGuard& guard);
 
-/// Prints what --list-devices and --dump-descriptor ask for. @throw DeviceError
+/// Prints what --list-devices asks for.
 void print_devices();
-void print_descriptor(const std::string& which);
 
 }  // namespace hapgrid
