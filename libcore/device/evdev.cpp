@@ -52,7 +52,7 @@ double share(const Vec3& force, double newtons) noexcept {
 
 ff_effect effect(std::uint16_t type, std::uint8_t slot, std::uint16_t length_ms) noexcept {
   ff_effect made;
-  std::memset(&made, 0, sizeof made);  // padding as well: effects are compared as bytes
+  std::memset(&made, 0, sizeof made);  // padding as well: reports are compared as bytes
   made.type = type;
   made.id = slot;
   made.replay.length = length_ms;

@@ -41,7 +41,6 @@ input_event playback(int id, int times) noexcept {
 bool is_evdev(const std::string& path) { return path.starts_with("/dev/input/"); }
 
 EvdevHandle::EvdevHandle(const std::string& path) : path_(path) {
-  for (ff_effect& effect : effects_) effect.id = -1;
   fd_ = FileDescriptor(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK));
   if (!fd_) throw DeviceError(evdev_open_failure(path, errno));
   if (const int failed = libevdev_new_from_fd(fd_.get(), &device_); failed < 0)
@@ -127,16 +126,19 @@ bool EvdevHandle::send(std::span<const input_event> events) noexcept {
   return false;
 }
 
-bool EvdevHandle::change(const ff_effect& wanted) noexcept {
-  ff_effect& effect = effects_[static_cast<std::size_t>(wanted.id)];
-  ff_effect changed = wanted;
-  changed.id = effect.id;
-  if (std::memcmp(&changed, &effect, sizeof effect) == 0) return true;
-  if (::ioctl(fd_.get(), EVIOCSFF, &changed) < 0) {
+bool EvdevHandle::change(std::span<const std::uint8_t> report) noexcept {
+  ff_effect effect;
+  if (!take(report, effect) || effect.id < 0 || static_cast<std::size_t>(effect.id) >= kSlots)
+    return false;
+  Slot& slot = slots_[static_cast<std::size_t>(effect.id)];
+  if (std::equal(report.begin(), report.end(), slot.last.begin(), slot.last.end())) return true;
+  effect.id = slot.id;
+  if (::ioctl(fd_.get(), EVIOCSFF, &effect) < 0) {
     error_ = errno;
     return false;
   }
-  effect = changed;
+  slot.id = effect.id;
+  slot.last.assign(report.begin(), report.end());
   return true;
 }
 
@@ -147,9 +149,9 @@ bool EvdevHandle::stop(int id) noexcept {
 
 bool EvdevHandle::silence() noexcept {
   bool all = true;
-  for (const ff_effect& effect : effects_)
-    if (effect.id >= 0) all = stop(effect.id) && all;
-  if (effects_[kEvdevForce].id >= 0) return all;
+  for (const Slot& slot : slots_)
+    if (slot.id >= 0) all = stop(slot.id) && all;
+  if (slots_[kEvdevForce].id >= 0) return all;
   int count = 0;
   if (::ioctl(fd_.get(), EVIOCGEFFECTS, &count) < 0) {
     error_ = errno;
@@ -165,16 +167,14 @@ bool EvdevHandle::silence() noexcept {
 
 bool EvdevHandle::try_write(std::span<const std::uint8_t> report) noexcept {
   error_ = EINVAL;
-  ff_effect effect;
   input_event event;
   std::uint8_t slot = 0;
   switch (report.empty() ? EvdevWord::kPlay : static_cast<EvdevWord>(report[0])) {
     case EvdevWord::kEffect:
-      return take(report, effect) && effect.id >= 0 && std::size_t(effect.id) < kSlots &&
-             change(effect);
+      return change(report);
     case EvdevWord::kPlay:
       if (!take(report, slot) || slot >= kSlots) return false;
-      event = playback(effects_[slot].id, 1);
+      event = playback(slots_[slot].id, 1);
       return send({&event, 1});
     case EvdevWord::kSet:
       return take(report, event) && send({&event, 1});

@@ -44,7 +44,7 @@ class EvdevHandle : public HidWire {
   static constexpr std::size_t kSlots = 2;
 
   std::optional<input_event> next() noexcept;
-  bool change(const ff_effect& effect) noexcept;
+  bool change(std::span<const std::uint8_t> report) noexcept;
   bool send(std::span<const input_event> events) noexcept;
   bool stop(int id) noexcept;
   bool silence() noexcept;
@@ -54,8 +54,12 @@ class EvdevHandle : public HidWire {
   libevdev* device_ = nullptr;
   std::vector<input_event> first_;  // where the axes are, the first one last
   bool syncing_ = false;
-  std::array<ff_effect, kSlots> effects_{};  // as they were created; id -1: not yet
-  int error_ = 0;                            // errno of the last call that failed
+  struct Slot {
+    std::int16_t id = -1;  // the kernel's; -1: not created yet
+    HidReport last;        // that changed it
+  };
+  std::array<Slot, kSlots> slots_;
+  int error_ = 0;  // errno of the last call that failed
 };
 
 }  // namespace hapgrid
