@@ -34,7 +34,8 @@ struct Rig {
         reinterpret_cast<const char* (*)()>(::dlsym(RTLD_DEFAULT, "hid_version_str"));
     REQUIRE((version && std::strcmp(version(), "stand-in") == 0));
   }
-  std::unique_ptr<HidDevice> open(HidTiming timing = kPatient, std::vector<HidReport> alive = {}) {
+  std::unique_ptr<HidDevice> open(HidTiming timing = kPatient,
+                                  const std::vector<HidReport>& alive = {}) {
     hardware.input({0xA5, 20}, true);
     return std::make_unique<HidDevice>("tiny", std::make_unique<TinyProtocol>(timing, alive));
   }
