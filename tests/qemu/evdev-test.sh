@@ -14,7 +14,9 @@ gamepad-device >/tmp/xbox &
 uinput-device gamepad >/tmp/gamepad & gamepad=$!
 uinput-device stick --slow 150 >/tmp/stick &
 await /dev/input/event1 /dev/input/event2 /dev/input/event3 /dev/input/event4
-event() { for name in /sys/class/input/event*/device/name; do grep -qx "$1" $name && basename ${name%/device/name}; done; }
+event() {
+  for name in /sys/class/input/event*/device/name; do grep -qx "$1" $name && basename ${name%/device/name}; done
+}
 played() { $common --log /tmp/log.session "$@" >/dev/null; echo "exit $?"; }
 kept() { cat "/tmp/$1"; echo "== $1 session"; base64 /tmp/log.session; rm /tmp/log.session; }
 # after MICROSECONDS SIGNAL, to the play that was started last

@@ -41,7 +41,7 @@ def follows(got, wanted, what):
     for number, one in enumerate(got):
         while at < len(wanted) and wanted[at] != one:
             at += 1
-        assert at < len(wanted), f"{what}: {one}, the {number + 1}th of {len(got)}, is no tick's: {got[:number + 1][-5:]}"
+        assert at < len(wanted), f"{what}: {one}, number {number} of {len(got)}, is no tick's: {got[:number + 1][-5:]}"
 
 
 def record(name):
@@ -66,7 +66,8 @@ assert re.match(r'play: /dev/input/event\d+: permission denied: put the line KER
 
 # The gamepad steers: to the left, 0.8 units a second, a thousandth of that each tick, when its stick is there.
 ended("gamepad", 0)
-assert any("1400 ticks" in line for line in parts["gamepad"]) and any("missed at 1000 Hz: 0," in line for line in parts["gamepad"])
+for said in ("1400 ticks", "missed at 1000 Hz: 0,"):
+    assert any(said in line for line in parts["gamepad"]), said
 played = ticks("gamepad")
 hips = [hip[0] for hip, _ in played]
 steps = {round((b - a) * 1e9) for a, b in zip(hips, hips[1:])}
@@ -89,7 +90,8 @@ assert min(b - a for a, b in zip(uploads[1:], uploads[2:])) > 0.0099, uploads
 plays = [t for t, w in zip(times, words) if w == ["play", "0", "1"]]
 assert max(b - a for a, b in zip(plays, plays[1:])) < 0.1, plays
 # Stopped, then erased by the kernel when the device is closed.
-assert words[-6:] == [w.split() for w in ("play 0 0", "play 1 0", "play 0 0", "erase 0", "play 1 0", "erase 1")], words[-6:]
+end = ("play 0 0", "play 1 0", "play 0 0", "erase 0", "play 1 0", "erase 1")
+assert words[-6:] == [line.split() for line in end], words[-6:]
 
 # The stick is held: its place is a position, and it gets each force as level and direction.
 ended("stick", 1, "write: the device did not take a report within 500 ms")
