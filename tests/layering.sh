@@ -53,7 +53,7 @@ for file in $(sources libcore); do
       png.h)
         [[ $folder == scene ]] || complain "$file: only scene/ uses $path"
         ;;
-      hidapi*)
+      hidapi* | libevdev/*)
         [[ $folder == device ]] || complain "$file: only device/ uses $path"
         ;;
       iostream | cstdio | stdio.h | print | syncstream)

@@ -354,10 +354,6 @@ int run(const PlayOptions& options) {
     print_devices();
     return kExitDone;
   }
-  if (!options.dump_descriptor.empty()) {
-    print_descriptor(options.dump_descriptor);
-    return kExitDone;
-  }
   try {
     return play(options);
   } catch (const std::system_error& e) {

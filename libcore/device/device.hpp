@@ -51,9 +51,9 @@ struct DeviceInfo {
   double max_force = std::numeric_limits<double>::infinity();
 };
 
-/// A constructor opens the device, the destructor closes it. The haptic thread calls read() and
-/// send(), which are real-time safe: they do not allocate, lock, throw, or wait for the hardware
-/// (only ProcessDevice waits, for an adapter that is late).
+/// A constructor opens the device, the destructor closes it. The haptic thread calls read(),
+/// snap() and send(), which are real-time safe: they do not allocate, lock, throw, or wait for the
+/// hardware (only ProcessDevice waits, for an adapter that is late).
 ///
 /// A device sends what it is given. The haptic loop limits forces and sends a zero force at every
 /// way out, because a destructor cannot report that it failed. By itself a device only takes the
@@ -69,6 +69,9 @@ class Device {
   virtual DeviceStatus read(DeviceInput& input) noexcept = 0;
   /// Applies a force, in newtons, in the axes of DeviceInput::position.
   virtual DeviceStatus send(const Vec3& force) noexcept = 0;
+  /// The state jumped to another branch: the next force is of that one. A device that cannot show a
+  /// force as such (a rumble) shows this by itself.
+  virtual void snap() noexcept {}
   /// The last call: sends zero force, and waits a second at most until the hardware took it, which
   /// kOk says. Not real-time safe. Later calls do nothing and return the same.
   virtual DeviceStatus stop() noexcept = 0;

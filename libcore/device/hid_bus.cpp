@@ -1,20 +1,15 @@
 #include "libcore/device/hid_bus.hpp"
 
-#include <fcntl.h>
 #include <hidapi/hidapi.h>
-#include <linux/hidraw.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <tuple>
 
 #include "libcore/base/error.hpp"
-#include "libcore/base/file.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -26,13 +21,6 @@ namespace {
 // A text of USB has at most 126 characters.
 constexpr std::size_t kMaxText = 500;
 constexpr std::size_t kMaxListed = 8;
-
-std::string hex4(unsigned value) {
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text(4, '0');
-  for (int i = 3; i >= 0; --i, value >>= 4) text[static_cast<std::size_t>(i)] = kDigits[value & 15];
-  return text;
-}
 
 std::string pair_text(unsigned high, unsigned low) { return hex4(high) + ":" + hex4(low); }
 
@@ -61,6 +49,13 @@ std::string names(const std::vector<HidInfo>& devices) {
 }
 
 }  // namespace
+
+std::string hex4(unsigned value) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string text(4, '0');
+  for (int i = 3; i >= 0; --i, value >>= 4) text[static_cast<std::size_t>(i)] = kDigits[value & 15];
+  return text;
+}
 
 bool HidMatch::fits(const HidInfo& info) const {
   return (path.empty() || path == info.path) && (!vid || *vid == info.vid) &&
@@ -182,35 +177,6 @@ std::string list_text(const std::vector<HidInfo>& devices) {
   return text + closed;
 }
 
-std::vector<std::uint8_t> read_report_descriptor(const std::string& path,
-                                                 const std::string& sysfs) {
-  // Everybody may read this file, without opening the device.
-  std::error_code ignored;
-  const fs::path real = fs::canonical(path, ignored);
-  std::ifstream file(fs::path(sysfs) / real.filename() / "device" / "report_descriptor",
-                     std::ios::binary);
-  hidraw_report_descriptor descriptor{};
-  if (!real.empty() &&
-      file.read(reinterpret_cast<char*>(descriptor.value), HID_MAX_DESCRIPTOR_SIZE).gcount() > 0)
-    return {descriptor.value, descriptor.value + file.gcount()};
-  const FileDescriptor fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!fd) throw DeviceError(open_failure(path, std::generic_category().message(errno)));
-  int size = 0;
-  if (::ioctl(fd.get(), HIDIOCGRDESCSIZE, &size) < 0 || size < 0 || size > HID_MAX_DESCRIPTOR_SIZE)
-    throw DeviceError(path + ": has no report descriptor: is it a hidraw device?");
-  descriptor.size = static_cast<std::uint32_t>(size);
-  if (::ioctl(fd.get(), HIDIOCGRDESC, &descriptor) < 0)
-    throw DeviceError(path + ": its report descriptor: " + std::generic_category().message(errno));
-  return {descriptor.value, descriptor.value + size};
-}
-
-std::string hex_text(const std::vector<std::uint8_t>& bytes) {
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); ++i)
-    text += hex4(bytes[i]).substr(2) + (i % 16 == 15 || i + 1 == bytes.size() ? "\n" : " ");
-  return text;
-}
-
 std::string open_failure(const std::string& path, const std::string& reason) {
   const std::string shown = printable_line(path) + ": ";
   if (may_open(path)) return shown + "cannot be opened: " + reason;
@@ -222,9 +188,13 @@ std::string open_failure(const std::string& path, const std::string& reason) {
 }
 
 std::string permission_help(std::uint16_t vid, std::uint16_t pid) {
-  return "put the line KERNEL==\"hidraw*\", ATTRS{idVendor}==\"" + hex4(vid) +
-         "\", ATTRS{idProduct}==\"" + hex4(pid) +
-         "\", TAG+=\"uaccess\" into /etc/udev/rules.d/70-hapgrid.rules, then run 'udevadm control "
+  return udev_help("KERNEL==\"hidraw*\", ATTRS{idVendor}==\"" + hex4(vid) +
+                   "\", ATTRS{idProduct}==\"" + hex4(pid) + "\"");
+}
+
+std::string udev_help(const std::string& rule) {
+  return "put the line " + rule +
+         ", TAG+=\"uaccess\" into /etc/udev/rules.d/70-hapgrid.rules, then run 'udevadm control "
          "--reload && udevadm trigger' as root";
 }
 

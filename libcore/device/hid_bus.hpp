@@ -46,7 +46,7 @@ std::vector<HidInfo> list_hid();
 std::vector<HidInfo> find_hid(const std::vector<HidInfo>& devices, const HidMatch& match);
 
 /// The one device that fits.
-/// @param hint how the user can name one device, for the message: "--device pid:WHICH".
+/// @param hint how the user can name one device, for the message: "--device spacemouse:WHICH".
 /// @throw DeviceError "no device is ...: ..." with a list of the devices, or "2 devices are ...".
 HidInfo find_one_hid(const std::vector<HidInfo>& devices, const HidMatch& match,
                      const std::string& hint);
@@ -58,20 +58,17 @@ std::string shown_name(const HidInfo& info);
 /// the user may not open a device; "no HID device" without devices.
 std::string list_text(const std::vector<HidInfo>& devices);
 
-/// The raw report descriptor of a device, from sysfs or else by ioctl; at most 4096 bytes.
-/// @throw DeviceError
-std::vector<std::uint8_t> read_report_descriptor(const std::string& path,
-                                                 const std::string& sysfs = "/sys/class/hidraw");
-
-/// The bytes in hex, 16 in a line.
-std::string hex_text(const std::vector<std::uint8_t>& bytes);
-
 /// One line for a path that could not be opened: what hidapi said, or, when the permission is
 /// missing, the udev rule that gives it.
 std::string open_failure(const std::string& path, const std::string& reason);
 
 /// The udev rule, and how to install it, for a device with these USB ids.
 std::string permission_help(std::uint16_t vid, std::uint16_t pid);
+/// What to do with a rule that names a device.
+std::string udev_help(const std::string& rule);
+
+/// Four digits in hex.
+std::string hex4(unsigned value);
 
 /// A wide text of hidapi, which may be null, as one printable line of UTF-8.
 std::string narrow(const wchar_t* text);

@@ -35,12 +35,12 @@ HidDevice::HidDevice(const std::string& path, std::unique_ptr<HidProtocol> proto
     s.heart = guard_->heart();
   }
   try {
-    s.protocol->start(s.out);
+    s.protocol->start(*s.out);
     if (guard_) guard_->watch(path, s.protocol->stop());
-    s.in.emplace(path);
+    s.in = open_wire(path);
     writer_ = start_thread(&HidShared::write_loop, &HidShared::writer_done);
     reader_ = start_thread(&HidShared::read_loop, &HidShared::reader_done);
-    if (s.timing.stall <= 0) return;
+    if (s.timing.stall <= 0 && !s.timing.greets) return;
     std::unique_lock lock(s.mutex);
     const bool heard = s.changed.wait_for(
         lock, kFirstInput, [&s] { return s.first_input || s.fault.load() != HidFault::kNone; });
@@ -106,7 +106,7 @@ DeviceStatus HidDevice::send(const Vec3& force) noexcept {
     s.bell.ring();  // in case the write has just ended
   }
   if (s.fault.load(std::memory_order_acquire) != HidFault::kNone) return DeviceStatus::kFailed;
-  s.force.back() = {force, now};
+  s.force.back() = {force, now, snaps_};
   s.force.publish();
   s.bell.ring();
   return DeviceStatus::kOk;

@@ -1,4 +1,4 @@
-// A HID device in use.
+// A HID device in use, or an event device of the kernel's (EvdevProtocol).
 //
 // Problem. hidapi waits for a report to come, and up to 5 s in the kernel until the device takes
 // one. The haptic thread must not wait. So a reader thread puts the newest input into a triple
@@ -46,9 +46,9 @@ struct HidCounts {
 class HidDevice : public Device {
  public:
   /// Opens the path, starts the device, and waits 2 s at most for its first input, so that no
-  /// position is made up. Only a device that is silent at rest (timing().stall is 0) counts as
-  /// being at 0 until its first input. Call this before the thread becomes real-time: the threads
-  /// that it starts would inherit that; set_priority() gives them theirs.
+  /// position is made up. Only a device that is silent at rest (timing().stall is 0) and does not
+  /// greet counts as being at 0 until its first input. Call this before the thread becomes
+  /// real-time: the threads that it starts would inherit that; set_priority() gives them theirs.
   /// @param guard watches the device, from before start() until stop() returned kOk; null: none. It
   /// must live longer than this object.
   /// @throw DeviceError; std::system_error when no thread can be started. The device was stopped.
@@ -60,6 +60,7 @@ class HidDevice : public Device {
   DeviceInfo info() const override { return info_; }
   DeviceStatus read(DeviceInput& input) noexcept override;
   DeviceStatus send(const Vec3& force) noexcept override;
+  void snap() noexcept override { ++snaps_; }
   DeviceStatus stop() noexcept override;
   bool set_priority(int priority) noexcept override;
   std::string error() const override;
@@ -73,6 +74,7 @@ class HidDevice : public Device {
   std::shared_ptr<HidShared> shared_;  // with the threads, which may live longer than this
   HidGuard* guard_;
   std::thread reader_, writer_;
+  std::uint64_t snaps_ = 0;
   bool stopped_ = false;
   DeviceStatus stop_status_ = DeviceStatus::kFailed;
 };

@@ -29,7 +29,7 @@ constexpr auto kBetweenTries = 50ms;
 struct Watched {
   std::string path;
   std::vector<HidReport> stop;
-  std::unique_ptr<HidHandle> handle;
+  std::unique_ptr<HidWire> handle;
 };
 
 /// @throw DeviceError
@@ -46,7 +46,7 @@ void take(std::string_view message, Watched& watched) {
     stop.emplace_back(bytes.begin(), bytes.end());
     message.remove_prefix(2 + bytes.size());
   }
-  if (!watched.handle || watched.path != path) watched.handle = std::make_unique<HidHandle>(path);
+  if (!watched.handle || watched.path != path) watched.handle = open_wire(path);
   watched.path = path;
   watched.stop = std::move(stop);
 }

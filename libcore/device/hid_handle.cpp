@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "libcore/base/error.hpp"
+#include "libcore/device/evdev_handle.hpp"
 #include "libcore/device/hid_bus.hpp"
 
 namespace hapgrid {
@@ -51,15 +52,9 @@ void HidHandle::set_feature(std::span<const std::uint8_t> report) {
                       narrow(hid_error(device_)));
 }
 
-HidReport HidHandle::get_feature(std::uint8_t id, std::size_t size) {
-  HidReport report(std::clamp<std::size_t>(size, 1, kMaxHidReport));
-  report[0] = id;
-  const int got = hid_get_feature_report(device_, report.data(), report.size());
-  if (got < 0)
-    throw DeviceError(path_ + ": feature report " + std::to_string(id) +
-                      " cannot be read: " + narrow(hid_error(device_)));
-  report.resize(std::min(static_cast<std::size_t>(got), report.size()));
-  return report;
+std::unique_ptr<HidWire> open_wire(const std::string& path) {
+  if (is_evdev(path)) return std::make_unique<EvdevHandle>(path);
+  return std::make_unique<HidHandle>(path);
 }
 
 }  // namespace hapgrid

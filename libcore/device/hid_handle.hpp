@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -15,30 +16,27 @@ namespace hapgrid {
 /// The longest report, with its id.
 inline constexpr std::size_t kMaxHidReport = 4096 + 1;
 
-class HidHandle : public HidChannel {
+class HidHandle : public HidWire {
  public:
   /// @throw DeviceError "PATH: why", and what helps (open_failure() in hid_bus.hpp).
   explicit HidHandle(const std::string& path);
   ~HidHandle() override;
-  HidHandle(const HidHandle&) = delete;
-  HidHandle& operator=(const HidHandle&) = delete;
 
-  /// Waits at most `milliseconds` for an input report.
-  /// @return its size; 0 when none came; -1 when the device is lost
-  int read(std::span<std::uint8_t> buffer, int milliseconds) noexcept;
-  /// Writes an output report; the kernel waits up to 5 s. @return whether the device took all of it
-  bool try_write(std::span<const std::uint8_t> report) noexcept;
-  /// Why the last call failed, in one line.
-  std::string error() const;
+  int read(std::span<std::uint8_t> buffer, int milliseconds) noexcept override;
+  /// The kernel waits up to 5 s.
+  bool try_write(std::span<const std::uint8_t> report) noexcept override;
+  std::string error() const override;
 
   void write(std::span<const std::uint8_t> report) override;
   void set_feature(std::span<const std::uint8_t> report) override;
-  HidReport get_feature(std::uint8_t id, std::size_t size) override;
 
  private:
   std::string path_;
   hid_device_* device_;
   int short_write_ = -1;  // bytes that the last write took, when it did not take all
 };
+
+/// A handle of hidapi, or, where the path is an event device's, an EvdevHandle. @throw DeviceError
+std::unique_ptr<HidWire> open_wire(const std::string& path);
 
 }  // namespace hapgrid

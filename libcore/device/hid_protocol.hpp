@@ -1,9 +1,11 @@
-// The reports of one kind of HID device; HidDevice has the threads and handles. There are three
-// kinds: a text profile, the PID class, and a SpaceMouse.
+// The reports of one kind of device; HidDevice has the threads and handles. There are three kinds:
+// a text profile, a SpaceMouse, and the kernel's event devices (evdev), whose events and effects
+// are passed as reports, too.
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "libcore/device/device.hpp"
@@ -21,8 +23,22 @@ class HidChannel {
   virtual void write(std::span<const std::uint8_t> report) = 0;
   /// A feature report to the device. @throw DeviceError
   virtual void set_feature(std::span<const std::uint8_t> report) = 0;
-  /// The feature report `id`, at most `size` bytes with the id. @throw DeviceError
-  virtual HidReport get_feature(std::uint8_t id, std::size_t size) = 0;
+};
+
+/// An open device; for one thread at a time.
+class HidWire : public HidChannel {
+ public:
+  HidWire() = default;
+  HidWire(const HidWire&) = delete;
+  HidWire& operator=(const HidWire&) = delete;
+
+  /// Waits at most `milliseconds` for an input report.
+  /// @return its size; 0 when none came; -1 when the device is lost
+  virtual int read(std::span<std::uint8_t> buffer, int milliseconds) noexcept = 0;
+  /// Writes an output report, and may wait for the device. @return whether it took all of it
+  virtual bool try_write(std::span<const std::uint8_t> report) noexcept = 0;
+  /// Why the last call failed, in one line.
+  virtual std::string error() const = 0;
 };
 
 /// Times in seconds.
@@ -32,6 +48,10 @@ struct HidTiming {
   /// How often keep_alive() is written, or, when that is empty, a force that did not change; 0:
   /// never.
   double keep_alive = 0;
+  /// The writer rests so long after each force, where nobody else keeps it from writing more than
+  /// the device can take.
+  double rest = 0;
+  bool greets = false;  ///< it says where it is when it is opened, however silent it is later
 };
 
 /// Two threads call decode() and encode() at the same time: neither may write what the other uses.
@@ -56,6 +76,8 @@ class HidProtocol {
   virtual void encode(const Vec3& force, std::vector<HidReport>& reports) noexcept = 0;
   /// The output reports that tell the device that this program is alive; see HidTiming.
   virtual std::vector<HidReport> keep_alive() const { return {}; }
+  /// The output reports that let the hand feel a snap (Device::snap()).
+  virtual std::vector<HidReport> snap() const { return {}; }
   /// The output reports that leave the device without force, whatever state it is in, also before
   /// start(). HidDevice and HidGuard write them last.
   virtual std::vector<HidReport> stop() const = 0;

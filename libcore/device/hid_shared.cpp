@@ -45,10 +45,16 @@ void HidShared::tell_fault(const std::string& what) {
 
 bool HidShared::write(const HidReport& report) {
   writing_since.store(HidClock::now().time_since_epoch().count());
-  const bool took = out.try_write(report);
+  const bool took = out->try_write(report);
   writing_since.store(0);
-  if (!took) tell_fault("write: " + out.error());
+  if (!took) tell_fault("write: " + out->error());
   return took;
+}
+
+bool HidShared::write_all(const std::vector<HidReport>& reports) {
+  for (const HidReport& report : reports)
+    if (!write(report)) return false;
+  return true;
 }
 
 /// Tries every report, also after one that the device did not take: each may be an axis.
@@ -118,8 +124,10 @@ bool HidShared::beat() {
 void HidShared::write_forces(std::vector<HidReport>& reports) {
   const auto watchdog = hid_duration(timing.watchdog);
   const auto keep_alive = hid_duration(timing.keep_alive);
-  const std::vector<HidReport> alive = protocol->keep_alive();
+  const auto rest = hid_duration(timing.rest);
+  const std::vector<HidReport> alive = protocol->keep_alive(), snap = protocol->snap();
   TimedForce now_applied;
+  std::uint64_t snaps = 0;
   bool idle = true;  // zero force by the watchdog, or none came yet
   auto repeat = HidClock::now() + keep_alive;
   while (!stop.load() && fault.load() == HidFault::kNone) {
@@ -141,11 +149,12 @@ void HidShared::write_forces(std::vector<HidReport>& reports) {
       watchdog_zeros.fetch_add(1);
     }
     const bool repeated = keep_alive > 0s && HidClock::now() >= repeat;
-    if (repeated)
-      for (const HidReport& report : alive)
-        if (!write(report)) return;
-    if (due || (repeated && alive.empty()))
+    if (repeated && !write_all(alive)) return;
+    if (std::exchange(snaps, now_applied.snaps) != now_applied.snaps && !write_all(snap)) return;
+    if (due || (repeated && alive.empty())) {
       if (!write_force(now_applied.force, reports)) return;
+      if (rest > 0s) std::this_thread::sleep_for(rest);
+    }
     if (repeated || (due && alive.empty())) repeat = HidClock::now() + keep_alive;
   }
 }

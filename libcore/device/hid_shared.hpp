@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +34,7 @@ struct TimedInput {
 struct TimedForce {
   Vec3 force{0, 0, 0};
   HidClock::time_point time;  // of send()
+  std::uint64_t snaps = 0;    // so far
 };
 
 /// Wakes the writer. Posting takes no lock and never waits.
@@ -64,16 +64,16 @@ enum class HidFault { kNone, kTold, kWriteHangs };
 struct HidShared {
   /// @throw DeviceError
   HidShared(const std::string& where, std::unique_ptr<HidProtocol> how)
-      : path(where), protocol(std::move(how)), timing(protocol->timing()), out(where) {}
+      : path(where), protocol(std::move(how)), timing(protocol->timing()), out(open_wire(where)) {}
 
   const std::string path;
   const std::unique_ptr<HidProtocol> protocol;
   const HidTiming timing;
-  std::shared_ptr<Heart> heart;  // null: nobody looks at it
-  HidHandle out;                 // the writer's
+  std::shared_ptr<Heart> heart;        // null: nobody looks at it
+  const std::unique_ptr<HidWire> out;  // the writer's
   // The reader's. It is opened after the device was started: for a handle that nobody reads, the
   // kernel keeps the oldest reports, and the first position must not be an old one.
-  std::optional<HidHandle> in;
+  std::unique_ptr<HidWire> in;
 
   TripleBuffer<TimedInput> input{TimedInput{}};
   TripleBuffer<TimedForce> force{TimedForce{}};
@@ -108,6 +108,7 @@ struct HidShared {
   /// Shows the guard that the program lives. @return false when the guard let go of the device
   bool beat();
   bool write(const HidReport& report);
+  bool write_all(const std::vector<HidReport>& reports);
   bool write_force(const Vec3& value, std::vector<HidReport>& reports);
   /// Writes zero force and the stop reports. @return whether the device took them all
   bool write_stop(std::vector<HidReport>& reports);

@@ -103,17 +103,6 @@ class Reader : private TomlFile {
                  bool is_bit) const {
     BitField f;
     f.is_signed = !is_bit && flag(in, prefix, "signed", true);
-    const auto page = number16(in, prefix, "usage_page");
-    const auto usage = number16(in, prefix, "usage");
-    if (page || usage) {
-      for (const char* key : {"bit", "bits", "signed", "endian"})
-        if (const toml::node* node = in.get(key))
-          fail(*node, prefix + key + " and " + prefix + "usage exclude each other");
-      if (!page || !usage) fail(in, prefix + "usage and " + prefix + "usage_page need each other");
-      f.usage_page = *page;
-      f.usage = *usage;
-      return f;
-    }
     const auto room = static_cast<std::int64_t>(8 * report_length);
     const toml::node& bit = required(in, prefix, "bit");
     f.bit = static_cast<std::size_t>(whole(bit, prefix + "bit", 0, room - 1));
@@ -165,8 +154,7 @@ class Reader : private TomlFile {
       if (!in.contains(kAxes[a])) continue;
       const std::string prefix = std::string("input.") + kAxes[a] + ".";
       const toml::table& t = table(in, kAxes[a]);
-      only_keys(t, prefix,
-                {"bit", "bits", "signed", "endian", "usage_page", "usage", "scale", "offset"});
+      only_keys(t, prefix, {"bit", "bits", "signed", "endian", "scale", "offset"});
       Profile::InputAxis axis{.field = field(t, prefix, p.input_length, false)};
       axis.scale = factor(t, prefix, "scale", 1e-12, 1);
       if (const toml::node* node = t.get("offset"))
@@ -177,7 +165,7 @@ class Reader : private TomlFile {
       fail(in, "input has none of the axes x, y, z");
     if (in.contains("clutch")) {
       const toml::table& t = table(in, "clutch");
-      only_keys(t, "input.clutch.", {"bit", "usage_page", "usage", "inverted"});
+      only_keys(t, "input.clutch.", {"bit", "inverted"});
       p.clutch = Profile::Clutch{.field = field(t, "input.clutch.", p.input_length, true),
                                  .inverted = flag(t, "input.clutch.", "inverted", false)};
     }

@@ -2,9 +2,9 @@
 // newtons, and what it has to be told. The keys, their units and defaults: examples/devices.
 //
 // Devices with three axes and an open protocol are nearly all somebody's own, with a format of
-// their own. Alternatives: code for each (nobody's device is there), axes found by usage alone
-// (says nothing of units and signs, and firmware on a Teensy has no usages). So the text says where
-// bits are; a usage can stand for that where the device's report descriptor knows it.
+// their own. Alternatives: code for each (nobody's device is there), axes found by their usages in
+// the report descriptor (says nothing of units and signs, and firmware on a Teensy has no usages).
+// So the text says where bits are.
 #pragma once
 
 #include <array>
@@ -12,10 +12,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libcore/device/hid_bus.hpp"
-#include "libcore/device/hid_descriptor.hpp"
 #include "libcore/device/hid_protocol.hpp"
 
 namespace hapgrid {
@@ -24,10 +24,9 @@ namespace hapgrid {
 /// first byte.
 struct BitField {
   std::size_t bit = 0;
-  unsigned bits = 0;  ///< 1 to 32; 0: still to be found by its usage
+  unsigned bits = 1;  ///< 1 to 32
   bool is_signed = true;
   bool big_endian = false;  ///< only for whole bytes
-  std::uint16_t usage_page = 0, usage = 0;
 
   std::int64_t least() const;
   std::int64_t most() const;
@@ -78,26 +77,18 @@ struct Profile {
   std::vector<HidReport> keep_alive, stop;
   HidTiming timing;
   Vec3 low{}, high{};  ///< metres
-
-  /// Whether resolve_usages() must be called.
-  bool has_usages() const;
 };
 
 /// @param name for messages.
 /// @throw Error "NAME: line N: KEY: ..." for a key that is missing, unknown or out of its range.
 Profile read_profile(const std::string& text, const std::string& name);
 
-/// Finds in the input report the fields that the profile names by their usages.
-/// @throw DeviceError for a usage that is missing, or a field of the wrong kind.
-void resolve_usages(Profile& profile, const HidDescriptor& descriptor);
-
 /// The protocol of a profile. Forces are rounded towards zero, so that what the device gets is
 /// never more than what was sent; values that a field cannot hold stay at its limit; a force that
 /// is not finite counts as zero.
 class ProfileProtocol : public HidProtocol {
  public:
-  /// @throw DeviceError when resolve_usages() was not called.
-  explicit ProfileProtocol(Profile profile);
+  explicit ProfileProtocol(Profile profile) : profile_(std::move(profile)) {}
 
   DeviceInfo info() const override;
   HidTiming timing() const override { return profile_.timing; }

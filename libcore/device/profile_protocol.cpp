@@ -1,9 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
-#include "libcore/base/error.hpp"
-#include "libcore/device/hid_report.hpp"
 #include "libcore/device/profile.hpp"
 #include "libcore/grid/vec3.hpp"
 
@@ -40,8 +37,30 @@ Vec3 on_axes(const Matrix3& axes, const Vec3& force) noexcept {
   return newtons;
 }
 
-std::string usage_text(std::uint16_t page, std::uint16_t usage) {
-  return to_text(HidMatch{.usage_page = page, .usage = usage});
+/// `bits` bits, beginning with number `bit`.
+std::uint64_t get_bits(std::span<const std::uint8_t> data, std::size_t bit,
+                       unsigned bits) noexcept {
+  std::uint64_t value = 0;
+  for (unsigned i = 0; i < bits; ++i)
+    value |= std::uint64_t{data[(bit + i) / 8] >> (bit + i) % 8 & 1u} << i;
+  return value;
+}
+
+/// Writes the value's low bits and leaves all other bits.
+void set_bits(std::span<std::uint8_t> data, std::size_t bit, unsigned bits,
+              std::uint64_t value) noexcept {
+  for (unsigned i = 0; i < bits; ++i) {
+    const auto mask = static_cast<std::uint8_t>(1u << (bit + i) % 8);
+    std::uint8_t& byte = data[(bit + i) / 8];
+    byte = static_cast<std::uint8_t>((value >> i & 1) != 0 ? byte | mask : byte & ~mask);
+  }
+}
+
+/// The low bits as a number in two's complement.
+std::int64_t as_signed(std::uint64_t value, unsigned bits) noexcept {
+  const std::uint64_t sign = std::uint64_t{1} << (bits - 1);
+  return static_cast<std::int64_t>(value) -
+         ((value & sign) != 0 ? static_cast<std::int64_t>(2 * sign) : 0);
 }
 
 }  // namespace
@@ -67,40 +86,6 @@ void BitField::set(std::span<std::uint8_t> data, std::int64_t value) const noexc
   if (!big_endian) return set_bits(data, bit, bits, raw);
   for (std::size_t i = 0; i < bits / 8; ++i)
     data[bit / 8 + i] = static_cast<std::uint8_t>(raw >> (bits - 8 - 8 * i));
-}
-
-bool Profile::has_usages() const {
-  const auto open = [](const auto& axis) { return axis && axis->field.bits == 0; };
-  return std::any_of(inputs.begin(), inputs.end(), open) || open(clutch);
-}
-
-void resolve_usages(Profile& profile, const HidDescriptor& descriptor) {
-  const auto resolve = [&](BitField& field, const std::string& key, unsigned most) {
-    if (field.bits != 0) return;
-    const std::string who = profile.file + ": " + key + ": " +
-                            usage_text(field.usage_page, field.usage) + " in input report " +
-                            std::to_string(profile.input_id);
-    const auto found = descriptor.find(HidReportKind::kInput, {field.usage_page, field.usage},
-                                       std::nullopt, profile.input_id);
-    if (!found) throw DeviceError(who + ": the device has no such field");
-    if (!found->variable) throw DeviceError(who + ": the device has it as a choice, not a value");
-    const std::size_t room = 8 * profile.input_length;
-    if (found->bit_size > most || std::size_t{found->bit_offset} + found->bit_size > room)
-      throw DeviceError(who + ": " + std::to_string(found->bit_size) + " bits at bit " +
-                        std::to_string(found->bit_offset) + ", which are more than " +
-                        std::to_string(most) + " or behind input.length");
-    field.bit = found->bit_offset;
-    field.bits = found->bit_size;
-    field.is_signed = found->logical_min < 0;
-  };
-  for (std::size_t a = 0; a < 3; ++a)
-    if (auto& axis = profile.inputs[a]) resolve(axis->field, std::string("input.") + "xyz"[a], 32);
-  if (profile.clutch) resolve(profile.clutch->field, "input.clutch", 1);
-}
-
-ProfileProtocol::ProfileProtocol(Profile profile) : profile_(std::move(profile)) {
-  if (profile_.has_usages())
-    throw DeviceError(profile_.file + ": has axes by usage, which need the report descriptor");
 }
 
 DeviceInfo ProfileProtocol::info() const {

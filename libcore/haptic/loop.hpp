@@ -206,6 +206,7 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
     last = number;
 
     const Response r = responder.respond(input, static_cast<double>(passed) * period, passed - 1);
+    if (r.step.snapped && !safety.faulted()) device.snap();
     if (device.send(mapping.to_device(r.force.force)) != DeviceStatus::kOk) {
       summary.end = LoopEnd::kDeviceFailed;
       return;

@@ -59,7 +59,7 @@ done
 (cat "$ball"; printf '\0grid.counts=[5, 4, 3]') | put definition override
 head -n 20 path | put path path
 head -n 20 "$HAPGRID_SOURCE/examples/hung-ball/path-there-and-back.txt" | put path example
-for toml in openffboard teensy-rawhid template; do
+for toml in teensy-rawhid template; do
   put profile "$toml" <"$HAPGRID_SOURCE/examples/devices/$toml.toml"
 done
 
@@ -86,25 +86,7 @@ with subprocess.Popen([sys.executable, sys.argv[1]], stdin=its, stdout=its):
 sys.stdout.buffer.write(said)
 PYTHON
 
-# Reports of devices, and what viewers and terminals send.
-cat >descriptors.c <<'C'
-#include <stdio.h>
-#include "tests/hid/descriptors.h"
-int main(void) {
-#define PUT(name)                                \
-  {                                              \
-    FILE* out = fopen(#name, "wb");              \
-    fwrite(name, 1, sizeof name, out);           \
-    fclose(out);                                 \
-  }
-  PUT(kTeensyRawHid) PUT(kSpaceMouse) PUT(kMouse) PUT(kGamepad)
-  PUT(kPidBits) PUT(kPidArray) PUT(kPidHighIds)
-  return 0;
-}
-C
-cc -w -I"$HAPGRID_SOURCE" descriptors.c -o descriptors
-./descriptors
-for name in k[A-Z]*; do put descriptor "${name#k}" <"$name"; done
+# What viewers and terminals send.
 # GO, TRATE 3, PAUSE; GO, MDCOMM of one atom, DISCONNECT.
 printf '\x04\0\0\0\3\0\0\0\0\0\0\0\x08\0\0\0\3\0\0\0\7\0\0\0\0' | put imd pause
 printf '\x0d\0\0\0\3\0\0\0\0\0\0\0\6\0\0\0\1\0\0\0\2abcdefghijkl\0\0\0\0\0\0\0\0' | put imd forces

@@ -10,16 +10,6 @@ using namespace hapgrid;
 namespace {
 
 void use(Profile profile) {
-  if (profile.has_usages()) {
-    HidDescriptor descriptor;
-    descriptor.fields.push_back({.report_id = profile.input_id,
-                                 .bit_size = 8,
-                                 .count = 1,
-                                 .variable = true,
-                                 .usages = {{{1, 0x30}, 0x30}},
-                                 .collection = {}});
-    resolve_usages(profile, descriptor);
-  }
   const std::size_t length = profile.input_length + 1;
   const std::uint8_t id = profile.input_id;
   ProfileProtocol protocol(std::move(profile));

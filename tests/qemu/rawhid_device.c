@@ -157,7 +157,8 @@ int main(int argc, char** argv) {
   sigset_t waiting;
   catch_term(&waiting);
 
-  const int fd = uhid_create("Teensy RawHID", 0x16c0, 0x0486, kTeensyRawHid, sizeof kTeensyRawHid);
+  const int fd =
+      uhid_create("Teensy RawHID", BUS_USB, 0x16c0, 0x0486, kTeensyRawHid, sizeof kTeensyRawHid);
   static struct uhid_event event;
   int is_open = 0;
   int64_t sent = 0;

@@ -12,12 +12,20 @@
 #   await FILE...  waits until each file is there (and a device is readable), 5 s at most
 # and a mounted /proc, /sys, /sys/kernel/debug, /dev and /tmp; one processor, 256 MiB.
 #
-# Exit code 77, and a reason: there is no qemu, or the kernel cannot be downloaded. The kernel (27 MB)
-# is downloaded once, into HAPGRID_BUILD/qemu. No more than TIMEOUT (120) seconds, then 124.
+# The kernel is linux-image-KERNEL: cloud-amd64, which has uhid, or with KERNEL=amd64 the one for all
+# machines, which starts 4 s later, and has uinput, USB and its drivers besides.
+#
+# Exit code 77, and a reason: there is no qemu, or the kernel cannot be downloaded. The kernel (27 or
+# 70 MB) is downloaded once, into HAPGRID_BUILD/qemu. No more than TIMEOUT (120) seconds, then 124.
 set -euo pipefail
 
 build=$(realpath -m "${HAPGRID_BUILD:-$(dirname "$0")/../../build}")
-cache=$build/qemu
+kernel=${KERNEL:-cloud-amd64}
+# In this order: each needs the ones before.
+modules=(hid uhid hid-generic)
+[[ $kernel == cloud-amd64 ]] ||
+  modules+=(evdev ff-memless hid-microsoft uinput usb-common usbcore usbhid usbip-core vhci-hcd)
+cache=$build/qemu/$kernel
 
 skip() {
   echo "skipped: $*"
@@ -33,7 +41,7 @@ done
 command=$2
 
 [[ $(uname -m) == x86_64 ]] || skip "the emulated machine is made of this one's programs: x86_64"
-for tool in qemu-system-x86_64 cpio dpkg-deb apt-get flock; do
+for tool in qemu-system-x86_64 cpio dpkg-deb tar apt-get flock; do
   command -v $tool >/dev/null || skip "$tool is not installed"
 done
 busybox=$(command -v busybox) || skip "busybox is not installed"
@@ -46,11 +54,14 @@ mkdir -p "$cache"
   [[ ! -d $cache/kernel ]] || exit 0
   rm -rf "$cache/download"
   mkdir "$cache/download" && cd "$cache/download" || exit 1  # behind `||` set -e is off
-  package=$(apt-cache depends linux-image-cloud-amd64 2>/dev/null |
+  package=$(apt-cache depends "linux-image-$kernel" 2>/dev/null |
     awk '/Depends: linux-image-[0-9]/ { print $2; exit }')
-  [[ -n $package ]] || { echo "apt knows no linux-image-cloud-amd64"; exit 1; }
+  [[ -n $package ]] || { echo "apt knows no linux-image-$kernel"; exit 1; }
   timeout 100 apt-get download "$package" >log 2>&1 || { echo "$package: $(tail -n 1 log)"; exit 1; }
-  dpkg-deb -x "$package"_*.deb tree && mv tree "$cache/kernel" && rm -r "$cache/download"
+  mkdir tree
+  dpkg-deb --fsys-tarfile "$package"_*.deb |
+    tar -x -C tree --wildcards './boot/vmlinuz*' '*/drivers/hid/*' '*/drivers/input/*' '*/drivers/usb/*' &&
+    mv tree "$cache/kernel" && rm -r "$cache/download"
 ) 9>"$cache/lock" >"$cache/why.$$" 2>&1 || {
   why=$(cat "$cache/why.$$")
   rm -f "$cache/why.$$"
@@ -65,9 +76,8 @@ mkdir -p "$root"/{bin,dev,proc,sys,tmp,lib/modules}
 cp "$busybox" "$root/bin/busybox"
 for applet in $("$busybox" --list); do ln -s busybox "$root/bin/$applet" 2>/dev/null || true; done
 
-# In this order: each needs the ones before.
-for module in hid uhid hid-generic; do
-  cp "$cache"/kernel/lib/modules/*/kernel/drivers/hid/$module.ko "$root/lib/modules/"
+for module in "${modules[@]}"; do
+  find "$cache/kernel/lib/modules" -name "$module.ko" -exec cp {} "$root/lib/modules/" \;
 done
 
 for program in "${programs[@]}"; do
@@ -96,6 +106,7 @@ done
 END
 
 printf '%s\n' "$command" >"$root/command"
+printf '%s\n' "${modules[@]}" >"$root/modules"
 # Three serial lines: the command's output, the kernel's log, the exit code.
 cat >"$root/init" <<'END'
 #!/bin/sh
@@ -107,7 +118,7 @@ mount -t devtmpfs devtmpfs /dev 2>/dev/null
 mount -t tmpfs tmpfs /tmp
 exec </dev/null >/dev/ttyS0 2>&1
 stty -F /dev/ttyS0 -onlcr
-for module in hid uhid hid-generic; do insmod /lib/modules/$module.ko; done
+for module in $(cat /modules); do insmod /lib/modules/$module.ko; done
 sh /command
 echo "exit code $?" >/dev/ttyS2
 poweroff -f

@@ -13,9 +13,10 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/device/evdev_bus.hpp"
+#include "libcore/device/evdev_handle.hpp"
 #include "libcore/device/hand.hpp"
 #include "libcore/device/hid_bus.hpp"
-#include "libcore/device/hid_describe.hpp"
 #include "libcore/device/hid_device.hpp"
 #include "libcore/device/keyboard.hpp"
 #include "libcore/device/path.hpp"
@@ -72,7 +73,7 @@ constexpr Form kForms[] = {
     {"replay", Argument::kNeeded, "replay:FILE", make<ReplayFile>},
     {"sim", Argument::kNeeded, "sim:FILE", make<SimulationFile>},
     {"profile", Argument::kNeeded, "profile:FILE", make<ProfileFile>},
-    {"pid", Argument::kMayBe, "pid[:WHICH]", make<PidJoystick>},
+    {"evdev", Argument::kMayBe, "evdev[:WHICH]", make<EvdevStick>},
     {"spacemouse", Argument::kMayBe, "spacemouse[:WHICH]", make<SpaceMouse>},
     {"process", Argument::kNeeded, "process:COMMAND", make_process},
 };
@@ -134,39 +135,15 @@ OpenDevice open_simulation(const std::string& file, double rate_hz, const Mappin
 std::unique_ptr<Device> open_profile(const std::string& file, HidGuard& guard) {
   Profile profile = read_profile(read_toml(file, kMaxProfileBytes), file);
   const HidInfo info = find_one_hid(list_hid(), profile.match, "[match] serial or path in " + file);
-  if (profile.has_usages())
-    resolve_usages(profile, parse_hid_descriptor(read_report_descriptor(info.path)));
   return std::make_unique<HidDevice>(info.path,
                                      std::make_unique<ProfileProtocol>(std::move(profile)), &guard);
 }
 
-/// Those of `devices` that have all that a PID joystick needs. A device that cannot be read is left
-/// out.
-std::vector<HidInfo> pid_devices(const std::vector<HidInfo>& devices) {
-  std::vector<HidInfo> found;
-  for (const HidInfo& info : devices) {
-    try {
-      find_pid_reports(parse_hid_descriptor(read_report_descriptor(info.path)));
-      found.push_back(info);
-    } catch (const Error&) {
-    }
-  }
-  return found;
-}
-
-std::unique_ptr<Device> open_pid(const std::string& which, const PidParameters& parameters,
-                                 HidGuard& guard) {
-  const std::vector<HidInfo> all = list_hid();
-  const HidMatch match = parse_hid_match(which);
-  // A device that the user named is opened in any case: the error then says what it lacks.
-  const HidInfo info =
-      find_one_hid(which.empty() ? pid_devices(all) : all, match, "--device pid:WHICH");
-  PidParameters named = parameters;
-  named.name = shown_name(info);
-  return std::make_unique<HidDevice>(
-      info.path,
-      std::make_unique<PidProtocol>(parse_hid_descriptor(read_report_descriptor(info.path)), named),
-      &guard);
+std::unique_ptr<Device> open_evdev(const std::string& which, const EvdevParameters& parameters,
+                                   HidGuard& guard) {
+  const std::string path = find_one_evdev(list_evdev(), parse_hid_match(which)).path;
+  auto protocol = std::make_unique<EvdevProtocol>(EvdevHandle(path).layout(), parameters);
+  return std::make_unique<HidDevice>(path, std::move(protocol), &guard);
 }
 
 std::unique_ptr<Device> open_spacemouse(const std::string& which) {
@@ -214,7 +191,7 @@ std::string keys_of(const DeviceChoice& device) {
 
 DeviceGuard::DeviceGuard(const DeviceChoice& device) {
   const bool is_hid =
-      std::holds_alternative<ProfileFile>(device) || std::holds_alternative<PidJoystick>(device);
+      std::holds_alternative<ProfileFile>(device) || std::holds_alternative<EvdevStick>(device);
   const auto* adapter = std::get_if<AdapterProcess>(&device);
   if (!is_hid && !adapter) return;
   const rlimit no_core{0, 0};  // the guard would wait until a core file is written
@@ -250,8 +227,8 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
     OpenDevice operator()(const ProfileFile& profile) const {
       return live(open_profile(profile.file, *guard.hid));
     }
-    OpenDevice operator()(const PidJoystick& pid) const {
-      return live(open_pid(pid.which, settings.pid, *guard.hid));
+    OpenDevice operator()(const EvdevStick& stick) const {
+      return live(open_evdev(stick.which, settings.evdev, *guard.hid));
     }
     OpenDevice operator()(const SpaceMouse& mouse) const {
       return live(open_spacemouse(mouse.which));
@@ -265,13 +242,8 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
   return std::visit(Open{settings, virtual_hz, box, guard}, device);
 }
 
-void print_devices() { std::cout << printable_text(list_text(list_hid())); }
-
-void print_descriptor(const std::string& which) {
-  const HidInfo info = find_one_hid(list_hid(), parse_hid_match(which), "--dump-descriptor WHICH");
-  const std::vector<std::uint8_t> bytes = read_report_descriptor(info.path);
-  std::cout << printable_text(shown_name(info) + " at " + info.path + "\n" + hex_text(bytes) +
-                              describe(parse_hid_descriptor(bytes)));
+void print_devices() {
+  std::cout << printable_text(list_text(list_hid()) + list_text(list_evdev()));
 }
 
 }  // namespace hapgrid

@@ -34,7 +34,7 @@ struct TerminalKeys {};
 struct ProfileFile {
   std::string file;
 };
-struct PidJoystick {
+struct EvdevStick {
   std::string which;
 };
 struct SpaceMouse {
@@ -44,7 +44,7 @@ struct AdapterProcess {
   std::vector<std::string> command;  ///< at least one word
 };
 using DeviceChoice = std::variant<PathFile, HandPipe, ReplayFile, SimulationFile, TerminalKeys,
-                                  ProfileFile, PidJoystick, SpaceMouse, AdapterProcess>;
+                                  ProfileFile, EvdevStick, SpaceMouse, AdapterProcess>;
 
 /// Opens nothing. A path that is a named pipe is a hand. @throw UsageError for what is not a
 /// device's name
@@ -81,8 +81,7 @@ struct OpenDevice {
 OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double virtual_hz,
                        const Box& box, DeviceGuard& guard);
 
-/// Prints what --list-devices and --dump-descriptor ask for. @throw DeviceError
+/// Prints what --list-devices asks for.
 void print_devices();
-void print_descriptor(const std::string& which);
 
 }  // namespace hapgrid

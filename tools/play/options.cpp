@@ -23,8 +23,8 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
          "path:FILE, the positions in FILE ('path:-': standard input; live\n"
          "in a named pipe); keys, this terminal's keyboard; replay:FILE,\n"
          "what a log has; sim:FILE, device and hand simulated by a TOML;\n"
-         "profile:FILE, a HID device that a text describes; pid[:WHICH],\n"
-         "a joystick of HID's PID class; spacemouse[:WHICH], which steers;\n"
+         "profile:FILE, a HID device that a text describes; evdev[:WHICH],\n"
+         "a gamepad, stick or wheel; spacemouse[:WHICH], which steers;\n"
          "process:COMMAND, an adapter to a maker's kit (split at blanks)")
       .type("DEVICE");
   app.add(
@@ -42,11 +42,9 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
       .type("RULE")
       .check([](const std::string& name) { return force_named(name).has_value(); },
              "one of energy, records, state");
-  app.add_flag("--list-devices", options.list_devices, "List the HID devices of this machine");
-  app.add("--dump-descriptor", options.dump_descriptor,
-          "Print the report descriptor of a HID device. WHICH is a path,\n"
-          "VID:PID, VID:PID:SERIAL or serial number of --list-devices")
-      .type("WHICH");
+  app.add_flag("--list-devices", options.list_devices,
+               "List the HID devices and sticks of this machine: WHICH is a path,\n"
+               "VID:PID, VID:PID:SERIAL or serial number of this list");
   add_model_path(app, options.model_path);
 }
 

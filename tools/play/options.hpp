@@ -36,7 +36,6 @@ struct PlayOptions {
   // Instead of playing.
   bool selftest = false;
   bool list_devices = false;
-  std::string dump_descriptor;
 };
 
 /// The rate of a live device for which none was given.

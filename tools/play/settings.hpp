@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "libcore/device/pid.hpp"
+#include "libcore/device/evdev.hpp"
 #include "libcore/haptic/mapping.hpp"
 #include "libcore/haptic/safety.hpp"
 #include "tools/common/command_line.hpp"
@@ -22,7 +22,7 @@ namespace hapgrid {
 struct PlaySettings {
   SafetyLimits safety;
   MappingOptions mapping;
-  PidParameters pid;
+  EvdevParameters evdev;
   double key_step = 0;  ///< model's units; 0: half of the grid's spacing
   double spin_us = 0;   ///< see Pacer
   double imd_wait_s = 0;

@@ -58,7 +58,7 @@ for line in 'model-path = ["."]' 'log = "log"' 'report = "report"' 'frames = "fr
   [[ $line == grid* ]] || wrong "$line" "--config: line 2: ${line%% *} $cannot"
   [[ $line != grid* ]] || wrong "$line" "--config: line 2: unknown key 'grid'; .*"
 done
-for key in safety.fade keys.step pid.newtons pid.range pid.signs loop.spin imd.wait; do
+for key in safety.fade keys.step evdev.max_force evdev.range evdev.signs loop.spin imd.wait; do
   wrong "$key = 0.1" "--config: line 2: $key $cannot"
 done
 only() { # KEY VALUE DEFAULT less|more: it can only be set to the default and further

@@ -85,11 +85,11 @@ TEST_CASE("what was not found, or found twice, is a message that helps") {
   second.serial = "5678";
   const HidMatch match{.vid = 0x16c0, .pid = 0x0486, .usage_page = 0xffab, .usage = 0x0200};
   CHECK(refusal([&] {
-          find_one_hid({kTeensy, second}, match, "--device pid:WHICH");
+          find_one_hid({kTeensy, second}, match, "--device spacemouse:WHICH");
         }) ==
         "2 devices are 16c0:0486, usage ffab:0200: Teensy RawHID (16c0:0486) at /dev/hidraw0 with "
         "serial 1234, Teensy RawHID (16c0:0486) at /dev/hidraw1 with serial 5678: choose one by "
-        "its path or serial (--device pid:WHICH)");
+        "its path or serial (--device spacemouse:WHICH)");
   CHECK(refusal([&] { find_one_hid({kTeensy}, {.serial = "9"}, ""); }) ==
         "no device is serial 9; there is Teensy RawHID (16c0:0486) at /dev/hidraw0 with serial "
         "1234 (play --list-devices shows all)");
@@ -130,27 +130,4 @@ TEST_CASE("who may not open a device is told the rule that helps") {
   int status = -1;
   ::waitpid(other, &status, 0);
   CHECK((WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL));
-}
-
-TEST_CASE("a report descriptor comes from sysfs") {
-  TemporaryDirectory directory;
-  const std::filesystem::path where = directory.path() / "hidraw0" / "device";
-  std::filesystem::create_directories(where);
-  const std::string device = directory.file("dev");
-  std::filesystem::create_directory(device);
-  std::ofstream(device + "/hidraw0") << "x";
-  std::ofstream(where / "report_descriptor") << "\x05\x01\x09\x04";
-  const std::vector<std::uint8_t> bytes =
-      read_report_descriptor(device + "/hidraw0", directory.path().string());
-  CHECK(bytes == std::vector<std::uint8_t>{5, 1, 9, 4});
-  CHECK(hex_text(bytes) == "05 01 09 04\n");
-  CHECK(hex_text(std::vector<std::uint8_t>(17, 0xab)).substr(39) == "ab ab ab\nab\n");
-  CHECK(hex_text({}).empty());
-  // However long the file says that it is, at most what the kernel knows.
-  std::ofstream(where / "report_descriptor") << std::string(10000, 'x');
-  CHECK(read_report_descriptor(device + "/hidraw0", directory.path().string()).size() == 4096);
-  CHECK(refusal([&] { read_report_descriptor(device + "/hidraw0", "/no"); }) ==
-        device + "/hidraw0: has no report descriptor: is it a hidraw device?");
-  CHECK(refusal([&] { read_report_descriptor(device + "/hidraw1", "/no"); }) ==
-        device + "/hidraw1: cannot be opened: No such file or directory");
 }

@@ -34,7 +34,8 @@ struct Rig {
         reinterpret_cast<const char* (*)()>(::dlsym(RTLD_DEFAULT, "hid_version_str"));
     REQUIRE((version && std::strcmp(version(), "stand-in") == 0));
   }
-  std::unique_ptr<HidDevice> open(HidTiming timing = kPatient, std::vector<HidReport> alive = {}) {
+  std::unique_ptr<HidDevice> open(HidTiming timing = kPatient,
+                                  const std::vector<HidReport>& alive = {}) {
     hardware.input({0xA5, 20}, true);
     return std::make_unique<HidDevice>("tiny", std::make_unique<TinyProtocol>(timing, alive));
   }
@@ -175,6 +176,34 @@ TEST_CASE("keep-alive repeats the force, or writes its own reports") {
   }
   CHECK(device->stop() == DeviceStatus::kOk);
   CHECK(rig.last(2) == kStopped);
+}
+
+TEST_CASE("a snap is told once, before the force of its branch") {
+  Rig rig;
+  const auto device = rig.open();
+  for (const int newtons : {1, 2, 3}) {
+    if (newtons == 2) device->snap();
+    REQUIRE(device->send({static_cast<double>(newtons), 0, 0}) == DeviceStatus::kOk);
+    REQUIRE(rig.hardware.wait([&] { return rig.last(1).front() == TinyProtocol::force(newtons); }));
+  }
+  CHECK(rig.last(4) == std::vector<Bytes>{TinyProtocol::force(1), TinyProtocol::snapped(),
+                                          TinyProtocol::force(2), TinyProtocol::force(3)});
+  CHECK(device->stop() == DeviceStatus::kOk);
+}
+
+TEST_CASE("where nobody else keeps it from it, the writer rests after each force") {
+  Rig rig;
+  const auto device = rig.open({.stall = 1000, .watchdog = 0, .rest = 0.03});
+  const std::uint64_t before = device->counts().forces;
+  const auto began = Clock::now();
+  for (int i = 1; i <= 60; ++i) {
+    REQUIRE(device->send({static_cast<double>(i), 0, 0}) == DeviceStatus::kOk);
+    std::this_thread::sleep_for(2ms);
+  }
+  const auto forces = static_cast<double>(device->counts().forces - before);
+  CHECK(forces <= 1 + std::chrono::duration<double>(Clock::now() - began).count() / 0.03);
+  CHECK(rig.hardware.wait([&] { return rig.last(1).front() == TinyProtocol::force(60); }));
+  CHECK(device->stop() == DeviceStatus::kOk);
 }
 
 TEST_CASE("silence is a stall, and ends with the next report") {

@@ -66,7 +66,6 @@ struct Channel : HidChannel {
   void set_feature(std::span<const std::uint8_t> r) override {
     written.push_back({'f', {r.begin(), r.end()}});
   }
-  HidReport get_feature(std::uint8_t, std::size_t) override { return {}; }
 };
 
 HidReport teensy_report(std::initializer_list<std::uint8_t> bytes) {
@@ -120,80 +119,13 @@ TEST_CASE("a Teensy with three axes") {
   CHECK(out.front() == zero);
 }
 
-TEST_CASE("OpenFFBoard by its reports") {
-  ProfileProtocol board(shipped("openffboard.toml"));
-  CHECK(board.numbered());
+TEST_CASE("the template has every key") {
+  ProfileProtocol device(shipped("template.toml"));
+  CHECK(device.numbered());
   Channel channel;
-  board.start(channel);
-  REQUIRE(channel.written.size() == 11);
-  CHECK(channel.written[1] == std::pair<char, HidReport>{'f', {0x11, 1, 0, 0}});
-  // As long as FFB_SetEffect_t, id and all.
-  CHECK(channel.written[3].second.size() == 18);
-  CHECK(channel.written[4].second.size() == 18);
-  // 1 N is 16129 counts = 0x3F01.
-  std::vector<HidReport> out;
-  board.encode({1, 1, 7}, out);
-  CHECK(out == std::vector<HidReport>{{5, 1, 0x01, 0x3f}, {5, 2, 0xff, 0xc0}});
-  const std::vector<HidReport> stop = board.stop();
-  REQUIRE(stop.size() == 7);
-  CHECK(stop[0] == HidReport{5, 1, 0, 0});
-  CHECK(stop[1] == HidReport{5, 2, 0, 0});
-  CHECK(stop.back() == HidReport{0x0c, 4});
-  HidReport in(25);
-  in[0] = 1;
-  in[9] = 0xff;
-  in[10] = 0x7f;
-  in[12] = 0x80;
-  DeviceInput input;
-  REQUIRE(board.decode(in, input));
-  CHECK(input.position[0] == Approx(32767 * 1.5e-6));
-  CHECK(input.position[1] == Approx(32768 * 1.5e-6));
-  CHECK(input.position[2] == 0);
-}
-
-TEST_CASE("the template has every key, and its usage is found in the descriptor") {
-  Profile profile = shipped("template.toml");
-  CHECK(profile.has_usages());
-  CHECK_THROWS_AS(ProfileProtocol(profile), DeviceError);
-  // What the device says of its report 1: a byte, x and y, and z as `z` has it.
-  const auto with = [](const std::vector<std::uint8_t>& z) {
-    std::vector<std::uint8_t> bytes{0x05, 0x01, 0x09, 0x04, 0xa1, 0x01, 0x85, 0x01,
-                                    0x75, 0x08, 0x95, 0x01, 0x81, 0x01,  // padding
-                                    0x16, 0x00, 0x80, 0x26, 0xff, 0x7f,  // 16 bits, signed
-                                    0x75, 0x10, 0x95, 0x02, 0x09, 0x30, 0x09, 0x31,  // X, Y
-                                    0x81, 0x02, 0x95, 0x01};
-    bytes.insert(bytes.end(), z.begin(), z.end());
-    bytes.push_back(0xc0);
-    return parse_hid_descriptor(bytes);
-  };
-  const auto why = [&](const std::vector<std::uint8_t>& z) -> std::string {
-    Profile copy = profile;
-    copy.file = "p";
-    try {
-      resolve_usages(copy, with(z));
-    } catch (const DeviceError& e) {
-      return e.what();
-    }
-    return "";
-  };
-  const std::string who = "p: input.z: usage 0001:0032 in input report 1: ";
-  CHECK(why({0x09, 0x33, 0x81, 0x02}) == who + "the device has no such field");
-  CHECK(why({0x09, 0x32, 0x91, 0x02}) == who + "the device has no such field");  // output
-  CHECK(why({0x85, 0x02, 0x09, 0x32, 0x81, 0x02}) == who + "the device has no such field");
-  CHECK(why({0x09, 0x32, 0x81, 0x00}) == who + "the device has it as a choice, not a value");
-  CHECK(why({0x75, 0x21, 0x09, 0x32, 0x81, 0x02}) ==
-        who + "33 bits at bit 40, which are more than 32 or behind input.length");
-  // 16 bytes are its length; z ends with them, or a bit behind them.
-  CHECK(why({0x95, 0x49, 0x75, 0x01, 0x81, 0x01, 0x95, 0x01, 0x75, 0x0f, 0x09, 0x32, 0x81, 0x02}) ==
-        "");
-  CHECK(why({0x95, 0x4a, 0x75, 0x01, 0x81, 0x01, 0x95, 0x01, 0x75, 0x0f, 0x09, 0x32, 0x81, 0x02}) ==
-        who + "15 bits at bit 114, which are more than 32 or behind input.length");
-  // The first one is in another report.
-  const HidDescriptor second =
-      with({0x85, 0x02, 0x09, 0x32, 0x81, 0x02, 0x85, 0x01, 0x09, 0x32, 0x81, 0x02});
-  resolve_usages(profile, second);
-  CHECK_FALSE(profile.has_usages());
-  ProfileProtocol device(profile);
+  device.start(channel);
+  CHECK(channel.written ==
+        std::vector<std::pair<char, HidReport>>{{'f', {5, 1}}, {'w', {3, 0xff}}});
   HidReport in(17);
   in[0] = 1;
   in[6] = 0xfe;
@@ -202,6 +134,49 @@ TEST_CASE("the template has every key, and its usage is found in the descriptor"
   REQUIRE(device.decode(in, input));
   CHECK(input.position == Vec3{0, 0, -2 * 1e-6});
   CHECK(device.keep_alive() == std::vector<HidReport>{{3, 1}});
+}
+
+TEST_CASE("each axis can have a report of its own") {
+  ProfileProtocol board(read_profile(R"(name = "two motors"
+[match]
+vid = 1
+pid = 2
+[input]
+id = 1
+length = 4
+axes = [[1, 0, 0], [0, -1, 0], [0, 0, 1]]
+x = {bit = 0, bits = 16, scale = 1.5e-6}
+y = {bit = 16, bits = 16, scale = 1.5e-6}
+[[output]]
+id = 5
+length = 3
+fixed = [{byte = 0, hex = "01"}]
+x = {bit = 8, bits = 16, newtons_per_count = 6.2e-5, low = -32767, high = 32767}
+[[output]]
+id = 5
+length = 3
+fixed = [{byte = 0, hex = "02"}]
+y = {bit = 8, bits = 16, newtons_per_count = 6.2e-5, low = -32767, high = 32767}
+[force]
+max = 2
+axes = [[1, 0, 0], [0, -1, 0], [0, 0, 1]]
+[reports]
+stop = ["0c 04"]
+[workspace]
+low = [-0.05, -0.05, 0]
+high = [0.05, 0.05, 0]
+)",
+                                     "two"));
+  // 1 N is 16129 counts = 0x3F01.
+  std::vector<HidReport> out;
+  board.encode({1, 1, 7}, out);
+  CHECK(out == std::vector<HidReport>{{5, 1, 0x01, 0x3f}, {5, 2, 0xff, 0xc0}});
+  CHECK(board.stop() == std::vector<HidReport>{{5, 1, 0, 0}, {5, 2, 0, 0}, {0x0c, 4}});
+  DeviceInput input;
+  REQUIRE(board.decode(HidReport{1, 0xff, 0x7f, 0x00, 0x80}, input));
+  CHECK(input.position[0] == Approx(32767 * 1.5e-6));
+  CHECK(input.position[1] == Approx(32768 * 1.5e-6));
+  CHECK(input.position[2] == 0);
 }
 
 TEST_CASE("fields of any place and order keep their values, and their neighbours") {
@@ -342,10 +317,6 @@ TEST_CASE("a profile that cannot be right is refused") {
   CHECK(refusal("scale = 0.001", "scale = nan") == "p: line 7: input.x.scale is not finite");
   CHECK(refusal("scale = 0.001", "scale = 1, offset = inf") ==
         "p: line 7: input.x.offset is not finite");
-  CHECK(refusal("scale = 0.001", "scale = 1, usage = 1") ==
-        "p: line 7: input.x.bit and input.x.usage exclude each other");
-  CHECK(refusal("bit = 0, bits = 16,", "usage = 1,") ==
-        "p: line 7: input.x.usage and input.x.usage_page need each other");
   CHECK(refusal("bit = 0, bits = 16, s", "bit = 4, bits = 16, endian = \"big\", s") ==
         "p: line 7: input.x.endian = \"big\" needs whole bytes");
   CHECK(refusal("bit = 0, bits = 16, s", "bit = 0, bits = 16, endian = \"middle\", s") ==

@@ -19,6 +19,7 @@ class TinyProtocol : public hapgrid::HidProtocol {
   }
   static hapgrid::HidReport started() { return {0, 0x11}; }
   static hapgrid::HidReport stopped() { return {0, 0x5E}; }
+  static hapgrid::HidReport snapped() { return {0, 0x5A}; }
 
   hapgrid::DeviceInfo info() const override {
     return {.name = "tiny",
@@ -42,6 +43,7 @@ class TinyProtocol : public hapgrid::HidProtocol {
     reports[0].assign({0, 0xF0, static_cast<std::uint8_t>(f[0])});
   }
   std::vector<hapgrid::HidReport> keep_alive() const override { return alive_; }
+  std::vector<hapgrid::HidReport> snap() const override { return {snapped()}; }
   std::vector<hapgrid::HidReport> stop() const override { return {stopped()}; }
 
   std::function<void()> while_starting;

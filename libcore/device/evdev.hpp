@@ -1,0 +1,106 @@
+// Gamepads and force-feedback sticks as the kernel's drivers show them: event devices with axes,
+// buttons and effects (Documentation/input/gamepad.rst and ff.rst; linux/input.h).
+//
+// Problem. Each maker's stick has its own reports and its own way to be given a force; the kernel
+// has drivers for nearly all of them, the PID class among them. Choice: axes in, one effect out,
+// whose values change while it plays.
+//
+// | the device                 | the hand                                | the force              |
+// |----------------------------|-----------------------------------------|------------------------|
+// | has the effect FF_CONSTANT | holds it: an axis' place is a position  | a constant force       |
+// | has FF_RUMBLE, or none     | steers: an axis' deflection is a speed  | the strong motor; the  |
+// |                            |                                         | weak one says a snap   |
+//
+// Effects last kEvdevEffect and are started anew five times in that time, so the kernel or the
+// device ends them when nobody does, even without a guard.
+//
+// Alternatives: two constant forces, along x and along y (an update in two steps can be stronger
+// than both its ends; one in level and direction cannot), reports of the PID class written by
+// ourselves (only that class, and a second reader of report descriptors beside the kernel's).
+#pragma once
+
+#include <linux/input.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "libcore/device/hid_protocol.hpp"
+
+namespace hapgrid {
+
+/// An absolute axis (struct input_absinfo).
+struct EvdevAxis {
+  std::uint16_t code = 0;  ///< ABS_X, ...
+  int low = 0, high = 0;   ///< low < high
+  int flat = 0;            ///< so far from the middle is rest
+
+  /// The deflection in [-1, 1] as the kernel's joydev has it: 0 up to `flat` from the middle, full
+  /// from `flat` before the end on. Where the driver says no `flat`, it is what the kernel gives
+  /// gamepads: a sixteenth of the range.
+  double rate(int value) const noexcept;
+  /// The place in [-1, 1] of the range.
+  double place(int value) const noexcept;
+};
+
+/// What an event device has of what is used here.
+struct EvdevLayout {
+  std::string name;  ///< for people
+  bool constant = false, rumble = false, gain = false, autocenter = false;
+  /// To the right; towards the user; and, of the second stick, downwards.
+  std::array<std::optional<EvdevAxis>, 3> axes{};
+};
+
+struct EvdevParameters {
+  double half_range = 0.05;  ///< metres from the middle of a held axis to its end; above 0
+  double newtons = 2;        ///< of the strongest effect; above 0
+  /// Of x and y in a held device: 1, or -1 where it pushes the wrong way; y 0: it has no motor, as
+  /// the pedals of a wheel.
+  std::array<double, 2> signs{1, 1};
+};
+
+/// What the writer is told; a report is an EvdevWord and what belongs to it.
+enum class EvdevWord : std::uint8_t {
+  kEffect,   ///< a struct ff_effect, whose id is its slot: created at first, then changed
+  kPlay,     ///< a byte, the slot: started, or started anew
+  kSet,      ///< a struct input_event: gain, autocentre
+  kSilence,  ///< the effects of this handle are stopped; where it made none, all of the device
+};
+inline constexpr std::uint8_t kEvdevForce = 0, kEvdevSnap = 1;  ///< slots
+inline constexpr std::uint16_t kEvdevEffect = 250;              ///< ms
+
+/// The constant force of at most `newtons` along the plane (x to the right, y away from the user):
+/// level and direction are rounded, the level towards zero. A force that is not finite is none.
+ff_effect constant_effect(const Vec3& force, const EvdevParameters& parameters) noexcept;
+/// The strong motor, as strong as the force, rounded towards zero.
+ff_effect rumble_effect(const Vec3& force, const EvdevParameters& parameters) noexcept;
+/// The weak motor, for a moment.
+ff_effect snap_effect() noexcept;
+
+class EvdevProtocol : public HidProtocol {
+ public:
+  /// @throw Error when a parameter is out of its range; DeviceError without an axis.
+  EvdevProtocol(EvdevLayout layout, EvdevParameters parameters);
+
+  DeviceInfo info() const override;
+  HidTiming timing() const override;
+  /// Switches off a spring of the driver's own, and starts an effect without force.
+  void start(HidChannel& channel) override;
+  /// Takes a struct input_event. Any button is DeviceInput::reset.
+  bool decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept override;
+  void encode(const Vec3& force, std::vector<HidReport>& reports) noexcept override;
+  std::vector<HidReport> keep_alive() const override;
+  std::vector<HidReport> snap() const override;
+  std::vector<HidReport> stop() const override;
+
+ private:
+  bool has_force() const { return layout_.constant || layout_.rumble; }
+
+  EvdevLayout layout_;
+  EvdevParameters parameters_;
+};
+
+}  // namespace hapgrid

@@ -1,0 +1,35 @@
+// Lists the event devices that have a stick, and finds the one that the user means.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libcore/device/hid_bus.hpp"
+
+namespace hapgrid {
+
+/// An event device with a stick. Its texts come from the device and were made printable.
+struct EvdevInfo {
+  std::string path;  ///< "/dev/input/event7"
+  std::uint16_t vid = 0, pid = 0;
+  std::string serial, name;
+  bool constant = false, rumble = false;  ///< the effects that it has
+};
+
+/// All of them, in the order of their numbers, including those that the user may not open: sysfs
+/// tells everybody. A wheel or a stick with force has at least one axis; what has none must have
+/// two, and a button of a joystick or gamepad. Motion sensors and touch pads are left out.
+std::vector<EvdevInfo> list_evdev(const std::string& sysfs = "/sys/class/input");
+
+/// The one device that fits; without a word of the user's that with the most to feel.
+/// @throw DeviceError "no gamepad or stick is ...", or "2 gamepads or sticks are ...".
+EvdevInfo find_one_evdev(const std::vector<EvdevInfo>& devices, const HidMatch& match);
+
+/// The table of `play --list-devices`, empty without devices; see list_text().
+std::string list_text(const std::vector<EvdevInfo>& devices);
+
+/// One line for a path that could not be opened; see open_failure().
+std::string evdev_open_failure(const std::string& path, int error);
+
+}  // namespace hapgrid

@@ -1,0 +1,137 @@
+"""What evdev-test.sh's machine wrote: GOT. The forces that devices got are compared with those of the
+sessions, by the units of linux/input.h: levels to 0x7fff, motors to 0xffff, and the direction into which a
+force pulls, 0 towards the user, clockwise in 1/0x10000 of a circle. Full is 2 N, the default."""
+import base64
+import math
+import re
+import subprocess
+import sys
+
+FULL = 2.0
+parts = {}
+for line in open(sys.argv[1]):
+    line = line.rstrip("\r\n")
+    if line.startswith("== "):
+        part = parts.setdefault(line[3:], [])
+    else:
+        part.append(line)
+
+
+def ticks(name):
+    """(HIP, force that was sent) of each tick of a session, through stats."""
+    open("log.session", "wb").write(base64.b64decode("".join(parts[f"{name} session"])))
+    subprocess.run(["stats", "--log", "log.session", "--export", "log.txt"], check=True, stdout=subprocess.DEVNULL)
+    rows = [list(map(float, line.split("\t")[:10])) for line in open("log.txt") if line[0] != "#"]
+    return [(row[1:4], row[7:10]) for row in rows]
+
+
+def constant(force):
+    level = int(min(math.hypot(force[0], force[1]) / FULL, 1) * 0x7fff)
+    turn = math.atan2(-force[0], -force[1]) / (2 * math.pi) * 0x10000
+    return (level, math.floor(turn + 0.5) % 0x10000 if level else 0)
+
+
+def rumble(force):
+    return int(min(math.hypot(*force) / FULL, 1) * 0xffff)
+
+
+def follows(got, wanted, what):
+    """Each that a device got is a tick's, in their order."""
+    at = 0
+    for number, one in enumerate(got):
+        while at < len(wanted) and wanted[at] != one:
+            at += 1
+        assert at < len(wanted), f"{what}: {one}, number {number} of {len(got)}, is no tick's: {got[:number + 1][-5:]}"
+
+
+def record(name):
+    """The lines of a record as lists of words, without the time; and the times, in seconds."""
+    found = [line.split() for line in parts[name] if re.match(r"\d+ (upload|erase|play|set|output|03) ", line)]
+    return [words[1:] for words in found], [int(words[0]) * 1e-6 for words in found]
+
+
+def ended(name, code, error=""):
+    exits = [line for line in parts[name] if line.startswith("exit ")]
+    assert exits[-1:] == [f"exit {code}"] and any(error in line for line in parts[name]), (name, parts[name][:12])
+
+
+# Everybody sees what there is, and who may not open it is told the rule that helps.
+lines = parts["list"]
+for row in ("045e:028e\trumble\t-\temulated gamepad", "1209:0001\tforce\t-\temulated stick",
+            "045e:02fd\trumble\t-\tXbox Wireless Controller", "2341:8036\tforce\t-\tstick"):
+    assert any(line.endswith(row) for line in lines), (row, lines)
+assert lines[-1] == "exit 1" and "TAG+=\"uaccess\"" in lines[-3], lines
+assert re.match(r'play: /dev/input/event\d+: permission denied: put the line KERNEL=="event\*", ATTRS{id/vendor}=='
+                r'"1209", ATTRS{id/product}=="0001", TAG', lines[-2]), lines[-2]
+
+# The gamepad steers: to the left, 0.8 units a second, a thousandth of that each tick, when its stick is there.
+ended("gamepad", 0)
+for said in ("1400 ticks", "missed at 1000 Hz: 0,"):
+    assert any(said in line for line in parts["gamepad"]), said
+played = ticks("gamepad")
+hips = [hip[0] for hip, _ in played]
+steps = {round((b - a) * 1e9) for a, b in zip(hips, hips[1:])}
+assert steps == {0, -800000} or steps == {-800000}, steps
+assert abs(hips[0] - 0.175) < 1e-3 and hips[-1] < -0.8, (hips[0], hips[-1])
+# The strong motor is the force, and the weak one says the one snap, before the force is gone.
+words, times = record("gamepad")
+strong = [int(w[3]) for w in words if w[:3] == ["upload", "0", "rumble"]]
+follows(strong[1:], [rumble(force) for _, force in played], "strong motor")
+assert len(strong) > 80 and max(strong) > 39000, (len(strong), max(strong))
+assert words[:4] == [["set", "96", "65535"], "upload 0 rumble 0 0 250".split(), "upload 1 rumble 0 65535 60".split(),
+                     ["play", "0", "1"]], words[:4]
+snaps = [i for i, w in enumerate(words) if w == ["play", "1", "1"]]
+assert len(snaps) == 1 and any("snapped in 1 ticks" in line for line in parts["gamepad"]), snaps
+assert int([w for w in words[:snaps[0]] if w[0] == "upload"][-1][3]) > 39000, words[snaps[0] - 3:snaps[0]]
+assert words[snaps[0] + 1] == "upload 0 rumble 0 0 250".split(), words[snaps[0] + 1]
+# At most one force in 10 ms, and one that is played goes on.
+uploads = [t for t, w in zip(times, words) if w[:2] == ["upload", "0"]]
+assert min(b - a for a, b in zip(uploads[1:], uploads[2:])) > 0.0099, uploads
+plays = [t for t, w in zip(times, words) if w == ["play", "0", "1"]]
+assert max(b - a for a, b in zip(plays, plays[1:])) < 0.1, plays
+# Stopped, then erased by the kernel when the device is closed.
+end = ("play 0 0", "play 1 0", "play 0 0", "erase 0", "play 1 0", "erase 1")
+assert words[-6:] == [line.split() for line in end], words[-6:]
+
+# The stick is held: its place is a position, and it gets each force as level and direction.
+ended("stick", 1, "write: the device did not take a report within 500 ms")
+words, times = record("stick")
+assert words[:2] == [["set", "97", "0"], ["set", "96", "65535"]], words[:2]
+played = ticks("stick")
+got = [tuple(map(int, w[3:5])) for w in words if w[:3] == ["upload", "0", "constant"]]
+assert len(got) == 150 and max(level for level, _ in got) > 5000, (len(got), max(got))
+follows(got[1:], [constant(force) for _, force in played], "constant force")
+# The ball is to the left and below: the force on the hand points to the right, 0xC000.
+assert all(abs(direction - 0xc000) < 0x1000 for level, direction in got if level > 1000), got
+# From the middle, 19 units a metre, at 0.05 m in 1.2 s.
+for hip, _ in played:
+    assert -0.775 - 1e-9 < hip[0] < 0.175 + 1e-9 and abs(hip[1] + 0.025) < 1e-9, hip
+
+# hid-pidff makes of it reports of the PID class; the guard stops what plays when play stands still.
+ended("usb", 1, "the program stood still, and its guard sent zero force")
+words, times = record("usb")
+wanted = [constant(force) for _, force in ticks("usb")]
+wanted = [(direction * 255 // 0xffff, level * 10000 // 0x7fff) for level, direction in wanted]
+direction, got = 0, []
+begin = max(i for i, w in enumerate(words) if w[:2] == ["set", "05"])
+for w in words[begin:]:
+    if w[:2] == ["output", "01"]:
+        assert w[4:6] == ["fa", "00"], w  # 250 ms
+        direction = int(w[15], 16)
+    if w[:2] == ["output", "05"]:
+        got.append((direction, int(w[4] + w[3], 16)))
+stop = parts["usb"][parts["usb"].index("stopped") + 1].split()
+assert stop[1:4] == ["output", "0a", "01"] and stop[4] == "03", stop
+last = got.pop()
+assert last == (0, 0) and max(level for _, level in got) > 1000, (last, got[-3:])
+follows(got[1:], wanted, "reports of the PID class")
+assert words[-1] == ["output", "0b", "01"] and words[-2][:4] == ["output", "0a", "01", "03"], words[-4:]
+
+# hid-microsoft turns the strong motor with it, in hundredths; it stands still when play was killed.
+ended("xbox", 137)
+words, times = record("xbox")
+motors = [(int(w[5], 16), int(w[4], 16)) for w in words if w[:2] == ["03", "03"]]
+assert max(motors)[1] > 45 and motors[-1] == (0, 0) and len(motors) > 50, motors
+
+ended("unplugged", 1, "play: device: /dev/input/event")
+print("as many forces as", len(strong), len(got), len(motors), "reached the gamepad, the USB stick, the controller")
