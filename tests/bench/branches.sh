@@ -4,9 +4,9 @@
 #
 #   tests/bench/branches.sh [BUILD] [PATHS] [SEED] [PICTURE]        (default: build 100 1 tear-off.png)
 #
-# The grids are computed first: the hung ball with two spacings, alanine dipeptide with 30 points
-# a side, butane with 20, leu-enkephalin with 12, and the soft tissue as it is: some minutes of CPU time. Another
-# SEED draws other paths.
+# The grids are computed first: the hung ball with two spacings, alanine dipeptide with 30 and 40 points a side,
+# butane with 20, leu-enkephalin with 12, and the soft tissue with 8: some minutes of CPU time. To ask the soft
+# tissue takes long, so it gets a tenth of the paths. Another SEED draws other paths.
 picture=$(realpath "${4:-tear-off.png}") paths=${2:-100} seed=${3:-1}
 source "$(dirname "$0")/lib.sh"
 
@@ -14,6 +14,7 @@ molecules=$HAPGRID_SOURCE/examples/molecule
 compute ball "$ball" 40
 compute ball-fine "$ball" 79
 compute alanine "$molecules/alanine-dipeptide/alanine-dipeptide.toml" 30
+compute alanine-fine "$molecules/alanine-dipeptide/alanine-dipeptide.toml" 40
 compute butane "$molecules/butane/butane.toml" 20
 compute leu-enkephalin "$molecules/leu-enkephalin/leu-enkephalin.toml" 12
 compute soft-tissue "$HAPGRID_SOURCE/examples/soft-tissue/soft-tissue.toml" 8
@@ -21,18 +22,19 @@ compute soft-tissue "$HAPGRID_SOURCE/examples/soft-tissue/soft-tissue.toml" 8
 models=$HAPGRID_BUILD/models
 echo '|grid|paths|paper: right|off 99 %|branch: right|off median|off 99 %|'
 echo '|---|---|---|---|---|---|---|'
-row() { # GRID RIGHT KIND
-  "$HAPGRID_BUILD/bench/bench_branches" "$1.grid" "$models" "$3" "$2" "$paths" "$seed" |
+row() { # GRID RIGHT KIND PATHS
+  "$HAPGRID_BUILD/bench/bench_branches" "$1.grid" "$models" "$3" "$2" "$4" "$seed" |
     awk -F '\t' -v grid="$1" '{ n = $3; right[NR] = $4; median[NR] = $5; most[NR] = $6 }
       END { if (n > 0) printf "|%s|%s|%.1f %%|%.2f|%.1f %%|%.3f|%.2f|\n", grid, $1, right[1], most[1],
               right[2], median[2], most[2] }'
 }
 for grid in ball ball-fine; do
-  for kind in straight smooth diagonal tear-off; do row "$grid" 0.05 "$kind"; done
+  for kind in straight smooth diagonal tear-off; do row "$grid" 0.05 "$kind" "$paths"; done
 done
-for grid in alanine butane leu-enkephalin soft-tissue; do
-  for kind in smooth tear-off; do row "$grid" 0.3 "$kind"; done
+for grid in alanine alanine-fine butane leu-enkephalin; do
+  for kind in smooth tear-off; do row "$grid" 0.3 "$kind" "$paths"; done
 done
+for kind in smooth tear-off; do row soft-tissue 0.3 "$kind" $((paths / 10 + 1)); done
 
 # Straight across the hung ball, off its middle: what tears off, and where.
 awk 'BEGIN { for (x = -0.9; x <= 0.9; x += 0.001) print x, 0.07, 0.03 }' >path

@@ -12,7 +12,8 @@ cmp my.grid reference
 in_allocation 6 make -s -f "$HAPGRID_SOURCE/Makefile.example" grid MODEL=my.toml HAPGRID_BIN="$HAPGRID_BIN" \
   PARTS=6 RUN='srun -N1 -n1 --exclusive' -j 6
 cmp work/my.grid reference
-[[ ! -s err ]] || fail "$(cat err)"
+# srun says when a step has to wait until another one has left its processor.
+! grep -vE '^srun: (Job [0-9]+ step creation|Step created)' err >said || fail "$(cat said)"
 
 rm -r my.rounds my.grid
 cp "$HAPGRID_SOURCE/examples/cluster/rounds.sh" .

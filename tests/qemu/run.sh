@@ -23,8 +23,11 @@ build=$(realpath -m "${HAPGRID_BUILD:-$(dirname "$0")/../../build}")
 kernel=${KERNEL:-cloud-amd64}
 # In this order: each needs the ones before.
 modules=(hid uhid hid-generic)
-[[ $kernel == cloud-amd64 ]] ||
+folders=('*/drivers/hid/*')
+if [[ $kernel != cloud-amd64 ]]; then
   modules+=(evdev ff-memless hid-microsoft uinput usb-common usbcore usbhid usbip-core vhci-hcd)
+  folders+=('*/drivers/input/*' '*/drivers/usb/*')
+fi
 cache=$build/qemu/$kernel
 
 skip() {
@@ -60,7 +63,7 @@ mkdir -p "$cache"
   timeout 100 apt-get download "$package" >log 2>&1 || { echo "$package: $(tail -n 1 log)"; exit 1; }
   mkdir tree
   dpkg-deb --fsys-tarfile "$package"_*.deb |
-    tar -x -C tree --wildcards './boot/vmlinuz*' '*/drivers/hid/*' '*/drivers/input/*' '*/drivers/usb/*' &&
+    tar -x -C tree --wildcards './boot/vmlinuz*' "${folders[@]}" &&
     mv tree "$cache/kernel" && rm -r "$cache/download"
 ) 9>"$cache/lock" >"$cache/why.$$" 2>&1 || {
   why=$(cat "$cache/why.$$")

@@ -89,6 +89,7 @@ def search():
 
 
 grid = {}
+sys.stdin.readline()  # the names of the columns
 for line in sys.stdin:
     fields = line.rstrip("\n").split("\t")
     at, level, alpha = tuple(map(int, fields[:3])), int(fields[3]), float(fields[4])
