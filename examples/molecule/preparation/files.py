@@ -123,3 +123,11 @@ def write_set(directory, result, command):
         write_whole(os.path.join(directory, name), text)
     write_whole(report, report_text(result, command))
     return [*texts, "report.tsv"]
+
+
+def remove(path):
+    """Removes a file that may not be there."""
+    try:
+        os.remove(path)
+    except FileNotFoundError:
+        pass

@@ -29,15 +29,17 @@ class Torsion:
     atoms: tuple  # four, counted from 0
     moved: tuple  # atoms that turn with the last one, about the bond in the middle
     signs: tuple  # the directions to drive: +1, -1
-    rotor: bool  # a methyl group: both directions are the same, and file names need no direction
+    rotor: bool  # a methyl or a like group: both directions are the same, file names need none
 
     def file_name(self, sign):
         return self.name if self.rotor else self.name + ("-plus" if sign > 0 else "-minus")
 
 
 def _is_methyl(numbers, neighbours, atom, partner):
+    """Whether the atom holds three equal atoms: CH3, NH3+, CF3."""
     others = [n for n in neighbours[atom] if n != partner]
-    return numbers[atom] == 6 and len(others) == 3 and all(numbers[n] == 1 for n in others)
+    return (len(others) == 3 and len({numbers[n] for n in others}) == 1
+            and all(len(neighbours[n]) == 1 for n in others))
 
 
 def _end(numbers, neighbours, atom, partner):

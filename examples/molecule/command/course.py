@@ -1,0 +1,239 @@
+"""The course of a molecule from its file to the page: the stages one by one."""
+
+import os
+
+import numpy as np
+from preparation import files
+from preparation import molecule as prepared
+from preparation.xtb import BOHR, HARTREE, SYMBOLS
+
+from . import choice, definition, page, pushing, reading, resolution, rotors, structures
+from .filters import Failed, FilterFailed, Filters
+from .stages import Stages, duration
+
+GFN2_ATOMS = 24
+
+
+def run(o):
+    """Everything; the lines for standard output."""
+    course = Course(o)
+    course.read()
+    course.find_structures()
+    course.decide()
+    course.compute()
+    course.push()
+    return course.summary()
+
+
+class Found:
+    """A path as its file has it. nodes in bohr, energies in hartree above the conformation."""
+
+    def __init__(self, name, frames):
+        self.name = name
+        self.nodes = [x / BOHR for _, _, x in frames]
+        self.energies = [float(words["dE"]) / HARTREE for words, _, _ in frames]
+
+
+class Structures:
+    """What the files of the folder say, changed by hand or not. Energies above the conformation."""
+
+    def __init__(self, stages):
+        _, symbols, x = frames(stages.path("conformation.xyz"))[0]
+        self.numbers = [SYMBOLS.index(s) for s in symbols]
+        self.x, self.energy = x / BOHR, 0.0
+        report = stages.path("report.tsv")
+        self.found = [Found(name[:-4], frames(stages.path(name))) for name in files.listed(report)]
+        with open(report, encoding="utf-8") as file:
+            rows = [line.rstrip("\n").split(": ", 2) for line in file if line.startswith("# no path: ")]
+        self.dropped = [(row[1], row[2]) for row in rows]
+
+
+def frames(path):
+    """[(words of the comment, symbols, positions in angstrom)]"""
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    out = []
+    while lines:
+        count = int(lines[0])
+        atoms = [line.split() for line in lines[2:2 + count]]
+        words = dict(w.split("=", 1) for w in lines[1].split() if "=" in w)
+        out.append((words, [a[0] for a in atoms], np.array([[float(v) for v in a[1:4]] for a in atoms])))
+        lines = lines[2 + count:]
+    return out
+
+
+class Course:
+    def __init__(self, options):
+        self.o = options
+        self.name = os.path.basename(os.path.realpath(options.output))
+        self.toml, self.grid = f"{self.name}.toml", f"{self.name}.grid"
+        self.stages = Stages(options.output, options.quiet)
+        self.filters = Filters(options.output)
+        self.what = options.file or f"SMILES '{options.smiles}'"
+
+    # The molecule
+
+    def read(self):
+        o, stages = self.o, self.stages
+
+        def compute():
+            one, built = reading.read(o.file, o.smiles, lambda text: stages.say("  " + text))
+            charge = one.charge if o.charge is None else o.charge
+            reading.check_electrons(one, self.what, charge, o.uhf)
+            os.makedirs(o.output, exist_ok=True)
+            one.ob.SetTitle(f"charge={charge} built={int(built)}")
+            files.write_whole(stages.path("start.sdf"), reading.sdf(one))
+            return ["start.sdf"]
+        text = _digest_of_input(o.file) if o.file else o.smiles
+        stages.run("molecule", "", [], [text, o.charge, o.uhf], compute)
+        self.molecule = prepared.from_file(stages.path("start.sdf"))
+        words = dict(w.split("=") for w in self.molecule.ob.GetTitle().split())
+        self.charge, self.search = int(words["charge"]), o.search or words["built"] == "1"
+        self.rotors, self.stay = rotors.find(self.molecule)
+        self.method = o.method
+        if o.method == "auto":
+            self.method = "gfn2" if len(self.molecule.numbers) <= GFN2_ATOMS else "gfnff"
+        rings = sum(one.why == rotors.RING for one in self.stay)
+        stages.say(f"  {self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms, charge {reading.signed(self.charge)}, "
+                   f"{len(self.rotors)} bonds turn" + (f"; {rings} rings stay as they are" if rings else ""))
+
+    # The structures
+
+    def find_structures(self):
+        o, stages = self.o, self.stages
+
+        def compute():
+            if o.method == "auto":
+                stages.say("  energies by " + ("GFN2-xTB" if self.method == "gfn2" else
+                           f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
+            o.work = stages.path(".work")
+            one = structures.explore(self.molecule, self.rotors, structures.Options(
+                self.method, self.charge, o.uhf, self.search, o.threads, o.highest, o.work), stages)
+            for name, below in one.lower:
+                stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
+            return files.write_set(stages.directory, one.result, f"hapgrid molecule: {self.what}, {self.method}, "
+                                   f"charge {reading.signed(self.charge)}, {o.uhf} unpaired electrons")
+        stages.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
+                   [self.method, self.charge, o.uhf, self.search, o.highest], compute)
+        self.structures = Structures(stages)
+
+    # The definition
+
+    def decide(self):
+        stages = self.stages
+        self.by_hand = stages.changed_by_hand("definition", self.toml)
+        if self.by_hand:
+            stages.say(f"{self.toml} was changed by hand: it is kept")
+            return
+        unwanted = {}
+        while True:
+            taken, left = self._choose(unwanted)
+            self.definition = definition.Definition.around(self.molecule, self.structures, taken)
+            try:
+                self._resolve()
+                break
+            except FilterFailed as why:
+                if not taken:
+                    raise
+                unwanted[taken[-1]] = f"the grid could not be computed with it: {why}"
+                stages.say(f"  {taken[-1]} is left out: {why}")
+        stages.run("definition", f"writing {self.toml}", [], [self.definition.text()], self._write_definition)
+
+    def _write_definition(self):
+        definition.write(self.stages.path(self.toml), self.definition.text())
+        return [self.toml]
+
+    def _xyz(self):
+        return ["conformation.xyz", *(f.name + ".xyz" for f in self.structures.found)]
+
+    def _choose(self, unwanted):
+        stages = self.stages
+
+        def compute():
+            taken, left = choice.choose(self.filters, stages, self.molecule, self.structures, self.o.paths, unwanted)
+            for name, why in left.items():
+                stages.say(f"  {name} is left out: {why}")
+            stages.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
+            table = choice.table(self.structures, self.rotors, self.stay, taken, left)
+            files.write_whole(stages.path("rotors.tsv"), table)
+            return ["rotors.tsv"]
+        stages.run("choice", "choosing the softest paths that are sane together", [*self._xyz(), "report.tsv"],
+                   [self.o.paths, unwanted], compute)
+        with open(stages.path("rotors.tsv"), encoding="utf-8") as file:
+            rows = [line.rstrip("\n").split("\t") for line in file][1:]
+        taken = {row[0] for row in rows if row[3] == "yes"}
+        order = sorted(self.structures.found, key=lambda f: f.energies[-1])
+        return [f.name for f in order if f.name in taken], rows
+
+    def _resolve(self):
+        """Sets the definition's spacing."""
+        o, stages = self.o, self.stages
+        if o.spacing:
+            self.definition.spacing = o.spacing
+            return
+        coarse = self.definition.spacing
+        text = self.definition.text()
+
+        def compute():
+            definition.write(stages.path("coarse.toml"), text)
+            made = resolution.compute_grid(self.filters, stages, "coarse.toml", "coarse.grid", o.threads)
+            report = resolution.measure(self.filters, "coarse.grid", o.threads)
+            files.write_whole(stages.path("coarse.json"), report)
+            return ["coarse.toml", *made, "coarse.json"]
+        stages.run("resolution", f"computing a coarse grid, {coarse:g} Å, and how far it is off between its points",
+                   self._xyz(), [text], compute)
+        with open(stages.path("coarse.json"), encoding="utf-8") as file:
+            report = file.read()
+        seconds = resolution.cpu_seconds(stages.path("coarse.grid.cost"))
+        found = resolution.decide(report, seconds, coarse, o.threads)
+        self.definition.spacing = found.spacing
+        words = f"  spacing {found.spacing:g} Å, about {duration(found.cost(found.spacing) / o.threads)}"
+        if found.enough and found.enough < found.spacing * 0.99:
+            words += (f"; {resolution.WANTED:g} Å in 99 of 100 places would take --spacing {found.enough:.2g} and about "
+                      f"{duration(found.cost(found.enough) / o.threads)}")
+        stages.say(words)
+
+    # The grid
+
+    def compute(self):
+        o, stages = self.o, self.stages
+
+        def compute():
+            made = resolution.compute_grid(self.filters, stages, self.toml, self.grid, o.threads)
+            return made
+        stages.run("grid", f"computing {self.grid}", [self.toml, *self._xyz()], [], compute)
+
+        def verify():
+            out, code = self.filters.run("verify", self.grid, "-j", o.threads, good=(0, 3, 4))
+            files.write_whole(stages.path("verify.txt"), out)
+            if code == 3:
+                raise Failed(f"{self.grid} breaks a rule: see {stages.path('verify.txt')}")
+            return ["verify.txt"]
+        stages.run("verify", "verifying it", [self.grid], [], verify)
+
+    # The way of the probe
+
+    def push(self):
+        stages = self.stages
+        stages.run("pushing", "looking for the probe's ways that turn the molecule", [self.grid], [],
+                   lambda: pushing.Ways(self.filters, stages, self.grid, self.structures).write())
+        made = [n for n in stages.made("pushing") if n.endswith(".txt")]
+        self.best = made[0]
+        stages.run("page", "drawing pictures", [self.grid, *made, "rotors.tsv", "verify.txt"], [], self._page)
+
+    def _page(self):
+        return page.Page(self.filters, self.stages, self.name, self.best, self.molecule).write()
+
+    def summary(self):
+        out = self.o.output.rstrip("/")
+        self.stages.say(f"done: {out}/index.html sums up")
+        return (f"hapgrid play {out}/{self.grid} --device path:{out}/{self.best} --rate 1000 --frames - | "
+                "hapgrid view --window")
+
+
+def _digest_of_input(path):
+    from .stages import digest
+    found = digest(path)
+    if found is None:
+        raise FileNotFoundError(2, os.strerror(2), path)
+    return found

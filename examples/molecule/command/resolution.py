@@ -1,0 +1,65 @@
+"""The spacing of the grid: from a coarse grid, by what `verify --accuracy` finds between its points.
+
+The coarse grid also tells what a conversion costs. A grid costs about as many conversions as it has
+points, so what a finer one would take is known, too.
+"""
+
+import json
+import math
+from dataclasses import dataclass
+
+from preparation import files
+
+WANTED = 0.1  # angstrom RMS, in 99 of 100 places: the tolerance
+WALKS = 30
+SECONDS = 150  # that the grid may take on the cores that are given
+STEP = 0.05  # spacings are multiples of this, so that they hardly depend on the machine's speed
+
+
+@dataclass
+class Resolution:
+    spacing: float
+    enough: float  # spacing for the wanted accuracy; 0 where it is not known
+    error: float  # in 99 of 100 places of the coarse grid, angstrom
+    seconds: float  # CPU seconds of the coarse grid
+    coarse: float
+
+    def cost(self, spacing):
+        """CPU seconds, about."""
+        return self.seconds * (self.coarse / spacing) ** 3
+
+
+def compute_grid(filters, stages, toml, grid, threads):
+    """Computes a grid in the folder, on which an interrupted run goes on."""
+    seeds, cost = f"{grid}.seeds", f"{grid}.cost"
+    files.remove(stages.path(cost))
+    filters.run("seed", toml, "-o", seeds)
+    filters.run("expand", "--complete", "-j", threads, seeds, "-o", grid, "--cost", cost, progress=True)
+    files.remove(stages.path(seeds))
+    return [grid, cost]
+
+
+def cpu_seconds(path):
+    with open(path, encoding="utf-8") as file:
+        return sum(json.loads(line)["cpu_seconds"] for line in file)
+
+
+def measure(filters, grid, threads):
+    """The report of verify, as text."""
+    return filters.run("verify", grid, "--accuracy", WANTED, "--walks", WALKS, "--recompute", "none", "-j", threads,
+                       "--format", "json", good=(0, 3, 4))[0]
+
+
+def decide(report, seconds, coarse, threads):
+    figures = next(c for c in json.loads(report)["checks"] if c["name"] == "accurate")["figures"]
+    value = {f["name"]: f["value"] for f in figures}
+    error = value.get("state 99 %") or 0.0
+    enough = value.get("sufficient spacing", 0.0)
+    if error <= WANTED and not enough:
+        enough = coarse
+    # Where the law cannot be told, as fine as time allows.
+    wanted = math.floor(min(enough, coarse) / STEP + 1e-9) * STEP
+    feasible = coarse * (seconds / (SECONDS * threads)) ** (1 / 3)
+    feasible = math.ceil(feasible / STEP - 1e-9) * STEP
+    spacing = min(max(wanted, feasible, STEP), coarse)
+    return Resolution(round(spacing, 4), enough, error, seconds, coarse)
