@@ -5,17 +5,13 @@ shape, and atoms may run into each other. So paths are taken from the softest on
 out when `molecule-check` finds that it clashes with those that were taken before.
 """
 
+import re
+
 from preparation import files
 
 from .definition import Definition, write
 
 SANE = "NOT SANE: "
-
-
-def candidates(found, most):
-    """(paths, softest first, beyond the number that is wanted left out as rows)."""
-    order = sorted(found, key=lambda f: f.energies[-1])
-    return order[:most], order[most:]
 
 
 def choose(filters, stages, molecule, result, most, unwanted):
@@ -30,7 +26,7 @@ def choose(filters, stages, molecule, result, most, unwanted):
             continue
         fault = clash(filters, stages, Definition.around(molecule, result, [*taken, found.name]))
         if fault:
-            left[found.name] = f"with those taken: {fault}" if taken else fault
+            left[found.name] = fault
         else:
             taken.append(found.name)
     return taken, left
@@ -45,7 +41,10 @@ def clash(filters, stages, definition):
     finally:
         files.remove(stages.path(name))
     faults = [line[len(SANE):] for line in out.splitlines() if line.startswith(SANE)]
-    return faults[0] if faults else filters.said if code else ""
+    if not faults:
+        return filters.said if code else ""
+    return re.sub(r"paths? (\d+)(?: and (\d+))?",
+                  lambda found: " and ".join(definition.paths[int(n)] for n in found.groups() if n), faults[0])
 
 
 def table(result, rotors, stay, taken, left):

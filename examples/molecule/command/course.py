@@ -1,6 +1,7 @@
 """The course of a molecule from its file to the page: the stages one by one."""
 
 import os
+import shlex
 
 import numpy as np
 from preparation import files
@@ -69,6 +70,7 @@ class Course:
         self.toml, self.grid = f"{self.name}.toml", f"{self.name}.grid"
         self.stages = Stages(options.output, options.quiet)
         self.filters = Filters(options.output)
+        self.expected = None  # seconds that the grid takes, about
         self.what = options.file or f"SMILES '{options.smiles}'"
 
     # The molecule
@@ -187,10 +189,13 @@ class Course:
         seconds = resolution.cpu_seconds(stages.path("coarse.grid.cost"))
         found = resolution.decide(report, seconds, coarse, o.threads)
         self.definition.spacing = found.spacing
-        words = f"  spacing {found.spacing:g} Å, about {duration(found.cost(found.spacing) / o.threads)}"
+        self.expected = found.cost(found.spacing) / o.threads
+        words = f"  spacing {found.spacing:g} Å, about {duration(self.expected)}"
         if found.enough and found.enough < found.spacing * 0.99:
             words += (f"; {resolution.WANTED:g} Å in 99 of 100 places would take --spacing {found.enough:.2g} and about "
                       f"{duration(found.cost(found.enough) / o.threads)}")
+        elif not found.enough:
+            words += "; how far it is off between its points could not be told"
         stages.say(words)
 
     # The grid
@@ -199,8 +204,7 @@ class Course:
         o, stages = self.o, self.stages
 
         def compute():
-            made = resolution.compute_grid(self.filters, stages, self.toml, self.grid, o.threads)
-            return made
+            return resolution.compute_grid(self.filters, stages, self.toml, self.grid, o.threads, self.expected)
         stages.run("grid", f"computing {self.grid}", [self.toml, *self._xyz()], [], compute)
 
         def verify():
@@ -225,10 +229,10 @@ class Course:
         return page.Page(self.filters, self.stages, self.name, self.best, self.molecule).write()
 
     def summary(self):
-        out = self.o.output.rstrip("/")
+        out = self.o.output.rstrip("/") or "/"
         self.stages.say(f"done: {out}/index.html sums up")
-        return (f"hapgrid play {out}/{self.grid} --device path:{out}/{self.best} --rate 1000 --frames - | "
-                "hapgrid view --window")
+        grid, way = (shlex.quote(os.path.join(out, name)) for name in (self.grid, self.best))
+        return f"hapgrid play {grid} --device path:{way} --rate 1000 --frames - | hapgrid view --window"
 
 
 def _digest_of_input(path):

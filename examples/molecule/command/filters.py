@@ -2,7 +2,7 @@
 
 import os
 import subprocess
-import sys
+import time
 
 
 class Failed(Exception):
@@ -21,20 +21,31 @@ class Filters:
         self.work = directory
         self.said = ""  # the last line that a filter wrote to standard error
 
-    def run(self, name, *arguments, good=(0,), progress=False):
-        """What a filter writes to standard output, and its exit code. With progress its line of
-        progress goes to the terminal.
+    def run(self, name, *arguments, good=(0,), watch=None):
+        """What a filter writes to standard output, and its exit code. watch(seconds) is called twice
+        a second while it works.
         Errors: FilterFailed, when the exit code is not among the good ones."""
         command = [os.path.join(self.directory, name), *map(str, arguments)]
-        show = progress and sys.stderr.isatty()
         try:
-            done = subprocess.run(command, cwd=self.work, text=True, encoding="utf-8",
-                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                  stderr=None if show else subprocess.PIPE, check=False)
+            process = subprocess.Popen(command, cwd=self.work, text=True, encoding="utf-8",
+                                       stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         except FileNotFoundError:
             raise Failed(f"{name} is not in {self.directory}: build all of hapgrid") from None
-        lines = (done.stderr or "").strip().splitlines()
-        self.said = lines[-1] if lines else f"{name}: exit code {done.returncode}"
-        if done.returncode not in good:
+        began = time.monotonic()
+        with process:
+            try:
+                while True:
+                    try:
+                        out, said = process.communicate(timeout=0.5)
+                        break
+                    except subprocess.TimeoutExpired:
+                        if watch:
+                            watch(time.monotonic() - began)
+            except BaseException:
+                process.terminate()
+                raise
+        lines = said.strip().splitlines()
+        self.said = lines[-1] if lines else f"{name}: exit code {process.returncode}"
+        if process.returncode not in good:
             raise FilterFailed(self.said)
-        return done.stdout, done.returncode
+        return out, process.returncode

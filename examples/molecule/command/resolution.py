@@ -29,12 +29,14 @@ class Resolution:
         return self.seconds * (self.coarse / spacing) ** 3
 
 
-def compute_grid(filters, stages, toml, grid, threads):
-    """Computes a grid in the folder, on which an interrupted run goes on."""
+def compute_grid(filters, stages, toml, grid, threads, seconds=None):
+    """Computes a grid in the folder, on which an interrupted run goes on. seconds: about how long it
+    takes, where that is known."""
     seeds, cost = f"{grid}.seeds", f"{grid}.cost"
     files.remove(stages.path(cost))
     filters.run("seed", toml, "-o", seeds)
-    filters.run("expand", "--complete", "-j", threads, seeds, "-o", grid, "--cost", cost, progress=True)
+    filters.run("expand", "--complete", "-j", threads, seeds, "-o", grid, "--cost", cost,
+                watch=lambda gone: stages.waiting(f"computing {grid}", gone, seconds))
     files.remove(stages.path(seeds))
     return [grid, cost]
 

@@ -57,6 +57,16 @@ class Stages:
         print(f"\r\033[Kmolecule: {what}: {done} of {total}{left}", end="", file=sys.stderr, flush=True)
         self.line = True
 
+    def waiting(self, what, gone, expected):
+        """The same for one long computation. Seconds; expected: of all of it, or None."""
+        if self.quiet or not sys.stderr.isatty():
+            return
+        left = f", {duration(gone)}"
+        if expected:
+            left += f", about {duration(expected - gone)} left" if expected > gone else ", longer than expected"
+        print(f"\r\033[Kmolecule: {what}{left}", end="", file=sys.stderr, flush=True)
+        self.line = True
+
     def _clear(self):
         if self.line:
             print("\r\033[K", end="", file=sys.stderr)
