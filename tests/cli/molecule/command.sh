@@ -48,6 +48,23 @@ for file in index.html played.html turned.png force.png energy.png ethanol.toml 
   [[ -s ethanol/$file ]] || fail "no $file"
 done
 
+# The trajectories of what was played open in MDAnalysis, with the same atoms in the same places.
+view ethanol/played.frames --xyz played.xyz --pdb played.pdb
+if /usr/bin/python3 -c 'import MDAnalysis' 2>/dev/null; then
+  /usr/bin/python3 -W ignore - <<'END' || fail "MDAnalysis reads the trajectories otherwise"
+import MDAnalysis
+import numpy
+one, two = MDAnalysis.Universe("played.pdb"), MDAnalysis.Universe("played.xyz")
+assert list(one.atoms.elements) == ["C", "C", "O"] + 6 * ["H"] == list(two.atoms.names), one.atoms.elements
+assert len(one.trajectory) == len(two.trajectory) > 10
+for a, b in zip(one.trajectory, two.trajectory):
+    assert numpy.abs(a.positions - b.positions).max() < 6e-4  # three decimals
+start = MDAnalysis.Universe("ethanol/conformation.xyz").atoms.positions  # before the probe touches anything
+one.trajectory[0]
+assert numpy.abs(one.atoms.positions - start).max() < 6e-4
+END
+fi
+
 # Again: nothing is computed. A definition that was changed by hand is kept, and its grid computed.
 before=$(stat -c '%n %Y' ethanol/* | md5sum)
 expect 0 "$line" '' -- hapgrid molecule --smiles CCO -o ethanol --method gfnff --spacing 1 --quiet
