@@ -10,9 +10,12 @@ from preparation.xtb import BOHR, HARTREE, SYMBOLS
 
 from . import choice, definition, page, pushing, reading, resolution, rotors, structures
 from .filters import Failed, FilterFailed, Filters
-from .stages import Stages, duration
+from .stages import Stages, digest, duration
 
 GFN2_ATOMS = 24
+# What expand says of a grid that it cannot compute, and what that means.
+HOPELESS = {"level limit": f"with it a point has more than {definition.MAX_LEVELS} states",
+            "does not converge": "with it the molecule does not come to rest"}
 
 
 def run(o):
@@ -20,8 +23,13 @@ def run(o):
     course = Course(o)
     course.read()
     course.find_structures()
-    course.decide()
-    course.compute()
+    while True:
+        try:
+            course.decide()
+            course.compute()
+            break
+        except FilterFailed as why:
+            course.do_without_the_stiffest(why)
     course.push()
     return course.summary()
 
@@ -70,6 +78,8 @@ class Course:
         self.toml, self.grid = f"{self.name}.toml", f"{self.name}.grid"
         self.stages = Stages(options.output, options.quiet)
         self.filters = Filters(options.output)
+        self.by_hand, self.taken = False, []
+        self.unwanted = {}  # paths with which no grid could be computed, and why
         self.expected = None  # seconds that the grid takes, about
         self.what = options.file or f"SMILES '{options.smiles}'"
 
@@ -96,8 +106,8 @@ class Course:
         if o.method == "auto":
             self.method = "gfn2" if len(self.molecule.numbers) <= GFN2_ATOMS else "gfnff"
         rings = sum(one.why == rotors.RING for one in self.stay)
-        stages.say(f"  {self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms, charge {reading.signed(self.charge)}, "
-                   f"{len(self.rotors)} bonds turn" + (f"; {rings} rings stay as they are" if rings else ""))
+        stages.say(f"  {self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms, "
+                   f"charge {reading.signed(self.charge)}, {len(self.rotors)} bonds turn" + (f"; {rings} rings stay as they are" if rings else ""))
 
     # The structures
 
@@ -127,19 +137,25 @@ class Course:
         if self.by_hand:
             stages.say(f"{self.toml} was changed by hand: it is kept")
             return
-        unwanted = {}
-        while True:
-            taken, left = self._choose(unwanted)
-            self.definition = definition.Definition.around(self.molecule, self.structures, taken)
-            try:
-                self._resolve()
-                break
-            except FilterFailed as why:
-                if not taken:
-                    raise
-                unwanted[taken[-1]] = f"the grid could not be computed with it: {why}"
-                stages.say(f"  {taken[-1]} is left out: {why}")
+        known = self.stages.done.get("without", {})
+        if known.get("key") == digest(self.stages.path("report.tsv")):
+            self.unwanted = known["paths"]
+        self.taken = self._choose()
+        self.definition = definition.Definition.around(self.molecule, self.structures, self.taken)
+        self._resolve()
         stages.run("definition", f"writing {self.toml}", [], [self.definition.text()], self._write_definition)
+
+    def do_without_the_stiffest(self, why):
+        """After a grid that could not be computed, because the states of a point are too many or the
+        minimiser does not arrive. Errors: raises `why` again where this is no remedy."""
+        words = next((text for key, text in HOPELESS.items() if key in str(why)), None)
+        if self.by_hand or not self.taken or words is None:
+            raise why
+        name = self.taken[-1]
+        self.unwanted[name] = words
+        self.stages.done["without"] = {"key": digest(self.stages.path("report.tsv")), "made": {},
+                                       "paths": self.unwanted}
+        self.stages.say(f"  {name} is left out: {words}")
 
     def _write_definition(self):
         definition.write(self.stages.path(self.toml), self.definition.text())
@@ -148,11 +164,12 @@ class Course:
     def _xyz(self):
         return ["conformation.xyz", *(f.name + ".xyz" for f in self.structures.found)]
 
-    def _choose(self, unwanted):
+    def _choose(self):
         stages = self.stages
 
         def compute():
-            taken, left = choice.choose(self.filters, stages, self.molecule, self.structures, self.o.paths, unwanted)
+            taken, left = choice.choose(self.filters, stages, self.molecule, self.structures, self.o.paths,
+                                        self.unwanted)
             for name, why in left.items():
                 stages.say(f"  {name} is left out: {why}")
             stages.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
@@ -160,12 +177,12 @@ class Course:
             files.write_whole(stages.path("rotors.tsv"), table)
             return ["rotors.tsv"]
         stages.run("choice", "choosing the softest paths that are sane together", [*self._xyz(), "report.tsv"],
-                   [self.o.paths, unwanted], compute)
+                   [self.o.paths, self.unwanted], compute)
         with open(stages.path("rotors.tsv"), encoding="utf-8") as file:
             rows = [line.rstrip("\n").split("\t") for line in file][1:]
         taken = {row[0] for row in rows if row[3] == "yes"}
         order = sorted(self.structures.found, key=lambda f: f.energies[-1])
-        return [f.name for f in order if f.name in taken], rows
+        return [f.name for f in order if f.name in taken]
 
     def _resolve(self):
         """Sets the definition's spacing."""
@@ -192,8 +209,8 @@ class Course:
         self.expected = found.cost(found.spacing) / o.threads
         words = f"  spacing {found.spacing:g} Å, about {duration(self.expected)}"
         if found.enough and found.enough < found.spacing * 0.99:
-            words += (f"; {resolution.WANTED:g} Å in 99 of 100 places would take --spacing {found.enough:.2g} and about "
-                      f"{duration(found.cost(found.enough) / o.threads)}")
+            words += (f"; {resolution.WANTED:g} Å in 99 of 100 places would take --spacing {found.enough:.2g} "
+                      f"and about {duration(found.cost(found.enough) / o.threads)}")
         elif not found.enough:
             words += "; how far it is off between its points could not be told"
         stages.say(words)
@@ -236,7 +253,6 @@ class Course:
 
 
 def _digest_of_input(path):
-    from .stages import digest
     found = digest(path)
     if found is None:
         raise FileNotFoundError(2, os.strerror(2), path)

@@ -14,6 +14,7 @@ PROBE = 1.2  # angstrom
 # Beyond where the probe touches the molecule at rest: the molecule yields when it is pushed, and the
 # probe must still reach its other side. The committed examples have 2 to 4.
 ROOM = 2.0
+MAX_LEVELS = 64
 COARSE_POINTS = 14  # along the longest side of the first grid
 LEAST_POINTS = 8
 
@@ -76,7 +77,7 @@ spacing = {self.spacing:g}
 counts = {self.counts()}
 
 [search]
-max_levels = 64           # states that a grid point may have
+max_levels = {MAX_LEVELS}           # states that a grid point may have
 """
 
 

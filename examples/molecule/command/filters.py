@@ -17,6 +17,8 @@ class Filters:
     """The programs of one folder, run in the folder of the results."""
 
     def __init__(self, directory):
+        if "HAPGRID_BIN" not in os.environ:
+            raise Failed("start it as `hapgrid molecule`, which knows where the filters are")
         self.directory = os.environ["HAPGRID_BIN"]
         self.work = directory
         self.said = ""  # the last line that a filter wrote to standard error

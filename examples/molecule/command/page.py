@@ -71,7 +71,8 @@ class Page:
 <p>{self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms. {html.escape(said)}</p>
 <iframe src="played.html" title="the molecule as it is pushed"></iframe>
 <p>To feel it, in the folder that has this one:
-<p><code>hapgrid play {name}/{self.grid} --device path:{name}/{self.way} --rate 1000 --frames - | hapgrid view --window</code>
+<p><code>hapgrid play {name}/{self.grid} --device path:{name}/{self.way} --rate 1000 --frames - |
+hapgrid view --window</code>
 <p>Another device, or the mouse, goes behind <code>--device</code>: see <code>hapgrid play --help</code>.
 <h2>How it feels on this way, there and back</h2>
 {images}

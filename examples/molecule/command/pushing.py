@@ -132,8 +132,8 @@ class Ways:
         for turned, name, (start, end, atom) in best:
             at = label(self.structures.numbers, atom)
             names.append(f"path-{name}.txt")
-            self._write(names[-1], start, end, STEP, f"The probe pushes at {at}: {name} goes {min(100 * turned, 100):.0f} % of the "
-                        "way to its barrier, and the probe goes back on the same line.")
+            far = f": {name} goes {min(100 * turned, 100):.0f} % of the way to its barrier" if self.taken else ""
+            self._write(names[-1], start, end, STEP, f"The probe pushes at {at}{far}, and goes back on the same line.")
         return names
 
     def _lines(self, x, move):

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 from preparation import files
 
+from .filters import FilterFailed
+
 WANTED = 0.1  # angstrom RMS, in 99 of 100 places: the tolerance
 WALKS = 30
 SECONDS = 150  # that the grid may take on the cores that are given
@@ -35,8 +37,17 @@ def compute_grid(filters, stages, toml, grid, threads, seconds=None):
     seeds, cost = f"{grid}.seeds", f"{grid}.cost"
     files.remove(stages.path(cost))
     filters.run("seed", toml, "-o", seeds)
-    filters.run("expand", "--complete", "-j", threads, seeds, "-o", grid, "--cost", cost,
-                watch=lambda gone: stages.waiting(f"computing {grid}", gone, seconds))
+
+    def expand():
+        filters.run("expand", "--complete", "-j", threads, seeds, "-o", grid, "--cost", cost,
+                    watch=lambda gone: stages.waiting(f"computing {grid}", gone, seconds))
+    try:
+        expand()
+    except FilterFailed as why:
+        if "remove it to begin anew" not in str(why):
+            raise
+        files.remove(stages.path(f"{grid}.partial"))  # of a definition that was changed since
+        expand()
     files.remove(stages.path(seeds))
     return [grid, cost]
 

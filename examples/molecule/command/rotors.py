@@ -4,6 +4,7 @@ residue's nitrogen; in a peptide of one residue phi, psi and chi have no number.
 
 from dataclasses import dataclass, replace
 
+import numpy as np
 from preparation import geometry, torsions
 from preparation.xtb import SYMBOLS
 
@@ -50,9 +51,7 @@ def find(molecule):
 def _on_a_line(molecule, atoms):
     x, near = molecule.positions, molecule.neighbours
     for a, b, c in (atoms[:3], atoms[1:]):
-        u, v = x[a] - x[b], x[c] - x[b]
-        sine = geometry.np.linalg.norm(geometry.np.cross(u, v)) / geometry.np.linalg.norm(u) / geometry.np.linalg.norm(v)
-        if sine < LINEAR and len(near[b]) == 2:
+        if np.sin(geometry.angle(x, a, b, c)) < LINEAR and len(near[b]) == 2:
             return True
     return False
 

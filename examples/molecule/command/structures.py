@@ -5,15 +5,14 @@ rotors, so that they do not depend on the number of processes.
 """
 
 import multiprocessing
-import os
-import sys
+import signal
 import time
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
-from preparation import files, geometry, work
-from preparation.xtb import BOHR, HARTREE
+from preparation import work
+from preparation.xtb import BOHR
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
@@ -92,7 +91,6 @@ def _in_processes(stages, what, function, numbers, threads):
 
 
 def _worker():
-    import signal
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends the others
 
 
