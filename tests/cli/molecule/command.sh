@@ -66,13 +66,13 @@ END
 fi
 
 # Again: nothing is computed. A definition that was changed by hand is kept, and its grid computed.
-before=$(stat -c '%n %Y' ethanol/* | md5sum)
-expect 0 "$line" '' -- hapgrid molecule --smiles CCO -o ethanol --method gfnff --spacing 1 --quiet
-same "files" "$before" "$(stat -c '%n %Y' ethanol/* | md5sum)"
-sed -i 's/^penalty = 100 /penalty = 60 /' ethanol/ethanol.toml
-expect 0 "~hapgrid play .*" '~.*ethanol\.toml was changed by hand: it is kept.*' -- \
-  hapgrid molecule --smiles CCO -o ethanol --method gfnff --spacing 1
-same "penalty" 60.0 "$(stats ethanol/ethanol.grid --get parameters.penalty)"
+salt=(hapgrid molecule salt.sdf -o salt --method gfnff --spacing 1.2)
+before=$(stat -c '%n %Y' salt/* | md5sum)
+expect 0 "~${play//|/\\|}" '' -- "${salt[@]}" --quiet
+same "files" "$before" "$(stat -c '%n %Y' salt/* | md5sum)"
+sed -i 's/^penalty = 100 /penalty = 60 /' salt/salt.toml
+expect 0 "~hapgrid play .*" '~.*salt\.toml was changed by hand: it is kept.*' -- "${salt[@]}"
+same "penalty" 60.0 "$(stats salt/salt.grid --get parameters.penalty)"
 
 # What has no torsion is felt as well: 6 numbers.
 expect 0 '~hapgrid play .*path-past\.txt.*' '' -- \
