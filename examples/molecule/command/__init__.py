@@ -7,6 +7,7 @@ choice       the softest paths that are sane together
 definition   box and MODEL.toml
 resolution   a coarse grid, and the spacing that follows from it
 pushing      the way of the probe that turns one torsion
+curves       torsions and energies over time
 page         plots, pictures and the page that sums up
 filters      starting the filters
 stages       what is there already is not computed again

@@ -3,10 +3,8 @@
 import os
 import shlex
 
-import numpy as np
 from preparation import files
 from preparation import molecule as prepared
-from preparation.xtb import BOHR, HARTREE, SYMBOLS
 
 from . import choice, definition, page, pushing, reading, resolution, rotors, structures
 from .filters import Failed, FilterFailed, Filters
@@ -32,43 +30,6 @@ def run(o):
             course.do_without_the_stiffest(why)
     course.push()
     return course.summary()
-
-
-class Found:
-    """A path as its file has it. nodes in bohr, energies in hartree above the conformation."""
-
-    def __init__(self, name, frames):
-        self.name = name
-        self.nodes = [x / BOHR for _, _, x in frames]
-        self.energies = [float(words["dE"]) / HARTREE for words, _, _ in frames]
-
-
-class Structures:
-    """What the files of the folder say, changed by hand or not. Energies above the conformation."""
-
-    def __init__(self, stages):
-        _, symbols, x = frames(stages.path("conformation.xyz"))[0]
-        self.numbers = [SYMBOLS.index(s) for s in symbols]
-        self.x, self.energy = x / BOHR, 0.0
-        report = stages.path("report.tsv")
-        self.found = [Found(name[:-4], frames(stages.path(name))) for name in files.listed(report)]
-        with open(report, encoding="utf-8") as file:
-            rows = [line.rstrip("\n").split(": ", 2) for line in file if line.startswith("# no path: ")]
-        self.dropped = [(row[1], row[2]) for row in rows]
-
-
-def frames(path):
-    """[(words of the comment, symbols, positions in angstrom)]"""
-    with open(path, encoding="utf-8") as file:
-        lines = file.read().splitlines()
-    out = []
-    while lines:
-        count = int(lines[0])
-        atoms = [line.split() for line in lines[2:2 + count]]
-        words = dict(w.split("=", 1) for w in lines[1].split() if "=" in w)
-        out.append((words, [a[0] for a in atoms], np.array([[float(v) for v in a[1:4]] for a in atoms])))
-        lines = lines[2 + count:]
-    return out
 
 
 class Course:
@@ -127,7 +88,7 @@ class Course:
                                    f"charge {reading.signed(self.charge)}, {o.uhf} unpaired electrons")
         stages.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
                    [self.method, self.charge, o.uhf, self.search, o.highest], compute)
-        self.structures = Structures(stages)
+        self.structures = structures.Structures(stages)
 
     # The definition
 
@@ -243,7 +204,9 @@ class Course:
         stages.run("page", "drawing pictures", [self.grid, *made, "rotors.tsv", "verify.txt"], [], self._page)
 
     def _page(self):
-        return page.Page(self.filters, self.stages, self.name, self.best, self.molecule).write()
+        names = definition.paths_of(self.stages.path(self.toml))
+        turned = [t for t in self.rotors if {t.file_name(sign) for sign in t.signs} & set(names)]
+        return page.Page(self.filters, self.stages, self.name, self.best, self.molecule, turned).write()
 
     def summary(self):
         out = self.o.output.rstrip("/") or "/"

@@ -1,6 +1,7 @@
 """The box of a grid and its MODEL.toml."""
 
 import math
+import tomllib
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,6 +80,13 @@ counts = {self.counts()}
 [search]
 max_levels = {MAX_LEVELS}           # states that a grid point may have
 """
+
+
+def paths_of(path):
+    """The paths that a definition names, changed by hand or not."""
+    with open(path, "rb") as file:
+        names = tomllib.load(file)["model"]["files"].get("transition_states", [])
+    return [name.removesuffix(".xyz") for name in names]
 
 
 def coarse_spacing(size):

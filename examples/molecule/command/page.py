@@ -5,7 +5,9 @@ import html
 import numpy as np
 from preparation import files
 
+from . import curves
 from .pushing import read_log
+from .structures import frames
 
 STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
 table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; text-align: left }
@@ -13,8 +15,9 @@ img { max-width: 48% } iframe { width: 100%; height: 34em; border: 1px solid #cc
 
 
 class Page:
-    def __init__(self, filters, stages, name, way, molecule):
+    def __init__(self, filters, stages, name, way, molecule, torsions):
         self.filters, self.stages, self.name, self.way, self.molecule = filters, stages, name, way, molecule
+        self.torsions = torsions
         self.grid = f"{name}.grid"
 
     def write(self):
@@ -22,9 +25,14 @@ class Page:
         run("play", self.grid, "--device", f"path:{self.way}", "--log", "played.log", "--frames", "played.frames")
         names, rows = read_log(self.stages.path("played.log"))
         at = {name: rows[:, n] for n, name in enumerate(names)}
+        run("view", "played.frames", "--xyz", "played.xyz", "--pdb", "played.pdb")
+        shapes = frames(self.stages.path("played.xyz"))
+        drawn = curves.draw(self.filters, self.stages, f"{self.name}.toml", (names, rows),
+                            np.array([x for _, _, x in shapes]), self.torsions,
+                            [float(words["time"]) for words, _, _ in shapes])
         span = [np.ptp(at[axis]) for axis in "xyz"]
         axis = "xyz"[int(np.argmax(span))]
-        made = ["played.log", "played.frames"]
+        made = ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn]
 
         def plot(picture, x, y, labels):
             run("stats", "--log", "played.log", "--plot", f"{x},{y}", "--labels", labels, "--png", picture)

@@ -6,13 +6,12 @@ torsion farthest is kept.
 """
 
 import json
-import tomllib
 
 import numpy as np
 from preparation import files
 from preparation.xtb import BOHR
 
-from .definition import PROBE, RADII
+from .definition import PROBE, RADII, paths_of
 from .rotors import label
 
 TRIED = 5
@@ -108,10 +107,7 @@ class Ways:
         self.low = np.array(box["origin"])
         self.high = self.low + box["spacing"] * (np.array(box["counts"]) - 1)
         self.clear = CLEAR + box["spacing"]
-        with open(stages.path(grid.removesuffix(".grid") + ".toml"), "rb") as file:
-            model = tomllib.load(file)["model"]
-        names = model["files"].get("transition_states", [])
-        self.taken = [name.removesuffix(".xyz") for name in names]
+        self.taken = paths_of(stages.path(grid.removesuffix(".grid") + ".toml"))
         self.radius = np.array([RADII[z] for z in structures.numbers])
 
     def write(self):

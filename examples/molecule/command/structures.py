@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
-from preparation import work
-from preparation.xtb import BOHR
+from preparation import files, work
+from preparation.xtb import BOHR, HARTREE, SYMBOLS
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
@@ -169,3 +169,40 @@ def _paths(search, tops, stages, threads):
     result = work.Result(search.molecule.numbers, search.surface.masses, search.options.method, search.driven,
                          search.x, search.energy, search.nu1, found, dropped)
     return Found(result, lower)
+
+
+def frames(path):
+    """[(words of the comment, symbols, positions in angstrom)]"""
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    out = []
+    while lines:
+        count = int(lines[0])
+        atoms = [line.split() for line in lines[2:2 + count]]
+        words = dict(w.split("=", 1) for w in lines[1].split() if "=" in w)
+        out.append((words, [a[0] for a in atoms], np.array([[float(v) for v in a[1:4]] for a in atoms])))
+        lines = lines[2 + count:]
+    return out
+
+
+class PathFile:
+    """A path as its file has it. nodes in bohr, energies in hartree above the conformation."""
+
+    def __init__(self, name, frames):
+        self.name = name
+        self.nodes = [x / BOHR for _, _, x in frames]
+        self.energies = [float(words["dE"]) / HARTREE for words, _, _ in frames]
+
+
+class Structures:
+    """What the files of the folder say, changed by hand or not. Energies above the conformation."""
+
+    def __init__(self, stages):
+        _, symbols, x = frames(stages.path("conformation.xyz"))[0]
+        self.numbers = [SYMBOLS.index(s) for s in symbols]
+        self.x, self.energy = x / BOHR, 0.0
+        report = stages.path("report.tsv")
+        self.found = [PathFile(name[:-4], frames(stages.path(name))) for name in files.listed(report)]
+        with open(report, encoding="utf-8") as file:
+            rows = [line.rstrip("\n").split(": ", 2) for line in file if line.startswith("# no path: ")]
+        self.dropped = [(row[1], row[2]) for row in rows]

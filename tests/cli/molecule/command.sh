@@ -44,21 +44,30 @@ same "the line" "hapgrid play ethanol/ethanol.grid --device path:ethanol/path-" 
 awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) { if ($i == "s0") first = i; if ($i == "force_x") force = i } next }
   { for (i = first; i < first + 3; i++) if ($i > most) most = $i; at = $first + $(first + 1) + $(first + 2); last = $force }
   END { exit !(most > 0.5 && at < 0.01 && last == 0) }' log || fail "the way turns nothing, or not back"
-for file in index.html played.html turned.png force.png energy.png ethanol.toml verify.txt; do
+for file in index.html played.html turned.png course.png force.png energy.png ethanol.toml verify.txt; do
   [[ -s ethanol/$file ]] || fail "no $file"
 done
 
-# The trajectories of what was played open in MDAnalysis, with the same atoms in the same places.
-view ethanol/played.frames --xyz played.xyz --pdb played.pdb
+# The molecule's own energy reaches the barrier, and no more than all barriers together.
+awk -F'\t' -v least="$(word ethanol/C1-C2-O3-H9-plus.xyz 11 dE)" '
+  !/^#/ && $3 > most { most = $3 } END { exit !(most > 0.5 * least && most < 25) }' ethanol/energies.tsv ||
+  fail "the molecule's energy: $(cat ethanol/energies.tsv)"
+
+# The trajectories of what was played open in MDAnalysis, with the same atoms in the same places and the same torsions.
 if /usr/bin/python3 -c 'import MDAnalysis' 2>/dev/null; then
   /usr/bin/python3 -W ignore - <<'END' || fail "MDAnalysis reads the trajectories otherwise"
 import MDAnalysis
 import numpy
-one, two = MDAnalysis.Universe("played.pdb"), MDAnalysis.Universe("played.xyz")
+from MDAnalysis.lib.distances import calc_dihedrals
+one, two = MDAnalysis.Universe("ethanol/played.pdb"), MDAnalysis.Universe("ethanol/played.xyz")
+torsions = numpy.loadtxt("ethanol/torsions.tsv")  # t, H4-C1-C2-O3, C1-C2-O3-H9
 assert list(one.atoms.elements) == ["C", "C", "O"] + 6 * ["H"] == list(two.atoms.names), one.atoms.elements
 assert len(one.trajectory) == len(two.trajectory) > 10
-for a, b in zip(one.trajectory, two.trajectory):
+for a, b, row in zip(one.trajectory, two.trajectory, torsions):
     assert numpy.abs(a.positions - b.positions).max() < 6e-4  # three decimals
+    for atoms, angle in (((3, 0, 1, 2), row[1]), ((0, 1, 2, 8), row[2])):
+        off = numpy.degrees(calc_dihedrals(*(b.positions[n] for n in atoms))) - angle
+        assert abs((off + 180) % 360 - 180) < 0.01, (row, off)
 start = MDAnalysis.Universe("ethanol/conformation.xyz").atoms.positions  # before the probe touches anything
 one.trajectory[0]
 assert numpy.abs(one.atoms.positions - start).max() < 6e-4
