@@ -9,8 +9,8 @@ import os
 import re
 import sys
 
-MASS = {"H": 1.00794, "C": 12.0107, "N": 14.0067, "O": 15.9994}
-RADIUS = {"H": 0.31, "C": 0.76, "N": 0.71, "O": 0.66}  # Cordero et al. 2008, angstrom
+MASS = {"H": 1.00794, "C": 12.0107, "N": 14.0067, "O": 15.9994, "Cl": 35.453}
+RADIUS = {"H": 0.31, "C": 0.76, "N": 0.71, "O": 0.66, "Cl": 1.02}  # Cordero et al. 2008, angstrom
 WORD = re.compile(r"[A-Za-z][\w.-]*=\S+")
 ENERGY = re.compile(r"dE=(\d+\.\d{4}|-0\.0[0-4]\d\d)")
 
