@@ -126,7 +126,8 @@ def scan(surface, x, hessian, torsion, sign, *, step=np.radians(10), highest=150
     start = surface.energy(x)
     shapes, energies = [x], [start]
     angle = geometry.torsion(x, *torsion.atoms)
-    for count in range(1, round(np.pi / step) + 1):
+    # Two steps more than half a turn: from trans the barrier can be exactly at cis.
+    for count in range(1, round(np.pi / step) + 3):
         turned = geometry.rotated_about(shapes[-1], *torsion.atoms[1:3], list(torsion.moved),
                                         sign * step)
         function = _restrained(surface, torsion.atoms, angle + sign * step * count)
@@ -145,7 +146,7 @@ def scan(surface, x, hessian, torsion, sign, *, step=np.radians(10), highest=150
             raise NoBarrier(f"still climbing at {HARTREE * highest:.0f} kJ/mol")
         if 0 < top and (energies[top] - energies[-1]) * HARTREE > 0.1:
             return _on_top(surface, *shapes[top - 1:top + 2])
-    raise NoBarrier("no maximum within 180 degrees")
+    raise NoBarrier("no barrier of 0.1 kJ/mol or more within half a turn")
 
 
 def torsion_hessian(x, atoms):

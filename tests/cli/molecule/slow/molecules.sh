@@ -17,9 +17,9 @@ feel() {
   done < <(grep -P '\tyes\t-$' "$1/rotors.tsv" | cut -f 1)
   verify "$1/$1.grid" --recompute 30 >report 2>verdict || fail "$1: $(cat verdict)"
 }
-feel peroxide OO 2
+feel peroxide OO 1
 METHOD+=(--chrg -1)
-feel acetate 'CC(=O)[O-]' 1
+feel acetate 'CC(=O)[O-]' 0
 METHOD=(--gfn 2)
 feel benzene c1ccccc1 0
 feel ethanol CCO 3
