@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+#include <charconv>
 
 #include "libcore/base/error.hpp"
 #include "libcore/scene/xyz.hpp"
@@ -29,26 +29,35 @@ std::string name_of(const std::string& element, std::size_t atom) {
   return name;
 }
 
+/// In columns, to the right.
+std::string right(const std::string& text, std::size_t columns) {
+  return text.size() < columns ? std::string(columns - text.size(), ' ') + text : text;
+}
+
+/// Eight columns with three decimals.
+std::string coordinate(double value) {
+  if (!(value > -999.9994 && value < 9999.9994))
+    throw Error("a coordinate is not a number from -999.999 to 9999.999, as PDB needs it");
+  std::array<char, 16> digits;
+  const auto end = std::to_chars(digits.begin(), digits.end(), value, std::chars_format::fixed, 3);
+  return right(std::string(digits.begin(), end.ptr), 8);
+}
+
 void append_atom(std::string& text, std::size_t atom, const std::string& element,
                  const char* residue, int residue_number, const std::array<double, 3>& position) {
-  for (const double x : position)
-    if (!(x > -999.9994 && x < 9999.9994))
-      throw Error("a coordinate is not a number from -999.999 to 9999.999, as PDB needs it");
-  std::array<char, 96> line{};
-  std::snprintf(line.data(), line.size(),
-                "HETATM%5zu %-4s %3s A%4d    %8.3f%8.3f%8.3f  1.00  0.00          %2s\n",
-                atom % 100000, name_of(element, atom).c_str(), residue, residue_number, position[0],
-                position[1], position[2], element.c_str());
-  text += line.data();
+  std::string name = name_of(element, atom);
+  name.resize(4, ' ');
+  text += "HETATM" + right(std::to_string(atom % 100000), 5) + " " + name + " " + residue + " A" +
+          right(std::to_string(residue_number), 4) + "    ";
+  for (const double x : position) text += coordinate(x);
+  text += "  1.00  0.00          " + right(element, 2) + "\n";
 }
 
 }  // namespace
 
 void append_pdb(std::string& text, const Scene& scene, const Frame& frame,
                 const std::string& hip_label, std::size_t number) {
-  std::array<char, 32> model{};
-  std::snprintf(model.data(), model.size(), "MODEL     %4zu\n", number % 10000);
-  text += model.data();
+  text += "MODEL     " + right(std::to_string(number % 10000), 4) + "\n";
   text += "REMARK   3 " + frame_comment(frame) + "\n";
   const std::size_t atoms = scene.spheres.size();
   for (std::size_t i = 0; i < atoms; ++i)

@@ -166,6 +166,6 @@ def _on_top(surface, before, top, after):
     if max(back, ahead) > 3 * min(back, ahead):
         values, _ = optimise.projected(surface.hessian(top), top)
         if values[0] > 0:
-            raise NoBarrier("the molecule snaps over, far from a saddle; a --guess may help")
+            raise NoBarrier("the molecule snaps over, far from a saddle")
         return top, ((after - top) if ahead < back else (top - before)).ravel()
     return top, (after - before).ravel()
