@@ -13,6 +13,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/scene/pdb.hpp"
 #include "libcore/scene/render.hpp"
 #include "libcore/scene/stream.hpp"
 #include "libcore/scene/summary.hpp"
@@ -33,6 +34,7 @@ struct Options {
   std::string frames = "-";
   std::string format = "text";
   std::string xyz;
+  std::string pdb;
   std::string hip_label;
   std::string png;
   std::string html;
@@ -48,7 +50,7 @@ struct Options {
   std::string hand;
   std::string terminal;  // how to draw there; empty: not asked for
 
-  bool wants_report() const { return xyz.empty() && png.empty() && html.empty(); }
+  bool wants_report() const { return xyz.empty() && pdb.empty() && png.empty() && html.empty(); }
 };
 
 /// WxH in pixels; nothing when it is not that.
@@ -137,6 +139,43 @@ std::string report_json(const Scene& scene, const SceneSummary& s) {
   return json.dump(2, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n";
 }
 
+/// The files of --xyz and --pdb, which grow frame by frame.
+class Trajectories {
+ public:
+  explicit Trajectories(const Options& options) : hip_label_(options.hip_label) {
+    if (!options.xyz.empty()) xyz_.emplace(options.xyz, /*binary=*/false);
+    if (!options.pdb.empty()) pdb_.emplace(options.pdb, /*binary=*/false);
+  }
+  void add(const SceneReader& reader, const Frame& frame) {
+    ++frames_;
+    try {
+      if (xyz_) {
+        std::string text;
+        append_xyz(text, reader.scene(), frame, hip_label_);
+        xyz_->write(text);
+      }
+      if (pdb_) {
+        std::string text;
+        append_pdb(text, reader.scene(), frame, hip_label_, frames_);
+        pdb_->write(text);
+      }
+    } catch (const Error& e) {
+      throw Error(reader.name() + ": tick " + std::to_string(frame.tick) + ": " + e.what());
+    }
+  }
+  void commit() {
+    if (xyz_) xyz_->commit();
+    if (!pdb_) return;
+    pdb_->write("END\n");
+    pdb_->commit();
+  }
+
+ private:
+  std::string hip_label_;
+  std::optional<OutputFile> xyz_, pdb_;
+  std::size_t frames_ = 0;
+};
+
 RenderOptions render_options(const Options& options) {
   RenderOptions how;
   std::tie(how.width, how.height) = *parse_size(options.size);
@@ -170,11 +209,11 @@ int run(const Options& options) {
                                   options.elevation_degrees, options.terminal});
     return kExitDone;
   }
-  if ((options.xyz == "-") + (options.png == "-") + (options.html == "-") > 1)
-    throw UsageError("only one of --xyz, --png and --html can be standard output");
+  if ((options.xyz == "-") + (options.pdb == "-") + (options.png == "-") + (options.html == "-") >
+      1)
+    throw UsageError("only one of --xyz, --pdb, --png and --html can be standard output");
 
-  std::optional<OutputFile> xyz;
-  if (!options.xyz.empty()) xyz.emplace(options.xyz, /*binary=*/false);
+  Trajectories trajectories(options);
   std::optional<OutputFile> png;
   if (!options.png.empty()) png.emplace(options.png);
   std::optional<OutputFile> html;
@@ -185,19 +224,11 @@ int run(const Options& options) {
   SceneSummary summary;
   Chosen chosen(options.at_s);
   Page page;
-  std::string text;
   for (Frame frame; reader.next(frame);) {
     summary.add(scene, frame);
     if (png) chosen.offer(frame);
     if (html) page.add(frame);
-    if (!xyz) continue;
-    text.clear();
-    try {
-      append_xyz(text, scene, frame, options.hip_label);
-    } catch (const Error& e) {
-      throw Error(reader.name() + ": tick " + std::to_string(frame.tick) + ": " + e.what());
-    }
-    xyz->write(text);
+    trajectories.add(reader, frame);
   }
   if (png) {
     if (!chosen.frame()) throw Error(reader.name() + ": no frame in it, nothing to draw");
@@ -210,7 +241,7 @@ int run(const Options& options) {
                             options.elevation_degrees));
     html->commit();
   }
-  if (xyz) xyz->commit();
+  trajectories.commit();
   if (options.wants_report()) {
     OutputFile output("-", /*binary=*/false);
     output.write(options.format == "json" ? report_json(scene, summary)
@@ -225,13 +256,12 @@ void add_file_options(CommandLine& app, Options& options) {
   app.add("--format", options.format, "How the report is written")
       .one_of({"text", "json"})
       .shows_default();
-  const Option xyz =
-      app.add("--xyz", options.xyz, "The spheres of all frames as a trajectory in the XYZ format")
-          .type("FILE");
-  app.add("--hip-label", options.hip_label, "The HIP as an atom of --xyz with this symbol")
+  app.add("--xyz", options.xyz, "The spheres of all frames as a trajectory in the XYZ format")
+      .type("FILE");
+  app.add("--pdb", options.pdb, "The same in the PDB format, a MODEL a frame").type("FILE");
+  app.add("--hip-label", options.hip_label, "The HIP as an atom of --xyz or --pdb with this symbol")
       .type("SYMBOL")
-      .check(is_symbol, "a letter, then letters or digits")
-      .needs(xyz);
+      .check(is_symbol, "a letter, then letters or digits");
   const Option png = app.add("--png", options.png, "One frame as a picture").type("FILE");
   app.add("--at", options.at_s, "The frame nearest to this time (default: the last one)")
       .type("SECONDS")
@@ -260,7 +290,7 @@ void add_live_options(CommandLine& app, Options& options) {
                                  "The terminal; --terminal=MODE is symbols, sixel, kitty or auto")
                         .one_of({"auto", "symbols", "sixel", "kitty"});
   window.excludes(terminal);
-  for (const char* const file : {"--xyz", "--png", "--html"}) {
+  for (const char* const file : {"--xyz", "--pdb", "--png", "--html"}) {
     window.excludes(app.option(file));
     terminal.excludes(app.option(file));
   }
@@ -290,9 +320,11 @@ void add_picture_options(CommandLine& app, Options& options) {
       .within(1e-12, 1e12, "a length from 1e-12 to 1e12");
 }
 
-/// @throw UsageError for options of a picture without one.
+/// @throw UsageError for options of a picture or a trajectory without one.
 void check_picture(const CommandLine& app) {
   const bool picture = app.given("--png") || app.given("--window");
+  if (app.given("--hip-label") && !app.given("--xyz") && !app.given("--pdb"))
+    throw UsageError("--hip-label requires --xyz or --pdb");
   if (app.given("--size") && !picture) throw UsageError("--size requires --png or --window");
   for (const char* const name : {"--azimuth", "--elevation", "--hip-radius", "--arrow"})
     if (app.given(name) && !picture && !app.given("--terminal") && !app.given("--html"))

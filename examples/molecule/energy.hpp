@@ -29,7 +29,7 @@ struct EnergyParameters {
   double penalty = 100;             // kJ/(mol Å²)
   double shift_stiffness = 20;      // kJ/(mol Å²)
   double rotation_stiffness = 100;  // kJ/(mol rad²)
-  double morph_stiffness = 0;       // kJ/mol
+  double morph_stiffness = 5;       // kJ/mol
 };
 
 /// An object keeps what it computed last, so only one thread may use it. Real-time safe after

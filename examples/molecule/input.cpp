@@ -24,7 +24,8 @@ namespace hapgrid::molecule {
 namespace {
 
 constexpr double kHartree = 2625.4996394799;  // kJ/mol, CODATA 2018
-constexpr std::size_t kMinAtoms = 4;          // fewer atoms have no torsion
+constexpr std::size_t kMinAtoms = 2;          // one atom has no orientation
+constexpr std::size_t kMinAtomsToTurn = 4;    // fewer have no torsion
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what) {
   throw std::runtime_error(where + ": " + what);
@@ -260,8 +261,9 @@ Molecule read_molecule(const std::string& conformation_text,
     refuse("conformation", std::to_string(first.size()) + " frames, it must be one");
   const Frame& conformation = first[0];
   check_connected(conformation, "conformation");
-  if (transition_states.empty())
-    throw std::runtime_error("transition_states: none; at least one is needed");
+  if (!transition_states.empty() && first[0].positions.size() < kMinAtomsToTurn)
+    refuse("conformation", std::to_string(first[0].positions.size()) +
+                               " atoms have no torsion: transition_states must be empty");
   if (!energies.empty() && energies.size() != transition_states.size())
     refuse("energies", std::to_string(energies.size()) + " numbers for " +
                            std::to_string(transition_states.size()) + " transition states");

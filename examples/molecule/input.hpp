@@ -25,7 +25,7 @@ struct Molecule {
   std::vector<const Element*> atoms;
   std::vector<std::pair<int, int>> bonds;  // indices into atoms, each pair ascending, sorted
   Positions conformation;
-  std::vector<Path> paths;
+  std::vector<Path> paths;  // none: the molecule keeps its shape
 };
 
 /// How far a path's first node may be from the conformation after alignment, Å RMS.
@@ -39,8 +39,8 @@ inline constexpr double kMinDistance = 0.5;
 /// @param conformation one frame. Its bonds are those that the text gives (SDF), else those that
 /// Open Babel perceives from distances.
 /// @param transition_states one text for each transition state, with one frame or with the nodes of
-/// the path. A frame's title gives its energy: "dE=" in kJ/mol above the conformation, else "E=" or
-/// "energy:" in hartree.
+/// the path; may be empty. A frame's title gives its energy: "dE=" in kJ/mol above the
+/// conformation, else "E=" or "energy:" in hartree.
 /// @param energies the energies of the transition states, kJ/mol, instead of those that their last
 /// frames give; may be empty
 /// @throw std::runtime_error with one line that names the text, the frame and the atoms.

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <random>
 
 #include "examples/molecule/energy.hpp"
 #include "examples/molecule/setup.hpp"
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
 #include "libcore/grid/box.hpp"
 #include "tools/common/definition.hpp"
 #include "tools/common/tool.hpp"
@@ -23,6 +25,10 @@ using namespace hapgrid::molecule;
 // those where two paths are combined: a clash there is a reason to drop one of the paths.
 constexpr double kMinShareOnPath = 0.55;
 constexpr double kMinShareOnPair = 0.4;
+// Where more than two paths are combined: all corners of the cube of t while they are few, and
+// random places.
+constexpr std::size_t kMaxCornerPaths = 10;
+constexpr int kRandomPlaces = 4000;
 // How far the morph may be from a node, Å RMS: numbers are rounded, and the conformation has a file
 // of its own.
 constexpr double kMaxMiss = 1e-6;
@@ -112,6 +118,7 @@ class Checker {
     if (paths > 1) std::printf("\npaths combined     nearest atoms on an 11 x 11 lattice\n");
     for (std::size_t k = 0; k < paths; ++k)
       for (std::size_t l = k + 1; l < paths; ++l) report_pair(k, l);
+    if (paths > 2) report_all();
     report_box();
     for (const std::string& fault : faults_) std::printf("NOT SANE: %s\n", fault.c_str());
     return faults_.empty();
@@ -196,6 +203,38 @@ class Checker {
                " are combined: share below " + std::to_string(kMinShareOnPair).substr(0, 3));
   }
 
+  /// The nearest atoms where all paths are combined. Half of the random places are on faces of the
+  /// cube, where a molecule that is pushed hard is.
+  void report_all() {
+    const std::size_t paths = molecule().paths.size();
+    Pair nearest;
+    std::vector<double> at;
+    const auto look = [&](const std::vector<double>& t) {
+      const Pair pair = nearest_pair(t);
+      if (pair.share < nearest.share) nearest = pair, at = t;
+    };
+    const std::size_t corner_paths = std::min(paths, kMaxCornerPaths);
+    for (unsigned corner = 0; corner < 1U << corner_paths; ++corner) {
+      std::vector<double> t(paths, 1);
+      for (std::size_t k = 0; k < corner_paths; ++k) t[k] = corner >> k & 1;
+      look(t);
+    }
+    std::mt19937 random(1);
+    const auto uniform = [&random] { return static_cast<double>(random()) / 4294967296.0; };
+    for (int place = 0; place < kRandomPlaces; ++place) {
+      std::vector<double> t(paths);
+      for (double& value : t)
+        value = place % 2 == 0 ? uniform() : std::clamp(2 * uniform() - 0.5, 0.0, 1.0);
+      look(t);
+    }
+    std::string where;
+    for (const double t : at) where += (where.empty() ? "" : ", ") + rounded(t);
+    std::printf("all combined       %s, at t = %s\n", describe(nearest).c_str(), where.c_str());
+    expect(nearest.share >= kMinShareOnPair,
+           "atoms overlap where all paths are combined: share below " +
+               std::to_string(kMinShareOnPair).substr(0, 3));
+  }
+
   void report_box() {
     double clearance = std::numeric_limits<double>::infinity();
     for (unsigned corner = 0; corner < 8; ++corner) {
@@ -246,13 +285,13 @@ int main(int argc, char** argv) {
   Options options;
   CommandLine app{
       "Checks the molecule of a MODEL.toml: its paths, the nearest atoms on each path and where "
-      "two\n"
+      "some\n"
       "paths are combined, and the box. The exit code is 1 when something is not sane."};
   app.set_help(
       "molecule-check",
       "A molecule is not sane when two atoms, at least three bonds apart, come nearer than 0.55 "
       "of\n"
-      "the sum of their radii on a path, or 0.4 where two paths are combined; when the morph "
+      "the sum of their radii on a path, or 0.4 where paths are combined; when the morph "
       "misses\n"
       "a node by more than 1e-6 Å RMS; or when the probe touches the conformation in a corner of\n"
       "the box.\n");

@@ -143,10 +143,22 @@ Quaternion refined(const Quaternion& q, const double* m) {
           q2 + w[1] * q0 + w[2] * q1 - w[0] * q3, q3 + w[2] * q0 + w[0] * q2 - w[1] * q1};
 }
 
+/// The atoms as they come, for a molecule that keeps its shape: it may lie on a line.
+Tree listed(const Molecule& molecule) {
+  Tree tree;
+  for (std::size_t i = 0; i < molecule.atoms.size(); ++i) {
+    tree.order.push_back(static_cast<int>(i));
+    tree.parent.push_back(static_cast<int>(i) - 1);
+    tree.first_sibling.push_back(static_cast<int>(i));
+    tree.leaf.push_back(i + 1 == molecule.atoms.size());
+  }
+  return tree;
+}
+
 }  // namespace
 
 Morph::Morph(const Molecule& molecule)
-    : tree_(spanning_tree(molecule)),
+    : tree_(molecule.paths.empty() ? listed(molecule) : spanning_tree(molecule)),
       stride_(even(tree_.size())),
       width_(even(molecule.paths.size())) {
   if (molecule.paths.size() > kMaxPaths)
@@ -154,6 +166,7 @@ Morph::Morph(const Molecule& molecule)
                              " transition states, at most " + std::to_string(kMaxPaths) +
                              " are possible");
   weigh(molecule);
+  if (molecule.paths.empty()) return;
   const Eigen::Matrix3d root = root_frame(tree_, molecule.conformation);
   std::copy_n(root.data(), 9, root_frame_.begin());  // column by column: axis after axis
   const Internal conformation =
@@ -330,6 +343,12 @@ void Morph::shape(const double* t, Shape& s) const {
   }
   if (same) return;
   s.derivatives = 0;
+  if (paths_.empty()) {
+    std::copy(x0_.begin(), x0_.end(), s.x.begin());
+    std::copy(y0_.begin(), y0_.end(), s.y.begin());
+    std::copy(z0_.begin(), z0_.end(), s.z.begin());
+    return;
+  }
   interpolate(s);
   build(s);
   align(s);

@@ -117,7 +117,7 @@ void Morph::velocity(const Shape& s, std::size_t i, double* v) const {
 // The derivatives by t_l of what differentiate() computes for t_k, term by term. Paths add up in q,
 // so only k = l has second derivatives of q.
 void Morph::differentiate_twice(Shape& s) const {
-  if (s.derivatives >= 2) return;
+  if (s.derivatives >= 2 || paths_.empty()) return;
   s.derivatives = 2;
   const std::size_t w = width_, paths = paths_.size(), pairs = paths * w;
   const std::size_t coordinates = q0_.size();

@@ -22,7 +22,7 @@ class XtbError(ValueError):
 class Xtb:
     """One molecule. positions: GFN-FF reads its bonds off these and keeps them."""
 
-    def __init__(self, numbers, positions, method, charge):
+    def __init__(self, numbers, positions, method, charge, unpaired=0):
         if method not in METHODS:
             raise XtbError(f"parameter method is {method}, it must be one of {', '.join(METHODS)}")
         # Threads add up sums in no fixed order. OpenMP reads this when the library is loaded.
@@ -37,7 +37,7 @@ class Xtb:
         self.molecule = self._new(
             "Molecule", self.environment, ctypes.byref(ctypes.c_int(len(numbers))),
             (ctypes.c_int * len(numbers))(*numbers), self._array(positions),
-            ctypes.byref(ctypes.c_double(charge)), ctypes.byref(ctypes.c_int(0)), None, None)
+            ctypes.byref(ctypes.c_double(charge)), ctypes.byref(ctypes.c_int(unpaired)), None, None)
         self._check("molecule")
         self.calculator = self._new("Calculator")
         # GFN-FF leaves its topology in the current directory and would read an old one from there.

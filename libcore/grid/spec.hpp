@@ -64,9 +64,9 @@ struct GridSpec {
   std::uint32_t state_size = 1;       ///< n, the number of components of a state
   double tolerance = 0;               ///< the bound that the model's tolerance function applies
   std::string tolerance_unit;
-  Equality equality;             ///< declared if and only if the model is a process
-  std::uint32_t max_levels = 8;  ///< the most levels that a point may have, 1 .. kMaxLevels
-  std::string length_unit;       ///< for people to read, as is the next one; may be empty
+  Equality equality;              ///< declared if and only if the model is a process
+  std::uint32_t max_levels = 64;  ///< the most levels that a point may have, 1 .. kMaxLevels
+  std::string length_unit;        ///< for people to read, as is the next one; may be empty
   std::string energy_unit;
   double force_scale = 0;  ///< newtons that one unit of energy per unit of length is; 0: unknown
   double hip_radius = 0;   ///< of the ball that pictures show at the HIP; 0 when there is none

@@ -37,14 +37,18 @@ bool is_symbol(const std::string& label) {
                      [](char c) { return is_letter(c) || is_digit(c); });
 }
 
+std::string frame_comment(const Frame& frame) {
+  std::string text = "time=" + to_text(frame.time_s) + " tick=" + std::to_string(frame.tick) +
+                     " hip=" + triple(frame.hip) + " force=" + triple(frame.force);
+  if (!std::isnan(frame.energy)) text += " energy=" + to_text(frame.energy);
+  return text;
+}
+
 void append_xyz(std::string& text, const Scene& scene, const Frame& frame,
                 const std::string& hip_label) {
   const bool with_hip = !hip_label.empty();
   text += std::to_string(scene.spheres.size() + (with_hip ? 1 : 0)) + "\n";
-  text += "time=" + to_text(frame.time_s) + " tick=" + std::to_string(frame.tick) +
-          " hip=" + triple(frame.hip) + " force=" + triple(frame.force);
-  if (!std::isnan(frame.energy)) text += " energy=" + to_text(frame.energy);
-  text += '\n';
+  text += frame_comment(frame) + "\n";
   for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
     const std::string& label = scene.spheres[i].label;
     text += is_symbol(label) ? label : "X";

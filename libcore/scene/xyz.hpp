@@ -18,6 +18,9 @@ namespace hapgrid {
 void append_xyz(std::string& text, const Scene& scene, const Frame& frame,
                 const std::string& hip_label);
 
+/// The comment of a frame, without an end of line.
+std::string frame_comment(const Frame& frame);
+
 /// Whether XYZ can have this as an atom's symbol.
 bool is_symbol(const std::string& label);
 

@@ -68,7 +68,7 @@ puppet 'refuse = "no\nway"' 'model puppet: no way'
 puppet 'refuse = ""' 'model puppet: no reason given'
 puppet 'overrun = 1' 'model puppet: x+'
 puppet 'known = 0' 'seed point 0 \(0, 0, 0\) at \(0, 0, 0\): the model knows no state there; .*'
-puppet 'known = 9' 'seed point 0 \(0, 0, 0\): 9 states, the level limit is 8 \(search\.max_levels\)'
+puppet 'known = 65' 'seed point 0 \(0, 0, 0\): 65 states, the level limit is 64 \(search\.max_levels\)'
 puppet 'known = 255' 'known states: 255 states at one point, the limit is 254'
 puppet 'lose = "lost it"' 'known states: lost it'
 

@@ -46,9 +46,9 @@ def imaginary(wave_number):
 
 
 def conformation_text(result):
-    return frame(result.numbers, result.x,
-                 f"dE=0.0000 E={result.energy:.9f} method={result.method} nimag=0 "
-                 + words(result.torsions, result.x))
+    comment = (f"dE=0.0000 E={result.energy:.9f} method={result.method} nimag=0 "
+               + words(result.torsions, result.x))
+    return frame(result.numbers, result.x, comment.rstrip())
 
 
 def path_text(result, found):
@@ -123,3 +123,11 @@ def write_set(directory, result, command):
         write_whole(os.path.join(directory, name), text)
     write_whole(report, report_text(result, command))
     return [*texts, "report.tsv"]
+
+
+def remove(path):
+    """Removes a file that may not be there."""
+    try:
+        os.remove(path)
+    except FileNotFoundError:
+        pass

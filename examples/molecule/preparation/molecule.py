@@ -28,8 +28,8 @@ class Molecule:
         self.numbers = [a.GetAtomicNum() for a in atoms]
         self.positions = np.array([[a.GetX(), a.GetY(), a.GetZ()] for a in atoms])
         self.charge = ob.GetTotalCharge()
-        if len(atoms) < 4 or 0 in self.numbers:
-            raise BadInput(f"{what}: not a molecule of four atoms or more")
+        if len(atoms) < 2 or 0 in self.numbers:
+            raise BadInput(f"{what}: not a molecule of two atoms or more")
         self.neighbours = [[] for _ in atoms]
         self.double, self.amides = set(), []
         for bond in openbabel.OBMolBondIter(ob):
@@ -148,10 +148,9 @@ def conformers(molecule, torsions, number, seed):
     Each torsion is turned in steps of 60 degrees, and amides are cis and trans. All combinations
     are tried when they are few, otherwise random ones.
     """
-    turns = [(t, np.radians(np.arange(-180, 180, 60))) for t in torsions if not t.rotor]
-    driven = {tuple(sorted(t.atoms[1:3])) for t in torsions}
-    turns += [(t, np.radians([180, 0])) for t in molecule.amide_torsions()
-              if tuple(sorted(t.atoms[1:3])) not in driven]
+    turns = [(t, np.radians(np.arange(-180, 180, 60))) for t in torsions
+             if not t.rotor and tuple(sorted(t.atoms[1:3])) not in molecule.amides]
+    turns += [(t, np.radians([180, 0])) for t in molecule.amide_torsions()]
     combinations = np.prod([len(angles) for _, angles in turns], dtype=float)
     tries = 20 * number
     if combinations <= tries:

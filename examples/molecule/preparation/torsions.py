@@ -29,15 +29,17 @@ class Torsion:
     atoms: tuple  # four, counted from 0
     moved: tuple  # atoms that turn with the last one, about the bond in the middle
     signs: tuple  # the directions to drive: +1, -1
-    rotor: bool  # a methyl group: both directions are the same, and file names need no direction
+    rotor: bool  # a methyl or a like group: both directions are the same, file names need none
 
     def file_name(self, sign):
         return self.name if self.rotor else self.name + ("-plus" if sign > 0 else "-minus")
 
 
 def _is_methyl(numbers, neighbours, atom, partner):
+    """Whether the atom holds three equal atoms: CH3, NH3+, CF3."""
     others = [n for n in neighbours[atom] if n != partner]
-    return numbers[atom] == 6 and len(others) == 3 and all(numbers[n] == 1 for n in others)
+    return (len(others) == 3 and len({numbers[n] for n in others}) == 1
+            and all(len(neighbours[n]) == 1 for n in others))
 
 
 def _end(numbers, neighbours, atom, partner):
@@ -124,7 +126,8 @@ def scan(surface, x, hessian, torsion, sign, *, step=np.radians(10), highest=150
     start = surface.energy(x)
     shapes, energies = [x], [start]
     angle = geometry.torsion(x, *torsion.atoms)
-    for count in range(1, round(np.pi / step) + 1):
+    # Two steps more than half a turn: from trans the barrier can be exactly at cis.
+    for count in range(1, round(np.pi / step) + 3):
         turned = geometry.rotated_about(shapes[-1], *torsion.atoms[1:3], list(torsion.moved),
                                         sign * step)
         function = _restrained(surface, torsion.atoms, angle + sign * step * count)
@@ -143,7 +146,7 @@ def scan(surface, x, hessian, torsion, sign, *, step=np.radians(10), highest=150
             raise NoBarrier(f"still climbing at {HARTREE * highest:.0f} kJ/mol")
         if 0 < top and (energies[top] - energies[-1]) * HARTREE > 0.1:
             return _on_top(surface, *shapes[top - 1:top + 2])
-    raise NoBarrier("no maximum within 180 degrees")
+    raise NoBarrier("no barrier of 0.1 kJ/mol or more within half a turn")
 
 
 def torsion_hessian(x, atoms):
@@ -163,6 +166,6 @@ def _on_top(surface, before, top, after):
     if max(back, ahead) > 3 * min(back, ahead):
         values, _ = optimise.projected(surface.hessian(top), top)
         if values[0] > 0:
-            raise NoBarrier("the molecule snaps over, far from a saddle; a --guess may help")
+            raise NoBarrier("the molecule snaps over, far from a saddle")
         return top, ((after - top) if ahead < back else (top - before)).ravel()
     return top, (after - before).ravel()

@@ -109,6 +109,7 @@ class Work:
         self.options = options
         self.guesses = guesses
         self.charge = molecule.charge if options.charge is None else options.charge
+        self.unpaired = getattr(options, "uhf", 0)
         self.steps = Steps(options.work, options.again)
         self.tree = geometry.Tree(molecule.neighbours, molecule.numbers)
         self.started = time.monotonic()
@@ -149,13 +150,14 @@ class Work:
     # The conformation
 
     def _surface(self, x):
-        return Surface(self.molecule.numbers, x, self.options.method, self.charge, self.tree)
+        return Surface(self.molecule.numbers, x, self.options.method, self.charge, self.tree,
+                       self.unpaired)
 
     def _find_conformation(self):
         o = self.options
         start = o.smiles if o.file is None else self.molecule.positions.tolist()
         key = ["conformation", self.molecule.numbers, start, o.method, self.charge,
-               o.keep_conformation, o.conformers, o.seed,
+               self.unpaired, o.keep_conformation, o.conformers, o.seed,
                [t.atoms for t in self.driven if not t.rotor and not o.keep_conformation]]
         kept = self.steps.take(key, self._compute_conformation)
         self.x = np.array(kept["x"])
@@ -177,15 +179,17 @@ class Work:
             try:
                 x, energy = self._roughly(start / BOHR)
             except (optimise.NotConverged, XtbError) as why:
+                reason = str(why)
                 self.say(f"conformer {n + 1}: left out: {why}")
                 continue
             if not self._intact(x):
-                self.say(f"conformer {n + 1}: left out: its bonds change")
+                reason = "its bonds change"
+                self.say(f"conformer {n + 1}: left out: {reason}")
                 continue
             if best is None or energy < best[0]:
                 best = energy, x
         if best is None:
-            raise Failed("no conformation: none of the start structures relaxes")
+            raise Failed(f"no conformation: none of the start structures relaxes: {reason}")
         # GFN-FF must read its bonds off the conformation itself, not off the shape from which it
         # was found: then one run of xtb on the conformation's file gives the same energy.
         x = best[1]
@@ -220,19 +224,37 @@ class Work:
         return np.abs(a - b).max() < SAME_SHAPE
 
     def _drive(self, name, torsion, sign, earlier):
-        o = self.options
-        key = [self.molecule.numbers, self.x.tolist(), o.method, self.charge, torsion.atoms, sign,
-               o.highest]
-        guess = self.guesses.get(name)
-        key.append(None if guess is None else guess.tolist())
-        top = self.steps.take(["saddle", *key],
-                              lambda: self._guarded(self._saddle, torsion, sign, guess))
+        key = self._key(name, torsion, sign)
+        top = self._kept_saddle(key, name, torsion, sign)
         if "dropped" in top:
             raise Dropped(top["dropped"])
         self._refuse_known(top, earlier)
-        way = self.steps.take(["path", *key], lambda: self._guarded(self._path, top))
+        way = self._kept_path(key, top)
         if "dropped" in way:
             raise Dropped(way["dropped"])
+        return self._found(name, torsion, top, way)
+
+    def _key(self, name, torsion, sign):
+        guess = self.guesses.get(name)
+        return [self.molecule.numbers, self.x.tolist(), self.options.method, self.charge,
+                self.unpaired, torsion.atoms, sign, self.options.highest,
+                None if guess is None else guess.tolist()]
+
+    def _kept_saddle(self, key, name, torsion, sign):
+        return self.steps.take(["saddle", *key], lambda: self._guarded(
+            self._saddle, torsion, sign, self.guesses.get(name)))
+
+    def _kept_ends(self, key, top):
+        return self.steps.take(["ends", *key], lambda: self._guarded(self._ends, top))
+
+    def _kept_path(self, key, top):
+        ends = self._kept_ends(key, top)
+        if "dropped" in ends:
+            return ends
+        return self.steps.take(["path", *key], lambda: self._guarded(self._path, top, ends))
+
+    @staticmethod
+    def _found(name, torsion, top, way):
         nodes = [np.array(x) for x in way["nodes"]]
         return Found(name, torsion.name, nodes, way["energies"], top["nu1"], np.array(way["far"]),
                      way["far_energy"], way["far_nu1"], way["far_is_equal"])
@@ -284,18 +306,22 @@ class Work:
         return [(sign, *optimise.minimum(self.surface, x + sign * mode.reshape(-1, 3), hessian,
                                          longest=0.15)) for sign in (1, -1)]
 
-    def _path(self, top):
-        x, hessian = np.array(top["x"]), np.array(top["hessian"])
-        sides = sorted(self._sides(x, hessian), key=lambda side: self._away(side[1]))
-        (sign, near, near_energy, _), (_, far, far_energy, far_hessian) = sides
-        if self._away(near) > SAME_SHAPE:
-            energies = (top["energy"], near_energy, far_energy)
+    def _ends(self, top):
+        """The minima that a saddle joins, the nearer one first."""
+        sides = self._sides(np.array(top["x"]), np.array(top["hessian"]))
+        near, far = sorted(sides, key=lambda side: self._away(side[1]))
+        x = geometry.aligned(far[1], self.x, self.surface.masses)
+        nu1 = optimise.wave_numbers(far[3], x, self.surface.masses)[0]
+        equal = abs(self._above(far[2])) < SAME_ENERGY and self._equal(x, self.x)
+        return {"sign": near[0], "near": near[1].tolist(), "near_energy": near[2],
+                "far": x.tolist(), "far_energy": far[2], "far_nu1": nu1, "far_is_equal": bool(equal)}
+
+    def _path(self, top, ends):
+        if self._away(np.array(ends["near"])) > SAME_SHAPE:
+            energies = (top["energy"], ends["near_energy"], ends["far_energy"])
             at, one, two = (f"{self._above(e):.2f} kJ/mol" for e in energies)
             raise Dropped(f"the saddle at {at} joins other minima, at {one} and {two}")
-        nodes, energies = path.nodes(self.surface, self.tree, x, hessian, sign, self.x,
-                                     self.energy)
-        far = geometry.aligned(far, self.x, self.surface.masses)
-        nu1 = optimise.wave_numbers(far_hessian, far, self.surface.masses)[0]
-        equal = abs(self._above(far_energy)) < SAME_ENERGY and self._equal(far, self.x)
-        return {"nodes": [n.tolist() for n in nodes], "energies": energies, "far": far.tolist(),
-                "far_energy": far_energy, "far_nu1": nu1, "far_is_equal": bool(equal)}
+        nodes, energies = path.nodes(self.surface, self.tree, np.array(top["x"]),
+                                     np.array(top["hessian"]), ends["sign"], self.x, self.energy)
+        return {"nodes": [n.tolist() for n in nodes], "energies": energies, "far": ends["far"],
+                **{name: ends[name] for name in ("far_energy", "far_nu1", "far_is_equal")}}

@@ -16,6 +16,10 @@ done
 "$hapgrid" seed "$ball" | "$hapgrid" expand --complete -o installed.grid
 seed "$ball" | expand --complete -o built.grid
 cmp installed.grid built.grid
+# The command for molecules has its parts there, too.
+if /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
+  same "usage" 'usage: hapgrid molecule (FILE | --smiles SMILES) -o DIR [options]' "$("$hapgrid" molecule --help | head -n 1)"
+fi
 # Through a link, as administrators make them.
 ln -s "$PWD/$hapgrid" link
 expect 0 "$bin" '' -- ./link bin

@@ -9,8 +9,8 @@ import os
 import re
 import sys
 
-MASS = {"H": 1.00794, "C": 12.0107, "N": 14.0067, "O": 15.9994}
-RADIUS = {"H": 0.31, "C": 0.76, "N": 0.71, "O": 0.66}  # Cordero et al. 2008, angstrom
+MASS = {"H": 1.00794, "C": 12.0107, "N": 14.0067, "O": 15.9994, "Cl": 35.453}
+RADIUS = {"H": 0.31, "C": 0.76, "N": 0.71, "O": 0.66, "Cl": 1.02}  # Cordero et al. 2008, angstrom
 WORD = re.compile(r"[A-Za-z][\w.-]*=\S+")
 ENERGY = re.compile(r"dE=(\d+\.\d{4}|-0\.0[0-4]\d\d)")
 
@@ -113,7 +113,7 @@ for directory in sys.argv[1:]:
     saddles = {name for name, row in rows.items() if row["kind"] == "saddle"}
     there = {name[:-4] for name in os.listdir(directory) if name.endswith(".xyz")}
     guesses = {name for name in there if name.startswith("guess-")}
-    if there - {"conformation", "start"} - guesses != saddles:
+    if there - {"conformation", "start", "played"} - guesses != saddles:
         fault(f"{directory}: the report speaks of {sorted(saddles)}")
     for name in sorted(saddles & there):
         check_path(os.path.join(directory, name + ".xyz"), start, rows[name])

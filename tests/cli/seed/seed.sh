@@ -52,7 +52,7 @@ seed short.toml --set model.plugin=hung-ball --set grid.spacing=0.05 --set 'grid
 same "one point" '0 0 0' "$(seeds one)"
 one_box='box = (originX = 1, originY = 1, originZ = 1, spacing = 0.05, countX = 1, countY = 1, countZ = 1)'
 [[ $(text one | head -n 1) == *"$one_box"* ]] || fail "box: $(text one | head -n 1)"
-same "level limit" 8 "$(header one maxLevels)"
+same "level limit" 64 "$(header one maxLevels)"
 
 # Parameters of every kind, flattened and ascending, whatever their order in the file.
 export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins

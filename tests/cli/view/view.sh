@@ -45,6 +45,13 @@ same "first lines" $'10\ntime=0 tick=0 hip=-0.9,0.01,0 force=0,0,0 energy=0\nX 0
   "$(head -3 x.xyz)"
 view x.frames --xyz hip.xyz --hip-label Xx
 same "the HIP" 'Xx -0.900000 0.010000 0.000000' "$(sed -n 13p hip.xyz)"
+view x.frames --pdb x.pdb --hip-label Xx
+same "models" 6 "$(grep -c '^MODEL' x.pdb)"
+same "the first of them" 'MODEL        1
+REMARK   3 time=0 tick=0 hip=-0.9,0.01,0 force=0,0,0 energy=0
+HETATM    1  X1  MOL A   1       0.000   0.000   0.000  1.00  0.00           X' "$(head -3 x.pdb)"
+same "the HIP" 'HETATM   11 XX11 HIP A   2      -0.900   0.010   0.000  1.00  0.00          XX' "$(sed -n 13p x.pdb)"
+same "its end" $'ENDMDL\nEND' "$(tail -2 x.pdb)"
 if command -v obabel >/dev/null; then
   for file in "x.xyz 10" "hip.xyz 11"; do
     # A molecule a frame; the fourth line of a MOL block starts with the number of its atoms.
@@ -108,10 +115,10 @@ change 's/red = 0.9/red = -1/' >changed
 refuses 'view: changed: byte 0: a colour is not in \[0, 1\]' -- view changed
 nothing_left empty
 
-expect 2 '' "view: only one of --xyz, --png and --html can be standard output $see" \
+expect 2 '' "view: only one of --xyz, --pdb, --png and --html can be standard output $see" \
   -- view x.frames --xyz - --png -
 expect 2 '' "view: --at requires --png $see" -- view x.frames --at 1
-expect 2 '' "view: --hip-label requires --xyz $see" -- view x.frames --hip-label Xx
+expect 2 '' "view: --hip-label requires --xyz or --pdb $see" -- view x.frames --hip-label Xx
 for size in 800 x600 800x 0x1 1x8193 -1x1 1x1x1 axb; do
   expect 2 '' "view: --size: '$size' is not like 800x600, at most 8192 each $see" \
     -- view x.frames --png x --size=$size

@@ -94,6 +94,23 @@ TEST_CASE("without contact the model knows the state 0 and stays there") {
   CHECK((f == Vec3{0, 0, 0}));
 }
 
+TEST_CASE("a molecule without paths is pushed as a whole, also when it lies on a line") {
+  const std::string dioxide = "3\ndE=0\nC 0 0 0\nO 0 0 1.16\nO 0 0 -1.16\n";
+  const auto model = hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"})
+                         .create({{"conformation", dioxide}});
+  REQUIRE(model->state_size() == 6);
+  // The probe stands on the axis and overlaps the oxygen of the molecule at rest by o: penalty and
+  // anchor are two springs in a row, of 100 and 20 kJ/(mol Å²). States are rounded to 2^-20, and a
+  // minimum has a gradient below 1e-3.
+  const double overlap = 1.16 + 1.52 + 1.2 - 3.5, shift = 100 * overlap / 120;
+  const State pushed = convert(*model, State(6), {0, 0, 5}, {0, 0, -1.5});
+  for (std::size_t i = 0; i < 6; ++i) CHECK(pushed[i] == Approx(i == 2 ? -shift : 0).margin(2e-5));
+  CHECK(model->force({0, 0, 3.5}, pushed.data())[2] == Approx(0.025 * 20 * shift).epsilon(1e-4));
+  std::vector<float> centres(9);
+  model->shape(pushed.data(), centres);
+  CHECK(centres[5] == Approx(1.16 - shift).epsilon(1e-4));
+}
+
 TEST_CASE("states that are reached are minima in multiples of 2^-20, with t in [0, 1]") {
   for (const Source& source : {kButane, kDipeptide}) {
     const auto model = source.make();

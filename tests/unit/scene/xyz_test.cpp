@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "libcore/base/error.hpp"
+#include "libcore/scene/pdb.hpp"
 #include "libcore/scene/summary.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
@@ -35,6 +36,30 @@ TEST_CASE("a frame as XYZ") {
         "Xx 0.500000 -2.000000 3.000000\n");
   frame.centres[4] = std::numeric_limits<float>::infinity();
   CHECK_THROWS_WITH(append_xyz(text, scene, frame, ""), "a coordinate is not finite");
+}
+
+TEST_CASE("a frame as PDB, by its columns") {
+  const Scene scene = small_scene();
+  Frame frame = small_frame(0);
+  frame.hip = {1.5, -2, 1e-9};
+  frame.centres[3] = -999.999F;
+  std::string text;
+  append_pdb(text, scene, frame, "", 12);
+  // wwPDB 3.3: serial 7-11, name 13-16, residue 18-20, chain 22, its number 23-26, x 31-38, y
+  // 39-46, z 47-54, occupancy 55-60, B 61-66, element 77-78.
+  CHECK(text ==
+        "MODEL       12\n"
+        "REMARK   3 time=0 tick=0 hip=1.5,-2,1e-09 force=0,0,-0\n"
+        "HETATM    1  O1  MOL A   1       0.000   1.000   2.000  1.00  0.00           O\n"
+        "HETATM    2  X2  MOL A   1    -999.999   4.000   5.000  1.00  0.00           X\n"
+        "HETATM    3 NA3  MOL A   1       6.000   7.000   0.000  1.00  0.00          NA\n"
+        "ENDMDL\n");
+  for (const float x : {std::numeric_limits<float>::infinity(), -1000.0F, 10000.0F,
+                        std::numeric_limits<float>::quiet_NaN()}) {
+    frame.centres[4] = x;
+    CHECK_THROWS_WITH(append_pdb(text, scene, frame, "", 1),
+                      "a coordinate is not a number from -999.999 to 9999.999, as PDB needs it");
+  }
 }
 
 TEST_CASE("labels that XYZ cannot have become X") {

@@ -1,0 +1,15 @@
+"""The modules of `hapgrid molecule`; its --help says what it is for.
+
+reading      a molecule from a file or SMILES; what cannot be felt is refused with what to do
+rotors       which bonds turn, and their names
+structures   the conformation, the saddles around it and the paths to them, in several processes
+choice       the softest paths that are sane together
+definition   box and MODEL.toml
+resolution   a coarse grid, and the spacing that follows from it
+pushing      the way of the probe that turns one torsion
+curves       torsions and energies over time
+page         plots, pictures and the page that sums up
+filters      starting the filters
+stages       what is there already is not computed again
+cli          the command line
+"""

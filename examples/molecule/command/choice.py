@@ -1,0 +1,67 @@
+"""The softest paths that are sane together.
+
+One path is as good as quantum chemistry made it. Where several are combined nobody has computed the
+shape, and atoms may run into each other. So paths are taken from the softest on, and one is left
+out when `molecule-check` finds that it clashes with those that were taken before.
+"""
+
+import re
+
+from preparation import files
+
+from .definition import Definition, write
+
+SANE = "NOT SANE: "
+
+
+def choose(filters, stages, molecule, result, most, unwanted):
+    """(names of the paths that are taken, reasons by the names of others)."""
+    taken, left = [], {}
+    for found in sorted(result.found, key=lambda f: f.energies[-1]):
+        if found.name in unwanted:
+            left[found.name] = unwanted[found.name]
+            continue
+        if len(taken) == most:
+            left[found.name] = f"stiffer than the {most} that are taken (--paths)"
+            continue
+        fault = clash(filters, stages, Definition.around(molecule, result, [*taken, found.name]))
+        if fault:
+            left[found.name] = fault
+        else:
+            taken.append(found.name)
+    return taken, left
+
+
+def clash(filters, stages, definition):
+    """What molecule-check says against a set of paths, or nothing."""
+    name = ".choice.toml"
+    write(stages.path(name), definition.text())
+    try:
+        out, code = filters.run("molecule-check", name, good=(0, 1))
+    finally:
+        files.remove(stages.path(name))
+    faults = [line[len(SANE):] for line in out.splitlines() if line.startswith(SANE)]
+    if not faults:
+        return filters.said if code else ""
+    return re.sub(r"paths? (\d+)(?: and (\d+))?",
+                  lambda found: " and ".join(definition.paths[int(n)] for n in found.groups() if n), faults[0])
+
+
+def table(result, rotors, stay, taken, left):
+    """rotors.tsv: what was tried, taken and left out, and why."""
+    from preparation.xtb import HARTREE
+
+    from .rotors import label
+    rows = [("path", "atoms", "barrier_kJ_mol", "taken", "why")]
+    atoms = {t.name: "-".join(label(result.numbers, a) for a in t.atoms) for t in rotors}
+    dropped = dict(result.dropped)
+    found = {f.name: f for f in result.found}
+    for torsion in rotors:
+        for sign in torsion.signs:
+            name = torsion.file_name(sign)
+            one = found.get(name)
+            barrier = "-" if one is None else f"{(one.energies[-1] - result.energy) * HARTREE:.2f}"
+            why = "" if name in taken else left.get(name) or dropped.get(name, "not found")
+            rows.append((name, atoms[torsion.name], barrier, "yes" if name in taken else "no", why or "-"))
+    rows += [(one.name, one.name, "-", "no", one.why) for one in stay]
+    return "\n".join("\t".join(row) for row in rows) + "\n"

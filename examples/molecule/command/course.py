@@ -1,0 +1,222 @@
+"""The course of a molecule from its file to the page: the stages one by one."""
+
+import os
+import shlex
+
+from preparation import files
+from preparation import molecule as prepared
+
+from . import choice, definition, page, pushing, reading, resolution, rotors, structures
+from .filters import Failed, FilterFailed, Filters
+from .stages import Stages, digest, duration
+
+GFN2_ATOMS = 24
+# What expand says of a grid that it cannot compute, and what that means.
+HOPELESS = {"level limit": f"with it a point has more than {definition.MAX_LEVELS} states",
+            "does not converge": "with it the molecule does not come to rest"}
+
+
+def run(o):
+    """Everything; the lines for standard output."""
+    course = Course(o)
+    course.read()
+    course.find_structures()
+    while True:
+        try:
+            course.decide()
+            course.compute()
+            break
+        except FilterFailed as why:
+            course.do_without_the_stiffest(why)
+    course.push()
+    return course.summary()
+
+
+class Course:
+    def __init__(self, options):
+        self.o = options
+        self.name = os.path.basename(os.path.realpath(options.output))
+        self.toml, self.grid = f"{self.name}.toml", f"{self.name}.grid"
+        self.stages = Stages(options.output, options.quiet)
+        self.filters = Filters(options.output)
+        self.by_hand, self.taken = False, []
+        self.unwanted = {}  # paths with which no grid could be computed, and why
+        self.expected = None  # seconds that the grid takes, about
+        self.what = options.file or f"SMILES '{options.smiles}'"
+
+    # The molecule
+
+    def read(self):
+        o, stages = self.o, self.stages
+
+        def compute():
+            one, built = reading.read(o.file, o.smiles, lambda text: stages.say("  " + text))
+            charge = one.charge if o.charge is None else o.charge
+            reading.check_electrons(one, self.what, charge, o.uhf)
+            os.makedirs(o.output, exist_ok=True)
+            one.ob.SetTitle(f"charge={charge} built={int(built)}")
+            files.write_whole(stages.path("start.sdf"), reading.sdf(one))
+            return ["start.sdf"]
+        text = _digest_of_input(o.file) if o.file else o.smiles
+        stages.run("molecule", "", [], [text, o.charge, o.uhf], compute)
+        self.molecule = prepared.from_file(stages.path("start.sdf"))
+        words = dict(w.split("=") for w in self.molecule.ob.GetTitle().split())
+        self.charge, self.search = int(words["charge"]), o.search or words["built"] == "1"
+        self.rotors, self.stay = rotors.find(self.molecule)
+        self.method = o.method
+        if o.method == "auto":
+            self.method = "gfn2" if len(self.molecule.numbers) <= GFN2_ATOMS else "gfnff"
+        rings = sum(one.why == rotors.RING for one in self.stay)
+        stages.say(f"  {self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms, "
+                   f"charge {reading.signed(self.charge)}, {len(self.rotors)} bonds turn" + (f"; {rings} rings stay as they are" if rings else ""))
+
+    # The structures
+
+    def find_structures(self):
+        o, stages = self.o, self.stages
+
+        def compute():
+            if o.method == "auto":
+                stages.say("  energies by " + ("GFN2-xTB" if self.method == "gfn2" else
+                           f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
+            o.work = stages.path(".work")
+            one = structures.explore(self.molecule, self.rotors, structures.Options(
+                self.method, self.charge, o.uhf, self.search, o.threads, o.highest, o.work), stages)
+            for name, below in one.lower:
+                stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
+            return files.write_set(stages.directory, one.result, f"hapgrid molecule: {self.what}, {self.method}, "
+                                   f"charge {reading.signed(self.charge)}, {o.uhf} unpaired electrons")
+        stages.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
+                   [self.method, self.charge, o.uhf, self.search, o.highest], compute)
+        self.structures = structures.Structures(stages)
+
+    # The definition
+
+    def decide(self):
+        stages = self.stages
+        self.by_hand = stages.changed_by_hand("definition", self.toml)
+        if self.by_hand:
+            stages.say(f"{self.toml} was changed by hand: it is kept")
+            return
+        known = self.stages.done.get("without", {})
+        if known.get("key") == digest(self.stages.path("report.tsv")):
+            self.unwanted = known["paths"]
+        self.taken = self._choose()
+        self.definition = definition.Definition.around(self.molecule, self.structures, self.taken)
+        self._resolve()
+        stages.run("definition", f"writing {self.toml}", [], [self.definition.text()], self._write_definition)
+
+    def do_without_the_stiffest(self, why):
+        """After a grid that could not be computed, because the states of a point are too many or the
+        minimiser does not arrive. Errors: raises `why` again where this is no remedy."""
+        words = next((text for key, text in HOPELESS.items() if key in str(why)), None)
+        if self.by_hand or not self.taken or words is None:
+            raise why
+        name = self.taken[-1]
+        self.unwanted[name] = words
+        self.stages.done["without"] = {"key": digest(self.stages.path("report.tsv")), "made": {},
+                                       "paths": self.unwanted}
+        self.stages.say(f"  {name} is left out: {words}")
+
+    def _write_definition(self):
+        definition.write(self.stages.path(self.toml), self.definition.text())
+        return [self.toml]
+
+    def _xyz(self):
+        return ["conformation.xyz", *(f.name + ".xyz" for f in self.structures.found)]
+
+    def _choose(self):
+        stages = self.stages
+
+        def compute():
+            taken, left = choice.choose(self.filters, stages, self.molecule, self.structures, self.o.paths,
+                                        self.unwanted)
+            for name, why in left.items():
+                stages.say(f"  {name} is left out: {why}")
+            stages.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
+            table = choice.table(self.structures, self.rotors, self.stay, taken, left)
+            files.write_whole(stages.path("rotors.tsv"), table)
+            return ["rotors.tsv"]
+        stages.run("choice", "choosing the softest paths that are sane together", [*self._xyz(), "report.tsv"],
+                   [self.o.paths, self.unwanted], compute)
+        with open(stages.path("rotors.tsv"), encoding="utf-8") as file:
+            rows = [line.rstrip("\n").split("\t") for line in file][1:]
+        taken = {row[0] for row in rows if row[3] == "yes"}
+        order = sorted(self.structures.found, key=lambda f: f.energies[-1])
+        return [f.name for f in order if f.name in taken]
+
+    def _resolve(self):
+        """Sets the definition's spacing."""
+        o, stages = self.o, self.stages
+        if o.spacing:
+            self.definition.spacing = o.spacing
+            return
+        coarse = self.definition.spacing
+        text = self.definition.text()
+
+        def compute():
+            definition.write(stages.path("coarse.toml"), text)
+            made = resolution.compute_grid(self.filters, stages, "coarse.toml", "coarse.grid", o.threads)
+            report = resolution.measure(self.filters, "coarse.grid", o.threads)
+            files.write_whole(stages.path("coarse.json"), report)
+            return ["coarse.toml", *made, "coarse.json"]
+        stages.run("resolution", f"computing a coarse grid, {coarse:g} Å, and how far it is off between its points",
+                   self._xyz(), [text], compute)
+        with open(stages.path("coarse.json"), encoding="utf-8") as file:
+            report = file.read()
+        seconds = resolution.cpu_seconds(stages.path("coarse.grid.cost"))
+        found = resolution.decide(report, seconds, coarse, o.threads)
+        self.definition.spacing = found.spacing
+        self.expected = found.cost(found.spacing) / o.threads
+        words = f"  spacing {found.spacing:g} Å, about {duration(self.expected)}"
+        if found.enough and found.enough < found.spacing * 0.99:
+            words += (f"; {resolution.WANTED:g} Å in 99 of 100 places would take --spacing {found.enough:.2g} "
+                      f"and about {duration(found.cost(found.enough) / o.threads)}")
+        elif not found.enough:
+            words += "; how far it is off between its points could not be told"
+        stages.say(words)
+
+    # The grid
+
+    def compute(self):
+        o, stages = self.o, self.stages
+
+        def compute():
+            return resolution.compute_grid(self.filters, stages, self.toml, self.grid, o.threads, self.expected)
+        stages.run("grid", f"computing {self.grid}", [self.toml, *self._xyz()], [], compute)
+
+        def verify():
+            out, code = self.filters.run("verify", self.grid, "-v", "-j", o.threads, good=(0, 3, 4))
+            files.write_whole(stages.path("verify.txt"), out)
+            if code == 3:
+                raise Failed(f"{self.grid} breaks a rule: see {stages.path('verify.txt')}")
+            return ["verify.txt"]
+        stages.run("verify", "verifying it", [self.grid], [], verify)
+
+    # The way of the probe
+
+    def push(self):
+        stages = self.stages
+        stages.run("pushing", "looking for the probe's ways that turn the molecule", [self.grid], [],
+                   lambda: pushing.Ways(self.filters, stages, self.grid, self.structures).write())
+        made = [n for n in stages.made("pushing") if n.endswith(".txt")]
+        self.best = made[0]
+        stages.run("page", "drawing pictures", [self.grid, *made, "rotors.tsv", "verify.txt"], [], self._page)
+
+    def _page(self):
+        names = definition.paths_of(self.stages.path(self.toml))
+        turned = [t for t in self.rotors if {t.file_name(sign) for sign in t.signs} & set(names)]
+        return page.Page(self.filters, self.stages, self.name, self.best, self.molecule, turned).write()
+
+    def summary(self):
+        out = self.o.output.rstrip("/") or "/"
+        self.stages.say(f"done: {out}/index.html sums up")
+        grid, way = (shlex.quote(os.path.join(out, name)) for name in (self.grid, self.best))
+        return f"hapgrid play {grid} --device path:{way} --rate 1000 --frames - | hapgrid view --window"
+
+
+def _digest_of_input(path):
+    found = digest(path)
+    if found is None:
+        raise FileNotFoundError(2, os.strerror(2), path)
+    return found

@@ -1,0 +1,97 @@
+"""The box of a grid and its MODEL.toml."""
+
+import math
+import tomllib
+from dataclasses import dataclass
+
+import numpy as np
+from preparation import files
+from preparation.xtb import BOHR
+
+# Bondi's radii, as the model has them, angstrom.
+RADII = {1: 1.20, 6: 1.70, 7: 1.55, 8: 1.52, 9: 1.47, 14: 2.10, 15: 1.80, 16: 1.80, 17: 1.75, 34: 1.90,
+         35: 1.85, 53: 1.98}
+PROBE = 1.2  # angstrom
+# Beyond where the probe touches the molecule at rest: the molecule yields when it is pushed, and the
+# probe must still reach its other side. The committed examples have 2 to 4.
+ROOM = 2.0
+MAX_LEVELS = 64
+COARSE_POINTS = 14  # along the longest side of the first grid
+LEAST_POINTS = 8
+
+
+@dataclass
+class Definition:
+    """low, high: corners of the box, angstrom. paths: names of files without their ending."""
+    title: str
+    paths: list
+    low: np.ndarray
+    high: np.ndarray
+    spacing: float = 1.0
+
+    @classmethod
+    def around(cls, molecule, result, paths):
+        """The box around all shapes of the paths that are taken."""
+        radius = np.array([RADII[z] for z in molecule.numbers])[:, None]
+        shapes = [result.x] + [node for f in result.found if f.name in paths for node in f.nodes]
+        x = np.array(shapes) * BOHR
+        low = (x - radius).min(axis=(0, 1)) - PROBE - ROOM
+        high = (x + radius).max(axis=(0, 1)) + PROBE + ROOM
+        return cls(f"{molecule.ob.GetFormula()}, {len(molecule.numbers)} atoms", paths, low, high,
+                   coarse_spacing(high - low))
+
+    def counts(self):
+        cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
+        return [max(int(n) + 1, LEAST_POINTS) for n in cells]
+
+    def origin(self):
+        counts = np.array(self.counts())
+        return [round(float(v), 4) for v in (self.low + self.high - (counts - 1) * self.spacing) / 2]
+
+    def text(self):
+        paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
+        if self.paths:
+            paths = f"transition_states = [     # each the nodes of a path to a barrier\n{paths}]\n"
+        return f"""\
+# {self.title}: made by `hapgrid molecule`, which keeps what is changed here and computes the
+# grid anew when it is run again. Lengths in Å.
+
+[model]
+plugin = "molecule"
+
+[model.files]             # XYZ texts beside this file; the grid carries their contents
+conformation = "conformation.xyz"
+{paths}
+[model.parameters]
+probe_radius = {PROBE}        # of the ball that is the HIP, Å
+penalty = 100             # of the probe's overlap with an atom, kJ/(mol Å²)
+shift_stiffness = 20      # of the anchor that holds the molecule in its place, kJ/(mol Å²)
+rotation_stiffness = 100  # and of that which holds its orientation, kJ/(mol rad²)
+morph_stiffness = 5       # stabiliser ½ m t² of each t, kJ/mol; no part of the molecule's energy
+substep = 0.05            # of the HIP between two minimisations, Å
+tolerance = 0.1           # states whose atoms are no farther apart, RMS, are one; Å
+force_scale = 0.025       # newtons on the device for 1 kJ/(mol Å)
+
+[grid]
+origin = {self.origin()}
+spacing = {self.spacing:g}
+counts = {self.counts()}
+
+[search]
+max_levels = {MAX_LEVELS}           # states that a grid point may have
+"""
+
+
+def paths_of(path):
+    """The paths that a definition names, changed by hand or not."""
+    with open(path, "rb") as file:
+        names = tomllib.load(file)["model"]["files"].get("transition_states", [])
+    return [name.removesuffix(".xyz") for name in names]
+
+
+def coarse_spacing(size):
+    return math.ceil(float(max(size)) / (COARSE_POINTS - 1) / 0.05 - 1e-9) * 0.05
+
+
+def write(path, text):
+    files.write_whole(path, text)

@@ -1,0 +1,92 @@
+"""Plots, pictures, and the page that sums up."""
+
+import html
+
+import numpy as np
+from preparation import files
+
+from . import curves
+from .pushing import read_log
+from .structures import frames
+
+STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
+table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; text-align: left }
+img { max-width: 48% } iframe { width: 100%; height: 34em; border: 1px solid #ccc } code { background: #eee }"""
+
+
+class Page:
+    def __init__(self, filters, stages, name, way, molecule, torsions):
+        self.filters, self.stages, self.name, self.way, self.molecule = filters, stages, name, way, molecule
+        self.torsions = torsions
+        self.grid = f"{name}.grid"
+
+    def write(self):
+        run = self.filters.run
+        run("play", self.grid, "--device", f"path:{self.way}", "--log", "played.log", "--frames", "played.frames")
+        names, rows = read_log(self.stages.path("played.log"))
+        at = {name: rows[:, n] for n, name in enumerate(names)}
+        run("view", "played.frames", "--xyz", "played.xyz", "--pdb", "played.pdb")
+        shapes = frames(self.stages.path("played.xyz"))
+        drawn = curves.draw(self.filters, self.stages, f"{self.name}.toml", (names, rows),
+                            np.array([x for _, _, x in shapes]), self.torsions,
+                            [float(words["time"]) for words, _, _ in shapes])
+        span = [np.ptp(at[axis]) for axis in "xyz"]
+        axis = "xyz"[int(np.argmax(span))]
+        made = ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn]
+
+        def plot(picture, x, y, labels):
+            run("stats", "--log", "played.log", "--plot", f"{x},{y}", "--labels", labels, "--png", picture)
+            made.append(picture)
+        plot("force.png", axis, f"force_{axis}", f"{axis} of the probe / Å,{axis} of the force / N")
+        plot("energy.png", axis, "energy", f"{axis} of the probe / Å,hybrid energy / (kJ/mol)")
+        paths = sum(n[0] == "s" and n[1:].isdigit() for n in names) - 6
+        turns = [float(at[f"s{k}"].max()) for k in range(paths)]
+        when = {"before.png": 0.0}
+        if turns:
+            farthest = at[f"s{int(np.argmax(turns))}"]
+            when["turned.png"] = float(at["t"][int(farthest.argmax())])
+        else:
+            when["pushed.png"] = float(at["t"][len(rows) // 2])
+        # The probe comes from the left.
+        way = [at[a][len(rows) // 2] - at[a][0] for a in "xyz"]
+        view = ["--azimuth", f"{np.degrees(np.arctan2(way[1], way[0])):.0f}", "--elevation", "10"]
+        for picture, t in when.items():
+            run("view", "played.frames", "--at", f"{t:.3f}", *view, "--png", picture)
+            made.append(picture)
+        run("view", "played.frames", *view, "--html", "played.html")
+        made.append("played.html")
+        files.write_whole(self.stages.path("index.html"), self._html([n for n in made if n.endswith(".png")]))
+        return [*made, "index.html"]
+
+    def _html(self, pictures):
+        def read(name):
+            with open(self.stages.path(name), encoding="utf-8") as file:
+                return file.read()
+        rows = [line.split("\t") for line in read("rotors.tsv").splitlines()]
+        heads = ["path", "atoms", "barrier / (kJ/mol)", "taken", "why not"]
+        table = "".join(f"<th>{h}" for h in heads) + "".join(
+            "<tr>" + "".join(f"<td>{html.escape(v)}" for v in row) for row in rows[1:])
+        said = read(self.way).splitlines()[0].lstrip("# ")
+        name = html.escape(self.name)
+        images = "\n".join(f'<img src="{p}" alt="{p[:-4]}">' for p in pictures)
+        return f"""<!DOCTYPE html>
+<meta charset="utf-8">
+<title>{name}</title>
+<style>
+{STYLE}
+</style>
+<h1>{name}</h1>
+<p>{self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms. {html.escape(said)}</p>
+<iframe src="played.html" title="the molecule as it is pushed"></iframe>
+<p>To feel it, in the folder that has this one:
+<p><code>hapgrid play {name}/{self.grid} --device path:{name}/{self.way} --rate 1000 --frames - |
+hapgrid view --window</code>
+<p>Another device, or the mouse, goes behind <code>--device</code>: see <code>hapgrid play --help</code>.
+<h2>How it feels on this way, there and back</h2>
+{images}
+<h2>What turns</h2>
+<table><tr>{table}</table>
+<h2>The grid</h2>
+<pre>{html.escape(read("verify.txt"))}</pre>
+<p>The definition is <a href="{self.name}.toml">{name}.toml</a>: change it, and the same command computes the grid anew.
+"""

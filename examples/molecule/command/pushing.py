@@ -1,0 +1,154 @@
+"""The way of the probe that turns one torsion: it comes from outside, pushes at an atom that moves
+far along the path, in the direction in which that moves, and goes back on the same line.
+
+The molecule as a whole yields, too. So several such lines are played, and the one that turns the
+torsion farthest is kept.
+"""
+
+import json
+
+import numpy as np
+from preparation import files
+from preparation.xtb import BOHR
+
+from .definition import PROBE, RADII, paths_of
+from .rotors import label
+
+TRIED = 5
+STEP, COARSE_STEP = 0.002, 0.02  # angstrom a tick
+CLEAR = 0.3  # angstrom from touching, where a line begins; and a cell more, which is then at rest
+BEYOND = 2.0  # angstrom that the probe follows the atom beyond its way
+
+
+def directions(count=150):
+    """Even on a sphere (golden spiral)."""
+    k = np.arange(count) + 0.5
+    z = 1 - 2 * k / count
+    turn = np.pi * (1 + 5**0.5) * k
+    r = np.sqrt(1 - z * z)
+    return np.column_stack([r * np.cos(turn), r * np.sin(turn), z])
+
+
+def lines(x, move, radius, low, high, clear):
+    """Lines (start, end, atom) from free places into the molecule, the most promising first.
+    x: atoms, move: where they go, angstrom; low, high: the corners of the box; clear: from touching
+    to where a line begins."""
+    length = np.linalg.norm(move, axis=1)
+    reach = radius + PROBE
+    found = []
+    for atom in np.flatnonzero(length > 0.4 * length.max()):
+        for u in directions():
+            along = float(move[atom] @ u)
+            if along < 0.5 * length[atom]:
+                continue
+            begin = _begin(x, reach, atom, u, clear)
+            if begin is None:
+                continue
+            start, end = x[atom] + begin * u, x[atom] + (along + BEYOND - reach[atom]) * u
+            if (start < low).any() or (start > high).any():
+                continue
+            end = start + (end - start) * _inside(start, end, low, high)
+            found.append((along, int(atom), start, end))
+    found.sort(key=lambda f: -f[0])
+    out, atoms = [], []
+    for along, atom, start, end in found:  # different atoms and directions
+        u = (end - start) / np.linalg.norm(end - start)
+        if any(atom == a and u @ v > 0.7 for a, v in atoms):
+            continue
+        atoms.append((atom, u))
+        out.append((start, end, atom))
+    return out[:TRIED]
+
+
+def _begin(x, reach, atom, u, clear):
+    """Where a line towards an atom, that touches no other atom first, is free: its place before the
+    atom (negative), None when another atom is in the way."""
+    away = x - x[atom]
+    along = away @ u
+    across = np.linalg.norm(away - along[:, None] * u, axis=1)
+    half = np.sqrt(np.clip(reach**2 - across**2, 0, None))
+    enters = np.where(across < reach, along - half, np.inf)  # where the probe first touches an atom
+    if enters.argmin() != atom:
+        return None
+    half = np.sqrt(np.clip((reach + clear)**2 - across**2, 0, None))
+    return float(np.where(across < reach + clear, along - half, np.inf).min())
+
+
+def _inside(start, end, low, high):
+    """The share of the way that is in the box."""
+    way = end - start
+    with np.errstate(divide="ignore", invalid="ignore"):
+        limits = np.where(way > 0, (high - start) / way, np.where(way < 0, (low - start) / way, np.inf))
+    return float(min(1.0, 0.98 * limits.min()))
+
+
+def text(start, end, step, title):
+    """A path for play: there and back."""
+    count = max(int(np.ceil(np.linalg.norm(end - start) / step)), 2)
+    there = [start + (end - start) * k / count for k in range(count + 1)]
+    rows = [" ".join(f"{v:.4f}" for v in p) for p in there + there[-2::-1]]
+    return "\n".join([f"# {title}", "# x y z of the probe in angstrom, a line a tick", *rows]) + "\n"
+
+
+def read_log(path):
+    """(names, rows) of what play --log wrote."""
+    with open(path, encoding="utf-8") as file:
+        names = file.readline().lstrip("# ").rstrip("\n").split("\t")
+        return names, np.loadtxt(file, ndmin=2)
+
+
+class Ways:
+    """The files path-NAME.txt of the paths in a grid, the one that turns a torsion farthest first."""
+
+    def __init__(self, filters, stages, grid, structures):
+        self.filters, self.stages, self.grid, self.structures = filters, stages, grid, structures
+        header = json.loads(filters.run("stats", grid, "--format", "json")[0])
+        box = header["box"]
+        self.low = np.array(box["origin"])
+        self.high = self.low + box["spacing"] * (np.array(box["counts"]) - 1)
+        self.clear = CLEAR + box["spacing"]
+        self.taken = paths_of(stages.path(grid.removesuffix(".grid") + ".toml"))
+        self.radius = np.array([RADII[z] for z in structures.numbers])
+
+    def write(self):
+        found = {f.name: f for f in self.structures.found}
+        x = self.structures.x * BOHR
+        best = []
+        for k, name in enumerate(self.taken):
+            move = found[name].nodes[-1] * BOHR - x
+            turned, line = self._farthest(k, self._lines(x, move))
+            if line is not None:
+                best.append((turned, name, line))
+        if not best:  # nothing turns: past the molecule, against its broad side
+            move = np.tile([0.0, 0.0, 1.0], (len(x), 1))
+            ways = self._lines(x, move)
+            best = [(0.0, "past", ways[0])] if ways else []
+        best.sort(key=lambda b: -b[0])
+        names = []
+        for turned, name, (start, end, atom) in best:
+            at = label(self.structures.numbers, atom)
+            names.append(f"path-{name}.txt")
+            far = f": {name} goes {min(100 * turned, 100):.0f} % of the way to its barrier" if self.taken else ""
+            self._write(names[-1], start, end, STEP, f"The probe pushes at {at}{far}, and goes back on the same line.")
+        return names
+
+    def _lines(self, x, move):
+        return (lines(x, move, self.radius, self.low, self.high, self.clear)
+                or lines(x, move, self.radius, self.low, self.high, CLEAR))
+
+    def _write(self, name, start, end, step, title):
+        files.write_whole(self.stages.path(name), text(start, end, step, title))
+
+    def _farthest(self, k, ways):
+        """(largest t, line) of those that were played."""
+        best = (0.0, None)
+        for line in ways:
+            self._write(".way.txt", line[0], line[1], COARSE_STEP, "tried")
+            self.filters.run("play", self.grid, "--device", "path:.way.txt", "--log", ".way.log")
+            names, rows = read_log(self.stages.path(".way.log"))
+            turned = float(rows[:, names.index(f"s{k}")].max())
+            if turned > best[0] or best[1] is None:
+                best = (turned, line)
+        for name in (".way.txt", ".way.log"):
+            files.remove(self.stages.path(name))
+        return best

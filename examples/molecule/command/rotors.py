@@ -1,0 +1,121 @@
+"""Which bonds turn, and what they are called: by their four atoms (C1-C2-C3-O4), and in peptides by
+phi, psi, omega and chi with the number of the residue. omega0 is the bond of a cap to the first
+residue's nitrogen; in a peptide of one residue phi, psi and chi have no number."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from preparation import geometry, torsions
+from preparation.xtb import SYMBOLS
+
+# N, CA and C of a residue.
+RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"
+RING = "a ring stays as it is"
+LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
+
+
+@dataclass(frozen=True)
+class Left:
+    """A bond or ring that does not turn, and why."""
+    name: str
+    why: str
+
+
+def label(numbers, atom):
+    return f"{SYMBOLS[numbers[atom]]}{atom + 1}"
+
+
+def find(molecule):
+    """(torsions that turn, what stays as it is)."""
+    numbers, near = molecule.numbers, molecule.neighbours
+    stiff = molecule.double - set(molecule.amides)
+    names = peptide_names(molecule)
+    found, left = [], _rings(molecule)
+    for j in range(len(numbers)):
+        for k in near[j]:
+            if j > k or min(len(near[j]), len(near[k])) < 2 or geometry.side_of(near, j, k) is None:
+                continue
+            word = f"{label(numbers, j)}-{label(numbers, k)}"
+            if (j, k) in stiff:
+                left.append(Left(word, "a double or triple bond does not turn"))
+                continue
+            one = torsions.make(numbers, near, word, None, None, j, k, None, None)
+            name = "-".join(label(numbers, a) for a in one.atoms)
+            if _on_a_line(molecule, one.atoms):
+                left.append(Left(name, "its atoms lie on a line"))
+                continue
+            found.append(replace(one, name=names.get((j, k), name)))
+    return found, left
+
+
+def _on_a_line(molecule, atoms):
+    x, near = molecule.positions, molecule.neighbours
+    for a, b, c in (atoms[:3], atoms[1:]):
+        if np.sin(geometry.angle(x, a, b, c)) < LINEAR and len(near[b]) == 2:
+            return True
+    return False
+
+
+def _rings(molecule):
+    rings = molecule.ob.GetSSSR()
+    return [Left("-".join(label(molecule.numbers, a - 1) for a in ring._path), RING)
+            for ring in rings]
+
+
+def peptide_names(molecule):
+    """Names by bond (j < k)."""
+    from openbabel import openbabel
+    pattern = openbabel.OBSmartsPattern()
+    pattern.Init(RESIDUE)
+    pattern.Match(molecule.ob)
+    residues = sorted({tuple(a - 1 for a in match[:3]) for match in pattern.GetUMapList()})
+    residues = _in_order(molecule, residues)
+    amides = set(molecule.amides)
+    # An amino acid alone, without a peptide bond, is no peptide.
+    if not any({n, c} & {a for bond in amides for a in bond} for n, _, c in residues):
+        return {}
+    out = {}
+    number = (lambda r: "") if len(residues) == 1 else (lambda r: str(r + 1))
+    for r, (n, ca, c) in enumerate(residues):
+        out[_bond(n, ca)] = f"phi{number(r)}"
+        out[_bond(ca, c)] = f"psi{number(r)}"
+        for bond in amides:
+            if c in bond:
+                out[bond] = f"omega{r + 1}"
+            elif n in bond and not any(bond == _bond(n, before[2]) for before in residues):
+                out[bond] = f"omega{r}"
+        _side_chain(molecule, (n, ca, c), number(r), out)
+    return out
+
+
+def _bond(a, b):
+    return (min(a, b), max(a, b))
+
+
+def _in_order(molecule, residues):
+    """From the one whose nitrogen no other residue holds."""
+    def before(residue):
+        return next((r for r in residues if r[2] in molecule.neighbours[residue[0]]), None)
+    out = []
+    for start in [r for r in residues if before(r) is None]:
+        at = start
+        while at is not None and at not in out:
+            out.append(at)
+            at = next((r for r in residues if before(r) == at), None)
+    return out + [r for r in residues if r not in out]
+
+
+def _side_chain(molecule, residue, number, out):
+    """chi, from the alpha carbon outwards along the chain of heavy atoms."""
+    n, ca, c = residue
+    seen = {n, ca, c}
+    chain = [a for a in molecule.neighbours[ca] if molecule.numbers[a] > 1 and a not in seen]
+    at, depth = ca, 1
+    while chain:
+        to = chain[0]
+        bond = _bond(at, to)
+        if bond not in molecule.double:
+            out.setdefault(bond, f"chi{number}_{depth}" if number else f"chi{depth}")
+        seen.add(to)
+        at, depth = to, depth + 1
+        chain = [a for a in molecule.neighbours[at] if molecule.numbers[a] > 1 and a not in seen]

@@ -1,0 +1,52 @@
+# The Debian package: what is in it works from wherever it is unpacked, and what cmake --install wrote goes again.
+source "$(dirname "$0")/../lib.sh"
+command -v dpkg-shlibdeps >/dev/null || skip "dpkg-dev is not installed"
+cpack --config "$HAPGRID_BUILD/CPackConfig.cmake" -G DEB -B "$PWD/out" >cpack.log 2>&1 || fail "$(cat cpack.log)"
+package=$(find out -maxdepth 1 -name 'hapgrid_0.1.0_*.deb')
+dpkg-deb -f "$package" Depends | grep -q 'libc6 .*libzstd1\|libc6 ' || fail "$(dpkg-deb -f "$package" Depends)"
+dpkg-deb -f "$package" Recommends | grep -q 'xtb' || fail "$(dpkg-deb -f "$package" Recommends)"
+dpkg-deb -x "$package" there
+[[ $(ls there/usr/bin) == hapgrid ]] || fail "$(ls there/usr/bin)"
+usr=$PWD/there/usr
+
+PATH=$usr/bin:/usr/bin:/bin
+unset HAPGRID_MODEL_PATH
+hapgrid seed "$usr/share/doc/hapgrid/examples/hung-ball/hung-ball.toml" | hapgrid expand --complete -o grid
+expect 0 '' 'verify: fine: 12 checks' -- hapgrid verify grid -o report
+hapgrid play grid --device "path:$usr/share/doc/hapgrid/examples/hung-ball/path-there-and-back.txt" --log log 2>/dev/null
+
+# Who writes a plug-in finds the headers by pkg-config and by CMake.
+config=$(dirname "$(find "$usr" -name hapgrid.pc)")
+cp "$usr/share/doc/hapgrid/examples/spring-c/spring.c" .
+mkdir models
+# shellcheck disable=SC2046  # words
+cc -std=c11 -shared -fPIC $(PKG_CONFIG_PATH=$config pkg-config --cflags hapgrid) spring.c -o models/spring-c.so -lm
+cat >CMakeLists.txt <<'CMAKE'
+cmake_minimum_required(VERSION 3.25)
+project(mine C)
+find_package(hapgrid 0.1 REQUIRED)
+add_library(spring MODULE spring.c)
+target_link_libraries(spring hapgrid::plugin m)
+message(STATUS "models: ${hapgrid_MODELS}")
+CMAKE
+cmake -B mine -D CMAKE_PREFIX_PATH="$usr" . >mine.log && cmake --build mine >>mine.log 2>&1 || fail "$(cat mine.log)"
+grep -q "models: $(dirname "$(find "$usr" -name hung-ball.so)")\$" mine.log || fail "$(cat mine.log)"
+hapgrid seed "$usr/share/doc/hapgrid/examples/spring-c/spring-c.toml" --model-path models --set grid.spacing=0.5 \
+  --set 'grid.counts=[3,2,2]' >/dev/null
+
+# What the shell offers is what the help says.
+bash -c 'source "$1"; COMP_WORDS=(hapgrid ve); COMP_CWORD=1; _hapgrid; echo "${COMPREPLY[@]}"
+  COMP_WORDS=(hapgrid verify --re); COMP_CWORD=2; _hapgrid; echo "${COMPREPLY[@]}"' _ \
+  "$usr/share/bash-completion/completions/hapgrid" >offered
+same "offered" $'verify\n--recompute' "$(cat offered)"
+for tool in seed expand merge verify stats play view check-model; do
+  hapgrid "$tool" --help | grep -oE -- '^  (-.,)?--[a-z-]+' | grep -oE -- '--.*' | sort >known
+  sed -n "s/^ *$tool) words='\(.*\)' ;;/\1/p" "$usr/share/bash-completion/completions/hapgrid" | tr ' ' '\n' | sort | diff - known ||
+    fail "options of $tool"
+done
+
+DESTDIR=$PWD/root cmake --install "$HAPGRID_BUILD" >install.log
+manifest=$HAPGRID_BUILD/install_manifest.txt
+DESTDIR=$PWD/root cmake -D "MANIFEST=$manifest" -P "$HAPGRID_SOURCE/tools/package/uninstall.cmake" >/dev/null
+[[ -z $(find root -type f -o -type l) ]] || fail "left: $(find root -type f)"
+[[ -z $(find root -depth -path '*/hapgrid/*') ]] || fail "left: $(find root -path '*/hapgrid*')"

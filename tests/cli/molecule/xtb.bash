@@ -1,0 +1,47 @@
+# shellcheck shell=bash
+# What the tests of prepared molecules share: values from their files, and the program xtb beside them.
+sanitized && skip "nothing in it has sanitizers"
+command -v xtb >/dev/null || skip "xtb is not installed"
+# The system's Python, as prepare names it.
+/usr/bin/python3 -c 'from openbabel import openbabel; import numpy' 2>/dev/null ||
+  skip "python3-openbabel or python3-numpy is not installed"
+/usr/bin/python3 -c 'import ctypes; ctypes.CDLL("libxtb.so.6")' 2>/dev/null ||
+  skip "libxtb6 is not installed"
+export OMP_NUM_THREADS=1
+
+# word FILE FRAME KEY: a value in the comment line of a frame, counted from 1.
+word() {
+  awk -v frame="$2" -v key="$3=" '
+    NF == 1 { n++; getline; if (n == frame) for (i = 1; i <= NF; i++)
+      if (index($i, key) == 1) print substr($i, length(key) + 1) }' "$1"
+}
+
+# frame FILE FRAME: prints one frame.
+frame() { awk -v frame="$2" 'NF == 1 { n++ } n == frame' "$1"; }
+
+# within WHAT VALUE LOW HIGH
+within() {
+  awk -v v="$2" -v low="$3" -v high="$4" 'BEGIN { exit !(v != "" && v >= low && v <= high) }' ||
+    fail "$1: '$2' is not between $3 and $4"
+}
+
+# xtb_energy FILE FRAME: the energy that the program xtb gives, hartree. METHOD is its option.
+METHOD=(--gfn 2)
+xtb_energy() {
+  rm -rf run && mkdir run && frame "$1" "$2" >run/a.xyz
+  (cd run && xtb a.xyz "${METHOD[@]}" --acc 0.01 2>/dev/null) | awk '/TOTAL ENERGY/ { print $4 }'
+}
+
+# energies FILE FRAME...: dE must be what xtb computes, to 1e-3 kJ/mol. The coordinates have 8 decimals,
+# which are worth less than 1e-5.
+energies() {
+  local file=$1 start frame got
+  shift
+  start=$(xtb_energy "$file" 1)
+  for frame in "$@"; do
+    got=$(xtb_energy "$file" "$frame")
+    within "dE of $file, frame $frame, less xtb's" "$(
+      awk -v a="$start" -v b="$got" -v dE="$(word "$file" "$frame" dE)" \
+        'BEGIN { printf "%.6f", dE - (b - a) * 2625.4996394799 }')" -0.001 0.001
+  done
+}
