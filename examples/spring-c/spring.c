@@ -1,9 +1,9 @@
-/* A model in plain C11: copy this file to start your own. It includes libcore/model/plugin.h,
- * which explains each function of the table. It links the mathematical library and nothing of
- * hapgrid.
+/* A model in plain C11, which `hapgrid init --lang c` copies as the start of your own. It includes
+ * libcore/model/plugin.h, which explains each function of the table. It links the mathematical
+ * library and nothing of hapgrid.
  *
  * A bead slides on a rail along x and rests in one of two wells. The HIP pulls it by a spring that
- * weakens with the HIP's distance from the rail (README.md). The state s is the bead's place, in
+ * weakens with the HIP's distance from the rail. The state s is the bead's place, in
  * mm. With the HIP at p = (x, y, z) and q = y^2 + z^2,
  *
  *   E(p, s) = b/4 (s^2 - a^2)^2 + k(q)/2 (x - s)^2      k(q) = k0 / (1 + q/R^2)

@@ -1,6 +1,6 @@
-! A model in Fortran 2008: copy this file and hapgrid_model.f90 to start your own. No header of
-! hapgrid is needed. The physics is that of examples/spring-c, line by line, so that the two can be
-! compared.
+! A model in Fortran 2008, which `hapgrid init --lang fortran` copies, with hapgrid_model.f90, as the
+! start of your own. No header of hapgrid is needed. The physics is that of examples/spring-c, line by
+! line, so that the two can be compared.
 !
 ! A bead slides on a rail along x and rests in one of two wells. The HIP pulls it by a spring that
 ! weakens with the HIP's distance from the rail. The state s is the bead's place, in mm. With the HIP

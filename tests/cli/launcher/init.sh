@@ -1,0 +1,92 @@
+#!/bin/bash
+# hapgrid init: in each language, make in the new folder leaves a grid with the same records, and make play plays it
+# to the snaps that the closed form has. From the build's folder, and from an installation.
+source "$(dirname "$0")/../lib.sh"
+
+expect 2 '' 'hapgrid: init: which name? (see hapgrid init --help)' -- hapgrid init
+expect 2 '' "hapgrid: init: the name '../x' may have only letters, digits, '-' and '_'" -- hapgrid init ../x
+expect 2 '' "hapgrid: init: the name 'ä' may have only letters, digits, '-' and '_'" -- hapgrid init ä
+expect 2 '' "hapgrid: init: no option '-x' (see hapgrid init --help)" -- hapgrid init -x
+expect 2 '' "hapgrid: init: the name is empty (see hapgrid init --help)" -- hapgrid init ''
+expect 2 '' "hapgrid: init: one name, not 'a' and 'b' (see hapgrid init --help)" -- hapgrid init a b
+expect 2 '' "hapgrid: init: no template in 'cobol' (python, c, c++, fortran or node)" -- hapgrid init a --lang cobol
+expect 2 '' 'hapgrid: init: --lang: which language? (see hapgrid init --help)' -- hapgrid init a --lang
+same 'help by name' "$(hapgrid init --help)" "$(hapgrid help init)"
+(($(hapgrid init --help | wc -L) <= 100)) || fail 'the help is wider than 100 columns'
+mkdir there
+refuses 'hapgrid: init: there is there already; nothing was changed' -- hapgrid init there
+ln -s nowhere link
+refuses 'hapgrid: init: link is there already; nothing was changed' -- hapgrid init link
+nothing_left there
+rm -r there link
+nothing_left .
+
+# A row of the box in which the path is, with 2 x 2 points around it.
+small=(SET='grid.origin=[-20,7.5,-5] grid.spacing=5 grid.counts=[9,2,2]' JOBS=1)
+
+# made FOLDER HAPGRID OPTION...: what make and make play do in a new folder. The filters are not in the PATH.
+made() (
+  folder=$1 hapgrid=$2
+  shift 2
+  "$hapgrid" init "$folder" "$@" >said
+  PATH=/usr/bin:/bin
+  make -C "$folder" "${small[@]}" >made.out 2>made.err || fail "$(cat made.out made.err)"
+  for verdict in 'check-model: fine: 7 checks' 'verify: fine: 1[0-9] checks'; do
+    grep -qx "$verdict" made.err || fail "$folder: not '$verdict': $(cat made.err)"
+  done
+  cp "$folder/$folder.grid" "$folder.first"
+  make -C "$folder" play >made.out 2>&1 || fail "$(cat made.out)"
+  make -C "$folder" -q || fail "$folder: make has something left to do"
+  cmp "$folder.first" "$folder/$folder.grid"
+  # At y = 12.5, k/b = 125 / (1 + y²/R²) mm², and the bead changes its side at |x| = 2 (-P/3)^(3/2) / (k/b), late;
+  # C looks every 10/64 mm.
+  python3 - "$folder/$folder.log" <<'PYTHON'
+import sys
+lines = [line.split("\t") for line in open(sys.argv[1])]
+x, s = (lines[0].index(name) for name in ("x", "s0"))
+rows = [(float(line[x]), float(line[s])) for line in lines[1:]]
+snaps = [row[0] for before, row in zip(rows, rows[1:]) if before[1] * row[1] < 0]
+stiffness = 125 / (1 + 1.25**2)
+late = 2 * ((100 - stiffness) / 3)**1.5 / stiffness
+assert len(snaps) == 2 and abs(snaps[0] - late) < 10 / 64 and abs(snaps[1] + late) < 10 / 64, (snaps, late)
+PYTHON
+)
+
+languages=(c python c++)
+if command -v gfortran >/dev/null; then languages+=(fortran); else echo 'no gfortran: Fortran is left out'; fi
+if command -v node >/dev/null; then languages+=(node); else echo 'no node: JavaScript is left out'; fi
+for language in "${languages[@]}"; do
+  folder=my_${language/++/xx}
+  made "$folder" hapgrid --lang "$language"
+  stats --dump "$folder/$folder.grid" >"$folder.dump"
+  # What is stored with a state comes after it and its links, which are the same; states differ by rounding.
+  python3 - my_c.dump "$folder.dump" <<'PYTHON'
+import sys
+a, b = ([line.split("\t") for line in open(name) if line[0] != "#"] for name in sys.argv[1:])
+assert len(a) == len(b) > 36, (len(a), len(b))
+for x, y in zip(a, b):
+    assert x[:4] == y[:4] and x[5:31] == y[5:31] and abs(float(x[4]) - float(y[4])) < 1e-9, (x, y)
+PYTHON
+done
+
+# A CI gets a report, and a model that is wrong leaves no grid: here the force points the wrong way.
+HAPGRID=hapgrid expect 0 '~.*' '~.*' -- env "${small[0]}" my_c/ci.sh
+python3 - my_c/verify.xml <<'PYTHON'
+import sys, xml.etree.ElementTree
+assert len(list(xml.etree.ElementTree.parse(sys.argv[1]).iter("testcase"))) > 10
+PYTHON
+make -s -C my_c clean
+sed -i 's/force\[0\] = -k/force[0] = k/' my_c/my_c.c
+expect 2 '~.*gradient +500 forces +[1-9][0-9]* +broken.*' '~.*check-model: .*' -- make -C my_c "${small[@]}"
+[[ ! -e my_c/my_c.grid && ! -e my_c/check.txt ]] || fail 'a model that is wrong has a grid'
+
+# An installation, in a folder whose name means something to make, sed and the shell; python is the default.
+DESTDIR=$PWD/root cmake --install "$HAPGRID_BUILD" >install.log || fail "$(cat install.log)"
+mv root "the \$root #1 & 'only'"
+installed=$(find "$PWD"/the* -path '*/bin/hapgrid')
+made installed_c "$installed" --lang=c
+made installed_python "$installed"
+for language in c python; do
+  cmp <(stats --dump "installed_$language/installed_$language.grid") "my_$language.dump"
+done
+same 'the headers' "${installed%/bin/hapgrid}/include/hapgrid" "$("$installed" init --include)"
