@@ -21,7 +21,7 @@ grid = {origin = [0, 0, 0], spacing = 1, counts = [3, 2, 1]}
 model = {plugin = "toy", parameters = {state_size = 2, amplitude = 0.5}}
 seeds = {points = [[0, 0, 0]], states = [[[0.5, 0.25], [0.1, 0.9]]]}
 END
-seed toy.toml -o toy.seeds
+seed toy.toml --set search.max_levels=8 -o toy.seeds
 expand toy.seeds -o toy.requests
 # Several chunks, which merge copies without decoding them.
 seed toy.toml --set model.parameters.state_size=3000 --set search.max_levels=25 --set 'grid.counts=[5,5,5]' \

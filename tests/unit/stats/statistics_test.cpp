@@ -91,7 +91,7 @@ TEST_CASE("the statistics as text") {
         "points       4, of these 4 reached (100.00 %)\n"
         "records      6 in 3 generations\n"
         "frontier     0 records (complete)\n"
-        "levels       1: 2, 2: 2 (levels: points that have so many; at most 8)\n"
+        "levels       1: 2, 2: 2 (levels: points that have so many; at most 64)\n"
         "one-way      20.00 % of 10 links (there and back does not return to the level)\n"
         "conversions  10 that this grid needed, 12 in the cost files, and 3 for tear fractions\n"
         "size         1200 bytes, 200.00 a record\n"
