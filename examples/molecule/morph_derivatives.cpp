@@ -32,7 +32,7 @@ void Morph::turn_back(const Shape& s, const Two* p, double* turn, std::size_t st
 }
 
 void Morph::differentiate(Shape& s) const {
-  if (s.derivatives >= 1) return;
+  if (s.derivatives >= 1 || paths_.empty()) return;
   s.derivatives = 1;
   const std::size_t w = width_;
   const std::size_t coordinates = q0_.size();

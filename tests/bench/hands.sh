@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# What comes back to the hand with the default rules and the safety core, for hands of several kinds: a table.
+# What comes back to the hand with the default rules and the safety core, for hands of several kinds, and what the
+# energy tank of the core holds back for it: a table.
 #
 #   tests/bench/hands.sh [BUILD] [SESSIONS] [SEED]        (default: build 1000 1)
 #
@@ -9,29 +10,38 @@ source "$(dirname "$0")/lib.sh"
 compute ball "$ball" 40
 compute alanine "$HAPGRID_SOURCE/examples/molecule/alanine-dipeptide/alanine-dipeptide.toml" 30
 
-# row WHAT STIFFNESS DEVICE PLAY_OPTIONS...: DEVICE as lines of TOML
+# simulate GRID SESSIONS STIFFNESS DEVICE OPTIONS...: DEVICE as lines of TOML
+simulate() {
+  printf '%s\n[hand]\nstiffness = %d\n[random]\nseed = %d\nsessions = %d\n' "$4" "$3" "$seed" "$2" >sim.toml
+  play "$1.grid" --device sim:sim.toml "${@:5}" 2>error || fail "$(cat error)"
+}
+# off GAIN: the mean difference between the force of the model and the one that is sent, from a text log.
+off() {
+  awk -F '\t' -v gain="$1" '!/^#/ { sum += sqrt((gain * $5 - $8)^2 + (gain * $6 - $9)^2 + (gain * $7 - $10)^2); n++ }
+    END { printf "%.9f", sum / n }'
+}
+# row WHAT GAIN STIFFNESS DEVICE OPTIONS...: in the mean over 40 sessions the tank holds back what it adds to that
+# difference.
 row() {
-  printf '%s\n[hand]\nstiffness = %d\n[random]\nseed = %d\nsessions = %d\n' "$3" "$2" "$seed" "$sessions" >sim.toml
+  local line="|$1|" grid with without
   for grid in ball alanine; do
-    play "$grid.grid" --device sim:sim.toml --report "$grid.report" "${@:4}" 2>error || fail "$(cat error)"
+    simulate $grid "$sessions" "${@:3}" --gain "$2" --report report
+    with=$(simulate $grid 40 "${@:3}" --gain "$2" --log - | off "$2")
+    without=$(simulate $grid 40 "${@:3}" --gain "$2" --set safety.reserve=inf --log - | off "$2")
+    line+=$(python3 -c 'import json, sys
+r = json.load(open("report"))["simulation"]["returned_mJ"]
+print("%.4f / %.2f|%.4f|" % (r["mean"], r["worst"], max(0, float(sys.argv[1]) - float(sys.argv[2]))))' "$with" "$without")
   done
-  python3 - "$1" <<'PYTHON'
-import json, sys
-cells = [sys.argv[1]]
-for grid in "ball", "alanine":
-    returned = json.load(open(f"{grid}.report"))["simulation"]["returned_mJ"]
-    cells += [f"{returned['mean']:.4f} / {returned['worst']:.2f}"]
-print("|" + "|".join(cells) + "|", flush=True)
-PYTHON
+  echo "$line"
 }
 
-echo '|hand|ball: mean / worst, mJ|alanine dipeptide|'
-echo '|---|---|---|'
-row '300 N/m, at 1 kHz' 300 ''
-row '300 N/m, at 5 kHz' 300 '' --rate 5000
-row '100 N/m' 100 ''
-row '1,000 N/m' 1000 ''
-row 'with --gain 3' 300 '' --gain 3
-row 'forces a tick late, which play is not told' 300 'delay = 1'
-row 'steps of 0.2 mm' 300 'encoder = 2e-4' --set safety.encoder=2e-4
-row '1,000 N/m, --gain 3, a tick late, steps of 0.2 mm' 1000 $'encoder = 2e-4\ndelay = 1' --gain 3 --set safety.encoder=2e-4
+echo '|hand|ball: mean / worst, mJ|held back, N|alanine dipeptide|held back, N|'
+echo '|---|---|---|---|---|'
+row '300 N/m, at 1 kHz' 1 300 ''
+row '300 N/m, at 5 kHz' 1 300 '' --rate 5000
+row '100 N/m' 1 100 ''
+row '1,000 N/m' 1 1000 ''
+row 'gain 3' 3 300 ''
+row 'forces a tick late, which play is not told' 1 300 'delay = 1'
+row 'steps of 0.2 mm' 1 300 'encoder = 2e-4' --set safety.encoder=2e-4
+row '1,000 N/m, gain 3, a tick late, steps of 0.2 mm' 3 1000 $'encoder = 2e-4\ndelay = 1' --set safety.encoder=2e-4

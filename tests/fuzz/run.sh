@@ -1,16 +1,16 @@
 #!/bin/bash
-# Runs fuzz targets, SECONDS each, one on each processor, with what they found so far; the preset `dev` builds
+# Runs fuzz targets, SECONDS each, one on each processor, with what they found so far; the preset `fuzz` builds
 # them.
 #
 #   tests/fuzz/run.sh SECONDS [TARGET...]
 #
-# New inputs go to build-dev/fuzz/found/TARGET, findings to build-dev/fuzz/findings, and a line for each run
-# to build-dev/fuzz/log: target, executions, CPU seconds, edges of the code that were reached, exit code.
+# New inputs go to build-fuzz/fuzz/found/TARGET, findings to build-fuzz/fuzz/findings, and a line for each run
+# to build-fuzz/fuzz/log: target, executions, CPU seconds, edges of the code that were reached, exit code.
 set -euo pipefail
 seconds=${1:?seconds for each target}
 shift
 source=$(cd "$(dirname "$0")" && pwd)
-build=${HAPGRID_FUZZ:-$source/../../build-dev}/fuzz
+build=${HAPGRID_FUZZ:-$source/../../build-fuzz}/fuzz
 if (($# != 1)); then
   (($#)) || set -- $(cd "$source/corpus" && ls)
   printf '%s\n' "$@" | xargs -n 1 -P "$(nproc)" "$0" "$seconds"
