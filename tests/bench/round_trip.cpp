@@ -59,7 +59,7 @@ int measure(double rate, double seconds, const std::vector<std::string>& command
   for (const Histogram::Bin& bin : times.bins())
     std::printf("%.6g %.6g\n", 1e-3 * static_cast<double>(bin.from),
                 static_cast<double>(bin.count) / static_cast<double>(ticks));
-  std::printf("# p50 %.3g, p99 %.3g, p99.9 %.3g, max %.3g us\n",
+  std::printf("# p50 %.3g, p99 %.3g, p99.9 %.3g, max %.3g µs\n",
               1e-3 * static_cast<double>(times.quantile(0.5)),
               1e-3 * static_cast<double>(times.quantile(0.99)),
               1e-3 * static_cast<double>(times.quantile(0.999)),
