@@ -13,8 +13,9 @@ case ${1-} in
     cat <<'EOF'
 Usage: hapgrid feel GRID [OPTION OF PLAY...]
 
-Plays GRID in a window whose mouse is the hand; the wheel moves it in depth, and h shows the keys. A mouse
-shows no force, so one sees it: the HIP lags behind the hand where the model resists, and follows it at a snap.
+Plays GRID in a window. The mouse is the hand, the wheel moves it in depth, and the key h shows all
+keys. A mouse shows no force, so the picture does: where the model resists, the HIP lags behind the
+hand, and where it snaps, the HIP follows.
 EOF
     exit 0
     ;;

@@ -16,6 +16,16 @@ options() {
   "$bin/$1" --help | sed -nE "s/^  (-.,)?--([a-z-]+)[^ ]*( [^ ]+)*  +([^ ].*)$/\2\t\4/p; s/^  (-.,)?--([a-z-]+)[^ ]*( [^ ]+)*$/\2\t/p"
 }
 
+# cases FORMAT: a line of a shell's case for each tool that has options, with its name and those.
+cases() {
+  local tool names
+  for tool in "${tools[@]}"; do
+    names=$(options "$tool" | cut -f1 | sed 's/^/--/' | paste -sd ' ')
+    # shellcheck disable=SC2059  # the format is an argument
+    [[ -z $names ]] || printf "$1" "$tool" "$names"
+  done
+}
+
 {
   echo '# bash completion for hapgrid'
   echo '_hapgrid() {'
@@ -24,10 +34,7 @@ options() {
   echo "    words='${tools[*]} help'"
   echo '  elif [[ $word == -* ]]; then'
   echo '    case ${COMP_WORDS[1]} in'
-  for tool in "${tools[@]}"; do
-    names=$(options "$tool" | cut -f1 | sed 's/^/--/' | paste -sd ' ')
-    [[ -z $names ]] || echo "      $tool) words='$names' ;;"
-  done
+  cases "      %s) words='%s' ;;\n"
   echo '    esac'
   echo '  fi'
   echo '  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")'
@@ -41,10 +48,7 @@ options() {
   echo "  compadd ${tools[*]} help"
   echo 'elif [[ $words[CURRENT] == -* ]]; then'
   echo '  case $words[2] in'
-  for tool in "${tools[@]}"; do
-    names=$(options "$tool" | cut -f1 | sed 's/^/--/' | paste -sd ' ')
-    [[ -z $names ]] || echo "    $tool) compadd -- $names ;;"
-  done
+  cases '    %s) compadd -- %s ;;\n'
   echo '  esac'
   echo 'else'
   echo '  _files'

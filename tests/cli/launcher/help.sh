@@ -3,6 +3,10 @@
 source "$(dirname "$0")/../lib.sh"
 export LC_ALL=C.UTF-8
 
+for tool in feel init; do
+  "$tool" --help >help
+  (($(wc -L <help) <= 100 && $(wc -l <help) <= 60)) || fail "$tool --help is $(wc -L <help) columns wide and has $(wc -l <help) lines"
+done
 for tool in hapgrid seed expand merge verify stats play view check-model; do
   lines=60 page=hapgrid-$tool
   [[ $tool != play ]] || lines=90
