@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "libcore/grid/link_table.hpp"
 #include "libcore/grid/spec.hpp"
-#include "libcore/grid/tear.hpp"
 
 namespace hapgrid {
 
@@ -28,9 +28,11 @@ struct RecordColumns {
   std::size_t size() const { return point.size(); }
 };
 
-/// The levels of a point are contiguous records. The constructor checks what makes access safe:
-/// each point is in the box, records ascend, and the levels of a point are 0, 1, 2, ...
-/// Links are *not* trusted: destination() returns kNoRecord for a link that leads nowhere, and
+/// The levels of a point are contiguous records. A record takes 16 bytes beside its row: its point,
+/// its generation, which of the distinct links it has, and where its point's records begin.
+/// GridBuilder (grid_builder.hpp) makes a grid from runs of records; it checks what makes access
+/// safe: each point is in the box, records ascend, and the levels of a point are 0, 1, 2, ... Links
+/// are *not* trusted: destination() returns kNoRecord for a link that leads nowhere, and
 /// check/invariants.hpp reports it.
 class Grid {
  public:
@@ -38,7 +40,7 @@ class Grid {
 
   /// @param generation the round that wrote the grid: records of this generation are the frontier.
   /// @throw FormatError when the records are not a grid's.
-  Grid(GridSpec spec, std::uint32_t generation, RecordColumns columns);
+  Grid(GridSpec spec, std::uint32_t generation, const RecordColumns& columns);
 
   const GridSpec& spec() const { return spec_; }
   const Box& box() const { return spec_.box; }
@@ -46,45 +48,61 @@ class Grid {
   std::uint32_t generation() const { return generation_; }
   std::uint32_t state_size() const { return spec_.state_size; }
 
-  RecordIndex records() const { return static_cast<RecordIndex>(columns_.size()); }
+  RecordIndex records() const { return static_cast<RecordIndex>(point_.size()); }
   /// The records of point p are first(p) .. first(p + 1) - 1, by level.
   RecordIndex first(PointIndex p) const { return first_[p]; }
   RecordIndex levels(PointIndex p) const { return first_[p + 1] - first_[p]; }
 
-  PointIndex point(RecordIndex r) const { return columns_.point[r]; }
-  Level level(RecordIndex r) const { return columns_.level[r]; }
-  std::uint32_t record_generation(RecordIndex r) const { return columns_.generation[r]; }
-  bool in_frontier(RecordIndex r) const { return columns_.generation[r] == generation_; }
+  PointIndex point(RecordIndex r) const { return point_[r]; }
+  Level level(RecordIndex r) const { return static_cast<Level>(r - first_[point_[r]]); }
+  std::uint32_t record_generation(RecordIndex r) const { return generation_of_[r]; }
+  bool in_frontier(RecordIndex r) const { return generation_of_[r] == generation_; }
   std::span<const double> state(RecordIndex r) const { return row(r).first(spec_.state_size); }
   /// The state and the numbers stored with it.
   std::span<const double> row(RecordIndex r) const {
-    return {columns_.rows.data() + std::size_t{r} * row_size_, row_size_};
+    return {rows_.data() + std::size_t{r} * row_size_, row_size_};
   }
   std::span<const Level, kDirections> links(RecordIndex r) const {
-    return std::span<const Level, kDirections>(columns_.links.data() + std::size_t{r} * kDirections,
-                                               kDirections);
+    return table_[links_of_[r]].level;
   }
   /// The record to which direction q leads from record r; kNoRecord when the direction leaves the
   /// box, is not settled, or leads to a level that does not exist. Real-time safe.
-  RecordIndex destination(RecordIndex r, int q) const;
+  RecordIndex destination(RecordIndex r, int q) const {
+    const Links& links = table_[links_of_[r]];
+    if (!(links.usable >> q & 1)) return kNoRecord;
+    const auto target = static_cast<PointIndex>(point_[r] + neighbourhood_.offset(q));
+    const RecordIndex there = first_[target] + links.level[q];
+    return there < first_[target + 1] ? there : kNoRecord;
+  }
   /// Whether direction q of record r leads to a record whose link straight back leads elsewhere.
   /// Real-time safe.
-  bool is_one_way(RecordIndex r, int q) const;
+  bool is_one_way(RecordIndex r, int q) const {
+    const RecordIndex there = destination(r, q);
+    return there != kNoRecord && destination(there, Direction(q).opposite().q()) != r;
+  }
 
-  bool has_tears() const { return !columns_.tears.empty(); }
-  /// The tear bytes of a record's links, where has_tears(). Each is kNoTear or below kTearSteps;
-  /// which links have one is *not* trusted, like the links.
+  bool has_tears() const { return has_tears_; }
+  /// The tear bytes of a record's links. Each is kNoTear or below kTearSteps; which links have one
+  /// is *not* trusted, like the links.
   std::span<const TearByte, kDirections> tears(RecordIndex r) const {
-    return std::span<const TearByte, kDirections>(
-        columns_.tears.data() + std::size_t{r} * kDirections, kDirections);
+    return table_[links_of_[r]].tear;
   }
 
  private:
+  friend class GridBuilder;
+  /// Without records.
+  Grid(GridSpec spec, std::uint32_t generation);
+
   GridSpec spec_;
   Neighbourhood neighbourhood_;
   std::uint32_t generation_;
   std::uint32_t row_size_;
-  RecordColumns columns_;
+  bool has_tears_ = false;
+  std::vector<PointIndex> point_;
+  std::vector<std::uint32_t> generation_of_;
+  std::vector<double> rows_;  // records x row_size
+  std::vector<std::uint32_t> links_of_;
+  LinkTable table_;
   std::vector<RecordIndex> first_;  // points + 1
 };
 

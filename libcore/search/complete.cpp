@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "libcore/grid/grid_builder.hpp"
 #include "libcore/search/levels.hpp"
 #include "libcore/search/merge.hpp"
 #include "libcore/search/tears.hpp"
@@ -43,22 +44,22 @@ void show(const Frontier& frontier, const Neighbourhood& neighbourhood, const Le
 
 /// The records, which leave `levels`.
 Grid take_grid(const SectionHeader& header, Levels& levels) {
-  RecordColumns columns;
+  GridBuilder grid(header.spec, header.generation, /*has_tears=*/false);
   for (std::uint64_t b = 0; b < levels.blocks(); ++b) {
     levels.visit(b, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
-      const auto append = [&](auto& out, const auto& in, std::size_t each) {
-        const auto own = in.subspan(begin * each, (end - begin) * each);
-        out.insert(out.end(), own.begin(), own.end());
+      const auto run = [&](const auto& in, std::size_t each) {
+        return in.subspan(begin * each, (end - begin) * each);
       };
-      append(columns.point, rows.point, 1);
-      append(columns.level, rows.level, 1);
-      append(columns.generation, rows.generation, 1);
-      append(columns.rows, rows.numbers, rows.width);
-      append(columns.links, rows.links, kDirections);
+      grid.add({run(rows.point, 1),
+                run(rows.level, 1),
+                run(rows.generation, 1),
+                run(rows.numbers, rows.width),
+                run(rows.links, kDirections),
+                {}});
     });
     levels.release(b);
   }
-  return {header.spec, header.generation, std::move(columns)};
+  return grid.finish();
 }
 
 /// The rounds, in memory.

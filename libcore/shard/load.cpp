@@ -1,7 +1,6 @@
 #include "libcore/shard/load.hpp"
 
-#include <utility>
-
+#include "libcore/grid/grid_builder.hpp"
 #include "libcore/shard/reader.hpp"
 
 namespace hapgrid {
@@ -25,34 +24,19 @@ LoadedGrid load_grid(const std::string& name) { return load_grid(open_grid(name)
 LoadedGrid load_grid(const Section& section) {
   const GridSpec& spec = section.header.spec;
   const std::uint64_t stored_bytes = section.end - section.begin;
-  RecordColumns columns;
   // A footer is not believed before its section was read: memory is taken at once only where the
   // claim is in proportion to the size of the shard; else it grows with the rows that come.
   const std::uint64_t records = section.records();
   const bool plausible = records <= kMaxRatio * stored_bytes / record_bytes(spec.row_size());
-  const std::size_t expected = plausible ? records : 0;
-  columns.point.reserve(expected);
-  columns.level.reserve(expected);
-  columns.generation.reserve(expected);
-  columns.rows.reserve(expected * spec.row_size());
-  columns.links.reserve(expected * kDirections);
-  if (section.header.has_tears) columns.tears.reserve(expected * kDirections);
+  GridBuilder grid(spec, section.header.generation, section.header.has_tears,
+                   plausible ? records : 0);
   SectionReader reader(section);
   RecordRows rows;
   for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) {
     reader.read(i, rows);
-    const auto append = [](auto& out, const auto& in) {
-      out.insert(out.end(), in.begin(), in.end());
-    };
-    append(columns.point, rows.point);
-    append(columns.level, rows.level);
-    append(columns.generation, rows.generation);
-    append(columns.rows, rows.numbers);
-    append(columns.links, rows.links);
-    append(columns.tears, rows.tears);
+    grid.add({rows.point, rows.level, rows.generation, rows.numbers, rows.links, rows.tears});
   }
-  return {Grid(spec, section.header.generation, std::move(columns)), stored_bytes,
-          digest_text(section.footer.digest)};
+  return {grid.finish(), stored_bytes, digest_text(section.footer.digest)};
 }
 
 }  // namespace hapgrid

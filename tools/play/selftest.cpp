@@ -60,7 +60,7 @@ Grid one_cell() {
     for (int q = 0; q < kDirections; ++q)
       columns.links.push_back(around.inside(p) >> q & 1 ? Level{0} : kLeavesBox);
   }
-  return Grid(spec, 1, std::move(columns));
+  return Grid(spec, 1, columns);
 }
 
 /// How late clock_nanosleep() alone wakes up.

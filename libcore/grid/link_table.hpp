@@ -1,0 +1,42 @@
+// The links of a grid's records, each distinct set of them once: most records of a grid lead to the
+// same levels as their neighbours do.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "libcore/grid/direction.hpp"
+#include "libcore/grid/tear.hpp"
+
+namespace hapgrid {
+
+/// The links of a record. A cache line.
+struct alignas(64) Links {
+  std::array<Level, kDirections> level;    ///< the destination level in each direction
+  std::array<TearByte, kDirections> tear;  ///< kNoTear in all directions of a grid without any
+  /// The directions that stay in the box and have a level that can be.
+  DirectionMask usable = 0;
+
+  friend bool operator==(const Links&, const Links&) = default;
+};
+
+/// Distinct Links, numbered in the order in which they came.
+class LinkTable {
+ public:
+  /// The number of an entry that equals `links`, which is added if there is none.
+  std::uint32_t add(const Links& links);
+  const Links& operator[](std::uint32_t number) const { return entries_[number]; }
+  std::size_t size() const { return entries_.size(); }
+  /// Frees what only add() needs.
+  void finish();
+
+ private:
+  void grow();
+
+  std::vector<Links> entries_;
+  std::vector<std::uint32_t> slots_;  // open addressing: number + 1, or 0; a power of two
+  std::uint32_t last_ = 0;
+};
+
+}  // namespace hapgrid
