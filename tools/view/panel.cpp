@@ -16,11 +16,13 @@ constexpr Rgb kInk{40, 44, 52};
 constexpr Rgb kForce{217, 26, 26};
 constexpr Rgb kEnergy{30, 90, 190};
 constexpr Rgb kSwitch{240, 150, 30};
+constexpr Rgb kPale{150, 155, 165};
 
 // Pixels at scale 1.
 constexpr int kStatusHeight = kLetterHeight + 7;
 constexpr int kMargin = 4;
 constexpr int kLabelWidth = 17 * kLetterWidth;
+constexpr std::size_t kLongestName = 10;  // of a curve, in letters, on one line
 
 struct Place {
   int x, y, width, height;
@@ -32,7 +34,11 @@ void draw_curve(Image& image, const Place& place, int scale, const Traces& trace
                 Rgb colour) {
   const int x = place.x, y = place.y, width = place.width, height = place.height;
   const int middle = y + (height - scale * kLetterHeight) / 2;
-  write(image, scale * kMargin, middle, scale, name, colour);
+  // On two lines where it is long: the quantity, and its unit.
+  const std::size_t slash = name.size() > kLongestName ? name.find(" / ") : name.npos;
+  const int half = slash == name.npos ? 0 : scale * kLetterHeight / 2;
+  write(image, scale * kMargin, middle - half, scale, name.substr(0, slash), colour);
+  if (half > 0) write(image, scale * kMargin, middle + half, scale, name.substr(slash + 1), colour);
   const auto label = [&](int top, double number) {
     const std::string text = three_digits(number);
     write(image, x - scale * (kLetterWidth * static_cast<int>(text.size()) + kMargin), top, scale,
@@ -48,6 +54,9 @@ void draw_curve(Image& image, const Place& place, int scale, const Traces& trace
   };
   for (int s = 1; s < Traces::kSeconds; ++s)
     fill(image, column(end_s - s), y, scale, height, {232, 234, 238});
+  write(image, x + scale * kMargin, y + height - scale * kLetterHeight, scale, "t: the last 10 s",
+        kPale);
+  static_assert(Traces::kSeconds == 10);
   for (const auto& sample : traces.samples())
     if (sample.snapped) fill(image, column(sample.time_s), y, scale, height, kSwitch);
   for (const int edge : {y - scale, y + height})
@@ -103,13 +112,13 @@ Image draw_panel(int width, int scale, const Scene& scene, const Traces& traces,
   place.height = height - place.y - scale * (kMargin + 1);
   if (place.width < scale * 20) return image;  // no room for curves
   if (both) place.height = (place.height - gap) / 2;
-  draw_curve(image, place, scale, traces, &Traces::Sample::force, force_extent(traces), "force/N",
+  draw_curve(image, place, scale, traces, &Traces::Sample::force, force_extent(traces), "force / N",
              kForce);
   if (!both) return image;
   place.y += place.height + gap;
-  const std::string unit = printable_line(scene.energy_unit);
   draw_curve(image, place, scale, traces, &Traces::Sample::energy, energy,
-             unit.empty() || unit.size() > 8 ? "energy" : unit, kEnergy);
+             scene.energy_unit.empty() ? "energy" : axis_label("energy", scene.energy_unit),
+             kEnergy);
   return image;
 }
 

@@ -55,8 +55,11 @@ std::string Page::finish(const Scene& scene, const RenderOptions& options, doubl
   const Box& box = scene.box;
   nlohmann::ordered_json data = {
       {"model", printable_line(scene.model)},
-      {"length_unit", printable_line(scene.length_unit)},
+      {"length_unit", unit_sign(scene.length_unit)},
       {"energy_unit", printable_line(scene.energy_unit)},
+      {"energy_label",
+       scene.energy_unit.empty() ? "energy" : axis_label("energy", scene.energy_unit)},
+      {"sticks", options.style == Style::kSticks},
       {"low", box.origin},
       {"high",
        box.position(GridCoordinates{box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1})},
