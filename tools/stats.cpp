@@ -170,8 +170,9 @@ std::string column_label(const std::string& column, const GridSpec& spec) {
   if (column == "t") return axis_label("t", "s");
   if (column == "x" || column == "y" || column == "z")
     return axis_label(column + " of the HIP", unit(spec.length_unit, "model's unit of length"));
-  if (column == "energy")
-    return axis_label(column, unit(spec.energy_unit, "model's unit of energy"));
+  if (column == "energy" || column == "own_energy")
+    return axis_label(column == "energy" ? "energy" : "energy of the model itself",
+                      unit(spec.energy_unit, "model's unit of energy"));
   for (const char axis : std::string("xyz"))
     if (column == std::string("force_") + axis || column == std::string("sent_") + axis)
       return axis_label(column.substr(column.size() - 1) + " of the force", "N");

@@ -8,6 +8,7 @@
 #include "libcore/grid/vec3.hpp"
 #include "libcore/scene/bonds.hpp"
 #include "libcore/scene/legend.hpp"
+#include "libcore/scene/torsion.hpp"
 
 namespace hapgrid {
 
@@ -131,6 +132,19 @@ void add_stick(const Scene& scene, const Frame& frame, const std::array<std::uin
                      radius * project.scale, scene.spheres[bond[2 * i > steps]].colour});
 }
 
+/// The torsions that have turned, each at the middle of its bond.
+void name_turned(const Scene& scene, const Frame& frame, const Projection& project,
+                 const RenderOptions& options, Drawing& all) {
+  for (std::size_t i = 0; i < frame.turned.size(); ++i) {
+    if (!(std::abs(frame.turned[i]) >= kTurned)) continue;
+    const Torsion& torsion = scene.torsions[i];
+    const Vec3 middle = project(along(sphere_centre(frame, torsion.spheres[1]),
+                                      sphere_centre(frame, torsion.spheres[2]), 0.5));
+    if (finite(middle))
+      add_plate(all, turned_text(torsion, frame.turned[i]), middle[0], middle[1], options);
+  }
+}
+
 }  // namespace
 
 double hip_radius(const Scene& scene, const RenderOptions& options) {
@@ -243,6 +257,7 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
     all.translucent.push_back(
         {project(frame.position), hip_radius(scene, options) * project.scale, kHipColour});
   }
+  if (options.letters) name_turned(scene, frame, project, options, all);
   if (options.legend) add_legend(all, scene, camera, options);
   return all;
 }

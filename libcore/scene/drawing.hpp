@@ -47,7 +47,8 @@ struct RenderOptions {
   bool box = true;
   bool hip = true;      ///< with the force
   bool legend = true;   ///< the axes and a scale bar
-  bool letters = true;  ///< what the legend says; without them the caller writes it
+  bool letters = true;  ///< what the legend says, without which the caller writes it, and the names
+                        ///< of torsions that have turned
   int letter_scale = 1;
   Style style = Style::kSpheres;
 };

@@ -87,6 +87,18 @@ void add_label(Drawing& drawing, const Label& label, const RenderOptions& option
                rays * label.left[1] - pixel * kLetterHeight / 2, pixel);
 }
 
+void add_plate(Drawing& drawing, const std::string& text, double x, double y,
+               const RenderOptions& options) {
+  const double rays = options.supersampling;
+  const double half =
+      0.5 * options.letter_scale * kLetterWidth * static_cast<double>(letters_of(text).size());
+  drawing.overlay.push_back({{x - rays * half, y, 0},
+                             {x + rays * half, y, 0},
+                             0.6 * rays * options.letter_scale * kLetterHeight,
+                             kBackground});
+  add_label(drawing, {text, {x / rays - half, y / rays}}, options);
+}
+
 void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
                 const RenderOptions& options) {
   const Legend legend = make_legend(scene, camera, options);

@@ -30,6 +30,9 @@ Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions
 void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
                 const RenderOptions& options);
 
+/// Draws a text on a white plate over everything, its middle in this place of a drawing.
+void add_plate(Drawing& drawing, const std::string& text, double x, double y,
+               const RenderOptions& options);
 /// Draws a text over everything.
 void add_label(Drawing& drawing, const Label& label, const RenderOptions& options);
 

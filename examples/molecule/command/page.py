@@ -27,8 +27,7 @@ class Page:
         at = {name: rows[:, n] for n, name in enumerate(names)}
         run("view", "played.frames", "--xyz", "played.xyz", "--pdb", "played.pdb")
         shapes = frames(self.stages.path("played.xyz"))
-        drawn = curves.draw(self.filters, self.stages, f"{self.name}.toml", (names, rows),
-                            np.array([x for _, _, x in shapes]), self.torsions,
+        drawn = curves.draw(self.stages, (names, rows), np.array([x for _, _, x in shapes]), self.torsions,
                             [float(words["time"]) for words, _, _ in shapes])
         span = [np.ptp(at[axis]) for axis in "xyz"]
         axis = "xyz"[int(np.argmax(span))]

@@ -243,6 +243,30 @@ TEST_CASE("balls and sticks") {
   CHECK(find_bonds(stage.scene, stage.frame).empty());
 }
 
+TEST_CASE("a torsion that has turned is named at its bond") {
+  Stage stage;
+  stage.options = {.width = 300, .height = 300, .box = false, .hip = false, .legend = false};
+  stage.camera.half_width = 1.5;  // 100 pixels a unit
+  for (const float x : {-1.0F, 0.4F, 0.6F, 1.0F}) stage.add(x, 0, 0.5F, 0.01F, {0, 1, 0});
+  stage.scene.torsions = {{{0, 1, 2, 3}, "phi"}};
+  stage.frame.turned = {9};
+  const Image still = stage.render();
+  stage.frame.turned = {-11};
+  const Image turned = stage.render();
+  double x = 0, y = 0, dark = 0;
+  for (int row = 0; row < 300; ++row)
+    for (int column = 0; column < 300; ++column) {
+      if (turned.at(column, row) == still.at(column, row)) continue;
+      if (turned.at(column, row)[1] > 150) continue;
+      x += column;
+      y += row;
+      ++dark;
+    }
+  REQUIRE(dark > 30);
+  CHECK(x / dark == Approx(200).margin(3));  // between the second and the third sphere
+  CHECK(y / dark == Approx(100).margin(3));
+}
+
 TEST_CASE("the model fills the picture, and a HIP far away makes it wider") {
   Stage stage;
   stage.scene.box = {{-9, -9, -9}, 1, {19, 19, 19}};

@@ -7,6 +7,8 @@ const times = numbers(data.times, Float64Array);
 const hips = numbers(data.hips, Float32Array);
 const forces = numbers(data.forces, Float32Array);
 const energies = numbers(data.energies, Float32Array);
+const ownEnergies = numbers(data.own_energies, Float32Array);
+const turned = numbers(data.turned, Float32Array);
 const centres = numbers(data.centres, Float32Array);
 const last = times.length - 1;
 const sizes = Array.from(times, (_, i) => Math.hypot(forces[3 * i], forces[3 * i + 1], forces[3 * i + 2]));
@@ -256,6 +258,35 @@ function drawLegend(width, height, unit) {  // as libcore/scene/legend.cpp does
     c.fillText(axis, x + 33 * right[axis] - 3, y - 33 * up[axis]);
   }
   c.stroke();
+  nameTurned(c, width, height, unit);
+}
+
+function turnedText(k) {
+  const degrees = turned[shown * data.torsions.length + k];
+  return `${data.torsions[k][0]} ${degrees < 0 ? "" : "+"}${degrees.toFixed(0)}°`;
+}
+
+/// The torsions that have turned since the beginning.
+function whatTurned() {
+  return data.torsions.map((_, k) => k)
+    .filter((k) => Math.abs(turned[shown * data.torsions.length + k]) >= data.least_turn);
+}
+
+function nameTurned(c, width, height, unit) {  // each at the middle of its bond
+  const { right, up } = axes();
+  c.textAlign = "center";
+  for (const k of whatTurned()) {
+    const [, a, b] = data.torsions[k];
+    const at = vector(centres, shown * spheres.length + a).add(vector(centres, shown * spheres.length + b))
+      .multiplyScalar(0.5).sub(view.centre);
+    const [x, y] = [width / 2 + right.dot(at) / unit, height / 2 - up.dot(at) / unit];
+    const wide = c.measureText(turnedText(k)).width + 8;
+    c.fillStyle = "#fff";
+    c.fillRect(x - wide / 2, y - 8, wide, 16);
+    c.fillStyle = "#292b33";
+    c.fillText(turnedText(k), x, y);
+  }
+  c.textAlign = "left";
 }
 
 // --- Force and energy ---------------------------------------------------------------------------------------
@@ -272,7 +303,8 @@ function drawCurves() {
   const each = (height - bottomRow) / curves.length;
   curves.forEach(([name, colour, values], k) => {
     const top = k * each + 4, bottom = (k + 1) * each - 4;
-    const real = Array.from(values).filter(Number.isFinite);
+    const both = k === 0 ? [values] : [values, ownEnergies];
+    const real = both.flatMap((list) => Array.from(list)).filter(Number.isFinite);
     const least = k === 0 ? 0 : real.reduce((a, b) => Math.min(a, b));
     const most = real.reduce((a, b) => Math.max(a, b), least);
     const y = (v) => bottom - 1 - (bottom - top - 2) * (v - least) / (most - least || 1);
@@ -290,15 +322,21 @@ function drawCurves() {
     c.fillText(round(most), left - 4, top + 5);
     c.fillText(round(least), left - 4, bottom - 5);
     c.textAlign = "left";
-    c.strokeStyle = colour;
     c.lineWidth = 1.2;
-    c.beginPath();
-    let drawn = false;  // a point that the next one is joined with
-    values.forEach((v, i) => {
-      if (Number.isFinite(v)) drawn ? c.lineTo(at(times[i]), y(v)) : c.moveTo(at(times[i]), y(v));
-      drawn = Number.isFinite(v);
+    both.forEach((list, n) => {
+      c.strokeStyle = n === 0 ? colour : "#008c64";
+      c.beginPath();
+      let drawn = false;  // a point that the next one is joined with
+      list.forEach((v, i) => {
+        if (Number.isFinite(v)) drawn ? c.lineTo(at(times[i]), y(v)) : c.moveTo(at(times[i]), y(v));
+        drawn = Number.isFinite(v);
+      });
+      c.stroke();
     });
-    c.stroke();
+    if (k === 1 && ownEnergies.some(Number.isFinite)) {
+      c.fillStyle = "#008c64";
+      c.fillText("of the model itself", left + 4, top + 6);
+    }
     c.fillStyle = "#282c34";
     c.fillRect(at(times[shown]) - 0.5, top, 1, bottom - top);
   });
@@ -313,6 +351,8 @@ function drawCurves() {
 function drawStatus() {
   let text = `t ${times[shown].toFixed(2)} s   force ${round(sizes[shown])} N`;
   if (Number.isFinite(energies[shown])) text += `   energy ${round(energies[shown])} ${data.energy_unit}`;
+  if (Number.isFinite(ownEnergies[shown])) text += `   itself ${round(ownEnergies[shown])}`;
+  text += whatTurned().map((k) => "   " + turnedText(k)).join("");
   text += `   snaps ${data.snaps.filter((i) => i <= shown).length} of ${data.snaps.length}`;
   element("status").textContent = text;
 }
