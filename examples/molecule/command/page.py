@@ -52,6 +52,9 @@ class Page:
         for picture, t in when.items():
             run("view", "played.frames", "--at", f"{t:.3f}", *view, "--png", picture)
             made.append(picture)
+            sticks = picture.replace(".png", "-sticks.png")
+            run("view", "played.frames", "--at", f"{t:.3f}", *view, "--style", "sticks", "--png", sticks)
+            made.append(sticks)
         run("view", "played.frames", *view, "--html", "played.html")
         made.append("played.html")
         files.write_whole(self.stages.path("index.html"), self._html([n for n in made if n.endswith(".png")]))

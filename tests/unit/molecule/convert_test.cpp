@@ -5,8 +5,10 @@
 #include <cstring>
 #include <deque>
 #include <map>
+#include <utility>
 
 #include "examples/molecule/conversion.hpp"
+#include "libcore/scene/bonds.hpp"
 #include "tests/unit/molecule/reference.hpp"
 
 using namespace molecules;
@@ -83,6 +85,20 @@ TEST_CASE("what the model says of itself") {
   for (std::size_t i = 0; i < 22; ++i)
     for (std::size_t a = 0; a < 3; ++a)
       CHECK(std::abs(centres[3 * i + a] - molecule.conformation[i][static_cast<int>(a)]) < 1e-6);
+}
+
+TEST_CASE("pictures join the atoms that Open Babel does") {
+  for (const Source* source : {&kButane, &kDipeptide, &kEnkephalin}) {
+    const Molecule molecule = source->read();
+    hapgrid::Scene scene;
+    scene.spheres = source->make()->info().spheres;
+    hapgrid::Frame frame;
+    for (const Eigen::Vector3d& at : molecule.conformation)
+      for (const double x : at) frame.centres.push_back(static_cast<float>(x));
+    std::vector<std::pair<int, int>> bonds;
+    for (const auto& [a, b] : hapgrid::find_bonds(scene, frame)) bonds.emplace_back(a, b);
+    CHECK(bonds == molecule.bonds);
+  }
 }
 
 TEST_CASE("torsions and the energy of the molecule itself") {
