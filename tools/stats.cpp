@@ -200,10 +200,13 @@ void plot_text(const InputFile& file, const Options& options) {
   std::vector<MotionCurve> curves;
   for (std::size_t i = 0; i < names.size(); ++i)
     curves.push_back({names[i], split_motion(ticks[i])});
-  write_picture(options.png,
-                motion_script(curves, y_label + " over " + x_label + ", there and back",
-                              file.name() + ": " + std::to_string(ticks[0].size()) + " ticks",
-                              x_label, y_label));
+  // The title needs no units, which the axes have.
+  const auto quantity = [](const std::string& label) { return label.substr(0, label.find(" / ")); };
+  write_picture(
+      options.png,
+      motion_script(curves, quantity(y_label) + " over " + quantity(x_label) + ", there and back",
+                    file.name() + ": " + std::to_string(ticks[0].size()) + " ticks", x_label,
+                    y_label));
 }
 
 /// A session or a text, whichever the content is.

@@ -61,6 +61,7 @@ same "a log" "x of the HIP / $length"$'\nstate s0 / model\'\'s unit' "$(labels -
 same "a force" $'x of the HIP / rope lengths\nx of the force / N' "$(labels grid --log forces --plot x,sent_x)"
 printf '# t\tenergy\n0\t-1\n1\t0\n' >energies
 same "an energy" $'t / s\nenergy / N rope lengths' "$(labels grid --log energies --plot t,energy)"
+same "its title" "energy over t, there and back" "$(sed -nE "s/^set label 1 '([^']*)'.*/\1/p" script)"
 same "in words" $'a\nb' "$(labels grid --log energies --plot t,energy --labels a,b)"
 molecule=$HAPGRID_SOURCE/examples/molecule/butane/butane.toml
 seed "$molecule" -o butane
