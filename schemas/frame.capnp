@@ -49,6 +49,19 @@ struct Scene {
 
   keys @9 :Text;
   # For people: what the keys do that play reads; empty where it reads none.
+
+  torsions @10 :List(Torsion);
+  # Angles that viewers follow and name; empty where there are none.
+}
+
+struct Torsion {
+  # The angle between two planes, through the spheres a b c and through b c d.
+
+  name @0 :Text;
+  a @1 :UInt32;
+  b @2 :UInt32;
+  c @3 :UInt32;
+  d @4 :UInt32;
 }
 
 struct Vector {
@@ -93,4 +106,7 @@ struct Frame {
 
   jumps @10 :UInt64;
   # In how many ticks the state has jumped, because the play began or the model snaps there.
+
+  ownEnergy @11 :Float64 = nan;
+  # In energyUnit, of the model by itself, without the HIP; NaN where the model does not tell it.
 }

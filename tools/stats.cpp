@@ -161,14 +161,38 @@ std::vector<std::string> columns_of(const std::string& y) {
   return {y};
 }
 
+/// What the axis of a log's column says: the quantity and its unit, which a grid tells of lengths
+/// and energies. A state's unit is known to the model alone.
+std::string column_label(const std::string& column, const GridSpec& spec) {
+  const auto unit = [](const std::string& name, const char* unknown) {
+    return name.empty() ? unknown : name;
+  };
+  if (column == "t") return axis_label("t", "s");
+  if (column == "x" || column == "y" || column == "z")
+    return axis_label(column + " of the HIP", unit(spec.length_unit, "model's unit of length"));
+  if (column == "energy" || column == "own_energy")
+    return axis_label(column == "energy" ? "energy" : "energy of the model itself",
+                      unit(spec.energy_unit, "model's unit of energy"));
+  for (const char axis : std::string("xyz"))
+    if (column == std::string("force_") + axis || column == std::string("sent_") + axis)
+      return axis_label(column.substr(column.size() - 1) + " of the force", "N");
+  if (column.size() > 1 && (column[0] == 's' || column[0] == 'l') &&
+      column.find_first_not_of("0123456789", 1) == column.npos)
+    return column[0] == 'l' ? "level in corner " + column.substr(1)
+                            : axis_label("state " + column, "model's unit");
+  return column;
+}
+
 void plot_text(const InputFile& file, const Options& options) {
   if (options.plot.empty() || options.png.empty())
     throw UsageError("--log: a log that is text needs --plot and --png");
   if (asks_for_session(options.session) || !options.npz.empty())
     throw UsageError("--from, --to, --export, --npz and --salvage are for sessions, not text");
   const auto [x, y] = *parse_pair(options.plot);
-  const auto [x_label, y_label] =
-      *parse_pair(options.labels.empty() ? options.plot : options.labels);
+  const GridSpec spec = options.grid == "-" ? GridSpec{} : open_grid(options.grid).header.spec;
+  const auto [x_label, y_label] = options.labels.empty()
+                                      ? std::pair(column_label(x, spec), column_label(y, spec))
+                                      : *parse_pair(options.labels);
   InputBuffer buffer(file);
   std::istream lines(&buffer);
   const std::vector<std::string> names = columns_of(y);
@@ -176,10 +200,13 @@ void plot_text(const InputFile& file, const Options& options) {
   std::vector<MotionCurve> curves;
   for (std::size_t i = 0; i < names.size(); ++i)
     curves.push_back({names[i], split_motion(ticks[i])});
-  write_picture(options.png,
-                motion_script(curves, y_label + " over " + x_label + ", there and back",
-                              file.name() + ": " + std::to_string(ticks[0].size()) + " ticks",
-                              x_label, y_label));
+  // The title needs no units, which the axes have.
+  const auto quantity = [](const std::string& label) { return label.substr(0, label.find(" / ")); };
+  write_picture(
+      options.png,
+      motion_script(curves, quantity(y_label) + " over " + quantity(x_label) + ", there and back",
+                    file.name() + ": " + std::to_string(ticks[0].size()) + " ticks", x_label,
+                    y_label));
 }
 
 /// A session or a text, whichever the content is.
@@ -216,8 +243,8 @@ void check_options(const Options& options) {
   if (asks_for_session(options.session) && !reads_log)
     throw UsageError("--from, --to, --export and --salvage need --log");
   if (!options.get.empty()) require_known_key(options.get);
-  if (reads_log && options.grid != "-")
-    throw UsageError("--log tells of a play and reads no shard");
+  if (reads_log && options.grid != "-" && options.plot.empty())
+    throw UsageError("--log tells of a play and reads no shard, except for the units of --plot");
 }
 
 /// The report on the whole grid, or one value of it.
@@ -301,7 +328,8 @@ void add_log_options(CommandLine& app, Options& options) {
   app.add("--plot", options.plot, "Draw column Y of a text log over column X (--png)")
       .type("X,Y")
       .check(is_pair, "two texts with a comma between");
-  app.add("--labels", options.labels, "Labels of the plot's axes (default: the names)")
+  app.add("--labels", options.labels,
+          "Labels of the plot's axes (default: the columns with units, of GRID if it is named)")
       .type("X,Y")
       .check(is_pair, "two texts with a comma between");
 }

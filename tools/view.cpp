@@ -44,6 +44,7 @@ struct Options {
   double elevation_degrees = Camera{}.elevation_degrees;
   double hip_radius = 0;
   double arrow = 0;
+  std::string style = "spheres";
   bool window = false;
   bool close = false;
   std::string screenshot;
@@ -181,6 +182,7 @@ RenderOptions render_options(const Options& options) {
   std::tie(how.width, how.height) = *parse_size(options.size);
   how.hip_radius = options.hip_radius;
   how.arrow = options.arrow;
+  how.style = options.style == "sticks" ? Style::kSticks : Style::kSpheres;
   return how;
 }
 
@@ -298,6 +300,9 @@ void add_live_options(CommandLine& app, Options& options) {
 
 void add_picture_options(CommandLine& app, Options& options) {
   app.group("The picture");
+  app.add("--style", options.style, "Whole spheres, or balls and sticks")
+      .one_of({"spheres", "sticks"})
+      .shows_default();
   app.add("--size", options.size, "Pixels of the picture or of the window")
       .type("WxH")
       .check([](const std::string& text) { return parse_size(text).has_value(); },
@@ -326,7 +331,7 @@ void check_picture(const CommandLine& app) {
   if (app.given("--hip-label") && !app.given("--xyz") && !app.given("--pdb"))
     throw UsageError("--hip-label requires --xyz or --pdb");
   if (app.given("--size") && !picture) throw UsageError("--size requires --png or --window");
-  for (const char* const name : {"--azimuth", "--elevation", "--hip-radius", "--arrow"})
+  for (const char* const name : {"--style", "--azimuth", "--elevation", "--hip-radius", "--arrow"})
     if (app.given(name) && !picture && !app.given("--terminal") && !app.given("--html"))
       throw UsageError(std::string(name) + " requires --png, --html, --window or --terminal");
 }
@@ -343,15 +348,16 @@ int main(int argc, char** argv) {
   add_file_options(app, options);
   add_live_options(app, options);
   add_picture_options(app, options);
-  app.set_help("view",
-               "In a file's name '-' is standard output. Lengths are in the model's unit.\n"
-               "\n"
-               "In the window:\n"
-               "  mouse    drag: turn; right drag: move; wheel: zoom\n"
-               "  keys     h, ?: help; space: pause; r: the first view; s: write hapgrid-TICK.png\n"
-               "           into the working directory; q, Escape: close\n"
-               "With --hand the mouse moves the HIP in the plane of the picture, and the wheel in\n"
-               "depth; key t: the mouse turns the view instead, and back.\n");
+  app.set_help(
+      "view",
+      "In a file's name '-' is standard output. Lengths are in the model's unit.\n"
+      "\n"
+      "In the window:\n"
+      "  mouse    drag: turn; right drag: move; wheel: zoom\n"
+      "  keys     h, ?: help; space: pause; b: balls and sticks, spheres; r: the first view;\n"
+      "           s: write hapgrid-TICK.png into the working directory; q, Escape: close\n"
+      "With --hand the mouse moves the HIP in the plane of the picture, and the wheel in\n"
+      "depth; key t: the mouse turns the view instead, and back.\n");
   return run_tool(app, argc, argv, [&] {
     check_picture(app);
     return run(options);

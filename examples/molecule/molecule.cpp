@@ -34,6 +34,7 @@ class MoleculeModel {
     info.force_scale = setup_.force_scale;
     info.hip_radius = setup_.energy.probe_radius;
     info.spheres = static_cast<std::uint32_t>(setup_.molecule.atoms.size());
+    info.torsions = static_cast<std::uint32_t>(setup_.torsions.size());
     return info;
   }
 
@@ -68,6 +69,12 @@ class MoleculeModel {
   }
 
   void shape(const double* s, float* centres) { energy_.positions(s, centres); }
+
+  double own_energy(const double* s) { return energy_.shape_energy(s); }
+
+  void torsions(hapgrid_torsion* torsions) const {
+    std::copy(setup_.torsions.begin(), setup_.torsions.end(), torsions);
+  }
 
  private:
   Setup setup_;

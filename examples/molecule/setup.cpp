@@ -1,5 +1,11 @@
 #include "examples/molecule/setup.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <locale>
+#include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include "examples/parameters.hpp"
@@ -12,6 +18,27 @@ void read(PluginParameters& parameters, const char* key, double least, double mo
   value = parameters.number(key, value);
   if (!(value >= least && value <= most))
     refuse(key, value, "from " + decimal(least) + " to " + decimal(most));
+}
+
+/// "NAME A B C D", atoms from 1.
+hapgrid_torsion read_torsion(const std::string& text, std::size_t atoms) {
+  hapgrid_torsion torsion{};
+  std::istringstream words(text);
+  words.imbue(std::locale::classic());
+  std::string name, rest;
+  std::array<std::size_t, 4> numbers{};
+  bool good = !!(words >> name) && name.size() < sizeof torsion.name;
+  for (int k = 0; good && k < 4; ++k) {
+    good = words >> numbers[k] && numbers[k] >= 1 && numbers[k] <= atoms;
+    torsion.spheres[k] = static_cast<std::uint32_t>(numbers[k] - 1);
+  }
+  if (!good || words >> rest || std::set(numbers.begin(), numbers.end()).size() < 4)
+    throw std::runtime_error("parameter torsions: '" + text +
+                             "' is not like \"psi 5 7 9 15\": a name of at most 23 letters and "
+                             "four of the atoms 1 to " +
+                             std::to_string(atoms));
+  std::copy(name.begin(), name.end(), torsion.name);
+  return torsion;
 }
 
 }  // namespace
@@ -30,10 +57,13 @@ Setup read_setup(PluginParameters& parameters) {
   const std::string conformation = parameters.text("conformation", "");
   const std::vector<std::string> transition_states = parameters.texts("transition_states");
   const std::vector<double> energies = parameters.numbers("energies");
+  const std::vector<std::string> torsions = parameters.texts("torsions");
   parameters.finish();
   if (conformation.empty())
     throw std::runtime_error("parameter conformation is missing: a text in XYZ or SDF format");
   setup.molecule = read_molecule(conformation, transition_states, energies);
+  for (const std::string& text : torsions)
+    setup.torsions.push_back(read_torsion(text, setup.molecule.atoms.size()));
   return setup;
 }
 

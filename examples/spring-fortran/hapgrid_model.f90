@@ -1,4 +1,4 @@
-! hapgrid's model interface (libcore/model/plugin.h, interface version 2) in Fortran 2008: the
+! hapgrid's model interface (libcore/model/plugin.h, interface version 3) in Fortran 2008: the
 ! structs of the header as interoperable types, and procedures that every model in Fortran needs.
 ! Copy this file beside your model; spring.f90 shows how it is used. The header explains what each
 ! function must do.
@@ -11,7 +11,7 @@ module hapgrid_model
   implicit none
   public
 
-  integer(c_int32_t), parameter :: hapgrid_model_interface = 2
+  integer(c_int32_t), parameter :: hapgrid_model_interface = 3
 
   ! hapgrid_parameter%type.
   integer(c_int32_t), parameter :: hapgrid_boolean = 0, hapgrid_number = 1, hapgrid_text = 2, &
@@ -40,12 +40,18 @@ module hapgrid_model
     real(c_double) :: force_scale
     real(c_double) :: hip_radius
     integer(c_int32_t) :: spheres
+    integer(c_int32_t) :: torsions
   end type
 
   type, bind(c) :: hapgrid_sphere
     real(c_float) :: radius
     real(c_float) :: colour(3)
     character(kind=c_char) :: label(8)
+  end type
+
+  type, bind(c) :: hapgrid_torsion
+    integer(c_int32_t) :: spheres(4)       ! numbers of spheres, from 0
+    character(kind=c_char) :: name(24)
   end type
 
   ! The functions as the header declares them (see spring.f90). One that a model leaves out stays null.
@@ -62,6 +68,8 @@ module hapgrid_model
     type(c_funptr) :: energy = c_null_funptr
     type(c_funptr) :: spheres = c_null_funptr
     type(c_funptr) :: shape = c_null_funptr
+    type(c_funptr) :: own_energy = c_null_funptr
+    type(c_funptr) :: torsions = c_null_funptr
   end type
 
 contains

@@ -104,4 +104,14 @@ std::string printable_text(std::string_view text) {
   return lines + printable_line(text, text.npos);
 }
 
+std::string unit_sign(std::string_view unit) {
+  return unit == "angstrom" ? "Å" : printable_line(unit, 24);
+}
+
+std::string axis_label(std::string_view quantity, std::string_view unit) {
+  const std::string sign = unit_sign(unit);
+  const bool quotient = sign.find('/') != sign.npos;
+  return std::string(quantity) + " / " + (quotient ? "(" + sign + ")" : sign);
+}
+
 }  // namespace hapgrid

@@ -26,7 +26,13 @@ std::string rounded(double value);
 /// it reaches a terminal.
 std::string printable_line(std::string_view text, std::size_t limit = 200);
 
-/// The same for a text of any length whose line ends and tabs are our own.
+/// A unit as pictures and plots show it: "Å" for angstrom; any other as it is, in a printable line.
+std::string unit_sign(std::string_view unit);
+
+/// What stands at the axis of a plot: "energy / (kJ/mol)", "x / Å".
+std::string axis_label(std::string_view quantity, std::string_view unit);
+
+/// The same as printable_line() for a text of any length whose line ends and tabs are our own.
 std::string printable_text(std::string_view text);
 
 }  // namespace hapgrid

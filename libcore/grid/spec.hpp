@@ -44,6 +44,15 @@ struct Sphere {
 };
 inline constexpr std::size_t kMaxLabelSize = 7;
 
+/// A torsion that people watch: the angle between the planes through the first and the last three
+/// of four spheres.
+struct Torsion {
+  std::array<std::uint32_t, 4> spheres{};
+  std::string name;
+  friend bool operator==(const Torsion&, const Torsion&) = default;
+};
+inline constexpr std::uint32_t kMaxTorsions = 4096;
+
 /// The most spheres; viewers get them 25 times a second.
 inline constexpr std::uint32_t kMaxSpheres = 1u << 20;
 

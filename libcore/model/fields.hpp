@@ -23,6 +23,11 @@ class Fields {
   /// Newtons that one unit of energy per unit of length is; 0 where it is not
   /// known.
   double force_scale() const { return model_ ? model_->info().force_scale : spec_.force_scale; }
+  bool has_own_energy() const { return model_ && model_->has_own_energy(); }
+  /// Torsions of the spheres; empty where a grid that stores its shape is played without a model.
+  std::vector<Torsion> torsions() const {
+    return model_ && !spheres_.empty() ? model_->info().torsions : std::vector<Torsion>();
+  }
   /// The spheres of shape(); empty where there is no shape.
   const std::vector<Sphere>& spheres() const { return spheres_; }
 
@@ -30,6 +35,10 @@ class Fields {
   Vec3 force(const Vec3& x, std::span<const double> row) const noexcept;
   /// In the model's unit; needs has_energy(). Real-time safe, as far as the model is.
   double energy(const Vec3& x, std::span<const double> row) const noexcept;
+  /// The same of the model by itself, without the HIP; needs has_own_energy().
+  double own_energy(std::span<const double> row) const noexcept {
+    return model_->own_energy(row.data());
+  }
   /// Centres of the spheres, x y z by sphere. Real-time safe, as far as the model is.
   void shape(std::span<const double> row, std::span<float> centres) const noexcept;
 

@@ -80,6 +80,11 @@ double Model::energy(const Vec3&, const double*) const {
   return 0;
 }
 
+double Model::own_energy(const double*) const {
+  assert(!"this model has no energy of its own");
+  return 0;
+}
+
 void Model::shape(const double*, std::span<float>) const { assert(!"this model has no shape"); }
 
 std::unique_ptr<Model> declared_model(const GridSpec& spec) {

@@ -29,7 +29,8 @@ struct ModelInfo {
   double force_scale = 0;  ///< newtons that one energy unit per length unit is on the device
   double hip_radius = 0;
   Stored stored;
-  std::vector<Sphere> spheres;  ///< show a state; empty where the model has no shape
+  std::vector<Sphere> spheres;    ///< show a state; empty where the model has no shape
+  std::vector<Torsion> torsions;  ///< of the shape
 
   std::uint32_t row_size() const {
     return hapgrid::row_size(state_size, stored, stored.shape ? spheres.size() : 0);
@@ -95,10 +96,13 @@ class Model {
   virtual bool has_force() const { return false; }
   virtual bool has_energy() const { return false; }
   virtual bool has_shape() const { return false; }
+  virtual bool has_own_energy() const { return false; }
   /// F(x, s) in newtons; needs has_force(). As real-time safe as the model.
   virtual Vec3 force(const Vec3& x, const double* s) const;
   /// The energy of state s with the HIP at x, in info().energy_unit; needs has_energy().
   virtual double energy(const Vec3& x, const double* s) const;
+  /// The same of state s by itself, without the HIP; needs has_own_energy().
+  virtual double own_energy(const double* s) const;
   /// The centres of info().spheres in state s, x y z by sphere; needs has_shape().
   virtual void shape(const double* s, std::span<float> centres) const;
 

@@ -16,8 +16,9 @@
  * has written one line into `error` (at most `error_size` bytes, with the final NUL). No C++
  * exception may leave a plug-in.
  *
- * Real time. force(), energy() and shape() are called inside the haptic loop: no allocation, no
- * lock, no input or output. Those that info.stored names are called by expand alone, and may.
+ * Real time. force(), energy(), own_energy() and shape() are called inside the haptic loop: no
+ * allocation, no lock, no input or output. Those that info.stored names are called by expand
+ * alone, and may.
  */
 #ifndef HAPGRID_MODEL_PLUGIN_H
 #define HAPGRID_MODEL_PLUGIN_H
@@ -30,7 +31,7 @@ extern "C" {
 #endif
 
 /* Raised by every change that a compiled plug-in would notice. */
-#define HAPGRID_MODEL_INTERFACE 2
+#define HAPGRID_MODEL_INTERFACE 3
 
 enum hapgrid_parameter_type {
   HAPGRID_BOOLEAN = 0, /* numbers[0] is 0 or 1 */
@@ -71,6 +72,7 @@ typedef struct hapgrid_model_info {
                          * smooth branch, force = -force_scale * gradient of energy; with energy() */
   double hip_radius;    /* of the ball that the HIP moves, for pictures; 0 when it is none */
   uint32_t spheres;     /* how many spheres show a state; 0 without spheres() and shape() */
+  uint32_t torsions;    /* how many torsions people watch; 0 without torsions() */
 } hapgrid_model_info;
 
 /* What stays the same of a sphere, whatever the state. */
@@ -79,6 +81,12 @@ typedef struct hapgrid_sphere {
   float colour[3]; /* red, green, blue in [0, 1] */
   char label[8];   /* of an atom its element's symbol; NUL-terminated, may be empty */
 } hapgrid_sphere;
+
+/* The angle between two planes, through the first three and the last three of four spheres. */
+typedef struct hapgrid_torsion {
+  uint32_t spheres[4]; /* numbers of spheres, from 0 */
+  char name[24];       /* NUL-terminated */
+} hapgrid_torsion;
 
 typedef struct hapgrid_model hapgrid_model; /* the plug-in's own */
 
@@ -118,6 +126,13 @@ typedef struct hapgrid_model_table {
    * sphere, in the model's unit of length. */
   void (*spheres)(const hapgrid_model* model, hapgrid_sphere* spheres);
   void (*shape)(hapgrid_model* model, const double* s, float* centres);
+
+  /* Optional (NULL): the energy of state s by itself, in info.energy_unit: without the HIP, and
+   * without what only holds the model in its place. */
+  double (*own_energy)(hapgrid_model* model, const double* s);
+
+  /* Optional (NULL): writes the info.torsions torsions that pictures name and follow. */
+  void (*torsions)(const hapgrid_model* model, hapgrid_torsion* torsions);
 } hapgrid_model_table;
 
 /* The one symbol that a plug-in exports. */

@@ -12,6 +12,8 @@
 //     double energy(const double* x, const double* s);
 //     void spheres(hapgrid_sphere* spheres) const;                // both or none
 //     void shape(const double* s, float* centres);
+//     double own_energy(const double* s);
+//     void torsions(hapgrid_torsion* torsions) const;
 //   };
 //   HAPGRID_MODEL_PLUGIN(Spring, "a mass on a spring")
 #pragma once
@@ -158,6 +160,14 @@ hapgrid_model_table table(const char* summary) {
       reinterpret_cast<Model*>(m)->shape(s, centres);
     };
   }
+  if constexpr (requires(Model & m, const double* s) { m.own_energy(s); })
+    t.own_energy = [](hapgrid_model* m, const double* s) -> double {
+      return reinterpret_cast<Model*>(m)->own_energy(s);
+    };
+  if constexpr (requires(const Model& m, hapgrid_torsion* t) { m.torsions(t); })
+    t.torsions = [](const hapgrid_model* m, hapgrid_torsion* torsions) {
+      reinterpret_cast<const Model*>(m)->torsions(torsions);
+    };
   return t;
 }
 

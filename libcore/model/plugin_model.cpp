@@ -68,6 +68,27 @@ class CParameters {
 };
 
 /// @throw ModelError
+std::vector<Torsion> torsions_of(const hapgrid_model_table& table, const hapgrid_model* model,
+                                 const hapgrid_model_info& in) {
+  if (in.torsions > kMaxTorsions)
+    throw ModelError(std::to_string(in.torsions) + " torsions; " + std::to_string(kMaxTorsions) +
+                     " are possible");
+  std::vector<hapgrid_torsion> given(in.torsions);
+  table.torsions(model, given.data());
+  std::vector<Torsion> torsions;
+  for (hapgrid_torsion& t : given) {
+    t.name[sizeof t.name - 1] = '\0';
+    torsions.push_back({{}, printable_line(t.name)});
+    for (int k = 0; k < 4; ++k) {
+      torsions.back().spheres[k] = t.spheres[k];
+      if (!table.shape || t.spheres[k] >= in.spheres)
+        throw ModelError("torsion " + torsions.back().name + " has a sphere that is not there");
+    }
+  }
+  return torsions;
+}
+
+/// @throw ModelError
 ModelInfo info_of(const hapgrid_model_table& table, const hapgrid_model* model,
                   const Stored& store) {
   hapgrid_model_info in{};
@@ -100,6 +121,7 @@ ModelInfo info_of(const hapgrid_model_table& table, const hapgrid_model* model,
           {s.radius, {s.colour[0], s.colour[1], s.colour[2]}, printable_line(s.label)});
     }
   }
+  if (table.torsions && in.torsions > 0) info.torsions = torsions_of(table, model, in);
   if (info.stored.shape && info.spheres.empty())
     throw ModelError("info.stored names a shape without spheres");
   if (store.force && !table.force) throw ModelError("has no force that could be stored");
@@ -142,6 +164,8 @@ class PluginModel final : public Model {
   double energy(const Vec3& x, const double* s) const override {
     return table_.energy(model_.get(), x.data(), s);
   }
+  bool has_own_energy() const override { return table_.own_energy != nullptr; }
+  double own_energy(const double* s) const override { return table_.own_energy(model_.get(), s); }
   void shape(const double* s, std::span<float> centres) const override {
     table_.shape(model_.get(), s, centres.data());
   }

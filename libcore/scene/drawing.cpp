@@ -6,7 +6,9 @@
 #include <numbers>
 
 #include "libcore/grid/vec3.hpp"
+#include "libcore/scene/bonds.hpp"
 #include "libcore/scene/legend.hpp"
+#include "libcore/scene/torsion.hpp"
 
 namespace hapgrid {
 
@@ -16,6 +18,10 @@ constexpr Colour kBoxColour{0.62F, 0.65F, 0.7F};
 constexpr Colour kHipColour{0.15F, 0.35F, 0.95F};
 constexpr Colour kForceColour{0.85F, 0.1F, 0.1F};
 constexpr double kLinePixels = 0.6;  // half the width of the box's edges
+constexpr double kAround = 1.06;     // around what fills a picture
+// Of the radius of a sphere, and of the smaller of two, in the style of balls and sticks.
+constexpr double kBallPart = 0.25;
+constexpr double kStickPart = 0.12;
 
 Vec3 along(const Vec3& a, const Vec3& b, double t) {
   return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
@@ -53,6 +59,34 @@ Vec3 corner(const Box& box, int c) {
                                       c & 4 ? box.counts[2] - 1 : 0});
 }
 
+Vec3 sphere_centre(const Frame& frame, std::size_t i) {
+  return {frame.centres[3 * i], frame.centres[3 * i + 1], frame.centres[3 * i + 2]};
+}
+
+/// How wide a picture around the camera's centre must be to have a ball in it, whole and with a
+/// margin; 0 for what is in no finite place.
+class Reach {
+ public:
+  Reach(const Camera& camera, const RenderOptions& options)
+      : axes_(camera), centre_(axes_(camera.centre)) {
+    const double nearer = std::min(options.width, options.height);
+    parts_ = {nearer / options.width, nearer / options.height};
+  }
+  double operator()(const Vec3& v, double radius) const {
+    if (!finite(v)) return 0;
+    const Vec3 p = axes_(v);
+    const double x = std::abs(p[0] - centre_[0]) + radius;
+    const double y = std::abs(p[1] - centre_[1]) + radius;
+    const double half = kAround * std::max(x * parts_[0], y * parts_[1]);
+    return std::isfinite(half) ? half : 0;
+  }
+
+ private:
+  PictureAxes axes_;
+  Vec3 centre_;
+  std::array<double, 2> parts_;
+};
+
 struct Arrow {
   Vec3 from;
   Vec3 to;
@@ -83,6 +117,34 @@ void add_arrow(const Arrow& a, const Projection& project, std::vector<Ball>& bal
   }
 }
 
+/// As many balls that stand close together, each half in the colour of its end.
+void add_stick(const Scene& scene, const Frame& frame, const std::array<std::uint32_t, 2>& bond,
+               const Projection& project, std::vector<Ball>& balls) {
+  const std::array ends{sphere_centre(frame, bond[0]), sphere_centre(frame, bond[1])};
+  const double radius =
+      kStickPart * std::min(scene.spheres[bond[0]].radius, scene.spheres[bond[1]].radius);
+  const double length =
+      std::hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1], ends[1][2] - ends[0][2]);
+  // A 16th of a radius apart they look like one thing: the notches are a 2000th of it deep.
+  const int steps = 1 + static_cast<int>(std::min(16 * length / radius, 4000.0));
+  for (int i = 0; i <= steps; ++i)
+    balls.push_back({project(along(ends[0], ends[1], static_cast<double>(i) / steps)),
+                     radius * project.scale, scene.spheres[bond[2 * i > steps]].colour});
+}
+
+/// The torsions that have turned, each at the middle of its bond.
+void name_turned(const Scene& scene, const Frame& frame, const Projection& project,
+                 const RenderOptions& options, Drawing& all) {
+  for (std::size_t i = 0; i < frame.turned.size(); ++i) {
+    if (!(std::abs(frame.turned[i]) >= kTurned)) continue;
+    const Torsion& torsion = scene.torsions[i];
+    const Vec3 middle = project(along(sphere_centre(frame, torsion.spheres[1]),
+                                      sphere_centre(frame, torsion.spheres[2]), 0.5));
+    if (finite(middle))
+      add_plate(all, turned_text(torsion, frame.turned[i]), middle[0], middle[1], options);
+  }
+}
+
 }  // namespace
 
 double hip_radius(const Scene& scene, const RenderOptions& options) {
@@ -110,8 +172,8 @@ Camera panned(const Camera& camera, const RenderOptions& options, double right, 
   return moved;
 }
 
-Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
-                  double azimuth_degrees, double elevation_degrees) {
+Camera fit_model(const Scene& scene, const Frame& frame, const RenderOptions& options,
+                 double azimuth_degrees, double elevation_degrees) {
   Camera camera{azimuth_degrees, elevation_degrees, {0, 0, 0}, 1};
   const PictureAxes axes(camera);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -125,20 +187,15 @@ Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& o
       high[a] = std::max(high[a], p[a] + radius);
     }
   };
-  if (options.box)
-    for (int c = 0; c < 8; ++c) see(corner(scene.box, c), 0);
+  const double room = options.hip ? hip_radius(scene, options) : 0;
   for (std::size_t i = 0; i < scene.spheres.size(); ++i)
-    see({frame.centres[3 * i], frame.centres[3 * i + 1], frame.centres[3 * i + 2]},
-        scene.spheres[i].radius);
-  if (options.hip) {
-    const Arrow force = arrow(scene, frame, options);
-    see(frame.position, hip_radius(scene, options));
-    see(force.to, 2.5 * force.radius);
-  }
+    see(sphere_centre(frame, i), scene.spheres[i].radius + room);
+  if (options.box && !(low[0] <= high[0]))
+    for (int c = 0; c < 8; ++c) see(corner(scene.box, c), 0);
+  if (options.hip && !(low[0] <= high[0])) see(frame.position, room);
   if (!(low[0] <= high[0])) return camera;  // nothing to see
-  const double margin = 1.06;
   const double nearer = std::min(options.width, options.height);
-  camera.half_width = 0.5 * margin *
+  camera.half_width = 0.5 * kAround *
                       std::max((high[0] - low[0]) * nearer / options.width,
                                (high[1] - low[1]) * nearer / options.height);
   if (!(camera.half_width > 0)) camera.half_width = 1;
@@ -149,17 +206,45 @@ Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& o
   return camera;
 }
 
+double needed_half_width(const Scene& scene, const Frame& frame, const Camera& camera,
+                         const RenderOptions& options) {
+  const Reach reach(camera, options);
+  double half = 0;
+  for (std::size_t i = 0; i < scene.spheres.size(); ++i)
+    half = std::max(half, reach(sphere_centre(frame, i), scene.spheres[i].radius));
+  if (!options.hip) return half;
+  return std::max(half, reach(frame.position, hip_radius(scene, options)));
+}
+
+double needed_for_arrow(const Scene& scene, const Frame& frame, const Camera& camera,
+                        const RenderOptions& options) {
+  if (!options.hip) return 0;
+  const Arrow force = arrow(scene, frame, options);
+  return Reach(camera, options)(force.to, 2.5 * force.radius);
+}
+
+Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
+                  double azimuth_degrees, double elevation_degrees) {
+  Camera camera = fit_model(scene, frame, options, azimuth_degrees, elevation_degrees);
+  camera.half_width = std::max({camera.half_width, needed_half_width(scene, frame, camera, options),
+                                needed_for_arrow(scene, frame, camera, options)});
+  return camera;
+}
+
 Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
              const RenderOptions& options) {
   const Projection project(camera, options);
   Drawing all;
+  const double part = options.style == Style::kSticks ? kBallPart : 1;
   for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
-    const float* c = frame.centres.data() + 3 * i;
-    const Vec3 centre{c[0], c[1], c[2]};
+    const Vec3 centre = sphere_centre(frame, i);
     if (!finite(centre)) continue;
     all.balls.push_back(
-        {project(centre), scene.spheres[i].radius * project.scale, scene.spheres[i].colour});
+        {project(centre), part * scene.spheres[i].radius * project.scale, scene.spheres[i].colour});
   }
+  if (options.style == Style::kSticks)
+    for (const auto& bond : find_bonds(scene, frame))
+      add_stick(scene, frame, bond, project, all.balls);
   if (options.box)
     for (int c = 0; c < 8; ++c)
       for (int axis = 0; axis < 3; ++axis)
@@ -172,6 +257,7 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
     all.translucent.push_back(
         {project(frame.position), hip_radius(scene, options) * project.scale, kHipColour});
   }
+  if (options.letters) name_turned(scene, frame, project, options, all);
   if (options.legend) add_legend(all, scene, camera, options);
   return all;
 }

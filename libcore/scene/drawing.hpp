@@ -32,6 +32,12 @@ struct PictureAxes {
   Vec3 operator()(const Vec3& v) const { return {dot(right, v), dot(up, v), dot(near, v)}; }
 };
 
+/// How the model's spheres are drawn.
+enum class Style {
+  kSpheres,  ///< whole
+  kSticks,   ///< smaller balls, and sticks between those that are joined (bonds.hpp)
+};
+
 struct RenderOptions {
   int width = 800;
   int height = 600;
@@ -41,8 +47,10 @@ struct RenderOptions {
   bool box = true;
   bool hip = true;      ///< with the force
   bool legend = true;   ///< the axes and a scale bar
-  bool letters = true;  ///< what the legend says; without them the caller writes it
+  bool letters = true;  ///< what the legend says, without which the caller writes it, and the names
+                        ///< of torsions that have turned
   int letter_scale = 1;
+  Style style = Style::kSpheres;
 };
 
 /// The radius of the ball at the HIP, and the length of the arrow for a newton.
@@ -54,6 +62,8 @@ using Colour = std::array<float, 3>;
 
 inline constexpr Colour kBackground{1, 1, 1};
 inline constexpr float kHipOpacity = 0.6F;
+/// Of the HIP where something stands before it: that fades, so that the HIP is never hidden.
+inline constexpr float kHiddenOpacity = 0.5F;
 
 /// Places and lengths in a drawing are in distances of neighbouring rays: x to the right and y down
 /// from the picture's upper left corner, z towards the viewer from what is in the middle. A ray
@@ -74,15 +84,28 @@ struct Line {
 };
 
 struct Drawing {
-  std::vector<Line> lines;        ///< the box, and the legend in front of all
-  std::vector<Ball> balls;        ///< the spheres; and the arrow, which is a row of balls
-  std::vector<Ball> translucent;  ///< the HIP, drawn over the rest with kHipOpacity
+  std::vector<Line> lines;        ///< the box
+  std::vector<Ball> balls;        ///< the spheres; sticks and the arrow are rows of balls
+  std::vector<Ball> translucent;  ///< the HIP, with kHipOpacity, or kHiddenOpacity behind the rest
+  std::vector<Line> overlay;      ///< what is written over all of it, one after the other
 };
 
 /// The camera after the picture was moved by so many pixels to the right and down.
 Camera panned(const Camera& camera, const RenderOptions& options, double right, double down);
 
-/// The camera in these angles that sees the box, the spheres, the HIP, and the arrow as a whole.
+/// The camera in these angles whose picture the model fills, with room for the HIP where it
+/// touches; the whole box where there are no spheres.
+Camera fit_model(const Scene& scene, const Frame& frame, const RenderOptions& options,
+                 double azimuth_degrees, double elevation_degrees);
+
+/// The half width with which a picture around the camera's centre has room for all spheres and the
+/// HIP of a frame, or for the arrow of its force.
+double needed_half_width(const Scene& scene, const Frame& frame, const Camera& camera,
+                         const RenderOptions& options);
+double needed_for_arrow(const Scene& scene, const Frame& frame, const Camera& camera,
+                        const RenderOptions& options);
+
+/// fit_model(), as wide as the HIP and the arrow of this frame need.
 Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
                   double azimuth_degrees, double elevation_degrees);
 

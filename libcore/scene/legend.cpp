@@ -15,7 +15,6 @@ constexpr Colour kInk{0.16F, 0.17F, 0.2F};
 constexpr double kAxis = 26;
 constexpr double kMargin = 10;
 constexpr double kSmallest = 150;  // of a picture's sides, for a legend
-constexpr double kFarthest = 1e6;  // rays: what is beyond counts for nothing, also in a window
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above `most`.
 double round_length(double most) {
@@ -26,7 +25,7 @@ double round_length(double most) {
 }
 
 /// Each row of a letter's pixels as lines.
-void add_letter(std::vector<Line>& lines, char letter, double x, double y, double z, double pixel) {
+void add_letter(std::vector<Line>& lines, char letter, double x, double y, double pixel) {
   const LetterRows rows = letter_rows(letter);
   for (int row = 0; row < kLetterHeight; ++row)
     for (int column = 0; column < kLetterWidth; ++column) {
@@ -38,8 +37,8 @@ void add_letter(std::vector<Line>& lines, char letter, double x, double y, doubl
       int last = column;
       while (set(last + 1)) ++last;
       const double middle = y + pixel * (row + 0.5);
-      lines.push_back({{x + pixel * (column + 0.5), middle, z},
-                       {x + pixel * (last + 0.5), middle, z},
+      lines.push_back({{x + pixel * (column + 0.5), middle, 0},
+                       {x + pixel * (last + 0.5), middle, 0},
                        0.55 * pixel,
                        kInk});
       column = last;
@@ -60,8 +59,8 @@ Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions
   legend.lines.push_back({{{left, bottom}, {left + bar, bottom}}});
   for (const double x : {left, left + bar})
     legend.lines.push_back({{{x, bottom - 3 * scale}, {x, bottom + 3 * scale}}});
-  legend.labels.push_back({rounded(length) + " " + printable_line(scene.length_unit),
-                           {left + bar + 5 * scale, bottom}});
+  legend.labels.push_back(
+      {rounded(length) + " " + unit_sign(scene.length_unit), {left + bar + 5 * scale, bottom}});
 
   const PictureAxes axes(camera);
   const std::array<double, 2> middle{left + scale * (kAxis + 8), bottom - scale * (kAxis + 22)};
@@ -78,38 +77,39 @@ Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions
   return legend;
 }
 
-double depth_in_front(const Drawing& drawing) {
-  double z = 0;
-  const auto behind = [&](double depth) {
-    if (depth < kFarthest) z = std::max(z, depth + 1);
-  };
-  for (const Line& line : drawing.lines) behind(std::max(line.from[2], line.to[2]));
-  for (const auto* balls : {&drawing.balls, &drawing.translucent})
-    for (const Ball& ball : *balls) behind(ball.centre[2] + ball.radius);
-  return z;
-}
-
-void add_label(Drawing& drawing, const Label& label, double depth, const RenderOptions& options) {
+void add_label(Drawing& drawing, const Label& label, const RenderOptions& options) {
   const double rays = options.supersampling;
   const double pixel = rays * options.letter_scale;
-  for (std::size_t i = 0; i < label.text.size(); ++i)
-    add_letter(drawing.lines, label.text[i],
+  const std::string letters = letters_of(label.text);
+  for (std::size_t i = 0; i < letters.size(); ++i)
+    add_letter(drawing.overlay, letters[i],
                rays * label.left[0] + pixel * kLetterWidth * static_cast<double>(i),
-               rays * label.left[1] - pixel * kLetterHeight / 2, depth, pixel);
+               rays * label.left[1] - pixel * kLetterHeight / 2, pixel);
+}
+
+void add_plate(Drawing& drawing, const std::string& text, double x, double y,
+               const RenderOptions& options) {
+  const double rays = options.supersampling;
+  const double half =
+      0.5 * options.letter_scale * kLetterWidth * static_cast<double>(letters_of(text).size());
+  drawing.overlay.push_back({{x - rays * half, y, 0},
+                             {x + rays * half, y, 0},
+                             0.6 * rays * options.letter_scale * kLetterHeight,
+                             kBackground});
+  add_label(drawing, {text, {x / rays - half, y / rays}}, options);
 }
 
 void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
                 const RenderOptions& options) {
   const Legend legend = make_legend(scene, camera, options);
   const double rays = options.supersampling;
-  const double z = depth_in_front(drawing);
   for (const auto& [from, to] : legend.lines)
-    drawing.lines.push_back({{rays * from[0], rays * from[1], z},
-                             {rays * to[0], rays * to[1], z},
-                             0.6 * rays * options.letter_scale,
-                             kInk});
+    drawing.overlay.push_back({{rays * from[0], rays * from[1], 0},
+                               {rays * to[0], rays * to[1], 0},
+                               0.6 * rays * options.letter_scale,
+                               kInk});
   if (!options.letters) return;
-  for (const Label& label : legend.labels) add_label(drawing, label, z, options);
+  for (const Label& label : legend.labels) add_label(drawing, label, options);
 }
 
 }  // namespace hapgrid

@@ -26,13 +26,14 @@ struct Legend {
 /// times a power of ten long, and at most a quarter of the width.
 Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions& options);
 
-/// Draws it in front of everything, with its letters if the options say so.
+/// Draws it over everything, with its letters if the options say so.
 void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
                 const RenderOptions& options);
 
-/// A depth in front of all that is drawn, for what is written over a picture.
-double depth_in_front(const Drawing& drawing);
-/// Draws a text at such a depth.
-void add_label(Drawing& drawing, const Label& label, double depth, const RenderOptions& options);
+/// Draws a text on a white plate over everything, its middle in this place of a drawing.
+void add_plate(Drawing& drawing, const std::string& text, double x, double y,
+               const RenderOptions& options);
+/// Draws a text over everything.
+void add_label(Drawing& drawing, const Label& label, const RenderOptions& options);
 
 }  // namespace hapgrid

@@ -105,10 +105,28 @@ constexpr std::uint8_t kLetters['~' - ' ' + 1][kLetterHeight] = {
     {0, 0, 18, 42, 36, 0, 0, 0, 0, 0, 0, 0, 0},  // ~
 };
 // clang-format on
+constexpr std::uint8_t kAngstrom[kLetterHeight] = {8, 20, 8, 0, 8, 20, 34, 34, 62, 34, 34, 0, 0};
+constexpr std::uint8_t kDegree[kLetterHeight] = {0, 0, 24, 36, 36, 24, 0, 0, 0, 0, 0, 0, 0};
 
 }  // namespace
 
+std::string letters_of(std::string_view text) {
+  std::string letters;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::string_view rest = text.substr(i);
+    if (rest.starts_with("Å"))
+      letters += '\xc5';
+    else if (rest.starts_with("°"))
+      letters += '\xb0';
+    else if ((text[i] & 0xc0) != 0x80)  // the first byte of a character
+      letters += static_cast<unsigned char>(text[i]) < 0x80 ? text[i] : '?';
+  }
+  return letters;
+}
+
 LetterRows letter_rows(char letter) {
+  if (letter == '\xc5') return kAngstrom;
+  if (letter == '\xb0') return kDegree;
   return kLetters[(letter >= ' ' && letter <= '~' ? letter : '?') - ' '];
 }
 

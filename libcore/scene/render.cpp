@@ -45,7 +45,8 @@ class Band {
 
   const Colour& at(int x, int y) const { return colour_[index(x, y)]; }
 
-  void draw(const Ball& ball, float opacity) {
+  /// @param hidden how much of it is seen where something stands before it.
+  void draw(const Ball& ball, float opacity, float hidden = 0) {
     const auto [x, y, z] = ball.centre;
     const double r = ball.radius;
     const auto [top, bottom] = span(y - r, y + r, first_, first_ + rows_);
@@ -57,16 +58,18 @@ class Band {
         const double dx = column + 0.5 - x;
         const double dz = std::sqrt(std::max(0.0, r * r - dx * dx - dy * dy));
         const std::size_t i = index(column, row);
-        if (z + dz <= depth_[i]) continue;
+        const bool behind = z + dz <= depth_[i];
+        const float part = behind ? hidden : opacity;
+        if (part == 0) continue;
         const Colour lit = shade(ball.colour, {dx / r, dy / r, dz / r});
-        for (int c = 0; c < 3; ++c)
-          colour_[i][c] = opacity * lit[c] + (1 - opacity) * colour_[i][c];
-        depth_[i] = z + dz;
+        for (int c = 0; c < 3; ++c) colour_[i][c] = part * lit[c] + (1 - part) * colour_[i][c];
+        if (!behind) depth_[i] = z + dz;
       }
     }
   }
 
-  void draw(const Line& line) {
+  /// @param over whether it is drawn over whatever is there.
+  void draw(const Line& line, bool over = false) {
     const Vec3& a = line.from;
     const Vec3& b = line.to;
     const double w = line.half_width;
@@ -95,7 +98,7 @@ class Band {
         if (std::hypot(px - t * dx, py - t * dy) > w) continue;
         const double z = a[2] + t * (b[2] - a[2]);
         const std::size_t i = index(column, row);
-        if (z <= depth_[i]) continue;
+        if (z <= depth_[i] && !over) continue;
         depth_[i] = z;
         colour_[i] = line.colour;
       }
@@ -137,7 +140,8 @@ Image render(const Scene& scene, const Frame& frame, const Camera& camera,
     Band band(n * image.width, n * first, n * rows);
     for (const Line& line : all.lines) band.draw(line);
     for (const Ball& ball : all.balls) band.draw(ball, 1);
-    for (const Ball& ball : all.translucent) band.draw(ball, kHipOpacity);
+    for (const Ball& ball : all.translucent) band.draw(ball, kHipOpacity, kHiddenOpacity);
+    for (const Line& line : all.overlay) band.draw(line, /*over=*/true);
     for (int y = first; y < first + rows; ++y)
       for (int x = 0; x < image.width; ++x) {
         Colour sum{};

@@ -13,7 +13,8 @@
 namespace hapgrid {
 
 /// Draws `frame` on white. Spheres that are not in a finite place are left out; the HIP stands
-/// where it is held in the box. It is translucent: what is behind it shines through.
+/// where it is held in the box. It is translucent: what is behind it shines through, and it through
+/// what stands before it.
 Image render(const Scene& scene, const Frame& frame, const Camera& camera,
              const RenderOptions& options);
 

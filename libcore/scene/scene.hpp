@@ -24,7 +24,8 @@ struct Scene {
   std::uint32_t state_size = 1;
   double hip_radius = 0;  ///< of the ball that the HIP moves; 0: unknown
   std::vector<Sphere> spheres;
-  std::string keys;  ///< for people: what the keys do that play reads; may be empty
+  std::vector<Torsion> torsions;  ///< of the spheres; empty where none are to be watched
+  std::string keys;               ///< for people: what the keys do that play reads; may be empty
   friend bool operator==(const Scene&, const Scene&) = default;
 };
 
@@ -44,7 +45,11 @@ struct Snapshot {
 /// A snapshot with what takes too long for the haptic loop.
 struct Frame : Snapshot {
   double energy = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the model has none
-  std::vector<float> centres;                                ///< of the spheres, x y z by sphere
+  double own_energy = energy;  ///< of the model by itself, without the HIP; NaN as well
+  std::vector<float> centres;  ///< of the spheres, x y z by sphere
+  /// Degrees in (-180, 180] by which each of the scene's torsions has turned since the first frame
+  /// that a reader got; NaN where it is no angle.
+  std::vector<double> turned;
 };
 
 }  // namespace hapgrid

@@ -19,6 +19,7 @@
 #include "frame.capnp.h"
 #include "libcore/base/error.hpp"
 #include "libcore/grid/box_message.hpp"
+#include "libcore/scene/torsion.hpp"
 
 namespace hapgrid {
 
@@ -71,6 +72,18 @@ float get_colour(float value) {
   return value;
 }
 
+void set_torsions(scene_schema::Scene::Builder scene, const std::vector<Torsion>& torsions) {
+  auto list = scene.initTorsions(static_cast<unsigned>(torsions.size()));
+  for (unsigned i = 0; i < list.size(); ++i) {
+    const auto& [spheres, name] = torsions[i];
+    list[i].setName(name);
+    list[i].setA(spheres[0]);
+    list[i].setB(spheres[1]);
+    list[i].setC(spheres[2]);
+    list[i].setD(spheres[3]);
+  }
+}
+
 Scene decode_scene(scene_schema::Scene::Reader in) {
   if (in.getMagic() != kMagic) throw FormatError("not a stream of frames");
   if (in.getVersion() != kFormatVersion)
@@ -104,6 +117,16 @@ Scene decode_scene(scene_schema::Scene::Reader in) {
         {get_length(sphere.getRadius(), "a radius"),
          {get_colour(sphere.getRed()), get_colour(sphere.getGreen()), get_colour(sphere.getBlue())},
          get_text(sphere.getLabel(), "a label")});
+  if (in.getTorsions().size() > kMaxTorsions)
+    throw FormatError(std::to_string(in.getTorsions().size()) + " torsions; " +
+                      std::to_string(kMaxTorsions) + " are possible");
+  for (const auto torsion : in.getTorsions()) {
+    scene.torsions.push_back({{torsion.getA(), torsion.getB(), torsion.getC(), torsion.getD()},
+                              get_text(torsion.getName(), "a torsion's name")});
+    for (const std::uint32_t sphere : scene.torsions.back().spheres)
+      if (sphere >= scene.spheres.size())
+        throw FormatError("a torsion of sphere " + std::to_string(sphere) + ", which is not there");
+  }
   return scene;
 }
 
@@ -130,6 +153,7 @@ void decode_frame(scene_schema::Frame::Reader in, const Scene& scene, Frame& fra
   get_list(in.getLevels(), frame.levels.size(), "levels", frame.levels);
   get_list(in.getCentres(), frame.centres.size(), "centres", frame.centres);
   frame.jumps = in.getJumps();
+  frame.own_energy = in.getOwnEnergy();
 }
 
 }  // namespace
@@ -155,6 +179,7 @@ std::span<const std::byte> SceneEncoder::encode(const Scene& scene) {
   std::size_t words = kFixedWords + text_words(scene.model) + text_words(scene.length_unit) +
                       text_words(scene.energy_unit) + text_words(scene.keys);
   for (const Sphere& sphere : scene.spheres) words += 3 + text_words(sphere.label);
+  for (const Torsion& torsion : scene.torsions) words += 3 + text_words(torsion.name);
   return build(words, [&](scene_schema::Message::Builder message) {
     auto out = message.initScene();
     out.setMagic(kMagic);
@@ -175,6 +200,7 @@ std::span<const std::byte> SceneEncoder::encode(const Scene& scene) {
       spheres[i].setBlue(sphere.colour[2]);
       if (!sphere.label.empty()) spheres[i].setLabel(sphere.label);
     }
+    if (!scene.torsions.empty()) set_torsions(out, scene.torsions);
   });
 }
 
@@ -193,6 +219,7 @@ std::span<const std::byte> SceneEncoder::encode(const Frame& frame, std::size_t 
     out.setLevels(kj::arrayPtr(frame.levels.data(), frame.levels.size()));
     out.setCentres(kj::arrayPtr(frame.centres.data(), frame.centres.size()));
     out.setJumps(frame.jumps);
+    out.setOwnEnergy(frame.own_energy);
   });
 }
 
@@ -253,6 +280,12 @@ bool SceneReader::next(Frame& frame) {
       throw FormatError("tick " + std::to_string(frame.tick) + " after tick " +
                         std::to_string(last_tick_));
   });
+  std::vector<double> angles;
+  for (const Torsion& torsion : scene_.torsions) angles.push_back(torsion_degrees(torsion, frame));
+  if (!any_frame_) first_angles_ = angles;
+  frame.turned.resize(angles.size());
+  for (std::size_t i = 0; i < angles.size(); ++i)
+    frame.turned[i] = -std::remainder(first_angles_[i] - angles[i], 360);  // 180, never -180
   any_frame_ = true;
   last_tick_ = frame.tick;
   return true;

@@ -74,6 +74,7 @@ class SceneReader {
   std::uint64_t frame_limit_ = 0;
   bool any_frame_ = false;
   std::uint64_t last_tick_ = 0;
+  std::vector<double> first_angles_;  // of the scene's torsions, degrees
 };
 
 }  // namespace hapgrid

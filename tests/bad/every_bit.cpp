@@ -235,11 +235,13 @@ std::vector<std::string> read_frames(const std::string& name) {
                   s.state_size, s.hip_radius, s.spheres.size());
     for (const Sphere& sphere : s.spheres)
       scene.add_all(sphere.radius, sphere.colour, sphere.label);
+    for (const Torsion& torsion : s.torsions) scene.add_all(torsion.spheres, torsion.name);
     parts.push_back(scene.bytes());
     for (Frame frame; reader.next(frame);) {
       Content content;
       content.add_all(frame.tick, frame.time_s, frame.hip, frame.position, frame.force,
-                      frame.raw_force, frame.levels, frame.row, frame.energy, frame.centres);
+                      frame.raw_force, frame.levels, frame.row, frame.energy, frame.own_energy,
+                      frame.centres);
       parts.push_back(content.bytes());
     }
   } catch (const FormatError&) {

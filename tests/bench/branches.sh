@@ -44,7 +44,7 @@ done
 gnuplot <<END
 set terminal pngcairo size 900,420 font ',11'
 set output '$picture'
-set xlabel 'HIP position x (rope length 1)'
+set xlabel 'x of the HIP / rope lengths'
 set ylabel 'angle of the ball α / rad'
 set xrange [-0.2:0.9]
 set key left

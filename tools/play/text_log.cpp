@@ -31,6 +31,7 @@ TextLog::TextLog(const std::string& file, const GridSpec& spec, const Fields& fi
   for (int i = 0; i < 8; ++i) text_ += "\tl" + std::to_string(i);
   for (std::size_t i = 0; i < spec.state_size; ++i) text_ += "\ts" + std::to_string(i);
   if (fields.has_energy()) text_ += "\tenergy";
+  if (fields.has_own_energy()) text_ += "\town_energy";
   text_ += '\n';
   output_.write(text_);
 }
@@ -57,6 +58,7 @@ void TextLog::flush() {
     for (const double s : state) append(s, "\t");
     if (!energies_.empty()) append(energies_[row], "\t");
     if (!positions_.empty()) append(fields_.energy(positions_[row], state), "\t");
+    if (fields_.has_own_energy()) append(fields_.own_energy(state), "\t");
     text_ += '\n';
     if (text_.size() < kWriteBytes) continue;
     output_.write(text_);

@@ -26,12 +26,14 @@ Scene describe_scene(const GridSpec& spec, const Fields& fields, const PlayOptio
           .state_size = spec.state_size,
           .hip_radius = spec.hip_radius,
           .spheres = fields.spheres(),
+          .torsions = fields.torsions(),
           .keys = keys_of(*options.device)};
 }
 
 /// Energy and shape of a frame.
 void complete(const Fields& fields, Frame& frame) {
   if (fields.has_energy()) frame.energy = fields.energy(frame.position, frame.row);
+  if (fields.has_own_energy()) frame.own_energy = fields.own_energy(frame.row);
   fields.shape(frame.row, frame.centres);
 }
 

@@ -182,7 +182,10 @@ std::string slice_script(const GridSpec& spec, const Slice& slice) {
   canvas.bottom += missing / 2;
   canvas.top += missing / 2;
   const auto name = [](int axis) { return std::string(1, "xyz"[axis]); };
-  const std::string unit = " / model's unit of length";
+  const auto label = [&](int axis) {
+    return axis_label(name(axis),
+                      spec.length_unit.empty() ? "model's unit of length" : spec.length_unit);
+  };
   constexpr std::size_t kLongestName = 32;
   const bool is_long = spec.model.size() > kLongestName;
   const std::string model =
@@ -192,7 +195,7 @@ std::string slice_script(const GridSpec& spec, const Slice& slice) {
       model + ": levels of each point at " + name(slice.axis) + " = " + rounded(slice.coordinate),
       "grid of " + std::to_string(box.counts[0]) + " × " + std::to_string(box.counts[1]) + " × " +
           std::to_string(box.counts[2]) + " points",
-      name(slice.u) + unit, name(slice.v) + unit);
+      label(slice.u), label(slice.v));
   script += "set xrange " + axis_range(box, slice.u) + "set yrange " + axis_range(box, slice.v);
   // Along a short axis tics would run into each other: one in its middle plane has to do.
   const auto one_tic = [&](const char* tics, int axis) {

@@ -196,9 +196,9 @@ std::string SessionCurves::force_panel() const {
 std::string SessionCurves::hip_panel() const {
   const Range all = range(6, 9);
   const std::string unit =
-      header_.length_unit.empty() ? "model's unit" : printable_line(header_.length_unit, 24);
-  std::string script =
-      y_range(all.low, all.high) + "set ylabel " + gnuplot_string("HIP / " + unit) + "\nplot ";
+      header_.length_unit.empty() ? "model's unit of length" : header_.length_unit;
+  std::string script = y_range(all.low, all.high) + "set ylabel " +
+                       gnuplot_string(axis_label("HIP", unit)) + "\nplot ";
   for (std::size_t a = 0; a < 3; ++a)
     script += (a == 0 ? "" : ", ") +
               curve("$s" + std::to_string(6 + a), 1.5, kAxisColours[a], std::string(1, "xyz"[a]));
@@ -207,9 +207,9 @@ std::string SessionCurves::hip_panel() const {
 
 std::string SessionCurves::energy_panel() const {
   const Range all = range(9, 10);
-  const std::string unit = unit_.name == "mJ" ? "mJ" : "(" + unit_.name + ")";
-  return y_range(all.low, all.high) + "set ylabel " + gnuplot_string("work on the hand / " + unit) +
-         "\nplot " + curve("$s9", 1.5, "#000000", "since it began") + "\n";
+  return y_range(all.low, all.high) + "set ylabel " +
+         gnuplot_string(axis_label("work on the hand", unit_.name)) + "\nplot " +
+         curve("$s9", 1.5, "#000000", "since it began") + "\n";
 }
 
 std::string SessionCurves::time_panel() const {

@@ -64,7 +64,7 @@ EnergyUnit energy_unit(const SessionHeader& header) {
     if (scale > 0 && std::isfinite(1000 / scale)) return {1000 / scale, "mJ"};
   }
   return {1, "N " + (header.length_unit.empty() ? "model's unit of length"
-                                                : printable_line(header.length_unit, 24))};
+                                                : unit_sign(header.length_unit))};
 }
 
 Json session_json(const SessionReader& session, const SessionStatistics& s,

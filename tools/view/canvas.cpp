@@ -29,7 +29,7 @@ void line(Image& image, int x0, int y0, int x1, int y1, int thickness, Rgb colou
 }
 
 void write(Image& image, int x, int y, int scale, std::string_view text, Rgb colour) {
-  for (const char letter : text) {
+  for (const char letter : letters_of(text)) {
     if (x >= image.width) return;
     const LetterRows rows = letter_rows(letter);
     for (int row = 0; row < kLetterHeight; ++row)

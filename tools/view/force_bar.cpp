@@ -24,23 +24,22 @@ void add_force_bar(Drawing& drawing, double newtons, double full, const RenderOp
   if (std::min(options.width, options.height) < kSmallest) return;
   const double rays = options.supersampling;
   const double scale = options.letter_scale;
-  const double z = depth_in_front(drawing);
   const double x = options.width - scale * kFromEdge;
   const double bottom = options.height - scale * kFromEdge;
   const double top = 0.4 * options.height;
-  const auto band = [&](double to, double depth, const Colour& colour) {
-    drawing.lines.push_back({{rays * x, rays * bottom, depth},
-                             {rays * x, rays * to, depth},
-                             rays * scale * kHalfWidth,
-                             colour});
+  const auto band = [&](double to, const Colour& colour) {
+    drawing.overlay.push_back({{rays * x, rays * bottom, 0},
+                               {rays * x, rays * to, 0},
+                               rays * scale * kHalfWidth,
+                               colour});
   };
-  band(top, z, kTrack);
+  band(top, kTrack);
   const double part = std::clamp(newtons / full, 0.0, 1.0);
-  if (part > 0) band(bottom + part * (top - bottom), z + 1, kForceFill);
+  if (part > 0) band(bottom + part * (top - bottom), kForceFill);
   if (!options.letters) return;
   const Label label{rounded(full) + " N", {x, top - scale * (kHalfWidth + kLetterHeight)}};
   const double width = scale * kLetterWidth * static_cast<double>(label.text.size());
-  add_label(drawing, {label.text, {x - width / 2, label.left[1]}}, z, options);
+  add_label(drawing, {label.text, {x - width / 2, label.left[1]}}, options);
 }
 
 }  // namespace hapgrid

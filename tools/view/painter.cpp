@@ -42,20 +42,17 @@ struct Instances {
   std::vector<float> lines;        // start, end, colour
   std::vector<float> balls;        // place, colour
   std::vector<float> translucent;  // as balls
+  std::vector<float> hidden;       // the same, as they are seen behind the rest
+  std::vector<float> overlay;      // as lines
   float nearest = -std::numeric_limits<float>::max();
   float farthest = std::numeric_limits<float>::max();
 
   explicit Instances(const Drawing& drawing) {
-    for (const Line& line : drawing.lines) {
-      if (!drawable(line.from, line.half_width) || !drawable(line.to, 0)) continue;
-      append(lines, line.from, line.half_width);
-      append(lines, line.to, 0);
-      append(lines, line.colour, 1);
-      see(line.from[2], 0);
-      see(line.to[2], 0);
-    }
+    add(drawing.lines, lines);
     add(drawing.balls, 1, balls);
     add(drawing.translucent, kHipOpacity, translucent);
+    add(drawing.translucent, kHiddenOpacity, hidden);
+    add(drawing.overlay, overlay);
     // Nothing may be clipped for the sake of a rounded depth.
     const float margin = 1 + 1e-3F * (nearest - farthest);
     nearest += margin;
@@ -63,6 +60,16 @@ struct Instances {
   }
 
  private:
+  void add(const std::vector<Line>& from, std::vector<float>& data) {
+    for (const Line& line : from) {
+      if (!drawable(line.from, line.half_width) || !drawable(line.to, 0)) continue;
+      append(data, line.from, line.half_width);
+      append(data, line.to, 0);
+      append(data, line.colour, 1);
+      see(line.from[2], 0);
+      see(line.to[2], 0);
+    }
+  }
   void add(const std::vector<Ball>& from, float opacity, std::vector<float>& data) {
     for (const Ball& ball : from) {
       if (!drawable(ball.centre, ball.radius)) continue;
@@ -222,8 +229,14 @@ void Painter::paint(const Drawing& drawing, const Image& panel) {
   draw_instances(lines_, instances.lines, 12);
   draw_instances(balls_, instances.balls, 8);
   gl_.Enable(GL_BLEND);
+  // Where the rest is nearer. It takes over the depth, so that no place is drawn twice.
+  gl_.DepthFunc(GL_GREATER);
+  draw_instances(balls_, instances.hidden, 8);
+  gl_.DepthFunc(GL_LESS);
   draw_instances(balls_, instances.translucent, 8);
   gl_.Disable(GL_BLEND);
+  gl_.Disable(GL_DEPTH_TEST);
+  draw_instances(lines_, instances.overlay, 12);
 
   // OpenGL counts rows from the bottom. Of twice the size, GL_LINEAR is the mean of four rays.
   gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, rays_.framebuffer);

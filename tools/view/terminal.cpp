@@ -57,7 +57,7 @@ class Display {
 
   bool kitty() const { return pixels_.kitty(); }
 
-  /// Takes over the terminal's size, and the camera from the next frame.
+  /// Takes over the terminal's size, and fits the camera to it at the next frame.
   void resize() {
     size_ = terminal_size();
     fitted_ = false;
@@ -87,6 +87,9 @@ class Display {
     if (!fitted_)
       camera_ =
           fit_camera(scene_, frame, how, options_.azimuth_degrees, options_.elevation_degrees);
+    // It makes room for what comes, and does not take it back: each frame is sent as a whole.
+    camera_.half_width =
+        std::max(camera_.half_width, needed_half_width(scene_, frame, camera_, how));
     fitted_ = true;
     if (pixels_.symbols()) write_legend(how, rows);
     return pixels_.encode(render(scene_, frame, camera_, how), size_.columns, rows, width, height);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "libcore/base/text.hpp"
+#include "libcore/scene/torsion.hpp"
 
 namespace hapgrid {
 
@@ -28,7 +29,8 @@ void Traces::add(const Frame& frame) {
   if (!samples_.empty() && frame.time_s < samples_.back().time_s) samples_.clear();
   const bool snapped = !samples_.empty() && frame.jumps != jumps_;
   jumps_ = frame.jumps;
-  samples_.push_back({frame.time_s, magnitude(frame.force), frame.energy, snapped});
+  samples_.push_back(
+      {frame.time_s, magnitude(frame.force), frame.energy, snapped, frame.own_energy});
   while (samples_.size() > kMaxSamples || samples_.front().time_s < frame.time_s - kSeconds)
     samples_.pop_front();
 }
@@ -43,9 +45,11 @@ Extent force_extent(const Traces& traces) {
 Extent energy_extent(const Traces& traces) {
   Extent extent{kNan, kNan};
   for (const auto& s : traces.samples()) {
-    if (!std::isfinite(s.energy)) continue;
-    extent.low = std::fmin(extent.low, s.energy);
-    extent.high = std::fmax(extent.high, s.energy);
+    for (const double energy : {s.energy, s.own_energy}) {
+      if (!std::isfinite(energy)) continue;
+      extent.low = std::fmin(extent.low, energy);
+      extent.high = std::fmax(extent.high, energy);
+    }
   }
   // As much as three digits show: what changes less is a straight line.
   const double least = std::max(1e-3 * std::abs(extent.low), std::numeric_limits<double>::min());
@@ -85,6 +89,13 @@ std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dr
     text += "   energy " + three_digits(frame.energy);
     if (!scene.energy_unit.empty()) text += " " + printable_line(scene.energy_unit);
   }
+  if (std::isfinite(frame.own_energy)) text += "   itself " + three_digits(frame.own_energy);
+  std::size_t farthest = frame.turned.size();
+  for (std::size_t i = 0; i < frame.turned.size(); ++i)
+    if (std::abs(frame.turned[i]) >= (farthest < i ? std::abs(frame.turned[farthest]) : kTurned))
+      farthest = i;
+  if (farthest < frame.turned.size())
+    text += "   " + turned_text(scene.torsions[farthest], frame.turned[farthest]);
   text += "   levels";
   for (const int level : std::set<int>(frame.levels.begin(), frame.levels.end()))
     text += " " + std::to_string(level);

@@ -25,6 +25,7 @@ class Traces {
     double energy;  ///< in the scene's unit; NaN: none
     /// Whether the state snapped after the frame before.
     bool snapped;
+    double own_energy;  ///< of the model by itself; NaN: none
   };
 
   /// Frames come in the order of ticks. When the time goes back, the curves start anew.
@@ -47,7 +48,7 @@ struct Extent {
 
 /// From zero to the largest force; 0 to 1 when there is no force at all.
 Extent force_extent(const Traces& traces);
-/// Low and high are NaN when no energy is finite.
+/// Of both energies. Low and high are NaN when none is finite.
 Extent energy_extent(const Traces& traces);
 
 /// One of the few columns that a terminal has for a curve.
@@ -64,8 +65,10 @@ std::vector<Column> columns(const Traces& traces, int count);
 /// A number for people, three significant digits: "0.513", "1.2e+06".
 std::string three_digits(double value);
 
-/// "t 3.24 s   force 0.513 N   energy 12.3 kJ/mol   levels 0 1   dropped 2": the energy if the
-/// model has one, the levels in the cell's corners, and the number of frames that were never drawn.
+/// "t 3.24 s   force 0.513 N   energy 12.3 kJ/mol   itself 9.1   psi +67°   levels 0 1   dropped
+/// 2": the energy, with that of the model itself, if the model has one; the torsion that has turned
+/// farthest, if one has; the levels in the cell's corners, and the number of frames that were never
+/// drawn.
 std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dropped);
 
 }  // namespace hapgrid

@@ -89,6 +89,7 @@ class Window {
   std::vector<std::string> help() const;
   std::string status() const;
   void reset_camera();
+  void widen();
   Camera shown_camera() const;
   void update(Feed& feed);
   void draw();
@@ -106,8 +107,10 @@ class Window {
   Feed::State state_;
   bool has_frame_ = false;
 
-  Camera camera_;    // in these angles
-  double zoom_ = 1;  // times the size that fits
+  bool free_ = false;      // the view was moved or zoomed: it keeps its size
+  Camera camera_;          // in these angles
+  double half_width_ = 1;  // of the view: camera_'s or more
+  double zoom_ = 1;        // times that size
   bool fitted_ = false;
   int dragging_ = kNoButton;  // the button that is held
   double last_x_ = 0;
@@ -177,6 +180,9 @@ void Window::on_key(int key) {
     case GLFW_KEY_R:
       if (has_frame_) reset_camera();
       break;
+    case GLFW_KEY_B:
+      render_.style = render_.style == Style::kSticks ? Style::kSpheres : Style::kSticks;
+      break;
     case GLFW_KEY_S:
       save_ = true;
       break;
@@ -203,6 +209,7 @@ void Window::on_wheel(double steps) {
     hand_->push(camera_, steps);
     return;
   }
+  free_ = true;
   zoom_ = std::clamp(zoom_ * std::pow(kZoomStep, steps), 1 / kMaxZoom, kMaxZoom);
   stale_ = true;
 }
@@ -216,7 +223,9 @@ void Window::on_move(double x, double y) {
     return;
   }
   if (dragging_ == GLFW_MOUSE_BUTTON_RIGHT || dragging_ == GLFW_MOUSE_BUTTON_MIDDLE) {
-    camera_ = panned(camera_, render_, right / zoom_, down / zoom_);
+    free_ = true;
+    camera_ = panned(shown_camera(), render_, right, down);
+    camera_.half_width = half_width_;
     stale_ = true;
   }
   if (dragging_ != GLFW_MOUSE_BUTTON_LEFT && !(turning_ && dragging_ == kNoButton)) return;
@@ -239,7 +248,7 @@ std::vector<std::string> Window::help() const {
             "wheel   takes it away, nearer     space      pause, go on",
             "r       the first view again      s          write hapgrid-TICK.png",
             "h, ?    this help, no help        q, Escape  close, which ends the play",
-            "",
+            "b       balls and sticks, spheres",
             "The blue HIP lags behind your hand where the model resists, and snaps when it does.",
             "red arrow and bar: the force      orange lines: the state snapped"};
   std::vector<std::string> lines{
@@ -247,7 +256,7 @@ std::vector<std::string> Window::help() const {
       "right drag   move the picture       space      pause, go on",
       "wheel        zoom                   s          write hapgrid-TICK.png",
       "h, ?         this help, no help     q, Escape  close",
-      "",
+      "                                    b          balls and sticks, spheres",
       "blue: the HIP   red arrow: the force as it is sent   orange lines: the state snapped"};
   if (!scene_.keys.empty())
     lines.push_back("in the terminal of play:  " + printable_line(scene_.keys));
@@ -256,14 +265,24 @@ std::vector<std::string> Window::help() const {
 
 void Window::reset_camera() {
   camera_ =
-      fit_camera(scene_, frame_, render_, options_.azimuth_degrees, options_.elevation_degrees);
+      fit_model(scene_, frame_, render_, options_.azimuth_degrees, options_.elevation_degrees);
   zoom_ = 1;
   fitted_ = true;
+  free_ = false;
+}
+
+/// Makes room for the newest frame: for the HIP and the model as long as they need it; for an arrow
+/// until the view is fitted anew, so that the picture does not breathe with the force.
+void Window::widen() {
+  if (free_) return;
+  camera_.half_width =
+      std::max(camera_.half_width, needed_for_arrow(scene_, frame_, camera_, render_));
+  half_width_ = std::max(camera_.half_width, needed_half_width(scene_, frame_, camera_, render_));
 }
 
 Camera Window::shown_camera() const {
   Camera camera = camera_;
-  camera.half_width /= zoom_;
+  camera.half_width = half_width_ / zoom_;
   return camera;
 }
 
@@ -296,6 +315,7 @@ void Window::draw() {
   Drawing drawing;
   if (has_frame_) {
     if (!fitted_) reset_camera();
+    widen();
     drawing = hapgrid::draw(scene_, frame_, shown_camera(), render_);
     const Vec3& f = frame_.force;
     if (hand_)

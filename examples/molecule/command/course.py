@@ -103,6 +103,7 @@ class Course:
             self.unwanted = known["paths"]
         self.taken = self._choose()
         self.definition = definition.Definition.around(self.molecule, self.structures, self.taken)
+        self.definition.torsions = self._turned(self.taken)
         self._resolve()
         stages.run("definition", f"writing {self.toml}", [], [self.definition.text()], self._write_definition)
 
@@ -204,9 +205,12 @@ class Course:
         stages.run("page", "drawing pictures", [self.grid, *made, "rotors.tsv", "verify.txt"], [], self._page)
 
     def _page(self):
-        names = definition.paths_of(self.stages.path(self.toml))
-        turned = [t for t in self.rotors if {t.file_name(sign) for sign in t.signs} & set(names)]
+        turned = self._turned(definition.paths_of(self.stages.path(self.toml)))
         return page.Page(self.filters, self.stages, self.name, self.best, self.molecule, turned).write()
+
+    def _turned(self, paths):
+        """The torsions that these paths turn."""
+        return [t for t in self.rotors if {t.file_name(sign) for sign in t.signs} & set(paths)]
 
     def summary(self):
         out = self.o.output.rstrip("/") or "/"

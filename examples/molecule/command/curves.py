@@ -9,7 +9,6 @@ from preparation import files, geometry
 from .filters import Failed
 
 MOVES = 2.0  # degrees: what turns less is not drawn
-SHAPES = 60  # at which molecule-check is asked for the molecule's own energy
 SCRIPT = """\
 set terminal pngcairo noenhanced size 900,900 font 'DejaVu Sans,11'
 set output '{picture}'
@@ -26,7 +25,7 @@ plot 'energies.tsv' using 1:2 with lines lw 2 lc rgb '#56b4e9' title 'hybrid ene
 """
 
 
-def draw(filters, stages, toml, log, shapes, torsions, times):
+def draw(stages, log, shapes, torsions, times):
     """Writes torsions.tsv, energies.tsv and their picture, and returns the names of the files.
     log: (names, rows) of play; shapes: (frames, atoms, 3) in angstrom at `times`; torsions: those
     that the grid's paths turn."""
@@ -34,12 +33,8 @@ def draw(filters, stages, toml, log, shapes, torsions, times):
     moving = [k for k, values in enumerate(columns) if np.ptp(values) > MOVES] or list(range(len(torsions)))[:1]
     _table(stages, "torsions.tsv", ["t_s", *(f"{t.name}_deg" for t in torsions)], [times, *columns])
     names, rows = log
-    first = names.index("s0")
-    count = sum(n[0] == "s" and n[1:].isdigit() for n in names) - 6
-    picked = np.unique(np.linspace(0, len(rows) - 1, SHAPES).round().astype(int))
-    own = [_own_energy(filters, toml, rows[n, first:first + count]) for n in picked]
     _table(stages, "energies.tsv", ["t_s", "hybrid_kJ_mol", "molecule_kJ_mol"],
-           [rows[picked, 0], rows[picked, names.index("energy")], own])
+           [rows[:, names.index(name)] for name in ("t", "energy", "own_energy")])
     if not torsions:
         return ["torsions.tsv", "energies.tsv"]
     curves = ", ".join(f"'torsions.tsv' using 1:{k + 2} with lines lw 2 title '{torsions[k].name}'" for k in moving)
@@ -52,14 +47,6 @@ def draw(filters, stages, toml, log, shapes, torsions, times):
     if done.returncode:
         raise Failed(f"gnuplot: {done.stderr.strip().splitlines()[-1]}")
     return ["course.png", "torsions.tsv", "energies.tsv"]
-
-
-def _own_energy(filters, toml, t):
-    """Of a shape, above the conformation, kJ/mol."""
-    if not len(t):
-        return 0.0
-    text = filters.run("molecule-check", toml, "--xyz", ",".join(repr(float(min(max(v, 0), 1))) for v in t))[0]
-    return float(text.splitlines()[1].split()[0].removeprefix("dE="))
 
 
 def _table(stages, name, heads, columns):

@@ -22,12 +22,14 @@ LEAST_POINTS = 8
 
 @dataclass
 class Definition:
-    """low, high: corners of the box, angstrom. paths: names of files without their ending."""
+    """low, high: corners of the box, angstrom. paths: names of files without their ending. torsions:
+    those that the paths turn."""
     title: str
     paths: list
     low: np.ndarray
     high: np.ndarray
     spacing: float = 1.0
+    torsions: tuple = ()
 
     @classmethod
     def around(cls, molecule, result, paths):
@@ -52,6 +54,9 @@ class Definition:
         paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
         if self.paths:
             paths = f"transition_states = [     # each the nodes of a path to a barrier\n{paths}]\n"
+        names = "".join(f'  "{t.name} {" ".join(str(a + 1) for a in t.atoms)}",\n' for t in self.torsions)
+        if names:
+            names = f"torsions = [              # what pictures name: four atoms by their numbers, from 1\n{names}]\n"
         return f"""\
 # {self.title}: made by `hapgrid molecule`, which keeps what is changed here and computes the
 # grid anew when it is run again. Lengths in Å.
@@ -71,7 +76,7 @@ morph_stiffness = 5       # stabiliser ½ m t² of each t, kJ/mol; no part of th
 substep = 0.05            # of the HIP between two minimisations, Å
 tolerance = 0.1           # states whose atoms are no farther apart, RMS, are one; Å
 force_scale = 0.025       # newtons on the device for 1 kJ/(mol Å)
-
+{names}
 [grid]
 origin = {self.origin()}
 spacing = {self.spacing:g}

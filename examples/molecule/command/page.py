@@ -27,8 +27,7 @@ class Page:
         at = {name: rows[:, n] for n, name in enumerate(names)}
         run("view", "played.frames", "--xyz", "played.xyz", "--pdb", "played.pdb")
         shapes = frames(self.stages.path("played.xyz"))
-        drawn = curves.draw(self.filters, self.stages, f"{self.name}.toml", (names, rows),
-                            np.array([x for _, _, x in shapes]), self.torsions,
+        drawn = curves.draw(self.stages, (names, rows), np.array([x for _, _, x in shapes]), self.torsions,
                             [float(words["time"]) for words, _, _ in shapes])
         span = [np.ptp(at[axis]) for axis in "xyz"]
         axis = "xyz"[int(np.argmax(span))]
@@ -53,6 +52,9 @@ class Page:
         for picture, t in when.items():
             run("view", "played.frames", "--at", f"{t:.3f}", *view, "--png", picture)
             made.append(picture)
+            sticks = picture.replace(".png", "-sticks.png")
+            run("view", "played.frames", "--at", f"{t:.3f}", *view, "--style", "sticks", "--png", sticks)
+            made.append(sticks)
         run("view", "played.frames", *view, "--html", "played.html")
         made.append("played.html")
         files.write_whole(self.stages.path("index.html"), self._html([n for n in made if n.endswith(".png")]))

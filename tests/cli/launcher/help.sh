@@ -7,14 +7,17 @@ for tool in feel init; do
   "$tool" --help >help
   (($(wc -L <help) <= 100 && $(wc -l <help) <= 60)) || fail "$tool --help is $(wc -L <help) columns wide and has $(wc -l <help) lines"
 done
-for tool in hapgrid seed expand merge verify stats play view check-model; do
+tools=(hapgrid seed expand merge verify stats play view check-model)
+molecule() { hapgrid molecule "$@"; }
+[[ ! -e $HAPGRID_BUILD/man/hapgrid-molecule.1 ]] || tools+=(molecule)  # where its modules are
+for tool in "${tools[@]}"; do
   lines=60 page=hapgrid-$tool
   [[ $tool != play ]] || lines=90
   [[ $tool != hapgrid ]] || page=hapgrid
   "$tool" --help >help
   (($(wc -L <help) <= 100)) || fail "$tool --help is $(wc -L <help) columns wide"
   (($(wc -l <help) <= lines)) || fail "$tool --help has $(wc -l <help) lines"
-  [[ $tool == hapgrid ]] || for code in 'Exit codes:' '  0  done' '  1  could not' '  2  the command line is wrong'; do
+  [[ $tool == hapgrid || $tool == molecule ]] || for code in 'Exit codes:' '  0  done' '  1  could not' '  2  the command line is wrong'; do
     grep -q "^$code" help || fail "$tool --help does not say: $code"
   done
 

@@ -44,7 +44,7 @@ same "the line" "hapgrid play ethanol/ethanol.grid --device path:ethanol/path-" 
 awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) { if ($i == "s0") first = i; if ($i == "force_x") force = i } next }
   { for (i = first; i < first + 3; i++) if ($i > most) most = $i; at = $first + $(first + 1) + $(first + 2); last = $force }
   END { exit !(most > 0.5 && at < 0.01 && last == 0) }' log || fail "the way turns nothing, or not back"
-for file in index.html played.html turned.png course.png force.png energy.png ethanol.toml verify.txt; do
+for file in index.html played.html turned.png turned-sticks.png course.png force.png energy.png ethanol.toml verify.txt; do
   [[ -s ethanol/$file ]] || fail "no $file"
 done
 
@@ -56,6 +56,9 @@ awk -F'\t' -v least="$(word ethanol/C1-C2-O3-H9-plus.xyz 11 dE)" '
 # The trajectories of what was played open in MDAnalysis, with the same atoms in the same places and the same torsions.
 if /usr/bin/python3 -c 'import MDAnalysis' 2>/dev/null; then
   /usr/bin/python3 -W ignore - <<'END' || fail "MDAnalysis reads the trajectories otherwise"
+import base64
+import json
+import re
 import MDAnalysis
 import numpy
 from MDAnalysis.lib.distances import calc_dihedrals
@@ -68,6 +71,12 @@ for a, b, row in zip(one.trajectory, two.trajectory, torsions):
     for atoms, angle in (((3, 0, 1, 2), row[1]), ((0, 1, 2, 8), row[2])):
         off = numpy.degrees(calc_dihedrals(*(b.positions[n] for n in atoms))) - angle
         assert abs((off + 180) % 360 - 180) < 0.01, (row, off)
+# The page names the same torsions, and has turned them as far.
+data = json.loads(re.search(r"const data = (.*);\n", open("ethanol/played.html").read())[1])
+assert data["torsions"] == [["H4-C1-C2-O3", 0, 1], ["C1-C2-O3-H9", 1, 2]], data["torsions"]
+turned = numpy.frombuffer(base64.b64decode(data["turned"]), "float32").reshape(-1, 2)
+off = turned - (torsions[:, 1:] - torsions[0, 1:])
+assert numpy.abs(turned).max() > 20 and numpy.abs((off + 180) % 360 - 180).max() < 0.01, off
 start = MDAnalysis.Universe("ethanol/conformation.xyz").atoms.positions  # before the probe touches anything
 one.trajectory[0]
 assert numpy.abs(one.atoms.positions - start).max() < 6e-4

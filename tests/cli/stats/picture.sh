@@ -49,6 +49,25 @@ there, sent_x
 back, sent_x" "$(grep -o "title '[a-z_, ]*'" script | sed "s/title '//; s/'//")"
 done
 
+# labels WORDS...: what the axes of the picture say that "stats WORDS --png" draws.
+labels() {
+  SCRIPT=$PWD/script PATH=$PWD/spy:$PATH expect 0 '' '' -- stats "$@" --png labels.png
+  sed -nE "s/^set [xy]label '(.*)'$/\1/p" script
+}
+length="model''s unit of length"  # quotes are doubled in gnuplot's strings
+# Each axis names its quantity and its unit: the grid's own where a grid is named.
+same "a slice" $'y / rope lengths\nz / rope lengths' "$(labels grid --slice x=0)"
+same "a log" "x of the HIP / $length"$'\nstate s0 / model\'\'s unit' "$(labels --log log --plot x,s0)"
+same "a force" $'x of the HIP / rope lengths\nx of the force / N' "$(labels grid --log forces --plot x,sent_x)"
+printf '# t\tenergy\n0\t-1\n1\t0\n' >energies
+same "an energy" $'t / s\nenergy / N rope lengths' "$(labels grid --log energies --plot t,energy)"
+same "its title" "energy over t, there and back" "$(sed -nE "s/^set label 1 '([^']*)'.*/\1/p" script)"
+same "in words" $'a\nb' "$(labels grid --log energies --plot t,energy --labels a,b)"
+molecule=$HAPGRID_SOURCE/examples/molecule/butane/butane.toml
+seed "$molecule" -o butane
+same "a molecule" $'x / Å\ny / Å' "$(labels butane --slice z=0)"
+same "its energy" $'t / s\nenergy / (kJ/mol)' "$(labels butane --log energies --plot t,energy)"
+
 # Refused: no picture is left, and an old one stays as it was.
 mkdir empty
 refuses 'stats: slice z=0.6 is outside the box: z goes from -0.475 to 0.475' -- \
@@ -83,8 +102,9 @@ expect 2 '' "~stats: --log: a log that is text needs --plot and --png $see" -- \
   stats --log log --png z.png
 expect 2 '' "~stats: --log: a log that is text needs --plot and --png $see" -- \
   stats --log log --plot x,s0
-expect 2 '' "~stats: --log tells of a play and reads no shard $see" -- \
-  stats grid --log log --plot x,s0 --png z.png
+expect 2 '' "~stats: --log tells of a play and reads no shard, except for the units of --plot $see" -- \
+  stats grid --log log
+refuses 'stats: none: No such file or directory' -- stats none --log log --plot x,s0 --png empty/z.png
 for slice in w=0 z z= z=up z=nan z=0,5 'z =0'; do
   expect 2 '' "~stats: --slice: '$slice' is not like z=0\.25 $see" -- \
     stats grid --slice "$slice" --png z.png

@@ -38,10 +38,13 @@ def covered(symbol):
     return parts[code] / 8
 
 
-def cells(line):
-    """The mean colour of each cell of a line."""
+PLAIN = (229,) * 3, (0,) * 3, False  # front, back, whether the two are exchanged
+
+
+def cells(line, state):
+    """The mean colour of each cell of a line, and the state at its end, which the next one has."""
     result = []
-    front, back, turned = (229,) * 3, (0,) * 3, False
+    front, back, turned = state
     for match in re.finditer(r"\x1b\[([0-9;]*)m|([^\x1b])", line):
         if match[2]:
             part = covered(match[2])
@@ -52,7 +55,7 @@ def cells(line):
         while codes:
             code = codes.pop(0)
             if code == 0:
-                front, back, turned = (229,) * 3, (0,) * 3, False
+                front, back, turned = PLAIN
             elif code in (7, 27):
                 turned = code == 7
             elif code in (38, 48):
@@ -67,7 +70,7 @@ def cells(line):
             elif code not in (1, 22):
                 n = code % 10 + (8 if code >= 90 else 0)
                 front, back = ((palette(n), back) if code // 10 in (3, 9) else (front, palette(n)))
-    return result
+    return result, (front, back, turned)
 
 
 def sixels(data, width, height):
@@ -107,9 +110,9 @@ if what == "cells":
     columns, lines = map(int, sys.argv[4:])
     text = open(name, encoding="utf-8").read().split("\n")[:lines]
     assert len(text) == lines, "rows"
-    off, total, coloured = 0, 0, 0
+    off, total, coloured, state = 0, 0, 0, PLAIN
     for y, line in enumerate(text):
-        line = cells(line)
+        line, state = cells(line, state)
         assert len(line) == columns, (y, len(line))
         for x, cell in enumerate(line):
             wanted = block_mean(rows, x * width // columns, (x + 1) * width // columns,

@@ -132,6 +132,15 @@ cmp -s ../first.png ../moved.png && fail "dragging with the right button does no
 xdotool key r
 shoot reset.png
 cmp ../first.png ../reset.png
+# Balls and sticks, and whole spheres again.
+xdotool key b
+shoot sticks.png
+view ../molecule.one --png ../sticks.drawn.png --size 360x240 --style sticks
+python3 "$here/png.py" near ../sticks.png ../sticks.drawn.png 0.04 0.002
+python3 "$here/png.py" near ../sticks.png ../drawn.png 0.04 0.002 2>/dev/null && fail "b changes nothing"
+xdotool key b
+shoot reset.png
+cmp ../first.png ../reset.png
 # Paused, another frame changes nothing; then it is there.
 xdotool key space
 wait_for 60 "window" xdotool search --name '^molecule - hapgrid view \(paused\)$'

@@ -135,7 +135,7 @@ TEST_CASE("a file that is no plug-in") {
 TEST_CASE("a plug-in of another interface version") {
   CHECK(load_refusal("wrong_version") ==
         "model wrong_version: " + (kBad[0] / "wrong_version.so").string() +
-            " has interface version 999, this hapgrid has 2; build the plug-in again");
+            " has interface version 999, this hapgrid has 3; build the plug-in again");
 }
 
 TEST_CASE("a table without one of the required functions") {

@@ -1,13 +1,18 @@
 // The conversion function as the filters call it, through the plug-in.
+#include <array>
 #include <catch2/catch.hpp>
+#include <cstdint>
 #include <cstring>
 #include <deque>
 #include <map>
+#include <utility>
 
 #include "examples/molecule/conversion.hpp"
+#include "libcore/scene/bonds.hpp"
 #include "tests/unit/molecule/reference.hpp"
 
 using namespace molecules;
+using Catch::Matchers::StartsWith;
 using hapgrid::Model;
 using hapgrid::Stored;
 using hapgrid::Vec3;
@@ -80,6 +85,44 @@ TEST_CASE("what the model says of itself") {
   for (std::size_t i = 0; i < 22; ++i)
     for (std::size_t a = 0; a < 3; ++a)
       CHECK(std::abs(centres[3 * i + a] - molecule.conformation[i][static_cast<int>(a)]) < 1e-6);
+}
+
+TEST_CASE("pictures join the atoms that Open Babel does") {
+  for (const Source* source : {&kButane, &kDipeptide, &kEnkephalin}) {
+    const Molecule molecule = source->read();
+    hapgrid::Scene scene;
+    scene.spheres = source->make()->info().spheres;
+    hapgrid::Frame frame;
+    for (const Eigen::Vector3d& at : molecule.conformation)
+      for (const double x : at) frame.centres.push_back(static_cast<float>(x));
+    std::vector<std::pair<int, int>> bonds;
+    for (const auto& [a, b] : hapgrid::find_bonds(scene, frame)) bonds.emplace_back(a, b);
+    CHECK(bonds == molecule.bonds);
+  }
+}
+
+TEST_CASE("torsions and the energy of the molecule itself") {
+  const std::vector<std::string> names{"phi 2 4 5 6", "psi 4 5 7 8"};
+  const auto model = kDipeptide.make({{"torsions", names}, {"morph_stiffness", 50.0}});
+  REQUIRE(model->info().torsions.size() == 2);
+  CHECK(model->info().torsions[1].name == "psi");
+  CHECK(model->info().torsions[1].spheres == std::array<std::uint32_t, 4>{3, 4, 6, 7});
+  // At a path's end it is that of the file's last frame, wherever the molecule is.
+  const Molecule molecule = kDipeptide.read();
+  REQUIRE(model->has_own_energy());
+  for (std::size_t k = 0; k < 4; ++k) {
+    State s(10);
+    s[k] = 1;
+    s[4] = 2;
+    s[9] = 0.5;
+    CHECK(model->own_energy(s.data()) == Approx(molecule.paths[k].energies.back()).epsilon(1e-9));
+  }
+  for (const char* const wrong :
+       {"", "phi", "phi 1 2 3", "phi 0 1 2 3", "phi 1 2 3 23", "phi 1 2 3 3", "phi 1 2 3 4 5",
+        "phi 1 2 3 x", "a-name-of-more-than-23-letters 1 2 3 4"})
+    CHECK_THROWS_WITH(
+        kDipeptide.make({{"torsions", std::vector<std::string>{wrong}}}),
+        StartsWith("model molecule: parameter torsions: '" + std::string(wrong) + "' is not like"));
 }
 
 TEST_CASE("without contact the model knows the state 0 and stays there") {

@@ -1,14 +1,20 @@
 // The picture: silhouettes, occlusion, colours, what is fitted into it.
 #include "libcore/scene/render.hpp"
 
+#include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <numbers>
+#include <vector>
 
+#include "libcore/scene/bonds.hpp"
 #include "libcore/scene/legend.hpp"
+#include "libcore/scene/letters.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
 using namespace hapgrid;
@@ -165,14 +171,18 @@ TEST_CASE("HIP, force and box are there, and can be left out") {
   CHECK(image.at(150, pixel(1)) != kWhite);      // the box's edge
   CHECK(image.at(pixel(-1), 150) != kWhite);
   CHECK(image.at(pixel(0.6), pixel(0.6)) == kWhite);
-  // What is behind the HIP shines through, what is in front hides it.
+  // What is behind the HIP shines through, and what is in front fades before it.
   stage.add(0, 0.5F, 0, 0.3F, {0, 1, 0});
   image = stage.render();
   CHECK(image.at(pixel(0.12), 150)[1] > image.at(pixel(0.12), 150)[0] + 40);
   CHECK(bluish(Rgb{image.at(pixel(0.12), 150)[0], 0, image.at(pixel(0.12), 150)[2]}));
   CHECK(reddish(image.at(150, pixel(-0.35))));
   stage.frame.centres[1] = -0.5F;
-  CHECK(greenish(stage.render().at(pixel(0.12), 150)));
+  image = stage.render();
+  const Rgb faded = image.at(pixel(0.12), 150), whole = image.at(pixel(0.25), 150);
+  CHECK(faded[2] > whole[2] + 60);  // the HIP's blue is seen
+  CHECK(faded[1] > faded[0] + 40);  // and the sphere's green
+  CHECK(greenish(whole));           // beside the HIP nothing fades
   stage.scene.spheres.clear();
   stage.options.box = stage.options.hip = false;
   stage.options.legend = false;
@@ -201,6 +211,10 @@ TEST_CASE("the legend says where the axes point and how long things are, in fron
   CHECK(at(1)[0] > at(2)[0] + 20);
   CHECK(at(1)[1] == Approx(at(2)[1]));
   CHECK(at(3)[1] < at(2)[1] - 20);
+  stage.scene.length_unit = "angstrom";
+  CHECK(make_legend(stage.scene, stage.camera, stage.options).labels[0].text == "0.5 Å");
+  CHECK(letters_of("5 Å, 7°, \u03b1") == "5 \xc5, 7\xb0, ?");
+  CHECK_FALSE(std::ranges::equal(letter_rows('\xc5'), letter_rows('A')));
   // Letters add to it, and a small picture has no legend.
   stage.options.letters = true;
   CHECK(stage.render().pixels != image.pixels);
@@ -208,11 +222,74 @@ TEST_CASE("the legend says where the axes point and how long things are, in fron
   CHECK(make_legend(stage.scene, stage.camera, stage.options).labels.empty());
 }
 
+TEST_CASE("balls and sticks") {
+  Stage stage;
+  stage.options.style = Style::kSticks;
+  // 0.2 apart with radii of 0.2: 0.5 of the sum. The third is farther away than 0.6 of it.
+  stage.add(-0.1F, 0, 0, 0.2F, {1, 0, 0});
+  stage.add(0.1F, 0, 0, 0.2F, {0, 1, 0});
+  stage.add(0.1F, 0, 0.26F, 0.2F, {0, 0, 1});
+  const std::vector<std::array<std::uint32_t, 2>> bonds{{0, 1}};
+  CHECK(find_bonds(stage.scene, stage.frame) == bonds);
+  const Image image = stage.render();  // 100 pixels a unit
+  CHECK(reddish(image.at(90, 50)));
+  CHECK(image.at(90, 57) == kWhite);  // outside a ball of a quarter of the radius
+  CHECK(reddish(image.at(97, 50)));   // the stick, in both colours
+  CHECK(greenish(image.at(102, 50)));
+  CHECK(image.at(100, 54) == kWhite);
+  CHECK(image.at(110, 36) == kWhite);  // no stick upwards
+  CHECK(bluish(image.at(110, 24)));
+  stage.frame.centres[0] = std::numeric_limits<float>::quiet_NaN();
+  CHECK(find_bonds(stage.scene, stage.frame).empty());
+}
+
+TEST_CASE("a torsion that has turned is named at its bond") {
+  Stage stage;
+  stage.options = {.width = 300, .height = 300, .box = false, .hip = false, .legend = false};
+  stage.camera.half_width = 1.5;  // 100 pixels a unit
+  for (const float x : {-1.0F, 0.4F, 0.6F, 1.0F}) stage.add(x, 0, 0.5F, 0.01F, {0, 1, 0});
+  stage.scene.torsions = {{{0, 1, 2, 3}, "phi"}};
+  stage.frame.turned = {9};
+  const Image still = stage.render();
+  stage.frame.turned = {-11};
+  const Image turned = stage.render();
+  double x = 0, y = 0, dark = 0;
+  for (int row = 0; row < 300; ++row)
+    for (int column = 0; column < 300; ++column) {
+      if (turned.at(column, row) == still.at(column, row)) continue;
+      if (turned.at(column, row)[1] > 150) continue;
+      x += column;
+      y += row;
+      ++dark;
+    }
+  REQUIRE(dark > 30);
+  CHECK(x / dark == Approx(200).margin(3));  // between the second and the third sphere
+  CHECK(y / dark == Approx(100).margin(3));
+}
+
+TEST_CASE("the model fills the picture, and a HIP far away makes it wider") {
+  Stage stage;
+  stage.scene.box = {{-9, -9, -9}, 1, {19, 19, 19}};
+  stage.options = {.width = 200, .height = 100, .hip_radius = 0.1};
+  stage.add(2, 0, 0, 0.4F, {1, 0, 0});
+  stage.frame.position = {2, -0.5, 0};
+  const auto fitted = [&] { return fit_camera(stage.scene, stage.frame, stage.options, 0, 0); };
+  CHECK(fitted().centre[0] == Approx(2));
+  CHECK(fitted().half_width == Approx(1.06 * 0.5));
+  stage.frame.position = {-2, 0, 0};  // 4 and the radius, of twice the width
+  CHECK(fitted().half_width == Approx(1.06 * 4.1 / 2));
+  CHECK(needed_half_width(stage.scene, stage.frame, fitted(), stage.options) ==
+        Approx(fitted().half_width));
+  // Without a model the box does.
+  stage.scene.spheres.clear();
+  CHECK(fitted().half_width == Approx(1.06 * 9));
+}
+
 TEST_CASE("the whole of it is in the picture, from every side") {
   const Scene scene = testing::small_scene();
   Frame frame = testing::small_frame(0);
   frame.force = {3, -3, 8};
-  RenderOptions options{.width = 150, .height = 90, .supersampling = 1};
+  RenderOptions options{.width = 150, .height = 90, .supersampling = 1, .box = false};
   for (const double azimuth : {-200.0, -45.0, 0.0, 30.0, 90.0})
     for (const double elevation : {-90.0, -20.0, 0.0, 70.0, 90.0}) {
       const Image image =

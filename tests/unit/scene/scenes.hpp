@@ -42,6 +42,7 @@ inline Frame small_frame(std::uint64_t tick) {
   frame.jumps = tick / 2;
   frame.row = {t, 0.1};
   frame.energy = t == 0 ? std::numeric_limits<double>::quiet_NaN() : -t;
+  frame.own_energy = t == 0 ? frame.own_energy : t / 7;
   frame.centres = {0, 1, 2, 3, 4, 5, 6, 7, static_cast<float>(t)};
   return frame;
 }

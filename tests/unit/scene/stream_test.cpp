@@ -5,11 +5,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include "libcore/base/error.hpp"
+#include "libcore/scene/torsion.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
 using namespace hapgrid;
@@ -65,6 +68,7 @@ void check_same(const Frame& a, const Frame& b) {
   CHECK(a.levels == b.levels);
   CHECK(a.jumps == b.jumps);
   CHECK(a.centres == b.centres);
+  CHECK((a.own_energy == b.own_energy || (std::isnan(a.own_energy) && std::isnan(b.own_energy))));
 }
 
 const Scene kScene = small_scene();
@@ -87,6 +91,43 @@ TEST_CASE("scene and frames come back as they were") {
   }
   CHECK_FALSE(reader.next(frame));
   CHECK_FALSE(reader.next(frame));
+}
+
+TEST_CASE("torsions are followed from the first frame on") {
+  Scene scene = kScene;
+  scene.spheres.resize(4);
+  scene.torsions = {{{0, 1, 2, 3}, "phi"}, {{3, 2, 1, 0}, "back"}, {{0, 1, 1, 2}, "none"}};
+  Frame frame = small_frame(0);
+  // Along +z from the second to the third, a turn from x towards y is clockwise: positive.
+  const auto at = [&](double degrees) {
+    const double a = degrees * std::numbers::pi / 180;
+    const auto x = static_cast<float>(std::cos(a)), y = static_cast<float>(std::sin(a));
+    frame.centres = {2, 0, 0, 0, 0, 0, 0, 0, 1, x, y, 3};
+    ++frame.tick;
+  };
+  for (const double degrees : {-179.0, -90.0, -1.0, 0.0, 60.0, 179.0}) {
+    at(degrees);
+    CHECK(torsion_degrees(scene.torsions[0], frame) == Approx(degrees).margin(1e-4));
+    CHECK(torsion_degrees(scene.torsions[1], frame) == Approx(degrees).margin(1e-4));
+    CHECK(std::isnan(torsion_degrees(scene.torsions[2], frame)));
+  }
+  Bytes bytes = scene_bytes(scene);
+  const std::vector<std::array<double, 2>> turns{{170, 0}, {-170, 20}, {100, -70}, {-20, 170}};
+  for (const auto& [degrees, turned] : turns) {
+    at(degrees);
+    bytes = bytes + frame_bytes(frame);
+  }
+  SceneReader reader(file_of(bytes), "f");
+  CHECK(reader.scene() == scene);
+  for (const auto& [degrees, turned] : turns) {
+    REQUIRE(reader.next(frame));
+    REQUIRE(frame.turned.size() == 3);
+    CHECK(frame.turned[0] == Approx(turned).margin(1e-4));
+    CHECK(frame.turned[1] == Approx(turned).margin(1e-4));
+    CHECK(std::isnan(frame.turned[2]));
+  }
+  CHECK(turned_text(scene.torsions[0], 66.7) == "phi +67°");
+  CHECK(turned_text(scene.torsions[0], -170) == "phi -170°");
 }
 
 TEST_CASE("a scene without spheres, and one with many") {
@@ -207,6 +248,12 @@ TEST_CASE("values that cannot be are refused") {
   refuses_scene([](Scene& s) { s.spheres[1].colour[2] = 1.5F; }, "a colour is not in [0, 1]");
   refuses_scene([](Scene& s) { s.model.assign(256, 'm'); },
                 "a model's name of 256 bytes, the limit is 255");
+  refuses_scene(
+      [](Scene& s) {
+        s.torsions = {{{0, 1, 2, 3}, "phi"}};
+      },
+      "a torsion of sphere 3, which is not there");
+  refuses_scene([](Scene& s) { s.torsions.assign(5000, {}); }, "5000 torsions; 4096 are possible");
   refuses_scene([](Scene& s) { s.spheres[0].label.assign(256, 'm'); }, "a label of 256 bytes");
 
   const auto refuses_frame = [](auto&& change, const std::string& what) {

@@ -97,10 +97,10 @@ TEST_CASE("the bar is as full as the force is large") {
     options.width = options.height = 400;
     options.letters = false;
     add_force_bar(drawing, newtons, 3, options);
-    const double whole = std::abs(drawing.lines.at(0).to[1] - drawing.lines.at(0).from[1]);
-    return drawing.lines.size() == 1
+    const double whole = std::abs(drawing.overlay.at(0).to[1] - drawing.overlay.at(0).from[1]);
+    return drawing.overlay.size() == 1
                ? 0
-               : std::abs(drawing.lines[1].to[1] - drawing.lines[1].from[1]) / whole;
+               : std::abs(drawing.overlay[1].to[1] - drawing.overlay[1].from[1]) / whole;
   };
   CHECK(filled(0) == 0);
   CHECK(filled(0.75) == Approx(0.25));
@@ -108,5 +108,5 @@ TEST_CASE("the bar is as full as the force is large") {
   CHECK(filled(50) == Approx(1));
   Drawing drawing;
   add_force_bar(drawing, 1, 3, kOptions);
-  CHECK(drawing.lines.empty());  // a picture too small for it
+  CHECK(drawing.overlay.empty());  // a picture too small for it
 }

@@ -80,6 +80,31 @@ TEST_CASE("a curve rises to the right when the force does") {
   }
 }
 
+TEST_CASE("the energy of the model itself has a curve of its own beside the energy") {
+  Scene scene;
+  scene.energy_unit = "kJ/mol";
+  const auto green = [&](double own_energy) {
+    Traces traces;
+    for (int i = 0; i <= 250; ++i) {
+      Frame frame;
+      frame.time_s = i / 25.0;
+      frame.energy = 10;
+      frame.own_energy = own_energy;
+      traces.add(frame);
+    }
+    const Image image = draw_panel(600, 1, scene, traces, "status");
+    std::vector<int> rows;  // where a column of the curves is green
+    for (int y = 0; y < image.height; ++y)
+      if (const Rgb p = image.at(300, y); p[1] > p[0] + 80 && p[1] > p[2] + 20) rows.push_back(y);
+    return rows;
+  };
+  CHECK(green(std::numeric_limits<double>::quiet_NaN()).empty());
+  // The axis goes from 0 to 10, and then from 10 to 15.
+  REQUIRE(green(0).size() == 1);
+  REQUIRE(green(15).size() == 1);
+  CHECK(green(15)[0] < green(0)[0] - 10);
+}
+
 TEST_CASE("values that are no places draw nothing and harm nothing") {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kMost = std::numeric_limits<double>::max();

@@ -139,6 +139,18 @@ TEST_CASE("the numbers as a line") {
         "t 3.20 s   force 0.5 N   energy 12.3 kJ/mol   levels 0 1 253   dropped 7");
   frame.energy = kNan;
   CHECK(status_text(scene, frame, 0) == "t 3.20 s   force 0.5 N   levels 0 1 253   dropped 0");
+  // The model's own energy, and the torsion that has turned farthest.
+  scene.torsions = {{{}, "phi"}, {{}, "psi"}, {{}, "chi"}};
+  frame.energy = 12.345;
+  frame.own_energy = 9.06;
+  frame.turned = {-20, 66.7, kNan};
+  CHECK(status_text(scene, frame, 0) ==
+        "t 3.20 s   force 0.5 N   energy 12.3 kJ/mol   itself 9.06   psi +67°   levels 0 1 253   "
+        "dropped 0");
+  frame.own_energy = kNan;
+  frame.turned = {9, -9, kNan};
+  CHECK(status_text(scene, frame, 0) ==
+        "t 3.20 s   force 0.5 N   energy 12.3 kJ/mol   levels 0 1 253   dropped 0");
   // Strings and numbers of a stream are hostile.
   scene.energy_unit = "\033[2J\n";
   frame.energy = -1e-7;

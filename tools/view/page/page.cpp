@@ -6,6 +6,7 @@
 
 #include "libcore/base/text.hpp"
 #include "libcore/grid/box.hpp"
+#include "libcore/scene/torsion.hpp"
 #include "tools/view/page/parts.hpp"
 
 namespace hapgrid {
@@ -47,6 +48,8 @@ void Page::add(const Frame& frame) {
   append(hips_, frame.position);
   append(forces_, frame.force);
   energies_.push_back(static_cast<float>(frame.energy));
+  own_energies_.push_back(static_cast<float>(frame.own_energy));
+  for (const double degrees : frame.turned) turned_.push_back(static_cast<float>(degrees));
   centres_.insert(centres_.end(), frame.centres.begin(), frame.centres.end());
 }
 
@@ -55,8 +58,11 @@ std::string Page::finish(const Scene& scene, const RenderOptions& options, doubl
   const Box& box = scene.box;
   nlohmann::ordered_json data = {
       {"model", printable_line(scene.model)},
-      {"length_unit", printable_line(scene.length_unit)},
+      {"length_unit", unit_sign(scene.length_unit)},
       {"energy_unit", printable_line(scene.energy_unit)},
+      {"energy_label",
+       scene.energy_unit.empty() ? "energy" : axis_label("energy", scene.energy_unit)},
+      {"sticks", options.style == Style::kSticks},
       {"low", box.origin},
       {"high",
        box.position(GridCoordinates{box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1})},
@@ -69,6 +75,13 @@ std::string Page::finish(const Scene& scene, const RenderOptions& options, doubl
   for (const Sphere& sphere : scene.spheres)
     data["spheres"].push_back(
         {sphere.radius, sphere.colour[0], sphere.colour[1], sphere.colour[2]});
+  data["torsions"] = nlohmann::ordered_json::array();
+  for (const Torsion& torsion : scene.torsions)
+    data["torsions"].push_back(
+        {printable_line(torsion.name), torsion.spheres[1], torsion.spheres[2]});
+  data["least_turn"] = kTurned;
+  data["turned"] = encoded(turned_);
+  data["own_energies"] = encoded(own_energies_);
   data["times"] = encoded(times_);
   data["hips"] = encoded(hips_);
   data["forces"] = encoded(forces_);

@@ -27,6 +27,8 @@ class Page {
   std::vector<float> hips_;    // held in the box, x y z by frame
   std::vector<float> forces_;
   std::vector<float> energies_;
+  std::vector<float> own_energies_;  // of the model itself
+  std::vector<float> turned_;        // degrees, by torsion and frame
   std::vector<float> centres_;
   std::vector<std::size_t> snaps_;  // the first frames after a snap
   std::uint64_t jumps_ = 0;

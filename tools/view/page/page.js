@@ -7,6 +7,8 @@ const times = numbers(data.times, Float64Array);
 const hips = numbers(data.hips, Float32Array);
 const forces = numbers(data.forces, Float32Array);
 const energies = numbers(data.energies, Float32Array);
+const ownEnergies = numbers(data.own_energies, Float32Array);
+const turned = numbers(data.turned, Float32Array);
 const centres = numbers(data.centres, Float32Array);
 const last = times.length - 1;
 const sizes = Array.from(times, (_, i) => Math.hypot(forces[3 * i], forces[3 * i + 1], forces[3 * i + 2]));
@@ -17,7 +19,9 @@ const finite = (v) => Number.isFinite(v.x + v.y + v.z);
 document.title = data.model + " - hapgrid";
 let shown = 0;           // the frame
 let playing = null;      // since when, and from which time of play on
-let view = null;         // azimuth, elevation in degrees; centre; half: units from the middle to the nearer edges
+let view = null;         // azimuth, elevation in degrees; centre; half: units from the middle to the nearer edges; free:
+                         // whether the reader chose that size
+let sticks = data.sticks;
 
 // --- The scene ----------------------------------------------------------------------------------------------
 
@@ -31,8 +35,9 @@ const legend = document.createElement("canvas");
 legend.id = "legend";
 element("scene").appendChild(legend);
 
-function paint(colour, opacity) {
+function paint(colour, opacity, depths = {}) {
   return new THREE.ShaderMaterial({
+    ...depths,
     transparent: opacity < 1,
     uniforms: { colour: { value: new THREE.Vector3(...colour) }, opacity: { value: opacity } },
     vertexShader: `
@@ -62,13 +67,15 @@ function add(shape, material) {
 }
 
 const ball = new THREE.SphereBufferGeometry(1, 40, 24);
-const spheres = data.spheres.map(([radius, ...colour]) => {
-  const mesh = add(ball, paint(colour, 1));
-  mesh.scale.setScalar(Math.max(radius, 1e-9));
-  return mesh;
-});
-const hip = add(ball, paint([0.15, 0.35, 0.95], 0.6));
-hip.scale.setScalar(data.hip_radius);
+const spheres = data.spheres.map(([, ...colour]) => add(ball, paint(colour, 1)));
+const stick = new THREE.CylinderBufferGeometry(1, 1, 1, 24);
+let halves = [];  // of sticks, each from an end to the middle, in the colour of that end
+const blue = [0.15, 0.35, 0.95];
+// The second is what stands behind the molecule, which fades before it.
+const hip = [add(ball, paint(blue, 0.6)),
+             add(ball, paint(blue, 0.5, { depthFunc: THREE.GreaterDepth, depthWrite: false }))];
+hip[1].renderOrder = -1;
+for (const mesh of hip) mesh.scale.setScalar(data.hip_radius);
 const red = paint([0.85, 0.1, 0.1], 1);
 const shaft = add(new THREE.CylinderBufferGeometry(1, 1, 1, 24), red);
 const head = add(new THREE.CylinderBufferGeometry(0, 1, 1, 24), red);
@@ -95,14 +102,44 @@ function placeArrow(i) {
   }
 }
 
+function placeRod(mesh, from, to, radius) {
+  const way = to.clone().sub(from);
+  const length = way.length();
+  mesh.position.copy(from).addScaledVector(way, 0.5);
+  mesh.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), way.normalize());
+  mesh.scale.set(radius, Math.max(length, 1e-9), radius);
+}
+
+function placeSticks(i) {  // the sizes are those of libcore/scene/drawing.cpp, the bonds those of bonds.cpp
+  for (const mesh of halves) scene.remove(mesh);
+  halves = [];
+  if (!sticks || spheres.length > 4096) return;
+  const at = spheres.map((_, k) => vector(centres, i * spheres.length + k));
+  for (let a = 0; a < at.length; ++a)
+    for (let b = a + 1; b < at.length; ++b) {
+      const [ra, rb] = [data.spheres[a][0], data.spheres[b][0]];
+      if (!(at[a].distanceTo(at[b]) < 0.6 * (ra + rb))) continue;
+      const middle = at[a].clone().add(at[b]).multiplyScalar(0.5);
+      for (const end of [a, b]) {
+        const mesh = add(stick, spheres[end].material);
+        placeRod(mesh, at[end], middle, 0.12 * Math.min(ra, rb));
+        halves.push(mesh);
+      }
+    }
+}
+
 function place(i) {
   spheres.forEach((mesh, k) => {
     const at = vector(centres, i * spheres.length + k);
     mesh.visible = finite(at);
+    mesh.scale.setScalar(Math.max((sticks ? 0.25 : 1) * data.spheres[k][0], 1e-9));
     if (mesh.visible) mesh.position.copy(at);
   });
-  hip.visible = finite(vector(hips, i));
-  if (hip.visible) hip.position.copy(vector(hips, i));
+  placeSticks(i);
+  for (const mesh of hip) {
+    mesh.visible = finite(vector(hips, i));
+    if (mesh.visible) mesh.position.copy(vector(hips, i));
+  }
   placeArrow(i);
 }
 
@@ -117,8 +154,13 @@ function axes() {  // of the picture, in the model's space
   };
 }
 
-function fit() {
-  view = { azimuth: data.azimuth, elevation: data.elevation, centre: new THREE.Vector3(), half: 1 };
+/// What is seen of a frame: the spheres, each larger by `room`.
+function seeSpheres(see, i, room) {
+  data.spheres.forEach(([radius], k) => see(vector(centres, i * spheres.length + k), radius + room));
+}
+
+function fit() {  // as fit_model() does
+  view = { azimuth: data.azimuth, elevation: data.elevation, centre: new THREE.Vector3(), half: 1, free: false };
   const { right, up, near } = axes();
   const seen = new THREE.Box3();
   const see = (v, radius) => {
@@ -126,14 +168,10 @@ function fit() {
     const at = new THREE.Vector3(right.dot(v), up.dot(v), near.dot(v));
     for (const r of [-radius, radius]) seen.expandByPoint(at.clone().addScalar(r));
   };
-  for (let c = 0; c < 8; ++c)
-    see(new THREE.Vector3(c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z), 0);
-  data.spheres.forEach(([radius], k) => see(vector(centres, shown * spheres.length + k), radius));
-  if (last >= 0) {
-    const from = vector(hips, shown);
-    see(from, data.hip_radius);
-    see(from.addScaledVector(vector(forces, shown), data.newton), data.hip_radius / 2);
-  }
+  seeSpheres(see, shown, data.hip_radius);
+  if (seen.isEmpty())
+    for (let c = 0; c < 8; ++c)
+      see(new THREE.Vector3(c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z), 0);
   const [width, height] = [element("scene").clientWidth, element("scene").clientHeight];
   const size = seen.getSize(new THREE.Vector3());
   const shorter = Math.min(width, height);
@@ -142,11 +180,39 @@ function fit() {
   view.centre.addScaledVector(right, middle.x).addScaledVector(up, middle.y).addScaledVector(near, middle.z);
 }
 
+/// The half width with room for the HIP and the model as they are now, and for the longest arrow since fit().
+function halfWidth() {
+  if (view.free) return view.half;
+  const { right, up } = axes();
+  const [width, height] = [element("scene").clientWidth, element("scene").clientHeight];
+  const shorter = Math.min(width, height);
+  let most = 0;
+  const see = (v, radius) => {
+    if (!finite(v)) return;
+    const from = v.clone().sub(view.centre);
+    most = Math.max(most, (Math.abs(right.dot(from)) + radius) * shorter / width,
+                    (Math.abs(up.dot(from)) + radius) * shorter / height);
+  };
+  see(vector(hips, shown).addScaledVector(vector(forces, shown), data.newton), data.hip_radius / 2);
+  view.half = Math.max(view.half, 1.06 * most);
+  most = 0;
+  seeSpheres(see, shown, 0);
+  see(vector(hips, shown), data.hip_radius);
+  return Math.max(view.half, 1.06 * most);
+}
+
+/// The reader moves or sizes the picture: from now on it keeps its size.
+function free() {
+  view.half = halfWidth();
+  view.free = true;
+}
+
 function aim() {
   const [width, height] = [element("scene").clientWidth, element("scene").clientHeight];
   const { up, near } = axes();
-  const unit = 2 * view.half / Math.min(width, height);  // of a pixel
-  const far = 4 * (view.half + high.distanceTo(low)) + view.centre.distanceTo(low);
+  const half = halfWidth();
+  const unit = 2 * half / Math.min(width, height);  // of a pixel
+  const far = 4 * (half + high.distanceTo(low)) + view.centre.distanceTo(low);
   camera.left = -(camera.right = unit * width / 2);
   camera.bottom = -(camera.top = unit * height / 2);
   camera.near = 0;
@@ -192,6 +258,35 @@ function drawLegend(width, height, unit) {  // as libcore/scene/legend.cpp does
     c.fillText(axis, x + 33 * right[axis] - 3, y - 33 * up[axis]);
   }
   c.stroke();
+  nameTurned(c, width, height, unit);
+}
+
+function turnedText(k) {
+  const degrees = turned[shown * data.torsions.length + k];
+  return `${data.torsions[k][0]} ${degrees < 0 ? "" : "+"}${degrees.toFixed(0)}°`;
+}
+
+/// The torsions that have turned since the beginning.
+function whatTurned() {
+  return data.torsions.map((_, k) => k)
+    .filter((k) => Math.abs(turned[shown * data.torsions.length + k]) >= data.least_turn);
+}
+
+function nameTurned(c, width, height, unit) {  // each at the middle of its bond
+  const { right, up } = axes();
+  c.textAlign = "center";
+  for (const k of whatTurned()) {
+    const [, a, b] = data.torsions[k];
+    const at = vector(centres, shown * spheres.length + a).add(vector(centres, shown * spheres.length + b))
+      .multiplyScalar(0.5).sub(view.centre);
+    const [x, y] = [width / 2 + right.dot(at) / unit, height / 2 - up.dot(at) / unit];
+    const wide = c.measureText(turnedText(k)).width + 8;
+    c.fillStyle = "#fff";
+    c.fillRect(x - wide / 2, y - 8, wide, 16);
+    c.fillStyle = "#292b33";
+    c.fillText(turnedText(k), x, y);
+  }
+  c.textAlign = "left";
 }
 
 // --- Force and energy ---------------------------------------------------------------------------------------
@@ -199,17 +294,18 @@ function drawLegend(width, height, unit) {  // as libcore/scene/legend.cpp does
 const round = (x) => (Number.isFinite(x) ? parseFloat(x.toPrecision(3)) : "");
 
 function drawCurves() {
-  const width = element("below").clientWidth - 16, height = 126, left = 64;
+  const width = element("below").clientWidth - 16, height = 126, left = 64, bottomRow = 12;
   const c = context(element("curves"), width, height);
   const at = (t) => left + (width - left - 1) * (t - times[0]) / (times[last] - times[0] || 1);
   const energy = energies.some(Number.isFinite);
-  const curves = [["force", "N", "#d91a1a", sizes]];
-  if (energy) curves.push(["energy", data.energy_unit, "#1e5abe", energies]);
-  const each = height / curves.length;
-  curves.forEach(([name, unit, colour, values], k) => {
+  const curves = [["force / N", "#d91a1a", sizes]];
+  if (energy) curves.push([data.energy_label, "#1e5abe", energies]);
+  const each = (height - bottomRow) / curves.length;
+  curves.forEach(([name, colour, values], k) => {
     const top = k * each + 4, bottom = (k + 1) * each - 4;
-    const real = Array.from(values).filter(Number.isFinite);
-    const least = name === "force" ? 0 : real.reduce((a, b) => Math.min(a, b));
+    const both = k === 0 ? [values] : [values, ownEnergies];
+    const real = both.flatMap((list) => Array.from(list)).filter(Number.isFinite);
+    const least = k === 0 ? 0 : real.reduce((a, b) => Math.min(a, b));
     const most = real.reduce((a, b) => Math.max(a, b), least);
     const y = (v) => bottom - 1 - (bottom - top - 2) * (v - least) / (most - least || 1);
     c.fillStyle = "#fff";
@@ -217,30 +313,46 @@ function drawCurves() {
     c.fillStyle = "#f0961e";
     for (const i of data.snaps) c.fillRect(at(times[i]) - 1, top, 2, bottom - top);
     c.fillStyle = colour;
-    c.fillText(name, 0, (top + bottom) / 2 - 7, left - 4);
-    c.fillText(unit, 0, (top + bottom) / 2 + 7, left - 4);
+    // On two lines where it is long: the quantity, and its unit.
+    const [quantity, ...unit] = name.split(" / ");
+    const lines = name.length > 10 ? [quantity, "/ " + unit.join(" / ")] : [name];
+    lines.forEach((line, n) => c.fillText(line, 0, (top + bottom) / 2 + 13 * (n - (lines.length - 1) / 2), left - 4));
     c.fillStyle = "#282c34";
     c.textAlign = "right";
     c.fillText(round(most), left - 4, top + 5);
     c.fillText(round(least), left - 4, bottom - 5);
     c.textAlign = "left";
-    c.strokeStyle = colour;
     c.lineWidth = 1.2;
-    c.beginPath();
-    let drawn = false;  // a point that the next one is joined with
-    values.forEach((v, i) => {
-      if (Number.isFinite(v)) drawn ? c.lineTo(at(times[i]), y(v)) : c.moveTo(at(times[i]), y(v));
-      drawn = Number.isFinite(v);
+    both.forEach((list, n) => {
+      c.strokeStyle = n === 0 ? colour : "#008c64";
+      c.beginPath();
+      let drawn = false;  // a point that the next one is joined with
+      list.forEach((v, i) => {
+        if (Number.isFinite(v)) drawn ? c.lineTo(at(times[i]), y(v)) : c.moveTo(at(times[i]), y(v));
+        drawn = Number.isFinite(v);
+      });
+      c.stroke();
     });
-    c.stroke();
+    if (k === 1 && ownEnergies.some(Number.isFinite)) {
+      c.fillStyle = "#008c64";
+      c.fillText("of the model itself", left + 4, top + 6);
+    }
     c.fillStyle = "#282c34";
     c.fillRect(at(times[shown]) - 0.5, top, 1, bottom - top);
   });
+  const row = height - bottomRow / 2;
+  c.fillText(times[0].toFixed(2), left, row);
+  c.textAlign = "center";
+  c.fillText("t / s", (left + width) / 2, row);
+  c.textAlign = "right";
+  c.fillText(times[last].toFixed(2), width, row);
 }
 
 function drawStatus() {
   let text = `t ${times[shown].toFixed(2)} s   force ${round(sizes[shown])} N`;
   if (Number.isFinite(energies[shown])) text += `   energy ${round(energies[shown])} ${data.energy_unit}`;
+  if (Number.isFinite(ownEnergies[shown])) text += `   itself ${round(ownEnergies[shown])}`;
+  text += whatTurned().map((k) => "   " + turnedText(k)).join("");
   text += `   snaps ${data.snaps.filter((i) => i <= shown).length} of ${data.snaps.length}`;
   element("status").textContent = text;
 }
@@ -293,6 +405,7 @@ function listen() {
       view.azimuth -= 0.4 * e.movementX;
       view.elevation = Math.max(-90, Math.min(90, view.elevation + 0.4 * e.movementY));
     } else {
+      free();
       const { right, up } = axes();
       const unit = 2 * view.half / Math.min(area.clientWidth, area.clientHeight);
       view.centre.addScaledVector(up, unit * e.movementY).addScaledVector(right, -unit * e.movementX);
@@ -300,6 +413,7 @@ function listen() {
     draw();
   });
   area.addEventListener("wheel", (e) => {
+    free();
     view.half *= Math.pow(1.1, Math.sign(e.deltaY));
     draw();
     e.preventDefault();
@@ -312,6 +426,7 @@ function listen() {
   element("play").addEventListener("click", () => setPlaying(!playing));
   window.addEventListener("keydown", (e) => {
     if (e.key === "r") fit();
+    else if (e.key === "b") sticks = !sticks;
     else if (e.key === " ") setPlaying(!playing);
     else return;
     e.preventDefault();
