@@ -1,28 +1,7 @@
-"""The hung ball as a process: hung_ball.cpp again, line by line, so the grid has the same records.
-
-Copy this file for a model of your own: serve() stays, HungBall goes. The lines are described in
-libcore/model/PROTOCOL.md. Only protocol lines may go to standard output; print() to sys.stderr.
-"""
-import json
+"""The hung ball as a process: hung_ball.cpp again, line by line, so the grid has the same records."""
 import math
-import sys
 
-
-def serve(create):
-    """Makes a model from the parameters, then answers each question by its method of that name."""
-    try:
-        model = create(**json.loads(sys.stdin.readline())["parameters"])
-    except (TypeError, ValueError) as e:
-        return print(json.dumps({"error": str(e)}), flush=True)
-    print(json.dumps({"hapgrid": 1, **model.description}), flush=True)
-    for line in sys.stdin:
-        question = json.loads(line)
-        id, op = question.pop("id"), question.pop("op")
-        try:
-            answer = json.dumps({"id": id, **getattr(model, op)(**question)}, allow_nan=False)
-        except (ArithmeticError, ValueError) as e:
-            answer = json.dumps({"id": id, "error": str(e)})
-        print(answer, flush=True)
+import hapgrid
 
 
 class HungBall:
@@ -34,11 +13,11 @@ class HungBall:
         self.description = {
             "state_size": 1, "d_max": self.d_max, "tolerance": tolerance, "tolerance_unit": "rad",
             "norm": "max", "length_unit": "rope lengths", "energy_unit": "N rope lengths",
-            "force_scale": 1, "hip_radius": self.radius, "stored": ["force", "energy", "shape"],
+            "force_scale": 1, "hip_radius": self.radius,
             "spheres": [{"radius": radius, "colour": [0.9, 0.9, 0.3], "label": "ball"}]}
 
     def known_states(self, x):
-        return {"states": [[0.0]] if sum(a * a for a in x) >= 4 * self.radius**2 else []}
+        return [[0.0]] if sum(a * a for a in x) >= 4 * self.radius**2 else []
 
     def convert(self, s, x, d):
         length = math.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
@@ -49,8 +28,7 @@ class HungBall:
         for k in range(1, substeps + 1):
             f = k / substeps
             sine, cosine = self.settle(sine, cosine, *(a + f * b for a, b in zip(x, d)))
-        state = [math.atan2(sine, cosine)] if substeps else s
-        return {"s": state, **self.evaluate(state, [a + b for a, b in zip(x, d)])}
+        return [math.atan2(sine, cosine)] if substeps else s
 
     def settle(self, sine, cosine, x, y, z):  # Arc::settle() of hung_ball.cpp
         w, m, e = 1 - z, (2 * self.radius - y) * (2 * self.radius + y), x * x + z * (z - 2)
@@ -63,15 +41,20 @@ class HungBall:
         contact = x * arc_cosine + w * side, w * arc_cosine - x * side
         return contact if (contact[0] > 0 if right else contact[0] < 0) else (0.0, 1.0)
 
-    def evaluate(self, s, x):
+    def force(self, s, x):
         sine, cosine = math.sin(s[0]), math.cos(s[0])
         u = [sine - x[0], -x[1], 1 - cosine - x[2]]
         distance = math.hypot(*u)
         along = (u[0] * cosine + u[2] * sine) / distance if distance else 0
         push = min(self.max_force, self.weight * sine / along) if along * sine > 0 else 0.0
-        return {"force": [-push * a / distance for a in u] if push else [0.0, 0.0, 0.0],
-                "energy": self.weight * 2 * math.sin(s[0] / 2)**2, "shape": [sine, 0, 1 - cosine]}
+        return [-push * a / distance for a in u] if push else [0.0, 0.0, 0.0]
+
+    def energy(self, s, x):
+        return self.weight * 2 * math.sin(s[0] / 2)**2
+
+    def shape(self, s, x):
+        return [math.sin(s[0]), 0, 1 - math.cos(s[0])]
 
 
 if __name__ == "__main__":
-    serve(HungBall)
+    hapgrid.serve(HungBall)

@@ -19,18 +19,23 @@ class XtbError(ValueError):
     """xtb is missing, or did not compute a point."""
 
 
+def load():
+    """The C library. Raises XtbError where there is none."""
+    # Threads add up sums in no fixed order. OpenMP reads this when the library is loaded.
+    os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    try:
+        return ctypes.CDLL("libxtb.so.6")
+    except OSError:
+        raise XtbError("libxtb.so.6 not found: install the Debian package libxtb6") from None
+
+
 class Xtb:
     """One molecule. positions: GFN-FF reads its bonds off these and keeps them."""
 
     def __init__(self, numbers, positions, method, charge, unpaired=0):
         if method not in METHODS:
             raise XtbError(f"parameter method is {method}, it must be one of {', '.join(METHODS)}")
-        # Threads add up sums in no fixed order. OpenMP reads this when the library is loaded.
-        os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
-        try:
-            self.library = ctypes.CDLL("libxtb.so.6")
-        except OSError:
-            raise XtbError("libxtb.so.6 not found: install the Debian package libxtb6") from None
+        self.library = load()
         self.size = len(positions)
         self.environment = self._new("Environment")
         self.library.xtb_setVerbosity(self.environment, 0)

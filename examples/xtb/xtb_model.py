@@ -1,12 +1,8 @@
 """A molecule of xtb as a model process. A probe, the HIP, pushes atoms away; README.md has the
-equations, libcore/model/PROTOCOL.md describes the lines.
+equations.
 """
 import math
-import os
-import sys
 
-sys.path.append(os.path.join(os.path.dirname(os.path.realpath(__file__)), "../hung-ball"))
-from hung_ball import serve
 from xtb_library import BOHR, HARTREE, Xtb
 
 # Atomic number, van der Waals radius (Bondi) and covalent radius in angstrom, colour.
@@ -43,13 +39,13 @@ class ProbedMolecule:
         self.description = {
             "state_size": len(start), "d_max": 2.0, "tolerance": tolerance, "norm": "rms",
             "tolerance_unit": "angstrom", "length_unit": "angstrom", "energy_unit": "kJ/mol",
-            "force_scale": force_scale, "stored": ["force", "energy", "shape"],
+            "force_scale": force_scale,
             "spheres": [{"radius": contact_scale * r, "colour": c, "label": s}
                         for s, r, c in zip(symbols, radii, colours)]}
         self.force_scale = force_scale
 
     def known_states(self, x):
-        return {"states": [] if self.touches(self.home, x) else [self.home]}
+        return [] if self.touches(self.home, x) else [self.home]
 
     def convert(self, s, x, d):
         substeps = max(1, math.ceil(math.hypot(*d) / self.substep))
@@ -60,16 +56,19 @@ class ProbedMolecule:
             if not free or self.touches(s, hip):
                 s, energy = self.relax(s, hip, hessian)
                 free = not self.touches(s, hip)
-        return {"s": s, **self.stored(s, [a + b for a, b in zip(x, d)], energy)}
+        return {"s": s, "energy": energy}
 
-    def evaluate(self, s, x):
-        return self.stored(s, x, self.total(s, x)[0])
+    def energy(self, s, x):
+        return self.total(s, x)[0]
 
-    def stored(self, s, x, energy):
+    def shape(self, s, x):
+        return s
+
+    def force(self, s, x):
         force = [0.0, 0.0, 0.0]
         for _, unit, depth in self.contacts(s, x):
             force = [f - self.force_scale * self.stiffness * depth * u for f, u in zip(force, unit)]
-        return {"force": force, "energy": energy, "shape": s}
+        return force
 
     def contacts(self, s, x):
         """For each atom that is touched: the index of its x, unit vector from the probe, depth."""
@@ -213,7 +212,12 @@ def solve(matrix, right):
 
 
 if __name__ == "__main__":
-    # xtb writes to standard output, where only answers may be; it gets another one.
-    sys.stdout = os.fdopen(os.dup(1), "w")
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    serve(ProbedMolecule)
+    import os
+
+    import hapgrid
+
+    def quiet(**parameters):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # of what xtb writes there
+        return ProbedMolecule(**parameters)
+
+    hapgrid.serve(quiet)

@@ -1,5 +1,6 @@
 #include "tools/common/models.hpp"
 
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
@@ -22,10 +23,22 @@ void add_process_timeout(CommandLine& app, ProcessOptions& options) {
       .shows_default();
 }
 
+/// Lets a model in Python find the module hapgrid of this installation, behind what PYTHONPATH has.
+void offer_python_module() {
+  std::error_code ignored;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  const std::filesystem::path folder = self.parent_path().parent_path() / "python";
+  if (!std::filesystem::exists(folder / "hapgrid.py", ignored)) return;
+  const char* given = std::getenv("PYTHONPATH");
+  const std::string before = given && *given ? given + std::string(":") : "";
+  ::setenv("PYTHONPATH", (before + folder.string()).c_str(), 1);
+}
+
 /// It runs in the directory of the definition's file.
 std::unique_ptr<ModelSource> process_source(const ProcessDefinition& process,
                                             const std::string& file,
                                             const ProcessOptions& options) {
+  offer_python_module();
   return std::make_unique<ProcessSource>(process.name, process.command,
                                          std::filesystem::path(file).parent_path(), options);
 }

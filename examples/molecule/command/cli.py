@@ -110,6 +110,7 @@ def _silence():
 def main(arguments):
     try:
         o = _options(arguments)
+        xtb.load()  # before all else: where it is missing, that is one line
         with _silence() as out:
             print(course.run(o), file=out)
     except UsageError as why:

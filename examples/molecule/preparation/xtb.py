@@ -13,7 +13,7 @@ import sys
 import numpy as np
 
 sys.path.append(os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../xtb"))
-from xtb_library import BOHR, HARTREE, METHODS, Xtb, XtbError  # noqa: F401  other modules use them
+from xtb_library import BOHR, HARTREE, METHODS, Xtb, XtbError, load  # noqa: F401  other modules use them
 
 # sqrt(hartree / (bohr^2 amu)) as a wave number, cm^-1
 WAVE_NUMBER = 5140.487144

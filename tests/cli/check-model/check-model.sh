@@ -19,10 +19,9 @@ assert first["convert"]["calls"] == 300 and first["median_force_error"] < 1e-3
 assert first["longest_step"] < first["d_max"]
 END
 
-cp "$HAPGRID_SOURCE/examples/hung-ball/hung_ball.py" .
 cat >faulty.py <<'END'
 import random
-from hung_ball import serve
+import hapgrid
 
 
 class Faulty:
@@ -30,11 +29,10 @@ class Faulty:
 
     def __init__(self, fault):
         self.fault = fault
-        self.description = {"state_size": 1, "d_max": 2.0, "tolerance": 1e-9, "energy_unit": "J",
-                            "force_scale": 1, "stored": ["force", "energy"]}
+        self.description = {"state_size": 1, "d_max": 2.0, "tolerance": 1e-9, "energy_unit": "J", "force_scale": 1}
 
     def known_states(self, x):
-        return {"states": [[x[0] / 2]]}
+        return [[x[0] / 2]]
 
     def convert(self, s, x, d):
         branch = round(s[0] - x[0] / 2)  # 0, or 1 with the fault "halves": another state at rest
@@ -47,15 +45,17 @@ class Faulty:
             s[0] += 1e-3 * (sum(map(abs, d)) > 0)
         if self.fault == "defined" and x[0] + d[0] > 1:
             raise ValueError("nothing is known beyond 1")
-        return {"s": s, **self.evaluate(s, [a + b for a, b in zip(x, d)])}
+        return s
 
-    def evaluate(self, s, x):
-        force = -x[0] / 2 if self.fault != "gradient" else x[0] / 2
-        return {"force": [force, 0.0, 0.0], "energy": x[0]**2 / 4}
+    def force(self, s, x):
+        return [-x[0] / 2 if self.fault != "gradient" else x[0] / 2, 0.0, 0.0]
+
+    def energy(self, s, x):
+        return x[0]**2 / 4
 
 
 if __name__ == "__main__":
-    serve(Faulty)
+    hapgrid.serve(Faulty)
 END
 for fault in none halves deterministic stays defined gradient; do
   cat >faulty.toml <<END

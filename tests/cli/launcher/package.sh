@@ -15,6 +15,11 @@ hapgrid seed "$usr/share/doc/hapgrid/examples/hung-ball/hung-ball.toml" | hapgri
 expect 0 '' 'verify: fine: 12 checks' -- hapgrid verify grid -o report
 hapgrid play grid --device "path:$usr/share/doc/hapgrid/examples/hung-ball/path-there-and-back.txt" --log log 2>/dev/null
 
+# The module for Python is where Debian's python3 looks for it, and reads the grid with the program beside it.
+PYTHONPATH=$usr/lib/python3/dist-packages /usr/bin/python3 -c '
+import hapgrid, sys
+assert len(hapgrid.read("grid")["level"]) == int(sys.argv[1])' "$(hapgrid stats --get records grid)"
+
 # Who writes a plug-in finds the headers by pkg-config and by CMake.
 config=$(dirname "$(find "$usr" -name hapgrid.pc)")
 cp "$usr/share/doc/hapgrid/examples/spring-c/spring.c" .
@@ -39,6 +44,28 @@ bash -c 'source "$1"; COMP_WORDS=(hapgrid ve); COMP_CWORD=1; _hapgrid; echo "${C
   COMP_WORDS=(hapgrid verify --re); COMP_CWORD=2; _hapgrid; echo "${COMPREPLY[@]}"' _ \
   "$usr/share/bash-completion/completions/hapgrid" >offered
 same "offered" $'verify\n--recompute' "$(cat offered)"
+# zsh and fish offer the same when the key is pressed.
+if command -v fish >/dev/null; then
+  same 'what fish offers' $'verify\n--recompute' "$(fish --no-config -c 'source $argv; complete -C "hapgrid veri"
+    complete -C "hapgrid verify --reco"' "$usr/share/fish/vendor_completions.d/hapgrid.fish" | cut -f 1)"
+else
+  echo 'no fish: its completion is left out'
+fi
+if command -v zsh >/dev/null; then
+  cat >press.zsh <<'ZSH'
+zmodload zsh/zpty
+zpty z TERM=dumb zsh -f -i
+zpty -w z "fpath=($1 \$fpath); autoload -U compinit; compinit -u -D; echo rea''dy"
+zpty -r z out '*ready*'
+zpty -n -w z $'hapgrid verify --reco\t'
+zpty -r z out '*--recompute*'
+zpty -n -w z $'\C-uhapgrid veri\t'
+zpty -r z out '*verify*'
+ZSH
+  timeout 20 zsh -f press.zsh "$usr/share/zsh/vendor-completions" || fail 'zsh offers something else'
+else
+  echo 'no zsh: its completion is left out'
+fi
 for tool in seed expand merge verify stats play view check-model; do
   hapgrid "$tool" --help | grep -oE -- '^  (-.,)?--[a-z-]+' | grep -oE -- '--.*' | sort >known
   sed -n "s/^ *$tool) words='\(.*\)' ;;/\1/p" "$usr/share/bash-completion/completions/hapgrid" | tr ' ' '\n' | sort | diff - known ||

@@ -9,7 +9,7 @@ python3 -c 'import ctypes; ctypes.CDLL("libxtb.so.6")' 2>/dev/null || skip "libx
 
 # Conversions with GFN2-xTB have the same bits in one order, in another, and alone. Where nothing is
 # touched nothing changes, and what is evaluated is what was stored.
-(cd "$example" && python3 - "$toml") <<'PYTHON'
+(cd "$example" && PYTHONPATH=$HAPGRID_BIN/../python python3 - "$toml") <<'PYTHON'
 import json, subprocess, sys, tomllib
 with open(sys.argv[1], "rb") as file:
     model = tomllib.load(file)["model"]

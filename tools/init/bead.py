@@ -8,25 +8,23 @@ HIP's distance from the rail. The state s is the bead's place, in mm. With the H
 
 There are two stable roots, one on each side of 0, or a single one. So the bead remembers
 only its side: the sign of s.
-PROTOCOL.md of hapgrid describes the lines that go back and forth. Only they may go to standard output; print() to
-sys.stderr.
+help(hapgrid.serve) says what each function is for.
 """
-import json
 import math
-import sys
+
+import hapgrid
 
 
-@HAPGRID_SERVE@class Bead:
+class Bead:
     # The parameters of the definition, with their defaults.
     def __init__(self, wells=10.0, depth=5.0, stiffness=0.25, reach=10.0, strength=60.0, tolerance=1e-6):
         if min(wells, depth, stiffness, reach, strength, tolerance) <= 0:
             raise ValueError("the parameters must be positive")
         self.wells, self.stiffness, self.reach, self.strength = wells, stiffness, reach, strength
         self.b = 4 * depth / wells**4
-        # force, energy and shape are kept in the grid, so that play does not need this program.
         self.description = {
             "state_size": 1, "d_max": reach, "tolerance": tolerance, "tolerance_unit": "mm",
-            "length_unit": "mm", "energy_unit": "N mm", "force_scale": 1, "stored": ["force", "energy", "shape"],
+            "length_unit": "mm", "energy_unit": "N mm", "force_scale": 1,
             "spheres": [{"radius": wells / 5, "colour": [0.9, 0.9, 0.3]},
                         {"radius": wells / 20, "colour": [0.4, 0.4, 0.9]},
                         {"radius": wells / 20, "colour": [0.4, 0.4, 0.9]}]}
@@ -48,7 +46,7 @@ import sys
     def known_states(self, x):
         """What the search starts from, in the corners of the box: a state for each side, or a single one."""
         left, right = self.settle(x, False), self.settle(x, True)
-        return {"states": [[left], [right]] if left < 0 < right else [[left]]}
+        return [[left], [right]] if left < 0 < right else [[left]]
 
     def convert(self, s, x, d):
         """C(s, x, d): the HIP walks from x to x + d in steps that are short against the reach of the spring."""
@@ -58,17 +56,23 @@ import sys
             place = self.settle(hip, place >= 0)
             if math.dist(hip, [place, 0, 0]) > self.strength:
                 raise ValueError(f"the spring broke: it is longer than {self.strength:g} mm")
-        return {"s": [place], **self.evaluate([place], [a + b for a, b in zip(x, d)])}
+        return [place]
 
-    def evaluate(self, s, x):
-        """What is stored with the state s, for the HIP at x. The force is -dE/dx, in newtons."""
+    # What the grid keeps with the state s, for the HIP at x, so that play does not need this program.
+    def force(self, s, x):
+        """-dE/dx, in newtons."""
         k, u = self.spring(x), x[0] - s[0]
         sideways = u * u * k * k / (self.stiffness * self.reach * self.reach)  # -k'(q) u^2
-        well = s[0] * s[0] - self.wells * self.wells
-        return {"force": [-k * u, sideways * x[1], sideways * x[2]],
-                "energy": self.b / 4 * well * well + k / 2 * u * u,
-                "shape": [s[0], 0, 0, -self.wells, 0, 0, self.wells, 0, 0]}
+        return [-k * u, sideways * x[1], sideways * x[2]]
+
+    def energy(self, s, x):
+        well, u = s[0] * s[0] - self.wells * self.wells, x[0] - s[0]
+        return self.b / 4 * well * well + self.spring(x) / 2 * u * u
+
+    def shape(self, s, x):
+        """The centres of the spheres: the bead and the two wells."""
+        return [s[0], 0, 0, -self.wells, 0, 0, self.wells, 0, 0]
 
 
 if __name__ == "__main__":
-    serve(Bead)
+    hapgrid.serve(Bead)
