@@ -19,6 +19,23 @@ FIRST_LEG = 10  # segments from the conformation to its first saddle; their leng
 
 
 @dataclass
+class Beyond:
+    """A path for a file. nodes: aligned to the conformation, which is the one at `start`, bohr;
+    energies: hartree; kinds: as a Way has them; why: each end is where it is."""
+    name: str
+    torsion: str
+    nodes: list
+    energies: list
+    start: int
+    kinds: dict
+    why: str
+
+    @property
+    def barrier(self):
+        return max(self.energies)
+
+
+@dataclass
 class Way:
     """What driving a torsion found. nodes, energies (bohr, hartree) from the conformation on; kinds:
     "minimum" or "saddle" by node, without the conformation; why: it ended there. closed: the last node
@@ -95,8 +112,8 @@ def drive(work, torsion, sign, apart=None, known=()):
 
 
 def whole(work, torsion):
-    """(Way, node of the conformation): both directions as one path, nodes aligned to the conformation.
-    Raises Dropped where no minimum is behind a saddle."""
+    """The Beyond of a torsion: both directions as one path. Raises Dropped where no minimum is behind a
+    saddle."""
     from .work import Dropped
     plus, apart = drive(work, torsion, 1)
     if plus.closed:
@@ -114,7 +131,8 @@ def whole(work, torsion):
              for k, n in enumerate(nodes)]
     kinds = {start - k: kind for k, kind in minus.kinds.items()}
     kinds.update({start + k: kind for k, kind in plus.kinds.items()})
-    return Way(nodes, minus.energies[:0:-1] + plus.energies, kinds, f"{plus.why}; {minus.why}"), start
+    return Beyond(torsion.name, torsion.name, nodes, minus.energies[:0:-1] + plus.energies, start,
+                  dict(sorted(kinds.items())), f"{plus.why}; {minus.why}")
 
 
 def _cut(circle):
