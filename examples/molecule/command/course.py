@@ -6,7 +6,7 @@ import shlex
 from preparation import files
 from preparation import molecule as prepared
 
-from . import choice, combined, definition, page, pushing, reading, resolution, rotors, structures
+from . import choice, combined, crossing, definition, page, pushing, reading, resolution, rotors, structures
 from .filters import Failed, FilterFailed, Filters
 from .stages import Stages, digest, duration
 
@@ -220,14 +220,17 @@ class Course:
     def push(self):
         stages = self.stages
         stages.run("pushing", "looking for the probe's ways that turn the molecule", [self.grid], [],
-                   lambda: pushing.Ways(self.filters, stages, self.grid, self.structures).write())
+                   lambda: self._ways()(self.filters, stages, self.grid, self.structures).write())
         made = [n for n in stages.made("pushing") if n.endswith(".txt")]
         self.best = made[0]
         stages.run("page", "drawing pictures", [self.grid, *made, "rotors.tsv", "verify.txt"], [], self._page)
 
+    def _ways(self):
+        return crossing.Crossings if self.o.basins else pushing.Ways
+
     def _page(self):
         names = definition.paths_of(self.stages.path(self.toml))
-        turned = [t for t in self.rotors if {t.file_name(sign) for sign in t.signs} & set(names)]
+        turned = [t for t in self.rotors if {t.name, *(t.file_name(sign) for sign in t.signs)} & set(names)]
         return page.Page(self.filters, self.stages, self.name, self.best, self.molecule, turned).write()
 
     def summary(self):

@@ -6,7 +6,9 @@ import subprocess
 import numpy as np
 from preparation import files, geometry
 
+from .definition import paths_of
 from .filters import Failed
+from .structures import least_t
 
 MOVES = 2.0  # degrees: what turns less is not drawn
 SHAPES = 60  # at which molecule-check is asked for the molecule's own energy
@@ -37,7 +39,8 @@ def draw(filters, stages, toml, log, shapes, torsions, times):
     first = names.index("s0")
     count = sum(n[0] == "s" and n[1:].isdigit() for n in names) - 6
     picked = np.unique(np.linspace(0, len(rows) - 1, SHAPES).round().astype(int))
-    own = [_own_energy(filters, toml, rows[n, first:first + count]) for n in picked]
+    low = [least_t(stages.path(name + ".xyz")) for name in paths_of(stages.path(toml))]
+    own = [_own_energy(filters, toml, rows[n, first:first + count], low) for n in picked]
     _table(stages, "energies.tsv", ["t_s", "hybrid_kJ_mol", "molecule_kJ_mol"],
            [rows[picked, 0], rows[picked, names.index("energy")], own])
     if not torsions:
@@ -54,11 +57,12 @@ def draw(filters, stages, toml, log, shapes, torsions, times):
     return ["course.png", "torsions.tsv", "energies.tsv"]
 
 
-def _own_energy(filters, toml, t):
-    """Of a shape, above the conformation, kJ/mol."""
+def _own_energy(filters, toml, t, low):
+    """Of a shape, above the conformation, kJ/mol. low: the least t."""
     if not len(t):
         return 0.0
-    text = filters.run("molecule-check", toml, "--xyz", ",".join(repr(float(min(max(v, 0), 1))) for v in t))[0]
+    text = filters.run("molecule-check", toml,
+                       "--xyz=" + ",".join(repr(float(min(max(v, a), a + 1))) for v, a in zip(t, low)))[0]
     return float(text.splitlines()[1].split()[0].removeprefix("dE="))
 
 

@@ -223,6 +223,12 @@ def frames(path):
     return out
 
 
+def least_t(path):
+    """Of a path's file: below 0 where the conformation is inside."""
+    rises = [float(words.get("dE", "nan")) for words, _, _ in frames(path)]
+    return -rises.index(0) / (len(rises) - 1) if 0 in rises else 0.0
+
+
 class PathFile:
     """A path as its file has it. nodes in bohr, energies in hartree above the conformation."""
 
