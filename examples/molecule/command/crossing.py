@@ -23,6 +23,8 @@ class Crossings(pushing.Ways):
         text = self.filters.run("molecule-check", toml, good=(0, 1))[0]
         minima = [[float(t) for t in line.split()[2].split(",")] for line in text.splitlines()
                   if line.startswith("minimum ")]
+        if not minima:
+            return super().write()
         rest, *others = sorted(minima, key=lambda t: np.abs(t).sum())
         names = []
         for k, name in enumerate(self.taken):

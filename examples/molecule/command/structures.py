@@ -68,7 +68,7 @@ class _Search(work.Work):
             one = beyond.whole(self, torsion)
             return {"nodes": [n.tolist() for n in one.nodes], "energies": one.energies, "start": one.start,
                     "kinds": list(one.kinds.items()), "why": one.why}
-        return self.steps.take(["beyond", *self._key(torsion.name, torsion, 0)], lambda: self._guarded(compute))
+        return self.steps.take(["beyond", 2, *self._key(torsion.name, torsion, 0)], lambda: self._guarded(compute))
 
     def path(self, number):
         torsion, sign = self.jobs()[number]

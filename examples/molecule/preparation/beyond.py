@@ -2,9 +2,9 @@
 
 From the conformation the torsion is driven over one saddle after the other in the same direction.
 Each leg leads from a minimum up to a saddle and down to the next one. Where a whole turn comes back
-to the conformation, the circle is cut at its highest saddle, whose two sides become the path's ends:
-there, with the molecule half a turn from where it began, its alignment would jump. Otherwise the
-other direction is driven, too.
+to the conformation, the circle is cut at a saddle, whose two sides become the path's ends: the
+highest one from which the conformation is reached on both sides before its halves have turned so far
+against each other that the alignment jumps. Otherwise the other direction is driven, too.
 """
 
 from dataclasses import dataclass, field
@@ -15,6 +15,7 @@ from . import geometry, optimise, path, torsions
 from .xtb import BOHR, HARTREE
 
 LEGS = 6  # in one direction, at most
+JUMP = 3.0  # times the way that the atoms go: how far an aligned shape moves where the alignment jumps
 FIRST_LEG = 10  # segments from the conformation to its first saddle; their length holds for all
 
 
@@ -117,12 +118,13 @@ def whole(work, torsion):
     from .work import Dropped
     plus, apart = drive(work, torsion, 1)
     if plus.closed:
-        plus, minus = _cut(plus)
+        plus, minus = _cut(work, plus)
     else:
         found = [plus.nodes[k] for k, kind in plus.kinds.items() if kind == "minimum"]
         minus, _ = drive(work, torsion, -1, apart, found)
         if minus.closed:
             raise Dropped("a whole turn comes back in one direction only")
+        plus, minus = _before_jump(work, plus), _before_jump(work, minus)
     if not {"minimum"} & {*plus.kinds.values(), *minus.kinds.values()}:
         raise Dropped(f"nothing behind its saddles: {plus.why}; {minus.why}")
     start = len(minus.nodes) - 1
@@ -135,16 +137,43 @@ def whole(work, torsion):
                   dict(sorted(kinds.items())), f"{plus.why}; {minus.why}")
 
 
-def _cut(circle):
-    """The two parts of a circle, each from the conformation to a node before its highest saddle."""
-    top = max((k for k, kind in circle.kinds.items() if kind == "saddle"),
-              key=lambda k: circle.energies[k])
-    if "minimum" not in circle.kinds.values():
-        return circle, Way(circle.nodes[:1], circle.energies[:1])
+def _jump(work, nodes):
+    """The first node at which the alignment with the conformation jumps; None where it never does."""
+    masses = work.surface.masses
+    chain = path.aligned_chain(nodes, masses)
+    aligned = [geometry.aligned(n, work.x, masses) for n in nodes]
+    for k in range(1, len(nodes)):
+        if geometry.rms(aligned[k], aligned[k - 1]) > JUMP * geometry.rms(chain[k], chain[k - 1]):
+            return k
+    return None
+
+
+def _part(way, count):
+    """The first nodes of a way."""
+    return Way(way.nodes[:count], way.energies[:count],
+               {k: kind for k, kind in way.kinds.items() if k < count}, way.why)
+
+
+def _before_jump(work, way):
+    """A way without what is behind the last saddle before a jump, where there is one."""
+    at = _jump(work, way.nodes)
+    if at is None:
+        return way
+    last = max((k for k in way.kinds if k < at), default=at)
+    out = _part(way, last if way.kinds.get(last) == "saddle" else at)
+    out.why = "the molecule's alignment would jump"
+    return out
+
+
+def _cut(work, circle):
+    """The two parts of a circle, each from the conformation to a node before one of its saddles."""
     last = len(circle.nodes) - 1
-    plus = Way(circle.nodes[:top], circle.energies[:top],
-               {k: kind for k, kind in circle.kinds.items() if k < top}, circle.why)
-    minus = Way(circle.nodes[:top:-1], circle.energies[:top:-1],
-                {last - k: kind for k, kind in circle.kinds.items() if k > top}, "the same")
-    minus.nodes[0], minus.energies[0] = circle.nodes[0], circle.energies[0]
-    return plus, minus
+    back = Way([circle.nodes[0], *circle.nodes[-2::-1]], [circle.energies[0], *circle.energies[-2::-1]],
+               {last - k: kind for k, kind in circle.kinds.items()}, circle.why)
+    saddles = [k for k, kind in circle.kinds.items() if kind == "saddle"]
+    if len(saddles) == 1:  # of the same shape once more
+        return circle, _part(back, 1)
+    saddles.sort(key=lambda k: -circle.energies[k])
+    parts = [(_part(circle, k), _part(back, last - k)) for k in saddles]
+    smooth = [both for both in parts if all(_jump(work, part.nodes) is None for part in both)]
+    return smooth[0] if smooth else tuple(_before_jump(work, part) for part in parts[0])
