@@ -2,15 +2,17 @@
 round the molecule without touching it, and pushes it back from another side.
 
 Each push is a straight line, there and back. Lines are tried until one has brought the molecule where
-it should be: first those along which the atoms go most.
+it should be: first those along which the atoms go most, then random ones, deeper. They are played one
+after the other in one go, since reading the grid takes longest.
 """
 
 import numpy as np
 
 from . import pushing
-from .filters import FilterFailed
 
-LINES = 60  # tried for each crossing, at most
+LINES = 60  # of those along which the atoms go, at most
+RANDOM = 240
+DEEPEST = 2.0  # angstrom behind an atom
 NEAR = 0.02  # of a t: the molecule is in this minimum
 AROUND = 0.96  # of the box: where the probe goes round
 
@@ -49,32 +51,61 @@ class Crossings(pushing.Ways):
     def _crossing(self, x, y, before, wanted):
         """`before` and a line after it that brings the molecule from shape x to y, which has the t
         wanted."""
-        for start, end, _ in self._candidates(x, y):
-            way = [*before, *self._round(before[-1] if before else None, start), *_line(start, end)]
-            if self._ends(way, wanted):
+        lines = self._candidates(x, y)
+        while lines:
+            way, ends = list(before), []
+            for start, end in lines:
+                way += [*self._round(way[-1] if way else None, start), *_line(start, end)]
+                ends.append(len(way) - 1)
+            n = self._first(way, ends, len(before))
+            if n is None:
+                return None
+            way = [*before, *self._round(before[-1] if before else None, lines[n][0]), *_line(*lines[n])]
+            if self._is_at(self._states(way)[-1], wanted):
                 return way
+            lines = lines[n + 1:]
         return None
+
+    def _first(self, way, ends, begin):
+        """The first line after which the molecule is not where it was before all."""
+        states = self._states(way)
+        rest = states[max(begin - 1, 0)]
+        return next((n for n, end in enumerate(ends) if not self._is_at(states[end], rest)), None)
+
+    @staticmethod
+    def _is_at(state, wanted):
+        return bool(np.abs(state - wanted).max() < NEAR)
 
     def _candidates(self, x, y):
         found = []
         for clear in (self.clear, pushing.CLEAR):
             found += pushing.lines(x, y - x, self.radius, self.low, self.high, clear, LINES, 0.95)
-        return found[:LINES]
+        return [(start, end) for start, end, _ in found[:LINES]] + self._random(x)
+
+    def _random(self, x):
+        draw = np.random.default_rng(1)
+        middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
+        out = []
+        for _ in range(RANDOM):
+            u = draw.normal(size=3)
+            u /= np.linalg.norm(u)
+            aim = x[draw.integers(len(x))] + draw.uniform(-0.8, 0.8, 3)
+            start = aim - u * _reach(aim - middle, -u, half)
+            end = aim + u * min(draw.uniform(-1, DEEPEST), _reach(aim - middle, u, half))
+            out.append((start, end))
+        return out
 
     def _shape(self, toml, t):
         text = self.filters.run("molecule-check", toml, "--xyz=" + ",".join(map(repr, t)))[0]
         return np.array([[float(v) for v in line.split()[1:4]] for line in text.splitlines()[2:]])
 
-    def _ends(self, way, wanted):
-        """Whether a way ends with the molecule at rest at the t wanted."""
+    def _states(self, way):
+        """The t at each place of a way."""
         self._write_way(".way.txt", way, "tried")
-        try:
-            self.filters.run("play", self.grid, "--device", "path:.way.txt", "--log", ".way.log")
-        except FilterFailed:
-            return False
+        self.filters.run("play", self.grid, "--device", "path:.way.txt", "--log", ".way.log")
         names, rows = pushing.read_log(self.stages.path(".way.log"))
         first = names.index("s0")
-        return bool(np.abs(rows[-1, first:first + len(wanted)] - wanted).max() < NEAR)
+        return rows[:, first:first + len(self.taken)]
 
     def _round(self, here, to):
         """From one free place to another, near the sides of the box. All shapes keep away from these."""
@@ -112,3 +143,8 @@ def _steps(a, b):
 
 def _line(start, end):
     return [*_steps(start, end), *_steps(end, start), start]
+
+
+def _reach(x, u, half):
+    """How far from x, which is seen from the middle of the box, a direction leads to its sides."""
+    return float(((np.sign(u) * half - x) / u).min())

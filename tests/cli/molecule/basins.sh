@@ -10,7 +10,7 @@ same "minima" "0.00 0 5.77 -0.314814815 5.77 0.314814815" "$(awk '$1 == "minimum
 refuses 'seed: .*morph_stiffness is 5, it must be 0 where a path goes on behind its saddles: .*' -- \
   seed "$toml" --set model.parameters.morph_stiffness=5
 refuses 'molecule-check: --xyz: numbers from -0\.5 to 0\.5' -- molecule-check "$toml" --xyz=-0.6
-seed "$toml" --set grid.spacing=0.7 --set 'grid.counts=[22,19,19]' --set 'grid.origin=[-7.35,-6.3,-6.3]' |
+seed "$toml" --set grid.spacing=0.9 --set 'grid.counts=[17,15,15]' --set 'grid.origin=[-7.2,-6.3,-6.3]' |
   expand --complete -o grid
 verify grid --recompute 100 >report 2>verdict || fail "$(cat verdict)"
 sed -n '3,$p' "$molecules/dichloroethane/path-there-and-back.txt" >path
@@ -26,7 +26,7 @@ fi
 # 1,3-Difluoropropane: two equal torsions. Where both are behind a saddle the sum is wrong, so one is left out. The
 # minima and saddles of the other are xtb's, and the probe leads it over a barrier and back.
 source "$here/xtb.bash"
-hapgrid molecule --smiles FCCCF --basins --method gfnff --spacing 1.5 -o fluoro --quiet >line || fail "no grid"
+hapgrid molecule --smiles FCCCF --basins --method gfnff --spacing 2 -o fluoro --quiet >line || fail "no grid"
 grep -qP '^C2-C3-C4-F5\t.*\tno\tthe minima at t = .* together are .* kJ/mol by xtb, .* by the sum$' fluoro/rotors.tsv ||
   fail "$(cat fluoro/rotors.tsv)"
 METHOD=(--gfnff)
