@@ -3,6 +3,7 @@
 #pragma once
 
 #include "examples/molecule/energy.hpp"
+#include "examples/molecule/minima.hpp"
 #include "examples/molecule/minimiser.hpp"
 
 namespace hapgrid::molecule {
@@ -10,11 +11,17 @@ namespace hapgrid::molecule {
 /// States are rounded to multiples of this (Å, rad, 1), which is far below any sensible tolerance.
 /// Rounded states compress well, and they are equal where the same minimum was reached twice.
 inline constexpr double kStateUnit = 0x1p-20;
+/// A variable of a state, rounded so.
+double rounded_state(double v);
 
 class Conversion {
  public:
+  /// @param molecule that of the energy
   /// @param substep the HIP's longest move between two minimisations, Å
-  Conversion(HybridEnergy& energy, double substep, const MinimiserLimits& limits);
+  Conversion(const Molecule& molecule, HybridEnergy& energy, double substep,
+             const MinimiserLimits& limits);
+
+  const Minima& minima() const { return minima_; }
 
   /// C(s, x, d) into `result` (n numbers; may be s).
   /// @throw std::runtime_error when a minimisation does not converge.
@@ -23,6 +30,7 @@ class Conversion {
  private:
   HybridEnergy& energy_;
   double substep_;
+  Minima minima_;
   Minimiser minimiser_;
 };
 

@@ -78,6 +78,8 @@ inline double unwrapped(double angle, double reference) {
 }
 
 /// The number of [0, 1] that is nearest to t, and 0 when t is not a number.
-inline double clamped(double t) { return t > 0 ? (t < 1 ? t : 1) : 0; }
+inline double clamped(double t, double low = 0) {
+  return t > low ? (t < low + 1 ? t : low + 1) : t <= low ? low : 0;
+}
 
 }  // namespace hapgrid::molecule

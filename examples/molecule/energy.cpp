@@ -36,12 +36,10 @@ HybridEnergy::HybridEnergy(const Molecule& molecule, const EnergyParameters& par
   for (std::size_t k = 0; k < morph_.paths(); ++k) scale_.push_back(morph_.length(k));
   scale_.insert(scale_.end(), 3, 1);
   scale_.insert(scale_.end(), 3, morph_.gyration());
-  for (const Path& path : molecule.paths) profiles_.emplace_back(path.energies);
+  for (const Path& path : molecule.paths) profiles_.emplace_back(path.energies, path.start);
   for (int a = 0; a < 3; ++a) centre_[a] = morph_.centre()[a];
-  for (const int atom : morph_.tree().order) {
+  for (const int atom : morph_.tree().order)
     reach_.push_back(molecule.atoms[atom]->radius + parameters.probe_radius);
-    for (int a = 0; a < 3; ++a) rest_.push_back(molecule.conformation[atom][a]);
-  }
 }
 
 HybridEnergy::Rotation HybridEnergy::rotation(const double* vector) {
@@ -114,7 +112,8 @@ void HybridEnergy::find_contacts() {
 
 double HybridEnergy::shape_energy(const double* t) const {
   double sum = 0;
-  for (std::size_t k = 0; k < profiles_.size(); ++k) sum += profiles_[k].at(clamped(t[k])).energy;
+  for (std::size_t k = 0; k < profiles_.size(); ++k)
+    sum += profiles_[k].at(clamped(t[k], low(k))).energy;
   return sum;
 }
 
@@ -125,7 +124,7 @@ double HybridEnergy::value(const double* s, const double* x) {
   double overlaps = 0;
   for (std::size_t c = 0; c < contact_count_; ++c) overlaps += square(contacts_[c].overlap);
   double stretch = 0;
-  for (std::size_t k = 0; k < paths; ++k) stretch += square(clamped(s[k]));
+  for (std::size_t k = 0; k < paths; ++k) stretch += square(clamped(s[k], low(k)));
   const double* shift = s + paths;
   const double* turn = shift + 3;
   return shape_energy(s) + 0.5 * (parameters_.penalty * overlaps +
@@ -266,15 +265,6 @@ double HybridEnergy::displacement(const double* a, const double* b) {
     sum += square(p[0] - q[0]) + square(p[1] - q[1]) + square(p[2] - q[2]);
   }
   return std::sqrt(sum / static_cast<double>(morph_.atoms()));
-}
-
-bool HybridEnergy::touches_conformation(const double* x) const {
-  for (std::size_t i = 0; i < reach_.size(); ++i) {
-    const double* a = &rest_[3 * i];
-    if (square(x[0] - a[0]) + square(x[1] - a[1]) + square(x[2] - a[2]) < square(reach_[i]))
-      return true;
-  }
-  return false;
 }
 
 }  // namespace hapgrid::molecule

@@ -10,7 +10,8 @@
 // with b_i(t) from the morph. The last term is a stabiliser and no part of the molecule's energy:
 // it leads back to the conformation where the profiles are flat.
 //
-// A state is t_1 .. t_K (in [0, 1]), shift (3, Å) and rotation (3, a rotation vector in rad).
+// A state is t_1 .. t_K (in [0, 1], or in [low, low + 1] where a path goes on behind its saddles),
+// shift (3, Å) and rotation (3, a rotation vector in rad).
 #pragma once
 
 #include <array>
@@ -42,6 +43,8 @@ class HybridEnergy {
   std::size_t variables() const { return variables_; }
   const Morph& morph() const { return morph_; }
   const EnergyParameters& parameters() const { return parameters_; }
+  /// The least t_k; the largest is one more.
+  double low(std::size_t k) const { return morph_.low(k); }
   /// How far a unit of a variable moves the atoms, Å RMS: the minimiser's scale.
   double scale(std::size_t variable) const { return scale_[variable]; }
 
@@ -65,8 +68,6 @@ class HybridEnergy {
   void positions(const double* s, Number* out);
   /// RMS displacement of the atoms between two states, Å.
   double displacement(const double* a, const double* b);
-  /// Whether the probe at x touches an atom of the conformation (the state 0).
-  bool touches_conformation(const double* x) const;
 
  private:
   struct Contact {
@@ -93,7 +94,6 @@ class HybridEnergy {
   std::vector<double> scale_;
   std::vector<Profile> profiles_;
   std::vector<double> reach_;  // R_i + probe_radius by place in the tree's order
-  std::vector<double> rest_;   // the conformation, 3 an atom, same order
   std::array<double, 3> centre_;
 
   Morph::Shape shape_, other_;

@@ -197,6 +197,54 @@ double energy_above(const Frame& conformation, const Frame& frame, const std::st
   return *frame.absolute - *conformation.absolute;
 }
 
+/// The frame that is the conformation: the first of a path to a transition state.
+std::size_t start_of(const Frame& conformation, const std::vector<Frame>& frames,
+                     const std::string& where) {
+  double nearest = aligned_rmsd(frames[0].positions, conformation.positions);
+  for (std::size_t m = 0; m < frames.size(); ++m)
+    if (aligned_rmsd(frames[m].positions, conformation.positions) <= kMaxFirstNodeRmsd) return m;
+  refuse(where + " frame 1", "is not the conformation: " + decimal("%.3g", nearest) +
+                                 " Å RMS apart, the limit is " + decimal("%g", kMaxFirstNodeRmsd) +
+                                 "; no other frame is it");
+}
+
+/// Finds the minima behind saddles, going from the conformation either way.
+void find_minima(Path& path) {
+  const auto last = static_cast<int>(path.nodes.size()) - 1;
+  for (const int step : {-1, 1}) {
+    bool climbs = true;
+    double foot = 0;                                       // of the slope to the top
+    int top = static_cast<int>(path.start), bottom = top;  // the extrema since the last of the kind
+    for (int m = top + step; m >= 0 && m <= last; m += step) {
+      const std::vector<double>& e = path.energies;
+      if (e[m] > e[top]) top = m;
+      const bool falls = e[top] - std::max(e[m], foot) > kMinDepth;
+      if (climbs ? falls : e[m] < e[bottom]) climbs = false, bottom = m;
+      const bool ends = m == 0 || m == last;
+      if (climbs || (!ends && e[m] - e[bottom] <= kMinDepth)) continue;
+      path.minima.push_back(static_cast<std::size_t>(bottom));
+      climbs = true, top = m, foot = e[bottom];
+    }
+  }
+  std::sort(path.minima.begin(), path.minima.end());
+}
+
+/// A node below the conformation with no saddle between shows that this is no minimum.
+template <class Where>
+void check_climbs(const Path& path, const Where& here) {
+  for (const int step : {-1, 1}) {
+    double highest = 0;
+    for (int m = static_cast<int>(path.start);
+         m >= 0 && m < static_cast<int>(path.nodes.size()) && highest <= kMinDepth; m += step) {
+      highest = std::max(highest, path.energies[m]);
+      if (path.energies[m] < -kMaxEnergyBelow)
+        refuse(here(static_cast<std::size_t>(m)),
+               "is " + decimal("%.6g", -path.energies[m]) +
+                   " kJ/mol below the conformation, which must be a minimum");
+    }
+  }
+}
+
 /// The path of one text's frames.
 /// @param energy_of_last of the transition state, kJ/mol, instead of what its frame's title gives
 Path path_of(const Frame& conformation, std::vector<Frame> frames, const std::string& where,
@@ -209,28 +257,28 @@ Path path_of(const Frame& conformation, std::vector<Frame> frames, const std::st
     path.nodes.push_back(conformation.positions);
     path.energies.push_back(0);
   } else {
-    const double rmsd = aligned_rmsd(frames[0].positions, conformation.positions);
-    if (rmsd > kMaxFirstNodeRmsd)
-      refuse(here(0), "is not the conformation: " + decimal("%.3g", rmsd) +
-                          " Å RMS apart, the limit is " + decimal("%g", kMaxFirstNodeRmsd));
+    path.start = start_of(conformation, frames, where);
   }
+  const std::size_t given = path.nodes.size();  // whether the conformation is no frame
   for (std::size_t m = 0; m < frames.size(); ++m) {
     const bool last = m + 1 == frames.size();
     path.nodes.push_back(std::move(frames[m].positions));
     const double energy =
         last && energy_of_last ? *energy_of_last : energy_above(conformation, frames[m], here(m));
     path.energies.push_back(energy);
-    if (last && !(energy > 0))
-      refuse(here(m), "the transition state is " + decimal("%.6g", energy) +
-                          " kJ/mol above the conformation, it must be above 0");
-    if (energy < -kMaxEnergyBelow)
-      refuse(here(m), "is " + decimal("%.6g", -energy) +
-                          " kJ/mol below the conformation, which must be a minimum");
-    if (m == 0 && !last && energy > kMaxEnergyBelow)
+    if (m == path.start && given == 0 && energy > kMaxEnergyBelow)
       refuse(here(m), "is " + decimal("%.6g", energy) +
                           " kJ/mol above the conformation, where its path must start");
   }
-  path.energies[0] = 0;
+  find_minima(path);
+  if (path.beyond()) {
+    if (energy_of_last) refuse("energies", where + " goes on behind its transition state");
+  } else if (const double energy = path.energies.back(); !(energy > 0)) {
+    refuse(here(frames.size() - 1), "the transition state is " + decimal("%.6g", energy) +
+                                        " kJ/mol above the conformation, it must be above 0");
+  }
+  check_climbs(path, [&](std::size_t m) { return here(m - given); });
+  path.energies[path.start] = 0;
   return path;
 }
 

@@ -15,10 +15,23 @@ namespace hapgrid::molecule {
 /// One shape: the position of each atom, Å.
 using Positions = std::vector<Eigen::Vector3d>;
 
-/// The path from the conformation (t = 0) to a transition state (t = 1), at equidistant t.
+/// The path from the conformation (t = 0) to a transition state (t = 1), at equidistant t; or one
+/// that goes on through its saddles, with the conformation at any node and t from low() to low()
+/// + 1.
 struct Path {
-  std::vector<Positions> nodes;  // at least 2; the first is the conformation as that file has it
-  std::vector<double> energies;  // kJ/mol above the conformation, one a node; the first is 0
+  std::vector<Positions> nodes;  // at least 2; nodes[start] is the conformation as that file has it
+  std::vector<double> energies;  // kJ/mol above the conformation, one a node; 0 at the start
+  std::size_t start = 0;
+  std::vector<std::size_t> minima;  // nodes that are minima behind saddles, ascending
+
+  /// The t of a node.
+  double t(std::size_t node) const {
+    return (static_cast<double>(node) - static_cast<double>(start)) /
+           static_cast<double>(nodes.size() - 1);
+  }
+  double low() const { return t(0); }
+  /// Whether it is more than a path to a transition state.
+  bool beyond() const { return start > 0 || !minima.empty(); }
 };
 
 struct Molecule {
@@ -28,19 +41,21 @@ struct Molecule {
   std::vector<Path> paths;  // none: the molecule keeps its shape
 };
 
-/// How far a path's first node may be from the conformation after alignment, Å RMS.
+/// How far a path's node at t = 0 may be from the conformation after alignment, Å RMS.
 inline constexpr double kMaxFirstNodeRmsd = 0.02;
 /// How far below the conformation a node may lie, kJ/mol: optimisations converge no better. Where a
-/// node lies lower, the conformation is no minimum.
+/// node lies lower with no saddle between, the conformation is no minimum.
 inline constexpr double kMaxEnergyBelow = 0.1;
+/// A minimum behind a saddle is deeper than this, kJ/mol; a dent in a path is none.
+inline constexpr double kMinDepth = 1;
 /// The least distance of two atoms in a shape, Å.
 inline constexpr double kMinDistance = 0.5;
 
 /// @param conformation one frame. Its bonds are those that the text gives (SDF), else those that
 /// Open Babel perceives from distances.
 /// @param transition_states one text for each transition state, with one frame or with the nodes of
-/// the path; may be empty. A frame's title gives its energy: "dE=" in kJ/mol above the
-/// conformation, else "E=" or "energy:" in hartree.
+/// the path, one of which is the conformation; may be empty. A frame's title gives its energy:
+/// "dE=" in kJ/mol above the conformation, else "E=" or "energy:" in hartree.
 /// @param energies the energies of the transition states, kJ/mol, instead of those that their last
 /// frames give; may be empty
 /// @throw std::runtime_error with one line that names the text, the frame and the atoms.

@@ -49,8 +49,7 @@ bool Minimiser::step(double radius, Vector& p) const {
   std::array<bool, kMaxVariables> fixed{};
   p.setZero(n);
   for (Eigen::Index k = 0; k < paths; ++k)
-    fixed[k] =
-        (y_[k] <= 0 && gradient_[k] >= 0) || (y_[k] >= energy_.scale(k) && gradient_[k] <= 0);
+    fixed[k] = (y_[k] <= low(k) && gradient_[k] >= 0) || (y_[k] >= high(k) && gradient_[k] <= 0);
   for (Eigen::Index round = 0; round <= paths; ++round) {
     std::array<Eigen::Index, kMaxVariables> free;
     Eigen::Index count = 0;
@@ -71,8 +70,8 @@ bool Minimiser::step(double radius, Vector& p) const {
       p[k] = part[i];
       if (k >= paths) continue;
       const double to = y_[k] + p[k];
-      if (to >= 0 && to <= energy_.scale(k)) continue;
-      p[k] = (to < 0 ? 0 : energy_.scale(k)) - y_[k];
+      if (to >= low(k) && to <= high(k)) continue;
+      p[k] = (to < low(k) ? low(k) : high(k)) - y_[k];
       fixed[k] = true;
       over = true;
     }
@@ -97,8 +96,10 @@ void Minimiser::differentiate(const double* s, bool anew) {
 void Minimiser::add(const Vector& p, double* trial) const {
   const auto paths = static_cast<Eigen::Index>(energy_.morph().paths());
   for (Eigen::Index i = 0; i < p.size(); ++i) {
-    const double y = y_[i] + p[i], scale = energy_.scale(i);
-    trial[i] = i < paths && y <= 0 ? 0 : i < paths && y >= scale ? 1 : y / scale;
+    const double y = y_[i] + p[i];
+    trial[i] = i < paths && y <= low(i)    ? energy_.low(i)
+               : i < paths && y >= high(i) ? energy_.low(i) + 1
+                                           : y / energy_.scale(i);
   }
 }
 
@@ -143,19 +144,20 @@ void Minimiser::descend(double* s, const double* x, double value) {
     differentiate(s, moves % kMovesPerCurvature == 0);
     double largest = 0;
     for (Eigen::Index i = 0; i < n; ++i) {
-      const bool held = i < paths && ((y_[i] <= 0 && gradient_[i] >= 0) ||
-                                      (y_[i] >= energy_.scale(i) && gradient_[i] <= 0));
+      const bool held = i < paths && ((y_[i] <= low(i) && gradient_[i] >= 0) ||
+                                      (y_[i] >= high(i) && gradient_[i] <= 0));
       if (!held) largest = std::max(largest, std::abs(gradient_[i]));
     }
     const bool stationary = !(largest > limits_.tolerance);
     if (stationary) {
-      // A transition state (t = 1) is stationary but no minimum: the energy falls towards smaller
-      // t.
+      // A transition state at an end of a path is stationary but no minimum: the energy falls
+      // towards the path's inside.
       bool rests = true;
       for (Eigen::Index k = 0; k < paths; ++k) {
-        if (y_[k] < energy_.scale(k) || gradient_[k] < -limits_.tolerance || !(hessian_(k, k) < 0))
+        const double inside = y_[k] >= high(k) ? 1 : y_[k] <= low(k) ? -1 : 0;
+        if (inside == 0 || inside * gradient_[k] < -limits_.tolerance || !(hessian_(k, k) < 0))
           continue;
-        gradient_[k] = limits_.tolerance;
+        gradient_[k] = inside * limits_.tolerance;
         rests = false;
       }
       if (rests) return;

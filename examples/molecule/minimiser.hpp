@@ -5,8 +5,8 @@
 // another branch than the one that the HIP follows. So this is a trust-region method (Conn, Gould,
 // Toint 2000) with a limit on the steps' length: between two evaluations no atom typically moves
 // farther, and the energy never rises. The Hessian of the penalty is nearly exact, that of the rest
-// diagonal and exact; a trust region copes with negative curvature. The t stay in [0, 1]: a step
-// that takes variables over a bound puts them on it and is then solved again for the others.
+// diagonal and exact; a trust region copes with negative curvature. The t stay in their range: a
+// step that takes variables over a bound puts them on it and is then solved again for the others.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +27,7 @@ class Minimiser {
   Minimiser(HybridEnergy& energy, const MinimiserLimits& limits)
       : energy_(energy), limits_(limits) {}
 
-  /// Moves s (n numbers, t in [0, 1]) down to a local minimum of H(., x).
+  /// Moves s (n numbers, t in their range) down to a local minimum of H(., x).
   /// @throw std::runtime_error when it takes more than max_evaluations
   void minimise(double* s, const double* x);
 
@@ -49,6 +49,9 @@ class Minimiser {
   /// Sets `trial` to s + p, with t exactly on the bounds that p reaches.
   void add(const Vector& p, double* trial) const;
   void descend(double* s, const double* x, double value);
+  /// The bounds of variable k, which is a t, in scaled variables.
+  double low(Eigen::Index k) const { return energy_.low(k) * energy_.scale(k); }
+  double high(Eigen::Index k) const { return (energy_.low(k) + 1) * energy_.scale(k); }
   bool step(double radius, Vector& p) const;
   Vector within(double radius, const Matrix& b, const Vector& g) const;
 

@@ -21,7 +21,7 @@ class MoleculeModel {
       : setup_(read_setup(parameters)),
         energy_(setup_.molecule, setup_.energy),
         comparing_(std::make_unique<HybridEnergy>(energy_)),
-        conversion_(energy_, setup_.substep, MinimiserLimits()) {}
+        conversion_(setup_.molecule, energy_, setup_.substep, MinimiserLimits()) {}
 
   hapgrid_model_info info() const {
     hapgrid_model_info info{};
@@ -39,8 +39,12 @@ class MoleculeModel {
   }
 
   std::vector<double> known_states(const double* x) const {
-    if (energy_.touches_conformation(x)) return {};
-    return std::vector<double>(energy_.variables());
+    const Minima& minima = conversion_.minima();
+    std::vector<double> known;
+    for (std::size_t m = 0; m < minima.size(); ++m)
+      if (!minima.touched(m, x))
+        known.insert(known.end(), minima.state(m).begin(), minima.state(m).end());
+    return known;
   }
 
   void convert(const double* s, const double* x, const double* d, double* result) {

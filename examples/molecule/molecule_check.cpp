@@ -8,6 +8,7 @@
 #include <random>
 
 #include "examples/molecule/energy.hpp"
+#include "examples/molecule/minima.hpp"
 #include "examples/molecule/setup.hpp"
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
@@ -103,13 +104,13 @@ class Checker {
       Pair nearest;
       for (int step = 0; step <= 100; ++step) {
         std::vector<double> t(paths);
-        t[k] = step / 100.0;
+        t[k] = place(k, step / 100.0);
         const Pair pair = nearest_pair(t);
         if (pair.share < nearest.share) nearest = pair, at = t[k];
       }
       std::printf("%-5zu %-6zu %-9.2f %-9.3f %-16.1e %s, %.2f\n", k, path.nodes.size(),
-                  path.energies.back(), energy_.morph().length(k), miss, describe(nearest).c_str(),
-                  at);
+                  *std::max_element(path.energies.begin(), path.energies.end()),
+                  energy_.morph().length(k), miss, describe(nearest).c_str(), at);
       expect(miss <= kMaxMiss, "path " + std::to_string(k) + " misses its nodes");
       expect(nearest.share >= kMinShareOnPath, "atoms overlap on path " + std::to_string(k) +
                                                    ": share below " +
@@ -119,6 +120,7 @@ class Checker {
     for (std::size_t k = 0; k < paths; ++k)
       for (std::size_t l = k + 1; l < paths; ++l) report_pair(k, l);
     if (paths > 2) report_all();
+    report_minima();
     report_box();
     for (const std::string& fault : faults_) std::printf("NOT SANE: %s\n", fault.c_str());
     return faults_.empty();
@@ -157,15 +159,19 @@ class Checker {
     return positions;
   }
 
-  /// The largest distance of a path's node from the morph's shape there, Å RMS. The first node is
-  /// the conformation, which has a text of its own.
+  /// The t_k at a share of its range, 0 to 1.
+  double place(std::size_t k, double share) const { return energy_.low(k) + share; }
+
+  /// The largest distance of a path's node from the morph's shape there, Å RMS. The node at t = 0
+  /// is the conformation, which has a text of its own.
   double worst_miss(std::size_t k) {
     const Path& path = molecule().paths[k];
     double worst =
         aligned_rmsd(shape(std::vector<double>(molecule().paths.size())), molecule().conformation);
-    for (std::size_t m = 1; m < path.nodes.size(); ++m) {
+    for (std::size_t m = 0; m < path.nodes.size(); ++m) {
+      if (m == path.start) continue;
       std::vector<double> t(molecule().paths.size());
-      t[k] = static_cast<double>(m) / static_cast<double>(path.nodes.size() - 1);
+      t[k] = path.t(m);
       worst = std::max(worst, aligned_rmsd(shape(t), path.nodes[m]));
     }
     return worst;
@@ -191,8 +197,8 @@ class Checker {
     for (int i = 0; i <= 10; ++i)
       for (int j = 0; j <= 10; ++j) {
         std::vector<double> t(molecule().paths.size());
-        t[k] = i / 10.0;
-        t[l] = j / 10.0;
+        t[k] = place(k, i / 10.0);
+        t[l] = place(l, j / 10.0);
         const Pair pair = nearest_pair(t);
         if (pair.share < nearest.share) nearest = pair, at[0] = t[k], at[1] = t[l];
       }
@@ -215,16 +221,17 @@ class Checker {
     };
     const std::size_t corner_paths = std::min(paths, kMaxCornerPaths);
     for (unsigned corner = 0; corner < 1U << corner_paths; ++corner) {
-      std::vector<double> t(paths, 1);
-      for (std::size_t k = 0; k < corner_paths; ++k) t[k] = corner >> k & 1;
+      std::vector<double> t(paths);
+      for (std::size_t k = 0; k < paths; ++k)
+        t[k] = place(k, k < corner_paths ? corner >> k & 1 : 1);
       look(t);
     }
     std::mt19937 random(1);
     const auto uniform = [&random] { return static_cast<double>(random()) / 4294967296.0; };
-    for (int place = 0; place < kRandomPlaces; ++place) {
+    for (int draw = 0; draw < kRandomPlaces; ++draw) {
       std::vector<double> t(paths);
-      for (double& value : t)
-        value = place % 2 == 0 ? uniform() : std::clamp(2 * uniform() - 0.5, 0.0, 1.0);
+      for (std::size_t k = 0; k < paths; ++k)
+        t[k] = place(k, draw % 2 == 0 ? uniform() : std::clamp(2 * uniform() - 0.5, 0.0, 1.0));
       look(t);
     }
     std::string where;
@@ -233,6 +240,18 @@ class Checker {
     expect(nearest.share >= kMinShareOnPair,
            "atoms overlap where all paths are combined: share below " +
                std::to_string(kMinShareOnPair).substr(0, 3));
+  }
+
+  /// Where the molecule rests: the conformation and the combinations of minima behind saddles.
+  void report_minima() {
+    const auto all = combined_minima(molecule());
+    if (all.size() == 1) return;
+    std::printf("\nminima             kJ/mol    at t\n");
+    for (const std::vector<double>& t : all) {
+      std::printf("minimum            %-9.2f ", energy_.shape_energy(t.data()));
+      for (std::size_t k = 0; k < t.size(); ++k) std::printf("%s%.9g", k ? "," : "", t[k]);
+      std::printf("\n");
+    }
   }
 
   void report_box() {
@@ -272,8 +291,11 @@ int run(const Options& options) {
   std::vector<double> shape;
   for (const std::string& text : options.shape) {
     char* end = nullptr;
+    const double low = setup.molecule.paths[shape.size()].low();
     const double t = shape.emplace_back(std::strtod(text.c_str(), &end));
-    if (*end || !(t >= 0 && t <= 1)) throw Error("--xyz: numbers from 0 to 1");
+    if (*end || !(t >= low && t <= low + 1))
+      throw Error("--xyz: numbers from " +
+                  (low == 0 ? "0 to 1" : rounded(low) + " to " + rounded(low + 1)));
   }
   checker.print_xyz(shape);
   return kExitDone;

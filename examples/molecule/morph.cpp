@@ -175,20 +175,32 @@ Morph::Morph(const Molecule& molecule)
   const auto name = [](std::size_t k) { return "transition_states[" + std::to_string(k) + "]"; };
   for (std::size_t k = 0; k < molecule.paths.size(); ++k)
     paths_.push_back(spline(molecule.paths[k], conformation, name(k)));
-  Shape end = make_shape();
   for (std::size_t k = 0; k < paths_.size(); ++k) {
-    std::vector<double> t(paths_.size());
-    t[k] = 1;
-    shape(t.data(), end);
-    double sum = 0;
-    for (std::size_t i = 0; i < tree_.size(); ++i) {
-      const double d[3] = {end.x[i] - x0_[i], end.y[i] - y0_[i], end.z[i] - z0_[i]};
-      sum += d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    }
-    paths_[k].length = std::sqrt(sum / static_cast<double>(tree_.size()));
+    measure(molecule, k);
     if (paths_[k].length < 1e-3)
       throw std::runtime_error(name(k) +
                                ": the transition state has the shape of the conformation");
+  }
+}
+
+/// Finds the length of a path.
+void Morph::measure(const Molecule& molecule, std::size_t k) {
+  const Path& path = molecule.paths[k];
+  const std::size_t steps = path.beyond() ? paths_[k].segments : 1;
+  Shape from = make_shape(), to = make_shape();
+  std::vector<double> t(paths_.size());
+  t[k] = paths_[k].low;
+  shape(t.data(), from);
+  for (std::size_t m = 1; m <= steps; ++m) {
+    t[k] = paths_[k].low + static_cast<double>(m) / static_cast<double>(steps);
+    shape(t.data(), to);
+    double sum = 0;
+    for (std::size_t i = 0; i < tree_.size(); ++i) {
+      const double d[3] = {to.x[i] - from.x[i], to.y[i] - from.y[i], to.z[i] - from.z[i]};
+      sum += d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    }
+    paths_[k].length += std::sqrt(sum / static_cast<double>(tree_.size()));
+    std::swap(from, to);
   }
 }
 
@@ -219,15 +231,19 @@ void Morph::weigh(const Molecule& molecule) {
 Morph::Spline Morph::spline(const Path& path, const Internal& conformation,
                             const std::string& where) const {
   const std::size_t segments = path.nodes.size() - 1;
-  std::vector<std::vector<double>> nodes{q0_};
+  std::vector<std::vector<double>> nodes(segments + 1, q0_);
   Internal last = conformation;
-  for (std::size_t m = 1; m <= segments; ++m) {
+  const auto add = [&](std::size_t m) {  // turns go on from the node before
     last =
         internal_coordinates(tree_, path.nodes[m], &last, where + " node " + std::to_string(m + 1));
-    nodes.push_back(flat(last, stride_));
-  }
+    nodes[m] = flat(last, stride_);
+  };
+  for (std::size_t m = path.start + 1; m <= segments; ++m) add(m);
+  last = conformation;
+  for (std::size_t m = path.start; m-- > 0;) add(m);
   const std::size_t n = q0_.size();
-  Spline spline{segments, std::vector<double>(segments * 4 * n), 0};
+  Spline spline{segments, std::vector<double>(segments * 4 * n), 0, path.low(),
+                static_cast<double>(path.start)};
   std::vector<double> values(segments + 1);
   for (std::size_t c = 0; c < n; ++c) {
     for (std::size_t m = 0; m <= segments; ++m) values[m] = nodes[m][c] - q0_[c];
@@ -337,7 +353,7 @@ void Morph::align(Shape& s) const {
 void Morph::shape(const double* t, Shape& s) const {
   bool same = s.derivatives >= 0;
   for (std::size_t k = 0; k < paths_.size(); ++k) {
-    const double next = clamped(t[k]);
+    const double next = clamped(t[k], paths_[k].low);
     same = same && next == s.t[k];
     s.t[k] = next;
   }

@@ -75,14 +75,17 @@ class Morph {
   const Tree& tree() const { return tree_; }
   /// The centre of mass of the conformation as its text has it, Å.
   const Eigen::Vector3d& centre() const { return centre_; }
-  /// RMS displacement of the atoms between t = 0 and t_k = 1, Å: above 0.
+  /// The least t_k; the largest is one more. 0 unless the conformation is inside the path.
+  double low(std::size_t k) const { return paths_[k].low; }
+  /// RMS displacement of the atoms between t = 0 and t_k = 1, Å: above 0. Of a path that goes on
+  /// behind its saddles, and may lead round, the sum from node to node.
   double length(std::size_t k) const { return paths_[k].length; }
   /// RMS distance of the conformation's atoms from its centre of mass, Å.
   double gyration() const { return gyration_; }
 
   Shape make_shape() const;
-  /// The shape for t, which has paths() numbers. One outside [0, 1] counts as the nearest inside,
-  /// and one that is not a number as 0. Real-time safe.
+  /// The shape for t, which has paths() numbers. One outside its range counts as the nearest
+  /// inside, and one that is not a number as 0. Real-time safe.
   void shape(const double* t, Shape& shape) const;
   /// Computes what velocity() needs, for the t of the last shape(). Real-time safe.
   void differentiate(Shape& shape) const;
@@ -98,20 +101,23 @@ class Morph {
     std::size_t segments;
     std::vector<double> coefficients;  // [segment][power 0..3][3 x stride_], less q(0)
     double length;
+    double low;    // the least t
+    double first;  // segments before the conformation
 
-    /// The segment in which t in [0, 1] lies, and the place u in it, from 0 to 1.
+    /// The segment in which t lies, and the place u in it, from 0 to 1.
     struct Piece {
       const double* coefficients;  // [power][coordinate]
       double u;
     };
     Piece piece(double t, std::size_t coordinates) const {
-      const double at = t * static_cast<double>(segments);
+      const double at = std::max(0.0, t * static_cast<double>(segments) + first);
       const std::size_t segment = std::min(static_cast<std::size_t>(at), segments - 1);
       return {&coefficients[segment * 4 * coordinates], at - static_cast<double>(segment)};
     }
   };
 
   void weigh(const Molecule& molecule);
+  void measure(const Molecule& molecule, std::size_t k);
   Spline spline(const Path& path, const Internal& conformation, const std::string& where) const;
   void interpolate(Shape& shape) const;
   void build(Shape& shape) const;

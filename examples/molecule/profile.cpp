@@ -5,7 +5,8 @@
 
 namespace hapgrid::molecule {
 
-Profile::Profile(const std::vector<double>& energies) : last_(energies.back()) {
+Profile::Profile(const std::vector<double>& energies, std::size_t start)
+    : first_(static_cast<double>(start)), last_(energies.back()) {
   const std::size_t n = energies.size();
   std::vector<double> slope(n);  // per node distance
   for (std::size_t i = 1; i + 1 < n; ++i) {
@@ -21,7 +22,7 @@ Profile::Profile(const std::vector<double>& energies) : last_(energies.back()) {
 
 Profile::Value Profile::at(double t) const {
   const double count = static_cast<double>(segments_.size());
-  const double at = t * count;
+  const double at = std::max(0.0, t * count + first_);
   const std::size_t segment = std::min(static_cast<std::size_t>(at), segments_.size() - 1);
   const double u = at - static_cast<double>(segment);
   const double* a = segments_[segment].a;

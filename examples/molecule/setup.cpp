@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "examples/molecule/minima.hpp"
 #include "examples/parameters.hpp"
 
 namespace hapgrid::molecule {
@@ -64,6 +65,13 @@ Setup read_setup(PluginParameters& parameters) {
   setup.molecule = read_molecule(conformation, transition_states, energies);
   for (const std::string& text : torsions)
     setup.torsions.push_back(read_torsion(text, setup.molecule.atoms.size()));
+  for (const Path& path : setup.molecule.paths)
+    if (path.beyond() && setup.energy.morph_stiffness != 0)
+      refuse("morph_stiffness", setup.energy.morph_stiffness,
+             "0 where a path goes on behind its saddles: it would lift the minima there");
+  if (combined_minima(setup.molecule).size() > kMaxMinima)
+    throw std::runtime_error("transition_states: their minima combine to more than " +
+                             std::to_string(kMaxMinima) + " shapes");
   return setup;
 }
 

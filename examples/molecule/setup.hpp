@@ -9,7 +9,8 @@ namespace hapgrid::molecule {
 
 /// [model.files] / [model.parameters]:
 ///   conformation         text of an XYZ or SDF file with one frame: the minimum
-///   transition_states    texts: one frame, or the nodes of a path from the conformation; without
+///   transition_states    texts: one frame, or the nodes of a path from the conformation, or of one
+///                        that goes on behind its saddles and has the conformation inside; without
 ///                        any the molecule keeps its shape, and a state is shift and rotation
 ///   energies             kJ/mol of the transition states above the conformation; by default those
 ///                        that the texts give
@@ -18,7 +19,8 @@ namespace hapgrid::molecule {
 ///   shift_stiffness      kJ/(mol Å²), default 20: holds the molecule in its place
 ///   rotation_stiffness   kJ/(mol rad²), default 100: holds the molecule in its orientation
 ///   morph_stiffness      kJ/mol, default 5: m in a stabiliser ½ m t² for each t, which is no part
-///                        of the molecule's energy
+///                        of the molecule's energy; must be 0 where a path goes on
+///                        behind its saddles
 ///   substep              Å, default 0.05: the HIP's longest move between two minimisations
 ///   tolerance            Å, default 0.1: states are equal when their atoms are no farther apart,
 ///                        RMS

@@ -14,17 +14,19 @@ from .definition import Definition, write
 SANE = "NOT SANE: "
 
 
-def choose(filters, stages, molecule, result, most, unwanted):
-    """(names of the paths that are taken, reasons by the names of others)."""
+def choose(filters, stages, molecule, result, most, unwanted, basins=False, missed=lambda definition: ""):
+    """(names of the paths that are taken, reasons by the names of others). missed: what else may speak
+    against a definition."""
     taken, left = [], {}
-    for found in sorted(result.found, key=lambda f: f.energies[-1]):
+    for found in sorted(result.found, key=lambda f: f.barrier):
         if found.name in unwanted:
             left[found.name] = unwanted[found.name]
             continue
         if len(taken) == most:
             left[found.name] = f"stiffer than the {most} that are taken (--paths)"
             continue
-        fault = clash(filters, stages, Definition.around(molecule, result, [*taken, found.name]))
+        one = Definition.around(molecule, result, [*taken, found.name], basins)
+        fault = clash(filters, stages, one) or missed(one)
         if fault:
             left[found.name] = fault
         else:
@@ -57,10 +59,10 @@ def table(result, rotors, stay, taken, left):
     dropped = dict(result.dropped)
     found = {f.name: f for f in result.found}
     for torsion in rotors:
-        for sign in torsion.signs:
-            name = torsion.file_name(sign)
+        names = [torsion.file_name(sign) for sign in torsion.signs]
+        for name in [torsion.name] if torsion.name in {**found, **dropped} else names:
             one = found.get(name)
-            barrier = "-" if one is None else f"{(one.energies[-1] - result.energy) * HARTREE:.2f}"
+            barrier = "-" if one is None else f"{(one.barrier - result.energy) * HARTREE:.2f}"
             why = "" if name in taken else left.get(name) or dropped.get(name, "not found")
             rows.append((name, atoms[torsion.name], barrier, "yes" if name in taken else "no", why or "-"))
     rows += [(one.name, one.name, "-", "no", one.why) for one in stay]

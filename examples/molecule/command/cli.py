@@ -18,6 +18,7 @@ and the same command computes anew what depends on it.
   molecule     is read; hydrogens and a shape are added where they are missing
   structures   its conformation, and the barriers around all bonds that turn, by xtb
   choice       the softest paths to barriers that are sane together
+               (--basins: on behind them, if xtb agrees where minima are combined)
   resolution   from what verify finds between the points of a coarse grid
   grid         is computed and verified
   way          of the probe that turns one torsion, there and back, and how it feels
@@ -81,6 +82,10 @@ def parser():
                    help="barriers above this are not looked for, kJ/mol (default: 150)")
     p.add_argument("--paths", type=_within(int, 0, 16), metavar="N", default=6,
                    help="take at most N paths (default: 6)")
+    p.add_argument("--basins", action="store_true",
+                   help="paths go on through their barriers into the minima behind them")
+    p.add_argument("--torsions", metavar="NAMES",
+                   help="turn only these bonds, as rotors.tsv names them, with commas between (default: all)")
     p.add_argument("--spacing", type=_within(float, 0.1, 3), metavar="H",
                    help="of the grid, in angstrom (default: what its accuracy and ten minutes allow)")
     p.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")

@@ -6,7 +6,7 @@ import shlex
 from preparation import files
 from preparation import molecule as prepared
 
-from . import choice, definition, page, pushing, reading, resolution, rotors, structures
+from . import choice, combined, crossing, definition, page, pushing, reading, resolution, rotors, structures
 from .filters import Failed, FilterFailed, Filters
 from .stages import Stages, digest, duration
 
@@ -63,12 +63,24 @@ class Course:
         words = dict(w.split("=") for w in self.molecule.ob.GetTitle().split())
         self.charge, self.search = int(words["charge"]), o.search or words["built"] == "1"
         self.rotors, self.stay = rotors.find(self.molecule)
+        self._leave_still()
         self.method = o.method
         if o.method == "auto":
             self.method = "gfn2" if len(self.molecule.numbers) <= GFN2_ATOMS else "gfnff"
         rings = sum(one.why == rotors.RING for one in self.stay)
         stages.say(f"  {self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms, "
                    f"charge {reading.signed(self.charge)}, {len(self.rotors)} bonds turn" + (f"; {rings} rings stay as they are" if rings else ""))
+
+    def _leave_still(self):
+        """Turns only the bonds of --torsions."""
+        if self.o.torsions is None:
+            return
+        wanted = self.o.torsions.split(",")
+        unknown = sorted(set(wanted) - {t.name for t in self.rotors})
+        if unknown:
+            raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in self.rotors))
+        self.stay += [rotors.Left(t.name, "not among --torsions") for t in self.rotors if t.name not in wanted]
+        self.rotors = [t for t in self.rotors if t.name in wanted]
 
     # The structures
 
@@ -81,13 +93,14 @@ class Course:
                            f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
             o.work = stages.path(".work")
             one = structures.explore(self.molecule, self.rotors, structures.Options(
-                self.method, self.charge, o.uhf, self.search, o.threads, o.highest, o.work), stages)
+                self.method, self.charge, o.uhf, self.search, o.threads, o.highest, o.work, o.basins), stages)
             for name, below in one.lower:
                 stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
             return files.write_set(stages.directory, one.result, f"hapgrid molecule: {self.what}, {self.method}, "
                                    f"charge {reading.signed(self.charge)}, {o.uhf} unpaired electrons")
         stages.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
-                   [self.method, self.charge, o.uhf, self.search, o.highest], compute)
+                   [self.method, self.charge, o.uhf, self.search, o.highest, o.basins,
+                    [t.name for t in self.rotors]], compute)
         self.structures = structures.Structures(stages)
 
     # The definition
@@ -102,7 +115,8 @@ class Course:
         if known.get("key") == digest(self.stages.path("report.tsv")):
             self.unwanted = known["paths"]
         self.taken = self._choose()
-        self.definition = definition.Definition.around(self.molecule, self.structures, self.taken)
+        self.definition = definition.Definition.around(self.molecule, self.structures, self.taken,
+                                                       self.o.basins)
         self.definition.torsions = self._turned(self.taken)
         self._resolve()
         stages.run("definition", f"writing {self.toml}", [], [self.definition.text()], self._write_definition)
@@ -131,7 +145,7 @@ class Course:
 
         def compute():
             taken, left = choice.choose(self.filters, stages, self.molecule, self.structures, self.o.paths,
-                                        self.unwanted)
+                                        self.unwanted, self.o.basins, self._missed)
             for name, why in left.items():
                 stages.say(f"  {name} is left out: {why}")
             stages.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
@@ -139,12 +153,18 @@ class Course:
             files.write_whole(stages.path("rotors.tsv"), table)
             return ["rotors.tsv"]
         stages.run("choice", "choosing the softest paths that are sane together", [*self._xyz(), "report.tsv"],
-                   [self.o.paths, self.unwanted], compute)
+                   [self.o.paths, self.unwanted, self.o.basins], compute)
         with open(stages.path("rotors.tsv"), encoding="utf-8") as file:
             rows = [line.rstrip("\n").split("\t") for line in file][1:]
         taken = {row[0] for row in rows if row[3] == "yes"}
-        order = sorted(self.structures.found, key=lambda f: f.energies[-1])
+        order = sorted(self.structures.found, key=lambda f: f.barrier)
         return [f.name for f in order if f.name in taken]
+
+    def _missed(self, one):
+        if not self.o.basins:
+            return ""
+        return combined.missed(self.filters, self.stages, one, self.structures.numbers, self.structures.x,
+                               self.method, self.charge, self.o.uhf)
 
     def _resolve(self):
         """Sets the definition's spacing."""
@@ -167,6 +187,8 @@ class Course:
             report = file.read()
         seconds = resolution.cpu_seconds(stages.path("coarse.grid.cost"))
         found = resolution.decide(report, seconds, coarse, o.threads)
+        if o.basins:
+            found.spacing = min(found.spacing, resolution.BETWEEN_BASINS)
         self.definition.spacing = found.spacing
         self.expected = found.cost(found.spacing) / o.threads
         words = f"  spacing {found.spacing:g} Å, about {duration(self.expected)}"
@@ -199,10 +221,13 @@ class Course:
     def push(self):
         stages = self.stages
         stages.run("pushing", "looking for the probe's ways that turn the molecule", [self.grid], [],
-                   lambda: pushing.Ways(self.filters, stages, self.grid, self.structures).write())
+                   lambda: self._ways()(self.filters, stages, self.grid, self.structures).write())
         made = [n for n in stages.made("pushing") if n.endswith(".txt")]
         self.best = made[0]
         stages.run("page", "drawing pictures", [self.grid, *made, "rotors.tsv", "verify.txt"], [], self._page)
+
+    def _ways(self):
+        return crossing.Crossings if self.o.basins else pushing.Ways
 
     def _page(self):
         turned = self._turned(definition.paths_of(self.stages.path(self.toml)))
@@ -210,7 +235,7 @@ class Course:
 
     def _turned(self, paths):
         """The torsions that these paths turn."""
-        return [t for t in self.rotors if {t.file_name(sign) for sign in t.signs} & set(paths)]
+        return [t for t in self.rotors if {t.name, *(t.file_name(sign) for sign in t.signs)} & set(paths)]
 
     def summary(self):
         out = self.o.output.rstrip("/") or "/"

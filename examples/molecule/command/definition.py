@@ -30,9 +30,10 @@ class Definition:
     high: np.ndarray
     spacing: float = 1.0
     torsions: tuple = ()
+    basins: bool = False  # whether paths go on behind their saddles
 
     @classmethod
-    def around(cls, molecule, result, paths):
+    def around(cls, molecule, result, paths, basins=False):
         """The box around all shapes of the paths that are taken."""
         radius = np.array([RADII[z] for z in molecule.numbers])[:, None]
         shapes = [result.x] + [node for f in result.found if f.name in paths for node in f.nodes]
@@ -40,7 +41,7 @@ class Definition:
         low = (x - radius).min(axis=(0, 1)) - PROBE - ROOM
         high = (x + radius).max(axis=(0, 1)) + PROBE + ROOM
         return cls(f"{molecule.ob.GetFormula()}, {len(molecule.numbers)} atoms", paths, low, high,
-                   coarse_spacing(high - low))
+                   coarse_spacing(high - low), basins)
 
     def counts(self):
         cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
@@ -53,7 +54,8 @@ class Definition:
     def text(self):
         paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
         if self.paths:
-            paths = f"transition_states = [     # each the nodes of a path to a barrier\n{paths}]\n"
+            kind = "that goes on behind its barriers" if self.basins else "to a barrier"
+            paths = f"transition_states = [     # each the nodes of a path {kind}\n{paths}]\n"
         names = "".join(f'  "{t.name} {" ".join(str(a + 1) for a in t.atoms)}",\n' for t in self.torsions)
         if names:
             names = f"torsions = [              # what pictures name: four atoms by their numbers, from 1\n{names}]\n"
@@ -72,7 +74,7 @@ probe_radius = {PROBE}        # of the ball that is the HIP, Å
 penalty = 100             # of the probe's overlap with an atom, kJ/(mol Å²)
 shift_stiffness = 20      # of the anchor that holds the molecule in its place, kJ/(mol Å²)
 rotation_stiffness = 100  # and of that which holds its orientation, kJ/(mol rad²)
-morph_stiffness = 5       # stabiliser ½ m t² of each t, kJ/mol; no part of the molecule's energy
+morph_stiffness = {0 if self.basins else 5}       # stabiliser ½ m t² of each t, kJ/mol; no part of the molecule's energy
 substep = 0.05            # of the HIP between two minimisations, Å
 tolerance = 0.1           # states whose atoms are no farther apart, RMS, are one; Å
 force_scale = 0.025       # newtons on the device for 1 kJ/(mol Å)

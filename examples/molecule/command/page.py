@@ -13,6 +13,8 @@ STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; 
 table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; text-align: left }
 img { max-width: 48% } iframe { width: 100%; height: 34em; border: 1px solid #ccc } code { background: #eee }"""
 
+STAYS = 0.05  # of a t: less is not behind a saddle
+
 
 class Page:
     def __init__(self, filters, stages, name, way, molecule, torsions):
@@ -39,11 +41,17 @@ class Page:
         plot("force.png", axis, f"force_{axis}", f"{axis} of the probe / Å,{axis} of the force / N")
         plot("energy.png", axis, "energy", f"{axis} of the probe / Å,hybrid energy / (kJ/mol)")
         paths = sum(n[0] == "s" and n[1:].isdigit() for n in names) - 6
-        turns = [float(at[f"s{k}"].max()) for k in range(paths)]
+        turns = [float(np.abs(at[f"s{k}"]).max()) for k in range(paths)]
         when = {"before.png": 0.0}
         if turns:
-            farthest = at[f"s{int(np.argmax(turns))}"]
+            farthest = np.abs(at[f"s{int(np.argmax(turns))}"])
             when["turned.png"] = float(at["t"][int(farthest.argmax())])
+            # Behind a saddle the molecule stays when nothing pushes it.
+            free = np.hypot(np.hypot(at["force_x"], at["force_y"]), at["force_z"]) == 0
+            stays = np.flatnonzero(free & (farthest > STAYS))
+            if stays.size:
+                when["behind.png"] = float(at["t"][stays[stays.size // 2]])
+                when["after.png"] = float(at["t"][-1])
         else:
             when["pushed.png"] = float(at["t"][len(rows) // 2])
         # The probe comes from the left.

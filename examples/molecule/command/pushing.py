@@ -29,10 +29,10 @@ def directions(count=150):
     return np.column_stack([r * np.cos(turn), r * np.sin(turn), z])
 
 
-def lines(x, move, radius, low, high, clear):
+def lines(x, move, radius, low, high, clear, most=TRIED, alike=0.7):
     """Lines (start, end, atom) from free places into the molecule, the most promising first.
     x: atoms, move: where they go, angstrom; low, high: the corners of the box; clear: from touching
-    to where a line begins."""
+    to where a line begins; most: lines; alike: the cosine above which two lines at an atom are one."""
     length = np.linalg.norm(move, axis=1)
     reach = radius + PROBE
     found = []
@@ -53,11 +53,11 @@ def lines(x, move, radius, low, high, clear):
     out, atoms = [], []
     for along, atom, start, end in found:  # different atoms and directions
         u = (end - start) / np.linalg.norm(end - start)
-        if any(atom == a and u @ v > 0.7 for a, v in atoms):
+        if any(atom == a and u @ v > alike for a, v in atoms):
             continue
         atoms.append((atom, u))
         out.append((start, end, atom))
-    return out[:TRIED]
+    return out[:most]
 
 
 def _begin(x, reach, atom, u, clear):
@@ -149,6 +149,9 @@ class Ways:
             turned = float(rows[:, names.index(f"s{k}")].max())
             if turned > best[0] or best[1] is None:
                 best = (turned, line)
+        self._clean()
+        return best
+
+    def _clean(self):
         for name in (".way.txt", ".way.log"):
             files.remove(self.stages.path(name))
-        return best

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import numpy as np
-from preparation import files, work
+from preparation import beyond, files, work
 from preparation.xtb import BOHR, HARTREE, SYMBOLS
 
 RESTARTS = 4
@@ -28,6 +28,7 @@ class Options:
     threads: int
     highest: float
     work: str
+    basins: bool = False  # whether paths go on behind their saddles
 
 
 @dataclass
@@ -60,6 +61,15 @@ class _Search(work.Work):
             return top, top
         return top, self._kept_ends(key, top)
 
+    def beyond(self, number):
+        torsion = self.driven[number]
+
+        def compute():
+            one = beyond.whole(self, torsion)
+            return {"nodes": [n.tolist() for n in one.nodes], "energies": one.energies, "start": one.start,
+                    "kinds": list(one.kinds.items()), "why": one.why}
+        return self.steps.take(["beyond", 2, *self._key(torsion.name, torsion, 0)], lambda: self._guarded(compute))
+
     def path(self, number):
         torsion, sign = self.jobs()[number]
         key = self._key(torsion.file_name(sign), torsion, sign)
@@ -75,6 +85,10 @@ def _saddle(number):
 
 def _path(number):
     return _search.path(number)
+
+
+def _beyond(number):
+    return _search.beyond(number)
 
 
 def _in_processes(stages, what, function, numbers, threads):
@@ -104,6 +118,8 @@ def explore(molecule, rotors, options, stages):
                             again=False, quiet=False, keep_equal=True, paths=None)
         _search = search = _Search(molecule, rotors, o, stages)
         search._find_conformation()
+        if options.basins:
+            return _behind_saddles(search, stages, options.threads)
         stages.say("  conformation: a minimum" + (f", {options.method}" if start == 0 else ""))
         tops, lower = _saddles(search, stages, options.threads, start < RESTARTS)
         if start == RESTARTS or lower is None:
@@ -113,6 +129,25 @@ def explore(molecule, rotors, options, stages):
         molecule.positions = shape * BOHR
         keep = True
     return _paths(search, tops, stages, options.threads)
+
+
+def _behind_saddles(search, stages, threads):
+    """The paths that go on behind their saddles. Behind the saddle of a methyl group is the same
+    shape once more."""
+    found, dropped = [], [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
+    numbers = [n for n, t in enumerate(search.driven) if not t.rotor]
+    for n, way in _in_processes(stages, "following torsions from minimum to minimum", _beyond, numbers, threads):
+        torsion = search.driven[n]
+        if "dropped" in way:
+            dropped.append((torsion.name, way["dropped"]))
+            stages.say(f"  {torsion.name}: {way['dropped']}")
+            continue
+        one = beyond.Beyond(torsion.name, torsion.name, [np.array(x) for x in way["nodes"]], way["energies"],
+                            way["start"], dict(way["kinds"]), way["why"])
+        found.append(one)
+        points = ", ".join(f"{kind} {search._above(one.energies[k]):.1f}" for k, kind in one.kinds.items())
+        stages.say(f"  {torsion.name}: {points} kJ/mol")
+    return Found(_result(search, found, dropped))
 
 
 def _saddles(search, stages, threads, may_restart):
@@ -166,9 +201,12 @@ def _paths(search, tops, stages, threads):
         below = -search._above(way["far_energy"])
         if below > LOWER:
             lower.append((name, below))
-    result = work.Result(search.molecule.numbers, search.surface.masses, search.options.method, search.driven,
-                         search.x, search.energy, search.nu1, found, dropped)
-    return Found(result, lower)
+    return Found(_result(search, found, dropped), lower)
+
+
+def _result(search, found, dropped):
+    return work.Result(search.molecule.numbers, search.surface.masses, search.options.method, search.driven,
+                       search.x, search.energy, search.nu1, found, dropped)
 
 
 def frames(path):
@@ -185,6 +223,12 @@ def frames(path):
     return out
 
 
+def least_t(path):
+    """Of a path's file: below 0 where the conformation is inside."""
+    rises = [float(words.get("dE", "nan")) for words, _, _ in frames(path)]
+    return -rises.index(0) / (len(rises) - 1) if 0 in rises else 0.0
+
+
 class PathFile:
     """A path as its file has it. nodes in bohr, energies in hartree above the conformation."""
 
@@ -192,6 +236,7 @@ class PathFile:
         self.name = name
         self.nodes = [x / BOHR for _, _, x in frames]
         self.energies = [float(words["dE"]) / HARTREE for words, _, _ in frames]
+        self.barrier = max(self.energies)
 
 
 class Structures:

@@ -6,6 +6,7 @@ optimise    minima and saddles
 torsions    which torsions are driven, relaxed scans
 path        steepest descent from a saddle, the nodes on it, and checks of them
 molecule    reading molecules, conformers (Open Babel)
+beyond      the path of a torsion on behind its saddles
 work        all steps for one molecule; each is kept until all are done
 files       the files that are written
 cli         the command line

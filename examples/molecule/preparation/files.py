@@ -66,6 +66,34 @@ def path_text(result, found):
     return "".join(out)
 
 
+def beyond_text(result, found):
+    """A path that goes on behind its saddles; found: beyond.Beyond."""
+    out = []
+    last = len(found.nodes) - 1
+    for k, (x, energy) in enumerate(zip(found.nodes, found.energies)):
+        rise = 0.0 if k == found.start else (energy - result.energy) * HARTREE
+        comment = f"dE={rise:.4f} t={(k - found.start) / last:.4f} E={energy:.9f} method={result.method}"
+        kind = "minimum" if k == found.start else found.kinds.get(k)
+        if kind:
+            comment += f" nimag={int(kind == 'saddle')} " + words(result.torsions, x)
+        out.append(frame(result.numbers, x, comment))
+    return "".join(out)
+
+
+def _beyond_rows(result, found):
+    """The path, which is as high as its highest node, and its stationary points."""
+    def row(name, kind, node, imaginary, joins):
+        rise = (found.energies[node] - result.energy) * HARTREE
+        return (name, kind, f"{rise:.2f}", imaginary, "-", joins, result.method,
+                words(result.torsions, found.nodes[node]))
+    ends = f"ends: {found.why}"
+    rows = [row(found.name, "path", int(np.argmax(found.energies)), "-", ends)]
+    for n, (node, kind) in enumerate(found.kinds.items(), 1):
+        rows.append(row(f"{found.name}:{n}", f"{kind} on the path", node,
+                        str(int(kind == "saddle")), "-"))
+    return rows
+
+
 def report_text(result, command):
     """The table of stationary points, tab-separated; lines that begin with # are remarks."""
     header = ("name", "kind", "energy_kJ_mol", "imaginary", "nu1_cm-1", "joins", "method",
@@ -74,6 +102,9 @@ def report_text(result, command):
              words(result.torsions, result.x))]
     before = angles(result.torsions, result.x)
     for found in result.found:
+        if hasattr(found, "kinds"):
+            rows += _beyond_rows(result, found)
+            continue
         after = angles(result.torsions, found.nodes[-1])
         change = " ".join(f"{n}={before[n]}>{after[n]}" for n in before)
         far = f"{found.name}:far"
@@ -102,7 +133,7 @@ def listed(report):
             rows = [line.split("\t") for line in file if not line.startswith("#")]
     except FileNotFoundError:
         return []
-    return [row[0] + ".xyz" for row in rows if len(row) > 1 and row[1] == "saddle"]
+    return [row[0] + ".xyz" for row in rows if len(row) > 1 and row[1] in ("saddle", "path")]
 
 
 def write_set(directory, result, command):
@@ -111,7 +142,8 @@ def write_set(directory, result, command):
     report = os.path.join(directory, "report.tsv")
     texts = {"conformation.xyz": conformation_text(result)}
     for found in result.found:
-        texts[found.name + ".xyz"] = path_text(result, found)
+        write = beyond_text if hasattr(found, "kinds") else path_text
+        texts[found.name + ".xyz"] = write(result, found)
     old = listed(report)
     os.makedirs(directory, exist_ok=True)
     if os.path.exists(report):

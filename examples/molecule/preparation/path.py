@@ -76,10 +76,19 @@ def aligned_chain(shapes, masses):
     return out
 
 
-def resampled(shapes, masses, nodes=11):
-    """Shapes at equal distances (root mean square displacement) along a chain of nearby shapes."""
+def length(shapes, masses):
+    """Of a chain of nearby shapes, root mean square displacement from one to the next."""
+    chain = aligned_chain(shapes, masses)
+    return sum(geometry.rms(a, b) for a, b in zip(chain, chain[1:]))
+
+
+def resampled(shapes, masses, nodes=11, apart=None):
+    """Shapes at equal distances (root mean square displacement) along a chain of nearby shapes;
+    apart: about this far from each other, whatever their number."""
     chain = aligned_chain(shapes, masses)
     along = np.concatenate([[0], np.cumsum([geometry.rms(a, b) for a, b in zip(chain, chain[1:])])])
+    if apart is not None:
+        nodes = max(4, round(along[-1] / apart) + 1)
     out = []
     for want in np.linspace(0, along[-1], nodes):
         k = min(int(np.searchsorted(along, want, side="right")) - 1, len(chain) - 2)
@@ -124,9 +133,9 @@ def between(surface, tree, shapes):
     return [surface.energy(tree.build(spline((k + 0.5) / n))) for k in range(n)]
 
 
-def nodes(surface, tree, saddle, hessian, sign, x0, energy0, count=11):
-    """(shapes, energies) from the conformation x0 to the saddle, at equal distances.
-    Raises NotSane when the path down ends elsewhere, or has a bump between its nodes."""
+def nodes(surface, tree, saddle, hessian, sign, x0, energy0, count=11, apart=None):
+    """(shapes, energies) from the minimum x0 to the saddle, at equal distances; apart: as
+    resampled() has it. Raises NotSane when the path down ends elsewhere, or has a bump between its nodes."""
     masses = surface.masses
 
     def there(x, energy):
@@ -137,7 +146,7 @@ def nodes(surface, tree, saddle, hessian, sign, x0, energy0, count=11):
     away = geometry.rms(geometry.aligned(shapes[-1], x0, masses), x0)
     if away > 0.4:
         raise NotSane(f"the path down ends {away * BOHR:.2f} angstrom from the conformation")
-    shapes = resampled([x0] + shapes[::-1], masses, count)
+    shapes = resampled([x0] + shapes[::-1], masses, count, apart)
     shapes = [x0] + [geometry.aligned(x, x0, masses) for x in shapes[1:]]
     # Rounded as in the file, so that the file's energies are those of its shapes.
     shapes = [np.round(x * BOHR, 8) / BOHR for x in shapes]

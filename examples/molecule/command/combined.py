@@ -1,0 +1,38 @@
+"""Whether the sum of paths is right where minima of several of them are combined.
+
+Along one path the energy is xtb's own. Where two torsions are both behind a saddle, the model adds
+their energies, and nobody has computed the shape: atoms may have run into each other. Xtb is asked
+for each such shape, a single point.
+"""
+
+from preparation import files
+from preparation.xtb import BOHR, HARTREE, Surface
+
+from .definition import write
+
+MISSED = 4.0  # kJ/mol: what the sum may miss
+ROW = "minimum "
+
+
+def missed(filters, stages, definition, numbers, x, method, charge, unpaired):
+    """What speaks against the paths of a definition, or nothing. x: the conformation, bohr."""
+    name = ".combined.toml"
+    write(stages.path(name), definition.text())
+    try:
+        rows = [line.split() for line in filters.run("molecule-check", name, good=(0, 1))[0].splitlines()
+                if line.startswith(ROW)]
+        combined = [(float(row[1]), row[2]) for row in rows if sum(float(t) != 0 for t in row[2].split(",")) > 1]
+        if not combined:
+            return ""
+        surface = Surface(numbers, x, method, charge, unpaired=unpaired)
+        rest = surface.energy(x)
+        worst = (0.0, "")
+        for expected, t in combined:
+            text = filters.run("molecule-check", name, f"--xyz={t}")[0]
+            shape = [[float(v) / BOHR for v in line.split()[1:4]] for line in text.splitlines()[2:]]
+            off = (surface.energy(shape) - rest) * HARTREE - expected
+            worst = max(worst, (abs(off), f"the minima at t = {t} together are {expected + off:.1f} kJ/mol by xtb, "
+                                          f"{expected:.1f} by the sum"))
+    finally:
+        files.remove(stages.path(name))
+    return worst[1] if worst[0] > MISSED else ""

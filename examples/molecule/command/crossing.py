@@ -1,0 +1,150 @@
+"""The way of the probe that turns a torsion into the minimum behind its saddle, leaves it there, goes
+round the molecule without touching it, and pushes it back from another side.
+
+Each push is a straight line, there and back. Lines are tried until one has brought the molecule where
+it should be: first those along which the atoms go most, then random ones, deeper. They are played one
+after the other in one go, since reading the grid takes longest.
+"""
+
+import numpy as np
+
+from . import pushing
+
+LINES = 60  # of those along which the atoms go, at most
+RANDOM = 240
+DEEPEST = 2.0  # angstrom behind an atom
+NEAR = 0.02  # of a t: the molecule is in this minimum
+AROUND = 0.96  # of the box: where the probe goes round
+
+
+class Crossings(pushing.Ways):
+    """Writes path-NAME.txt for the paths whose nearest minimum is reached, and left again."""
+
+    def write(self):
+        toml = self.grid.removesuffix(".grid") + ".toml"
+        text = self.filters.run("molecule-check", toml, good=(0, 1))[0]
+        minima = [[float(t) for t in line.split()[2].split(",")] for line in text.splitlines()
+                  if line.startswith("minimum ")]
+        if not minima:
+            return super().write()
+        rest, *others = sorted(minima, key=lambda t: np.abs(t).sum())
+        names = []
+        for k, name in enumerate(self.taken):
+            for there in (t for t in others if t[k] != 0 and np.count_nonzero(t) == 1):
+                way = self._there_and_back(toml, rest, there)
+                if way is not None:
+                    names.append(f"path-{name}.txt")
+                    self._write_way(names[-1], way, f"The probe pushes {name} over its barrier, goes round the "
+                                                    "molecule, and pushes it back.")
+                    break
+        self._clean()
+        return names or super().write()
+
+    def _there_and_back(self, toml, rest, there):
+        """The places of the probe, or None."""
+        a, b = self._shape(toml, rest), self._shape(toml, there)
+        first = self._crossing(a, b, [], there)
+        if first is None:
+            return None
+        return self._crossing(b, a, first, rest)
+
+    def _crossing(self, x, y, before, wanted):
+        """`before` and a line after it that brings the molecule from shape x to y, which has the t
+        wanted."""
+        lines = self._candidates(x, y)
+        while lines:
+            way, ends = list(before), []
+            for start, end in lines:
+                way += [*self._round(way[-1] if way else None, start), *_line(start, end)]
+                ends.append(len(way) - 1)
+            n = self._first(way, ends, len(before))
+            if n is None:
+                return None
+            way = [*before, *self._round(before[-1] if before else None, lines[n][0]), *_line(*lines[n])]
+            if self._is_at(self._states(way)[-1], wanted):
+                return way
+            lines = lines[n + 1:]
+        return None
+
+    def _first(self, way, ends, begin):
+        """The first line after which the molecule is not where it was before all."""
+        states = self._states(way)
+        rest = states[max(begin - 1, 0)]
+        return next((n for n, end in enumerate(ends) if not self._is_at(states[end], rest)), None)
+
+    @staticmethod
+    def _is_at(state, wanted):
+        return bool(np.abs(state - wanted).max() < NEAR)
+
+    def _candidates(self, x, y):
+        found = []
+        for clear in (self.clear, pushing.CLEAR):
+            found += pushing.lines(x, y - x, self.radius, self.low, self.high, clear, LINES, 0.95)
+        return [(start, end) for start, end, _ in found[:LINES]] + self._random(x)
+
+    def _random(self, x):
+        draw = np.random.default_rng(1)
+        middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
+        out = []
+        for _ in range(RANDOM):
+            u = draw.normal(size=3)
+            u /= np.linalg.norm(u)
+            aim = x[draw.integers(len(x))] + draw.uniform(-0.8, 0.8, 3)
+            start = aim - u * _reach(aim - middle, -u, half)
+            end = aim + u * min(draw.uniform(-1, DEEPEST), _reach(aim - middle, u, half))
+            out.append((start, end))
+        return out
+
+    def _shape(self, toml, t):
+        text = self.filters.run("molecule-check", toml, "--xyz=" + ",".join(map(repr, t)))[0]
+        return np.array([[float(v) for v in line.split()[1:4]] for line in text.splitlines()[2:]])
+
+    def _states(self, way):
+        """The t at each place of a way."""
+        self._write_way(".way.txt", way, "tried")
+        self.filters.run("play", self.grid, "--device", "path:.way.txt", "--log", ".way.log")
+        names, rows = pushing.read_log(self.stages.path(".way.log"))
+        first = names.index("s0")
+        return rows[:, first:first + len(self.taken)]
+
+    def _round(self, here, to):
+        """From one free place to another, near the sides of the box. All shapes keep away from these."""
+        if here is None:
+            return []
+        middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
+        a, b = (p - middle for p in (here, to))
+        a, b = a / np.abs(a / half).max(), b / np.abs(b / half).max()
+        u, v = a / np.linalg.norm(a), b / np.linalg.norm(b)
+        angle = np.arccos(np.clip(u @ v, -1, 1))
+        if angle > 3.0:  # over a side
+            side = np.cross(u, np.eye(3)[np.abs(u).argmin()])
+            corners = [a, side, b]
+        else:
+            corners = [a, u + v, b]
+        corners = [c / np.abs(c / half).max() for c in corners]
+        out = [here]
+        for p, q in zip(corners, corners[1:]):
+            for s in np.linspace(0, 1, 60):
+                c = (1 - s) * p / np.linalg.norm(p) + s * q / np.linalg.norm(q)
+                out.append(middle + c / np.abs(c / half).max())
+        out.append(to)
+        return [p for one, two in zip(out, out[1:]) for p in _steps(one, two)]
+
+    def _write_way(self, name, way, title):
+        rows = [" ".join(f"{v:.4f}" for v in p) for p in way]
+        pushing.files.write_whole(self.stages.path(name), "\n".join(
+            [f"# {title}", "# x y z of the probe in angstrom, a line a tick", *rows]) + "\n")
+
+
+def _steps(a, b):
+    count = max(int(np.ceil(np.linalg.norm(b - a) / pushing.COARSE_STEP)), 1)
+    return [a + (b - a) * k / count for k in range(count)]
+
+
+def _line(start, end):
+    return [*_steps(start, end), *_steps(end, start), start]
+
+
+def _reach(x, u, half):
+    """How far from x, which is seen from the middle of the box, a direction leads to its sides."""
+    return float(((np.sign(u) * half - x) / u).min())

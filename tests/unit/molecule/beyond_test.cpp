@@ -1,0 +1,157 @@
+// A path that goes on behind its saddles: 1,2-dichloroethane, anti in the middle (t = 0), gauche on
+// both sides. Energies and shapes of the nodes are GFN2-xTB's, from the committed texts.
+#include <catch2/catch.hpp>
+#include <sstream>
+
+#include "examples/molecule/minima.hpp"
+#include "tests/unit/molecule/reference.hpp"
+
+using namespace molecules;
+using Catch::Matchers::Equals;
+using State = std::vector<double>;
+
+namespace {
+
+const Source kDichloroethane{"dichloroethane", {"turn.xyz"}};
+const hapgrid::Parameter kUnlifted{"morph_stiffness", 0.0};
+
+/// The energies in the titles, kJ/mol.
+std::vector<double> energies(const std::string& xyz) {
+  std::vector<double> found;
+  std::istringstream lines(xyz);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("dE=", 0) == 0) found.push_back(std::stod(line.substr(3)));
+  return found;
+}
+
+State convert(hapgrid::Model& model, const State& s, const hapgrid::Vec3& x,
+              const hapgrid::Vec3& d) {
+  State result(s.size());
+  model.convert(s.data(), x, d, result.data());
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a path behind its saddles has xtb's shapes and energies at all nodes") {
+  const Molecule molecule = kDichloroethane.read();
+  const std::string text = kDichloroethane.transition_states()[0];
+  const std::vector<double> given = energies(text);
+  const std::vector<Positions> shapes = frames(text);
+  const hapgrid::molecule::Path& path = molecule.paths[0];
+  REQUIRE(given.size() == path.nodes.size());
+  CHECK(path.start == 27);
+  CHECK(path.low() == -0.5);
+  HybridEnergy energy(molecule, {});
+  double length = 0;
+  Positions before;
+  for (std::size_t m = 0; m < given.size(); ++m) {
+    State s(7);
+    s[0] = path.t(m);
+    CHECK(energy.shape_energy(s.data()) == Approx(given[m]).margin(1e-12));
+    CHECK(superposed_rmsd(positions(energy, s), shapes[m]) < 1e-6);
+    const Positions here = positions(energy, s);
+    if (m > 0) length += rmsd(here, before);
+    before = here;
+  }
+  CHECK(energy.morph().length(0) == Approx(length));
+  // Outside its range t counts as the end, and NaN as the conformation.
+  for (const double t : {-0.7, 0.6}) {
+    const double end = t < 0 ? -0.5 : 0.5;
+    CHECK(energy.shape_energy(&t) == energy.shape_energy(&end));
+  }
+}
+
+TEST_CASE("derivatives are right on both sides of the conformation") {
+  HybridEnergy energy(kDichloroethane.read(), {1.2, 100, 20, 100, 0});
+  Random random(4);
+  for (int i = 0; i < 200; ++i) {
+    State s(7);
+    s[0] = random.between(-0.49, 0.49);
+    for (std::size_t k = 1; k < 7; ++k) s[k] = random.between(-0.4, 0.4);
+    const Positions p = positions(energy, s);
+    const Eigen::Vector3d x =
+        p[random.below(p.size())] + random.between(1, 2.4) * random.direction();
+    double gradient[7], hessian[49];
+    energy.value(s.data(), x.data());
+    energy.derivatives(gradient, hessian, true);
+    // Central differences: the error is h² times the third derivative, some 1e5 at most in these
+    // units; where a contact begins between them, h times the penalty times the squared speed.
+    constexpr double h = 1e-6;
+    for (std::size_t k = 0; k < 7; ++k) {
+      State a = s, b = s;
+      a[k] -= h, b[k] += h;
+      const double slope =
+          (energy.value(b.data(), x.data()) - energy.value(a.data(), x.data())) / (2 * h);
+      CHECK(gradient[k] == Approx(slope).epsilon(1e-4).margin(2e-3));
+    }
+  }
+}
+
+TEST_CASE("all minima are known states, and the molecule rests in them") {
+  const auto model = kDichloroethane.make({kUnlifted});
+  const State known = model->known_states({6.5, 5.5, 6});
+  REQUIRE(known.size() == 21);  // anti, and gauche on both sides
+  CHECK(model->known_states({0, 0, 0}).empty());
+  const std::vector<double> given = energies(kDichloroethane.transition_states()[0]);
+  // The lowest nodes on either side.
+  const double gauche[2] = {(10 - 27) / 54.0, (44 - 27) / 54.0};
+  CHECK(given[10] == Approx(5.77).margin(0.005));
+  for (int m = 0; m < 3; ++m) {
+    const State state(known.begin() + 7 * m, known.begin() + 7 * (m + 1));
+    CHECK(state[0] == Approx(m == 0 ? 0 : gauche[m - 1]).margin(0x1p-20));
+    CHECK(convert(*model, state, {6.5, 5.5, 6}, {-1, 0, 0.5}) == state);
+    // From nearby it comes back, to the last digit.
+    State moved = state;
+    moved[0] += 0.03, moved[2] -= 0.05, moved[5] += 0.04;
+    CHECK(convert(*model, moved, {6.5, 5.5, 6}, {0, 0, 0}) == state);
+  }
+}
+
+TEST_CASE("pushes lead from anti to gauche, where it stays, and from another side back") {
+  const auto model = kDichloroethane.make({kUnlifted});
+  std::istringstream lines(text("dichloroethane", "path-there-and-back.txt"));
+  State s(7);
+  hapgrid::Vec3 at{};
+  double rested = 0;  // the t that it rested in, outside anti
+  bool first = true;
+  for (std::string line; std::getline(lines, line);) {
+    if (line[0] == '#') continue;
+    std::istringstream numbers(line);
+    hapgrid::Vec3 x;
+    numbers >> x[0] >> x[1] >> x[2];
+    if (!first) s = convert(*model, s, at, {x[0] - at[0], x[1] - at[1], x[2] - at[2]});
+    first = false;
+    at = x;
+    if (model->force(at, s.data()) == hapgrid::Vec3{} && std::abs(s[0]) > 0.1) {
+      if (rested != 0) CHECK(s[0] == Approx(rested).margin(0.01));
+      rested = s[0];
+    }
+  }
+  CHECK(std::abs(rested) == Approx(17 / 54.0).margin(0.01));
+  CHECK(s == State(7));
+}
+
+TEST_CASE("what a path behind its saddles cannot be is refused") {
+  CHECK_THROWS_WITH(
+      kDichloroethane.make(),
+      Equals("model molecule: parameter morph_stiffness is 5, it must be 0 where a path "
+             "goes on behind its saddles: it would lift the minima there"));
+  CHECK_THROWS_WITH(
+      kDichloroethane.make({kUnlifted, {"energies", std::vector<double>{12}}}),
+      Equals("model molecule: energies: transition_states[0] goes on behind its transition state"));
+  // Without the conformation, which is the 28th frame of ten lines.
+  std::string xyz = kDichloroethane.transition_states()[0];
+  std::size_t begin = 0;
+  for (int line = 0; line < 27 * 10; ++line) begin = xyz.find('\n', begin) + 1;
+  std::size_t end = begin;
+  for (int line = 0; line < 10; ++line) end = xyz.find('\n', end) + 1;
+  xyz.erase(begin, end - begin);
+  try {
+    read_molecule(kDichloroethane.conformation(), {xyz}, {});
+    FAIL("not refused");
+  } catch (const std::runtime_error& why) {
+    CHECK_THAT(why.what(), Catch::Matchers::StartsWith(
+                               "transition_states[0] frame 1: is not the conformation: "));
+  }
+}
