@@ -44,9 +44,9 @@ void Conversion::convert(const double* s, const double* x, const double* d, doub
     // Without contact the state 0 is a minimum, with no energy at all. Most conversions end there.
     if (at_rest && !energy_.touches_conformation(p)) continue;
     if (at_rest)
-      minimiser_.minimise(state.data(), p);
+      minimiser_.minimise(state.data(), p, step == substeps);
     else
-      minimiser_.follow(state.data(), p, move);
+      minimiser_.follow(state.data(), p, move, step == substeps);
     at_rest = false;
     if (energy_.touches() || energy_.touches_conformation(p)) continue;
     double distance = 0;
