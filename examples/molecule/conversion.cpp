@@ -48,9 +48,9 @@ void Conversion::convert(const double* s, const double* x, const double* d, doub
     // Without contact it is a minimum already. Most conversions end there.
     if (rest != none && !minima_.touched(rest, p)) continue;
     if (rest != none)
-      minimiser_.minimise(state.data(), p);
+      minimiser_.minimise(state.data(), p, step == substeps);
     else
-      minimiser_.follow(state.data(), p, move);
+      minimiser_.follow(state.data(), p, move, step == substeps);
     rest = none;
     if (energy_.touches()) continue;
     const std::size_t nearest = minima_.near(state.data(), kSnap);

@@ -31,6 +31,7 @@ HybridEnergy::HybridEnergy(const Molecule& molecule, const EnergyParameters& par
       state_{},
       probe_{},
       contacts_(morph_.atoms()),
+      pulls_(morph_.atoms()),
       velocity_(3 * morph_.paths()),
       bending_{} {
   for (std::size_t k = 0; k < morph_.paths(); ++k) scale_.push_back(morph_.length(k));
@@ -152,9 +153,16 @@ void HybridEnergy::derivatives(double* gradient, double* hessian, bool anew) {
   if (anew) bending_.fill(0);
   if (contact_count_ == 0) return;
   morph_.differentiate(shape_);
-  if (anew) morph_.differentiate_twice(shape_);
-  for (std::size_t c = 0; c < contact_count_; ++c)
-    add_contact(contacts_[c], gradient, hessian, anew);
+  for (std::size_t c = 0; c < contact_count_; ++c) add_contact(contacts_[c], gradient, hessian);
+  if (anew) {
+    for (std::size_t c = 0; c < contact_count_; ++c) {
+      const Contact& contact = contacts_[c];
+      const double push = parameters_.penalty * contact.overlap;
+      pulls_[c] = {contact.place,
+                   {push * contact.normal[0], push * contact.normal[1], push * contact.normal[2]}};
+    }
+    morph_.curvature(shape_, pulls_.data(), contact_count_, bending_.data());
+  }
   for (std::size_t k = 0; k < paths; ++k)
     for (std::size_t l = 0; l <= k; ++l) hessian[k * n + l] -= bending_[k * paths + l];
   for (std::size_t i = 0; i < n; ++i)
@@ -166,8 +174,7 @@ void HybridEnergy::derivatives(double* gradient, double* hessian, bool anew) {
 /// a, φ = rate dr, for the rotation. With n the unit vector from the probe, d the distance and o
 /// the overlap,
 ///   ∇(½ o²) = -o ∇d,   ∇²(½ o²) = ∇d ∇dᵀ - o ∇²d,   ∇²d = Gᵀ (1 - n nᵀ) G / d + n · ∂²a.
-void HybridEnergy::add_contact(const Contact& contact, double* gradient, double* hessian,
-                               bool anew) {
+void HybridEnergy::add_contact(const Contact& contact, double* gradient, double* hessian) {
   const std::size_t n = variables_, paths = morph_.paths();
   const double* normal = contact.normal;
   const double a[3] = {shape_.x[contact.place], shape_.y[contact.place], shape_.z[contact.place]};
@@ -193,11 +200,6 @@ void HybridEnergy::add_contact(const Contact& contact, double* gradient, double*
     const double f = (parameters_.penalty + bend) * along[i];
     for (std::size_t j = 0; j <= i; ++j)
       hessian[i * n + j] += f * along[j] - bend * dot(g[i], g[j]);
-  }
-  if (anew) {
-    double bending[kMaxPaths * kMaxPaths];
-    morph_.curvature(shape_, contact.place, normal, bending);
-    for (std::size_t k = 0; k < paths * paths; ++k) bending_[k] += push * bending[k];
   }
   // n · ∂²a: (n·φ)(a·φ) - (n·a) φ² for two turns, φ · (v x n) for a turn and a t.
   const double na = dot(normal, a);

@@ -54,8 +54,7 @@ class HybridEnergy {
   bool touches() const { return contact_count_ > 0; }
   /// At the s and x of the last value(): the gradient ∂H/∂s (n), and the Hessian (n x n, symmetric)
   /// without the second derivatives of the rotation's parametrisation. The morph's second
-  /// derivatives cost twice the rest and change slowly: without `anew` their part is that of the
-  /// last call.
+  /// derivatives change slowly: without `anew` their part is that of the last call.
   void derivatives(double* gradient, double* hessian, bool anew);
 
   /// -∂H/∂x, kJ/(mol Å).
@@ -84,7 +83,7 @@ class HybridEnergy {
 
   void place(const double* s, const double* x);
   void find_contacts();
-  void add_contact(const Contact& contact, double* gradient, double* hessian, bool anew);
+  void add_contact(const Contact& contact, double* gradient, double* hessian);
   void placed(const double* s, const Morph::Shape& shape, std::size_t i, const Rotation& r,
               double* a) const;
 
@@ -102,6 +101,7 @@ class HybridEnergy {
   std::array<double, 3> probe_;    // in the molecule's frame
   std::vector<Contact> contacts_;  // the first contact_count_ count
   std::size_t contact_count_ = 0;
+  std::vector<Morph::Pull> pulls_;                     // of the contacts
   std::vector<double> velocity_;                       // 3 x paths
   std::array<double, kMaxPaths * kMaxPaths> bending_;  // Σ push n · ∂²a/∂t∂t, paths x paths
 };

@@ -1,6 +1,5 @@
 #include "examples/molecule/minimiser.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,11 +8,42 @@
 namespace hapgrid::molecule {
 
 namespace {
-// After so many moves the second derivatives of the morph are computed anew.
-constexpr int kMovesPerCurvature = 3;
+// The second derivatives of the morph are computed anew every third time: they change slowly.
+constexpr int kCurvatureLasts = 3;
 // The state rests in a transition state when no step of this length, Å, leads down from there.
 constexpr double kLeastNudge = 1e-3;
 }  // namespace
+
+/// The upper triangular U of B + shift 1 = Uᵀ U into u, the inverses of its diagonal into
+/// `inverse`; false when the sum is not positive definite. Rows are contiguous, so that compilers
+/// vectorise it.
+bool Minimiser::factor(const Matrix& b, double shift, Factors& f) {
+  const auto n = static_cast<std::size_t>(b.rows());
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = i; j < n; ++j)
+      f.u[i][j] = b(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i));
+    f.u[i][i] += shift;
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    double* const row = f.u[k];
+    if (!(row[k] > 0)) return false;
+    f.inverse[k] = 1 / std::sqrt(row[k]);
+    for (std::size_t j = k; j < n; ++j) row[j] *= f.inverse[k];
+    for (std::size_t i = k + 1; i < n; ++i)
+      for (std::size_t j = i; j < n; ++j) f.u[i][j] -= row[i] * row[j];
+  }
+  return true;
+}
+
+/// Uᵀ y = v, in place.
+void Minimiser::solve_lower(const Factors& f, Vector& v) {
+  const auto n = static_cast<std::size_t>(v.size());
+  double* const y = v.data();
+  for (std::size_t k = 0; k < n; ++k) {
+    y[k] *= f.inverse[k];
+    for (std::size_t j = k + 1; j < n; ++j) y[j] -= f.u[k][j] * y[k];
+  }
+}
 
 /// The p that makes g·p + ½ p·B p (nearly) least for |p| <= radius, after Moré and Sorensen 1983.
 /// Deviation: when the least shift that makes B positive definite already gives a step inside the
@@ -22,28 +52,33 @@ Minimiser::Vector Minimiser::within(double radius, const Matrix& b, const Vector
   double shift = 0;
   double too_low = 0;  // a shift with which B was not positive definite
   const double size = std::max(b.diagonal().cwiseAbs().maxCoeff(), 1e-6);
-  Vector p;
+  Factors factors;
   for (int round = 0; round < 40; ++round) {
-    Matrix shifted = b;
-    shifted.diagonal().array() += shift;
-    const Eigen::LLT<Matrix> factors(shifted);
-    if (factors.info() != Eigen::Success || !(factors.matrixLLT().diagonal().minCoeff() > 0)) {
+    if (!factor(b, shift, factors)) {
       too_low = shift;
       shift = std::max(4 * shift, 1e-3 * size);
       continue;
     }
-    p = -factors.solve(g);
+    Vector p = -g;
+    solve_lower(factors, p);
+    for (Eigen::Index i = p.size(); i-- > 0;) {
+      double sum = p[i];
+      for (Eigen::Index j = i + 1; j < p.size(); ++j) sum -= factors.u[i][j] * p[j];
+      p[i] = sum * factors.inverse[i];
+    }
     const double length = p.norm();
     if (length <= 1.1 * radius) return p;
-    const Vector q = factors.matrixL().solve(p);
-    const double better = shift + p.squaredNorm() / q.squaredNorm() * (length - radius) / radius;
+    Vector q = p;
+    solve_lower(factors, q);
+    const double better = shift + length * length / q.squaredNorm() * (length - radius) / radius;
     shift = std::max(better, 0.5 * (shift + too_low));
   }
   return -g * (radius / std::max(g.norm(), 1e-300));
 }
 
-/// The step within the radius and the bounds; false when the quadratic model promises no descent.
-bool Minimiser::step(double radius, Vector& p) const {
+/// The step within the radius and the bounds; returns how far the quadratic model promises H to
+/// fall, which may be no fall at all.
+double Minimiser::step(double radius, Vector& p) const {
   const Eigen::Index n = y_.size();
   const auto paths = static_cast<Eigen::Index>(energy_.morph().paths());
   std::array<bool, kMaxVariables> fixed{};
@@ -77,15 +112,22 @@ bool Minimiser::step(double radius, Vector& p) const {
     }
     if (!over) break;
   }
-  return gradient_.dot(p) + 0.5 * p.dot(hessian_ * p) < 0;
+  double promised = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    double slope = 0;
+    for (Eigen::Index j = 0; j < i; ++j) slope += hessian_(j, i) * p[j];
+    promised -= p[i] * (gradient_[i] + slope + 0.5 * hessian_(i, i) * p[i]);
+  }
+  return promised;
 }
 
-void Minimiser::differentiate(const double* s, bool anew) {
+void Minimiser::differentiate(const double* s) {
   const auto n = static_cast<Eigen::Index>(energy_.variables());
   y_.resize(n);
   gradient_.resize(n);
   hessian_.resize(n, n);
-  energy_.derivatives(gradient_.data(), hessian_.data(), anew);
+  energy_.derivatives(gradient_.data(), hessian_.data(), age_ == 0);
+  age_ = (age_ + 1) % kCurvatureLasts;
   for (Eigen::Index i = 0; i < n; ++i) {
     y_[i] = s[i] * energy_.scale(i);
     gradient_[i] /= energy_.scale(i);
@@ -103,17 +145,22 @@ void Minimiser::add(const Vector& p, double* trial) const {
   }
 }
 
-void Minimiser::minimise(double* s, const double* x) { descend(s, x, energy_.value(s, x)); }
+void Minimiser::minimise(double* s, const double* x, bool last) {
+  age_ = 0;
+  descend(s, x, energy_.value(s, x), last ? limits_.tolerance : limits_.on_the_way);
+}
 
 void Minimiser::start(const double* s, const double* x) {
   energy_.value(s, x);
-  differentiate(s, true);
+  age_ = 0;
+  differentiate(s);
 }
 
 // The contacts depend on the difference of the shift and the probe's position. So moving the probe
 // by d changes the gradient as moving the shift by -d would, except for the anchor's part; the
 // Hessian gives that change.
-void Minimiser::follow(double* s, const double* x, const double* d) {
+void Minimiser::follow(double* s, const double* x, const double* d, bool last) {
+  const double tolerance = last ? limits_.tolerance : limits_.on_the_way;
   const auto n = static_cast<Eigen::Index>(energy_.variables());
   const auto shift = static_cast<Eigen::Index>(energy_.morph().paths());
   for (Eigen::Index a = 0; a < 3; ++a) {
@@ -122,33 +169,32 @@ void Minimiser::follow(double* s, const double* x, const double* d) {
   }
   Vector p(n);
   std::array<double, kMaxVariables> trial;
-  const bool moves = step(limits_.max_step, p);
+  const bool moves = step(limits_.max_step, p) > 0;
   if (moves) add(p, trial.data());
   const double stays = energy_.value(s, x);  // cheap: the shape of this s is known
-  if (!moves) return descend(s, x, stays);
+  if (!moves) return descend(s, x, stays, tolerance);
   const double lower = energy_.value(trial.data(), x);
-  if (!(lower < stays)) return descend(s, x, energy_.value(s, x));
+  if (!(lower < stays)) return descend(s, x, energy_.value(s, x), tolerance);
   std::copy_n(trial.begin(), n, s);
-  return descend(s, x, lower);
+  return descend(s, x, lower, tolerance);
 }
 
 /// `value` is H(s, x), which was evaluated last.
-void Minimiser::descend(double* s, const double* x, double value) {
+void Minimiser::descend(double* s, const double* x, double value, double tolerance) {
   const auto n = static_cast<Eigen::Index>(energy_.variables());
   const auto paths = static_cast<Eigen::Index>(energy_.morph().paths());
   Vector p(n);
   std::array<double, kMaxVariables> trial;
   double radius = limits_.max_step;
-  int moves = 0;
-  for (int evaluations = 1; evaluations < limits_.max_evaluations; ++moves) {
-    differentiate(s, moves % kMovesPerCurvature == 0);
+  for (int evaluations = 1; evaluations < limits_.max_evaluations;) {
+    differentiate(s);
     double largest = 0;
     for (Eigen::Index i = 0; i < n; ++i) {
       const bool held = i < paths && ((y_[i] <= low(i) && gradient_[i] >= 0) ||
                                       (y_[i] >= high(i) && gradient_[i] <= 0));
       if (!held) largest = std::max(largest, std::abs(gradient_[i]));
     }
-    const bool stationary = !(largest > limits_.tolerance);
+    const bool stationary = !(largest > tolerance);
     if (stationary) {
       // A transition state at an end of a path is stationary but no minimum: the energy falls
       // towards the path's inside.
@@ -163,11 +209,11 @@ void Minimiser::descend(double* s, const double* x, double value) {
       if (rests) return;
     }
     for (;;) {
-      if (step(radius, p)) {
+      const double promised = step(radius, p);
+      if (promised > 0) {
         add(p, trial.data());
         const double lower = energy_.value(trial.data(), x);
         ++evaluations;
-        const double promised = -(gradient_.dot(p) + 0.5 * p.dot(hessian_ * p));
         const double ratio = (value - lower) / promised;
         if (ratio < 0.25) radius = 0.25 * std::min(p.norm(), radius);
         if (ratio > 0.75) radius = std::min(2 * radius, limits_.max_step);

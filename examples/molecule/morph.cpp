@@ -275,12 +275,9 @@ Morph::Shape Morph::make_shape() const {
   s.centre_moving.resize(3 * width_);
   s.aligning.resize(3 * width_);
   s.overlap_rate.resize(9 * width_);
-  const std::size_t pairs = paths_.size() * width_;
-  s.rate_rate.resize(3 * stride_ * width_);
-  s.turning_turning.resize(3 * pairs * n);
-  s.moving_moving.resize(3 * pairs * n);
-  s.centre_moving_moving.resize(3 * pairs);
-  s.aligning_aligning.resize(3 * pairs);
+  s.pull.resize(3 * n);
+  s.twist.resize(3 * n);
+  s.weight.resize(3 * stride_);
   return s;
 }
 

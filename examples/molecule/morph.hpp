@@ -11,10 +11,10 @@
 // side, all sines are computed in one loop that vectorises, the rebuilding only carries frames from
 // parents to children, and the alignment takes the largest root of a quartic (Theobald 2005).
 //
-// Derivatives are carried forward for all t_k at once: the frames' angular velocities and the
-// atoms' velocities are passed down the tree. Backward accumulation would be cheaper for one
-// gradient. But the minimiser needs the gradient of the distance to each atom that the probe
-// touches, and its second-order terms; forward, all of them together cost one pass, K numbers wide.
+// First derivatives are carried forward for all t_k at once: the frames' angular velocities and the
+// atoms' velocities are passed down the tree, since the minimiser needs the gradient of the
+// distance to each atom that the probe touches. Of the second derivatives it needs only one sum,
+// weighted by the contacts' forces: the forces are passed up the tree (adjoint).
 #pragma once
 
 #include <algorithm>
@@ -44,8 +44,9 @@ class Morph {
    private:
     friend class Morph;
     std::vector<double> t;
-    int derivatives = -1;   // how many are those of t; 0: only the shape is, -1: nothing is
-    std::vector<double> q;  // length, deflection, torsion: 3 x stride_
+    int derivatives =
+        -1;  // 1: the first derivatives are those of t; 0: only the shape is; -1: nothing
+    std::vector<double> q;              // length, deflection, torsion: 3 x stride_
     std::vector<double> sine, cosine;   // of deflection and torsion: 2 x stride_
     std::vector<double> frame;          // 9 an atom: axes x, y, z in the local frame
     std::vector<double> local;          // 3 an atom: position in the local frame
@@ -58,12 +59,10 @@ class Morph {
     std::vector<double> aligning;       // angular velocity of the alignment: 3 x width_
     std::array<double, 9> overlap;      // A, row by row
     std::vector<double> overlap_rate;   // Σ m (R v) cᵀ: 9 x width_
-    // Second derivatives, [component][k][width_]: what belongs to (k, l) stands where l >= k.
-    std::vector<double> rate_rate;  // d²q/dt_k²: 3 x stride_ x width_
-    std::vector<double> turning_turning;
-    std::vector<double> moving_moving;
-    std::vector<double> centre_moving_moving;
-    std::vector<double> aligning_aligning;
+    // For curvature():
+    std::vector<double> pull;    // forces on the atoms, local; then on all that is behind them
+    std::vector<double> twist;   // torques on the frames, local
+    std::vector<double> weight;  // of d²q/dt_k²: 3 x stride_
   };
 
   /// @throw std::runtime_error when the molecule has torsions that are not defined, more than
@@ -91,10 +90,14 @@ class Morph {
   void differentiate(Shape& shape) const;
   /// ∂(position)/∂t_k of the atom at a place of the tree's order, Å: v[3 k] is the first of three.
   void velocity(const Shape& shape, std::size_t place, double* v) const;
-  /// Computes what curvature() needs; call it after differentiate(). Real-time safe.
-  void differentiate_twice(Shape& shape) const;
-  /// n · ∂²(position)/∂t_k∂t_l of an atom for k <= l, Å: into c[paths() k + l] and its mirror.
-  void curvature(const Shape& shape, std::size_t place, const double* n, double* c) const;
+  /// A force on the atom at a place of the tree's order.
+  struct Pull {
+    std::size_t place;
+    double force[3];
+  };
+  /// Σ force · ∂²(position)/∂t_k∂t_l over `count` pulls, into c[paths() k + l]; call it after
+  /// differentiate(). Real-time safe.
+  void curvature(Shape& shape, const Pull* pulls, std::size_t count, double* c) const;
 
  private:
   struct Spline {
@@ -123,7 +126,8 @@ class Morph {
   void build(Shape& shape) const;
   void align(Shape& shape) const;
   void differentiate_tree(Shape& shape) const;
-  void differentiate_tree_twice(Shape& shape) const;
+  void spread_pulls(Shape& shape, const double* force, const double* u) const;
+  void sweep(Shape& shape, double* sum) const;
   /// First moments of the atoms' velocities, for two parameters at once.
   struct Moments {
     Two sum[9], centre[3];

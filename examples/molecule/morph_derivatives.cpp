@@ -114,142 +114,160 @@ void Morph::velocity(const Shape& s, std::size_t i, double* v) const {
   }
 }
 
-// The derivatives by t_l of what differentiate() computes for t_k, term by term. Paths add up in q,
-// so only k = l has second derivatives of q.
-void Morph::differentiate_twice(Shape& s) const {
-  if (s.derivatives >= 2 || paths_.empty()) return;
-  s.derivatives = 2;
-  const std::size_t w = width_, paths = paths_.size(), pairs = paths * w;
-  const std::size_t coordinates = q0_.size();
-  for (std::size_t k = 0; k < paths; ++k) {
-    const Spline& path = paths_[k];
-    const double segments = static_cast<double>(path.segments);
-    const auto [a, u] = path.piece(s.t[k], coordinates);
-    const double f2 = 2 * segments * segments, f3 = 6 * u * segments * segments;
-    for (std::size_t c = 0; c < coordinates; ++c)
-      s.rate_rate[c * w + k] = f2 * a[2 * coordinates + c] + f3 * a[3 * coordinates + c];
-  }
-  differentiate_tree_twice(s);
+// The second derivatives of what differentiate() computes are linear in those of the bonds'
+// vectors, ∂²(length x). A weighted sum over atoms needs only the weights of the bonds: for each
+// bond the sum S of the forces on the atoms behind it, and for each frame the torque Q on what
+// turns with it. They are collected from the leaves to the root. The alignment turns by u · torque,
+// so it is one more force on each atom, and so is the shift of the centre of mass.
+void Morph::curvature(Shape& s, const Pull* pulls, std::size_t count, double* out) const {
+  const std::size_t w = width_, paths = paths_.size();
+  if (paths == 0) return;
   const std::array<double, 9>& r = s.rotation;
-  for (std::size_t k = 0; k < paths; ++k) {
-    for (std::size_t l = k - k % 2; l < w; l += 2) {
-      const std::size_t at = k * w + l;
-      const auto [sum, centre] = moments(s.moving_moving, pairs, at);
-      for (std::size_t a = 0; a < 3; ++a) store(&s.centre_moving_moving[a * pairs + at], centre[a]);
-      // R W + [ω_l] P_k + [ω_k] (P_l + [ω_l] A)
-      double wk[3], pk[9];
-      Two wl[3], pl[9], p[9];
-      for (std::size_t a = 0; a < 3; ++a) {
-        wk[a] = s.aligning[a * w + k];
-        wl[a] = load(&s.aligning[a * w + l]);
-      }
-      for (std::size_t a = 0; a < 9; ++a) {
-        pk[a] = s.overlap_rate[a * w + k];
-        pl[a] = load(&s.overlap_rate[a * w + l]);
-      }
-      for (std::size_t j = 0; j < 3; ++j) {
-        Two turned[3];
-        for (std::size_t a = 0; a < 3; ++a) {
-          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-          turned[a] = pl[3 * a + j] + wl[b] * s.overlap[3 * c + j] - wl[c] * s.overlap[3 * b + j];
-        }
-        for (std::size_t a = 0; a < 3; ++a) {
-          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-          p[3 * a + j] = r[3 * a] * sum[j] + r[3 * a + 1] * sum[3 + j] + r[3 * a + 2] * sum[6 + j] +
-                         wl[b] * pk[3 * c + j] - wl[c] * pk[3 * b + j] + wk[b] * turned[c] -
-                         wk[c] * turned[b];
-        }
-      }
-      turn_back(s, p, &s.aligning_aligning[at], pairs);
-    }
-  }
-}
-
-void Morph::differentiate_tree_twice(Shape& s) const {
-  const std::size_t w = width_, paths = paths_.size(), pairs = paths * w;
-  std::fill_n(s.turning_turning.begin(), 3 * pairs, 0.0);
-  std::fill_n(s.moving_moving.begin(), 3 * pairs, 0.0);
-  for (std::size_t i = 1; i < tree_.size(); ++i) {
-    const auto parent = static_cast<std::size_t>(tree_.parent[i]);
-    const double* x0 = &s.frame[9 * parent];
-    const double* x = &s.frame[9 * i];
-    const double* z = x + 6;
-    const double* turning_from = &s.turning[3 * w * parent];
-    const double* turning = &s.turning[3 * w * i];
-    const std::size_t of_length = i * w, of_deflection = (stride_ + i) * w,
-                      of_torsion = (2 * stride_ + i) * w;
-    const double length = s.q[i];
-    for (std::size_t k = 0; k < paths; ++k) {
-      const double torsion = s.rate[of_torsion + k], deflection = s.rate[of_deflection + k],
-                   stretch = s.rate[of_length + k];
-      const double wk[3] = {turning[k], turning[w + k], turning[2 * w + k]};
-      for (std::size_t l = k - k % 2; l < w; l += 2) {
-        const Two same = {l == k ? 1.0 : 0.0, l + 1 == k ? 1.0 : 0.0};
-        const std::size_t at = k * w + l;
-        const Two from[3] = {load(turning_from + l), load(turning_from + w + l),
-                             load(turning_from + 2 * w + l)};
-        const Two wl[3] = {load(turning + l), load(turning + w + l), load(turning + 2 * w + l)};
-        const Two bends = same * s.rate_rate[of_torsion + k],
-                  folds = same * s.rate_rate[of_deflection + k],
-                  grows = same * s.rate_rate[of_length + k],
-                  stretch_l = load(&s.rate[of_length + l]);
-        Two turn[3], along[3];
-        for (std::size_t a = 0; a < 3; ++a) {
-          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-          turn[a] = load(&s.turning_turning[(3 * parent + a) * pairs + at]) + bends * x0[a] +
-                    torsion * (from[b] * x0[c] - from[c] * x0[b]) + folds * z[a] +
-                    deflection * (wl[b] * z[c] - wl[c] * z[b]);
-          store(&s.turning_turning[(3 * i + a) * pairs + at], turn[a]);
-          along[a] = wl[b] * x[c] - wl[c] * x[b];
-        }
-        for (std::size_t a = 0; a < 3; ++a) {
-          const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-          const Two move =
-              grows * x[a] + stretch * along[a] + stretch_l * (wk[b] * x[c] - wk[c] * x[b]) +
-              length * (turn[b] * x[c] - turn[c] * x[b] + wk[b] * along[c] - wk[c] * along[b]);
-          store(&s.moving_moving[(3 * i + a) * pairs + at],
-                load(&s.moving_moving[(3 * parent + a) * pairs + at]) + move);
-        }
-      }
-    }
-  }
-}
-
-void Morph::curvature(const Shape& s, std::size_t i, const double* normal, double* out) const {
-  const std::size_t w = width_, paths = paths_.size(), pairs = paths * w;
-  const std::array<double, 9>& r = s.rotation;
-  const double position[3] = {s.x[i], s.y[i], s.z[i]};
-  double local_normal[3];  // Rᵀ n
-  for (std::size_t a = 0; a < 3; ++a)
-    local_normal[a] = r[a] * normal[0] + r[3 + a] * normal[1] + r[6 + a] * normal[2];
-  double turned[kMaxPaths][3];  // R v, centred
-  double across[kMaxPaths][3];  // n x ω_k: n · (ω_k x b) = (n x ω_k) · b
-  for (std::size_t k = 0; k < paths; ++k) {
-    double v[3];
-    for (std::size_t a = 0; a < 3; ++a)
-      v[a] = s.moving[(3 * i + a) * w + k] - s.centre_moving[a * w + k];
+  // Sums over the atoms that are pulled, in the conformation's frame.
+  double force[3] = {}, torque[3] = {}, spread[9] = {};  // spread: Σ f aᵀ
+  double moved[kMaxPaths][3] = {};                       // Σ (R v_k) x f
+  std::fill(s.pull.begin(), s.pull.end(), 0.0);
+  for (const Pull* p = pulls; p != pulls + count; ++p) {
+    const double* f = p->force;
+    const double at[3] = {s.x[p->place], s.y[p->place], s.z[p->place]};
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-      turned[k][a] = r[3 * a] * v[0] + r[3 * a + 1] * v[1] + r[3 * a + 2] * v[2];
-      across[k][a] = normal[b] * s.aligning[c * w + k] - normal[c] * s.aligning[b * w + k];
+      force[a] += f[a];
+      torque[a] += at[b] * f[c] - at[c] * f[b];
+      for (std::size_t j = 0; j < 3; ++j) spread[3 * a + j] += f[a] * at[j];
+      s.pull[3 * p->place + a] += r[a] * f[0] + r[3 + a] * f[1] + r[6 + a] * f[2];
+    }
+    for (std::size_t k = 0; k < paths; ++k) {
+      double m[3], v[3];
+      for (std::size_t a = 0; a < 3; ++a)
+        m[a] = s.moving[(3 * p->place + a) * w + k] - s.centre_moving[a * w + k];
+      for (std::size_t a = 0; a < 3; ++a)
+        v[a] = r[3 * a] * m[0] + r[3 * a + 1] * m[1] + r[3 * a + 2] * m[2];
+      for (std::size_t a = 0; a < 3; ++a)
+        moved[k][a] += v[(a + 1) % 3] * f[(a + 2) % 3] - v[(a + 2) % 3] * f[(a + 1) % 3];
+    }
+  }
+  double u[3];
+  for (std::size_t a = 0; a < 3; ++a)
+    u[a] = s.inverse[3 * a] * torque[0] + s.inverse[3 * a + 1] * torque[1] +
+           s.inverse[3 * a + 2] * torque[2];
+  spread_pulls(s, force, u);
+  std::array<double, kMaxPaths * kMaxPaths> sum{};
+  sweep(s, sum.data());
+
+  const double trace = spread[0] + spread[4] + spread[8];
+  double turn[kMaxPaths][3];                                      // ω_k
+  double row[kMaxPaths][3] = {};                                  // uᵀ P_k
+  double turned_row[kMaxPaths][3] = {};                           // uᵀ (P_k + [ω_k] A)
+  double at_u[kMaxPaths], own[kMaxPaths], turned_own[kMaxPaths];  // u · ω_k, and the traces
+  for (std::size_t k = 0; k < paths; ++k) {
+    double* const o = turn[k];
+    for (std::size_t a = 0; a < 3; ++a) o[a] = s.aligning[a * w + k];
+    at_u[k] = u[0] * o[0] + u[1] * o[1] + u[2] * o[2];
+    own[k] = turned_own[k] = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+      for (std::size_t j = 0; j < 3; ++j) {
+        const double p = s.overlap_rate[(3 * a + j) * w + k];
+        const double turned = p + o[b] * s.overlap[3 * c + j] - o[c] * s.overlap[3 * b + j];
+        row[k][j] += u[a] * p;
+        turned_row[k][j] += u[a] * turned;
+        if (j == a) own[k] += p, turned_own[k] += turned;
+      }
     }
   }
   for (std::size_t k = 0; k < paths; ++k) {
     for (std::size_t l = k; l < paths; ++l) {
-      const std::size_t at = k * w + l;
-      double sum = 0;
+      double c = sum[k * w + l] - at_u[l] * own[k] - at_u[k] * turned_own[l];
+      double product = 0;
       for (std::size_t a = 0; a < 3; ++a) {
-        const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
-        const double moved = turned[l][a] + s.aligning[b * w + l] * position[c] -
-                             s.aligning[c * w + l] * position[b];
-        sum += local_normal[a] * (s.moving_moving[(3 * i + a) * pairs + at] -
-                                  s.centre_moving_moving[a * pairs + at]) +
-               across[l][a] * turned[k][a] + across[k][a] * moved +
-               normal[a] * (s.aligning_aligning[b * pairs + at] * position[c] -
-                            s.aligning_aligning[c * pairs + at] * position[b]);
+        c += row[k][a] * turn[l][a] + turned_row[l][a] * turn[k][a] + turn[l][a] * moved[k][a] +
+             turn[k][a] * moved[l][a];
+        product += turn[k][a] * turn[l][a];
+        for (std::size_t j = 0; j < 3; ++j) c += turn[l][a] * spread[3 * a + j] * turn[k][j];
       }
-      out[k * paths + l] = out[l * paths + k] = sum;
+      out[k * paths + l] = out[l * paths + k] = c - trace * product;
     }
+  }
+}
+
+/// Adds to the atoms' forces what the centre of mass and the alignment (u) make of them.
+void Morph::spread_pulls(Shape& s, const double* force, const double* u) const {
+  const std::array<double, 9>& r = s.rotation;
+  double shared[3], turned[9];  // Rᵀ force / M, Rᵀ [u]
+  for (std::size_t a = 0; a < 3; ++a) {
+    shared[a] = (r[a] * force[0] + r[3 + a] * force[1] + r[6 + a] * force[2]) / total_mass_;
+    turned[3 * a] = r[3 + a] * u[2] - r[6 + a] * u[1];
+    turned[3 * a + 1] = r[6 + a] * u[0] - r[a] * u[2];
+    turned[3 * a + 2] = r[a] * u[1] - r[3 + a] * u[0];
+  }
+  for (std::size_t i = 1; i < tree_.size(); ++i)
+    for (std::size_t a = 0; a < 3; ++a)
+      s.pull[3 * i + a] -= mass_[i] * shared[a] + turned[3 * a] * mass_x_[i] +
+                           turned[3 * a + 1] * mass_y_[i] + turned[3 * a + 2] * mass_z_[i];
+}
+
+/// Σ pull · ∂²(local position)/∂t_k∂t_l over all atoms into sum[width_ k + l], for l >= k. With
+/// e = x × S, and the frames' angular velocities w_k, a bond adds (S · ∂²(length x), Q · ∂²w):
+///   stretch_k w_l·e + stretch_l w_k·e + length ((w_l·S) (w_k·x) - (S·x) w_k·w_l)
+///   + torsion_k w'_l·(x' × Q) + deflection_k w_l·(z × Q),   ' of the parent,
+/// and the second derivatives of q, which only k = l has.
+void Morph::sweep(Shape& s, double* sum) const {
+  const std::size_t w = width_;
+  std::fill(s.twist.begin(), s.twist.end(), 0.0);
+  for (std::size_t i = tree_.size() - 1; i > 0; --i) {
+    const auto parent = static_cast<std::size_t>(tree_.parent[i]);
+    const double *x0 = &s.frame[9 * parent], *x = &s.frame[9 * i], *z = x + 6;
+    const double* pull = &s.pull[3 * i];
+    double* q = &s.twist[3 * i];
+    const double length = s.q[i];
+    double e[3], bend[3], fold[3];
+    for (std::size_t a = 0; a < 3; ++a) {
+      e[a] = x[(a + 1) % 3] * pull[(a + 2) % 3] - x[(a + 2) % 3] * pull[(a + 1) % 3];
+      q[a] += length * e[a];
+      s.pull[3 * parent + a] += pull[a];
+      s.twist[3 * parent + a] += q[a];
+    }
+    for (std::size_t a = 0; a < 3; ++a) {
+      bend[a] = x0[(a + 1) % 3] * q[(a + 2) % 3] - x0[(a + 2) % 3] * q[(a + 1) % 3];
+      fold[a] = z[(a + 1) % 3] * q[(a + 2) % 3] - z[(a + 2) % 3] * q[(a + 1) % 3];
+    }
+    const double along = x[0] * pull[0] + x[1] * pull[1] + x[2] * pull[2];
+    s.weight[i] = along;
+    s.weight[stride_ + i] = z[0] * q[0] + z[1] * q[1] + z[2] * q[2];
+    s.weight[2 * stride_ + i] = x0[0] * q[0] + x0[1] * q[1] + x0[2] * q[2];
+
+    const double *from = &s.turning[3 * w * parent], *to = &s.turning[3 * w * i];
+    const double *stretch = &s.rate[i * w], *deflection = &s.rate[(stride_ + i) * w],
+                 *torsion = &s.rate[(2 * stride_ + i) * w];
+    for (std::size_t l = 0; l < w; l += 2) {
+      const Two t0 = load(to + l), t1 = load(to + w + l), t2 = load(to + 2 * w + l);
+      const Two swings = t0 * e[0] + t1 * e[1] + t2 * e[2];
+      const Two pulls = length * (t0 * pull[0] + t1 * pull[1] + t2 * pull[2]);
+      const Two bends = load(from + l) * bend[0] + load(from + w + l) * bend[1] +
+                        load(from + 2 * w + l) * bend[2];
+      const Two folds = t0 * fold[0] + t1 * fold[1] + t2 * fold[2];
+      const Two stretches = load(stretch + l);
+      for (std::size_t k = 0; k < l + 2; ++k) {
+        const double k0 = to[k], k1 = to[w + k], k2 = to[2 * w + k];
+        Two c = load(sum + k * w + l) + stretch[k] * swings +
+                (k0 * x[0] + k1 * x[1] + k2 * x[2]) * pulls + torsion[k] * bends +
+                deflection[k] * folds + (k0 * e[0] + k1 * e[1] + k2 * e[2]) * stretches -
+                length * along * (k0 * t0 + k1 * t1 + k2 * t2);
+        store(sum + k * w + l, c);
+      }
+    }
+  }
+  const std::size_t coordinates = q0_.size();
+  for (std::size_t k = 0; k < paths_.size(); ++k) {
+    const Spline& path = paths_[k];
+    const double squared = static_cast<double>(path.segments * path.segments);
+    const auto [a, u] = path.piece(s.t[k], coordinates);
+    Two second = {0, 0};
+    for (std::size_t c = 0; c < coordinates; c += 2)
+      second += load(&s.weight[c]) *
+                (2 * load(a + 2 * coordinates + c) + (6 * u) * load(a + 3 * coordinates + c));
+    sum[k * w + k] += squared * (second[0] + second[1]);
   }
 }
 
