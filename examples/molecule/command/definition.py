@@ -41,7 +41,7 @@ class Definition:
         low = (x - radius).min(axis=(0, 1)) - PROBE - ROOM
         high = (x + radius).max(axis=(0, 1)) + PROBE + ROOM
         return cls(f"{molecule.ob.GetFormula()}, {len(molecule.numbers)} atoms", paths, low, high,
-                   coarse_spacing(high - low), basins)
+                   coarse_spacing(high - low), basins=basins)
 
     def counts(self):
         cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
