@@ -37,12 +37,20 @@ NodeEnergies::NodeEnergies(const Grid& grid, const Sheets* sheets, const RecordF
 }
 
 /// Each mixed derivative is the mean of the slope along a, differentiated along b, and the other
-/// way round. Where nothing pushes it stays 0, or force would leak into free cells.
+/// way round. Where nothing pushes it stays 0, or force would leak into free cells. A contact is a
+/// kink of the slope, so differences are not taken across it, but on the side of the contact alone.
 void NodeEnergies::add_mixed(const Grid& grid, RecordIndex r) {
-  if (nodes_[r].slope == std::array<float, 3>{}) return;
+  const auto free = [&](RecordIndex record) {
+    return nodes_[record].slope == std::array<float, 3>{};
+  };
+  const auto pushed_beside = [&](int q) {
+    const RecordIndex to = beside(grid, r, q);
+    return to != Grid::kNoRecord && free(to) ? Grid::kNoRecord : to;
+  };
+  if (free(r)) return;
   std::array<float, 3> sum{}, ways{};
   for (int a = 0; a < 3; ++a) {
-    RecordIndex low = beside(grid, r, along(a, -1)), high = beside(grid, r, along(a, 1));
+    RecordIndex low = pushed_beside(along(a, -1)), high = pushed_beside(along(a, 1));
     const float width = low != Grid::kNoRecord && high != Grid::kNoRecord ? 2.0F : 1.0F;
     if (low == Grid::kNoRecord) low = r;
     if (high == Grid::kNoRecord) high = r;

@@ -32,13 +32,20 @@ refuses 'view: cut: byte [0-9]*: truncated: a message is cut' -- view cut --html
 nothing_left empty
 
 command -v chromium >/dev/null || skip "no chromium"
-# browse ARGUMENTS... URL: what the page has to say is on standard error.
+# browse ARGUMENTS... URL: what the page has to say is on standard error. Chromium sometimes hangs when it starts on a
+# busy machine: then it is started again.
 browse() {
+  for _ in 1 2 3; do
+    rm -rf browser
+    chromium_once "$@" && break
+  done
+  grep CONSOLE messages && fail "messages of the page"
+  return 0
+}
+chromium_once() {
   timeout 60 chromium --headless --no-sandbox --hide-scrollbars --use-angle=swiftshader --enable-unsafe-swiftshader \
     --user-data-dir="$work/browser" --window-size=400,496 --virtual-time-budget=200 --enable-logging=stderr \
     "$@" 2>messages
-  grep CONSOLE messages && fail "messages of the page"
-  return 0
 }
 # Three.js draws triangles, so that rims differ, and lines a pixel wide. Much differ 8 of 1,000 (measured), and 70
 # as soon as the view is a degree off.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 
+#include "libcore/grid/vec3.hpp"
 #include "libcore/haptic/agreement.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
@@ -216,6 +217,35 @@ TEST_CASE("inside a grid a cubic energy comes back") {
       // The roundings of floats, times 1.5 for the slope between two values.
       for (int a = 0; a < 3; ++a) CHECK(std::abs(has[a] - wanted[a]) < 8 * 1.5 * largest * 0x1p-24);
     }
+  }
+}
+
+TEST_CASE("beside free points a quadratic energy comes back where the hand pushes") {
+  // Half the square of how deep x lies behind a plane: force is linear behind it, and 0 before it.
+  // Differences to both sides across the plane would miss the mixed derivatives of the points
+  // behind it. All points of a cell are behind it where its first corner is.
+  const Box box{{0, 0, 0}, 1, {6, 6, 6}};
+  const Grid grid = random_grid(box, 1, 1, 4);
+  const Vec3 n{0.5, 0.75, 0.25};
+  const auto depth = [&](const Vec3& x) { return std::max(0.0, dot(n, x) - 3.3); };
+  const auto push = [&](const Vec3& x) {
+    return Vec3{-n[0] * depth(x), -n[1] * depth(x), -n[2] * depth(x)};
+  };
+  const RecordFields fields =
+      fields_of(grid, [&](const Vec3& x) { return depth(x) * depth(x) / 2; }, push);
+  const auto energies = std::make_shared<const NodeEnergies>(grid, nullptr, fields);
+  PaperTraversal t(grid);
+  NodeForce force(energies, box, hermite_force);
+  std::mt19937_64 random(1);
+  int pushed = 0;
+  while (pushed < 300) {
+    const Vec3 x{uniform(random, 0, 5), uniform(random, 0, 5), uniform(random, 0, 5)};
+    if (depth({std::floor(x[0]), std::floor(x[1]), std::floor(x[2])}) == 0) continue;
+    ++pushed;
+    t.step(x);
+    const Vec3 has = force(t), wanted = push(x);
+    // The roundings of floats below 10, times 1.5 for the slope between two values.
+    for (int a = 0; a < 3; ++a) CHECK(std::abs(has[a] - wanted[a]) < 8 * 1.5 * 10 * 0x1p-24);
   }
 }
 
