@@ -25,7 +25,7 @@ print_costs() {
              printf "%-18s %5d times %9.2f s %9.2f CPU s %8.1f MB peak\n", c, n[c], w[c], s[c], m[c] / 1024 } }' costs
 }
 
-# compute NAME MODEL POINTS_OF_THE_LONGEST_SIDE: the model's own box with another spacing.
+# compute NAME MODEL POINTS_OF_THE_LONGEST_SIDE OPTION_OF_SEED...: the model's own box with another spacing.
 compute() {
   local spacing counts scaled
   spacing=$(seed "$2" | stats --get box.spacing) counts=$(seed "$2" | stats --get box.counts | tr -d '[]')
@@ -33,5 +33,5 @@ compute() {
     n = split(counts, c, ","); m = c[1]; for (i in c) if (c[i] + 0 > m) m = c[i] + 0
     s = (m - 1) / (points - 1); printf "%.17g", spacing * s
     for (i = 1; i <= n; ++i) printf "%s%d", (i > 1 ? "," : " "), int((c[i] - 1) / s + 1.5) }')
-  seed "$2" --set "grid.spacing=${scaled% *}" --set "grid.counts=[${scaled#* }]" | expand --complete -j 2 -o "$1.grid"
+  seed "$2" --set "grid.spacing=${scaled% *}" --set "grid.counts=[${scaled#* }]" "${@:4}" | expand --complete -j 2 -o "$1.grid"
 }
