@@ -211,7 +211,7 @@ void plot_text(const InputFile& file, const Options& options) {
 
 /// A session or a text, whichever the content is.
 void show_log(const Options& options) {
-  InputFile file(options.log);
+  InputFile file(options.log, InputFile::Content::kFramesOrText);
   if (!starts_with_zstd_frame(file)) {
     plot_text(file, options);
     return;
