@@ -42,7 +42,7 @@ class Stages:
                 text = json.load(file)
             if text.get("version") == VERSION:
                 self.done = text["done"]
-        except (FileNotFoundError, ValueError, KeyError, AttributeError):
+        except (FileNotFoundError, ValueError, KeyError, AttributeError, RecursionError):
             pass
 
     def path(self, name):
