@@ -250,7 +250,10 @@ void check_options(const Options& options) {
 /// The report on the whole grid, or one value of it.
 std::string report(const Options& options, const LoadedGrid& loaded) {
   CostSums sums;
-  for (const std::string& name : options.costs) add_costs(sums, name, read_text(name, kCostLimit));
+  for (const std::string& name : options.costs) {
+    announce_terminal(name);
+    add_costs(sums, name, read_text(name, kCostLimit));
+  }
   const CostSums* costs = options.costs.empty() ? nullptr : &sums;
   const GridSpec& spec = loaded.grid.spec();
   const Statistics statistics = count_statistics(loaded.grid, loaded.stored_bytes);
