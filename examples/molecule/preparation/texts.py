@@ -25,6 +25,11 @@ def printable_line(text):
     return "".join(map(_shown, text))
 
 
+def printable_text(text):
+    """The same for several lines."""
+    return "\n".join(map(printable_line, text.split("\n")))
+
+
 class _Stream:
     """A text stream of which each write is one line or its end."""
 
