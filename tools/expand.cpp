@@ -19,6 +19,7 @@
 #include "tools/common/crash.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
+#include "tools/common/signals.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/expand/launcher.hpp"
 
@@ -74,8 +75,18 @@ std::optional<PartialGrid> partial_of(const Options& options) {
   return PartialGrid(options.output + ".partial", options.keep_s, say_beside_progress);
 }
 
+constexpr char kOverProgress[] =
+    "\r\033[Kexpand: stops after the conversions that are under way; once more: at once\n";
+constexpr const char* kNotice = kOverProgress + sizeof "\r\033[K" - 1;
+
+/// With `partial`, a signal ends it in good order: what was found is kept.
 void write_complete(const Section& grid, Converter& converter, Progress& progress, OutputFile& out,
                     PartialGrid* partial) {
+  std::optional<CaughtSignals> signals;
+  if (partial) {
+    progress.stop = &caught_signal;
+    signals.emplace(CaughtSignals::kEnding, ::isatty(STDERR_FILENO) ? kOverProgress : kNotice);
+  }
   complete(
       grid, converter, progress,
       [&out](const SectionHeader& finished) {
@@ -150,7 +161,7 @@ int run(const Options& options) {
   if (partial && partial->kept())
     say("expand", "goes on from generation " + std::to_string(*partial->kept()) + ", which " +
                       partial->name() + " keeps");
-  {
+  try {
     const std::unique_ptr<ModelSource> source = model_source(spec, options.model);
     Converter converter(*source, spec, options.threads, progress);
     const ProgressLine line(options.progress, [&](double seconds) {
@@ -162,6 +173,9 @@ int run(const Options& options) {
       write_tears(grid, part, converter, progress, out);
     else
       write_requests(grid, part, converter, progress, out);
+  } catch (const Stopped& e) {
+    say("expand", e.what());
+    return 128 + caught_signal.load();
   }  // the cost counts the time of processes that have ended
   out.commit();
   if (partial) partial->remove();

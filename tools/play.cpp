@@ -23,6 +23,7 @@
 #include "libcore/model/plugin_model.hpp"
 #include "libcore/search/converter.hpp"
 #include "libcore/shard/load.hpp"
+#include "tools/common/signals.hpp"
 #include "tools/common/terminal_turn.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/devices.hpp"
@@ -31,7 +32,6 @@
 #include "tools/play/played_force.hpp"
 #include "tools/play/report.hpp"
 #include "tools/play/selftest.hpp"
-#include "tools/play/signals.hpp"
 #include "tools/play/viewers.hpp"
 
 using namespace hapgrid;

@@ -211,7 +211,7 @@ void plot_text(const InputFile& file, const Options& options) {
 
 /// A session or a text, whichever the content is.
 void show_log(const Options& options) {
-  InputFile file(options.log);
+  InputFile file(options.log, InputFile::Content::kFramesOrText);
   if (!starts_with_zstd_frame(file)) {
     plot_text(file, options);
     return;
@@ -250,7 +250,10 @@ void check_options(const Options& options) {
 /// The report on the whole grid, or one value of it.
 std::string report(const Options& options, const LoadedGrid& loaded) {
   CostSums sums;
-  for (const std::string& name : options.costs) add_costs(sums, name, read_text(name, kCostLimit));
+  for (const std::string& name : options.costs) {
+    announce_terminal(name);
+    add_costs(sums, name, read_text(name, kCostLimit));
+  }
   const CostSums* costs = options.costs.empty() ? nullptr : &sums;
   const GridSpec& spec = loaded.grid.spec();
   const Statistics statistics = count_statistics(loaded.grid, loaded.stored_bytes);

@@ -2,15 +2,18 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <system_error>
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/zstd_walk.hpp"
 
 namespace hapgrid {
 
@@ -62,6 +65,40 @@ int named_temporary(const fs::path& directory, const std::string& stem, std::str
   return fd;
 }
 
+/// @throw Error when so little of the file system is left that other programs need it.
+void require_room(int fd, const std::string& name) {
+  constexpr std::uint64_t kReserve = 50;  // one part in so many
+  struct statvfs room {};
+  if (::fstatvfs(fd, &room) != 0 || room.f_bavail > room.f_blocks / kReserve) return;
+  throw Error(name + ": more than " + temporary_directory().string() +
+              " has room for; TMPDIR names another folder");
+}
+
+/// Copies what comes until it ends or is not what it has to be. Answers how much that is.
+std::uint64_t copy_stream(int from, int to, bool may_be_text, const std::string& name) {
+  constexpr std::uint64_t kBetweenLooks = 1 << 20;
+  std::array<std::byte, 1 << 16> buffer;
+  ZstdWalk walk;
+  bool is_text = false;
+  std::uint64_t size = 0, looked = 0;
+  for (;;) {
+    const ssize_t count = ::read(from, buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail(name);
+    const auto bytes = std::span(buffer).first(static_cast<std::size_t>(count));
+    if (bytes.empty()) return size;
+    if (size == 0) is_text = may_be_text && bytes.front() != ZstdWalk::kFirstByte;
+    write_all(to, bytes, name + ", copied to " + temporary_directory().string());
+    size += bytes.size();
+    const bool fits =
+        is_text ? std::memchr(bytes.data(), 0, bytes.size()) == nullptr : walk.take(bytes);
+    if (!fits) return size;
+    if (size - looked < kBetweenLooks) continue;
+    require_room(to, name);
+    looked = size;
+  }
+}
+
 }  // namespace
 
 void write_all(int fd, std::span<const std::byte> bytes, const std::string& name) {
@@ -91,7 +128,7 @@ FileDescriptor unlinked_file(const fs::path& directory) {
   return file;
 }
 
-OutputFile::OutputFile(std::string name, bool binary, Unfinished unfinished)
+OutputFile::OutputFile(std::string name, bool binary, Unfinished unfinished, Links links)
     : shown_name_(std::move(name)) {
   if (shown_name_ == "-") {
     fd_ = STDOUT_FILENO;
@@ -101,7 +138,8 @@ OutputFile::OutputFile(std::string name, bool binary, Unfinished unfinished)
     return;
   }
   struct stat status {};
-  if (::stat(shown_name_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
+  const bool follows = links == Links::kFollowed;
+  if (follows && ::stat(shown_name_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
     owned_ = FileDescriptor(::open(shown_name_.c_str(), O_WRONLY | O_CLOEXEC));
     if (!owned_) fail(shown_name_);
     fd_ = owned_.get();
@@ -112,9 +150,9 @@ OutputFile::OutputFile(std::string name, bool binary, Unfinished unfinished)
   std::error_code ignored;
   fs::path resolved = fs::absolute(shown_name_, ignored);
   constexpr int kMaxLinks = 40;  // as the kernel
-  for (int i = 0; i < kMaxLinks && fs::is_symlink(resolved, ignored); ++i)
+  for (int i = 0; follows && i < kMaxLinks && fs::is_symlink(resolved, ignored); ++i)
     resolved = resolved.parent_path() / fs::read_symlink(resolved, ignored);
-  resolved = fs::weakly_canonical(resolved, ignored);
+  if (follows) resolved = fs::weakly_canonical(resolved, ignored);
   target_ = ignored ? shown_name_ : resolved.string();
   if (unfinished == Unfinished::kStays) {
     const std::string part = target_ + ".part";
@@ -177,7 +215,7 @@ void OutputFile::commit() {
   fd_ = -1;
 }
 
-InputFile::InputFile(std::string name) : shown_name_(std::move(name)) {
+InputFile::InputFile(std::string name, Content content) : shown_name_(std::move(name)) {
   if (shown_name_ == "-") {
     fd_ = STDIN_FILENO;
     shown_name_ = "standard input";
@@ -200,16 +238,7 @@ InputFile::InputFile(std::string name) : shown_name_(std::move(name)) {
     return;
   }
   FileDescriptor spool = unlinked_file(temporary_directory());
-  std::array<std::byte, 1 << 16> buffer;
-  for (;;) {
-    const ssize_t count = ::read(fd_, buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(shown_name_);
-    if (count == 0) break;
-    write_all(spool.get(), std::span(buffer).first(static_cast<std::size_t>(count)),
-              shown_name_ + ", copied to " + temporary_directory().string());
-    size_ += static_cast<std::uint64_t>(count);
-  }
+  size_ = copy_stream(fd_, spool.get(), content == Content::kFramesOrText, shown_name_);
   owned_ = std::move(spool);
   fd_ = owned_.get();
 }

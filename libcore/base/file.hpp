@@ -37,10 +37,17 @@ class OutputFile {
     kStays,  ///< as NAME.part, where it is written all the time: for what cannot be made again
   };
 
+  /// What becomes of a symbolic link of that name.
+  enum class Links {
+    kFollowed,  ///< the file that it names is written
+    kReplaced,  ///< as is anything else that is no directory
+  };
+
   /// @throw std::system_error when it cannot be created; Error when "-" is a terminal and `binary`,
   /// or when a NAME.part is there already.
   explicit OutputFile(std::string name, bool binary = true,
-                      Unfinished unfinished = Unfinished::kVanishes);
+                      Unfinished unfinished = Unfinished::kVanishes,
+                      Links links = Links::kFollowed);
   OutputFile(OutputFile&&) = default;
   OutputFile& operator=(OutputFile&&) = delete;
   ~OutputFile();
@@ -73,11 +80,18 @@ class OutputFile {
 };
 
 /// An input of which any part can be read at any time. A pipe is copied to an unlinked temporary
-/// file first (in TMPDIR, else /tmp): a merge needs several places of its input at once.
+/// file first (in TMPDIR, else /tmp): a merge needs several places of its input at once. Where what
+/// comes through it is not what it has to be, no more than that is copied, so that its reader
+/// refuses it as it refuses a file; and a copy never fills the disk.
 class InputFile {
  public:
-  /// "-" is standard input. @throw std::system_error
-  explicit InputFile(std::string name);
+  /// What comes through a pipe.
+  enum class Content {
+    kFrames,        ///< zstd frames
+    kFramesOrText,  ///< these, or text, without a byte that is 0
+  };
+  /// "-" is standard input. @throw std::system_error; Error when a pipe has more than the disk
+  explicit InputFile(std::string name, Content content = Content::kFrames);
   /// A regular file that is open already, from its start.
   InputFile(FileDescriptor file, std::string name);
 

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,13 +9,12 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
-#include <cstring>
-#include <fstream>
 #include <string_view>
 #include <system_error>
 #include <thread>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/family.hpp"
 #include "libcore/device/process_protocol.h"
 
 namespace hapgrid {
@@ -39,9 +37,7 @@ constexpr int kErrors = kWire + 2;  // standard error
 
 /// What the child does between fork and exec. Writes errno to `failed` when it cannot.
 [[noreturn]] void become_adapter(std::vector<char*>& arguments, pid_t guard, int failed) {
-  ::setpgid(0, 0);
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != guard) ::raise(SIGKILL);  // it died before prctl()
+  begin_child(guard);
   restore_signals();
   ::dup2(kAdaptersEnd, STDIN_FILENO);
   ::dup2(kAdaptersEnd, STDOUT_FILENO);
@@ -53,18 +49,11 @@ constexpr int kErrors = kWire + 2;  // standard error
   for (;;) ::pause();
 }
 
-std::string how(int status) {
-  if (!WIFSIGNALED(status)) return "exited with status " + std::to_string(WEXITSTATUS(status));
-  const char* name = ::sigdescr_np(WTERMSIG(status));
-  return "was killed by signal " + std::to_string(WTERMSIG(status)) +
-         (name ? std::string(" (") + name + ")" : "");
-}
-
 /// In the guard: the adapter and its descendants.
 class Family {
  public:
   explicit Family(std::vector<std::string> command) : command_(std::move(command)) {
-    ::prctl(PR_SET_CHILD_SUBREAPER, 1);
+    become_subreaper();
   }
 
   /// @return the answer
@@ -108,12 +97,9 @@ class Family {
     while (adapter_ >= 0 && !reap() && Clock::now() < soon)
       std::this_thread::sleep_for(kPause / 10);
     std::string ended = how_;
-    const auto deadline = Clock::now() + kKilling;
-    // Those whose parent was killed are this process's children the next time.
-    while (kill_children() && Clock::now() < deadline) {
-      reap();
-      std::this_thread::sleep_for(kPause / 5);
-    }
+    if (adapter_ > 0 && !ended_) ::kill(-adapter_, SIGKILL);  // where /proc is missing
+    kill_family();
+    ended_ = true;
     return ended;
   }
 
@@ -123,20 +109,10 @@ class Family {
     int status = 0;
     for (pid_t pid; (pid = ::waitpid(-1, &status, WNOHANG)) > 0;) {
       if (pid != adapter_) continue;
-      how_ = how(status);
+      how_ = how_it_ended(status);
       ended_ = true;
     }
     return ended_;
-  }
-
-  /// @return whether there are any
-  bool kill_children() {
-    if (adapter_ > 0 && !ended_) ::kill(-adapter_, SIGKILL);  // where /proc is missing
-    const std::string self = std::to_string(::getpid());
-    std::ifstream children("/proc/self/task/" + self + "/children");
-    bool any = adapter_ > 0 && !ended_;
-    for (pid_t child; children >> child; any = true) ::kill(child, SIGKILL);
-    return any;
   }
 
   std::vector<std::string> command_;

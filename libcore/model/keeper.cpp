@@ -1,22 +1,27 @@
 #include "libcore/model/keeper.hpp"
 
 #include <fcntl.h>
-#include <linux/close_range.h>
 #include <signal.h>
-#include <sys/prctl.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <system_error>
 #include <thread>
+#include <utility>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/family.hpp"
+#include "libcore/model/keeper_process.hpp"
 
 namespace hapgrid {
 
@@ -64,57 +69,14 @@ bool kill_once(const std::string& mark) {
   return any;
 }
 
-[[noreturn]] void become_keeper(int alive, const std::string& mark) {
-  ::setsid();  // signals of the terminal are not for the keeper
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP, SIGUSR1, SIGUSR2})
-    ::signal(signal, SIG_IGN);
-  ::prctl(PR_SET_NAME, "hapgrid-keeper");
-  // Everything else is closed, so that the reader of a pipe sees the end when this program ends.
-  const int nothing = ::open("/dev/null", O_RDWR);
-  if (alive != 3) ::dup2(alive, 3);
-  for (int fd = 0; fd < 3; ++fd) ::dup2(nothing, fd);
-  if (::syscall(SYS_close_range, 4u, ~0u, 0u) != 0)
-    for (int fd = 4; fd < 65536; ++fd) ::close(fd);  // before Linux 5.9
-  char none;
-  while (::read(3, &none, 1) < 0 && errno == EINTR) {
-  }
-  try {
-    kill_marked(mark);
-  } catch (...) {
-  }
-  // At once, because buffers and exit handlers belong to the parent.
-  ::_exit(0);
-}
-
-}  // namespace
-
-void kill_marked(const std::string& mark) {
+void kill_all_with(const std::string& mark) {
   for (int round = 0; round < kRounds && kill_once(mark); ++round)
     std::this_thread::sleep_for(kBetweenRounds);
 }
 
-Keeper::Keeper()
-    : mark_("/" + std::to_string(::getpid()) + "-" +
-            std::to_string(std::chrono::steady_clock::now().time_since_epoch().count()) + "/") {
-  int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0)
-    throw std::system_error(errno, std::generic_category(), "the keeper's pipe");
-  const FileDescriptor keepers(ends[0]);
-  alive_ = FileDescriptor(ends[1]);
-  pid_ = ::fork();
-  if (pid_ < 0) throw std::system_error(errno, std::generic_category(), "the keeper process");
-  if (pid_ > 0) return;
-  ::close(alive_.get());
-  become_keeper(keepers.get(), mark_);
-}
-
-Keeper::~Keeper() {
-  alive_ = FileDescriptor();
-  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
-  }
-}
-
-std::vector<std::string> Keeper::environment(const std::string& mark) {
+/// This program's environment with a mark, "NAME=VALUE" each. A model process that uses hapgrid
+/// itself hands its own mark on with those of its models.
+std::vector<std::string> environment_with(const std::string& mark) {
   std::vector<std::string> variables;
   std::string ours = std::string(kVariable) + mark;
   for (char** variable = ::environ; *variable; ++variable) {
@@ -127,5 +89,102 @@ std::vector<std::string> Keeper::environment(const std::string& mark) {
   variables.push_back(std::move(ours));
   return variables;
 }
+
+[[noreturn]] void fail(const char* what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// What the keeper is told in a file, since an environment has no limit.
+FileDescriptor file_of(const Launch& launch, const std::string& mark) {
+  std::string text =
+      launch.file + '\0' + launch.directory + '\0' + std::to_string(launch.words.size()) + '\0';
+  for (const std::string& word : launch.words) text += word + '\0';
+  for (const std::string& variable : environment_with(mark)) text += variable + '\0';
+  FileDescriptor file(::memfd_create("launch", MFD_CLOEXEC));
+  if (!file) fail("a model process");
+  write_all(file.get(), std::as_bytes(std::span(text)), "a model process");
+  return file;
+}
+
+/// @return whether it was sent
+bool send(int socket, const KeeperRequest& request, std::span<const int> files) {
+  iovec data{const_cast<KeeperRequest*>(&request), sizeof request};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(4 * sizeof(int))> control{};
+  msghdr message{};
+  message.msg_iov = &data;
+  message.msg_iovlen = 1;
+  if (!files.empty()) {
+    message.msg_control = control.data();
+    message.msg_controllen = CMSG_SPACE(files.size_bytes());
+    cmsghdr* const c = CMSG_FIRSTHDR(&message);
+    c->cmsg_level = SOL_SOCKET;
+    c->cmsg_type = SCM_RIGHTS;
+    c->cmsg_len = CMSG_LEN(files.size_bytes());
+    std::memcpy(CMSG_DATA(c), files.data(), files.size_bytes());
+  }
+  return ::sendmsg(socket, &message, MSG_NOSIGNAL) >= 0;
+}
+
+}  // namespace
+
+Keeper::Keeper()
+    : mark_("/" + std::to_string(::getpid()) + "-" +
+            std::to_string(std::chrono::steady_clock::now().time_since_epoch().count()) + "/") {
+  int ends[2];
+  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
+    fail("the keeper's socket");
+  socket_ = FileDescriptor(ends[0]);
+  const FileDescriptor keepers(ends[1]);
+  pid_ = ::fork();
+  if (pid_ < 0) fail("the keeper process");
+  if (pid_ == 0) become_keeper(keepers.get(), [this] { kill_all_with(mark_); });
+}
+
+Keeper::~Keeper() {
+  socket_ = FileDescriptor();
+  int status = 0;
+  while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFEXITED(status)) kill_all_with(mark_);  // somebody has killed it
+}
+
+std::optional<KeeperAnswer> Keeper::ask(const KeeperRequest& request,
+                                        std::span<const int> files) const {
+  const std::lock_guard lock(mutex_);
+  KeeperAnswer answer;
+  ssize_t got = -1;
+  if (send(socket_.get(), request, files)) {
+    do got = ::recv(socket_.get(), &answer, sizeof answer, 0);
+    while (got < 0 && errno == EINTR);
+  }
+  if (got != sizeof answer) return std::nullopt;
+  return answer;
+}
+
+Kept Keeper::start(const Launch& launch) {
+  Kept child;
+  child.mark = mark_ + std::to_string(++children_) + "/";
+  const FileDescriptor text = file_of(launch, child.mark);
+  const int files[] = {text.get(), launch.in, launch.out, STDERR_FILENO};
+  const auto answer = ask({}, files);
+  if (!answer) throw Error("cannot be started: the process that keeps the models is gone");
+  if (answer->error != 0)
+    throw Error("cannot be started in " + (fs::current_path() / launch.directory).string() + ": " +
+                std::generic_category().message(answer->error));
+  child.pid = answer->pid;
+  return child;
+}
+
+bool Keeper::has_ended(const Kept& child) const {
+  const auto answer = ask({KeeperRequest::Kind::kLook, child.pid});
+  return !answer || answer->ended;
+}
+
+std::string Keeper::end(const Kept& child) {
+  const auto answer = ask({KeeperRequest::Kind::kEnd, child.pid});
+  return answer ? how_it_ended(answer->status) : "ended with the process that keeps the models";
+}
+
+void Keeper::kill_marked(const Kept& child) { kill_all_with(child.mark); }
 
 }  // namespace hapgrid

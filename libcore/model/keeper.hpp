@@ -1,47 +1,74 @@
-// Ends whatever model processes started, however this program ends.
+// Starts model processes, and ends them and whatever they started, however this program ends.
 //
-// A model process dies with this program (ChildProcess), but what it started does not: the kernel
-// kills one process with its parent, not a family. A process group is left by setsid(); a control
-// group or a namespace needs rights that users do not have everywhere; as a subreaper this program
-// would get the orphans of a model, and nobody would when this program is killed. So each model
-// process gets a mark in its environment, which all that it starts inherit, and a second process,
-// the keeper, looks for the mark in /proc once this program is gone.
+// The keeper is a second process, which starts the models for this one. It is their parent and a
+// subreaper (libcore/base/family.hpp): what a model starts cannot leave it, and when this program
+// is gone it kills all of that. A model dies with the keeper. Where somebody kills the keeper,
+// too, there is a second net: each model process has a mark in its environment, which what it
+// starts inherits, and what has the mark is looked for in /proc.
 //
-// What changes its environment (env -i) or its user escapes.
+// It also keeps this program from copying its memory for each model: the keeper is forked while
+// there is little.
 #pragma once
 
 #include <sys/types.h>
 
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "libcore/base/file.hpp"
+#include "libcore/model/keeper_process.hpp"
 
 namespace hapgrid {
 
-/// Kills the processes that have `mark` in their environment, and those that they start meanwhile.
-void kill_marked(const std::string& mark);
+/// What the keeper is to start.
+struct Launch {
+  std::string file;
+  std::vector<std::string> words;  ///< arguments, the program's name first
+  std::string directory;           ///< empty: that of this program
+  int in = -1;                     ///< standard input and output; standard error is this program's
+  int out = -1;
+};
+
+/// A process that the keeper has started.
+struct Kept {
+  pid_t pid = -1;    ///< nobody else's until it is ended; it leads a group of that number
+  std::string mark;  ///< in the environment of all that it starts
+};
 
 /// The keeper process. Make it before there are threads or large data, which it would copy.
 class Keeper {
  public:
   /// @throw std::system_error
   Keeper();
-  /// Returns when the keeper has killed all that has the mark.
+  /// Returns when the keeper has killed all that it started, and all that this started.
   ~Keeper();
   Keeper(const Keeper&) = delete;
   Keeper& operator=(const Keeper&) = delete;
 
-  /// A mark of one model process; it contains that of the keeper.
-  std::string mark(unsigned number) const { return mark_ + std::to_string(number) + "/"; }
-  /// This program's environment with a mark, "NAME=VALUE" each. A model process that uses hapgrid
-  /// itself hands its own mark on with those of its models.
-  static std::vector<std::string> environment(const std::string& mark);
+  // From any thread.
+
+  /// @throw Error "cannot be started: ..."
+  Kept start(const Launch& launch);
+  bool has_ended(const Kept& child) const;
+  /// Kills its group and waits for it. Answers how it ended: "exited with status 3".
+  std::string end(const Kept& child);
+  /// Kills what has its mark, and what these processes start meanwhile.
+  static void kill_marked(const Kept& child);
 
  private:
+  /// Nothing when the keeper is gone.
+  std::optional<KeeperAnswer> ask(const KeeperRequest& request,
+                                  std::span<const int> files = {}) const;
+
   std::string mark_;
-  FileDescriptor alive_;  // a pipe's end, which the kernel closes with this program
+  FileDescriptor socket_;  // which the kernel closes with this program
   pid_t pid_ = -1;
+  mutable std::mutex mutex_;
+  std::atomic<unsigned> children_{0};
 };
 
 }  // namespace hapgrid

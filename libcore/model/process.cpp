@@ -1,20 +1,16 @@
 #include "libcore/model/process.hpp"
 
 #include <fcntl.h>
-#include <linux/close_range.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
-#include <sys/prctl.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "libcore/base/error.hpp"
@@ -69,42 +65,6 @@ void set_nonblocking(int fd) {
   if (::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) | O_NONBLOCK) != 0) fail_by_errno("a pipe");
 }
 
-/// What the child does between fork and exec: only what is allowed while other threads of the
-/// parent may have held any lock. Writes errno to `failed` when it cannot.
-[[noreturn]] void become(const char* file, char* const* arguments, char* const* environment,
-                         const char* directory, int in, int out, int failed, pid_t parent) {
-  ::setpgid(0, 0);
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::raise(SIGKILL);  // it died before prctl()
-  struct sigaction action {};
-  action.sa_handler = SIG_DFL;
-  ::sigaction(SIGPIPE, &action, nullptr);
-  sigset_t none;
-  sigemptyset(&none);
-  ::sigprocmask(SIG_SETMASK, &none, nullptr);
-  // `in` and `out` are above 2 (standard streams are always open in the tools), so none of them is
-  // overwritten before it is used.
-  const bool placed = ::dup2(in, STDIN_FILENO) >= 0 && ::dup2(out, STDOUT_FILENO) >= 0 &&
-                      (*directory == '\0' || ::chdir(directory) == 0);
-  if (placed) {
-    // Also what this program itself inherited; where the kernel is too old, ours still close.
-    ::syscall(SYS_close_range, 3u, ~0u, CLOSE_RANGE_CLOEXEC);
-    ::execve(file, arguments, environment);
-  }
-  const int error = errno;
-  (void)!::write(failed, &error, sizeof error);
-  ::raise(SIGKILL);
-  for (;;) ::pause();
-}
-
-/// As execve() takes them.
-std::vector<char*> pointers(const std::vector<std::string>& texts) {
-  std::vector<char*> list;
-  for (const std::string& text : texts) list.push_back(const_cast<char*>(text.c_str()));
-  list.push_back(nullptr);
-  return list;
-}
-
 int milliseconds_until(ChildProcess::Clock::time_point deadline) {
   const auto left =
       std::chrono::ceil<std::chrono::milliseconds>(deadline - ChildProcess::Clock::now());
@@ -113,41 +73,15 @@ int milliseconds_until(ChildProcess::Clock::time_point deadline) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(const Command& command)
-    : mark_(command.mark), buffer_(kReadBytes, '\0') {
+ChildProcess::ChildProcess(Keeper& keeper, const Command& command)
+    : keeper_(keeper), buffer_(kReadBytes, '\0') {
   const fs::path file = find_program(command);
-  const std::vector<std::string> variables = Keeper::environment(mark_);
-  const std::vector<char*> arguments = pointers(command.words);
-  const std::vector<char*> environment = pointers(variables);
-  Pipe in, out, exec;
-  const pid_t parent = ::getpid();
-  // Nothing that the parent's threads are told may run in the child before exec.
-  sigset_t all, before;
-  sigfillset(&all);
-  ::pthread_sigmask(SIG_SETMASK, &all, &before);
-  pid_ = ::fork();
-  if (pid_ == 0)
-    become(file.c_str(), arguments.data(), environment.data(), command.directory.c_str(),
-           in.read.get(), out.write.get(), exec.write.get(), parent);
-  const int fork_error = errno;
-  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  if (pid_ < 0) {
-    errno = fork_error;
-    fail_by_errno("a model process");
-  }
-  ::setpgid(pid_, pid_);  // whichever of the two comes first
-  exec.write = FileDescriptor();
-  in.read = FileDescriptor();
-  out.write = FileDescriptor();
-  int error = 0;
-  ssize_t got;
-  do got = ::read(exec.read.get(), &error, sizeof error);
-  while (got < 0 && errno == EINTR);
-  if (got == static_cast<ssize_t>(sizeof error)) {
-    kill();
-    throw Error("cannot be started in " + (fs::current_path() / command.directory).string() + ": " +
-                std::generic_category().message(error));
-  }
+  Pipe in, out;
+  kept_ = keeper_.start({.file = file.string(),
+                         .words = command.words,
+                         .directory = command.directory.string(),
+                         .in = in.read.get(),
+                         .out = out.write.get()});
   to_ = std::move(in.write);
   from_ = std::move(out.read);
   set_nonblocking(to_.get());
@@ -208,15 +142,9 @@ bool ChildProcess::next_line(std::string_view& line) {
 
 void ChildProcess::hang_up() { to_ = FileDescriptor(); }
 
-bool ChildProcess::ended() const {
-  siginfo_t info{};
-  return ::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ||
-         info.si_pid != 0;
-}
-
 bool ChildProcess::wait_until(Clock::time_point deadline) {
   // Most end at once when their input does.
-  for (auto pause = 100us; !ended(); pause = std::min(2 * pause, 20'000us)) {
+  for (auto pause = 100us; !keeper_.has_ended(kept_); pause = std::min(2 * pause, 20'000us)) {
     if (Clock::now() >= deadline) return false;
     // A child that still writes must not wait for a reader.
     char ignored[4096];
@@ -229,64 +157,32 @@ bool ChildProcess::wait_until(Clock::time_point deadline) {
 }
 
 std::string ChildProcess::reap() {
-  // The whole group, while its leader's number cannot be anybody else's.
-  ::kill(-pid_, SIGKILL);
-  int status = 0;
-  while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
-  }
-  pid_ = -1;
-  if (WIFSIGNALED(status)) {
-    const char* name = ::sigdescr_np(WTERMSIG(status));
-    return "was killed by signal " + std::to_string(WTERMSIG(status)) +
-           (name ? std::string(" (") + name + ")" : "");
-  }
-  return "exited with status " + std::to_string(WEXITSTATUS(status));
+  const std::string how = keeper_.end(kept_);
+  kept_.pid = -1;
+  return how;
 }
 
 void ChildProcess::end() {
-  if (pid_ < 0) return;
+  if (kept_.pid < 0) return;
   hang_up();
   if (!wait_until(Clock::now() + kGrace)) {
-    ::kill(-pid_, SIGTERM);
+    ::kill(-kept_.pid, SIGTERM);
     wait_until(Clock::now() + kTermGrace);
   }
   reap();
 }
 
 void ChildProcess::kill() {
-  if (pid_ >= 0) reap();
-  if (!mark_.empty()) kill_marked(mark_);
+  if (kept_.pid >= 0) reap();
+  Keeper::kill_marked(kept_);
 }
 
 std::string ChildProcess::how_it_ended() {
-  if (pid_ < 0) return "ended";
+  if (kept_.pid < 0) return "ended";
   hang_up();
   const bool by_itself = wait_until(Clock::now() + kEndingGrace);
   const std::string how = reap();
   return by_itself ? how : "closed its standard output and stayed";
-}
-
-Starter::Starter()
-    : thread_([this](std::stop_token stop) {
-        std::unique_lock lock(mutex_);
-        while (changed_.wait(lock, stop, [this] { return !tasks_.empty(); })) {
-          tasks_.front()();
-          tasks_.pop_front();
-        }
-      }) {}
-
-std::unique_ptr<ChildProcess> Starter::start(const Command& command) {
-  Command marked = command;
-  std::packaged_task<std::unique_ptr<ChildProcess>()> task(
-      [&marked] { return std::make_unique<ChildProcess>(marked); });
-  auto child = task.get_future();
-  {
-    const std::lock_guard lock(mutex_);
-    marked.mark = keeper_.mark(++children_);
-    tasks_.push_back(std::move(task));
-  }
-  changed_.notify_all();
-  return child.get();
 }
 
 NoSigpipe::NoSigpipe() {

@@ -2,18 +2,11 @@
 // and makes sure that it is gone.
 #pragma once
 
-#include <sys/types.h>
-
 #include <chrono>
-#include <condition_variable>
-#include <deque>
+#include <cstddef>
 #include <filesystem>
-#include <future>
-#include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include "libcore/base/file.hpp"
@@ -25,20 +18,18 @@ namespace hapgrid {
 struct Command {
   std::vector<std::string> words;   ///< program and arguments; the program is looked up in PATH
   std::filesystem::path directory;  ///< where it runs, and where "./program" is looked for
-  /// In the environment of all that it starts, see Keeper; empty: in none.
-  std::string mark = {};
 };
 
 /// The child has pipes as standard input and output and inherits standard error; every other file
 /// of this process is closed in it, and it leads a process group of its own, so that a Ctrl-C at
-/// the terminal is this program's alone. The kernel kills it when the thread that started it ends:
-/// use a Starter.
+/// the terminal is this program's alone. The keeper is its parent.
 class ChildProcess {
  public:
   using Clock = std::chrono::steady_clock;
 
   /// @throw Error "cannot be started: ..." when the program is not found or cannot be executed.
-  explicit ChildProcess(const Command& command);
+  /// @param keeper outlives it
+  ChildProcess(Keeper& keeper, const Command& command);
   /// As end().
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
@@ -68,12 +59,11 @@ class ChildProcess {
   std::string how_it_ended();
 
  private:
-  bool ended() const;
   bool wait_until(Clock::time_point deadline);
   std::string reap();
 
-  pid_t pid_ = -1;  // -1: reaped
-  std::string mark_;
+  Keeper& keeper_;
+  Kept kept_;  // pid -1: reaped
   FileDescriptor to_, from_;
   std::string out_;
   std::size_t written_ = 0;
@@ -81,25 +71,6 @@ class ChildProcess {
   std::string buffer_;       // that read() fills
   std::size_t read_ = 0;     // lines before are taken
   std::size_t scanned_ = 0;  // no line ends in [read_, scanned_)
-};
-
-/// Starts children from a thread of its own, which lives as long as this object: workers come and
-/// go, and a child is killed with the thread that started it. So it dies with this program, however
-/// that ends, and a keeper ends what it started. Children must not outlive the starter.
-class Starter {
- public:
-  Starter();
-
-  /// From any thread. @throw what ChildProcess throws.
-  std::unique_ptr<ChildProcess> start(const Command& command);
-
- private:
-  Keeper keeper_;  // declared first: forked before there is a thread
-  std::mutex mutex_;
-  unsigned children_ = 0;
-  std::condition_variable_any changed_;
-  std::deque<std::packaged_task<std::unique_ptr<ChildProcess>()>> tasks_;
-  std::jthread thread_;
 };
 
 /// Holds SIGPIPE back in the calling thread, so that writing to a child that died is an error and

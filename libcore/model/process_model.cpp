@@ -26,7 +26,7 @@ struct ProcessGroup {
   ProcessOptions options;
   std::string handshake;
   std::optional<ModelInfo> info;  // what the first process said; all later ones must say the same
-  Starter starter;
+  Keeper keeper;
 };
 
 namespace {
@@ -74,7 +74,7 @@ struct Started {
 Started start(ProcessGroup& group) {
   Started started;
   try {
-    started.child = group.starter.start(group.command);
+    started.child = std::make_unique<ChildProcess>(group.keeper, group.command);
     started.child->send(group.handshake);
     started.info = hear_first_line(group, *started.child);
     if (group.info && started.info != *group.info)

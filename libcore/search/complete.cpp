@@ -151,6 +151,9 @@ void kept(const PartialGrid* partial, Work&& work, Keep&& keep) {
   };
   try {
     work();
+  } catch (const Stopped&) {
+    keep();
+    throw Stopped(partial && !partial->kept() ? "; nothing is kept" : what_is_kept(""));
   } catch (const LevelLimit& e) {
     keep();
     throw Error(e.what() +

@@ -15,7 +15,7 @@ namespace hapgrid {
 /// writer for it. The bytes are those that rounds of expand and merge end with.
 /// @param partial keeps the last whole generation meanwhile, and when there is an error, whose
 /// message then says so; null: nothing is kept. `grid` is what it starts from.
-/// @throw Error (level limit), ModelError, FormatError, std::system_error
+/// @throw Stopped, Error (level limit), ModelError, FormatError, std::system_error
 void complete(const Section& grid, Converter& converter, Progress& progress,
               const std::function<SectionWriter(const SectionHeader&)>& open,
               PartialGrid* partial = nullptr);

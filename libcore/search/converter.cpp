@@ -33,7 +33,8 @@ struct Converter::Stretch {
 /// out, and all before it are.
 class Converter::Dealer {
  public:
-  Dealer(const Batch& batch, std::size_t models, bool one_by_one) : batch_(batch) {
+  Dealer(const Batch& batch, std::size_t models, bool one_by_one, const Progress& progress)
+      : batch_(batch), progress_(progress) {
     for (std::size_t i = 0; i < batch.size(); ++i)
       left_ += static_cast<std::uint64_t>(std::popcount(batch.todo(i)));
     threads_ = std::min<std::uint64_t>(models, left_);
@@ -48,7 +49,7 @@ class Converter::Dealer {
 
   /// Steps to the next conversion, a tag that names(), or answers false.
   bool next(Stretch& mine, bool idle, std::uint64_t& tag) {
-    if (mine.count == 0 && !take(mine, idle)) return false;
+    if (progress_.stopped() || (mine.count == 0 && !take(mine, idle))) return false;
     while (mine.todo == 0) mine.todo = batch_.todo(++mine.i);
     tag = mine.i * 32 + static_cast<unsigned>(std::countr_zero(mine.todo));
     if (tag > failed_.load(std::memory_order_relaxed)) return false;
@@ -68,8 +69,9 @@ class Converter::Dealer {
     const std::lock_guard lock(mutex_);
     left_ = 0;
   }
-  /// @throw ModelError for the first conversion that failed
+  /// @throw Stopped; ModelError for the first conversion that failed
   void require_success(const Box& box) const {
+    if (progress_.stopped()) throw Stopped();
     if (failed_ == kNone) return;
     throw ModelError("conversion at " +
                      describe(box, batch_.point(failed_ / 32), batch_.level(failed_ / 32)) +
@@ -100,6 +102,7 @@ class Converter::Dealer {
   }
 
   const Batch& batch_;
+  const Progress& progress_;
   std::uint64_t stretch_ = 1;
   std::uint64_t threads_ = 0;
   std::mutex mutex_;
@@ -208,7 +211,7 @@ void Converter::work(std::uint64_t threads, const std::function<void(Model&)>& w
 
 void Converter::convert(Batch& batch) {
   const bool is_process = models_.front()->is_process();
-  Dealer dealer(batch, models_.size(), is_process);
+  Dealer dealer(batch, models_.size(), is_process, progress_);
   work(
       dealer.threads(),
       [&](Model& model) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "libcore/base/error.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/search/batch.hpp"
 
@@ -23,6 +24,16 @@ struct Progress {
   std::atomic<std::uint64_t> links{0};             ///< whose tear fractions are asked for
   std::atomic<std::uint64_t> links_done{0};        ///< of these, done
   std::atomic<std::uint64_t> tear_conversions{0};  ///< made for them; not among `conversions`
+  /// Whether the work is to end soon. Null: it goes on to its end. A signal's handler may set it.
+  const std::atomic<int>* stop = nullptr;
+
+  bool stopped() const { return stop && stop->load(std::memory_order_relaxed) != 0; }
+};
+
+/// Thrown out of work that Progress::stop has ended.
+class Stopped : public Error {
+ public:
+  explicit Stopped(const std::string& what_is_kept = "") : Error("interrupted" + what_is_kept) {}
 };
 
 /// What a thread has asked its plug-in for, so that a crash handler can name it.
@@ -43,8 +54,8 @@ class Converter {
   Converter(const ModelSource& source, const GridSpec& spec, unsigned threads, Progress& progress);
   ~Converter();
 
-  /// Computes all conversions of a batch.
-  /// @throw ModelError naming point, level and direction of the first that failed.
+  /// Computes all conversions of a batch. @throw Stopped;
+  /// ModelError naming point, level and direction of the first that failed.
   void convert(Batch& batch);
 
   /// Calls work(model) for `threads` of the models, each in a thread of its own. When a thread

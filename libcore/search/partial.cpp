@@ -73,8 +73,12 @@ PartialGrid::PartialGrid(std::string name, double seconds,
 
 Section PartialGrid::start(const Section& grid) {
   known_ = grid.header.generation;
-  if (!std::filesystem::exists(name_)) return grid;
+  const auto type = std::filesystem::symlink_status(name_).type();
+  if (type == std::filesystem::file_type::not_found) return grid;
   const std::string remove = "; remove it to begin anew";
+  // Nobody has put anything else there for a good reason: a link would have us read what it names.
+  if (type != std::filesystem::file_type::regular)
+    throw FormatError(name_ + ": is no regular file" + remove);
   Section file = open_grid(name_);
   GridSpec spec = file.header.spec;
   const std::uint32_t limit = std::exchange(spec.max_levels, grid.header.spec.max_levels);
@@ -95,7 +99,7 @@ Section PartialGrid::start(const Section& grid) {
 template <class Visit>
 void PartialGrid::write(const SectionHeader& header, Visit&& visit) {
   const Clock::time_point begin = Clock::now();
-  OutputFile out(name_);
+  OutputFile out(name_, true, OutputFile::Unfinished::kVanishes, OutputFile::Links::kReplaced);
   SectionWriter writer(out.fd(), out.name(), header);
   const Neighbourhood neighbourhood(header.spec.box);
   std::array<Level, kDirections> unsettled;

@@ -101,14 +101,16 @@ class Bisection {
 /// given out any more, and all before it are.
 class LinkDealer {
  public:
-  LinkDealer(std::size_t links, std::size_t models)
-      : links_(links), threads_(std::min(models, links)) {}
+  LinkDealer(std::size_t links, std::size_t models, const Progress& progress)
+      : links_(links), threads_(std::min(models, links)), progress_(progress) {}
 
   std::size_t threads() const { return threads_; }
   bool next(bool idle, std::size_t& index) {
     const std::lock_guard lock(mutex_);
     // The last ones are for models that have nothing to do, not for a second place in a queue.
-    if (next_ >= std::min(links_, failed_) || (!idle && links_ - next_ < threads_)) return false;
+    if (progress_.stopped() || next_ >= std::min(links_, failed_) ||
+        (!idle && links_ - next_ < threads_))
+      return false;
     index = next_++;
     return true;
   }
@@ -123,8 +125,9 @@ class LinkDealer {
     const std::lock_guard lock(mutex_);
     next_ = links_;
   }
-  /// @throw ModelError for the first link that failed
+  /// @throw Stopped; ModelError for the first link that failed
   void require_success(const Grid& grid, std::span<const OneWayLink> links) const {
+    if (progress_.stopped()) throw Stopped();
     if (failed_ >= links_) return;
     throw ModelError("tear fraction of " +
                      describe_link(grid, links[failed_].record, links[failed_].q) + ": " + why_);
@@ -133,6 +136,7 @@ class LinkDealer {
  private:
   std::size_t links_;
   std::size_t threads_;
+  const Progress& progress_;
   std::mutex mutex_;
   std::size_t next_ = 0;
   std::size_t failed_ = ~std::size_t{0};
@@ -235,7 +239,7 @@ std::vector<TearByte> find_tears(const Grid& grid, std::span<const OneWayLink> l
                                  Converter& converter, Progress& progress) {
   progress.links = links.size();
   std::vector<TearByte> tears(links.size());
-  LinkDealer dealer(links.size(), converter.models());
+  LinkDealer dealer(links.size(), converter.models(), progress);
   converter.work(
       dealer.threads(), [&](Model& model) { bisect(grid, links, dealer, model, progress, tears); },
       [&] { dealer.stop(); });

@@ -129,7 +129,7 @@ Recording load_text(const InputFile& file, double rate_hz, std::uint64_t limit) 
 }  // namespace
 
 Recording load_recording(const std::string& name, double text_rate_hz, std::uint64_t limit) {
-  InputFile file(name);
+  InputFile file(name, InputFile::Content::kFramesOrText);
   return starts_with_zstd_frame(file) ? load_session(std::move(file), limit)
                                       : load_text(file, text_rate_hz, limit);
 }

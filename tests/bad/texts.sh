@@ -83,5 +83,14 @@ assert code == 0 and "energies go out in J??" in err, (code, out, err)
 for form in ("text", "json"):
     assert look("view", "frames", "--format", form)[0] == 0
     assert look("stats", "--log", "a.session", "--format", form)[0] == 0
+# Programs in Python and in the shell. What is no letter of ASCII is a question mark in the shell's.
+molecule = os.environ["HAPGRID_SOURCE"] + "/examples/molecule/"
+shell = "\x1b]0;title\x07\x9b\u202e\u2028\ufeff\\033[31m"
+for words in ([molecule + "hapgrid-molecule", short + ".xyz", "-o", "none"], [molecule + "prepare", short + ".xyz", "-o", "none"],
+              [molecule + "prepare", "--smiles", "C" + short, "-o", "none"], [molecule + "prepare", "--smiles", "C", "-o", "none", "--" + shell],
+              ["hapgrid", shell], ["hapgrid", "help", shell], ["hapgrid", "init", shell], ["hapgrid", "init", "--" + shell],
+              ["hapgrid", "init", "a", shell], ["hapgrid", "init", "a", "--lang", shell]):
+    code, out, err = look(*words)
+    assert code in (1, 2) and out == "" and "?" in err, (words, code, out, err)
 PYTHON
 python3 look.py

@@ -28,7 +28,6 @@ while (($(stats --get frontier lacking))); do expand lacking | merge lacking - -
 expand lacking >tears
 for shard in seeds requests next both grid small stored tears; do
   put shard "$shard" <"$shard"
-  [[ $shard == both ]] || zstd -qdc "$shard" | put shard_messages "$shard"
 done
 # Compressed bytes are as good as random ones, and the first says which kind of grid is made of them.
 for bytes in 300 1000 3000; do
@@ -43,7 +42,6 @@ done >path
 play stored --device path:path --log played.session --frames frames 2>/dev/null
 put session played <played.session
 head -c -30 played.session | put session cut
-zstd -qdc played.session 2>/dev/null | put session_messages played
 stats --log played.session --export - >text
 head -n 20 text | put recording played
 printf '# t\tx\ty\tz\n0\t0\t0\t0\n0.001\t1e-3\tnan\t-inf\n' | put recording short
@@ -62,6 +60,28 @@ head -n 20 "$HAPGRID_SOURCE/examples/hung-ball/path-there-and-back.txt" | put pa
 for toml in teensy-rawhid template; do
   put profile "$toml" <"$HAPGRID_SOURCE/examples/devices/$toml.toml"
 done
+
+# What --cost appends to, and simulated hands.
+expand --cost cost seeds >requests
+expand --complete --cost cost seeds >grid
+merge --cost cost seeds requests >next
+sed 's/"host":"[^"]*"/"host":"node1"/' cost | put cost three
+printf '{"cpu_seconds": 0, "conversions": 18446744073709551615, "tear_conversions": 1}\n{"cpu_seconds": -1}' | put cost refused
+cat <<'TOML' | put simulation random
+mass = 0.15
+damping = 1
+encoder = 0
+delay = 1
+reach = 0.2
+truth = true
+[random]
+seed = 3
+sessions = 2
+seconds = 0.5
+speed = 0.2
+hold = 1.25
+TOML
+printf '[hand]\npath = "path"\nstiffness = 1e6\ndamping = 600\n' | put simulation path
 
 # A model process: what the hung ball says.
 printf '%s\n' '{"hapgrid": 1, "parameters": {}}' '{"id": 1, "op": "known_states", "x": [-0.4, 0, 0]}' \

@@ -1,47 +1,104 @@
-// Cap'n Proto messages that stand one after the other, as `zstd -dc` gives them out of a shard or a
-// session, and as the targets *_messages take them: those pack them into frames with digests that
-// fit, since a fuzzer does not find a checksum.
+// Shards and sessions taken apart and put together again: both are Cap'n Proto messages in zstd
+// frames, of which the last of a section is a footer that a locator follows. A fuzzer does not find
+// a digest, so the mutator (mutate.hpp) changes the messages, and what depends on them is made
+// anew.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
+
+#include "libcore/base/digest.hpp"
+#include "libcore/base/locator.hpp"
+#include "libcore/base/zstd_frame.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace hapgrid::fuzz {
 
 using Words = std::vector<std::uint64_t>;
 
-/// How many words the message in front has by its own table of segments; all where that cannot be.
-inline std::size_t message_words(std::span<const std::uint64_t> words) {
-  const std::uint64_t segments = (words[0] & 0xffffffff) + 1;
-  const std::uint64_t table = segments / 2 + 1;
-  if (table > words.size()) return words.size();
-  std::uint64_t size = table;
-  for (std::uint64_t i = 1; i <= segments; ++i) size += words[i / 2] >> (i % 2 * 32) & 0xffffffff;
-  return std::min<std::uint64_t>(size, words.size());
-}
+/// Messages up to a locator, which says that the last one is a footer.
+struct Messages {
+  std::vector<Words> all;
+  bool has_footer = false;
+};
 
-/// The messages of an input; what is left of a last word is dropped.
-inline std::vector<Words> split(std::span<const std::uint8_t> bytes) {
-  Words all(bytes.size() / sizeof(std::uint64_t));
-  if (!all.empty()) std::memcpy(all.data(), bytes.data(), all.size() * sizeof(std::uint64_t));
-  std::vector<Words> messages;
-  for (std::span<const std::uint64_t> rest(all); !rest.empty();) {
-    const std::size_t size = message_words(rest);
-    messages.emplace_back(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(size));
-    rest = rest.subspan(size);
-  }
-  return messages;
-}
+/// A file: sections, and what stands behind them that is no zstd frame.
+struct Parts {
+  std::vector<Messages> sections;
+  std::vector<std::byte> tail;
+};
+
+/// What a footer says of a message before it.
+struct Framed {
+  std::uint64_t offset = 0, size = 0;  ///< of its zstd frame in the file
+  Digest digest;                       ///< of the message
+  std::uint64_t hash = 0;              ///< of its zstd frame
+};
+
+/// Puts what is true of the messages before it into a footer; may refuse a footer that is none.
+using FitFooter = void (*)(Words& footer, std::span<const Framed> before);
 
 inline std::span<const std::byte> bytes_of(const Words& words) {
   return std::as_bytes(std::span(words));
 }
 
-inline void append(std::vector<std::byte>& to, std::span<const std::byte> bytes) {
-  to.insert(to.end(), bytes.begin(), bytes.end());
+inline std::optional<Words> decode(std::span<const std::byte> frame) {
+  constexpr std::uint64_t kLimit = 1 << 20;
+  static const ZstdFrameDecoder decoder("input");
+  std::optional<Words> words;
+  refusable([&] {
+    Words decoded;
+    decoder.decode(frame, kLimit, decoded);
+    words = std::move(decoded);
+  });
+  return words;
+}
+
+inline Parts take_apart(std::span<const std::byte> file) {
+  Parts parts;
+  bool goes_on = false;  // the last section has no footer yet
+  while (!file.empty()) {
+    if (goes_on && file.size() >= kLocatorBytes && decode_locator(file.first<kLocatorBytes>())) {
+      parts.sections.back().has_footer = true;
+      goes_on = false;
+      file = file.subspan(kLocatorBytes);
+      continue;
+    }
+    const std::size_t size = zstd_frame_size(file);
+    std::optional<Words> words = size == 0 ? std::nullopt : decode(file.first(size));
+    if (!words) break;
+    if (!goes_on) parts.sections.emplace_back();
+    goes_on = true;
+    parts.sections.back().all.push_back(std::move(*words));
+    file = file.subspan(size);
+  }
+  parts.tail.assign(file.begin(), file.end());
+  return parts;
+}
+
+inline std::vector<std::byte> put_together(Parts parts, FitFooter fit) {
+  static ZstdFrameEncoder encoder;
+  std::vector<std::byte> file;
+  for (Messages& section : parts.sections) {
+    std::vector<Framed> before;
+    for (Words& message : section.all) {
+      const bool is_footer = section.has_footer && &message == &section.all.back();
+      if (is_footer) refusable([&] { fit(message, before); });
+      const std::span<const std::byte> frame = encoder.encode(bytes_of(message));
+      before.push_back({file.size(), frame.size(), digest_of(bytes_of(message)), hash_of(frame)});
+      file.insert(file.end(), frame.begin(), frame.end());
+      if (!is_footer) continue;
+      const auto locator = encode_locator({frame.size(), hash_of(frame)});
+      file.insert(file.end(), locator.begin(), locator.end());
+    }
+  }
+  file.insert(file.end(), parts.tail.begin(), parts.tail.end());
+  return file;
 }
 
 }  // namespace hapgrid::fuzz

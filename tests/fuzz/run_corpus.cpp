@@ -8,6 +8,11 @@
 #include "libcore/base/file.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
+// Targets with a mutator of their own refer to libFuzzer's, which is only there with libFuzzer.
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t*, std::size_t size, std::size_t) {
+  return size;
+}
+
 int main(int argc, char** argv) {
   std::size_t inputs = 0;
   for (int i = 1; i < argc; ++i) {

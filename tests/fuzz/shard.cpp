@@ -1,7 +1,110 @@
-// Shards as bytes: frames, what stands around them, and whatever passes their checksums.
-#include "tests/fuzz/read_shard.hpp"
+// Shards: all that is read of one. The mutator changes the messages in it and keeps what stands
+// around them right (mutate.hpp).
+#include "libcore/check/invariants.hpp"
+#include "libcore/check/tears.hpp"
+#include "libcore/haptic/paper_traversal.hpp"
+#include "libcore/shard/load.hpp"
+#include "libcore/shard/reader.hpp"
+#include "libcore/shard/schema.hpp"
+#include "tests/fuzz/fuzz.hpp"
+#include "tests/fuzz/mutate.hpp"
+
+using namespace hapgrid;
+using namespace hapgrid::fuzz;
+
+namespace {
+
+/// The rows of a section, chunk by chunk, as expand and merge read them.
+template <class Rows>
+void read_rows(const Section& section) {
+  SectionReader reader(section);
+  Rows rows;
+  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i)
+    refusable([&] { reader.read(i, rows); });
+}
+
+/// A grid as it is copied.
+void read_stored(const Section& section) {
+  SectionReader reader(section);
+  StoredChunk chunk;
+  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i)
+    refusable([&] { reader.read_stored(i, chunk); });
+}
+
+/// The grid as play takes it, whatever its links are: along a diagonal of its box and back, a jump,
+/// and no number.
+void play(const Grid& grid) {
+  const Box& box = grid.spec().box;
+  PaperTraversal traversal(grid);
+  const auto place = [&](double share) {
+    Vec3 x{};
+    for (int a = 0; a < 3; ++a) x[a] = box.origin[a] + share * box.spacing * (box.counts[a] - 1);
+    return x;
+  };
+  traversal.start(place(0.5));
+  for (int i = 0; i <= 40; ++i) traversal.step(place(0.5 + 0.03 * (i <= 20 ? i : 40 - i)));
+  traversal.step(place(0));
+  traversal.step(place(std::numeric_limits<double>::quiet_NaN()));
+}
+
+void read_shard(std::span<const std::byte> bytes) {
+  bool small = true;  // tables of millions of points take the time and show nothing new
+  refusable([&] {
+    MemoryFile memory(bytes);
+    for (const Section& section : open_sections({memory.name()})) {
+      small = small && section.header.spec.box.points() <= 1 << 16;
+      if (section.header.content == Content::kRequests) {
+        read_rows<RequestRows>(section);
+      } else if (section.header.content == Content::kTears) {
+        read_rows<TearRows>(section);
+      } else {
+        read_rows<RecordRows>(section);
+        read_stored(section);
+      }
+    }
+  });
+  if (!small) return;
+  refusable([&] {
+    MemoryFile memory(bytes);
+    const Grid grid = load_grid(memory.name()).grid;
+    check_complete(grid, 1);
+    check_links(grid, 1);
+    if (grid.has_tears()) check_fractions(grid);
+    check_finite(grid, 1);
+    check_reachable(grid);
+    check_blends(grid, 1);
+    play(grid);
+  });
+}
+
+/// The footer's header_size, its chunks' sizes and digests, and its own digest.
+void fit_footer(Words& words, std::span<const Framed> before) {
+  if (before.empty()) return;
+  SectionFooter footer = read_message(words, "footer", [](schema::Message::Reader in) {
+    if (!in.isFooter()) throw FormatError("no footer");
+    return decode_footer(in.getFooter());
+  });
+  footer.header_size = static_cast<std::uint32_t>(before[0].size);
+  footer.chunks.resize(before.size() - 1);
+  for (std::size_t i = 1; i < before.size(); ++i) {
+    ChunkInfo& chunk = footer.chunks[i - 1];
+    chunk.size = static_cast<std::uint32_t>(before[i].size);
+    chunk.digest = before[i].digest;
+    chunk.stored = before[i].hash;
+  }
+  footer.digest = section_digest(before[0].digest, footer.chunks);
+  capnp::MallocMessageBuilder builder;
+  encode_footer(footer, builder.initRoot<schema::Message>().initFooter());
+  const auto flat = capnp::messageToFlatArray(builder);
+  words.resize(flat.size());
+  std::memcpy(words.data(), flat.begin(), flat.size() * sizeof(std::uint64_t));
+}
+
+}  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  hapgrid::fuzz::read_shard(std::as_bytes(std::span(data, size)));
+  read_shard(std::as_bytes(std::span(data, size)));
   return 0;
 }
+
+HAPGRID_FUZZ_MESSAGES(fit_footer)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A stand-in for Haply's inverse service, for one client: the simulation channel of version 3.5.
 
-    inverse_service.py RECORD [FAULT N]     FAULT: absent, hang, close, at the N-th message
+    inverse_service.py RECORD [FAULT N]     FAULT: absent, deep, hang, close, at the N-th message
 
 prints its port. As the real one it says first what there is, and then one state for each message. RECORD gets the
 forces, as "force X Y Z" when they change, and "closed". When its client is gone, so is the force."""
@@ -34,7 +34,7 @@ client.sendall(f"HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConne
 
 
 def send(world, kind=1):
-    text = json.dumps(world).encode()
+    text = b"[" * 60000 if fault == "deep" else json.dumps(world).encode()
     size = struct.pack(">B", len(text)) if len(text) < 126 else struct.pack(">BH", 126, len(text))
     client.sendall(bytes([0x80 | kind]) + size + text)
 

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <malloc.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +16,7 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/file.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -41,7 +43,12 @@ void say(const std::string& tool, const std::string& text) {
 }
 
 void announce_terminal(const std::string& input) {
-  if (input == "-" && ::isatty(STDIN_FILENO))
+  struct stat status {};
+  FileDescriptor
+      named;  // /dev/stdin, /dev/tty; what is no device may be a pipe, which is not opened
+  if (input != "-" && ::stat(input.c_str(), &status) == 0 && S_ISCHR(status.st_mode))
+    named = FileDescriptor(::open(input.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  if (input == "-" ? ::isatty(STDIN_FILENO) : named && ::isatty(named.get()))
     say(program_invocation_short_name, "reads this terminal (Ctrl-D ends the input)");
 }
 

@@ -13,9 +13,9 @@
 
 #include "libcore/grid/grid.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
+#include "tools/common/signals.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/report.hpp"
-#include "tools/play/signals.hpp"
 
 namespace hapgrid {
 

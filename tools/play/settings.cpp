@@ -29,7 +29,7 @@ std::span<double> limit(PlaySettings& s) {
 using From = FromFile;
 
 constexpr Setting kSettings[] = {
-    {"--gain", "FACTOR", 0, 1e12, From::kFree,
+    {"--gain", "FACTOR", 0, 1e12, From::kLower,
      "Newtons felt for a newton of the model (default: 1)", limit<&SafetyLimits::gain>},
     {"--max-force", "N", 0, 1e6, From::kLower,
      "Largest force (default: 3, or the device's own smaller limit)",
@@ -97,14 +97,15 @@ std::size_t distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-std::string unknown_key(const std::string& key) {
+/// @param in_file keys of options have no "--" there
+std::string unknown_key(const std::string& key, bool in_file) {
   std::string nearest;
   std::size_t least = 3;  // more wrong letters are another word
   for (const Setting& setting : kSettings) {
     const std::string name = setting.name;
-    const std::string last = name.substr(name.find_first_of(".-") + 1);
+    const std::string last = name.substr(is_option(setting) ? 2 : name.find('.') + 1);
     const std::size_t far = std::min(distance(key, name), distance(key, last));
-    if (far < least) nearest = name;
+    if (far < least) nearest = in_file && is_option(setting) ? last : name;
     least = std::min(least, far);
   }
   return "unknown key '" + key + "'" +
@@ -135,7 +136,7 @@ const Setting* find_setting(const std::string& name) {
 /// Takes `key = node`. @return what is wrong with it, empty when nothing is
 std::string take(const std::string& key, const toml::node& node, GivenSettings& given) {
   const Setting* const setting = find_setting(key);
-  if (!setting) return unknown_key(key);
+  if (!setting) return unknown_key(key, /*in_file=*/false);
   PlaySettings defaults;
   const std::size_t count = setting->values(defaults).size();
   const std::vector<double> values = read_numbers(node);
@@ -200,7 +201,7 @@ class PlayTable {
     const Setting* const setting = find_setting(name);
     if (setting ? setting->from_file == From::kNo : app_.has(name))
       file_.fail(node, key + " cannot be set by a file, only by the command line");
-    if (!setting) file_.fail(node, unknown_key(key));
+    if (!setting) file_.fail(node, unknown_key(key, /*in_file=*/true));
     if (const std::string mistake = take(name, node, into_.given); !mistake.empty())
       file_.fail(node, mistake);
     PlaySettings defaults;
@@ -208,9 +209,10 @@ class PlayTable {
     const double value = into_.given.back().second[0];
     const bool lower = setting->from_file == From::kLower && value > usual;
     const bool higher = setting->from_file == From::kHigher && value < usual;
+    const std::string unit = name == "--gain" ? "" : std::string(" ") + setting->unit;
     if (lower || higher)
       file_.fail(node, key + " = " + to_text(value) + ": a file can only set " + to_text(usual) +
-                           " " + setting->unit + " or " + (lower ? "less" : "more") +
+                           unit + " or " + (lower ? "less" : "more") +
                            "; the command line can set " + (lower ? "more" : "less"));
   }
 
@@ -282,7 +284,7 @@ void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file) {
   // Other filters read the other tables of such a file.
   app.add(
          "--config", [&](const std::string& name) { read_config(name, app, file); },
-         "Take --axes, --gain, --scale, mapping.* and lower limits from the\n"
+         "Take --axes, --scale, mapping.*, lower gain and limits from the\n"
          "table [play] of a TOML file; the command line counts more")
       .type("FILE");
   for (const Setting& setting : kSettings) {

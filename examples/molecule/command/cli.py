@@ -4,7 +4,7 @@ import argparse
 import os
 import sys
 
-from preparation import optimise, work, xtb
+from preparation import optimise, texts, work, xtb
 from preparation.molecule import BadInput
 
 from . import course
@@ -117,7 +117,7 @@ def main(arguments):
         o = _options(arguments)
         xtb.load()  # before all else: where it is missing, that is one line
         with _silence() as out:
-            print(course.run(o), file=out)
+            print(texts.printable_text(course.run(o)), file=out)
     except UsageError as why:
         print(f"molecule: {why}", file=sys.stderr)
         return 2

@@ -8,7 +8,7 @@ from preparation import molecule as prepared
 
 from . import choice, combined, crossing, definition, page, pushing, reading, resolution, rotors, structures
 from .filters import Failed, FilterFailed, Filters
-from .stages import Stages, digest, duration
+from .stages import Stages, digest, digest_of, duration
 
 GFN2_ATOMS = 24
 # What expand says of a grid that it cannot compute, and what that means.
@@ -245,7 +245,4 @@ class Course:
 
 
 def _digest_of_input(path):
-    found = digest(path)
-    if found is None:
-        raise FileNotFoundError(2, os.strerror(2), path)
-    return found
+    return digest_of(prepared.read_bytes(path))

@@ -51,8 +51,7 @@ def _from_file(openbabel, path, say):
     if kind is None:
         raise BadInput(f"{path}: not an .sdf, .mol, .mol2, .pdb or .xyz file")
     try:
-        with open(path, encoding="utf-8") as file:
-            text = file.read()
+        text = prepared.read_text(path)
     except UnicodeDecodeError:
         raise BadInput(f"{path}: not a text file") from None
     conversion, ob = openbabel.OBConversion(), openbabel.OBMol()

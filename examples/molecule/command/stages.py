@@ -20,9 +20,13 @@ def digest(path):
     """A hash of a file's bytes, None where there is none."""
     try:
         with open(path, "rb") as file:
-            return hashlib.sha256(file.read()).hexdigest()[:24]
+            return digest_of(file.read())
     except FileNotFoundError:
         return None
+
+
+def digest_of(content):
+    return hashlib.sha256(content).hexdigest()[:24]
 
 
 class Stages:
@@ -38,7 +42,7 @@ class Stages:
                 text = json.load(file)
             if text.get("version") == VERSION:
                 self.done = text["done"]
-        except (FileNotFoundError, ValueError, KeyError, AttributeError):
+        except (FileNotFoundError, ValueError, KeyError, AttributeError, RecursionError):
             pass
 
     def path(self, name):

@@ -1,8 +1,11 @@
 """Reading molecules and sampling their conformers, with Open Babel."""
 
+import errno
+import io
 import itertools
 import os
 import re
+import stat
 
 import numpy as np
 
@@ -10,6 +13,7 @@ from . import geometry
 from . import torsions as torsions_of
 
 FORCE_FIELD = "MMFF94"
+MOST_BYTES = 8 << 20  # of a file from outside
 
 
 class BadInput(Exception):
@@ -114,14 +118,35 @@ def _repeatable(molecule):
     return molecule
 
 
+def read_bytes(path):
+    """The content of a file from outside. A device or a pipe, which might never end, is refused."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
+    try:
+        status = os.fstat(descriptor)
+        if stat.S_ISDIR(status.st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
+        if not stat.S_ISREG(status.st_mode):
+            raise BadInput(f"{path}: is no regular file")
+        if status.st_size > MOST_BYTES:
+            raise BadInput(f"{path}: {status.st_size} bytes, the limit is {MOST_BYTES}")
+        with open(descriptor, "rb", closefd=False) as file:
+            return file.read(MOST_BYTES)
+    finally:
+        os.close(descriptor)
+
+
+def read_text(path):
+    """The same as text; raises UnicodeDecodeError."""
+    return io.StringIO(read_bytes(path).decode("utf-8"), newline=None).getvalue()
+
+
 def from_file(path):
     openbabel = _quiet()
     conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
     kind = os.path.splitext(path)[1][1:].lower()
     if kind not in ("xyz", "sdf", "mol"):
         raise BadInput(f"{path}: not an .xyz, .sdf or .mol file")
-    with open(path, encoding="utf-8") as file:  # so that the system's message is shown
-        text = file.read()
+    text = read_text(path)
     conversion.SetInFormat(kind)
     if not conversion.ReadString(ob, text) or ob.NumAtoms() == 0:
         raise BadInput(f"{path}: not understood as {kind.upper()}")

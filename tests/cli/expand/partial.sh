@@ -112,8 +112,58 @@ expect 0 '' '~expand: goes on from generation [0-9]+, which out\.partial keeps' 
 cmp out direct
 grep -qxE 'expand: out\.partial keeps generation [0-9]+ and later ones: after an interruption the same command goes on from it' err
 
-# A disk that has no room for it: the search goes on as long as it can.
+# A signal in the first 30 s: the last whole generation is kept, and the tool says how to go on.
+rm -f out out.partial
+toy 'milliseconds = 1' 6 tears=false | seed - -o slow
+expand --complete slow -j 8 -o slow.direct
+notice='expand: stops after the conversions that are under way; once more: at once'
+for signal in INT TERM HUP; do
+  rm -f out.partial
+  # A job in the background of a script ignores SIGINT.
+  env --default-signal=$signal expand --complete slow -j 4 -o out --progress 2>err &
+  tool=$!
+  wait_for 60 "second generation" grep -q 'generation [23],' err
+  kill -$signal $tool
+  code=0
+  wait $tool || code=$?
+  same "exit code after SIG$signal" $((128 + $(kill -l $signal))) $code
+  [[ ! -e out ]] || fail "half a grid"
+  last=$(stats out.partial --get generation)
+  ((last >= 1)) || fail "only generation $last is kept after SIG$signal"
+  tr '\r' '\n' <err | sed 's/^\x1b\[K//' >lines
+  grep -qF "$notice" lines || fail "$(cat err)"
+  same "the last line after SIG$signal" "expand: interrupted; out.partial keeps generation $last, \
+from which the same command goes on" "$(tail -1 lines)"
+done
+expect 0 '' "expand: goes on from generation $last, which out.partial keeps" -- expand --complete slow -j 8 -o out
+cmp out slow.direct
+evidence() { cat err; }
 rm out
+# Before anything is whole, and when the model does not answer: the second signal ends it.
+sed 's/puppet.py"/puppet.py", "hang"/' good.toml >hangs.toml
+seed good.toml --allow-process -o puppets
+expand --complete puppets --allow-process hangs.toml -o out --progress 2>err &
+tool=$!
+wait_for 20 "question" grep -q 'generation 0' err
+kill -TERM $tool
+wait_for 10 "notice" grep -qF "$notice" err
+kill -TERM $tool
+code=0
+wait $tool || code=$?
+same "exit code after two signals" 143 $code
+[[ ! -e out && ! -e out.partial ]] || fail "something was kept"
+
+# A link that somebody has put there leads nowhere.
+echo precious >elsewhere
+ln -s elsewhere out.partial
+refuses 'expand: out\.partial: is no regular file; remove it to begin anew' -- expand --complete seeds -o out
+rm out.partial
+mkfifo out.partial
+refuses 'expand: out\.partial: is no regular file; remove it to begin anew' -- expand --complete seeds -o out
+rm out.partial
+same "what the link named" precious "$(cat elsewhere)"
+
+# A disk that has no room for it: the search goes on as long as it can.
 expect 1 '' '~expand: cannot keep what is found: out\.partial: File too large'$'\n''expand: out: File too large' \
   -- bash -c "trap '' XFSZ; ulimit -f 1; exec expand --complete seeds -o out --keep 0"
 [[ ! -e out && ! -e out.partial ]] || fail "something was left"

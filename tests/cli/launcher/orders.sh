@@ -5,7 +5,7 @@ source "$(dirname "$0")/../lib.sh"
 
 echo 0 0 0 >path
 found=
-for tool in seed expand merge verify stats play view check-model; do
+for tool in seed expand merge verify stats play view check-model molecule-check; do
   more=()
   [[ $tool != play ]] || more=(--device path:path)
   $tool --help >help
@@ -25,10 +25,26 @@ for tool in seed expand merge verify stats play view check-model; do
   done
 done
 same "options that can be repeated" " seed--model-path seed--set expand--model-path merge--model-path \
-verify--model-path stats--cost play--model-path play--set check-model--model-path check-model--set" "$found"
+verify--model-path stats--cost play--model-path play--set check-model--model-path check-model--set molecule-check--set" "$found"
+# Numbers with commas between them are one value.
+for order in "--xyz 0.5,0,0,1 no-such" "no-such --xyz 0.5,0,0,1"; do
+  refuses "molecule-check: no-such: No such file or directory" -- molecule-check $order
+done
 
+# prepare is in Python: its one repeatable option takes a path's shape each time.
+prepare=$HAPGRID_SOURCE/examples/molecule/prepare
+if "$prepare" --help >help 2>/dev/null; then
+  same "options of prepare that can be repeated" 1 "$(grep -c 'may be repeated' help)"
+  for order in "--guess a=path no-such.xyz" "no-such.xyz --guess a=path" \
+    "--guess a=path --guess b=path no-such.xyz"; do
+    refuses "prepare: no-such.xyz: No such file or directory" -- "$prepare" $order -o none
+  done
+fi
+
+seed "$ball" --set 'grid.counts=[4,3,2]' -o g
 for command in "seed -" expand "expand --complete" merge "merge -" verify stats "stats --log -" view \
-  "play - --device path:path" "check-model -"; do
+  "play - --device path:path" "check-model -" "stats g --cost -" "verify /dev/stdin" "expand /dev/stdin" \
+  "merge g /dev/tty" "molecule-check -" "play g --device path:/dev/stdin" "view /dev/tty"; do
   script -qec "$command 2>err" /dev/null </dev/null >/dev/null || true
   same "the line of $command" "${command%% *}: reads this terminal (Ctrl-D ends the input)" "$(head -1 err)"
 done

@@ -70,6 +70,22 @@ mkdir mine
 echo 'raise SystemExit(5)' >mine/hapgrid.py
 expect 1 '' '~seed: .*exited with status 5.*' -- env PYTHONPATH="$PWD/mine" "$HAPGRID_BIN/seed" chatty.toml --allow-process
 
+# Lines that hapgrid would not write: serve() ends with one line.
+model=$HAPGRID_SOURCE/examples/hung-ball/hung_ball.py
+deep=$(head -c 100000 /dev/zero | tr '\0' '[')
+hello='{"hapgrid": 1, "parameters": {}}'
+for line in "$deep" '{' '[1]' '"x"' '{"x": 1}'; do
+  case $line in
+    '[['*) why='it is nested too deep' ;;
+    '{') why='it is no JSON: .*' ;;
+    *) why='it must be an object with .*' ;;
+  esac
+  refuses "hapgrid\.py: a question is not understood: $why" -- \
+    env PYTHONPATH="$python" /usr/bin/python3 "$model" <<<"$line"
+  expect 1 '~\{"hapgrid": 1.*\}' "~hapgrid\.py: a question is not understood: $why" -- \
+    env PYTHONPATH="$python" /usr/bin/python3 "$model" <<<"$hello"$'\n'"$line"
+done
+
 # What read() gives is what the dump and the text of a session say.
 stats grid --dump >dump
 printf '%s\n' '-0.5 0.5 0.5' '0.5 0.5 0.5' >path

@@ -6,7 +6,7 @@ cat >>model.toml <<'TOML'
 [play]
 max-force = 0.05
 axes = "-z,x,y"
-gain = 1
+gain = 0.5
 [play.safety]
 ramp = 600
 slew = 0.5
@@ -18,17 +18,17 @@ seed model.toml --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand -
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete | cmp - grid
 for i in {-900..900}; do echo "$(printf '%de-3' "$i") 0 0"; done >path
 # --set takes one value each: the grid behind it is the grid.
-play --max-force 0.05 --set safety.ramp=600 --set safety.slew=0.5 grid \
+play --max-force 0.05 --gain 0.5 --set safety.ramp=600 --set safety.slew=0.5 grid \
   --device path:path --log here 2>/dev/null
 play grid --config model.toml --device path:path --log there 2>err
 cmp here there
 grep -qE ' 0.05 N sent; safety, in ticks: .*clamped' err || fail "$(cat err)"
 # What the file changed comes first.
-same "the file's settings" "play: model.toml sets gain = 1, mapping.offset = [0.1,0,0], \
+same "the file's settings" "play: model.toml sets gain = 0.5, mapping.offset = [0.1,0,0], \
 max-force = 0.05, safety.ramp = 600, safety.slew = 0.5, axes = -z,x,y" "$(head -1 err)"
 play grid --config model.toml --device path:path --max-force 0.1 --axes x,y,z 2>err
 grep -q ' 0.1 N sent' err || fail "the command line counts more: $(cat err)"
-same "the file's settings" "play: model.toml sets gain = 1, mapping.offset = [0.1,0,0], \
+same "the file's settings" "play: model.toml sets gain = 0.5, mapping.offset = [0.1,0,0], \
 safety.ramp = 600, safety.slew = 0.5" "$(head -1 err)"
 printf '[play]\n' >empty.toml
 play grid --config empty.toml --device path:path 2>err
@@ -42,7 +42,8 @@ wrong() { # LINE MESSAGE
   printf '[play]\n%s\n' "$1" >wrong.toml
   expect 2 '' "~play: $2 $help" -- play grid --config wrong.toml --device path:path
 }
-wrong 'max-forse = 1' "--config: line 2: unknown key 'max-forse'; did you mean '--max-force'\?"
+wrong 'max-forse = 1' "--config: line 2: unknown key 'max-forse'; did you mean 'max-force'\?"
+wrong '"--max-force" = 1' "--config: line 2: unknown key '--max-force'; did you mean 'max-force'\?"
 wrong 'max-force = -1' "--config: line 2: --max-force must be a number from 0 to 1e\+06 N"
 wrong 'axes = "x,x,y"' "--config: line 2: axes: 'x,x,y' is not like -z,x,y"
 wrong 'axes = 1' "--config: line 2: axes must be a text in quotes"
@@ -68,6 +69,8 @@ only() { # KEY VALUE DEFAULT less|more: it can only be set to the default and fu
   printf '[play]\n%s = %s\n' "$1" "${3%% *}" >good.toml
   play grid --config good.toml --device path:path 2>/dev/null
 }
+only gain 1.01 1 less
+only gain 5 1 less
 only max-force 3.01 '3 N' less
 only safety.slew inf '1 N/ms' less
 only safety.ramp 0 '500 ms' more

@@ -81,11 +81,13 @@ for adapter, last in [("force-dimension", "closed"), ("openhaptics", "closed"), 
     play.end(-signal.SIGKILL, ".*")
     print(f"{adapter}: killed, done")
 
-# A device that is not there: a line of the adapter and one of play.
+# A device that is not there, or JSON that no parser takes: a line of the adapter and one of play.
 for adapter, why in [("force-dimension", "force-dimension: no device: no device found"),
                      ("openhaptics", "openhaptics: no device: communication error"),
-                     ("haply", "haply.py: IndexError: list index out of range")]:
-    Play(adapter, "absent", "0").end(1, f"{why}\nplay: process '.*': exited with status 1")
+                     ("haply", "haply.py: IndexError: list index out of range"),
+                     ("haply deep", "haply.py: RecursionError: maximum recursion depth exceeded .*")]:
+    adapter, _, fault = adapter.partition(" ")
+    Play(adapter, fault or "absent", "0").end(1, f"{why}\nplay: process '.*': exited with status 1")
 
 # One that fails while it is played; the adapter lets go by itself. And one that hangs, which is killed.
 for adapter, fault, why in [("force-dimension", "fail", "force-dimension: cannot set a force: communication error"),

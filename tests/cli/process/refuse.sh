@@ -135,7 +135,7 @@ family() {  # AT: the model dies at its AT-th question
 }
 left() { pgrep -f "sleep 1000 $mark" >/dev/null; }
 gone() { ! left; }
-three() { [[ $(pgrep -c -f "sleep 1000 $mark") -ge 3 ]]; }
+four() { [[ $(pgrep -c -f "^sleep 1000 $mark") -ge 4 ]]; }
 family 1000
 expect 0 '' '' -- expand seeds --allow-process told.toml -o requests
 ! left || fail "a good end leaves what the model has started"
@@ -148,8 +148,23 @@ for signal in TERM KILL; do
   sed -i "s/\"family\"/\"slow-family\"/" told.toml
   "$HAPGRID_BIN/expand" seeds --allow-process "$PWD/told.toml" -o half &
   tool=$!
-  wait_for 10 "family" three
+  wait_for 10 "family" four
   kill -$signal $tool
   wait $tool 2>/dev/null || true
   wait_for 5 "end of what the model has started after $signal" gone
 done
+
+# When somebody kills the keeper, too, what has the mark is still looked for when the tool ends.
+family 1
+sed -i "s/\"family\"/\"slow-family\"/" told.toml
+"$HAPGRID_BIN/expand" seeds --allow-process "$PWD/told.toml" -o half --process-timeout 2 2>err &
+tool=$!
+wait_for 10 "family" four
+keeper=$(pgrep -P $tool -x hapgrid-keeper) || fail "no keeper"
+kill -KILL "$keeper"
+code=0
+wait $tool || code=$?
+same "exit code without the keeper" 1 $code
+grep -q 'the process that keeps the models' err || fail "$(cat err)"
+same "what clears its environment" 1 "$(pgrep -c -f "^sleep 1000 $mark")"
+kill $(pgrep -f "^sleep 1000 $mark")

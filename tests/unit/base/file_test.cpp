@@ -96,6 +96,15 @@ TEST_CASE("symbolic links are followed, also one to nowhere and a chain") {
     REQUIRE(content((dir.path() / "d" / "real").string()) == text);
   }
   REQUIRE(fs::is_symlink(dir.path() / "link"));
+  {
+    OutputFile out(dir.file("link"), true, OutputFile::Unfinished::kVanishes,
+                   OutputFile::Links::kReplaced);
+    out.write("third");
+    out.commit();
+  }
+  REQUIRE(!fs::is_symlink(dir.path() / "link"));
+  REQUIRE(content(dir.file("link")) == "third");
+  REQUIRE(content((dir.path() / "d" / "real").string()) == "second");
   REQUIRE(fs::is_symlink(dir.path() / "chain"));
   fs::create_symlink("loop", dir.path() / "loop");
   REQUIRE_THROWS_AS(InputFile(dir.file("loop")), std::system_error);
@@ -130,7 +139,7 @@ TEST_CASE("an input can be read at any offset, from a file and from a pipe") {
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
   {
     std::jthread writer([&] { put(pipe, text); });
-    check(InputFile(pipe));
+    check(InputFile(pipe, InputFile::Content::kFramesOrText));
   }
   // Standard input that a shell has read from before: from where it stands.
   const int saved = ::dup(STDIN_FILENO);

@@ -75,8 +75,9 @@ elif fault in ("family", "slow-family"):
     quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     subprocess.Popen(forever, **quiet)
     subprocess.Popen(forever, start_new_session=True, **quiet)
-    # A daemon: its parent is gone.
+    # Daemons, whose parents are gone; the second one has lost its environment, too.
     subprocess.run(["sh", "-c", 'setsid "$@" &', "sh", *forever], **quiet)
+    subprocess.run(["sh", "-c", '(env -i setsid "$@" &) &', "sh", *forever], **quiet)
 elif fault == "stderr":
     print("hello from the model", file=sys.stderr)
 say(json.dumps(description) + "\n")

@@ -1,0 +1,59 @@
+#include "libcore/base/family.hpp"
+
+#include <signal.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+namespace hapgrid {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr auto kKilling = 1s;
+constexpr auto kPause = 1ms;
+
+}  // namespace
+
+void become_subreaper() noexcept { ::prctl(PR_SET_CHILD_SUBREAPER, 1); }
+
+void begin_child(pid_t parent) noexcept {
+  ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::raise(SIGKILL);  // it died before prctl()
+}
+
+std::vector<pid_t> children() {
+  const std::string self = std::to_string(::getpid());
+  std::ifstream file("/proc/self/task/" + self + "/children");
+  std::vector<pid_t> all;
+  for (pid_t child; file >> child;) all.push_back(child);
+  return all;
+}
+
+void kill_family() {
+  const auto deadline = std::chrono::steady_clock::now() + kKilling;
+  // Those whose parent was killed are this process's children the next time.
+  for (std::vector<pid_t> alive; !(alive = children()).empty();) {
+    for (const pid_t child : alive) ::kill(child, SIGKILL);
+    while (::waitpid(-1, nullptr, WNOHANG) > 0) {
+    }
+    if (std::chrono::steady_clock::now() >= deadline) return;
+    std::this_thread::sleep_for(kPause);
+  }
+}
+
+std::string how_it_ended(int status) {
+  if (!WIFSIGNALED(status)) return "exited with status " + std::to_string(WEXITSTATUS(status));
+  const char* name = ::sigdescr_np(WTERMSIG(status));
+  return "was killed by signal " + std::to_string(WTERMSIG(status)) +
+         (name ? std::string(" (") + name + ")" : "");
+}
+
+}  // namespace hapgrid

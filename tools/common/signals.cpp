@@ -1,0 +1,44 @@
+#include "tools/common/signals.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace hapgrid {
+
+std::atomic<int> caught_signal{0};
+static_assert(std::atomic<int>::is_always_lock_free);  // or a handler may not use it
+
+namespace {
+
+const char* notice_line = nullptr;  // written before a handler can run
+
+}  // namespace
+
+extern "C" {
+static void catch_signal(int signal) {
+  caught_signal.store(signal, std::memory_order_relaxed);
+  const int error = errno;
+  if (notice_line)
+    static_cast<void>(!::write(STDERR_FILENO, notice_line, std::strlen(notice_line)));
+  errno = error;
+}
+}
+
+CaughtSignals::CaughtSignals(std::span<const int> signals, const char* notice) : signals_(signals) {
+  notice_line = notice;
+  struct sigaction action {};
+  action.sa_handler = catch_signal;
+  if (notice) action.sa_flags = static_cast<int>(SA_RESETHAND);
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    ::sigaction(signals_[i], nullptr, &before_[i]);
+    if (before_[i].sa_handler != SIG_IGN) ::sigaction(signals_[i], &action, nullptr);
+  }
+}
+
+CaughtSignals::~CaughtSignals() {
+  for (std::size_t i = 0; i < signals_.size(); ++i) ::sigaction(signals_[i], &before_[i], nullptr);
+}
+
+}  // namespace hapgrid
