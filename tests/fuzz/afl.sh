@@ -6,7 +6,7 @@
 #
 # It builds them in build-afl with the undefined-behaviour sanitizer; memory is limited, as `ulimit -v` does it, so that
 # one line of refusal is expected there, too. What a run found is where the next one begins (build-afl/out/NAME, with
-# findings in crashes/ and hangs/). At the end there is a table of the last runs: executions, CPU minutes, the share
+# findings in crashes/ and hangs/). At the end there is a table of the last runs: minutes, executions, the share
 # of the edges of the code that were reached, inputs that were kept, findings.
 set -euo pipefail
 seconds=${1:-600}
@@ -51,7 +51,7 @@ mkdir -p "$build/out"
 code=0
 printf '%s\n' "${names[@]}" | HAPGRID_AFL_ONE=1 xargs -I NAME -P "$(nproc)" "$0" "$seconds" NAME || code=$?
 
-printf '|filter|CPU minutes|executions|edges|inputs|crashes|hangs|\n|---|--:|--:|--:|--:|--:|--:|\n'
+printf '|filter|minutes|executions|edges|inputs|crashes|hangs|\n|---|--:|--:|--:|--:|--:|--:|\n'
 for name in "${names[@]}"; do
   awk -F ' *: *' -v name="$name" '{ s[$1] = $2 }
     END { printf "|`%s`|%.1f|%d|%s|%d|%d|%d|\n", name, s["run_time"] / 60, s["execs_done"],
