@@ -34,9 +34,9 @@ for tool in "${readers[@]}"; do
     timeout 20 $tool - < <(cat grid /dev/zero)
 done
 echo '0 0 0' >path
-expand --complete grid -o done
+expand --complete grid -o whole
 refuses 'play: /dev/zero: byte 0: not a shard: no zstd frame' -- timeout 20 play /dev/zero --device path:path
-refuses 'play: /dev/zero: .*' -- timeout 20 play done --device replay:/dev/zero
+refuses 'play: /dev/zero: .*' -- timeout 20 play whole --device replay:/dev/zero
 refuses 'stats: /dev/zero: .*' -- timeout 20 stats --log /dev/zero --plot t,x --png out
 refuses 'stats: standard input: .*' -- timeout 20 stats --log - --plot t,x --png out < <(printf '# t\tx\ty\tz\n'; cat /dev/zero)
 refuses 'seed: missing: No such file or directory' -- seed missing

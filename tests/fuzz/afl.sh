@@ -6,7 +6,7 @@
 #
 # It builds them in build-afl with the undefined-behaviour sanitizer; memory is limited, as `ulimit -v` does it, so that
 # one line of refusal is expected there, too. What a run found is where the next one begins (build-afl/out/NAME, with
-# findings in crashes/ and hangs/). At the end there is a table of the last runs: executions, CPU minutes, the share
+# findings in crashes/ and hangs/). At the end there is a table of the last runs: minutes, executions, the share
 # of the edges of the code that were reached, inputs that were kept, findings.
 set -euo pipefail
 seconds=${1:-600}
@@ -19,13 +19,13 @@ path=$corpus/path/made-path
 declare -A runs=(
   [seed]="definition seed @@"
   [expand]="shard expand -j 1 @@"
-  [complete]="shard expand --complete -j 1 @@"
+  [expand-complete]="shard expand --complete -j 1 @@"
   [merge]="shard merge @@"
   [verify]="shard verify -j 1 @@"
   [stats]="shard stats --format json @@"
-  [log]="session stats --log @@"
+  [stats-log]="session stats --log @@"
   [play]="shard play @@ --device path:$path"
-  [replay]="session play $corpus/shard/made-stored --device replay:@@"
+  [play-replay]="session play $corpus/shard/made-stored --device replay:@@"
   [view]="frames view --png /dev/null --size 40x30 @@"
 )
 names=("$@")
@@ -51,13 +51,10 @@ mkdir -p "$build/out"
 code=0
 printf '%s\n' "${names[@]}" | HAPGRID_AFL_ONE=1 xargs -I NAME -P "$(nproc)" "$0" "$seconds" NAME || code=$?
 
-printf '| filter | CPU min | executions | edges | inputs | crashes | hangs |\n|---|--:|--:|--:|--:|--:|--:|\n'
+printf '|filter|minutes|executions|edges|inputs|crashes|hangs|\n|---|--:|--:|--:|--:|--:|--:|\n'
 for name in "${names[@]}"; do
-  read -ra run <<<"${runs[$name]}"
-  # Where the program is: the command without the folders of this machine.
-  shown=${run[*]:1}
-  awk -F ' *: *' -v shown="${shown//"$corpus/"/}" '{ s[$1] = $2 }
-    END { printf "| `%s` | %.1f | %d | %s | %d | %d | %d |\n", shown, s["run_time"] / 60, s["execs_done"],
+  awk -F ' *: *' -v name="$name" '{ s[$1] = $2 }
+    END { printf "|`%s`|%.1f|%d|%s|%d|%d|%d|\n", name, s["run_time"] / 60, s["execs_done"],
       s["bitmap_cvg"], s["corpus_count"], s["saved_crashes"], s["saved_hangs"] }' "$build/out/$name/default/fuzzer_stats"
 done
 exit "$code"

@@ -15,13 +15,13 @@ source=$(cd "$(dirname "$0")" && pwd)
 build=${HAPGRID_FUZZ:-$source/../../build-fuzz}/fuzz
 
 table() {
-  printf '| target | CPU min | executions | edges | features | findings |\n|---|--:|--:|--:|--:|--:|\n'
+  printf '|target|CPU minutes|executions|edges|features|findings|\n|---|--:|--:|--:|--:|--:|\n'
   LC_ALL=C awk '!($1 in runs) { order[++n] = $1 }
     { runs[$1] += $2; cpu[$1] += $3; edges[$1] = $4; features[$1] = $5 }
-    END { for (i = 1; i <= n; ++i) { t = order[i]; printf "%s %.1f %d %d %d\n", t, cpu[t] / 60, runs[t], edges[t], features[t] } }' \
+    END { for (i = 1; i <= n; ++i) { t = order[i]; printf "%s %.2f %d %d %d\n", t, cpu[t] / 60, runs[t], edges[t], features[t] } }' \
     "$build/log" | LC_ALL=C sort | while read -r target cpu runs edges features; do
       findings=$(find "$build/findings" -type f -name "$target-*" | wc -l)
-      printf '| `%s` | %s | %s | %s | %s | %s |\n' "$target" "$cpu" "$runs" "$edges" "$features" "$findings"
+      printf '|`%s`|%s|%s|%s|%s|%s|\n' "$target" "$cpu" "$runs" "$edges" "$features" "$findings"
     done
 }
 

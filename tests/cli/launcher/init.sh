@@ -5,7 +5,7 @@ source "$(dirname "$0")/../lib.sh"
 
 expect 2 '' 'hapgrid: init: which name? (see hapgrid init --help)' -- hapgrid init
 expect 2 '' "hapgrid: init: the name '../x' may have only letters, digits, '-' and '_'" -- hapgrid init ../x
-expect 2 '' "hapgrid: init: the name 'ä' may have only letters, digits, '-' and '_'" -- hapgrid init ä
+expect 2 '' "hapgrid: init: the name '??' may have only letters, digits, '-' and '_'" -- hapgrid init ä
 expect 2 '' "hapgrid: init: no option '-x' (see hapgrid init --help)" -- hapgrid init -x
 expect 2 '' "hapgrid: init: the name is empty (see hapgrid init --help)" -- hapgrid init ''
 expect 2 '' "hapgrid: init: one name, not 'a' and 'b' (see hapgrid init --help)" -- hapgrid init a b
