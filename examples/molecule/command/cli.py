@@ -32,7 +32,7 @@ In DIR, whose name is NAME:
   *.xyz            the conformation and the paths; report.tsv: their energies
   path-*.txt       the probe's ways
 
-Rings stay as they are. Of several molecules the largest is felt. At most 100 atoms.
+Rings stay as they are. Of several molecules, in one record or several, the largest is felt. At most 100 atoms.
 
 exit codes: 0 done; 1 could not; 2 the command line is wrong
 

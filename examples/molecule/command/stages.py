@@ -67,6 +67,12 @@ class Stages:
         print(f"\r\033[Kmolecule: {what}{left}", end="", file=sys.stderr, flush=True)
         self.line = True
 
+    def counted(self, what, total):
+        """tell(n) for what is done in `total` steps."""
+        began = time.monotonic()
+        self.progress(what, 0, total, began)
+        return lambda done: self.progress(what, done, total, began)
+
     def _clear(self):
         if self.line:
             print("\r\033[K", end="", file=sys.stderr)

@@ -35,3 +35,9 @@ done
 hapgrid molecule --smiles C#N -o cyanide -j 2 >line 2>log || fail "$(cat log)"
 grep -q 'spacing 0\.[0-9]* Å, about' log || fail "$(cat log)"
 verify cyanide/cyanide.grid --recompute none --accuracy 0.1 >report 2>verdict || fail "$(cat log report)"
+
+# The dipeptide's soft torsions are found by the force field, too, whose scans snap over.
+hapgrid molecule --smiles 'CC(=O)N[C@@H](C)C(=O)NC' --method gfnff --spacing 1.5 -o dipeptide -j 2 >line 2>log || fail "$(cat log)"
+for name in phi-plus phi-minus psi-minus; do
+  grep -qP "^$name\t[^\t]*\t[0-9.]+\t" dipeptide/rotors.tsv || fail "$name is not found: $(cat dipeptide/rotors.tsv)"
+done
