@@ -10,6 +10,7 @@ from . import geometry
 from . import torsions as torsions_of
 
 FORCE_FIELD = "MMFF94"
+TRIES = 200  # combinations of torsions, at least: all of a dipeptide
 
 
 class BadInput(Exception):
@@ -161,7 +162,7 @@ def conformers(molecule, torsions, number, seed):
              if not t.rotor and tuple(sorted(t.atoms[1:3])) not in molecule.amides]
     turns += [(t, np.radians([180, 0])) for t in molecule.amide_torsions()]
     combinations = np.prod([len(angles) for _, angles in turns], dtype=float)
-    tries = 20 * number
+    tries = max(TRIES, 20 * number)
     if combinations <= tries:
         choices = itertools.product(*(angles for _, angles in turns))
     else:

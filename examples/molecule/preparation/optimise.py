@@ -164,11 +164,11 @@ def saddle(surface, x, direction, tolerance=3e-6):
     """
     renew = surface.hessian
     first = renew(x)
-    tries = (dict(trust=0.1, longest=0.5, every=surface.renewal),
-             dict(trust=0.05, longest=0.1, every=max(surface.renewal // 3, 1)))
+    tries = (dict(steps=150, trust=0.1, longest=0.5, every=surface.renewal),
+             dict(steps=80, trust=0.05, longest=0.1, every=surface.renewal // 3))
     for n, how in enumerate(tries, 1):
         try:
-            x, energy, _ = search(surface, x, first, climb=direction, tolerance=tolerance, steps=150, renew=renew,
+            x, energy, _ = search(surface, x, first, climb=direction, tolerance=tolerance, renew=renew,
                                   tree=surface.tree, **how)
             return x, energy, renew(x)
         except NotConverged:
