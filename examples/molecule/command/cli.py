@@ -19,7 +19,8 @@ and the same command computes anew what depends on it.
   structures   its conformation, and the barriers around all bonds that turn, by xtb
   choice       the softest paths to barriers that are sane together
                (--basins: on behind them, if xtb agrees where minima are combined)
-  resolution   from what verify finds between the points of a coarse grid
+  resolution   and box, from a coarse grid: how far the molecule can be pushed in it, and how far it
+               is off between its points
   grid         is computed and verified
   way          of the probe that turns one torsion, there and back, and how it feels
 """

@@ -19,8 +19,8 @@ MORE_WALKS = 120  # where the law by which errors fall cannot be told from these
 COST_ORDER = 2.4
 SECONDS = 150  # that the grid may take on the cores that are given
 # Where a push tips over a barrier the grid must be fine: of 150 random pushes of 1,2-dichloroethane 142
-# end where the model does at 0.35, 143 at 0.3, 144 to 148 at 0.25, and 147 or 148 at 0.2 (bench_basins, seeds 1
-# to 5). The others are pushes that only just tip, or only just do not. Such a grid may take longer.
+# end where the model does at 0.35, and 147 or 148 at 0.2; of butane 143 to 149 at 0.25, and 147 to 150 at 0.2
+# (bench_basins, seeds 1 to 5). The others only just tip, or only just do not. Such a grid may take longer.
 BETWEEN_BASINS = 0.2  # angstrom
 BASINS_SECONDS = 300
 FINEST = 0.2  # angstrom: a grid of a small molecule would become large before it becomes better

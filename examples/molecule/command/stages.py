@@ -53,7 +53,9 @@ class Stages:
         """A line that is written over, where somebody watches."""
         if self.quiet or not sys.stderr.isatty():
             return
-        left = f", about {duration((time.monotonic() - began) / done * (total - done))} left" if done else ""
+        left = ""
+        if 0 < done < total:
+            left = f", about {duration((time.monotonic() - began) / done * (total - done))} left"
         print(f"\r\033[Kmolecule: {what}: {done} of {total}{left}", end="", file=sys.stderr, flush=True)
         self.line = True
 

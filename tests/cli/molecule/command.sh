@@ -123,6 +123,13 @@ hapgrid molecule --smiles OO -o peroxide --method gfnff --spacing 1.5 --highest 
 grep -q 'left out: H3-O1-O2-H4-plus, H3-O1-O2-H4-minus: still climbing at 2 kJ/mol' log || fail "$(cat log)"
 grep -q '<td>H3-O1-O2-H4-plus<td>.*<td>still climbing at 2 kJ/mol' peroxide/index.html || fail "the page does not say why"
 
+# Who watches sees what is done, and the time that is left.
+script -qec 'hapgrid molecule --smiles OO -o watched --method gfnff --spacing 1.5' /dev/null >watched.log </dev/null
+for what in 'relaxing conformers' 'driving torsions to their barriers' 'pushing the molecule to see which way turns it' \
+  'drawing pictures'; do
+  grep -qaE "$what: 1 of [2-9], about [0-9]+ s left" watched.log || fail "no progress of: $what"
+done
+
 # A box that is too small is widened until nothing is held at its sides. Here it begins inside of the molecule.
 /usr/bin/python3 - "$HAPGRID_SOURCE/examples/molecule" >line 2>log <<'END' || fail "$(cat log)"
 import sys
