@@ -27,12 +27,12 @@ def largest(given, say):
         some = list(ob.Separate())
         if len(some) > MOST_PIECES and 2 * max(p.NumAtoms() for p in some) < ob.NumAtoms():
             raise BadInput(f"{given.what}: {len(some)} pieces that are not bonded: no coordinates of one molecule")
+        if len(some) == 1 and given.charge is not None:
+            ob.SetTotalCharge(given.charge)
         parts += some if len(some) > 1 else [ob]
-    one = max(parts, key=lambda p: (p.NumHvyAtoms(), p.NumAtoms()))  # the first of equal ones
+    one = max(parts, key=lambda p: (p.NumHvyAtoms(), _size(p)))  # the first of equal ones
     others = [p for p in parts if p is not one]
-    if len(parts) == 1 and given.charge is not None:
-        one.SetTotalCharge(given.charge)
-    if one.NumAtoms() == 1 and others:
+    if _size(one) == 1 and others:
         raise BadInput(f"{given.what}: only single atoms or ions, {_named(parts)}: none has a shape to feel: "
                        "give a molecule with bonds")
     if others:
@@ -40,12 +40,18 @@ def largest(given, say):
         say(f"{given.what}: {len(parts)} molecules or shapes: the largest is taken, {one.GetFormula()} with charge "
             f"{signed(one.GetTotalCharge())}; left out: {_named(others)}"
             + ("".join(f"; {m} is a metal and is not felt" for m in metals))
-            + ("; the file's charge is of all: --charge gives that of the one" if given.charge else ""))
+            + ("" if given.charge is None or any(one is ob for ob in given.records)
+               else "; the file's charge is of all pieces: --charge gives that of the one"))
     return one
 
 
 def _atoms(ob):
     return [ob.GetAtom(n + 1) for n in range(ob.NumAtoms())]
+
+
+def _size(ob):
+    """Atoms, with the hydrogens that are not written."""
+    return sum(1 + a.GetImplicitHCount() for a in _atoms(ob))
 
 
 def _named(parts):

@@ -125,8 +125,7 @@ def explore(molecule, rotors, options, stages):
     for start in range(RESTARTS + 1):
         o = SimpleNamespace(smiles=None, file="", method=options.method, charge=options.charge, uhf=options.uhf,
                             keep_conformation=keep, conformers=4, seed=1, highest=options.highest, work=options.work,
-                            again=False, quiet=False, threads=options.threads,
-                            keep_equal=True, paths=None)
+                            again=False, quiet=False, threads=options.threads, keep_equal=True, paths=None)
         _search = search = _Search(molecule, rotors, o, stages)
         search._find_conformation()
         stages.say("  conformation: a minimum" + (f", {options.method}" if start == 0 else ""))
@@ -153,7 +152,7 @@ def _beyond_all(search, stages, threads, may_restart):
         kinds = dict(way["kinds"])
         points = ", ".join(f"{kind} {search._above(way['energies'][k]):.1f}" for k, kind in kinds.items())
         stages.say(f"  {name}: {points} kJ/mol")
-        below, k = max((-search._above(way["energies"][k]), k) for k in kinds)
+        below, k = max((-search._above(way["energies"][k]), k) for k, kind in kinds.items() if kind == "minimum")
         if may_restart and below > LOWER:
             return ways, (name, np.array(way["nodes"][k]), below)
     return ways, None
