@@ -195,8 +195,12 @@ void plot_text(const InputFile& file, const Options& options) {
                                       : *parse_pair(options.labels);
   InputBuffer buffer(file);
   std::istream lines(&buffer);
-  const std::vector<std::string> names = columns_of(y);
-  const std::vector<std::vector<XY>> ticks = read_log(lines, file.name(), x, names);
+  std::vector<std::string> names = columns_of(y);
+  // The energy against which the hand works is drawn with the part that is the model's own.
+  const std::string own = "own_energy";
+  const std::vector<std::vector<XY>> ticks =
+      read_log(lines, file.name(), x, names, y == "energy" ? own : "");
+  if (ticks.size() > names.size()) names.push_back(own);
   std::vector<MotionCurve> curves;
   for (std::size_t i = 0; i < names.size(); ++i)
     curves.push_back({names[i], split_motion(ticks[i])});

@@ -12,8 +12,11 @@ namespace {
 
 constexpr Colour kInk{0.16F, 0.17F, 0.2F};
 // In pixels at scale 1.
-constexpr double kAxis = 26;
+constexpr double kAxis = 60;  // at most
 constexpr double kMargin = 10;
+constexpr double kGap = 6;      // between an axis and what it says
+constexpr double kBeside = 16;  // from the picture's edge, for the text at an axis to the left
+constexpr std::size_t kShortUnit = 2;
 constexpr double kSmallest = 150;  // of a picture's sides, for a legend
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above `most`.
@@ -22,6 +25,39 @@ double round_length(double most) {
   for (const double digit : {5.0, 2.0})
     if (digit * power <= most) return digit * power;
   return power;
+}
+
+/// The three axes, each with its name and how long it is, from one place.
+void add_axes(Legend& legend, const Scene& scene, const Camera& camera,
+              const RenderOptions& options, double pixels) {
+  const double scale = options.letter_scale;
+  const double most = std::min(scale * kAxis, 0.16 * std::min(options.width, options.height));
+  const double length = round_length(most / pixels);
+  const PictureAxes axes(camera);
+  const std::string unit = unit_sign(scene.length_unit);
+  // A long unit stands at the bar alone.
+  const std::string says =
+      " " + rounded(length) + (letters_of(unit).size() > kShortUnit ? "" : " " + unit);
+  const double letters = scale * kLetterWidth * static_cast<double>(letters_of("x" + says).size());
+  const double left = scale * kMargin, bottom = options.height - scale * kMargin - 0.5;
+  const std::array<double, 2> middle{left + most + scale * kBeside, bottom - most - scale * 24};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::array<double, 2> way{axes.right[a], -axes.up[a]};
+    const double shown = std::max(std::hypot(way[0], way[1]), 1e-9);
+    const auto at = [&](double distance, double beside = 0) {
+      return std::array{middle[0] + (distance * way[0] - beside * way[1]) / shown,
+                        middle[1] + (distance * way[1] + beside * way[0]) / shown};
+    };
+    const double end = length * pixels * shown;
+    legend.lines.push_back({{middle, at(end)}});
+    legend.lines.push_back({{at(end, -2 * scale), at(end, 2 * scale)}});
+    // The text lies outside of its end: right of an axis that points to the right, and so on.
+    const double half_height = 0.5 * kLetterHeight * std::abs(way[1]) / shown;
+    const auto name = at(end + scale * (kGap + half_height));
+    const double share = 0.5 - 0.5 * way[0] / shown;
+    legend.labels.push_back(
+        {std::string(1, "xyz"[a]) + says, {name[0] - share * letters, name[1]}});
+  }
 }
 
 /// Each row of a letter's pixels as lines.
@@ -62,18 +98,7 @@ Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions
   legend.labels.push_back(
       {rounded(length) + " " + unit_sign(scene.length_unit), {left + bar + 5 * scale, bottom}});
 
-  const PictureAxes axes(camera);
-  const std::array<double, 2> middle{left + scale * (kAxis + 8), bottom - scale * (kAxis + 22)};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::array<double, 2> way{axes.right[a], -axes.up[a]};
-    const auto at = [&](double distance) {
-      return std::array{middle[0] + scale * distance * way[0],
-                        middle[1] + scale * distance * way[1]};
-    };
-    legend.lines.push_back({{middle, at(kAxis)}});
-    const auto name = at(kAxis + 7);
-    legend.labels.push_back({std::string(1, "xyz"[a]), {name[0] - 2.5 * scale, name[1]}});
-  }
+  add_axes(legend, scene, camera, options, pixels);
   return legend;
 }
 

@@ -1,5 +1,5 @@
-// What a picture says about directions and lengths: the axes x, y and z and a scale bar, in its
-// lower left corner.
+// What a picture says about directions and lengths: the axes x, y and z, each with its length, and
+// a scale bar, in its lower left corner.
 #pragma once
 
 #include <array>
@@ -19,11 +19,13 @@ struct Label {
 struct Legend {
   /// In pixels: lines from one place to another.
   std::vector<std::array<std::array<double, 2>, 2>> lines;
-  std::vector<Label> labels;  ///< "x", "y", "z", and the length of the bar with its unit
+  std::vector<Label>
+      labels;  ///< how long the bar is, "2 Å", and the axes: "x 1 Å", "y 1 Å", "z 1 Å"
 };
 
 /// The legend of a picture; empty where the picture is too small for one. The bar is 1, 2 or 5
-/// times a power of ten long, and at most a quarter of the width.
+/// times a power of ten long, and at most a quarter of the width. So are the axes, all of one
+/// length in the model's space; the picture shortens those that do not lie in its plane.
 Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions& options);
 
 /// Draws it over everything, with its letters if the options say so.

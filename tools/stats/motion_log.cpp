@@ -25,7 +25,8 @@ std::vector<std::string_view> split(std::string_view line) {
 }  // namespace
 
 std::vector<std::vector<XY>> read_log(std::istream& log, const std::string& name,
-                                      const std::string& x, const std::vector<std::string>& y) {
+                                      const std::string& x, const std::vector<std::string>& y,
+                                      const std::string& beside) {
   std::size_t number = 1;
   const auto fail = [&](const std::string& what) {
     throw Error(name + ": line " + std::to_string(number) + ": " + what);
@@ -36,18 +37,23 @@ std::vector<std::vector<XY>> read_log(std::istream& log, const std::string& name
   std::string_view header = std::string_view(line).substr(1);
   if (!header.empty() && header[0] == ' ') header.remove_prefix(1);
   const std::vector<std::string_view> names = split(header);
-  const auto column = [&](const std::string& wanted) {
-    const auto found = std::find(names.begin(), names.end(), wanted);
-    if (found == names.end()) fail("no column '" + wanted + "' in: " + printable_line(header));
+  const auto column = [&](const std::string& which) {
+    const auto found = std::find(names.begin(), names.end(), which);
+    if (found == names.end()) fail("no column '" + which + "' in: " + printable_line(header));
     return static_cast<std::size_t>(found - names.begin());
   };
   const std::size_t x_column = column(x);
   std::vector<std::size_t> y_columns;
   y_columns.reserve(y.size());
-  for (const std::string& wanted : y) y_columns.push_back(column(wanted));
+  for (const std::string& each : y) y_columns.push_back(column(each));
+  std::vector<std::string> wanted = y;
+  if (!beside.empty() && std::find(names.begin(), names.end(), beside) != names.end()) {
+    wanted.push_back(beside);
+    y_columns.push_back(column(beside));
+  }
   const std::size_t columns = names.size();
 
-  std::vector<std::vector<XY>> ticks(y.size());
+  std::vector<std::vector<XY>> ticks(wanted.size());
   while (std::getline(log, line)) {
     ++number;
     const std::vector<std::string_view> cells = split(line);
@@ -63,7 +69,8 @@ std::vector<std::vector<XY>> read_log(std::istream& log, const std::string& name
       return result;
     };
     const double at = value(x_column, x);
-    for (std::size_t i = 0; i < y.size(); ++i) ticks[i].emplace_back(at, value(y_columns[i], y[i]));
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      ticks[i].emplace_back(at, value(y_columns[i], wanted[i]));
   }
   if (log.bad()) throw Error(name + ": cannot be read");
   if (number == 1) fail("no ticks after the names of the columns");

@@ -1,10 +1,12 @@
 """The modules of `hapgrid molecule`; its --help says what it is for.
 
 reading      a molecule from a file or SMILES; what cannot be felt is refused with what to do
+pieces       which of several molecules is felt
 rotors       which bonds turn, and their names
 structures   the conformation, the saddles around it and the paths to them, in several processes
 choice       the softest paths that are sane together
 definition   box and MODEL.toml
+room         a box that is wide enough for a molecule that yields
 resolution   a coarse grid, and the spacing that follows from it
 pushing      the way of the probe that turns one torsion
 curves       torsions and energies over time

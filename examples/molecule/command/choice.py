@@ -34,6 +34,15 @@ def choose(filters, stages, molecule, result, most, unwanted, basins=False, miss
     return taken, left
 
 
+def left_out(rows):
+    """What rotors.tsv says of all that is not taken, one line for each reason."""
+    names = {}
+    for name, _, _, taken, why in rows:
+        if taken == "no":
+            names.setdefault(why, []).append(name)
+    return [f"left out: {', '.join(them)}: {why}" for why, them in names.items()]
+
+
 def clash(filters, stages, definition):
     """What molecule-check says against a set of paths, or nothing."""
     name = ".choice.toml"

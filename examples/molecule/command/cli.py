@@ -19,7 +19,7 @@ and the same command computes anew what depends on it.
   structures   its conformation, and the barriers around all bonds that turn, by xtb
   choice       the softest paths to barriers that are sane together
                (--basins: on behind them, if xtb agrees where minima are combined)
-  resolution   from what verify finds between the points of a coarse grid
+  resolution   and box, from a coarse grid: how far the molecule is pushed, and what verify finds
   grid         is computed and verified
   way          of the probe that turns one torsion, there and back, and how it feels
 """
@@ -32,7 +32,7 @@ In DIR, whose name is NAME:
   *.xyz            the conformation and the paths; report.tsv: their energies
   path-*.txt       the probe's ways
 
-Rings stay as they are. Of several molecules the largest is felt. At most 100 atoms.
+Rings stay as they are. Of several molecules or records the largest is felt. At most 100 atoms.
 
 exit codes: 0 done; 1 could not; 2 the command line is wrong
 

@@ -6,11 +6,12 @@ import shlex
 from preparation import files
 from preparation import molecule as prepared
 
-from . import choice, combined, crossing, definition, page, pushing, reading, resolution, rotors, structures
+from . import choice, combined, crossing, definition, page, pushing, reading, resolution, room, rotors, structures
 from .filters import Failed, FilterFailed, Filters
 from .stages import Stages, digest, digest_of, duration
 
 GFN2_ATOMS = 24
+VERIFY_SHARE = 0.15  # of the time that the grid took, about
 # What expand says of a grid that it cannot compute, and what that means.
 HOPELESS = {"level limit": f"with it a point has more than {definition.MAX_LEVELS} states",
             "does not converge": "with it the molecule does not come to rest"}
@@ -28,6 +29,8 @@ def run(o):
             break
         except FilterFailed as why:
             course.do_without_the_stiffest(why)
+        except room.TooSmall as why:
+            course.widen(why)
     course.push()
     return course.summary()
 
@@ -50,7 +53,7 @@ class Course:
         o, stages = self.o, self.stages
 
         def compute():
-            one, built = reading.read(o.file, o.smiles, lambda text: stages.say("  " + text))
+            one, built = reading.read(o.file, o.smiles, lambda text: stages.say("  " + text), o.uhf)
             charge = one.charge if o.charge is None else o.charge
             reading.check_electrons(one, self.what, charge, o.uhf)
             os.makedirs(o.output, exist_ok=True)
@@ -69,7 +72,8 @@ class Course:
             self.method = "gfn2" if len(self.molecule.numbers) <= GFN2_ATOMS else "gfnff"
         rings = sum(one.why == rotors.RING for one in self.stay)
         stages.say(f"  {self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms, "
-                   f"charge {reading.signed(self.charge)}, {len(self.rotors)} bonds turn" + (f"; {rings} rings stay as they are" if rings else ""))
+                   f"charge {reading.signed(self.charge)}, {len(self.rotors)} bonds turn"
+                   + (f"; {rings} rings stay as they are" if rings else ""))
 
     def _leave_still(self):
         """Turns only the bonds of --torsions."""
@@ -115,8 +119,8 @@ class Course:
         if known.get("key") == digest(self.stages.path("report.tsv")):
             self.unwanted = known["paths"]
         self.taken = self._choose()
-        self.definition = definition.Definition.around(self.molecule, self.structures, self.taken,
-                                                       self.o.basins)
+        self.definition = definition.Definition.around(self.molecule, self.structures, self.taken, self.o.basins,
+                                                       self.o.spacing or 0.0, self._room()["sides"])
         self.definition.torsions = self._turned(self.taken)
         self._resolve()
         stages.run("definition", f"writing {self.toml}", [], [self.definition.text()], self._write_definition)
@@ -133,6 +137,24 @@ class Course:
                                        "paths": self.unwanted}
         self.stages.say(f"  {name} is left out: {words}")
 
+    def _room(self):
+        """How much wider the box was made for these paths, and how often."""
+        key = [digest(self.stages.path("report.tsv")), self.taken, self.o.spacing]
+        known = self.stages.done.get("room", {})
+        return known if known.get("key") == key else {"key": key, "made": {}, "sides": [0.0] * 6, "times": 0}
+
+    def widen(self, why):
+        """After a grid at whose sides the molecule is held out of its place."""
+        known = self._room()
+        known["times"] += 1
+        known["sides"] = [more + why.spacing * touched for more, touched in zip(known["sides"], why.sides)]
+        self.stages.done["room"] = known
+        self.stages.say("  the molecule is pushed as far as a side of the box, which is made wider")
+
+    def _check_room(self, grid):
+        if self._room()["times"] < room.WIDENED:
+            room.check(self.filters, self.stages, grid)
+
     def _write_definition(self):
         definition.write(self.stages.path(self.toml), self.definition.text())
         return [self.toml]
@@ -146,16 +168,17 @@ class Course:
         def compute():
             taken, left = choice.choose(self.filters, stages, self.molecule, self.structures, self.o.paths,
                                         self.unwanted, self.o.basins, self._missed)
-            for name, why in left.items():
-                stages.say(f"  {name} is left out: {why}")
             stages.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
             table = choice.table(self.structures, self.rotors, self.stay, taken, left)
             files.write_whole(stages.path("rotors.tsv"), table)
             return ["rotors.tsv"]
-        stages.run("choice", "choosing the softest paths that are sane together", [*self._xyz(), "report.tsv"],
-                   [self.o.paths, self.unwanted, self.o.basins], compute)
+        chosen = stages.run("choice", "choosing the softest paths that are sane together",
+                            [*self._xyz(), "report.tsv"],
+                            [self.o.paths, self.unwanted, self.o.basins], compute)
         with open(stages.path("rotors.tsv"), encoding="utf-8") as file:
             rows = [line.rstrip("\n").split("\t") for line in file][1:]
+        for line in choice.left_out(rows) if chosen else ():
+            stages.say("  " + line)
         taken = {row[0] for row in rows if row[3] == "yes"}
         order = sorted(self.structures.found, key=lambda f: f.barrier)
         return [f.name for f in order if f.name in taken]
@@ -170,58 +193,90 @@ class Course:
         """Sets the definition's spacing."""
         o, stages = self.o, self.stages
         if o.spacing:
-            self.definition.spacing = o.spacing
+            self.expected = None
             return
         coarse = self.definition.spacing
         text = self.definition.text()
+        what = f"computing a coarse grid, {coarse:g} Å, from which the box and the spacing follow"
 
         def compute():
             definition.write(stages.path("coarse.toml"), text)
-            made = resolution.compute_grid(self.filters, stages, "coarse.toml", "coarse.grid", o.threads)
-            report = resolution.measure(self.filters, "coarse.grid", o.threads)
+            made = resolution.compute_grid(self.filters, stages, what, "coarse.toml", "coarse.grid", o.threads,
+                                           self._estimated("coarse.toml"))
+            self._check_room("coarse.grid")
+            report = resolution.measure(self.filters, stages, "coarse.grid", o.threads)
             files.write_whole(stages.path("coarse.json"), report)
             return ["coarse.toml", *made, "coarse.json"]
-        stages.run("resolution", f"computing a coarse grid, {coarse:g} Å, and how far it is off between its points",
-                   self._xyz(), [text], compute)
+        stages.run("resolution", what, self._xyz(), [text], compute)
         with open(stages.path("coarse.json"), encoding="utf-8") as file:
             report = file.read()
         seconds = resolution.cpu_seconds(stages.path("coarse.grid.cost"))
-        found = resolution.decide(report, seconds, coarse, o.threads)
-        if o.basins:
-            found.spacing = min(found.spacing, resolution.BETWEEN_BASINS)
+        found = resolution.decide(report, seconds, coarse, o.threads, o.basins)
         self.definition.spacing = found.spacing
         self.expected = found.cost(found.spacing) / o.threads
-        words = f"  spacing {found.spacing:g} Å, about {duration(self.expected)}"
-        if found.enough and found.enough < found.spacing * 0.99:
-            words += (f"; {resolution.WANTED:g} Å in 99 of 100 places would take --spacing {found.enough:.2g} "
-                      f"and about {duration(found.cost(found.enough) / o.threads)}")
-        elif not found.enough:
-            words += "; how far it is off between its points could not be told"
-        stages.say(words)
+        stages.say(f"  spacing {found.spacing:g} Å, about {duration(self.expected)}; " + self._finer(found))
+
+    def _finer(self, found):
+        """What a finer grid would cost."""
+        wanted = f"{resolution.WANTED:g} Å in 99 of 100 places"
+        if found.enough < found.spacing * 0.99:
+            return (f"to be off by less than {wanted} would take --spacing {found.enough:.2g} and about "
+                    f"{duration(found.cost(found.enough) / self.o.threads)}" + (", a guess" if found.guessed else ""))
+        return f"off by less than {wanted}; " + self._half(found.seconds, found.coarse, found.spacing)
+
+    def _half(self, seconds, before, spacing):
+        half = resolution.scaled(seconds, before, spacing / 2) / self.o.threads
+        return f"a grid twice as fine, --spacing {spacing / 2:.2g}, would take about {duration(half)}"
+
+    def _estimated(self, toml):
+        seconds = resolution.estimated(self.filters, toml)
+        return seconds and seconds / self.o.threads
 
     # The grid
 
     def compute(self):
         o, stages = self.o, self.stages
+        what = f"computing {self.grid}, how the molecule yields at each place of the probe"
 
         def compute():
-            return resolution.compute_grid(self.filters, stages, self.toml, self.grid, o.threads, self.expected)
-        stages.run("grid", f"computing {self.grid}", [self.toml, *self._xyz()], [], compute)
+            made = resolution.compute_grid(self.filters, stages, what, self.toml, self.grid, o.threads,
+                                           self.expected or self._estimated(self.toml))
+            if not self.by_hand:
+                self._look_at(self.grid)
+            return made
+        stages.run("grid", what, [self.toml, *self._xyz()], [], compute)
+
+        title = "checking that the grid is whole and that its states are the model's"
 
         def verify():
-            out, code = self.filters.run("verify", self.grid, "-v", "-j", o.threads, good=(0, 3, 4))
+            share = resolution.cpu_seconds(stages.path(f"{self.grid}.cost")) * VERIFY_SHARE / o.threads
+            out, code = self.filters.run("verify", self.grid, "-v", "-j", o.threads, good=(0, 3, 4),
+                                         watch=lambda gone: stages.waiting(title, gone, share))
             files.write_whole(stages.path("verify.txt"), out)
             if code == 3:
                 raise Failed(f"{self.grid} breaks a rule: see {stages.path('verify.txt')}")
             return ["verify.txt"]
-        stages.run("verify", "verifying it", [self.grid], [], verify)
+        stages.run("verify", title, [self.grid], [], verify)
+
+    def _look_at(self, grid):
+        """Whether a grid has room enough, and what a finer one would cost, where no coarse one told it."""
+        try:
+            self._check_room(grid)
+        except room.TooSmall:
+            if self.o.spacing:
+                raise
+            self.stages.say(f"  at a side of the box the molecule is held: change origin and counts in {self.toml} "
+                            "for more room")
+        if self.o.spacing:
+            seconds = resolution.cpu_seconds(self.stages.path(f"{grid}.cost"))
+            self.stages.say("  " + self._half(seconds, self.o.spacing, self.o.spacing))
 
     # The way of the probe
 
     def push(self):
         stages = self.stages
         stages.run("pushing", "looking for the probe's ways that turn the molecule", [self.grid], [],
-                   lambda: self._ways()(self.filters, stages, self.grid, self.structures).write())
+                   lambda: self._ways()(self.filters, stages, self.grid, self.structures, self.o.threads).write())
         made = [n for n in stages.made("pushing") if n.endswith(".txt")]
         self.best = made[0]
         stages.run("page", "drawing pictures", [self.grid, *made, "rotors.tsv", "verify.txt"], [], self._page)
@@ -231,7 +286,8 @@ class Course:
 
     def _page(self):
         turned = self._turned(definition.paths_of(self.stages.path(self.toml)))
-        return page.Page(self.filters, self.stages, self.name, self.best, self.molecule, turned).write()
+        return page.Page(self.filters, self.stages, self.name, self.best, self.molecule, turned,
+                         self.o.threads).write()
 
     def _turned(self, paths):
         """The torsions that these paths turn."""

@@ -6,9 +6,13 @@ it should be: first those along which the atoms go most, then random ones, deepe
 after the other in one go, since reading the grid takes longest.
 """
 
+import copy
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 
 from . import pushing
+from .definition import CLEAR
 
 LINES = 60  # of those along which the atoms go, at most
 RANDOM = 240
@@ -28,17 +32,32 @@ class Crossings(pushing.Ways):
         if not minima:
             return super().write()
         rest, *others = sorted(minima, key=lambda t: np.abs(t).sum())
-        names = []
+        searches = []
         for k, name in enumerate(self.taken):
-            for there in (t for t in others if t[k] != 0 and np.count_nonzero(t) == 1):
+            one = copy.copy(self)
+            one.way = f".way-{k}"
+            there = [t for t in others if t[k] != 0 and np.count_nonzero(t) == 1]
+            searches.append(lambda one=one, name=name, there=there: one._over(toml, name, rest, there))
+        tell = self.stages.counted("pushing the molecule over its barriers and back", len(searches))
+        names = []
+        with ThreadPoolExecutor(self.threads) as pool:
+            for done, name in enumerate(pool.map(lambda search: search(), searches), 1):
+                tell(done)
+                names += [name] if name else []
+        return names or super().write()
+
+    def _over(self, toml, name, rest, minima):
+        """The file of a way into the first of the minima that can be reached, and back; None without."""
+        try:
+            for there in minima:
                 way = self._there_and_back(toml, rest, there)
                 if way is not None:
-                    names.append(f"path-{name}.txt")
-                    self._write_way(names[-1], way, f"The probe pushes {name} over its barrier, goes round the "
-                                                    "molecule, and pushes it back.")
-                    break
-        self._clean()
-        return names or super().write()
+                    self._write_way(f"path-{name}.txt", way, f"The probe pushes {name} over its barrier, goes round "
+                                                             "the molecule, and pushes it back.")
+                    return f"path-{name}.txt"
+            return None
+        finally:
+            self._clean([self.way])
 
     def _there_and_back(self, toml, rest, there):
         """The places of the probe, or None."""
@@ -78,7 +97,7 @@ class Crossings(pushing.Ways):
 
     def _candidates(self, x, y):
         found = []
-        for clear in (self.clear, pushing.CLEAR):
+        for clear in (self.clear, CLEAR):
             found += pushing.lines(x, y - x, self.radius, self.low, self.high, clear, LINES, 0.95)
         return [(start, end) for start, end, _ in found[:LINES]] + self._random(x)
 
@@ -101,9 +120,9 @@ class Crossings(pushing.Ways):
 
     def _states(self, way):
         """The t at each place of a way."""
-        self._write_way(".way.txt", way, "tried")
-        self.filters.run("play", self.grid, "--device", "path:.way.txt", "--log", ".way.log")
-        names, rows = pushing.read_log(self.stages.path(".way.log"))
+        self._write_way(self.way + ".txt", way, "tried")
+        self.filters.run("play", self.grid, "--device", f"path:{self.way}.txt", "--log", self.way + ".log")
+        names, rows = pushing.read_log(self.stages.path(self.way + ".log"))
         first = names.index("s0")
         return rows[:, first:first + len(self.taken)]
 

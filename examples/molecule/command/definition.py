@@ -12,9 +12,7 @@ from preparation.xtb import BOHR
 RADII = {1: 1.20, 6: 1.70, 7: 1.55, 8: 1.52, 9: 1.47, 14: 2.10, 15: 1.80, 16: 1.80, 17: 1.75, 34: 1.90,
          35: 1.85, 53: 1.98}
 PROBE = 1.2  # angstrom
-# Beyond where the probe touches the molecule at rest: the molecule yields when it is pushed, and the
-# probe must still reach its other side. The committed examples have 2 to 4.
-ROOM = 2.0
+CLEAR = 0.3  # angstrom from touching, where a push begins; and a cell more, which is then at rest
 MAX_LEVELS = 64
 COARSE_POINTS = 14  # along the longest side of the first grid
 LEAST_POINTS = 8
@@ -33,15 +31,20 @@ class Definition:
     basins: bool = False  # whether paths go on behind their saddles
 
     @classmethod
-    def around(cls, molecule, result, paths, basins=False):
-        """The box around all shapes of the paths that are taken."""
+    def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=()):
+        """The box around all shapes of the paths that are taken, with the probe around them, and the
+        room in which a push begins. spacing: of the grid, where it is known already; room: how much more
+        each side needs, low x, y, z and high x, y, z, since the molecule yields when it is pushed
+        (room.py)."""
         radius = np.array([RADII[z] for z in molecule.numbers])[:, None]
         shapes = [result.x] + [node for f in result.found if f.name in paths for node in f.nodes]
         x = np.array(shapes) * BOHR
-        low = (x - radius).min(axis=(0, 1)) - PROBE - ROOM
-        high = (x + radius).max(axis=(0, 1)) + PROBE + ROOM
-        return cls(f"{molecule.ob.GetFormula()}, {len(molecule.numbers)} atoms", paths, low, high,
-                   coarse_spacing(high - low), basins=basins)
+        low = (x - radius).min(axis=(0, 1)) - PROBE - CLEAR
+        high = (x + radius).max(axis=(0, 1)) + PROBE + CLEAR
+        cell = spacing or coarse_spacing(high - low)
+        more = np.reshape(room or np.zeros(6), (2, 3))
+        return cls(f"{molecule.ob.GetFormula()}, {len(molecule.numbers)} atoms", paths, low - cell - more[0],
+                   high + cell + more[1], cell, basins=basins)
 
     def counts(self):
         cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
@@ -97,7 +100,8 @@ def paths_of(path):
 
 
 def coarse_spacing(size):
-    return math.ceil(float(max(size)) / (COARSE_POINTS - 1) / 0.05 - 1e-9) * 0.05
+    """Of a grid that goes a cell farther on each side."""
+    return round(math.ceil(float(max(size)) / (COARSE_POINTS - 3) / 0.05 - 1e-9) * 0.05, 2)
 
 
 def write(path, text):

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 
 class Failed(Exception):
@@ -51,3 +52,10 @@ class Filters:
         if process.returncode not in good:
             raise FilterFailed(self.said)
         return out, process.returncode
+
+    def run_each(self, commands, threads, tell):
+        """Runs several commands (lists of arguments, the filter's name first), so many at a time. tell(n)
+        is called when n are done."""
+        with ThreadPoolExecutor(threads) as pool:
+            for done, _ in enumerate(pool.map(lambda words: self.run(*words), commands), 1):
+                tell(done)

@@ -17,56 +17,69 @@ STAYS = 0.05  # of a t: less is not behind a saddle
 
 
 class Page:
-    def __init__(self, filters, stages, name, way, molecule, torsions):
+    def __init__(self, filters, stages, name, way, molecule, torsions, threads):
         self.filters, self.stages, self.name, self.way, self.molecule = filters, stages, name, way, molecule
-        self.torsions = torsions
+        self.torsions, self.threads = torsions, threads
         self.grid = f"{name}.grid"
 
     def write(self):
         run = self.filters.run
-        run("play", self.grid, "--device", f"path:{self.way}", "--log", "played.log", "--frames", "played.frames")
-        names, rows = read_log(self.stages.path("played.log"))
-        at = {name: rows[:, n] for n, name in enumerate(names)}
+        run("play", self.grid, "--device", f"path:{self.way}", "--log", "played.log", "--frames", "played.frames",
+            watch=lambda gone: self.stages.waiting("playing the way", gone, None))
         run("view", "played.frames", "--xyz", "played.xyz", "--pdb", "played.pdb")
+        names, rows = read_log(self.stages.path("played.log"))
         shapes = frames(self.stages.path("played.xyz"))
         drawn = curves.draw(self.stages, (names, rows), np.array([x for _, _, x in shapes]), self.torsions,
                             [float(words["time"]) for words, _, _ in shapes])
-        span = [np.ptp(at[axis]) for axis in "xyz"]
-        axis = "xyz"[int(np.argmax(span))]
-        made = ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn]
+        at = {name: rows[:, n] for n, name in enumerate(names)}
+        pictures = {**self._plots(at), **self._pictures(at)}
+        self.filters.run_each(pictures.values(), self.threads, self.stages.counted("drawing pictures", len(pictures)))
+        made = [*drawn, *pictures]
+        page = self._html([n for n in made if n.endswith(".png")])
+        files.write_whole(self.stages.path("index.html"), page)
+        return ["played.log", "played.frames", "played.xyz", "played.pdb", *made, "index.html"]
 
-        def plot(picture, x, y, labels):
-            run("stats", "--log", "played.log", "--plot", f"{x},{y}", "--labels", labels, "--png", picture)
-            made.append(picture)
-        plot("force.png", axis, f"force_{axis}", f"{axis} of the probe / Å,{axis} of the force / N")
-        plot("energy.png", axis, "energy", f"{axis} of the probe / Å,hybrid energy / (kJ/mol)")
-        paths = sum(n[0] == "s" and n[1:].isdigit() for n in names) - 6
+    @staticmethod
+    def _plots(at):
+        """{file: the command that draws it}; at: columns of the log by their names."""
+        axis = max("xyz", key=lambda a: np.ptp(at[a]))
+
+        def plot(picture, y, label):
+            return ["stats", "--log", "played.log", "--plot", f"{axis},{y}", "--labels",
+                    f"{axis} of the probe / Å,{label}", "--png", picture]
+        return {"force.png": plot("force.png", f"force_{axis}", f"{axis} of the force / N"),
+                "energy.png": plot("energy.png", "energy", "energy / (kJ/mol)")}
+
+    @staticmethod
+    def _moments(at):
+        """{picture: time} of what is worth a look."""
+        paths = sum(n[0] == "s" and n[1:].isdigit() for n in at) - 6
         turns = [float(np.abs(at[f"s{k}"]).max()) for k in range(paths)]
         when = {"before.png": 0.0}
-        if turns:
-            farthest = np.abs(at[f"s{int(np.argmax(turns))}"])
-            when["turned.png"] = float(at["t"][int(farthest.argmax())])
-            # Behind a saddle the molecule stays when nothing pushes it.
-            free = np.hypot(np.hypot(at["force_x"], at["force_y"]), at["force_z"]) == 0
-            stays = np.flatnonzero(free & (farthest > STAYS))
-            if stays.size:
-                when["behind.png"] = float(at["t"][stays[stays.size // 2]])
-                when["after.png"] = float(at["t"][-1])
-        else:
-            when["pushed.png"] = float(at["t"][len(rows) // 2])
-        # The probe comes from the left.
-        way = [at[a][len(rows) // 2] - at[a][0] for a in "xyz"]
+        if not turns:
+            return {**when, "pushed.png": float(at["t"][len(at["t"]) // 2])}
+        farthest = np.abs(at[f"s{int(np.argmax(turns))}"])
+        when["turned.png"] = float(at["t"][int(farthest.argmax())])
+        # Behind a saddle the molecule stays when nothing pushes it.
+        free = np.hypot(np.hypot(at["force_x"], at["force_y"]), at["force_z"]) == 0
+        stays = np.flatnonzero(free & (farthest > STAYS))
+        if stays.size:
+            when["behind.png"] = float(at["t"][stays[stays.size // 2]])
+            when["after.png"] = float(at["t"][-1])
+        return when
+
+    def _pictures(self, at):
+        """{file: the command that draws it}. The probe comes from the left."""
+        way = [at[a][len(at[a]) // 2] - at[a][0] for a in "xyz"]
         view = ["--azimuth", f"{np.degrees(np.arctan2(way[1], way[0])):.0f}", "--elevation", "10"]
-        for picture, t in when.items():
-            run("view", "played.frames", "--at", f"{t:.3f}", *view, "--png", picture)
-            made.append(picture)
+        out = {}
+        for picture, t in self._moments(at).items():
+            one = ["view", "played.frames", "--at", f"{t:.3f}", *view, "--png"]
             sticks = picture.replace(".png", "-sticks.png")
-            run("view", "played.frames", "--at", f"{t:.3f}", *view, "--style", "sticks", "--png", sticks)
-            made.append(sticks)
-        run("view", "played.frames", *view, "--html", "played.html")
-        made.append("played.html")
-        files.write_whole(self.stages.path("index.html"), self._html([n for n in made if n.endswith(".png")]))
-        return [*made, "index.html"]
+            out[picture] = [*one, picture]
+            out[sticks] = [*one, sticks, "--style", "sticks"]
+        out["played.html"] = ["view", "played.frames", *view, "--html", "played.html"]
+        return out
 
     def _html(self, pictures):
         def read(name):

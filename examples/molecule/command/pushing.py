@@ -11,12 +11,11 @@ import numpy as np
 from preparation import files
 from preparation.xtb import BOHR
 
-from .definition import PROBE, RADII, paths_of
+from .definition import CLEAR, PROBE, RADII, paths_of
 from .rotors import label
 
 TRIED = 5
 STEP, COARSE_STEP = 0.002, 0.02  # angstrom a tick
-CLEAR = 0.3  # angstrom from touching, where a line begins; and a cell more, which is then at rest
 BEYOND = 2.0  # angstrom that the probe follows the atom beyond its way
 
 
@@ -100,8 +99,9 @@ def read_log(path):
 class Ways:
     """The files path-NAME.txt of the paths in a grid, the one that turns a torsion farthest first."""
 
-    def __init__(self, filters, stages, grid, structures):
+    def __init__(self, filters, stages, grid, structures, threads):
         self.filters, self.stages, self.grid, self.structures = filters, stages, grid, structures
+        self.threads = threads
         header = json.loads(filters.run("stats", grid, "--format", "json")[0])
         box = header["box"]
         self.low = np.array(box["origin"])
@@ -113,12 +113,13 @@ class Ways:
     def write(self):
         found = {f.name: f for f in self.structures.found}
         x = self.structures.x * BOHR
+        ways = [self._lines(x, found[name].nodes[-1] * BOHR - x) for name in self.taken]
+        turned = self._played([(k, line) for k, lines_of in enumerate(ways) for line in lines_of])
         best = []
         for k, name in enumerate(self.taken):
-            move = found[name].nodes[-1] * BOHR - x
-            turned, line = self._farthest(k, self._lines(x, move))
-            if line is not None:
-                best.append((turned, name, line))
+            if ways[k]:
+                most, turned = turned[:len(ways[k])], turned[len(ways[k]):]
+                best.append((max(most), name, ways[k][int(np.argmax(most))]))
         if not best:  # nothing turns: past the molecule, against its broad side
             move = np.tile([0.0, 0.0, 1.0], (len(x), 1))
             ways = self._lines(x, move)
@@ -139,19 +140,22 @@ class Ways:
     def _write(self, name, start, end, step, title):
         files.write_whole(self.stages.path(name), text(start, end, step, title))
 
-    def _farthest(self, k, ways):
-        """(largest t, line) of those that were played."""
-        best = (0.0, None)
-        for line in ways:
-            self._write(".way.txt", line[0], line[1], COARSE_STEP, "tried")
-            self.filters.run("play", self.grid, "--device", "path:.way.txt", "--log", ".way.log")
-            names, rows = read_log(self.stages.path(".way.log"))
-            turned = float(rows[:, names.index(f"s{k}")].max())
-            if turned > best[0] or best[1] is None:
-                best = (turned, line)
-        self._clean()
-        return best
+    def _played(self, lines_of):
+        """The largest t of path k for each (k, line)."""
+        names = [f".way-{n}" for n in range(len(lines_of))]
+        commands = []
+        for name, (_, line) in zip(names, lines_of):
+            self._write(name + ".txt", line[0], line[1], COARSE_STEP, "tried")
+            commands.append(["play", self.grid, "--device", f"path:{name}.txt", "--log", name + ".log"])
+        try:
+            self.filters.run_each(commands, self.threads,
+                                  self.stages.counted("pushing the molecule to see which way turns it", len(commands)))
+            logs = [read_log(self.stages.path(name + ".log")) for name in names]
+            return [float(rows[:, heads.index(f"s{k}")].max()) for (heads, rows), (k, _) in zip(logs, lines_of)]
+        finally:
+            self._clean(names)
 
-    def _clean(self):
-        for name in (".way.txt", ".way.log"):
-            files.remove(self.stages.path(name))
+    def _clean(self, names):
+        for name in names:
+            files.remove(self.stages.path(name + ".txt"))
+            files.remove(self.stages.path(name + ".log"))

@@ -1,6 +1,9 @@
 """Which bonds turn, and what they are called: by their four atoms (C1-C2-C3-O4), and in peptides by
 phi, psi, omega and chi with the number of the residue. omega0 is the bond of a cap to the first
-residue's nitrogen; in a peptide of one residue phi, psi and chi have no number."""
+residue's nitrogen; in a peptide of one residue phi, psi and chi have no number.
+
+Open Babel's OBRotorList is not used: it leaves out every bond at whose end only hydrogens turn (methyl,
+hydroxyl), and those are among the softest here. What it does otherwise is one loop over the bonds."""
 
 from dataclasses import dataclass, replace
 
@@ -39,12 +42,13 @@ def find(molecule):
             if (j, k) in stiff:
                 left.append(Left(word, "a double or triple bond does not turn"))
                 continue
-            one = torsions.make(numbers, near, word, None, None, j, k, None, None)
+            named, ends = names.get((j, k), (None, {}))
+            one = torsions.make(numbers, near, word, None, ends.get(j), j, k, ends.get(k), None)
             name = "-".join(label(numbers, a) for a in one.atoms)
             if _on_a_line(molecule, one.atoms):
                 left.append(Left(name, "its atoms lie on a line"))
                 continue
-            found.append(replace(one, name=names.get((j, k), name)))
+            found.append(replace(one, name=named or name))
     return found, left
 
 
@@ -63,29 +67,48 @@ def _rings(molecule):
 
 
 def peptide_names(molecule):
-    """Names by bond (j < k)."""
+    """{bond (j < k): (name, {an atom of the bond: the atom at which the torsion ends there})}. Angles are
+    those of IUPAC: phi is C-N-CA-C, psi N-CA-C-N, omega CA-C-N-CA."""
     from openbabel import openbabel
     pattern = openbabel.OBSmartsPattern()
     pattern.Init(RESIDUE)
     pattern.Match(molecule.ob)
     residues = sorted({tuple(a - 1 for a in match[:3]) for match in pattern.GetUMapList()})
     residues = _in_order(molecule, residues)
-    amides = set(molecule.amides)
     # An amino acid alone, without a peptide bond, is no peptide.
-    if not any({n, c} & {a for bond in amides for a in bond} for n, _, c in residues):
+    if not any({n, c} & {a for bond in molecule.amides for a in bond} for n, _, c in residues):
         return {}
     out = {}
-    number = (lambda r: "") if len(residues) == 1 else (lambda r: str(r + 1))
     for r, (n, ca, c) in enumerate(residues):
-        out[_bond(n, ca)] = f"phi{number(r)}"
-        out[_bond(ca, c)] = f"psi{number(r)}"
-        for bond in amides:
-            if c in bond:
-                out[bond] = f"omega{r + 1}"
-            elif n in bond and not any(bond == _bond(n, before[2]) for before in residues):
-                out[bond] = f"omega{r}"
-        _side_chain(molecule, (n, ca, c), number(r), out)
+        number = "" if len(residues) == 1 else str(r + 1)
+        before, after = _partner(molecule, n), _partner(molecule, c)
+        out[_bond(n, ca)] = f"phi{number}", _ends({n: before, ca: c})
+        out[_bond(ca, c)] = f"psi{number}", _ends({ca: n, c: _single(molecule, c, ca)})
+        if after is not None:
+            out[_bond(c, after)] = f"omega{r + 1}", _ends({c: ca, after: _carbon(molecule, after, c)})
+        if before is not None:
+            out.setdefault(_bond(before, n), (f"omega{r}", _ends({before: _carbon(molecule, before, n), n: ca})))
+        _side_chain(molecule, (n, ca, c), number, out)
     return out
+
+
+def _ends(ends):
+    return {at: end for at, end in ends.items() if end is not None}
+
+
+def _partner(molecule, atom):
+    """The other atom of an amide bond."""
+    return next((b for bond in molecule.amides if atom in bond for b in bond if b != atom), None)
+
+
+def _carbon(molecule, atom, without):
+    return next((a for a in molecule.neighbours[atom] if a != without and molecule.numbers[a] == 6), None)
+
+
+def _single(molecule, carbon, without):
+    """The nitrogen behind a residue's carbon, or the oxygen of its hydroxyl group."""
+    near = [a for a in molecule.neighbours[carbon] if a != without]
+    return max(near, key=lambda a: (molecule.numbers[a] == 7, len(molecule.neighbours[a])))
 
 
 def _bond(a, b):
@@ -115,7 +138,7 @@ def _side_chain(molecule, residue, number, out):
         to = chain[0]
         bond = _bond(at, to)
         if bond not in molecule.double:
-            out.setdefault(bond, f"chi{number}_{depth}" if number else f"chi{depth}")
+            out.setdefault(bond, (f"chi{number}_{depth}" if number else f"chi{depth}", {}))
         seen.add(to)
         at, depth = to, depth + 1
         chain = [a for a in molecule.neighbours[at] if molecule.numbers[a] > 1 and a not in seen]

@@ -57,7 +57,9 @@ class Stages:
         """A line that is written over, where somebody watches."""
         if self.quiet or not sys.stderr.isatty():
             return
-        left = f", about {duration((time.monotonic() - began) / done * (total - done))} left" if done else ""
+        left = ""
+        if 0 < done < total:
+            left = f", about {duration((time.monotonic() - began) / done * (total - done))} left"
         print(f"\r\033[Kmolecule: {what}: {done} of {total}{left}", end="", file=sys.stderr, flush=True)
         self.line = True
 
@@ -70,6 +72,12 @@ class Stages:
             left += f", about {duration(expected - gone)} left" if expected > gone else ", longer than expected"
         print(f"\r\033[Kmolecule: {what}{left}", end="", file=sys.stderr, flush=True)
         self.line = True
+
+    def counted(self, what, total):
+        """tell(n) for what is done in `total` steps."""
+        began = time.monotonic()
+        self.progress(what, 0, total, began)
+        return lambda done: self.progress(what, done, total, began)
 
     def _clear(self):
         if self.line:

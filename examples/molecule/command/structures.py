@@ -48,6 +48,11 @@ class _Search(work.Work):
         if text.startswith("conformer"):
             self.stages.say("  " + text)
 
+    def _relaxed(self, starts):
+        self.starts = starts
+        return [one for _, one in _in_processes(self.stages, "relaxing conformers", _conformer,
+                                                list(range(len(starts))), self.options.threads)]
+
     def jobs(self):
         return [(t, s) for t in self.driven for s in t.signs]
 
@@ -77,6 +82,10 @@ class _Search(work.Work):
 
 
 _search = None  # of this process and of those that it starts
+
+
+def _conformer(number):
+    return work.Work._relaxed(_search, _search.starts[number:number + 1])[0]
 
 
 def _saddle(number):
@@ -112,42 +121,59 @@ def explore(molecule, rotors, options, stages):
     """The Found of a molecule. options: Options."""
     global _search
     keep = not options.search
+    look, finish = (_beyond_all, _basins) if options.basins else (_saddles, _paths)
     for start in range(RESTARTS + 1):
         o = SimpleNamespace(smiles=None, file="", method=options.method, charge=options.charge, uhf=options.uhf,
                             keep_conformation=keep, conformers=4, seed=1, highest=options.highest, work=options.work,
-                            again=False, quiet=False, keep_equal=True, paths=None)
+                            again=False, quiet=False, threads=options.threads, keep_equal=True, paths=None)
         _search = search = _Search(molecule, rotors, o, stages)
         search._find_conformation()
-        if options.basins:
-            return _behind_saddles(search, stages, options.threads)
         stages.say("  conformation: a minimum" + (f", {options.method}" if start == 0 else ""))
-        tops, lower = _saddles(search, stages, options.threads, start < RESTARTS)
+        tops, lower = look(search, stages, options.threads, start < RESTARTS)
         if start == RESTARTS or lower is None:
             break
         name, shape, below = lower
         stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower: from there once more")
         molecule.positions = shape * BOHR
         keep = True
-    return _paths(search, tops, stages, options.threads)
+    return finish(search, tops, stages, options.threads)
 
 
-def _behind_saddles(search, stages, threads):
-    """The paths that go on behind their saddles. Behind the saddle of a methyl group is the same
-    shape once more."""
-    found, dropped = [], [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
+def _beyond_all(search, stages, threads, may_restart):
+    """({number of a torsion: its way on behind its saddles}, the first lower minimum)."""
+    ways = {}
     numbers = [n for n, t in enumerate(search.driven) if not t.rotor]
     for n, way in _in_processes(stages, "following torsions from minimum to minimum", _beyond, numbers, threads):
-        torsion = search.driven[n]
+        ways[n] = way
+        name = search.driven[n].name
         if "dropped" in way:
-            dropped.append((torsion.name, way["dropped"]))
-            stages.say(f"  {torsion.name}: {way['dropped']}")
+            stages.say(f"  {name}: {way['dropped']}")
             continue
-        one = beyond.Beyond(torsion.name, torsion.name, [np.array(x) for x in way["nodes"]], way["energies"],
-                            way["start"], dict(way["kinds"]), way["why"])
-        found.append(one)
-        points = ", ".join(f"{kind} {search._above(one.energies[k]):.1f}" for k, kind in one.kinds.items())
-        stages.say(f"  {torsion.name}: {points} kJ/mol")
-    return Found(_result(search, found, dropped))
+        kinds = dict(way["kinds"])
+        points = ", ".join(f"{kind} {search._above(way['energies'][k]):.1f}" for k, kind in kinds.items())
+        stages.say(f"  {name}: {points} kJ/mol")
+        below, k = max((-search._above(way["energies"][k]), k) for k, kind in kinds.items() if kind == "minimum")
+        if may_restart and below > LOWER:
+            return ways, (name, np.array(way["nodes"][k]), below)
+    return ways, None
+
+
+def _basins(search, ways, stages, threads):
+    """The Found of paths that go on behind their saddles. Behind the saddle of a methyl group is the same
+    shape once more."""
+    found, lower = [], []
+    dropped = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
+    for n, way in ways.items():
+        name = search.driven[n].name
+        if "dropped" in way:
+            dropped.append((name, way["dropped"]))
+            continue
+        found.append(beyond.Beyond(name, name, [np.array(x) for x in way["nodes"]], way["energies"], way["start"],
+                                   dict(way["kinds"]), way["why"]))
+        below = -search._above(min(way["energies"]))
+        if below > LOWER:
+            lower.append((name, below))
+    return Found(_result(search, found, dropped), lower)
 
 
 def _saddles(search, stages, threads, may_restart):

@@ -65,8 +65,9 @@ def _rfo(values, f, climbed):
     matrix = np.zeros((n + 1, n + 1))
     matrix[range(n), range(n)] = values[down]
     matrix[:n, n] = matrix[n, :n] = f[down]
-    shift = np.linalg.eigvalsh(matrix)[0]
-    step[down] = -f[down] / (values[down] - shift)
+    gap = values[down] - np.linalg.eigvalsh(matrix)[0]
+    # Where by symmetry nothing pulls along a mode that falls, this is 0 / 0.
+    step[down] = -f[down] / np.maximum(gap, 1e-12)
     return step
 
 
@@ -153,11 +154,23 @@ def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
     raise NotConverged("no minimum near a point of symmetry")
 
 
-def saddle(surface, x, direction, tolerance=3e-6, steps=150):
+def saddle(surface, x, direction, tolerance=3e-6):
     """The first-order saddle uphill along the mode nearest to `direction` (3 atoms), with its exact
-    Hessian: (x, energy, hessian)."""
+    Hessian: (x, energy, hessian).
+
+    Where a soft torsion's scan snaps over, long steps on an updated Hessian leave the ridge. Then the
+    search begins anew with short steps and a fresh Hessian at nearly each: all four of phi and psi of the
+    dipeptide are found so with GFN-FF, two with long steps alone.
+    """
     renew = surface.hessian
-    x, energy, _ = search(surface, x, renew(x), climb=direction, tolerance=tolerance, steps=steps,
-                          trust=0.1, longest=0.5, renew=renew, every=surface.renewal,
-                          tree=surface.tree)
-    return x, energy, renew(x)
+    first = renew(x)
+    tries = (dict(steps=150, trust=0.1, longest=0.5, every=surface.renewal),
+             dict(steps=80, trust=0.05, longest=0.1, every=surface.renewal // 3))
+    for n, how in enumerate(tries, 1):
+        try:
+            x, energy, _ = search(surface, x, first, climb=direction, tolerance=tolerance, renew=renew,
+                                  tree=surface.tree, **how)
+            return x, energy, renew(x)
+        except NotConverged:
+            if n == len(tries):
+                raise

@@ -66,7 +66,8 @@ def make(numbers, neighbours, word, name, i, j, k, l, signs):
 
 def automatic(numbers, neighbours, double):
     """Every bond that turns: it is in no ring, not in `double` (a set of pairs, amides among them),
-    and has more than one atom on either side."""
+    and has more than one atom on either side. (Open Babel's OBRotorList has no methyl and hydroxyl
+    groups.)"""
     out = []
     for j in range(len(numbers)):
         for k in neighbours[j]:

@@ -14,7 +14,7 @@ from . import files, geometry, optimise, path, torsions
 from .molecule import conformers
 from .xtb import BOHR, HARTREE, Surface, XtbError
 
-VERSION = 1  # of the algorithm; a step that another version has kept is computed anew
+VERSION = 2  # of the algorithm; a step that another version has kept is computed anew
 SAME_SHAPE = 0.1  # bohr, root mean square: minima closer than this are one
 SAME_ENERGY = 0.02  # kJ/mol
 
@@ -175,18 +175,11 @@ class Work:
             starts = conformers(self.molecule, self.driven, o.conformers, o.seed)
             self.say(f"{len(starts)} conformers")
         best = None
-        for n, start in enumerate(starts):
-            try:
-                x, energy = self._roughly(start / BOHR)
-            except (optimise.NotConverged, XtbError) as why:
-                reason = str(why)
+        for n, (x, energy, why) in enumerate(self._relaxed(starts)):
+            if why:
+                reason = why
                 self.say(f"conformer {n + 1}: left out: {why}")
-                continue
-            if not self._intact(x):
-                reason = "its bonds change"
-                self.say(f"conformer {n + 1}: left out: {reason}")
-                continue
-            if best is None or energy < best[0]:
+            elif best is None or energy < best[0]:
                 best = energy, x
         if best is None:
             raise Failed(f"no conformation: none of the start structures relaxes: {reason}")
@@ -200,6 +193,17 @@ class Work:
         # Rounded as in the file, since readers compare the nodes of paths with the file.
         x = np.round(x * BOHR, 8) / BOHR
         return {"x": x.tolist(), "hessian": surface.hessian(x).tolist()}
+
+    def _relaxed(self, starts):
+        """(x, energy, why it is left out) of each start."""
+        out = []
+        for start in starts:
+            try:
+                x, energy = self._roughly(start / BOHR)
+                out.append((x, energy, "" if self._intact(x) else "its bonds change"))
+            except (optimise.NotConverged, XtbError) as why:
+                out.append((None, None, str(why)))
+        return out
 
     def _roughly(self, x):
         surface = self._surface(x)

@@ -7,7 +7,7 @@ source "$here/xtb.bash"
 bad() { refuses "molecule: $1" -- hapgrid molecule "${@:2}" -o bad; }
 bad "SMILES '\[CH3\]': 9 electrons with charge 0: a radical needs --uhf 1; otherwise give the right --charge" \
   --smiles '[CH3]'
-bad "SMILES 'C\[Zn\]C': Zn2: a metal, .*: take the part without it" --smiles 'C[Zn]C'
+bad "SMILES 'C\[Zn\]C': Zn2 is a metal, .*: take the part without it" --smiles 'C[Zn]C'
 bad "SMILES 'CCC\(': not understood" --smiles 'CCC('
 bad 'none\.sdf: No such file or directory' none.sdf
 printf '3\n\nC 0 0 0\nC 0 0 0\nH 0 0 0\n' >nowhere.xyz
@@ -16,6 +16,19 @@ head -c 2000 /dev/urandom | base64 >noise.sdf
 bad 'noise\.sdf: not understood as SDF' noise.sdf
 obabel -:"$(printf 'C%.0s' {1..66})" -osdf -h -O big.sdf 2>obabel.log
 bad 'big\.sdf: 200 atoms, at most 100 are feasible: cut out the part that matters, and close it with hydrogen' big.sdf
+# What is flat or incomplete is seen before the molecules of a file are told apart, which needs their bonds.
+xyz() { printf '%d\n\n' "$(($# / 4))" && printf '%s %s %s %s\n' "$@"; }
+xyz C 0.98 -0.06 0 C 2.5 -0.07 0 C 3.04 -1.36 0 C 4.56 -1.37 0 H 0.61 0.88 0 H 0.58 -0.14 0 H 0.58 -0.89 0 H 2.86 0.79 0 \
+  H 2.86 0.05 0 H 2.68 -2.22 0 H 2.67 -1.48 0 H 4.96 -1.29 0 H 4.93 -2.31 0 H 4.95 -0.54 0 >flat.xyz
+bad 'flat\.xyz: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles' flat.xyz
+xyz C 0 0 0 C 1.4 0.1 0.4 C 2.1 1.3 0 >bare.xyz
+bad 'bare\.xyz: C1 lacks hydrogen, and XYZ has no bonds to add it by: give an SDF file or --smiles; a radical needs --uhf' \
+  bare.xyz
+xyz Qq 0 0 0 C 0 0 1 O 1 1 1 >symbol.xyz
+bad 'symbol\.xyz: atom 1 is of no known element: correct its symbol' symbol.xyz
+bad "SMILES '\[Na\+\]\.\[Cl-\]': only single atoms or ions, Na\+ with charge \+1, Cl- with charge -1: none has a shape \
+to feel: give a molecule with bonds" --smiles '[Na+].[Cl-]'
+bad "SMILES 'CCO': 26 electrons, of which 1 cannot be the unpaired ones \(--uhf\)" --smiles CCO --uhf 1
 rm -- *.sdf *.xyz obabel.log
 expect 2 '' 'molecule: give either FILE or --smiles (see --help)' -- hapgrid molecule -o bad
 nothing_left .
@@ -23,7 +36,8 @@ nothing_left .
 # A flat SDF of a salt: the larger ion is taken, without hydrogens and coordinates as it is.
 obabel -:'CC[O-].[Na+]' -osdf -O salt.sdf 2>obabel.log
 play='hapgrid play salt/salt\.grid --device path:salt/path-H4-C1-C2-O3\.txt --rate 1000 --frames - | hapgrid view --window'
-expect 0 "~${play//|/\\|}" '~.*2 molecules: the largest is taken, C2H5O- with charge -1; left out: Na\+.*' -- \
+expect 0 "~${play//|/\\|}" '~.*salt\.sdf: 2 molecules or shapes: the largest is taken, C2H5O- with charge -1; left out: Na\+ with charge \+1; Na is a metal and is not felt
+.*--spacing 0\.6, would take about .*' -- \
   hapgrid molecule salt.sdf -o salt --method gfnff --spacing 1.2
 same "number of paths" 1 "$(ls salt/path-*.txt | wc -l)"
 
@@ -54,7 +68,8 @@ awk -F'\t' -v least="$(word ethanol/C1-C2-O3-H9-plus.xyz 11 dE)" '
   fail "the molecule's energy: $(cat ethanol/energies.tsv)"
 
 # The trajectories of what was played open in MDAnalysis, with the same atoms in the same places and the same torsions.
-if /usr/bin/python3 -c 'import MDAnalysis' 2>/dev/null; then
+# It is among the packages of `.ci/packages check`: where continuous integration runs it is there.
+if [[ -n ${CI-} ]] || /usr/bin/python3 -c 'import MDAnalysis' 2>/dev/null; then
   /usr/bin/python3 -W ignore - <<'END' || fail "MDAnalysis reads the trajectories otherwise"
 import base64
 import json
@@ -92,7 +107,43 @@ sed -i 's/^penalty = 100 /penalty = 60 /' salt/salt.toml
 expect 0 "~hapgrid play .*" '~.*salt\.toml was changed by hand: it is kept.*' -- "${salt[@]}"
 same "penalty" 60.0 "$(stats salt/salt.grid --get parameters.penalty)"
 
-# What has no torsion is felt as well: 6 numbers.
-expect 0 '~hapgrid play .*path-past\.txt.*' '' -- \
-  hapgrid molecule --smiles C#N -o cyanide --method gfnff --spacing 1.2 --quiet
+# Of several records, too, the largest is felt, here the second, which has no torsion: 6 numbers and no path.
+{ obabel -:C -osdf -h --gen3d && obabel -:C#N -osdf -h --gen3d && obabel -:O -osdf -h --gen3d; } >records.sdf 2>obabel.log
+expect 0 '~hapgrid play .*path-past\.txt.*' \
+  '~.*records\.sdf: 3 molecules or shapes: the largest is taken, CHN with charge 0; left out: CH4, H2O.*' -- \
+  hapgrid molecule records.sdf -o cyanide --method gfnff --spacing 1.2
 same "state" 6 "$(stats cyanide/cyanide.grid --get state.size 2>/dev/null || stats cyanide/cyanide.grid --get state_size)"
+
+# A radical is felt with --uhf.
+expect 0 '~hapgrid play .*' '' -- hapgrid molecule --smiles '[CH3]' --uhf 1 -o methyl --method gfnff --spacing 1.5 --quiet
+grep -q '1 unpaired electrons' methyl/report.tsv || fail "$(head -1 methyl/report.tsv)"
+
+# What has no barrier is told with the reason, on the terminal, in rotors.tsv and on the page.
+hapgrid molecule --smiles OO -o peroxide --method gfnff --spacing 1.5 --highest 2 >line 2>log || fail "$(cat log)"
+grep -q 'left out: H3-O1-O2-H4-plus, H3-O1-O2-H4-minus: still climbing at 2 kJ/mol' log || fail "$(cat log)"
+grep -q '<td>H3-O1-O2-H4-plus<td>.*<td>still climbing at 2 kJ/mol' peroxide/index.html || fail "the page does not say why"
+
+# Who watches sees what is done, and the time that is left.
+script -qec 'hapgrid molecule --smiles OO -o watched --method gfnff --spacing 1.5' /dev/null >watched.log </dev/null
+for what in 'relaxing conformers' 'driving torsions to their barriers' 'pushing the molecule to see which way turns it' \
+  'drawing pictures'; do
+  grep -qaE "$what: 1 of [2-9], about [0-9]+ s left" watched.log || fail "no progress of: $what"
+done
+
+# A box that is too small is widened until nothing is held at its sides. Here it begins inside of the molecule.
+/usr/bin/python3 - "$HAPGRID_SOURCE/examples/molecule" >line 2>log <<'END' || fail "$(cat log)"
+import sys
+sys.path.insert(0, sys.argv[1])
+import preparation  # noqa: F401
+from command import cli, definition
+definition.CLEAR = -2.5
+sys.exit(cli.main(["--smiles", "C#N", "-o", "narrow", "--method", "gfnff", "--spacing", "1"]))
+END
+grep -q 'pushed as far as a side of the box, which is made wider' log || fail "$(cat log)"
+stats narrow/narrow.grid --npz narrow.npz
+/usr/bin/python3 - <<'END' || fail "the molecule is held at a side of the box"
+import numpy
+of = numpy.load("narrow.npz")
+side = ((of["point"] == 0) | (of["point"] == of["counts"] - 1)).any(axis=1)
+assert side.sum() > 100 and (of["state"][side] == 0).all()
+END

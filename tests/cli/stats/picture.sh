@@ -49,6 +49,14 @@ there, sent_x
 back, sent_x" "$(grep -o "title '[a-z_, ]*'" script | sed "s/title '//; s/'//")"
 done
 
+# The energy is drawn with the model's own, where the log has that.
+printf '# x\tenergy\town_energy\n0\t1\t0\n1\t1\t0.5\n0\t1\t1\n' >energy-log
+SCRIPT=$PWD/script PATH=$PWD/spy:$PATH expect 0 '' '' -- stats --log energy-log --plot x,energy --png energy.png
+same "lines" "there, energy
+back, energy
+there, own_energy
+back, own_energy" "$(grep -o "title '[a-z_, ]*'" script | sed "s/title '//; s/'//")"
+
 # labels WORDS...: what the axes of the picture say that "stats WORDS --png" draws.
 labels() {
   SCRIPT=$PWD/script PATH=$PWD/spy:$PATH expect 0 '' '' -- stats "$@" --png labels.png

@@ -136,8 +136,8 @@ cmp ../first.png ../reset.png
 xdotool key b
 shoot sticks.png
 view ../molecule.one --png ../sticks.drawn.png --size 360x240 --style sticks
-python3 "$here/png.py" near ../sticks.png ../sticks.drawn.png 0.04 0.002
-python3 "$here/png.py" near ../sticks.png ../drawn.png 0.04 0.002 2>/dev/null && fail "b changes nothing"
+python3 "$here/png.py" near ../sticks.png ../sticks.drawn.png 0.045 0.002
+python3 "$here/png.py" near ../sticks.png ../drawn.png 0.045 0.002 2>/dev/null && fail "b changes nothing"
 xdotool key b
 shoot reset.png
 cmp ../first.png ../reset.png

@@ -208,9 +208,19 @@ TEST_CASE("the legend says where the axes point and how long things are, in fron
   CHECK(legend.labels[0].text == "0.5 nm");
   // From the front x points right and z up; y points away from the viewer.
   const auto at = [&](int label) { return legend.labels[static_cast<std::size_t>(label)].left; };
+  for (int a = 0; a < 3; ++a)
+    CHECK(legend.labels[static_cast<std::size_t>(a) + 1].text ==
+          std::string(1, "xyz"[a]) + " 0.2 nm");
   CHECK(at(1)[0] > at(2)[0] + 20);
-  CHECK(at(1)[1] == Approx(at(2)[1]));
   CHECK(at(3)[1] < at(2)[1] - 20);
+  // The bar with its ends, then each axis: 0.2 units are 20 pixels, and y is seen as a point.
+  const auto length = [&](std::size_t line) {
+    const auto& [from, to] = legend.lines[line];
+    return std::hypot(to[0] - from[0], to[1] - from[1]);
+  };
+  CHECK(length(3) == Approx(20));
+  CHECK(length(5) == Approx(0).margin(1e-9));
+  CHECK(length(7) == Approx(20));
   stage.scene.length_unit = "angstrom";
   CHECK(make_legend(stage.scene, stage.camera, stage.options).labels[0].text == "0.5 Å");
   CHECK(letters_of("5 Å, 7°, \u03b1") == "5 \xc5, 7\xb0, ?");

@@ -238,11 +238,34 @@ function context(canvas, width, height) {  // where a unit is a pixel of the pag
   return c;
 }
 
+/// The largest of 1, 2 and 5 times a power of ten that is not above `most`.
+function roundLength(most) {
+  const power = Math.pow(10, Math.floor(Math.log10(most)));
+  return power * [5, 2, 1].find((digit) => digit * power <= most || digit === 1);
+}
+
+function withUnit(length) {
+  return parseFloat(length.toPrecision(3)) + " " + data.length_unit;
+}
+
+/// From a place of the picture, each with its name and how long it is.
+function drawAxes(c, x, y, length, unit) {
+  const { right, up } = axes();
+  for (const axis of ["x", "y", "z"]) {
+    const shown = Math.max(Math.hypot(right[axis], up[axis]), 1e-9);
+    const along = right[axis] / shown, down = -up[axis] / shown, end = length / unit * shown;
+    c.moveTo(x, y);
+    c.lineTo(x + end * along, y + end * down);
+    c.moveTo(x + end * along + 2 * down, y + end * down - 2 * along);
+    c.lineTo(x + end * along - 2 * down, y + end * down + 2 * along);
+    const text = axis + " " + (data.length_unit.length > 2 ? parseFloat(length.toPrecision(3)) : withUnit(length));
+    c.fillText(text, x + (end + 6) * along - (0.5 - 0.5 * along) * c.measureText(text).width, y + (end + 6) * down + 4 * Math.sign(down) * down * down);
+  }
+}
+
 function drawLegend(width, height, unit) {  // as libcore/scene/legend.cpp does
   const c = context(legend, width, height);
-  const most = 0.25 * width * unit;
-  const power = Math.pow(10, Math.floor(Math.log10(most)));
-  const length = power * [5, 2, 1].find((digit) => digit * power <= most || digit === 1);
+  const length = roundLength(0.25 * width * unit);
   const bar = length / unit, left = 10, bottom = height - 10;
   c.strokeStyle = c.fillStyle = "#292b33";
   c.lineWidth = 1.2;
@@ -250,13 +273,9 @@ function drawLegend(width, height, unit) {  // as libcore/scene/legend.cpp does
   c.moveTo(left, bottom - 3); c.lineTo(left, bottom + 3);
   c.moveTo(left, bottom); c.lineTo(left + bar, bottom);
   c.moveTo(left + bar, bottom - 3); c.lineTo(left + bar, bottom + 3);
-  c.fillText(parseFloat(length.toPrecision(3)) + " " + data.length_unit, left + bar + 5, bottom);
-  const { right, up } = axes(), x = left + 34, y = bottom - 48;
-  for (const axis of ["x", "y", "z"]) {
-    c.moveTo(x, y);
-    c.lineTo(x + 26 * right[axis], y - 26 * up[axis]);
-    c.fillText(axis, x + 33 * right[axis] - 3, y - 33 * up[axis]);
-  }
+  c.fillText(withUnit(length), left + bar + 5, bottom);
+  const longest = Math.min(60, 0.16 * Math.min(width, height));
+  drawAxes(c, left + longest + 16, bottom - longest - 24, roundLength(longest * unit), unit);
   c.stroke();
   nameTurned(c, width, height, unit);
 }

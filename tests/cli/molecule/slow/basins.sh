@@ -1,0 +1,25 @@
+#!/bin/bash
+# Of 150 random pushes of 1,2-dichloroethane none ends in no minimum, and at least 145 end where the model without a
+# grid does. Its minima and barriers, and those of butane and of the dipeptide along phi, are those of the program xtb.
+source "$(dirname "$0")/../../lib.sh"
+source "$here/../xtb.bash"
+molecules=$HAPGRID_SOURCE/examples/molecule
+basins=$HAPGRID_BUILD/bench/bench_basins
+[[ -x $basins ]] || skip "bench_basins is not built"
+
+for path in "$molecules"/dichloroethane/turn.xyz "$molecules"/basins/butane/C1-C2-C3-C4.xyz "$molecules"/basins/dipeptide-phi/phi.xyz; do
+  start=$(xtb_energy "$(dirname "$path")/conformation.xyz" 1)
+  for n in $(awk 'NF == 1 { n++; getline; if (/nimag=/) print n }' "$path"); do
+    got=$(awk -v a="$start" -v b="$(xtb_energy "$path" "$n")" 'BEGIN { print (b - a) * 2625.4996394799 }')
+    within "dE of frame $n of $path less xtb's" "$(awk -v a="$(word "$path" "$n" dE)" -v b="$got" 'BEGIN { print a - b }')" \
+      -0.01 0.01
+  done
+done
+for toml in "$molecules"/basins/*/*.toml; do
+  molecule-check "$toml" >sane || fail "$toml: $(cat sane)"
+  same "minima of $toml" 3 "$(grep -c '^minimum ' sane)"
+done
+
+seed "$molecules/dichloroethane/dichloroethane.toml" | expand --complete -j 2 -o grid
+"$basins" grid "$HAPGRID_BUILD/models" 150 >ends || fail "$(cat ends)"
+grep -qE '^150 pushes: 0 end in no known state, (14[5-9]|150) where the model does' ends || fail "$(cat ends)"
