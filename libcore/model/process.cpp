@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -18,6 +19,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
@@ -27,9 +29,10 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::size_t kReadBytes = 1 << 16;
-constexpr auto kGrace = 2s;        // after the end of its input
-constexpr auto kTermGrace = 1s;    // after SIGTERM
-constexpr auto kEndingGrace = 1s;  // between closing its output and being gone
+constexpr std::size_t kErrorLineBytes = 4096;  // of a line of standard error that is remembered
+constexpr auto kGrace = 2s;                    // after the end of its input
+constexpr auto kTermGrace = 1s;                // after SIGTERM
+constexpr auto kEndingGrace = 1s;              // between closing its output and being gone
 
 [[noreturn]] void fail_by_errno(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -72,7 +75,8 @@ void set_nonblocking(int fd) {
 /// What the child does between fork and exec: only what is allowed while other threads of the
 /// parent may have held any lock. Writes errno to `failed` when it cannot.
 [[noreturn]] void become(const char* file, char* const* arguments, char* const* environment,
-                         const char* directory, int in, int out, int failed, pid_t parent) {
+                         const char* directory, const std::array<int, 3>& streams, int failed,
+                         pid_t parent) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::raise(SIGKILL);  // it died before prctl()
@@ -82,10 +86,10 @@ void set_nonblocking(int fd) {
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
-  // `in` and `out` are above 2 (standard streams are always open in the tools), so none of them is
+  // The streams are above 2 (standard streams are always open in the tools), so none of them is
   // overwritten before it is used.
-  const bool placed = ::dup2(in, STDIN_FILENO) >= 0 && ::dup2(out, STDOUT_FILENO) >= 0 &&
-                      (*directory == '\0' || ::chdir(directory) == 0);
+  bool placed = *directory == '\0' || ::chdir(directory) == 0;
+  for (int fd = 0; fd < 3; ++fd) placed = placed && ::dup2(streams[fd], fd) >= 0;
   if (placed) {
     // Also what this program itself inherited; where the kernel is too old, ours still close.
     ::syscall(SYS_close_range, 3u, ~0u, CLOSE_RANGE_CLOEXEC);
@@ -119,7 +123,7 @@ ChildProcess::ChildProcess(const Command& command)
   const std::vector<std::string> variables = Keeper::environment(mark_);
   const std::vector<char*> arguments = pointers(command.words);
   const std::vector<char*> environment = pointers(variables);
-  Pipe in, out, exec;
+  Pipe in, out, errors, exec;
   const pid_t parent = ::getpid();
   // Nothing that the parent's threads are told may run in the child before exec.
   sigset_t all, before;
@@ -128,7 +132,7 @@ ChildProcess::ChildProcess(const Command& command)
   pid_ = ::fork();
   if (pid_ == 0)
     become(file.c_str(), arguments.data(), environment.data(), command.directory.c_str(),
-           in.read.get(), out.write.get(), exec.write.get(), parent);
+           {in.read.get(), out.write.get(), errors.write.get()}, exec.write.get(), parent);
   const int fork_error = errno;
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (pid_ < 0) {
@@ -139,6 +143,7 @@ ChildProcess::ChildProcess(const Command& command)
   exec.write = FileDescriptor();
   in.read = FileDescriptor();
   out.write = FileDescriptor();
+  errors.write = FileDescriptor();
   int error = 0;
   ssize_t got;
   do got = ::read(exec.read.get(), &error, sizeof error);
@@ -150,8 +155,8 @@ ChildProcess::ChildProcess(const Command& command)
   }
   to_ = std::move(in.write);
   from_ = std::move(out.read);
-  set_nonblocking(to_.get());
-  set_nonblocking(from_.get());
+  errors_ = std::move(errors.read);
+  for (const FileDescriptor* end : {&to_, &from_, &errors_}) set_nonblocking(end->get());
 }
 
 ChildProcess::~ChildProcess() { end(); }
@@ -175,15 +180,19 @@ ChildProcess::Event ChildProcess::pump(Clock::time_point deadline) {
       out_.clear();
       written_ = 0;
     }
-    pollfd fds[2] = {{from_.get(), POLLIN, 0}, {to_.get(), POLLOUT, 0}};
-    const int ready = ::poll(fds, out_.empty() ? 1 : 2, milliseconds_until(deadline));
+    pollfd fds[3] = {{from_.get(), POLLIN, 0}, {errors_.get(), POLLIN, 0}, {to_.get(), POLLOUT, 0}};
+    const int ready = ::poll(fds, out_.empty() ? 2 : 3, milliseconds_until(deadline));
     if (ready < 0 && errno == EINTR) continue;
     if (ready < 0) fail_by_errno("a pipe from a model process");
     if (ready == 0) {
       if (Clock::now() < deadline) continue;
       return Event::kTimeout;
     }
-    if (fds[0].revents == 0) continue;
+    if (fds[1].revents != 0) pass_errors_on();
+    if (fds[0].revents == 0) {
+      if (Clock::now() >= deadline) return Event::kTimeout;  // however much it has to tell
+      continue;
+    }
     ssize_t n;
     do n = ::read(from_.get(), buffer_.data(), buffer_.size());
     while (n < 0 && errno == EINTR);
@@ -223,24 +232,65 @@ bool ChildProcess::wait_until(Clock::time_point deadline) {
     if (from_)
       while (::read(from_.get(), ignored, sizeof ignored) > 0) {
       }
+    pass_errors_on();
     std::this_thread::sleep_for(pause);
   }
   return true;
 }
 
-std::string ChildProcess::reap() {
+/// Passes on a buffer of what has come by standard error. Answers whether there may be more.
+bool ChildProcess::pass_errors_on() {
+  if (!errors_) return false;
+  char text[1 << 14];
+  ssize_t n;
+  do n = ::read(errors_.get(), text, sizeof text);
+  while (n < 0 && errno == EINTR);
+  if (n < 0 && errno == EAGAIN) return false;
+  if (n <= 0) {
+    errors_ = FileDescriptor();
+    return false;
+  }
+  write_errors({text, static_cast<std::size_t>(n)});
+  return true;
+}
+
+/// Writes it, whatever comes of that, and remembers its last line.
+void ChildProcess::write_errors(std::string_view text) {
+  const NoSigpipe no_sigpipe;
+  for (std::string_view left = text; !left.empty();) {
+    const ssize_t n = ::write(STDERR_FILENO, left.data(), left.size());
+    if (n < 0 && errno != EINTR) break;
+    left.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
+  }
+  for (std::size_t end; (end = text.find('\n')) != text.npos; text.remove_prefix(end + 1)) {
+    error_line_ += text.substr(0, end);
+    if (error_line_.find_first_not_of(" \t\r") != std::string::npos)
+      last_error_line_ = std::exchange(error_line_, "");
+    error_line_.clear();
+  }
+  error_line_ += text.substr(0, kErrorLineBytes - std::min(kErrorLineBytes, error_line_.size()));
+}
+
+std::string ChildProcess::last_error_line() const {
+  return printable_line(error_line_.empty() ? last_error_line_ : error_line_);
+}
+
+ChildProcess::End ChildProcess::reap() {
   // The whole group, while its leader's number cannot be anybody else's.
   ::kill(-pid_, SIGKILL);
   int status = 0;
   while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
   }
   pid_ = -1;
+  while (pass_errors_on()) {
+  }
   if (WIFSIGNALED(status)) {
     const char* name = ::sigdescr_np(WTERMSIG(status));
-    return "was killed by signal " + std::to_string(WTERMSIG(status)) +
-           (name ? std::string(" (") + name + ")" : "");
+    return {"was killed by signal " + std::to_string(WTERMSIG(status)) +
+            (name ? std::string(" (") + name + ")" : "")};
   }
-  return "exited with status " + std::to_string(WEXITSTATUS(status));
+  const int code = WEXITSTATUS(status);
+  return {"exited with status " + std::to_string(code), code != 0};
 }
 
 void ChildProcess::end() {
@@ -258,12 +308,12 @@ void ChildProcess::kill() {
   if (!mark_.empty()) kill_marked(mark_);
 }
 
-std::string ChildProcess::how_it_ended() {
-  if (pid_ < 0) return "ended";
+ChildProcess::End ChildProcess::how_it_ended() {
+  if (pid_ < 0) return {"ended"};
   hang_up();
   const bool by_itself = wait_until(Clock::now() + kEndingGrace);
-  const std::string how = reap();
-  return by_itself ? how : "closed its standard output and stayed";
+  const End end = reap();
+  return by_itself ? end : End{"closed its standard output and stayed"};
 }
 
 Starter::Starter()

@@ -29,10 +29,10 @@ struct Command {
   std::string mark = {};
 };
 
-/// The child has pipes as standard input and output and inherits standard error; every other file
-/// of this process is closed in it, and it leads a process group of its own, so that a Ctrl-C at
-/// the terminal is this program's alone. The kernel kills it when the thread that started it ends:
-/// use a Starter.
+/// The child has pipes as its standard streams; pump() passes on what comes by standard error.
+/// Every other file of this process is closed in it, and it leads a process group of its own, so
+/// that a Ctrl-C at the terminal is this program's alone. The kernel kills it when the thread that
+/// started it ends: use a Starter.
 class ChildProcess {
  public:
   using Clock = std::chrono::steady_clock;
@@ -51,6 +51,7 @@ class ChildProcess {
   /// Writes and reads what it can without waiting; if it can do neither, waits until `deadline` at
   /// most.
   /// kEnded: the child has closed its output, or its input while there was something to write.
+  /// What the child has written to standard error goes to that of this program.
   /// The calling thread must hold SIGPIPE back (NoSigpipe).
   Event pump(Clock::time_point deadline);
   /// The next whole line that came, without its end; valid until the next call of pump().
@@ -64,23 +65,33 @@ class ChildProcess {
   void end();
   /// Kills it at once, with all that it started.
   void kill();
-  /// After kEnded: how the child ended, "exited with status 3". Kills a child that lives on.
-  std::string how_it_ended();
+  /// After kEnded: how the child ended. Kills a child that lives on.
+  struct End {
+    std::string how;            ///< "exited with status 3"
+    bool has_given_up = false;  ///< it ended by itself, and not with status 0
+  };
+  End how_it_ended();
+  /// The last line that it wrote to standard error, in printable characters; empty without any.
+  std::string last_error_line() const;
 
  private:
   bool ended() const;
   bool wait_until(Clock::time_point deadline);
-  std::string reap();
+  bool pass_errors_on();
+  void write_errors(std::string_view text);
+  End reap();
 
   pid_t pid_ = -1;  // -1: reaped
   std::string mark_;
-  FileDescriptor to_, from_;
+  FileDescriptor to_, from_, errors_;
   std::string out_;
   std::size_t written_ = 0;
   std::string in_;
-  std::string buffer_;       // that read() fills
-  std::size_t read_ = 0;     // lines before are taken
-  std::size_t scanned_ = 0;  // no line ends in [read_, scanned_)
+  std::string buffer_;           // that read() fills
+  std::size_t read_ = 0;         // lines before are taken
+  std::size_t scanned_ = 0;      // no line ends in [read_, scanned_)
+  std::string error_line_;       // of standard error, perhaps the beginning of one
+  std::string last_error_line_;  // the last whole one with a word in it
 };
 
 /// Starts children from a thread of its own, which lives as long as this object: workers come and
