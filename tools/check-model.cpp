@@ -5,6 +5,7 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/check/estimate.hpp"
 #include "libcore/check/model_check.hpp"
 #include "libcore/search/converter.hpp"
 #include "libcore/search/seed.hpp"
@@ -20,6 +21,8 @@ using Json = nlohmann::ordered_json;
 
 // Force and shape together may take this part of the 200 microseconds of a tick at 5 kHz.
 constexpr double kLoopBudget = 100e-6;
+// For so many steps of the walks, the estimate looks at one point.
+constexpr std::uint64_t kStepsAPoint = 5;
 
 struct Options {
   DefinitionOptions definition;
@@ -87,10 +90,14 @@ std::string report_text(const GridSpec& spec, const ModelInfo& info, const Model
     row("whole grid", "no estimate, because a check is broken");
     return text;
   }
-  row("whole grid", std::to_string(e->conversions) + " conversions with one level a point: about " +
-                        time_text(e->cpu_seconds, 2) + " on one core");
-  row("memory", "play " + megabytes(e->play_bytes) + " with one level a point, expand up to " +
-                    megabytes(e->expand_bytes));
+  row("whole grid",
+      "about " + fixed(e->levels, 2) + " levels a point, " + std::to_string(e->conversions) +
+          " conversions" +
+          (spec.tears ? " and " + std::to_string(e->tear_conversions) + " for tear fractions"
+                      : "") +
+          ": " + time_text(e->cpu_seconds, 2) + " on one core");
+  row("memory",
+      "play " + megabytes(e->play_bytes) + ", expand up to " + megabytes(e->expand_bytes));
   return text;
 }
 
@@ -108,7 +115,9 @@ std::string report_json(const GridSpec& spec, const ModelInfo& info, const Model
   json["shape"] = m.shape.calls ? calls_json(m.shape) : Json();
   json["largest_force_newtons"] = m.largest_force;
   json["median_force_error"] = info.force_scale > 0 ? Json(m.median_force_error) : Json();
-  json["grid"] = e ? Json{{"conversions", e->conversions},
+  json["grid"] = e ? Json{{"levels", e->levels},
+                          {"conversions", e->conversions},
+                          {"tear_conversions", e->tear_conversions},
                           {"cpu_seconds", e->cpu_seconds},
                           {"play_bytes", e->play_bytes},
                           {"expand_bytes", e->expand_bytes}}
@@ -127,7 +136,11 @@ int run(const Options& options) {
       spec, seeds, [&] { return create_model(*source, spec); }, options.limits);
   // What a broken model takes for a conversion says nothing.
   std::optional<GridEstimate> estimate;
-  if (!is_broken(found.checks)) estimate = estimate_grid(spec, found.convert.mean);
+  if (!is_broken(found.checks))
+    estimate = estimate_grid(spec, seeds, *create_model(*source, spec),
+                             {options.limits.conversions / kStepsAPoint, options.limits.seconds / 4,
+                              options.limits.walk_seed},
+                             found.convert.mean);
   OutputFile output(options.output, /*binary=*/false);
   output.write(options.format == "json"
                    ? report_json(spec, model->info(), found, estimate)
@@ -155,6 +168,12 @@ int main(int argc, char** argv) {
       "  reflexive, symmetric   of the tolerance function\n"
       "  finite         forces and shapes are finite numbers\n"
       "  gradient       the force is the energy's negative gradient, within 2 % of the largest\n"
+      "  sane           what the model itself says against its parameters, where it has a check\n"
+      "  singular       force, energy and state stay finite nearer and nearer to where they are\n"
+      "                 largest, and the force does not jump but where the model snaps\n"
+      "  room           (no fault) the box ends inside the shape with the probe around it, on "
+      "both\n"
+      "                 sides along an axis\n"
       "  halves         (no fault) steps that end elsewhere when they are made in two halves\n"
       "  returns        (no fault) steps there and back that end in another state\n"
       "\n"
@@ -166,7 +185,8 @@ int main(int argc, char** argv) {
       .type("N")
       .whole(1, std::int64_t{1} << 40)
       .shows_default();
-  app.add("--seconds", options.limits.seconds, "No step is begun after this time, in seconds")
+  app.add("--seconds", options.limits.seconds,
+          "No step is begun after this time; `singular` and the estimate take a quarter each")
       .type("S")
       .positive()
       .shows_default();

@@ -20,6 +20,7 @@
 #include "libcore/shard/section.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/stats/arrays.hpp"
+#include "tools/stats/branches.hpp"
 #include "tools/stats/dump.hpp"
 #include "tools/stats/gnuplot.hpp"
 #include "tools/stats/motion_log.hpp"
@@ -45,6 +46,7 @@ struct Options {
   std::string npz;
   std::string vti;
   unsigned level = 0;
+  std::uint32_t branch = Branches::kNone;
   std::string slice;
   std::string log;
   std::string plot;
@@ -239,6 +241,8 @@ void check_options(const Options& options) {
           (reads_log || !options.npz.empty()) >
       1)
     throw UsageError("--get, --dump, --slice, --npz, --vti and --log exclude each other");
+  if (options.branch != Branches::kNone && options.vti.empty())
+    throw UsageError("--branch needs --vti");
   if (!options.slice.empty() && options.png.empty()) throw UsageError("--slice needs --png");
   if (!options.png.empty() && options.slice.empty() && !reads_log)
     throw UsageError("--png needs --slice or --log");
@@ -272,6 +276,24 @@ std::string report(const Options& options, const LoadedGrid& loaded) {
   return value_line(*value);
 }
 
+void write_image(const Grid& grid, const Options& options) {
+  if (options.branch == Branches::kNone)
+    return write_vti(
+        grid,
+        [&](PointIndex p) {
+          return options.level < grid.levels(p) ? grid.first(p) + options.level : Grid::kNoRecord;
+        },
+        options.vti);
+  const Branches branches = find_branches(grid);
+  const std::size_t count = branches.sizes.size();
+  if (options.branch >= count)
+    throw Error("--branch " + std::to_string(options.branch) + ": this grid has " +
+                (count == 0 ? "no branches" : "the branches 0 to " + std::to_string(count - 1)));
+  write_vti(
+      grid, [&](PointIndex p) { return branches.record(grid, options.branch, p); }, options.vti);
+  write_all(options.output, branch_text(branches, options.branch));
+}
+
 void show_grid(const Options& options) {
   if (!options.get.empty())
     if (const auto value = value_from_footer(options.get, options.grid))
@@ -279,7 +301,7 @@ void show_grid(const Options& options) {
   const LoadedGrid loaded = load_grid(options.grid);
   if (options.dump) return dump(loaded.grid, options.output);
   if (!options.npz.empty()) return write_grid_arrays(loaded.grid, options.npz);
-  if (!options.vti.empty()) return write_vti(loaded.grid, options.level, options.vti);
+  if (!options.vti.empty()) return write_image(loaded.grid, options);
   if (options.slice.empty()) return write_all(options.output, report(options, loaded));
   const Plane plane = *parse_plane(options.slice);
   write_picture(options.png, slice_script(loaded.grid.spec(),
@@ -307,11 +329,16 @@ void add_grid_options(CommandLine& app, Options& options) {
   app.add_flag("--dump", options.dump,
                "A line a record: i j k level state..., and the levels of 26 links");
   app.add("--vti", options.vti,
-          "Write an image for ParaView and VTK: levels, and what is at --level of each point")
+          "Write an image for ParaView and VTK: levels, and what each point has at --level or on\n"
+          "--branch")
       .type("FILE");
   app.add("--level", options.level, "For --vti: whose state, force and energy are written")
       .whole(0, kMaxLevels - 1, /*shown=*/false)
       .shows_default();
+  app.add("--branch", options.branch,
+          "For --vti, in place of --level: on which branch, from 0; a line says how many there are")
+      .type("N")
+      .whole(0, Branches::kNone - 1, /*shown=*/false);
   app.add("--slice", options.slice,
           "Draw the numbers of levels in the plane nearest to, say, z=0 (--png)")
       .type("AXIS=VALUE")

@@ -121,7 +121,8 @@ std::string report_text(const Scene& scene, const SceneSummary& s) {
 
 std::string report_json(const Scene& scene, const SceneSummary& s) {
   const Box& box = scene.box;
-  Json json = {{"model", scene.model},
+  Json json = {{"version", 1},
+               {"model", scene.model},
                {"length_unit", scene.length_unit},
                {"energy_unit", scene.energy_unit},
                {"box", {{"origin", box.origin}, {"spacing", box.spacing}, {"counts", box.counts}}},

@@ -2,8 +2,11 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "examples/molecule/conversion.hpp"
+#include "examples/molecule/sanity.hpp"
 #include "examples/molecule/setup.hpp"
 #include "libcore/model/plugin.hpp"
 
@@ -75,6 +78,8 @@ class MoleculeModel {
   void shape(const double* s, float* centres) { energy_.positions(s, centres); }
 
   double own_energy(const double* s) { return energy_.shape_energy(s); }
+
+  std::vector<std::string> check() { return Sanity(setup_.molecule, energy_).problems(); }
 
   void torsions(hapgrid_torsion* torsions) const {
     std::copy(setup_.torsions.begin(), setup_.torsions.end(), torsions);

@@ -1,7 +1,6 @@
 #include "libcore/check/model_check.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -11,8 +10,10 @@
 
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/check/singular.hpp"
+#include "libcore/check/straight_way.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/shard/format.hpp"
+#include "libcore/model/room.hpp"
 
 namespace hapgrid {
 
@@ -56,6 +57,7 @@ class ModelWalker {
         model_(make_model()),
         second_(make_model()),
         around_(spec.box),
+        singular_(spec, *model_),
         random_(limits.walk_seed),
         reached_(spec.row_size()),
         other_(spec.row_size()) {}
@@ -77,7 +79,7 @@ class ModelWalker {
         while (point_ != target && steps < limits_.conversions) {
           if (steps > 0 && now() - start > limits_.seconds) return result();
           ++steps;
-          if (!step(direction_to(target))) leg = kLegs;
+          if (!step(direction_to(spec_.box, point_, target))) leg = kLegs;
           if (leg == kLegs) break;
         }
       }
@@ -88,14 +90,6 @@ class ModelWalker {
 
  private:
   static constexpr int kLegs = 4;
-
-  int direction_to(PointIndex target) const {
-    const GridCoordinates from = spec_.box.coordinates(point_);
-    const GridCoordinates to = spec_.box.coordinates(target);
-    std::array<int, 3> d{};
-    for (int a = 0; a < 3; ++a) d[a] = to[a] > from[a] ? 1 : to[a] < from[a] ? -1 : 0;
-    return Direction::of(d[0], d[1], d[2]).q();
-  }
 
   std::string here(int q) const {
     return describe(spec_.box, point_) + " direction " + std::to_string(q) + " from state " +
@@ -143,6 +137,9 @@ class ModelWalker {
       returns_.offend([&] {
         return here(q) + ": back in " + state_text(std::span(other_).first(spec_.state_size));
       });
+    else
+      singular_.pass(x, d, other_, row);
+    singular_.visit(there, row);
 
     ++halves_.counted;
     const Vec3 half{d[0] / 2, d[1] / 2, d[2] / 2};
@@ -224,12 +221,40 @@ class ModelWalker {
         {force[axis], -model_->info().force_scale * (energy[1] - energy[0]) / (2 * e), x, axis});
   }
 
-  ModelCheck result() {
-    ModelCheck out;
-    out.convert = summary(convert_seconds_);
-    out.force = summary(force_seconds_);
-    out.shape = summary(shape_seconds_);
-    out.largest_force = largest_force_;
+  /// What the model itself says against its parameters.
+  void ask_model() {
+    if (!model_->has_check()) return;
+    for (const std::string& problem : model_->check()) sane_.offend([&] { return problem; });
+    sane_.counted = std::max<std::uint64_t>(spec_.parameters.size(), sane_.offenders);
+  }
+
+  /// Whether the hand can pass the shape that the model has in its first seed. A shape that ends
+  /// outside on one side is common: a rope or a block hangs on something.
+  void look_for_room() {
+    const auto& [point, states] = *seeds_.begin();
+    const auto shape = extent_with_probe(*model_, spec_.box.position(point), states.data());
+    if (!shape) return;
+    const auto& n = spec_.box.counts;
+    const Extent3 box{spec_.box.position(GridCoordinates{0, 0, 0}),
+                      spec_.box.position(GridCoordinates{n[0] - 1, n[1] - 1, n[2] - 1})};
+    room_.counted = 1;
+    for (int a = 0; a < 3 && room_.offenders == 0; ++a)
+      if (n[a] > 1 && shape->low[a] < box.low[a] && shape->high[a] > box.high[a])
+        room_.offend(
+            [&] { return "it reaches " + extent_text(*shape) + ", the box " + extent_text(box); });
+  }
+
+  /// Followed where nothing else is broken: what fails everywhere fails near a pole, too.
+  Findings singular_places() {
+    for (const Findings* broken : {&defined_, &deterministic_, &stays_, &finite_})
+      if (broken->offenders > 0) return {};
+    const auto seconds = std::chrono::duration<double>(limits_.seconds / 4);
+    using Clock = std::chrono::steady_clock;
+    return singular_.search(Clock::now() + std::chrono::duration_cast<Clock::duration>(seconds));
+  }
+
+  /// And the median of what the force is off.
+  Findings compare_gradients(double& median_error) {
     Findings gradient;
     std::vector<double> errors;
     for (const Gradient& g : gradients_) {
@@ -243,39 +268,58 @@ class ModelWalker {
                  " N, the energy's gradient gives " + to_text(g.difference);
         });
     }
-    if (!errors.empty()) {
-      std::nth_element(errors.begin(),
-                       errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
-                       errors.end());
-      out.median_force_error = errors[errors.size() / 2];
-    }
-    const auto add = [&](const char* name, const char* unit, const char* meaning, Findings& found,
+    if (errors.empty()) return gradient;
+    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+    std::nth_element(errors.begin(), middle, errors.end());
+    median_error = *middle;
+    return gradient;
+  }
+
+  ModelCheck result() {
+    ask_model();
+    look_for_room();
+    ModelCheck out;
+    out.convert = summary(convert_seconds_);
+    out.force = summary(force_seconds_);
+    out.shape = summary(shape_seconds_);
+    out.largest_force = largest_force_;
+    const auto add = [&](const char* name, const char* unit, const char* meaning, Findings&& found,
                          bool note = false) {
       if (found.counted > 0) out.checks.push_back({name, unit, meaning, std::move(found), note});
     };
-    add("defined", "conversions", "steps of the grid that C fails on", defined_);
+    Findings singular = singular_places();
+    add("defined", "conversions", "steps of the grid that C fails on", std::move(defined_));
     add("deterministic", "conversions",
         "C, asked again, answers with other bits: no two runs will give the same grid",
-        deterministic_);
+        std::move(deterministic_));
     add("stays", "states",
-        "C(s, x, 0) is another state than s: a state that was reached is not at rest", stays_);
+        "C(s, x, 0) is another state than s: a state that was reached is not at rest",
+        std::move(stays_));
     add("reflexive", "states", "the tolerance function says that a state differs from itself",
-        reflexive_);
+        std::move(reflexive_));
     add("symmetric", "pairs", "the tolerance function depends on the order of its arguments",
-        symmetric_);
-    add("finite", "calls", "force or shape that is not finite", finite_);
+        std::move(symmetric_));
+    add("finite", "calls", "force or shape that is not finite", std::move(finite_));
     add("gradient", "forces",
         "the force is not the energy's negative gradient: a loop of the hand would gain or lose "
         "energy",
-        gradient);
+        compare_gradients(out.median_force_error));
+    add("sane", "parameters", "what the model itself says against its parameters",
+        std::move(sane_));
+    add("singular", "places", "force, energy or state grow without end, or the force jumps",
+        std::move(singular));
+    add("room", "shapes",
+        "along an axis, the box ends inside the shape with the probe around it on both sides: the "
+        "hand cannot pass it there",
+        std::move(room_), true);
     add("halves", "conversions",
         "a step in two halves ends in another state: that is right near a tear-off; elsewhere C "
         "walks too coarsely",
-        halves_, true);
+        std::move(halves_), true);
     add("returns", "conversions",
         "a step there and back ends in another state: levels are there for such hysteresis; many "
         "of them mean that C is less exact than its tolerance",
-        returns_, true);
+        std::move(returns_), true);
     return out;
   }
 
@@ -291,12 +335,14 @@ class ModelWalker {
   std::unique_ptr<Model> model_;
   std::unique_ptr<Model> second_;
   Neighbourhood around_;
+  SingularPlaces singular_;
   SplitMix64 random_;
   PointIndex point_ = 0;
   State state_;
   State reached_;  // rows
   State other_;
   Findings defined_, deterministic_, stays_, returns_, halves_, reflexive_, symmetric_, finite_;
+  Findings sane_, room_;
   std::vector<double> convert_seconds_, force_seconds_, shape_seconds_;
   std::vector<Gradient> gradients_;
   double largest_force_ = 0;
@@ -307,21 +353,6 @@ class ModelWalker {
 ModelCheck check_model(const GridSpec& spec, const std::map<PointIndex, std::vector<double>>& seeds,
                        const MakeModel& make_model, const ModelCheckLimits& limits) {
   return ModelWalker(spec, seeds, make_model, limits).run();
-}
-
-GridEstimate estimate_grid(const GridSpec& spec, double seconds_a_conversion) {
-  GridEstimate estimate;
-  // Pairs of neighbours: along each axis n - 1 to each side and n in place, less the points.
-  const auto& n = spec.box.counts;
-  std::uint64_t pairs = 1;
-  for (const std::uint32_t count : n) pairs *= 3 * std::uint64_t{count} - 2;
-  estimate.conversions = pairs - spec.box.points();
-  estimate.cpu_seconds = static_cast<double>(estimate.conversions) * seconds_a_conversion;
-  estimate.play_bytes = spec.box.points() * (record_bytes(spec.row_size()) + sizeof(RecordIndex));
-  const auto slices = static_cast<std::uint64_t>(2 * Neighbourhood(spec.box).reach());
-  estimate.expand_bytes = std::min(spec.box.points(), slices) * kDirections * sizeof(double) *
-                          std::uint64_t{spec.row_size()};
-  return estimate;
 }
 
 }  // namespace hapgrid

@@ -14,8 +14,8 @@ namespace hapgrid {
 
 struct ModelCheckLimits {
   std::uint64_t conversions = 2000;  ///< steps along the walks
-  double seconds = 20;               ///< no further step is begun after them
-  std::uint64_t walk_seed = 1;       ///< another one draws other walks
+  double seconds = 20;  ///< no further step is begun after them; a quarter is added for `singular`
+  std::uint64_t walk_seed = 1;  ///< another one draws other walks
 };
 
 /// Median and tails of one kind of call, in seconds.
@@ -45,14 +45,5 @@ struct ModelCheck {
 /// @throw ModelError when a model cannot be made.
 ModelCheck check_model(const GridSpec& spec, const std::map<PointIndex, std::vector<double>>& seeds,
                        const MakeModel& make_model, const ModelCheckLimits& limits);
-
-/// What the whole grid would take.
-struct GridEstimate {
-  std::uint64_t conversions = 0;  ///< with one level a point
-  double cpu_seconds = 0;
-  std::uint64_t play_bytes = 0;    ///< of the grid in memory, with one level a point
-  std::uint64_t expand_bytes = 0;  ///< of the requests around the frontier
-};
-GridEstimate estimate_grid(const GridSpec& spec, double seconds_a_conversion);
 
 }  // namespace hapgrid

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "libcore/base/text.hpp"
 
@@ -42,32 +43,44 @@ std::string verdict_line(const std::vector<Check>& checks) {
 
 namespace {
 
-std::string details_text(const Check& c) {
-  std::string text = "\n" + c.name + ": " + c.meaning + "\n";
-  if (!c.not_proved.empty()) text += "  not proved: " + c.not_proved + "\n";
+// Of a report that gives no more than it must, with its line on the grid.
+constexpr std::size_t kMostLines = 20;
+
+using Lines = std::vector<std::string>;
+
+bool is_good(const Check& c) { return c.is_note || c.verdict() == "ok"; }
+
+Lines details_of(const Check& c) {
+  Lines lines{c.name + ": " + c.meaning};
+  if (!c.not_proved.empty()) lines.push_back("  not proved: " + c.not_proved);
   for (const Figure& figure : c.figures)
-    text += "  " + figure.name + " " + rounded(figure.value) +
-            (figure.unit.empty() ? "" : " " + printable_line(figure.unit)) +
-            (figure.where.empty() ? "" : ": " + figure.where) + "\n";
-  for (const Offender& offender : c.found.first) text += "  " + offender.text + "\n";
+    lines.push_back("  " + figure.name + " " + rounded(figure.value) +
+                    (figure.unit.empty() ? "" : " " + printable_line(figure.unit)) +
+                    (figure.where.empty() ? "" : ": " + figure.where));
+  for (const Offender& offender : c.found.first) lines.push_back("  " + offender.text);
   if (c.found.offenders > c.found.first.size())
-    text += "  and " + std::to_string(c.found.offenders - c.found.first.size()) + " more\n";
-  return text;
+    lines.push_back("  and " + std::to_string(c.found.offenders - c.found.first.size()) + " more");
+  return lines;
 }
 
-}  // namespace
-
-std::string checks_text(const std::vector<Check>& checks, Details details) {
+/// @param folded the rows of checks that are fine are one
+Lines table_of(const std::vector<Check>& checks, bool folded) {
   using Row = std::array<std::string, 5>;
   std::vector<Row> rows{{"check", "counted", "", "offenders", "verdict"}};
-  for (const Check& c : checks)
-    rows.push_back({c.name, std::to_string(c.found.counted), c.unit,
-                    std::to_string(c.found.offenders), c.verdict()});
+  std::size_t good = 0;
+  for (const Check& c : checks) {
+    if (folded && is_good(c))
+      ++good;
+    else
+      rows.push_back({c.name, std::to_string(c.found.counted), c.unit,
+                      std::to_string(c.found.offenders), c.verdict()});
+  }
+  if (good > 0) rows.push_back({"others", std::to_string(good), "checks", "", "ok"});
   std::array<std::size_t, 5> width{};
   for (const Row& row : rows)
     for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
 
-  std::string text;
+  Lines lines;
   constexpr std::array kRightAligned{false, true, false, true, false};
   for (const Row& row : rows) {
     std::string line;
@@ -76,14 +89,53 @@ std::string checks_text(const std::vector<Check>& checks, Details details) {
       if (i > 0) line += i == 2 ? " " : "  ";
       line += kRightAligned[i] ? gap + row[i] : row[i] + gap;
     }
-    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    lines.push_back(line.substr(0, line.find_last_not_of(' ') + 1));
   }
+  return lines;
+}
+
+/// The beginnings of the details of each check, `room` lines in all; the last one says how many
+/// there are beside them.
+Lines shortened(const std::vector<Lines>& details, std::size_t room) {
+  std::size_t all = 0;
+  for (const Lines& lines : details) all += lines.size();
+  Lines kept;
+  const std::size_t share = std::max<std::size_t>(2, (room - 1) / details.size());
+  for (const Lines& lines : details)
+    for (std::size_t i = 0; i < std::min(share, lines.size()) && kept.size() + 1 < room; ++i)
+      kept.push_back(lines[i]);
+  kept.push_back("(" + std::to_string(all - kept.size()) + " more lines with -v)");
+  return kept;
+}
+
+std::string joined(const Lines& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string checks_text(const std::vector<Check>& checks, Details details) {
+  std::vector<Lines> shown;
+  std::size_t count = 0;
   for (const Check& c : checks) {
     const bool has_details = c.found.offenders > 0 || !c.figures.empty() || !c.not_proved.empty();
-    const bool is_fine = c.is_note || c.verdict() == "ok";
-    if (has_details && (details == Details::kAll || !is_fine)) text += details_text(c);
+    if (!has_details || (details == Details::kNotFine && is_good(c))) continue;
+    shown.push_back(details_of(c));
+    count += shown.back().size() + 1;
   }
-  return text;
+  Lines table = table_of(checks, false);
+  const std::size_t room = kMostLines - 1;  // beside the line on the grid
+  if (details == Details::kAll || table.size() + count <= room) {
+    std::string text = joined(table);
+    for (const Lines& lines : shown) text += "\n" + joined(lines);
+    return text;
+  }
+  // At least a line of details for each check that has some.
+  if (table.size() + 1 + shown.size() > room) table = table_of(checks, true);
+  if (table.size() + 2 + 2 * shown.size() <= room) table.push_back("");
+  return joined(table) + joined(shortened(shown, std::max(room, table.size() + 2) - table.size()));
 }
 
 std::string report_text(const Grid& grid, const std::vector<Check>& checks, Details details) {

@@ -102,7 +102,7 @@ enum class Details {
   kAll
 };
 
-/// A table with a row a check, then the details.
+/// A table with a row a check, then the details: all, or as many as make a report of 20 lines.
 std::string checks_text(const std::vector<Check>& checks, Details details);
 /// [{"name", "verdict", "counted", "unit", "offenders", "meaning", "first": [{"text", and as far as
 /// it has them "point": [i, j, k], "level", "direction": [di, dj, dk]}], "not_proved" where the

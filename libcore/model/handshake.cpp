@@ -157,7 +157,26 @@ std::string handshake_line(const std::vector<Parameter>& parameters) {
   }
 }
 
+void require_object(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r";
+  std::string_view rest = line;
+  const auto skip_blanks = [&] {
+    rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
+  };
+  skip_blanks();
+  if (rest.starts_with('{')) {
+    rest.remove_prefix(1);
+    skip_blanks();
+    if (rest.starts_with('"') || rest.starts_with('}')) return;
+  }
+  throw LastingError("printed '" + printable_line(line) +
+                     "' to standard output, which is for its answers: what a model prints must go "
+                     "to standard error, in Python with print(..., file=sys.stderr) in place of "
+                     "print()");
+}
+
 ModelInfo read_first_line(std::string_view line) {
+  require_object(line);
   if (nests_too_deep(line))
     fail("its first line nests deeper than " + std::to_string(kMaxJsonDepth) + " levels");
   Json in;

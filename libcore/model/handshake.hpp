@@ -22,15 +22,25 @@ inline constexpr std::size_t kMaxFirstLineBytes = std::size_t{128} << 20;
 /// express: a number that is not finite, a text that is no UTF-8.
 std::string handshake_line(const std::vector<Parameter>& parameters);
 
-/// A model that refuses its parameters: {"error": "..."}. Another try would end the same way.
-class RefusedError : public ModelError {
+/// What a process would do again, were it asked again.
+class LastingError : public ModelError {
  public:
   using ModelError::ModelError;
 };
 
-/// The first line from the model. @throw RefusedError; ModelError, one line without the model's
-/// name.
+/// A model that refuses its parameters: {"error": "..."}.
+class RefusedError : public LastingError {
+ public:
+  using LastingError::LastingError;
+};
+
+/// The first line from the model. @throw RefusedError; LastingError where something was printed
+/// instead; ModelError. All are one line without the model's name.
 ModelInfo read_first_line(std::string_view line);
+
+/// @throw LastingError when the line begins otherwise than a JSON object does: then the model, or a
+/// library of its, has printed it.
+void require_object(std::string_view line);
 
 /// What a JSON parser says, in one printable line and without its own prefix.
 std::string json_reason(const std::exception& e);

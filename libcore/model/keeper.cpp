@@ -165,7 +165,7 @@ Kept Keeper::start(const Launch& launch) {
   Kept child;
   child.mark = mark_ + std::to_string(++children_) + "/";
   const FileDescriptor text = file_of(launch, child.mark);
-  const int files[] = {text.get(), launch.in, launch.out, STDERR_FILENO};
+  const int files[] = {text.get(), launch.in, launch.out, launch.errors};
   const auto answer = ask({}, files);
   if (!answer) throw Error("cannot be started: the process that keeps the models is gone");
   if (answer->error != 0)
@@ -180,9 +180,11 @@ bool Keeper::has_ended(const Kept& child) const {
   return !answer || answer->ended;
 }
 
-std::string Keeper::end(const Kept& child) {
+KeptEnd Keeper::end(const Kept& child) {
   const auto answer = ask({KeeperRequest::Kind::kEnd, child.pid});
-  return answer ? how_it_ended(answer->status) : "ended with the process that keeps the models";
+  if (!answer) return {"ended with the process that keeps the models"};
+  return {how_it_ended(answer->status),
+          WIFEXITED(answer->status) && WEXITSTATUS(answer->status) != 0};
 }
 
 void Keeper::kill_marked(const Kept& child) { kill_all_with(child.mark); }

@@ -29,14 +29,21 @@ struct Launch {
   std::string file;
   std::vector<std::string> words;  ///< arguments, the program's name first
   std::string directory;           ///< empty: that of this program
-  int in = -1;                     ///< standard input and output; standard error is this program's
+  int in = -1;                     ///< standard input, output and error
   int out = -1;
+  int errors = -1;
 };
 
 /// A process that the keeper has started.
 struct Kept {
   pid_t pid = -1;    ///< nobody else's until it is ended; it leads a group of that number
   std::string mark;  ///< in the environment of all that it starts
+};
+
+/// How such a process ended.
+struct KeptEnd {
+  std::string how;            ///< "exited with status 3"
+  bool has_given_up = false;  ///< it ended by itself, and not with status 0
 };
 
 /// The keeper process. Make it before there are threads or large data, which it would copy.
@@ -54,8 +61,8 @@ class Keeper {
   /// @throw Error "cannot be started: ..."
   Kept start(const Launch& launch);
   bool has_ended(const Kept& child) const;
-  /// Kills its group and waits for it. Answers how it ended: "exited with status 3".
-  std::string end(const Kept& child);
+  /// Kills its group and waits for it.
+  KeptEnd end(const Kept& child);
   /// Kills what has its mark, and what these processes start meanwhile.
   static void kill_marked(const Kept& child);
 

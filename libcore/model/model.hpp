@@ -97,6 +97,9 @@ class Model {
   virtual bool has_energy() const { return false; }
   virtual bool has_shape() const { return false; }
   virtual bool has_own_energy() const { return false; }
+  /// Whether it can say what is wrong with its parameters, a line a problem.
+  virtual bool has_check() const { return false; }
+  virtual std::vector<std::string> check() { return {}; }
   /// F(x, s) in newtons; needs has_force(). As real-time safe as the model.
   virtual Vec3 force(const Vec3& x, const double* s) const;
   /// The energy of state s with the HIP at x, in info().energy_unit; needs has_energy().

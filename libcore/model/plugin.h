@@ -133,6 +133,11 @@ typedef struct hapgrid_model_table {
 
   /* Optional (NULL): writes the info.torsions torsions that pictures name and follow. */
   void (*torsions)(const hapgrid_model* model, hapgrid_torsion* torsions);
+
+  /* Optional (NULL): what is wrong with parameters that create() takes. check-model asks for it, so
+   * it may take seconds. Calls tell() with `context` once for each problem, which is a plain line
+   * that says what to do. */
+  void (*check)(hapgrid_model* model, void (*tell)(void* context, const char* line), void* context);
 } hapgrid_model_table;
 
 /* The one symbol that a plug-in exports. */

@@ -14,6 +14,7 @@
 //     void shape(const double* s, float* centres);
 //     double own_energy(const double* s);
 //     void torsions(hapgrid_torsion* torsions) const;
+//     std::vector<std::string> check();
 //   };
 //   HAPGRID_MODEL_PLUGIN(Spring, "a mass on a spring")
 #pragma once
@@ -167,6 +168,15 @@ hapgrid_model_table table(const char* summary) {
   if constexpr (requires(const Model& m, hapgrid_torsion* t) { m.torsions(t); })
     t.torsions = [](const hapgrid_model* m, hapgrid_torsion* torsions) {
       reinterpret_cast<const Model*>(m)->torsions(torsions);
+    };
+  if constexpr (requires(Model & m) { m.check(); })
+    t.check = [](hapgrid_model* m, void (*tell)(void*, const char*), void* context) {
+      char error[512];
+      const int failed = guarded(error, sizeof error, [&] {
+        for (const std::string& line : reinterpret_cast<Model*>(m)->check())
+          tell(context, line.c_str());
+      });
+      if (failed) tell(context, error);
     };
   return t;
 }

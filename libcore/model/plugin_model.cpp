@@ -166,6 +166,18 @@ class PluginModel final : public Model {
   }
   bool has_own_energy() const override { return table_.own_energy != nullptr; }
   double own_energy(const double* s) const override { return table_.own_energy(model_.get(), s); }
+  bool has_check() const override { return table_.check != nullptr; }
+  std::vector<std::string> check() override {
+    std::vector<std::string> problems;
+    table_.check(
+        model_.get(),
+        [](void* list, const char* line) {
+          static_cast<std::vector<std::string>*>(list)->push_back(
+              printable_line({line, strnlen(line, kErrorSize)}, kErrorSize));
+        },
+        &problems);
+    return problems;
+  }
   void shape(const double* s, std::span<float> centres) const override {
     table_.shape(model_.get(), s, centres.data());
   }

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
@@ -23,9 +24,10 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::size_t kReadBytes = 1 << 16;
-constexpr auto kGrace = 2s;        // after the end of its input
-constexpr auto kTermGrace = 1s;    // after SIGTERM
-constexpr auto kEndingGrace = 1s;  // between closing its output and being gone
+constexpr std::size_t kErrorLineBytes = 4096;  // of a line of standard error that is remembered
+constexpr auto kGrace = 2s;                    // after the end of its input
+constexpr auto kTermGrace = 1s;                // after SIGTERM
+constexpr auto kEndingGrace = 1s;              // between closing its output and being gone
 
 [[noreturn]] void fail_by_errno(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -76,16 +78,17 @@ int milliseconds_until(ChildProcess::Clock::time_point deadline) {
 ChildProcess::ChildProcess(Keeper& keeper, const Command& command)
     : keeper_(keeper), buffer_(kReadBytes, '\0') {
   const fs::path file = find_program(command);
-  Pipe in, out;
+  Pipe in, out, errors;
   kept_ = keeper_.start({.file = file.string(),
                          .words = command.words,
                          .directory = command.directory.string(),
                          .in = in.read.get(),
-                         .out = out.write.get()});
+                         .out = out.write.get(),
+                         .errors = errors.write.get()});
   to_ = std::move(in.write);
   from_ = std::move(out.read);
-  set_nonblocking(to_.get());
-  set_nonblocking(from_.get());
+  errors_ = std::move(errors.read);
+  for (const FileDescriptor* end : {&to_, &from_, &errors_}) set_nonblocking(end->get());
 }
 
 ChildProcess::~ChildProcess() { end(); }
@@ -109,15 +112,19 @@ ChildProcess::Event ChildProcess::pump(Clock::time_point deadline) {
       out_.clear();
       written_ = 0;
     }
-    pollfd fds[2] = {{from_.get(), POLLIN, 0}, {to_.get(), POLLOUT, 0}};
-    const int ready = ::poll(fds, out_.empty() ? 1 : 2, milliseconds_until(deadline));
+    pollfd fds[3] = {{from_.get(), POLLIN, 0}, {errors_.get(), POLLIN, 0}, {to_.get(), POLLOUT, 0}};
+    const int ready = ::poll(fds, out_.empty() ? 2 : 3, milliseconds_until(deadline));
     if (ready < 0 && errno == EINTR) continue;
     if (ready < 0) fail_by_errno("a pipe from a model process");
     if (ready == 0) {
       if (Clock::now() < deadline) continue;
       return Event::kTimeout;
     }
-    if (fds[0].revents == 0) continue;
+    if (fds[1].revents != 0) pass_errors_on();
+    if (fds[0].revents == 0) {
+      if (Clock::now() >= deadline) return Event::kTimeout;  // however much it has to tell
+      continue;
+    }
     ssize_t n;
     do n = ::read(from_.get(), buffer_.data(), buffer_.size());
     while (n < 0 && errno == EINTR);
@@ -151,15 +158,55 @@ bool ChildProcess::wait_until(Clock::time_point deadline) {
     if (from_)
       while (::read(from_.get(), ignored, sizeof ignored) > 0) {
       }
+    pass_errors_on();
     std::this_thread::sleep_for(pause);
   }
   return true;
 }
 
-std::string ChildProcess::reap() {
-  const std::string how = keeper_.end(kept_);
+/// Passes on a buffer of what has come by standard error. Answers whether there may be more.
+bool ChildProcess::pass_errors_on() {
+  if (!errors_) return false;
+  char text[1 << 14];
+  ssize_t n;
+  do n = ::read(errors_.get(), text, sizeof text);
+  while (n < 0 && errno == EINTR);
+  if (n < 0 && errno == EAGAIN) return false;
+  if (n <= 0) {
+    errors_ = FileDescriptor();
+    return false;
+  }
+  write_errors({text, static_cast<std::size_t>(n)});
+  return true;
+}
+
+/// Writes it, whatever comes of that, and remembers its last line.
+void ChildProcess::write_errors(std::string_view text) {
+  const NoSigpipe no_sigpipe;
+  for (std::string_view left = text; !left.empty();) {
+    const ssize_t n = ::write(STDERR_FILENO, left.data(), left.size());
+    if (n < 0 && errno != EINTR) break;
+    left.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
+  }
+  for (std::size_t end; (end = text.find('\n')) != text.npos; text.remove_prefix(end + 1)) {
+    error_line_ += text.substr(0, end);
+    if (error_line_.find_first_not_of(" \t\r") != std::string::npos)
+      last_error_line_ = std::exchange(error_line_, "");
+    error_line_.clear();
+  }
+  error_line_ += text.substr(0, kErrorLineBytes - std::min(kErrorLineBytes, error_line_.size()));
+}
+
+std::string ChildProcess::last_error_line() const {
+  return printable_line(error_line_.empty() ? last_error_line_ : error_line_);
+}
+
+ChildProcess::End ChildProcess::reap() {
+  const End end = keeper_.end(kept_);
   kept_.pid = -1;
-  return how;
+  while (pass_errors_on()) {
+  }
+  return end;
 }
 
 void ChildProcess::end() {
@@ -177,12 +224,12 @@ void ChildProcess::kill() {
   Keeper::kill_marked(kept_);
 }
 
-std::string ChildProcess::how_it_ended() {
-  if (kept_.pid < 0) return "ended";
+ChildProcess::End ChildProcess::how_it_ended() {
+  if (kept_.pid < 0) return {"ended"};
   hang_up();
   const bool by_itself = wait_until(Clock::now() + kEndingGrace);
-  const std::string how = reap();
-  return by_itself ? how : "closed its standard output and stayed";
+  const End end = reap();
+  return by_itself ? end : End{"closed its standard output and stayed"};
 }
 
 NoSigpipe::NoSigpipe() {

@@ -20,9 +20,9 @@ struct Command {
   std::filesystem::path directory;  ///< where it runs, and where "./program" is looked for
 };
 
-/// The child has pipes as standard input and output and inherits standard error; every other file
-/// of this process is closed in it, and it leads a process group of its own, so that a Ctrl-C at
-/// the terminal is this program's alone. The keeper is its parent.
+/// The child has pipes as its standard streams; pump() passes on what comes by standard error.
+/// Every other file of this process is closed in it, and it leads a process group of its own, so
+/// that a Ctrl-C at the terminal is this program's alone. The keeper is its parent.
 class ChildProcess {
  public:
   using Clock = std::chrono::steady_clock;
@@ -42,6 +42,7 @@ class ChildProcess {
   /// Writes and reads what it can without waiting; if it can do neither, waits until `deadline` at
   /// most.
   /// kEnded: the child has closed its output, or its input while there was something to write.
+  /// What the child has written to standard error goes to that of this program.
   /// The calling thread must hold SIGPIPE back (NoSigpipe).
   Event pump(Clock::time_point deadline);
   /// The next whole line that came, without its end; valid until the next call of pump().
@@ -55,22 +56,29 @@ class ChildProcess {
   void end();
   /// Kills it at once, with all that it started.
   void kill();
-  /// After kEnded: how the child ended, "exited with status 3". Kills a child that lives on.
-  std::string how_it_ended();
+  /// After kEnded: how the child ended. Kills a child that lives on.
+  using End = KeptEnd;
+  End how_it_ended();
+  /// The last line that it wrote to standard error, in printable characters; empty without any.
+  std::string last_error_line() const;
 
  private:
   bool wait_until(Clock::time_point deadline);
-  std::string reap();
+  bool pass_errors_on();
+  void write_errors(std::string_view text);
+  End reap();
 
   Keeper& keeper_;
   Kept kept_;  // pid -1: reaped
-  FileDescriptor to_, from_;
+  FileDescriptor to_, from_, errors_;
   std::string out_;
   std::size_t written_ = 0;
   std::string in_;
-  std::string buffer_;       // that read() fills
-  std::size_t read_ = 0;     // lines before are taken
-  std::size_t scanned_ = 0;  // no line ends in [read_, scanned_)
+  std::string buffer_;           // that read() fills
+  std::size_t read_ = 0;         // lines before are taken
+  std::size_t scanned_ = 0;      // no line ends in [read_, scanned_)
+  std::string error_line_;       // of standard error, perhaps the beginning of one
+  std::string last_error_line_;  // the last whole one with a word in it
 };
 
 /// Holds SIGPIPE back in the calling thread, so that writing to a child that died is an error and

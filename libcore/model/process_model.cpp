@@ -3,8 +3,9 @@
 //
 // When a process fails, any of the questions that it had may be to blame. Each of them is asked
 // again alone, so that one that kills every process cannot take others with it, and it fails after
-// kMaxAttempts in all. What is reached does not depend on any of this: an answer belongs to its
-// question by its id.
+// kMaxAttempts in all. Where the process itself says what is wrong (it prints where it should
+// answer, or an exception ends it), nothing is asked again. What is reached does not depend on any
+// of this: an answer belongs to its question by its id.
 #include "libcore/model/process_model.hpp"
 
 #include <algorithm>
@@ -38,9 +39,18 @@ std::chrono::nanoseconds nanoseconds(double seconds) {
       std::chrono::duration<double>(seconds));
 }
 
-std::string how_it_ended(ChildProcess& child) {
+/// @param when what follows on how it ended
+/// @throw LastingError when the process has ended itself and said why, as an exception that nobody
+/// catches does; ModelError
+[[noreturn]] void throw_how_it_ended(ChildProcess& child, const std::string& when) {
   const std::string last_words = printable_line(child.rest());
-  return child.how_it_ended() + (last_words.empty() ? "" : " (last words: '" + last_words + "')");
+  const ChildProcess::End end = child.how_it_ended();
+  std::string what = end.how + when;
+  if (!last_words.empty()) what += " (last words: '" + last_words + "')";
+  const std::string error_line = child.last_error_line();
+  if (!error_line.empty()) what += ": " + error_line;
+  if (end.has_given_up && !error_line.empty()) throw LastingError(what);
+  throw ModelError(what);
 }
 
 std::string who(const ProcessGroup& group, const std::string& what) {
@@ -58,7 +68,7 @@ ModelInfo hear_first_line(const ProcessGroup& group, ChildProcess& child) {
       throw ModelError("wrote a first line that does not end");
     const ChildProcess::Event event = child.pump(deadline);
     if (event == ChildProcess::Event::kEnded)
-      throw ModelError(how_it_ended(child) + " before it had said what it is");
+      throw_how_it_ended(child, " before it had said what it is");
     if (event == ChildProcess::Event::kTimeout)
       throw ModelError("did not say what it is within " + to_text(seconds) + " s");
   }
@@ -70,7 +80,7 @@ struct Started {
   ModelInfo info;
 };
 
-/// @throw RefusedError when the model refuses its parameters; ModelError
+/// @throw RefusedError when the model refuses its parameters; LastingError; ModelError
 Started start(ProcessGroup& group) {
   Started started;
   try {
@@ -82,6 +92,9 @@ Started start(ProcessGroup& group) {
     return started;
   } catch (const RefusedError&) {
     throw;
+  } catch (const LastingError& e) {
+    started.child->kill();
+    throw LastingError(who(group, e.what()));
   } catch (const Error& e) {
     if (started.child) started.child->kill();
     throw ModelError(who(group, e.what()));
@@ -139,10 +152,14 @@ class ProcessModel final : public Model {
   bool require_child();
   bool send(Question question);
   Clock::time_point deadline() const;
-  std::string listen(const QuestionDone& done);
+  struct Fault {
+    std::string why;          // empty: none
+    bool is_lasting = false;  // asking again cannot help
+  };
+  Fault listen(const QuestionDone& done);
   void take_lines(const QuestionDone& done);
   void take_answer(const QuestionDone& done);
-  void give_up(const std::string& why, const QuestionDone& done);
+  void give_up(const Fault& fault, const QuestionDone& done);
 
   std::shared_ptr<ProcessGroup> group_;  // declared first: its starter outlives the child
   std::unique_ptr<ChildProcess> child_;
@@ -180,7 +197,7 @@ void ProcessModel::ask_all(const NextQuestion& next, const QuestionDone& done) {
       if (!send(question)) done(question, dead_);
     }
     if (sent_.empty()) return;
-    if (const std::string why = listen(done); !why.empty()) give_up(why, done);
+    if (const Fault fault = listen(done); !fault.why.empty()) give_up(fault, done);
   }
 }
 
@@ -197,6 +214,8 @@ bool ProcessModel::require_child() {
       child_ = start(*group_).child;
     } catch (const RefusedError& e) {
       dead_ = who(*group_, std::string("now refuses its parameters: ") + e.what());
+    } catch (const LastingError& e) {
+      dead_ = e.what();
     } catch (const ModelError& e) {
       if (attempt == kMaxAttempts) dead_ = e.what();
     }
@@ -226,24 +245,24 @@ ProcessModel::Clock::time_point ProcessModel::deadline() const {
                   oldest + group_->options.in_flight * limit);
 }
 
-/// Hears what comes next. Answers why the process is of no use any more, empty while it is.
-std::string ProcessModel::listen(const QuestionDone& done) {
+/// Hears what comes next. Answers why the process is of no use any more, if it is not.
+ProcessModel::Fault ProcessModel::listen(const QuestionDone& done) {
   try {
     switch (child_->pump(deadline())) {
       case ChildProcess::Event::kMoved:
         take_lines(done);
-        return "";
+        return {};
       case ChildProcess::Event::kTimeout:
         throw ModelError("gave no answer within " + to_text(group_->options.timeout_seconds) +
                          " s");
       case ChildProcess::Event::kEnded:
         break;
     }
-    throw ModelError(how_it_ended(*child_));
+    throw_how_it_ended(*child_, "");
   } catch (const ModelError& e) {
     child_->kill();
     child_.reset();
-    return who(*group_, e.what());
+    return {who(*group_, e.what()), dynamic_cast<const LastingError*>(&e) != nullptr};
   }
 }
 
@@ -278,14 +297,19 @@ void ProcessModel::take_answer(const QuestionDone& done) {
   done(question, answer_.has_error ? answer_.error : std::string_view());
 }
 
-/// Takes back the questions that a lost process had: each is asked again, or fails with `why`.
-void ProcessModel::give_up(const std::string& why, const QuestionDone& done) {
+/// Takes back the questions that a lost process had: each is asked again, or fails. Of a lasting
+/// fault, all fail: the search ends with the first.
+void ProcessModel::give_up(const Fault& fault, const QuestionDone& done) {
   const std::vector<Question> lost = std::exchange(sent_, {});
+  if (fault.is_lasting) {
+    for (const Question& question : lost) done(question, fault.why);
+    return;
+  }
   for (auto question = lost.rbegin(); question != lost.rend(); ++question)
     if (question->attempts < kMaxAttempts) again_.push_front(*question);
   for (const Question& question : lost)
     if (question.attempts >= kMaxAttempts)
-      done(question, why + "; asked " + std::to_string(question.attempts) + " times");
+      done(question, fault.why + "; asked " + std::to_string(question.attempts) + " times");
 }
 
 }  // namespace

@@ -200,6 +200,7 @@ std::size_t max_answer_bytes(const ModelInfo& model, Operation operation) {
 }
 
 void read_answer(std::string_view line, Answer& answer) {
+  require_object(line);
   AnswerReader reader(answer);
   const bool parsed = Json::sax_parse(line, &reader);
   std::string why = reader.failure();

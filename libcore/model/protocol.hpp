@@ -37,7 +37,8 @@ struct Answer {
   std::vector<std::uint32_t> states_sizes;  ///< how many components each of `states` has
 };
 
-/// @throw ModelError, one line: no JSON, no object, no id, entries of wrong types.
+/// @throw LastingError as require_object(); ModelError, one line: no JSON, no id, entries of wrong
+/// types.
 void read_answer(std::string_view line, Answer& answer);
 
 /// Writes an answer's row: the state and what is stored with it. An answer to kEvaluate has no

@@ -7,6 +7,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
+#include "libcore/model/room.hpp"
 
 namespace hapgrid {
 
@@ -38,12 +39,13 @@ PointIndex point_at(const Box& box, const Vec3& position) {
   return box.index(c);
 }
 
-std::vector<double> known_states(Model& model, const Box& box, PointIndex point) {
+std::vector<double> known_states(Model& model, const Box& box, PointIndex point, bool is_corner) {
   std::vector<double> states = model.known_states(box.position(point));
-  if (states.empty())
-    throw Error("seed " + describe(box, point) + " at " + to_text(box.position(point)) +
-                ": the model knows no state there; choose other seeds, or give their states");
-  return states;
+  if (!states.empty()) return states;
+  const std::string hint = is_corner ? larger_box(model, box) : "";
+  throw Error("seed " + describe(box, point) + " at " + to_text(box.position(point)) +
+              ": the model knows no state there; " + (hint.empty() ? "" : hint + "; or ") +
+              "choose other seeds, or give their states");
 }
 
 }  // namespace
@@ -61,7 +63,7 @@ Seeds seed_states(const Definition& definition, Model& model) {
                     std::to_string(model.state_size()));
       states.insert(states.end(), state.begin(), state.end());
     }
-    if (states.empty()) states = known_states(model, box, point);
+    if (states.empty()) states = known_states(model, box, point, false);
     if (!seeds.emplace(point, std::move(states)).second)
       throw Error("seed " + to_text(seed.position) + ": given twice");
   }
@@ -71,7 +73,7 @@ Seeds seed_states(const Definition& definition, Model& model) {
     GridCoordinates c{};
     for (int a = 0; a < 3; ++a) c[a] = corner >> a & 1 ? box.counts[a] - 1 : 0;
     const PointIndex point = box.index(c);
-    if (!seeds.contains(point)) seeds[point] = known_states(model, box, point);
+    if (!seeds.contains(point)) seeds[point] = known_states(model, box, point, true);
   }
   return seeds;
 }

@@ -10,92 +10,13 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/grid/state_distance.hpp"
+#include "libcore/search/bisection.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/reader.hpp"
 
 namespace hapgrid {
 
 namespace {
-
-/// The search for one tear fraction, a conversion at a time.
-class Bisection {
- public:
-  explicit Bisection(const Grid& grid)
-      : grid_(grid), middle_row_(grid.spec().row_size()), back_row_(grid.spec().row_size()) {}
-
-  void start(std::size_t index, OneWayLink link) {
-    index_ = index;
-    x_ = grid_.box().position(grid_.point(link.record));
-    d_ = grid_.neighbourhood().shift(link.q);
-    low_ = 0;
-    high_ = kTearSteps;
-    is_back_ = false;
-    const auto row = [&](RecordIndex r) {
-      return std::vector(grid_.row(r).begin(), grid_.row(r).end());
-    };
-    low_row_ = row(link.record);
-    high_row_ = row(grid_.destination(link.record, link.q));
-  }
-
-  /// Which of the links it is.
-  std::size_t index() const { return index_; }
-  /// The conversion to be made, into a row of this object.
-  Conversion conversion(std::uint64_t tag) {
-    if (is_back_)
-      return {middle_row_.data(), at(middle()), shift(low_ - middle()), back_row_.data(), tag};
-    return {low_row_.data(), at(low_), shift(middle() - low_), middle_row_.data(), tag};
-  }
-
-  /// Takes what it reached. Answers whether the fraction is found.
-  bool advance(StateDistance& distance) {
-    if (is_back_) {
-      halve(distance.is_same(back_row_, low_row_));
-    } else {
-      is_back_ = true;
-      if (high_ - low_ == kTearSteps) return false;
-      const double from_low = distance(middle_row_, low_row_);
-      const double from_high = distance(middle_row_, high_row_);
-      const bool is_low = from_low < from_high;
-      if (!(kNearer * std::min(from_low, from_high) <= std::max(from_low, from_high)) ||
-          from_low == from_high)
-        return false;
-      halve(is_low);
-    }
-    is_back_ = false;
-    return high_ - low_ == 1;
-  }
-  TearByte tear() const { return static_cast<TearByte>(low_); }
-
- private:
-  static constexpr double kNearer = 4;
-
-  int middle() const { return (low_ + high_) / 2; }
-  Vec3 shift(int steps) const {
-    const double part = static_cast<double>(steps) / kTearSteps;
-    return {part * d_[0], part * d_[1], part * d_[2]};
-  }
-  Vec3 at(int step) const {
-    const Vec3 d = shift(step);
-    return {x_[0] + d[0], x_[1] + d[1], x_[2] + d[2]};
-  }
-  void halve(bool is_on_branch) {
-    (is_on_branch ? low_ : high_) = middle();
-    std::swap(middle_row_, is_on_branch ? low_row_ : high_row_);
-  }
-
-  const Grid& grid_;
-  std::size_t index_ = 0;
-  Vec3 x_{};
-  Vec3 d_{};
-  int low_ = 0;  // the model snaps between these steps, and these are its states there
-  int high_ = kTearSteps;
-  std::vector<double> low_row_;
-  std::vector<double> high_row_;
-  std::vector<double> middle_row_;
-  std::vector<double> back_row_;
-  bool is_back_ = false;  // goes back from the middle to low_
-};
 
 /// Deals out links in ascending order, and remembers the first that failed: no link behind it is
 /// given out any more, and all before it are.
@@ -159,11 +80,14 @@ void bisect(const Grid& grid, std::span<const OneWayLink> links, LinkDealer& dea
           if (!dealer.next(idle, index)) return false;
           if (free.empty()) {
             free.push_back(bisections.size());
-            bisections.emplace_back(grid);
+            bisections.emplace_back(grid.spec().row_size());
           }
           ready.push_back(free.back());
           free.pop_back();
-          bisections[ready.back()].start(index, links[index]);
+          const OneWayLink link = links[index];
+          bisections[ready.back()].start(index, grid.box().position(grid.point(link.record)),
+                                         grid.neighbourhood().shift(link.q), grid.row(link.record),
+                                         grid.row(grid.destination(link.record, link.q)));
         }
         const std::size_t number = ready.back();
         ready.pop_back();

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# What verify costs on a large grid: all checks on the hung ball, in seconds and peak memory.
+# What verify costs on a large grid, all checks on the hung ball, in seconds and peak memory; and how long stats takes
+# to write it for numpy and VTK (aim: 3 s each).
 #
 #   tests/bench/verify.sh [BUILD] [POINTS A SIDE] [THREADS]        (default: build 128 2)
 #
@@ -15,5 +16,8 @@ seed "$ball" --set "grid.counts=[$n,$n,$n]" --set "grid.spacing=$spacing" \
 for recompute in none 1000; do
   measure "recompute-$recompute" verify grid --recompute "$recompute" -j "$threads" >"report-$recompute"
 done
+measure npz stats grid --npz grid.npz
+measure vti stats grid --vti grid.vti
+measure vti-branch stats grid --vti grid.vti --branch 0
 cat report-1000
 print_costs

@@ -10,10 +10,12 @@ mkdir -p "$into"
 quote="'"
 mapfile -t tools < <("$bin/hapgrid" --help | sed -n 's/^  \([a-z][a-z-]*\)  *[A-Za-z].*/\1/p')
 
-# options TOOL: a line an option: its long name, a tab, its description.
+# options TOOL: a line an option: its long name, a tab, its description. feel takes those of play; the help of molecule
+# needs its modules for Python.
 options() {
-  [[ -x $bin/$1 ]] || return 0
-  "$bin/$1" --help | sed -nE "s/^  (-.,)?--([a-z-]+)[^ ]*( [^ ]+)*  +([^ ].*)$/\2\t\4/p; s/^  (-.,)?--([a-z-]+)[^ ]*( [^ ]+)*$/\2\t/p"
+  local tool=$1
+  [[ $tool != feel ]] || tool=play
+  "$bin/hapgrid" "$tool" --help 2>/dev/null | sed -nE "s/^  (-., ?)?(-. [A-Z]+, )?--([a-z-]+)[^ ]*( [^ ]+)*  +([^ ].*)$/\3\t\5/p; s/^  (-., ?)?(-. [A-Z]+, )?--([a-z-]+)[^ ]*( [^ ]+)*$/\3\t/p"
 }
 
 # cases FORMAT: a line of a shell's case for each tool that has options, with its name and those.

@@ -92,6 +92,7 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
   Json safety;
   for (std::size_t i = 0; i < kSafetyActions; ++i) safety[kSafetyNames[i]] = s.acted[i];
   Json report{
+      {"version", 1},
       {"model", facts.model},
       {"device", facts.device},
       {"traversal", facts.traversal},

@@ -75,7 +75,8 @@ Json session_json(const SessionReader& session, const SessionStatistics& s,
   for (std::size_t i = 0; i < header.flags.size(); ++i) flags[header.flags[i]] = s.flags[i];
   const double start = header.time_of(s.first);
   const double end = header.time_of(s.last);
-  return {{"model", header.model},
+  return {{"version", 1},
+          {"model", header.model},
           {"grid_digest", header.grid_digest},
           {"box",
            {{"origin", header.box.origin},

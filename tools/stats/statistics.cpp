@@ -159,6 +159,7 @@ void add_costs(CostSums& sums, const std::string& name, const std::string& text)
 
 Json statistics_json(const GridSpec& spec, const Statistics& s, const CostSums* costs) {
   Json json;
+  json["version"] = 1;
   json["model"] = spec.model;
   json["parameters"] = Json::object();
   for (const Parameter& p : spec.parameters) json["parameters"][p.key] = value_json(p.value);

@@ -64,7 +64,8 @@ std::string header(const Grid& grid, const std::vector<Array>& arrays) {
 
 }  // namespace
 
-void write_vti(const Grid& grid, unsigned level, const std::string& name) {
+void write_vti(const Grid& grid, const std::function<RecordIndex(PointIndex)>& record_at,
+               const std::string& name) {
   const GridSpec& spec = grid.spec();
   std::vector<Array> arrays{{"state", 0, spec.state_size}};
   if (spec.stored.force) arrays.push_back({"force", spec.force_offset(), 3});
@@ -76,11 +77,12 @@ void write_vti(const Grid& grid, unsigned level, const std::string& name) {
   });
   for (const Array& array : arrays)
     write_appended<double>(output, grid, array.width, [&](PointIndex p, std::vector<double>& to) {
-      if (level >= grid.levels(p)) {
+      const RecordIndex record = record_at(p);
+      if (record == Grid::kNoRecord) {
         to.insert(to.end(), array.width, std::numeric_limits<double>::quiet_NaN());
         return;
       }
-      const auto row = grid.row(grid.first(p) + level).subspan(array.offset, array.width);
+      const auto row = grid.row(record).subspan(array.offset, array.width);
       to.insert(to.end(), row.begin(), row.end());
     });
   output.write("\n</AppendedData>\n</VTKFile>\n");

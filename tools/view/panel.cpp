@@ -81,7 +81,7 @@ void draw_curve(Image& image, const Place& place, int scale, const Traces& trace
   const auto column = [&](double time_s) { return column_of(place, scale, traces, time_s); };
   for (int s = 1; s < Traces::kSeconds; ++s)
     fill(image, column(end_s - s), y, scale, height, {232, 234, 238});
-  write(image, x + scale * kMargin, y + height - scale * kLetterHeight, scale, "t: the last 10 s",
+  write(image, x + scale * kMargin, y + height - scale * kLetterHeight, scale, "t / s: the last 10 s",
         kPale);
   static_assert(Traces::kSeconds == 10);
   for (const auto& sample : traces.samples())
@@ -130,7 +130,7 @@ Image draw_panel(int width, int scale, const Scene& scene, const Traces& traces,
   if (!both) return image;
   place.y += place.height + gap;
   draw_curve(image, place, scale, traces, &Traces::Sample::energy, energy,
-             scene.energy_unit.empty() ? "energy" : axis_label("energy", scene.energy_unit),
+             axis_label("energy", scene.energy_unit.empty() ? "model's unit" : scene.energy_unit),
              kEnergy);
   const bool own = std::any_of(traces.samples().begin(), traces.samples().end(),
                                [](const auto& s) { return std::isfinite(s.own_energy); });

@@ -3,11 +3,7 @@
 source "$(dirname "$0")/../lib.sh"
 export LC_ALL=C.UTF-8
 
-for tool in feel init; do
-  "$tool" --help >help
-  (($(wc -L <help) <= 100 && $(wc -l <help) <= 60)) || fail "$tool --help is $(wc -L <help) columns wide and has $(wc -l <help) lines"
-done
-tools=(hapgrid seed expand merge verify stats play view check-model)
+tools=(hapgrid feel init seed expand merge verify stats play view check-model)
 molecule() { hapgrid molecule "$@"; }
 [[ ! -e $HAPGRID_BUILD/man/hapgrid-molecule.1 ]] || tools+=(molecule)  # where its modules are
 for tool in "${tools[@]}"; do
@@ -17,7 +13,7 @@ for tool in "${tools[@]}"; do
   "$tool" --help >help
   (($(wc -L <help) <= 100)) || fail "$tool --help is $(wc -L <help) columns wide"
   (($(wc -l <help) <= lines)) || fail "$tool --help has $(wc -l <help) lines"
-  [[ $tool == hapgrid || $tool == molecule ]] || for code in 'Exit codes:' '  0  done' '  1  could not' '  2  the command line is wrong'; do
+  [[ $tool =~ ^(hapgrid|molecule|feel|init)$ ]] || for code in 'Exit codes:' '  0  done' '  1  could not' '  2  the command line is wrong'; do
     grep -q "^$code" help || fail "$tool --help does not say: $code"
   done
 

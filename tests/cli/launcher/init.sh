@@ -31,7 +31,7 @@ made() (
   "$hapgrid" init "$folder" "$@" >said
   PATH=/usr/bin:/bin
   make -C "$folder" "${small[@]}" >made.out 2>made.err || fail "$(cat made.out made.err)"
-  for verdict in 'check-model: fine: 7 checks' 'verify: fine: 1[0-9] checks'; do
+  for verdict in 'check-model: fine: 8 checks' 'verify: fine: 1[0-9] checks'; do
     grep -qx "$verdict" made.err || fail "$folder: not '$verdict': $(cat made.err)"
   done
   cp "$folder/$folder.grid" "$folder.first"
@@ -84,9 +84,9 @@ expect 2 '~.*gradient +500 forces +[1-9][0-9]* +broken.*' '~.*check-model: .*' -
 DESTDIR=$PWD/root cmake --install "$HAPGRID_BUILD" >install.log || fail "$(cat install.log)"
 mv root "the \$root #1 & 'only'"
 installed=$(find "$PWD"/the* -path '*/bin/hapgrid')
-made installed_c "$installed" --lang=c
-made installed_python "$installed"
-for language in c python; do
-  cmp <(stats --dump "installed_$language/installed_$language.grid") "my_$language.dump"
+for language in "${languages[@]}"; do
+  folder=installed_${language/++/xx}
+  if [[ $language == python ]]; then made "$folder" "$installed"; else made "$folder" "$installed" "--lang=$language"; fi
+  cmp <(stats --dump "$folder/$folder.grid") "my_${language/++/xx}.dump"
 done
 same 'the headers' "${installed%/bin/hapgrid}/include/hapgrid" "$("$installed" init --include)"

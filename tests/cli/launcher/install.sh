@@ -36,6 +36,6 @@ expect 0 'hapgrid 0.1.0' '' -- "$hapgrid" -V
 # The manual pages are there; help.sh looks into them.
 man=moved${prefix#root}/share/man/man1
 pages=$(ls "$man" | tr '\n' ' ')
-[[ ${pages/hapgrid-molecule.1 /} == 'hapgrid-check-model.1 hapgrid-expand.1 hapgrid-merge.1 hapgrid-play.1 hapgrid-seed.1 hapgrid-stats.1 hapgrid-verify.1 hapgrid-view.1 hapgrid.1 ' ]]
+[[ ${pages/hapgrid-molecule.1 /} == 'hapgrid-check-model.1 hapgrid-expand.1 hapgrid-feel.1 hapgrid-init.1 hapgrid-merge.1 hapgrid-play.1 hapgrid-seed.1 hapgrid-stats.1 hapgrid-verify.1 hapgrid-view.1 hapgrid.1 ' ]]
 # What a plug-in's author includes compiles from the installation.
 printf '#include "libcore/model/plugin.h"\n' | gcc -fsyntax-only -xc -I "moved${prefix#root}/include/hapgrid" -

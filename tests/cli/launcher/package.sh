@@ -39,11 +39,29 @@ grep -q "models: $(dirname "$(find "$usr" -name hung-ball.so)")\$" mine.log || f
 hapgrid seed "$usr/share/doc/hapgrid/examples/spring-c/spring-c.toml" --model-path models --set grid.spacing=0.5 \
   --set 'grid.counts=[3,2,2]' >/dev/null
 
+# From a molecule to a verified grid and pictures, by what was unpacked alone. Hydrogen peroxide has one torsion.
+molecule=(hapgrid molecule)
+if "${molecule[@]}" --help >/dev/null 2>&1 && ldconfig -p | grep -q 'libxtb\.so\.6'; then
+  "${molecule[@]}" --smiles OO -o peroxide --method gfnff --spacing 1.2 --quiet >line 2>said || fail "$(cat said)"
+  grep -q '^hapgrid play peroxide/peroxide\.grid ' line || fail "$(cat line)"
+  grep -qP '\tyes\t-$' peroxide/rotors.tsv || fail "no path is taken: $(cat peroxide/rotors.tsv)"
+  expect 0 '~.*' '~verify: fine: .*' -- hapgrid verify peroxide/peroxide.grid --recompute 20
+  for file in index.html played.html turned.png force.png; do [[ -s peroxide/$file ]] || fail "no $file"; done
+else
+  echo 'no python3-openbabel, python3-numpy or libxtb6: hapgrid molecule is left out'
+fi
+for page in init feel molecule; do
+  [[ -s $(find there -name "hapgrid-$page.1*") || $page == molecule && ! -e $HAPGRID_BUILD/man/hapgrid-molecule.1 ]] ||
+    fail "no manual page of $page"
+done
+
 # What the shell offers is what the help says.
 bash -c 'source "$1"; COMP_WORDS=(hapgrid ve); COMP_CWORD=1; _hapgrid; echo "${COMPREPLY[@]}"
-  COMP_WORDS=(hapgrid verify --re); COMP_CWORD=2; _hapgrid; echo "${COMPREPLY[@]}"' _ \
+  COMP_WORDS=(hapgrid verify --re); COMP_CWORD=2; _hapgrid; echo "${COMPREPLY[@]}"
+  COMP_WORDS=(hapgrid init --la); COMP_CWORD=2; _hapgrid; echo "${COMPREPLY[@]}"
+  COMP_WORDS=(hapgrid feel --durat); COMP_CWORD=2; _hapgrid; echo "${COMPREPLY[@]}"' _ \
   "$usr/share/bash-completion/completions/hapgrid" >offered
-same "offered" $'verify\n--recompute' "$(cat offered)"
+same "offered" $'verify\n--recompute\n--lang\n--duration' "$(cat offered)"
 # zsh and fish offer the same when the key is pressed.
 if command -v fish >/dev/null; then
   same 'what fish offers' $'verify\n--recompute' "$(fish --no-config -c 'source $argv; complete -C "hapgrid veri"
@@ -66,8 +84,11 @@ ZSH
 else
   echo 'no zsh: its completion is left out'
 fi
-for tool in seed expand merge verify stats play view check-model; do
-  hapgrid "$tool" --help | grep -oE -- '^  (-.,)?--[a-z-]+' | grep -oE -- '--.*' | sort >known
+tools=(seed expand merge verify stats play view check-model feel init)
+! "${molecule[@]}" --help >/dev/null 2>&1 || tools+=(molecule)
+for tool in "${tools[@]}"; do
+  hapgrid "${tool/feel/play}" --help | grep -oE -- '^  (-.,? ?([A-Z]+, )?)?--[a-z-]+' | grep -oE -- '--.*' | sort >known
+  [[ -s known ]] || fail "no options of $tool"
   sed -n "s/^ *$tool) words='\(.*\)' ;;/\1/p" "$usr/share/bash-completion/completions/hapgrid" | tr ' ' '\n' | sort | diff - known ||
     fail "options of $tool"
 done

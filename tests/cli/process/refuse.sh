@@ -94,6 +94,15 @@ fails() {  # WORDS MESSAGE OPTION...
 fails 'die 1' 'exited with status 7'
 fails 'die 1' 'exited with status 7' -j 3
 fails 'hang 1' 'gave no answer within 0\.2 s' --process-timeout 0.2
+# A model that says itself what is wrong is asked once, and what it said is above the line.
+define puppet raise >told.toml
+expect 1 '' "~Traceback .*KeyError: 'gone'
+expand: $conversion: $who raise' exited with status 1: KeyError: 'gone'" -- \
+  expand seeds --allow-process told.toml -o out
+same 'tracebacks' 1 "$(grep -c Traceback "$work/got/err")"
+define puppet garbage >told.toml
+refuses "expand: $conversion: $who garbage' printed 'Segmentation fault .*print\(\.\.\., file=sys\.stderr\) in place of print\(\)" -- \
+  expand seeds --allow-process told.toml -o out
 define puppet fail >told.toml
 refuses "expand: $conversion: told to fail" -- expand seeds --allow-process told.toml -o out
 same "the old file" before "$(cat out)"

@@ -63,7 +63,7 @@ TOML
 define >puppet.toml
 seed puppet.toml --allow-process -o puppet.seeds
 expand --complete puppet.seeds --allow-process puppet.toml -o puppet.grid
-for told in reverse 'die 50' 'garbage 60'; do
+for told in reverse 'die 50' 'short 60'; do
   define $told >told.toml
   expand --complete puppet.seeds --allow-process told.toml -j 2 --in-flight 8 -o told.grid
   cmp puppet.grid told.grid || fail "$told"

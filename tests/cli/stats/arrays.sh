@@ -35,6 +35,12 @@ PYTHON
 # ParaView's library reads the image and draws it.
 stats grid --vti grid.vti
 stats grid --vti one.vti --level 1
+# Two branches: a record each at points with two levels, and NaN at the others.
+same 'branch 0' '~branch 0 of [0-9]+: [0-9]+ records; the largest: .*' "$(stats grid --vti branch0.vti --branch 0)"
+read -r _ _ _ count _ <<<"$(stats grid --vti branch1.vti --branch 1)"
+count=${count%:}
+refuses "stats: --branch $count: this grid has the branches 0 to $((count - 1))" -- stats grid --vti x.vti --branch "$count"
+expect 2 '' '~stats: --branch needs --vti .*' -- stats grid --branch 0
 LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a /usr/bin/python3 - <<'PYTHON'
 import numpy as np
 import vtk
@@ -54,6 +60,33 @@ for name, level in ("grid.vti", 0), ("one.vti", 1):
     assert (state[k, j, i] == known["state"][here]).all() and np.isnan(state).sum() == 2000 - here.sum()
     force = vtk_to_numpy(data.GetArray("force")).reshape(10, 10, 20, 3)
     assert (force[k, j, i] == known["force"][here]).all()
+# A branch is grown from its smallest record over two-way links, a record a point.
+grid = np.load("grid.npz")
+to, point = grid["destination"], np.ravel_multi_index(grid["point"].T[::-1], (10, 10, 20))
+branch, sizes = np.full(len(to), -1), []
+for seed in range(len(to)):
+    if branch[seed] >= 0:
+        continue
+    members, points = [seed], {point[seed]}
+    branch[seed] = len(sizes)
+    for r in members:
+        for q, there in enumerate(to[r]):
+            if there >= 0 and branch[there] < 0 and point[there] not in points and to[there][25 - q] == r:
+                branch[there] = len(sizes)
+                points.add(point[there])
+                members.append(there)
+    sizes.append(len(members))
+for n in 0, 1:
+    reader = vtk.vtkXMLImageDataReader()
+    reader.SetFileName(f"branch{n}.vti")
+    reader.Update()
+    shown = reader.GetOutput().GetPointData()
+    here = branch == n
+    assert here.sum() == sizes[n] == len(set(point[here]))
+    for name in "state", "force", "energy":
+        values = vtk_to_numpy(shown.GetArray(name)).reshape(2000, -1)
+        assert (values[point[here]] == grid[name][here].reshape(sizes[n], -1)).all(), name
+        assert np.isnan(values).any(axis=1).sum() == 2000 - sizes[n], name
 mapper, actor, renderer, window = vtk.vtkDataSetMapper(), vtk.vtkActor(), vtk.vtkRenderer(), vtk.vtkRenderWindow()
 mapper.SetInputData(image)
 data.SetActiveScalars("levels")

@@ -79,7 +79,7 @@ refuses 'stats: cut: .*' -- stats cut --get frontier
 refuses 'stats: q1: .*' -- stats q1
 refuses 'stats: q1: .*' -- stats q1 --get records
 see='\(see stats --help\)'
-expect 2 '' "~stats: --get: no value mass \(there are: model, .*, costs\) $see" -- \
+expect 2 '' "~stats: --get: no value mass \(there are: version, model, .*, costs\) $see" -- \
   stats grid --get mass
 expect 2 '' "~stats: --get, --dump, --slice, --npz, --vti and --log exclude each other $see" -- \
   stats grid --dump --get records

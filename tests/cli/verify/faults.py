@@ -50,7 +50,7 @@ def examine(number, fault, shows):
     with open(name, "wb") as file:
         file.write(data)
     options = fault.arguments if "--recompute" in fault.arguments else ["--recompute", "all"] + fault.arguments
-    done = subprocess.run(["verify", name, "--traversal", "paper", *options], capture_output=True, text=True)
+    done = subprocess.run(["verify", name, "--traversal", "paper", "-v", *options], capture_output=True, text=True)
     by_branches = subprocess.run(["verify", name, "--recompute", "none"], capture_output=True, text=True)
     os.unlink(name)
     if shows:
@@ -63,6 +63,8 @@ def examine(number, fault, shows):
     code, verdict = (3, "broken: ") if fault.rows else (0, "fine: ")
     if done.returncode != code or not done.stderr.startswith("verify: " + verdict) or sorted(rows) != sorted(fault.rows):
         return "exit code %d, rows %s: %s" % (done.returncode, rows, done.stderr)
+    if by_branches.stdout.count("\n") > 20:
+        return "more than 20 lines without -v: %s" % by_branches.stdout
     # Where the paper's rule gets stuck, so does the one that stays on a branch.
     if "paths" in rows and "complete" not in rows and " branches (" not in by_branches.stderr:
         return "branches are fine: %s" % by_branches.stderr

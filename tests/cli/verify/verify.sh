@@ -88,7 +88,7 @@ verify ball.grid --traversal paper --recompute none -j 3 --format json 2>err | c
 same "configurations" 42431 "$(sed -n '/"paths"/,/counted/s/.*counted": \([0-9]*\).*/\1/p' one)"
 
 # Incomplete: an answer, not a failure.
-expect 3 'hung-ball: 4 x 3 x 2 points, 8 records, generation 0
+seeds_table='hung-ball: 4 x 3 x 2 points, 8 records, generation 0
 check        counted                  offenders  verdict
 complete           8 records                  8  broken
 coverage          24 points                  16  broken
@@ -102,7 +102,9 @@ blends             6 cells                    0  note
 branches           0 cells                    0  ok
 gradient           0 forces                   0  note
 steep              0 configurations           0  note
-passive            0 links                    0  ok
+passive            0 links                    0  ok'
+verify seeds -v >all 2>err && fail "exit code 0"
+same "all of it" "$seeds_table
 
 complete: records that no expand has looked at (the frontier)
   point 0 (0, 0, 0) level 0
@@ -118,7 +120,14 @@ coverage: points without a level
   point 4 (0, 1, 0)
   point 5 (1, 1, 0)
   point 6 (2, 1, 0)
-  and 11 more' 'verify: broken: complete (8 of 8), coverage (16 of 24)' -- verify seeds
+  and 11 more" "$(sed /^branches:/,\$d all)"
+# Without -v, 20 lines.
+expect 3 "$seeds_table
+complete: records that no expand has looked at (the frontier)
+  point 0 (0, 0, 0) level 0
+coverage: points without a level
+  point 1 (1, 0, 0)
+(10 more lines with -v)" 'verify: broken: complete (8 of 8), coverage (16 of 24)' -- verify seeds
 
 # A model that has changed since: fidelity finds it, and nothing else can. It fails on the way to
 # the last plane of x, 28 times from the plane before and 28 - 6 within; of the others with d3 > 0
@@ -136,8 +145,7 @@ fidelity: links to a state that C, evaluated again, does not reach
   point 0 (0, 0, 0) level 0 direction 22 (1, 0, 1): C gives 0.25, stored at level 0 is 0
   point 0 (0, 0, 0) level 0 direction 24 (0, 1, 1): C gives 0.25, stored at level 0 is 0
   point 0 (0, 0, 0) level 0 direction 25 (1, 1, 1): C gives 0.25, stored at level 0 is 0
-  point 1 (1, 0, 0) level 0 direction 20 (-1, 0, 1): C gives 0.25, stored at level 0 is 0
-  and 101 more" 'verify: broken: fidelity (106 of 256)' -- verify grid --model-path changed
+(2 more lines with -v)" 'verify: broken: fidelity (106 of 256)' -- verify grid --model-path changed
 verify grid --model-path changed --recompute all --format json >found 2>err || code=$?
 same "exit code" 3 "${code:-0}"
 python3 - <<'PYTHON'

@@ -17,7 +17,7 @@ expect 0 "~$report" '' -- view - <x.frames
 view x.frames --format json | python3 -c '
 import json, sys
 r = json.load(sys.stdin)
-assert list(r) == ["model", "length_unit", "energy_unit", "box", "state_size", "spheres", "frames",
+assert list(r) == ["version", "model", "length_unit", "energy_unit", "box", "state_size", "spheres", "frames",
                    "first_s", "last_s", "bounds", "largest_force", "largest_force_s", "energy"], list(r)
 assert r["box"]["counts"] == [20, 10, 10] and r["frames"] == 6 and r["last_s"] == 0.18
 assert r["largest_force_s"] in [0.04, 0.08, 0.12, 0.16] and 0 < r["largest_force"] < 3

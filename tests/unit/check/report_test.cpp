@@ -1,5 +1,6 @@
 #include "libcore/check/report.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -42,6 +43,31 @@ TEST_CASE("the report as text") {
   CHECK(report_text(tiny::grid(), checks(), Details::kNotFine) == table);
   CHECK(report_text(tiny::grid(), checks(), Details::kAll) ==
         table + "\nblends: mixed cells\n  cell\n");
+}
+
+TEST_CASE("a text of what is not fine has 20 lines at most, whatever is broken") {
+  for (const int good : {0, 8, 14})
+    for (const int bad : {1, 2, 5, 9}) {
+      std::vector<Check> rows;
+      for (int i = 0; i < good; ++i) rows.push_back(checks()[0]);
+      for (int i = 0; i < bad; ++i) {
+        rows.push_back(checks()[1]);
+        rows.back().name = "bad-" + std::to_string(i);
+      }
+      const std::string text = report_text(tiny::grid(), rows, Details::kNotFine);
+      const std::string all = report_text(tiny::grid(), rows, Details::kAll);
+      CAPTURE(text);
+      CHECK(std::count(text.begin(), text.end(), '\n') <= 20);
+      std::size_t named = 0;
+      for (int i = 0; i < bad; ++i) {
+        CHECK(text.find("\nbad-" + std::to_string(i) + " ") != text.npos);
+        named += text.find("\nbad-" + std::to_string(i) + ": levels") != text.npos;
+      }
+      CHECK(named >= std::min<std::size_t>(3, static_cast<std::size_t>(bad)));
+      // Which lines there are beside them, or none.
+      CHECK((text.find(" more lines with -v)\n") != text.npos) == (text.size() < all.size()));
+      CHECK((good < 14 || text.find("others") == text.npos || text.find("14 checks") != text.npos));
+    }
 }
 
 TEST_CASE("the verdict names what is broken, and notes are no faults") {

@@ -152,7 +152,7 @@ TEST_CASE("hostile answers are refused in one line") {
                            "{\"id\": 1, \"x\": \"\xff\"}"}) {
     const std::string why = refusal([&] { answer(line); });
     CAPTURE(line);
-    CHECK(why.find("answered '") == 0);
+    CHECK((why.starts_with("answered '") || why.starts_with("printed '")));
     CHECK(why.find('\n') == std::string::npos);
   }
   CHECK(refusal([] { answer(std::string(1000000, '[')); }).size() < 600);
@@ -237,7 +237,9 @@ TEST_CASE("what a model says of itself") {
           "its first line nests deeper than 64 levels");
   CHECK(refused("\"hapgrid\": 1", "\"hapgrid\": " + std::string(63, '[') + std::string(63, ']'))
             .starts_with("it speaks version [[["));
-  CHECK(refusal([] { read_first_line("hello"); }).find("its first line is no JSON: ") == 0);
+  CHECK(refusal([] { read_first_line("{\"a\""); }).starts_with("its first line is no JSON: "));
+  CHECK(
+      refusal([] { read_first_line("hello"); }).starts_with("printed 'hello' to standard output"));
 }
 
 TEST_CASE("parameters that JSON cannot express") {
@@ -300,8 +302,7 @@ TEST_CASE("what is reached depends on no fault that passes, and no order of answ
       auto model = create(puppet(fault), in_flight);
       CHECK(convert(*model, 200).rows == expected.rows);
     }
-  for (const char* fault :
-       {"die", "crash", "garbage", "html", "id", "number", "short", "long", "nan"}) {
+  for (const char* fault : {"die", "crash", "id", "number", "short", "long", "nan"}) {
     CAPTURE(fault);
     auto model = create(puppet(fault, "50"));
     const Run run = convert(*model, 200);
@@ -342,9 +343,30 @@ TEST_CASE("what became of a process is said") {
   CHECK_THAT(error("id"), ends("id", "answered a question 4000000000 that it does not have"));
   CHECK_THAT(error("short"), ends("short", "an answer with 1 numbers in \"s\", not 2"));
   CHECK_THAT(error("huge"), ends("huge", "wrote a line of more than 4224 bytes"));
-  CHECK_THAT(error("garbage"),
-             Catch::Matchers::Contains("' answered 'Segmentation fault (core dumped)': no JSON: "));
   CHECK(error("fail") == "told to fail");
+}
+
+TEST_CASE("a process that says itself what is wrong is asked once") {
+  const auto errors = [](const std::string& fault) {
+    auto model = create(puppet(fault, "3"), 1);
+    const Run run = convert(*model, 20);
+    CHECK(run.rows[2 * 1 + 1] == 1.5);  // answered before
+    CHECK(run.errors[1].empty());
+    return run.errors[2];
+  };
+  CHECK(errors("raise") ==
+        "process 'python3 puppet.py raise 3' exited with status 1: KeyError: 'gone'");
+  const std::string stray =
+      " to standard output, which is for its answers: what a model prints must go to standard "
+      "error, in Python with print(..., file=sys.stderr) in place of print()";
+  CHECK(errors("garbage") ==
+        "process 'python3 puppet.py garbage 3' printed 'Segmentation fault "
+        "(core dumped)'" +
+            stray);
+  CHECK(errors("html") == "process 'python3 puppet.py html 3' printed '[{\"id\": 1}]'" + stray);
+  for (const char* line : {"5", "{'id': 1}", "hello {\"id\": 1}", "{", "", "nan"})
+    CHECK_THROWS_AS(answer(line), LastingError);
+  CHECK_NOTHROW(answer(" { \"id\": 1}"));
 }
 
 TEST_CASE("a process that does not get as far as saying what it is") {
@@ -359,7 +381,11 @@ TEST_CASE("a process that does not get as far as saying what it is") {
   CHECK(why(puppet("refuse")) == "model puppet: no way");
   CHECK(why(puppet("mute"), 0.5) == who + "mute 1' did not say what it is within 0.5 s");
   CHECK(why(puppet("dead")) == who + "dead 1' exited with status 5 before it had said what it is");
-  CHECK(why(puppet("binary")).find(who + "binary 1' its first line is no JSON: ") == 0);
+  CHECK(why(puppet("binary")).starts_with(who + "binary 1' printed '??' to standard output, "));
+  CHECK(why(puppet("import")) ==
+        who +
+            "import 1' exited with status 1 before it had said what it is: "
+            "ModuleNotFoundError: No module named 'no_such_module'");
   CHECK(why({"no-such-program", "x"}) ==
         "model puppet: process 'no-such-program x' cannot be started: no program no-such-program "
         "in PATH");

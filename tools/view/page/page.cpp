@@ -61,7 +61,7 @@ std::string Page::finish(const Scene& scene, const RenderOptions& options, doubl
       {"length_unit", unit_sign(scene.length_unit)},
       {"energy_unit", printable_line(scene.energy_unit)},
       {"energy_label",
-       scene.energy_unit.empty() ? "energy" : axis_label("energy", scene.energy_unit)},
+       axis_label("energy", scene.energy_unit.empty() ? "model's unit" : scene.energy_unit)},
       {"sticks", options.style == Style::kSticks},
       {"low", box.origin},
       {"high",

@@ -3,9 +3,10 @@ a process that lived can be checked, and `fault` says what it does beside answer
 
   puppet.py [FAULT [AT]]    FAULT happens at each AT-th question to a process (default 1):
     die crash hang garbage html id number short long nan huge close   instead of an answer
+    raise      an exception that nobody catches
     fail       answers {"error": ...}
     poison     dies at the questions whose s[0] is above AT, whoever asks
-  or before: version deep unknown-key no-size refuse mute dead binary late-start rms
+  or before: import version deep unknown-key no-size refuse mute dead binary late-start rms
   or always: reverse (answers all that came together last first), slow-end (stays after its input),
     chatty (answers with more keys than asked for), stderr, family (starts processes that stay, in
     its group and in sessions of their own, and dies at the AT-th question), slow-family (and hangs)
@@ -52,6 +53,8 @@ hello = json.loads(waiting.pop(0))
 assert hello["hapgrid"] == 1
 description = {"hapgrid": 1, "state_size": 2, "d_max": 10, "tolerance": 1e-3,
                "norm": "rms" if fault == "rms" else "max"}
+if fault == "import":
+    import no_such_module  # noqa: F401
 if fault == "version":
     description["hapgrid"] = 2
 elif fault == "deep":
@@ -94,6 +97,8 @@ while True:
         if count % at == 0 and fault != "poison":
             if fault in ("die", "family"):
                 os._exit(7)
+            elif fault == "raise":
+                {}["gone"]
             elif fault == "crash":
                 os.kill(os.getpid(), signal.SIGSEGV)
             elif fault in ("hang", "slow-family"):
