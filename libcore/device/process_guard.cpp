@@ -1,6 +1,7 @@
 #include "libcore/device/process_guard.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -30,6 +31,7 @@ constexpr char kStart = 's', kKill = 'x', kBye = 'g', kOkay = 'k', kCannot = 'e'
 constexpr auto kGrace = 2s;    // from the last message until the adapter has ended
 constexpr auto kKilling = 1s;  // until all that was killed is gone
 constexpr auto kPause = 5ms;
+constexpr auto kEnding = 50ms;  // of an adapter that has closed its socket
 // What the guard keeps.
 constexpr int kWire = GuardProcess::kFirstKept;
 constexpr int kAdaptersEnd = kWire + 1;
@@ -92,8 +94,11 @@ class Family {
 
   /// @return how the adapter had ended by itself
   std::string kill() {
-    // Whoever closes its socket at its end is gone a moment later.
-    const auto soon = Clock::now() + kPause;
+    // Whoever closes its socket at its end is gone a moment later, which a busy machine makes
+    // longer.
+    pollfd wire{kWire, 0, 0};
+    const bool is_closed = ::poll(&wire, 1, 0) > 0 && (wire.revents & POLLHUP) != 0;
+    const auto soon = Clock::now() + (is_closed ? kEnding : kPause);
     while (adapter_ >= 0 && !reap() && Clock::now() < soon)
       std::this_thread::sleep_for(kPause / 10);
     std::string ended = how_;
