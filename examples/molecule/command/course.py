@@ -1,12 +1,16 @@
 """The course of a molecule from its file to the page: the stages one by one."""
 
+import json
 import os
 import shlex
+from dataclasses import asdict
 
 from preparation import files
 from preparation import molecule as prepared
+from preparation.xtb import Surface
 
-from . import choice, combined, crossing, definition, page, pushing, reading, resolution, room, rotors, structures
+from . import (choice, combined, crossing, definition, page, pushing, reading, resolution, room, rotors, stiffness,
+               structures)
 from .filters import Failed, FilterFailed, Filters
 from .stages import Stages, digest, digest_of, duration
 
@@ -15,6 +19,10 @@ VERIFY_SHARE = 0.15  # of the time that the grid took, about
 # What expand says of a grid that it cannot compute, and what that means.
 HOPELESS = {"level limit": f"with it a point has more than {definition.MAX_LEVELS} states",
             "does not converge": "with it the molecule does not come to rest"}
+
+
+class BreaksRule(Failed):
+    """Verify found a fault in the grid."""
 
 
 def run(o):
@@ -27,6 +35,8 @@ def run(o):
             course.decide()
             course.compute()
             break
+        except BreaksRule as why:
+            course.soften_anchors(why)
         except FilterFailed as why:
             course.do_without_the_stiffest(why)
         except room.TooSmall as why:
@@ -44,6 +54,7 @@ class Course:
         self.filters = Filters(options.output)
         self.by_hand, self.taken = False, []
         self.unwanted = {}  # paths with which no grid could be computed, and why
+        self.softer = 1  # how many times softer anchors are than the rule has them
         self.expected = None  # seconds that the grid takes, about
         self.what = options.file or f"SMILES '{options.smiles}'"
 
@@ -122,6 +133,7 @@ class Course:
         self.definition = definition.Definition.around(self.molecule, self.structures, self.taken, self.o.basins,
                                                        self.o.spacing or 0.0, self._room()["sides"])
         self.definition.torsions = self._turned(self.taken)
+        self.definition.stiffness = self._stiffness()
         self._resolve()
         stages.run("definition", f"writing {self.toml}", [], [self.definition.text()], self._write_definition)
 
@@ -139,7 +151,7 @@ class Course:
 
     def _room(self):
         """How much wider the box was made for these paths, and how often."""
-        key = [digest(self.stages.path("report.tsv")), self.taken, self.o.spacing]
+        key = self._taken_from()
         known = self.stages.done.get("room", {})
         return known if known.get("key") == key else {"key": key, "made": {}, "sides": [0.0] * 6, "times": 0}
 
@@ -154,6 +166,19 @@ class Course:
     def _check_room(self, grid):
         if self._room()["times"] < room.WIDENED:
             room.check(self.filters, self.stages, grid)
+
+    def soften_anchors(self, why):
+        """After a grid that breaks a rule: where the molecule cannot yield the probe goes through it, and
+        the spacing does not resolve that. Errors: raises `why` again where this is no remedy."""
+        if self.by_hand or self.definition.stiffness == self.definition.stiffness.softer(2):
+            raise why
+        self.softer *= 2
+        self.stages.done["softer"] = {"key": self._taken_from(), "made": {}, "times": self.softer}
+        self.stages.say(f"  {why}: anchors half as stiff are tried")
+
+    def _taken_from(self):
+        """What a decision to soften holds for."""
+        return [digest(self.stages.path("report.tsv")), self.taken, self.o.spacing]
 
     def _write_definition(self):
         definition.write(self.stages.path(self.toml), self.definition.text())
@@ -188,6 +213,25 @@ class Course:
             return ""
         return combined.missed(self.filters, self.stages, one, self.structures.numbers, self.structures.x,
                                self.method, self.charge, self.o.uhf)
+
+    def _stiffness(self):
+        stages = self.stages
+        if not self.taken or self.o.basins:
+            return stiffness.Stiffness()
+
+        def compute():
+            surface = Surface(self.structures.numbers, self.structures.x, self.method, self.charge,
+                              unpaired=self.o.uhf)
+            found = [f for f in self.structures.found if f.name in self.taken]
+            one = stiffness.of_paths(self.molecule, surface, self.structures.x, found, definition.PENALTY).rounded()
+            files.write_whole(stages.path("stiffness.json"), json.dumps(asdict(one), indent=1) + "\n")
+            return ["stiffness.json"]
+        stages.run("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(
+            name + ".xyz" for name in self.taken)], [self.method, self.charge, self.o.uhf], compute)
+        known = stages.done.get("softer", {})
+        self.softer = known["times"] if known.get("key") == self._taken_from() else 1
+        with open(stages.path("stiffness.json"), encoding="utf-8") as file:
+            return stiffness.Stiffness(**json.load(file)).softer(self.softer)
 
     def _resolve(self):
         """Sets the definition's spacing."""
@@ -254,7 +298,7 @@ class Course:
                                          watch=lambda gone: stages.waiting(title, gone, share))
             files.write_whole(stages.path("verify.txt"), out)
             if code == 3:
-                raise Failed(f"{self.grid} breaks a rule: see {stages.path('verify.txt')}")
+                raise BreaksRule(f"{self.grid} breaks a rule: see {stages.path('verify.txt')}")
             return ["verify.txt"]
         stages.run("verify", title, [self.grid], [], verify)
 

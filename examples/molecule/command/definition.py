@@ -8,10 +8,13 @@ import numpy as np
 from preparation import files
 from preparation.xtb import BOHR
 
+from .stiffness import Stiffness
+
 # Bondi's radii, as the model has them, angstrom.
 RADII = {1: 1.20, 6: 1.70, 7: 1.55, 8: 1.52, 9: 1.47, 14: 2.10, 15: 1.80, 16: 1.80, 17: 1.75, 34: 1.90,
          35: 1.85, 53: 1.98}
 PROBE = 1.2  # angstrom
+PENALTY = 100  # kJ/(mol Å²)
 CLEAR = 0.3  # angstrom from touching, where a push begins; and a cell more, which is then at rest
 MAX_LEVELS = 64
 COARSE_POINTS = 14  # along the longest side of the first grid
@@ -29,6 +32,7 @@ class Definition:
     spacing: float = 1.0
     torsions: tuple = ()
     basins: bool = False  # whether paths go on behind their saddles
+    stiffness: Stiffness = Stiffness()
 
     @classmethod
     def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=()):
@@ -54,6 +58,16 @@ class Definition:
         counts = np.array(self.counts())
         return [round(float(v), 4) for v in (self.low + self.high - (counts - 1) * self.spacing) / 2]
 
+    def _why(self):
+        """The comment on the stiffness."""
+        if self.basins or not self.paths:
+            return ""
+        return """\
+# From the Hessian at the conformation: where a torsion moves an atom farthest the anchors yield half as
+# far as the torsion does. They are softer where they would have more than half the penalty, or where a
+# grid broke a rule. The stabiliser leads back from the barriers.
+"""
+
     def text(self):
         paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
         if self.paths:
@@ -74,10 +88,10 @@ conformation = "conformation.xyz"
 {paths}
 [model.parameters]
 probe_radius = {PROBE}        # of the ball that is the HIP, Å
-penalty = 100             # of the probe's overlap with an atom, kJ/(mol Å²)
-shift_stiffness = 20      # of the anchor that holds the molecule in its place, kJ/(mol Å²)
-rotation_stiffness = 100  # and of that which holds its orientation, kJ/(mol rad²)
-morph_stiffness = {0 if self.basins else 5}       # stabiliser ½ m t² of each t, kJ/mol; no part of the molecule's energy
+penalty = {PENALTY}             # of the probe's overlap with an atom, kJ/(mol Å²)
+{self._why()}shift_stiffness = {f"{self.stiffness.shift:g}":<7} # of the anchor that holds the molecule in its place, kJ/(mol Å²)
+rotation_stiffness = {f"{self.stiffness.rotation:g}":<4} # and of that which holds its orientation, kJ/(mol rad²)
+morph_stiffness = {f"{self.stiffness.morph:g}":<7} # stabiliser ½ m t² of each t, kJ/mol; no part of the molecule's energy
 substep = 0.05            # of the HIP between two minimisations, Å
 tolerance = 0.1           # states whose atoms are no farther apart, RMS, are one; Å
 force_scale = 0.025       # newtons on the device for 1 kJ/(mol Å)

@@ -1,0 +1,32 @@
+#!/bin/bash
+# The stiffness that `hapgrid molecule` chooses: for made-up Hessians of closed form, and for a grid that breaks a rule.
+source "$(dirname "$0")/../lib.sh"
+/usr/bin/python3 "$here/stiffness.py" "$HAPGRID_SOURCE/examples/molecule" || fail "see above"
+
+# A verify that finds a fault the first time: the anchors become half as stiff, and the next time it is fine.
+mkdir filters
+ln -s "$HAPGRID_BIN"/* filters
+rm filters/verify
+cat >filters/verify <<END
+#!/bin/bash
+[[ -e $PWD/was ]] && exec "$HAPGRID_BIN/verify" "\$@"
+touch "$PWD/was"
+cp methanol.toml "$PWD/first.toml"
+exit 3
+END
+chmod +x filters/verify
+methanol=("$HAPGRID_SOURCE/examples/molecule/hapgrid-molecule" --smiles CO --method gfnff --spacing 1.5 -o methanol)
+HAPGRID_BIN=$PWD/filters expect 0 '~hapgrid play .*' '~.*breaks a rule: .*: anchors half as stiff are tried.*' -- "${methanol[@]}"
+number() { sed -n "s/^$2_stiffness = \([0-9.]*\) .*/\1/p" "$1"; }
+same "shift" '50 25' "$(number first.toml shift) $(number methanol/methanol.toml shift)"
+same "least rotation" '100 100' "$(number first.toml rotation) $(number methanol/methanol.toml rotation)"
+# Again, it is known.
+HAPGRID_BIN=$PWD/filters expect 0 '~hapgrid play .*' '' -- "${methanol[@]}" --quiet
+same "shift" 25 "$(number methanol/methanol.toml shift)"
+
+# twisted counts the same records as the dump has: i j k level, t, shift ...
+stats --dump methanol/methanol.grid | awk '!/^#/ { n++; touched = $6 || $7 || $8; contact += touched
+    points[$1, $2, $3]; if ($5 > 0.5) { all++; twisted += touched } }
+  END { printf "%.2f\t%.1f\t%.3f\tmethanol/methanol.grid\n", 100 * all / n, 100 * twisted / contact, n / length(points) }' >counted
+same "twisted" "$(cat counted)" "$("$HAPGRID_SOURCE/examples/molecule/twisted" methanol/methanol.grid | tail -n 1)"
+[[ $(cut -f 1 counted) != 0.00 ]] || fail "nothing is twisted: $(cat counted)"
