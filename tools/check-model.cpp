@@ -21,8 +21,8 @@ using Json = nlohmann::ordered_json;
 
 // Force and shape together may take this part of the 200 microseconds of a tick at 5 kHz.
 constexpr double kLoopBudget = 100e-6;
-// For so many steps of the walks, the estimate looks at one point.
-constexpr std::uint64_t kStepsAPoint = 5;
+// For so many steps of the walks, the estimate looks at a point.
+constexpr std::uint64_t kStepsAPoint = 1;
 
 struct Options {
   DefinitionOptions definition;

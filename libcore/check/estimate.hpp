@@ -25,7 +25,8 @@ struct EstimateLimits {
 };
 
 /// Goes to random points of the box by several ways, each from a random seed past another random
-/// point, so that several of the levels there are met. From each it makes the conversions that the
+/// point, and from there to points nearby and back, so that several of the levels there are met.
+/// From each it makes the conversions that the
 /// search makes of such a record, and the bisections of those that do not lead back. So what is in
 /// contact has the share that it has in the grid.
 /// @param seeds by point the states known there, row after row; at least one

@@ -1,6 +1,7 @@
 #include "libcore/check/model_check.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -201,11 +202,21 @@ class ModelWalker {
     largest_force_ = std::max(largest_force_, magnitude);
     if (!model_->has_energy() && !spec_.stored.energy) return;
 
-    // E of the state that the model takes on when the HIP moves a little: C of both sides, where
-    // both come back to s (no tear-off in between).
+    try_gradient(x, s, row, force);
+  }
+
+  double energy_of(const Vec3& x, const State& row) const {
+    return spec_.stored.energy ? row[spec_.energy_offset()] : model_->energy(x, row.data());
+  }
+
+  /// E of the state that the model takes on when the HIP moves a little: C of both sides, where
+  /// both come back to s (no tear-off in between).
+  void try_gradient(const Vec3& x, const State& s, State& row, const Vec3& force) {
+    if (spec_.stored.energy && !spec_.stored.force && !model_->complete(x, row.data())) return;
+    const double here = energy_of(x, row);
     const int axis = static_cast<int>(gradients_.size() % 3);
     const double e = kDifferenceStep * spec_.box.spacing;
-    std::array<double, 2> energy{};
+    std::array<double, 2> slope{};  // before x and behind it
     for (int side = 0; side < 2; ++side) {
       Vec3 d{0, 0, 0};
       d[axis] = side ? e : -e;
@@ -214,11 +225,12 @@ class ModelWalker {
       if (!convert(s, x, d, moved) || !convert(moved, beside, {-d[0], -d[1], -d[2]}, back) ||
           !same(back, s))
         return;
-      energy[static_cast<std::size_t>(side)] =
-          spec_.stored.energy ? moved[spec_.energy_offset()] : model_->energy(beside, moved.data());
+      slope[static_cast<std::size_t>(side)] = (energy_of(beside, moved) - here) / d[axis];
     }
-    gradients_.push_back(
-        {force[axis], -model_->info().force_scale * (energy[1] - energy[0]) / (2 * e), x, axis});
+    // Where the force changes much within the step, as before a tear-off, it is between the two.
+    const double scale = -model_->info().force_scale;
+    const auto [low, high] = std::minmax({scale * slope[0], scale * slope[1]});
+    gradients_.push_back({force[axis], std::clamp(force[axis], low, high), x, axis});
   }
 
   /// What the model itself says against its parameters.
