@@ -112,7 +112,12 @@ BlendedEnergy energy_of_blends(const Grid& grid, const Fields& fields) {
   BlendSurvey survey(grid, fields);
   const auto pairs = corner_pairs(survey.cells());
   for (PointIndex base = 0; base < grid.box().points(); ++base) {
-    if (!survey.has_cell(base)) continue;
+    // With one level in each corner nothing can be mixed.
+    bool has_choice = false;
+    const bool is_cell = survey.has_cell(base);
+    for (int k = 0; is_cell && k < 8; ++k)
+      has_choice |= survey.cells().is_corner(k) && grid.levels(survey.cells().point(base, k)) > 1;
+    if (!has_choice) continue;
     for (int own = 0; own < 8; ++own) {
       const PointIndex point = survey.cells().point(base, own);
       for (Level level = 0; survey.cells().is_corner(own) && level < grid.levels(point); ++level) {
