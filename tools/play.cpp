@@ -269,7 +269,7 @@ int play(PlayOptions options) {
     announce_terminal(input);
   DeviceGuard guard(*options.device);
   Viewers viewers(options);
-  const LoadedGrid loaded = load_grid(options.grid);
+  const LoadedGrid loaded = load_grid(options.grid, Generations::kLeftOut);
   const Grid& grid = loaded.grid;
   require_playable(grid, options.grid == "-" ? "standard input" : options.grid);
   const GridSpec& spec = grid.spec();

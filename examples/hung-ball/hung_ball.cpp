@@ -111,12 +111,13 @@ class HungBall {
   /// to 0, and max_force bounds N. In a state that is a blend of two branches the weight can press
   /// the ball away from the HIP: then there is no force.
   void force(const double* p, const double* s, double* f) const {
+    f[0] = f[1] = f[2] = 0;
+    if (s[0] == 0) return;  // most states of a grid: the ball hangs freely
     const double sine = std::sin(s[0]);
     const double cosine = std::cos(s[0]);
     const double u[3] = {sine - p[0], -p[1], 1 - cosine - p[2]};  // times |c - p|
     const double distance = std::hypot(u[0], u[1], u[2]);
     const double along = (u[0] * cosine + u[2] * sine) / distance;
-    f[0] = f[1] = f[2] = 0;
     if (!(along * sine > 0))
       return;  // true as well for a state that is not a number, and for c = p
     const double pushed = std::min(max_force_, weight_ * sine / along);

@@ -79,22 +79,20 @@ bool can_ask_energy(const GridSpec& spec, const Fields& fields) {
 BlendedEnergy energy_of_branches(const Grid& grid, const Sheets& sheets, const Fields& fields) {
   BlendSurvey survey(grid, fields);
   const Neighbourhood& around = grid.neighbourhood();
-  for (RecordIndex r = 0; r < grid.records(); ++r)
-    for (int own = 0; own < 8; ++own) {
-      if (!sheets.is_mixed(r, own)) continue;
-      std::array<const double*, 8> rows{};
-      bool is_whole = survey.cells().is_corner(own);
-      std::int64_t base = grid.point(r);
-      for (int k = 0; k < 8 && is_whole; ++k) {
-        const int corner = survey.cells().is_corner(k) ? k : own;
-        const auto q = kBetweenCorners[own][corner];
-        const Node node = q < 0 ? r : sheets.node(r, q);
-        is_whole = node != Sheets::kNoNode;
-        if (is_whole) rows[k] = sheets.row(node);
-        if (k == 0 && q >= 0) base += around.offset(q);
-      }
-      if (is_whole) survey.look_at(static_cast<PointIndex>(base), rows);
+  sheets.for_each_mixed([&](RecordIndex r, int own) {
+    std::array<const double*, 8> rows{};
+    bool is_whole = survey.cells().is_corner(own);
+    std::int64_t base = grid.point(r);
+    for (int k = 0; k < 8 && is_whole; ++k) {
+      const int corner = survey.cells().is_corner(k) ? k : own;
+      const auto q = kBetweenCorners[own][corner];
+      const Node node = q < 0 ? r : sheets.node(r, q);
+      is_whole = node != Sheets::kNoNode;
+      if (is_whole) rows[k] = sheets.row(node);
+      if (k == 0 && q >= 0) base += around.offset(q);
     }
+    if (is_whole) survey.look_at(static_cast<PointIndex>(base), rows);
+  });
   return survey.seen();
 }
 
@@ -114,7 +112,12 @@ BlendedEnergy energy_of_blends(const Grid& grid, const Fields& fields) {
   BlendSurvey survey(grid, fields);
   const auto pairs = corner_pairs(survey.cells());
   for (PointIndex base = 0; base < grid.box().points(); ++base) {
-    if (!survey.has_cell(base)) continue;
+    // With one level in each corner nothing can be mixed.
+    bool has_choice = false;
+    const bool is_cell = survey.has_cell(base);
+    for (int k = 0; is_cell && k < 8; ++k)
+      has_choice |= survey.cells().is_corner(k) && grid.levels(survey.cells().point(base, k)) > 1;
+    if (!has_choice) continue;
     for (int own = 0; own < 8; ++own) {
       const PointIndex point = survey.cells().point(base, own);
       for (Level level = 0; survey.cells().is_corner(own) && level < grid.levels(point); ++level) {

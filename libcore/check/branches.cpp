@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "libcore/check/parallel.hpp"
+#include "libcore/base/parallel.hpp"
 #include "libcore/grid/cell.hpp"
 #include "libcore/grid/describe.hpp"
 

@@ -17,7 +17,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "libcore/check/parallel.hpp"
+#include "libcore/base/parallel.hpp"
 #include "libcore/grid/cell.hpp"
 #include "libcore/grid/grid.hpp"
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "libcore/check/parallel.hpp"
+#include "libcore/base/parallel.hpp"
 
 namespace hapgrid {
 

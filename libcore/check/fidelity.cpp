@@ -6,9 +6,9 @@
 #include <memory>
 #include <utility>
 
+#include "libcore/base/parallel.hpp"
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/parallel.hpp"
 #include "libcore/grid/describe.hpp"
 
 namespace hapgrid {

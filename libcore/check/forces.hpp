@@ -20,6 +20,9 @@ bool has_force(const GridSpec& spec, const Model& model);
 /// @throw ModelError when no force can be had; what `create` throws.
 RecordFields record_fields(const Grid& grid, const MakeModel& create, int threads);
 
+/// The same, where records that have no force, and all have the same energy, share it.
+RecordFields shared_fields(const Grid& grid, const MakeModel& create, int threads);
+
 /// By record, in newtons.
 class Forces {
  public:

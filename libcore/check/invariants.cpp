@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "libcore/base/parallel.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/parallel.hpp"
 #include "libcore/grid/describe.hpp"
 
 namespace hapgrid {

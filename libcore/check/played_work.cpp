@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "libcore/check/parallel.hpp"
+#include "libcore/base/parallel.hpp"
 #include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {

@@ -7,9 +7,9 @@
 #include <limits>
 #include <utility>
 
+#include "libcore/base/parallel.hpp"
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/parallel.hpp"
 #include "libcore/check/random_hand.hpp"
 #include "libcore/grid/state_distance.hpp"
 

@@ -66,4 +66,49 @@ class Neighbourhood {
   std::int64_t reach_ = 0;
 };
 
+/// Box::coordinates() of points that mostly ascend one by one, without its divisions.
+class CoordinatesOfRun {
+ public:
+  /// @param box outlives this.
+  explicit CoordinatesOfRun(const Box& box) : box_(box) {}
+
+  const GridCoordinates& operator()(PointIndex p) {
+    if (p != point_ && p == point_ + 1 && at_[0] + 1 < box_.counts[0])
+      ++at_[0];
+    else if (p != point_)
+      at_ = box_.coordinates(p);
+    point_ = p;
+    return at_;
+  }
+
+ private:
+  const Box& box_;
+  PointIndex point_ = 0;
+  GridCoordinates at_{0, 0, 0};
+};
+
+/// Neighbourhood::inside() of points that mostly ascend one by one: within a row of the box it
+/// stays the same.
+class InsideOfRun {
+ public:
+  /// Both outlive this.
+  InsideOfRun(const Box& box, const Neighbourhood& around) : box_(box), around_(around) {}
+
+  DirectionMask operator()(PointIndex p) {
+    if (p - begin_ < size_) return mask_;
+    const GridCoordinates c = box_.coordinates(p);
+    mask_ = around_.inside(c);
+    begin_ = p;
+    size_ = c[0] > 0 && c[0] + 1 < box_.counts[0] ? box_.counts[0] - 1 - c[0] : 1;
+    return mask_;
+  }
+
+ private:
+  const Box& box_;
+  const Neighbourhood& around_;
+  DirectionMask mask_ = 0;
+  PointIndex begin_ = 0;
+  std::uint32_t size_ = 0;  // so many points from here on have the same
+};
+
 }  // namespace hapgrid

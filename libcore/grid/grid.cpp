@@ -15,8 +15,8 @@ Grid::Grid(GridSpec spec, std::uint32_t generation)
 Grid::Grid(GridSpec spec, std::uint32_t generation, const RecordColumns& columns)
     : Grid([&] {
         GridBuilder builder(std::move(spec), generation, !columns.tears.empty(), columns.size());
-        builder.add({columns.point, columns.level, columns.generation, columns.rows, columns.links,
-                     columns.tears});
+        builder.add(0, {columns.point, columns.level, columns.generation, columns.rows,
+                        columns.links, columns.tears});
         return builder.finish();
       }()) {}
 

@@ -5,13 +5,14 @@
 #include <span>
 #include <vector>
 
+#include "libcore/base/large_array.hpp"
+#include "libcore/grid/level_index.hpp"
+#include "libcore/grid/link_numbers.hpp"
 #include "libcore/grid/link_table.hpp"
+#include "libcore/grid/row_blocks.hpp"
 #include "libcore/grid/spec.hpp"
 
 namespace hapgrid {
-
-/// The position of a record in a Grid; records ascend by (point, level).
-using RecordIndex = std::uint32_t;
 
 /// Records in columns, ascending by (point, level).
 /// Shapes, for R records: `rows` R x spec.row_size() row-major (a record's row, its state first, is
@@ -28,12 +29,15 @@ struct RecordColumns {
   std::size_t size() const { return point.size(); }
 };
 
-/// The levels of a point are contiguous records. A record takes 16 bytes beside its row: its point,
-/// its generation, which of the distinct links it has, and where its point's records begin.
-/// GridBuilder (grid_builder.hpp) makes a grid from runs of records; it checks what makes access
-/// safe: each point is in the box, records ascend, and the levels of a point are 0, 1, 2, ... Links
-/// are *not* trusted: destination() returns kNoRecord for a link that leads nowhere, and
-/// check/invariants.hpp reports it.
+/// Whether a grid in memory knows the generations of its records. Play needs none.
+enum class Generations { kKept, kLeftOut };
+
+/// The levels of a point are contiguous records. A record of a complete grid takes two to three
+/// bytes beside its row, for which of the distinct links it has and for its point, and four for its
+/// generation if that is kept. GridBuilder (grid_builder.hpp) makes a grid from runs of records; it
+/// checks what makes access safe: each point is in the box, records ascend, and the levels of a
+/// point are 0, 1, 2, ... Links are *not* trusted: destination() returns kNoRecord for a link that
+/// leads nowhere, and check/invariants.hpp reports it.
 class Grid {
  public:
   static constexpr RecordIndex kNoRecord = ~RecordIndex{0};
@@ -48,37 +52,57 @@ class Grid {
   std::uint32_t generation() const { return generation_; }
   std::uint32_t state_size() const { return spec_.state_size; }
 
-  RecordIndex records() const { return static_cast<RecordIndex>(point_.size()); }
-  /// The records of point p are first(p) .. first(p + 1) - 1, by level.
-  RecordIndex first(PointIndex p) const { return first_[p]; }
-  RecordIndex levels(PointIndex p) const { return first_[p + 1] - first_[p]; }
+  RecordIndex records() const { return index_.records(); }
+  /// The records of point p are first(p) .. first(p) + levels(p) - 1, by level.
+  RecordIndex first(PointIndex p) const { return index_.first(p); }
+  RecordIndex levels(PointIndex p) const { return index_.levels(p); }
+  /// Whether each of the 64 points from 64 b on has one level; false for fewer than 64.
+  bool is_single(std::uint64_t b) const { return index_.is_single(b); }
 
-  PointIndex point(RecordIndex r) const { return point_[r]; }
-  Level level(RecordIndex r) const { return static_cast<Level>(r - first_[point_[r]]); }
+  PointIndex point(RecordIndex r) const { return index_.point(r); }
+  Level level(RecordIndex r) const { return static_cast<Level>(r - first(point(r))); }
+  /// Of a grid that keeps them.
   std::uint32_t record_generation(RecordIndex r) const { return generation_of_[r]; }
-  bool in_frontier(RecordIndex r) const { return generation_of_[r] == generation_; }
+  std::uint64_t frontier() const { return frontier_; }
+  /// How many records have a number that is not finite in their rows.
+  std::uint64_t not_finite() const { return not_finite_; }
+  bool in_frontier(RecordIndex r) const {
+    return frontier_ > 0 && generation_of_[r] == generation_;
+  }
   std::span<const double> state(RecordIndex r) const { return row(r).first(spec_.state_size); }
   /// The state and the numbers stored with it.
-  std::span<const double> row(RecordIndex r) const {
-    return {rows_.data() + std::size_t{r} * row_size_, row_size_};
-  }
+  std::span<const double> row(RecordIndex r) const { return {rows_[r], row_size_}; }
   std::span<const Level, kDirections> links(RecordIndex r) const {
     return table_[links_of_[r]].level;
+  }
+  /// Whether all directions that stay in the box lead to this level number.
+  bool links_lead_to(RecordIndex r, Level level) const {
+    return table_[links_of_[r]].common == level;
   }
   /// The record to which direction q leads from record r; kNoRecord when the direction leaves the
   /// box, is not settled, or leads to a level that does not exist. Real-time safe.
   RecordIndex destination(RecordIndex r, int q) const {
     const Links& links = table_[links_of_[r]];
     if (!(links.usable >> q & 1)) return kNoRecord;
-    const auto target = static_cast<PointIndex>(point_[r] + neighbourhood_.offset(q));
-    const RecordIndex there = first_[target] + links.level[q];
-    return there < first_[target + 1] ? there : kNoRecord;
+    const auto target = static_cast<PointIndex>(point(r) + neighbourhood_.offset(q));
+    return links.level[q] < levels(target) ? first(target) + links.level[q] : kNoRecord;
   }
   /// Whether direction q of record r leads to a record whose link straight back leads elsewhere.
   /// Real-time safe.
   bool is_one_way(RecordIndex r, int q) const {
-    const RecordIndex there = destination(r, q);
-    return there != kNoRecord && destination(there, Direction(q).opposite().q()) != r;
+    const PointIndex p = point(r);
+    return is_one_way(p, static_cast<Level>(r - first(p)), q);
+  }
+
+  /// The same of a level of point p.
+  bool is_one_way(PointIndex p, Level level, int q) const {
+    const Links& links = table_[links_of_[first(p) + level]];
+    if (!(links.usable >> q & 1)) return false;
+    const auto target = static_cast<PointIndex>(p + neighbourhood_.offset(q));
+    if (links.level[q] >= levels(target)) return false;
+    // The link straight back leads to this point, whatever its level.
+    return table_[links_of_[first(target) + links.level[q]]].level[Direction(q).opposite().q()] !=
+           level;
   }
 
   bool has_tears() const { return has_tears_; }
@@ -98,12 +122,13 @@ class Grid {
   std::uint32_t generation_;
   std::uint32_t row_size_;
   bool has_tears_ = false;
-  std::vector<PointIndex> point_;
-  std::vector<std::uint32_t> generation_of_;
-  std::vector<double> rows_;  // records x row_size
-  std::vector<std::uint32_t> links_of_;
+  std::uint64_t frontier_ = 0;
+  LevelIndex index_;
+  LargeArray<std::uint32_t> generation_of_;  // kept, or there is a frontier
+  RowBlocks rows_;
+  std::uint64_t not_finite_ = 0;
+  LinkNumbers links_of_;
   LinkTable table_;
-  std::vector<RecordIndex> first_;  // points + 1
 };
 
 }  // namespace hapgrid

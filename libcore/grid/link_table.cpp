@@ -1,19 +1,44 @@
 #include "libcore/grid/link_table.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <span>
+#include <string>
 
 #include "libcore/base/digest.hpp"
+#include "libcore/base/error.hpp"
 
 namespace hapgrid {
 
 namespace {
 std::uint64_t hash(const Links& links) {
-  // The bytes behind `usable` are padding, which has any value.
+  // The bytes behind `common` are padding, which has any value.
   const auto bytes = std::as_bytes(std::span(&links, 1));
-  return hash_of(bytes.first(offsetof(Links, usable) + sizeof(links.usable)));
+  return hash_of(bytes.first(offsetof(Links, common) + sizeof(links.common)));
 }
 }  // namespace
+
+Links make_links(const Level* levels, const TearByte* tears, DirectionMask inside) {
+  Links links;
+  std::copy_n(levels, kDirections, links.level.begin());
+  if (tears)
+    std::copy_n(tears, kDirections, links.tear.begin());
+  else
+    links.tear.fill(kNoTear);
+  for (const TearByte tear : links.tear)
+    if (!is_tear_byte(tear))
+      throw FormatError("grid: a tear fraction of " + std::to_string(tear) + ", at most " +
+                        std::to_string(kTearSteps - 1) + " is possible");
+  for (int q = 0; q < kDirections; ++q)
+    if (links.level[q] < kMaxLevels) links.usable |= DirectionMask{1} << q;
+  links.usable &= inside;
+  if (inside == 0 || links.usable != inside) return links;
+  links.common = links.level[static_cast<unsigned>(std::countr_zero(inside))];
+  for (int q = 0; q < kDirections; ++q)
+    if ((inside >> q & 1) && links.level[q] != links.common) links.common = Links::kNoCommon;
+  return links;
+}
 
 std::uint32_t LinkTable::add(const Links& links) {
   // Neighbours are mostly alike.

@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "libcore/haptic/tear_function.hpp"
-
 namespace hapgrid {
 
 namespace {
@@ -44,7 +42,7 @@ double disagreement(const std::array<std::uint8_t, 8>& apart,
 
 }  // namespace
 
-BranchMap::BranchMap(const Grid& grid) : sheets(grid), tear(tear_function(grid, sheets)) {}
+BranchMap::BranchMap(const Grid& grid) : sheets(grid), tear(grid, sheets) {}
 
 /// The corners that an anchor gives a cell.
 struct BranchTraversal::Branch {
@@ -75,7 +73,7 @@ bool BranchTraversal::begin(int nearest) noexcept {
   const PointIndex p = cells_.point(base(), nearest);
   Branch branch;
   if (grid_.levels(p) == 0 || !derive(base(), grid_.first(p), nearest, branch)) return false;
-  take(branch);
+  take(base(), branch);
   has_offset_ = false;
   StepResult ignored;
   return move(position(), ignored);
@@ -102,7 +100,8 @@ bool BranchTraversal::derive(PointIndex base, RecordIndex anchor, int corner,
   return true;
 }
 
-void BranchTraversal::take(const Branch& branch) noexcept {
+/// @param base of the cell whose corners they are
+void BranchTraversal::take(PointIndex base, const Branch& branch) noexcept {
   anchor_ = branch.anchor;
   nodes_ = branch.nodes;
   is_torn_ = branch.is_torn;
@@ -117,7 +116,7 @@ void BranchTraversal::take(const Branch& branch) noexcept {
       levels_[k] = kNoLevel;
     } else {
       records_[k] = nodes_[k];
-      levels_[k] = grid_.level(nodes_[k]);
+      levels_[k] = static_cast<Level>(nodes_[k] - grid_.first(cells_.point(base, k & ~flat_)));
       const Level* const links = grid_.links(nodes_[k]).data();
       __builtin_prefetch(links);
       __builtin_prefetch(links + kDirections - 1);
@@ -148,7 +147,7 @@ bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& r
         cells_.destination(nodes_[anchor_], kBetweenCorners[anchor_][beside], this->base(), beside);
     if (anchor == Grid::kNoRecord || !derive(base, anchor, beside ^ common.moved, next))
       return false;
-    take(next);
+    take(base, next);
     result.snapped = result.level_changed = true;
     has_offset_ = false;
     return true;
@@ -166,7 +165,7 @@ bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& r
   }
   const std::array<const double*, 8> before = rows_;
   std::array<const double*, 8> after = before;
-  take(next);
+  take(base, next);
   for (int k = 0; k < 8; ++k)
     if (common.has(k)) after[k] = rows_[k ^ common.moved];
   if (after != before) keep_state(before, corner_weights(part), after);
@@ -187,7 +186,7 @@ bool BranchTraversal::go_on(PointIndex base, int from, const Common& common) noe
     next.nodes[k] = cells_.destination(anchor, kBetweenCorners[at][own], base, own);
     if (next.nodes[k] == Grid::kNoRecord) return false;
   }
-  take(next);
+  take(base, next);
   return true;
 }
 
@@ -286,7 +285,7 @@ void BranchTraversal::change_anchor() noexcept {
   }();
   if (!find_better(base(), weights_, kAny, next)) return;
   const std::array<const double*, 8> before = rows_;
-  take(next);
+  take(base(), next);
   keep_state(before, weights_, rows_);
 }
 
@@ -316,7 +315,7 @@ bool BranchTraversal::snap(const Vec3& part) noexcept {
   }
   Branch next;
   if (to < 0 || !derive(base(), anchor, to, next)) return false;
-  take(next);
+  take(base(), next);
   return true;
 }
 

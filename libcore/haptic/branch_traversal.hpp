@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "libcore/haptic/sheets.hpp"
+#include "libcore/haptic/tear_function.hpp"
 #include "libcore/haptic/traversal.hpp"
 
 namespace hapgrid {
@@ -33,7 +34,7 @@ struct BranchMap {
   explicit BranchMap(const Grid& grid);
 
   Sheets sheets;
-  std::vector<float> tear;  ///< tear_function(), by node
+  TearFunction tear;
 };
 
 class BranchTraversal final : public Traversal {
@@ -53,7 +54,7 @@ class BranchTraversal final : public Traversal {
   struct Branch;
   struct Common;
   bool derive(PointIndex base, RecordIndex anchor, int corner, Branch& branch) const noexcept;
-  void take(const Branch& branch) noexcept;
+  void take(PointIndex base, const Branch& branch) noexcept;
   bool go_on(PointIndex base, int from, const Common& common) noexcept;
   int common_record(const Common& common, const Vec3& part) const noexcept;
   bool snap(const Vec3& part) noexcept;

@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <limits>
 
+#include "libcore/base/parallel.hpp"
+
 namespace hapgrid {
 
 namespace {
 
 /// The record that a two-way link in direction q connects with r, or kNoRecord.
-RecordIndex beside(const Grid& grid, RecordIndex r, int q) {
-  const RecordIndex to = grid.destination(r, q);
-  return to == Grid::kNoRecord || grid.is_one_way(r, q) ? Grid::kNoRecord : to;
+/// @param sheets may be null, which takes longer
+RecordIndex beside(const Grid& grid, const Sheets* sheets, RecordIndex r, int q) {
+  const bool is_one_way = sheets ? sheets->one_way(r) >> q & 1 : grid.is_one_way(r, q);
+  return is_one_way ? Grid::kNoRecord : grid.destination(r, q);
 }
 
 int along(int axis, int step) {
@@ -22,29 +25,42 @@ int along(int axis, int step) {
 }  // namespace
 
 NodeEnergies::NodeEnergies(const Grid& grid, const Sheets* sheets, const RecordFields& fields)
-    : nodes_(grid.records() + (sheets ? sheets->ghosts() : 0)) {
+    : records_(grid.records()),
+      slots_(fields.slots),
+      ghosts_(slots_.size(records_)),
+      nodes_(ghosts_ + (sheets ? sheets->ghosts() : 0)) {
   // Energies are large against their differences: only what is above the lowest one fits a float.
   double lowest = std::numeric_limits<double>::infinity();
   for (const double energy : fields.energy) lowest = std::min(lowest, energy);
-  for (RecordIndex r = 0; r < grid.records(); ++r) {
-    NodeEnergy& node = nodes_[r];
+  for (std::size_t i = 0; i < ghosts_; ++i) {
+    NodeEnergy& node = nodes_[i];
     if (!fields.energy.empty())
-      node.energy = static_cast<float>((fields.energy[r] - lowest) / grid.box().spacing);
-    for (int a = 0; a < 3; ++a) node.slope[a] = static_cast<float>(-fields.force[r][a]);
+      node.energy = static_cast<float>((fields.energy[i] - lowest) / grid.box().spacing);
+    for (int a = 0; a < 3; ++a) node.slope[a] = static_cast<float>(-fields.force[i][a]);
   }
-  for (RecordIndex r = 0; r < grid.records(); ++r) add_mixed(grid, r);
+  // No mixed derivative depends on another one.
+  constexpr std::size_t kWords = 256;
+  const std::size_t words = std::size_t{records_} / 64 + 1;
+  for_each_in_threads((words + kWords - 1) / kWords, all_threads(), [&](std::size_t b) {
+    const std::size_t begin = b * kWords, end = std::min(words, begin + kWords);
+    const auto add = [&](std::size_t r) { add_mixed(grid, sheets, static_cast<RecordIndex>(r)); };
+    if (slots_.is_shared())
+      slots_.own().for_each(begin, std::min(end, slots_.own().words()), add);
+    else
+      for (std::size_t r = begin * 64; r < std::min<std::size_t>(end * 64, records_); ++r) add(r);
+  });
   if (sheets) add_ghosts(grid, *sheets);
 }
 
 /// Each mixed derivative is the mean of the slope along a, differentiated along b, and the other
 /// way round. Where nothing pushes it stays 0, or force would leak into free cells. A contact is a
 /// kink of the slope, so differences are not taken across it, but on the side of the contact alone.
-void NodeEnergies::add_mixed(const Grid& grid, RecordIndex r) {
+void NodeEnergies::add_mixed(const Grid& grid, const Sheets* sheets, RecordIndex r) {
   const auto free = [&](RecordIndex record) {
-    return nodes_[record].slope == std::array<float, 3>{};
+    return (*this)[record].slope == std::array<float, 3>{};
   };
   const auto pushed_beside = [&](int q) {
-    const RecordIndex to = beside(grid, r, q);
+    const RecordIndex to = beside(grid, sheets, r, q);
     return to != Grid::kNoRecord && free(to) ? Grid::kNoRecord : to;
   };
   if (free(r)) return;
@@ -58,11 +74,12 @@ void NodeEnergies::add_mixed(const Grid& grid, RecordIndex r) {
     for (int b = 0; b < 3; ++b) {
       if (b == a) continue;
       const int left_out = 3 - a - b;
-      sum[left_out] += (nodes_[high].slope[b] - nodes_[low].slope[b]) / width;
+      sum[left_out] += ((*this)[high].slope[b] - (*this)[low].slope[b]) / width;
       ++ways[left_out];
     }
   }
-  for (int c = 0; c < 3; ++c) nodes_[r].mixed[c] = ways[c] > 0 ? sum[c] / ways[c] : 0.0F;
+  NodeEnergy& node = nodes_[slots_[r]];
+  for (int c = 0; c < 3; ++c) node.mixed[c] = ways[c] > 0 ? sum[c] / ways[c] : 0.0F;
 }
 
 void NodeEnergies::add_ghosts(const Grid& grid, const Sheets& sheets) {
@@ -74,44 +91,41 @@ void NodeEnergies::add_ghosts(const Grid& grid, const Sheets& sheets) {
   };
   std::vector<Sum> ahead(sheets.ghosts()), beside_it(sheets.ghosts());
   const auto for_each_end = [&](auto&& use) {
-    for (RecordIndex r = 0; r < grid.records(); ++r)
-      for (int q = 0; q < kDirections; ++q) {
-        if (!(sheets.one_way(r) >> q & 1)) continue;
-        const auto d = Direction(q).step();
-        use(r, q, sheets.node(r, q) - grid.records(), d,
-            1.0 / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
-      }
+    sheets.for_each_end([&](RecordIndex r, int q) {
+      const auto d = Direction(q).step();
+      use(r, q, sheets.node(r, q) - records_, d, 1.0 / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
+    });
   };
   for_each_end([&](RecordIndex r, int q, Node ghost, const auto&, double weight) {
-    const RecordIndex behind = beside(grid, r, Direction(q).opposite().q());
+    const RecordIndex behind = beside(grid, &sheets, r, Direction(q).opposite().q());
     Sum& mean = beside_it[ghost];
     mean.weight += weight;
     if (behind != Grid::kNoRecord) ahead[ghost].weight += weight;
     for (int c = 0; c < 3; ++c) {
-      const double slope = nodes_[r].slope[c];
+      const double slope = (*this)[r].slope[c];
       mean.slope[c] += weight * slope;
-      mean.mixed[c] += weight * nodes_[r].mixed[c];
+      mean.mixed[c] += weight * (*this)[r].mixed[c];
       if (behind != Grid::kNoRecord)
-        ahead[ghost].slope[c] += weight * (2 * slope - nodes_[behind].slope[c]);
+        ahead[ghost].slope[c] += weight * (2 * slope - (*this)[behind].slope[c]);
     }
   });
   for (Node ghost = 0; ghost < sheets.ghosts(); ++ghost) {
     const Sum& mean = beside_it[ghost];
     const Sum& slopes = ahead[ghost].weight > 0 ? ahead[ghost] : mean;
-    NodeEnergy& node = nodes_[grid.records() + ghost];
+    NodeEnergy& node = nodes_[ghosts_ + ghost];
     for (int c = 0; c < 3; ++c) {
       node.slope[c] = static_cast<float>(slopes.slope[c] / slopes.weight);
       node.mixed[c] = static_cast<float>(mean.mixed[c] / mean.weight);
     }
   }
   for_each_end([&](RecordIndex r, int, Node ghost, const auto& d, double weight) {
-    double energy = nodes_[r].energy;
+    double energy = (*this)[r].energy;
     for (int c = 0; c < 3; ++c)
-      energy += (nodes_[r].slope[c] + nodes_[grid.records() + ghost].slope[c]) / 2 * d[c];
+      energy += ((*this)[r].slope[c] + nodes_[ghosts_ + ghost].slope[c]) / 2 * d[c];
     beside_it[ghost].energy += weight * energy;
   });
   for (Node ghost = 0; ghost < sheets.ghosts(); ++ghost)
-    nodes_[grid.records() + ghost].energy =
+    nodes_[ghosts_ + ghost].energy =
         static_cast<float>(beside_it[ghost].energy / beside_it[ghost].weight);
 }
 

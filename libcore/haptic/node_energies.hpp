@@ -3,16 +3,41 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
+#include "libcore/base/ranked_bits.hpp"
 #include "libcore/haptic/sheets.hpp"
 
 namespace hapgrid {
 
+/// Where the values of each record stand in a column: at its own number; or, where most records
+/// have the same, at 0, and behind it those of the records that have their own.
+class RecordSlots {
+ public:
+  RecordSlots() = default;
+  explicit RecordSlots(RankedBits own) : own_(std::move(own)) {}
+
+  bool is_shared() const { return !own_.empty(); }
+  /// Real-time safe.
+  std::size_t operator[](RecordIndex r) const noexcept {
+    return own_.empty() ? r : own_.has(r) ? std::size_t{1} + own_.rank(r) : 0;
+  }
+  std::size_t size(RecordIndex records) const {
+    return own_.empty() ? records : std::size_t{1} + own_.count();
+  }
+  /// Of those that have their own values.
+  const RankedBits& own() const { return own_; }
+
+ private:
+  RankedBits own_;
+};
+
 /// Force and energy at the records of a grid, as the grid stores them or its model gives them.
 struct RecordFields {
-  std::vector<Vec3> force;     ///< newtons, by record
+  std::vector<Vec3> force;     ///< newtons, by slot
   std::vector<double> energy;  ///< newtons times the model's unit of length; empty: not known
+  RecordSlots slots = {};      ///< what is shared has no force
 };
 
 /// What is known at a node, all in newtons: lengths are measured in spacings.
@@ -22,7 +47,7 @@ struct NodeEnergy {
   std::array<float, 3> mixed{};  ///< mixed second derivatives: of yz, xz, xy
 };
 
-/// By node: 28 bytes for a record.
+/// By node: 28 bytes for a record that is pushed. The others share one node where the fields do.
 ///
 /// The energy of a state at rest is smooth on a branch, and its gradient there is the negated
 /// force, so energy and slope are known exactly. The mixed derivatives are differences of the
@@ -34,12 +59,17 @@ class NodeEnergies {
   /// @param sheets of this grid; null: there are no ghosts.
   NodeEnergies(const Grid& grid, const Sheets* sheets, const RecordFields& fields);
 
-  const NodeEnergy& operator[](Node node) const noexcept { return nodes_[node]; }
+  const NodeEnergy& operator[](Node node) const noexcept {
+    return node < records_ ? nodes_[slots_[node]] : nodes_[ghosts_ + (node - records_)];
+  }
 
  private:
-  void add_mixed(const Grid& grid, RecordIndex r);
+  void add_mixed(const Grid& grid, const Sheets* sheets, RecordIndex r);
   void add_ghosts(const Grid& grid, const Sheets& sheets);
 
+  RecordIndex records_;
+  RecordSlots slots_;
+  std::size_t ghosts_;  // where they begin
   std::vector<NodeEnergy> nodes_;
 };
 

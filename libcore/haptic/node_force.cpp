@@ -93,15 +93,17 @@ NodeCorners NodeForce::corners_of(const std::array<RecordIndex, 8>& nodes) const
 }
 
 Vec3 NodeForce::operator()(const Traversal& traversal) noexcept {
-  const NodeCorners corners = corners_of(traversal.nodes());
+  const bool same_nodes = traversal.nodes() == nodes_;
+  const NodeCorners corners = same_nodes ? corners_ : corners_of(traversal.nodes());
   if (left_ > 0) fade(traversal.position());
   if (traversal.jumps() != jumps_)
     left_ = 0;
-  else if (traversal.cell() != cell_ || traversal.nodes() != nodes_)
+  else if (traversal.cell() != cell_ || !same_nodes)
     keep_force(traversal, corners);
   jumps_ = traversal.jumps();
   cell_ = traversal.cell();
   nodes_ = traversal.nodes();
+  corners_ = corners;
   position_ = traversal.position();
   part_ = traversal.part();
   Vec3 force = interpolate_(corners, part_);
@@ -132,7 +134,7 @@ void NodeForce::keep_force(const Traversal& traversal, const NodeCorners& corner
   for (int k = 0; k < 8; ++k)
     same &= ((k ^ side) & moved) != 0 || traversal.nodes()[k ^ moved] == nodes_[k];
   if (same) return;
-  const Vec3 had = interpolate_(corners_of(nodes_), before);
+  const Vec3 had = interpolate_(corners_, before);
   const Vec3 has = interpolate_(corners, after);
   for (int a = 0; a < 3; ++a) offset_[a] = (left_ > 0 ? offset_[a] : 0) + had[a] - has[a];
   left_ = box_.spacing / 2;

@@ -49,6 +49,11 @@ class NodeForce {
   Vec3 operator()(const Traversal& traversal) noexcept;
 
  private:
+  static constexpr std::array<RecordIndex, 8> none() {
+    std::array<RecordIndex, 8> nodes{};
+    nodes.fill(Grid::kNoRecord);
+    return nodes;
+  }
   NodeCorners corners_of(const std::array<RecordIndex, 8>& nodes) const noexcept;
   void keep_force(const Traversal& traversal, const NodeCorners& corners) noexcept;
   void fade(const Vec3& x) noexcept;
@@ -59,7 +64,8 @@ class NodeForce {
   // Of the tick before.
   std::uint64_t jumps_ = 0;
   GridCoordinates cell_{0, 0, 0};
-  std::array<RecordIndex, 8> nodes_{};
+  std::array<RecordIndex, 8> nodes_ = none();
+  NodeCorners corners_{};  // of nodes_
   Vec3 position_{0, 0, 0};
   Vec3 part_{0, 0, 0};
   double left_ = 0;  // of the way on which the offset fades; 0: there is none

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
+
+#include "libcore/base/parallel.hpp"
 
 namespace hapgrid {
 
@@ -20,6 +23,18 @@ int direction_of(const Step& step) {
 
 Step minus(const Step& a, const Step& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
+/// What blocks of points list, joined.
+template <class Item>
+struct Listed {
+  std::vector<Item> items;
+  void add(Listed&& later) {
+    if (items.empty())
+      items = std::move(later.items);
+    else
+      items.insert(items.end(), later.items.begin(), later.items.end());
+  }
+};
+
 std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
@@ -28,33 +43,58 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
 }  // namespace
 
 Sheets::Sheets(const Grid& grid) : grid_(grid), row_size_(grid.spec().row_size()) {
-  const std::vector<End> ends = find_ends();
+  const PointBits tangled = tangled_points(grid, all_threads());
+  const std::vector<End> ends = find_ends(tangled);
   for (std::size_t i = 0; i < ends.size();) {
     std::size_t end = i;
     while (end < ends.size() && ends[end].point == ends[i].point) ++end;
     add_ghosts(std::span(ends).subspan(i, end - i));
     i = end;
   }
-  mixed_.resize(grid.records());
-  for (RecordIndex r = 0; r < grid.records(); ++r) mixed_[r] = find_mixed(r);
+  find_mixed_records(tangled);
 }
 
 /// All one-way links, ascending by the point to which they lead.
-std::vector<Sheets::End> Sheets::find_ends() {
-  std::vector<End> found;
-  ends_.resize(grid_.records());
-  for (RecordIndex r = 0; r < grid_.records(); ++r) {
-    ends_[r].first = static_cast<std::uint32_t>(found.size());
-    for (int q = 0; q < kDirections; ++q) {
-      if (!grid_.is_one_way(r, q)) continue;
-      ends_[r].one_way |= DirectionMask{1} << q;
-      found.push_back({grid_.point(grid_.destination(r, q)), r, static_cast<std::uint8_t>(q)});
-    }
+std::vector<Sheets::End> Sheets::find_ends(const PointBits& tangled) {
+  std::vector<End> found = std::move(
+      sum_of_points<Listed<End>>(tangled, all_threads(), [&](PointIndex p, Listed<End>& ends) {
+        for (RecordIndex r = grid_.first(p); r < grid_.first(p) + grid_.levels(p); ++r)
+          for (int q = 0; q < kDirections; ++q)
+            if (grid_.is_one_way(p, static_cast<Level>(r - grid_.first(p)), q))
+              ends.items.push_back({static_cast<PointIndex>(p + grid_.neighbourhood().offset(q)), r,
+                                    static_cast<std::uint8_t>(q)});
+      }).items);
+  std::vector<std::uint64_t> has_ends(grid_.records() / 64 + 1);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const RecordIndex r = found[i].from;
+    if (i == 0 || r != found[i - 1].from) ends_.push_back({0, static_cast<std::uint32_t>(i)});
+    ends_.back().one_way |= DirectionMask{1} << found[i].q;
+    has_ends[r / 64] |= std::uint64_t{1} << r % 64;
   }
+  has_ends_ = RankedBits(has_ends);
   ghost_of_.assign(found.size(), kNoNode);
   std::stable_sort(found.begin(), found.end(),
                    [](const End& a, const End& b) { return a.point < b.point; });
   return found;
+}
+
+void Sheets::find_mixed_records(const PointBits& tangled) {
+  struct Mixed {
+    RecordIndex record;
+    std::uint8_t corners;
+  };
+  const auto found =
+      sum_of_points<Listed<Mixed>>(tangled, all_threads(), [&](PointIndex p, Listed<Mixed>& mixed) {
+        for (RecordIndex r = grid_.first(p); r < grid_.first(p) + grid_.levels(p); ++r)
+          if (const std::uint8_t corners = find_mixed(r); corners != 0)
+            mixed.items.push_back({r, corners});
+      });
+  std::vector<std::uint64_t> is_mixed(grid_.records() / 64 + 1);
+  for (const Mixed& mixed : found.items) {
+    is_mixed[mixed.record / 64] |= std::uint64_t{1} << mixed.record % 64;
+    mixed_.push_back(mixed.corners);
+  }
+  is_mixed_ = RankedBits(is_mixed);
 }
 
 /// Of the branches that end before one point: one ghost each. Two links belong to one branch where
@@ -87,7 +127,7 @@ void Sheets::add_ghost(std::span<const End> ends, const std::vector<std::uint32_
   for (std::size_t i = 0; i < ends.size(); ++i) {
     if (branch[i] != which) continue;
     const End& end = ends[i];
-    ghost_of_[end_number(end.from, end.q)] = ghost;
+    ghost_of_[ends_of(end.from)->number(end.q)] = ghost;
     const int back = Direction(end.q).opposite().q();
     const double* const r0 = grid_.row(end.from).data();
     const double* const r1 = two_way_row(end.from, back);
@@ -109,7 +149,7 @@ void Sheets::add_ghost(std::span<const End> ends, const std::vector<std::uint32_
 /// The row where a link leads, if it is two-way.
 const double* Sheets::two_way_row(RecordIndex r, int q) const {
   const RecordIndex to = grid_.destination(r, q);
-  return to == Grid::kNoRecord || (ends_[r].one_way >> q & 1) ? nullptr : grid_.row(to).data();
+  return to == Grid::kNoRecord || (one_way(r) >> q & 1) ? nullptr : grid_.row(to).data();
 }
 
 std::array<std::uint8_t, 8> Sheets::apart(const std::array<Node, 8>& corners) const noexcept {

@@ -17,8 +17,10 @@
 #include <span>
 #include <vector>
 
+#include "libcore/base/ranked_bits.hpp"
 #include "libcore/grid/cell.hpp"
 #include "libcore/grid/grid.hpp"
+#include "libcore/grid/point_bits.hpp"
 
 namespace hapgrid {
 
@@ -29,6 +31,7 @@ class Sheets {
  public:
   static constexpr Node kNoNode = Grid::kNoRecord;
 
+  /// Looks at the grid in all threads of the machine.
   /// @param grid outlives this. Its links are not trusted.
   explicit Sheets(const Grid& grid);
 
@@ -37,23 +40,46 @@ class Sheets {
   /// Where the branch of record r is at its neighbour in direction q; kNoNode where there is no
   /// link. Real-time safe, as all that follow.
   Node node(RecordIndex r, int q) const noexcept {
-    return ends_[r].one_way >> q & 1 ? ghost_of_[end_number(r, q)] : grid_.destination(r, q);
+    const Ends* const ends = ends_of(r);
+    return ends && ends->has(q) ? ghost_of_[ends->number(q)] : grid_.destination(r, q);
   }
   /// The same where the neighbour is known to be corner `corner` of the cell at `base`.
   Node node(RecordIndex r, int q, const Cells& cells, PointIndex base, int corner) const noexcept {
-    return ends_[r].one_way >> q & 1 ? ghost_of_[end_number(r, q)]
-                                     : cells.destination(r, q, base, corner);
+    const Ends* const ends = ends_of(r);
+    return ends && ends->has(q) ? ghost_of_[ends->number(q)]
+                                : cells.destination(r, q, base, corner);
   }
   /// The directions in which the branch of record r ends before the neighbour.
-  DirectionMask one_way(RecordIndex r) const noexcept { return ends_[r].one_way; }
+  DirectionMask one_way(RecordIndex r) const noexcept {
+    const Ends* const ends = ends_of(r);
+    return ends ? ends->one_way : 0;
+  }
   /// Whether no branch ends in the cells around record r, and none of them is mixed.
-  bool is_whole(RecordIndex r) const noexcept { return ends_[r].one_way == 0 && mixed_[r] == 0; }
+  bool is_whole(RecordIndex r) const noexcept { return !ends_of(r) && !is_mixed_.has(r); }
   /// Whether the cell in which record r is corner `corner` is mixed: two other records of the
   /// branch in this cell are not of one branch themselves.
-  bool is_mixed(RecordIndex r, int corner) const noexcept { return mixed_[r] >> corner & 1; }
+  bool is_mixed(RecordIndex r, int corner) const noexcept {
+    return is_mixed_.has(r) && (mixed_[is_mixed_.rank(r)] >> corner & 1);
+  }
   /// Which corners of a cell have records that are not of one branch: bit b of entry a, a < b.
   /// Corners that are ghosts or kNoNode belong to any branch.
   std::array<std::uint8_t, 8> apart(const std::array<Node, 8>& corners) const noexcept;
+  /// Calls use(r, q) for each one-way link, ascending.
+  template <class Use>
+  void for_each_end(Use&& use) const {
+    has_ends_.for_each(0, has_ends_.words(), [&](std::size_t r) {
+      for (int q = 0; q < kDirections; ++q)
+        if (ends_of(static_cast<RecordIndex>(r))->has(q)) use(static_cast<RecordIndex>(r), q);
+    });
+  }
+  /// Calls use(r, corner) for each is_mixed(r, corner), ascending.
+  template <class Use>
+  void for_each_mixed(Use&& use) const {
+    is_mixed_.for_each(0, is_mixed_.words(), [&](std::size_t r) {
+      for (int corner = 0; corner < 8; ++corner)
+        if (is_mixed(static_cast<RecordIndex>(r), corner)) use(static_cast<RecordIndex>(r), corner);
+    });
+  }
   const double* row(Node node) const noexcept {
     return is_ghost(node) ? &ghost_rows_[std::size_t{node - grid_.records()} * row_size_]
                           : grid_.row(node).data();
@@ -66,6 +92,12 @@ class Sheets {
   struct Ends {
     DirectionMask one_way = 0;
     std::uint32_t first = 0;  // its ghosts in ghost_of_, by direction
+
+    bool has(int q) const noexcept { return one_way >> q & 1; }
+    std::uint32_t number(int q) const noexcept {
+      const DirectionMask before = one_way & ((DirectionMask{1} << q) - 1);
+      return first + static_cast<std::uint32_t>(std::popcount(before));
+    }
   };
   /// A one-way link, by the point before which its branch ends.
   struct End {
@@ -74,12 +106,13 @@ class Sheets {
     std::uint8_t q;
   };
 
-  std::uint32_t end_number(RecordIndex r, int q) const noexcept {
-    const DirectionMask before = ends_[r].one_way & ((DirectionMask{1} << q) - 1);
-    return ends_[r].first + static_cast<std::uint32_t>(std::popcount(before));
+  /// Null where the branch of record r does not end.
+  const Ends* ends_of(RecordIndex r) const noexcept {
+    return has_ends_.has(r) ? &ends_[has_ends_.rank(r)] : nullptr;
   }
   const double* two_way_row(RecordIndex r, int q) const;
-  std::vector<End> find_ends();
+  std::vector<End> find_ends(const PointBits& tangled);
+  void find_mixed_records(const PointBits& tangled);
   void add_ghosts(std::span<const End> ends_at_point);
   void add_ghost(std::span<const End> ends, const std::vector<std::uint32_t>& branch,
                  std::uint32_t which);
@@ -87,9 +120,12 @@ class Sheets {
 
   const Grid& grid_;
   std::size_t row_size_;
-  std::vector<Ends> ends_;           // by record
-  std::vector<Node> ghost_of_;       // by one-way link
-  std::vector<std::uint8_t> mixed_;  // by record: bit c, of the cell where it is corner c
+  // Of most records no branch ends around them, and they are not mixed: the others have an entry.
+  RankedBits has_ends_;
+  std::vector<Ends> ends_;
+  std::vector<Node> ghost_of_;  // by one-way link
+  RankedBits is_mixed_;
+  std::vector<std::uint8_t> mixed_;  // bit c: of the cell where the record is corner c
   std::vector<PointIndex> ghost_points_;
   std::vector<double> ghost_rows_;  // ghosts x row_size
 };

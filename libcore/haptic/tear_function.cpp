@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 namespace hapgrid {
 
 namespace {
 
-constexpr double kNothingTears = 2;  // spacings
-constexpr double kLeast = 1e-3;      // spacings; the sign that a record or a ghost keeps
+constexpr double kFarthest = 2;  // spacings
+constexpr double kLeast = 1e-3;  // spacings; the sign that a record or a ghost keeps
 // How much an equation of the start value counts beside one of a tear fraction: little, so that it
 // decides only where no fraction does. And how often the conjugate gradients step.
 constexpr double kStartWeight = 0.02;
@@ -54,14 +55,15 @@ double Plane::distance() const {
     n[a] = determinant(replaced[0], replaced[1], replaced[2]) / whole;
   }
   const double length = std::hypot(n[0], n[1], n[2]);
-  return length > 0 ? std::min(1 / length, kNothingTears) : kNothingTears;
+  return length > 0 ? std::min(1 / length, kFarthest) : kFarthest;
 }
 
 /// "The sum of weight[k] value[node[k]] is 0", of a link along one, two or three axes.
 struct Equation {
   std::array<Node, 8> node;
   std::array<double, 8> weight;
-  int size;
+  std::uint8_t size;
+  std::uint8_t q;
 };
 
 /// False where a corner of the cell that the link crosses is missing.
@@ -71,7 +73,8 @@ bool make_equation(const Sheets& sheets, RecordIndex r, int q, double t, Equatio
   int count = 0;
   for (int a = 0; a < 3; ++a)
     if (d[a] != 0) axes[count++] = a;
-  equation.size = 1 << count;
+  equation.size = static_cast<std::uint8_t>(1 << count);
+  equation.q = static_cast<std::uint8_t>(q);
   for (int corner = 0; corner < equation.size; ++corner) {
     std::array<int, 3> step{};
     double weight = 1;
@@ -128,44 +131,50 @@ void solve(const std::vector<Equation>& equations, std::vector<double>& value) {
 
 }  // namespace
 
-std::vector<float> tear_function(const Grid& grid, const Sheets& sheets) {
+TearFunction::TearFunction(const Grid& grid, const Sheets& sheets) {
   std::vector<Equation> equations;
-  // Most records are nowhere near a tear: only the nodes of equations are numbered, in the order in
-  // which they come.
-  const std::size_t nodes = std::size_t{grid.records()} + sheets.ghosts();
+  std::vector<std::uint64_t> is_near((std::size_t{grid.records()} + sheets.ghosts()) / 64 + 1);
+  const auto mark = [&](Node node) { is_near[node / 64] |= std::uint64_t{1} << node % 64; };
+  sheets.for_each_end([&](RecordIndex r, int q) {
+    mark(r);
+    mark(sheets.node(r, q));
+    Equation equation{};
+    if (!make_equation(sheets, r, q, tear_fraction(grid, r, q), equation)) return;
+    for (int k = 0; k < equation.size; ++k) mark(equation.node[k]);
+    equations.push_back(equation);
+  });
+  is_near_ = RankedBits(is_near);
+  // Nodes are numbered in the order in which they come: sums are made in this order.
   constexpr Node kNone = ~Node{0};
-  std::vector<Node> number(nodes, kNone), numbered;
-  std::vector<Plane> planes;
+  std::vector<Node> number(is_near_.count(), kNone), numbered;
+  std::vector<Plane> planes(is_near_.count());
   const auto number_of = [&](Node node) {
-    if (number[node] == kNone) {
-      number[node] = static_cast<Node>(numbered.size());
+    Node& found = number[is_near_.rank(node)];
+    if (found == kNone) {
+      found = static_cast<Node>(numbered.size());
       numbered.push_back(node);
-      planes.emplace_back();
     }
-    return number[node];
+    return found;
   };
-  for (RecordIndex r = 0; r < grid.records(); ++r)
-    for (int q = 0; q < kDirections; ++q) {
-      if (!(sheets.one_way(r) >> q & 1)) continue;
-      const double t = tear_fraction(grid, r, q);
-      const auto d = Direction(q).step();
-      planes[number_of(r)].add({t * d[0], t * d[1], t * d[2]});
-      planes[number_of(sheets.node(r, q))].add({(t - 1) * d[0], (t - 1) * d[1], (t - 1) * d[2]});
-      Equation equation{};
-      if (!make_equation(sheets, r, q, t, equation)) continue;
-      for (int k = 0; k < equation.size; ++k) equation.node[k] = number_of(equation.node[k]);
-      equations.push_back(equation);
-    }
-  std::vector<double> value(numbered.size(), kNothingTears);
+  auto equation = equations.begin();
+  sheets.for_each_end([&](RecordIndex r, int q) {
+    const double t = tear_fraction(grid, r, q);
+    const auto d = Direction(q).step();
+    planes[number_of(r)].add({t * d[0], t * d[1], t * d[2]});
+    planes[number_of(sheets.node(r, q))].add({(t - 1) * d[0], (t - 1) * d[1], (t - 1) * d[2]});
+    if (equation == equations.end() || equation->node[0] != r || equation->q != q) return;
+    for (int k = 0; k < equation->size; ++k) equation->node[k] = number_of(equation->node[k]);
+    ++equation;
+  });
+  std::vector<double> value(numbered.size(), kFarthest);
   for (std::size_t i = 0; i < value.size(); ++i)
     if (planes[i].any())
       value[i] = sheets.is_ghost(numbered[i]) ? -planes[i].distance() : planes[i].distance();
   solve(equations, value);
-  std::vector<float> result(nodes, static_cast<float>(kNothingTears));
+  values_.resize(value.size());
   for (std::size_t i = 0; i < value.size(); ++i)
-    result[numbered[i]] = static_cast<float>(
+    values_[is_near_.rank(numbered[i])] = static_cast<float>(
         sheets.is_ghost(numbered[i]) ? std::min(value[i], -kLeast) : std::max(value[i], kLeast));
-  return result;
 }
 
 }  // namespace hapgrid

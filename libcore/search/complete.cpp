@@ -44,18 +44,20 @@ void show(const Frontier& frontier, const Neighbourhood& neighbourhood, const Le
 
 /// The records, which leave `levels`.
 Grid take_grid(const SectionHeader& header, Levels& levels) {
-  GridBuilder grid(header.spec, header.generation, /*has_tears=*/false);
+  GridBuilder grid(header.spec, header.generation, /*has_tears=*/false, levels.records());
+  std::uint64_t added = 0;
   for (std::uint64_t b = 0; b < levels.blocks(); ++b) {
     levels.visit(b, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
       const auto run = [&](const auto& in, std::size_t each) {
         return in.subspan(begin * each, (end - begin) * each);
       };
-      grid.add({run(rows.point, 1),
-                run(rows.level, 1),
-                run(rows.generation, 1),
-                run(rows.numbers, rows.width),
-                run(rows.links, kDirections),
-                {}});
+      grid.add(added, {run(rows.point, 1),
+                       run(rows.level, 1),
+                       run(rows.generation, 1),
+                       run(rows.numbers, rows.width),
+                       run(rows.links, kDirections),
+                       {}});
+      added += end - begin;
     });
     levels.release(b);
   }

@@ -1,7 +1,7 @@
 #include "libcore/shard/load.hpp"
 
 #include "libcore/grid/grid_builder.hpp"
-#include "libcore/shard/reader.hpp"
+#include "libcore/shard/chunks.hpp"
 
 namespace hapgrid {
 
@@ -19,24 +19,25 @@ std::string digest_text(const Digest& digest) {
 }
 }  // namespace
 
-LoadedGrid load_grid(const std::string& name) { return load_grid(open_grid(name)); }
+void require_plausible(const Section& section) {
+  const std::uint64_t bytes = record_bytes(section.header.spec.row_size());
+  if (section.records() > kMaxRatio * (section.end - section.begin) / bytes)
+    for_each_chunk(section, [](std::size_t, std::uint64_t, const RecordRows&) {});
+}
 
-LoadedGrid load_grid(const Section& section) {
-  const GridSpec& spec = section.header.spec;
-  const std::uint64_t stored_bytes = section.end - section.begin;
-  // A footer is not believed before its section was read: memory is taken at once only where the
-  // claim is in proportion to the size of the shard; else it grows with the rows that come.
-  const std::uint64_t records = section.records();
-  const bool plausible = records <= kMaxRatio * stored_bytes / record_bytes(spec.row_size());
-  GridBuilder grid(spec, section.header.generation, section.header.has_tears,
-                   plausible ? records : 0);
-  SectionReader reader(section);
-  RecordRows rows;
-  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) {
-    reader.read(i, rows);
-    grid.add({rows.point, rows.level, rows.generation, rows.numbers, rows.links, rows.tears});
-  }
-  return {grid.finish(), stored_bytes, digest_text(section.footer.digest)};
+LoadedGrid load_grid(const std::string& name, Generations generations) {
+  return load_grid(open_grid(name), generations);
+}
+
+LoadedGrid load_grid(const Section& section, Generations generations) {
+  require_plausible(section);
+  GridBuilder grid(section.header.spec, section.header.generation, section.header.has_tears,
+                   section.records(), section.frontier() > 0 ? Generations::kKept : generations);
+  for_each_chunk(section, [&](std::size_t, std::uint64_t first, const RecordRows& rows) {
+    grid.add(first,
+             {rows.point, rows.level, rows.generation, rows.numbers, rows.links, rows.tears});
+  });
+  return {grid.finish(), section.end - section.begin, digest_text(section.footer.digest)};
 }
 
 }  // namespace hapgrid

@@ -15,9 +15,11 @@ struct LoadedGrid {
   std::string digest = {};         ///< of the content, in hex: which grid it is
 };
 
-/// Reads a grid ("-" is standard input). Every digest and count is checked.
+/// Reads a grid ("-" is standard input), in as many threads as the machine has. Every digest and
+/// count is checked.
+/// @param generations a grid that has a frontier keeps them in any case
 /// @throw FormatError when the stream is damaged, or is not one grid; std::system_error.
-LoadedGrid load_grid(const std::string& name);
-LoadedGrid load_grid(const Section& section);
+LoadedGrid load_grid(const std::string& name, Generations generations = Generations::kKept);
+LoadedGrid load_grid(const Section& section, Generations generations = Generations::kKept);
 
 }  // namespace hapgrid

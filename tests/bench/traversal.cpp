@@ -12,13 +12,13 @@
 #include <time.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <vector>
 
 #include "libcore/base/histogram.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
+#include "tests/bench/smooth_path.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 namespace {
@@ -26,19 +26,6 @@ namespace {
 using namespace hapgrid;
 
 constexpr std::uint32_t kStateSize = 9;
-
-/// A Lissajous figure that stays inside [-1, 1]^3, with steps of about the length `step`.
-std::vector<Vec3> smooth_path(double step, std::size_t count) {
-  std::vector<Vec3> path(count);
-  double t = 0;
-  for (Vec3& x : path) {
-    x = {0.97 * std::sin(t), 0.97 * std::sin(1.618 * t + 0.5), 0.97 * std::sin(2.414 * t + 1)};
-    const double speed = std::hypot(0.97 * std::cos(t), 1.57 * std::cos(1.618 * t + 0.5),
-                                    2.34 * std::cos(2.414 * t + 1));
-    t += step / std::max(speed, 0.3);
-  }
-  return path;
-}
 
 /// Arguments: points a side, ticks a cell.
 void step(benchmark::State& state) {
@@ -48,7 +35,7 @@ void step(benchmark::State& state) {
   // Half of the points have two levels, and links are random: branch prediction works worse than in
   // a real grid.
   const Grid grid = testing::random_grid(box, kStateSize, 2, 1);
-  const auto path = smooth_path(spacing / static_cast<double>(state.range(1)), 1 << 20);
+  const auto path = bench::smooth_path(spacing / static_cast<double>(state.range(1)), 1 << 20);
   PaperTraversal traversal(grid);
   traversal.start(path[0]);
   std::uint64_t switches = 0, steps = 0;

@@ -14,7 +14,7 @@ PlayForce::PlayForce(std::optional<ForceRule> wanted, TraversalRule traversal, c
     : fields_(fields), rule_(wanted.value_or(default_force(traversal))) {
   if (rule_ == ForceRule::kState) return;
   const int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  const NodeForces found = node_forces(rule_, grid, sheets, record_fields(grid, create, threads));
+  const NodeForces found = node_forces(rule_, grid, sheets, shared_fields(grid, create, threads));
   if (!found.why_not.empty()) {
     if (wanted) throw Error("--force energy: " + found.why_not);
     say("play", found.why_not + ": the forces of the records are interpolated");

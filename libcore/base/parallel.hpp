@@ -6,10 +6,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <future>
+#include <thread>
 #include <utility>
 #include <vector>
 
 namespace hapgrid {
+
+/// As many as the machine has processors.
+inline int all_threads() {
+  return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
 
 /// Calls work(i) once for each i in [0, count), in `threads` threads, in no particular order.
 /// @throw whatever `work` throws, when all threads have ended.
