@@ -22,8 +22,8 @@ stage() {
   mmdebstrap --quiet --mode=root --variant=minbase --skip=cleanup/apt/lists bookworm "root.$1" >"log.$1" 2>&1 ||
     fail "$(tail -n 20 "log.$1")"
   cp -a "$2" "root.$1$3"
-  cp "run.$1" "root.$1/run"
-  chroot "root.$1" env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin sh /run >>"log.$1" 2>&1 ||
+  cp "run.$1" "root.$1/steps"
+  chroot "root.$1" env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin sh /steps >>"log.$1" 2>&1 ||
     fail "$(tail -n 40 "log.$1")"
 }
 stage 0 checkout /hapgrid
@@ -33,6 +33,6 @@ ball=/usr/share/doc/hapgrid/examples/hung-ball
 inside sh -c "hapgrid seed $ball/hung-ball.toml --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' |
   hapgrid expand --complete -o /tmp/grid"
 expect 0 '' '~verify: fine: .*' -- inside hapgrid verify /tmp/grid -o /tmp/report
-inside hapgrid molecule --smiles OO -o /tmp/peroxide --method gfnff --spacing 1.2 --quiet >line 2>said || fail "$(cat said)"
+inside hapgrid molecule --smiles C#N -o /tmp/cyanide --method gfnff --spacing 1.2 --quiet >line 2>said || fail "$(cat said)"
 grep -q '^hapgrid play ' line || fail "$(cat line)"
 [[ ! -e root.1/hapgrid.deb ]] || fail 'the package is left in the image'
