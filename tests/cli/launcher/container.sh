@@ -24,7 +24,7 @@ assert source == "." and origin is None
 # What is called in the copy of the checkout is there; what it leaves is what the second stage copies and installs.
 (command, deb), = [run.split() for run in build["run"]]
 assert os.access(command.replace(there, sys.argv[1], 1), os.X_OK), command
-assert final["copy"] == [[deb, deb, 0]] and any(run.endswith(f"install -y -qq {deb}") for run in final["run"])
+assert final["copy"] == [[deb, deb, 0]] and any(run.endswith(f"install -y -qq --install-recommends {deb}") for run in final["run"])
 # Nothing that the build needs is left out of the copy.
 ignored = [line.strip() for line in open(os.path.join(sys.argv[1], ".dockerignore")) if not line.startswith("#")]
 assert ignored == [".git", "build*"], ignored

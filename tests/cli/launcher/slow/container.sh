@@ -14,25 +14,25 @@ assert [stage["run"] for stage in stages] == [stage["run"] for stage in others]
 for n, stage in enumerate(stages):
     open(f"run.{n}", "w").write("\n".join(["set -ex", *stage["run"], ""]))
 PYTHON
-mkdir checkout
-git -C "$HAPGRID_SOURCE" ls-files -z | tar -C "$HAPGRID_SOURCE" --null -T - -cf - | tar -C checkout -xf -
+mkdir hapgrid
+git -C "$HAPGRID_SOURCE" ls-files -z | tar -C "$HAPGRID_SOURCE" --null -T - -cf - | tar -C hapgrid -xf -
+cat >try.sh <<'TRY'
+set -euxo pipefail
+export LC_ALL=C.UTF-8
+cd /root
+[[ ! -e /hapgrid.deb ]]
+hapgrid seed /usr/share/doc/hapgrid/examples/hung-ball/hung-ball.toml --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' |
+  hapgrid expand --complete -o grid
+hapgrid verify grid -o report
+hapgrid molecule --smiles C#N -o cyanide --method gfnff --spacing 1.2 --quiet | grep '^hapgrid play '
+echo 'all is well'
+TRY
 
-# stage NUMBER COPIED DESTINATION: the root NUMBER, with a copy, and its commands run in it.
+# stage NUMBER COPIED HOOK...: a root with what is copied, in which the stage's commands are run.
 stage() {
-  mmdebstrap --quiet --mode=root --variant=minbase --skip=cleanup/apt/lists bookworm "root.$1" >"log.$1" 2>&1 ||
-    fail "$(tail -n 20 "log.$1")"
-  cp -a "$2" "root.$1$3"
-  cp "run.$1" "root.$1/run"
-  chroot "root.$1" env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin sh /run >>"log.$1" 2>&1 ||
-    fail "$(tail -n 40 "log.$1")"
+  mmdebstrap --quiet --mode=root --variant=minbase --customize-hook="copy-in $2 run.$1 /" \
+    --customize-hook="chroot \"\$1\" sh /run.$1" "${@:3}" bookworm /dev/null >"log.$1" 2>&1 || fail "$(tail -n 40 "log.$1")"
 }
-stage 0 checkout /hapgrid
-stage 1 root.0/hapgrid.deb /hapgrid.deb
-inside() { chroot root.1 env -i PATH=/usr/local/bin:/usr/bin:/bin LC_ALL=C.UTF-8 "$@"; }
-ball=/usr/share/doc/hapgrid/examples/hung-ball
-inside sh -c "hapgrid seed $ball/hung-ball.toml --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' |
-  hapgrid expand --complete -o /tmp/grid"
-expect 0 '' '~verify: fine: .*' -- inside hapgrid verify /tmp/grid -o /tmp/report
-inside hapgrid molecule --smiles OO -o /tmp/peroxide --method gfnff --spacing 1.2 --quiet >line 2>said || fail "$(cat said)"
-grep -q '^hapgrid play ' line || fail "$(cat line)"
-[[ ! -e root.1/hapgrid.deb ]] || fail 'the package is left in the image'
+stage 0 hapgrid --customize-hook='copy-out /hapgrid.deb .'
+stage 1 'hapgrid.deb try.sh' --customize-hook='chroot "$1" bash /try.sh'
+grep -qx 'all is well' log.1 || fail "$(tail -n 40 log.1)"
