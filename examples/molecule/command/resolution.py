@@ -76,7 +76,7 @@ def estimated(filters, toml):
     """Seconds on one core that a grid takes, within a factor of 2 or so: by walking about in it. None where the
     report has a broken check, and so no estimate."""
     report = filters.run("check-model", toml, "--steps", 300, "--seconds", 3, "--format", "json", good=(0, 1, 3))[0]
-    return json.loads(report).get("grid", {}).get("cpu_seconds") if report else None
+    return ((json.loads(report) if report else {}).get("grid") or {}).get("cpu_seconds")
 
 
 def measure(filters, stages, grid, threads):
