@@ -19,7 +19,8 @@ namespace hapgrid::molecule {
 struct MinimiserLimits {
   double max_step = 0.05;   // Å, in scaled variables
   double tolerance = 1e-3;  // kJ/(mol Å): largest scaled gradient of a variable not held by a bound
-  double on_the_way = 0.05;  // the same between substeps: what is left goes into the next one's step
+  double on_the_way =
+      0.05;  // the same between substeps: what is left goes into the next one's step
   int max_evaluations = 2000;
 };
 

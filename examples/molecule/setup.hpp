@@ -24,7 +24,8 @@ namespace hapgrid::molecule {
 ///   substep              Å, default 0.05: the HIP's longest move between two minimisations
 ///   tolerance            Å, default 0.1: states are equal when their atoms are no farther apart,
 ///                        RMS
-///   torsions             texts such as "psi 5 7 9 15", which pictures name and follow: a name of at
+///   torsions             texts such as "psi 5 7 9 15", which pictures name and follow: a name of
+///   at
 ///                        most 23 letters and four atoms by their numbers in the file, from 1
 ///   force_scale          N per kJ/(mol Å), default 0.025: newtons at the device for the force
 struct Setup {

@@ -81,8 +81,8 @@ void draw_curve(Image& image, const Place& place, int scale, const Traces& trace
   const auto column = [&](double time_s) { return column_of(place, scale, traces, time_s); };
   for (int s = 1; s < Traces::kSeconds; ++s)
     fill(image, column(end_s - s), y, scale, height, {232, 234, 238});
-  write(image, x + scale * kMargin, y + height - scale * kLetterHeight, scale, "t / s: the last 10 s",
-        kPale);
+  write(image, x + scale * kMargin, y + height - scale * kLetterHeight, scale,
+        "t / s: the last 10 s", kPale);
   static_assert(Traces::kSeconds == 10);
   for (const auto& sample : traces.samples())
     if (sample.snapped) fill(image, column(sample.time_s), y, scale, height, kSwitch);

@@ -231,8 +231,8 @@ TEST_CASE("beside free points a quadratic energy comes back where the hand pushe
   const auto push = [&](const Vec3& x) {
     return Vec3{-n[0] * depth(x), -n[1] * depth(x), -n[2] * depth(x)};
   };
-  const RecordFields fields =
-      fields_of(grid, [&](const Vec3& x) { return depth(x) * depth(x) / 2; }, push);
+  const RecordFields fields = fields_of(
+      grid, [&](const Vec3& x) { return depth(x) * depth(x) / 2; }, push);
   const auto energies = std::make_shared<const NodeEnergies>(grid, nullptr, fields);
   PaperTraversal t(grid);
   NodeForce force(energies, box, hermite_force);

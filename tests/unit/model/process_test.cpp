@@ -381,7 +381,9 @@ TEST_CASE("a process that does not get as far as saying what it is") {
   CHECK(why(puppet("refuse")) == "model puppet: no way");
   CHECK(why(puppet("mute"), 0.5) == who + "mute 1' did not say what it is within 0.5 s");
   CHECK(why(puppet("dead")) == who + "dead 1' exited with status 5 before it had said what it is");
-  CHECK(why(puppet("binary")).starts_with(who + "binary 1' printed '?" "?' to standard output, "));
+  CHECK(why(puppet("binary"))
+            .starts_with(who + "binary 1' printed '?"
+                               "?' to standard output, "));
   CHECK(why(puppet("import")) ==
         who +
             "import 1' exited with status 1 before it had said what it is: "
