@@ -46,7 +46,7 @@ Grid grid_of(Field field, const Box& box) {
     for (int q = 0; q < kDirections; ++q)
       columns.links.push_back(around.inside(p) >> q & 1 ? 0 : kLeavesBox);
   }
-  return Grid(spec, 1, std::move(columns));
+  return Grid(spec, 1, columns);
 }
 
 Walked walk(const Grid& grid, const ModelFunctions& model, std::uint64_t walks, int threads = 2,

@@ -62,7 +62,7 @@ inline hapgrid::Grid grid(const hapgrid::Box& box,
       columns.rows.push_back(records[l].state);
       columns.links.insert(columns.links.end(), records[l].links.begin(), records[l].links.end());
     }
-  return Grid(spec, 1, std::move(columns));
+  return Grid(spec, 1, columns);
 }
 
 }  // namespace hung_ball

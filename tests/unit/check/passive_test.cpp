@@ -330,7 +330,7 @@ TEST_CASE(
   const auto q = static_cast<std::size_t>(Direction::of(1, 0, 0).q());
   std::swap(columns.links[grid.first(p) * kDirections + q],
             columns.links[(grid.first(p) + 1) * kDirections + q]);
-  const Grid exchanged(grid.spec(), 1, std::move(columns));
+  const Grid exchanged(grid.spec(), 1, columns);
   const TrapezoidWork work(exchanged, forces);
   const Energy energy = find_energy(exchanged, work, 2, 1);
   REQUIRE(energy.gaining.size() == 1);

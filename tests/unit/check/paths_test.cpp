@@ -74,7 +74,7 @@ Grid sparse_grid(std::uint64_t seed) {
                                      count[static_cast<std::size_t>(p + around.offset(q))])
                 : kLeavesBox);
     }
-  return Grid(spec_for(box, 1), 1, std::move(columns));
+  return Grid(spec_for(box, 1), 1, columns);
 }
 
 }  // namespace
@@ -207,7 +207,7 @@ TEST_CASE("a missing link is found wherever play needs it") {
     CHECK(found.counted == oracle.at.size());
     if (found.offenders == 0) continue;
     ++needed;
-    const Grid whole(spec_for(box, 1), 1, std::move(columns));
+    const Grid whole(spec_for(box, 1), 1, columns);
     CHECK(rows(whole).at("paths").found.offenders == 0);
   }
   CHECK(needed > 10);

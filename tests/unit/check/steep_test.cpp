@@ -117,7 +117,7 @@ TEST_CASE("a device is stable below K = 2 b f and not above") {
     row[0] = row[2] = row[3] = 0;
     row[1] = -100 * spec.box.position(p)[0];
   }
-  const Grid grid(spec, 1, std::move(columns));
+  const Grid grid(spec, 1, columns);
   const CellMap map(grid, 1);
   const Forces forces = stored_forces(grid);
   const auto check = [&](const Rendering& rendering) {

@@ -35,7 +35,7 @@ Grid grid() {
                                     ? static_cast<Level>(random() % 4 == 0 ? 1 - l : l)
                                     : kLeavesBox);
     }
-  return Grid(spec_for(box, 1), 1, std::move(columns));
+  return Grid(spec_for(box, 1), 1, columns);
 }
 
 struct Offenders {

@@ -23,7 +23,7 @@ Grid one_record(const GridCoordinates& counts) {
   columns.generation = {0};
   columns.rows = {0.5};
   columns.links.assign(kDirections, kLeavesBox);
-  return Grid(spec, 0, std::move(columns));
+  return Grid(spec, 0, columns);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ Grid random_torn_grid(const Box& box, std::uint32_t n, unsigned levels, std::uin
           without.is_one_way(r, q) ? static_cast<TearByte>(random() % kTearSteps) : kNoTear);
   GridSpec spec = spec_for(box, n);
   spec.tears = true;
-  return Grid(spec, 1, std::move(columns));
+  return Grid(spec, 1, columns);
 }
 
 double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -64,7 +64,7 @@ struct Half {
       }
     GridSpec spec = spec_for(box, 1);
     spec.tears = true;
-    return Grid(spec, 1, std::move(columns));
+    return Grid(spec, 1, columns);
   }
 };
 
@@ -116,7 +116,7 @@ TEST_CASE("along a line the state snaps where the tear fraction says, and comes 
     }
   GridSpec spec = spec_for(box, 1);
   spec.tears = true;
-  const Grid grid(spec, 1, std::move(columns));
+  const Grid grid(spec, 1, columns);
   const auto map = std::make_shared<const BranchMap>(grid);
   REQUIRE(map->sheets.ghosts() == 2);
   BranchTraversal t(grid, map);

@@ -80,7 +80,7 @@ TEST_CASE("the way there and the way back differ where the grid says so") {
   add(3, 1, +1, 1, 0);
   add(4, 0, 0, 0, 0);
   add(5, 0, 0, 0, 0);
-  const Grid grid(spec_for(box, 1), 1, std::move(columns));
+  const Grid grid(spec_for(box, 1), 1, columns);
   require_playable(grid, "grid");
 
   PaperTraversal t(grid);

@@ -148,7 +148,7 @@ TEST_CASE("links and points that lead nowhere are met without harm") {
     RecordColumns columns = random_columns(box, 2, 3, random());
     for (Level& link : columns.links)
       if (random() % 16 == 0) link = static_cast<Level>(random());
-    const Grid grid(spec_for(box, 2), 1, std::move(columns));
+    const Grid grid(spec_for(box, 2), 1, columns);
     PaperTraversal t(grid);
     StepResult r;
     bool started = false;
@@ -182,7 +182,7 @@ TEST_CASE("only a complete grid is playable") {
   const RecordColumns good = random_columns(box, 2, 2, 5);
   const auto refusal = [&](RecordColumns columns, std::uint32_t generation = 1) {
     try {
-      require_playable(Grid(spec_for(box, 2), generation, std::move(columns)), "x.grid");
+      require_playable(Grid(spec_for(box, 2), generation, columns), "x.grid");
     } catch (const Error& e) {
       return std::string(e.what());
     }

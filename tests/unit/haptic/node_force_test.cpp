@@ -272,7 +272,7 @@ TEST_CASE("ghosts are exact where forces are linear") {
       }
     }
   }
-  const Grid grid(spec_for(box, 1), 1, std::move(columns));
+  const Grid grid(spec_for(box, 1), 1, columns);
   const Sheets sheets(grid);
   REQUIRE(sheets.ghosts() > 25);
   const double stiffness[3][3] = {{1, 0.5, -0.25}, {0.5, 2, 0.75}, {-0.25, 0.75, -1}};
