@@ -198,7 +198,7 @@ TEST_CASE("a missing link is found wherever play needs it") {
     Level& link = broken.links[r * kDirections + q];
     if (link == kLeavesBox) continue;
     link = random() % 2 ? kUnsettled : Level{9};
-    const Grid grid(spec_for(box, 1), 1, std::move(broken));
+    const Grid grid(spec_for(box, 1), 1, broken);
     const auto row = rows(grid, 2);
     const Oracle oracle(grid);
     const auto& found = row.at("paths").found;

@@ -72,9 +72,9 @@ TEST_CASE("nothing that play can do is steeper, and something is as steep") {
             Vec3 x;
             x[a] = side;
             x[u] = 0.5, x[v] = i;
-            work += (i ? -1 : 1) * row_at(box, t, x)[static_cast<std::size_t>(2 + u)];
+            work += (i ? -1 : 1) * row_at(box, t, x)[static_cast<std::size_t>(u) + 2];
             x[u] = i, x[v] = 0.5;
-            work += (i ? 1 : -1) * row_at(box, t, x)[static_cast<std::size_t>(2 + v)];
+            work += (i ? 1 : -1) * row_at(box, t, x)[static_cast<std::size_t>(v) + 2];
           }
           turn = std::max(turn, std::abs(work) * kSpacing);
         }
