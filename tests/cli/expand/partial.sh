@@ -118,11 +118,11 @@ toy 'milliseconds = 1' 6 tears=false | seed - -o slow
 expand --complete slow -j 8 -o slow.direct
 notice='expand: stops after the conversions that are under way; once more: at once'
 for signal in INT TERM HUP; do
-  rm -f out.partial
+  rm -f out.partial err # of the signal before: it has what is waited for
   # A job in the background of a script ignores SIGINT.
   env --default-signal=$signal expand --complete slow -j 4 -o out --progress 2>err &
   tool=$!
-  wait_for 60 "second generation" grep -q 'generation [23],' err
+  wait_for 60 "second generation" grep -sq 'generation [23],' err
   kill -$signal $tool
   code=0
   wait $tool || code=$?
@@ -142,9 +142,10 @@ rm out
 # Before anything is whole, and when the model does not answer: the second signal ends it.
 sed 's/puppet.py"/puppet.py", "hang"/' good.toml >hangs.toml
 seed good.toml --allow-process -o puppets
+rm err
 expand --complete puppets --allow-process hangs.toml -o out --progress 2>err &
 tool=$!
-wait_for 20 "question" grep -q 'generation 0' err
+wait_for 20 "question" grep -sq 'generation 0' err
 kill -TERM $tool
 wait_for 10 "notice" grep -qF "$notice" err
 kill -TERM $tool
