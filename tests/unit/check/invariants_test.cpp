@@ -1,8 +1,10 @@
 #include "libcore/check/invariants.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "libcore/check/blends.hpp"
 #include "libcore/check/reachable.hpp"
@@ -198,4 +200,68 @@ TEST_CASE("distances that records tell one by one are those in the whole grid") 
             CAPTURE(r, generation, s, q, int{level});
             check_distances(Grid(tiny::spec(), tiny::kGeneration, records));
           }
+}
+
+namespace {
+
+constexpr PointIndex kCentre = 62;
+
+/// 5 x 5 x 5 points of one level each, found from the point 0: most have nothing else around.
+RecordColumns cube(GridSpec& spec) {
+  spec = tiny::spec();
+  spec.box.counts = {5, 5, 5};
+  spec.tears = true;
+  const Neighbourhood around(spec.box);
+  RecordColumns records;
+  for (PointIndex p = 0; p < spec.box.points(); ++p) {
+    const GridCoordinates c = spec.box.coordinates(p);
+    tiny::add(records, p, 0, std::max({c[0], c[1], c[2]}), 0, kLeavesBox, kLeavesBox);
+    for (int q = 0; q < kDirections; ++q)
+      if (around.inside(c) >> q & 1) tiny::link(records, p, q) = 0;
+  }
+  records.tears.assign(records.links.size(), kNoTear);
+  return records;
+}
+
+}  // namespace
+
+TEST_CASE("points that have one level, as all around them") {
+  GridSpec spec;
+  RecordColumns records = cube(spec);
+  const auto rows = [&] {
+    return broken(check_invariants(Grid(spec, 5, records), tiny::model().same));
+  };
+  CHECK(rows() == Broken{});
+  SECTION("a generation is wrong") {
+    for (PointIndex p = 0; p < spec.box.points(); ++p)
+      for (std::uint32_t generation = 0; generation < 6; ++generation) {
+        const std::uint32_t right = std::exchange(records.generation[p], generation);
+        check_distances(Grid(spec, 5, records));
+        records.generation[p] = right;
+      }
+  }
+  SECTION("no record is a seed") {
+    for (PointIndex p = 0; p < spec.box.points(); ++p) {
+      std::uint32_t away = 0;  // from the centre
+      for (const std::uint32_t c : spec.box.coordinates(p))
+        away = std::max(away, c > 2 ? c - 2 : 2 - c);
+      records.generation[p] = 1 + away;
+    }
+    check_distances(Grid(spec, 5, records));
+    CHECK(rows().at("reachable").size() == 5);
+  }
+  SECTION("a tear fraction is too many") {
+    records.tears[kCentre * kDirections + tiny::kLeft] = 3;
+    CHECK(rows() ==
+          Broken{{"fractions",
+                  {"point 62 (2, 2, 2) level 0 direction 12 (-1, 0, 0): not one-way, with tear "
+                   "fraction 3"}}});
+  }
+  SECTION("a record of the frontier has links") {
+    records.generation[kCentre] = 5;
+    CHECK(rows().at("complete").size() == 1);
+    CHECK(rows().at("links").front() ==
+          "point 62 (2, 2, 2) level 0 direction 0 (-1, -1, -1): destination level 0, but the "
+          "record is in the frontier");
+  }
 }
