@@ -9,6 +9,7 @@
 #include "libcore/base/text.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/shard/load.hpp"
+#include "libcore/shard/section.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/verify/examine.hpp"
@@ -17,10 +18,13 @@ using namespace hapgrid;
 
 namespace {
 
+constexpr const char* kDefaultRecompute = "1000";
+
 struct Options {
   std::string grid = "-";
   Examination asked;
-  std::string recompute = "1000";
+  std::string recompute = kDefaultRecompute;
+  bool only_invariants = false;
   std::string format = "text";
   std::string output = "-";
   bool is_verbose = false;
@@ -52,34 +56,49 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
   return read.ec == std::errc() && read.ptr == end;
 }
 
-std::string report(const Grid& grid, const std::vector<Check>& checks, const Options& options) {
+std::string report(const ReportedGrid& grid, const std::vector<Check>& checks,
+                   const Options& options) {
   if (options.format == "json") return report_json(grid, checks);
   if (options.format == "junit") return report_junit(grid, checks);
   return printable_text(
       report_text(grid, checks, options.is_verbose ? Details::kAll : Details::kNotFine));
 }
 
-int run(const Options& options) {
-  if (options.is_quiet && (options.is_verbose || options.output != "-"))
-    throw UsageError("--quiet: there is no report for --verbose or --output");
-  Examination asked = options.asked;
-  parse_recompute(options.recompute, asked.recompute);
-  if (asked.accuracy && asked.walks == 0) asked.walks = kDefaultWalks;
-  announce_terminal(options.grid);
-  const LoadedGrid loaded = load_grid(options.grid);
-  const std::vector<Check> checks = examine(loaded.grid, asked);
+/// Writes the report and the verdict. @returns the exit code
+int tell(const ReportedGrid& grid, const std::vector<Check>& checks, const Options& options) {
   if (!options.is_quiet) {
     OutputFile output(options.output, /*binary=*/false);
-    output.write(report(loaded.grid, checks, options));
+    output.write(report(grid, checks, options));
     output.commit();
     say("verify", verdict_line(checks));
   }
   return is_broken(checks) ? kExitInvalid : is_fine(checks) ? kExitDone : kExitNotProved;
 }
 
+int run(const Options& options) {
+  if (options.is_quiet && (options.is_verbose || options.output != "-"))
+    throw UsageError("--quiet: there is no report for --verbose or --output");
+  if (options.only_invariants &&
+      (options.asked.walks > 0 || options.asked.accuracy ||
+       (options.recompute != kDefaultRecompute && options.recompute != "none")))
+    throw UsageError("--invariants leaves out --recompute, --walks and --accuracy");
+  Examination asked = options.asked;
+  parse_recompute(options.recompute, asked.recompute);
+  if (asked.accuracy && asked.walks == 0) asked.walks = kDefaultWalks;
+  announce_terminal(options.grid);
+  const Section section = open_grid(options.grid);
+  if (options.only_invariants)
+    return tell({section.header.spec, section.records(), section.header.generation},
+                examine_invariants(section, asked.model), options);
+  const LoadedGrid loaded = load_grid(section);
+  return tell(reported(loaded.grid), examine(loaded.grid, asked), options);
+}
+
 void add_checks(CommandLine& app, Options& options) {
   Examination& asked = options.asked;
   app.group("Checks");
+  app.add_flag("--invariants", options.only_invariants,
+               "Only the rows down to `generations`, with little memory");
   app.add("--recompute", options.recompute,
           "Records whose conversions are evaluated again, as a random sample")
       .type("all|N|none")
@@ -115,7 +134,7 @@ void add_checks(CommandLine& app, Options& options) {
       .check([](const std::string& name) { return force_named(name).has_value(); },
              "energy, records or state");
   app.add("--friction", asked.friction,
-          "For `passive`: friction of the device in newtons, which pays for what a closed walk\n"
+          "For `passive`: newtons of friction, which pay for what a closed walk\n"
           "gains (default: 0.2; 0.05 where play interpolates forces)")
       .type("N")
       .positive();

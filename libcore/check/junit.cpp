@@ -52,7 +52,7 @@ std::string test_case(const Check& check) {
 
 }  // namespace
 
-std::string report_junit(const Grid& grid, const std::vector<Check>& checks) {
+std::string report_junit(const ReportedGrid& grid, const std::vector<Check>& checks) {
   std::string cases;
   std::size_t failures = 0;
   for (const Check& check : checks) {
@@ -60,7 +60,7 @@ std::string report_junit(const Grid& grid, const std::vector<Check>& checks) {
     failures += !is_fine({check});
   }
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"" +
-         escaped("verify " + grid.spec().model) + "\" tests=\"" + std::to_string(checks.size()) +
+         escaped("verify " + grid.spec.model) + "\" tests=\"" + std::to_string(checks.size()) +
          "\" failures=\"" + std::to_string(failures) + "\">\n" + cases + "</testsuite>\n";
 }
 

@@ -138,12 +138,13 @@ std::string checks_text(const std::vector<Check>& checks, Details details) {
   return joined(table) + joined(shortened(shown, std::max(room, table.size() + 2) - table.size()));
 }
 
-std::string report_text(const Grid& grid, const std::vector<Check>& checks, Details details) {
-  const auto& n = grid.box().counts;
-  return printable_line(grid.spec().model) + ": " + std::to_string(n[0]) + " x " +
+std::string report_text(const ReportedGrid& grid, const std::vector<Check>& checks,
+                        Details details) {
+  const auto& n = grid.spec.box.counts;
+  return printable_line(grid.spec.model) + ": " + std::to_string(n[0]) + " x " +
          std::to_string(n[1]) + " x " + std::to_string(n[2]) + " points, " +
-         std::to_string(grid.records()) + " records, generation " +
-         std::to_string(grid.generation()) + "\n" + checks_text(checks, details);
+         std::to_string(grid.records) + " records, generation " + std::to_string(grid.generation) +
+         "\n" + checks_text(checks, details);
 }
 
 namespace {
@@ -182,15 +183,15 @@ nlohmann::ordered_json checks_json(const Box& box, const std::vector<Check>& che
   return json;
 }
 
-std::string report_json(const Grid& grid, const std::vector<Check>& checks) {
+std::string report_json(const ReportedGrid& grid, const std::vector<Check>& checks) {
   nlohmann::ordered_json json;
   json["version"] = 1;
-  json["model"] = grid.spec().model;
-  json["counts"] = grid.box().counts;
-  json["records"] = grid.records();
-  json["generation"] = grid.generation();
+  json["model"] = grid.spec.model;
+  json["counts"] = grid.spec.box.counts;
+  json["records"] = grid.records;
+  json["generation"] = grid.generation;
   json["verdict"] = is_broken(checks) ? "broken" : is_fine(checks) ? "fine" : "not proved";
-  json["checks"] = checks_json(grid.box(), checks);
+  json["checks"] = checks_json(grid.spec.box, checks);
   // "replace": a shard's strings need not be UTF-8.
   return json.dump(2, ' ', /*ensure_ascii=*/true,
                    nlohmann::ordered_json::error_handler_t::replace) +

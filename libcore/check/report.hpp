@@ -110,15 +110,26 @@ std::string checks_text(const std::vector<Check>& checks, Details details);
 /// @param box of the grid that was checked
 nlohmann::ordered_json checks_json(const Box& box, const std::vector<Check>& checks);
 
+/// What a report says of the grid itself.
+struct ReportedGrid {
+  const GridSpec& spec;
+  std::uint64_t records;
+  std::uint32_t generation;
+};
+inline ReportedGrid reported(const Grid& grid) {
+  return {grid.spec(), grid.records(), grid.generation()};
+}
+
 /// What grid it is, and checks_text().
-std::string report_text(const Grid& grid, const std::vector<Check>& checks, Details details);
+std::string report_text(const ReportedGrid& grid, const std::vector<Check>& checks,
+                        Details details);
 
 /// {"version": 1, "model", "counts", "records", "generation", "verdict": "fine", "broken" or "not
 /// proved", "checks": checks_json()}. The version changes when a key changes its meaning or goes.
-std::string report_json(const Grid& grid, const std::vector<Check>& checks);
+std::string report_json(const ReportedGrid& grid, const std::vector<Check>& checks);
 
 /// As JUnit's XML, which CI systems show: a test case a check, a failure where it is broken or not
 /// proved, and notes as output.
-std::string report_junit(const Grid& grid, const std::vector<Check>& checks);
+std::string report_junit(const ReportedGrid& grid, const std::vector<Check>& checks);
 
 }  // namespace hapgrid

@@ -11,25 +11,6 @@
 
 namespace hapgrid {
 
-Check check_fractions(const Grid& grid) {
-  Check check{"fractions",
-              "directions",
-              "one-way links without a tear fraction, and other directions that have one",
-              {}};
-  for (RecordIndex r = 0; r < grid.records(); ++r)
-    for (int q = 0; q < kDirections; ++q) {
-      ++check.found.counted;
-      const TearByte tear = grid.tears(r)[static_cast<std::size_t>(q)];
-      if (grid.is_one_way(r, q) == (tear != kNoTear)) continue;
-      check.found.offend(place_of(grid, r, q), [&] {
-        return describe_link(grid, r, q) +
-               (tear == kNoTear ? ": one-way, without a tear fraction"
-                                : ": not one-way, with tear fraction " + std::to_string(tear));
-      });
-    }
-  return check;
-}
-
 Check check_tears(const Grid& grid, std::span<const RecordIndex> records, Converter& converter) {
   Check check{"tears",
               "one-way links",

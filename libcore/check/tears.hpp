@@ -9,9 +9,6 @@
 
 namespace hapgrid {
 
-/// `fractions`: each one-way link has a tear fraction, and no other direction has one.
-Check check_fractions(const Grid& grid);
-
 /// `tears`: searches the tear fractions of the one-way links of `records` again. They may differ by
 /// one interval, for another machine rounds in another way. A link whose conversion fails is an
 /// offender with the model's own words, and ends the search. Links without a tear fraction are left

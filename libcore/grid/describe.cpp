@@ -20,10 +20,15 @@ std::string describe(const Grid& grid, RecordIndex r) {
   return describe(grid.box(), grid.point(r), grid.level(r));
 }
 
-std::string describe_link(const Grid& grid, RecordIndex r, int q) {
+std::string describe_link(const Box& box, PointIndex point, Level level, int q) {
   const auto step = Direction(q).step();
-  return describe(grid, r) + " direction " + std::to_string(q) + " (" + std::to_string(step[0]) +
-         ", " + std::to_string(step[1]) + ", " + std::to_string(step[2]) + ")";
+  return describe(box, point, level) + " direction " + std::to_string(q) + " (" +
+         std::to_string(step[0]) + ", " + std::to_string(step[1]) + ", " + std::to_string(step[2]) +
+         ")";
+}
+
+std::string describe_link(const Grid& grid, RecordIndex r, int q) {
+  return describe_link(grid.box(), grid.point(r), grid.level(r), q);
 }
 
 std::string state_text(std::span<const double> state) {

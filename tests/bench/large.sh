@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# How long large grids take to open, and with how much memory: `play` along a short path, `stats`, and
-# `verify` where --verify asks for it.
+# How long large grids take to open, and with how much memory: `play` along a short path, `stats`, `verify
+# --invariants`, and all of `verify` where VERIFY=1 asks for it.
 #
 #   tests/bench/large.sh [BUILD] [GRID...]        (default: build, and hung balls of 64 and 128 points a side)
 #
-# A line a program and grid: wall seconds, CPU seconds, peak memory. Set VERIFY=1 for verify, too.
+# A line a program and grid: wall seconds, CPU seconds, peak memory.
 source "$(dirname "$0")/lib.sh"
 shift $(($# < 1 ? $# : 1))
 
@@ -24,6 +24,7 @@ for grid in "${grids[@]}"; do
   name=$(basename "$grid" .grid)
   measure "play-$name" play "$grid" --device path:path >/dev/null
   measure "stats-$name" stats "$grid" >/dev/null
+  measure "invariants-$name" verify "$grid" --invariants >/dev/null
   if [[ ${VERIFY:-} ]]; then measure "verify-$name" verify "$grid" --recompute none -j 2 >/dev/null || true; fi
 done
 print_costs

@@ -15,7 +15,6 @@
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
 #include "libcore/check/played_work.hpp"
-#include "libcore/check/tears.hpp"
 #include "libcore/haptic/safety.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
@@ -186,11 +185,7 @@ void play(const Case& made, bool is_fine, Input& input) {
 bool is_fine_grid(const Case& made) {
   const Grid& grid = *made.grid;
   const auto same = [](const double* a, const double* b) { return a[0] == b[0]; };
-  std::vector<Check> checks{check_complete(grid, 1),    check_coverage(grid, 1),
-                            check_links(grid, 1),       check_finite(grid, 1),
-                            check_distinct(grid, same), check_fractions(grid)};
-  for (Check& check : check_reachable(grid)) checks.push_back(std::move(check));
-  if (!is_fine(checks)) return false;
+  if (!is_fine(check_invariants(grid, same))) return false;
   const BranchMap map(grid);
   const NodeEnergies nodes(grid, &map.sheets, made.fields);
   const PlayedWork work(grid, map, nodes, hermite_force, {}, 1);

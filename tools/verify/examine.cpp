@@ -8,6 +8,7 @@
 
 #include "libcore/check/accuracy.hpp"
 #include "libcore/check/blended_energy.hpp"
+#include "libcore/check/blends.hpp"
 #include "libcore/check/branches.hpp"
 #include "libcore/check/configurations.hpp"
 #include "libcore/check/fidelity.hpp"
@@ -21,6 +22,7 @@
 #include "libcore/check/trapezoid_work.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
+#include "libcore/shard/chunks.hpp"
 #include "tools/common/progress.hpp"
 
 namespace hapgrid {
@@ -49,11 +51,7 @@ class Examiner {
   }
 
   std::vector<Check> checks() {
-    add({check_complete(grid_, threads_), check_coverage(grid_, threads_),
-         check_links(grid_, threads_), check_finite(grid_, threads_),
-         check_distinct(grid_, same_)});
-    if (grid_.has_tears()) add({check_fractions(grid_)});
-    add(check_reachable(grid_));
+    add(check_invariants(grid_, same_));
     if (asked_.recompute > 0) ask_model_again();
     add({check_blends(grid_, threads_)});
     if (has_force_)
@@ -205,6 +203,18 @@ class Examiner {
 
 std::vector<Check> examine(const Grid& grid, const Examination& asked) {
   return Examiner(grid, asked).checks();
+}
+
+std::vector<Check> examine_invariants(const Section& section, const ModelOptions& model) {
+  SameState same;
+  try {
+    same = model_functions(judging_model(section.header.spec, model.path)).same;
+  } catch (...) {
+    // In a damaged shard the damage is the reason; else it is the model.
+    for_each_chunk(section, [](std::size_t, std::uint64_t, const RecordRows&) {});
+    throw;
+  }
+  return check_invariants(section, same);
 }
 
 }  // namespace hapgrid

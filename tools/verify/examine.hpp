@@ -8,6 +8,7 @@
 #include "libcore/check/played_work.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/check/steep.hpp"
+#include "libcore/shard/section.hpp"
 #include "tools/common/force_rules.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/traversals.hpp"
@@ -32,5 +33,8 @@ struct Examination {
 /// The rows of the report.
 /// @throw what models throw.
 std::vector<Check> examine(const Grid& grid, const Examination& asked);
+/// The first of them, down to `generations`, in memory that does not grow with the grid
+/// (check/invariants.hpp). @throw also as load_grid()
+std::vector<Check> examine_invariants(const Section& section, const ModelOptions& model);
 
 }  // namespace hapgrid

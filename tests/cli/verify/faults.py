@@ -41,6 +41,17 @@ def table():
     return "\n".join(lines) + "\n"
 
 
+def parts(report):
+    """The rows of the table, and the details of those that have some."""
+    table, *details = report.removesuffix("\n").split("\n\n")
+    return [" ".join(line.split()) for line in table.split("\n")], details
+
+
+def begins_with(whole, alone):
+    """Whether a report begins with the invariants, and says the same of them."""
+    return all(a[: len(b)] == b for a, b in zip(whole, alone))
+
+
 def examine(number, fault, shows):
     """Plants one, and says what is wrong with what verify says of it."""
     data, where = fault.make()
@@ -52,12 +63,16 @@ def examine(number, fault, shows):
     options = fault.arguments if "--recompute" in fault.arguments else ["--recompute", "all"] + fault.arguments
     done = subprocess.run(["verify", name, "--traversal", "paper", "-v", *options], capture_output=True, text=True)
     by_branches = subprocess.run(["verify", name, "--recompute", "none"], capture_output=True, text=True)
+    alone = subprocess.run(["verify", name, "--invariants", "-v"], capture_output=True, text=True)
     os.unlink(name)
     if shows:
         print(done.stdout, done.stderr, where)
     if fault.refused:
         if done.returncode != 1 or done.stdout or not fault.is_refusal(done.stderr):
             return "exit code %d: %s" % (done.returncode, done.stderr)
+        # They need no model that converts.
+        if alone.returncode == 1 and alone.stderr != done.stderr:
+            return "--invariants: %s" % alone.stderr
         return ""
     rows = re.findall("^([a-z-]+) .*  broken$", done.stdout, re.M)
     code, verdict = (3, "broken: ") if fault.rows else (0, "fine: ")
@@ -65,6 +80,8 @@ def examine(number, fault, shows):
         return "exit code %d, rows %s: %s" % (done.returncode, rows, done.stderr)
     if by_branches.stdout.count("\n") > 20:
         return "more than 20 lines without -v: %s" % by_branches.stdout
+    if not begins_with(parts(done.stdout), parts(alone.stdout)):
+        return "--invariants: %s" % alone.stdout
     # Where the paper's rule gets stuck, so does the one that stays on a branch.
     if "paths" in rows and "complete" not in rows and " branches (" not in by_branches.stderr:
         return "branches are fine: %s" % by_branches.stderr

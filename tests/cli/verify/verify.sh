@@ -62,6 +62,22 @@ expect 0 '' 'verify: fine: 10 checks' -- verify grid -o report
 same "the report in a file" "$table" "$(cat report)"
 expect 0 "$(grep -v ^fidelity report)" 'verify: fine: 9 checks' -- verify grid --recompute none
 expect 0 '' '' -- verify grid -q
+
+# The invariants alone, as the report of all checks has them.
+expect 0 "$(grep -v '^fidelity' <<<"${table%$'\n'blends*}")" 'verify: fine: 7 checks' -- verify grid --invariants
+cat grid | verify --invariants --recompute none --format json 2>err >alone
+same "verdict" 'verify: fine: 7 checks' "$(cat err)"
+verify grid --format json 2>err >all
+python3 - <<'PYTHON'
+import json
+alone, everything = json.load(open("alone")), json.load(open("all"))
+everything["checks"] = everything["checks"][:7]
+assert alone == everything, alone
+PYTHON
+for option in '--walks 1' '--accuracy 1' '--recompute all'; do
+  # shellcheck disable=SC2086  # an option and its value
+  expect 2 '' "~verify: --invariants leaves out --recompute, --walks and --accuracy.*" -- verify grid --invariants $option
+done
 expect 3 '' '' -- verify seeds --quiet
 
 # The whole ball, all of it evaluated again; a sample is the same each time, with any -j.

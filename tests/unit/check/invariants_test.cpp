@@ -1,9 +1,13 @@
 #include "libcore/check/invariants.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <limits>
 #include <map>
+#include <utility>
 
+#include "libcore/check/blends.hpp"
+#include "libcore/check/reachable.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
 using namespace hapgrid;
@@ -11,10 +15,7 @@ using namespace hapgrid;
 namespace {
 
 std::vector<Check> all_checks(const Grid& grid, double tolerance = 1e-6) {
-  std::vector<Check> checks{check_complete(grid, 1), check_coverage(grid, 1), check_links(grid, 1),
-                            check_finite(grid, 1),
-                            check_distinct(grid, tiny::model(tolerance).same)};
-  for (Check& check : check_reachable(grid)) checks.push_back(std::move(check));
+  std::vector<Check> checks = check_invariants(grid, tiny::model(tolerance).same);
   std::atomic<std::uint64_t> done{0};
   checks.push_back(check_fidelity(
       grid, sample_records(grid, 1000, 1), [&] { return tiny::model(tolerance); }, 1, done));
@@ -163,34 +164,104 @@ TEST_CASE("only the first five offenders are described") {
   GridSpec spec = tiny::spec();
   spec.box.counts = {9, 1, 1};
   const Grid grid(spec, 7, records);
-  const auto check = check_complete(grid, 1);
+  const auto check = check_invariants(grid, tiny::model().same)[0];
   CHECK(check.found.offenders == 9);
   CHECK(check.found.first.size() == 5);
   CHECK(check.found.first.back().text == "point 4 (4, 0, 0) level 0");
 }
 
-TEST_CASE("what threads find in blocks of points is joined in the order of the points") {
-  // Three blocks of 4096 points, one level each, every 1000th in the frontier and not finite.
-  GridSpec spec = tiny::spec();
-  spec.box.counts = {10000, 1, 1};
-  RecordColumns records;
-  for (PointIndex p = 0; p < 10000; ++p) {
-    const bool is_bad = p % 1000 == 999;
-    tiny::add(records, p, 0, is_bad ? 7 : 1, is_bad ? std::nan("") : 0, 0, 0);
+namespace {
+
+/// Whatever the rows say, those on distances must be what the whole grid gives.
+void check_distances(const Grid& grid) {
+  const std::vector<Check> all = check_invariants(grid, tiny::model().same);
+  const std::vector<Check> expected = check_reachable(grid);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Check& row = all[all.size() - 2 + i];
+    CHECK(row.name == expected[i].name);
+    CHECK(row.found.counted == expected[i].found.counted);
+    CHECK(row.found.offenders == expected[i].found.offenders);
+    CHECK(row.found.first == expected[i].found.first);
   }
-  const Grid grid(spec, 7, records);
-  for (const int threads : {1, 3}) {
-    const Check complete = check_complete(grid, threads);
-    CHECK(complete.found.counted == 10000);
-    CHECK(complete.found.offenders == 10);
-    CHECK(tiny::texts(complete.found) ==
-          std::vector<std::string>{
-              "point 999 (999, 0, 0) level 0", "point 1999 (1999, 0, 0) level 0",
-              "point 2999 (2999, 0, 0) level 0", "point 3999 (3999, 0, 0) level 0",
-              "point 4999 (4999, 0, 0) level 0"});
-    CHECK(check_finite(grid, threads).found.offenders == 10);
-    CHECK(check_coverage(grid, threads).found.offenders == 0);
-    // Both ends lead out of the box, and the frontier's links are not settled.
-    CHECK(check_links(grid, threads).found.offenders == 21);
+}
+
+}  // namespace
+
+TEST_CASE("distances that records tell one by one are those in the whole grid") {
+  // All generations and links that the tiny grid can have, one or two of them changed.
+  for (RecordIndex r = 0; r < 6; ++r)
+    for (std::uint32_t generation = 0; generation < 5; ++generation)
+      for (RecordIndex s = 0; s < 6; ++s)
+        for (const int q : {tiny::kLeft, tiny::kRight})
+          for (const Level level : {Level{0}, Level{1}, Level{2}, kUnsettled, kLeavesBox}) {
+            RecordColumns records = tiny::records();
+            records.generation[r] = generation;
+            tiny::link(records, s, q) = level;
+            CAPTURE(r, generation, s, q, int{level});
+            check_distances(Grid(tiny::spec(), tiny::kGeneration, records));
+          }
+}
+
+namespace {
+
+constexpr PointIndex kCentre = 62;
+
+/// 5 x 5 x 5 points of one level each, found from the point 0: most have nothing else around.
+RecordColumns cube(GridSpec& spec) {
+  spec = tiny::spec();
+  spec.box.counts = {5, 5, 5};
+  spec.tears = true;
+  const Neighbourhood around(spec.box);
+  RecordColumns records;
+  for (PointIndex p = 0; p < spec.box.points(); ++p) {
+    const GridCoordinates c = spec.box.coordinates(p);
+    tiny::add(records, p, 0, std::max({c[0], c[1], c[2]}), 0, kLeavesBox, kLeavesBox);
+    for (int q = 0; q < kDirections; ++q)
+      if (around.inside(c) >> q & 1) tiny::link(records, p, q) = 0;
+  }
+  records.tears.assign(records.links.size(), kNoTear);
+  return records;
+}
+
+}  // namespace
+
+TEST_CASE("points that have one level, as all around them") {
+  GridSpec spec;
+  RecordColumns records = cube(spec);
+  const auto rows = [&] {
+    return broken(check_invariants(Grid(spec, 5, records), tiny::model().same));
+  };
+  CHECK(rows() == Broken{});
+  SECTION("a generation is wrong") {
+    for (PointIndex p = 0; p < spec.box.points(); ++p)
+      for (std::uint32_t generation = 0; generation < 6; ++generation) {
+        const std::uint32_t right = std::exchange(records.generation[p], generation);
+        check_distances(Grid(spec, 5, records));
+        records.generation[p] = right;
+      }
+  }
+  SECTION("no record is a seed") {
+    for (PointIndex p = 0; p < spec.box.points(); ++p) {
+      std::uint32_t away = 0;  // from the centre
+      for (const std::uint32_t c : spec.box.coordinates(p))
+        away = std::max(away, c > 2 ? c - 2 : 2 - c);
+      records.generation[p] = 1 + away;
+    }
+    check_distances(Grid(spec, 5, records));
+    CHECK(rows().at("reachable").size() == 5);
+  }
+  SECTION("a tear fraction is too many") {
+    records.tears[kCentre * kDirections + tiny::kLeft] = 3;
+    CHECK(rows() ==
+          Broken{{"fractions",
+                  {"point 62 (2, 2, 2) level 0 direction 12 (-1, 0, 0): not one-way, with tear "
+                   "fraction 3"}}});
+  }
+  SECTION("a record of the frontier has links") {
+    records.generation[kCentre] = 5;
+    CHECK(rows().at("complete").size() == 1);
+    CHECK(rows().at("links").front() ==
+          "point 62 (2, 2, 2) level 0 direction 0 (-1, -1, -1): destination level 0, but the "
+          "record is in the frontier");
   }
 }

@@ -10,6 +10,9 @@ using namespace hapgrid;
 
 namespace {
 
+const GridSpec kSpec = tiny::spec();
+const ReportedGrid kGrid{kSpec, 6, tiny::kGeneration};
+
 std::vector<Check> checks() {
   Check fine{"finite", "records", "states that are not", {}};
   fine.found.counted = 6;
@@ -40,8 +43,8 @@ TEST_CASE("the report as text") {
       "  offender 3\n"
       "  offender 4\n"
       "  and 2 more\n";
-  CHECK(report_text(tiny::grid(), checks(), Details::kNotFine) == table);
-  CHECK(report_text(tiny::grid(), checks(), Details::kAll) ==
+  CHECK(report_text(kGrid, checks(), Details::kNotFine) == table);
+  CHECK(report_text(kGrid, checks(), Details::kAll) ==
         table + "\nblends: mixed cells\n  cell\n");
 }
 
@@ -54,8 +57,8 @@ TEST_CASE("a text of what is not fine has 20 lines at most, whatever is broken")
         rows.push_back(checks()[1]);
         rows.back().name = "bad-" + std::to_string(i);
       }
-      const std::string text = report_text(tiny::grid(), rows, Details::kNotFine);
-      const std::string all = report_text(tiny::grid(), rows, Details::kAll);
+      const std::string text = report_text(kGrid, rows, Details::kNotFine);
+      const std::string all = report_text(kGrid, rows, Details::kAll);
       CAPTURE(text);
       CHECK(std::count(text.begin(), text.end(), '\n') <= 20);
       std::size_t named = 0;
@@ -83,7 +86,7 @@ TEST_CASE("the report as JSON, also when the shard's strings are no UTF-8") {
   GridSpec spec = tiny::spec();
   spec.model = "bad\xff";
   const Grid grid(spec, tiny::kGeneration, tiny::records());
-  const auto json = nlohmann::json::parse(report_json(grid, checks()));
+  const auto json = nlohmann::json::parse(report_json(reported(grid), checks()));
   CHECK(json["version"] == 1);
   CHECK(json["verdict"] == "broken");
   CHECK(json["counts"] == std::vector<int>{4, 1, 1});
@@ -97,5 +100,5 @@ TEST_CASE("the report as JSON, also when the shard's strings are no UTF-8") {
         nlohmann::json{
             {"text", "offender 4"}, {"point", {1, 0, 0}}, {"level", 2}, {"direction", {1, 0, 0}}});
   CHECK(json["checks"][2]["first"][0] == nlohmann::json{{"text", "cell"}});
-  CHECK(report_text(grid, {}, Details::kAll).substr(0, 5) == "bad?:");
+  CHECK(report_text(reported(grid), {}, Details::kAll).substr(0, 5) == "bad?:");
 }
