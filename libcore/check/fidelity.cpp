@@ -112,6 +112,7 @@ Findings for_each_record(const Grid& grid, std::span<const RecordIndex> records,
                          std::atomic<std::uint64_t>& records_done, Work&& work_on) {
   std::vector<Findings> blocks((records.size() + kSampleBlock - 1) / kSampleBlock);
   std::vector<ModelFunctions> models;
+  models.reserve(static_cast<std::size_t>(threads));
   for (int t = 0; t < threads; ++t) models.push_back(make_model());
   for_each_with_own(blocks.size(), models, [&](const ModelFunctions& model, std::size_t b) {
     std::vector<double> row(grid.spec().row_size());

@@ -39,7 +39,7 @@ Vec3 shifted(const Vec3& x, const Vec3& d) { return {x[0] + d[0], x[1] + d[1], x
 
 /// Keeps the largest `count`, one at each place.
 template <class Entry>
-void keep_largest(std::vector<Entry>& kept, Entry&& entry, double Entry::*size, std::size_t count) {
+void keep_largest(std::vector<Entry>& kept, Entry entry, double Entry::*size, std::size_t count) {
   for (Entry& other : kept)
     if (other.x == entry.x) {
       if (entry.*size > other.*size) other = std::move(entry);

@@ -28,14 +28,13 @@ struct CellSwitch {
 
 namespace cell_detail {
 
-constexpr std::array<std::array<std::int8_t, 8>, 8> between_corners() {
-  std::array<std::array<std::int8_t, 8>, 8> between{};
+constexpr std::array<std::array<int, 8>, 8> between_corners() {
+  std::array<std::array<int, 8>, 8> between{};
   for (int from = 0; from < 8; ++from)
     for (int to = 0; to < 8; ++to) {
       std::array<int, 3> d{};
       for (int a = 0; a < 3; ++a) d[a] = (to >> a & 1) - (from >> a & 1);
-      between[from][to] =
-          static_cast<std::int8_t>(from == to ? -1 : Direction::of(d[0], d[1], d[2]).q());
+      between[from][to] = (from == to ? -1 : Direction::of(d[0], d[1], d[2]).q());
     }
   return between;
 }

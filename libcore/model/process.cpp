@@ -45,7 +45,7 @@ fs::path find_program(const Command& command) {
     const std::size_t colon = left.find(':');
     const std::string_view entry = left.substr(0, colon);
     left.remove_prefix(colon == left.npos ? left.size() : colon + 1);
-    const fs::path file = fs::absolute(fs::path(entry) / program);
+    fs::path file = fs::absolute(fs::path(entry) / program);
     std::error_code ignored;
     if (!entry.empty() && fs::is_regular_file(file, ignored) && ::access(file.c_str(), X_OK) == 0)
       return file;
@@ -202,7 +202,7 @@ std::string ChildProcess::last_error_line() const {
 }
 
 ChildProcess::End ChildProcess::reap() {
-  const End end = keeper_.end(kept_);
+  End end = keeper_.end(kept_);
   kept_.pid = -1;
   while (pass_errors_on()) {
   }
