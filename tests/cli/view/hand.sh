@@ -68,7 +68,8 @@ xdotool key t r
 xdotool click 4 # away, by a fortieth of the box
 shoot back.png # drawn after the keys were read: on a busy machine the moves could come before them
 mouse 20 0 40
-sleep 0.3
+shoot moved.png # after all moves were read; then the HIP has time to follow the hand
+sleep 0.5
 shoot right.png
 xdotool key q
 wait $feel || fail "$(cat err)"
