@@ -44,8 +44,7 @@ TEST_CASE("the report as text") {
       "  offender 4\n"
       "  and 2 more\n";
   CHECK(report_text(kGrid, checks(), Details::kNotFine) == table);
-  CHECK(report_text(kGrid, checks(), Details::kAll) ==
-        table + "\nblends: mixed cells\n  cell\n");
+  CHECK(report_text(kGrid, checks(), Details::kAll) == table + "\nblends: mixed cells\n  cell\n");
 }
 
 TEST_CASE("a text of what is not fine has 20 lines at most, whatever is broken") {
