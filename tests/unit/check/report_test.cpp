@@ -48,10 +48,9 @@ TEST_CASE("the report as text") {
 }
 
 TEST_CASE("a text of what is not fine has 20 lines at most, whatever is broken") {
-  for (const int good : {0, 8, 14})
+  for (const std::size_t good : {0, 8, 14})
     for (const int bad : {1, 2, 5, 9}) {
-      std::vector<Check> rows;
-      for (int i = 0; i < good; ++i) rows.push_back(checks()[0]);
+      std::vector<Check> rows(good, checks()[0]);
       for (int i = 0; i < bad; ++i) {
         rows.push_back(checks()[1]);
         rows.back().name = "bad-" + std::to_string(i);
