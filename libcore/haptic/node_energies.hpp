@@ -36,8 +36,8 @@ class RecordSlots {
 /// Force and energy at the records of a grid, as the grid stores them or its model gives them.
 struct RecordFields {
   std::vector<Vec3> force;     ///< newtons, by slot
-  std::vector<double> energy;  ///< newtons times the model's unit of length; empty: not known
-  RecordSlots slots = {};      ///< what is shared has no force
+  std::vector<double> energy;  ///< by slot; newtons times the unit of length; empty: not known
+  RecordSlots slots = {};      ///< of each record; the slot that records share has no force
 };
 
 /// What is known at a node, all in newtons: lengths are measured in spacings.
