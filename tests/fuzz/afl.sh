@@ -15,9 +15,9 @@ source=$(realpath "$(dirname "$0")/../..")
 build=$source/build-afl
 corpus=$source/tests/fuzz/corpus
 # What runs on which corpus; @@ is the input's name. A file of positions that goes through the box of the shards there.
-path=$corpus/path/made-path
+path=$corpus/texts/made-path-path
 declare -A runs=(
-  [seed]="definition seed @@"
+  [seed]="texts seed @@"
   [expand]="shard expand -j 1 @@"
   [expand-complete]="shard expand --complete -j 1 @@"
   [merge]="shard merge @@"
@@ -26,7 +26,7 @@ declare -A runs=(
   [stats-log]="session stats --log @@"
   [play]="shard play @@ --device path:$path"
   [play-replay]="session play $corpus/shard/made-stored --device replay:@@"
-  [view]="frames view --png /dev/null --size 40x30 @@"
+  [view]="streams view --png /dev/null --size 40x30 @@"
 )
 names=("$@")
 ((${#names[@]})) || mapfile -t names < <(printf '%s\n' "${!runs[@]}" | LC_ALL=C sort)

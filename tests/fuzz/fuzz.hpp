@@ -1,5 +1,5 @@
-// What the fuzz targets share. A target hands the bytes of one input to one reader; a refusal that
-// the reader's header announces is no finding, anything else is.
+// What the fuzz targets share. A target hands the bytes of one input to its readers; a refusal that
+// a reader's header announces is no finding, anything else is.
 #pragma once
 
 #include <sys/mman.h>

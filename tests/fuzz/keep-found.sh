@@ -1,5 +1,5 @@
 #!/bin/bash
-# Puts the most useful of what run.sh found into the corpora: at most 8 inputs a target, 4 KiB each,
+# Puts the most useful of what run.sh found into the corpora: at most 24 inputs a target, 4 KiB each,
 # that reach what the others there do not. Those of the time before, corpus/TARGET/found-NUMBER, go.
 #
 #   tests/fuzz/keep-found.sh [TARGET...]
@@ -23,7 +23,7 @@ for target in "$@"; do
   # The greedy algorithm writes the input that adds most first.
   while read -r file; do
     [[ ! -e $corpus/$file ]] || continue
-    ((++number <= 8)) || break
+    ((++number <= 24)) || break
     cp "$work/$target/$file" "$corpus/found-$number"
   done < <(ls -tr --time=ctime "$work/$target")
 done

@@ -43,31 +43,31 @@ play stored --device path:path --log played.session --frames frames 2>/dev/null
 put session played <played.session
 head -c -30 played.session | put session cut
 stats --log played.session --export - >text
-head -n 20 text | put recording played
-printf '# t\tx\ty\tz\n0\t0\t0\t0\n0.001\t1e-3\tnan\t-inf\n' | put recording short
-put frames played <frames
-head -c -20 frames | put frames cut
+head -n 20 text | put texts recording-played
+printf '# t\tx\ty\tz\n0\t0\t0\t0\n0.001\t1e-3\tnan\t-inf\n' | put texts recording-short
+put streams frames-played <frames
+head -c -20 frames | put streams frames-cut
 
 # Texts for people.
-put definition ball <"$ball"
-put definition process <"$HAPGRID_SOURCE/examples/hung-ball/hung-ball-process.toml"
+put texts definition-ball <"$ball"
+put texts definition-process <"$HAPGRID_SOURCE/examples/hung-ball/hung-ball-process.toml"
 for toml in soft-tissue/soft-tissue molecule/butane/butane; do
-  put definition "${toml##*/}" <"$HAPGRID_SOURCE/examples/$toml.toml"
+  put texts "definition-${toml##*/}" <"$HAPGRID_SOURCE/examples/$toml.toml"
 done
-(cat "$ball"; printf '\0grid.counts=[5, 4, 3]') | put definition override
-head -n 20 path | put path path
-head -n 20 "$HAPGRID_SOURCE/examples/hung-ball/path-there-and-back.txt" | put path example
+(cat "$ball"; printf '\0grid.counts=[5, 4, 3]') | put texts definition-override
+head -n 20 path | put texts path-path
+head -n 20 "$HAPGRID_SOURCE/examples/hung-ball/path-there-and-back.txt" | put texts path-example
 for toml in teensy-rawhid template; do
-  put profile "$toml" <"$HAPGRID_SOURCE/examples/devices/$toml.toml"
+  put texts "profile-$toml" <"$HAPGRID_SOURCE/examples/devices/$toml.toml"
 done
 
 # What --cost appends to, and simulated hands.
 expand --cost cost seeds >requests
 expand --complete --cost cost seeds >grid
 merge --cost cost seeds requests >next
-sed 's/"host":"[^"]*"/"host":"node1"/' cost | put cost three
-printf '{"cpu_seconds": 0, "conversions": 18446744073709551615, "tear_conversions": 1}\n{"cpu_seconds": -1}' | put cost refused
-cat <<'TOML' | put simulation random
+sed 's/"host":"[^"]*"/"host":"node1"/' cost | put texts cost-three
+printf '{"cpu_seconds": 0, "conversions": 18446744073709551615, "tear_conversions": 1}\n{"cpu_seconds": -1}' | put texts cost-refused
+cat <<'TOML' | put texts simulation-random
 mass = 0.15
 damping = 1
 encoder = 0
@@ -81,7 +81,7 @@ seconds = 0.5
 speed = 0.2
 hold = 1.25
 TOML
-printf '[hand]\npath = "path"\nstiffness = 1e6\ndamping = 600\n' | put simulation path
+printf '[hand]\npath = "path"\nstiffness = 1e6\ndamping = 600\n' | put texts simulation-path
 
 # A model process: what the hung ball says.
 printf '%s\n' '{"hapgrid": 1, "parameters": {}}' '{"id": 1, "op": "known_states", "x": [-0.4, 0, 0]}' \
@@ -95,7 +95,7 @@ cat <<'JSON' | put process stored
 JSON
 
 # An adapter: what the handle on a spring says, and answers to forces from the first on.
-python3 - "$HAPGRID_SOURCE/examples/devices/handle.py" <<'PYTHON' | put adapter handle
+python3 - "$HAPGRID_SOURCE/examples/devices/handle.py" <<'PYTHON' | put streams adapter-handle
 import socket, struct, subprocess, sys
 ours, its = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
 with subprocess.Popen([sys.executable, sys.argv[1]], stdin=its, stdout=its):
@@ -108,7 +108,7 @@ PYTHON
 
 # What viewers and terminals send.
 # GO, TRATE 3, PAUSE; GO, MDCOMM of one atom, DISCONNECT.
-printf '\x04\0\0\0\3\0\0\0\0\0\0\0\x08\0\0\0\3\0\0\0\7\0\0\0\0' | put imd pause
-printf '\x0d\0\0\0\3\0\0\0\0\0\0\0\6\0\0\0\1\0\0\0\2abcdefghijkl\0\0\0\0\0\0\0\0' | put imd forces
-printf '\x1b[C\x1b[D\x1bOA\x1b[5~\x1b[6~\x1b[1;5B++--0r\x1b[Cq' | put keys keys
+printf '\x04\0\0\0\3\0\0\0\0\0\0\0\x08\0\0\0\3\0\0\0\7\0\0\0\0' | put streams imd-pause
+printf '\x0d\0\0\0\3\0\0\0\0\0\0\0\6\0\0\0\1\0\0\0\2abcdefghijkl\0\0\0\0\0\0\0\0' | put streams imd-forces
+printf '\x1b[C\x1b[D\x1bOA\x1b[5~\x1b[6~\x1b[1;5B++--0r\x1b[Cq' | put streams keys-keys
 du -sb "$corpus"/* | sort -n

@@ -1,0 +1,99 @@
+// What people and programs write as text. A text is given to every reader of text, so that what one
+// of them takes apart is tried on the others as well.
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+
+#include "libcore/device/hand.hpp"
+#include "libcore/device/path.hpp"
+#include "libcore/device/profile.hpp"
+#include "libcore/model/definition.hpp"
+#include "libcore/session/recording.hpp"
+#include "tests/fuzz/fuzz.hpp"
+#include "tools/play/simulation.hpp"
+#include "tools/stats/statistics.hpp"
+
+using namespace hapgrid;
+using namespace hapgrid::fuzz;
+
+namespace {
+
+/// MODEL.toml; behind a zero byte, an override. No file is read: what one would say is up to the
+/// model.
+void take_definition(std::string_view all) {
+  const std::size_t zero = all.find('\0');
+  const std::string text(all.substr(0, zero));
+  std::vector<std::string> overrides;
+  if (zero != all.npos) overrides.emplace_back(all.substr(zero + 1));
+  const auto no_file = [](const std::string& name) -> std::string {
+    throw Error(name + ": no file here");
+  };
+  refusable([&] { read_definition(text, "fuzz", overrides, no_file); });
+  refusable([&] { read_process(text, "fuzz"); });
+}
+
+/// A profile of a device that is taken then reads reports of zeros and ones, and is sent forces.
+void use(Profile profile) {
+  const std::size_t length = profile.input_length + 1;
+  const std::uint8_t id = profile.input_id;
+  ProfileProtocol protocol(std::move(profile));
+  protocol.info();
+  for (const std::uint8_t byte : {0x00, 0xff, 0x5a}) {
+    std::vector<std::uint8_t> report(length, byte);
+    report[0] = id;
+    DeviceInput input;
+    protocol.decode(report, input);
+    protocol.decode(std::span(report).first(length / 2), input);
+  }
+  std::vector<HidReport> reports;
+  for (const double newtons : {0.0, 1.0, -1e300, std::numeric_limits<double>::quiet_NaN()})
+    protocol.encode({newtons, -newtons, newtons / 3}, reports);
+  protocol.keep_alive();
+  protocol.stop();
+}
+
+/// The hand and the device of `--device sim:FILE`; one that is taken moves for a while.
+void use(Simulation simulation) {
+  // A session may have ten million ticks, whose targets are kept in memory.
+  simulation.hand.seconds = std::min(simulation.hand.seconds, 1.0);
+  const Box box{{-0.7, -0.2, -0.1}, 0.25, {6, 3, 2}};
+  const Mapping mapping({}, SimulatedDevice::info(simulation.device), box);
+  const auto device = simulated_device(simulation, mapping, box);
+  DeviceInput input;
+  for (int tick = 0; tick < 20 && device->read(input) == DeviceStatus::kOk; ++tick)
+    device->send({0.1, -3, 1e300});
+}
+
+/// Paths of the HIP: as a file, and as they come through the pipe of a hand, in two pieces. The
+/// hand's newest place is the path's last one.
+void take_path(std::string_view text) {
+  std::optional<Vec3> last;
+  refusable([&] { last = parse_path(text, "fuzz").back(); });
+  refusable([&] {
+    HandLines lines;
+    const std::size_t cut = text.size() / 3;
+    std::optional<Vec3> newest = lines.take(text.substr(0, cut));
+    if (const auto x = lines.take(text.substr(cut))) newest = x;
+    if (const auto x = lines.finish()) newest = x;
+    if (newest != last) std::abort();
+  });
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text = text_of({data, size});
+  take_definition(text);
+  take_path(text);
+  refusable([&] { use(read_profile(std::string(text), "fuzz")); });
+  const MemoryFile memory(std::as_bytes(std::span(data, size)));
+  refusable([&] { use(read_simulation(memory.name(), 1000)); });
+  refusable([&] { load_recording(memory.name(), 1000); });
+  // What `--cost` appends to, as stats reads it.
+  refusable([&] {
+    CostSums sums;
+    add_costs(sums, "fuzz", std::string(text));
+  });
+  return 0;
+}
