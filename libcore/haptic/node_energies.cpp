@@ -88,6 +88,7 @@ void NodeEnergies::add_ghosts(const Grid& grid, const Sheets& sheets) {
     double weight = 0;
     std::array<double, 3> slope{}, mixed{};
     double energy = 0;
+    float settled = -std::numeric_limits<float>::infinity();  // of the records there
   };
   std::vector<Sum> ahead(sheets.ghosts()), beside_it(sheets.ghosts());
   const auto for_each_end = [&](auto&& use) {
@@ -118,15 +119,19 @@ void NodeEnergies::add_ghosts(const Grid& grid, const Sheets& sheets) {
       node.mixed[c] = static_cast<float>(mean.mixed[c] / mean.weight);
     }
   }
-  for_each_end([&](RecordIndex r, int, Node ghost, const auto& d, double weight) {
+  for_each_end([&](RecordIndex r, int q, Node ghost, const auto& d, double weight) {
     double energy = (*this)[r].energy;
     for (int c = 0; c < 3; ++c)
       energy += ((*this)[r].slope[c] + nodes_[ghosts_ + ghost].slope[c]) / 2 * d[c];
-    beside_it[ghost].energy += weight * energy;
+    Sum& sum = beside_it[ghost];
+    sum.energy += weight * energy;
+    sum.settled = std::max(sum.settled, (*this)[grid.destination(r, q)].energy);
   });
-  for (Node ghost = 0; ghost < sheets.ghosts(); ++ghost)
+  for (Node ghost = 0; ghost < sheets.ghosts(); ++ghost) {
+    const Sum& sum = beside_it[ghost];
     nodes_[ghosts_ + ghost].energy =
-        static_cast<float>(beside_it[ghost].energy / beside_it[ghost].weight);
+        std::max(static_cast<float>(sum.energy / sum.weight), sum.settled);
+  }
 }
 
 }  // namespace hapgrid

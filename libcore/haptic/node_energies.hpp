@@ -53,7 +53,8 @@ struct NodeEnergy {
 /// force, so energy and slope are known exactly. The mixed derivatives are differences of the
 /// slopes along two-way links. A ghost has what its branch would have at its point: slopes are
 /// extrapolated linearly, and the energy is that of the records beside it and the mean slope on the
-/// way.
+/// way. It is at least that of the records to which the links lead, since no model snaps to a state
+/// of more energy: else a hand that goes in a circle through the snap would gain energy.
 class NodeEnergies {
  public:
   /// @param sheets of this grid; null: there are no ghosts.
