@@ -21,8 +21,6 @@ using Json = nlohmann::ordered_json;
 
 // Force and shape together may take this part of the 200 microseconds of a tick at 5 kHz.
 constexpr double kLoopBudget = 100e-6;
-// For so many steps of the walks, the estimate looks at a point.
-constexpr std::uint64_t kStepsAPoint = 1;
 
 struct Options {
   DefinitionOptions definition;
@@ -137,10 +135,9 @@ int run(const Options& options) {
   // What a broken model takes for a conversion says nothing.
   std::optional<GridEstimate> estimate;
   if (!is_broken(found.checks))
-    estimate = estimate_grid(spec, seeds, *create_model(*source, spec),
-                             {options.limits.conversions / kStepsAPoint, options.limits.seconds / 4,
-                              options.limits.walk_seed},
-                             found.convert.mean);
+    estimate =
+        estimate_grid(spec, seeds, *create_model(*source, spec),
+                      {options.limits.seconds / 4, options.limits.walk_seed}, found.convert.mean);
   OutputFile output(options.output, /*binary=*/false);
   output.write(options.format == "json"
                    ? report_json(spec, model->info(), found, estimate)

@@ -6,9 +6,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <functional>
-#include <initializer_list>
 #include <optional>
+#include <utility>
 
 #include "libcore/base/random.hpp"
 #include "libcore/check/straight_way.hpp"
@@ -22,14 +21,42 @@ namespace {
 
 using State = std::vector<double>;
 
-constexpr unsigned kCalmShare = 8;
-constexpr int kWays = 3;                 // to each point, from seeds
-constexpr int kLoops = 8;                // from there to points nearby, and back
-constexpr int kNear = 8;                 // as many steps away, at most, along each axis
-constexpr std::size_t kMostLevels = 16;  // of a point that are looked at
-constexpr double kMostUnseen = 5;        // levels that were not met, for one that was met once
 // What the search itself takes for a request, beside C: tests/bench/search.sh.
 constexpr double kRequestSeconds = 20e-9;
+// Points along the longest side of the first box that is searched, and how much finer the next is.
+constexpr std::uint32_t kFewestPoints = 4;
+constexpr double kFiner = 0.7;
+// A conversion of a bisection goes half a step or less.
+constexpr double kBisectionStep = 0.5;
+constexpr double kSearchShare = 0.75;  // of the time; the rest is for looking around
+
+/// Every so many points along each axis, as a box of its own.
+struct CoarseBox {
+  CoarseBox(const Box& fine, std::uint32_t stride) : stride(stride), box(fine) {
+    box.spacing *= stride;
+    for (int a = 0; a < 3; ++a) {
+      box.counts[a] = (fine.counts[a] - 1) / stride + 1;
+      first[a] = (fine.counts[a] - 1) % stride / 2;
+    }
+    box.origin = fine.position(first);
+  }
+  GridCoordinates fine(PointIndex p) const {
+    GridCoordinates c = box.coordinates(p);
+    for (int a = 0; a < 3; ++a) c[a] = first[a] + c[a] * stride;
+    return c;
+  }
+  GridCoordinates nearest(const GridCoordinates& fine) const {
+    GridCoordinates c{};
+    for (int a = 0; a < 3; ++a)
+      c[a] = std::min((std::max(fine[a], first[a]) - first[a] + stride / 2) / stride,
+                      box.counts[a] - 1);
+    return c;
+  }
+
+  std::uint32_t stride;
+  GridCoordinates first{};
+  Box box;
+};
 
 class Sampler {
  public:
@@ -43,189 +70,172 @@ class Sampler {
         random_(limits.seed),
         distance_(spec, [&model](const double* a, const double* b) { return model.equal(a, b); }),
         bisection_(spec.row_size()),
-        back_(spec.row_size()) {
-    reached_.fill(State(spec.row_size()));
-  }
+        reached_(spec.row_size()),
+        back_(spec.row_size()),
+        start_(now()),
+        coarse_(spec.box, 1) {}
 
   void run() {
-    const double start = now();
-    const auto is_time_over = [&] { return now() - start > limits_.seconds; };
-    for (std::uint64_t n = 0; n < limits_.points && !is_time_over(); ++n) {
-      const auto point = static_cast<PointIndex>(random_.below(spec_.box.points()));
-      std::vector<Found> found;
-      const Add add = [&](std::optional<State> row) {
-        if (!row) return;
-        for (Found& known : found)
-          if (model_.equal(known.row.data(), row->data())) {
-            ++known.times;
-            return;
-          }
-        found.push_back({std::move(*row), 1, found.empty()});
-      };
-      add(come_from_seed(point));
-      if (found.empty()) continue;
-      ++points_;
-      // Far from everything there is one state, as a rule: most such places are passed over, and
-      // the others stand for them.
-      double weight = 1;
-      if (is_calm(point, found.front().row)) {
-        look_around(point, found.front(), 1, nullptr);
-        if (random_.below(kCalmShare) != 0) continue;
-        weight = kCalmShare;
-      }
-      for (int way = 1; way < kWays && !is_time_over(); ++way) add(come_from_seed(point));
-      for (int loop = 0; loop < kLoops && !is_time_over(); ++loop)
-        add(go(found[random_.below(found.size())].row, point,
-               {point_near(point), point_near(point), point}));
-      // A conversion that does not lead back leads to another level, which may be new.
-      for (std::size_t i = weight == 1 ? 0 : 1; i < found.size() && i < kMostLevels; ++i) {
-        const Found one = found[i];
-        look_around(point, one, weight, &add);
-      }
+    std::uint32_t stride = coarsest();
+    for (double took = 0; search(CoarseBox(spec_.box, stride), took) && stride > 1;) {
+      const auto finer = std::min(stride - 1, static_cast<std::uint32_t>(stride * kFiner + 1));
+      const double ratio = stride / static_cast<double>(finer);
+      // A model that walks in substeps takes less time for a shorter step.
+      if (passed() + took * ratio * ratio > kSearchShare * limits_.seconds) break;
+      stride = finer;
     }
-    add_unseen();
+    look_around();
   }
 
-  /// Of nothing, when no point was reached.
+  /// Of nothing, when no record was looked at.
   std::optional<double> levels() const {
-    return points_ > 0 ? std::optional(all_.records / points_) : std::nullopt;
+    if (sum_.records == 0) return std::nullopt;
+    return static_cast<double>(records_.size()) / points_;
   }
-  double seconds_a_conversion() const { return all_.seconds / std::max(all_.conversions, 1.0); }
+  double seconds_a_conversion() const { return sum_.seconds / std::max(sum_.conversions, 1.0); }
   /// Of the round of tear fractions, for a conversion of the others.
-  double tear_share() const { return all_.tear_conversions / std::max(all_.conversions, 1.0); }
-  double tear_seconds_share() const { return all_.tear_seconds / std::max(all_.conversions, 1.0); }
+  double tear_share() const { return sum_.tear_conversions / std::max(sum_.conversions, 1.0); }
+  double tear_seconds_share() const { return sum_.tear_seconds / std::max(sum_.conversions, 1.0); }
 
  private:
+  struct Record {
+    PointIndex at;     // of the coarse box
+    PointIndex point;  // of spec_.box
+    State row;
+  };
+  /// What the records cost that were looked at.
+  struct Cost {
+    double records = 0, conversions = 0, seconds = 0, tear_conversions = 0, tear_seconds = 0;
+  };
+
   /// Of a plug-in, of this thread alone: others may use the machine, too.
   double now() const {
     timespec time{};
     ::clock_gettime(model_.is_process() ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &time);
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
   }
+  double passed() const { return now() - start_; }
 
-  struct Found {
-    State row;
-    int times = 0;
-    bool is_first = false;  // the point's first one, which any way finds
-  };
-  /// What records cost, together.
-  struct Cost {
-    double records = 0, conversions = 0, seconds = 0, tear_conversions = 0, tear_seconds = 0;
-    void add(const Cost& other, double factor = 1) {
-      records += factor * other.records;
-      conversions += factor * other.conversions;
-      seconds += factor * other.seconds;
-      tear_conversions += factor * other.tear_conversions;
-      tear_seconds += factor * other.tear_seconds;
-    }
-  };
-
-  using Add = std::function<void(std::optional<State>)>;
-
-  /// As many levels as were not met at all, which are like those that were met once.
-  /// Source: A. Chao, Scand. J. Statist. 11 (1984) 265, with the correction for a small f2.
-  void add_unseen() {
-    const double f1 = once_.records;
-    if (f1 < 1) return;
-    const double unseen = f1 * (f1 - 1) / (2 * (twice_ + 1));
-    all_.add(once_, std::min(unseen / f1, kMostUnseen));
+  /// The stride with kFewestPoints, or a shorter one whose steps the model can convert.
+  std::uint32_t coarsest() const {
+    const auto& counts = spec_.box.counts;
+    const std::uint32_t longest = *std::max_element(counts.begin(), counts.end());
+    const double most = std::floor(model_.info().d_max / (std::sqrt(3.0) * spec_.box.spacing));
+    const std::uint32_t wanted = (longest - 1) / (kFewestPoints - 1);
+    return std::max(1U, static_cast<std::uint32_t>(std::min<double>(wanted, most)));
   }
 
-  /// The state at a point, come by a random way.
-  std::optional<State> come_from_seed(PointIndex target) {
-    auto seed = seeds_.begin();
-    std::advance(seed, static_cast<std::ptrdiff_t>(random_.below(seeds_.size())));
-    const std::size_t n = spec_.state_size;
-    const auto level = static_cast<std::ptrdiff_t>(random_.below(seed->second.size() / n));
-    const auto size = static_cast<std::ptrdiff_t>(n);
-    State row(seed->second.begin() + level * size, seed->second.begin() + (level + 1) * size);
-    row.resize(spec_.row_size());
-    const auto past = static_cast<PointIndex>(random_.below(spec_.box.points()));
-    return go(std::move(row), seed->first, {past, target});
-  }
-
-  PointIndex point_near(PointIndex point) {
-    GridCoordinates c = spec_.box.coordinates(point);
-    for (int a = 0; a < 3; ++a) {
-      const auto to =
-          std::int64_t{c[a]} + static_cast<std::int64_t>(random_.below(2 * kNear + 1)) - kNear;
-      c[a] = static_cast<std::uint32_t>(
-          std::clamp<std::int64_t>(to, 0, std::int64_t{spec_.box.counts[a]} - 1));
-    }
-    return spec_.box.index(c);
-  }
-
-  /// The state at the last of these points, from one at `here`.
-  std::optional<State> go(State row, PointIndex here, std::initializer_list<PointIndex> targets) {
-    for (const PointIndex to : targets)
-      while (here != to) {
-        const int q = direction_to(spec_.box, here, to);
-        if (!model_.convert(row.data(), spec_.box.position(here), around_.shift(q), back_.data()))
-          return std::nullopt;
-        std::swap(row, back_);
-        here = static_cast<PointIndex>(std::int64_t{here} + around_.offset(q));
+  /// The search of the method, in a coarse box. False when it was not finished in time; what it
+  /// found stands for the grid nevertheless.
+  bool search(const CoarseBox& coarse, double& took) {
+    const double begin = passed();
+    const auto is_over = [&] { return passed() > kSearchShare * limits_.seconds; };
+    const Neighbourhood around(coarse.box);
+    std::vector<std::vector<State>> levels(coarse.box.points());
+    std::vector<std::pair<PointIndex, std::size_t>> frontier;
+    const auto add = [&](PointIndex p, const State& row) {
+      if (levels[p].size() >= spec_.max_levels) return;
+      for (const State& known : levels[p])
+        if (model_.equal(known.data(), row.data())) return;
+      levels[p].push_back(row);
+      frontier.emplace_back(p, levels[p].size() - 1);
+    };
+    for (const auto& [point, states] : seeds_)
+      for (std::size_t at = 0; at < states.size(); at += spec_.state_size) {
+        const auto from = states.begin() + static_cast<std::ptrdiff_t>(at);
+        State row(from, from + spec_.state_size);
+        row.resize(spec_.row_size());
+        const PointIndex p = coarse.box.index(coarse.nearest(spec_.box.coordinates(point)));
+        if (go(row, point, spec_.box.index(coarse.fine(p)))) add(p, row);
       }
-    return row;
+    State reached(spec_.row_size());
+    for (std::size_t i = 0; i < frontier.size() && !is_over(); ++i) {
+      const auto [p, level] = frontier[i];
+      const State row = levels[p][level];
+      const Vec3 x = spec_.box.position(coarse.fine(p));
+      for (DirectionMask left = around.inside(p); left; left &= left - 1) {
+        const int q = std::countr_zero(left);
+        if (model_.convert(row.data(), x, around.shift(q), reached.data()))
+          add(static_cast<PointIndex>(std::int64_t{p} + around.offset(q)), reached);
+      }
+    }
+    took = passed() - begin;
+    const bool is_whole = !is_over();
+    if (!is_whole && points_ > 0) return false;  // the coarser box was searched to its end
+    coarse_ = coarse;
+    records_.clear();
+    points_ = 0;
+    for (PointIndex p = 0; p < coarse.box.points(); ++p) {
+      points_ += !levels[p].empty();
+      for (State& row : levels[p])
+        records_.push_back({p, spec_.box.index(coarse.fine(p)), std::move(row)});
+    }
+    return is_whole;
   }
 
-  /// Whether the model is the same at all neighbours.
-  bool is_calm(PointIndex point, const State& row) {
-    const Vec3 x = spec_.box.position(point);
-    for (DirectionMask left = around_.inside(point); left; left &= left - 1)
-      if (!model_.convert(row.data(), x, around_.shift(std::countr_zero(left)), back_.data()) ||
-          !model_.equal(back_.data(), row.data()))
+  /// Straight on along the grid. False where the model fails.
+  bool go(State& row, PointIndex here, PointIndex to) {
+    while (here != to) {
+      const int q = direction_to(spec_.box, here, to);
+      if (!model_.convert(row.data(), spec_.box.position(here), around_.shift(q), back_.data()))
         return false;
+      std::swap(row, back_);
+      here = static_cast<PointIndex>(std::int64_t{here} + around_.offset(q));
+    }
     return true;
   }
 
-  /// @param weight how many records this one stands for
-  void look_around(PointIndex point, const Found& found, double weight, const Add* add) {
-    const State& row = found.row;
-    const Vec3 x = spec_.box.position(point);
-    const DirectionMask inside = around_.inside(point);
-    Cost cost{1, static_cast<double>(std::popcount(inside))};
-    const double start = now();
-    for (DirectionMask left = inside; left; left &= left - 1) {
-      const auto q = static_cast<std::size_t>(std::countr_zero(left));
-      if (!model_.convert(row.data(), x, around_.shift(static_cast<int>(q)), reached_[q].data()))
+  /// Makes the conversions of the records, in a random order, while there is time; at least once.
+  void look_around() {
+    std::vector<std::size_t> order(records_.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const std::size_t j = random_.below(i + 1);
+      order[i] = order[j];
+      order[j] = i;
+    }
+    for (const std::size_t i : order) {
+      look_around(records_[i]);
+      if (passed() > limits_.seconds) break;
+    }
+  }
+
+  /// Times the conversions of the grid, and counts what does not lead back in the coarse box: finer
+  /// grids find more levels, of which few links lead back, and so the share of such links stays.
+  void look_around(const Record& record) {
+    const Vec3 x = spec_.box.position(record.point);
+    const DirectionMask inside = around_.inside(record.point);
+    const double begin = now();
+    for (DirectionMask left = inside; left; left &= left - 1)
+      if (!model_.convert(record.row.data(), x, around_.shift(std::countr_zero(left)),
+                          back_.data()))
         return;
-    }
-    cost.seconds = now() - start;
-    const DirectionMask torn = one_way(x, row, inside, add);
-    if (spec_.tears) bisect(x, row, torn, cost);
-    all_.add(cost, weight);
-    if (found.times == 1 && !found.is_first) once_.add(cost, weight);
-    if (found.times == 2) twice_ += weight;
+    const double seconds = now() - begin;
+    const double tears = spec_.tears ? tear_conversions(record) : 0;
+    sum_.records += 1;
+    sum_.conversions += std::popcount(inside);
+    sum_.seconds += seconds;
+    sum_.tear_conversions += tears;
+    sum_.tear_seconds += kBisectionStep * tears * seconds / std::popcount(inside);
   }
 
-  /// The directions whose conversion, which is in reached_, does not lead back.
-  DirectionMask one_way(const Vec3& x, const State& row, DirectionMask inside, const Add* add) {
-    DirectionMask found = 0;
-    for (DirectionMask left = inside; left; left &= left - 1) {
-      const auto q = static_cast<std::size_t>(std::countr_zero(left));
-      const Vec3& d = around_.shift(static_cast<int>(q));
-      const bool is_there =
-          model_.convert(reached_[q].data(), {x[0] + d[0], x[1] + d[1], x[2] + d[2]},
-                         {-d[0], -d[1], -d[2]}, back_.data());
-      if (is_there && model_.equal(back_.data(), row.data())) continue;
-      found |= DirectionMask{1} << q;
-      if (is_there && add) (*add)(back_);
-    }
-    return found;
-  }
-
-  void bisect(const Vec3& x, const State& row, DirectionMask directions, Cost& cost) {
-    const double start = now();
-    for (; directions; directions &= directions - 1) {
-      const auto q = static_cast<std::size_t>(std::countr_zero(directions));
-      bisection_.start(0, x, around_.shift(static_cast<int>(q)), row, reached_[q]);
+  double tear_conversions(const Record& record) {
+    const Neighbourhood around(coarse_.box);
+    const Vec3 x = spec_.box.position(record.point);
+    double count = 0;
+    for (DirectionMask left = around.inside(record.at); left; left &= left - 1) {
+      const Vec3& d = around.shift(std::countr_zero(left));
+      if (!model_.convert(record.row.data(), x, d, reached_.data())) continue;
+      const bool is_there = model_.convert(reached_.data(), {x[0] + d[0], x[1] + d[1], x[2] + d[2]},
+                                           {-d[0], -d[1], -d[2]}, back_.data());
+      if (is_there && model_.equal(back_.data(), record.row.data())) continue;
+      bisection_.start(0, x, d, record.row, reached_);
       do {
         const Conversion c = bisection_.conversion(0);
         if (!model_.convert(c.s, c.x, c.d, c.row)) break;
-        ++cost.tear_conversions;
+        ++count;
       } while (!bisection_.advance(distance_));
     }
-    cost.tear_seconds = now() - start;
+    return count;
   }
 
   const GridSpec& spec_;
@@ -236,11 +246,12 @@ class Sampler {
   SplitMix64 random_;
   StateDistance distance_;
   Bisection bisection_;
-  std::array<State, kDirections> reached_;
-  State back_;
-  double points_ = 0;
-  Cost all_, once_;   // of all records that were met, and of those that were met once
-  double twice_ = 0;  // how many were met twice
+  State reached_, back_;
+  double start_;
+  CoarseBox coarse_;
+  std::vector<Record> records_;  // of the coarse box, by point
+  double points_ = 0;            // of it that were reached
+  Cost sum_;
 };
 
 }  // namespace

@@ -19,18 +19,16 @@ struct GridEstimate {
 };
 
 struct EstimateLimits {
-  std::uint64_t points = 200;  ///< that are looked at
-  double seconds = 5;          ///< no further one is begun after them; CPU time of a plug-in
-  std::uint64_t seed = 1;      ///< another one draws other points
+  double seconds = 5;      ///< for all of it; CPU time of a plug-in
+  std::uint64_t seed = 1;  ///< another one takes the records in another order
 };
 
-/// Goes to random points of the box by several ways, each from a random seed past another random
-/// point, and from there to points nearby and back, so that several of the levels there are met.
-/// From each it makes the conversions that the
-/// search makes of such a record, and the bisections of those that do not lead back. So what is in
-/// contact has the share that it has in the grid.
+/// Searches every so many points of the box as the grid is searched, ever finer while there is
+/// time, so that each kind of place has its levels. From these records it makes the conversions
+/// that the search of the whole grid makes of them, and the bisections of those that do not lead
+/// back.
 /// @param seeds by point the states known there, row after row; at least one
-/// @param seconds_a_conversion is taken where the time is too short for a single point
+/// @param seconds_a_conversion is taken where the time is too short for a single record
 GridEstimate estimate_grid(const GridSpec& spec,
                            const std::map<PointIndex, std::vector<double>>& seeds, Model& model,
                            const EstimateLimits& limits, double seconds_a_conversion);
