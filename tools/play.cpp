@@ -272,7 +272,7 @@ int play(PlayOptions options) {
     announce_terminal(input);
   // Where another thread's heap grows, the kernel fills the new pages of locked memory while the
   // loop waits: let it grow seldom, and before the loop begins.
-  ::mallopt(M_TOP_PAD, 8 << 20);
+  if (is_live(*options.device)) ::mallopt(M_TOP_PAD, 8 << 20);
   DeviceGuard guard(*options.device);
   Viewers viewers(options);
   const LoadedGrid loaded = load_grid(options.grid, Generations::kLeftOut);
