@@ -203,7 +203,7 @@ Grid GridBuilder::finish() {
   if (grid_.frontier_ > 0 && grid_.generation_of_.empty())
     throw FormatError("grid: a frontier without generations");
   grid_.rows_.finish();
-  grid_.links_of_.finish();
+  grid_.links_of_.finish(records_, grid_.table_.size());
   grid_.table_.finish();
   grid_.tangled_ = tangled_points(grid_, all_threads());
   return std::move(grid_);

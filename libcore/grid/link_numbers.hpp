@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <mutex>
 #include <span>
+#include <utility>
 
 #include "libcore/grid/own_blocks.hpp"
 
@@ -22,11 +23,12 @@ class LinkNumbers {
 
   /// Real-time safe.
   std::uint32_t operator[](std::size_t r) const {
+    if (!flat_.empty()) return flat_[r];
     const std::uint32_t block = block_of_[r / kBlock];
     return block < kMixed ? block : own_[std::size_t{block - kMixed} * kBlock + r % kBlock];
   }
   /// What records [16 b, 16 b + 16) all have; kMixed or more where they need not have the same.
-  std::uint32_t of_block(std::size_t b) const { return block_of_[b]; }
+  std::uint32_t of_block(std::size_t b) const { return flat_.empty() ? block_of_[b] : kMixed; }
 
   /// Sets those from record `first` on. Threads may do that at once for different records, all with
   /// the same mutex.
@@ -43,8 +45,18 @@ class LinkNumbers {
       r = next;
     }
   }
-  /// After the last set().
-  void finish() { own_.keep(block_of_.owned() * kBlock); }
+  /// After the last set(). Where hardly any block shares a number, two bytes a record are less, and
+  /// found faster.
+  /// @param count of distinct links
+  void finish(std::size_t records, std::size_t count) {
+    own_.keep(block_of_.owned() * kBlock);
+    if (block_of_.owned() <= block_of_.size() / 2 || count > 0x10000) return;
+    LargeArray<std::uint16_t> flat(records);
+    for (std::size_t r = 0; r < records; ++r) flat[r] = static_cast<std::uint16_t>((*this)[r]);
+    flat_ = std::move(flat);
+    block_of_ = {};
+    own_ = {};
+  }
 
  private:
   void set_block(std::size_t r, std::span<const std::uint32_t> piece) {
@@ -62,7 +74,8 @@ class LinkNumbers {
   }
 
   OwnBlocks block_of_;
-  LargeArray<std::uint32_t> own_;  // what no block uses takes no memory
+  LargeArray<std::uint32_t> own_;   // what no block uses takes no memory
+  LargeArray<std::uint16_t> flat_;  // by record, in place of the others
 };
 
 }  // namespace hapgrid
