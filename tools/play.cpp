@@ -1,4 +1,5 @@
 // play: drives a device through a complete grid (Algorithm 2).
+#include <malloc.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -8,11 +9,13 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
@@ -267,6 +270,9 @@ int play(PlayOptions options) {
   check(options);
   for (const std::string& input : {options.grid, input_file(*options.device)})
     announce_terminal(input);
+  // Where another thread's heap grows, the kernel fills the new pages of locked memory while the
+  // loop waits: let it grow seldom, and before the loop begins.
+  if (is_live(*options.device)) ::mallopt(M_TOP_PAD, 8 << 20);
   DeviceGuard guard(*options.device);
   Viewers viewers(options);
   const LoadedGrid loaded = load_grid(options.grid, Generations::kLeftOut);
@@ -292,10 +298,12 @@ int play(PlayOptions options) {
 
   Mapping mapping(settings.mapping, device.info(), spec.box);
   const auto create_exact = [&] { return exact_model(spec, options.model_path); };
+  // To ask the records takes all threads, and to prepare the traversal mostly one.
+  std::future<NodeForces> records = PlayForce::ask_records(wanted_force, rule, grid, create);
   const std::unique_ptr<Traversal> traversal = traversals(rule, grid, create_exact)();
   const auto truth =
       open.wants_truth ? traversals(TraversalRule::kModel, grid, create_exact)() : nullptr;
-  PlayForce force(wanted_force, rule, grid, traversal->sheets(), fields, create);
+  PlayForce force(wanted_force, rule, grid, traversal->sheets(), fields, std::move(records));
   SafetyCore safety(settings.safety);
   Log log(options.log, loaded, fields, rate_hz, loop.paced(), open.ticks,
           {.limits = settings.safety,

@@ -127,6 +127,7 @@ class HungBall {
   /// The weight times the height that the ball has gained. There is no friction, so this is the
   /// work of the HIP.
   double energy(const double*, const double* s) const {
+    if (s[0] == 0) return 0;  // as in force()
     const double half = std::sin(s[0] / 2);
     return weight_ * 2 * half * half;
   }

@@ -95,13 +95,15 @@ class InsideOfRun {
   InsideOfRun(const Box& box, const Neighbourhood& around) : box_(box), around_(around) {}
 
   DirectionMask operator()(PointIndex p) {
-    if (p - begin_ < size_) return mask_;
+    if (is_same(p)) return mask_;
     const GridCoordinates c = box_.coordinates(p);
     mask_ = around_.inside(c);
     begin_ = p;
     size_ = c[0] > 0 && c[0] + 1 < box_.counts[0] ? box_.counts[0] - 1 - c[0] : 1;
     return mask_;
   }
+  /// Whether p, not before the last point, has the same.
+  bool is_same(PointIndex p) const { return p - begin_ < size_; }
 
  private:
   const Box& box_;

@@ -1,6 +1,7 @@
 // A whole grid in memory, read-only: the array X[x, l] of the paper (Sect. 2.2).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -28,6 +29,9 @@ struct RecordColumns {
 
   std::size_t size() const { return point.size(); }
 };
+
+/// A set of a box's points: bit p % 64 of word p / 64. Bits behind the last point are 0.
+using PointBits = std::vector<std::uint64_t>;
 
 /// Whether a grid in memory knows the generations of its records. Play needs none.
 enum class Generations { kKept, kLeftOut };
@@ -79,6 +83,20 @@ class Grid {
   bool links_lead_to(RecordIndex r, Level level) const {
     return table_[links_of_[r]].common == level;
   }
+  /// Bit i: whether record r + i does not lead to level 0 in all directions that stay in the box,
+  /// for i below 64.
+  std::uint64_t lead_elsewhere(RecordIndex r) const {
+    std::uint64_t bits = 0;
+    for (unsigned i = 0; i < 64;) {
+      const std::size_t block = (r + i) / LinkNumbers::kBlock;
+      const std::uint32_t shared = links_of_.of_block(block);
+      const auto end =
+          static_cast<unsigned>(std::min<std::size_t>(64, (block + 1) * LinkNumbers::kBlock - r));
+      const bool is_known = shared < LinkNumbers::kMixed && table_[shared].common == 0;
+      for (; i < end; ++i) bits |= std::uint64_t{!is_known && !links_lead_to(r + i, 0)} << i;
+    }
+    return bits;
+  }
   /// The record to which direction q leads from record r; kNoRecord when the direction leaves the
   /// box, is not settled, or leads to a level that does not exist. Real-time safe.
   RecordIndex destination(RecordIndex r, int q) const {
@@ -89,21 +107,12 @@ class Grid {
   }
   /// Whether direction q of record r leads to a record whose link straight back leads elsewhere.
   /// Real-time safe.
-  bool is_one_way(RecordIndex r, int q) const {
-    const PointIndex p = point(r);
-    return is_one_way(p, static_cast<Level>(r - first(p)), q);
-  }
+  bool is_one_way(RecordIndex r, int q) const;
 
-  /// The same of a level of point p.
-  bool is_one_way(PointIndex p, Level level, int q) const {
-    const Links& links = table_[links_of_[first(p) + level]];
-    if (!(links.usable >> q & 1)) return false;
-    const auto target = static_cast<PointIndex>(p + neighbourhood_.offset(q));
-    if (links.level[q] >= levels(target)) return false;
-    // The link straight back leads to this point, whatever its level.
-    return table_[links_of_[first(target) + links.level[q]]].level[Direction(q).opposite().q()] !=
-           level;
-  }
+  /// Where links need a look (point_bits.hpp): around all other points each record's links lead to
+  /// its own level number, so that they lead back to where they come from, or lead nowhere.
+  const PointBits& tangled() const { return tangled_; }
+  bool is_tangled(PointIndex p) const { return tangled_[p / 64] >> p % 64 & 1; }
 
   bool has_tears() const { return has_tears_; }
   /// The tear bytes of a record's links. Each is kNoTear or below kTearSteps; which links have one
@@ -114,6 +123,7 @@ class Grid {
 
  private:
   friend class GridBuilder;
+  friend class LinksOfRecord;
   /// Without records.
   Grid(GridSpec spec, std::uint32_t generation);
 
@@ -129,6 +139,55 @@ class Grid {
   std::uint64_t not_finite_ = 0;
   LinkNumbers links_of_;
   LinkTable table_;
+  PointBits tangled_;
 };
+
+/// The links of one record, and which of them lead both ways. Real-time safe.
+class LinksOfRecord {
+ public:
+  /// @param grid outlives this.
+  LinksOfRecord(const Grid& grid, PointIndex p, Level level)
+      : grid_(grid),
+        p_(p),
+        level_(level),
+        is_tangled_(grid.is_tangled(p)),
+        links_(grid.table_[grid.links_of_[grid.first(p) + level]]) {}
+  LinksOfRecord(const Grid& grid, RecordIndex r)
+      : LinksOfRecord(grid, grid.point(r), grid.level(r)) {}
+
+  /// Grid::destination() in direction q.
+  RecordIndex destination(int q) const {
+    if (!(links_.usable >> q & 1)) return Grid::kNoRecord;
+    const auto target = static_cast<PointIndex>(p_ + grid_.neighbourhood_.offset(q));
+    return links_.level[q] < grid_.levels(target) ? grid_.first(target) + links_.level[q]
+                                                  : Grid::kNoRecord;
+  }
+  /// The same where the link straight back leads back to the record; else kNoRecord.
+  RecordIndex two_way(int q) const {
+    const RecordIndex to = destination(q);
+    return to == Grid::kNoRecord || leads_back(to, q) ? to : Grid::kNoRecord;
+  }
+  /// Whether direction q leads to a record whose link straight back leads elsewhere.
+  bool is_one_way(int q) const {
+    const RecordIndex to = destination(q);
+    return to != Grid::kNoRecord && !leads_back(to, q);
+  }
+
+ private:
+  /// The link straight back leads to this point, whatever its level.
+  bool leads_back(RecordIndex to, int q) const {
+    return !is_tangled_ || grid_.links(to)[Direction(q).opposite().q()] == level_;
+  }
+
+  const Grid& grid_;
+  PointIndex p_;
+  Level level_;
+  bool is_tangled_;
+  const Links& links_;
+};
+
+inline bool Grid::is_one_way(RecordIndex r, int q) const {
+  return LinksOfRecord(*this, r).is_one_way(q);
+}
 
 }  // namespace hapgrid

@@ -11,12 +11,15 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/parallel.hpp"
+#include "libcore/grid/point_bits.hpp"
 #include "libcore/grid/record_order.hpp"
 
 namespace hapgrid {
 
 namespace {
 
+constexpr std::size_t kCompared = 16;  // records at once
 constexpr double kMostFinite = std::numeric_limits<double>::max();
 
 /// How many rows have a number that is not finite.
@@ -80,7 +83,6 @@ void GridBuilder::add(std::uint64_t first, const RecordRun& run) {
   const std::size_t count = run.point.size();
   if (count == 0) return;
   Run known = check_order(first, run);
-  mark_upper(known, run);
   add_links(first, run);
   // Records come from the corner of the box, where nothing pushes most models.
   std::call_once(shared_, [&] { grid_.rows_.share(run.rows.first(grid_.row_size_)); });
@@ -96,26 +98,27 @@ void GridBuilder::add(std::uint64_t first, const RecordRun& run) {
   runs_.push_back(std::move(known));
 }
 
-/// Within the run; join_runs() looks at what is between runs.
-GridBuilder::Run GridBuilder::check_order(std::uint64_t first, const RecordRun& run) const {
+/// Within the run; join_runs() looks at what is between runs. Marks the records of upper levels.
+GridBuilder::Run GridBuilder::check_order(std::uint64_t first, const RecordRun& run) {
   const std::size_t count = run.point.size();
+  Run known{first, count, run.point.front(), run.point.back(), run.level.front(), run.level.back()};
+  if (is_plain(run.point, run.level) && run.point.back() < grid_.box().points()) return known;
   RecordOrder order(grid_.spec_, run.level[0]);
   std::size_t distinct = 1;
   for (std::size_t r = 0; r < count; ++r)
     distinct += order.next(first + r, run.point[r], run.level[r]);
-  Run known{first, count, run.point.front(), run.point.back(), run.level.front(), run.level.back()};
   if (std::uint64_t{known.last_point} - known.first_point + 1 != distinct)
     known.points.assign(run.point.begin(), run.point.end());
+  mark_upper(first, run.level);
   return known;
 }
 
-void GridBuilder::mark_upper(const Run& known, const RecordRun& run) {
-  for (std::size_t r = 0; r < run.level.size();) {
-    const std::uint64_t place = known.first + r;
+void GridBuilder::mark_upper(std::uint64_t first, std::span<const Level> level) {
+  for (std::size_t r = 0; r < level.size();) {
+    const std::uint64_t place = first + r;
     std::uint64_t bits = 0;
-    const std::size_t end = std::min<std::size_t>(run.level.size(), r + 64 - place % 64);
-    for (std::uint64_t i = place % 64; r < end; ++r, ++i)
-      bits |= std::uint64_t{run.level[r] > 0} << i;
+    const std::size_t end = std::min<std::size_t>(level.size(), r + 64 - place % 64);
+    for (std::uint64_t i = place % 64; r < end; ++r, ++i) bits |= std::uint64_t{level[r] > 0} << i;
     // Runs can share a word.
     if (bits != 0) std::atomic_ref(is_upper_[place / 64]).fetch_or(bits, std::memory_order_relaxed);
   }
@@ -129,23 +132,25 @@ void GridBuilder::add_links(std::uint64_t first, const RecordRun& run) {
   const auto tears = [&](std::size_t r) {
     return grid_.has_tears_ ? &run.tears[r * kDirections] : nullptr;
   };
-  const auto same = [&](std::size_t a, std::size_t b) {
-    return std::memcmp(levels(a), levels(b), kDirections) == 0 &&
-           (!grid_.has_tears_ || std::memcmp(tears(a), tears(b), kDirections) == 0);
+  // Of `n` records from a and from b on.
+  const auto same = [&](std::size_t a, std::size_t b, std::size_t n) {
+    return std::memcmp(levels(a), levels(b), n * kDirections) == 0 &&
+           (!grid_.has_tears_ || std::memcmp(tears(a), tears(b), n * kDirections) == 0);
   };
   Recent recent;
-  DirectionMask inside_before = 0;
-  for (std::size_t r = 0; r < count; ++r) {
+  for (std::size_t r = 0; r < count;) {
     const DirectionMask inside = inside_of(run.point[r]);
-    if (r > 0 && inside == inside_before && same(r, r - 1)) {
-      numbers[r] = numbers[r - 1];
-      continue;
-    }
-    inside_before = inside;
     Recent::Slot& slot = recent.of(levels(r), inside);
-    if (slot.inside != inside || !slot.is_used || !same(r, slot.record))
+    if (slot.inside != inside || !slot.is_used || !same(r, slot.record, 1))
       slot = {true, inside, r, number_of(make_links(levels(r), tears(r), inside))};
-    numbers[r] = slot.number;
+    // Most of those that follow have the same: they are compared with the records before them.
+    std::size_t end = r + 1;
+    for (std::size_t n : {kCompared, std::size_t{1}})
+      while (end + n <= count && inside_of.is_same(run.point[end + n - 1]) && same(end, end - 1, n))
+        end += n;
+    std::fill(numbers.begin() + static_cast<std::ptrdiff_t>(r),
+              numbers.begin() + static_cast<std::ptrdiff_t>(end), slot.number);
+    r = end;
   }
   grid_.links_of_.set(first, numbers, links_mutex_);
 }
@@ -197,7 +202,10 @@ Grid GridBuilder::finish() {
   grid_.index_ = LevelIndex(grid_.box().points(), records_, is_upper_, points_of_records());
   if (grid_.frontier_ > 0 && grid_.generation_of_.empty())
     throw FormatError("grid: a frontier without generations");
+  grid_.rows_.finish();
+  grid_.links_of_.finish(records_, grid_.table_.size());
   grid_.table_.finish();
+  grid_.tangled_ = tangled_points(grid_, all_threads());
   return std::move(grid_);
 }
 

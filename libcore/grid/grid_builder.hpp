@@ -2,7 +2,6 @@
 #pragma once
 
 #include <mutex>
-#include <shared_mutex>
 #include <vector>
 
 #include "libcore/grid/grid.hpp"
@@ -45,8 +44,8 @@ class GridBuilder {
   };
 
   void require_shapes(std::uint64_t first, const RecordRun& run) const;
-  Run check_order(std::uint64_t first, const RecordRun& run) const;
-  void mark_upper(const Run& known, const RecordRun& run);
+  Run check_order(std::uint64_t first, const RecordRun& run);
+  void mark_upper(std::uint64_t first, std::span<const Level> level);
   void add_links(std::uint64_t first, const RecordRun& run);
   std::uint32_t number_of(const Links& links);
   void join_runs();
@@ -55,9 +54,8 @@ class GridBuilder {
   Grid grid_;
   std::uint64_t records_;
   std::vector<std::uint64_t> is_upper_;  // by record, a bit: whether its level is above 0
-  std::shared_mutex links_mutex_;
   std::once_flag shared_;
-  std::mutex table_mutex_, rows_mutex_, runs_mutex_;
+  std::mutex links_mutex_, table_mutex_, rows_mutex_, runs_mutex_;
   std::vector<Run> runs_;
 };
 

@@ -1,51 +1,81 @@
-// Which of the distinct links of a grid each record has: two bytes a record, and four only when
-// there are more than 65,536 of them.
+// Which of the distinct links of a grid each record has: one number for a block of records that all
+// have the same, as most do, and four bytes a record in the other blocks.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <mutex>
-#include <shared_mutex>
 #include <span>
+#include <utility>
 
-#include "libcore/base/large_array.hpp"
+#include "libcore/grid/own_blocks.hpp"
 
 namespace hapgrid {
 
 class LinkNumbers {
  public:
-  LinkNumbers() = default;
-  explicit LinkNumbers(std::size_t records) : narrow_(records) {}
+  static constexpr std::size_t kBlock = OwnBlocks::kRecords;
+  static constexpr std::uint32_t kMixed = std::uint32_t{1} << 31;
 
-  std::uint32_t operator[](std::size_t r) const { return wide_.empty() ? narrow_[r] : wide_[r]; }
+  LinkNumbers() = default;
+  explicit LinkNumbers(std::size_t records)
+      : block_of_(records, OwnBlocks::kNone, kMixed), own_(block_of_.size() * kBlock) {}
+
+  /// Real-time safe.
+  std::uint32_t operator[](std::size_t r) const {
+    if (!flat_.empty()) return flat_[r];
+    const std::uint32_t block = block_of_[r / kBlock];
+    return block < kMixed ? block : own_[std::size_t{block - kMixed} * kBlock + r % kBlock];
+  }
+  /// What records [16 b, 16 b + 16) all have; kMixed or more where they need not have the same.
+  std::uint32_t of_block(std::size_t b) const { return flat_.empty() ? block_of_[b] : kMixed; }
 
   /// Sets those from record `first` on. Threads may do that at once for different records, all with
   /// the same mutex.
-  void set(std::size_t first, std::span<const std::uint32_t> numbers, std::shared_mutex& mutex) {
-    constexpr std::uint32_t kMostNarrow = 0xffff;
-    std::uint32_t largest = 0;
-    for (const std::uint32_t number : numbers) largest = std::max(largest, number);
-    if (largest > kMostNarrow) widen(mutex);
-    const std::shared_lock lock(mutex);
-    if (wide_.empty())
-      std::transform(numbers.begin(), numbers.end(), narrow_.data() + first,
-                     [](std::uint32_t number) { return static_cast<std::uint16_t>(number); });
-    else
-      std::copy(numbers.begin(), numbers.end(), wide_.data() + first);
+  void set(std::size_t first, std::span<const std::uint32_t> numbers, std::mutex& mutex) {
+    for (std::size_t r = first, end = first + numbers.size(); r < end;) {
+      const std::size_t next = std::min(end, (r / kBlock + 1) * kBlock);
+      const auto piece = numbers.subspan(r - first, next - r);
+      if (piece.size() == kBlock) {
+        set_block(r, piece);
+      } else {  // another run has the rest of the block
+        const std::lock_guard lock(mutex);
+        set_block(r, piece);
+      }
+      r = next;
+    }
+  }
+  /// After the last set(). Where hardly any block shares a number, two bytes a record are less, and
+  /// found faster.
+  /// @param count of distinct links
+  void finish(std::size_t records, std::size_t count) {
+    own_.keep(block_of_.owned() * kBlock);
+    if (block_of_.owned() <= block_of_.size() / 2 || count > 0x10000) return;
+    LargeArray<std::uint16_t> flat(records);
+    for (std::size_t r = 0; r < records; ++r) flat[r] = static_cast<std::uint16_t>((*this)[r]);
+    flat_ = std::move(flat);
+    block_of_ = {};
+    own_ = {};
   }
 
  private:
-  void widen(std::shared_mutex& mutex) {
-    const std::unique_lock lock(mutex);
-    if (!wide_.empty()) return;
-    wide_ = LargeArray<std::uint32_t>(narrow_.size());
-    // What was not set yet is copied, too, and set later.
-    std::copy_n(narrow_.data(), narrow_.size(), wide_.data());
-    narrow_ = {};
+  void set_block(std::size_t r, std::span<const std::uint32_t> piece) {
+    const std::size_t b = r / kBlock;
+    const std::uint32_t before = block_of_[b];
+    const bool is_first = before == OwnBlocks::kNone;
+    if ((is_first || before == piece[0]) && piece[0] < kMixed &&
+        std::all_of(piece.begin(), piece.end(), [&](std::uint32_t n) { return n == piece[0]; })) {
+      block_of_.share(b, piece[0]);
+      return;
+    }
+    std::uint32_t* const own = own_.data() + block_of_.own(b) * kBlock;
+    if (before < kMixed) std::fill_n(own, kBlock, before);
+    std::copy(piece.begin(), piece.end(), own + r % kBlock);
   }
 
-  LargeArray<std::uint16_t> narrow_;
-  LargeArray<std::uint32_t> wide_;
+  OwnBlocks block_of_;
+  LargeArray<std::uint32_t> own_;   // what no block uses takes no memory
+  LargeArray<std::uint16_t> flat_;  // by record, in place of the others
 };
 
 }  // namespace hapgrid

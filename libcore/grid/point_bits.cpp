@@ -52,9 +52,7 @@ PointBits tangled_points(const Grid& grid, int threads) {
          ++w) {
       const std::uint64_t begin = w * 64;
       if (grid.is_single(w)) {
-        const RecordIndex first = grid.first(static_cast<PointIndex>(begin));
-        for (unsigned i = 0; i < 64; ++i)
-          bits[w] |= std::uint64_t{!grid.links_lead_to(first + i, 0)} << i;
+        bits[w] = grid.lead_elsewhere(grid.first(static_cast<PointIndex>(begin)));
       } else {
         for (std::uint64_t p = begin; p < std::min(points, begin + 64); ++p)
           bits[w] |= std::uint64_t{!is_parallel(grid, static_cast<PointIndex>(p))} << (p - begin);

@@ -11,15 +11,13 @@
 
 namespace hapgrid {
 
-/// Bit p % 64 of word p / 64. Bits behind the last point are 0.
-using PointBits = std::vector<std::uint64_t>;
-
 /// The set and all neighbours of its points. Points at the sides of the box may be in it besides.
 PointBits grown(PointBits bits, const Box& box);
 
 /// Points around which links need a look: all others, and their 26 neighbours, are *parallel*. The
 /// links of a parallel point's record lead to its own level number in all directions, so that links
-/// between parallel points lead back to where they come from, or lead nowhere.
+/// between parallel points lead back to where they come from, or lead nowhere. Grid::tangled() has
+/// them.
 /// @param threads at least 1; the result does not depend on it.
 PointBits tangled_points(const Grid& grid, int threads);
 

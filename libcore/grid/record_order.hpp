@@ -2,12 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "libcore/base/error.hpp"
 #include "libcore/grid/spec.hpp"
 
 namespace hapgrid {
+
+/// Whether each record has level 0 and the point behind that of the record before. Most runs of a
+/// grid are so, and to know it takes a fraction of a look at each record.
+bool is_plain(std::span<const PointIndex> point, std::span<const Level> level);
 
 /// Checks record after record that each point is in the box, that points ascend, and that the
 /// levels of a point are 0, 1, 2, ...

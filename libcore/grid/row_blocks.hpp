@@ -8,7 +8,7 @@
 #include <mutex>
 #include <span>
 
-#include "libcore/base/large_array.hpp"
+#include "libcore/grid/own_blocks.hpp"
 
 namespace hapgrid {
 
@@ -17,10 +17,8 @@ class RowBlocks {
   RowBlocks() = default;
   RowBlocks(std::size_t records, std::size_t width)
       : width_(width),
-        block_of_(records / kBlock + 1),
-        rows_((records / kBlock + 2) * kBlock * width) {
-    std::fill_n(block_of_.data(), block_of_.size(), kShared);
-  }
+        block_of_(records, /*word=*/0, /*first_own=*/1),
+        rows_((block_of_.size() + 1) * kBlock * width) {}
 
   /// Real-time safe.
   const double* operator[](std::size_t r) const {
@@ -38,31 +36,34 @@ class RowBlocks {
     const std::size_t end = first + rows.size() / width_;
     for (std::size_t r = first; r < end;) {
       const std::size_t next = std::min(end, (r / kBlock + 1) * kBlock);
-      const double* const from = rows.data() + (r - first) * width_;
-      const std::size_t bytes = (next - r) * width_ * sizeof(double);
-      // A block that two runs have in part is not shared: neither knows the other's rows.
-      if (next - r < kBlock || std::memcmp(from, rows_.data(), bytes) != 0)
-        std::memcpy(rows_.data() + (own_block(r / kBlock, mutex) * kBlock + r % kBlock) * width_,
-                    from, bytes);
+      const auto piece = rows.subspan((r - first) * width_, (next - r) * width_);
+      if (std::memcmp(piece.data(), rows_.data(), piece.size_bytes()) != 0) {
+        if (next - r == kBlock) {
+          std::copy(piece.begin(), piece.end(), own_block(r / kBlock));
+        } else {  // another run has the rest of the block
+          const std::lock_guard lock(mutex);
+          const bool is_first = !block_of_.is_own(r / kBlock);
+          double* const own = own_block(r / kBlock);
+          if (is_first) std::copy_n(rows_.data(), kBlock * width_, own);
+          std::copy(piece.begin(), piece.end(), own + r % kBlock * width_);
+        }
+      }
       r = next;
     }
   }
+  /// After the last set().
+  void finish() { rows_.keep((1 + block_of_.owned()) * kBlock * width_); }
 
  private:
-  static constexpr std::size_t kBlock = 16;
-  static constexpr std::uint32_t kShared = 0;
+  static constexpr std::size_t kBlock = OwnBlocks::kRecords;
 
-  /// The block of records [16 b, 16 b + 16), which gets one if it has none.
-  std::size_t own_block(std::size_t b, std::mutex& mutex) {
-    const std::lock_guard lock(mutex);
-    if (block_of_[b] == kShared) block_of_[b] = ++used_;
-    return block_of_[b];
+  double* own_block(std::size_t b) {
+    return rows_.data() + (1 + block_of_.own(b)) * kBlock * width_;
   }
 
   std::size_t width_ = 0;
-  LargeArray<std::uint32_t> block_of_;
-  std::uint32_t used_ = 0;   // blocks besides the shared one, which is the first
-  LargeArray<double> rows_;  // what no block uses takes no memory
+  OwnBlocks block_of_;
+  LargeArray<double> rows_;  // the shared block first; what no block uses takes no memory
 };
 
 }  // namespace hapgrid

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "libcore/base/large_array.hpp"
 #include "libcore/base/ranked_bits.hpp"
 #include "libcore/haptic/sheets.hpp"
 
@@ -57,21 +58,27 @@ struct NodeEnergy {
 /// of more energy: else a hand that goes in a circle through the snap would gain energy.
 class NodeEnergies {
  public:
+  /// Of the records alone.
+  NodeEnergies(const Grid& grid, const RecordFields& fields);
   /// @param sheets of this grid; null: there are no ghosts.
-  NodeEnergies(const Grid& grid, const Sheets* sheets, const RecordFields& fields);
+  NodeEnergies(const Grid& grid, const Sheets* sheets, const RecordFields& fields)
+      : NodeEnergies(grid, fields) {
+    if (sheets) add_ghosts(grid, *sheets);
+  }
+  void add_ghosts(const Grid& grid, const Sheets& sheets);
 
   const NodeEnergy& operator[](Node node) const noexcept {
-    return node < records_ ? nodes_[slots_[node]] : nodes_[ghosts_ + (node - records_)];
+    return node < records_ ? nodes_[slots_[node]] : ghosts_[node - records_];
   }
 
  private:
-  void add_mixed(const Grid& grid, const Sheets* sheets, RecordIndex r);
-  void add_ghosts(const Grid& grid, const Sheets& sheets);
+  void add_mixed(const Grid& grid, RecordIndex r);
+  NodeEnergy of_ghost(const Grid& grid, const Sheets& sheets, Node ghost) const;
 
   RecordIndex records_;
   RecordSlots slots_;
-  std::size_t ghosts_;  // where they begin
-  std::vector<NodeEnergy> nodes_;
+  LargeArray<NodeEnergy> nodes_;  // by slot
+  std::vector<NodeEnergy> ghosts_;
 };
 
 }  // namespace hapgrid

@@ -53,7 +53,7 @@ Faults faults_of(const Grid& grid, std::uint64_t tangled, std::uint64_t b) {
 }  // namespace
 
 void require_playable(const Grid& grid, const std::string& name) {
-  const PointBits tangled = tangled_points(grid, all_threads());
+  const PointBits& tangled = grid.tangled();
   const auto [without_level, broken] = sum_of_blocks<Faults>(
       tangled.size(), 64, all_threads(), [&](std::uint64_t begin, std::uint64_t end) {
         Faults faults;

@@ -43,27 +43,32 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
 }  // namespace
 
 Sheets::Sheets(const Grid& grid) : grid_(grid), row_size_(grid.spec().row_size()) {
-  const PointBits tangled = tangled_points(grid, all_threads());
-  const std::vector<End> ends = find_ends(tangled);
+  const std::vector<End> ends = find_ends();
   for (std::size_t i = 0; i < ends.size();) {
     std::size_t end = i;
     while (end < ends.size() && ends[end].point == ends[i].point) ++end;
     add_ghosts(std::span(ends).subspan(i, end - i));
     i = end;
   }
-  find_mixed_records(tangled);
+  find_mixed_records();
 }
 
 /// All one-way links, ascending by the point to which they lead.
-std::vector<Sheets::End> Sheets::find_ends(const PointBits& tangled) {
-  std::vector<End> found = std::move(
-      sum_of_points<Listed<End>>(tangled, all_threads(), [&](PointIndex p, Listed<End>& ends) {
-        for (RecordIndex r = grid_.first(p); r < grid_.first(p) + grid_.levels(p); ++r)
-          for (int q = 0; q < kDirections; ++q)
-            if (grid_.is_one_way(p, static_cast<Level>(r - grid_.first(p)), q))
-              ends.items.push_back({static_cast<PointIndex>(p + grid_.neighbourhood().offset(q)), r,
-                                    static_cast<std::uint8_t>(q)});
-      }).items);
+std::vector<Sheets::End> Sheets::find_ends() {
+  std::vector<End> found =
+      std::move(sum_of_points<Listed<End>>(
+                    grid_.tangled(), all_threads(),
+                    [&](PointIndex p, Listed<End>& ends) {
+                      for (RecordIndex l = 0; l < grid_.levels(p); ++l) {
+                        const LinksOfRecord links(grid_, p, static_cast<Level>(l));
+                        for (int q = 0; q < kDirections; ++q)
+                          if (links.is_one_way(q))
+                            ends.items.push_back(
+                                {static_cast<PointIndex>(p + grid_.neighbourhood().offset(q)),
+                                 grid_.first(p) + l, static_cast<std::uint8_t>(q)});
+                      }
+                    })
+                    .items);
   std::vector<std::uint64_t> has_ends(grid_.records() / 64 + 1);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const RecordIndex r = found[i].from;
@@ -78,16 +83,16 @@ std::vector<Sheets::End> Sheets::find_ends(const PointBits& tangled) {
   return found;
 }
 
-void Sheets::find_mixed_records(const PointBits& tangled) {
+void Sheets::find_mixed_records() {
   struct Mixed {
     RecordIndex record;
     std::uint8_t corners;
   };
-  const auto found =
-      sum_of_points<Listed<Mixed>>(tangled, all_threads(), [&](PointIndex p, Listed<Mixed>& mixed) {
-        for (RecordIndex r = grid_.first(p); r < grid_.first(p) + grid_.levels(p); ++r)
-          if (const std::uint8_t corners = find_mixed(r); corners != 0)
-            mixed.items.push_back({r, corners});
+  const auto found = sum_of_points<Listed<Mixed>>(
+      grid_.tangled(), all_threads(), [&](PointIndex p, Listed<Mixed>& mixed) {
+        for (RecordIndex l = 0; l < grid_.levels(p); ++l)
+          if (const auto corners = find_mixed(p, static_cast<Level>(l)); corners != 0)
+            mixed.items.push_back({grid_.first(p) + l, corners});
       });
   std::vector<std::uint64_t> is_mixed(grid_.records() / 64 + 1);
   for (const Mixed& mixed : found.items) {
@@ -128,6 +133,7 @@ void Sheets::add_ghost(std::span<const End> ends, const std::vector<std::uint32_
     if (branch[i] != which) continue;
     const End& end = ends[i];
     ghost_of_[ends_of(end.from)->number(end.q)] = ghost;
+    ghost_ends_.push_back({end.from, end.q});
     const int back = Direction(end.q).opposite().q();
     const double* const r0 = grid_.row(end.from).data();
     const double* const r1 = two_way_row(end.from, back);
@@ -144,6 +150,7 @@ void Sheets::add_ghost(std::span<const End> ends, const std::vector<std::uint32_
   for (std::size_t c = 0; c < row_size_; ++c)
     ghost_rows_.push_back(weights > 0 ? row[c] / weights : mean[c] / members);
   ghost_points_.push_back(ends.front().point);
+  ghost_first_.push_back(static_cast<std::uint32_t>(ghost_ends_.size()));
 }
 
 /// The row where a link leads, if it is two-way.
@@ -152,32 +159,59 @@ const double* Sheets::two_way_row(RecordIndex r, int q) const {
   return to == Grid::kNoRecord || (one_way(r) >> q & 1) ? nullptr : grid_.row(to).data();
 }
 
-std::array<std::uint8_t, 8> Sheets::apart(const std::array<Node, 8>& corners) const noexcept {
+Sheets::View Sheets::view(Node node) const noexcept {
+  if (node == kNoNode || is_ghost(node)) return {};
+  return {grid_.links(node).data(), one_way(node), grid_.level(node)};
+}
+
+std::array<std::uint8_t, 8> Sheets::apart(const std::array<View, 8>& corners) noexcept {
   std::array<std::uint8_t, 8> pairs{};
-  const auto is_record = [&](int k) { return corners[k] != kNoNode && !is_ghost(corners[k]); };
   for (int a = 0; a < 8; ++a)
-    for (int b = a + 1; is_record(a) && b < 8; ++b)
-      if (is_record(b) && node(corners[a], kBetweenCorners[a][b]) != corners[b])
+    for (int b = a + 1; corners[a].links && b < 8; ++b) {
+      const int q = kBetweenCorners[a][b];
+      if (corners[b].links && ((corners[a].one_way >> q & 1) ||  // then a ghost is there
+                               corners[a].links[q] != corners[b].level))
         pairs[a] |= static_cast<std::uint8_t>(1 << b);
+    }
   return pairs;
 }
 
-std::uint8_t Sheets::find_mixed(RecordIndex r) const {
-  const DirectionMask inside = grid_.neighbourhood().inside(grid_.point(r));
-  std::array<Node, kDirections> neighbour{};
-  bool is_alone = true;
+std::array<std::uint8_t, 8> Sheets::apart(const std::array<Node, 8>& corners) const noexcept {
+  std::array<View, 8> views;
+  for (int k = 0; k < 8; ++k) views[k] = view(corners[k]);
+  return apart(views);
+}
+
+std::uint8_t Sheets::find_mixed(PointIndex p, Level level) const {
+  const RecordIndex r = grid_.first(p) + level;
+  const DirectionMask inside = grid_.neighbourhood().inside(p), ends = one_way(r);
+  const View own{grid_.links(r).data(), ends, level};
+  std::array<View, kDirections> neighbour{};
+  bool is_alone = true;        // around it points have one level
+  DirectionMask other = ends;  // where not all links lead to its own level number
   for (int q = 0; q < kDirections; ++q) {
-    neighbour[q] = inside >> q & 1 ? node(r, q) : kNoNode;
-    is_alone &= neighbour[q] == kNoNode ||
-                (!is_ghost(neighbour[q]) && grid_.levels(point(neighbour[q])) == 1);
+    if (!(inside >> q & 1)) continue;
+    is_alone &= !(ends >> q & 1);
+    const auto point = static_cast<PointIndex>(p + grid_.neighbourhood().offset(q));
+    const Level there = own.links[q];
+    if ((ends >> q & 1) || there >= grid_.levels(point)) continue;
+    const RecordIndex to = grid_.first(point) + there;
+    neighbour[q] = {grid_.links(to).data(), one_way(to), there};
+    is_alone &= grid_.levels(point) == 1;
+    if (there != level || !grid_.links_lead_to(to, level)) other |= DirectionMask{1} << q;
   }
-  if (is_alone) return 0;  // its neighbours can only be linked to each other
   std::uint8_t mixed = 0;
-  for (int own = 0; own < 8; ++own) {
-    std::array<Node, 8> corners;
-    for (int k = 0; k < 8; ++k) corners[k] = k == own ? r : neighbour[kBetweenCorners[own][k]];
-    if (apart(corners) != std::array<std::uint8_t, 8>{})
-      mixed |= static_cast<std::uint8_t>(1 << own);
+  if (is_alone) return mixed;  // its neighbours can only be linked to each other
+  for (int corner = 0; corner < 8; ++corner) {
+    std::array<View, 8> corners;
+    bool is_plain = true;
+    for (int k = 0; k < 8; ++k) {
+      const int q = kBetweenCorners[corner][k];
+      corners[k] = k == corner ? own : neighbour[q];
+      is_plain &= k == corner || !(other >> q & 1);
+    }
+    if (!is_plain && apart(corners) != std::array<std::uint8_t, 8>{})
+      mixed |= static_cast<std::uint8_t>(1 << corner);
   }
   return mixed;
 }

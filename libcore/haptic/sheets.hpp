@@ -64,13 +64,26 @@ class Sheets {
   /// Which corners of a cell have records that are not of one branch: bit b of entry a, a < b.
   /// Corners that are ghosts or kNoNode belong to any branch.
   std::array<std::uint8_t, 8> apart(const std::array<Node, 8>& corners) const noexcept;
-  /// Calls use(r, q) for each one-way link, ascending.
+  /// Calls use(r, q) for each one-way link of records [64 begin, 64 end), ascending; `end` is at
+  /// most words_of_ends().
   template <class Use>
-  void for_each_end(Use&& use) const {
-    has_ends_.for_each(0, has_ends_.words(), [&](std::size_t r) {
-      for (int q = 0; q < kDirections; ++q)
-        if (ends_of(static_cast<RecordIndex>(r))->has(q)) use(static_cast<RecordIndex>(r), q);
+  void for_each_end(std::size_t begin, std::size_t end, Use&& use) const {
+    has_ends_.for_each(begin, end, [&](std::size_t r) {
+      const DirectionMask one_way = ends_of(static_cast<RecordIndex>(r))->one_way;
+      for (DirectionMask left = one_way; left != 0; left &= left - 1)
+        use(static_cast<RecordIndex>(r), std::countr_zero(left));
     });
+  }
+  std::size_t words_of_ends() const { return has_ends_.words(); }
+  /// The one-way links for which a ghost stands, ascending.
+  struct GhostEnd {
+    RecordIndex from;
+    std::uint8_t q;
+  };
+  std::span<const GhostEnd> ends_of_ghost(Node node) const noexcept {
+    const std::size_t ghost = node - grid_.records();
+    return std::span(ghost_ends_)
+        .subspan(ghost_first_[ghost], ghost_first_[ghost + 1] - ghost_first_[ghost]);
   }
   /// Calls use(r, corner) for each is_mixed(r, corner), ascending.
   template <class Use>
@@ -110,13 +123,22 @@ class Sheets {
   const Ends* ends_of(RecordIndex r) const noexcept {
     return has_ends_.has(r) ? &ends_[has_ends_.rank(r)] : nullptr;
   }
+  /// What a corner's record says of the others in its cell.
+  struct View {
+    const Level* links = nullptr;  // null: no record, or a ghost
+    DirectionMask one_way = 0;
+    Level level = 0;
+  };
+  View view(Node node) const noexcept;
+  static std::array<std::uint8_t, 8> apart(const std::array<View, 8>& corners) noexcept;
+
   const double* two_way_row(RecordIndex r, int q) const;
-  std::vector<End> find_ends(const PointBits& tangled);
-  void find_mixed_records(const PointBits& tangled);
+  std::vector<End> find_ends();
+  void find_mixed_records();
   void add_ghosts(std::span<const End> ends_at_point);
   void add_ghost(std::span<const End> ends, const std::vector<std::uint32_t>& branch,
                  std::uint32_t which);
-  std::uint8_t find_mixed(RecordIndex r) const;
+  std::uint8_t find_mixed(PointIndex p, Level level) const;
 
   const Grid& grid_;
   std::size_t row_size_;
@@ -126,6 +148,8 @@ class Sheets {
   std::vector<Node> ghost_of_;  // by one-way link
   RankedBits is_mixed_;
   std::vector<std::uint8_t> mixed_;  // bit c: of the cell where the record is corner c
+  std::vector<GhostEnd> ghost_ends_;
+  std::vector<std::uint32_t> ghost_first_{0};  // in ghost_ends_
   std::vector<PointIndex> ghost_points_;
   std::vector<double> ghost_rows_;  // ghosts x row_size
 };

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "libcore/base/parallel.hpp"
+
 namespace hapgrid {
 
 namespace {
@@ -25,16 +27,13 @@ class Plane {
       sum_[a] += c[a];
       for (int b = 0; b < 3; ++b) square_[a][b] += c[a] * c[b];
     }
-    ++places_;
   }
-  bool any() const { return places_ > 0; }
   /// Its distance from the node.
   double distance() const;
 
  private:
   std::array<Vec3, 3> square_{};
   Vec3 sum_{};
-  int places_ = 0;
 };
 
 double determinant(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -58,37 +57,65 @@ double Plane::distance() const {
   return length > 0 ? std::min(1 / length, kFarthest) : kFarthest;
 }
 
-/// "The sum of weight[k] value[node[k]] is 0", of a link along one, two or three axes.
-struct Equation {
-  std::array<Node, 8> node;
-  std::array<double, 8> weight;
-  std::uint8_t size;
+/// What the tear fraction t of a one-way link says. Its nodes are the corners that the cell which
+/// it crosses has along the link's one, two or three axes: the record first, the ghost last. They
+/// make the equation "the sum of weight[k] value[node[k]] is 0", if none is missing.
+struct TornLink {
+  double t;
+  std::size_t first;  // of its nodes in TornLinks::node
   std::uint8_t q;
+  std::uint8_t size;  // so many nodes
+  bool is_equation;
 };
 
-/// False where a corner of the cell that the link crosses is missing.
-bool make_equation(const Sheets& sheets, RecordIndex r, int q, double t, Equation& equation) {
+/// Many of them.
+struct TornLinks {
+  std::vector<TornLink> items;
+  std::vector<Node> node;
+
+  void add(TornLinks&& later) {
+    for (TornLink& link : later.items) link.first += node.size();
+    items.insert(items.end(), later.items.begin(), later.items.end());
+    node.insert(node.end(), later.node.begin(), later.node.end());
+  }
+  void add(const Sheets& sheets, RecordIndex r, int q, double t);
+};
+
+void TornLinks::add(const Sheets& sheets, RecordIndex r, int q, double t) {
   const auto d = Direction(q).step();
   std::array<int, 3> axes{};
   int count = 0;
   for (int a = 0; a < 3; ++a)
     if (d[a] != 0) axes[count++] = a;
-  equation.size = static_cast<std::uint8_t>(1 << count);
-  equation.q = static_cast<std::uint8_t>(q);
-  for (int corner = 0; corner < equation.size; ++corner) {
+  TornLink link{t, node.size(), static_cast<std::uint8_t>(q), static_cast<std::uint8_t>(1 << count),
+                true};
+  node.push_back(r);
+  for (int corner = 1; corner < link.size && link.is_equation; ++corner) {
     std::array<int, 3> step{};
-    double weight = 1;
-    for (int i = 0; i < count; ++i) {
-      const bool there = corner >> i & 1;
-      if (there) step[axes[i]] = d[axes[i]];
-      weight *= there ? t : 1 - t;
-    }
-    equation.node[corner] =
-        corner == 0 ? r : sheets.node(r, Direction::of(step[0], step[1], step[2]).q());
-    if (equation.node[corner] == Sheets::kNoNode) return false;
-    equation.weight[corner] = weight;
+    for (int i = 0; i < count; ++i)
+      if (corner >> i & 1) step[axes[i]] = d[axes[i]];
+    node.push_back(sheets.node(r, Direction::of(step[0], step[1], step[2]).q()));
+    link.is_equation = node.back() != Sheets::kNoNode;
   }
-  return true;
+  if (!link.is_equation) {
+    node.resize(link.first + 1);
+    node.push_back(sheets.node(r, q));
+    link.size = 2;
+  }
+  items.push_back(link);
+}
+
+/// Of all one-way links, ascending.
+TornLinks links_of(const Grid& grid, const Sheets& sheets) {
+  constexpr std::uint64_t kWords = 256;
+  return sum_of_blocks<TornLinks>(sheets.words_of_ends(), kWords, all_threads(),
+                                  [&](std::uint64_t begin, std::uint64_t end) {
+                                    TornLinks links;
+                                    sheets.for_each_end(begin, end, [&](RecordIndex r, int q) {
+                                      links.add(sheets, r, q, tear_fraction(grid, r, q));
+                                    });
+                                    return links;
+                                  });
 }
 
 double dot(const std::vector<double>& a, const std::vector<double>& b) {
@@ -97,27 +124,44 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
-/// The normal matrix of the equations and of the start values, times v.
-std::vector<double> normal(const std::vector<Equation>& equations, const std::vector<double>& v,
-                           double start_weight) {
-  std::vector<double> product(v.size());
+/// Of an equation with kSize nodes: adds the normal matrix, times v, to `product`.
+template <int kSize>
+void add_normal(const Node* node, double t, const std::vector<double>& v,
+                std::vector<double>& product) {
+  // Each axis multiplies by t where a corner is ahead along it, and else by 1 - t.
+  std::array<double, kSize> weight{1};
+  for (int half = 1; half < kSize; half *= 2)
+    for (int k = 0; k < half; ++k) {
+      weight[k + half] = weight[k] * t;
+      weight[k] *= 1 - t;
+    }
+  double sum = 0;
+  for (int k = 0; k < kSize; ++k) sum += weight[k] * v[node[k]];
+  for (int k = 0; k < kSize; ++k) product[node[k]] += weight[k] * sum;
+}
+
+/// Sets `product` to the normal matrix of the equations and of the start values, times v.
+void set_normal(const TornLinks& links, const std::vector<double>& v, double start_weight,
+                std::vector<double>& product) {
   for (std::size_t i = 0; i < v.size(); ++i) product[i] = start_weight * v[i];
-  for (const Equation& e : equations) {
-    double sum = 0;
-    for (int k = 0; k < e.size; ++k) sum += e.weight[k] * v[e.node[k]];
-    for (int k = 0; k < e.size; ++k) product[e.node[k]] += e.weight[k] * sum;
+  for (const TornLink& link : links.items) {
+    if (!link.is_equation) continue;
+    const auto add = link.size == 2   ? add_normal<2>
+                     : link.size == 4 ? add_normal<4>
+                                      : add_normal<8>;
+    add(&links.node[link.first], link.t, v, product);
   }
-  return product;
 }
 
 /// Moves `value` towards the equations by conjugate gradients.
-void solve(const std::vector<Equation>& equations, std::vector<double>& value) {
-  std::vector<double> rest = normal(equations, value, 0);
+void solve(const TornLinks& links, std::vector<double>& value) {
+  std::vector<double> rest(value.size()), image(value.size());
+  set_normal(links, value, 0, rest);
   for (double& x : rest) x = -x;
   std::vector<double> way = rest;
   double size = dot(rest, rest);
   for (int step = 0; step < kSteps && size > 0; ++step) {
-    const std::vector<double> image = normal(equations, way, kStartWeight);
+    set_normal(links, way, kStartWeight, image);
     const double length = size / dot(way, image);
     for (std::size_t i = 0; i < value.size(); ++i) {
       value[i] += length * way[i];
@@ -129,48 +173,55 @@ void solve(const std::vector<Equation>& equations, std::vector<double>& value) {
   }
 }
 
+/// How far the plane that fits the tear fractions around a ghost best is from it.
+double distance(const Grid& grid, const Sheets& sheets, Node ghost) {
+  Plane plane;
+  for (const auto& [r, q] : sheets.ends_of_ghost(ghost)) {
+    const auto d = Direction(q).step();
+    const double beyond = tear_fraction(grid, r, q) - 1;
+    plane.add({beyond * d[0], beyond * d[1], beyond * d[2]});
+  }
+  return plane.distance();
+}
+
 }  // namespace
 
 TearFunction::TearFunction(const Grid& grid, const Sheets& sheets) {
-  std::vector<Equation> equations;
+  TornLinks links = links_of(grid, sheets);
   std::vector<std::uint64_t> is_near((std::size_t{grid.records()} + sheets.ghosts()) / 64 + 1);
-  const auto mark = [&](Node node) { is_near[node / 64] |= std::uint64_t{1} << node % 64; };
-  sheets.for_each_end([&](RecordIndex r, int q) {
-    mark(r);
-    mark(sheets.node(r, q));
-    Equation equation{};
-    if (!make_equation(sheets, r, q, tear_fraction(grid, r, q), equation)) return;
-    for (int k = 0; k < equation.size; ++k) mark(equation.node[k]);
-    equations.push_back(equation);
-  });
+  for (const Node node : links.node) is_near[node / 64] |= std::uint64_t{1} << node % 64;
   is_near_ = RankedBits(is_near);
   // Nodes are numbered in the order in which they come: sums are made in this order.
   constexpr Node kNone = ~Node{0};
   std::vector<Node> number(is_near_.count(), kNone), numbered;
-  std::vector<Plane> planes(is_near_.count());
+  std::vector<double> value;
   const auto number_of = [&](Node node) {
     Node& found = number[is_near_.rank(node)];
     if (found == kNone) {
       found = static_cast<Node>(numbered.size());
       numbered.push_back(node);
+      value.push_back(kFarthest);
     }
     return found;
   };
-  auto equation = equations.begin();
-  sheets.for_each_end([&](RecordIndex r, int q) {
-    const double t = tear_fraction(grid, r, q);
-    const auto d = Direction(q).step();
-    planes[number_of(r)].add({t * d[0], t * d[1], t * d[2]});
-    planes[number_of(sheets.node(r, q))].add({(t - 1) * d[0], (t - 1) * d[1], (t - 1) * d[2]});
-    if (equation == equations.end() || equation->node[0] != r || equation->q != q) return;
-    for (int k = 0; k < equation->size; ++k) equation->node[k] = number_of(equation->node[k]);
-    ++equation;
-  });
-  std::vector<double> value(numbered.size(), kFarthest);
+  Plane record;  // of the links that one record has
+  for (std::size_t i = 0; i < links.items.size(); ++i) {
+    const TornLink& link = links.items[i];
+    Node* const node = &links.node[link.first];
+    const RecordIndex r = node[0];
+    const auto d = Direction(link.q).step();
+    record.add({link.t * d[0], link.t * d[1], link.t * d[2]});
+    const Node own = number_of(r);
+    number_of(node[link.size - 1]);
+    if (i + 1 == links.items.size() || links.node[links.items[i + 1].first] != r) {
+      value[own] = record.distance();
+      record = {};
+    }
+    for (int k = 0; k < link.size; ++k) node[k] = number_of(node[k]);
+  }
   for (std::size_t i = 0; i < value.size(); ++i)
-    if (planes[i].any())
-      value[i] = sheets.is_ghost(numbered[i]) ? -planes[i].distance() : planes[i].distance();
-  solve(equations, value);
+    if (sheets.is_ghost(numbered[i])) value[i] = -distance(grid, sheets, numbered[i]);
+  solve(links, value);
   values_.resize(value.size());
   for (std::size_t i = 0; i < value.size(); ++i)
     values_[is_near_.rank(numbered[i])] = static_cast<float>(

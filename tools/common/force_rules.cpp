@@ -42,9 +42,8 @@ ForceRule default_force(TraversalRule traversal) {
   return traversal == TraversalRule::kBranch ? ForceRule::kEnergy : ForceRule::kState;
 }
 
-NodeForces node_forces(ForceRule wanted, const Grid& grid, const Sheets* sheets,
-                       const RecordFields& fields) {
-  NodeForces found{wanted, {}, std::make_shared<const NodeEnergies>(grid, sheets, fields), {}};
+NodeForces node_forces(ForceRule wanted, const Grid& grid, const RecordFields& fields) {
+  NodeForces found{wanted, {}, std::make_shared<NodeEnergies>(grid, fields), {}};
   if (wanted == ForceRule::kEnergy) found.why_not = objection(grid, fields);
   if (!found.why_not.empty()) found.rule = ForceRule::kRecords;
   found.interpolate = found.rule == ForceRule::kEnergy ? hermite_force : mean_force;

@@ -27,12 +27,11 @@ ForceRule default_force(TraversalRule traversal);
 struct NodeForces {
   ForceRule rule;
   std::string why_not;  ///< why it is not kEnergy, though that was asked; else empty
-  std::shared_ptr<const NodeEnergies> nodes;
+  std::shared_ptr<NodeEnergies> nodes;  ///< of the records; add_ghosts() is the caller's
   NodeForce::Interpolate interpolate;
 };
 /// @param wanted kEnergy or kRecords; the second is taken where no energy has the forces as its
-/// gradient. @param sheets of the traversal; may be null. @param fields of the grid
-NodeForces node_forces(ForceRule wanted, const Grid& grid, const Sheets* sheets,
-                       const RecordFields& fields);
+/// gradient. @param fields of the grid
+NodeForces node_forces(ForceRule wanted, const Grid& grid, const RecordFields& fields);
 
 }  // namespace hapgrid

@@ -1,20 +1,30 @@
 #include "tools/play/played_force.hpp"
 
-#include <algorithm>
-#include <thread>
-
 #include "libcore/base/error.hpp"
+#include "libcore/base/parallel.hpp"
 #include "libcore/check/forces.hpp"
 #include "tools/common/tool.hpp"
 
 namespace hapgrid {
 
+std::future<NodeForces> PlayForce::ask_records(std::optional<ForceRule> wanted,
+                                               TraversalRule traversal, const Grid& grid,
+                                               const MakeModel& create) {
+  const ForceRule rule = wanted.value_or(default_force(traversal));
+  if (rule == ForceRule::kState) return {};
+  // One processor does one thing after the other, without a thread.
+  const auto launch = all_threads() > 1 ? std::launch::async : std::launch::deferred;
+  return std::async(launch, [&grid, create, rule] {
+    return node_forces(rule, grid, shared_fields(grid, create, all_threads()));
+  });
+}
+
 PlayForce::PlayForce(std::optional<ForceRule> wanted, TraversalRule traversal, const Grid& grid,
-                     const Sheets* sheets, const Fields& fields, const MakeModel& create)
+                     const Sheets* sheets, const Fields& fields, std::future<NodeForces> records)
     : fields_(fields), rule_(wanted.value_or(default_force(traversal))) {
   if (rule_ == ForceRule::kState) return;
-  const int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  const NodeForces found = node_forces(rule_, grid, sheets, shared_fields(grid, create, threads));
+  const NodeForces found = records.get();
+  if (sheets) found.nodes->add_ghosts(grid, *sheets);
   if (!found.why_not.empty()) {
     if (wanted) throw Error("--force energy: " + found.why_not);
     say("play", found.why_not + ": the forces of the records are interpolated");

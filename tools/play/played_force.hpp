@@ -1,6 +1,7 @@
 // The force of a play, by the rule that --force names.
 #pragma once
 
+#include <future>
 #include <optional>
 
 #include "libcore/model/fields.hpp"
@@ -11,13 +12,20 @@ namespace hapgrid {
 /// For one thread.
 class PlayForce {
  public:
+  /// What a force that is not kState needs to know of each record; begins to ask, in other threads.
+  /// Arguments as below; grid outlives the answer.
+  static std::future<NodeForces> ask_records(std::optional<ForceRule> wanted,
+                                             TraversalRule traversal, const Grid& grid,
+                                             const MakeModel& create);
+
   /// @param wanted nothing: kEnergy for the rule of branches, or kRecords where no energy has the
   /// forces as its gradient; kState for the other rules of traversal. Says on standard error where
   /// it falls back to kRecords.
   /// @param sheets of the traversal; may be null. @param fields, grid outlive this.
+  /// @param records from ask_records()
   /// @throw Error when kEnergy is wanted and cannot be had; what `create` throws.
   PlayForce(std::optional<ForceRule> wanted, TraversalRule traversal, const Grid& grid,
-            const Sheets* sheets, const Fields& fields, const MakeModel& create);
+            const Sheets* sheets, const Fields& fields, std::future<NodeForces> records);
 
   ForceRule rule() const { return rule_; }
 

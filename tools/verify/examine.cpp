@@ -127,7 +127,7 @@ class Examiner {
     if (rule == ForceRule::kState || !branches)
       look_at_work_between_points(map, found, fields);
     else
-      look_at_played_work(*branches, node_forces(rule, grid_, &branches->sheets, fields));
+      look_at_played_work(*branches, node_forces(rule, grid_, fields));
   }
 
   /// The rows `passive` and `limited` where the force between the points is not known.
@@ -153,6 +153,7 @@ class Examiner {
 
   /// And where play interpolates it from the nodes.
   void look_at_played_work(const BranchMap& branches, const NodeForces& forces) {
+    forces.nodes->add_ghosts(grid_, branches.sheets);
     const double tolerated = asked_.friction.value_or(
         forces.rule == ForceRule::kEnergy ? kSnapFriction : kForceFriction);
     const auto look_at = [&](const ForceLimit& limit, auto&& use) {
