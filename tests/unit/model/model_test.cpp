@@ -10,25 +10,16 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/model/plugin_model.hpp"
+#include "tests/unit/model/refusal.hpp"
 
 using namespace hapgrid;
+using namespace hapgrid::testing;
 namespace fs = std::filesystem;
 
 namespace {
 
 const std::vector<fs::path> kBad{HAPGRID_BUILD_DIR "/tests/plugins"};
 const std::vector<fs::path> kGood{HAPGRID_BUILD_DIR "/models"};
-
-/// What the ModelError says that `f` throws.
-template <class F>
-std::string refusal(F&& f) {
-  try {
-    f();
-  } catch (const ModelError& e) {
-    return e.what();
-  }
-  return "(nothing was refused)";
-}
 
 std::string load_refusal(const std::string& name, const std::vector<fs::path>& where = kBad) {
   return refusal([&] { Plugin(name, where); });

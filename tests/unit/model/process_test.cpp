@@ -11,8 +11,10 @@
 #include "libcore/base/error.hpp"
 #include "libcore/model/process_model.hpp"
 #include "libcore/model/protocol.hpp"
+#include "tests/unit/model/refusal.hpp"
 
 using namespace hapgrid;
+using namespace hapgrid::testing;
 
 namespace {
 
@@ -27,16 +29,6 @@ std::unique_ptr<Model> create(std::vector<std::string> words, unsigned in_flight
                               double timeout = kSeconds, double start_timeout = kSeconds) {
   return ProcessSource("puppet", std::move(words), kProcesses, {timeout, in_flight, start_timeout})
       .create({});
-}
-
-template <class F>
-std::string refusal(F&& f) {
-  try {
-    f();
-  } catch (const ModelError& e) {
-    return e.what();
-  }
-  return "(nothing was refused)";
 }
 
 /// The states of `count` conversions from states with s[0] = 0, 1, 2, ...; an error where one
@@ -69,12 +61,6 @@ Run convert(Model& model, std::size_t count) {
 
 /// No child is left, not even a dead one.
 bool no_children() { return ::waitpid(-1, nullptr, WNOHANG) < 0 && errno == ECHILD; }
-
-Answer answer(const std::string& line) {
-  Answer a;
-  read_answer(line, a);
-  return a;
-}
 
 }  // namespace
 

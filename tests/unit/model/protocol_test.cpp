@@ -6,28 +6,10 @@
 #include <limits>
 
 #include "libcore/base/error.hpp"
+#include "tests/unit/model/refusal.hpp"
 
 using namespace hapgrid;
-
-namespace {
-
-template <class F>
-std::string refusal(F&& f) {
-  try {
-    f();
-  } catch (const ModelError& e) {
-    return e.what();
-  }
-  return "(nothing was refused)";
-}
-
-Answer answer(const std::string& line) {
-  Answer a;
-  read_answer(line, a);
-  return a;
-}
-
-}  // namespace
+using namespace hapgrid::testing;
 
 TEST_CASE("numbers read back to the same double and are never taken for whole ones") {
   const auto text = [](double value) {
