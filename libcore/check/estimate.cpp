@@ -23,9 +23,8 @@ using State = std::vector<double>;
 
 // What the search itself takes for a request, beside C: tests/bench/search.sh.
 constexpr double kRequestSeconds = 20e-9;
-// Points along the longest side of the first box that is searched, and how much finer the next is.
-constexpr std::uint32_t kFewestPoints = 4;
-constexpr double kFiner = 0.7;
+constexpr std::uint32_t kFewestPoints = 4;  // along the longest side of the first box
+constexpr double kFiner = 0.7;              // the stride of the next box, for that of the last one
 // A conversion of a bisection goes half a step or less.
 constexpr double kBisectionStep = 0.5;
 constexpr double kSearchShare = 0.75;  // of the time; the rest is for looking around
@@ -185,7 +184,7 @@ class Sampler {
     return true;
   }
 
-  /// Makes the conversions of the records, in a random order, while there is time; at least once.
+  /// Looks around the records in a random order while there is time; around one of them at least.
   void look_around() {
     std::vector<std::size_t> order(records_.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
@@ -199,8 +198,9 @@ class Sampler {
     }
   }
 
-  /// Times the conversions of the grid, and counts what does not lead back in the coarse box: finer
-  /// grids find more levels, of which few links lead back, and so the share of such links stays.
+  /// Times the conversions that the grid makes of a record. The bisections are counted in the
+  /// coarse box: one link crosses fewer tears in a finer grid, but such a grid finds more levels,
+  /// whose links are mostly one-way. On molecules the two come to much the same (slow/estimate.sh).
   void look_around(const Record& record) {
     const Vec3 x = spec_.box.position(record.point);
     const DirectionMask inside = around_.inside(record.point);
@@ -214,6 +214,7 @@ class Sampler {
     sum_.records += 1;
     sum_.conversions += std::popcount(inside);
     sum_.seconds += seconds;
+    if (tears == 0) return;
     sum_.tear_conversions += tears;
     sum_.tear_seconds += kBisectionStep * tears * seconds / std::popcount(inside);
   }

@@ -23,10 +23,9 @@ struct EstimateLimits {
   std::uint64_t seed = 1;  ///< another one takes the records in another order
 };
 
-/// Searches every so many points of the box as the grid is searched, ever finer while there is
-/// time, so that each kind of place has its levels. From these records it makes the conversions
-/// that the search of the whole grid makes of them, and the bisections of those that do not lead
-/// back.
+/// Searches a coarser grid of the same box, then finer ones while there is time. The last one says
+/// how many levels a point has, and how many bisections there are for a conversion. What a
+/// conversion takes is measured at its records, with the shifts of the whole grid.
 /// @param seeds by point the states known there, row after row; at least one
 /// @param seconds_a_conversion is taken where the time is too short for a single record
 GridEstimate estimate_grid(const GridSpec& spec,

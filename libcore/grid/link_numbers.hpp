@@ -1,5 +1,6 @@
 // Which of the distinct links of a grid each record has: one number for a block of records that all
-// have the same, as most do, and four bytes a record in the other blocks.
+// have the same, and four bytes a record in the other blocks. Small grids have few blocks of the
+// one kind: there each record has two bytes.
 #pragma once
 
 #include <algorithm>
@@ -45,8 +46,8 @@ class LinkNumbers {
       r = next;
     }
   }
-  /// After the last set(). Where hardly any block shares a number, two bytes a record are less, and
-  /// found faster.
+  /// After the last set(). Where most blocks do not share a number, two bytes a record are less
+  /// memory, and found faster.
   /// @param count of distinct links
   void finish(std::size_t records, std::size_t count) {
     own_.keep(block_of_.owned() * kBlock);

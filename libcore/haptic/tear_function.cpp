@@ -204,18 +204,18 @@ TearFunction::TearFunction(const Grid& grid, const Sheets& sheets) {
     }
     return found;
   };
-  Plane record;  // of the links that one record has
+  Plane plane;  // of the links that one record has
   for (std::size_t i = 0; i < links.items.size(); ++i) {
     const TornLink& link = links.items[i];
     Node* const node = &links.node[link.first];
     const RecordIndex r = node[0];
     const auto d = Direction(link.q).step();
-    record.add({link.t * d[0], link.t * d[1], link.t * d[2]});
+    plane.add({link.t * d[0], link.t * d[1], link.t * d[2]});
     const Node own = number_of(r);
     number_of(node[link.size - 1]);
     if (i + 1 == links.items.size() || links.node[links.items[i + 1].first] != r) {
-      value[own] = record.distance();
-      record = {};
+      value[own] = plane.distance();
+      plane = {};
     }
     for (int k = 0; k < link.size; ++k) node[k] = number_of(node[k]);
   }
