@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <new>
 #include <type_traits>
@@ -14,9 +15,9 @@
 
 namespace hapgrid {
 
-/// `size` values, which are not initialised: so it is the threads that fill an array that wait for
-/// its pages, and what nobody writes takes no memory. Large arrays ask for large pages, which take
-/// less time to come and to be found.
+/// `size` values whose bytes are 0 at first. Nothing is written for that in a large array: so it is
+/// the threads that fill it that wait for its pages, and what nobody writes takes no memory. Large
+/// arrays ask for large pages, which take less time to come and to be found.
 template <class T>
 class LargeArray {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -30,6 +31,7 @@ class LargeArray {
     else if (size > 0)
       memory_.reset(static_cast<T*>(std::aligned_alloc(64, (bytes + 63) / 64 * 64)));
     if (size > 0 && !memory_) throw std::bad_alloc();
+    if (bytes < 2 * kPage && size > 0) std::memset(static_cast<void*>(memory_.get()), 0, bytes);
   }
   LargeArray(LargeArray&& other) noexcept
       : memory_(std::move(other.memory_)), size_(std::exchange(other.size_, 0)) {}

@@ -20,16 +20,16 @@ class LinkNumbers {
 
   LinkNumbers() = default;
   explicit LinkNumbers(std::size_t records)
-      : block_of_(records, OwnBlocks::kNone, kMixed), own_(block_of_.size() * kBlock) {}
+      : block_of_(records, /*first_own=*/kMixed + 1), own_(block_of_.size() * kBlock) {}
 
   /// Real-time safe.
   std::uint32_t operator[](std::size_t r) const {
     if (!flat_.empty()) return flat_[r];
-    const std::uint32_t block = block_of_[r / kBlock];
+    const std::uint32_t block = block_of_[r / kBlock] - 1;
     return block < kMixed ? block : own_[std::size_t{block - kMixed} * kBlock + r % kBlock];
   }
   /// What records [16 b, 16 b + 16) all have; kMixed or more where they need not have the same.
-  std::uint32_t of_block(std::size_t b) const { return flat_.empty() ? block_of_[b] : kMixed; }
+  std::uint32_t of_block(std::size_t b) const { return flat_.empty() ? block_of_[b] - 1 : kMixed; }
 
   /// Sets those from record `first` on. Threads may do that at once for different records, all with
   /// the same mutex.
@@ -63,18 +63,17 @@ class LinkNumbers {
   void set_block(std::size_t r, std::span<const std::uint32_t> piece) {
     const std::size_t b = r / kBlock;
     const std::uint32_t before = block_of_[b];
-    const bool is_first = before == OwnBlocks::kNone;
-    if ((is_first || before == piece[0]) && piece[0] < kMixed &&
+    if ((before == 0 || before == piece[0] + 1) && piece[0] < kMixed &&
         std::all_of(piece.begin(), piece.end(), [&](std::uint32_t n) { return n == piece[0]; })) {
-      block_of_.share(b, piece[0]);
+      block_of_.share(b, piece[0] + 1);
       return;
     }
     std::uint32_t* const own = own_.data() + block_of_.own(b) * kBlock;
-    if (before < kMixed) std::fill_n(own, kBlock, before);
+    if (before > 0 && before <= kMixed) std::fill_n(own, kBlock, before - 1);
     std::copy(piece.begin(), piece.end(), own + r % kBlock);
   }
 
-  OwnBlocks block_of_;
+  OwnBlocks block_of_;              // 0: not set; up to kMixed: a shared number, and 1
   LargeArray<std::uint32_t> own_;   // what no block uses takes no memory
   LargeArray<std::uint16_t> flat_;  // by record, in place of the others
 };

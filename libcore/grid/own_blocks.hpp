@@ -2,7 +2,6 @@
 // and the few that do not have memory of their own.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -16,23 +15,18 @@ namespace hapgrid {
 class OwnBlocks {
  public:
   static constexpr std::size_t kRecords = 16;  ///< of a block
-  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
   OwnBlocks() = default;
-  /// @param word of all blocks at first: below `first_own`, or kNone
-  OwnBlocks(std::size_t records, std::uint32_t word, std::uint32_t first_own)
-      : first_own_(first_own), next_(first_own), words_(records / kRecords + 1) {
-    std::fill_n(words_.data(), words_.size(), word);
-  }
+  /// The word of each block is 0 at first. @param first_own above 0
+  OwnBlocks(std::size_t records, std::uint32_t first_own)
+      : first_own_(first_own), next_(first_own), words_(records / kRecords + 1) {}
 
   /// Real-time safe.
   std::uint32_t operator[](std::size_t block) const { return words_[block]; }
   std::size_t size() const { return words_.size(); }
   /// How many have their own memory.
   std::size_t owned() const { return next_ - first_own_; }
-  bool is_own(std::size_t block) const {
-    return words_[block] >= first_own_ && words_[block] != kNone;
-  }
+  bool is_own(std::size_t block) const { return words_[block] >= first_own_; }
 
   void share(std::size_t block, std::uint32_t word) { words_[block] = word; }
   /// Which memory of its own a block has; it gets some if it has none.

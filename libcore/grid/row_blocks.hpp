@@ -17,7 +17,7 @@ class RowBlocks {
   RowBlocks() = default;
   RowBlocks(std::size_t records, std::size_t width)
       : width_(width),
-        block_of_(records, /*word=*/0, /*first_own=*/1),
+        block_of_(records, /*first_own=*/1),
         rows_((block_of_.size() + 1) * kBlock * width) {}
 
   /// Real-time safe.

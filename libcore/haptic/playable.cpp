@@ -20,15 +20,20 @@ struct Faults {
   }
 };
 
-/// How many links lead to levels that do not exist.
+/// How many links lead to levels that do not exist. Links to level 0 are not looked at: where that
+/// is missing, the point has no level at all.
 std::uint64_t broken_links(const Grid& grid, PointIndex p) {
+  const RecordIndex begin = grid.first(p), end = begin + grid.levels(p);
+  RecordIndex r = begin;
+  while (r < end && grid.links_lead_to(r, 0)) ++r;
+  if (r == end) return 0;
   const Neighbourhood& around = grid.neighbourhood();
   const DirectionMask inside = around.inside(p);
   std::array<RecordIndex, kDirections> levels{};
   for (int q = 0; q < kDirections; ++q)
     if (inside >> q & 1) levels[q] = grid.levels(static_cast<PointIndex>(p + around.offset(q)));
   std::uint64_t broken = 0;
-  for (RecordIndex r = grid.first(p); r < grid.first(p) + grid.levels(p); ++r) {
+  for (; r < end; ++r) {
     const auto links = grid.links(r);
     for (int q = 0; q < kDirections; ++q)
       if (inside >> q & 1) broken += links[q] >= levels[q];
