@@ -86,7 +86,7 @@ printf '[hand]\npath = "path"\nstiffness = 1e6\ndamping = 600\n' | put texts sim
 # A model process: what the hung ball says.
 printf '%s\n' '{"hapgrid": 1, "parameters": {}}' '{"id": 1, "op": "known_states", "x": [-0.4, 0, 0]}' \
   '{"id": 2, "op": "convert", "s": [0.1], "x": [-0.4, 0, 0], "d": [0.05, 0, 0]}' |
-  python3 "$HAPGRID_SOURCE/examples/hung-ball/hung_ball.py" | put process ball
+  PYTHONPATH=$HAPGRID_BUILD/python python3 "$HAPGRID_SOURCE/examples/hung-ball/hung_ball.py" | put process ball
 cat <<'JSON' | put process stored
 {"hapgrid": 1, "state_size": 2, "d_max": 0.5, "tolerance": 1e-6, "tolerance_unit": "m", "norm": "rms", "weights": [1, 2], "length_unit": "m", "energy_unit": "J", "force_scale": 1.5, "hip_radius": 0.1, "stored": ["force", "energy", "shape"], "spheres": [{"radius": 0.1, "colour": [1, 0, 0.5], "label": "H"}]}
 {"id": 1, "s": [0.5, -1e-3], "force": [0, 1, 2], "energy": -7, "shape": [1, 2, 3]}
