@@ -109,7 +109,7 @@ TEST_CASE("the search path: the command line, the environment, beside the progra
 TEST_CASE("a file that is no plug-in") {
   const Directory home;
   std::ofstream(home.path() / "text.so") << "not a shared object, only a text\n";
-  std::ofstream(home.path() / "empty.so");
+  std::ofstream(home.path() / "empty.so").flush();
   fs::create_directory(home.path() / "folder.so");
   for (const char* name : {"text", "empty", "folder"}) {
     const std::string message = load_refusal(name, {home.path()});
