@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "examples/molecule/elementary.hpp"
+#include "examples/molecule/lanes.hpp"
 
 namespace hapgrid::molecule {
 
@@ -94,6 +95,7 @@ void HybridEnergy::place(const double* s, const double* x) {
   for (int a = 0; a < 3; ++a) probe_[a] = r[a] * d[0] + r[3 + a] * d[1] + r[6 + a] * d[2];
 }
 
+HAPGRID_WITH_AVX2
 void HybridEnergy::find_contacts() {
   contact_count_ = 0;
   for (std::size_t i = 0; i < reach_.size(); ++i) {
@@ -136,6 +138,7 @@ double HybridEnergy::value(const double* s, const double* x) {
                                   parameters_.morph_stiffness * stretch);
 }
 
+HAPGRID_WITH_AVX2
 void HybridEnergy::derivatives(double* gradient, double* hessian, bool anew) {
   const std::size_t n = variables_, paths = morph_.paths();
   std::fill_n(hessian, n * n, 0.0);
@@ -174,32 +177,37 @@ void HybridEnergy::derivatives(double* gradient, double* hessian, bool anew) {
 /// a, φ = rate dr, for the rotation. With n the unit vector from the probe, d the distance and o
 /// the overlap,
 ///   ∇(½ o²) = -o ∇d,   ∇²(½ o²) = ∇d ∇dᵀ - o ∇²d,   ∇²d = Gᵀ (1 - n nᵀ) G / d + n · ∂²a.
+HAPGRID_WITH_AVX2
 void HybridEnergy::add_contact(const Contact& contact, double* gradient, double* hessian) {
   const std::size_t n = variables_, paths = morph_.paths();
   const double* normal = contact.normal;
   const double a[3] = {shape_.x[contact.place], shape_.y[contact.place], shape_.z[contact.place]};
-  double g[kMaxVariables][3];   // ∂a/∂s
+  double g[3][kMaxVariables];   // ∂a/∂s
   double along[kMaxVariables];  // ∂d/∂s
   double turning[3][3];         // φ by the rotation's variables
   morph_.velocity(shape_, contact.place, velocity_.data());
   for (std::size_t k = 0; k < paths; ++k)
-    for (int i = 0; i < 3; ++i) g[k][i] = velocity_[3 * k + i];
+    for (int i = 0; i < 3; ++i) g[i][k] = velocity_[3 * k + i];
   for (int j = 0; j < 3; ++j) {
     double* phi = turning[j];
     for (int i = 0; i < 3; ++i) {
-      g[paths + j][i] = rotation_.matrix[3 * j + i];
+      g[i][paths + j] = rotation_.matrix[3 * j + i];
       phi[i] = rotation_.rate[3 * i + j];
     }
-    cross(phi, a, g[paths + 3 + j]);
+    double turned[3];
+    cross(phi, a, turned);
+    for (int i = 0; i < 3; ++i) g[i][paths + 3 + j] = turned[i];
   }
-  for (std::size_t i = 0; i < n; ++i) along[i] = dot(g[i], normal);
+  for (std::size_t i = 0; i < n; ++i)
+    along[i] = g[0][i] * normal[0] + g[1][i] * normal[1] + g[2][i] * normal[2];
   const double push = parameters_.penalty * contact.overlap;
   const double bend = push / std::max(contact.distance, 1e-3);
   for (std::size_t i = 0; i < n; ++i) {
     gradient[i] -= push * along[i];
     const double f = (parameters_.penalty + bend) * along[i];
-    for (std::size_t j = 0; j <= i; ++j)
-      hessian[i * n + j] += f * along[j] - bend * dot(g[i], g[j]);
+    for (std::size_t j = 0; j < n; ++j)
+      hessian[i * n + j] +=
+          f * along[j] - bend * (g[0][i] * g[0][j] + g[1][i] * g[1][j] + g[2][i] * g[2][j]);
   }
   // n · ∂²a: (n·φ)(a·φ) - (n·a) φ² for two turns, φ · (v x n) for a turn and a t.
   const double na = dot(normal, a);
@@ -212,8 +220,9 @@ void HybridEnergy::add_contact(const Contact& contact, double* gradient, double*
       row[paths + 3 + j] -= push * (0.5 * (np * dot(a, q) + dot(normal, q) * ap) - na * dot(p, q));
     }
     for (std::size_t k = 0; k < paths; ++k) {
+      const double v[3] = {g[0][k], g[1][k], g[2][k]};
       double vn[3];
-      cross(g[k], normal, vn);
+      cross(v, normal, vn);
       row[k] -= push * dot(p, vn);
     }
   }

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "examples/molecule/lanes.hpp"
+
 namespace hapgrid::molecule {
 
 namespace {
@@ -15,12 +17,15 @@ constexpr double kLeastNudge = 1e-3;
 }  // namespace
 
 /// The upper triangular U of B + shift 1 = Uᵀ U into u, the inverses of its diagonal into
-/// `inverse`; false when the sum is not positive definite. Rows are contiguous, so that compilers
-/// vectorise it.
+/// `inverse`; false when the sum is not positive definite. Pairs of a row are computed at once;
+/// where one begins before the diagonal, what it has there is not used.
+HAPGRID_WITH_AVX2
 bool Minimiser::factor(const Matrix& b, double shift, Factors& f) {
   const auto n = static_cast<std::size_t>(b.rows());
+  const auto pair = [](std::size_t i) { return i - i % 2; };  // where the pair begins that has i
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = i; j < n; ++j)
+    f.u[i][n] = 0;
+    for (std::size_t j = pair(i); j < n; ++j)
       f.u[i][j] = b(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i));
     f.u[i][i] += shift;
   }
@@ -28,9 +33,10 @@ bool Minimiser::factor(const Matrix& b, double shift, Factors& f) {
     double* const row = f.u[k];
     if (!(row[k] > 0)) return false;
     f.inverse[k] = 1 / std::sqrt(row[k]);
-    for (std::size_t j = k; j < n; ++j) row[j] *= f.inverse[k];
+    for (std::size_t j = pair(k); j < n; j += 2) store(row + j, f.inverse[k] * load<Two>(row + j));
     for (std::size_t i = k + 1; i < n; ++i)
-      for (std::size_t j = i; j < n; ++j) f.u[i][j] -= row[i] * row[j];
+      for (std::size_t j = pair(i); j < n; j += 2)
+        store(f.u[i] + j, load<Two>(f.u[i] + j) - row[i] * load<Two>(row + j));
   }
   return true;
 }
@@ -48,6 +54,7 @@ void Minimiser::solve_lower(const Factors& f, Vector& v) {
 /// The p that makes g·p + ½ p·B p (nearly) least for |p| <= radius, after Moré and Sorensen 1983.
 /// Deviation: when the least shift that makes B positive definite already gives a step inside the
 /// radius, that step is taken.
+HAPGRID_WITH_AVX2
 Minimiser::Vector Minimiser::within(double radius, const Matrix& b, const Vector& g) const {
   double shift = 0;
   double too_low = 0;  // a shift with which B was not positive definite
@@ -61,10 +68,9 @@ Minimiser::Vector Minimiser::within(double radius, const Matrix& b, const Vector
     }
     Vector p = -g;
     solve_lower(factors, p);
-    for (Eigen::Index i = p.size(); i-- > 0;) {
-      double sum = p[i];
-      for (Eigen::Index j = i + 1; j < p.size(); ++j) sum -= factors.u[i][j] * p[j];
-      p[i] = sum * factors.inverse[i];
+    for (Eigen::Index j = p.size(); j-- > 0;) {
+      p[j] *= factors.inverse[j];
+      for (Eigen::Index i = 0; i < j; ++i) p[i] -= factors.u[i][j] * p[j];
     }
     const double length = p.norm();
     if (length <= 1.1 * radius) return p;
@@ -78,6 +84,7 @@ Minimiser::Vector Minimiser::within(double radius, const Matrix& b, const Vector
 
 /// The step within the radius and the bounds; returns how far the quadratic model promises H to
 /// fall, which may be no fall at all.
+HAPGRID_WITH_AVX2
 double Minimiser::step(double radius, Vector& p) const {
   const Eigen::Index n = y_.size();
   const auto paths = static_cast<Eigen::Index>(energy_.morph().paths());
@@ -121,6 +128,7 @@ double Minimiser::step(double radius, Vector& p) const {
   return promised;
 }
 
+HAPGRID_WITH_AVX2
 void Minimiser::differentiate(const double* s) {
   const auto n = static_cast<Eigen::Index>(energy_.variables());
   y_.resize(n);

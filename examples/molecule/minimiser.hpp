@@ -47,7 +47,7 @@ class Minimiser {
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxVariables, kMaxVariables>;
 
   struct Factors {
-    double u[kMaxVariables][kMaxVariables];
+    double u[kMaxVariables][kMaxVariables + 2];
     double inverse[kMaxVariables];
   };
   static bool factor(const Matrix& b, double shift, Factors& f);

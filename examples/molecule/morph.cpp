@@ -11,7 +11,7 @@ namespace hapgrid::molecule {
 
 namespace {
 
-std::size_t even(std::size_t n) { return n + n % 2; }
+std::size_t in_fours(std::size_t n) { return (n + 3) / 4 * 4; }
 
 /// Second derivatives times h²/6 of the natural cubic spline through equidistant values, in place:
 /// the tridiagonal system z_{i-1} + 4 z_i + z_{i+1} = v_{i-1} - 2 v_i + v_{i+1}, z zero at the
@@ -159,8 +159,8 @@ Tree listed(const Molecule& molecule) {
 
 Morph::Morph(const Molecule& molecule)
     : tree_(molecule.paths.empty() ? listed(molecule) : spanning_tree(molecule)),
-      stride_(even(tree_.size())),
-      width_(even(molecule.paths.size())) {
+      stride_(in_fours(tree_.size())),
+      width_(in_fours(molecule.paths.size())) {
   if (molecule.paths.size() > kMaxPaths)
     throw std::runtime_error(std::to_string(molecule.paths.size()) +
                              " transition states, at most " + std::to_string(kMaxPaths) +
@@ -281,6 +281,7 @@ Morph::Shape Morph::make_shape() const {
   return s;
 }
 
+HAPGRID_WITH_AVX2
 void Morph::interpolate(Shape& s) const {
   const std::size_t n = q0_.size();
   std::copy(q0_.begin(), q0_.end(), s.q.begin());
@@ -289,14 +290,16 @@ void Morph::interpolate(Shape& s) const {
     const Spline& path = paths_[k];
     const auto [a, u] = path.piece(s.t[k], n);
     double* q = s.q.data();
-    for (std::size_t c = 0; c < n; c += 2) {
-      const Two value = load(q + c) + load(a + c) +
-                        u * (load(a + n + c) + u * (load(a + 2 * n + c) + u * load(a + 3 * n + c)));
+    for (std::size_t c = 0; c < n; c += 4) {
+      const Four value = load<Four>(q + c) + load<Four>(a + c) +
+                         u * (load<Four>(a + n + c) +
+                              u * (load<Four>(a + 2 * n + c) + u * load<Four>(a + 3 * n + c)));
       store(q + c, value);
     }
   }
 }
 
+HAPGRID_WITH_AVX2
 void Morph::build(Shape& s) const {
   sines_and_cosines(&s.q[stride_], s.sine.data(), s.cosine.data(), 2 * stride_);
   std::copy(root_frame_.begin(), root_frame_.end(), s.frame.begin());
@@ -318,6 +321,7 @@ void Morph::build(Shape& s) const {
 }
 
 /// Turns and shifts the local shape so that it lies on the conformation.
+HAPGRID_WITH_AVX2
 void Morph::align(Shape& s) const {
   const std::size_t n = tree_.size();
   double m[9] = {}, centre[3] = {}, square = 0;  // m[3 a + b] = Σ m y_a c_b

@@ -23,8 +23,8 @@
 #include <vector>
 
 #include "examples/molecule/input.hpp"
+#include "examples/molecule/lanes.hpp"
 #include "examples/molecule/tree.hpp"
-#include "examples/molecule/two.hpp"
 
 namespace hapgrid::molecule {
 
@@ -128,16 +128,16 @@ class Morph {
   void differentiate_tree(Shape& shape) const;
   void spread_pulls(Shape& shape, const double* force, const double* u) const;
   void sweep(Shape& shape, double* sum) const;
-  /// First moments of the atoms' velocities, for two parameters at once.
+  /// First moments of the atoms' velocities, for four parameters at once.
   struct Moments {
-    Two sum[9], centre[3];
+    Four sum[9], centre[3];
   };
   Moments moments(const std::vector<double>& velocities, std::size_t stride, std::size_t at) const;
-  static void turn_back(const Shape& shape, const Two* p, double* turn, std::size_t stride);
+  static void turn_back(const Shape& shape, const Four* p, double* turn, std::size_t stride);
 
   Tree tree_;
-  std::size_t stride_;  // atoms, rounded up to an even number
-  std::size_t width_;   // paths, rounded up to an even number
+  std::size_t stride_;  // atoms, rounded up to a multiple of four
+  std::size_t width_;   // paths, rounded up to a multiple of four
   std::vector<double> mass_;
   double total_mass_ = 0;
   Eigen::Vector3d centre_;

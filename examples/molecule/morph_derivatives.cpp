@@ -6,31 +6,33 @@
 namespace hapgrid::molecule {
 
 /// From velocities v of the atoms: sum[3 a + b] = Σ m v_a c_b, and the velocity of the centre of
-/// mass. Each component of a velocity has `stride` numbers; those at `at` and `at` + 1 are taken.
+/// mass. Each component of a velocity has `stride` numbers; the four from `at` on are taken.
+HAPGRID_WITH_AVX2
 Morph::Moments Morph::moments(const std::vector<double>& velocities, std::size_t stride,
                               std::size_t at) const {
   Moments m{};
   for (std::size_t i = 1; i < tree_.size(); ++i) {
     for (std::size_t a = 0; a < 3; ++a) {
-      const Two v = load(&velocities[(3 * i + a) * stride + at]);
+      const Four v = load<Four>(&velocities[(3 * i + a) * stride + at]);
       m.sum[3 * a] += v * mass_x_[i];
       m.sum[3 * a + 1] += v * mass_y_[i];
       m.sum[3 * a + 2] += v * mass_z_[i];
       m.centre[a] += v * mass_[i];
     }
   }
-  for (Two& c : m.centre) c = c / total_mass_;
+  for (Four& c : m.centre) c = c / total_mass_;
   return m;
 }
 
 /// When A changes by p the alignment has a torque; this finds the turn that removes it.
-void Morph::turn_back(const Shape& s, const Two* p, double* turn, std::size_t stride) {
-  const Two torque[3] = {p[7] - p[5], p[2] - p[6], p[3] - p[1]};
+void Morph::turn_back(const Shape& s, const Four* p, double* turn, std::size_t stride) {
+  const Four torque[3] = {p[7] - p[5], p[2] - p[6], p[3] - p[1]};
   for (std::size_t a = 0; a < 3; ++a)
     store(turn + a * stride, -(s.inverse[3 * a] * torque[0] + s.inverse[3 * a + 1] * torque[1] +
                                s.inverse[3 * a + 2] * torque[2]));
 }
 
+HAPGRID_WITH_AVX2
 void Morph::differentiate(Shape& s) const {
   if (s.derivatives >= 1 || paths_.empty()) return;
   s.derivatives = 1;
@@ -41,21 +43,21 @@ void Morph::differentiate(Shape& s) const {
     const double segments = static_cast<double>(path.segments);
     const auto [a, u] = path.piece(s.t[k], coordinates);
     const double f1 = segments, f2 = 2 * u * segments, f3 = 3 * u * u * segments;
-    for (std::size_t c = 0; c < coordinates; c += 2) {
-      const Two rate = f1 * load(a + coordinates + c) + f2 * load(a + 2 * coordinates + c) +
-                       f3 * load(a + 3 * coordinates + c);
-      s.rate[c * w + k] = rate[0];
-      s.rate[(c + 1) * w + k] = rate[1];
+    for (std::size_t c = 0; c < coordinates; c += 4) {
+      const Four rate = f1 * load<Four>(a + coordinates + c) +
+                        f2 * load<Four>(a + 2 * coordinates + c) +
+                        f3 * load<Four>(a + 3 * coordinates + c);
+      for (std::size_t l = 0; l < 4; ++l) s.rate[(c + l) * w + k] = rate[l];
     }
   }
   differentiate_tree(s);
   // The alignment follows: with W = Σ m v cᵀ (v local), A changes by R W and the torque by
   // Σ m c × (R v), which (tr(A) 1 - A) ω removes.
   const std::array<double, 9>& r = s.rotation;
-  for (std::size_t k = 0; k < w; k += 2) {
+  for (std::size_t k = 0; k < w; k += 4) {
     const auto [sum, centre] = moments(s.moving, w, k);
     for (std::size_t a = 0; a < 3; ++a) store(&s.centre_moving[a * w + k], centre[a]);
-    Two p[9];
+    Four p[9];
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = 0; j < 3; ++j)
         p[3 * i + j] = r[3 * i] * sum[j] + r[3 * i + 1] * sum[3 + j] + r[3 * i + 2] * sum[6 + j];
@@ -65,7 +67,8 @@ void Morph::differentiate(Shape& s) const {
 }
 
 /// A frame turns with its parent's frame, about the parent's x with the torsion, and about its own
-/// z with the deflection. All paths are computed at once, two in a vector.
+/// z with the deflection. All paths are computed at once, four in a vector.
+HAPGRID_WITH_AVX2
 void Morph::differentiate_tree(Shape& s) const {
   const std::size_t w = width_;
   std::fill_n(s.turning.begin(), 3 * w, 0.0);
@@ -82,25 +85,27 @@ void Morph::differentiate_tree(Shape& s) const {
     double* turning = &s.turning[3 * w * i];
     double* moving = &s.moving[3 * w * i];
     const double length = s.q[i];
-    for (std::size_t k = 0; k < w; k += 2) {
-      const Two torsion = load(torsion_rate + k), deflection = load(deflection_rate + k),
-                stretch = load(length_rate + k);
-      const Two w0 = load(turning_from + k) + torsion * from[0] + deflection * to[6];
-      const Two w1 = load(turning_from + w + k) + torsion * from[1] + deflection * to[7];
-      const Two w2 = load(turning_from + 2 * w + k) + torsion * from[2] + deflection * to[8];
+    for (std::size_t k = 0; k < w; k += 4) {
+      const Four torsion = load<Four>(torsion_rate + k),
+                 deflection = load<Four>(deflection_rate + k),
+                 stretch = load<Four>(length_rate + k);
+      const Four w0 = load<Four>(turning_from + k) + torsion * from[0] + deflection * to[6];
+      const Four w1 = load<Four>(turning_from + w + k) + torsion * from[1] + deflection * to[7];
+      const Four w2 = load<Four>(turning_from + 2 * w + k) + torsion * from[2] + deflection * to[8];
       store(turning + k, w0);
       store(turning + w + k, w1);
       store(turning + 2 * w + k, w2);
       store(moving + k,
-            load(moving_from + k) + stretch * to[0] + length * (w1 * to[2] - w2 * to[1]));
+            load<Four>(moving_from + k) + stretch * to[0] + length * (w1 * to[2] - w2 * to[1]));
       store(moving + w + k,
-            load(moving_from + w + k) + stretch * to[1] + length * (w2 * to[0] - w0 * to[2]));
-      store(moving + 2 * w + k,
-            load(moving_from + 2 * w + k) + stretch * to[2] + length * (w0 * to[1] - w1 * to[0]));
+            load<Four>(moving_from + w + k) + stretch * to[1] + length * (w2 * to[0] - w0 * to[2]));
+      store(moving + 2 * w + k, load<Four>(moving_from + 2 * w + k) + stretch * to[2] +
+                                    length * (w0 * to[1] - w1 * to[0]));
     }
   }
 }
 
+HAPGRID_WITH_AVX2
 void Morph::velocity(const Shape& s, std::size_t i, double* v) const {
   const std::array<double, 9>& r = s.rotation;
   for (std::size_t k = 0; k < paths_.size(); ++k) {
@@ -119,6 +124,7 @@ void Morph::velocity(const Shape& s, std::size_t i, double* v) const {
 // bond the sum S of the forces on the atoms behind it, and for each frame the torque Q on what
 // turns with it. They are collected from the leaves to the root. The alignment turns by u · torque,
 // so it is one more force on each atom, and so is the shift of the centre of mass.
+HAPGRID_WITH_AVX2
 void Morph::curvature(Shape& s, const Pull* pulls, std::size_t count, double* out) const {
   const std::size_t w = width_, paths = paths_.size();
   if (paths == 0) return;
@@ -192,6 +198,7 @@ void Morph::curvature(Shape& s, const Pull* pulls, std::size_t count, double* ou
 }
 
 /// Adds to the atoms' forces what the centre of mass and the alignment (u) make of them.
+HAPGRID_WITH_AVX2
 void Morph::spread_pulls(Shape& s, const double* force, const double* u) const {
   const std::array<double, 9>& r = s.rotation;
   double shared[3], turned[9];  // Rᵀ force / M, Rᵀ [u]
@@ -212,6 +219,7 @@ void Morph::spread_pulls(Shape& s, const double* force, const double* u) const {
 ///   stretch_k w_l·e + stretch_l w_k·e + length ((w_l·S) (w_k·x) - (S·x) w_k·w_l)
 ///   + torsion_k w'_l·(x' × Q) + deflection_k w_l·(z × Q),   ' of the parent,
 /// and the second derivatives of q, which only k = l has.
+HAPGRID_WITH_AVX2
 void Morph::sweep(Shape& s, double* sum) const {
   const std::size_t w = width_;
   std::fill(s.twist.begin(), s.twist.end(), 0.0);
@@ -240,20 +248,21 @@ void Morph::sweep(Shape& s, double* sum) const {
     const double *from = &s.turning[3 * w * parent], *to = &s.turning[3 * w * i];
     const double *stretch = &s.rate[i * w], *deflection = &s.rate[(stride_ + i) * w],
                  *torsion = &s.rate[(2 * stride_ + i) * w];
-    for (std::size_t l = 0; l < w; l += 2) {
-      const Two t0 = load(to + l), t1 = load(to + w + l), t2 = load(to + 2 * w + l);
-      const Two swings = t0 * e[0] + t1 * e[1] + t2 * e[2];
-      const Two pulls = length * (t0 * pull[0] + t1 * pull[1] + t2 * pull[2]);
-      const Two bends = load(from + l) * bend[0] + load(from + w + l) * bend[1] +
-                        load(from + 2 * w + l) * bend[2];
-      const Two folds = t0 * fold[0] + t1 * fold[1] + t2 * fold[2];
-      const Two stretches = load(stretch + l);
-      for (std::size_t k = 0; k < l + 2; ++k) {
+    for (std::size_t l = 0; l < w; l += 4) {
+      const Four t0 = load<Four>(to + l), t1 = load<Four>(to + w + l),
+                 t2 = load<Four>(to + 2 * w + l);
+      const Four swings = t0 * e[0] + t1 * e[1] + t2 * e[2];
+      const Four pulls = length * (t0 * pull[0] + t1 * pull[1] + t2 * pull[2]);
+      const Four bends = load<Four>(from + l) * bend[0] + load<Four>(from + w + l) * bend[1] +
+                         load<Four>(from + 2 * w + l) * bend[2];
+      const Four folds = t0 * fold[0] + t1 * fold[1] + t2 * fold[2];
+      const Four stretches = load<Four>(stretch + l);
+      for (std::size_t k = 0; k < l + 4; ++k) {
         const double k0 = to[k], k1 = to[w + k], k2 = to[2 * w + k];
-        Two c = load(sum + k * w + l) + stretch[k] * swings +
-                (k0 * x[0] + k1 * x[1] + k2 * x[2]) * pulls + torsion[k] * bends +
-                deflection[k] * folds + (k0 * e[0] + k1 * e[1] + k2 * e[2]) * stretches -
-                length * along * (k0 * t0 + k1 * t1 + k2 * t2);
+        Four c = load<Four>(sum + k * w + l) + stretch[k] * swings +
+                 (k0 * x[0] + k1 * x[1] + k2 * x[2]) * pulls + torsion[k] * bends +
+                 deflection[k] * folds + (k0 * e[0] + k1 * e[1] + k2 * e[2]) * stretches -
+                 length * along * (k0 * t0 + k1 * t1 + k2 * t2);
         store(sum + k * w + l, c);
       }
     }
@@ -263,11 +272,11 @@ void Morph::sweep(Shape& s, double* sum) const {
     const Spline& path = paths_[k];
     const double squared = static_cast<double>(path.segments * path.segments);
     const auto [a, u] = path.piece(s.t[k], coordinates);
-    Two second = {0, 0};
-    for (std::size_t c = 0; c < coordinates; c += 2)
-      second += load(&s.weight[c]) *
-                (2 * load(a + 2 * coordinates + c) + (6 * u) * load(a + 3 * coordinates + c));
-    sum[k * w + k] += squared * (second[0] + second[1]);
+    Four second = {0, 0, 0, 0};
+    for (std::size_t c = 0; c < coordinates; c += 4)
+      second += load<Four>(&s.weight[c]) * (2 * load<Four>(a + 2 * coordinates + c) +
+                                            (6 * u) * load<Four>(a + 3 * coordinates + c));
+    sum[k * w + k] += squared * ((second[0] + second[1]) + (second[2] + second[3]));
   }
 }
 

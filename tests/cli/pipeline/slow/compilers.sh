@@ -10,7 +10,7 @@ sanitized && skip "sanitizers"
 build=${HAPGRID_OTHER_BUILD:-$work/build}  # a build that is there already saves minutes
 cmake -S "$HAPGRID_SOURCE" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_TESTING=ON \
   -DCMAKE_C_COMPILER="${other[0]}" -DCMAKE_CXX_COMPILER="${other[1]}" >cmake.log || fail "$(tail cmake.log)"
-cmake --build "$build" --target seed expand merge test_plugin_toy hung-ball >build.log ||
+cmake --build "$build" --target seed expand merge test_plugin_toy hung-ball molecule >build.log ||
   fail "$(tail build.log)"
 
 for size in 1 3; do
@@ -21,11 +21,15 @@ search = {max_levels = 100}
 TOML
 done
 sed 's/^counts = .*/counts = [20, 10, 10]/; s/^spacing = .*/spacing = 0.1/; /^.model.parameters.$/a stored = true' "$ball" >ball.toml
+# This one has functions for processors with AVX2, too, where g++ compiles it.
+dipeptide=$HAPGRID_SOURCE/examples/molecule/alanine-dipeptide
+cp "$dipeptide"/*.xyz .
+sed 's/^counts = .*/counts = [12, 12, 12]/; s/^spacing = .*/spacing = 1.3/' "$dipeptide/alanine-dipeptide.toml" >dipeptide.toml
 search() { # FILTERS MODELS FOLDER: all that a search writes
   local PATH=$1/bin:$PATH
   export HAPGRID_MODEL_PATH=$2/tests/plugins:$2/models
   mkdir -p "$3"
-  for model in 1 3 ball; do
+  for model in 1 3 ball dipeptide; do
     seed $model.toml -o "$3/$model.0"
     for ((g = 0; g < 3; ++g)); do
       expand "$3/$model.$g" --part 1/2 -o "$3/$model.$g.1"
