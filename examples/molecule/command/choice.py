@@ -68,7 +68,7 @@ def table(result, rotors, stay, taken, left):
     dropped = dict(result.dropped)
     found = {f.name: f for f in result.found}
     for torsion in rotors:
-        names = [torsion.file_name(sign) for sign in torsion.signs]
+        names = torsion.file_names()
         for name in [torsion.name] if torsion.name in {**found, **dropped} else names:
             one = found.get(name)
             barrier = "-" if one is None else f"{(one.barrier - result.energy) * HARTREE:.2f}"

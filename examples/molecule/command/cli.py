@@ -85,7 +85,8 @@ def parser():
     p.add_argument("--basins", action="store_true",
                    help="paths go on through their barriers into the minima behind them")
     p.add_argument("--torsions", metavar="NAMES",
-                   help="turn only these bonds, as rotors.tsv names them, with commas between (default: all)")
+                   help="turn only these bonds, as rotors.tsv names them, with commas between; NAME-plus and "
+                   "NAME-minus turn one way only (default: all)")
     p.add_argument("--spacing", type=_within(float, 0.1, 3), metavar="H",
                    help="of the grid, in angstrom (default: what its accuracy and ten minutes allow)")
     p.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")

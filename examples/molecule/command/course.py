@@ -90,12 +90,16 @@ class Course:
         """Turns only the bonds of --torsions."""
         if self.o.torsions is None:
             return
-        wanted = self.o.torsions.split(",")
-        unknown = sorted(set(wanted) - {t.name for t in self.rotors})
+        wanted = set(self.o.torsions.split(","))
+        known = {t.name for t in self.rotors}
+        if not self.o.basins:  # whose paths go both ways
+            known = known.union(*(t.file_names() for t in self.rotors))
+        unknown = sorted(wanted - known)
         if unknown:
             raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in self.rotors))
-        self.stay += [rotors.Left(t.name, "not among --torsions") for t in self.rotors if t.name not in wanted]
-        self.rotors = [t for t in self.rotors if t.name in wanted]
+        turn = [t if t.name in wanted else t.only(wanted) for t in self.rotors]
+        self.stay += [rotors.Left(t.name, "not among --torsions") for t, one in zip(self.rotors, turn) if not one.signs]
+        self.rotors = [t for t in turn if t.signs]
 
     # The structures
 
@@ -115,7 +119,7 @@ class Course:
                                    f"charge {reading.signed(self.charge)}, {o.uhf} unpaired electrons")
         stages.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
                    [self.method, self.charge, o.uhf, self.search, o.highest, o.basins,
-                    [t.name for t in self.rotors]], compute)
+                    [name for t in self.rotors for name in t.file_names()]], compute)
         self.structures = structures.Structures(stages)
 
     # The definition
@@ -335,7 +339,7 @@ class Course:
 
     def _turned(self, paths):
         """The torsions that these paths turn."""
-        return [t for t in self.rotors if {t.name, *(t.file_name(sign) for sign in t.signs)} & set(paths)]
+        return [t for t in self.rotors if {t.name, *t.file_names()} & set(paths)]
 
     def summary(self):
         out = self.o.output.rstrip("/") or "/"

@@ -5,7 +5,7 @@ torsions lead to no saddle from a given minimum; their scans only climb.
 """
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,6 +33,13 @@ class Torsion:
 
     def file_name(self, sign):
         return self.name if self.rotor else self.name + ("-plus" if sign > 0 else "-minus")
+
+    def file_names(self):
+        return [self.file_name(sign) for sign in self.signs]
+
+    def only(self, names):
+        """With those directions alone whose file names are among `names`."""
+        return replace(self, signs=tuple(sign for sign in self.signs if self.file_name(sign) in names))
 
 
 def _is_methyl(numbers, neighbours, atom, partner):
