@@ -87,11 +87,15 @@ def refused(name, command, bad, message, may_pass=False):
 
 
 pool = concurrent.futures.ThreadPoolExecutor(4)
+# A filter's peak memory includes that of this process from before its exec, so few shards wait at a time.
+waiting = threading.BoundedSemaphore(8)
 jobs = []
 
 
 def later(function, *arguments):
+    waiting.acquire()
     jobs.append(pool.submit(function, *arguments))
+    jobs[-1].add_done_callback(lambda _: waiting.release())
 
 
 def later_refused(*arguments):

@@ -28,7 +28,7 @@ refuses 'view: hand: nobody reads this pipe; it is for play --device path:hand' 
 
 command -v Xvfb >/dev/null && command -v xdotool >/dev/null || skip "no Xvfb or no xdotool"
 : >display
-Xvfb -displayfd 3 -screen 0 1100x800x24 -nolisten tcp 3>display >xvfb.log 2>&1 &
+Xvfb -displayfd 3 -screen 0 1100x800x24 -nolisten tcp -noreset 3>display >xvfb.log 2>&1 &
 server=$!
 trap 'kill $server 2>/dev/null; rm -rf "$work"' EXIT
 wait_for 60 "X server" test -s display

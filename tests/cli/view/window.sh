@@ -46,7 +46,7 @@ servers=()
 trap 'kill "${servers[@]}" 2>/dev/null; rm -rf "$work"' EXIT
 start_x() {
   : >display
-  Xvfb -displayfd 3 -screen 0 800x700x24 -nolisten tcp "$@" 3>display >xvfb.log 2>&1 &
+  Xvfb -displayfd 3 -screen 0 800x700x24 -nolisten tcp -noreset "$@" 3>display >xvfb.log 2>&1 &
   servers+=($!)
   wait_for 60 "X server" test -s display
   DISPLAY=:$(cat display)
