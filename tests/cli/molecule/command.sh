@@ -123,6 +123,13 @@ hapgrid molecule --smiles OO -o peroxide --method gfnff --spacing 1.5 --highest 
 grep -q 'left out: H3-O1-O2-H4-plus, H3-O1-O2-H4-minus: still climbing at 2 kJ/mol' log || fail "$(cat log)"
 grep -q '<td>H3-O1-O2-H4-plus<td>.*<td>still climbing at 2 kJ/mol' peroxide/index.html || fail "the page does not say why"
 
+# One way of one bond alone.
+peroxide=(--smiles OO --method gfnff --spacing 1.5)
+refuses 'molecule: --torsions: no bond H3-O1-O2-H4-up turns, only H3-O1-O2-H4' -- \
+  hapgrid molecule "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-up
+expect 0 '~hapgrid play .*' '' -- hapgrid molecule "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-minus --quiet
+same "paths" 'transition_states H3-O1-O2-H4-minus' "$(awk -F'\t' '/^[^#]/ && /saddle/ { print "transition_states", $1 }' oneway/report.tsv)"
+
 # Who watches sees what is done, and the time that is left.
 script -qec 'hapgrid molecule --smiles OO -o watched --method gfnff --spacing 1.5' /dev/null >watched.log </dev/null
 for what in 'relaxing conformers' 'driving torsions to their barriers' 'pushing the molecule to see which way turns it' \
