@@ -115,6 +115,7 @@ class Course:
                 self.method, self.charge, o.uhf, self.search, o.threads, o.highest, o.work, o.basins), stages)
             for name, below in one.lower:
                 stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
+            one.result.lie_as_before(stages.directory)
             return files.write_set(stages.directory, one.result, f"hapgrid molecule: {self.what}, {self.method}, "
                                    f"charge {reading.signed(self.charge)}, {o.uhf} unpaired electrons")
         stages.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],

@@ -185,14 +185,6 @@ def _guesses(o, one, driven):
     return out
 
 
-def _lie_as_before(result, directory):
-    old = os.path.join(directory, "conformation.xyz")
-    if os.path.exists(old):
-        before = molecule.from_file(old)
-        if before.numbers == result.numbers:
-            result.lie_like(before.positions / xtb.BOHR)
-
-
 def _run(o):
     command = _command(o)
     if not o.again and _is_current(o, command):
@@ -203,7 +195,7 @@ def _run(o):
     driven = torsions.parse(o.torsions, one.numbers, one.neighbours, one.double)
     job = work.Work(one, driven, o, _guesses(o, one, driven))
     result = job.run()
-    _lie_as_before(result, o.output)
+    result.lie_as_before(o.output)
     names = files.write_set(o.output, result, command)
     if not o.keep_work:
         job.steps.remove()

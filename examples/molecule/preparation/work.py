@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import files, geometry, optimise, path, torsions
-from .molecule import conformers
+from .molecule import conformers, from_file
 from .xtb import BOHR, HARTREE, Surface, XtbError
 
 VERSION = 2  # of the algorithm; a step that another version has kept is computed anew
@@ -66,6 +66,14 @@ class Result:
             for found in self.found:
                 found.nodes = [geometry.aligned(y, self.x, self.masses) for y in found.nodes]
                 found.nodes[0] = self.x
+
+    def lie_as_before(self, directory):
+        """lie_like the conformation that an earlier run left in this folder: a box then fits the new shapes, too."""
+        old = os.path.join(directory, "conformation.xyz")
+        if os.path.exists(old):
+            before = from_file(old)
+            if before.numbers == self.numbers:
+                self.lie_like(before.positions / BOHR)
 
 
 class Steps:

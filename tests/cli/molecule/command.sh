@@ -130,6 +130,16 @@ refuses 'molecule: --torsions: no bond H3-O1-O2-H4-up turns, only H3-O1-O2-H4' -
 expect 0 '~hapgrid play .*' '' -- hapgrid molecule "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-minus --quiet
 same "paths" 'transition_states H3-O1-O2-H4-minus' "$(awk -F'\t' '/^[^#]/ && /saddle/ { print "transition_states", $1 }' oneway/report.tsv)"
 
+# New structures lie as those that an earlier run left in the folder, here turned by 120 degrees about x = y = z.
+mkdir turned
+awk 'NR > 2 { print $1, $3, $4, $2; next } 1' ethanol/conformation.xyz >turned/conformation.xyz
+cp turned/conformation.xyz before.xyz
+expect 0 '~hapgrid play .*' '' -- \
+  hapgrid molecule --smiles CCO -o turned --method gfnff --spacing 1.5 --torsions C1-C2-O3-H9-plus --quiet
+paste <(tail -n +3 before.xyz) <(tail -n +3 turned/conformation.xyz) |
+  awk '{ for (i = 2; i < 5; i++) if (($i - $(i + 4)) ^ 2 > 1e-6) exit bad = 1 } END { exit bad || NR != 9 }' ||
+  fail "the new structures lie otherwise: $(cat before.xyz turned/conformation.xyz)"
+
 # Who watches sees what is done, and the time that is left.
 script -qec 'hapgrid molecule --smiles OO -o watched --method gfnff --spacing 1.5' /dev/null >watched.log </dev/null
 for what in 'relaxing conformers' 'driving torsions to their barriers' 'pushing the molecule to see which way turns it' \

@@ -140,7 +140,7 @@ TEST_CASE("transition states that do not belong to the conformation are refused"
           "transition_states[0] frame 1: is 1 kJ/mol above the conformation, where its path must "
           "start");
   // A frame that is cut off, and text behind the last one.
-  const std::string path = text("butane", "phi-plus.xyz");
+  const std::string path = text("butane", "C1-C2-C3-C4-plus.xyz");
   refused(kButane.conformation(), path.substr(0, path.size() - 60),
           "transition_states[0] frame 11: ...");
   refused(kButane.conformation(), path + "and more\n", "transition_states[0] frame 12: ...");
@@ -158,7 +158,7 @@ TEST_CASE("impossible energies are refused") {
           "it must be above 0");
   CHECK_THROWS_WITH(read(kPeroxide, kTransPeroxide, {1, 2}),
                     Equals("energies: 2 numbers for 1 transition states"));
-  const std::string path = text("butane", "phi-plus.xyz");
+  const std::string path = text("butane", "C1-C2-C3-C4-plus.xyz");
   const std::size_t third = path.find("t=0.2");
   const std::size_t title = path.rfind("dE=", third);
   refused(kButane.conformation(), path.substr(0, title) + "dE=-0.5 " + path.substr(third),

@@ -248,7 +248,7 @@ TEST_CASE("values of t outside are taken for the nearest inside") {
 }
 
 TEST_CASE("one frame is enough for a path: the way there is straight in internal coordinates") {
-  const std::string path = text("butane", "phi-plus.xyz");
+  const std::string path = text("butane", "C1-C2-C3-C4-plus.xyz");
   const std::size_t last = path.rfind("\n14\n") + 1;
   const Molecule molecule = read_molecule(kButane.conformation(), {path.substr(last)}, {});
   REQUIRE(molecule.paths[0].nodes.size() == 2);

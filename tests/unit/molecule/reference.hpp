@@ -52,10 +52,10 @@ struct Source {
   }
 };
 
-inline const Source kButane{"butane", {"phi-plus.xyz", "chi.xyz"}};
-inline const Source kOnePath{"butane", {"phi-plus.xyz"}};
+inline const Source kButane{"butane", {"C1-C2-C3-C4-plus.xyz", "H5-C1-C2-C3.xyz"}};
+inline const Source kOnePath{"butane", {"C1-C2-C3-C4-plus.xyz"}};
 inline const Source kDipeptide{"alanine-dipeptide",
-                               {"phi-plus.xyz", "psi-plus.xyz", "chi-b.xyz", "chi-n.xyz"}};
+                               {"phi-plus.xyz", "psi-plus.xyz", "chi1.xyz", "C7-N9-C10-H20.xyz"}};
 // Phenylalanine and tyrosine: two rings.
 inline const Source kEnkephalin{
     "leu-enkephalin", {"psi1-plus.xyz", "psi2-plus.xyz", "chi4_1-minus.xyz", "chi5_1-minus.xyz"}};
