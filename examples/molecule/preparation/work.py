@@ -68,7 +68,8 @@ class Result:
                 found.nodes[0] = self.x
 
     def lie_as_before(self, directory):
-        """lie_like the conformation that an earlier run left in this folder: a box then fits the new shapes, too."""
+        """Turns everything as the conformation lies that an earlier run left in this folder, if it is the same one:
+        a box that was changed by hand then fits the new shapes, too."""
         old = os.path.join(directory, "conformation.xyz")
         if os.path.exists(old):
             before = from_file(old)

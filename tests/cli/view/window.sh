@@ -60,8 +60,8 @@ start_x
 
 # The same picture as --png, above the curves. OpenGL has 2 x 2 rays a pixel and --png has 3 x 3, so
 # that rims differ: 12 lines of some 150 pixels and the outlines of spheres are 3 of 100 pixels.
-# Much differ 12 of 10,000 at most (measured; most are of the legend's letters), and 200 as soon as the view is a
-# degree off.
+# Much differ 23 of 10,000 at most (measured; most are of the legend's lines and letters, whose strokes are one pixel
+# wide, wherever these fall between two pixels), and 200 as soon as the view is a degree off.
 for name in ball molecule; do
   for angles in "30 20" "-70 65"; do
     read -r azimuth elevation <<<"$angles"
@@ -80,7 +80,7 @@ view ball.one --window --close --azimuth 0 --elevation 0 --size 640x200 --hip-ra
   --screenshot front.png
 python3 "$here/png.py" order front.png red blue yellow
 view ball.one --png drawn.png --azimuth 0 --elevation 0 --size 640x200 --hip-radius 0.1 --arrow 0.6
-python3 "$here/png.py" near front.png drawn.png 0.04 0.0025
+python3 "$here/png.py" near front.png drawn.png 0.04 0.002
 
 # Live: the window stays, the newest frame is in it, keys and mouse do what the help says.
 mkfifo live

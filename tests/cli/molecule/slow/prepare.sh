@@ -58,7 +58,8 @@ within "gauche" "$(awk -F'\t' '$1 == "phi-plus:far" { print $3 }' butane/report.
 saddle butane/phi-plus.xyz
 energies butane/phi-plus.xyz 4 11
 
-# What is there already is not computed again. The barriers are those of the committed files, which the command made.
+# What is there already is not computed again. The barriers are those of the committed files, which the command made: they are
+# printed with four digits, and at a stationary point an error of the shape counts in its square.
 expect 0 '' 'prepare: butane: there already; --again computes it anew' -- \
   "$prepare" "${butane[@]}" -o butane
 for pair in phi-plus:C1-C2-C3-C4-plus chi:H5-C1-C2-C3; do
