@@ -1,6 +1,8 @@
 // check-model: finds what would go wrong in the search of a grid before the search is paid for.
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "libcore/base/file.hpp"
@@ -42,7 +44,8 @@ std::string time_text(double seconds, int digits = 3) {
   const Unit* unit = kUnits;
   while (seconds >= unit->below) ++unit;
   char text[40];
-  std::snprintf(text, sizeof text, "%.*g %s", digits, seconds * unit->scale, unit->name);
+  std::snprintf(text, sizeof text, "%.*g", digits, seconds * unit->scale);
+  std::snprintf(text, sizeof text, "%g %s", std::strtod(text, nullptr), unit->name);  // no exponent
   return text;
 }
 
@@ -93,7 +96,7 @@ std::string report_text(const GridSpec& spec, const ModelInfo& info, const Model
           " conversions" +
           (spec.tears ? " and " + std::to_string(e->tear_conversions) + " for tear fractions"
                       : "") +
-          ": " + time_text(e->cpu_seconds, 2) + " on one core");
+          ": about " + time_text(e->cpu_seconds, 2) + " on one core");
   row("memory",
       "play " + megabytes(e->play_bytes) + ", expand up to " + megabytes(e->expand_bytes));
   return text;

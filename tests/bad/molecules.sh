@@ -2,20 +2,17 @@
 # Files of molecules that are none: what has no end, or is large, is refused before it is read.
 source "$(dirname "$0")/../cli/lib.sh"
 molecule=$HAPGRID_SOURCE/examples/molecule
-"$molecule/prepare" --help >help 2>&1 || skip "$(head -1 help)"
+"$molecule/hapgrid-molecule" --help >help 2>&1 || skip "$(head -1 help)"
+molecule() { refuses "molecule: $1\\.xyz: $2" -- timeout 60 "$molecule/hapgrid-molecule" "$1.xyz" -o out; }
 ln -s /dev/zero zero.xyz
 mkfifo pipe.xyz
 mkdir folder.xyz
 head -c 8388609 /dev/zero >large.xyz
 printf '2\n\xff\xfe\n' >bytes.xyz
 ln -s missing link.xyz
-for program in prepare hapgrid-molecule; do
-  name=${program#hapgrid-}
-  molecule() { refuses "$name: $1\\.xyz: $2" -- timeout 60 "$molecule/$program" "$1.xyz" -o out; }
-  molecule zero 'is no regular file'
-  molecule pipe 'is no regular file'
-  molecule folder 'Is a directory'
-  molecule large '8388609 bytes, the limit is 8388608'
-  molecule bytes 'not a text file'
-  molecule link 'No such file or directory'
-done
+molecule zero 'is no regular file'
+molecule pipe 'is no regular file'
+molecule folder 'Is a directory'
+molecule large '8388609 bytes, the limit is 8388608'
+molecule bytes 'not a text file'
+molecule link 'No such file or directory'

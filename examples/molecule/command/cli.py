@@ -78,6 +78,9 @@ def parser():
                    help=f"gfn2: GFN2-xTB; gfnff: the force field GFN-FF; auto: gfn2 up to {course.GFN2_ATOMS} atoms")
     p.add_argument("--search", action="store_true",
                    help="look for the lowest conformer instead of keeping that of FILE")
+    p.add_argument("--keep-conformation", action="store_true",
+                   help="stay at this conformation where a barrier leads to a lower minimum; without it the search "
+                   "begins there once more")
     p.add_argument("--highest", type=_within(float, 1, 1000), default=150.0, metavar="KJ_MOL",
                    help="barriers above this are not looked for, kJ/mol (default: 150)")
     p.add_argument("--paths", type=_within(int, 0, 16), metavar="N", default=6,

@@ -7,6 +7,7 @@ from dataclasses import asdict
 
 from preparation import files
 from preparation import molecule as prepared
+from preparation.work import Options
 from preparation.xtb import Surface
 
 from . import (choice, combined, crossing, definition, page, pushing, reading, resolution, room, rotors, stiffness,
@@ -110,16 +111,16 @@ class Course:
             if o.method == "auto":
                 stages.say("  energies by " + ("GFN2-xTB" if self.method == "gfn2" else
                            f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
-            o.work = stages.path(".work")
             one = structures.explore(self.molecule, self.rotors, structures.Options(
-                self.method, self.charge, o.uhf, self.search, o.threads, o.highest, o.work, o.basins), stages)
+                Options(self.method, self.charge, o.uhf, o.highest, stages.path(".work")), self.search,
+                o.keep_conformation, o.basins, o.threads), stages)
             for name, below in one.lower:
                 stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
             one.result.lie_as_before(stages.directory)
             return files.write_set(stages.directory, one.result, f"hapgrid molecule: {self.what}, {self.method}, "
                                    f"charge {reading.signed(self.charge)}, {o.uhf} unpaired electrons")
         stages.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
-                   [self.method, self.charge, o.uhf, self.search, o.highest, o.basins,
+                   [self.method, self.charge, o.uhf, self.search, o.highest, o.basins, o.keep_conformation,
                     [name for t in self.rotors for name in t.file_names()]], compute)
         self.structures = structures.Structures(stages)
 

@@ -33,7 +33,7 @@ class Input:
 
 def read(path, smiles, say, unpaired=0):
     """(molecule, whether its shape was built here). say(text) tells what was decided."""
-    openbabel = prepared._quiet()
+    openbabel = prepared.open_babel()
     if smiles is not None:
         given = Input(f"SMILES '{smiles}'", "smi", [prepared.parsed(smiles)])
     else:
@@ -45,7 +45,7 @@ def read(path, smiles, say, unpaired=0):
     built = _completed(openbabel, ob, given, say, unpaired)
     one = Molecule(ob, given.what)
     if built:
-        one = prepared._repeatable(one)
+        one = prepared.repeatable(one)
     _check(one, given.what)
     return one, built
 

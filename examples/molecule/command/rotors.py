@@ -43,7 +43,7 @@ def find(molecule):
                 left.append(Left(word, "a double or triple bond does not turn"))
                 continue
             named, ends = names.get((j, k), (None, {}))
-            one = torsions.make(numbers, near, word, None, ends.get(j), j, k, ends.get(k), None)
+            one = torsions.make(numbers, near, named, ends.get(j), j, k, ends.get(k))
             name = "-".join(label(numbers, a) for a in one.atoms)
             if _on_a_line(molecule, one.atoms):
                 left.append(Left(name, "its atoms lie on a line"))

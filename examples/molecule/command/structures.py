@@ -8,7 +8,6 @@ import multiprocessing
 import signal
 import time
 from dataclasses import dataclass, field
-from types import SimpleNamespace
 
 import numpy as np
 from preparation import beyond, files, work
@@ -20,72 +19,28 @@ LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 
 @dataclass
 class Options:
-    """search: whether conformers are searched; highest: kJ/mol; work: folder of finished steps."""
-    method: str
-    charge: int
-    uhf: int
+    """work: work.Options; search: whether conformers are searched; stay: whether lower minima are left alone; basins:
+    whether paths go on behind their saddles."""
+    work: work.Options
     search: bool
+    stay: bool
+    basins: bool
     threads: int
-    highest: float
-    work: str
-    basins: bool = False  # whether paths go on behind their saddles
 
 
 @dataclass
 class Found:
-    """result: work.Result; lower: (path, kJ/mol below the conformation) where the bounded number of
-    new starts did not suffice."""
+    """result: work.Result; lower: (path, kJ/mol below the conformation) of the minima from which there was no new
+    start."""
     result: work.Result
     lower: list = field(default_factory=list)
 
 
-class _Search(work.Work):
-    def __init__(self, molecule, rotors, options, stages):
-        super().__init__(molecule, rotors, options, {})
-        self.stages = stages
-
-    def say(self, text):
-        if text.startswith("conformer"):
-            self.stages.say("  " + text)
-
-    def _relaxed(self, starts):
-        self.starts = starts
-        return [one for _, one in _in_processes(self.stages, "relaxing conformers", _conformer,
-                                                list(range(len(starts))), self.options.threads)]
-
-    def jobs(self):
-        return [(t, s) for t in self.driven for s in t.signs]
-
-    def saddle(self, number):
-        """The saddle of a job and the minima that it joins; what is too long to send is left out."""
-        torsion, sign = self.jobs()[number]
-        name = torsion.file_name(sign)
-        key = self._key(name, torsion, sign)
-        top = self._kept_saddle(key, name, torsion, sign)
-        if "dropped" in top:
-            return top, top
-        return top, self._kept_ends(key, top)
-
-    def beyond(self, number):
-        torsion = self.driven[number]
-
-        def compute():
-            one = beyond.whole(self, torsion)
-            return {"nodes": [n.tolist() for n in one.nodes], "energies": one.energies, "start": one.start,
-                    "kinds": list(one.kinds.items()), "why": one.why}
-        return self.steps.take(["beyond", 2, *self._key(torsion.name, torsion, 0)], lambda: self._guarded(compute))
-
-    def path(self, number):
-        torsion, sign = self.jobs()[number]
-        key = self._key(torsion.file_name(sign), torsion, sign)
-        return self._kept_path(key, self._kept_saddle(key, None, torsion, sign))
+_search = None  # the work.Work of this process and of those that it starts
 
 
-_search = None  # of this process and of those that it starts
-
-
-def _conformer(number):
-    return work.Work._relaxed(_search, _search.starts[number:number + 1])[0]
+def _conformer(shape):
+    return _search.relax(shape)
 
 
 def _saddle(number):
@@ -97,20 +52,26 @@ def _path(number):
 
 
 def _beyond(number):
-    return _search.beyond(number)
+    torsion = _search.driven[number]
+
+    def compute():
+        one = beyond.whole(_search, torsion)
+        return {"nodes": [n.tolist() for n in one.nodes], "energies": one.energies, "start": one.start,
+                "kinds": list(one.kinds.items()), "why": one.why}
+    return _search.kept("beyond", torsion, 0, compute)
 
 
-def _in_processes(stages, what, function, numbers, threads):
-    """(number, result) in the order of the numbers."""
-    if not numbers:
+def _in_processes(stages, what, function, over, threads):
+    """(value, function(value)) in the order of the values."""
+    if not over:
         return
     began = time.monotonic()
-    stages.progress(what, 0, len(numbers), began)
+    stages.progress(what, 0, len(over), began)
     context = multiprocessing.get_context("fork")
-    with context.Pool(min(threads, len(numbers)), initializer=_worker) as pool:
-        for done, value in enumerate(pool.imap(function, numbers), 1):
-            stages.progress(what, done, len(numbers), began)
-            yield numbers[done - 1], value
+    with context.Pool(min(threads, len(over)), initializer=_worker) as pool:
+        for done, result in enumerate(pool.imap(function, over), 1):
+            stages.progress(what, done, len(over), began)
+            yield over[done - 1], result
 
 
 def _worker():
@@ -122,21 +83,28 @@ def explore(molecule, rotors, options, stages):
     global _search
     keep = not options.search
     look, finish = (_beyond_all, _basins) if options.basins else (_saddles, _paths)
-    for start in range(RESTARTS + 1):
-        o = SimpleNamespace(smiles=None, file="", method=options.method, charge=options.charge, uhf=options.uhf,
-                            keep_conformation=keep, conformers=4, seed=1, highest=options.highest, work=options.work,
-                            again=False, quiet=False, threads=options.threads, keep_equal=True, paths=None)
-        _search = search = _Search(molecule, rotors, o, stages)
-        search._find_conformation()
-        stages.say("  conformation: a minimum" + (f", {options.method}" if start == 0 else ""))
-        tops, lower = look(search, stages, options.threads, start < RESTARTS)
-        if start == RESTARTS or lower is None:
+    restarts = 0 if options.stay else RESTARTS
+    for start in range(restarts + 1):
+        _search = search = work.Work(molecule, rotors, options.work)
+        search.find_conformation(keep, lambda starts: _relaxed(starts, stages, options.threads))
+        stages.say("  conformation: a minimum" + (f", {options.work.method}" if start == 0 else ""))
+        tops, lower = look(search, stages, options.threads, start < restarts)
+        if start == restarts or lower is None:
             break
         name, shape, below = lower
         stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower: from there once more")
         molecule.positions = shape * BOHR
         keep = True
     return finish(search, tops, stages, options.threads)
+
+
+def _relaxed(starts, stages, threads):
+    out = []
+    for _, one in _in_processes(stages, "relaxing conformers", _conformer, starts, threads):
+        out.append(one)
+        if one[-1]:
+            stages.say(f"  conformer {len(out)}: left out: {one[-1]}")
+    return out
 
 
 def _beyond_all(search, stages, threads, may_restart):
@@ -150,9 +118,9 @@ def _beyond_all(search, stages, threads, may_restart):
             stages.say(f"  {name}: {way['dropped']}")
             continue
         kinds = dict(way["kinds"])
-        points = ", ".join(f"{kind} {search._above(way['energies'][k]):.1f}" for k, kind in kinds.items())
+        points = ", ".join(f"{kind} {search.above(way['energies'][k]):.1f}" for k, kind in kinds.items())
         stages.say(f"  {name}: {points} kJ/mol")
-        below, k = max((-search._above(way["energies"][k]), k) for k, kind in kinds.items() if kind == "minimum")
+        below, k = max((-search.above(way["energies"][k]), k) for k, kind in kinds.items() if kind == "minimum")
         if may_restart and below > LOWER:
             return ways, (name, np.array(way["nodes"][k]), below)
     return ways, None
@@ -170,69 +138,61 @@ def _basins(search, ways, stages, threads):
             continue
         found.append(beyond.Beyond(name, name, [np.array(x) for x in way["nodes"]], way["energies"], way["start"],
                                    dict(way["kinds"]), way["why"]))
-        below = -search._above(min(way["energies"]))
+        below = -search.above(min(way["energies"]))
         if below > LOWER:
             lower.append((name, below))
-    return Found(_result(search, found, dropped), lower)
+    return Found(search.result(found, dropped), lower)
+
+
+def _name(search, number):
+    torsion, sign = search.jobs[number]
+    return torsion.file_name(sign)
 
 
 def _saddles(search, stages, threads, may_restart):
-    """({job: (top, ends)}, the first lower minimum)."""
+    """({number of a job: (its saddle, the minima that it joins)}, the first lower minimum)."""
     tops = {}
-    jobs = search.jobs()
     for n, (top, ends) in _in_processes(stages, "driving torsions to their barriers", _saddle,
-                                        list(range(len(jobs))), threads):
+                                        range(len(search.jobs)), threads):
         tops[n] = top, ends
-        name = jobs[n][0].file_name(jobs[n][1])
-        if "dropped" in top or "dropped" in ends:
-            stages.say(f"  {name}: {top.get('dropped') or ends['dropped']}")
+        if "dropped" in ends:
+            stages.say(f"  {_name(search, n)}: {ends['dropped']}")
             continue
-        stages.say(f"  {name}: barrier {search._above(top['energy']):.1f} kJ/mol, "
-                   f"behind it {search._above(ends['far_energy']):.1f}")
+        stages.say(f"  {_name(search, n)}: barrier {search.above(top['energy']):.1f} kJ/mol, "
+                   f"behind it {search.above(ends['far_energy']):.1f}")
         for side in ("near", "far"):
-            below = -search._above(ends[side + "_energy"])
+            below = -search.above(ends[side + "_energy"])
             shape = np.array(ends[side])
-            if may_restart and below > LOWER and search._intact(shape):
-                return tops, (name, shape, below)
+            if may_restart and below > LOWER and search.intact(shape):
+                return tops, (_name(search, n), shape, below)
     return tops, None
 
 
 def _paths(search, tops, stages, threads):
-    dropped, found, wanted = [], [], []
-    jobs = search.jobs()
-    known = []
+    dropped, found, known, lower = [], [], {}, []
+    wanted = []
     for n, (top, ends) in tops.items():
-        torsion, sign = jobs[n]
-        name = torsion.file_name(sign)
-        why = top.get("dropped") or ends.get("dropped")
-        if why is None:
-            try:
-                search._refuse_known(top, known)
-            except work.Dropped as known_saddle:
-                why = str(known_saddle)
-        if why is not None:
-            dropped.append((name, why))
+        name = _name(search, n)
+        if "dropped" in ends:
+            dropped.append((name, ends["dropped"]))
             continue
-        known.append(SimpleNamespace(name=name, energies=[top["energy"]], nodes=[np.array(top["x"])]))
+        other = search.one_of(top, known)
+        if other is not None:
+            dropped.append((name, f"the saddle of {other}"))
+            continue
+        known[name] = top
         wanted.append(n)
-    lower = []
     for n, way in _in_processes(stages, "following paths to the barriers", _path, wanted, threads):
-        torsion, sign = jobs[n]
-        name = torsion.file_name(sign)
+        name = _name(search, n)
         if "dropped" in way:
             dropped.append((name, way["dropped"]))
             stages.say(f"  {name}: no path: {way['dropped']}")
             continue
-        found.append(search._found(name, torsion, tops[n][0], way))
-        below = -search._above(way["far_energy"])
+        found.append(search.found(n, way))
+        below = -search.above(way["far_energy"])
         if below > LOWER:
             lower.append((name, below))
-    return Found(_result(search, found, dropped), lower)
-
-
-def _result(search, found, dropped):
-    return work.Result(search.molecule.numbers, search.surface.masses, search.options.method, search.driven,
-                       search.x, search.energy, search.nu1, found, dropped)
+    return Found(search.result(found, dropped), lower)
 
 
 def frames(path):

@@ -1,4 +1,4 @@
-"""The modules of the program `prepare`; its --help says what it is for.
+"""From a molecule to the paths around its conformation, for `hapgrid molecule`.
 
 xtb         energies, gradients, Hessians
 geometry    superposition, internal coordinates
@@ -7,9 +7,8 @@ torsions    which torsions are driven, relaxed scans
 path        steepest descent from a saddle, the nodes on it, and checks of them
 molecule    reading molecules, conformers (Open Babel)
 beyond      the path of a torsion on behind its saddles
-work        all steps for one molecule; each is kept until all are done
+work        all steps for one molecule; each is kept
 files       the files that are written
-cli         the command line
 """
 
 import os

@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import geometry, optimise, path, torsions
-from .xtb import BOHR, HARTREE
+from .work import Dropped
+from .xtb import BOHR, HARTREE, XtbError
 
 LEGS = 6  # in one direction, at most
 JUMP = 3.0  # times the way that the atoms go: how far an aligned shape moves where the alignment jumps
@@ -48,15 +49,9 @@ class Way:
     closed: bool = False
 
 
-def _same(work, x, y):
-    from .work import SAME_SHAPE
-    return geometry.rms(geometry.aligned(x, y, work.surface.masses), y) < SAME_SHAPE
-
-
 def _leg(work, torsion, sign, x, energy, hessian, apart):
     """(nodes up to the saddle, energies), (from the saddle down, energies), (x, energy, hessian) of the
     minimum behind it. The saddle is in both lists, and so is the minimum."""
-    from .work import Dropped
     surface, tree = work.surface, work.tree
     left = work.options.highest / HARTREE - (energy - work.energy)
     guess, tangent = torsions.scan(surface, x, hessian, torsion, sign, highest=left)
@@ -64,11 +59,11 @@ def _leg(work, torsion, sign, x, energy, hessian, apart):
     waves = optimise.wave_numbers(bend, saddle, surface.masses)
     if (waves < 0).sum() != 1:
         raise Dropped(f"{(waves < 0).sum()} imaginary frequencies")
-    sides = work._sides(saddle, bend)
-    near, far = sides if _same(work, sides[0][1], x) else sides[::-1]
-    if not _same(work, near[1], x):
-        raise Dropped(f"the saddle at {work._above(surface.energy(saddle)):.2f} kJ/mol joins other minima")
-    if not (work._intact(saddle) and work._intact(far[1])):
+    sides = work.sides(saddle, bend)
+    near, far = sides if work.same(sides[0][1], x) else sides[::-1]
+    if not work.same(near[1], x):
+        raise Dropped(f"the saddle at {work.above(surface.energy(saddle)):.2f} kJ/mol joins other minima")
+    if not (work.intact(saddle) and work.intact(far[1])):
         raise Dropped("bonds change")
     there = np.round(far[1] * BOHR, 8) / BOHR  # as in the file
     up = path.nodes(surface, tree, saddle, bend, near[0], x, energy,
@@ -82,8 +77,6 @@ def _leg(work, torsion, sign, x, energy, hessian, apart):
 def drive(work, torsion, sign, apart=None, known=()):
     """(Way, distance of its nodes) of a torsion in one direction. It ends before a saddle to one of the
     known minima."""
-    from .work import Dropped
-    from .xtb import XtbError
     way = Way([work.x], [work.energy])
     x, energy, hessian = work.x, work.energy, work.hessian
     for _ in range(LEGS):
@@ -93,8 +86,8 @@ def drive(work, torsion, sign, apart=None, known=()):
             way.why = str(why)
             return way, apart
         minima = [way.nodes[k] for k, kind in way.kinds.items() if kind == "minimum"]
-        way.closed = _same(work, x, work.x)
-        if not way.closed and any(_same(work, x, y) for y in [*minima, *known]):
+        way.closed = work.same(x, work.x)
+        if not way.closed and any(work.same(x, y) for y in [*minima, *known]):
             way.why = "a minimum that it has already"
             way.nodes += up[0][1:-1]
             way.energies += up[1][1:-1]
@@ -115,7 +108,6 @@ def drive(work, torsion, sign, apart=None, known=()):
 def whole(work, torsion):
     """The Beyond of a torsion: both directions as one path. Raises Dropped where no minimum is behind a
     saddle."""
-    from .work import Dropped
     plus, apart = drive(work, torsion, 1)
     if plus.closed:
         plus, minus = _cut(work, plus)

@@ -50,8 +50,7 @@ class Molecule:
             raise BadInput(f"{what}: more than one molecule")
 
     def amide_torsions(self):
-        return [torsions_of.make(self.numbers, self.neighbours, f"{j + 1}-{k + 1}", None, None, j, k,
-                                 None, None)
+        return [torsions_of.make(self.numbers, self.neighbours, None, None, j, k, None)
                 for j, k in self.amides if min(len(self.neighbours[j]), len(self.neighbours[k])) > 1]
 
     def relaxed(self, positions, steps=500):
@@ -63,8 +62,8 @@ class Molecule:
         for n, (x, y, z) in enumerate(positions):
             ob.GetAtom(n + 1).SetVector(float(x), float(y), float(z))
         if not field.Setup(ob):
-            raise BadInput(f"{FORCE_FIELD} has no parameters for this molecule: give a start "
-                           "structure and --keep-conformation")
+            raise BadInput(f"{FORCE_FIELD} has no parameters for this molecule, so its conformers cannot be "
+                           "searched: give a file with its shape")
         field.ConjugateGradients(steps, 1e-6)
         field.GetCoordinates(ob)
         atoms = [ob.GetAtom(n + 1) for n in range(ob.NumAtoms())]
@@ -81,7 +80,8 @@ def _reached(neighbours):
     return seen
 
 
-def _quiet():
+def open_babel():
+    """The module, which prints nothing from here on."""
     try:
         from openbabel import openbabel
     except ImportError:
@@ -93,7 +93,7 @@ def _quiet():
 
 def parsed(smiles):
     """Open Babel's molecule of SMILES, without hydrogens and coordinates."""
-    openbabel = _quiet()
+    openbabel = open_babel()
     conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
     conversion.SetInFormat("smi")
     what = f"SMILES '{smiles}'"
@@ -108,16 +108,7 @@ def parsed(smiles):
     return ob
 
 
-def from_smiles(smiles):
-    openbabel = _quiet()
-    ob, what = parsed(smiles), f"SMILES '{smiles}'"
-    ob.AddHydrogens()
-    if not openbabel.OBBuilder().Build(ob):
-        raise BadInput(f"{what}: no shape could be built")
-    return _repeatable(Molecule(ob, what))
-
-
-def _repeatable(molecule):
+def repeatable(molecule):
     """Rebuilds a molecule, which Open Babel places in a random orientation, from its internal
     coordinates without their last digits: these are the same each time. (Where Open Babel joins
     rings to chains, a torsion is random, too; conformers() sets those that turn.)"""
@@ -149,7 +140,7 @@ def read_text(path):
 
 
 def from_file(path):
-    openbabel = _quiet()
+    openbabel = open_babel()
     conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
     kind = os.path.splitext(path)[1][1:].lower()
     if kind not in ("xyz", "sdf", "mol"):

@@ -4,7 +4,6 @@ A scan only gives a guess. Other modules refine it to a saddle and check its fre
 torsions lead to no saddle from a given minimum; their scans only climb.
 """
 
-import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,10 +12,6 @@ from . import geometry, optimise
 from .xtb import HARTREE
 
 STIFFNESS = 0.5  # of the restraint, hartree/rad^2: ten times that of the stiffest torsion
-
-
-class BadTorsion(Exception):
-    """A torsion that cannot be turned; the message names it."""
 
 
 class NoBarrier(Exception):
@@ -55,64 +50,14 @@ def _end(numbers, neighbours, atom, partner):
     return min(others, key=lambda n: (-numbers[n], n)) if others else None
 
 
-def make(numbers, neighbours, word, name, i, j, k, l, signs):
-    """A torsion about the bond j-k; its smaller side is the one that turns."""
-    if k not in neighbours[j]:
-        raise BadTorsion(f"torsion {word}: atoms {j + 1} and {k + 1} are not bonded")
-    side = geometry.side_of(neighbours, j, k)
-    if side is None:
-        raise BadTorsion(f"torsion {word}: bond {j + 1}-{k + 1} is in a ring")
+def make(numbers, neighbours, name, i, j, k, l):
+    """A torsion about the bond j-k, which is in no ring; its smaller side is the one that turns. i, l: where it ends,
+    or None. No name: its bond's."""
     i = _end(numbers, neighbours, j, k) if i is None else i
     l = _end(numbers, neighbours, k, j) if l is None else l
-    if i not in neighbours[j] or l not in neighbours[k] or i == k or l == j:
-        raise BadTorsion(f"torsion {word}: not a chain of bonded atoms")
     rotor = any(_is_methyl(numbers, neighbours, a, b) for a, b in ((j, k), (k, j)))
-    return Torsion(name or f"torsion-{j + 1}-{k + 1}", (i, j, k, l), tuple(side),
-                   signs or ((1,) if rotor else (1, -1)), rotor and not signs)
-
-
-def automatic(numbers, neighbours, double):
-    """Every bond that turns: it is in no ring, not in `double` (a set of pairs, amides among them),
-    and has more than one atom on either side. (Open Babel's OBRotorList has no methyl and hydroxyl
-    groups.)"""
-    out = []
-    for j in range(len(numbers)):
-        for k in neighbours[j]:
-            if j > k or (j, k) in double or min(len(neighbours[j]), len(neighbours[k])) < 2:
-                continue
-            if geometry.side_of(neighbours, j, k) is None:
-                continue
-            word = f"{j + 1}-{k + 1}"
-            out.append(make(numbers, neighbours, word, None, None, j, k, None, None))
-    return out
-
-
-def parse(text, numbers, neighbours, double):
-    """The torsions of --torsions: auto, [NAME=]J-K or [NAME=]I-J-K-L, with + or - at the end for
-    one direction only, and with commas between several."""
-    out = []
-    for word in text.split(","):
-        if word == "auto":
-            out += automatic(numbers, neighbours, double)
-            continue
-        found = re.fullmatch(r"(?:([A-Za-z][\w-]*)=)?(\d+)-(\d+)(?:-(\d+)-(\d+))?([+-]?)", word)
-        if not found:
-            raise BadTorsion(f"torsion '{word}': not auto, [NAME=]J-K or [NAME=]I-J-K-L")
-        name, *atoms, sign = found.groups()
-        atoms = [int(a) - 1 for a in atoms if a]
-        bad = [a + 1 for a in atoms if not 0 <= a < len(numbers)]
-        if bad:
-            raise BadTorsion(f"torsion {word}: no atom {bad[0]}: there are {len(numbers)}")
-        i, j, k, l = atoms if len(atoms) == 4 else (None, *atoms, None)
-        signs = {"+": (1,), "-": (-1,), "": None}[sign]
-        out.append(make(numbers, neighbours, word, name, i, j, k, l, signs))
-    names = [t.name for t in out]
-    twice = next((n for n in names if names.count(n) > 1), None)
-    if twice:
-        raise BadTorsion(f"torsion {twice}: given twice")
-    if not out:
-        raise BadTorsion("no torsion: no bond of this molecule turns")
-    return out
+    return Torsion(name or f"{j + 1}-{k + 1}", (i, j, k, l), tuple(geometry.side_of(neighbours, j, k)),
+                   (1,) if rotor else (1, -1), rotor)
 
 
 def _restrained(surface, atoms, target):

@@ -31,16 +31,6 @@ for order in "--xyz 0.5,0,0,1 no-such" "no-such --xyz 0.5,0,0,1"; do
   refuses "molecule-check: no-such: No such file or directory" -- molecule-check $order
 done
 
-# prepare is in Python: its one repeatable option takes a path's shape each time.
-prepare=$HAPGRID_SOURCE/examples/molecule/prepare
-if "$prepare" --help >help 2>/dev/null; then
-  same "options of prepare that can be repeated" 1 "$(grep -c 'may be repeated' help)"
-  for order in "--guess a=path no-such.xyz" "no-such.xyz --guess a=path" \
-    "--guess a=path --guess b=path no-such.xyz"; do
-    refuses "prepare: no-such.xyz: No such file or directory" -- "$prepare" $order -o none
-  done
-fi
-
 seed "$ball" --set 'grid.counts=[4,3,2]' -o g
 for command in "seed -" expand "expand --complete" merge "merge -" verify stats "stats --log -" view \
   "play - --device path:path" "check-model -" "stats g --cost -" "verify /dev/stdin" "expand /dev/stdin" \

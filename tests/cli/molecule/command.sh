@@ -123,6 +123,16 @@ hapgrid molecule --smiles OO -o peroxide --method gfnff --spacing 1.5 --highest 
 grep -q 'left out: H3-O1-O2-H4-plus, H3-O1-O2-H4-minus: still climbing at 2 kJ/mol' log || fail "$(cat log)"
 grep -q '<td>H3-O1-O2-H4-plus<td>.*<td>still climbing at 2 kJ/mol' peroxide/index.html || fail "the page does not say why"
 
+# Dichloroethane's gauche lies 0.6 kJ/mol below anti by GFN-FF. The search goes on there, or stays in anti.
+anti=$HAPGRID_SOURCE/examples/molecule/dichloroethane/conformation.xyz
+shapes=("$anti" --method gfnff --spacing 1.5 --torsions Cl1-C2-C3-Cl4-plus)
+expect 0 '~hapgrid play .*' '~.*Cl1-C2-C3-Cl4-plus leads to a minimum that is 0\.6 kJ/mol lower: from there once more.*' -- \
+  hapgrid molecule "${shapes[@]}" -o gauche
+within "gauche" "$(word gauche/conformation.xyz 1 Cl1-C2-C3-Cl4 | tr -d -)" 60 80
+expect 0 '~hapgrid play .*' '~.*Cl1-C2-C3-Cl4-plus leads to a minimum that is 0\.6 kJ/mol lower.*' -- \
+  hapgrid molecule "${shapes[@]}" --keep-conformation -o anti
+within "anti" "$(word anti/conformation.xyz 1 Cl1-C2-C3-Cl4)" 180 180
+
 # One way of one bond alone.
 peroxide=(--smiles OO --method gfnff --spacing 1.5)
 refuses 'molecule: --torsions: no bond H3-O1-O2-H4-up turns, only H3-O1-O2-H4' -- \

@@ -1,6 +1,6 @@
 """prepared_data.py DIR...: checks in the files of prepared molecules all that their readers rely on.
 
-It uses nothing of prepare and only the standard library. It prints a line for each fault and then
+It uses nothing of `hapgrid molecule` and only the standard library. It prints a line for each fault and then
 exits with 1.
 """
 

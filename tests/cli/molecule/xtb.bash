@@ -2,7 +2,7 @@
 # What the tests of prepared molecules share: values from their files, and the program xtb beside them.
 sanitized && skip "nothing in it has sanitizers"
 command -v xtb >/dev/null || skip "xtb is not installed"
-# The system's Python, as prepare names it.
+# The system's Python, as hapgrid-molecule names it.
 /usr/bin/python3 -c 'from openbabel import openbabel; import numpy' 2>/dev/null ||
   skip "python3-openbabel or python3-numpy is not installed"
 /usr/bin/python3 -c 'import ctypes; ctypes.CDLL("libxtb.so.6")' 2>/dev/null ||
