@@ -5,9 +5,8 @@ import os
 import shlex
 from dataclasses import asdict
 
-from preparation import files
+from preparation import files, work
 from preparation import molecule as prepared
-from preparation.work import Options
 from preparation.xtb import Surface
 
 from . import (choice, combined, crossing, definition, page, pushing, reading, resolution, room, rotors, stiffness,
@@ -112,7 +111,7 @@ class Course:
                 stages.say("  energies by " + ("GFN2-xTB" if self.method == "gfn2" else
                            f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
             one = structures.explore(self.molecule, self.rotors, structures.Options(
-                Options(self.method, self.charge, o.uhf, o.highest, stages.path(".work")), self.search,
+                work.Options(self.method, self.charge, o.uhf, o.highest, stages.path(".work")), self.search,
                 o.keep_conformation, o.basins, o.threads), stages)
             for name, below in one.lower:
                 stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")

@@ -55,15 +55,12 @@ def _leg(work, torsion, sign, x, energy, hessian, apart):
     surface, tree = work.surface, work.tree
     left = work.options.highest / HARTREE - (energy - work.energy)
     guess, tangent = torsions.scan(surface, x, hessian, torsion, sign, highest=left)
-    saddle, _, bend = optimise.saddle(surface, guess, tangent)
-    waves = optimise.wave_numbers(bend, saddle, surface.masses)
-    if (waves < 0).sum() != 1:
-        raise Dropped(f"{(waves < 0).sum()} imaginary frequencies")
+    saddle, top, bend, _ = work.climbed(guess, tangent)
     sides = work.sides(saddle, bend)
     near, far = sides if work.same(sides[0][1], x) else sides[::-1]
     if not work.same(near[1], x):
-        raise Dropped(f"the saddle at {work.above(surface.energy(saddle)):.2f} kJ/mol joins other minima")
-    if not (work.intact(saddle) and work.intact(far[1])):
+        raise Dropped(f"the saddle at {work.above(top):.2f} kJ/mol joins other minima")
+    if not work.intact(far[1]):
         raise Dropped("bonds change")
     there = np.round(far[1] * BOHR, 8) / BOHR  # as in the file
     up = path.nodes(surface, tree, saddle, bend, near[0], x, energy,

@@ -242,6 +242,12 @@ class Work:
     def _saddle(self, torsion, sign):
         guess, tangent = torsions.scan(self.surface, self.x, self.hessian, torsion, sign,
                                        highest=self.options.highest / HARTREE)
+        x, energy, hessian, nu1 = self.climbed(guess, tangent)
+        return {"x": x.tolist(), "energy": energy, "hessian": hessian.tolist(), "nu1": nu1}
+
+    def climbed(self, guess, tangent):
+        """(x, energy, hessian, its imaginary wave number as a negative one) of the saddle near a guess. Errors:
+        Dropped where that is none between two shapes of this molecule."""
         x, energy, hessian = optimise.saddle(self.surface, guess, tangent)
         waves = optimise.wave_numbers(hessian, x, self.surface.masses)
         count = int((waves < 0).sum())
@@ -249,7 +255,7 @@ class Work:
             raise Dropped(f"{count} imaginary frequencies")
         if not self.intact(x):
             raise Dropped("bonds change")
-        return {"x": x.tolist(), "energy": energy, "hessian": hessian.tolist(), "nu1": waves[0]}
+        return x, energy, hessian, waves[0]
 
     def sides(self, x, hessian):
         """The two minima that the saddle joins, each as (sign, x, energy, hessian)."""
