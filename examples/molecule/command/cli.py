@@ -39,6 +39,7 @@ exit codes: 0 done; 1 could not; 2 the command line is wrong
 examples:
   hapgrid molecule ibuprofen.sdf -o ibuprofen -j 2
   hapgrid molecule --smiles 'CC(C)O' -o propanol
+  hapgrid molecule protein-loop.pdb -o loop --keep-conformation --until definition
 """
 
 
@@ -92,6 +93,9 @@ def parser():
                    "NAME-minus turn one way only (default: all)")
     p.add_argument("--spacing", type=_within(float, 0.1, 3), metavar="H",
                    help="of the grid, in angstrom (default: what its accuracy and ten minutes allow)")
+    p.add_argument("--until", choices=("structures", "definition"),
+                   help="stop when the conformation and the paths are there, or the definition of the grid, to look at "
+                   "them or to change them")
     p.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")
     return p
 
@@ -121,7 +125,9 @@ def main(arguments):
         o = _options(arguments)
         xtb.load()  # before all else: where it is missing, that is one line
         with _silence() as out:
-            print(texts.printable_text(course.run(o)), file=out)
+            line = course.run(o)
+            if line:
+                print(texts.printable_text(line), file=out)
     except UsageError as why:
         print(f"molecule: {why}", file=sys.stderr)
         return 2

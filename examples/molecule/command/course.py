@@ -26,13 +26,17 @@ class BreaksRule(Failed):
 
 
 def run(o):
-    """Everything; the lines for standard output."""
+    """Everything, or all until --until; the lines for standard output."""
     course = Course(o)
     course.read()
     course.find_structures()
+    if o.until == "structures":
+        return course.stopped()
     while True:
         try:
             course.decide()
+            if o.until == "definition":
+                return course.stopped()
             course.compute()
             break
         except BreaksRule as why:
@@ -341,6 +345,10 @@ class Course:
     def _turned(self, paths):
         """The torsions that these paths turn."""
         return [t for t in self.rotors if {t.name, *t.file_names()} & set(paths)]
+
+    def stopped(self):
+        self.stages.say(f"stopped after the {self.o.until}: the same command without --until goes on")
+        return ""
 
     def summary(self):
         out = self.o.output.rstrip("/") or "/"

@@ -137,7 +137,12 @@ within "anti" "$(word anti/conformation.xyz 1 Cl1-C2-C3-Cl4)" 180 180
 peroxide=(--smiles OO --method gfnff --spacing 1.5)
 refuses 'molecule: --torsions: no bond H3-O1-O2-H4-up turns, only H3-O1-O2-H4' -- \
   hapgrid molecule "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-up
-expect 0 '~hapgrid play .*' '' -- hapgrid molecule "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-minus --quiet
+oneway=(hapgrid molecule "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-minus)
+expect 0 '' '~.*stopped after the structures: the same command without --until goes on' -- "${oneway[@]}" --until structures
+[[ ! -e oneway/oneway.toml ]] || fail "not stopped after the structures"
+expect 0 '' '~.*stopped after the definition: .*' -- "${oneway[@]}" --until definition
+[[ -s oneway/oneway.toml && ! -e oneway/oneway.grid ]] || fail "not stopped after the definition"
+expect 0 '~hapgrid play .*' '' -- "${oneway[@]}" --quiet
 same "paths" H3-O1-O2-H4-minus "$(awk -F'\t' '$2 == "saddle" { print $1 }' oneway/report.tsv)"
 
 # New structures lie as those that an earlier run left in the folder, here turned by 120 degrees about x = y = z.
