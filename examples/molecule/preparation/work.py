@@ -59,13 +59,14 @@ class Result:
 
     def lie_like(self, reference):
         """If the conformation is the reference but for the numbers of its hydrogens, turns
-        everything so that it lies as the reference does. What lies so already keeps its last digits."""
-        if np.abs(self.x - reference).max() * BOHR < ROUNDED:
+        everything so that it lies as the reference does. Once more, that changes no digit."""
+        if _equal(self.x, reference):
             return
         heavy = np.array(self.numbers) > 1
         x = geometry.aligned(self.x, reference, np.where(heavy, self.masses, 0.0))
         if geometry.rms(x[heavy], reference[heavy]) < SAME_SHAPE:
-            self.x = geometry.centred(x, self.masses)
+            x = np.round(geometry.centred(x, self.masses) * BOHR, 8) / BOHR
+            self.x = reference if _equal(x, reference) else x
             for found in self.found:
                 found.nodes = [geometry.aligned(y, self.x, self.masses) for y in found.nodes]
                 found.nodes[0] = self.x
@@ -78,6 +79,11 @@ class Result:
             before = from_file(old)
             if before.numbers == self.numbers:
                 self.lie_like(before.positions / BOHR)
+
+
+def _equal(x, y):
+    """Whether two shapes are the same but for the rounding in files."""
+    return np.abs(x - y).max() * BOHR < ROUNDED
 
 
 class Steps:
