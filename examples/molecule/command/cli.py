@@ -64,7 +64,8 @@ def _within(kind, low, high):
 
 def parser():
     p = _Parser(prog="hapgrid molecule", description=ABOUT, epilog=AFTERWARDS,
-                formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+                formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, width=100),
+                allow_abbrev=False,
                 usage="hapgrid molecule (FILE | --smiles SMILES) -o DIR [options]")
     p.add_argument("file", metavar="FILE", nargs="?", help="the molecule: .sdf, .mol, .mol2, .pdb or .xyz")
     p.add_argument("--smiles", help="the molecule as SMILES; its conformers are searched")
@@ -80,8 +81,8 @@ def parser():
     p.add_argument("--search", action="store_true",
                    help="look for the lowest conformer instead of keeping that of FILE")
     p.add_argument("--keep-conformation", action="store_true",
-                   help="stay at this conformation where a barrier leads to a lower minimum; without it the search "
-                   "begins there once more")
+                   help="stay at this conformation where a barrier leads to a lower minimum, instead of beginning "
+                   "there once more")
     p.add_argument("--highest", type=_within(float, 1, 1000), default=150.0, metavar="KJ_MOL",
                    help="barriers above this are not looked for, kJ/mol (default: 150)")
     p.add_argument("--paths", type=_within(int, 0, 16), metavar="N", default=6,
@@ -89,13 +90,12 @@ def parser():
     p.add_argument("--basins", action="store_true",
                    help="paths go on through their barriers into the minima behind them")
     p.add_argument("--torsions", metavar="NAMES",
-                   help="turn only these bonds, as rotors.tsv names them, with commas between; NAME-plus and "
-                   "NAME-minus turn one way only (default: all)")
+                   help="turn only these bonds, as rotors.tsv names them, with commas between (default: all); "
+                   "NAME-plus and NAME-minus turn one way only")
     p.add_argument("--spacing", type=_within(float, 0.1, 3), metavar="H",
                    help="of the grid, in angstrom (default: what its accuracy and ten minutes allow)")
     p.add_argument("--until", choices=("structures", "definition"),
-                   help="stop when the conformation and the paths are there, or the definition of the grid, to look at "
-                   "them or to change them")
+                   help="stop when the conformation and the paths are there, or the definition of the grid")
     p.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")
     return p
 
