@@ -15,6 +15,20 @@ NONE = {"force-dimension": "force -0 0 0", "openhaptics": "force 0 0 -0", "haply
 numbers = iter(range(100))
 
 
+class Busy(Exception):
+    """This machine let the adapter wait until play gave it up, which is not what is tested."""
+
+
+def patiently(attempt, *arguments, **options):
+    """The result of an attempt on a machine that is not too busy for it."""
+    for _ in range(9):
+        try:
+            return attempt(*arguments, **options)
+        except Busy as why:
+            print("once more:", why)
+    return attempt(*arguments, **options)
+
+
 class Play:
     def __init__(self, adapter, *fault, options=()):
         self.adapter, self.record, self.service = adapter, f"kit.{next(numbers)}", None
@@ -37,19 +51,25 @@ class Play:
     def await_force(self):
         deadline = time.monotonic() + 20
         while RIGHT[self.adapter] not in self.heard():
-            assert time.monotonic() < deadline and self.process.poll() is None, \
-                (self.adapter, self.heard()[-3:], self.process.poll() and self.process.communicate()[1])
+            if self.process.poll() is not None:
+                self.end(0, "")
+            assert time.monotonic() < deadline, (self.adapter, self.heard()[-3:])
             time.sleep(0.002)
+        return self
 
     def end(self, code, lines):
         """Those that standard error ends with."""
         error = self.error = self.process.communicate(timeout=30)[1]
-        assert self.process.returncode == code, (self.adapter, self.process.returncode, error)
-        assert re.search(f"(^|\n){lines}$", error.rstrip("\n")), (self.adapter, error)
         if self.service:
             self.service.kill()
             self.service.wait()
             self.service.stdout.close()
+        late = re.search("process '.*': (did not answer within|its time stood still for) 100 ms", error)
+        if late and not re.search("100 ms", lines):
+            raise Busy(late[0])
+        assert self.process.returncode == code, (self.adapter, self.process.returncode, error)
+        assert re.search(f"(^|\n){lines}$", error.rstrip("\n")), (self.adapter, error)
+        return self
 
 
 def good(adapter, last):
@@ -65,14 +85,13 @@ def good(adapter, last):
     print(f"{adapter}: {len(heard)} forces that differ, the last {heard[-len(last):]}")
 
 
-good("force-dimension", [NONE["force-dimension"], "brakes", "closed"])
-good("openhaptics", [NONE["openhaptics"], "brakes", "closed"])
-good("haply", [NONE["haply"], "closed"])
+patiently(good, "force-dimension", [NONE["force-dimension"], "brakes", "closed"])
+patiently(good, "openhaptics", [NONE["openhaptics"], "brakes", "closed"])
+patiently(good, "haply", [NONE["haply"], "closed"])
 
 # Killed, play leaves it to the guard.
 for adapter, last in [("force-dimension", "closed"), ("openhaptics", "closed"), ("haply", "closed")]:
-    play = Play(adapter)
-    play.await_force()
+    play = patiently(lambda: Play(adapter).await_force())
     play.process.kill()
     deadline = time.monotonic() + 10
     while play.heard()[-1] != last or NONE[adapter] not in play.heard()[-3:]:
@@ -87,14 +106,13 @@ for adapter, why in [("force-dimension", "force-dimension: no device: no device 
                      ("haply", "haply.py: IndexError: list index out of range"),
                      ("haply deep", "haply.py: RecursionError: maximum recursion depth exceeded .*")]:
     adapter, _, fault = adapter.partition(" ")
-    Play(adapter, fault or "absent", "0").end(1, f"{why}\nplay: process '.*': exited with status 1")
+    patiently(lambda: Play(adapter, fault or "absent", "0").end(1, f"{why}\nplay: process '.*': exited with status 1"))
 
 # One that fails while it is played; the adapter lets go by itself. And one that hangs, which is killed.
 for adapter, fault, why in [("force-dimension", "fail", "force-dimension: cannot set a force: communication error"),
                             ("openhaptics", "fail", "openhaptics: the device failed: communication error"),
                             ("haply", "close", "haply.py: the service is gone")]:
-    play = Play(adapter, fault, "200")
-    play.end(1, "play: device: process '.*': exited with status 1")
+    play = patiently(lambda: Play(adapter, fault, "200").end(1, "play: device: process '.*': exited with status 1"))
     assert re.search(f"^{why}$", play.error, re.M), play.error
     assert adapter == "haply" or play.heard()[-2:] == ["brakes", "closed"], (adapter, play.heard()[-3:])
 for adapter, why in [("force-dimension", "did not answer within 100 ms"),
