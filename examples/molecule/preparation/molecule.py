@@ -49,6 +49,10 @@ class Molecule:
         if len(_reached(self.neighbours)) < len(atoms):
             raise BadInput(f"{what}: more than one molecule")
 
+    def formal_charges(self):
+        from openbabel import openbabel
+        return [atom.GetFormalCharge() for atom in openbabel.OBMolAtomIter(self.ob)]
+
     def amide_torsions(self):
         return [torsions_of.make(self.numbers, self.neighbours, None, None, j, k, None)
                 for j, k in self.amides if min(len(self.neighbours[j]), len(self.neighbours[k])) > 1]

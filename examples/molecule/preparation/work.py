@@ -162,7 +162,7 @@ class Work:
             elif best is None or energy < best[0]:
                 best = energy, x
         if best is None:
-            raise Failed(f"no conformation: none of the start structures relaxes: {reason}")
+            raise Failed(f"no conformation: none of the start structures relaxes: {reason}{_what_to_do(self.molecule)}")
         # GFN-FF must read its bonds off the conformation itself, not off the shape from which it
         # was found: then one run of xtb on the conformation's file gives the same energy.
         x = best[1]
@@ -295,6 +295,14 @@ class Work:
                                      np.array(top["hessian"]), ends["sign"], self.x, self.energy)
         return {"nodes": [n.tolist() for n in nodes], "energies": energies, "far": ends["far"],
                 **{name: ends[name] for name in ("far_energy", "far_nu1", "far_is_equal")}}
+
+
+def _what_to_do(molecule):
+    """About a molecule that does not relax. Without water a proton goes from one end of a zwitterion to the other."""
+    charges = molecule.formal_charges()
+    if max(charges) > 0 > min(charges):
+        return "; there is no water here: give the neutral form instead of a zwitterion"
+    return ""
 
 
 def _guarded(compute):

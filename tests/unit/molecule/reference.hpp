@@ -58,7 +58,8 @@ inline const Source kDipeptide{"alanine-dipeptide",
                                {"phi-plus.xyz", "psi-plus.xyz", "chi1.xyz", "C7-N9-C10-H20.xyz"}};
 // Phenylalanine and tyrosine: two rings.
 inline const Source kEnkephalin{
-    "leu-enkephalin", {"chi1_1-minus.xyz", "psi2-plus.xyz", "chi4_1-minus.xyz", "chi5_1-minus.xyz"}};
+    "leu-enkephalin",
+    {"chi1_1-minus.xyz", "psi2-plus.xyz", "chi4_1-minus.xyz", "chi5_1-minus.xyz"}};
 inline const std::vector<Source> kAll{kOnePath, kButane, kDipeptide, kEnkephalin};
 
 /// The positions of every frame of an XYZ text.

@@ -38,6 +38,10 @@ done
 # What a coarse grid told is true of the grid: 99 of 100 places are off by 0.1 Å at most.
 verify cyanide/cyanide.grid --recompute none --accuracy 0.1 >report 2>verdict || fail "$(cat report)"
 
+# Glycine as a zwitterion has no minimum without water.
+refuses 'molecule: no conformation: .*its bonds change; there is no water here: give the neutral form instead of a zwitterion' \
+  -- hapgrid molecule --smiles '[NH3+]CC(=O)[O-]' -o zwitterion --quiet
+
 # The dipeptide's soft torsions are found by the force field, too, whose scans snap over.
 hapgrid molecule --smiles 'CC(=O)N[C@@H](C)C(=O)NC' --method gfnff --spacing 1.5 -o dipeptide -j 2 >line 2>log || fail "$(cat log)"
 for name in phi-plus phi-minus; do
