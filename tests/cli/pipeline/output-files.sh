@@ -83,11 +83,17 @@ signal.signal(signal.SIGINT, signal.SIG_DFL)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 tool = subprocess.Popen(sys.argv[2:])
 time.sleep(0.15)
-assert tool.poll() is None, "over too soon"
 number = getattr(signal, "SIG" + sys.argv[1])
+# expand --complete takes a signal to keep what it has, but KILL. It has to be ready for it.
+takes = "--complete" in sys.argv and sys.argv[1] != "KILL"
+def ready():
+    caught = next(line for line in open(f"/proc/{tool.pid}/status") if line.startswith("SigCgt"))
+    return int(caught.split()[1], 16) >> (number - 1) & 1
+while takes and tool.poll() is None and not ready():
+    time.sleep(0.01)
+assert tool.poll() is None, "over too soon"
 tool.send_signal(number)
-# expand --complete takes a signal to keep what it has, but KILL.
-code = 128 + number if "--complete" in sys.argv and sys.argv[1] != "KILL" else -number
+code = 128 + number if takes else -number
 assert tool.wait(5) == code, tool.returncode' $signal $command -o d/out
     same "old content" old "$(cat d/out)"
     nothing_left d out
