@@ -5,10 +5,13 @@ pieces       which of several molecules is felt
 rotors       which bonds turn, and their names
 structures   the conformation, the saddles around it and the paths to them, in several processes
 choice       the softest paths that are sane together
+combined     what xtb says where minima of several paths are combined
+stiffness    how stiff the anchors are, from the Hessian
 definition   box and MODEL.toml
 room         a box that is wide enough for a molecule that yields
 resolution   a coarse grid, and the spacing that follows from it
 pushing      the way of the probe that turns one torsion
+crossing     its way over a barrier and back
 curves       torsions and energies over time
 page         plots, pictures and the page that sums up
 filters      starting the filters

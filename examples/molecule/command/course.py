@@ -120,7 +120,8 @@ class Course:
             for name, below in one.lower:
                 stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
             one.result.lie_as_before(stages.directory)
-            return files.write_set(stages.directory, one.result, f"hapgrid molecule: {self.what}, {self.method}, "
+            source = os.path.basename(o.file) if o.file else self.what  # the report is the same wherever the file lies
+            return files.write_set(stages.directory, one.result, f"hapgrid molecule: {source}, {self.method}, "
                                    f"charge {reading.signed(self.charge)}, {o.uhf} unpaired electrons")
         stages.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
                    [self.method, self.charge, o.uhf, self.search, o.highest, o.basins, o.keep_conformation,

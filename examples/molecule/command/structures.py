@@ -19,11 +19,11 @@ LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 
 @dataclass
 class Options:
-    """work: work.Options; search: whether conformers are searched; stay: whether lower minima are left alone; basins:
-    whether paths go on behind their saddles."""
+    """work: work.Options; search: whether conformers are searched; keep_conformation: whether lower minima are left
+    alone; basins: whether paths go on behind their saddles."""
     work: work.Options
     search: bool
-    stay: bool
+    keep_conformation: bool
     basins: bool
     threads: int
 
@@ -61,17 +61,17 @@ def _beyond(number):
     return _search.kept("beyond", torsion, 0, compute)
 
 
-def _in_processes(stages, what, function, over, threads):
+def _in_processes(stages, what, function, values, threads):
     """(value, function(value)) in the order of the values."""
-    if not over:
+    if not values:
         return
     began = time.monotonic()
-    stages.progress(what, 0, len(over), began)
+    stages.progress(what, 0, len(values), began)
     context = multiprocessing.get_context("fork")
-    with context.Pool(min(threads, len(over)), initializer=_worker) as pool:
-        for done, result in enumerate(pool.imap(function, over), 1):
-            stages.progress(what, done, len(over), began)
-            yield over[done - 1], result
+    with context.Pool(min(threads, len(values)), initializer=_worker) as pool:
+        for done, result in enumerate(pool.imap(function, values), 1):
+            stages.progress(what, done, len(values), began)
+            yield values[done - 1], result
 
 
 def _worker():
@@ -83,7 +83,7 @@ def explore(molecule, rotors, options, stages):
     global _search
     keep = not options.search
     look, finish = (_beyond_all, _basins) if options.basins else (_saddles, _paths)
-    restarts = 0 if options.stay else RESTARTS
+    restarts = 0 if options.keep_conformation else RESTARTS
     for start in range(restarts + 1):
         _search = search = work.Work(molecule, rotors, options.work)
         search.find_conformation(keep, lambda starts: _relaxed(starts, stages, options.threads))

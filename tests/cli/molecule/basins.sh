@@ -37,7 +37,7 @@ from preparation import geometry, molecule, work
 one = molecule.from_file(f"{sys.argv[1]}/dichloroethane/conformation.xyz")
 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 found = structures.explore(one, rotors.find(one)[0], structures.Options(
-    work.Options("gfnff", 0, 0, 150.0, "work"), search=False, stay=False, basins=True, threads=2), stages.Stages(".", True))
+    work.Options("gfnff", 0, 0, 150.0, "work"), search=False, keep_conformation=False, basins=True, threads=2), stages.Stages(".", True))
 turn = numpy.degrees(geometry.torsion(found.result.x, 0, 1, 2, 3))
 assert 60 < abs(turn) < 80 and not found.lower, (turn, found.lower)
 minima = [k for k, kind in found.result.found[0].kinds.items() if kind == "minimum"]
