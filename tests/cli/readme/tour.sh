@@ -1,11 +1,19 @@
-# The README's tour of the pipeline, line by line as a reader would type it.
+# The commands of the README, and those of the guide's tour of the pipeline, line by line as a reader would type them.
 source "$(dirname "$0")/../lib.sh"
 
-tour=$(sed -n '/^```sh$/,/^```$/p' "$HAPGRID_SOURCE/README.md" | sed '1d;$d')
-[[ $(wc -l <<<"$tour") -eq 10 ]] || fail "the tour has no ten lines"
+# commands PAGE: what stands in its block of shell commands.
+commands() { sed -n '/^```sh$/,/^```$/p' "$HAPGRID_SOURCE/$1" | sed '1d;$d'; }
 ln -s "$HAPGRID_SOURCE/examples" "$HAPGRID_SOURCE/schemas" .
 mkdir build
 ln -s "$HAPGRID_BIN" build/bin
+
+own=$(commands README.md)
+[[ $(wc -l <<<"$own") -eq 3 ]] || fail "the README's commands for a model of one's own are not three"
+bash -euo pipefail <<<"$own" >out 2>err || fail "the README's commands failed: $(cat err)"
+expect 0 0 '' -- stats --get todo mymodel/mymodel.grid
+
+tour=$(commands examples/guide/pipeline.md)
+[[ $(wc -l <<<"$tour") -eq 10 ]] || fail "the tour has no ten lines"
 bash -euo pipefail <<<"${tour//| less/> decoded}" >out 2>err || fail "the tour failed: $(cat err)"
 
 seed examples/hung-ball/hung-ball.toml | expand --complete -o whole
