@@ -34,15 +34,13 @@ void predict(const Grid& grid, const RecordFields& fields, RecordIndex r, Square
   const double h = grid.box().spacing;
   const PointIndex p = grid.point(r);
   const LinksOfRecord links(grid, p, static_cast<Level>(r - grid.first(p)));
-  const std::size_t here = fields.slots[r];
   for (int a = 0; a < 3; ++a) {
     const auto [up, down] = up_and_down(a);
     const RecordIndex high = links.two_way(up), low = links.two_way(down);
     if (high == Grid::kNoRecord || low == Grid::kNoRecord) continue;
-    const std::size_t above = fields.slots[high], below = fields.slots[low];
-    const double force = fields.force[here][a];
-    const double sum = fields.force[below][a] + fields.force[above][a];
-    const double slope = (fields.energy[above] - fields.energy[below]) / (2 * h);
+    const double force = fields.force[r][a];
+    const double sum = fields.force[low][a] + fields.force[high][a];
+    const double slope = (fields.energy[high] - fields.energy[low]) / (2 * h);
     ++found.predictions;
     found.force += squared(force);
     found.by_forces += squared(force - sum / 2);
