@@ -268,7 +268,7 @@ int play(PlayOptions options) {
   if (is_live(*options.device)) ::mallopt(M_TOP_PAD, 8 << 20);
   DeviceGuard guard(*options.device);
   Viewers viewers(options);
-  const LoadedGrid loaded = load_grid(options.grid, Generations::kLeftOut);
+  const LoadedGrid loaded = load_grid(options.grid);
   const Grid& grid = loaded.grid;
   require_playable(grid, options.grid == "-" ? "standard input" : options.grid);
   const GridSpec& spec = grid.spec();

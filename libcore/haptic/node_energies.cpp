@@ -35,10 +35,8 @@ void NodeEnergies::add_mixed(const Grid& grid, RecordIndex r) {
   const auto is_free = [](const NodeEnergy& node) { return node.slope == std::array<float, 3>{}; };
   NodeEnergy& node = nodes_[r];
   if (is_free(node)) return;
-  const PointIndex p = grid.point(r);
-  const LinksOfRecord links(grid, p, static_cast<Level>(r - grid.first(p)));
   const auto pushed_beside = [&](int q) -> const NodeEnergy* {
-    const RecordIndex to = links.two_way(q);
+    const RecordIndex to = grid.two_way(r, q);
     const NodeEnergy* const there = to == Grid::kNoRecord ? nullptr : &(*this)[to];
     return there && is_free(*there) ? nullptr : there;
   };
@@ -72,11 +70,10 @@ NodeEnergy NodeEnergies::of_ghost(const Grid& grid, const Sheets& sheets, Node g
   };
   double weights = 0, weights_ahead = 0;
   std::array<double, 3> slope{}, slope_ahead{}, mixed{};
-  for (const auto& [r, q] : sheets.ends_of_ghost(ghost)) {
+  for (const auto& [point, r, q] : sheets.ends_of_ghost(ghost)) {
     const NodeEnergy& node = (*this)[r];
     const double weight = weight_of(Direction(q).step());
-    const LinksOfRecord links(grid, r);
-    const RecordIndex behind = links.two_way(Direction(q).opposite().q());
+    const RecordIndex behind = grid.two_way(r, Direction(q).opposite().q());
     weights += weight;
     if (behind != Grid::kNoRecord) weights_ahead += weight;
     for (int c = 0; c < 3; ++c) {
@@ -95,7 +92,7 @@ NodeEnergy NodeEnergies::of_ghost(const Grid& grid, const Sheets& sheets, Node g
   double energies = 0;
   float settled =
       -std::numeric_limits<float>::infinity();  // of the records to which the links lead
-  for (const auto& [r, q] : sheets.ends_of_ghost(ghost)) {
+  for (const auto& [point, r, q] : sheets.ends_of_ghost(ghost)) {
     const NodeEnergy& node = (*this)[r];
     const auto d = Direction(q).step();
     double energy = node.energy;
