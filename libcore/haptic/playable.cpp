@@ -18,8 +18,9 @@ void require_playable(const Grid& grid, const std::string& name) {
     for (RecordIndex r = grid.first(p); r < grid.first(p) + grid.levels(p); ++r) {
       frontier += grid.in_frontier(r);
       const auto links = grid.links(r);
+      // Level 0 is there if the point has a level at all.
       for (int q = 0; q < kDirections; ++q)
-        if (inside >> q & 1)
+        if (links[q] > 0 && (inside >> q & 1))
           broken += links[q] >= grid.levels(static_cast<PointIndex>(p + around.offset(q)));
       const auto row = grid.row(r);
       not_finite += !std::all_of(row.begin(), row.end(), [](double s) { return std::isfinite(s); });

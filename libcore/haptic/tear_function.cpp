@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 namespace hapgrid {
@@ -145,8 +146,8 @@ std::vector<float> tear_function(const Grid& grid, const Sheets& sheets) {
     return number[node];
   };
   for (RecordIndex r = 0; r < grid.records(); ++r)
-    for (int q = 0; q < kDirections; ++q) {
-      if (!(sheets.one_way(r) >> q & 1)) continue;
+    for (DirectionMask left = sheets.one_way(r); left != 0; left &= left - 1) {
+      const int q = std::countr_zero(left);
       const double t = tear_fraction(grid, r, q);
       const auto d = Direction(q).step();
       planes[number_of(r)].add({t * d[0], t * d[1], t * d[2]});
