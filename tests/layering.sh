@@ -14,7 +14,7 @@ declare -A allowed=(
   [search]="base grid model shard"
   [check]="base grid model shard search haptic"  # beyond house-style.md: what play does is measured on play
   [device]="base grid"         # beyond house-style.md: a device's positions are grid's Vec3
-  [haptic]="base grid device"  # its interface: that the loop knows no hidapi is what counts
+  [haptic]="base grid device model"  # the interfaces of both: that the loop knows no hidapi is what counts
   [scene]="base grid"
   [session]="base grid"
 )

@@ -4,23 +4,12 @@
 
 #include <bit>
 
-#ifdef HAPGRID_HAS_AVX2
-#include "libcore/base/digest_avx2.h"
-#endif
-
 namespace hapgrid {
 
 static_assert(sizeof(Digest) == 16 && std::endian::native == std::endian::little,
               "digests of digests are hashed as they are in memory");
 
 Digest digest_of(std::span<const std::byte> bytes) {
-#ifdef HAPGRID_HAS_AVX2
-  if (__builtin_cpu_supports("avx2")) {
-    std::uint64_t digest[2];
-    hapgrid_digest_avx2(bytes.data(), bytes.size(), digest);
-    return {digest[0], digest[1]};
-  }
-#endif
   const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
   return {hash.low64, hash.high64};
 }

@@ -79,7 +79,7 @@ bool can_ask_energy(const GridSpec& spec, const Fields& fields) {
 BlendedEnergy energy_of_branches(const Grid& grid, const Sheets& sheets, const Fields& fields) {
   BlendSurvey survey(grid, fields);
   const Neighbourhood& around = grid.neighbourhood();
-  sheets.for_each_mixed([&](RecordIndex r, int own) {
+  const auto look = [&](RecordIndex r, int own) {
     std::array<const double*, 8> rows{};
     bool is_whole = survey.cells().is_corner(own);
     std::int64_t base = grid.point(r);
@@ -92,7 +92,10 @@ BlendedEnergy energy_of_branches(const Grid& grid, const Sheets& sheets, const F
       if (k == 0 && q >= 0) base += around.offset(q);
     }
     if (is_whole) survey.look_at(static_cast<PointIndex>(base), rows);
-  });
+  };
+  for (RecordIndex r = 0; r < grid.records(); ++r)
+    for (int own = 0; own < 8; ++own)
+      if (sheets.is_mixed(r, own)) look(r, own);
   return survey.seen();
 }
 

@@ -1,7 +1,6 @@
 #include "libcore/grid/link_table.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -13,9 +12,9 @@ namespace hapgrid {
 
 namespace {
 std::uint64_t hash(const Links& links) {
-  // The bytes behind `common` are padding, which has any value.
+  // The bytes behind `usable` are padding, which has any value.
   const auto bytes = std::as_bytes(std::span(&links, 1));
-  return hash_of(bytes.first(offsetof(Links, common) + sizeof(links.common)));
+  return hash_of(bytes.first(offsetof(Links, usable) + sizeof(links.usable)));
 }
 }  // namespace
 
@@ -33,10 +32,6 @@ Links make_links(const Level* levels, const TearByte* tears, DirectionMask insid
   for (int q = 0; q < kDirections; ++q)
     if (links.level[q] < kMaxLevels) links.usable |= DirectionMask{1} << q;
   links.usable &= inside;
-  if (inside == 0 || links.usable != inside) return links;
-  links.common = links.level[static_cast<unsigned>(std::countr_zero(inside))];
-  for (int q = 0; q < kDirections; ++q)
-    if ((inside >> q & 1) && links.level[q] != links.common) links.common = Links::kNoCommon;
   return links;
 }
 

@@ -17,9 +17,6 @@ struct alignas(64) Links {
   std::array<TearByte, kDirections> tear;  ///< kNoTear in all directions of a grid without any
   /// The directions that stay in the box and have a level that can be.
   DirectionMask usable = 0;
-  /// The level to which all directions that stay in the box lead; kNoCommon where they differ.
-  std::uint32_t common = kNoCommon;
-  static constexpr std::uint32_t kNoCommon = ~std::uint32_t{0};
 
   friend bool operator==(const Links&, const Links&) = default;
 };

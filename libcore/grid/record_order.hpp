@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 
 #include "libcore/base/error.hpp"
@@ -10,17 +9,12 @@
 
 namespace hapgrid {
 
-/// Whether each record has level 0 and the point behind that of the record before. Most runs of a
-/// grid are so, and to know it takes a fraction of a look at each record.
-bool is_plain(std::span<const PointIndex> point, std::span<const Level> level);
-
 /// Checks record after record that each point is in the box, that points ascend, and that the
 /// levels of a point are 0, 1, 2, ...
 class RecordOrder {
  public:
-  /// @param spec outlives this. @param level that the first record has
-  explicit RecordOrder(const GridSpec& spec, std::uint32_t level = 0)
-      : spec_(spec), points_(spec.box.points()), expected_(level) {}
+  /// @param spec outlives this.
+  explicit RecordOrder(const GridSpec& spec) : spec_(spec), points_(spec.box.points()) {}
 
   /// @param record its number, for messages. @returns whether it begins another point than the
   /// record before. @throw FormatError
@@ -43,7 +37,7 @@ class RecordOrder {
  private:
   const GridSpec& spec_;
   std::uint64_t points_;
-  std::uint32_t expected_;
+  std::uint32_t expected_ = 0;
   bool any_ = false;
   PointIndex point_ = 0;
 };

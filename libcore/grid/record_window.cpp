@@ -44,7 +44,9 @@ void RecordWindow::append(PointIndex p, Level level, std::uint32_t generation, c
   ++records_;
   Entry& entry = at(p);
   ++entry.levels;
-  const bool is_plain = level == 0 && table_[number_before_].common == 0;
+  const bool is_plain =
+      level == 0 && table_[number_before_].usable == inside &&
+      std::all_of(links, links + kDirections, [](Level to) { return to == 0 || to == kLeavesBox; });
   entry.run = is_plain && p > 0 ? static_cast<std::uint16_t>(std::min(at(p - 1).run + 1, 3))
                                 : static_cast<std::uint16_t>(is_plain);
 }

@@ -12,6 +12,32 @@
 
 namespace hapgrid {
 
+/// Neighbourhood::inside() of points that mostly ascend one by one: within a row of the box it
+/// stays the same.
+class InsideOfRun {
+ public:
+  /// Both outlive this.
+  InsideOfRun(const Box& box, const Neighbourhood& around) : box_(box), around_(around) {}
+
+  DirectionMask operator()(PointIndex p) {
+    if (is_same(p)) return mask_;
+    const GridCoordinates c = box_.coordinates(p);
+    mask_ = around_.inside(c);
+    begin_ = p;
+    size_ = c[0] > 0 && c[0] + 1 < box_.counts[0] ? box_.counts[0] - 1 - c[0] : 1;
+    return mask_;
+  }
+  /// Whether p, not before the last point, has the same.
+  bool is_same(PointIndex p) const { return p - begin_ < size_; }
+
+ private:
+  const Box& box_;
+  const Neighbourhood& around_;
+  DirectionMask mask_ = 0;
+  PointIndex begin_ = 0;
+  std::uint32_t size_ = 0;  // so many points from here on have the same
+};
+
 class RecordWindow {
  public:
   struct Record {

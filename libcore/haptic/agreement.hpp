@@ -27,8 +27,6 @@ struct Agreement {
   }
 };
 
-/// Of a large grid it looks at runs of records at regular distances, two million records together,
-/// which tell as much as all.
 /// @param fields with energies
 Agreement agreement(const Grid& grid, const RecordFields& fields);
 

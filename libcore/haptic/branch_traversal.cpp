@@ -42,7 +42,7 @@ double disagreement(const std::array<std::uint8_t, 8>& apart,
 
 }  // namespace
 
-BranchMap::BranchMap(const Grid& grid) : sheets(grid), tear(grid, sheets) {}
+BranchMap::BranchMap(const Grid& grid) : sheets(grid), tear(tear_function(grid, sheets)) {}
 
 /// The corners that an anchor gives a cell.
 struct BranchTraversal::Branch {

@@ -34,7 +34,7 @@ struct BranchMap {
   explicit BranchMap(const Grid& grid);
 
   Sheets sheets;
-  TearFunction tear;
+  std::vector<float> tear;  ///< tear_function(), by node
 };
 
 class BranchTraversal final : public Traversal {

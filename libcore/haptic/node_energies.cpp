@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "libcore/base/parallel.hpp"
-
 namespace hapgrid {
 
 namespace {
@@ -17,32 +15,17 @@ int along(int axis, int step) {
 
 }  // namespace
 
-NodeEnergies::NodeEnergies(const Grid& grid, const RecordFields& fields)
-    : records_(grid.records()), slots_(fields.slots), nodes_(slots_.size(records_)) {
+NodeEnergies::NodeEnergies(const Grid& grid, const RecordFields& fields) : nodes_(grid.records()) {
   // Energies are large against their differences: only what is above the lowest one fits a float.
   double lowest = std::numeric_limits<double>::infinity();
   for (const double energy : fields.energy) lowest = std::min(lowest, energy);
-  constexpr std::size_t kSlots = 1 << 14;
-  for_each_in_threads((nodes_.size() + kSlots - 1) / kSlots, all_threads(), [&](std::size_t b) {
-    for (std::size_t i = b * kSlots; i < std::min(nodes_.size(), (b + 1) * kSlots); ++i) {
-      NodeEnergy node;
-      if (!fields.energy.empty())
-        node.energy = static_cast<float>((fields.energy[i] - lowest) / grid.box().spacing);
-      for (int a = 0; a < 3; ++a) node.slope[a] = static_cast<float>(-fields.force[i][a]);
-      nodes_[i] = node;
-    }
-  });
-  // No mixed derivative depends on another one.
-  constexpr std::size_t kWords = 256;
-  const std::size_t words = std::size_t{records_} / 64 + 1;
-  for_each_in_threads((words + kWords - 1) / kWords, all_threads(), [&](std::size_t b) {
-    const std::size_t begin = b * kWords, end = std::min(words, begin + kWords);
-    const auto add = [&](std::size_t r) { add_mixed(grid, static_cast<RecordIndex>(r)); };
-    if (slots_.is_shared())
-      slots_.own().for_each(begin, std::min(end, slots_.own().words()), add);
-    else
-      for (std::size_t r = begin * 64; r < std::min<std::size_t>(end * 64, records_); ++r) add(r);
-  });
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    NodeEnergy& node = nodes_[r];
+    if (!fields.energy.empty())
+      node.energy = static_cast<float>((fields.energy[r] - lowest) / grid.box().spacing);
+    for (int a = 0; a < 3; ++a) node.slope[a] = static_cast<float>(-fields.force[r][a]);
+  }
+  for (RecordIndex r = 0; r < grid.records(); ++r) add_mixed(grid, r);
 }
 
 /// Each mixed derivative is the mean of the slope along a, differentiated along b, and the other
@@ -50,12 +33,10 @@ NodeEnergies::NodeEnergies(const Grid& grid, const RecordFields& fields)
 /// kink of the slope, so differences are not taken across it, but on the side of the contact alone.
 void NodeEnergies::add_mixed(const Grid& grid, RecordIndex r) {
   const auto is_free = [](const NodeEnergy& node) { return node.slope == std::array<float, 3>{}; };
-  NodeEnergy& node = nodes_[slots_[r]];
+  NodeEnergy& node = nodes_[r];
   if (is_free(node)) return;
-  const PointIndex p = grid.point(r);
-  const LinksOfRecord links(grid, p, static_cast<Level>(r - grid.first(p)));
   const auto pushed_beside = [&](int q) -> const NodeEnergy* {
-    const RecordIndex to = links.two_way(q);
+    const RecordIndex to = grid.two_way(r, q);
     const NodeEnergy* const there = to == Grid::kNoRecord ? nullptr : &(*this)[to];
     return there && is_free(*there) ? nullptr : there;
   };
@@ -77,12 +58,9 @@ void NodeEnergies::add_mixed(const Grid& grid, RecordIndex r) {
 }
 
 void NodeEnergies::add_ghosts(const Grid& grid, const Sheets& sheets) {
-  ghosts_.resize(sheets.ghosts());
-  constexpr std::size_t kGhosts = 1 << 10;
-  for_each_in_threads((ghosts_.size() + kGhosts - 1) / kGhosts, all_threads(), [&](std::size_t b) {
-    for (std::size_t i = b * kGhosts; i < std::min(ghosts_.size(), (b + 1) * kGhosts); ++i)
-      ghosts_[i] = of_ghost(grid, sheets, records_ + static_cast<Node>(i));
-  });
+  nodes_.reserve(nodes_.size() + sheets.ghosts());
+  for (Node i = 0; i < sheets.ghosts(); ++i)
+    nodes_.push_back(of_ghost(grid, sheets, grid.records() + i));
 }
 
 /// Means over the records whose links lead to the ghost.
@@ -92,11 +70,10 @@ NodeEnergy NodeEnergies::of_ghost(const Grid& grid, const Sheets& sheets, Node g
   };
   double weights = 0, weights_ahead = 0;
   std::array<double, 3> slope{}, slope_ahead{}, mixed{};
-  for (const auto& [r, q] : sheets.ends_of_ghost(ghost)) {
+  for (const auto& [point, r, q] : sheets.ends_of_ghost(ghost)) {
     const NodeEnergy& node = (*this)[r];
     const double weight = weight_of(Direction(q).step());
-    const LinksOfRecord links(grid, r);
-    const RecordIndex behind = links.two_way(Direction(q).opposite().q());
+    const RecordIndex behind = grid.two_way(r, Direction(q).opposite().q());
     weights += weight;
     if (behind != Grid::kNoRecord) weights_ahead += weight;
     for (int c = 0; c < 3; ++c) {
@@ -115,7 +92,7 @@ NodeEnergy NodeEnergies::of_ghost(const Grid& grid, const Sheets& sheets, Node g
   double energies = 0;
   float settled =
       -std::numeric_limits<float>::infinity();  // of the records to which the links lead
-  for (const auto& [r, q] : sheets.ends_of_ghost(ghost)) {
+  for (const auto& [point, r, q] : sheets.ends_of_ghost(ghost)) {
     const NodeEnergy& node = (*this)[r];
     const auto d = Direction(q).step();
     double energy = node.energy;

@@ -8,31 +8,16 @@
 // together, in the sense of least squares.
 #pragma once
 
-#include <span>
 #include <vector>
 
-#include "libcore/base/ranked_bits.hpp"
 #include "libcore/haptic/sheets.hpp"
 
 namespace hapgrid {
 
-/// In spacings, positive at records and negative at ghosts; 2 at records around which nothing
-/// tears, which have no entry. A grid without tear fractions tears in the middle of its one-way
-/// links.
-class TearFunction {
- public:
-  TearFunction(const Grid& grid, const Sheets& sheets);
-
-  /// Real-time safe.
-  float operator[](Node node) const noexcept {
-    return is_near_.has(node) ? values_[is_near_.rank(node)] : kNothingTears;
-  }
-
- private:
-  static constexpr float kNothingTears = 2;
-  RankedBits is_near_;
-  std::vector<float> values_;
-};
+/// @returns by node, the records first: in spacings, positive at records and negative at ghosts; 2
+/// at records around which nothing tears. A grid without tear fractions tears in the middle of its
+/// one-way links.
+std::vector<float> tear_function(const Grid& grid, const Sheets& sheets);
 
 /// Where on the one-way link in direction q of record r the model snaps, in (0, 1).
 inline double tear_fraction(const Grid& grid, RecordIndex r, int q) {

@@ -25,14 +25,12 @@ void require_plausible(const Section& section) {
     for_each_chunk(section, [](std::size_t, std::uint64_t, const RecordRows&) {});
 }
 
-LoadedGrid load_grid(const std::string& name, Generations generations) {
-  return load_grid(open_grid(name), generations);
-}
+LoadedGrid load_grid(const std::string& name) { return load_grid(open_grid(name)); }
 
-LoadedGrid load_grid(const Section& section, Generations generations) {
+LoadedGrid load_grid(const Section& section) {
   require_plausible(section);
   GridBuilder grid(section.header.spec, section.header.generation, section.header.has_tears,
-                   section.records(), section.frontier() > 0 ? Generations::kKept : generations);
+                   section.records());
   for_each_chunk(section, [&](std::size_t, std::uint64_t first, const RecordRows& rows) {
     grid.add(first,
              {rows.point, rows.level, rows.generation, rows.numbers, rows.links, rows.tears});

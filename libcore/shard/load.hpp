@@ -17,9 +17,8 @@ struct LoadedGrid {
 
 /// Reads a grid ("-" is standard input), in as many threads as the machine has. Every digest and
 /// count is checked.
-/// @param generations a grid that has a frontier keeps them in any case
 /// @throw FormatError when the stream is damaged, or is not one grid; std::system_error.
-LoadedGrid load_grid(const std::string& name, Generations generations = Generations::kKept);
-LoadedGrid load_grid(const Section& section, Generations generations = Generations::kKept);
+LoadedGrid load_grid(const std::string& name);
+LoadedGrid load_grid(const Section& section);
 
 }  // namespace hapgrid

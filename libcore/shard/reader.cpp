@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "libcore/base/error.hpp"
-#include "libcore/grid/record_order.hpp"
 #include "libcore/shard/schema.hpp"
 
 namespace hapgrid {
@@ -160,7 +159,6 @@ void SectionReader::decode(std::size_t chunk, Rows& rows) {
 void SectionReader::check_order(const Chunk& rows) const {
   const GridSpec& spec = section_->header.spec;
   const std::uint64_t points = spec.box.points();
-  if (is_plain(rows.point, rows.level) && rows.point.back() < points) return;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const PointIndex point = rows.point[r];
     if (point >= points)

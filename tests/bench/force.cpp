@@ -20,8 +20,8 @@
 #include <vector>
 
 #include "libcore/base/error.hpp"
-#include "libcore/check/forces.hpp"
-#include "libcore/check/model_traversal.hpp"
+#include "libcore/haptic/record_fields.hpp"
+#include "libcore/haptic/model_traversal.hpp"
 #include "libcore/check/random_hand.hpp"
 #include "libcore/haptic/agreement.hpp"
 #include "libcore/haptic/branch_traversal.hpp"

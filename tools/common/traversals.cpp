@@ -1,6 +1,6 @@
 #include "tools/common/traversals.hpp"
 
-#include "libcore/check/model_traversal.hpp"
+#include "libcore/haptic/model_traversal.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/parallel.hpp"
-#include "libcore/check/forces.hpp"
+#include "libcore/haptic/record_fields.hpp"
 #include "tools/common/tool.hpp"
 
 namespace hapgrid {
@@ -15,7 +15,7 @@ std::future<NodeForces> PlayForce::ask_records(std::optional<ForceRule> wanted,
   // One processor does one thing after the other, without a thread.
   const auto launch = all_threads() > 1 ? std::launch::async : std::launch::deferred;
   return std::async(launch, [&grid, create, rule] {
-    return node_forces(rule, grid, shared_fields(grid, create, all_threads()));
+    return node_forces(rule, grid, record_fields(grid, create, all_threads()));
   });
 }
 

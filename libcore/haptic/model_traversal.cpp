@@ -1,4 +1,4 @@
-#include "libcore/check/model_traversal.hpp"
+#include "libcore/haptic/model_traversal.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,27 @@
+// Force and energy at a grid's records, as play has them there.
+#pragma once
+
+#include <vector>
+
+#include "libcore/grid/grid.hpp"
+#include "libcore/model/fields.hpp"
+
+namespace hapgrid {
+
+/// Whether play can have a force of this grid at all.
+/// @param model the grid's, or what its header says of it
+bool has_force(const GridSpec& spec, const Model& model);
+
+/// By record.
+struct RecordFields {
+  std::vector<Vec3> force;     ///< newtons
+  std::vector<double> energy;  ///< newtons times the unit of length; empty where it is not known
+};
+
+/// What the grid stores, or its model gives.
+/// @param create makes the grid's model; called only where the grid does not store the force, in
+/// the calling thread, once for each of `threads`. The result does not depend on `threads`.
+/// @throw ModelError when no force can be had; what `create` throws.
+RecordFields record_fields(const Grid& grid, const MakeModel& create, int threads);
+
+}  // namespace hapgrid
