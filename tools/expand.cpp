@@ -156,6 +156,7 @@ int run(const Options& options) {
       options.complete ? options.output : named_by_part(options.output, part);
   if (output != options.output && is_there(output, grid)) return kExitDone;
   OutputFile out(output);
+  remove_on_signal(out);
   std::optional<PartialGrid> partial = partial_of(options);
   const Section start = partial ? partial->start(grid) : grid;
   if (partial && partial->kept())

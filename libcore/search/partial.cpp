@@ -99,7 +99,7 @@ Section PartialGrid::start(const Section& grid) {
 template <class Visit>
 void PartialGrid::write(const SectionHeader& header, Visit&& visit) {
   const Clock::time_point begin = Clock::now();
-  OutputFile out(name_, true, OutputFile::Unfinished::kVanishes, OutputFile::Links::kReplaced);
+  OutputFile out = OutputFile::replacing(name_);
   SectionWriter writer(out.fd(), out.name(), header);
   const Neighbourhood neighbourhood(header.spec.box);
   std::array<Level, kDirections> unsettled;

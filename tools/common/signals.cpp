@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <string>
 
 namespace hapgrid {
 
@@ -13,6 +14,7 @@ static_assert(std::atomic<int>::is_always_lock_free);  // or a handler may not u
 namespace {
 
 const char* notice_line = nullptr;  // written before a handler can run
+std::string unfinished_file;        // so is this
 
 }  // namespace
 
@@ -23,6 +25,12 @@ static void catch_signal(int signal) {
   if (notice_line)
     static_cast<void>(!::write(STDERR_FILENO, notice_line, std::strlen(notice_line)));
   errno = error;
+}
+
+/// The handler is reset before it is called, so that raise() ends the process when it returns.
+static void remove_unfinished(int signal) {
+  ::unlink(unfinished_file.c_str());
+  ::raise(signal);
 }
 }
 
@@ -39,6 +47,19 @@ CaughtSignals::CaughtSignals(std::span<const int> signals, const char* notice) :
 
 CaughtSignals::~CaughtSignals() {
   for (std::size_t i = 0; i < signals_.size(); ++i) ::sigaction(signals_[i], &before_[i], nullptr);
+}
+
+void remove_on_signal(const OutputFile& output) {
+  unfinished_file = output.temporary();
+  if (unfinished_file.empty()) return;
+  struct sigaction action {};
+  action.sa_handler = remove_unfinished;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  for (const int signal : CaughtSignals::kEnding) {
+    struct sigaction before {};
+    ::sigaction(signal, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
+  }
 }
 
 }  // namespace hapgrid
