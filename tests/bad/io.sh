@@ -80,7 +80,7 @@ grid = {origin = [0, 0, 0], spacing = 1, counts = [2, 1, 1]}
 model = {plugin = "toy", parameters = {milliseconds = 300}}
 END
 expand slow -o fine
-bash -c 'exec expand --progress slow -o out <&- >&- 2>&-'
+bash -c 'exec expand slow -o out <&- >&- 2>&-'
 cmp out fine || fail "closed standard streams"
 
 # A closed pipe: SIGPIPE, as any filter, and no message.

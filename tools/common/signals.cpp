@@ -19,18 +19,19 @@ std::string unfinished_file;        // so is this
 }  // namespace
 
 extern "C" {
-static void catch_signal(int signal) {
-  caught_signal.store(signal, std::memory_order_relaxed);
-  const int error = errno;
-  if (notice_line)
-    static_cast<void>(!::write(STDERR_FILENO, notice_line, std::strlen(notice_line)));
-  errno = error;
-}
-
-/// The handler is reset before it is called, so that raise() ends the process when it returns.
 static void remove_unfinished(int signal) {
   ::unlink(unfinished_file.c_str());
-  ::raise(signal);
+  ::signal(signal, SIG_DFL);
+  ::raise(signal);  // ends the process when this handler returns
+}
+
+static void catch_signal(int signal) {
+  caught_signal.store(signal, std::memory_order_relaxed);
+  if (!notice_line) return;
+  const int error = errno;
+  static_cast<void>(!::write(STDERR_FILENO, notice_line, std::strlen(notice_line)));
+  errno = error;
+  ::signal(signal, remove_unfinished);  // once more: at once
 }
 }
 
@@ -38,7 +39,6 @@ CaughtSignals::CaughtSignals(std::span<const int> signals, const char* notice) :
   notice_line = notice;
   struct sigaction action {};
   action.sa_handler = catch_signal;
-  if (notice) action.sa_flags = static_cast<int>(SA_RESETHAND);
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     ::sigaction(signals_[i], nullptr, &before_[i]);
     if (before_[i].sa_handler != SIG_IGN) ::sigaction(signals_[i], &action, nullptr);
@@ -51,14 +51,10 @@ CaughtSignals::~CaughtSignals() {
 
 void remove_on_signal(const OutputFile& output) {
   unfinished_file = output.temporary();
-  if (unfinished_file.empty()) return;
-  struct sigaction action {};
-  action.sa_handler = remove_unfinished;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
   for (const int signal : CaughtSignals::kEnding) {
     struct sigaction before {};
     ::sigaction(signal, nullptr, &before);
-    if (before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
+    if (before.sa_handler == SIG_DFL) ::signal(signal, remove_unfinished);
   }
 }
 

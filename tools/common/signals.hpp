@@ -36,7 +36,7 @@ class CaughtSignals {
 };
 
 /// From now on a signal of kEnding that ends the process removes the unfinished file of `output`
-/// first. One file a process; a signal that was ignored stays ignored.
+/// first. One file a process; a signal that is ignored or caught stays so.
 void remove_on_signal(const OutputFile& output);
 
 }  // namespace hapgrid
