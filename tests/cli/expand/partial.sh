@@ -4,9 +4,9 @@
 source "$(dirname "$0")/../lib.sh"
 export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
 
-toy() { # PARAMETERS SIDE SEARCH
+toy() { # PARAMETERS COUNTS SEARCH
   printf 'model = {plugin = "toy", parameters = {%s}}\nsearch = {%s}\n' "$1" "$3"
-  echo "grid = {origin = [0, 0, 0], spacing = 1, counts = [$2, $2, $2]}"
+  echo "grid = {origin = [0, 0, 0], spacing = 1, counts = [$2]}"
 }
 # rounds_of SEEDS N FILE: the grid after N rounds of expand and merge.
 rounds_of() {
@@ -19,7 +19,7 @@ rounds_of() {
 generation() { stats out.partial --get generation; }
 
 # The level limit. What is kept is what rounds of expand and merge have made.
-toy 'milliseconds = 5' 4 'max_levels = 3, tears = false' | seed - -o limited
+toy 'milliseconds = 8, tolerance = 0.1' 40,2,2 'max_levels = 8, tears = false' | seed - -o limited
 limit='expand: level limit: .*; out\.partial keeps generation [0-9]+, from which the same command goes on'
 limit+=', also when the grid is seeded with a larger search\.max_levels'
 refuses "$limit" -- expand --complete limited -j 4 -o out
@@ -31,9 +31,9 @@ cmp out.partial rounds
 from='expand: goes on from generation [0-9]+, which out\.partial keeps'
 expect 1 '' "~$from"$'\n'"$limit" -- expand --complete limited -j 4 -o out
 (($(generation) >= last)) || fail "a generation was lost"
-toy 'milliseconds = 5' 4 'max_levels = 8, tears = false' | seed - -o wide
-expand --complete wide -j 8 -o direct 2>/dev/null
-expect 0 '' "~$from" -- expand --complete wide -j 8 -o out --cost cost
+toy 'milliseconds = 8, tolerance = 0.1' 40,2,2 'max_levels = 12, tears = false' | seed - -o wide
+expand --complete wide -j 32 -o direct 2>/dev/null
+expect 0 '' "~$from" -- expand --complete wide -j 32 -o out --cost cost
 cmp out direct
 [[ ! -e out.partial ]] || fail "it stays after success"
 (($(tail -1 cost | grep -oP '"conversions":\K[0-9]+') < $(stats out --get conversions))) || fail "nothing was saved"
@@ -84,7 +84,7 @@ refuses 'expand: out\.partial: .*truncated.*' -- expand --complete wide -o out
 rm out.partial
 
 # An error of the model, here in the search for tear fractions, which alone asks at x = 0.5.
-toy 'fail = 0.5, milliseconds = 5' 4 'max_levels = 100, tears = true' | seed - -o seeds
+toy 'fail = 0.5, milliseconds = 5' 4,4,4 'max_levels = 100, tears = true' | seed - -o seeds
 refuses 'expand: tear fraction of .*: told to fail; out\.partial keeps .*, from which the same command goes on' -- \
   expand --complete seeds -j 8 -o out
 last=$(generation)
@@ -95,7 +95,7 @@ rm out.partial
 
 # SIGKILL at any moment, also while the file is written: the one before is there, and nothing is lost.
 kills=0
-toy 'milliseconds = 1' 6 'max_levels = 100, tears = false' | seed - -o slow
+toy 'milliseconds = 1' 6,6,6 'max_levels = 100, tears = false' | seed - -o slow
 expand --complete slow -j 8 -o direct
 for delay in 1.1 1.3 1.5; do
   before=$(generation 2>/dev/null || echo 0)
