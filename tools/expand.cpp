@@ -33,9 +33,7 @@ struct Options {
   std::string part = "1/1";
   bool complete = false;
   unsigned threads = 1;
-  bool progress = false;
   std::string cost;
-  double keep_s = 30;
   ModelOptions model;
 };
 
@@ -66,27 +64,21 @@ void say_beside_progress(const std::string& text) {
   say("expand", text);
 }
 
-/// Where the last whole generation is kept: beside a file, nowhere when the grid goes to a pipe.
+/// Where a whole generation is kept: beside a file, nowhere when the grid goes to a pipe.
 std::optional<PartialGrid> partial_of(const Options& options) {
   namespace fs = std::filesystem;
   const bool beside =
       options.output != "-" && (!fs::exists(options.output) || fs::is_regular_file(options.output));
   if (!options.complete || !beside) return std::nullopt;
-  return PartialGrid(options.output + ".partial", options.keep_s, say_beside_progress);
+  return PartialGrid(options.output + ".partial", say_beside_progress);
 }
 
 constexpr char kOverProgress[] =
     "\r\033[Kexpand: stops after the conversions that are under way; once more: at once\n";
 constexpr const char* kNotice = kOverProgress + sizeof "\r\033[K" - 1;
 
-/// With `partial`, a signal ends it in good order: what was found is kept.
 void write_complete(const Section& grid, Converter& converter, Progress& progress, OutputFile& out,
                     PartialGrid* partial) {
-  std::optional<CaughtSignals> signals;
-  if (partial) {
-    progress.stop = &caught_signal;
-    signals.emplace(CaughtSignals::kEnding, ::isatty(STDERR_FILENO) ? kOverProgress : kNotice);
-  }
   complete(
       grid, converter, progress,
       [&out](const SectionHeader& finished) {
@@ -106,13 +98,14 @@ void write_requests(const Section& grid, Part part, Converter& converter, Progre
   progress.frontier_records = grid.frontier();
   const SectionHeader header = header_of(grid, Content::kRequests);
   SectionWriter requests(out.fd(), out.name(), header);
-  expand(frontier, converter, header.spec,
-         [&requests](PointIndex point, Level level, DirectionMask directions, const double* rows) {
+  expand([&](FrontierRecord& record) { return frontier.next(record); }, converter, header.spec,
+         [&](PointIndex point, Level level, DirectionMask directions, const double* rows) {
            requests.requests(point, level, directions, rows);
          });
   requests.finish();
 }
 
+/// Unlike requests, this takes memory for the whole grid (tears.hpp).
 void write_tears(const Section& section, Part part, Converter& converter, Progress& progress,
                  OutputFile& out) {
   const Grid grid = load_grid(section).grid;
@@ -155,8 +148,14 @@ int run(const Options& options) {
   const std::string output =
       options.complete ? options.output : named_by_part(options.output, part);
   if (output != options.output && is_there(output, grid)) return kExitDone;
-  OutputFile out(output);
   std::optional<PartialGrid> partial = partial_of(options);
+  std::optional<CaughtSignals> signals;
+  if (partial) {  // a signal ends the search in good order, and the message says what is kept
+    progress.stop = &caught_signal;
+    signals.emplace(CaughtSignals::kEnding, ::isatty(STDERR_FILENO) ? kOverProgress : kNotice);
+  }
+  OutputFile out(output);
+  remove_on_signal(out);
   const Section start = partial ? partial->start(grid) : grid;
   if (partial && partial->kept())
     say("expand", "goes on from generation " + std::to_string(*partial->kept()) + ", which " +
@@ -164,9 +163,8 @@ int run(const Options& options) {
   try {
     const std::unique_ptr<ModelSource> source = model_source(spec, options.model);
     Converter converter(*source, spec, options.threads, progress);
-    const ProgressLine line(options.progress, [&](double seconds) {
-      return progress_text(progress, spec, options.complete, seconds);
-    });
+    const ProgressLine line(
+        [&](double seconds) { return progress_text(progress, spec, options.complete, seconds); });
     if (options.complete)
       write_complete(start, converter, progress, out, partial ? &*partial : nullptr);
     else if (grid.next_round() == Content::kTears)
@@ -192,7 +190,8 @@ int main(int argc, char** argv) {
   CommandLine app{
       "Evaluates the model's conversion function in 26 directions for each record of the\n"
       "frontier of a grid, and writes what was reached as requests for merge. When there is no\n"
-      "frontier, it finds how far along each one-way link the model snaps: tear fractions."};
+      "frontier, it finds how far along each one-way link the model snaps: tear fractions. This\n"
+      "last round loads the whole grid; the rounds before it read the grid as a stream."};
   app.set_help("expand",
                "The result does not depend on -j, nor on how the frontier was cut into parts.\n");
   add_grid(app, options.grid);
@@ -204,20 +203,14 @@ int main(int argc, char** argv) {
       .type("K/N|auto")
       .shows_default();
   app.add_flag("--complete", options.complete,
-               "Merge in memory and go on until nothing is left to do; write the finished grid");
-  app.add("--keep", options.keep_s,
-          "With --complete and -o FILE, keep the last whole generation in FILE.partial at most so "
-          "often; the same command goes on from it after an interruption")
-      .type("SECONDS")
-      .within(0, 1e9, "a time from 0 to 1e9 s")
-      .shows_default();
+               "Merge in memory and go on until nothing is left to do; write the finished grid. "
+               "FILE.partial keeps a generation meanwhile, from which the same command goes on");
   app.add("-j,--threads", options.threads,
           "Threads, each with a model (a plug-in or a process) of its own (1 to 1024)")
       .type("N")
       .whole(1, 1024)
       .shows_default();
   add_cost(app, options.cost);
-  add_progress(app, options.progress);
   add_model_options(app, options.model);
   return run_tool(app, argc, argv, [&] {
     keep_memory();

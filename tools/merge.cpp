@@ -7,6 +7,7 @@
 #include "libcore/base/file.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
+#include "tools/common/signals.hpp"
 #include "tools/common/tool.hpp"
 
 namespace {
@@ -17,7 +18,6 @@ struct Options {
   std::vector<std::string> shards;
   std::string output = "-";
   bool small = false;
-  bool progress = false;
   std::string cost;
   std::vector<std::string> model_path;
 };
@@ -26,6 +26,7 @@ struct Options {
 std::uint32_t write_small(const std::string& name, const std::string& output) {
   const Section grid = open_grid(name);
   OutputFile out(output);
+  remove_on_signal(out);
   SectionWriter writer(out.fd(), out.name(), grid.header, Packing::kSmall);
   copy_finished(grid, writer);
   out.commit();
@@ -38,11 +39,12 @@ std::uint32_t write_merged(const std::vector<std::string>& names, const Options&
   const auto model = judging_model(input.grid.header.spec, options.model_path);
   const SectionHeader header = input.merged_header();
   OutputFile out(options.output);
+  remove_on_signal(out);
   SectionWriter writer(out.fd(), out.name(), header);
   Progress progress;
   {
     const double all = static_cast<double>(input.grid.conversions());
-    const ProgressLine line(options.progress, [&](double seconds) {
+    const ProgressLine line([&](double seconds) {
       const double done = static_cast<double>(progress.conversions);
       return "merge: generation " + std::to_string(header.generation) + ", " + short_number(done) +
              " of " + short_number(all) + " requests, " +
@@ -71,8 +73,8 @@ int main(int argc, char** argv) {
       "Merges the requests of one whole generation into a grid: finds or stores each state that\n"
       "was reached, and settles the destination levels (Algorithm 1, lines 10 to 20). The grid\n"
       "and the requests come in any order and any number of shards; requests that are missing\n"
-      "are an error. A grid without frontier gets its tear fractions in the same way; when it has\n"
-      "them, or does not want them, it stays as it is."};
+      "are an error. A grid without frontier gets its tear fractions in the same way, which takes\n"
+      "memory for the whole grid; when it has them, or does not want them, it stays as it is."};
   app.set_help("merge");
   add_inputs(app, options.shards,
              "The grid and all requests of its frontier, or all its tear fractions");
@@ -81,7 +83,6 @@ int main(int argc, char** argv) {
                "Write a finished grid in large chunks at a high zstd level, for keeping and for "
                "play; nothing is lost, and every tool reads it");
   add_cost(app, options.cost);
-  add_progress(app, options.progress);
   add_model_path(app, options.model_path);
   return run_tool(app, argc, argv, [&] {
     keep_memory();

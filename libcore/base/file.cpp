@@ -2,18 +2,17 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <system_error>
 #include <utility>
 
 #include "libcore/base/error.hpp"
-#include "libcore/base/zstd_walk.hpp"
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
@@ -36,67 +35,86 @@ struct stat status_of(int fd, const std::string& name) {
   return status;
 }
 
+/// Reads what there is, at least one byte; 0 at the end.
+std::size_t read_some(int fd, std::span<std::byte> bytes, const std::string& name) {
+  for (;;) {
+    const ssize_t count = ::read(fd, bytes.data(), bytes.size());
+    if (count >= 0) return static_cast<std::size_t>(count);
+    if (errno != EINTR) fail(name);
+  }
+}
+
 /// What a file, pipe or device has from where it stands, at most `limit` bytes.
 std::string rest_of(int fd, const std::string& name, std::uint64_t limit) {
   const struct stat status = status_of(fd, name);
   const off_t at = ::lseek(fd, 0, SEEK_CUR);
   if (S_ISREG(status.st_mode) && at >= 0 && status.st_size > at &&
       static_cast<std::uint64_t>(status.st_size - at) > limit)
-    throw Error(name + ": " + std::to_string(status.st_size - at) + " bytes, the limit is " +
-                std::to_string(limit));
+    throw Error(format("{}: {} bytes, the limit is {}", name, status.st_size - at, limit));
   std::string text;
-  std::array<char, 1 << 16> buffer;
-  for (;;) {
-    const ssize_t count = ::read(fd, buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(name);
-    if (count == 0) return text;
-    text.append(buffer.data(), static_cast<std::size_t>(count));
-    if (text.size() > limit)
-      throw Error(name + ": more than " + std::to_string(limit) + " bytes, which is the limit");
-  }
-}
-
-/// A fresh file `directory`/.`stem`.XXXXXX; sets `name`.
-int named_temporary(const fs::path& directory, const std::string& stem, std::string& name) {
-  name = (directory / ("." + stem + ".XXXXXX")).string();
-  const int fd = ::mkostemp(name.data(), O_CLOEXEC);
-  if (fd < 0) fail(directory.string() + ": cannot create a file");
-  return fd;
-}
-
-/// @throw Error when so little of the file system is left that other programs need it.
-void require_room(int fd, const std::string& name) {
-  constexpr std::uint64_t kReserve = 50;  // one part in so many
-  struct statvfs room {};
-  if (::fstatvfs(fd, &room) != 0 || room.f_bavail > room.f_blocks / kReserve) return;
-  throw Error(name + ": more than " + temporary_directory().string() +
-              " has room for; TMPDIR names another folder");
-}
-
-/// Copies what comes until it ends or is not what it has to be. Answers how much that is.
-std::uint64_t copy_stream(int from, int to, bool may_be_text, const std::string& name) {
-  constexpr std::uint64_t kBetweenLooks = 1 << 20;
   std::array<std::byte, 1 << 16> buffer;
-  ZstdWalk walk;
-  bool is_text = false;
-  std::uint64_t size = 0, looked = 0;
-  for (;;) {
-    const ssize_t count = ::read(from, buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(name);
-    const auto bytes = std::span(buffer).first(static_cast<std::size_t>(count));
-    if (bytes.empty()) return size;
-    if (size == 0) is_text = may_be_text && bytes.front() != ZstdWalk::kFirstByte;
-    write_all(to, bytes, name + ", copied to " + temporary_directory().string());
-    size += bytes.size();
-    const bool fits =
-        is_text ? std::memchr(bytes.data(), 0, bytes.size()) == nullptr : walk.take(bytes);
-    if (!fits) return size;
-    if (size - looked < kBetweenLooks) continue;
-    require_room(to, name);
-    looked = size;
+  while (const std::size_t count = read_some(fd, buffer, name)) {
+    text.append(reinterpret_cast<const char*>(buffer.data()), count);
+    if (text.size() > limit)
+      throw Error(format("{}: more than {} bytes, which is the limit", name, limit));
   }
+  return text;
+}
+
+/// A fresh file `directory`/.hapgrid.XXXXXX; sets `name`. None when errno says why it
+/// cannot be created.
+FileDescriptor named_temporary(const fs::path& directory, std::string& name) {
+  name = (directory / ".hapgrid.XXXXXX").string();
+  return FileDescriptor(::mkostemp(name.data(), O_CLOEXEC));
+}
+
+/// Whether a stream that begins with `start` can be what is expected. A zstd frame begins with
+/// these bytes (RFC 8878, 3.1.1), and no text has a byte that is 0.
+bool can_be(InputFile::Content content, std::span<const std::byte> start) {
+  static constexpr std::array kMagic{std::byte{0x28}, std::byte{0xB5}, std::byte{0x2F},
+                                     std::byte{0xFD}};
+  if (content == InputFile::Content::kFramesOrText)
+    return std::find(start.begin(), start.end(), std::byte{0}) == start.end();
+  return std::equal(start.begin(), start.end(), kMagic.begin(), kMagic.end());
+}
+
+/// Copies a stream until it ends, or only its first bytes when it cannot be what is expected.
+/// Answers how much that is.
+std::uint64_t copy_stream(int from, int to, InputFile::Content content, const std::string& name) {
+  constexpr std::size_t kFirst = 4;
+  const std::string copy = format("{}, copied to {}", name, temporary_directory().string());
+  std::array<std::byte, 1 << 16> buffer;
+  std::uint64_t size = 0;
+  std::size_t count = 0;
+  while (count < kFirst)  // a pipe may give one byte at a time
+    if (const std::size_t more =
+            read_some(from, std::span(buffer).subspan(count, kFirst - count), name))
+      count += more;
+    else
+      break;
+  const bool fits = can_be(content, std::span(buffer).first(count));
+  do {
+    write_all(to, std::span(buffer).first(count), copy);
+    size += count;
+  } while (fits && (count = read_some(from, buffer, name)) > 0);
+  return size;
+}
+
+/// The absolute name of the file that `name` leads to through symbolic links, also where the last
+/// of them leads nowhere yet, which weakly_canonical() would not follow.
+std::string followed(const std::string& name) {
+  constexpr int kMaxLinks = 40;  // as the kernel
+  std::error_code error;
+  fs::path path = fs::absolute(name, error);
+  for (int i = 0; i < kMaxLinks && fs::is_symlink(path, error); ++i)
+    path = path.parent_path() / fs::read_symlink(path, error);
+  path = fs::weakly_canonical(path, error);
+  return error ? name : path.string();
+}
+
+bool is_special(const std::string& name) {
+  struct stat status {};
+  return ::stat(name.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
 }
 
 }  // namespace
@@ -120,64 +138,65 @@ FileDescriptor::~FileDescriptor() {
 }
 
 FileDescriptor unlinked_file(const fs::path& directory) {
-  const int fd = ::open(directory.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (fd >= 0) return FileDescriptor(fd);
   std::string name;
-  FileDescriptor file(named_temporary(directory, "hapgrid", name));
+  FileDescriptor file = named_temporary(directory, name);
+  if (!file) fail(directory.string() + ": cannot create a file");
   ::unlink(name.c_str());
   return file;
 }
 
-OutputFile::OutputFile(std::string name, bool binary, Unfinished unfinished, Links links)
-    : shown_name_(std::move(name)) {
-  if (shown_name_ == "-") {
-    fd_ = STDOUT_FILENO;
-    shown_name_ = "standard output";
-    if (binary && ::isatty(fd_))
-      throw Error("standard output is a terminal: redirect it, or name a file with -o");
-    return;
-  }
-  struct stat status {};
-  const bool follows = links == Links::kFollowed;
-  if (follows && ::stat(shown_name_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
-    owned_ = FileDescriptor(::open(shown_name_.c_str(), O_WRONLY | O_CLOEXEC));
-    if (!owned_) fail(shown_name_);
-    fd_ = owned_.get();
-    return;
-  }
-  // A symbolic link is followed, so that the file it names is replaced and not the link; also one
-  // that leads nowhere yet, which weakly_canonical() would not follow.
-  std::error_code ignored;
-  fs::path resolved = fs::absolute(shown_name_, ignored);
-  constexpr int kMaxLinks = 40;  // as the kernel
-  for (int i = 0; follows && i < kMaxLinks && fs::is_symlink(resolved, ignored); ++i)
-    resolved = resolved.parent_path() / fs::read_symlink(resolved, ignored);
-  if (follows) resolved = fs::weakly_canonical(resolved, ignored);
-  target_ = ignored ? shown_name_ : resolved.string();
-  if (unfinished == Unfinished::kStays) {
-    const std::string part = target_ + ".part";
-    owned_ = FileDescriptor(::open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666));
-    if (!owned_ && errno == EEXIST)
-      throw Error(part +
-                  ": is there already, from a run that is not over or was "
-                  "interrupted: move it away");
-    if (!owned_) fail(part);
-    temporary_ = part;
-    stays_ = true;
-    fd_ = owned_.get();
-    return;
-  }
-  const fs::path directory = fs::path(target_).parent_path();
-  owned_ = FileDescriptor(::open(directory.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
-  if (!owned_) {
-    if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL) fail(shown_name_);
-    owned_ = FileDescriptor(
-        named_temporary(directory, fs::path(target_).filename().string(), temporary_));
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    if (::fchmod(owned_.get(), 0666 & ~mask) != 0) fail(shown_name_);
-  }
-  fd_ = owned_.get();
+OutputFile::OutputFile(const std::string& name, bool binary)
+    : OutputFile(name == "-"        ? to_standard_output(binary)
+                 : is_special(name) ? direct(name)
+                                    : replacing(followed(name))) {
+  if (name != "-") shown_name_ = name;
+}
+
+OutputFile::OutputFile(std::string shown_name, FileDescriptor file)
+    : shown_name_(std::move(shown_name)), owned_(std::move(file)), fd_(owned_.get()) {}
+
+OutputFile OutputFile::to_standard_output(bool binary) {
+  OutputFile out("standard output", FileDescriptor());
+  out.fd_ = STDOUT_FILENO;
+  if (binary && ::isatty(out.fd_))
+    throw Error("standard output is a terminal: redirect it, or name a file with -o");
+  return out;
+}
+
+OutputFile OutputFile::direct(const std::string& name) {
+  FileDescriptor file(::open(name.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!file) fail(name);
+  return {name, std::move(file)};
+}
+
+OutputFile OutputFile::replacing(const std::string& name) {
+  const fs::path target = fs::absolute(name);
+  std::string temporary;
+  OutputFile out(name, named_temporary(target.parent_path(), temporary));
+  if (!out.owned_) fail(name);
+  out.target_ = target.string();
+  out.temporary_ = std::move(temporary);
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  if (::fchmod(out.fd_, 0666 & ~mask) != 0) fail(name);
+  return out;
+}
+
+OutputFile OutputFile::part_file(const std::string& name) {
+  if (is_special(name)) return direct(name);
+  const std::string target = followed(name);
+  const std::string part = target + ".part";
+  OutputFile out(
+      name, FileDescriptor(::open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666)));
+  if (!out.owned_ && errno == EEXIST)
+    throw Error(
+        format("{}: is there already, from a run that is not over or was interrupted: move it away",
+               part));
+  if (!out.owned_) fail(part);
+  out.target_ = target;
+  out.temporary_ = part;
+  out.stays_ = true;
+  return out;
 }
 
 OutputFile::~OutputFile() {
@@ -186,36 +205,18 @@ OutputFile::~OutputFile() {
 
 void OutputFile::write(std::span<const std::byte> bytes) { write_all(fd_, bytes, shown_name_); }
 
-bool OutputFile::link_to(const std::string& name) {
-  const std::string self = "/proc/self/fd/" + std::to_string(fd_);
-  if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) return true;
-  if (errno != EEXIST) fail(shown_name_);
-  return false;
-}
-
 void OutputFile::commit() {
   if (target_.empty()) {
     if (owned_ && ::close(std::exchange(owned_, FileDescriptor()).get()) != 0) fail(shown_name_);
     return;
   }
-  if (::fsync(fd_) != 0) fail(shown_name_);
-  if (temporary_.empty() && !link_to(target_)) {
-    // linkat() cannot replace an existing file: the new one gets a name of its own first.
-    const fs::path target(target_);
-    const std::string name = (target.parent_path() /
-                              ("." + target.filename().string() + "." + std::to_string(::getpid())))
-                                 .string();
-    ::unlink(name.c_str());
-    if (!link_to(name)) fail(shown_name_);
-    temporary_ = name;
-  }
-  if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) fail(shown_name_);
+  if (::fsync(fd_) != 0 || ::rename(temporary_.c_str(), target_.c_str()) != 0) fail(shown_name_);
   temporary_.clear();
   owned_ = FileDescriptor();
   fd_ = -1;
 }
 
-InputFile::InputFile(std::string name, Content content) : shown_name_(std::move(name)) {
+InputFile::InputFile(const std::string& name, Content content) : shown_name_(name) {
   if (shown_name_ == "-") {
     fd_ = STDIN_FILENO;
     shown_name_ = "standard input";
@@ -224,8 +225,7 @@ InputFile::InputFile(std::string name, Content content) : shown_name_(std::move(
     if (!owned_) fail(shown_name_);
     fd_ = owned_.get();
   }
-  struct stat status {};
-  if (::fstat(fd_, &status) != 0) fail(shown_name_);
+  const struct stat status = status_of(fd_, shown_name_);
   if (S_ISDIR(status.st_mode)) {
     errno = EISDIR;
     fail(shown_name_);
@@ -238,16 +238,14 @@ InputFile::InputFile(std::string name, Content content) : shown_name_(std::move(
     return;
   }
   FileDescriptor spool = unlinked_file(temporary_directory());
-  size_ = copy_stream(fd_, spool.get(), content == Content::kFramesOrText, shown_name_);
+  size_ = copy_stream(fd_, spool.get(), content, shown_name_);
   owned_ = std::move(spool);
   fd_ = owned_.get();
 }
 
 InputFile::InputFile(FileDescriptor file, std::string name)
     : shown_name_(std::move(name)), owned_(std::move(file)), fd_(owned_.get()) {
-  struct stat status {};
-  if (::fstat(fd_, &status) != 0) fail(shown_name_);
-  size_ = static_cast<std::uint64_t>(status.st_size);
+  size_ = static_cast<std::uint64_t>(status_of(fd_, shown_name_).st_size);
 }
 
 std::size_t InputFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {

@@ -25,29 +25,27 @@ class FileDescriptor {
   int fd_ = -1;
 };
 
-/// A file that is written beside its final name, synced, and renamed by commit(); without commit()
-/// nothing is left of it. After SIGKILL neither, where the file system has O_TMPFILE, unless it
-/// came when a file was just being replaced: the new one is left beside it, as .NAME.PID.
-/// "-" is standard output; a device or pipe is written directly.
+/// A file that appears with commit(), whole or not at all: it is written in the same folder as
+/// .hapgrid.XXXXXX, synced, and renamed. If commit() is not called, the destructor removes it.
+/// After SIGKILL the file .hapgrid.XXXXXX can be left in the folder.
 class OutputFile {
  public:
-  /// What becomes of a file that is never committed.
-  enum class Unfinished {
-    kVanishes,
-    kStays,  ///< as NAME.part, where it is written all the time: for what cannot be made again
-  };
+  /// What a tool's -o FILE means: "-" is standard output; a device or a pipe is written directly;
+  /// any other file is replaced. Where `name` is a symbolic link, the file that it leads to is
+  /// replaced, and the link stays.
+  /// @param binary whether a person cannot read it: to_standard_output()
+  /// @throw std::system_error when it cannot be created; Error as to_standard_output()
+  explicit OutputFile(const std::string& name, bool binary = true);
 
-  /// What becomes of a symbolic link of that name.
-  enum class Links {
-    kFollowed,  ///< the file that it names is written
-    kReplaced,  ///< as is anything else that is no directory
-  };
+  /// @throw Error when it is a terminal and `binary`
+  static OutputFile to_standard_output(bool binary);
+  /// Replaces what has this name, also a symbolic link. @throw std::system_error
+  static OutputFile replacing(const std::string& name);
+  /// Written as NAME.part, which stays if commit() is not called: for what cannot be made again. A
+  /// device or a pipe is written directly.
+  /// @throw std::system_error; Error when there is a NAME.part already
+  static OutputFile part_file(const std::string& name);
 
-  /// @throw std::system_error when it cannot be created; Error when "-" is a terminal and `binary`,
-  /// or when a NAME.part is there already.
-  explicit OutputFile(std::string name, bool binary = true,
-                      Unfinished unfinished = Unfinished::kVanishes,
-                      Links links = Links::kFollowed);
   OutputFile(OutputFile&&) = default;
   OutputFile& operator=(OutputFile&&) = delete;
   ~OutputFile();
@@ -61,37 +59,39 @@ class OutputFile {
   void write(const std::string& text) { write(std::as_bytes(std::span(text))); }
   /// Makes the file appear. @throw std::system_error
   void commit();
-  /// Where it is until commit(): NAME.part; empty where nothing would stay.
+  /// The name of the file until commit(); empty for standard output, a device or a pipe.
+  const std::string& temporary() const { return temporary_; }
+  /// NAME.part, which stays without commit(); empty where nothing stays.
   std::string part() const { return stays_ ? temporary_ : std::string(); }
-  /// Without commit() nothing is to stay after all.
+  /// Removes NAME.part after all if commit() is not called.
   void discard() { stays_ = false; }
 
  private:
-  /// Gives an O_TMPFILE a name. False when there is a file of that name.
-  /// @throw std::system_error
-  bool link_to(const std::string& name);
+  OutputFile(std::string shown_name, FileDescriptor file);
 
-  std::string target_;     // empty: written directly
-  std::string temporary_;  // named temporary file: to stay, or where O_TMPFILE is missing
-  bool stays_ = false;
+  static OutputFile direct(const std::string& name);
+
   std::string shown_name_;
   FileDescriptor owned_;
   int fd_ = -1;
+  std::string target_;     // empty: written directly
+  std::string temporary_;  // its name until commit()
+  bool stays_ = false;
 };
 
 /// An input of which any part can be read at any time. A pipe is copied to an unlinked temporary
-/// file first (in TMPDIR, else /tmp): a merge needs several places of its input at once. Where what
-/// comes through it is not what it has to be, no more than that is copied, so that its reader
-/// refuses it as it refuses a file; and a copy never fills the disk.
+/// file first (in TMPDIR, else /tmp), because a merge reads several places of its input at once. If
+/// the first bytes show that the input is of another kind, only these are copied: its reader then
+/// reports the error.
 class InputFile {
  public:
-  /// What comes through a pipe.
+  /// What may come through a pipe.
   enum class Content {
     kFrames,        ///< zstd frames
-    kFramesOrText,  ///< these, or text, without a byte that is 0
+    kFramesOrText,  ///< these, or text
   };
-  /// "-" is standard input. @throw std::system_error; Error when a pipe has more than the disk
-  explicit InputFile(std::string name, Content content = Content::kFrames);
+  /// "-" is standard input. @throw std::system_error
+  explicit InputFile(const std::string& name, Content content = Content::kFrames);
   /// A regular file that is open already, from its start.
   InputFile(FileDescriptor file, std::string name);
 

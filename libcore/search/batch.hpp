@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -14,6 +15,12 @@ namespace hapgrid {
 /// as keep threads busy, and few enough to keep what they reach near the caches.
 class Batch {
  public:
+  /// One conversion: of a record of the batch, in a direction.
+  struct Item {
+    std::uint16_t record;
+    std::uint16_t direction;
+  };
+
   explicit Batch(const GridSpec& spec)
       : n_(spec.state_size),
         row_size_(spec.row_size()),
@@ -21,17 +28,21 @@ class Batch {
                                           kMaxRecords)),
         sources_(std::make_unique_for_overwrite<Source[]>(capacity_)),
         states_(std::make_unique_for_overwrite<double[]>(capacity_ * n_)),
-        reached_(std::make_unique_for_overwrite<double[]>(capacity_ * kDirections * row_size_)) {}
+        reached_(std::make_unique_for_overwrite<double[]>(capacity_ * kDirections * row_size_)),
+        items_(std::make_unique_for_overwrite<Item[]>(capacity_ * kDirections)) {}
 
   std::size_t size() const { return size_; }
   bool is_full() const { return size_ == capacity_; }
-  void clear() { size_ = 0; }
+  void clear() { size_ = count_ = 0; }
 
   /// Adds a record where the batch is not full. `todo` are the directions to expand; `state` n
   /// numbers.
   void add(PointIndex point, Level level, const double* state, DirectionMask todo) {
     sources_[size_] = {point, todo, level};
     std::copy_n(state, n_, &states_[size_ * n_]);
+    for (DirectionMask left = todo; left; left &= left - 1)
+      items_[count_++] = {static_cast<std::uint16_t>(size_),
+                          static_cast<std::uint16_t>(std::countr_zero(left))};
     ++size_;
   }
 
@@ -41,6 +52,10 @@ class Batch {
   const double* state(std::size_t i) const { return &states_[i * n_]; }
   /// What the conversions of a record reach: 26 rows of row_size() numbers.
   double* reached(std::size_t i) { return &reached_[i * kDirections * row_size_]; }
+
+  /// The conversions of all records, ascending by (record, direction).
+  std::size_t conversions() const { return count_; }
+  Item conversion(std::size_t c) const { return items_[c]; }
 
  private:
   static constexpr std::size_t kBytes = 8 << 20;
@@ -56,10 +71,12 @@ class Batch {
   std::uint32_t row_size_;
   std::size_t capacity_;
   std::size_t size_ = 0;
+  std::size_t count_ = 0;  // conversions
   // Not initialised: a small frontier touches little of it.
   std::unique_ptr<Source[]> sources_;
   std::unique_ptr<double[]> states_;   // capacity x n
   std::unique_ptr<double[]> reached_;  // capacity x 26 x row_size
+  std::unique_ptr<Item[]> items_;      // capacity x 26
 };
 
 }  // namespace hapgrid

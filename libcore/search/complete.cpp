@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <bit>
 
+#include "libcore/base/format.hpp"
 #include "libcore/grid/grid_builder.hpp"
+#include "libcore/search/expand.hpp"
 #include "libcore/search/levels.hpp"
 #include "libcore/search/merge.hpp"
 #include "libcore/search/tears.hpp"
@@ -64,108 +66,59 @@ Grid take_grid(const SectionHeader& header, Levels& levels) {
   return grid.finish();
 }
 
-/// The rounds, in memory.
-class Rounds {
- public:
-  Rounds(const Section& grid, Converter& converter, Progress& progress, PartialGrid* partial)
-      : header_(grid.header),
-        converter_(converter),
-        progress_(progress),
-        partial_(partial),
-        levels_(header_.spec, converter.model()),
-        neighbourhood_(header_.spec.box),
-        batch_(header_.spec),
-        frontier_(load(grid, levels_)) {}
-
-  /// Until the frontier is empty.
-  void run() {
-    for (; !frontier_.empty(); frontier_.swap(found_)) {
-      show(frontier_, neighbourhood_, levels_, header_.generation, progress_);
-      whole_ = header_.generation++;
-      found_.clear();
-      keep_if_due();
-      for (const Levels::Stored& record : frontier_) {
-        batch_.add(record.point, record.level,
-                   levels_.state(levels_.find(record.point, record.level)),
-                   neighbourhood_.inside(record.point));
-        if (batch_.is_full()) finish_batch();
-      }
-      finish_batch();
-      std::sort(found_.begin(), found_.end());
-    }
-    whole_ = header_.generation;
-    keep_if_due();
-    show(frontier_, neighbourhood_, levels_, header_.generation, progress_);
+/// Rounds in memory until the frontier is empty. Counts generations in `header`.
+void run_rounds(SectionHeader& header, Levels& levels, Frontier frontier, Converter& converter,
+                Progress& progress, PartialGrid* partial) {
+  const Neighbourhood neighbourhood(header.spec.box);
+  const std::size_t width = header.spec.row_size();
+  while (!frontier.empty()) {
+    show(frontier, neighbourhood, levels, header.generation, progress);
+    ++header.generation;
+    Frontier found;
+    std::size_t next = 0;
+    expand(
+        [&](FrontierRecord& record) {
+          if (next == frontier.size()) return false;
+          const auto [point, level] = frontier[next++];
+          record = {point, level, levels.state(levels.find(point, level)),
+                    neighbourhood.inside(point)};
+          return true;
+        },
+        converter, header.spec,
+        [&](PointIndex point, Level level, DirectionMask directions, const double* rows) {
+          levels.settle(
+              levels.find(point, level), directions, header.generation,
+              [&](int q) { return rows + static_cast<unsigned>(q) * width; },
+              [&](const Levels::Stored& record) { found.push_back(record); });
+        });
+    std::sort(found.begin(), found.end());
+    frontier.swap(found);
+    if (partial) partial->write_checkpoint_if_due(header, levels);
   }
+  show(frontier, neighbourhood, levels, header.generation, progress);
+}
 
-  /// After an error in run().
-  void keep() {
-    if (partial_) partial_->keep(whole_header(), levels_);
-  }
+/// Where the search can go on from after an error, for its message.
+std::string what_is_kept(const PartialGrid* partial, const char* nothing, const char* how = "") {
+  if (!partial) return "";
+  if (!partial->kept()) return nothing;
+  return format("; {} keeps generation {}, from which the same command goes on{}", partial->name(),
+                *partial->kept(), how);
+}
 
-  SectionHeader header() const { return header_; }
-  Levels& levels() { return levels_; }
-
- private:
-  SectionHeader whole_header() const {
-    SectionHeader header = header_;
-    header.generation = whole_;
-    return header;
-  }
-  void keep_if_due() {
-    if (partial_) partial_->keep_if_due(whole_header(), levels_);
-  }
-  void finish_batch() {
-    converter_.convert(batch_);
-    const std::size_t width = header_.spec.row_size();
-    for (std::size_t i = 0; i < batch_.size(); ++i) {
-      const double* const reached = batch_.reached(i);
-      levels_.settle(
-          levels_.find(batch_.point(i), batch_.level(i)), batch_.todo(i), header_.generation,
-          [&](int q) { return reached + static_cast<unsigned>(q) * width; },
-          [this](const Levels::Stored& record) { found_.push_back(record); });
-    }
-    batch_.clear();
-    keep_if_due();
-  }
-
-  SectionHeader header_;
-  Converter& converter_;
-  Progress& progress_;
-  PartialGrid* partial_;
-  Levels levels_;
-  Neighbourhood neighbourhood_;
-  Batch batch_;
-  Frontier frontier_;
-  Frontier found_;
-  std::uint32_t whole_ = 0;  // the last generation that is whole
-};
-
-/// Calls work(), and keep() when it throws.
-/// @throw what work() throws; of an Error, the message says what is kept.
-template <class Work, class Keep>
-void kept(const PartialGrid* partial, Work&& work, Keep&& keep) {
-  const auto what_is_kept = [&](const char* how) {
-    return partial && partial->kept()
-               ? "; " + partial->name() + " keeps generation " + std::to_string(*partial->kept()) +
-                     ", from which the same command goes on" + how
-               : std::string();
-  };
+/// Calls work(). @throw what it throws; the message of an Error says what is kept
+template <class Work>
+void tell_what_is_kept(const PartialGrid* partial, Work&& work) {
   try {
     work();
   } catch (const Stopped&) {
-    keep();
-    throw Stopped(partial && !partial->kept() ? "; nothing is kept" : what_is_kept(""));
+    throw Stopped(what_is_kept(partial, "; nothing is kept"));
   } catch (const LevelLimit& e) {
-    keep();
     throw Error(e.what() +
-                what_is_kept(", also when the grid is seeded with a larger search.max_levels"));
+                what_is_kept(partial, "",
+                             ", also when the grid is seeded with a larger search.max_levels"));
   } catch (const Error& e) {
-    keep();
-    throw Error(e.what() + what_is_kept(""));
-  } catch (...) {
-    keep();
-    throw;
+    throw Error(e.what() + what_is_kept(partial, ""));
   }
 }
 
@@ -178,32 +131,23 @@ void complete(const Section& grid, Converter& converter, Progress& progress,
     SectionWriter out = open(grid.header);
     return copy_finished(grid, out);
   }
-  Rounds rounds(grid, converter, progress, partial);
-  kept(
-      partial, [&] { rounds.run(); }, [&] { rounds.keep(); });
-  SectionHeader header = rounds.header();
-  Levels& levels = rounds.levels();
-  if (header.lacks_tears()) {
-    const Grid finished = take_grid(header, levels);
-    const std::vector<OneWayLink> links = one_way_links(finished);
-    std::vector<TearByte> tears;
-    kept(
-        partial, [&] { tears = find_tears(finished, links, converter, progress); },
-        [&] {
-          if (partial) partial->keep(finished);
-        });
-    header.has_tears = true;
+  SectionHeader header = grid.header;
+  Levels levels(header.spec, converter.model());
+  Frontier frontier = load(grid, levels);
+  tell_what_is_kept(partial, [&] {
+    run_rounds(header, levels, std::move(frontier), converter, progress, partial);
+  });
+  if (!header.lacks_tears()) {
     SectionWriter out = open(header);
-    return write_torn_grid(finished, links, tears, out);
+    return levels.write(out);
   }
+  const Grid finished = take_grid(header, levels);
+  const std::vector<OneWayLink> links = one_way_links(finished);
+  std::vector<TearByte> tears;
+  tell_what_is_kept(partial, [&] { tears = find_tears(finished, links, converter, progress); });
+  header.has_tears = true;
   SectionWriter out = open(header);
-  for (std::uint64_t b = 0; b < levels.blocks(); ++b) {
-    levels.visit(b, [&out](const RecordRows& records, std::size_t begin, std::size_t end) {
-      out.records(records, begin, end);
-    });
-    levels.release(b);
-  }
-  out.finish();
+  write_torn_grid(finished, links, tears, out);
 }
 
 }  // namespace hapgrid

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "libcore/shard/reader.hpp"
 
@@ -15,63 +14,56 @@ struct Part {
   std::uint64_t of = 1;
 };
 
-/// Which conversions of a frontier are a part's. Slow conversions lie together, so the frontier is
-/// cut into blocks of equally many conversions, which are dealt out in turns: block b goes to part
-/// b mod N + 1. The size of a block follows from the number of conversions and N alone. Measured
-/// with tests/bench/dealing.cpp.
-class Deal {
+/// Which items of a round are a part's: conversions of a frontier, or one-way links. Slow
+/// conversions lie together, so the items are cut into blocks of equally many, which are dealt out
+/// in turns: block b goes to part b mod N + 1. The size of a block follows from the number of items
+/// and N alone. Measured with tests/bench/dealing.cpp.
+class Partition {
  public:
-  Deal(std::uint64_t conversions, Part part);
+  Partition(std::uint64_t items, Part part);
 
-  /// Conversions of the part.
-  std::uint64_t conversions() const;
-  /// Whether one of the conversions [begin, end) is the part's.
+  /// Items of the part.
+  std::uint64_t size() const;
+  /// Whether one of the items [begin, end) is the part's.
   bool has_any(std::uint64_t begin, std::uint64_t end) const;
-  /// Of the `directions`, whose conversions are those from `first` on, the part's.
-  DirectionMask own(DirectionMask directions, std::uint64_t first) const;
+  /// Of the `directions`, whose items are those from `first` on, the part's.
+  DirectionMask mine(DirectionMask directions, std::uint64_t first) const;
 
  private:
   static constexpr std::uint64_t kTurns = 512;
 
-  bool is_own(std::uint64_t block) const { return block % part_.of == part_.number - 1; }
-
   std::uint64_t total_;
   Part part_;
-  std::uint64_t block_;  // conversions in a block
+  std::uint64_t block_;  // items in a block
 };
 
-/// A part of the frontier of a grid, record by record. Only the chunks of the part are read. Where
-/// the frontier lies in many chunks, whole chunks are dealt out, so that no chunk is read by
-/// several parts: the largest first, each to the part that has the fewest conversions so far.
+/// A record of a frontier, and the conversions that are asked for.
+struct FrontierRecord {
+  PointIndex point = 0;
+  Level level = 0;
+  const double* state = nullptr;
+  DirectionMask todo = 0;
+};
+
+/// A part of the frontier of a grid, record by record. Only chunks with conversions of the part are
+/// read, and one of them is in memory at a time.
 class FrontierReader {
  public:
   /// @param grid must outlive this object.
   explicit FrontierReader(const Section& grid, Part part = {});
 
   /// Conversions that the part asks for.
-  std::uint64_t conversions() const { return conversions_; }
+  std::uint64_t conversions() const { return partition_.size(); }
 
-  struct Record {
-    PointIndex point;
-    Level level;
-    const double* state;
-    DirectionMask todo;
-  };
   /// The next record, valid until the next call; false behind the last. @throw FormatError
-  bool next(Record& record);
+  bool next(FrontierRecord& record);
 
  private:
-  static constexpr std::uint64_t kManyChunks = 16;  // a part
-
-  void deal_chunks(Part part);
   bool next_chunk();
 
   const Section& grid_;
   Neighbourhood neighbourhood_;
-  Deal deal_;
-  std::vector<bool>
-      own_chunks_;  // where whole chunks are dealt out: by chunk, whether it is the part's
-  std::uint64_t conversions_ = 0;
+  Partition partition_;
   SectionReader reader_;
   std::size_t chunk_ = 0;  // to be read next
   RecordRows rows_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 
@@ -94,9 +95,8 @@ void Levels::chain(Block& block, std::uint32_t from) const {
       for (; *last != kNone; last = &block.next[*last]) ++level;
     }
     if (block.level[r] != level)
-      throw FormatError("grid: " + describe(spec_.box, point) + ": level " +
-                        std::to_string(block.level[r]) + " where level " + std::to_string(level) +
-                        " was expected");
+      throw FormatError(format("grid: {}: level {} where level {} was expected",
+                               describe(spec_.box, point), block.level[r], level));
     *last = r;
   }
 }
@@ -133,16 +133,16 @@ const double* Levels::state(Place place) const {
 
 std::string Levels::source_text(Place source, int q) const {
   const Block& from = *source.block_;
-  return describe(spec_.box, from.point[source.record_], from.level[source.record_]) +
-         ", direction " + std::to_string(q);
+  return format("{}, direction {}",
+                describe(spec_.box, from.point[source.record_], from.level[source.record_]), q);
 }
 
 bool Levels::settle_other(Place source, int q, PointIndex target, const double* numbers,
                           std::uint32_t generation) {
   Level& link = source.block_->links[std::size_t{source.record_} * kDirections + unsigned(q)];
   if (link != kUnsettled)
-    throw FormatError("requests: " + source_text(source, q) +
-                      ": the grid's frontier asks for no such conversion");
+    throw FormatError(format("requests: {}: the grid's frontier asks for no such conversion",
+                             source_text(source, q)));
   Block& here = block(target);
   std::uint32_t r = here.first[in_block(target)];
   std::uint32_t last = kNone;
@@ -160,8 +160,8 @@ bool Levels::settle_other(Place source, int q, PointIndex target, const double* 
   if (level >= spec_.max_levels) fail_level_limit(target, source);
   if (!model_.equal(numbers, numbers))
     throw ModelError(
-        "model " + spec_.model + ": its tolerance function tells a state from itself: " +
-        describe(spec_.box, target, level) + ", reached from " + source_text(source, q));
+        format("model {}: its tolerance function tells a state from itself: {}, reached from {}",
+               spec_.model, describe(spec_.box, target, level), source_text(source, q)));
   link = level;
   // `link` ends here: making room may move the records of its block.
   reserve(here, 1);
@@ -182,13 +182,21 @@ bool Levels::settle_other(Place source, int q, PointIndex target, const double* 
 
 void Levels::fail_level_limit(PointIndex target, Place source) const {
   const Block& from = *source.block_;
-  throw LevelLimit(
-      "level limit: " + describe(spec_.box, target) + " has " + std::to_string(spec_.max_levels) +
-      " levels (search.max_levels), and a state reached from " +
-      describe(spec_.box, from.point[source.record_], from.level[source.record_]) +
-      " equals none of them within the tolerance " + to_text(spec_.tolerance) +
-      (spec_.tolerance_unit.empty() ? "" : " " + spec_.tolerance_unit) +
-      ": the model has more states there, or its conversion is less exact than its tolerance");
+  throw LevelLimit(format(
+      "level limit: {} has {} levels (search.max_levels), and a state reached from {} equals none "
+      "of them within the tolerance {}{}{}: the model has more states there, or its conversion is "
+      "less exact than its tolerance",
+      describe(spec_.box, target), spec_.max_levels,
+      describe(spec_.box, from.point[source.record_], from.level[source.record_]),
+      to_text(spec_.tolerance), spec_.tolerance_unit.empty() ? "" : " ", spec_.tolerance_unit));
+}
+
+void Levels::write(SectionWriter& out) const {
+  for (std::uint64_t b = 0; b < blocks(); ++b)
+    visit(b, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
+      out.records(rows, begin, end);
+    });
+  out.finish();
 }
 
 void Levels::release(std::uint64_t number) {

@@ -12,7 +12,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/grid/grid.hpp"
 #include "libcore/model/model.hpp"
-#include "libcore/shard/format.hpp"
+#include "libcore/shard/writer.hpp"
 
 namespace hapgrid {
 
@@ -83,6 +83,8 @@ class Levels {
   /// there are, one where no record was added to those that were appended.
   template <class F>
   void visit(std::uint64_t number, F&& f) const;
+  /// Writes all records, and finishes the section. @throw std::system_error
+  void write(SectionWriter& out) const;
   /// Blocks: points / block_points(), rounded up.
   std::uint64_t blocks() const { return blocks_.size(); }
   /// Forgets a block's records.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/search/levels.hpp"
 #include "libcore/search/requests.hpp"
@@ -26,26 +27,25 @@ MergeInput merge_input(std::vector<Section> sections) {
       continue;
     }
     if (any)
-      throw FormatError(section.file->name() + ": a second grid, beside " +
-                        input.grid.file->name());
+      throw FormatError(
+          format("{}: a second grid, beside {}", section.file->name(), input.grid.file->name()));
     any = true;
     input.grid = std::move(section);
   }
   if (!any) {
     const Section& first = (input.requests.empty() ? input.tears : input.requests).front();
-    throw FormatError(first.file->name() + ": " + to_string(first.header.content) +
-                      ", but no grid to merge them into");
+    throw FormatError(format("{}: {}, but no grid to merge them into", first.file->name(),
+                             to_string(first.header.content)));
   }
   for (const auto* shards : {&input.requests, &input.tears})
     for (const Section& section : *shards)
       if (section.header.generation != input.grid.header.generation)
-        throw FormatError(section.file->name() + ": " + to_string(section.header.content) +
-                          " of generation " + std::to_string(section.header.generation) +
-                          ", the grid's frontier is " +
-                          std::to_string(input.grid.header.generation));
+        throw FormatError(format("{}: {} of generation {}, the grid's frontier is {}",
+                                 section.file->name(), to_string(section.header.content),
+                                 section.header.generation, input.grid.header.generation));
   if (!input.tears.empty() && input.grid.next_round() != Content::kTears)
-    throw FormatError(input.tears.front().file->name() +
-                      ": tear fractions, which the grid does not lack");
+    throw FormatError(format("{}: tear fractions, which the grid does not lack",
+                             input.tears.front().file->name()));
   return input;
 }
 
@@ -63,8 +63,8 @@ class Completeness {
  public:
   explicit Completeness(const SectionHeader& grid) : grid_(grid), neighbourhood_(grid.spec.box) {}
 
-  /// Records that nothing will settle any more.
-  void look_at(const RecordRows& rows, std::size_t begin, std::size_t end) {
+  /// For records that nothing will settle any more.
+  void count(const RecordRows& rows, std::size_t begin, std::size_t end) {
     for (std::size_t r = begin; r < end; ++r) {
       if (rows.generation[r] != grid_.generation) continue;
       asked_ += static_cast<std::uint64_t>(std::popcount(neighbourhood_.inside(rows.point[r])));
@@ -79,10 +79,10 @@ class Completeness {
   /// @throw FormatError when there are any.
   void require() const {
     if (missing_ == 0) return;
-    throw FormatError("requests are missing: " + std::to_string(missing_) + " of the " +
-                      std::to_string(asked_) + " conversions of generation " +
-                      std::to_string(grid_.generation) + ", the first from " + first_missing_ +
-                      "; was a shard lost, or is one still to be expanded?");
+    throw FormatError(
+        format("requests are missing: {} of the {} conversions of generation {}, the first from "
+               "{}; was a shard lost, or is one still to be expanded?",
+               missing_, asked_, grid_.generation, first_missing_));
   }
 
  private:
@@ -102,10 +102,9 @@ class GridBlocks {
       : chunks_(grid.footer.chunks), block_points_(block_points), reader_(grid) {
     for (const ChunkInfo& chunk : chunks_)
       if (chunk.first_point / block_points != chunk.last_point / block_points)
-        throw FormatError(grid.file->name() + ": damaged: a chunk of points " +
-                          std::to_string(chunk.first_point) + " to " +
-                          std::to_string(chunk.last_point) + " crosses a multiple of " +
-                          std::to_string(block_points));
+        throw FormatError(format("{}: damaged: a chunk of points {} to {} crosses a multiple of {}",
+                                 grid.file->name(), chunk.first_point, chunk.last_point,
+                                 block_points));
   }
 
   /// Reads a block. Any block can be asked for.
@@ -134,7 +133,7 @@ class GridBlocks {
         out.copy(stored_);
       }
       levels.visit(written_, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
-        completeness.look_at(rows, begin, end);
+        completeness.count(rows, begin, end);
         out.records(rows, begin, end);
       });
       levels.release(written_);
@@ -154,9 +153,9 @@ class GridBlocks {
 };
 
 [[noreturn]] void fail_unasked(const GridSpec& spec, const SourceRequests& source) {
-  throw FormatError("requests: " + describe(spec.box, source.point, source.level) + ", direction " +
-                    std::to_string(std::countr_zero(source.directions)) +
-                    ": the grid's frontier asks for no such conversion");
+  throw FormatError(
+      format("requests: {}, direction {}: the grid's frontier asks for no such conversion",
+             describe(spec.box, source.point, source.level), std::countr_zero(source.directions)));
 }
 
 /// Its chunks can be small or large ones.

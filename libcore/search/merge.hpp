@@ -27,9 +27,10 @@ struct MergeInput {
 MergeInput merge_input(std::vector<Section> sections);
 
 /// Merges a whole round: each of the conversions of the grid's frontier must be among the requests;
-/// when it has no frontier, but lacks tear fractions, merge_tears() (tears.hpp) takes them. Memory:
-/// a chunk of each section of requests, and the records between three slices of the grid. `out` was
-/// begun with merged_header(), and is finished here.
+/// when it has no frontier, but lacks tear fractions, merge_tears() (tears.hpp) takes them. Memory
+/// for requests: a chunk of each of their sections, and the records between three slices of the
+/// grid. Tear fractions take memory for the whole grid. `out` was begun with merged_header(), and
+/// is finished here.
 /// @throw FormatError when requests are missing (it counts them), contradict each other, or were
 /// not asked for; Error (level limit), ModelError, std::system_error.
 void merge(const MergeInput& input, const Model& model, SectionWriter& out, Progress& progress);

@@ -1,12 +1,12 @@
 #include "libcore/search/partial.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <filesystem>
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/shard/reader.hpp"
 #include "libcore/shard/writer.hpp"
 
@@ -14,7 +14,11 @@ namespace hapgrid {
 
 namespace {
 
-constexpr double kWorkForWrite = 33;  // times as long as a write took before the next one
+// What a shorter search has found is found again as fast as it is read.
+constexpr std::chrono::seconds kLeastWork{1};
+// A search works this many times as long as the last write took before the next write, so that
+// writes take 3 % of its time at most.
+constexpr int kWorkForWrite = 33;
 
 /// The records of a section, one by one.
 class Records {
@@ -64,107 +68,53 @@ bool grew_from(const Section& later, const Section& earlier) {
 
 }  // namespace
 
-PartialGrid::PartialGrid(std::string name, double seconds,
-                         std::function<void(const std::string&)> tell)
-    : name_(std::move(name)),
-      least_(seconds),
-      tell_(std::move(tell)),
-      due_(Clock::now() + std::chrono::duration_cast<Clock::duration>(least_)) {}
+PartialGrid::PartialGrid(std::string name, std::function<void(const std::string&)> tell)
+    : name_(std::move(name)), tell_(std::move(tell)), due_(Clock::now() + kLeastWork) {}
 
 Section PartialGrid::start(const Section& grid) {
-  known_ = grid.header.generation;
   const auto type = std::filesystem::symlink_status(name_).type();
   if (type == std::filesystem::file_type::not_found) return grid;
-  const std::string remove = "; remove it to begin anew";
+  const char* const remove = "; remove it to begin anew";
   // Nobody has put anything else there for a good reason: a link would have us read what it names.
   if (type != std::filesystem::file_type::regular)
-    throw FormatError(name_ + ": is no regular file" + remove);
+    throw FormatError(format("{}: is no regular file{}", name_, remove));
   Section file = open_grid(name_);
   GridSpec spec = file.header.spec;
   const std::uint32_t limit = std::exchange(spec.max_levels, grid.header.spec.max_levels);
   if (spec != grid.header.spec)
-    throw FormatError(name_ + ": another grid than " + grid.file->name() + ": " +
-                      difference(spec, grid.header.spec) + remove);
+    throw FormatError(format("{}: another grid than {}: {}{}", name_, grid.file->name(),
+                             difference(spec, grid.header.spec), remove));
   if (limit > spec.max_levels)
-    throw FormatError(name_ + ": was found with a level limit of " + std::to_string(limit) +
-                      ", which is now " + std::to_string(spec.max_levels) + remove);
+    throw FormatError(format("{}: was found with a level limit of {}, which is now {}{}", name_,
+                             limit, spec.max_levels, remove));
   if (file.header.has_tears || !grew_from(file, grid))
-    throw FormatError(name_ + ": did not grow from " + grid.file->name() +
-                      ", which has other seeds or is of a later generation" + remove);
+    throw FormatError(
+        format("{}: did not grow from {}, which has other seeds or is of a later generation{}",
+               name_, grid.file->name(), remove));
   file.header.spec.max_levels = spec.max_levels;
-  kept_ = known_ = file.header.generation;
+  kept_ = file.header.generation;
   return file;
 }
 
-template <class Visit>
-void PartialGrid::write(const SectionHeader& header, Visit&& visit) {
+void PartialGrid::write_checkpoint(const SectionHeader& header, const Levels& levels) {
   const Clock::time_point begin = Clock::now();
-  OutputFile out(name_, true, OutputFile::Unfinished::kVanishes, OutputFile::Links::kReplaced);
+  OutputFile out = OutputFile::replacing(name_);
   SectionWriter writer(out.fd(), out.name(), header);
-  const Neighbourhood neighbourhood(header.spec.box);
-  std::array<Level, kDirections> unsettled;
-  visit([&](PointIndex point, Level level, std::uint32_t generation, const double* row,
-            const Level* links) {
-    if (generation > header.generation) return;
-    if (generation == header.generation) {  // what the next one settled does not count
-      const DirectionMask inside = neighbourhood.inside(point);
-      for (int q = 0; q < kDirections; ++q)
-        unsettled[static_cast<std::size_t>(q)] = inside >> q & 1 ? kUnsettled : kLeavesBox;
-      links = unsettled.data();
-    }
-    writer.record(point, level, generation, row, links);
-  });
-  writer.finish();
+  levels.write(writer);
   out.commit();
-  kept_ = known_ = header.generation;
+  kept_ = header.generation;
   const Clock::time_point end = Clock::now();
-  const auto wait = std::max<std::chrono::duration<double>>(least_, kWorkForWrite * (end - begin));
-  due_ = end + std::chrono::duration_cast<Clock::duration>(wait);
+  due_ = end + std::max<Clock::duration>(kLeastWork, kWorkForWrite * (end - begin));
 }
 
-void PartialGrid::write(const SectionHeader& header, const Levels& levels) {
-  write(header, [&](const auto& record) {
-    for (std::uint64_t b = 0; b < levels.blocks(); ++b)
-      levels.visit(b, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
-        for (std::size_t r = begin; r < end; ++r)
-          record(rows.point[r], rows.level[r], rows.generation[r], &rows.numbers[r * rows.width],
-                 &rows.links[r * kDirections]);
-      });
-  });
-}
-
-void PartialGrid::keep_if_due(const SectionHeader& header, const Levels& levels) {
-  if (header.generation <= known_ || Clock::now() < due_) return;
-  const bool first = !kept_;
+void PartialGrid::write_checkpoint_if_due(const SectionHeader& header, const Levels& levels) {
+  if (Clock::now() < due_) return;
   try {
-    write(header, levels);
+    write_checkpoint(header, levels);
   } catch (const std::exception& e) {
-    due_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(least_);
+    due_ = Clock::now() + kLeastWork;
     if (!std::exchange(complained_, true))
       tell_(std::string("cannot keep what is found: ") + e.what());
-    return;
-  }
-  if (first)
-    tell_(name_ + " keeps generation " + std::to_string(header.generation) +
-          " and later ones: after an interruption the same command goes on from it");
-}
-
-void PartialGrid::keep(const SectionHeader& header, const Levels& levels) noexcept {
-  try {
-    if (header.generation > known_) write(header, levels);
-  } catch (...) {  // the error that it is for is the one to tell of
-  }
-}
-
-void PartialGrid::keep(const Grid& grid) noexcept {
-  try {
-    if (grid.generation() <= known_) return;
-    write({Content::kGrid, grid.generation(), grid.spec()}, [&](const auto& record) {
-      for (RecordIndex r = 0; r < grid.records(); ++r)
-        record(grid.point(r), grid.level(r), grid.record_generation(r), grid.row(r).data(),
-               grid.links(r).data());
-    });
-  } catch (...) {
   }
 }
 

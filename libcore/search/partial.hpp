@@ -1,9 +1,8 @@
 // What a search in one process has found so far, in a file: after an error, a kill or a power cut
 // it goes on from there.
 //
-// Only whole generations are kept, because the records of a half one depend on how far each of its
-// conversions came. Since a record of the generation before is complete but for the links of its
-// frontier, the last whole generation can be written at any time during the next one.
+// The file is written only at the end of a generation, because the records of a half one depend on
+// how far each of its conversions came.
 #pragma once
 
 #include <chrono>
@@ -12,21 +11,18 @@
 #include <optional>
 #include <string>
 
-#include "libcore/grid/grid.hpp"
 #include "libcore/search/levels.hpp"
 #include "libcore/shard/section.hpp"
 
 namespace hapgrid {
 
-/// The file is written beside and renamed, so the one before is there until the new one is. It is
-/// an incomplete grid as rounds of expand and merge make it.
+/// The file is replaced as a whole, so the one before is there until the new one is. It is an
+/// incomplete grid as rounds of expand and merge make it.
 class PartialGrid {
  public:
-  /// @param seconds the shortest time between two writes. A write that takes long makes it longer:
-  /// no more than 3 % of the time is spent on them.
-  /// @param tell called with a line for the user: once that there is a file, and once that it
-  /// cannot be written, which does not end the search.
-  PartialGrid(std::string name, double seconds, std::function<void(const std::string&)> tell);
+  /// @param tell called with a line for the user, once, when the file cannot be written, which does
+  /// not end the search.
+  PartialGrid(std::string name, std::function<void(const std::string&)> tell);
 
   const std::string& name() const { return name_; }
   /// Where a search of `grid` starts: from the file, if there is one, else from the grid itself.
@@ -34,13 +30,9 @@ class PartialGrid {
   /// @throw FormatError when the file is not what a search of this grid would have left
   Section start(const Section& grid);
 
-  /// Keeps generation `header.generation` of `levels`, which may have records of the next one,
-  /// unless it is kept already or the last write was too short a time ago.
-  void keep_if_due(const SectionHeader& header, const Levels& levels);
-
-  /// For an error: keeps what is not kept yet, if it can.
-  void keep(const SectionHeader& header, const Levels& levels) noexcept;
-  void keep(const Grid& grid) noexcept;
+  /// Writes `levels`, whose last generation is `header.generation`, unless the last write was too
+  /// short a time ago.
+  void write_checkpoint_if_due(const SectionHeader& header, const Levels& levels);
   /// The generation in the file, if there is one.
   std::optional<std::uint32_t> kept() const { return kept_; }
 
@@ -49,15 +41,11 @@ class PartialGrid {
 
  private:
   using Clock = std::chrono::steady_clock;
-  template <class Visit>
-  void write(const SectionHeader& header, Visit&& visit);
-  void write(const SectionHeader& header, const Levels& levels);
+  void write_checkpoint(const SectionHeader& header, const Levels& levels);
 
   std::string name_;
-  std::chrono::duration<double> least_;
   std::function<void(const std::string&)> tell_;
   bool complained_ = false;
-  std::uint32_t known_ = 0;  // the generation that needs no write
   std::optional<std::uint32_t> kept_;
   Clock::time_point due_;
 };

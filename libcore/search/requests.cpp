@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/grid/describe.hpp"
 
 namespace hapgrid {
@@ -27,8 +28,8 @@ struct RequestReader::Stream {
     reader.read(chunk, rows);
     row = 0;
     if (chunk++ > 0 && key() <= before)
-      throw FormatError(section->file->name() + ": damaged: rows out of order at point " +
-                        std::to_string(rows.point[0]));
+      throw FormatError(format("{}: damaged: rows out of order at point {}", section->file->name(),
+                               rows.point[0]));
   }
   SourceRequests source() const {
     return {rows.point[row], rows.level[row], rows.directions[row], rows.row(rows.first[row]),
@@ -104,9 +105,9 @@ void RequestReader::gather(const SourceRequests& more, DirectionMask& known) {
     const int q = std::countr_zero(left);
     double* const row = &spread_[static_cast<unsigned>(q) * more.width];
     if ((known >> q & 1) && std::memcmp(row, more.row(q), more.width * sizeof(double)) != 0)
-      throw FormatError(
-          "requests: " + describe(first_->section->header.spec.box, more.point, more.level) +
-          ", direction " + std::to_string(q) + ": two different answers");
+      throw FormatError(format("requests: {}, direction {}: two different answers",
+                               describe(first_->section->header.spec.box, more.point, more.level),
+                               q));
     std::copy_n(more.row(q), more.width, row);
   }
   known |= more.directions;

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/model/room.hpp"
@@ -18,8 +19,8 @@ namespace {
 constexpr double kPositionTolerance = 1e-6;
 
 std::string to_text(const Vec3& x) {
-  return "(" + hapgrid::to_text(x[0]) + ", " + hapgrid::to_text(x[1]) + ", " +
-         hapgrid::to_text(x[2]) + ")";
+  using hapgrid::to_text;
+  return format("({}, {}, {})", to_text(x[0]), to_text(x[1]), to_text(x[2]));
 }
 
 PointIndex point_at(const Box& box, const Vec3& position) {
@@ -28,12 +29,12 @@ PointIndex point_at(const Box& box, const Vec3& position) {
     const double steps = (position[a] - box.origin[a]) / box.spacing;
     const double nearest = std::round(steps);
     if (!(nearest >= 0 && nearest < box.counts[a]))
-      throw Error("seed " + to_text(position) + ": outside the box, which spans " +
-                  to_text(box.origin) + " to " +
-                  to_text(box.position(
-                      GridCoordinates{box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1})));
+      throw Error(format("seed {}: outside the box, which spans {} to {}", to_text(position),
+                         to_text(box.origin),
+                         to_text(box.position(GridCoordinates{box.counts[0] - 1, box.counts[1] - 1,
+                                                              box.counts[2] - 1}))));
     if (std::abs(steps - nearest) > kPositionTolerance)
-      throw Error("seed " + to_text(position) + ": not a grid point");
+      throw Error(format("seed {}: not a grid point", to_text(position)));
     c[a] = static_cast<std::uint32_t>(nearest);
   }
   return box.index(c);
@@ -43,9 +44,10 @@ std::vector<double> known_states(Model& model, const Box& box, PointIndex point,
   std::vector<double> states = model.known_states(box.position(point));
   if (!states.empty()) return states;
   const std::string hint = is_corner ? larger_box(model, box) : "";
-  throw Error("seed " + describe(box, point) + " at " + to_text(box.position(point)) +
-              ": the model knows no state there; " + (hint.empty() ? "" : hint + "; or ") +
-              "choose other seeds, or give their states");
+  throw Error(format(
+      "seed {} at {}: the model knows no state there; {}choose other seeds, or give their "
+      "states",
+      describe(box, point), to_text(box.position(point)), hint.empty() ? "" : hint + "; or "));
 }
 
 }  // namespace
@@ -58,14 +60,13 @@ Seeds seed_states(const Definition& definition, Model& model) {
     std::vector<double> states;
     for (const std::vector<double>& state : seed.states) {
       if (state.size() != model.state_size())
-        throw Error("seed " + to_text(seed.position) + ": a state of " +
-                    std::to_string(state.size()) + " components, the model's have " +
-                    std::to_string(model.state_size()));
+        throw Error(format("seed {}: a state of {} components, the model's have {}",
+                           to_text(seed.position), state.size(), model.state_size()));
       states.insert(states.end(), state.begin(), state.end());
     }
     if (states.empty()) states = known_states(model, box, point, false);
     if (!seeds.emplace(point, std::move(states)).second)
-      throw Error("seed " + to_text(seed.position) + ": given twice");
+      throw Error(format("seed {}: given twice", to_text(seed.position)));
   }
   if (!seeds.empty()) return seeds;
   // The corners; along an axis with one point, two of them are the same.
@@ -82,10 +83,11 @@ GridSpec spec_of(const Definition& definition, const Model& model) {
   const ModelInfo& info = model.info();
   const double reach = std::sqrt(3.0) * definition.box.spacing;
   if (info.d_max < reach)
-    throw Error("grid.spacing " + to_text(definition.box.spacing) +
-                " is too coarse: a step along the diagonal is " + to_text(reach) +
-                ", and the model's conversion is defined up to d_max = " + to_text(info.d_max) +
-                "; a spacing of at most " + to_text(info.d_max / std::sqrt(3.0)) + " works");
+    throw Error(
+        format("grid.spacing {} is too coarse: a step along the diagonal is {}, and the model's "
+               "conversion is defined up to d_max = {}; a spacing of at most {} works",
+               to_text(definition.box.spacing), to_text(reach), to_text(info.d_max),
+               to_text(info.d_max / std::sqrt(3.0))));
   GridSpec spec;
   spec.box = definition.box;
   spec.model = definition.model_name();
@@ -114,8 +116,8 @@ void write_seeds(const Definition& definition, const GridSpec& spec, Model& mode
     const std::string where = "seed " + describe(spec.box, point);
     const std::size_t count = states.size() / n;
     if (count > spec.max_levels)
-      throw Error(where + ": " + std::to_string(count) + " states, the level limit is " +
-                  std::to_string(spec.max_levels) + " (search.max_levels)");
+      throw Error(format("{}: {} states, the level limit is {} (search.max_levels)", where, count,
+                         spec.max_levels));
     Level links[kDirections];
     const DirectionMask inside = neighbourhood.inside(point);
     for (int q = 0; q < kDirections; ++q) links[q] = inside >> q & 1 ? kUnsettled : kLeavesBox;
@@ -124,12 +126,12 @@ void write_seeds(const Definition& definition, const GridSpec& spec, Model& mode
       for (std::uint32_t c = 0; c < n; ++c)
         if (!std::isfinite(state[c])) throw Error(where + ": a state that is not finite");
       if (!model.equal(state, state))
-        throw ModelError(where + ": the model's tolerance function tells state " +
-                         std::to_string(l) + " from itself");
+        throw ModelError(
+            format("{}: the model's tolerance function tells state {} from itself", where, l));
       for (std::size_t other = 0; other < l; ++other)
         if (model.equal(&states[other * n], state))
-          throw Error(where + ": states " + std::to_string(other) + " and " + std::to_string(l) +
-                      " are equal within the tolerance " + to_text(spec.tolerance));
+          throw Error(format("{}: states {} and {} are equal within the tolerance {}", where, other,
+                             l, to_text(spec.tolerance)));
       std::copy_n(state, n, row.begin());
       if (row.size() > n && !model.complete(spec.box.position(point), row.data()))
         throw ModelError(where + ": " + model.error());

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <deque>
-#include <mutex>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/search/bisection.hpp"
 #include "libcore/shard/load.hpp"
@@ -18,66 +17,21 @@ namespace hapgrid {
 
 namespace {
 
-/// Deals out links in ascending order, and remembers the first that failed: no link behind it is
-/// given out any more, and all before it are.
-class LinkDealer {
- public:
-  LinkDealer(std::size_t links, std::size_t models, const Progress& progress)
-      : links_(links), threads_(std::min(models, links)), progress_(progress) {}
-
-  std::size_t threads() const { return threads_; }
-  bool next(bool idle, std::size_t& index) {
-    const std::lock_guard lock(mutex_);
-    // The last ones are for models that have nothing to do, not for a second place in a queue.
-    if (progress_.stopped() || next_ >= std::min(links_, failed_) ||
-        (!idle && links_ - next_ < threads_))
-      return false;
-    index = next_++;
-    return true;
-  }
-  void fail(std::size_t index, std::string_view why) {
-    const std::lock_guard lock(mutex_);
-    if (index >= failed_) return;
-    failed_ = index;
-    why_ = why;
-  }
-  /// Gives out nothing more.
-  void stop() {
-    const std::lock_guard lock(mutex_);
-    next_ = links_;
-  }
-  /// @throw Stopped; ModelError for the first link that failed
-  void require_success(const Grid& grid, std::span<const OneWayLink> links) const {
-    if (progress_.stopped()) throw Stopped();
-    if (failed_ >= links_) return;
-    throw ModelError("tear fraction of " +
-                     describe_link(grid, links[failed_].record, links[failed_].q) + ": " + why_);
-  }
-
- private:
-  std::size_t links_;
-  std::size_t threads_;
-  const Progress& progress_;
-  std::mutex mutex_;
-  std::size_t next_ = 0;
-  std::size_t failed_ = ~std::size_t{0};
-  std::string why_;
-};
-
 /// What one thread does: as many bisections side by side as its model takes questions at a time.
-void bisect(const Grid& grid, std::span<const OneWayLink> links, LinkDealer& dealer, Model& model,
+void bisect(const Grid& grid, std::span<const OneWayLink> links, WorkQueue& queue, Model& model,
             Progress& progress, std::vector<TearByte>& tears) {
   StateDistance distance(grid.spec(),
                          [&](const double* a, const double* b) { return model.equal(a, b); });
   std::deque<Bisection> bisections;  // a conversion's tag is the number of one
   std::vector<std::size_t> ready;    // those that have a conversion to be made
   std::vector<std::size_t> free;
+  WorkQueue::Slice mine;
   CurrentConversion& current = current_conversion();
   model.convert_all(
       [&](Conversion& conversion, bool idle) {
         if (ready.empty()) {
-          std::size_t index = 0;
-          if (!dealer.next(idle, index)) return false;
+          std::uint64_t index = 0;
+          if (!queue.next(mine, idle, index)) return false;
           if (free.empty()) {
             free.push_back(bisections.size());
             bisections.emplace_back(grid.spec().row_size());
@@ -102,7 +56,7 @@ void bisect(const Grid& grid, std::span<const OneWayLink> links, LinkDealer& dea
         progress.tear_conversions.fetch_add(1, std::memory_order_relaxed);
         if (error.empty() && !bisection.advance(distance)) return ready.push_back(conversion.tag);
         free.push_back(conversion.tag);
-        if (!error.empty()) return dealer.fail(bisection.index(), error);
+        if (!error.empty()) return queue.fail(bisection.index(), error);
         tears[bisection.index()] = bisection.tear();
         progress.links_done.fetch_add(1, std::memory_order_relaxed);
       });
@@ -114,22 +68,23 @@ std::vector<TearByte> no_tears(const Grid& grid) {
   return std::vector<TearByte>(std::size_t{grid.records()} * kDirections, kNoTear);
 }
 
-std::size_t place(RecordIndex r, int q) {
+/// Where the tear byte of a link is among those of the grid.
+std::size_t index_of(RecordIndex r, int q) {
   return std::size_t{r} * kDirections + static_cast<unsigned>(q);
 }
 
 void write_grid(const Grid& grid, const std::vector<TearByte>& tears, SectionWriter& out) {
   for (RecordIndex r = 0; r < grid.records(); ++r)
     out.record(grid.point(r), grid.level(r), grid.record_generation(r), grid.row(r).data(),
-               grid.links(r).data(), &tears[place(r, 0)]);
+               grid.links(r).data(), &tears[index_of(r, 0)]);
   out.finish();
 }
 
 /// Puts the tear fractions of a chunk among those of the grid.
-void take(const Grid& grid, const TearRows& rows, std::vector<TearByte>& tears) {
+void add_tears(const Grid& grid, const TearRows& rows, std::vector<TearByte>& tears) {
   const auto fail = [&](std::size_t r, int q, const char* what) {
-    throw FormatError("tear fractions: " + describe(grid.box(), rows.point[r], rows.level[r]) +
-                      ", direction " + std::to_string(q) + ": " + what);
+    throw FormatError(format("tear fractions: {}, direction {}: {}",
+                             describe(grid.box(), rows.point[r], rows.level[r]), q, what));
   };
   const TearByte* tear = rows.tears.data();
   for (std::size_t r = 0; r < rows.size(); ++r)
@@ -138,7 +93,7 @@ void take(const Grid& grid, const TearRows& rows, std::vector<TearByte>& tears) 
       const RecordIndex record = grid.first(rows.point[r]) + rows.level[r];
       if (rows.level[r] >= grid.levels(rows.point[r]) || !grid.is_one_way(record, q))
         fail(r, q, "the grid has no such one-way link");
-      TearByte& known = tears[place(record, q)];
+      TearByte& known = tears[index_of(record, q)];
       if (known != kNoTear && known != *tear) fail(r, q, "two different answers");
       known = *tear;
     }
@@ -152,22 +107,22 @@ std::vector<OneWayLink> one_way_links(const Grid& grid, Part part) {
     for (int q = 0; q < kDirections; ++q)
       if (grid.is_one_way(r, q)) links.push_back({r, static_cast<std::uint8_t>(q)});
   if (part.of == 1) return links;
-  const Deal deal(links.size(), part);
-  std::vector<OneWayLink> own;
+  const Partition partition(links.size(), part);
+  std::vector<OneWayLink> mine;
   for (std::size_t i = 0; i < links.size(); ++i)
-    if (deal.has_any(i, i + 1)) own.push_back(links[i]);
-  return own;
+    if (partition.has_any(i, i + 1)) mine.push_back(links[i]);
+  return mine;
 }
 
 std::vector<TearByte> find_tears(const Grid& grid, std::span<const OneWayLink> links,
                                  Converter& converter, Progress& progress) {
   progress.links = links.size();
   std::vector<TearByte> tears(links.size());
-  LinkDealer dealer(links.size(), converter.models(), progress);
-  converter.work(
-      dealer.threads(), [&](Model& model) { bisect(grid, links, dealer, model, progress, tears); },
-      [&] { dealer.stop(); });
-  dealer.require_success(grid, links);
+  WorkQueue queue(links.size(), converter.models(), 1, progress);
+  converter.run(queue, [&](Model& model) { bisect(grid, links, queue, model, progress, tears); });
+  queue.require_success([&](std::uint64_t i) {
+    return "tear fraction of " + describe_link(grid, links[i].record, links[i].q);
+  });
   return tears;
 }
 
@@ -186,7 +141,8 @@ void write_tears(const Grid& grid, std::span<const OneWayLink> links,
 void write_torn_grid(const Grid& grid, std::span<const OneWayLink> links,
                      std::span<const TearByte> tears, SectionWriter& out) {
   std::vector<TearByte> all = no_tears(grid);
-  for (std::size_t i = 0; i < links.size(); ++i) all[place(links[i].record, links[i].q)] = tears[i];
+  for (std::size_t i = 0; i < links.size(); ++i)
+    all[index_of(links[i].record, links[i].q)] = tears[i];
   write_grid(grid, all, out);
 }
 
@@ -199,20 +155,20 @@ void merge_tears(const Section& section, std::span<const Section> shards, Sectio
     SectionReader reader(shard);
     for (std::size_t i = 0; i < shard.footer.chunks.size(); ++i) {
       reader.read(i, rows);
-      take(grid, rows, tears);
+      add_tears(grid, rows, tears);
       progress.conversions += rows.tears.size();
     }
   }
   const std::vector<OneWayLink> links = one_way_links(grid);
   const auto is_missing = [&](OneWayLink link) {
-    return tears[place(link.record, link.q)] == kNoTear;
+    return tears[index_of(link.record, link.q)] == kNoTear;
   };
   if (const auto missing = std::count_if(links.begin(), links.end(), is_missing); missing > 0) {
     const OneWayLink first = *std::find_if(links.begin(), links.end(), is_missing);
-    throw FormatError("tear fractions are missing: " + std::to_string(missing) + " of the " +
-                      std::to_string(links.size()) + " one-way links, the first of " +
-                      describe_link(grid, first.record, first.q) +
-                      "; was a shard lost, or is one still to be expanded?");
+    throw FormatError(
+        format("tear fractions are missing: {} of the {} one-way links, the first of {}; was a "
+               "shard lost, or is one still to be expanded?",
+               missing, links.size(), describe_link(grid, first.record, first.q)));
   }
   write_grid(grid, tears, out);
 }

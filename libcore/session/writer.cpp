@@ -6,7 +6,7 @@
 namespace hapgrid {
 
 SessionWriter::SessionWriter(const std::string& name, const SessionHeader& header)
-    : output_((header.validate(), name), /*binary=*/true, OutputFile::Unfinished::kStays) {
+    : output_((header.validate(), OutputFile::part_file(name))) {
   try {
     rows_.reserve(kChunkTicks);
     write(encode_header(header));

@@ -96,13 +96,6 @@ if [[ $can_mount ]]; then
       $tool - < <(cat complete)
   done
   umount d
-  # So much of it that other programs would have no room.
-  mount -t tmpfs -o size=100m none d
-  for tool in verify stats; do
-    TMPDIR=$PWD/d refuses "$tool: standard input: more than $PWD/d has room for; TMPDIR names another folder" -- \
-      $tool - < <(while cat complete complete complete complete; do :; done 2>/dev/null)
-  done
-  umount d
 else
   echo "no small disks: mounting one is not allowed here"
 fi

@@ -67,9 +67,9 @@ int main(int argc, char** argv) {
     std::printf("generation %u: %zu conversions\n", generation, seconds.size());
     std::vector<double> dealt(parts), stretches(parts);
     for (std::size_t k = 0; k < parts; ++k) {
-      const Deal deal(seconds.size(), {k + 1, parts});
+      const Partition part(seconds.size(), {k + 1, parts});
       for (std::size_t c = 0; c < seconds.size(); ++c)
-        if (deal.own(1, c)) dealt[k] += seconds[c];
+        if (part.mine(1, c)) dealt[k] += seconds[c];
     }
     for (std::size_t c = 0; c < seconds.size(); ++c)
       stretches[c * parts / seconds.size()] += seconds[c];

@@ -44,9 +44,8 @@ double cpu_seconds() {
 
 }  // namespace
 
-ProgressLine::ProgressLine(bool forced, std::function<std::string(double)> text)
-    : text_(std::move(text)) {
-  if (forced || ::isatty(STDERR_FILENO)) thread_ = std::jthread([this] { show(); });
+ProgressLine::ProgressLine(std::function<std::string(double)> text) : text_(std::move(text)) {
+  if (::isatty(STDERR_FILENO)) thread_ = std::jthread([this] { show(); });
 }
 
 ProgressLine::~ProgressLine() {

@@ -10,12 +10,12 @@
 
 namespace hapgrid {
 
-/// A line on standard error, written again several times a second while this object lives: only
-/// when standard error is a terminal, or when asked for.
+/// A line on standard error, written again several times a second while this object lives, when
+/// standard error is a terminal.
 class ProgressLine {
  public:
   /// `text` makes the line from the seconds since the start; it is called from another thread.
-  ProgressLine(bool forced, std::function<std::string(double seconds)> text);
+  explicit ProgressLine(std::function<std::string(double seconds)> text);
   /// Takes the line away again.
   ~ProgressLine();
 

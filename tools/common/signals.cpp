@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <string>
 
 namespace hapgrid {
 
@@ -13,16 +14,24 @@ static_assert(std::atomic<int>::is_always_lock_free);  // or a handler may not u
 namespace {
 
 const char* notice_line = nullptr;  // written before a handler can run
+std::string unfinished_file;        // so is this
 
 }  // namespace
 
 extern "C" {
+static void remove_unfinished(int signal) {
+  ::unlink(unfinished_file.c_str());
+  ::signal(signal, SIG_DFL);
+  ::raise(signal);  // ends the process when this handler returns
+}
+
 static void catch_signal(int signal) {
   caught_signal.store(signal, std::memory_order_relaxed);
+  if (!notice_line) return;
   const int error = errno;
-  if (notice_line)
-    static_cast<void>(!::write(STDERR_FILENO, notice_line, std::strlen(notice_line)));
+  static_cast<void>(!::write(STDERR_FILENO, notice_line, std::strlen(notice_line)));
   errno = error;
+  ::signal(signal, remove_unfinished);  // once more: at once
 }
 }
 
@@ -30,7 +39,6 @@ CaughtSignals::CaughtSignals(std::span<const int> signals, const char* notice) :
   notice_line = notice;
   struct sigaction action {};
   action.sa_handler = catch_signal;
-  if (notice) action.sa_flags = static_cast<int>(SA_RESETHAND);
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     ::sigaction(signals_[i], nullptr, &before_[i]);
     if (before_[i].sa_handler != SIG_IGN) ::sigaction(signals_[i], &action, nullptr);
@@ -39,6 +47,15 @@ CaughtSignals::CaughtSignals(std::span<const int> signals, const char* notice) :
 
 CaughtSignals::~CaughtSignals() {
   for (std::size_t i = 0; i < signals_.size(); ++i) ::sigaction(signals_[i], &before_[i], nullptr);
+}
+
+void remove_on_signal(const OutputFile& output) {
+  unfinished_file = output.temporary();
+  for (const int signal : CaughtSignals::kEnding) {
+    struct sigaction before {};
+    ::sigaction(signal, nullptr, &before);
+    if (before.sa_handler == SIG_DFL) ::signal(signal, remove_unfinished);
+  }
 }
 
 }  // namespace hapgrid

@@ -7,6 +7,8 @@
 #include <atomic>
 #include <span>
 
+#include "libcore/base/file.hpp"
+
 namespace hapgrid {
 
 /// The signal that was caught, 0 for none.
@@ -32,5 +34,9 @@ class CaughtSignals {
   std::span<const int> signals_;
   std::array<struct sigaction, kOfPlay.size()> before_{};
 };
+
+/// From now on a signal of kEnding that ends the process removes the unfinished file of `output`
+/// first. One file a process; a signal that is ignored or caught stays so.
+void remove_on_signal(const OutputFile& output);
 
 }  // namespace hapgrid

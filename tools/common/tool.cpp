@@ -104,10 +104,6 @@ void add_cost(CommandLine& app, std::string& file) {
       .type("FILE");
 }
 
-void add_progress(CommandLine& app, bool& progress) {
-  app.add_flag("--progress", progress, "Show progress on standard error even if it is no terminal");
-}
-
 namespace {
 
 int wrong_usage(const std::string& tool, const std::exception& e) {

@@ -39,9 +39,8 @@ void add_output(CommandLine& app, std::string& name);
 std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
                                                    const std::string& text);
 
-/// The options of work that can take long: --cost FILE (see append_cost()), --progress.
+/// The option of work that can take long: --cost FILE (see append_cost()).
 void add_cost(CommandLine& app, std::string& file);
-void add_progress(CommandLine& app, bool& progress);
 
 /// Writes the line "TOOL: TEXT" to standard error; `text` may have anything in it.
 void say(const std::string& tool, const std::string& text);

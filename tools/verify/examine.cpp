@@ -87,7 +87,7 @@ class Examiner {
   void ask_model_again() {
     const auto sample = sample_records(grid_, asked_.recompute, asked_.sample_seed);
     std::atomic<std::uint64_t> done{0};
-    const ProgressLine progress(false, [&](double) {
+    const ProgressLine progress([&](double) {
       return "verify: fidelity: " + std::to_string(done) + " of " + std::to_string(sample.size()) +
              " records";
     });
@@ -181,7 +181,7 @@ class Examiner {
             grid_.spec(), [&] { return judge(); }, false);
       };
     std::atomic<std::uint64_t> done{0};
-    const ProgressLine progress(false, [&](double) {
+    const ProgressLine progress([&](double) {
       return "verify: accurate: " + std::to_string(done) + " of " + std::to_string(asked_.walks) +
              " walks";
     });

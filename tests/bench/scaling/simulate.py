@@ -42,8 +42,8 @@ class Times:
 
 
 def block_size(conversions, parts):
-    """That of libcore/search/frontier.hpp. Whole chunks of a large frontier are about 32 turns."""
-    return max(conversions // ((512 if conversions < 150_000 else 32) * parts), 1)
+    """That of libcore/search/frontier.hpp."""
+    return max(conversions // (512 * parts), 1)
 
 
 def deal(conversions, parts, times, rng):

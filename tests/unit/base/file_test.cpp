@@ -49,7 +49,7 @@ TEST_CASE("an output file appears with commit(), and not before") {
   {
     OutputFile out(name);
     out.write("half");
-    REQUIRE(entries(dir.path()) == 0);
+    REQUIRE(!fs::exists(name));
   }
   REQUIRE(entries(dir.path()) == 0);
   put(name, "old");
@@ -68,6 +68,28 @@ TEST_CASE("an output file appears with commit(), and not before") {
     out.commit();
     REQUIRE(content(name) == "new " + std::string(300000, 'x'));
   }
+  REQUIRE(entries(dir.path()) == 1);
+}
+
+TEST_CASE("a part file stays without commit(), and is not written twice") {
+  const TemporaryDirectory dir;
+  const std::string name = dir.file("out");
+  const std::string part = fs::canonical(dir.path()).string() + "/out.part";
+  {
+    OutputFile out = OutputFile::part_file(name);
+    REQUIRE(out.part() == part);
+    out.write("half");
+    REQUIRE_THROWS_WITH(OutputFile::part_file(name),
+                        Catch::StartsWith(part + ": is there already"));
+  }
+  REQUIRE(content(part) == "half");
+  fs::remove(part);
+  OutputFile::part_file(name).discard();
+  REQUIRE(entries(dir.path()) == 0);
+  OutputFile out = OutputFile::part_file(name);
+  out.write("whole");
+  out.commit();
+  REQUIRE(content(name) == "whole");
   REQUIRE(entries(dir.path()) == 1);
 }
 
@@ -97,8 +119,7 @@ TEST_CASE("symbolic links are followed, also one to nowhere and a chain") {
   }
   REQUIRE(fs::is_symlink(dir.path() / "link"));
   {
-    OutputFile out(dir.file("link"), true, OutputFile::Unfinished::kVanishes,
-                   OutputFile::Links::kReplaced);
+    OutputFile out = OutputFile::replacing(dir.file("link"));
     out.write("third");
     out.commit();
   }
@@ -140,6 +161,10 @@ TEST_CASE("an input can be read at any offset, from a file and from a pipe") {
   {
     std::jthread writer([&] { put(pipe, text); });
     check(InputFile(pipe, InputFile::Content::kFramesOrText));
+  }
+  {
+    std::jthread writer([&] { put(pipe, "no zstd frame"); });
+    REQUIRE(InputFile(pipe).size() == 4);  // only what shows that it is none
   }
   // Standard input that a shell has read from before: from where it stands.
   const int saved = ::dup(STDIN_FILENO);

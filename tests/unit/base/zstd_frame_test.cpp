@@ -10,9 +10,6 @@
 #include <thread>
 #include <vector>
 
-#include "libcore/base/locator.hpp"
-#include "libcore/base/zstd_walk.hpp"
-
 using namespace hapgrid;
 
 namespace {
@@ -77,35 +74,4 @@ TEST_CASE("the checksum of a frame counts, unless its bytes were compared with a
   REQUIRE(decoded == Words(100, 7));
   // Nothing of the last one is left in the thread.
   REQUIRE_THROWS(ZstdFrameDecoder("frame").decode(frame, 800, decoded));
-}
-
-TEST_CASE("a walk tells frames, in whatever pieces they come, from what follows them") {
-  std::mt19937_64 random(7);
-  std::vector<std::byte> frames;
-  for (int i = 0; i < 40; ++i) {
-    const std::vector<std::byte> frame =
-        encode(draw_content(random), 1 + i % 3, ZstdFrameEncoder::Literals::kCoded);
-    frames.insert(frames.end(), frame.begin(), frame.end());
-    const auto locator = encode_locator({frame.size(), 1});  // a frame that is skipped
-    if (i % 4 == 0) frames.insert(frames.end(), locator.begin(), locator.end());
-  }
-  const std::size_t all = frames.size();
-  for (const char* const behind : {"", "text", "\x28\xb5\x2f\xfe"}) {
-    frames.resize(all);
-    for (const char* c = behind; *c; ++c) frames.push_back(static_cast<std::byte>(*c));
-    ZstdWalk walk;
-    bool fits = true;
-    for (std::span<const std::byte> rest(frames); !rest.empty() && fits;) {
-      const std::size_t size = std::min<std::size_t>(rest.size(), 1 + random() % 5000);
-      fits = walk.take(rest.first(size));
-      rest = rest.subspan(size);
-    }
-    CHECK(fits == (*behind == '\0'));
-  }
-  CHECK_FALSE(ZstdWalk().take(std::vector<std::byte>(4)));
-  // A block of the reserved type, behind a frame's header.
-  const std::vector<std::byte> block{std::byte{0x28}, std::byte{0xb5}, std::byte{0x2f},
-                                     std::byte{0xfd}, std::byte{0x20}, std::byte{1},
-                                     std::byte{6},    std::byte{0},    std::byte{0}};
-  CHECK_FALSE(ZstdWalk().take(block));
 }

@@ -16,7 +16,7 @@ TEST_CASE("parts cover each conversion of a frontier exactly once") {
   for (int i = 0; i < 200; ++i) {
     CAPTURE(i);
     const TemporaryDirectory dir;
-    // Large states make many chunks, which few parts get whole.
+    // Large states make many chunks.
     const bool large = i % 10 == 3;
     const std::uint32_t n = large ? 3000 : 2;
     const SectionHeader header{
@@ -40,7 +40,7 @@ TEST_CASE("parts cover each conversion of a frontier exactly once") {
     for (std::uint64_t k = 1; k <= parts; ++k) {
       FrontierReader reader(grid, Part{k, parts});
       std::uint64_t found = 0;
-      FrontierReader::Record record;
+      FrontierRecord record;
       RowKey last = 0;
       for (bool first = true; reader.next(record); first = false) {
         const RowKey key = record_key(record.point, record.level);
@@ -68,20 +68,20 @@ TEST_CASE("blocks of a frontier are dealt out in turns, and parts differ by one 
     CAPTURE(total, parts);
     std::uint64_t sum = 0, least = ~std::uint64_t{0}, most = 0;
     for (std::uint64_t k = 1; k <= parts; ++k) {
-      const Deal deal(total, {k, parts});
-      std::uint64_t own = 0;
-      for (std::uint64_t c = 0; c < total; ++c) own += deal.own(1, c);
-      REQUIRE(own == deal.conversions());
-      REQUIRE(deal.has_any(0, total) == (own > 0));
-      sum += own;
-      least = std::min(least, own);
-      most = std::max(most, own);
+      const Partition part(total, {k, parts});
+      std::uint64_t mine = 0;
+      for (std::uint64_t c = 0; c < total; ++c) mine += part.mine(1, c);
+      REQUIRE(mine == part.size());
+      REQUIRE(part.has_any(0, total) == (mine > 0));
+      sum += mine;
+      least = std::min(least, mine);
+      most = std::max(most, mine);
     }
     REQUIRE(sum == total);
     // Turns of a block each, and what is left of a turn.
     REQUIRE(most - least <= std::max<std::uint64_t>(total / parts / 512, 1));
   }
   // Numbers near the limits of a grid and of N.
-  const Deal last(std::uint64_t{1} << 45, {0xffffffff, 0xffffffff});
-  REQUIRE(last.conversions() <= (std::uint64_t{1} << 14));
+  const Partition last(std::uint64_t{1} << 45, {0xffffffff, 0xffffffff});
+  REQUIRE(last.size() <= (std::uint64_t{1} << 14));
 }

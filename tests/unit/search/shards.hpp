@@ -165,7 +165,7 @@ inline void expand_shard(const std::string& from, Part part, const std::string& 
   FrontierReader frontier(grid, part);
   const std::uint64_t expected = frontier.conversions();
   write_shard(to, header, [&](SectionWriter& out) {
-    expand(frontier, converter, header.spec,
+    expand([&](FrontierRecord& record) { return frontier.next(record); }, converter, header.spec,
            [&out](PointIndex point, Level level, DirectionMask directions, const double* rows) {
              out.requests(point, level, directions, rows);
            });

@@ -1,0 +1,35 @@
+// What a search tells while it works, and how it is told to end.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "libcore/base/error.hpp"
+
+namespace hapgrid {
+
+/// What a search has done so far. Another thread may read it meanwhile, to show it.
+struct Progress {
+  std::atomic<std::uint64_t> conversions{0};           ///< done in this run
+  std::atomic<std::uint64_t> frontier_conversions{0};  ///< asked for by the current frontier
+  std::atomic<std::uint64_t> frontier_done{0};         ///< of these, done
+  std::atomic<std::uint64_t> frontier_records{0};
+  std::atomic<std::uint64_t> records{0};  ///< records of the grid so far
+  std::atomic<std::uint32_t> generation{0};
+  std::atomic<std::uint64_t> links{0};             ///< whose tear fractions are asked for
+  std::atomic<std::uint64_t> links_done{0};        ///< of these, done
+  std::atomic<std::uint64_t> tear_conversions{0};  ///< made for them; not among `conversions`
+  /// Whether the work is to end soon. Null: it goes on to its end. A signal's handler may set it.
+  const std::atomic<int>* stop = nullptr;
+
+  bool stopped() const { return stop && stop->load(std::memory_order_relaxed) != 0; }
+};
+
+/// Thrown out of work that Progress::stop has ended.
+class Stopped : public Error {
+ public:
+  explicit Stopped(const std::string& what_is_kept = "") : Error("interrupted" + what_is_kept) {}
+};
+
+}  // namespace hapgrid
