@@ -5,7 +5,7 @@ export LC_ALL=C.UTF-8
 
 tools=(hapgrid feel init seed expand merge verify stats play view check-model)
 molecule() { hapgrid molecule "$@"; }
-[[ ! -e $HAPGRID_BUILD/man/hapgrid-molecule.1 ]] || tools+=(molecule)  # where its modules are
+[[ ! -e $HAPGRID_BUILD/man/man1/hapgrid-molecule.1 ]] || tools+=(molecule)  # where its modules are
 for tool in "${tools[@]}"; do
   lines=60 page=hapgrid-$tool
   [[ $tool != play ]] || lines=90
@@ -17,13 +17,13 @@ for tool in "${tools[@]}"; do
     grep -q "^$code" help || fail "$tool --help does not say: $code"
   done
 
-  man=$HAPGRID_BUILD/man/$page.1
+  man=$HAPGRID_BUILD/man/man1/$page.1
   grep -q "^\.TH ${page^^} \"1\" " "$man" || fail "the title of $man: $(grep '^\.TH' "$man")"
   same "name in $man" "~$page "'\\- [a-z].*' "$(sed -n '/^\.SH NAME/{n;p}' "$man")"
   grep -q '^\.SH EXAMPLES' "$man" || fail "$man has no EXAMPLES"
   # SEE ALSO names pages that there are.
   sed -n '/^\.SH "SEE ALSO"/,/^\.SH/p' "$man" | grep -oE 'hapgrid[a-z-]*' >others || fail "$man has no SEE ALSO"
   while read -r other; do
-    [[ -e $HAPGRID_BUILD/man/$other.1 ]] || fail "$man: there is no page $other"
+    [[ -e $HAPGRID_BUILD/man/man1/$other.1 ]] || fail "$man: there is no page $other"
   done <others
 done

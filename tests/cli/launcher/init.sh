@@ -89,4 +89,4 @@ for language in "${languages[@]}"; do
   if [[ $language == python ]]; then made "$folder" "$installed"; else made "$folder" "$installed" "--lang=$language"; fi
   cmp <(stats --dump "$folder/$folder.grid") "my_${language/++/xx}.dump"
 done
-same 'the headers' "${installed%/bin/hapgrid}/include/hapgrid" "$("$installed" init --include)"
+same 'the headers' "${installed%/bin/hapgrid}/include" "$("$installed" init --include)"

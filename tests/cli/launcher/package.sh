@@ -51,6 +51,6 @@ else
   echo 'no python3-openbabel, python3-numpy or libxtb6: hapgrid molecule is left out'
 fi
 for page in init feel molecule; do
-  [[ -s $(find there -name "hapgrid-$page.1*") || $page == molecule && ! -e $HAPGRID_BUILD/man/hapgrid-molecule.1 ]] ||
+  [[ -s $(find there -name "hapgrid-$page.1*") || $page == molecule && ! -e $HAPGRID_BUILD/man/man1/hapgrid-molecule.1 ]] ||
     fail "no manual page of $page"
 done
