@@ -54,18 +54,18 @@ void announce_terminal(const std::string& input) {
 
 void add_model_path(CommandLine& app, std::vector<std::string>& directories) {
   app.add("--model-path", directories,
-          "Directory to look for plug-ins in, before those of HAPGRID_MODEL_PATH "
-          "(separated by ':') and ../models beside this program; repeatable")
+          "Directory in which a plug-in is looked for, before those of HAPGRID_MODEL_PATH "
+          "(separated by ':') and ../models beside this program. It can be given several times.")
       .type("DIR")
       .repeatable();
 }
 
 void add_inputs(CommandLine& app, std::vector<std::string>& names, const std::string& help) {
-  app.add("shard", names, help + " ('-' or none: standard input)").type("SHARD");
+  app.add("shard", names, help + " (default: standard input)").type("SHARD");
 }
 
 void add_grid(CommandLine& app, std::string& name) {
-  app.add("grid", name, "Grid to read ('-' or none: standard input)").type("GRID");
+  app.add("grid", name, "Grid to read (default: standard input).").type("GRID");
 }
 
 std::vector<std::string> inputs_or_stdin(std::vector<std::string> names) {
@@ -78,9 +78,8 @@ std::vector<std::string> inputs_or_stdin(std::vector<std::string> names) {
 
 void add_output(CommandLine& app, std::string& name) {
   app.add("-o,--output", name,
-          "File to write; it appears when it is complete ('-': standard output)")
-      .type("FILE")
-      .shows_default();
+          "File to write, which appears when it is complete (default: standard output).")
+      .type("FILE");
 }
 
 std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
@@ -99,13 +98,14 @@ std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
 
 void add_cost(CommandLine& app, std::string& file) {
   app.add("--cost", file,
-          "Append one JSON line to FILE: wall and CPU seconds (those of model processes when they "
-          "have ended), conversions, host")
+          "File to which a line of JSON is appended: wall and CPU seconds, conversions, and the "
+          "host. It includes model processes that have ended.")
       .type("FILE");
 }
 
 void add_progress(CommandLine& app, bool& progress) {
-  app.add_flag("--progress", progress, "Show progress on standard error even if it is no terminal");
+  app.add_flag("--progress", progress,
+               "Show progress on standard error even if it is no terminal.");
 }
 
 namespace {

@@ -4,7 +4,7 @@ source "$(dirname "$0")/../lib.sh"
 
 expect 0 '~hapgrid expand [0-9]+\.[0-9]+\.[0-9]+' '' -- expand --version
 expand --help >help
-for text in "standard input" "FILE=-" "-j,--threads N:INT in [1 - 1024]=1" "--part K/N|auto=1/1" --complete \
+for text in "standard input" "-o, --output FILE" "-j, --threads N" "--part K/N|auto" --complete \
   "--cost FILE" "seconds" --progress "--model-path DIR" "HAPGRID_MODEL_PATH" "Exit codes:" \
   "  0  done" "  1  could not" "  2  the command line is wrong"; do
   grep -qF -- "$text" help || fail "--help does not say: $text"
