@@ -3,10 +3,9 @@
 
 #include <cmath>
 #include <cstdio>
+#include <hapgrid/plugin.hpp>
 #include <stdexcept>
 #include <string>
-
-#include "libcore/model/plugin.hpp"
 
 namespace hapgrid {
 

@@ -67,7 +67,8 @@ for file in $(sources libcore); do
         ;;
       *)
         # Ours carry the full path.
-        [[ $include == *\"* && $path != *.capnp.h ]] && complain "$file: includes \"$path\" without its path"
+        # plugin.hpp is public, and lies in hapgrid/ beside plugin.h.
+        [[ $include == *\"* && $path != *.capnp.h && $file != libcore/model/plugin.hpp ]] && complain "$file: includes \"$path\" without its path"
         ;;
     esac
   done < <(grep -hE '^[[:space:]]*#[[:space:]]*include' "$file" || true)

@@ -13,9 +13,10 @@ case ${1-} in
     cat <<'EOF'
 Usage: hapgrid feel GRID [OPTION OF PLAY...]
 
-Plays GRID in a window. The mouse is the hand, the wheel moves it in depth, and the key h shows all
-keys. A mouse shows no force, so the picture does: where the model resists, the HIP lags behind the
-hand, and where it snaps, the HIP follows.
+Plays GRID in a window. The mouse is the hand, the wheel moves it in depth, and
+the key h shows all keys. A mouse cannot push back, so the picture shows the
+force: where the model resists, the HIP lags behind the hand, and where the
+model snaps, the HIP follows.
 EOF
     exit 0
     ;;

@@ -119,8 +119,8 @@ void check(const PlayOptions& options) {
     throw UsageError("--sessions: only --device sim:FILE has sessions to tell of");
   if (!options.log.empty() && !is_session_name(options.log) && is_live(*options.device))
     throw UsageError(
-        "--log: a text is kept in memory until the end, which a live device does not have: name it "
-        "FILE.session (stats --log FILE.session --export makes it a text)");
+        "--log: a text log cannot be used with a live device; give a name that ends in .session "
+        "(stats --log FILE.session --export FILE makes it a text)");
   if (options.frames == "-" && ::isatty(STDOUT_FILENO))
     throw Error("standard output is a terminal: redirect it, or name a file after --frames");
 }
@@ -367,17 +367,29 @@ int run(const PlayOptions& options) {
 int main(int argc, char** argv) {
   PlayOptions options;
   CommandLine app(
-      "Drives a device through a complete grid: reads the HIP, follows the levels of the grid's\n"
+      "Drives a device through a complete grid: reads the HIP, follows the levels of the grid's "
       "cells, interpolates energy or state, and sends the force through the safety core to the "
       "device.");
-  app.set_help(
-      "play",
-      "Settings for --set and for the table [play]; inf switches a limit off:\n" + settings_help() +
-          "\n"
-          "Keyboard: arrows move the HIP along x and z, page up and down along y; + and - change\n"
-          "the step, 0 goes back to the start, r lets the force come back after a fault, q ends.\n",
-      "  129, 130, 131, 143, 148  ended by SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP: zero force\n"
-      "     was sent, and the log so far is complete\n");
+  app.set_help("play",
+               "Devices:\n"
+               "  path:FILE         positions in a file; 'path:-' reads standard input\n"
+               "  keys              this terminal's keyboard\n"
+               "  replay:FILE       what a log has\n"
+               "  sim:FILE          a simulated device and hand, described by a TOML file\n"
+               "  profile:FILE      a HID device that a text file describes\n"
+               "  process:COMMAND   an adapter program, for a device with its maker's library\n"
+               "  evdev[:WHICH]     a gamepad, stick or wheel\n"
+               "  spacemouse[:WHICH]  a SpaceMouse, which moves the HIP but cannot show forces\n"
+               "WHICH is a path, VID:PID, VID:PID:SERIAL or serial number of --list-devices.\n"
+               "\n"
+               "Settings for --set and for the table [play] of --config:\n" +
+                   settings_help() +
+                   "\n"
+                   "Keyboard: the arrows move the HIP along x and z, page up and down along y.\n"
+                   "+ and - change the step, 0 goes back to the start, r lets the force come back\n"
+                   "after a fault, and q ends the play.\n",
+               "  129, 130, 131, 143, 148  ended by SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP:\n"
+               "     zero force was sent, and the log so far is complete\n");
   add_play_options(app, options);
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

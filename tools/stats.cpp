@@ -14,6 +14,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/input_stream.hpp"
+#include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/shard/load.hpp"
@@ -113,12 +114,10 @@ std::optional<Json> value_from_footer(const std::string& key, const std::string&
   return key == "conversions_left" ? grid.conversions() : grid.records();
 }
 
-/// A value as a line for scripts: texts without quotes, everything else as JSON. "replace" is for
-/// strings of shards, which need not be UTF-8.
+/// A value as a line for scripts: texts without quotes, everything else as JSON.
 std::string value_line(const Json& value) {
-  return (value.is_string()
-              ? printable_line(value.get<std::string>(), std::string::npos)
-              : value.dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace)) +
+  return (value.is_string() ? printable_line(value.get<std::string>(), std::string::npos)
+                            : json_line(value)) +
          "\n";
 }
 
@@ -252,7 +251,8 @@ void check_options(const Options& options) {
     throw UsageError("--from, --to, --export and --salvage need --log");
   if (!options.get.empty()) require_known_key(options.get);
   if (reads_log && options.grid != "-" && options.plot.empty())
-    throw UsageError("--log tells of a play and reads no shard, except for the units of --plot");
+    throw UsageError(
+        "--log reads a recorded play, so no grid can be given, except with --plot for its units");
 }
 
 /// The report on the whole grid, or one value of it.
@@ -268,9 +268,7 @@ std::string report(const Options& options, const Section& grid) {
   if (options.get.empty() && options.format == "text")
     return printable_text(statistics_text(spec, statistics, costs));
   const Json json = statistics_json(spec, statistics, costs);
-  // "replace": a shard's strings need not be UTF-8.
-  if (options.get.empty())
-    return json.dump(2, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n";
+  if (options.get.empty()) return json_text(json);
   const Json* value = find(json, options.get);
   if (!value) throw Error("--get: this grid has no value " + options.get);
   return value_line(*value);
@@ -323,33 +321,37 @@ int run(const Options& options) {
 void add_grid_options(CommandLine& app, Options& options) {
   app.group("A grid");
   app.add("--cost", options.costs,
-          "Cost file of expand and merge, to be summed with the others; repeatable")
+          "File that expand --cost or merge --cost wrote. It can be given several times: costs are "
+          "added.")
       .type("FILE")
       .repeatable();
-  app.add("--get", options.get, "Print one value of the JSON report, as in --get box.spacing")
+  app.add("--get", options.get,
+          "Key of the JSON report whose value alone is printed, as in --get box.spacing.")
       .type("KEY");
   app.add_flag("--dump", options.dump,
-               "A line a record: i j k level state..., and the levels of 26 links");
+               "Print a line for each record: i j k level state..., and the levels of 26 links.");
   app.add("--vti", options.vti,
-          "Write an image for ParaView and VTK: levels, and what each point has at --level or on\n"
-          "--branch")
+          "Image to write for ParaView and VTK: the number of levels, and state, force and energy "
+          "at --level or on --branch.")
       .type("FILE");
-  app.add("--level", options.level, "For --vti: whose state, force and energy are written")
-      .whole(0, kMaxLevels - 1, /*shown=*/false)
+  app.add("--level", options.level, "Level whose state, force and energy --vti writes.")
+      .type("N")
+      .whole(0, kMaxLevels - 1)
       .shows_default();
   app.add("--branch", options.branch,
-          "For --vti, in place of --level: on which branch, from 0; a line says how many there are")
+          "Branch, counted from 0, whose records --vti writes in place of --level.")
       .type("N")
-      .whole(0, Branches::kNone - 1, /*shown=*/false);
+      .whole(0, Branches::kNone - 1);
   app.add("--slice", options.slice,
-          "Draw the numbers of levels in the plane nearest to, say, z=0 (--png)")
+          "Plane of points in which --png draws the numbers of levels, as in z=0.")
       .type("AXIS=VALUE")
       .check([](const std::string& text) { return parse_plane(text).has_value(); }, "like z=0.25");
 }
 
 void add_log_options(CommandLine& app, Options& options) {
   app.group("A log of play, instead of a grid");
-  app.add("--log", options.log, "What play --log wrote ('-': standard input)").type("FILE");
+  app.add("--log", options.log, "Session or text that play --log wrote ('-': standard input).")
+      .type("FILE");
   constexpr double kMost = std::numeric_limits<double>::max();
   app.add("--from", options.session.from, "Only a session's ticks from this time on")
       .type("SECONDS")
@@ -357,15 +359,17 @@ void add_log_options(CommandLine& app, Options& options) {
   app.add("--to", options.session.to, "Only a session's ticks before this time")
       .type("SECONDS")
       .within(-kMost, kMost, "a number of seconds");
-  app.add("--export", options.session.export_file, "Write a session's ticks as text").type("FILE");
+  app.add("--export", options.session.export_file,
+          "Text to write, with a line for each tick of a session.")
+      .type("FILE");
   app.add_flag("--salvage", options.session.salvage,
-               "Read as much as possible of a session that was cut off or is damaged");
+               "Read as much as possible of a session that was cut off or is damaged.");
   const auto is_pair = [](const std::string& text) { return parse_pair(text).has_value(); };
-  app.add("--plot", options.plot, "Draw column Y of a text log over column X (--png)")
+  app.add("--plot", options.plot, "Columns of a text log that --png draws, Y over X.")
       .type("X,Y")
       .check(is_pair, "two texts with a comma between");
   app.add("--labels", options.labels,
-          "Labels of the plot's axes (default: the columns with units, of GRID if it is named)")
+          "Labels of the plot's axes (default: names of the columns, with the units of GRID).")
       .type("X,Y")
       .check(is_pair, "two texts with a comma between");
 }
@@ -374,22 +378,21 @@ void add_log_options(CommandLine& app, Options& options) {
 
 int main(int argc, char** argv) {
   CommandLine app(
-      "Tells what is in a grid, complete or not: the row of the paper's Table 2 and more. With\n"
+      "Tells what is in a grid, complete or not: the row of the paper's Table 2 and more. With "
       "--log it tells what happened in a play.");
   Options options;
   add_grid(app, options.grid);
   add_grid_options(app, options);
   add_log_options(app, options);
   app.group("Output");
-  app.add("--format", options.format, "How the report is written")
+  app.add("--format", options.format, "Format of the report.")
       .one_of({"text", "json"})
       .shows_default();
-  app.add("--png", options.png, "Where the picture goes; the program gnuplot draws it")
-      .type("FILE");
+  app.add("--png", options.png, "Picture to write, which the program gnuplot draws.").type("FILE");
   app.add("--npz", options.npz,
-          "Write arrays for numpy: of a grid, or of a session's ticks ('-': standard output)")
+          "Arrays to write for numpy: of a grid, or of a session's ticks ('-': standard output).")
       .type("FILE");
   add_output(app, options.output);
-  app.set_help("stats", "hapgrid-stats(1) says what the numbers mean.\n");
+  app.set_help("stats", "hapgrid-stats(1) explains the numbers.\n");
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

@@ -112,7 +112,7 @@ void add_checks(CommandLine& app, Options& options) {
   app.add("--walks", asked.walks,
           "Random walks of the hand, about 600 conversions each (default: none)")
       .type("N")
-      .whole(1, kMostWalks, /*shown=*/false);
+      .whole(1, kMostWalks);
   app.add("--accuracy", asked.accuracy,
           "Fault: 1 % of the walked places are off by more; sets --walks " +
               std::to_string(kDefaultWalks))
@@ -179,7 +179,7 @@ int main(int argc, char** argv) {
   app.group("Options");
   app.add("-j,--threads", options.asked.threads, "Threads; the report is the same")
       .type("N")
-      .whole(1, 1024, /*shown=*/false)
+      .whole(1, 1024)
       .shows_default();
   app.add("--format", options.format, "How the report is written")
       .one_of({"text", "json", "junit"})

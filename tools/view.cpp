@@ -12,6 +12,8 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/json_text.hpp"
+#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/scene/pdb.hpp"
 #include "libcore/scene/render.hpp"
@@ -43,7 +45,6 @@ struct Options {
   double azimuth_degrees = Camera{}.azimuth_degrees;
   double elevation_degrees = Camera{}.elevation_degrees;
   double hip_radius = 0;
-  double arrow = 0;
   std::string style = "spheres";
   bool window = false;
   bool close = false;
@@ -93,9 +94,8 @@ std::string with_unit(const std::string& text, const std::string& unit) {
 
 std::string report_text(const Scene& scene, const SceneSummary& s) {
   std::string text;
-  const auto row = [&](std::string name, const std::string& value) {
-    name.resize(9, ' ');
-    text += name + value + "\n";
+  const auto row = [&](const std::string& name, const std::string& value) {
+    text += left(name, 9) + value + "\n";
   };
   row("model", printable_line(scene.model));
   row("frames",
@@ -137,8 +137,7 @@ std::string report_json(const Scene& scene, const SceneSummary& s) {
   json["largest_force"] = s.largest_force;
   json["largest_force_s"] = s.largest_force > 0 ? Json(s.largest_force_s) : Json();
   json["energy"] = s.energy ? Json({s.energy->low, s.energy->high}) : Json();
-  // "replace": a stream's strings need not be UTF-8.
-  return json.dump(2, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 /// The files of --xyz and --pdb, which grow frame by frame.
@@ -182,7 +181,6 @@ RenderOptions render_options(const Options& options) {
   RenderOptions how;
   std::tie(how.width, how.height) = *parse_size(options.size);
   how.hip_radius = options.hip_radius;
-  how.arrow = options.arrow;
   how.style = options.style == "sticks" ? Style::kSticks : Style::kSpheres;
   return how;
 }
@@ -256,42 +254,53 @@ int run(const Options& options) {
 
 void add_file_options(CommandLine& app, Options& options) {
   app.group("Files, instead of the report");
-  app.add("--format", options.format, "How the report is written")
+  app.add("--format", options.format, "Format of the report.")
       .one_of({"text", "json"})
       .shows_default();
-  app.add("--xyz", options.xyz, "The spheres of all frames as a trajectory in the XYZ format")
+  app.add("--xyz", options.xyz,
+          "Trajectory to write in the XYZ format, with the spheres of all frames.")
       .type("FILE");
-  app.add("--pdb", options.pdb, "The same in the PDB format, a MODEL a frame").type("FILE");
-  app.add("--hip-label", options.hip_label, "The HIP as an atom of --xyz or --pdb with this symbol")
+  app.add("--pdb", options.pdb,
+          "Trajectory to write in the PDB format, with a MODEL for each frame.")
+      .type("FILE");
+  app.add("--hip-label", options.hip_label,
+          "Symbol of an atom that shows the HIP in --xyz and --pdb (default: no atom).")
       .type("SYMBOL")
       .check(is_symbol, "a letter, then letters or digits");
-  const Option png = app.add("--png", options.png, "One frame as a picture").type("FILE");
-  app.add("--at", options.at_s, "The frame nearest to this time (default: the last one)")
+  const Option png = app.add("--png", options.png, "Picture to write of one frame.").type("FILE");
+  app.add("--at", options.at_s, "Time of the frame of --png (default: the last frame).")
       .type("SECONDS")
       .within(0, 1e12, "a time from 0 to 1e12 s")
       .needs(png);
-  app.add("--html", options.html, "All frames as one web page, to turn, to play and to send")
+  app.add("--html", options.html,
+          "Web page to write in one file, which plays all frames in a browser.")
       .type("FILE");
 }
 
 void add_live_options(CommandLine& app, Options& options) {
   app.group("Live");
   Option window = app.add_flag("--window", options.window,
-                               "A window; frames from a file are shown in their own time");
-  app.add_flag("--close", options.close, "Close the window after the last frame").needs(window);
+                               "Show a window; a recorded file plays at the speed at which it was "
+                               "recorded.");
+  app.add_flag("--close", options.close, "Close the window after the last frame.")
+      .needs(window)
+      .hidden();  // for feel
   app.add("--screenshot", options.screenshot,
-          "What the window showed last, as a picture, when it is closed")
+          "Picture to write of what the window showed last, when it is closed.")
       .type("FILE")
-      .needs(window);
+      .needs(window)
+      .hidden();  // for tests
   app.add("--hand", options.hand,
-          "The mouse in the window is the hand, which play --device path:PIPE\n"
-          "reads in this named pipe")
+          "Named pipe into which the mouse in the window writes the hand's positions, for play "
+          "--device path:PIPE.")
       .type("PIPE")
       .needs(window);
   // A flag, so that a file's name behind it is not taken for its value.
-  Option terminal = app.add_flag("--terminal{auto}", options.terminal,
-                                 "The terminal; --terminal=MODE is symbols, sixel, kitty or auto")
-                        .one_of({"auto", "symbols", "sixel", "kitty"});
+  Option terminal =
+      app.add_flag("--terminal{auto}", options.terminal,
+                   "Show the frames in the terminal. Default: auto, the best that the "
+                   "terminal can do.")
+          .one_of({"auto", "symbols", "sixel", "kitty"});
   window.excludes(terminal);
   for (const char* const file : {"--xyz", "--pdb", "--png", "--html"}) {
     window.excludes(app.option(file));
@@ -301,27 +310,26 @@ void add_live_options(CommandLine& app, Options& options) {
 
 void add_picture_options(CommandLine& app, Options& options) {
   app.group("The picture");
-  app.add("--style", options.style, "Whole spheres, or balls and sticks")
+  app.add("--style", options.style, "Whole spheres, or balls and sticks.")
       .one_of({"spheres", "sticks"})
       .shows_default();
-  app.add("--size", options.size, "Pixels of the picture or of the window")
+  app.add("--size", options.size, "Width and height of the picture or of the window in pixels.")
       .type("WxH")
       .check([](const std::string& text) { return parse_size(text).has_value(); },
              "like 800x600, at most " + std::to_string(kMaxPixels) + " each")
       .shows_default();
   app.add("--azimuth", options.azimuth_degrees,
-          "The viewer's direction around z; at 0, x points right, y away")
+          "Direction of the viewer around z; at 0, x points to the right and y away.")
       .type("DEGREES")
       .within(-360, 360, "an angle from -360 to 360 degrees")
       .shows_default();
-  app.add("--elevation", options.elevation_degrees, "The viewer's angle above the plane of x and y")
+  app.add("--elevation", options.elevation_degrees,
+          "Angle of the viewer above the plane of x and y.")
       .type("DEGREES")
       .within(-90, 90, "an angle from -90 to 90 degrees")
       .shows_default();
-  app.add("--hip-radius", options.hip_radius, "Radius of the ball at the HIP")
-      .type("LENGTH")
-      .within(1e-12, 1e12, "a length from 1e-12 to 1e12");
-  app.add("--arrow", options.arrow, "Length of the arrow for a force of one newton")
+  app.add("--hip-radius", options.hip_radius,
+          "Radius of the ball at the HIP (default: that of the frames).")
       .type("LENGTH")
       .within(1e-12, 1e12, "a length from 1e-12 to 1e12");
 }
@@ -332,7 +340,7 @@ void check_picture(const CommandLine& app) {
   if (app.given("--hip-label") && !app.given("--xyz") && !app.given("--pdb"))
     throw UsageError("--hip-label requires --xyz or --pdb");
   if (app.given("--size") && !picture) throw UsageError("--size requires --png or --window");
-  for (const char* const name : {"--style", "--azimuth", "--elevation", "--hip-radius", "--arrow"})
+  for (const char* const name : {"--style", "--azimuth", "--elevation", "--hip-radius"})
     if (app.given(name) && !picture && !app.given("--terminal") && !app.given("--html"))
       throw UsageError(std::string(name) + " requires --png, --html, --window or --terminal");
 }
@@ -341,24 +349,23 @@ void check_picture(const CommandLine& app) {
 
 int main(int argc, char** argv) {
   CommandLine app(
-      "Shows the frames that play --frames wrote: as a report, a trajectory, a picture; or live, "
-      "in\n"
-      "a window or a terminal, from play --frames - through a pipe.");
+      "Shows the frames that play --frames wrote: as a report, a trajectory, a picture or a web "
+      "page; or live, in a window or a terminal, from play --frames - through a pipe.");
   Options options;
-  app.add("frames", options.frames, "Frames ('-': standard input)").type("FRAMES").shows_default();
+  app.add("frames", options.frames, "Frames to show (default: standard input).").type("FRAMES");
   add_file_options(app, options);
   add_live_options(app, options);
   add_picture_options(app, options);
-  app.set_help(
-      "view",
-      "In a file's name '-' is standard output. Lengths are in the model's unit.\n"
-      "\n"
-      "In the window:\n"
-      "  mouse    drag: turn; right drag: move; wheel: zoom\n"
-      "  keys     h, ?: help; space: pause; b: balls and sticks, spheres; r: the first view;\n"
-      "           s: write hapgrid-TICK.png into the working directory; q, Escape: close\n"
-      "With --hand the mouse moves the HIP in the plane of the picture, and the wheel in\n"
-      "depth; key t: the mouse turns the view instead, and back.\n");
+  app.set_help("view",
+               "A file named '-' is standard output. Lengths are in the model's unit.\n"
+               "\n"
+               "In the window:\n"
+               "  mouse    drag: turn; right drag: move; wheel: zoom\n"
+               "  keys     h, ?: help; space: pause; b: balls and sticks, or spheres;\n"
+               "           r: the first view; s: write hapgrid-TICK.png into the working\n"
+               "           directory; q, Escape: close\n"
+               "With --hand the mouse moves the HIP in the plane of the picture, and the wheel\n"
+               "moves it in depth. The key t lets the mouse turn the view instead, and back.\n");
   return run_tool(app, argc, argv, [&] {
     check_picture(app);
     return run(options);

@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "libcore/device/process_protocol.h"
+#include <hapgrid/device.h>
 
 /* Says on standard error why the adapter ends. Returns its exit code. */
 static inline int complain(const char* adapter, const char* what, const char* why) {

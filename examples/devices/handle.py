@@ -9,7 +9,7 @@ import select
 import struct
 import time
 
-GREETING = struct.Struct("<8s2I8d48s")  # the layouts of libcore/device/process_protocol.h
+GREETING = struct.Struct("<8s2I8d48s")  # the layouts of <hapgrid/device.h>
 STATE, FORCE = struct.Struct("<7d2I"), struct.Struct("<3d2I")
 REACH, SILENCE = 0.05, 0.1  # m, s
 place, speed, now = [0.0] * 3, [0.0] * 3, time.monotonic()  # HERE

@@ -25,11 +25,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <hapgrid/plugin.hpp>
 #include <stdexcept>
 #include <vector>
 
 #include "examples/parameters.hpp"
-#include "libcore/model/plugin.hpp"
 
 namespace {
 

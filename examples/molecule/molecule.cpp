@@ -1,6 +1,7 @@
 // A flexible molecule that a probe ball pushes and twists (Sect. 3 of the paper): the plug-in.
 #include <cstdio>
 #include <cstring>
+#include <hapgrid/plugin.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,7 +9,6 @@
 #include "examples/molecule/conversion.hpp"
 #include "examples/molecule/sanity.hpp"
 #include "examples/molecule/setup.hpp"
-#include "libcore/model/plugin.hpp"
 
 namespace {
 

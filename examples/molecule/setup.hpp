@@ -1,9 +1,10 @@
 // The model's parameters, as a MODEL.toml gives them.
 #pragma once
 
+#include <hapgrid/plugin.hpp>
+
 #include "examples/molecule/energy.hpp"
 #include "examples/molecule/input.hpp"
-#include "libcore/model/plugin.hpp"
 
 namespace hapgrid::molecule {
 

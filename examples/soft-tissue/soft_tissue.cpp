@@ -5,6 +5,7 @@
 // large a surface, so force, energy and shape are stored with each state.
 #include <cmath>
 #include <cstdio>
+#include <hapgrid/plugin.hpp>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -12,7 +13,6 @@
 
 #include "examples/parameters.hpp"
 #include "examples/soft-tissue/block.hpp"
-#include "libcore/model/plugin.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 /* A model in plain C11, which `hapgrid init --lang c` copies as the start of your own. It includes
- * libcore/model/plugin.h, which explains each function of the table. It links the mathematical
+ * <hapgrid/plugin.h>, which explains each function of the table. It links the mathematical
  * library and nothing of hapgrid.
  *
  * A bead slides on a rail along x and rests in one of two wells. The HIP pulls it by a spring that
@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "libcore/model/plugin.h"
+#include <hapgrid/plugin.h>
 
 enum { kBeads = 3 }; /* the spheres that show a state: the bead, and the two wells */
 

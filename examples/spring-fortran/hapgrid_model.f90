@@ -1,4 +1,4 @@
-! hapgrid's model interface (libcore/model/plugin.h, interface version 3) in Fortran 2008: the
+! hapgrid's model interface (<hapgrid/plugin.h>, interface version 3) in Fortran 2008: the
 ! structs of the header as interoperable types, and procedures that every model in Fortran needs.
 ! Copy this file beside your model; spring.f90 shows how it is used. The header explains what each
 ! function must do.

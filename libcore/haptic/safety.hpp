@@ -42,17 +42,30 @@
 
 namespace hapgrid {
 
-/// The limit of each stage; the defaults suit a small desktop device of about 3 N.
+/// The limit of each stage, for a small desktop device of about 3 N. The user of play can change
+/// gain, max_force, ramp_ms, reserve, encoder and delay_ticks, which differ between devices and models. The
+/// others are the same for all, and only tests change them.
 struct SafetyLimits {
   double gain = 1;          ///< newtons felt for a newton of the model
   double max_force = 3;     ///< newtons, of the magnitude
-  double slew = 1;          ///< newtons a millisecond, of the vector's change; inf: none
+  /// Newtons a millisecond, of the vector's change; inf: none. The full force may still come within
+  /// 3 ms, which feels like a wall; a larger step is a blow that makes a device ring.
+  double slew = 1;
   double ramp_ms = 500;     ///< from zero to the full force, at the start and after a fault
-  double max_speed = 2;     ///< of the hand, m/s; a faster hand gets zero force; inf: none
-  double buzz_force = 0.5;  ///< newtons: a swing of the force this large counts as one; inf: none
-  double buzz_rate = 30;    ///< swings a second; with more the force is damped, see kBuzzStop
-  double fade_cells = 1;    ///< outside the box the force fades to zero over so many cells; 0: none
-  double watchdog_ticks = 10;  ///< this many missed ticks give zero, then a ramp; inf: none
+  /// Of the hand, m/s; a faster hand gets zero force; inf: none. A hand that feels its way moves at
+  /// a tenth of that: a faster handle was let go of, or is thrown by the force.
+  double max_speed = 2;
+  /// Newtons: a swing of the force this large counts as one; inf: none. Smaller ones do not hurt.
+  double buzz_force = 0.5;
+  /// Swings a second; with more the force is damped, see kBuzzStop. No hand turns back that often
+  /// on purpose: the loop of device and model does it.
+  double buzz_rate = 30;
+  /// Outside the box the force fades to zero over so many cells; 0: none. Nothing is known there,
+  /// and a force that ended at the border would be a step.
+  double fade_cells = 1;
+  /// This many missed ticks give zero, then a ramp; inf: none. At 1 kHz 10 ms: a busy machine is
+  /// seldom late by that, and a hand goes 2 cm in them at most.
+  double watchdog_ticks = 10;
   double reserve = 1;          ///< mJ that letting go may cost beyond what is stored; inf: no limit
   double acceleration = 40;    ///< of the hand at most, m/s^2
   double encoder = 5.5e-5;     ///< the device's positions come in such steps, m

@@ -28,7 +28,7 @@
 #include <string>
 #include <vector>
 
-#include "libcore/model/plugin.h"
+#include "plugin.h"  // the two lie side by side, here and in <hapgrid/>
 
 namespace hapgrid {
 

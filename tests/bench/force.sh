@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The forces that play can send, on grids of several sizes: their error against the number of conversions,
-# what a tick costs, and the energy that comes back in a closed loop, without the safety core and with it.
+# what a tick costs, and the energy that comes back in a closed loop, without the energy tank and with it.
 #
 #   tests/bench/force.sh [BUILD] [TICKS] [SESSIONS] [POINTS] [MODELS]
 #           (default: build 200000 1000 '20 30 60' 'hung-ball alanine-dipeptide butane leu-enkephalin')
@@ -13,9 +13,7 @@ models=${5:-hung-ball alanine-dipeptide butane leu-enkephalin}
 source "$(dirname "$0")/lib.sh"
 molecules=$HAPGRID_SOURCE/examples/molecule
 printf '[random]\nsessions = %d\n' "$sessions" >sim.toml
-open=(--max-force 100)
-for limit in slew max_speed buzz_force reserve; do open+=(--set "safety.$limit=inf"); done
-for stage in ramp fade; do open+=(--set "safety.$stage=0"); done
+open=(--max-force 100 --set safety.reserve=inf --set safety.ramp=0)
 
 returned() { # GRID FORCE OPTIONS...
   play "$1" --device sim:sim.toml --force "$2" "${@:3}" --report report 2>/dev/null
@@ -80,7 +78,7 @@ unset title
 set key left
 set xlabel 'time / s'
 set ylabel 'returned beyond what was stored / N rope lengths'
-plot 'paper.loop' with lines lw 1.5 lc rgb '#d95f02' title 'paper, no safety core', \
-  'energy.loop' with lines lw 1.5 lc rgb '#7570b3' title 'branch and energy, no safety core', \
-  'core.loop' with lines lw 1.5 lc rgb '#1b9e77' title 'the same with the safety core'
+plot 'paper.loop' with lines lw 1.5 lc rgb '#d95f02' title 'paper, no tank', \
+  'energy.loop' with lines lw 1.5 lc rgb '#7570b3' title 'branch and energy, no tank', \
+  'core.loop' with lines lw 1.5 lc rgb '#1b9e77' title 'the same with the tank'
 END

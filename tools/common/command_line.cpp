@@ -3,57 +3,94 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 #include <utility>
+
+#include "libcore/base/table.hpp"
+#include "tools/common/spelling.hpp"
 
 namespace hapgrid {
 
 namespace {
 
-constexpr std::size_t kColumns = 100;
-constexpr std::size_t kNameColumns = 32;
+constexpr std::size_t kColumns = 80;
+constexpr std::size_t kNameColumns = 24;
 
-/// The columns that UTF-8 takes; none of our texts has wide characters.
-std::size_t columns(const std::string& text) {
-  std::size_t n = 0;
-  for (const char c : text) n += (static_cast<unsigned char>(c) & 0xc0) != 0x80;
-  return n;
-}
-
-/// Where a line's text goes on: below what follows its last run of blanks, which in the list of
-/// options is the description.
-std::size_t hanging_indent(const std::string& line) {
-  const std::size_t blanks = line.rfind("  ");
-  return blanks == std::string::npos ? 0 : blanks + 2;
-}
-
-std::string wrapped(std::string line) {
-  const std::size_t indent = hanging_indent(line);
-  std::string text;
-  while (columns(line) > kColumns) {
-    std::size_t cut = line.rfind(' ', kColumns);
-    if (cut == std::string::npos || cut <= indent) cut = line.find(' ', indent);
-    if (cut == std::string::npos) break;
-    text += line.substr(0, cut) + "\n";
-    line = std::string(indent, ' ') + line.substr(cut + 1);
-  }
-  return text + line;
-}
-
-class HelpFormatter : public CLI::Formatter {
- public:
-  HelpFormatter() { column_width(kNameColumns); }
-
-  std::string make_help(const CLI::App* app, std::string name,
-                        CLI::AppFormatMode mode) const override {
-    std::istringstream lines(Formatter::make_help(app, name, mode));
-    std::string help;
-    bool blank = false;
-    for (std::string line; std::getline(lines, line);) {
-      if (!blank || !line.empty()) help += wrapped(line) + "\n";
-      blank = line.empty();
+/// `text` in lines of at most kColumns, which begin with `indent` blanks, but for the first line.
+std::string filled(const std::string& text, std::size_t indent) {
+  std::istringstream words(text);
+  std::string lines, line;
+  for (std::string word; words >> word;) {
+    if (!line.empty() && indent + text_width(line) + 1 + text_width(word) > kColumns) {
+      lines += line + "\n" + std::string(indent, ' ');
+      line.clear();
     }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return lines + line;
+}
+
+/// A line of a footer, such as "  NAME  TEXT", whose text goes on below itself.
+std::string wrapped(const std::string& line) {
+  if (text_width(line) <= kColumns) return line;
+  const std::size_t blanks = line.rfind("  ");
+  const std::size_t indent = blanks == std::string::npos ? 0 : blanks + 2;
+  const std::string begin = line.substr(0, indent);
+  return begin + filled(line.substr(indent), text_width(begin));
+}
+
+/// "-o, --output FILE", "--terminal[=MODE]", or "GRID" for a positional.
+std::string option_name(const CLI::Option& option) {
+  const std::string value = option.get_type_name();
+  if (option.get_positional()) return value;
+  std::string name;
+  for (const std::string& letter : option.get_snames()) name += "-" + letter + ", ";
+  name += "--" + option.get_lnames().at(0);
+  if (value.empty()) return name;
+  return option.get_items_expected_min() == 0 ? name + "[=" + value + "]" : name + " " + value;
+}
+
+std::string option_text(const CLI::Option& option) {
+  std::string text = option.get_description();
+  if (text.back() != '.' && text.back() != '?') text += '.';
+  const std::string value = option.get_default_str();
+  return value.empty() ? text : text + " Default: " + value + ".";
+}
+
+std::string option_entry(const CLI::Option& option) {
+  std::string name = "  " + option_name(option);
+  const std::size_t width = text_width(name);
+  if (width + 2 > kNameColumns)
+    name += "\n" + std::string(kNameColumns, ' ');
+  else
+    name.append(kNameColumns - width, ' ');
+  return name + filled(option_text(option), kNameColumns) + "\n";
+}
+
+/// What the program does, how it is called, and a sentence for each option, in at most 80 columns.
+class HelpFormatter : public CLI::FormatterBase {
+ public:
+  std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const override {
+    std::string usage = "hapgrid " + app->get_name() + " [OPTION...]";
+    std::string positionals;
+    for (const CLI::Option* option : app->get_options()) {
+      if (!option->get_positional()) continue;
+      const std::string name =
+          option->get_type_name() + (option->get_items_expected_max() > 1 ? "..." : "");
+      usage += option->get_required() ? " " + name : " [" + name + "]";
+      positionals += option_entry(*option);
+    }
+    std::string help = filled(app->get_description(), 0) + "\n\nUsage: " + usage + "\n";
+    if (!positionals.empty()) help += "\nArguments:\n" + positionals;
+    for (const std::string& group : app->get_groups()) {
+      std::string entries;
+      for (const CLI::Option* option : app->get_options())
+        if (option->nonpositional() && option->get_group() == group)
+          entries += option_entry(*option);
+      if (!group.empty() && !entries.empty()) help += "\n" + group + ":\n" + entries;
+    }
+    std::istringstream footer("\n" + app->get_footer());
+    for (std::string line; std::getline(footer, line);) help += wrapped(line) + "\n";
     return help;
   }
 };
@@ -70,35 +107,17 @@ CLI::Option* add_value(CLI::App& app, const std::string& names, Value& value,
       help, false, [&value] { return CLI::detail::to_string(value); });
 }
 
-/// How many letters have to be put in, left out or replaced to make the one of the other.
-std::size_t edits(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t before = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = before + (a[i - 1] != b[j - 1]);
-      before = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replaced}));
-    }
-  }
-  return row.back();
-}
-
 /// The option that is nearest to one that there is not, in words; empty when none is near.
 std::string suggestion(const CLI::App& app) {
-  std::string nearest;
-  std::size_t least = 3;  // letters
+  std::vector<std::string> known;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
   for (const std::string& given : app.remaining()) {
     const std::string name = given.substr(0, given.find('='));
     if (name.rfind("--", 0) != 0) continue;
-    for (const CLI::Option* option : app.get_options())
-      for (const std::string& known : option->get_lnames())
-        if (const std::size_t far = edits(name, "--" + known); far < least) {
-          least = far;
-          nearest = "--" + known;
-        }
+    if (const auto near = nearest(name, known)) return "; did you mean " + known[*near] + "?";
   }
-  return nearest.empty() ? "" : "; did you mean " + nearest + "?";
+  return "";
 }
 
 }  // namespace
@@ -149,18 +168,24 @@ Option& Option::check(std::function<bool(const std::string&)> good,
 }
 
 Option& Option::one_of(const std::vector<std::string>& texts) {
-  option_->check(CLI::IsMember(texts));
+  std::string choice;
+  for (const std::string& text : texts) choice += (choice.empty() ? "" : "|") + text;
+  option_->check(CLI::IsMember(texts).description(""))->type_name(choice);
   return *this;
 }
 
 Option& Option::positive() {
-  option_->check(CLI::PositiveNumber);
+  option_->check(CLI::Validator(CLI::PositiveNumber).description(""));
   return *this;
 }
 
-Option& Option::whole(std::int64_t low, std::int64_t high, bool shown) {
-  CLI::Validator range = CLI::Range(low, high);
-  option_->check(shown ? range : range.description(""));
+Option& Option::whole(std::int64_t low, std::int64_t high) {
+  option_->check(CLI::Range(low, high).description(""));
+  return *this;
+}
+
+Option& Option::hidden() {
+  option_->group("");
   return *this;
 }
 
@@ -241,8 +266,9 @@ bool CommandLine::given(const std::string& name) const { return app_->count(name
 void CommandLine::set_help(const std::string& name, const std::string& details,
                            const std::string& more_exits) {
   app_->name(name);
+  app_->set_help_flag("-h,--help", "Print this help and exit.")->group("Options");
   app_->set_version_flag("-V,--version", "hapgrid " + name + " " HAPGRID_VERSION,
-                         "Print the version and exit")
+                         "Print the version and exit.")
       ->group("Options");
   app_->formatter(std::make_shared<HelpFormatter>());
   app_->footer(details + (details.empty() ? "" : "\n") +

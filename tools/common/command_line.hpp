@@ -26,10 +26,10 @@ struct UsageError : std::runtime_error {
 /// An option that was added to a CommandLine; copies are the same option.
 class Option {
  public:
-  /// What --help calls the value.
+  /// What --help calls the value, in capitals.
   Option& type(const std::string& name);
   Option& required();
-  /// --help shows the value that the variable has now.
+  /// --help gives the value that the variable has now as the default.
   Option& shows_default();
   /// Takes one value each time that it is given.
   Option& repeatable();
@@ -39,10 +39,13 @@ class Option {
   Option& excludes(const Option& other);
   /// A text that is not `good` is refused with the message "'TEXT' is not DESCRIPTION".
   Option& check(std::function<bool(const std::string&)> good, const std::string& description);
+  /// One of these texts, which --help shows in place of a type.
   Option& one_of(const std::vector<std::string>& texts);
   Option& positive();
-  /// A whole number in [low, high]; --help shows the range where `shown`.
-  Option& whole(std::int64_t low, std::int64_t high, bool shown = true);
+  /// A whole number in [low, high].
+  Option& whole(std::int64_t low, std::int64_t high);
+  /// Left out of --help: for programs of hapgrid, not for people.
+  Option& hidden();
   /// A number in [low, high], not NaN; `description` says so: "a rate from ...".
   Option& within(double low, double high, const std::string& description);
 
@@ -52,7 +55,8 @@ class Option {
   CLI::Option* option_;
 };
 
-/// `names` are "-o,--output", or without a dash those of a positional. Variables keep their values
+/// `names` are "-o,--output", or without a dash those of a positional. A `help` is a sentence or two
+/// with a subject, a unit and a default. Variables keep their values
 /// where the option is not given, and must outlive parse(), as functions must, which are called for
 /// each value.
 class CommandLine {
@@ -80,9 +84,9 @@ class CommandLine {
   /// Whether the parsed command line has it.
   bool given(const std::string& name) const;
 
-  /// Names the program, and gives it --version and a --help of at most 100 columns that ends with
-  /// `details` and the table of exit codes; `more_exits` are further lines of that table ("  130
-  /// ...\n").
+  /// Names the program, and gives it --version and a --help that ends with `details` and the table
+  /// of exit codes; `more_exits` are further lines of that table ("  130  ...\n"). The lines of both
+  /// have at most 80 columns, to which everything else in the help is wrapped.
   void set_help(const std::string& name, const std::string& details = "",
                 const std::string& more_exits = "");
   std::string name() const;

@@ -8,12 +8,14 @@
 namespace hapgrid {
 
 void add_definition(CommandLine& app, DefinitionOptions& options) {
-  app.add("definition", options.file, "The definition, see hapgrid-seed(1) ('-': standard input)")
+  app.add("definition", options.file,
+          "Definition of the model and its grid, which hapgrid-seed(1) explains ('-': standard "
+          "input).")
       .type("MODEL.toml")
       .required();
   app.add("--set", options.overrides,
-          "Override a key of the definition, e.g. --set grid.spacing=0.025 or "
-          "--set 'grid.counts=[80,40,40]'; repeatable")
+          "Value of a key of the definition in place of the file's, as in --set grid.spacing=0.025 "
+          "or --set 'grid.counts=[80,40,40]'. It can be given several times.")
       .type("KEY=VALUE")
       .check(
           [](const std::string& text) {

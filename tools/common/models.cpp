@@ -17,7 +17,7 @@ std::string shown(const std::string& file) { return file == "-" ? "standard inpu
 
 void add_process_timeout(CommandLine& app, ProcessOptions& options) {
   app.add("--process-timeout", options.timeout_seconds,
-          "Seconds for an answer of a model process, before it is replaced")
+          "Longest time in seconds for an answer of a model process, which is then replaced.")
       .type("S")
       .within(std::numeric_limits<double>::denorm_min(), 1e6, "above 0 and at most 1000000")
       .shows_default();
@@ -48,11 +48,10 @@ std::unique_ptr<ModelSource> process_source(const ProcessDefinition& process,
 void add_model_options(CommandLine& app, ModelOptions& options) {
   add_model_path(app, options.path);
   app.add("--allow-process", options.allowed,
-          "Where the grid's model is a process: the definition that names its command, "
-          "which is then run")
+          "Definition whose command may be run as the model, if the grid's model is a process.")
       .type("MODEL.toml");
   app.add("--in-flight", options.process.in_flight,
-          "Questions that one model process has at a time (1 to 1024)")
+          "Number of questions that one model process has at a time, from 1 to 1024.")
       .type("N")
       .whole(1, 1024)
       .shows_default();
@@ -62,7 +61,7 @@ void add_model_options(CommandLine& app, ModelOptions& options) {
 void add_model_options(CommandLine& app, DefinedModelOptions& options) {
   add_model_path(app, options.path);
   app.add_flag("--allow-process", options.allow_process,
-               "Run the command that MODEL.toml names as its model");
+               "Allow to run the command that MODEL.toml names as its model.");
   add_process_timeout(app, options.process);
 }
 

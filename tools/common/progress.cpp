@@ -16,6 +16,8 @@
 #include <system_error>
 
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
+#include "libcore/base/json_text.hpp"
 
 namespace hapgrid {
 
@@ -74,9 +76,7 @@ std::string short_number(double value) {
   static constexpr std::array<const char*, 5> kUnits = {"", " k", " M", " G", " T"};
   std::size_t unit = 0;
   for (; value >= 999.5 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
-  char text[32];
-  std::snprintf(text, sizeof text, unit == 0 ? "%.0f%s" : "%.3g%s", value, kUnits[unit]);
-  return text;
+  return unit == 0 ? format("{:.0f}", value) : format("{:.3g}{}", value, kUnits[unit]);
 }
 
 void append_cost(const std::string& file, const RunCost& cost) {
@@ -96,9 +96,7 @@ void append_cost(const std::string& file, const RunCost& cost) {
   struct stat before {};
   if (!out || ::flock(out.get(), LOCK_EX) != 0 || ::fstat(out.get(), &before) != 0)
     throw std::system_error(errno, std::generic_category(), file);
-  const std::string text =
-      line.dump(-1, ' ', /*ensure_ascii=*/true, nlohmann::ordered_json::error_handler_t::replace) +
-      "\n";
+  const std::string text = json_line(line) + "\n";
   try {
     write_all(out.get(), std::as_bytes(std::span(text)), file);
   } catch (...) {

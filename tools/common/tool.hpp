@@ -15,7 +15,7 @@ namespace hapgrid {
 inline constexpr int kExitDone = 0;
 inline constexpr int kExitFailed = 1;     ///< input, I/O, model, device, level limit
 inline constexpr int kExitUsage = 2;      ///< wrong command line; nothing was read or written
-inline constexpr int kExitInvalid = 3;    ///< verify: an invariant is broken
+inline constexpr int kExitInvalid = 3;    ///< verify, check-model: the grid or the model breaks a rule
 inline constexpr int kExitNotProved = 4;  ///< verify: nothing is broken, but not all is proved
 
 /// The option --model-path DIR, repeatable.

@@ -1,5 +1,5 @@
 // A model in C++: a bead between two wells, pulled by a spring. Put your own in place of Bead;
-// libcore/model/plugin.hpp says which functions it may have, and plugin.h what each of them must
+// <hapgrid/plugin.hpp> says which functions it may have, and plugin.h what each of them must
 // do.
 //
 // The bead slides on a rail along x and rests in one of two wells. The HIP pulls it by a spring
@@ -12,10 +12,9 @@
 // There are two stable roots, one on each side of 0, or a single one. So the bead remembers
 // only its side: the sign of s.
 #include <cmath>
+#include <hapgrid/plugin.hpp>
 #include <stdexcept>
 #include <vector>
-
-#include "libcore/model/plugin.hpp"
 
 namespace {
 

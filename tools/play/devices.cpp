@@ -85,7 +85,7 @@ KeyboardOptions keyboard_options(const PlaySettings& settings, const Box& box) {
   for (int a = 0; a < 3; ++a)
     keys.start[a] = std::clamp((keys.low[a] + keys.high[a]) / 2 + settings.mapping.offset[a],
                                keys.low[a], keys.high[a]);
-  keys.step = settings.key_step > 0 ? settings.key_step : box.spacing / 2;
+  keys.step = box.spacing / 2;
   return keys;
 }
 

@@ -4,14 +4,15 @@
 #include <nlohmann/json.hpp>
 
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
+#include "libcore/base/json_text.hpp"
+#include "libcore/base/table.hpp"
 
 namespace hapgrid {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double microseconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-3; }
 
 Json to_json(const Histogram& h) {
   Json bins = Json::array();
@@ -40,47 +41,32 @@ const char* name_of(LoopEnd end) {
 
 }  // namespace
 
-std::string three_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 std::string quantiles_text(const Histogram& h) {
-  return "p50 " + three_digits(microseconds(h.quantile(0.5))) + ", p99 " +
-         three_digits(microseconds(h.quantile(0.99))) + ", p99.9 " +
-         three_digits(microseconds(h.quantile(0.999))) + ", max " +
-         three_digits(microseconds(h.max())) + " µs";
+  return format("p50 {:.3g}, p99 {:.3g}, p99.9 {:.3g}, max {:.3g} µs",
+                microseconds(h.quantile(0.5)), microseconds(h.quantile(0.99)),
+                microseconds(h.quantile(0.999)), microseconds(h.max()));
 }
 
 void print_summary(const LoopSummary& s, const RunFacts& facts) {
-  const auto n = [](std::uint64_t count) { return static_cast<unsigned long long>(count); };
-  std::fprintf(
-      stderr,
-      "play: %llu ticks, %llu cell switches: %llu face, %llu edge, %llu vertex; %s in %llu "
-      "ticks\n",
-      n(s.ticks), n(s.face_switches + s.edge_switches + s.vertex_switches), n(s.face_switches),
-      n(s.edge_switches), n(s.vertex_switches),
-      facts.traversal == "branch" ? "the state snapped" : "levels changed", n(s.level_changed));
-  std::fprintf(stderr,
-               "play: ticks outside the box %llu, with a jump split %llu, lagging behind a jump "
-               "%llu\n",
-               n(s.outside), n(s.split), n(s.lagging));
+  std::string text = format(
+      "play: {} ticks, {} cell switches: {} face, {} edge, {} vertex; {} in {} ticks\n"
+      "play: ticks outside the box {}, with a jump split {}, lagging behind a jump {}\n",
+      s.ticks, s.face_switches + s.edge_switches + s.vertex_switches, s.face_switches,
+      s.edge_switches, s.vertex_switches,
+      facts.traversal == "branch" ? "the state snapped" : "levels changed", s.level_changed,
+      s.outside, s.split, s.lagging);
   std::string acted;
   for (std::size_t i = 0; i < kSafetyActions; ++i)
     if (s.acted[i] > 0)
-      acted += (acted.empty() ? "" : ", ") + std::string(kSafetyNames[i]) + " " +
-               std::to_string(s.acted[i]);
-  std::fprintf(stderr, "play: largest force %s N of the model, %s N sent; safety, in ticks: %s\n",
-               three_digits(s.largest_raw).c_str(), three_digits(s.largest_force).c_str(),
-               acted.empty() ? "nothing to do" : acted.c_str());
-  if (facts.sessions) std::fputs(sessions_text(*facts.sessions).c_str(), stderr);
-  if (facts.rate_hz > 0) {
-    std::fprintf(stderr, "play: ticks missed at %g Hz: %llu, in %llu overruns\n", facts.rate_hz,
-                 n(s.missed), n(s.overruns));
-    std::fprintf(stderr, "play: lateness %s; computing %s\n", quantiles_text(s.lateness).c_str(),
-                 quantiles_text(s.compute).c_str());
-  }
+      acted += format("{}{} {}", acted.empty() ? "" : ", ", kSafetyNames[i], s.acted[i]);
+  text += format("play: largest force {:.3g} N of the model, {:.3g} N sent; safety, in ticks: {}\n",
+                 s.largest_raw, s.largest_force, acted.empty() ? "nothing to do" : acted);
+  if (facts.sessions) text += sessions_text(*facts.sessions);
+  if (facts.rate_hz > 0)
+    text += format(
+        "play: ticks missed at {:g} Hz: {}, in {} overruns\nplay: lateness {}; computing {}\n",
+        facts.rate_hz, s.missed, s.overruns, quantiles_text(s.lateness), quantiles_text(s.compute));
+  std::fputs(text.c_str(), stderr);
 }
 
 void write_report(const std::string& file, const LoopSummary& s, const RunFacts& facts) {
@@ -115,7 +101,7 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
     report["frames"] = {{"written", facts.frames->written}, {"dropped", facts.frames->dropped}};
   if (facts.sessions) report["simulation"] = sessions_json(*facts.sessions);
   OutputFile output(file, /*binary=*/false);
-  output.write(report.dump(2, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n");
+  output.write(json_text(report));
   output.commit();
 }
 

@@ -27,8 +27,6 @@ void print_summary(const LoopSummary& summary, const RunFacts& facts);
 /// @throw std::system_error
 void write_report(const std::string& file, const LoopSummary& summary, const RunFacts& facts);
 
-/// With three digits.
-std::string three_digits(double value);
 /// "p50 12, p99 34, p99.9 56, max 78 us"
 std::string quantiles_text(const Histogram& histogram);
 

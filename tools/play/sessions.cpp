@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tools/play/report.hpp"

@@ -5,14 +5,16 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <numeric>
 #include <sstream>
 #include <system_error>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
+#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/base/toml.hpp"
+#include "tools/common/spelling.hpp"
 #include "tools/common/tool.hpp"
 
 namespace hapgrid {
@@ -30,87 +32,68 @@ using From = FromFile;
 
 constexpr Setting kSettings[] = {
     {"--gain", "FACTOR", 0, 1e12, From::kLower,
-     "Newtons felt for a newton of the model (default: 1)", limit<&SafetyLimits::gain>},
+     "Force that the hand feels for each newton of the model, in newtons. Default: 1.",
+     limit<&SafetyLimits::gain>},
     {"--max-force", "N", 0, 1e6, From::kLower,
-     "Largest force (default: 3, or the device's own smaller limit)",
+     "Largest force in newtons. Default: 3, or the device's own smaller limit.",
      limit<&SafetyLimits::max_force>},
     {"--scale", "UNITS/M", 0, 1e15, From::kFree,
-     "Model units per metre of the hand; 0: the device's reach fills\n"
-     "the box (default: 0)",
+     "Length in the model's units for each metre of the hand's motion; with 0 the device's reach "
+     "fills the box. Default: 0.",
      [](PlaySettings& s) { return std::span(&s.mapping.scale, 1); }},
-    {"safety.slew", "N/ms", 0, kInf, From::kLower, "Largest change of the force in a millisecond",
-     limit<&SafetyLimits::slew>},
-    {"safety.ramp", "ms", 0, 1e6, From::kHigher, "Time in which the force comes back after a zero",
-     limit<&SafetyLimits::ramp_ms>},
-    {"safety.max_speed", "m/s", 0, kInf, From::kLower,
-     "A faster hand gets zero force; needs a scale", limit<&SafetyLimits::max_speed>},
-    {"safety.buzz_force", "N", 0, kInf, From::kLower, "Swings of the force count from this size on",
-     limit<&SafetyLimits::buzz_force>},
-    {"safety.buzz_rate", "1/s", 0, kInf, From::kLower,
-     "More swings are damped; twice as many give zero", limit<&SafetyLimits::buzz_rate>},
-    {"safety.fade", "cells", 0, kInf, From::kNo, "Length of the fade outside the box; 0: no fade",
-     limit<&SafetyLimits::fade_cells>},
-    {"safety.watchdog", "ticks", 0, kInf, From::kLower, "So many missed ticks give zero force",
-     limit<&SafetyLimits::watchdog_ticks>},
-    {"safety.reserve", "mJ", 0, kInf, From::kLower, "Given at most beyond what was stored",
+    {"safety.ramp", "ms", 0, 1e6, From::kHigher,
+     "Time in which the force comes back after it was set to zero.", limit<&SafetyLimits::ramp_ms>},
+    {"safety.reserve", "mJ", 0, kInf, From::kLower,
+     "Largest energy that the device may give beyond what the hand has put in; inf: no limit.",
      limit<&SafetyLimits::reserve>},
-    {"safety.encoder", "m", 0, 0.1, From::kHigher, "The device's positions come in such steps",
+    {"safety.encoder", "m", 0, 0.1, From::kHigher, "Steps in which the device measures positions.",
      limit<&SafetyLimits::encoder>},
     {"safety.delay", "ticks", 0, kMaxTankDelay, From::kHigher,
-     "From when a force is sent until it acts", limit<&SafetyLimits::delay_ticks>},
+     "Time from sending a force until it acts.", limit<&SafetyLimits::delay_ticks>},
     {"mapping.offset", "units", -1e15, 1e15, From::kFree,
-     "Middle of the reach, from the middle of the box",
+     "Middle of the device's reach, from the middle of the box.",
      [](PlaySettings& s) { return std::span<double>(s.mapping.offset); }},
-    {"mapping.speed", "units/s", 0, 1e15, From::kFree, "Of a steered HIP; 0: the box in 4 s",
+    {"mapping.speed", "units/s", 0, 1e15, From::kFree,
+     "Speed of a steered HIP; 0: it crosses the box in 4 s.",
      [](PlaySettings& s) { return std::span(&s.mapping.speed, 1); }},
-    {"keys.step", "units", 0, 1e15, From::kNo, "A key moves the HIP so far; 0: half the spacing",
-     [](PlaySettings& s) { return std::span(&s.key_step, 1); }},
-    {"evdev.max_force", "N", 1e-6, 1e6, From::kNo, "Of the strongest effect; full rumble",
+    {"evdev.max_force", "N", 1e-6, 1e6, From::kNo,
+     "Force of the strongest effect, or of full rumble.",
      [](PlaySettings& s) { return std::span(&s.evdev.newtons, 1); }},
-    {"evdev.range", "m", 1e-6, 1e3, From::kNo, "From the middle of a held axis to its end",
+    {"evdev.range", "m", 1e-6, 1e3, From::kNo,
+     "Way of the hand from the middle of an axis to its end.",
      [](PlaySettings& s) { return std::span(&s.evdev.half_range, 1); }},
-    {"evdev.signs", "sign", -1, 1, From::kNo, "Of x, y; -1: it pushes the wrong way; y 0: a wheel",
+    {"evdev.signs", "", -1, 1, From::kNo,
+     "Signs of the force along x and y: -1 if the device pushes in the wrong direction, 0 for y on "
+     "a "
+     "steering wheel.",
      [](PlaySettings& s) { return std::span<double>(s.evdev.signs); }},
-    {"loop.spin", "µs", 0, 1000, From::kNo, "The end of each wait is spent awake: less late",
+    {"loop.spin", "µs", 0, 1000, From::kNo,
+     "Busy wait at the end of each tick, which makes the loop more punctual and costs processor "
+     "time.",
      [](PlaySettings& s) { return std::span(&s.spin_us, 1); }},
-    {"imd.wait", "s", 0, 86400, From::kNo, "Longest wait for a viewer before the first tick",
+    {"imd.wait", "s", 0, 86400, From::kNo, "Longest wait for a viewer before the first tick.",
      [](PlaySettings& s) { return std::span(&s.imd_wait_s, 1); }},
 };
 
 bool is_option(const Setting& setting) { return setting.name[0] == '-'; }
 
-std::string range(const Setting& s) { return to_text(s.low) + " to " + to_text(s.high); }
-std::string bounds(const Setting& s) { return " from " + range(s) + " " + s.unit; }
-
-/// How many letters differ: Levenshtein's distance.
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t corner = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t changed = corner + (a[i] != b[j]);
-      corner = row[j + 1];
-      row[j + 1] = std::min({changed, corner + 1, row[j] + 1});
-    }
-  }
-  return row.back();
+std::string bounds(const Setting& s) {
+  return format(" from {} to {}{}{}", to_text(s.low), to_text(s.high), *s.unit ? " " : "", s.unit);
 }
 
 /// @param in_file keys of options have no "--" there
 std::string unknown_key(const std::string& key, bool in_file) {
-  std::string nearest;
-  std::size_t least = 3;  // more wrong letters are another word
+  // A key may be meant by its last part alone.
+  std::vector<std::string> known, meant;
   for (const Setting& setting : kSettings) {
     const std::string name = setting.name;
     const std::string last = name.substr(is_option(setting) ? 2 : name.find('.') + 1);
-    const std::size_t far = std::min(distance(key, name), distance(key, last));
-    if (far < least) nearest = in_file && is_option(setting) ? last : name;
-    least = std::min(least, far);
+    known.insert(known.end(), {name, last});
+    meant.insert(meant.end(), 2, in_file && is_option(setting) ? last : name);
   }
+  const auto near = nearest(key, known);
   return "unknown key '" + key + "'" +
-         (nearest.empty() ? "; play --help has a table of keys"
-                          : "; did you mean '" + nearest + "'?");
+         (near ? "; did you mean '" + meant[*near] + "'?" : "; play --help has a table of keys");
 }
 
 std::vector<double> read_numbers(const toml::node& node) {
@@ -284,8 +267,8 @@ void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file) {
   // Other filters read the other tables of such a file.
   app.add(
          "--config", [&](const std::string& name) { read_config(name, app, file); },
-         "Take --axes, --scale, mapping.*, lower gain and limits from the\n"
-         "table [play] of a TOML file; the command line counts more")
+         "TOML file whose table [play] sets --axes, --scale and mapping.*, and lowers the gain and "
+         "limits. Options on the command line override the file.")
       .type("FILE");
   for (const Setting& setting : kSettings) {
     if (!is_option(setting)) continue;
@@ -300,27 +283,25 @@ void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file) {
   }
   app.add(
          "--set", [&](const std::string& text) { set(text, given); },
-         "Change a setting of the table below: --set safety.ramp=200 or\n"
-         "--set 'mapping.offset=[0.1,0,0]'; repeatable")
+         "Value of a setting of the table below, as in --set safety.ramp=200 or --set "
+         "'mapping.offset=[0.1,0,0]'. It can be given several times.")
       .type("KEY=VALUE")
       .repeatable();
 }
 
 std::string settings_help() {
-  const auto padded = [](std::string text, std::size_t width) {
-    text.resize(std::max(width, text.size()), ' ');
-    return text + " ";
+  const auto row = [](const std::string& key, const std::string& unit, const std::string& value,
+                      const std::string& meaning) {
+    return "  " + left(key, 17) + left(unit, 9) + left(value, 9) + " " + meaning + "\n";
   };
-  std::string help = "  " + padded("KEY", 18) + padded("UNIT", 7) + padded("DEFAULT", 7) +
-                     padded("RANGE", 15) + "MEANING\n";
+  std::string help = row("KEY", "UNIT", "DEFAULT", "MEANING");
   for (const Setting& setting : kSettings) {
     if (is_option(setting)) continue;
     PlaySettings defaults;
     std::string values;
     for (const double value : setting.values(defaults))
       values += (values.empty() ? "" : ",") + to_text(value);
-    help += "  " + padded(setting.name, 18) + padded(setting.unit, 7) + padded(values, 7) +
-            padded(range(setting), 15) + setting.meaning + "\n";
+    help += row(setting.name, setting.unit, values, setting.meaning);
   }
   return help;
 }

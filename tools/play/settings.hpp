@@ -23,7 +23,6 @@ struct PlaySettings {
   SafetyLimits safety;
   MappingOptions mapping;
   EvdevParameters evdev;
-  double key_step = 0;  ///< model's units; 0: half of the grid's spacing
   double spin_us = 0;   ///< see Pacer
   double imd_wait_s = 0;
 };

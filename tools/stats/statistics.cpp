@@ -7,7 +7,10 @@
 #include <string_view>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/json.hpp"
+#include "libcore/base/json_text.hpp"
+#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/shard/chunks.hpp"
 
@@ -23,25 +26,10 @@ Json ratio(double part, std::uint64_t whole) {
 
 std::string percent(std::uint64_t part, std::uint64_t whole) {
   if (whole == 0) return "none";
-  return fixed(100.0 * static_cast<double>(part) / static_cast<double>(whole), 2) + " %";
+  return format("{:.2f} %", 100.0 * static_cast<double>(part) / static_cast<double>(whole));
 }
 
-std::string megabytes(std::uint64_t bytes) {
-  return fixed(static_cast<double>(bytes) / 1e6, bytes < 1'000'000 ? 3 : 1) + " MB";
-}
-
-std::string vector_text(const Vec3& v) {
-  return "(" + rounded(v[0]) + ", " + rounded(v[1]) + ", " + rounded(v[2]) + ")";
-}
-
-std::string left(std::string text, std::size_t width) {
-  if (text.size() < width) text.append(width - text.size(), ' ');
-  return text;
-}
-
-std::string right(const std::string& text, std::size_t width) {
-  return text.size() < width ? std::string(width - text.size(), ' ') + text : text;
-}
+std::string vector_text(const Vec3& v) { return format("({:g}, {:g}, {:g})", v[0], v[1], v[2]); }
 
 const char* norm_name(Equality::Norm norm) {
   switch (norm) {
@@ -74,18 +62,18 @@ std::vector<std::string> stored_names(const GridSpec& spec) {
 
 /// The row of the paper's Table 2, below its head, and what its numbers are.
 std::string table_row(const std::string& model, const Statistics& s, const CostSums* costs) {
-  const std::size_t width = std::max<std::size_t>(model.size(), 5);
+  const std::size_t width = std::max<std::size_t>(text_width(model), 5);
   const std::string average =
       s.points_reached == 0
           ? "-"
           : fixed(static_cast<double>(s.records) / static_cast<double>(s.points_reached), 3);
   const std::string cpu_hours = costs ? fixed(hours(*costs), hours(*costs) < 1 ? 5 : 1) : "-";
-  return left("model", width) + "  avg. levels  data size  CPU hours\n" + left(model, width) +
-         "  " + right(average, 11) + "  " + right(megabytes(s.stored_bytes), 9) + "  " +
-         right(cpu_hours, 9) +
-         "\n"
-         "(average levels: records per point that has a level; data size: the grid as stored, in\n"
-         "10^6 bytes; CPU hours: the sum of --cost)\n";
+  return format(
+      "{}  avg. levels  data size  CPU hours\n"
+      "{}  {:>11}  {:>9}  {:>9}\n"
+      "(average levels: records per point that has a level; data size: the grid as stored, in\n"
+      "10^6 bytes; CPU hours: the sum of --cost)\n",
+      left("model", width), left(model, width), average, megabytes(s.stored_bytes), cpu_hours);
 }
 
 }  // namespace
@@ -258,55 +246,49 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Cos
   };
   row("model", model + (spec.equality.is_declared() ? ", a process" : ""));
   for (const Parameter& p : spec.parameters) {
-    std::string value =
-        value_json(p.value).dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace);
+    std::string value = json_line(value_json(p.value));
     // Contents of files; --format json has them in full.
     if (value.size() > kLongValue)
       value = value.substr(0, kLongValue) + "... (" + std::to_string(value.size()) + " bytes)";
     row("parameter", printable_line(p.key) + " = " + value);
   }
   const auto& n = spec.box.counts;
-  row("box", std::to_string(n[0]) + " x " + std::to_string(n[1]) + " x " + std::to_string(n[2]) +
-                 " points, " + rounded(spec.box.spacing) + " apart, from " +
-                 vector_text(spec.box.origin) + " to " +
-                 vector_text(spec.box.position(GridCoordinates{n[0] - 1, n[1] - 1, n[2] - 1})));
-  row("state", std::to_string(spec.state_size) + " component" + (spec.state_size == 1 ? "" : "s") +
-                   ", tolerance " + rounded(spec.tolerance) + " " +
-                   printable_line(spec.tolerance_unit));
+  const Vec3 last = spec.box.position(GridCoordinates{n[0] - 1, n[1] - 1, n[2] - 1});
+  row("box", format("{} x {} x {} points, {:g} apart, from {} to {}", n[0], n[1], n[2],
+                    spec.box.spacing, vector_text(spec.box.origin), vector_text(last)));
+  row("state",
+      format("{} component{}, tolerance {:g} {}", spec.state_size, spec.state_size == 1 ? "" : "s",
+             spec.tolerance, printable_line(spec.tolerance_unit)));
   std::string stored;
   for (const std::string& name : stored_names(spec)) stored += (stored.empty() ? "" : ", ") + name;
-  if (spec.stored.shape) stored += " of " + std::to_string(spec.spheres.size()) + " spheres";
+  if (spec.stored.shape) stored += format(" of {} spheres", spec.spheres.size());
   if (!stored.empty()) row("stored", stored);
-  row("points", std::to_string(s.points) + ", of these " + std::to_string(s.points_reached) +
-                    " reached (" + percent(s.points_reached, s.points) + ")");
-  row("records",
-      std::to_string(s.records) + " in " + std::to_string(s.generations) + " generations");
-  row("frontier", std::to_string(s.frontier) + " records" +
-                      (s.frontier == 0 ? " (complete)" : " are still to be expanded"));
+  row("points", format("{}, of these {} reached ({})", s.points, s.points_reached,
+                       percent(s.points_reached, s.points)));
+  row("records", format("{} in {} generations", s.records, s.generations));
+  row("frontier", format("{} records{}", s.frontier,
+                         s.frontier == 0 ? " (complete)" : " are still to be expanded"));
   std::string histogram;
   for (std::size_t k = 0; k < s.levels_histogram.size(); ++k)
     if (s.levels_histogram[k] > 0)
-      histogram += (histogram.empty() ? "" : ", ") + std::to_string(k) + ": " +
-                   std::to_string(s.levels_histogram[k]);
-  row("levels", histogram + " (levels: points that have so many; at most " +
-                    std::to_string(spec.max_levels) + ")");
-  row("one-way", percent(s.one_way_links, s.links) + " of " + std::to_string(s.links) +
-                     " links (there and back does not return to the level)" +
-                     (s.has_tears           ? ", with tear fractions"
-                      : s.todo > s.frontier ? ", whose tear fractions are still to be found"
-                                            : ""));
-  row("conversions",
-      std::to_string(s.conversions) + " that this grid needed" +
-          (costs ? ", " + std::to_string(costs->conversions) + " in the cost files, and " +
-                       std::to_string(costs->tear_conversions) + " for tear fractions"
-                 : ""));
-  row("size", std::to_string(s.stored_bytes) + " bytes" +
-                  (s.records == 0 ? ""
-                                  : ", " +
-                                        fixed(static_cast<double>(s.stored_bytes) /
-                                                  static_cast<double>(s.records),
-                                              2) +
-                                        " a record"));
+      histogram += format("{}{}: {}", histogram.empty() ? "" : ", ", k, s.levels_histogram[k]);
+  row("levels",
+      format("{} (levels: points that have so many; at most {})", histogram, spec.max_levels));
+  row("one-way", format("{} of {} links (there and back does not return to the level){}",
+                        percent(s.one_way_links, s.links), s.links,
+                        s.has_tears           ? ", with tear fractions"
+                        : s.todo > s.frontier ? ", whose tear fractions are still to be found"
+                                              : ""));
+  std::string conversions = format("{} that this grid needed", s.conversions);
+  if (costs)
+    conversions += format(", {} in the cost files, and {} for tear fractions", costs->conversions,
+                          costs->tear_conversions);
+  row("conversions", conversions);
+  std::string size = format("{} bytes", s.stored_bytes);
+  if (s.records > 0)
+    size += format(", {:.2f} a record",
+                   static_cast<double>(s.stored_bytes) / static_cast<double>(s.records));
+  row("size", size);
   return text + "\n" + table_row(model, s, costs);
 }
 

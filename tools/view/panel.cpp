@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "tools/view/canvas.hpp"
 

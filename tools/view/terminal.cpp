@@ -14,6 +14,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/scene/legend.hpp"
 #include "libcore/scene/render.hpp"
@@ -142,11 +143,8 @@ class Display {
     }
   }
   /// The name of a curve, and what its highest block stands for.
-  static std::string label(std::string name, double high) {
-    name.resize(7, ' ');
-    std::string number = three_digits(high);
-    number.insert(0, number.size() < 9 ? 9 - number.size() : 0, ' ');
-    return name + number + " ";
+  static std::string label(const std::string& name, double high) {
+    return left(name, 7) + right(three_digits(high), 9) + " ";
   }
   std::string status(const Frame& frame, std::uint64_t dropped) const {
     return fitting(status_text(scene_, frame, dropped));

@@ -1,11 +1,11 @@
 #include "tools/view/traces.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <set>
 
+#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/scene/torsion.hpp"
 
@@ -16,12 +16,6 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 double magnitude(const Vec3& v) { return std::hypot(v[0], v[1], v[2]); }
-
-std::string number(double value, std::chars_format format, int precision) {
-  char text[400];  // the longest double in fixed notation has 309 digits before the point
-  const auto end = std::to_chars(text, text + sizeof text, value, format, precision);
-  return {text, end.ptr};
-}
 
 }  // namespace
 
@@ -77,13 +71,9 @@ std::vector<Column> columns(const Traces& traces, int count) {
   return result;
 }
 
-std::string three_digits(double value) { return number(value, std::chars_format::general, 3); }
-
 std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dropped) {
   std::string text =
-      "t " +
-      (std::abs(frame.time_s) < 1e9 ? number(frame.time_s, std::chars_format::fixed, 2)
-                                    : three_digits(frame.time_s)) +
+      "t " + (std::abs(frame.time_s) < 1e9 ? fixed(frame.time_s, 2) : three_digits(frame.time_s)) +
       " s   force " + three_digits(magnitude(frame.force)) + " N";
   if (std::isfinite(frame.energy)) {
     text += "   energy " + three_digits(frame.energy);

@@ -7,39 +7,46 @@ import sys
 from preparation import optimise, texts, work, xtb
 from preparation.molecule import BadInput
 
-from . import course
+from . import course, resolution
 from .filters import Failed
 
 ABOUT = """\
-From the file of a molecule to a verified grid that can be felt, with pictures: everything goes to
-the folder DIR. A run that was stopped goes on where it was. What is changed by hand in DIR is kept,
-and the same command computes anew what depends on it.
+Makes a verified grid of a molecule, with pictures, from the molecule's file.
+Everything goes to the folder DIR. A run that was stopped continues there.
+A file in DIR that you change is kept, and the same command computes again what
+depends on it. The steps are:
 
-  molecule     is read; hydrogens and a shape are added where they are missing
-  structures   its conformation, and the barriers around all bonds that turn, by xtb
-  choice       the softest paths to barriers that are sane together
-               (--basins: on behind them, if xtb agrees where minima are combined)
-  resolution   and box, from a coarse grid: how far the molecule is pushed, and what verify finds
-  grid         is computed and verified
-  way          of the probe that turns one torsion, there and back, and how it feels
+  molecule     The file is read; hydrogens and a shape are added if missing.
+  structures   xtb finds the conformation and the barriers around the bonds.
+  choice       The lowest barriers are chosen whose paths can be combined
+               without colliding atoms (with --basins, with minima behind them).
+  resolution   A coarse grid shows the box and the spacing that are needed.
+  grid         The grid is computed and verified.
+  way          A way of the probe that turns one torsion, there and back.
 """
 
 AFTERWARDS = """\
-In DIR, whose name is NAME:
-  index.html       sums up, with pictures and the molecule as it is pushed, to turn and to play
-  rotors.tsv       what was tried, taken and left out, and why
-  NAME.toml        the definition of the grid, NAME.grid; verify.txt: what verify says of it
-  *.xyz            the conformation and the paths; report.tsv: their energies
-  path-*.txt       the probe's ways
+Files in DIR, whose name is NAME:
+  index.html       summary with pictures, and the molecule as it is pushed
+  rotors.tsv       the bonds that were tried, taken and left out, and why
+  NAME.toml        definition of the grid; NAME.grid is the grid itself
+  verify.txt       report of verify
+  *.xyz            conformation and paths; report.tsv has their energies
+  path-*.txt       ways of the probe
 
-Rings stay as they are. Of several molecules or records the largest is felt. At most 100 atoms.
+Rings keep their shape. Of several molecules or records the largest is taken,
+with at most 100 atoms. The spacing is chosen by the speed of this machine.
 
-exit codes: 0 done; 1 could not; 2 the command line is wrong
+exit codes:
+  0  done
+  1  could not: input, I/O, a model, xtb or another program
+  2  the command line is wrong
+  3  the grid breaks a rule: see verify.txt
 
 examples:
   hapgrid molecule ibuprofen.sdf -o ibuprofen -j 2
   hapgrid molecule --smiles 'CC(C)O' -o propanol
-  hapgrid molecule protein-loop.pdb -o loop --keep-conformation --until definition
+  hapgrid molecule loop.pdb -o loop --keep-conformation --until definition
 """
 
 
@@ -64,38 +71,39 @@ def _within(kind, low, high):
 
 def parser():
     p = _Parser(prog="hapgrid molecule", description=ABOUT, epilog=AFTERWARDS,
-                formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, width=100),
+                formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, width=80),
                 allow_abbrev=False,
                 usage="hapgrid molecule (FILE | --smiles SMILES) -o DIR [options]")
-    p.add_argument("file", metavar="FILE", nargs="?", help="the molecule: .sdf, .mol, .mol2, .pdb or .xyz")
-    p.add_argument("--smiles", help="the molecule as SMILES; its conformers are searched")
+    p.add_argument("file", metavar="FILE", nargs="?", help="file of the molecule: .sdf, .mol, .mol2, .pdb or .xyz")
+    p.add_argument("--smiles", help="molecule as SMILES, whose conformers are searched")
     p.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for all files")
     p.add_argument("-j", "--threads", type=_within(int, 1, 1024), metavar="N", default=1,
-                   help="processes and threads; the result is the same (default: 1)")
+                   help="number of processes and threads, which does not change the result (default: 1)")
     p.add_argument("--charge", type=_within(int, -9, 9), metavar="E",
                    help="total charge (default: what the file says)")
     p.add_argument("--uhf", type=_within(int, 0, 9), metavar="N", default=0,
-                   help="unpaired electrons of a radical (default: 0)")
+                   help="number of unpaired electrons of a radical (default: 0)")
     p.add_argument("--method", choices=("auto", *xtb.METHODS), default="auto",
-                   help=f"gfn2: GFN2-xTB; gfnff: the force field GFN-FF; auto: gfn2 up to {course.GFN2_ATOMS} atoms")
+                   help=f"method of xtb: gfn2 is GFN2-xTB, gfnff the force field GFN-FF, and auto (default) takes gfn2 up to "
+                   f"{course.GFN2_ATOMS} atoms")
     p.add_argument("--search", action="store_true",
                    help="look for the lowest conformer instead of keeping that of FILE")
     p.add_argument("--keep-conformation", action="store_true",
-                   help="stay at this conformation where a barrier leads to a lower minimum, instead of beginning "
-                   "there once more")
+                   help="do not restart from a lower minimum when a barrier leads to one")
     p.add_argument("--highest", type=_within(float, 1, 1000), default=150.0, metavar="KJ_MOL",
-                   help="barriers above this are not looked for, kJ/mol (default: 150)")
+                   help="highest barrier that is looked for, in kJ/mol (default: 150)")
     p.add_argument("--paths", type=_within(int, 0, 16), metavar="N", default=6,
-                   help="take at most N paths (default: 6)")
+                   help="largest number of paths that are taken (default: 6)")
     p.add_argument("--basins", action="store_true",
-                   help="paths go on through their barriers into the minima behind them")
+                   help="continue paths beyond their barriers into the minima behind them")
     p.add_argument("--torsions", metavar="NAMES",
-                   help="turn only these bonds, as rotors.tsv names them, with commas between (default: all); "
-                   "NAME-plus and NAME-minus turn one way only")
+                   help="bonds that may turn, as rotors.tsv names them, with commas between (default: all); "
+                   "NAME-plus and NAME-minus turn in one direction only")
     p.add_argument("--spacing", type=_within(float, 0.1, 3), metavar="H",
-                   help="of the grid, in angstrom (default: what its accuracy and ten minutes allow)")
+                   help="spacing of the grid in angstrom (default: what its accuracy needs, if that takes at most "
+                   f"{resolution.SECONDS} CPU seconds, or {resolution.BASINS_SECONDS} with --basins)")
     p.add_argument("--until", choices=("structures", "definition"),
-                   help="stop when the conformation and the paths are there, or the definition of the grid")
+                   help="step after which the command stops")
     p.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")
     return p
 
@@ -131,6 +139,9 @@ def main(arguments):
     except UsageError as why:
         print(f"molecule: {why}", file=sys.stderr)
         return 2
+    except course.BreaksRule as why:
+        print(f"molecule: {why}", file=sys.stderr)
+        return 3
     except (BadInput, Failed, work.Failed, xtb.XtbError, optimise.NotConverged) as why:
         print(f"molecule: {why}", file=sys.stderr)
         return 1

@@ -1,6 +1,7 @@
 """Plots, pictures, and the page that sums up."""
 
 import html
+import urllib.parse
 
 import numpy as np
 from preparation import files
@@ -102,7 +103,7 @@ class Page:
 <p>{self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms. {html.escape(said)}</p>
 <iframe src="played.html" title="the molecule as it is pushed"></iframe>
 <p>To feel it, in the folder that has this one:
-<p><code>hapgrid play {name}/{self.grid} --device path:{name}/{self.way} --rate 1000 --frames - |
+<p><code>hapgrid play {name}/{html.escape(self.grid)} --device path:{name}/{html.escape(self.way)} --rate 1000 --frames - |
 hapgrid view --window</code>
 <p>Another device, or the mouse, goes behind <code>--device</code>: see <code>hapgrid play --help</code>.
 <h2>How it feels on this way, there and back</h2>
@@ -111,5 +112,5 @@ hapgrid view --window</code>
 <table><tr>{table}</table>
 <h2>The grid</h2>
 <pre>{html.escape(read("verify.txt"))}</pre>
-<p>The definition is <a href="{self.name}.toml">{name}.toml</a>: change it, and the same command computes the grid anew.
+<p>The definition is <a href="{urllib.parse.quote(self.name)}.toml">{name}.toml</a>: change it, and the same command computes the grid anew.
 """

@@ -9,7 +9,14 @@ hapgrid=$prefix/bin/hapgrid
 # It finds its filters, and they their plug-ins, wherever the tree was put.
 mv root moved; hapgrid=${hapgrid/#root/moved}
 bin=$("$hapgrid" bin)
-expect 0 "export PATH=\"$bin:\$PATH\"" '' -- "$hapgrid" env
+# Its lines for the shell lead to the filters, their pages and the Python module, from the build folder, too.
+for launcher in "$hapgrid" "$HAPGRID_BUILD/bin/hapgrid"; do (
+  eval "$("$launcher" env)"
+  same 'what seed is' "$("$launcher" bin)/seed" "$(command -v seed)"
+  [[ $MANPATH == *: && $(man -w hapgrid-seed) == "${MANPATH%:}"/man1/hapgrid-seed.1* ]] || fail "no page: MANPATH is $MANPATH"
+  same 'the module' "$(readlink -f "$("$launcher" bin)/../python/hapgrid.py")" \
+    "$(/usr/bin/python3 -c 'import hapgrid; print(hapgrid.__file__)')"
+); done
 for tool in seed expand merge verify stats play view check-model; do
   expect 0 "hapgrid $tool 0.1.0" '' -- "$hapgrid" "$tool" -V
 done
@@ -37,5 +44,9 @@ expect 0 'hapgrid 0.1.0' '' -- "$hapgrid" -V
 man=moved${prefix#root}/share/man/man1
 pages=$(ls "$man" | tr '\n' ' ')
 [[ ${pages/hapgrid-molecule.1 /} == 'hapgrid-check-model.1 hapgrid-expand.1 hapgrid-feel.1 hapgrid-init.1 hapgrid-merge.1 hapgrid-play.1 hapgrid-seed.1 hapgrid-stats.1 hapgrid-verify.1 hapgrid-view.1 hapgrid.1 ' ]]
-# What a plug-in's author includes compiles from the installation.
-printf '#include "libcore/model/plugin.h"\n' | gcc -fsyntax-only -xc -I "moved${prefix#root}/include/hapgrid" -
+same 'the public headers' 'device.h plugin.h plugin.hpp ' "$(ls "moved${prefix#root}/include/hapgrid" | tr '\n' ' ')"
+# What the author of a plug-in or an adapter includes compiles, from the build folder and from the installation.
+for include in "$HAPGRID_BUILD/include" "moved${prefix#root}/include"; do
+  printf '#include <hapgrid/%s>\n' plugin.h device.h | gcc -std=c11 -fsyntax-only -xc -I "$include" -
+  printf '#include <hapgrid/plugin.hpp>\n' | g++ -std=c++20 -fsyntax-only -xc++ -I "$include" -
+done

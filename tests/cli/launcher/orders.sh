@@ -10,7 +10,7 @@ for tool in seed expand merge verify stats play view check-model molecule-check;
   [[ $tool != play ]] || more=(--device path:path)
   $tool --help >help
   # Of the help's options, those whose text says so. A text can go on in further lines.
-  for option in $(awk '/^  -/ { name = $1 } /; repeatable|^ +repeatable/ { print name }' help | sort -u); do
+  for option in $(sed -E ':a; N; $!ba; s/\n {20,}/ /g' help | sed -nE 's/^  (-., )?(--[a-z-]+).* given several times.*/\2/p' | sort -u); do
     case $option in
       --set) value=safety.ramp=600 ;;
       --cost) value=path ;;

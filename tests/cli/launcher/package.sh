@@ -1,4 +1,4 @@
-# The Debian package: what is in it works from wherever it is unpacked, and what cmake --install wrote goes again.
+# The Debian package: what is in it works from wherever it is unpacked.
 source "$(dirname "$0")/../lib.sh"
 command -v dpkg-shlibdeps >/dev/null || skip "dpkg-dev is not installed"
 cpack --config "$HAPGRID_BUILD/CPackConfig.cmake" -G DEB -B "$PWD/out" >cpack.log 2>&1 || fail "$(cat cpack.log)"
@@ -51,50 +51,6 @@ else
   echo 'no python3-openbabel, python3-numpy or libxtb6: hapgrid molecule is left out'
 fi
 for page in init feel molecule; do
-  [[ -s $(find there -name "hapgrid-$page.1*") || $page == molecule && ! -e $HAPGRID_BUILD/man/hapgrid-molecule.1 ]] ||
+  [[ -s $(find there -name "hapgrid-$page.1*") || $page == molecule && ! -e $HAPGRID_BUILD/man/man1/hapgrid-molecule.1 ]] ||
     fail "no manual page of $page"
 done
-
-# What the shell offers is what the help says.
-bash -c 'source "$1"; COMP_WORDS=(hapgrid ve); COMP_CWORD=1; _hapgrid; echo "${COMPREPLY[@]}"
-  COMP_WORDS=(hapgrid verify --re); COMP_CWORD=2; _hapgrid; echo "${COMPREPLY[@]}"
-  COMP_WORDS=(hapgrid init --la); COMP_CWORD=2; _hapgrid; echo "${COMPREPLY[@]}"
-  COMP_WORDS=(hapgrid feel --durat); COMP_CWORD=2; _hapgrid; echo "${COMPREPLY[@]}"' _ \
-  "$usr/share/bash-completion/completions/hapgrid" >offered
-same "offered" $'verify\n--recompute\n--lang\n--duration' "$(cat offered)"
-# zsh and fish offer the same when the key is pressed.
-if command -v fish >/dev/null; then
-  same 'what fish offers' $'verify\n--recompute' "$(fish --no-config -c 'source $argv; complete -C "hapgrid veri"
-    complete -C "hapgrid verify --reco"' "$usr/share/fish/vendor_completions.d/hapgrid.fish" | cut -f 1)"
-else
-  echo 'no fish: its completion is left out'
-fi
-if command -v zsh >/dev/null; then
-  cat >press.zsh <<'ZSH'
-zmodload zsh/zpty
-zpty z TERM=dumb zsh -f -i
-zpty -w z "fpath=($1 \$fpath); autoload -U compinit; compinit -u -D; echo rea''dy"
-zpty -r z out '*ready*'
-zpty -n -w z $'hapgrid verify --reco\t'
-zpty -r z out '*--recompute*'
-zpty -n -w z $'\C-uhapgrid veri\t'
-zpty -r z out '*verify*'
-ZSH
-  timeout 20 zsh -f press.zsh "$usr/share/zsh/vendor-completions" || fail 'zsh offers something else'
-else
-  echo 'no zsh: its completion is left out'
-fi
-tools=(seed expand merge verify stats play view check-model feel init)
-! "${molecule[@]}" --help >/dev/null 2>&1 || tools+=(molecule)
-for tool in "${tools[@]}"; do
-  hapgrid "${tool/feel/play}" --help | grep -oE -- '^  (-.,? ?([A-Z]+, )?)?--[a-z-]+' | grep -oE -- '--.*' | sort >known
-  [[ -s known ]] || fail "no options of $tool"
-  sed -n "s/^ *$tool) words='\(.*\)' ;;/\1/p" "$usr/share/bash-completion/completions/hapgrid" | tr ' ' '\n' | sort | diff - known ||
-    fail "options of $tool"
-done
-
-DESTDIR=$PWD/root cmake --install "$HAPGRID_BUILD" >install.log
-manifest=$HAPGRID_BUILD/install_manifest.txt
-DESTDIR=$PWD/root cmake -D "MANIFEST=$manifest" -P "$HAPGRID_SOURCE/tools/package/uninstall.cmake" >/dev/null
-[[ -z $(find root -type f -o -type l) ]] || fail "left: $(find root -type f)"
-[[ -z $(find root -depth -path '*/hapgrid/*') ]] || fail "left: $(find root -path '*/hapgrid*')"

@@ -4,7 +4,7 @@ source "$(dirname "$0")/../lib.sh"
 
 expect 0 '~hapgrid merge [0-9]+\.[0-9]+\.[0-9]+' '' -- merge --version
 merge --help >help
-for text in standard "FILE=-" "--small" "--cost FILE" "seconds" "--model-path DIR" "HAPGRID_MODEL_PATH" "Exit codes:" \
+for text in standard "-o, --output FILE" "--small" "--cost FILE" "seconds" "--model-path DIR" "HAPGRID_MODEL_PATH" "Exit codes:" \
   "  0  done" "  1  could not" "  2  the command line is wrong"; do
   grep -qF -- "$text" help || fail "--help does not say: $text"
 done

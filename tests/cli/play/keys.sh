@@ -12,7 +12,7 @@ def session(keys, ending, extra=(), ticks=0.1):
         error = os.open("err", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(error, 2)
         os.execvp("play", ["play", "grid", "--device", "keys", "--rate", "200", "--log", "log.session",
-                           "--set", "keys.step=0.1", *extra])
+                           *extra])
     before = None
     deadline = time.monotonic() + 30
     # The terminal is raw once play reads it: until then a key would only be echoed.
@@ -49,12 +49,12 @@ code, error = session([b"\x1b[C", b"\x1b[C", b"\x1bOA", b"\x1b[6~"],
 assert code == 0, (code, error)
 assert re.match(r"play: keys at 200 Hz; real time: .*\n", error), error
 path = hips()
-# From the middle of the box, steps of 0.1: two in x, one up z, one down y.
+# From the middle of the box, steps of half the spacing: two in x, one up z, one down y.
 start, end = path[0], path[-1]
-wanted = (start[0] + 0.2, start[1] - 0.1, start[2] + 0.1)
+wanted = (start[0] + 0.1, start[1] - 0.05, start[2] + 0.05)
 assert all(abs(a - b) < 5e-3 for a, b in zip(end, wanted)), (start, end, wanted)
-# No step of a key is a jump of the HIP: 0.1 with 50 ms is at most 2 a second.
-assert all(abs(b[a] - a_[a]) < 0.1 for a_, b in zip(path, path[1:]) for a in range(3))
+# No step of a key is a jump of the HIP: 0.05 with 50 ms is at most 1 a second.
+assert all(abs(b[a] - a_[a]) < 0.05 for a_, b in zip(path, path[1:]) for a in range(3))
 
 code, error = session([b"\x1b[D"], lambda pid, terminal: os.write(terminal, b"\x03"))
 assert code == 130, (code, error)

@@ -4,7 +4,7 @@ source "$(dirname "$0")/../lib.sh"
 
 expect 0 '~hapgrid seed [0-9]+\.[0-9]+\.[0-9]+' '' -- seed --version
 seed --help >help
-for text in "MODEL.toml" "hapgrid-seed(1)" "--set KEY=VALUE" "--model-path DIR" "HAPGRID_MODEL_PATH" "FILE=-"; do
+for text in "MODEL.toml" "hapgrid-seed(1)" "--set KEY=VALUE" "--model-path DIR" "HAPGRID_MODEL_PATH" "-o, --output FILE"; do
   grep -qF -- "$text" help || fail "--help does not say: $text"
 done
 

@@ -6,7 +6,7 @@ frames=$HAPGRID_SOURCE/schemas/frame.capnp
 
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 for i in {-90..90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
-play grid --device path:path --set safety.ramp=0 --set safety.slew=inf --frames x.frames 2>/dev/null
+play grid --device path:path --set safety.ramp=0 --frames x.frames 2>/dev/null
 capnp decode --short "$frames" Message <x.frames | sed -n '1p;5p' |
   capnp encode "$frames" Message >one
 capnp decode --short "$frames" Message <x.frames | sed -n '6p' >text

@@ -3,7 +3,7 @@ source "$(dirname "$0")/../lib.sh"
 frames=$HAPGRID_SOURCE/schemas/frame.capnp
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 for i in {-90..90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
-play grid --device path:path --set safety.ramp=0 --set safety.slew=inf --frames x.frames 2>/dev/null # 181 ticks: 6 frames
+play grid --device path:path --set safety.ramp=0 --frames x.frames 2>/dev/null # 181 ticks: 6 frames
 
 # The report.
 report='model    hung-ball
@@ -39,7 +39,7 @@ view segments | cmp - <(view x.frames)
 # The trajectory: as a file, on standard output, live through a pipe.
 expect 0 '' '' -- view x.frames --xyz x.xyz
 view --xyz - <x.frames | cmp - x.xyz
-play grid --device path:path --set safety.ramp=0 --set safety.slew=inf --frames - 2>/dev/null | view --xyz - | cmp - x.xyz
+play grid --device path:path --set safety.ramp=0 --frames - 2>/dev/null | view --xyz - | cmp - x.xyz
 same "lines" $((6 * 12)) "$(wc -l <x.xyz)"
 same "first lines" $'10\ntime=0 tick=0 hip=-0.9,0.01,0 force=0,0,0 energy=0\nX 0.000000 0.000000 0.000000' \
   "$(head -3 x.xyz)"
@@ -66,7 +66,7 @@ expect 0 '' '' -- view x.frames --png last.png
 same "size" "800 x 600" "$(python3 "$here/png.py" size last.png)"
 view --png - <x.frames | cmp - last.png
 view x.frames --at 1e6 --png - | cmp - last.png
-play grid --device path:path --set safety.ramp=0 --set safety.slew=inf --frames - 2>/dev/null | view --png piped.png
+play grid --device path:path --set safety.ramp=0 --frames - 2>/dev/null | view --png piped.png
 cmp piped.png last.png
 # The nearest frame, the earlier of two.
 view x.frames --png at.png --at 0.12
@@ -74,11 +74,11 @@ for at in 0.101 0.13 0.1399; do view x.frames --png - --at $at | cmp - at.png; d
 view x.frames --png - --at 0.02 | cmp - <(view x.frames --png - --at 0)
 cmp -s at.png last.png && fail "all frames look the same"
 # Pushed at x = 0.3: the ball (yellow) is right of the HIP (blue), the arrow (red) points to the left.
-view x.frames --at 0.12 --azimuth 0 --elevation 0 --size 640x320 --hip-radius 0.1 --arrow 0.6 \
+view x.frames --at 0.12 --azimuth 0 --elevation 0 --size 640x320 --hip-radius 0.1 \
   --png front.png
 same "size" "640 x 320" "$(python3 "$here/png.py" size front.png)"
 python3 "$here/png.py" order front.png red blue yellow
-view x.frames --at 0.12 --azimuth 180 --elevation -5 --size 640x320 --hip-radius 0.1 --arrow 0.6 \
+view x.frames --at 0.12 --azimuth 180 --elevation -5 --size 640x320 --hip-radius 0.1 \
   --png back.png
 python3 "$here/png.py" order back.png yellow blue red
 expect 0 '' '' -- view x.frames --png tiny.png --size 1x1 --azimuth -30

@@ -10,12 +10,12 @@ if sanitized; then export LP_NUM_THREADS=0; fi
 
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 for i in {-90..90}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >path
-play grid --device path:path --set safety.ramp=0 --set safety.slew=inf --frames ball.frames 2>/dev/null
+play grid --device path:path --set safety.ramp=0 --frames ball.frames 2>/dev/null
 molecule=$HAPGRID_SOURCE/examples/molecule/alanine-dipeptide/alanine-dipeptide.toml
 seed "$molecule" --set grid.spacing=3 --set 'grid.counts=[4,4,4]' --set 'grid.origin=[-4.5,-4.5,-4.5]' |
   expand --complete -j 2 -o molecule.grid
 for i in {0..60}; do echo "0 -3 $(printf '%de-1' $((i - 30)))"; done >path
-play molecule.grid --device path:path --set safety.ramp=0 --set safety.slew=inf --frames molecule.frames 2>/dev/null
+play molecule.grid --device path:path --set safety.ramp=0 --frames molecule.frames 2>/dev/null
 
 # one FRAMES NUMBER: the scene and one frame.
 one() {
@@ -76,10 +76,10 @@ for name in ball molecule; do
   python3 "$here/png.py" near shot.png drawn.png 0.04 0.002 2>/dev/null && fail "compares nothing"
 done
 # HIP and force from the side, as in view.sh, and a low window is the picture alone.
-view ball.one --window --close --azimuth 0 --elevation 0 --size 640x200 --hip-radius 0.1 --arrow 0.6 \
+view ball.one --window --close --azimuth 0 --elevation 0 --size 640x200 --hip-radius 0.1 \
   --screenshot front.png
 python3 "$here/png.py" order front.png red blue yellow
-view ball.one --png drawn.png --azimuth 0 --elevation 0 --size 640x200 --hip-radius 0.1 --arrow 0.6
+view ball.one --png drawn.png --azimuth 0 --elevation 0 --size 640x200 --hip-radius 0.1
 python3 "$here/png.py" near front.png drawn.png 0.04 0.002
 
 # Live: the window stays, the newest frame is in it, keys and mouse do what the help says.

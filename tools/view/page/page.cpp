@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/box.hpp"
 #include "libcore/scene/torsion.hpp"
@@ -30,8 +31,7 @@ void append(std::vector<float>& values, const Vec3& v) {
 /// JSON that can stand in a script: a stream's strings cannot end it.
 std::string script_of(const nlohmann::ordered_json& json) {
   std::string text;
-  for (const char c :
-       json.dump(-1, ' ', /*ensure_ascii=*/true, nlohmann::ordered_json::error_handler_t::replace))
+  for (const char c : json_line(json))
     if (c == '<')
       text += "\\u003c";
     else

@@ -1,18 +1,21 @@
 #!/bin/bash
-# What the Dockerfile and the definition for Apptainer do, line by line, in fresh roots of Debian 12: podman and apptainer
-# need more of a kernel than a test has. The image that comes of it plays a grid and has what `hapgrid molecule` needs.
+# What the Dockerfile does, line by line, in fresh roots of Debian 12: podman needs more of a kernel than a test has. The
+# image that comes of it plays a grid and has what `hapgrid molecule` needs.
 source "$(dirname "$0")/../../lib.sh"
 command -v mmdebstrap >/dev/null || skip "no mmdebstrap: .ci/packages slow installs it"
 [[ $(id -u) == 0 ]] || skip "chroot needs root"
 package=$HAPGRID_SOURCE/tools/package
-python3 "$here/../container.py" "$package/Dockerfile" >stages
-python3 "$here/../container.py" "$package/hapgrid.def" >others
-python3 - <<'PYTHON'
-import json
-stages, others = json.load(open("stages")), json.load(open("others"))
-assert [stage["run"] for stage in stages] == [stage["run"] for stage in others]
+python3 - "$package/Dockerfile" <<'PYTHON'
+import re
+import sys
+# The RUN lines of the stage that builds the package, and of the one that installs it.
+text = re.sub(r"\\\n\s*", "", open(sys.argv[1]).read())
+_, *stages = re.split(r"^FROM ", text, flags=re.M)
+assert len(stages) == 2, stages
 for n, stage in enumerate(stages):
-    open(f"run.{n}", "w").write("\n".join(["set -ex", *stage["run"], ""]))
+    run = re.findall(r"^RUN (.*)", stage, re.M)
+    assert run, stage
+    open(f"run.{n}", "w").write("\n".join(["set -ex", *run, ""]))
 PYTHON
 mkdir hapgrid
 git -C "$HAPGRID_SOURCE" ls-files -z | tar -C "$HAPGRID_SOURCE" --null -T - -cf - | tar -C hapgrid -xf -
