@@ -17,8 +17,7 @@ struct Part {
 
 /// Which conversions of a frontier are a part's. Slow conversions lie together, so the frontier is
 /// cut into blocks of equally many conversions, which are dealt out in turns: block b goes to part
-/// b mod N + 1. The size of a block follows from the number of conversions and N alone. Measured
-/// with tests/bench/dealing.cpp.
+/// b mod N + 1. The size of a block follows from the number of conversions and N alone.
 class Deal {
  public:
   Deal(std::uint64_t conversions, Part part);
