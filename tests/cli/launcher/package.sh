@@ -1,6 +1,6 @@
 # The Debian package: what is in it works from wherever it is unpacked, and what cmake --install wrote goes again.
 source "$(dirname "$0")/../lib.sh"
-command -v dpkg-shlibdeps >/dev/null || skip "dpkg-dev is not installed"
+needs dpkg-shlibdeps dpkg-dev
 cpack --config "$HAPGRID_BUILD/CPackConfig.cmake" -G DEB -B "$PWD/out" >cpack.log 2>&1 || fail "$(cat cpack.log)"
 package=$(find out -maxdepth 1 -name 'hapgrid_0.1.0_*.deb')
 dpkg-deb -f "$package" Depends | grep -q libhidapi-hidraw0 || fail "$(dpkg-deb -f "$package" Depends)"
@@ -48,7 +48,7 @@ ctypes.CDLL("libxtb.so.6")' 2>/dev/null; then
   expect 0 '~.*' '~verify: fine: .*' -- hapgrid verify cyanide/cyanide.grid --recompute 20
   for file in index.html played.html force.png cyanide.toml; do [[ -s cyanide/$file ]] || fail "no $file"; done
 else
-  echo 'no python3-openbabel, python3-numpy or libxtb6: hapgrid molecule is left out'
+  missing 'what hapgrid molecule needs'
 fi
 for page in init feel molecule; do
   [[ -s $(find there -name "hapgrid-$page.1*") || $page == molecule && ! -e $HAPGRID_BUILD/man/hapgrid-molecule.1 ]] ||
@@ -67,7 +67,7 @@ if command -v fish >/dev/null; then
   same 'what fish offers' $'verify\n--recompute' "$(fish --no-config -c 'source $argv; complete -C "hapgrid veri"
     complete -C "hapgrid verify --reco"' "$usr/share/fish/vendor_completions.d/hapgrid.fish" | cut -f 1)"
 else
-  echo 'no fish: its completion is left out'
+  missing fish
 fi
 if command -v zsh >/dev/null; then
   cat >press.zsh <<'ZSH'
@@ -82,7 +82,7 @@ zpty -r z out '*verify*'
 ZSH
   timeout 20 zsh -f press.zsh "$usr/share/zsh/vendor-completions" || fail 'zsh offers something else'
 else
-  echo 'no zsh: its completion is left out'
+  missing zsh
 fi
 tools=(seed expand merge verify stats play view check-model feel init)
 ! "${molecule[@]}" --help >/dev/null 2>&1 || tools+=(molecule)
