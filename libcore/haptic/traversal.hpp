@@ -18,7 +18,7 @@
 // faster (n = 9: 19.0 against 18.8 ns), and each switch would have to make it; a copy of the whole
 // grid in another layout would double the memory. It does help to prefetch the links of the new
 // corners together with their states: the next switch finds them in the cache
-// (tests/bench/traversal.cpp).
+// (tests/bench/interpolation.cpp).
 //
 // Jumps. When the HIP moved to a cell that shares no vertex with the old one, the traversal follows
 // the straight line in equal parts, as many as there are cells between on the farthest axis. Each

@@ -17,7 +17,7 @@ struct Part {
 /// Which items of a round are a part's: conversions of a frontier, or one-way links. Slow
 /// conversions lie together, so the items are cut into blocks of equally many, which are dealt out
 /// in turns: block b goes to part b mod N + 1. The size of a block follows from the number of items
-/// and N alone. Measured with tests/bench/dealing.cpp.
+/// and N alone.
 class Partition {
  public:
   Partition(std::uint64_t items, Part part);

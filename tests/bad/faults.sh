@@ -3,7 +3,7 @@
 # limits of size, memory and descriptors: see faults.py. Here three commands are, on behalf of all; slow/faults.sh
 # has all of them (FAULTS=all), at each byte that their files may have.
 source "$(dirname "$0")/../cli/lib.sh"
-command -v strace >/dev/null || skip "no strace"
+needs strace strace
 strace -o /dev/null true 2>/dev/null || skip "strace may not trace here"
 sanitized && skip "the sanitizers make system calls of their own"
 

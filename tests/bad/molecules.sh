@@ -2,7 +2,7 @@
 # Files of molecules that are none: what has no end, or is large, is refused before it is read.
 source "$(dirname "$0")/../cli/lib.sh"
 molecule=$HAPGRID_SOURCE/examples/molecule
-"$molecule/hapgrid-molecule" --help >help 2>&1 || skip "$(head -1 help)"
+"$molecule/hapgrid-molecule" --help >help 2>&1 || { missing "$(head -1 help)"; exit 77; }
 molecule() { refuses "molecule: $1\\.xyz: $2" -- timeout 60 "$molecule/hapgrid-molecule" "$1.xyz" -o out; }
 ln -s /dev/zero zero.xyz
 mkfifo pipe.xyz

@@ -149,8 +149,17 @@ TOML
 # sanitized: whether the filters have sanitizers or a wrapper, which cost memory and time.
 sanitized() { [[ -n ${HAPGRID_WRAPPER-} ]] || grep -q '^HAPGRID_SANITIZE:[A-Z]*=.' "$HAPGRID_BUILD/CMakeCache.txt"; }
 
-# skip WHY: ends the test as skipped.
+# skip WHY: ends the test as skipped, because it makes no sense here.
 skip() {
   echo "skipped: $*"
   exit 77
 }
+
+# missing WHAT: says what is left out since a package is not installed. In check-all (CI is set) the test fails instead.
+missing() {
+  [[ -z ${CI-} ]] || fail "not installed: $*"
+  echo "not installed: $*"
+}
+
+# needs PROGRAM PACKAGE: ends the test as skipped, or as failed in check-all, where the program is not installed.
+needs() { PATH=$PATH:/usr/sbin command -v "$1" >/dev/null || { missing "$1 (Debian: $2)"; exit 77; }; }

@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC2154  # variables of lib.sh
 # A terminal for tests. A script sources it after lib.sh. It starts a tmux server for this test alone, with
 # one pane of 80 x 24 and a shell without history, or skips the test when tmux is not installed.
-command -v tmux >/dev/null || skip "no tmux"
+needs tmux tmux
 export LC_ALL=C.UTF-8 # tmux draws block characters only in UTF-8
 unset TMUX COLORTERM
 on() { tmux -S "$work/tmux" -f /dev/null "$@"; }

@@ -18,22 +18,21 @@ sed -n '/^```sh$/,/^```$/p' "$examples/README.md" | sed '/^```/d' >loop
 same "lines of the loop" 7 "$(wc -l <loop)"
 check loop bash -euo pipefail loop
 
-skipped=
 if command -v mpirun >/dev/null; then
   export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
   check mpirun "$examples/rounds.sh" my.toml 3 mpirun --oversubscribe -n 3
 else
-  skipped+=" mpirun"
+  missing mpirun
 fi
 if command -v parallel >/dev/null; then
   check parallel "$examples/rounds.sh" my.toml 3 "$examples/parallel.sh" 2/: 3
 else
-  skipped+=" parallel"
+  missing parallel
 fi
 if command -v snakemake >/dev/null; then
   check snakemake snakemake -q -s "$examples/Snakefile" --cores 2 --config model=my.toml parts=3
 else
-  skipped+=" snakemake"
+  missing snakemake
 fi
 
 # A round that failed is said again: what is there stays, and another definition begins anew.
@@ -59,4 +58,3 @@ same "the part that was there" "$before" "$(cat seen)"
 sed -i 's/^counts = .*/counts = [4, 5, 6]/' my.toml
 expect 0 '' '' -- "$examples/rounds.sh" my.toml 3 ./forgetful
 seed my.toml | expand --complete | cmp - my.grid
-[[ ! $skipped ]] || skip "not found:$skipped"

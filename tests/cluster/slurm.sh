@@ -65,7 +65,7 @@ cluster_start() {
   [[ $(id -u) == 0 ]] || skip "a Slurm of one's own is started as root"
   local program n
   for program in munged slurmctld slurmd srun sbatch; do
-    command -v $program >/dev/null || skip "no $program (Debian: slurmctld slurmd slurm-client munge)"
+    needs $program "slurmctld slurmd slurm-client munge"
   done
   cluster_nodes=$1
   cluster_configure "$1" "$2"

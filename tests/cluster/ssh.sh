@@ -1,9 +1,9 @@
 #!/bin/bash
 # Parts that GNU parallel starts over ssh.
 source "$(dirname "$0")/../cli/lib.sh"
-sshd=$(command -v sshd || ls /usr/sbin/sshd 2>/dev/null) || skip "no sshd (Debian: openssh-server)"
-command -v ssh >/dev/null || skip "no ssh (Debian: openssh-client)"
-parallel --version 2>/dev/null | grep -q GNU || skip "no GNU parallel (Debian: parallel)"
+needs sshd openssh-server
+needs ssh openssh-client
+needs parallel parallel
 [[ $(id -u) == 0 ]] || skip "an sshd of one's own is started as root"
 
 # An sshd with a key and a port of its own, which knows nobody but this test.
@@ -34,7 +34,7 @@ Host $host
   StrictHostKeyChecking accept-new
 END
 done >ssh/config
-"$sshd" -D -f "$PWD/ssh/sshd_config" -E "$PWD/ssh/log" &
+/usr/sbin/sshd -D -f "$PWD/ssh/sshd_config" -E "$PWD/ssh/log" &
 daemon=$!
 trap 'kill $daemon 2>/dev/null; rm -rf "$work"' EXIT
 evidence() { cat ssh/log; }

@@ -11,6 +11,6 @@ if sanitized; then skip "the emulated machine's programs are static: no sanitize
 machine() {
   local code=0
   output=$(bash "$here/run.sh" "$@") || code=$?
-  [[ $code != 77 ]] || { echo "$output"; exit 77; }
+  [[ $code != 77 ]] || { missing "$output"; exit 77; }
   [[ $code == 0 ]] || fail "exit code $code of the machine:"$'\n'"$output"
 }

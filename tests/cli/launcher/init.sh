@@ -53,8 +53,8 @@ PYTHON
 )
 
 languages=(c python c++)
-if command -v gfortran >/dev/null; then languages+=(fortran); else echo 'no gfortran: Fortran is left out'; fi
-if command -v node >/dev/null; then languages+=(node); else echo 'no node: JavaScript is left out'; fi
+if command -v gfortran >/dev/null; then languages+=(fortran); else missing gfortran; fi
+if command -v node >/dev/null; then languages+=(node); else missing node; fi
 for language in "${languages[@]}"; do
   folder=my_${language/++/xx}
   made "$folder" hapgrid --lang "$language"

@@ -1,6 +1,6 @@
 # The Debian package: what is in it works from wherever it is unpacked.
 source "$(dirname "$0")/../lib.sh"
-command -v dpkg-shlibdeps >/dev/null || skip "dpkg-dev is not installed"
+needs dpkg-shlibdeps dpkg-dev
 cpack --config "$HAPGRID_BUILD/CPackConfig.cmake" -G DEB -B "$PWD/out" >cpack.log 2>&1 || fail "$(cat cpack.log)"
 package=$(find out -maxdepth 1 -name 'hapgrid_0.1.0_*.deb')
 dpkg-deb -f "$package" Depends | grep -q libhidapi-hidraw0 || fail "$(dpkg-deb -f "$package" Depends)"
@@ -48,7 +48,7 @@ ctypes.CDLL("libxtb.so.6")' 2>/dev/null; then
   expect 0 '~.*' '~verify: fine: .*' -- hapgrid verify cyanide/cyanide.grid --recompute 20
   for file in index.html played.html force.png cyanide.toml; do [[ -s cyanide/$file ]] || fail "no $file"; done
 else
-  echo 'no python3-openbabel, python3-numpy or libxtb6: hapgrid molecule is left out'
+  missing 'what hapgrid molecule needs'
 fi
 for page in init feel molecule; do
   [[ -s $(find there -name "hapgrid-$page.1*") || $page == molecule && ! -e $HAPGRID_BUILD/man/man1/hapgrid-molecule.1 ]] ||

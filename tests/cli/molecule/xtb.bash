@@ -1,12 +1,12 @@
 # shellcheck shell=bash
 # What the tests of prepared molecules share: values from their files, and the program xtb beside them.
 sanitized && skip "nothing in it has sanitizers"
-command -v xtb >/dev/null || skip "xtb is not installed"
+needs xtb xtb
 # The system's Python, as hapgrid-molecule names it.
 /usr/bin/python3 -c 'from openbabel import openbabel; import numpy' 2>/dev/null ||
-  skip "python3-openbabel or python3-numpy is not installed"
+  { missing "python3-openbabel or python3-numpy"; exit 77; }
 /usr/bin/python3 -c 'import ctypes; ctypes.CDLL("libxtb.so.6")' 2>/dev/null ||
-  skip "libxtb6 is not installed"
+  { missing libxtb6; exit 77; }
 export OMP_NUM_THREADS=1
 
 # word FILE FRAME KEY: a value in the comment line of a frame, counted from 1.

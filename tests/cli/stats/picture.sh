@@ -1,6 +1,6 @@
 # Pictures: PNG files of the promised kind, whole or not at all.
 source "$(dirname "$0")/../lib.sh"
-command -v gnuplot >/dev/null || skip "gnuplot is not installed"
+needs gnuplot gnuplot-nox
 
 # png_size FILE: signature, width and height as they stand in the file's header.
 png_size() {

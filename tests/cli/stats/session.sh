@@ -102,7 +102,7 @@ refuses 'stats: seeds: byte 0: not a session' -- stats --log seeds
 refuses 'stats: .*No space left on device' -- stats --log long --export /dev/full
 refuses 'stats: .*No space left on device' -- stats --log known -o /dev/full
 
-command -v gnuplot >/dev/null || skip "gnuplot is not installed"
+needs gnuplot gnuplot-nox
 # is_png FILE: from its signature to its end.
 is_png() {
   [[ $(od -An -tx1 -N 8 "$1" | tr -d ' \n') == 89504e470d0a1a0a &&

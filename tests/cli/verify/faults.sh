@@ -1,8 +1,7 @@
-# Faults planted one at a time into good grids (FAULTS.tsv): each is found by the check that should
-# find it. `faults.sh --table` prints what FAULTS.tsv has to be, `faults.sh WORDS` plants what has
-# these words in its name and shows what verify says.
+# Faults planted one at a time into good grids: each is found by the check that should find it. `faults.sh --table`
+# lists them, `faults.sh WORDS` plants what has these words in its name and shows what verify says.
 source "$(dirname "$0")/../lib.sh"
-command -v xxhsum >/dev/null || skip "xxhsum (package xxhash) is not installed"
+needs xxhsum xxhash
 
 # A box through which the ball is pushed up: 74 of 84 points have two levels.
 box=(--set grid.spacing=0.1 --set 'grid.counts=[14,3,2]' --set 'grid.origin=[-0.65,-0.1,-0.05]')

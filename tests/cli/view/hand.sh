@@ -26,7 +26,8 @@ same "path" '0 0 0' "$(cat path)"
 mkfifo hand
 refuses 'view: hand: nobody reads this pipe; it is for play --device path:hand' -- view frames --window --hand hand
 
-command -v Xvfb >/dev/null && command -v xdotool >/dev/null || skip "no Xvfb or no xdotool"
+needs Xvfb xvfb
+needs xdotool xdotool
 : >display
 Xvfb -displayfd 3 -screen 0 1100x800x24 -nolisten tcp -noreset 3>display >xvfb.log 2>&1 &
 server=$!

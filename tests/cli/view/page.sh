@@ -31,7 +31,7 @@ head -c -1 x.frames >cut
 refuses 'view: cut: byte [0-9]*: truncated: a message is cut' -- view cut --html empty/x
 nothing_left empty
 
-command -v chromium >/dev/null || skip "no chromium"
+needs chromium chromium
 # browse ARGUMENTS... URL: what the page has to say is on standard error. Chromium sometimes hangs when it starts on a
 # busy machine: then it is started again.
 browse() {

@@ -147,7 +147,7 @@ wait_line '^play: lateness p50 '
 usual
 
 # Images, forced: what is sent is decoded.
-command -v script >/dev/null || skip "no script"
+needs script bsdutils
 shown() { script -qec "stty cols 80 rows 24; view one --terminal=$1 $how" /dev/null </dev/null >out; }
 shown kitty
 python3 "$here/terminal.py" kitty out one.png

@@ -59,6 +59,8 @@ if command -v obabel >/dev/null; then
     grep -q '^6 molecules converted' err || fail "Open Babel: $(cat err)"
     same "atoms" "${file#* }" "$(awk 'NR == 4 { print substr($0, 1, 3) + 0 }' mol6.mol)"
   done
+else
+  missing obabel
 fi
 
 # Pictures. python3 "$here/png.py" decodes them with zlib alone and prints "W x H colours...".

@@ -39,7 +39,8 @@ expect 2 '' "view: --size requires --png or --window $see" -- view ball.frames -
 expect 2 '' "view: --azimuth requires --png, --html, --window or --terminal $see" -- \
   view ball.frames --azimuth 1
 
-command -v Xvfb >/dev/null && command -v xdotool >/dev/null || skip "no Xvfb or no xdotool"
+needs Xvfb xvfb
+needs xdotool xdotool
 
 # start_x ARGUMENTS...: an X server of its own number, which goes with the script.
 servers=()

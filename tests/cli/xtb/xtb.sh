@@ -5,7 +5,7 @@ source "$(dirname "$0")/../lib.sh"
 example=$HAPGRID_SOURCE/examples/xtb
 toml=$example/disulfane.toml
 
-python3 -c 'import ctypes; ctypes.CDLL("libxtb.so.6")' 2>/dev/null || skip "libxtb.so.6 is missing (Debian package libxtb6)"
+python3 -c 'import ctypes; ctypes.CDLL("libxtb.so.6")' 2>/dev/null || { missing libxtb6; exit 77; }
 
 # Conversions with GFN2-xTB have the same bits in one order, in another, and alone. Where nothing is
 # touched nothing changes, and what is evaluated is what was stored.

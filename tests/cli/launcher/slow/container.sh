@@ -2,7 +2,7 @@
 # What the Dockerfile does, line by line, in fresh roots of Debian 12: podman needs more of a kernel than a test has. The
 # image that comes of it plays a grid and has what `hapgrid molecule` needs.
 source "$(dirname "$0")/../../lib.sh"
-command -v mmdebstrap >/dev/null || skip "no mmdebstrap: .ci/packages slow installs it"
+needs mmdebstrap mmdebstrap
 [[ $(id -u) == 0 ]] || skip "chroot needs root"
 package=$HAPGRID_SOURCE/tools/package
 python3 - "$package/Dockerfile" <<'PYTHON'

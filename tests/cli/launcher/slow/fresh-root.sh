@@ -1,8 +1,8 @@
 #!/bin/bash
 # The Debian package installs in a fresh root of Debian 12 with nothing else in it, works there, and goes again.
 source "$(dirname "$0")/../../lib.sh"
-command -v mmdebstrap >/dev/null || skip "no mmdebstrap: .ci/packages slow installs it"
-command -v dpkg-shlibdeps >/dev/null || skip "dpkg-dev is not installed"
+needs mmdebstrap mmdebstrap
+needs dpkg-shlibdeps dpkg-dev
 if [[ $(id -u) == 0 ]]; then mode=root; else mode=unshare; fi
 cpack --config "$HAPGRID_BUILD/CPackConfig.cmake" -G DEB -D CPACK_DEBIAN_FILE_NAME=hapgrid.deb -B "$PWD/out" >cpack.log 2>&1 ||
   fail "$(cat cpack.log)"
