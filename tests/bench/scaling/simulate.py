@@ -43,7 +43,8 @@ class Times:
 
 def block_size(conversions, parts):
     """That of libcore/search/frontier.hpp."""
-    return max(conversions // (512 * parts), 1)
+    block = max(conversions // (512 * parts), 1)
+    return max(block, 1024) if conversions // (32 * parts) >= 1024 else block
 
 
 def deal(conversions, parts, times, rng):
