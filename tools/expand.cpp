@@ -12,6 +12,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/search/complete.hpp"
 #include "libcore/search/tears.hpp"
 #include "libcore/shard/load.hpp"
@@ -39,23 +40,23 @@ struct Options {
 
 std::string progress_text(const Progress& progress, const GridSpec& spec, bool complete,
                           double seconds) {
+  if (progress.links > 0)
+    return format("expand: tear fractions, {} of {} one-way links, {} conversions",
+                  short_number(static_cast<double>(progress.links_done)),
+                  short_number(static_cast<double>(progress.links)),
+                  short_number(static_cast<double>(progress.tear_conversions)));
   const double done = static_cast<double>(progress.frontier_done);
   const double all = static_cast<double>(progress.frontier_conversions);
   const double rate = static_cast<double>(progress.conversions) / std::max(seconds, 1e-3);
-  if (progress.links > 0)
-    return "expand: tear fractions, " + short_number(static_cast<double>(progress.links_done)) +
-           " of " + short_number(static_cast<double>(progress.links)) + " one-way links, " +
-           short_number(static_cast<double>(progress.tear_conversions)) + " conversions";
-  std::string text = "expand: generation " + std::to_string(progress.generation) + ", frontier " +
-                     short_number(static_cast<double>(progress.frontier_records)) + " records, " +
-                     short_number(done) + " of " + short_number(all) + " conversions, " +
-                     short_number(rate) + "/s";
+  const std::string text = format(
+      "expand: generation {}, frontier {} records, {} of {} conversions, {}/s",
+      progress.generation.load(), short_number(static_cast<double>(progress.frontier_records)),
+      short_number(done), short_number(all), short_number(rate));
   if (complete)
-    text += ", " + short_number(static_cast<double>(progress.records)) + " records for " +
-            short_number(static_cast<double>(spec.box.points())) + " points";
-  else if (rate > 0)
-    text += ", " + short_number((all - done) / rate) + " s left";
-  return text;
+    return format("{}, {} records for {} points", text,
+                  short_number(static_cast<double>(progress.records)),
+                  short_number(static_cast<double>(spec.box.points())));
+  return rate > 0 ? format("{}, {} s left", text, short_number((all - done) / rate)) : text;
 }
 
 /// Tells of the file that keeps what is found. A line of progress would be in the way.
@@ -130,9 +131,9 @@ bool is_there(const std::string& name, const Section& grid) {
     const SectionHeader& header = section.header;
     if (header.content != content || header.generation != grid.header.generation ||
         !(header.spec == grid.header.spec))
-      throw FormatError(name + " is there already, and holds no " + to_string(content) +
-                        " for generation " + std::to_string(grid.header.generation) +
-                        " of this grid: remove it first");
+      throw FormatError(format(
+          "{} is there already, and holds no {} for generation {} of this grid: remove it first",
+          name, to_string(content), grid.header.generation));
   }
   return true;
 }
@@ -158,8 +159,8 @@ int run(const Options& options) {
   remove_on_signal(out);
   const Section start = partial ? partial->start(grid) : grid;
   if (partial && partial->kept())
-    say("expand", "goes on from generation " + std::to_string(*partial->kept()) + ", which " +
-                      partial->name() + " keeps");
+    say("expand",
+        format("goes on from generation {}, which {} keeps", *partial->kept(), partial->name()));
   try {
     const std::unique_ptr<ModelSource> source = model_source(spec, options.model);
     Converter converter(*source, spec, options.threads, progress);

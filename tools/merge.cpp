@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/signals.hpp"
@@ -46,9 +47,9 @@ std::uint32_t write_merged(const std::vector<std::string>& names, const Options&
     const double all = static_cast<double>(input.grid.conversions());
     const ProgressLine line([&](double seconds) {
       const double done = static_cast<double>(progress.conversions);
-      return "merge: generation " + std::to_string(header.generation) + ", " + short_number(done) +
-             " of " + short_number(all) + " requests, " +
-             short_number(done / std::max(seconds, 1e-3)) + "/s";
+      return format("merge: generation {}, {} of {} requests, {}/s", header.generation,
+                    short_number(done), short_number(all),
+                    short_number(done / std::max(seconds, 1e-3)));
     });
     merge(input, *model, writer, progress);
   }

@@ -148,9 +148,7 @@ FileDescriptor unlinked_file(const fs::path& directory) {
 OutputFile::OutputFile(const std::string& name, bool binary)
     : OutputFile(name == "-"        ? to_standard_output(binary)
                  : is_special(name) ? direct(name)
-                                    : replacing(followed(name))) {
-  if (name != "-") shown_name_ = name;
-}
+                                    : temporary_of(followed(name), name)) {}
 
 OutputFile::OutputFile(std::string shown_name, FileDescriptor file)
     : shown_name_(std::move(shown_name)), owned_(std::move(file)), fd_(owned_.get()) {}
@@ -170,15 +168,18 @@ OutputFile OutputFile::direct(const std::string& name) {
 }
 
 OutputFile OutputFile::replacing(const std::string& name) {
-  const fs::path target = fs::absolute(name);
+  return temporary_of(fs::absolute(name).string(), name);
+}
+
+OutputFile OutputFile::temporary_of(const std::string& target, const std::string& shown_name) {
   std::string temporary;
-  OutputFile out(name, named_temporary(target.parent_path(), temporary));
-  if (!out.owned_) fail(name);
-  out.target_ = target.string();
+  OutputFile out(shown_name, named_temporary(fs::path(target).parent_path(), temporary));
+  if (!out.owned_) fail(shown_name);
+  out.target_ = target;
   out.temporary_ = std::move(temporary);
   const mode_t mask = ::umask(0);
   ::umask(mask);
-  if (::fchmod(out.fd_, 0666 & ~mask) != 0) fail(name);
+  if (::fchmod(out.fd_, 0666 & ~mask) != 0) fail(shown_name);
   return out;
 }
 

@@ -70,6 +70,7 @@ class OutputFile {
   OutputFile(std::string shown_name, FileDescriptor file);
 
   static OutputFile direct(const std::string& name);
+  static OutputFile temporary_of(const std::string& target, const std::string& shown_name);
 
   std::string shown_name_;
   FileDescriptor owned_;

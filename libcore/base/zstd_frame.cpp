@@ -1,15 +1,14 @@
 #include "libcore/base/zstd_frame.hpp"
 
-#define ZSTD_STATIC_LINKING_ONLY  // ZSTD_d_forceIgnoreChecksum, ZSTD_c_literalCompressionMode
 #include <zstd.h>
 
 #include <array>
 #include <cstring>
 #include <new>
-#include <string>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
@@ -50,13 +49,11 @@ std::span<const std::byte> ZstdFrameEncoder::encode(std::span<const std::byte> c
   }
   ZSTD_CCtx* const zstd = context_of_thread<ZSTD_createCCtx, ZSTD_freeCCtx>();
   ZSTD_CCtx_setParameter(zstd, ZSTD_c_compressionLevel, level_);
-  ZSTD_CCtx_setParameter(zstd, ZSTD_c_literalCompressionMode,
-                         literals_ == Literals::kPlain ? ZSTD_ps_disable : ZSTD_ps_auto);
   ZSTD_CCtx_setParameter(zstd, ZSTD_c_checksumFlag, 1);
   ZSTD_CCtx_setParameter(zstd, ZSTD_c_contentSizeFlag, 1);
   const std::size_t size =
       ZSTD_compress2(zstd, frame_.get(), capacity_, content.data(), content.size());
-  if (ZSTD_isError(size)) throw Error(std::string("zstd: ") + ZSTD_getErrorName(size));
+  if (ZSTD_isError(size)) throw Error(format("zstd: {}", ZSTD_getErrorName(size)));
   return {frame_.get(), size};
 }
 
@@ -66,20 +63,16 @@ void ZstdFrameDecoder::decode(std::span<const std::byte> frame, std::uint64_t li
     throw FormatError("damaged: a zstd frame is cut");
   const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
   if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR)
-    throw FormatError(std::string("not a ") + kind_ + ": a zstd frame without its content's size");
+    throw FormatError(format("not a {}: a zstd frame without its content's size", kind_));
   if (size > limit)
-    throw FormatError("a message of " + std::to_string(size) + " bytes, the limit is " +
-                      std::to_string(limit));
+    throw FormatError(format("a message of {} bytes, the limit is {}", size, limit));
   if (size == 0 || size % sizeof(std::uint64_t) != 0)
-    throw FormatError(std::string("not a ") + kind_ + ": no Cap'n Proto message");
+    throw FormatError(format("not a {}: no Cap'n Proto message", kind_));
   words.resize(size / sizeof(std::uint64_t));
   ZSTD_DCtx* const zstd = context_of_thread<ZSTD_createDCtx, ZSTD_freeDCtx>();
-  ZSTD_DCtx_setParameter(zstd, ZSTD_d_forceIgnoreChecksum,
-                         hashed_ ? ZSTD_d_ignoreChecksum : ZSTD_d_validateChecksum);
   const std::size_t decoded =
       ZSTD_decompressDCtx(zstd, words.data(), size, frame.data(), frame.size());
-  if (ZSTD_isError(decoded))
-    throw FormatError(std::string("damaged: ") + ZSTD_getErrorName(decoded));
+  if (ZSTD_isError(decoded)) throw FormatError(format("damaged: {}", ZSTD_getErrorName(decoded)));
   if (decoded != size) throw FormatError("damaged: a zstd frame is shorter than it says");
 }
 

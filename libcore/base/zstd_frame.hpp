@@ -22,21 +22,16 @@ std::size_t zstd_frame_bound(std::uint64_t content);
 /// zstd.
 class ZstdFrameEncoder {
  public:
-  /// What zstd does with bytes that occur nowhere before: kPlain leaves them as they are, which is
-  /// twice as fast, both ways, and larger: by 4 % where numbers are noise in their last digits, by
-  /// two thirds where they are smooth.
-  enum class Literals : std::uint8_t { kCoded, kPlain };
-
-  /// `level`: zstd's; 1 is the fastest that is used here, 3 its own default.
-  explicit ZstdFrameEncoder(int level = 1, Literals literals = Literals::kCoded)
-      : level_(level), literals_(literals) {}
+  /// @param level zstd's: 3 is its own default. Below 0 it leaves bytes that occur nowhere before
+  /// as they are, which is twice as fast, both ways, and larger: by 4 % where numbers are noise in
+  /// their last digits, by two thirds where they are smooth.
+  explicit ZstdFrameEncoder(int level = 1) : level_(level) {}
 
   /// The zstd frame is valid until the next call.
   std::span<const std::byte> encode(std::span<const std::byte> content);
 
  private:
   int level_;
-  Literals literals_;
   std::unique_ptr<std::byte[]> frame_;
   std::size_t capacity_ = 0;
 };
@@ -45,9 +40,7 @@ class ZstdFrameEncoder {
 class ZstdFrameDecoder {
  public:
   /// @param kind what the zstd frames are of, for messages: "not a `kind`: ..."
-  /// @param hashed the zstd frames are compared with a hash of them before they are decoded, so
-  /// that zstd need not compute the content's checksum, too.
-  explicit ZstdFrameDecoder(const char* kind, bool hashed = false) : kind_(kind), hashed_(hashed) {}
+  explicit ZstdFrameDecoder(const char* kind) : kind_(kind) {}
 
   /// Decodes a zstd frame without anything behind it into `words` (8-byte aligned, as Cap'n Proto
   /// wants them).
@@ -59,7 +52,6 @@ class ZstdFrameDecoder {
 
  private:
   const char* kind_;
-  bool hashed_;
 };
 
 }  // namespace hapgrid

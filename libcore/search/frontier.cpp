@@ -6,7 +6,9 @@
 namespace hapgrid {
 
 Partition::Partition(std::uint64_t items, Part part)
-    : total_(items), part_(part), block_(std::max<std::uint64_t>(items / (kTurns * part.of), 1)) {}
+    : total_(items), part_(part), block_(std::max<std::uint64_t>(items / (kTurns * part.of), 1)) {
+  if (items / (kLeastTurns * part.of) >= kLongBlock) block_ = std::max(block_, kLongBlock);
+}
 
 std::uint64_t Partition::size() const {
   const std::uint64_t turn = block_ * part_.of;

@@ -17,7 +17,8 @@ struct Part {
 /// Which items of a round are a part's: conversions of a frontier, or one-way links. Slow
 /// conversions lie together, so the items are cut into blocks of equally many, which are dealt out
 /// in turns: block b goes to part b mod N + 1. The size of a block follows from the number of items
-/// and N alone.
+/// and N alone: many turns make the parts alike, and the blocks of a large frontier are long, so that
+/// few parts read the same chunk of the grid.
 class Partition {
  public:
   Partition(std::uint64_t items, Part part);
@@ -31,6 +32,8 @@ class Partition {
 
  private:
   static constexpr std::uint64_t kTurns = 512;
+  static constexpr std::uint64_t kLeastTurns = 32;
+  static constexpr std::uint64_t kLongBlock = 1024;  // items; a chunk has some thousand
 
   std::uint64_t total_;
   Part part_;

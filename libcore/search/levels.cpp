@@ -112,32 +112,32 @@ RecordRows Levels::view(const Block& block) const {
   return rows;
 }
 
-Levels::Place Levels::find(PointIndex point, Level level) {
-  Place place;
+Levels::RecordHandle Levels::find(PointIndex point, Level level) {
+  RecordHandle handle;
   Block& here = block(point);
   std::uint32_t r = here.first[in_block(point)];
   for (; level > 0 && r != kNone; --level) r = here.next[r];
-  if (r == kNone) return place;
-  place.block_ = &here;
-  place.record_ = r;
-  return place;
+  if (r == kNone) return handle;
+  handle.block_ = &here;
+  handle.record_ = r;
+  return handle;
 }
 
-std::uint32_t Levels::generation(Place place) const {
-  return place.block_->generation[place.record_];
+std::uint32_t Levels::generation(RecordHandle handle) const {
+  return handle.block_->generation[handle.record_];
 }
 
-const double* Levels::state(Place place) const {
-  return &place.block_->numbers[std::size_t{place.record_} * row_size_];
+const double* Levels::state(RecordHandle handle) const {
+  return &handle.block_->numbers[std::size_t{handle.record_} * row_size_];
 }
 
-std::string Levels::source_text(Place source, int q) const {
+std::string Levels::source_text(RecordHandle source, int q) const {
   const Block& from = *source.block_;
   return format("{}, direction {}",
                 describe(spec_.box, from.point[source.record_], from.level[source.record_]), q);
 }
 
-bool Levels::settle_other(Place source, int q, PointIndex target, const double* numbers,
+bool Levels::settle_other(RecordHandle source, int q, PointIndex target, const double* numbers,
                           std::uint32_t generation) {
   Level& link = source.block_->links[std::size_t{source.record_} * kDirections + unsigned(q)];
   if (link != kUnsettled)
@@ -180,7 +180,7 @@ bool Levels::settle_other(Place source, int q, PointIndex target, const double* 
   return true;
 }
 
-void Levels::fail_level_limit(PointIndex target, Place source) const {
+void Levels::fail_level_limit(PointIndex target, RecordHandle source) const {
   const Block& from = *source.block_;
   throw LevelLimit(format(
       "level limit: {} has {} levels (search.max_levels), and a state reached from {} equals none "

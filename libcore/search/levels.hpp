@@ -39,7 +39,7 @@ class Levels {
   };
 
   /// Where a record is, until its block is released.
-  class Place {
+  class RecordHandle {
    public:
     explicit operator bool() const { return block_ != nullptr; }
 
@@ -66,9 +66,9 @@ class Levels {
   bool is_loaded(std::uint64_t number) const { return blocks_[number] != nullptr; }
 
   /// Where the record is, nowhere where there is none.
-  Place find(PointIndex point, Level level);
-  std::uint32_t generation(Place place) const;
-  const double* state(Place place) const;
+  RecordHandle find(PointIndex point, Level level);
+  std::uint32_t generation(RecordHandle handle) const;
+  const double* state(RecordHandle handle) const;
 
   /// For each of the `directions`, ascending: finds or stores the state that the conversion from
   /// `source` reached (lines 11 to 19), and sets the link there (line 20). `row(q)` is the row that
@@ -76,7 +76,7 @@ class Levels {
   /// each record that this stores, of generation `generation`.
   /// @throw FormatError when a link is settled already; LevelLimit.
   template <class Row, class F>
-  void settle(Place source, DirectionMask directions, std::uint32_t generation, Row&& row,
+  void settle(RecordHandle source, DirectionMask directions, std::uint32_t generation, Row&& row,
               F&& stored);
 
   /// Calls f(rows, begin, end) for the records of block `number`, ascending: as few runs of them as
@@ -121,7 +121,7 @@ class Levels {
   RecordRows view(const Block& block) const;
   std::uint32_t in_block(PointIndex point) const { return point & (block_points_ - 1); }
   /// Any conversion but the most frequent. Answers whether a record was stored: last_stored_.
-  bool settle_other(Place source, int q, PointIndex target, const double* numbers,
+  bool settle_other(RecordHandle source, int q, PointIndex target, const double* numbers,
                     std::uint32_t generation);
   /// Whether two states are the same, bit by bit.
   bool has_bits(const double* a, const double* b) const {
@@ -129,8 +129,8 @@ class Levels {
            (state_size_ == 1 || std::memcmp(a, b, state_size_ * sizeof(double)) == 0);
   }
   /// For messages: the source and its direction.
-  std::string source_text(Place source, int q) const;
-  [[noreturn]] void fail_level_limit(PointIndex target, Place source) const;
+  std::string source_text(RecordHandle source, int q) const;
+  [[noreturn]] void fail_level_limit(PointIndex target, RecordHandle source) const;
 
   const GridSpec& spec_;
   const Model& model_;
@@ -147,8 +147,8 @@ class Levels {
 };
 
 template <class Row, class F>
-void Levels::settle(Place source, DirectionMask directions, std::uint32_t generation, Row&& row,
-                    F&& stored) {
+void Levels::settle(RecordHandle source, DirectionMask directions, std::uint32_t generation,
+                    Row&& row, F&& stored) {
   const PointIndex point = source.block_->point[source.record_];
   const auto links_of_source = [&] {
     return &source.block_->links[std::size_t{source.record_} * kDirections];

@@ -186,11 +186,12 @@ void merge(const MergeInput& input, const Model& model, SectionWriter& out, Prog
   const auto reach = static_cast<std::uint64_t>(Neighbourhood(header.spec.box).reach());
   while (requests.next(source)) {
     if (source.point > reach) blocks.write_before(source.point - reach, levels, completeness, out);
-    const Levels::Place place = levels.find(source.point, source.level);
-    if (!place || levels.generation(place) != header.generation) fail_unasked(header.spec, source);
+    const Levels::RecordHandle handle = levels.find(source.point, source.level);
+    if (!handle || levels.generation(handle) != header.generation)
+      fail_unasked(header.spec, source);
     levels.settle(
-        place, source.directions, header.generation + 1, [&source](int q) { return source.row(q); },
-        [](const Levels::Stored&) {});
+        handle, source.directions, header.generation + 1,
+        [&source](int q) { return source.row(q); }, [](const Levels::Stored&) {});
     progress.conversions += static_cast<std::uint64_t>(std::popcount(source.directions));
   }
   blocks.write_before(levels.blocks() * levels.block_points(), levels, completeness, out);

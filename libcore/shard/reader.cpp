@@ -18,25 +18,6 @@ std::uint64_t chunk_limit(const SectionHeader& header) {
   return (4 << 20) + rows * record_bytes(header.spec.row_size());
 }
 
-/// A column of `count` primitive values. A hostile list may have been encoded with another element
-/// size.
-template <class T, class List>
-std::span<const T> column(List list, std::size_t count, const char* name) {
-  constexpr auto kSize =
-      sizeof(T) == 8 ? capnp::ElementSize::EIGHT_BYTES : capnp::ElementSize::FOUR_BYTES;
-  const capnp::AnyList::Reader any(list);
-  if (any.size() != count || (count > 0 && any.getElementSize() != kSize))
-    throw FormatError(std::string("column ") + name + " does not fit the chunk");
-  return {reinterpret_cast<const T*>(any.getRawBytes().begin()), count};
-}
-
-std::span<const std::uint8_t> column(capnp::Data::Reader data, std::size_t bytes,
-                                     const char* name) {
-  if (data.size() != bytes)
-    throw FormatError(std::string("column ") + name + " does not fit the chunk");
-  return {data.begin(), bytes};
-}
-
 /// Puts components that stand one after the other into the numbers [first, last) of each row.
 template <class T>
 void place(std::span<const T> components, std::size_t rows, std::uint32_t first, std::uint32_t last,
@@ -128,32 +109,31 @@ void SectionReader::read_stored(std::size_t chunk, StoredChunk& stored) {
 void SectionReader::read_bytes(const ChunkInfo& info, std::vector<std::byte>& bytes) {
   bytes.resize(info.size);
   if (section_->file->read(info.offset, bytes) != info.size || hash_of(bytes) != info.stored)
-    throw FormatError(at(*section_->file, info.offset) +
-                      ": damaged: a chunk does not fit the footer's hash of it");
+    throw FormatError(format("{}: damaged: a chunk does not fit the footer's hash of it",
+                             at(*section_->file, info.offset)));
 }
 
 template <class Rows>
 void SectionReader::decode(std::size_t chunk, Rows& rows) {
   const ChunkInfo& info = section_->footer.chunks[chunk];
-  const std::string where = at(*section_->file, info.offset);
   read_bytes(info, bytes_);
   try {
     decoder_.decode(bytes_, chunk_limit(section_->header), rows.message);
+    if (digest_of(std::as_bytes(std::span(rows.message))) != info.digest)
+      throw FormatError("damaged: a chunk does not fit the footer's digest of it");
+    read_message<schema::Message>(rows.message, [&](schema::Message::Reader message) {
+      read_columns(message, section_->header, rows);
+      if (rows.size() == 0) throw FormatError("damaged: a chunk without rows");
+      check_order(rows);
+      const Counts counts = check(rows);
+      if (rows.size() != info.rows || rows.point.front() != info.first_point ||
+          rows.point.back() != info.last_point || counts.frontier != info.frontier ||
+          counts.conversions != info.conversions)
+        throw FormatError("damaged: a chunk does not fit what the footer says of it");
+    });
   } catch (const FormatError& e) {
-    throw FormatError(where + ": " + e.what());
+    throw FormatError(format("{}: {}", at(*section_->file, info.offset), e.what()));
   }
-  if (digest_of(std::as_bytes(std::span(rows.message))) != info.digest)
-    throw FormatError(where + ": damaged: a chunk does not fit the footer's digest of it");
-  read_message(rows.message, where, [&](schema::Message::Reader message) {
-    read_columns(message, section_->header, rows);
-    if (rows.size() == 0) throw FormatError("damaged: a chunk without rows");
-    check_order(rows);
-    const Counts counts = check(rows);
-    if (rows.size() != info.rows || rows.point.front() != info.first_point ||
-        rows.point.back() != info.last_point || counts.frontier != info.frontier ||
-        counts.conversions != info.conversions)
-      throw FormatError("damaged: a chunk does not fit what the footer says of it");
-  });
 }
 
 void SectionReader::check_order(const Chunk& rows) const {
@@ -161,15 +141,13 @@ void SectionReader::check_order(const Chunk& rows) const {
   const std::uint64_t points = spec.box.points();
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const PointIndex point = rows.point[r];
-    if (point >= points)
-      throw FormatError("damaged: point " + std::to_string(point) + " is outside the box");
+    if (point >= points) throw FormatError(format("damaged: point {} is outside the box", point));
     if (rows.level[r] >= spec.max_levels)
-      throw FormatError("damaged: level " + std::to_string(rows.level[r]) + " at point " +
-                        std::to_string(point) + ", the limit is " +
-                        std::to_string(spec.max_levels));
+      throw FormatError(format("damaged: level {} at point {}, the limit is {}", rows.level[r],
+                               point, spec.max_levels));
     if (r > 0 &&
         record_key(point, rows.level[r]) <= record_key(rows.point[r - 1], rows.level[r - 1]))
-      throw FormatError("damaged: rows out of order at point " + std::to_string(point));
+      throw FormatError(format("damaged: rows out of order at point {}", point));
   }
 }
 
@@ -181,13 +159,13 @@ SectionReader::Counts SectionReader::check(const RecordRows& rows) const {
     is_wrong |= static_cast<std::uint8_t>((tear >= kTearSteps) & (tear != kNoTear));
   for (std::size_t i = 0; is_wrong != 0 && i < rows.tears.size(); ++i)
     if (const TearByte tear = rows.tears[i]; !is_tear_byte(tear))
-      throw FormatError("damaged: a tear fraction of " + std::to_string(tear));
+      throw FormatError(format("damaged: a tear fraction of {}", tear));
   std::uint32_t youngest = 0;
   for (const std::uint32_t generation : rows.generation) youngest = std::max(youngest, generation);
   if (youngest < section_->header.generation) return counts;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (rows.generation[r] > section_->header.generation)
-      throw FormatError("damaged: a record of generation " + std::to_string(rows.generation[r]));
+      throw FormatError(format("damaged: a record of generation {}", rows.generation[r]));
     if (rows.generation[r] != section_->header.generation) continue;
     ++counts.frontier;
     counts.conversions +=
@@ -203,8 +181,7 @@ SectionReader::Counts SectionReader::check(const TearRows& rows) const {
       throw FormatError("damaged: a tear fraction of a link that leaves the box");
   }
   for (const TearByte tear : rows.tears)
-    if (tear >= kTearSteps)
-      throw FormatError("damaged: a tear fraction of " + std::to_string(tear));
+    if (tear >= kTearSteps) throw FormatError(format("damaged: a tear fraction of {}", tear));
   return {0, static_cast<std::uint32_t>(rows.tears.size())};
 }
 

@@ -43,7 +43,7 @@ class SectionReader {
 
   const Section* section_;
   Neighbourhood neighbourhood_;
-  ZstdFrameDecoder decoder_{"shard", /*hashed=*/true};
+  ZstdFrameDecoder decoder_{"shard"};
   std::vector<std::byte> bytes_;
 };
 

@@ -213,8 +213,8 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
 SectionHeader decode_header(schema::Header::Reader in) {
   if (in.getMagic() != kMagic) throw FormatError("not a hapgrid shard");
   if (in.getVersion() != kFormatVersion)
-    throw FormatError("format version " + std::to_string(in.getVersion()) +
-                      ", this program reads version " + std::to_string(kFormatVersion));
+    throw FormatError(format("format version {}, this program reads version {}", in.getVersion(),
+                             kFormatVersion));
   SectionHeader header;
   header.content = decode_content(in.getContent());
   header.generation = in.getGeneration();
@@ -230,7 +230,7 @@ SectionHeader decode_header(schema::Header::Reader in) {
   spec.stored = {in.getStored().getForce(), in.getStored().getEnergy(), in.getStored().getShape()};
   const auto spheres = in.getSpheres();
   if (spec.stored.shape != (spheres.size() > 0) || spheres.size() > kMaxSpheres)
-    throw FormatError("a shape of " + std::to_string(spheres.size()) + " spheres");
+    throw FormatError(format("a shape of {} spheres", spheres.size()));
   for (const auto sphere : spheres) spec.spheres.push_back(decode_sphere(sphere));
   decode_tears(in.getTears(), header);
   return header;

@@ -58,7 +58,7 @@ class BackwardReader {
 
  private:
   [[noreturn]] void fail(std::uint64_t offset, const std::string& what) const {
-    throw FormatError(at(*file_, offset) + ": " + what);
+    throw FormatError(format("{}: {}", at(*file_, offset), what));
   }
 
   /// Answers where the footer starts.
@@ -110,13 +110,12 @@ class BackwardReader {
   void decode(std::uint64_t offset, std::uint64_t size, F&& use) {
     stored_.resize(size);
     stored_.resize(file_->read(offset, stored_));
-    const std::string where = at(*file_, offset);
     try {
       decoder_.decode(stored_, std::max(kMaxHeaderBytes, kMaxFooterRatio * size), words_);
+      read_message<schema::Message>(words_, use);
     } catch (const FormatError& e) {
-      throw FormatError(where + ": " + e.what());
+      fail(offset, e.what());
     }
-    read_message(words_, where, use);
   }
 
   std::shared_ptr<const InputFile> file_;
@@ -160,8 +159,9 @@ std::vector<Section> open_sections(const std::vector<std::string>& names) {
   for (const Section& section : sections) {
     const Section& first = sections.front();
     if (section.header.spec == first.header.spec) continue;
-    throw FormatError(section.file->name() + ": another grid than " + first.file->name() + ": " +
-                      difference(section.header.spec, first.header.spec));
+    throw FormatError(format("{}: another grid than {}: {}", section.file->name(),
+                             first.file->name(),
+                             difference(section.header.spec, first.header.spec)));
   }
   return sections;
 }
@@ -170,11 +170,11 @@ Section open_grid(const std::string& name) {
   const std::vector<Section> sections = open_sections({name});
   const Section& grid = sections.back();
   if (grid.header.content != Content::kGrid)
-    throw FormatError(grid.file->name() + ": holds " + to_string(grid.header.content) +
-                      " where a grid is needed");
+    throw FormatError(format("{}: holds {} where a grid is needed", grid.file->name(),
+                             to_string(grid.header.content)));
   if (sections.size() > 1)
-    throw FormatError(grid.file->name() + ": holds " + std::to_string(sections.size()) +
-                      " sections where one grid is needed");
+    throw FormatError(format("{}: holds {} sections where one grid is needed", grid.file->name(),
+                             sections.size()));
   return grid;
 }
 

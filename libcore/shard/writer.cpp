@@ -1,16 +1,10 @@
 #include "libcore/shard/writer.hpp"
 
-#include <capnp/message.h>
-#include <capnp/serialize.h>
-
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <cstring>
-#include <optional>
 #include <type_traits>
 
-#include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/locator.hpp"
 #include "libcore/base/zstd_frame.hpp"
@@ -18,32 +12,31 @@
 
 namespace hapgrid {
 
-static_assert(std::endian::native == std::endian::little,
-              "columns are copied as they are in memory, and Cap'n Proto is little-endian");
-
 namespace {
+
+/// Room for a header. A larger one gets a second segment, whose size depends on this: with another
+/// number it has other bytes.
+constexpr std::size_t kHeaderWords = 1279;
 
 /// How chunks are compressed. Speed counts, and links and smooth states compress nearly as well at
 /// level 1 as at level 3; above all in requests, which are written and read once. What is to be
 /// small is written once and kept.
 ZstdFrameEncoder encoder_for(Content content, Packing packing) {
-  using Literals = ZstdFrameEncoder::Literals;
-  if (content != Content::kGrid) return ZstdFrameEncoder(1, Literals::kPlain);
+  if (content != Content::kGrid) return ZstdFrameEncoder(-1);
   return ZstdFrameEncoder(packing == Packing::kSmall ? 19 : 1);
 }
 
 template <class List, class T>
 void copy_column(List list, const std::unique_ptr<T[]>& column) {
-  const auto bytes = capnp::AnyList::Reader(list.asReader()).getRawBytes();
-  std::memcpy(const_cast<kj::byte*>(bytes.begin()), column.get(), list.size() * sizeof(T));
+  const std::span<T> to = column_to_fill<T>(list);
+  std::memcpy(to.data(), column.get(), to.size_bytes());
 }
 
 /// The numbers [first, last) of each row, component by component. `numbers` is row-major.
 template <class T>
 void copy_components(typename capnp::List<T>::Builder list, const double* numbers,
                      std::size_t width, std::uint32_t first, std::uint32_t last) {
-  const auto bytes = capnp::AnyList::Reader(list.asReader()).getRawBytes();
-  auto* out = reinterpret_cast<T*>(const_cast<kj::byte*>(bytes.begin()));
+  T* const out = column_to_fill<T>(list).data();
   const std::size_t rows = list.size() / (last - first);
   if constexpr (std::is_same_v<T, double>) {
     if (width == 1) {
@@ -87,27 +80,16 @@ class SectionWriter::Encoder {
   Encoder(int fd, std::string name, ZstdFrameEncoder encoder)
       : fd_(fd), name_(std::move(name)), zstd_(std::move(encoder)) {}
 
-  /// Builds one message with `fill(schema::Message::Builder)`, which needs at most `words`, and
-  /// writes it.
-  template <class F>
-  void write(std::size_t words, F&& fill) {
-    // The message is built one word behind the start of the buffer: its segment table goes in
-    // front, so that no copy is needed. Cap'n Proto clears the segment again when it is done.
-    reserve(words + kSpareWords);
-    auto* first = reinterpret_cast<capnp::word*>(scratch_.get() + 1);
-    capnp::MallocMessageBuilder builder(kj::arrayPtr(first, scratch_words_ - 1));
-    fill(builder.initRoot<schema::Message>());
-    const auto segments = builder.getSegmentsForOutput();
-    if (segments.size() == 1) {
-      const auto size = static_cast<std::uint32_t>(segments[0].size());
-      const std::uint32_t table[2] = {0, size};
-      std::memcpy(scratch_.get(), table, sizeof table);
-      encode(std::as_bytes(std::span(scratch_.get(), size + 1)));
-    } else {
-      const auto flat = capnp::messageToFlatArray(segments);
-      const auto bytes = flat.asBytes();
-      encode(std::as_bytes(std::span(bytes.begin(), bytes.size())));
-    }
+  /// Builds one message of some `words` with `fill(schema::Message::Builder)`, and writes it.
+  template <class Fill>
+  void write(std::size_t words, Fill&& fill) {
+    build_message<schema::Message>(words, scratch_, message_, fill);
+    const auto bytes = std::as_bytes(std::span(message_));
+    const std::span<const std::byte> frame = zstd_.encode(bytes);
+    digest_ = digest_of(bytes);
+    size_ = static_cast<std::uint32_t>(frame.size());
+    hash_ = hash_of(frame);
+    put(frame);
   }
 
   // Of the message written last.
@@ -129,24 +111,7 @@ class SectionWriter::Encoder {
   }
 
  private:
-  static constexpr std::size_t kSpareWords = 256;
   static constexpr std::size_t kWriteBytes = 128 << 10;
-
-  /// Cap'n Proto wants its memory cleared; calloc's pages are, and cost nothing until used.
-  void reserve(std::size_t words) {
-    if (scratch_words_ >= words) return;
-    scratch_.reset(static_cast<std::uint64_t*>(std::calloc(words, sizeof(std::uint64_t))));
-    if (!scratch_) throw std::bad_alloc();
-    scratch_words_ = words;
-  }
-
-  void encode(std::span<const std::byte> message) {
-    const std::span<const std::byte> bytes = zstd_.encode(message);
-    digest_ = digest_of(message);
-    size_ = static_cast<std::uint32_t>(bytes.size());
-    hash_ = hash_of(bytes);
-    put(bytes);
-  }
 
   int fd_;
   std::string name_;
@@ -155,11 +120,8 @@ class SectionWriter::Encoder {
   Digest digest_;
   std::uint32_t size_ = 0;
   std::uint64_t hash_ = 0;
-  struct Free {
-    void operator()(void* memory) const { std::free(memory); }
-  };
-  std::unique_ptr<std::uint64_t[], Free> scratch_;
-  std::size_t scratch_words_ = 0;
+  MessageWords scratch_;
+  MessageWords message_;
 };
 
 SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeader& header,
@@ -186,9 +148,9 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
   } else {
     columns_.directions = std::make_unique_for_overwrite<DirectionMask[]>(rows);
   }
-  // A guess: what does not fit is put together from more segments.
-  encoder_->write(
-      1024, [&](schema::Message::Builder message) { encode_header(header, message.initHeader()); });
+  encoder_->write(kHeaderWords, [&](schema::Message::Builder message) {
+    encode_header(header, message.initHeader());
+  });
   footer_.header_size = encoder_->size();
   header_digest_ = encoder_->digest();
 }

@@ -96,7 +96,7 @@ void read_shard(std::span<const std::byte> bytes) {
 /// The footer's header_size, its chunks' sizes and digests, and its own digest.
 void fit_footer(Words& words, std::span<const Framed> before) {
   if (before.empty()) return;
-  SectionFooter footer = read_message(words, "footer", [](schema::Message::Reader in) {
+  SectionFooter footer = read_message<schema::Message>(words, [](schema::Message::Reader in) {
     if (!in.isFooter()) throw FormatError("no footer");
     return decode_footer(in.getFooter());
   });
