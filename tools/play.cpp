@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/device/process_device.hpp"
 #include "libcore/haptic/playable.hpp"
@@ -227,6 +228,21 @@ struct PlayedForce {
   }
 };
 
+/// Runs the loop to its end, in real time where that is wanted and there is a rate. Says at the
+/// start, and in `facts`, what the system gave.
+template <class Use>
+LoopSummary drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& safety,
+                  const PlayedForce& force, const LoopOptions& loop, RealtimeMode wanted,
+                  RunFacts& facts, const Use& use) {
+  std::atomic<std::uint64_t> heartbeat{0};
+  const std::unique_ptr<Watchdog> watchdog = watch(device, heartbeat, loop);
+  const Realtime realtime(loop.paced() ? wanted : RealtimeMode::kOff, &device);
+  facts.realtime = realtime.got();
+  if (loop.paced())
+    say("play", format("{} at {:g} Hz; real time: {}", facts.device, loop.rate_hz, facts.realtime));
+  return run_loop(device, mapping, traversal, safety, force, use, caught_signal, heartbeat, loop);
+}
+
 /// Prints and writes what happened. @return the exit code @throw Error for a bad end
 int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts facts,
              const SafetyCore& safety, const Device& device, const Viewers& viewers) {
@@ -315,28 +331,16 @@ int play(PlayOptions options) {
                  .traversal = name_of(rule),
                  .force = name_of(force.rule()),
                  .rate_hz = loop.rate_hz};
-  LoopSummary summary;
-  {
-    std::atomic<std::uint64_t> heartbeat{0};
-    viewers.wait(settings.imd_wait_s, caught_signal);
-    const std::unique_ptr<Watchdog> watchdog = watch(device, heartbeat, loop);
-    const Realtime realtime(loop.paced() ? options.realtime : RealtimeMode::kOff, &device);
-    facts.realtime = realtime.got();
-    if (loop.paced())
-      say("play",
-          facts.device + " at " + rounded(loop.rate_hz) + " Hz; real time: " + facts.realtime);
-    summary = run_loop(
-        device, mapping, *traversal, safety,
-        PlayedForce{force, *traversal, fields,
-                    mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0},
-        [&](const Tick& tick) {
-          log.add(tick);
-          viewers.show(tick);
-          if (sessions) sessions->add(tick);
-        },
-        caught_signal, heartbeat, loop);
-    signals.reset();  // a second signal may interrupt the writing of what is left
-  }
+  const PlayedForce played{force, *traversal, fields,
+                           mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0};
+  viewers.wait(settings.imd_wait_s, caught_signal);
+  const LoopSummary summary = drive(device, mapping, *traversal, safety, played, loop,
+                                    options.realtime, facts, [&](const Tick& tick) {
+                                      log.add(tick);
+                                      viewers.show(tick);
+                                      if (sessions) sessions->add(tick);
+                                    });
+  signals.reset();  // a second signal may interrupt the writing of what is left
   log.finish();
   viewers.finish();
   facts.frames = viewers.frames();

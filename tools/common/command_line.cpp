@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kColumns = 80;
 constexpr std::size_t kNameColumns = 24;
+constexpr const char* kHidden = "hidden";  // messages have no name for an option of the group ""
 
 /// `text` in lines of at most kColumns, which begin with `indent` blanks, but for the first line.
 std::string filled(const std::string& text, std::size_t indent) {
@@ -87,7 +88,7 @@ class HelpFormatter : public CLI::FormatterBase {
       for (const CLI::Option* option : app->get_options())
         if (option->nonpositional() && option->get_group() == group)
           entries += option_entry(*option);
-      if (!group.empty() && !entries.empty()) help += "\n" + group + ":\n" + entries;
+      if (group != kHidden && !entries.empty()) help += "\n" + group + ":\n" + entries;
     }
     std::istringstream footer("\n" + app->get_footer());
     for (std::string line; std::getline(footer, line);) help += wrapped(line) + "\n";
@@ -185,7 +186,7 @@ Option& Option::whole(std::int64_t low, std::int64_t high) {
 }
 
 Option& Option::hidden() {
-  option_->group("");
+  option_->group(kHidden);
   return *this;
 }
 

@@ -290,18 +290,15 @@ void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file) {
 }
 
 std::string settings_help() {
-  const auto row = [](const std::string& key, const std::string& unit, const std::string& value,
-                      const std::string& meaning) {
-    return "  " + left(key, 17) + left(unit, 9) + left(value, 9) + " " + meaning + "\n";
-  };
-  std::string help = row("KEY", "UNIT", "DEFAULT", "MEANING");
+  std::string help;
   for (const Setting& setting : kSettings) {
     if (is_option(setting)) continue;
     PlaySettings defaults;
     std::string values;
     for (const double value : setting.values(defaults))
       values += (values.empty() ? "" : ",") + to_text(value);
-    help += row(setting.name, setting.unit, values, setting.meaning);
+    help += format("  {} {} Default: {}{}{}.\n", left(setting.name, 17), setting.meaning, values,
+                   *setting.unit ? " " : "", setting.unit);
   }
   return help;
 }

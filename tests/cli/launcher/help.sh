@@ -7,7 +7,7 @@ tools=(hapgrid feel init seed expand merge verify stats play view check-model)
 molecule() { hapgrid molecule "$@"; }
 [[ ! -e $HAPGRID_BUILD/man/man1/hapgrid-molecule.1 ]] || tools+=(molecule)  # where its modules are
 for tool in "${tools[@]}"; do
-  lines=70 page=hapgrid-$tool
+  lines=85 page=hapgrid-$tool
   [[ $tool != play ]] || lines=125
   [[ $tool != hapgrid ]] || page=hapgrid
   "$tool" --help >help

@@ -110,7 +110,7 @@ expect 2 '' "~stats: --log: a log that is text needs --plot and --png $see" -- \
   stats --log log --png z.png
 expect 2 '' "~stats: --log: a log that is text needs --plot and --png $see" -- \
   stats --log log --plot x,s0
-expect 2 '' "~stats: --log tells of a play and reads no shard, except for the units of --plot $see" -- \
+expect 2 '' "~stats: --log reads a recorded play, so no grid can be given, except with --plot for its units $see" -- \
   stats grid --log log
 refuses 'stats: none: No such file or directory' -- stats none --log log --plot x,s0 --png empty/z.png
 for slice in w=0 z z= z=up z=nan z=0,5 'z =0'; do
