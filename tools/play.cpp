@@ -12,7 +12,6 @@
 #include <future>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -157,15 +156,16 @@ struct Settled {
 };
 
 /// The settings of a play: those that the user gave, then those that a replay recorded, then the
-/// defaults. The device's own limit holds in any case.
-Settled settle(const PlayOptions& options, const OpenDevice& open, const LoadedGrid& loaded) {
+/// defaults. @param session of a replay
+Settled settle(const PlayOptions& options, const std::optional<SessionHeader>& session,
+               const LoadedGrid& loaded) {
   Settled settled;
   auto& [settings, rule, force] = settled;
-  if (open.session) {
+  if (session) {
     const std::string file = input_file(*options.device);
-    if (open.session->grid_digest != loaded.digest)
+    if (session->grid_digest != loaded.digest)
       say("play", file + " was recorded with another grid: its forces will be different");
-    const PlayedWith with = played_with(*open.session, file);
+    const PlayedWith with = played_with(*session, file);
     settings.safety = with.limits;
     settings.mapping.scale = with.scale;
     rule = with.traversal;
@@ -178,7 +178,6 @@ Settled settle(const PlayOptions& options, const OpenDevice& open, const LoadedG
   }
   if (options.force) force = options.force;
   if (options.axes) settings.mapping.axes = *options.axes;
-  settings.safety.max_force = std::min(settings.safety.max_force, open.device->info().max_force);
   return settled;
 }
 
@@ -218,13 +217,13 @@ std::unique_ptr<Watchdog> watch(Device& device, const std::atomic<std::uint64_t>
 /// What the loop plays.
 struct PlayedForce {
   PlayForce& force;
-  const Traversal& traversal;
   const Fields& fields;
   double metres;  ///< of the hand, for a unit of the model's length, times the gain
 
-  Vec3 operator()(const Vec3&, std::span<const double>) const { return force(traversal); }
-  double stored_energy(const Vec3& x, std::span<const double> row) const {
-    return fields.has_energy() ? fields.energy(x, row) * fields.force_scale() * metres : 0;
+  Vec3 operator()(const Traversal& traversal) const { return force(traversal); }
+  double stored_energy(const Traversal& traversal) const {
+    if (!fields.has_energy()) return 0;
+    return fields.energy(traversal.position(), traversal.row()) * fields.force_scale() * metres;
   }
 };
 
@@ -293,26 +292,34 @@ int play(PlayOptions options) {
   };
   const Fields fields(spec, create, /*wants_shape=*/false);
 
-  // Signals are caught before a live device is open: one must not leave a terminal without lines
-  // and echo. They still end a play that reads a path from standard input.
-  std::optional<CaughtSignals> signals;
-  if (is_live(*options.device)) signals.emplace();
-  const OpenDevice open = open_device(*options.device, given_settings(options),
-                                      virtual_rate_hz(options), spec.box, guard);
-  if (!signals) signals.emplace();
-  Device& device = *open.device;
-  const auto [settings, rule, wanted_force] = settle(options, open, loaded);
-  const LoopOptions loop = pace(options, open, settings.spin_us);
-  const double rate_hz = loop.tick_rate_hz();
-
-  Mapping mapping(settings.mapping, device.info(), spec.box);
+  // A live device is opened last, and signals are caught from then on: one must not leave a
+  // terminal without lines and echo. Until then a signal ends the program at once, also while it
+  // reads a path from standard input or prepares a large grid.
+  const auto open_it = [&] {
+    return open_device(*options.device, given_settings(options), virtual_rate_hz(options), spec.box,
+                       guard);
+  };
+  std::optional<OpenDevice> opened;
+  if (!is_live(*options.device)) opened.emplace(open_it());
+  auto [settings, rule, wanted_force] =
+      settle(options, opened ? opened->session : std::nullopt, loaded);
   const auto create_exact = [&] { return exact_model(spec, options.model_path); };
   // To ask the records takes all threads, and to prepare the traversal mostly one.
   std::future<NodeForces> records = PlayForce::ask_records(wanted_force, rule, grid, create);
   const std::unique_ptr<Traversal> traversal = traversals(rule, grid, create_exact)();
-  const auto truth =
-      open.wants_truth ? traversals(TraversalRule::kModel, grid, create_exact)() : nullptr;
+  const auto truth = opened && opened->wants_truth
+                         ? traversals(TraversalRule::kModel, grid, create_exact)()
+                         : nullptr;
   PlayForce force(wanted_force, rule, grid, traversal->sheets(), fields, std::move(records));
+
+  std::optional<CaughtSignals> signals(std::in_place);
+  if (!opened) opened.emplace(open_it());
+  const OpenDevice& open = *opened;
+  Device& device = *open.device;
+  settings.safety.max_force = std::min(settings.safety.max_force, device.info().max_force);
+  const LoopOptions loop = pace(options, open, settings.spin_us);
+  const double rate_hz = loop.tick_rate_hz();
+  Mapping mapping(settings.mapping, device.info(), spec.box);
   SafetyCore safety(settings.safety);
   Log log(options.log, loaded, fields, rate_hz, loop.paced(), open.ticks,
           {.limits = settings.safety,
@@ -331,7 +338,7 @@ int play(PlayOptions options) {
                  .traversal = name_of(rule),
                  .force = name_of(force.rule()),
                  .rate_hz = loop.rate_hz};
-  const PlayedForce played{force, *traversal, fields,
+  const PlayedForce played{force, fields,
                            mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0};
   viewers.wait(settings.imd_wait_s, caught_signal);
   const LoopSummary summary = drive(device, mapping, *traversal, safety, played, loop,

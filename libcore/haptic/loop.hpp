@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <span>
+#include <utility>
 
 #include "libcore/base/histogram.hpp"
 #include "libcore/device/device.hpp"
@@ -133,8 +133,7 @@ class Responder {
     // After a HIP of NaN, or a link that leads nowhere, the state is that of an earlier HIP, and so
     // is its force: that is a fault like a force that is not finite.
     const bool unusable = !r.step.usable();
-    if (!unusable && !safety_.faulted())
-      r.raw_force = force_(traversal_.position(), traversal_.row());
+    if (!unusable && !safety_.faulted()) r.raw_force = force_(std::as_const(traversal_));
     r.force = safety_.apply({.force = r.raw_force,
                              .dt = dt,
                              .missed = missed,
@@ -150,8 +149,8 @@ class Responder {
  private:
   void begin(const StepResult& step) {
     double stored = 0;
-    if constexpr (requires { force_.stored_energy(traversal_.position(), traversal_.row()); })
-      if (step.usable()) stored = force_.stored_energy(traversal_.position(), traversal_.row());
+    if constexpr (requires { force_.stored_energy(traversal_); })
+      if (step.usable()) stored = force_.stored_energy(traversal_);
     safety_.begin(stored);
     speed_ = Speed(mapping_.scale());
     reset_held_ = false;
@@ -230,10 +229,10 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 }  // namespace loop_detail
 
 /// Drives `device` until it ends or fails or `stop` is nonzero.
-/// @param force  Vec3 (const Vec3& x, std::span<const double> row): the force in newtons on a HIP
-///               at x, clamped to the box; the row begins with the state. Real-time safe. It may
-///               have a member double stored_energy(x, row): the energy in joules that the hand may
-///               get back, because the play begins there; without it that is 0.
+/// @param force  Vec3 (const Traversal&): the force in newtons at the traversal's position, asked
+///               after each usable step. Real-time safe. It may have a member double
+///               stored_energy(const Traversal&): the energy in joules that the hand may get back,
+///               because the play begins there; without it that is 0.
 /// @param sink   void (const Tick&), after the force was sent; real-time safe when paced.
 /// @param heartbeat counts the ticks as they begin, for a watchdog in another thread.
 /// @throw whatever force and sink throw, after a zero force was sent.

@@ -90,8 +90,8 @@ void measure_loop(const Grid& grid, double rate_hz, double spin_us, std::uint64_
   std::atomic<std::uint64_t> heartbeat{0};
   const LoopSummary summary = run_loop(
       device, mapping, traversal, safety,
-      [](const Vec3& x, std::span<const double>) {
-        return Vec3{x[0], x[1], 0};
+      [](const Traversal& t) {
+        return Vec3{t.position()[0], t.position()[1], 0};
       },
       [](const Tick&) {}, caught_signal, heartbeat, {.rate_hz = rate_hz, .spin_us = spin_us});
   measured.loop.add(summary.lateness);

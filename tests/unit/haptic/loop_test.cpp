@@ -89,7 +89,7 @@ struct Fixture {
   }
 };
 
-constexpr auto kConstant = [](const Vec3&, std::span<const double>) { return Vec3{1, 2, 0.5}; };
+constexpr auto kConstant = [](const Traversal&) { return Vec3{1, 2, 0.5}; };
 constexpr auto kIgnore = [](const Tick&) {};
 constexpr Vec3 kZero{0, 0, 0};
 
@@ -100,9 +100,9 @@ TEST_CASE_METHOD(Fixture, "each position gives a force, and a zero force ends th
   d.path[50] = {-9, 1.5, 1.5};
   std::vector<double> states;
   std::size_t ticks = 0;
-  const auto force = [&](const Vec3& x, std::span<const double> s) {
-    CHECK(x == (ticks == 50 ? Vec3{0, 1.5, 1.5} : d.path[ticks]));  // held in the box
-    return Vec3{s[0], s[1], 0};
+  const auto force = [&](const Traversal& t) {
+    CHECK(t.position() == (ticks == 50 ? Vec3{0, 1.5, 1.5} : d.path[ticks]));  // held in the box
+    return Vec3{t.state()[0], t.state()[1], 0};
   };
   const LoopSummary summary = loop(d, force, [&](const Tick& tick) {
     CHECK(tick.number == ticks);
@@ -171,7 +171,7 @@ TEST_CASE_METHOD(Fixture, "a device that fails is left with a zero force, or it 
 
 TEST_CASE_METHOD(Fixture, "an exception in force or sink leaves a zero force behind") {
   FakeDevice d = device(100);
-  const auto throwing_force = [&](const Vec3&, std::span<const double>) -> Vec3 {
+  const auto throwing_force = [&](const Traversal&) -> Vec3 {
     if (d.sent.size() == 7) throw std::runtime_error("force");
     return {1, 1, 1};
   };
@@ -197,7 +197,7 @@ TEST_CASE_METHOD(Fixture, "what is not finite makes all later forces zero") {
     CHECK(summary.count_of(kFault) == 60);
   }
   SECTION("the force") {
-    const auto force = [&](const Vec3&, std::span<const double>) {
+    const auto force = [&](const Traversal&) {
       return d.sent.size() == 40 ? Vec3{1, std::nan(""), 1} : Vec3{1, 2, 0.5};
     };
     const LoopSummary summary = loop(d, force, kIgnore);
@@ -210,7 +210,7 @@ TEST_CASE_METHOD(Fixture, "what is not finite makes all later forces zero") {
 
 TEST_CASE_METHOD(Fixture, "a large force is limited and counted") {
   FakeDevice d = device(10);
-  const auto force = [&](const Vec3&, std::span<const double>) { return Vec3{30, 0, -40}; };
+  const auto force = [&](const Traversal&) { return Vec3{30, 0, -40}; };
   const LoopSummary summary = loop(d, force, kIgnore);
   CHECK(summary.count_of(kClamped) == 10);
   CHECK(d.sent[0][0] == Approx(3 * 0.6));
@@ -299,7 +299,7 @@ TEST_CASE_METHOD(Fixture, "a fault ends with the user's reset") {
   }
   d.sent.reserve(100);
   int ticks = 0;
-  const auto force = [&](const Vec3&, std::span<const double>) {
+  const auto force = [&](const Traversal&) {
     return ticks == 10 ? Vec3{std::nan(""), 0, 0} : Vec3{1, 0, 0};
   };
   loop(d, force, [&](const Tick&) { ++ticks; });
@@ -315,7 +315,7 @@ TEST_CASE_METHOD(Fixture, "a button held since before a fault does not end it") 
   for (int i = 0; i < 30; ++i) d.inputs.push_back({.reset = i >= 5 && i != 20});
   d.sent.reserve(100);
   int ticks = 0;
-  const auto force = [&](const Vec3&, std::span<const double>) {
+  const auto force = [&](const Traversal&) {
     return ticks == 10 ? Vec3{std::nan(""), 0, 0} : Vec3{1, 0, 0};
   };
   loop(d, force, [&](const Tick&) { ++ticks; });
@@ -331,7 +331,7 @@ TEST_CASE_METHOD(Fixture, "a replay's missed ticks count as time and in the numb
   std::vector<std::uint64_t> numbers;
   const LoopSummary summary = loop(
       d,
-      [](const Vec3&, std::span<const double>) {
+      [](const Traversal&) {
         return Vec3{3, 0, 0};
       },
       [&](const Tick& tick) { numbers.push_back(tick.number); });
@@ -367,7 +367,7 @@ TEST_CASE_METHOD(Fixture, "where the hand begins anew, nothing of the ticks befo
     PaperTraversal afresh(grid);
     SafetyCore core({.ramp_ms = 150, .buzz_force = 0.01});
     Mapping mapping({.scale = 40}, d.info(), grid.box());
-    const auto force = [](const Vec3&, std::span<const double> s) { return Vec3{s[0], s[1], 0}; };
+    const auto force = [](const Traversal& t) { return Vec3{t.state()[0], t.state()[1], 0}; };
     run_loop(d, mapping, afresh, core, force, kIgnore, stop, heartbeat);
     return std::vector<Vec3>(d.sent.end() - 301, d.sent.end());
   };
