@@ -227,13 +227,6 @@ struct PlayedForce {
   }
 };
 
-/// How far play's blends leave the energies of their corners.
-BlendedEnergy blended_energy(const Grid& grid, const Traversal& traversal, const Fields& fields) {
-  if (!can_ask_energy(grid.spec(), fields)) return {};
-  return traversal.sheets() ? energy_of_branches(grid, *traversal.sheets(), fields)
-                            : energy_of_blends(grid, fields);
-}
-
 /// Prints and writes what happened. @return the exit code @throw Error for a bad end
 int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts facts,
              const SafetyCore& safety, const Device& device, const Viewers& viewers) {
@@ -321,8 +314,6 @@ int play(PlayOptions options) {
                  .device = device.info().name,
                  .traversal = name_of(rule),
                  .force = name_of(force.rule()),
-                 .blended = blended_energy(grid, *traversal, fields),
-                 .energy_unit = printable_line(spec.energy_unit),
                  .rate_hz = loop.rate_hz};
   LoopSummary summary;
   {

@@ -74,11 +74,6 @@ void print_summary(const LoopSummary& s, const RunFacts& facts) {
   std::fprintf(stderr, "play: largest force %s N of the model, %s N sent; safety, in ticks: %s\n",
                three_digits(s.largest_raw).c_str(), three_digits(s.largest_force).c_str(),
                acted.empty() ? "nothing to do" : acted.c_str());
-  if (facts.blended.leaves > 0)
-    std::fprintf(stderr,
-                 "play: some cells blend states of several branches: the energy there leaves that "
-                 "of their corners by up to %s %s\n",
-                 three_digits(facts.blended.leaves).c_str(), facts.energy_unit.c_str());
   if (facts.sessions) std::fputs(sessions_text(*facts.sessions).c_str(), stderr);
   if (facts.rate_hz > 0) {
     std::fprintf(stderr, "play: ticks missed at %g Hz: %llu, in %llu overruns\n", facts.rate_hz,
@@ -97,7 +92,6 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
       {"device", facts.device},
       {"traversal", facts.traversal},
       {"force", facts.force},
-      {"blended_energy", facts.blended.leaves},
       {"rate_hz", facts.rate_hz},
       {"realtime", facts.realtime},
       {"end", name_of(s.end)},

@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "libcore/check/blended_energy.hpp"
 #include "libcore/haptic/loop.hpp"
 #include "libcore/scene/publisher.hpp"
 #include "tools/play/sessions.hpp"
@@ -16,8 +15,6 @@ struct RunFacts {
   std::string device = {};
   std::string traversal = {};
   std::string force = {};
-  BlendedEnergy blended = {};
-  std::string energy_unit = {};
   double rate_hz = 0;                   ///< 0: not paced
   std::string realtime = {};            ///< see Realtime::got()
   const FrameCounts* frames = nullptr;  ///< null: no frames were written

@@ -89,13 +89,20 @@ def _(g):
         row["force"] = [-f for f in row["force"]]
 
 
-@fault("all forces of the wrong sign", "passive", grid="fine", arguments="--recompute none")
+@fault("all forces and energies of the wrong sign: snaps lead up", "passive", grid="fine", arguments="--recompute none")
+def _(g):
+    for row in g.rows:
+        row["force"] = [-f for f in row["force"]]
+        row["energy"] = [-e for e in row["energy"]]
+
+
+@fault("all forces of the wrong sign", "passive (not proved)", grid="fine", arguments="--recompute none")
 def _(g):
     for row in g.rows:
         row["force"] = [-f for f in row["force"]]
 
 
-@fault("a force that is no gradient", "passive", grid="fine", arguments="--recompute none")
+@fault("a force that is no gradient", "passive (not proved)", grid="fine", arguments="--recompute none")
 def _(g):
     for row in g.rows:
         i, j, _ = shard.coordinates(g.box, row["point"])
