@@ -53,8 +53,7 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
   return read.ec == std::errc() && read.ptr == end;
 }
 
-std::string report(const Grid& grid, const std::vector<Check>& checks,
-                   const Options& options) {
+std::string report(const Grid& grid, const std::vector<Check>& checks, const Options& options) {
   if (options.format == "json") return report_json(grid, checks);
   if (options.format == "junit") return report_junit(grid, checks);
   return printable_text(

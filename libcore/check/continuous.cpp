@@ -41,7 +41,8 @@ void look_around(const Grid& grid, const Sheets& sheets, const Cells& cells, Rec
 }  // namespace
 
 Check check_continuous(const Grid& grid, const Sheets& sheets) {
-  Check check{"continuous", "cells", "cells around a record in which its branch lacks a corner", {}};
+  Check check{
+      "continuous", "cells", "cells around a record in which its branch lacks a corner", {}};
   const Cells cells(grid);
   std::uint64_t torn = 0, mixed = 0;
   for (RecordIndex r = 0; r < grid.records(); ++r) {

@@ -149,8 +149,7 @@ std::vector<std::uint32_t> find_distances(const Grid& grid) {
 }
 
 Check check_reachable(const Grid& grid, const std::vector<std::uint32_t>& distances) {
-  Check check{
-      "reachable", "records", "records that no chain of links leads to from the seeds", {}};
+  Check check{"reachable", "records", "records that no chain of links leads to from the seeds", {}};
   check.found.counted = grid.records();
   for (RecordIndex r = 0; r < grid.records(); ++r)
     if (distances[r] == kUnreached)

@@ -1,8 +1,8 @@
 // What must hold of every grid that Algorithm 1 computed, whatever its model: conditions a), b) and
 // c) of Sect. 2.2 as far as they can be seen without evaluating C again (that is fidelity.hpp).
 //
-// Each function is a row of the report. A check never stops at its first offender, and each looks at
-// one thing only: a link that leads nowhere is an offender of `links`, and the other checks pass
+// Each function is a row of the report. A check never stops at its first offender, and each looks
+// at one thing only: a link that leads nowhere is an offender of `links`, and the other checks pass
 // over it.
 #pragma once
 

@@ -75,7 +75,8 @@ Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& 
   Check check{"passive", "links", "snaps that lead up, so that a closed walk gains energy", {}};
   const double spacing = grid.box().spacing;
   const std::string unit =
-      "N " + (grid.spec().length_unit.empty() ? "lengths" : printable_line(grid.spec().length_unit));
+      "N " +
+      (grid.spec().length_unit.empty() ? "lengths" : printable_line(grid.spec().length_unit));
   Figure gain{"largest gain", 0, unit, ""}, loss{"largest loss", 0, unit, ""};
   const auto keep_larger = [&](Figure& largest, double value, RecordIndex r, int q) {
     if (!(value * spacing > largest.value)) return;

@@ -80,12 +80,11 @@ std::string checks_text(const std::vector<Check>& checks, Details details) {
   return text;
 }
 
-std::string report_text(const Grid& grid, const std::vector<Check>& checks,
-                        Details details) {
+std::string report_text(const Grid& grid, const std::vector<Check>& checks, Details details) {
   const auto& n = grid.box().counts;
   return format("{}: {} x {} x {} points, {} records, generation {}\n{}",
-                printable_line(grid.spec().model), n[0], n[1], n[2], grid.records(), grid.generation(),
-                checks_text(checks, details));
+                printable_line(grid.spec().model), n[0], n[1], n[2], grid.records(),
+                grid.generation(), checks_text(checks, details));
 }
 
 namespace {
@@ -158,10 +157,10 @@ std::string test_case(const Check& c) {
   const std::string details = escaped(checks_text({c}, Details::kAll));
   const std::string meaning = c.not_proved.empty() ? c.meaning : c.not_proved;
   const std::string result =
-      is_good(c) ? format("<system-out>{}</system-out>", details)
-                 : format("<failure type=\"{}\" message=\"{} of {} {}: {}\">{}</failure>",
-                          c.verdict(), c.found.offenders, c.found.counted, c.unit,
-                          escaped(meaning), details);
+      is_good(c)
+          ? format("<system-out>{}</system-out>", details)
+          : format("<failure type=\"{}\" message=\"{} of {} {}: {}\">{}</failure>", c.verdict(),
+                   c.found.offenders, c.found.counted, c.unit, escaped(meaning), details);
   return format("  <testcase classname=\"verify\" name=\"{}\">\n    {}\n  </testcase>\n", c.name,
                 result);
 }

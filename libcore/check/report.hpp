@@ -1,5 +1,5 @@
-// What verify found: a table with a row for each check, and details below. It is printed as text for
-// people, as JSON for programs, and as JUnit's XML for CI systems.
+// What verify found: a table with a row for each check, and details below. It is printed as text
+// for people, as JSON for programs, and as JUnit's XML for CI systems.
 #pragma once
 
 #include <cstdint>

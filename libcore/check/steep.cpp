@@ -15,8 +15,10 @@ Check check_steep(const Grid& grid, std::span<const Vec3> forces, const Renderin
   const GridSpec& spec = grid.spec();
   const double h = grid.box().spacing;
   const std::string a_length = "/" + (spec.length_unit.empty() ? "length" : spec.length_unit);
-  Check check{"steep", "records",
-              "records around which the force is stiffer than the device renders stably", {},
+  Check check{"steep",
+              "records",
+              "records around which the force is stiffer than the device renders stably",
+              {},
               /*is_note=*/true};
   check.found.counted = grid.records();
   Figure state{"state", 0, distance_unit(spec) + a_length, ""};
@@ -64,10 +66,10 @@ Check check_steep(const Grid& grid, std::span<const Vec3> forces, const Renderin
       format("K < 2 b f = {} N/m with b = {} N s/m and f = {} Hz", rounded(rendering.limit()),
              rounded(rendering.damping), rounded(rendering.rate_hz));
   if (rendering.scale)
-    check.figures.push_back({"stiffness", stiffness * *rendering.scale, "N/m",
-                             (stiffness * *rendering.scale < rendering.limit() ? "stable: "
-                                                                               : "not stable: ") +
-                                 device});
+    check.figures.push_back(
+        {"stiffness", stiffness * *rendering.scale, "N/m",
+         (stiffness * *rendering.scale < rendering.limit() ? "stable: " : "not stable: ") +
+             device});
   else if (stiffness > 0)
     check.figures.push_back({"largest stable scale", rendering.limit() / stiffness,
                              (spec.length_unit.empty() ? "lengths" : spec.length_unit) + "/m",

@@ -24,10 +24,11 @@ namespace hapgrid {
 namespace {
 
 /// A line that counts up to `all` while there is one to show it.
-ProgressLine progress_of(const char* row, const std::atomic<std::uint64_t>& done,
-                         std::uint64_t all, const char* unit) {
-  return ProgressLine(
-      false, [=, &done](double) { return format("verify: {}: {} of {} {}", row, done.load(), all, unit); });
+ProgressLine progress_of(const char* row, const std::atomic<std::uint64_t>& done, std::uint64_t all,
+                         const char* unit) {
+  return ProgressLine(false, [=, &done](double) {
+    return format("verify: {}: {} of {} {}", row, done.load(), all, unit);
+  });
 }
 
 Check recompute_conversions(const Grid& grid, std::span<const RecordIndex> sample,
@@ -58,9 +59,9 @@ Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFie
   }
   if (forces.why_not.empty())
     return passive_not_proved("interpolated forces have no energy; --force energy can be proved");
-  return passive_not_proved("play interpolates the forces of the records, which have no energy, because " +
-                            forces.why_not +
-                            "; give the model the energy of its force, and see check-model");
+  return passive_not_proved(
+      "play interpolates the forces of the records, which have no energy, because " +
+      forces.why_not + "; give the model the energy of its force, and see check-model");
 }
 
 Check measure_accuracy(const Grid& grid, const Examination& asked, WalkModels models) {
@@ -122,11 +123,10 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
 
   // And between the points?
   if (asked.walks > 0) {
-    WalkModels models{
-        make_model,
-        [&] { return model_functions(judge()).same; },
-        {},
-        traversals(kDefaultRule, grid, [&] { return create_model(*source, spec); })};
+    WalkModels models{make_model,
+                      [&] { return model_functions(judge()).same; },
+                      {},
+                      traversals(kDefaultRule, grid, [&] { return create_model(*source, spec); })};
     if (knows_force) models.fields = [&] { return Fields(spec, judge, /*wants_shape=*/false); };
     add(measure_accuracy(grid, asked, std::move(models)));
   }

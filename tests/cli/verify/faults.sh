@@ -1,5 +1,5 @@
-# Faults planted one at a time into good grids (FAULTS.tsv): each is found by the check that should
-# find it. `faults.sh --table` prints what FAULTS.tsv has to be, `faults.sh WORDS` plants what has
+# Faults planted one at a time into good grids: each is found by the check that should
+# find it. `faults.sh --table` prints the list of them, `faults.sh WORDS` plants what has
 # these words in its name and shows what verify says.
 source "$(dirname "$0")/../lib.sh"
 command -v xxhsum >/dev/null || skip "xxhsum (package xxhash) is not installed"

@@ -60,13 +60,13 @@ def _(g):
         row["state"][0] *= 1.001
 
 
-@fault("all states in degrees", "fidelity", "passive")
+@fault("all states in degrees", "fidelity")
 def _(g):
     for row in g.rows:
         row["state"][0] = math.degrees(row["state"][0])
 
 
-@fault("the states of all points shifted by one record", "fidelity", "passive")
+@fault("the states of all points shifted by one record", "fidelity")
 def _(g):
     states = [row["state"] for row in g.rows]
     for row, state in zip(g.rows, states[1:] + states[:1]):
@@ -83,7 +83,7 @@ def _(g):
     return named(g, row)
 
 
-@fault("all forces of the wrong sign", "stored", "passive", grid="stored")
+@fault("all forces of the wrong sign", "stored", grid="stored")
 def _(g):
     for row in g.rows:
         row["force"] = [-f for f in row["force"]]
@@ -164,7 +164,7 @@ def _(g):
 
 
 for what in ("force", "energy", "shape"):
-    @fault("a number of the %s is nan" % what, "finite", *["passive"] * (what == "force"), grid="stored")
+    @fault("a number of the %s is nan" % what, "finite", grid="stored")
     def _(g, what=what):
         row = g.at(MIDDLE)
         row[what][0] = float("nan")

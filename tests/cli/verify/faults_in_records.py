@@ -31,7 +31,7 @@ def _(g):
     g.rows.remove(g.at(MIDDLE))
 
 
-@fault("a point's first level lost, the second in its place", "links", "generations", "fidelity", "continuous")
+@fault("a point's first level lost, the second in its place", "links", "generations", "fidelity", "continuous", "passive")
 def _(g):
     g.rows.remove(g.at(MIDDLE))
     g.at(MIDDLE, 1)["level"] = 0
@@ -160,7 +160,7 @@ def _(g):
     g.header["generation"] -= 1
 
 
-@fault("a frontier of which one record has links", "links", "complete", "coverage", "continuous", grid="middle")
+@fault("a frontier of which one record has links", "links", "complete", "coverage", grid="middle")
 def _(g):
     row = next(r for r in g.rows if r["generation"] == 1)
     row["links"] = [0 if v < 255 else v for v in row["links"]]

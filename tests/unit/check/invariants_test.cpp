@@ -184,9 +184,9 @@ TEST_CASE("a grid without seeds reaches nothing, and one that says it is rounds 
     GridSpec spec = tiny::spec();
     spec.box.counts = {3, 1, 1};
     two.generation = {0, 3, 1, 2};
-    CHECK(tiny::texts(check_generations(Grid(spec, 4, two), {0, 3, 1, 2}).found) ==
-          std::vector<std::string>{
-              "point 1 (1, 0, 0) level 1: generation 1, the level below has 3"});
+    CHECK(
+        tiny::texts(check_generations(Grid(spec, 4, two), {0, 3, 1, 2}).found) ==
+        std::vector<std::string>{"point 1 (1, 0, 0) level 1: generation 1, the level below has 3"});
   }
 }
 

@@ -37,8 +37,9 @@ TEST_CASE("no interpolated force is stiffer, and an edge is as steep") {
     const auto weights = corner_weights(part);
     for (unsigned k = 0; k < 8; ++k)
       for (int a = 0; a < 3; ++a)
-        f[a] += weights[k] * forces[box.index(GridCoordinates{
-                                 cell[0] + (k & 1), cell[1] + (k >> 1 & 1), cell[2] + (k >> 2)})][a];
+        f[a] +=
+            weights[k] * forces[box.index(GridCoordinates{cell[0] + (k & 1), cell[1] + (k >> 1 & 1),
+                                                          cell[2] + (k >> 2)})][a];
     return f;
   };
   for (int trial = 0; trial < 20000; ++trial) {
