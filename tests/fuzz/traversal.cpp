@@ -15,6 +15,7 @@
 #include "libcore/check/continuous.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
+#include "libcore/haptic/node_force.hpp"
 #include "libcore/haptic/safety.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
