@@ -4,8 +4,7 @@
 #
 #   tests/bench/verify.sh [BUILD] [POINTS A SIDE] [THREADS]        (default: build 128 2)
 #
-# The force is not cut off (max_force): a force that is cut off is no gradient, and verify would report
-# closed walks that return energy.
+# The force is not cut off (max_force): a force that is cut off is no gradient, and `passive` would not be proved.
 n=${2:-128} threads=${3:-2}
 source "$(dirname "$0")/lib.sh"
 
