@@ -256,15 +256,15 @@ void check_options(const Options& options) {
 }
 
 /// The report on the whole grid, or one value of it.
-std::string report(const Options& options, const Section& grid) {
+std::string report(const Options& options, const LoadedGrid& loaded) {
   CostSums sums;
   for (const std::string& name : options.costs) {
     announce_terminal(name);
     add_costs(sums, name, read_text(name, kCostLimit));
   }
   const CostSums* costs = options.costs.empty() ? nullptr : &sums;
-  const GridSpec& spec = grid.header.spec;
-  const Statistics statistics = count_statistics(grid);
+  const GridSpec& spec = loaded.grid.spec();
+  const Statistics statistics = count_statistics(loaded.grid, loaded.stored_bytes);
   if (options.get.empty() && options.format == "text")
     return printable_text(statistics_text(spec, statistics, costs));
   const Json json = statistics_json(spec, statistics, costs);
@@ -296,13 +296,11 @@ void show_grid(const Options& options) {
   if (!options.get.empty())
     if (const auto value = value_from_footer(options.get, options.grid))
       return write_all(options.output, value_line(*value));
-  const Section section = open_grid(options.grid);
-  if (!options.dump && options.npz.empty() && options.vti.empty() && options.slice.empty())
-    return write_all(options.output, report(options, section));
-  const LoadedGrid loaded = load_grid(section);
+  const LoadedGrid loaded = load_grid(options.grid);
   if (options.dump) return dump(loaded.grid, options.output);
   if (!options.npz.empty()) return write_grid_arrays(loaded.grid, options.npz);
   if (!options.vti.empty()) return write_image(loaded.grid, options);
+  if (options.slice.empty()) return write_all(options.output, report(options, loaded));
   const Plane plane = *parse_plane(options.slice);
   write_picture(options.png, slice_script(loaded.grid.spec(),
                                           slice_levels(loaded.grid, plane.axis, plane.coordinate)));

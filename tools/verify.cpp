@@ -9,7 +9,6 @@
 #include "libcore/base/text.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/shard/load.hpp"
-#include "libcore/shard/section.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/verify/examine.hpp"
@@ -24,7 +23,6 @@ struct Options {
   std::string grid = "-";
   Examination asked;
   std::string recompute = kDefaultRecompute;
-  bool only_invariants = false;
   std::string format = "text";
   std::string output = "-";
   bool is_verbose = false;
@@ -41,10 +39,9 @@ constexpr const char* kChecks =
     "  reachable, generations   links lead from the seeds to each record, as far as its "
     "generation\n"
     "  fidelity, stored, tears   the model, asked again, gives what the grid has\n"
-    "  blends, branches   cells where branches meet; what each branch has in all corners\n"
-    "  paths, continuous, mixed, one-way   --traversal paper: in place of `branches`\n"
+    "  continuous   the state jumps nowhere but where it snaps\n"
     "  gradient, steep   notes: force and energy; slopes, and what the device renders stably\n"
-    "  passive      no closed walk of the hand gains energy; `limited` has --max-force\n"
+    "  passive      no closed walk of the hand gains energy: no snap leads up\n"
     "  accurate     --walks: the error between the points; a fault with --accuracy only\n";
 
 /// How many records --recompute asks for; false for anything but "all", "none" and a number.
@@ -56,8 +53,7 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
   return read.ec == std::errc() && read.ptr == end;
 }
 
-std::string report(const ReportedGrid& grid, const std::vector<Check>& checks,
-                   const Options& options) {
+std::string report(const Grid& grid, const std::vector<Check>& checks, const Options& options) {
   if (options.format == "json") return report_json(grid, checks);
   if (options.format == "junit") return report_junit(grid, checks);
   return printable_text(
@@ -65,7 +61,7 @@ std::string report(const ReportedGrid& grid, const std::vector<Check>& checks,
 }
 
 /// Writes the report and the verdict. @returns the exit code
-int tell(const ReportedGrid& grid, const std::vector<Check>& checks, const Options& options) {
+int tell(const Grid& grid, const std::vector<Check>& checks, const Options& options) {
   if (!options.is_quiet) {
     OutputFile output(options.output, /*binary=*/false);
     output.write(report(grid, checks, options));
@@ -78,27 +74,17 @@ int tell(const ReportedGrid& grid, const std::vector<Check>& checks, const Optio
 int run(const Options& options) {
   if (options.is_quiet && (options.is_verbose || options.output != "-"))
     throw UsageError("--quiet: there is no report for --verbose or --output");
-  if (options.only_invariants &&
-      (options.asked.walks > 0 || options.asked.accuracy ||
-       (options.recompute != kDefaultRecompute && options.recompute != "none")))
-    throw UsageError("--invariants leaves out --recompute, --walks and --accuracy");
   Examination asked = options.asked;
   parse_recompute(options.recompute, asked.recompute);
   if (asked.accuracy && asked.walks == 0) asked.walks = kDefaultWalks;
   announce_terminal(options.grid);
-  const Section section = open_grid(options.grid);
-  if (options.only_invariants)
-    return tell({section.header.spec, section.records(), section.header.generation},
-                examine_invariants(section, asked.model), options);
-  const LoadedGrid loaded = load_grid(section);
-  return tell(reported(loaded.grid), examine(loaded.grid, asked), options);
+  const LoadedGrid loaded = load_grid(options.grid);
+  return tell(loaded.grid, examine(loaded.grid, asked), options);
 }
 
 void add_checks(CommandLine& app, Options& options) {
   Examination& asked = options.asked;
   app.group("Checks");
-  app.add_flag("--invariants", options.only_invariants,
-               "Only the rows down to `generations`, with little memory");
   app.add("--recompute", options.recompute,
           "Records whose conversions are evaluated again, as a random sample")
       .type("all|N|none")
@@ -119,33 +105,12 @@ void add_checks(CommandLine& app, Options& options) {
       .type("E")
       .positive();
   app.add(
-         "--traversal", [&](const std::string& name) { asked.traversal = *rule_named(name); },
-         "The rule by which play follows the hand: branch (default) or paper")
-      .type("RULE")
-      .check(
-          [](const std::string& name) {
-            return rule_named(name) && rule_named(name) != TraversalRule::kModel;
-          },
-          "branch or paper");
-  app.add(
-         "--force", [&](const std::string& name) { asked.force = force_named(name); },
-         "For `passive`: the force that play sends, as play --force says")
+         "--force", [&](const std::string& name) { asked.force = *force_named(name); },
+         "For `passive`: the force that play sends, as play --force says;\n"
+         "only that of the energy (default) can be proved")
       .type("RULE")
       .check([](const std::string& name) { return force_named(name).has_value(); },
              "energy, records or state");
-  app.add("--friction", asked.friction,
-          "For `passive`: newtons of friction, which pay for what a closed walk\n"
-          "gains (default: 0.2; 0.05 where play interpolates forces)")
-      .type("N")
-      .positive();
-  app.add("--gain", asked.limit.gain, "For `passive`: newtons felt for a newton of the model")
-      .type("FACTOR")
-      .positive()
-      .shows_default();
-  app.add("--max-force", asked.limit.max_force,
-          "For `limited`: the largest force sent, in newtons (default: none)")
-      .type("N")
-      .positive();
   app.add("--sample-seed", asked.sample_seed, "Another number draws other records and walks")
       .type("S")
       .shows_default();

@@ -73,10 +73,10 @@ void recompute(const Grid& grid, RecordIndex r, const ModelFunctions& model,
       converted = model.convert(grid.state(r).data(), x, grid.neighbourhood().shift(q),
                                 reached.data(), error);
     if (!converted) {
-      found.offend(place_of(grid, r, q),
+      found.offend(location_of(grid, r, q),
                    [&] { return describe_link(grid, r, q) + ": conversion failed: " + error; });
     } else if (!model.same(reached.data(), grid.state(target).data())) {
-      found.offend(place_of(grid, r, q), [&] {
+      found.offend(location_of(grid, r, q), [&] {
         return describe_link(grid, r, q) + ": C gives " + state_text(reached) +
                ", stored at level " + std::to_string(grid.level(target)) + " is " +
                state_text(grid.state(target));
@@ -93,11 +93,11 @@ void recompute_stored(const Grid& grid, RecordIndex r, const ModelFunctions& mod
   std::copy_n(grid.state(r).begin(), n, row.begin());
   std::string error;
   if (!model.complete(grid.box().position(grid.point(r)), row.data(), error))
-    return found.offend(place_of(grid, r), [&] { return describe(grid, r) + ": " + error; });
+    return found.offend(location_of(grid, r), [&] { return describe(grid, r) + ": " + error; });
   for (std::size_t i = n; i < row.size(); ++i) {
     const double stored = grid.row(r)[i];
     if (std::abs(row[i] - stored) <= kStoredTolerance * std::max(1.0, std::abs(stored))) continue;
-    return found.offend(place_of(grid, r), [&] {
+    return found.offend(location_of(grid, r), [&] {
       return describe(grid, r) + ": stored number " + std::to_string(i - n) + " is " +
              to_text(stored) + ", the model gives " + to_text(row[i]);
     });

@@ -2,16 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <string>
-#include <utility>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/neighbour_checks.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/grid/record_order.hpp"
-#include "libcore/shard/chunks.hpp"
-#include "libcore/shard/load.hpp"
 
 namespace hapgrid {
 
@@ -19,125 +14,178 @@ bool is_finite(std::span<const double> state) {
   return std::all_of(state.begin(), state.end(), [](double v) { return std::isfinite(v); });
 }
 
-namespace {
-
-/// The records as they come: what can be said of one record, or of the levels of one point, at
-/// once; the rest when all neighbours have come.
-class Invariants {
- public:
-  /// @param spec and `same` outlive this. @param generation of the grid
-  Invariants(const GridSpec& spec, std::uint32_t generation, bool has_tears, const SameState& same)
-      : spec_(spec), generation_(generation), same_(same), around_(spec, generation, has_tears) {}
-
-  void add(const RecordLinks& record, std::span<const double> row) {
-    around_.add(record);
-    ++complete_.found.counted;
-    if (record.generation == generation_)
-      complete_.found.offend({record.point, record.level, {}},
-                             [&] { return describe(spec_.box, record.point, record.level); });
-    check_finite(record.point, record.level, row);
-    if (record.level == 0) {
-      compare_levels();
-      point_ = record.point;
-      states_.clear();
-    }
-    states_.insert(states_.end(), row.begin(), row.begin() + spec_.state_size);
-  }
-
-  /// @param find_distances the rows `reachable` and `generations`, from the whole grid
-  std::vector<Check> finish(const std::function<std::vector<Check>()>& find_distances) {
-    compare_levels();
-    around_.finish();
-    std::vector<Check> checks{std::move(complete_), around_.coverage(), around_.links(),
-                              std::move(finite_), std::move(distinct_)};
-    if (around_.has_tears()) checks.push_back(around_.fractions());
-    std::vector<Check> distances =
-        around_.proves_distances() ? around_.distances() : find_distances();
-    std::move(distances.begin(), distances.end(), std::back_inserter(checks));
-    return checks;
-  }
-
- private:
-  void check_finite(PointIndex point, Level level, std::span<const double> row) {
-    ++finite_.found.counted;
-    if (is_finite(row)) return;
-    finite_.found.offend({point, level, {}}, [&] {
-      const auto bad =
-          std::find_if_not(row.begin(), row.end(), [](double v) { return std::isfinite(v); });
-      const auto index = static_cast<std::size_t>(bad - row.begin());
-      const bool in_state = index < spec_.state_size;
-      return describe(spec_.box, point, level) + ": " +
-             (in_state ? "component " : "stored number ") +
-             std::to_string(in_state ? index : index - spec_.state_size) + " is " + to_text(*bad);
-    });
-  }
-
-  /// The levels of the point that has come last, with each other.
-  void compare_levels() {
-    const std::size_t size = spec_.state_size;
-    const std::size_t levels = states_.size() / size;
-    const auto state = [&](std::size_t level) {
-      return std::span(states_).subspan(level * size, size);
-    };
-    for (std::size_t a = 0; a < levels; ++a)
-      for (std::size_t b = a + 1; b < levels; ++b) {
-        ++distinct_.found.counted;
-        if (!is_finite(state(a)) || !is_finite(state(b))) continue;
-        if (!same_(state(a).data(), state(b).data())) continue;
-        const auto level = static_cast<Level>(a);
-        distinct_.found.offend({point_, level, {}}, [&] {
-          return describe(spec_.box, point_, level) + " and level " + std::to_string(b) +
-                 ": states " + state_text(state(a)) + " and " + state_text(state(b));
-        });
-      }
-  }
-
-  const GridSpec& spec_;
-  const std::uint32_t generation_;
-  const SameState& same_;
-  NeighbourChecks around_;
-  Check complete_{"complete", "records", "records that no expand has looked at (the frontier)", {}};
-  Check finite_{"finite", "records", "rows with a number that is not finite", {}};
-  Check distinct_{"distinct",
-                  "pairs of levels",
-                  "levels of one point that are the same state under the tolerance function",
-                  {}};
-  PointIndex point_ = 0;
-  std::vector<double> states_;  // of its levels so far
-};
-
-}  // namespace
-
-std::vector<Check> check_invariants(const Grid& grid, const SameState& same) {
-  Invariants invariants(grid.spec(), grid.generation(), grid.has_tears(), same);
-  for (std::uint64_t p = 0; p < grid.box().points(); ++p) {
-    const auto point = static_cast<PointIndex>(p);
-    const RecordIndex first = grid.first(point);
-    for (RecordIndex r = first; r < first + grid.levels(point); ++r)
-      invariants.add({point, static_cast<Level>(r - first), grid.record_generation(r),
-                      grid.links(r).data(), grid.has_tears() ? grid.tears(r).data() : nullptr},
-                     grid.row(r));
-  }
-  return invariants.finish([&] { return check_reachable(grid); });
+Check check_complete(const Grid& grid) {
+  Check check{"complete", "records", "records that no expand has looked at (the frontier)", {}};
+  check.found.counted = grid.records();
+  for (RecordIndex r = 0; r < grid.records(); ++r)
+    if (grid.in_frontier(r))
+      check.found.offend(location_of(grid, r), [&] { return describe(grid, r); });
+  return check;
 }
 
-std::vector<Check> check_invariants(const Section& section, const SameState& same) {
-  const SectionHeader& header = section.header;
-  require_plausible(section);
-  require_enough_records(header.spec.box, section.records());
-  Invariants invariants(header.spec, header.generation, header.has_tears, same);
-  SectionReader reader(section);
-  RecordRows rows;
-  const std::size_t width = header.spec.row_size();
-  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) {
-    reader.read(i, rows);
-    for (std::size_t r = 0; r < rows.size(); ++r)
-      invariants.add(
-          {rows.point[r], rows.level[r], rows.generation[r], &rows.links[r * kDirections],
-           header.has_tears ? &rows.tears[r * kDirections] : nullptr},
-          std::span(rows.numbers).subspan(r * width, width));
+Check check_coverage(const Grid& grid) {
+  Check check{"coverage", "points", "points without a level", {}};
+  check.found.counted = grid.box().points();
+  for (std::uint64_t i = 0; i < grid.box().points(); ++i) {
+    const auto p = static_cast<PointIndex>(i);
+    if (grid.levels(p) == 0)
+      check.found.offend({p, {}, {}}, [&] { return describe(grid.box(), p); });
   }
-  return invariants.finish([&] { return check_reachable(load_grid(section).grid); });
+  return check;
+}
+
+namespace {
+/// What is wrong with the destination level of a link; empty when nothing is.
+std::string link_fault(const Grid& grid, RecordIndex r, int q, bool is_inside) {
+  const Level level = grid.links(r)[static_cast<std::size_t>(q)];
+  if (!is_inside)
+    return level == kLeavesBox
+               ? ""
+               : format("destination level {}, but the direction leaves the box", level);
+  if (level == kLeavesBox) return "marked as leaving the box, but it stays inside";
+  if (grid.in_frontier(r))
+    return level == kUnsettled
+               ? ""
+               : format("destination level {}, but the record is in the frontier", level);
+  if (level == kUnsettled) return "not settled, but the record is not in the frontier";
+  if (grid.destination(r, q) != Grid::kNoRecord) return "";
+  const auto target = static_cast<PointIndex>(grid.point(r) + grid.neighbourhood().offset(q));
+  return format("destination level {}, but {} has {} levels", level, describe(grid.box(), target),
+                grid.levels(target));
+}
+}  // namespace
+
+Check check_links(const Grid& grid) {
+  Check check{"links", "directions", "destination levels that cannot be", {}};
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    const DirectionMask inside = grid.neighbourhood().inside(grid.point(r));
+    for (int q = 0; q < kDirections; ++q) {
+      ++check.found.counted;
+      const std::string fault = link_fault(grid, r, q, inside >> q & 1);
+      if (!fault.empty())
+        check.found.offend(location_of(grid, r, q),
+                           [&] { return describe_link(grid, r, q) + ": " + fault; });
+    }
+  }
+  return check;
+}
+
+Check check_finite(const Grid& grid) {
+  Check check{"finite", "records", "rows with a number that is not finite", {}};
+  check.found.counted = grid.records();
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    const auto row = grid.row(r);
+    const auto bad =
+        std::find_if_not(row.begin(), row.end(), [](double v) { return std::isfinite(v); });
+    if (bad == row.end()) continue;
+    check.found.offend(location_of(grid, r), [&] {
+      const auto i = static_cast<std::size_t>(bad - row.begin());
+      const bool in_state = i < grid.state_size();
+      return format("{}: {} {} is {}", describe(grid, r), in_state ? "component" : "stored number",
+                    in_state ? i : i - grid.state_size(), to_text(*bad));
+    });
+  }
+  return check;
+}
+
+Check check_distinct(const Grid& grid, const SameState& same) {
+  Check check{"distinct",
+              "pairs of levels",
+              "levels of one point that are the same state under the tolerance function",
+              {}};
+  for (RecordIndex a = 0; a < grid.records(); ++a) {
+    const PointIndex p = grid.point(a);
+    for (RecordIndex b = a + 1; b < grid.first(p) + grid.levels(p); ++b) {
+      ++check.found.counted;
+      const auto one = grid.state(a), other = grid.state(b);
+      if (!is_finite(one) || !is_finite(other) || !same(one.data(), other.data())) continue;
+      check.found.offend(location_of(grid, a), [&] {
+        return format("{} and level {}: states {} and {}", describe(grid, a), grid.level(b),
+                      state_text(one), state_text(other));
+      });
+    }
+  }
+  return check;
+}
+
+Check check_fractions(const Grid& grid) {
+  Check check{"fractions",
+              "directions",
+              "one-way links without a tear fraction, and other directions that have one",
+              {}};
+  check.found.counted = std::uint64_t{grid.records()} * kDirections;
+  for (RecordIndex r = 0; r < grid.records(); ++r)
+    for (int q = 0; q < kDirections; ++q) {
+      const TearByte tear = grid.tears(r)[static_cast<std::size_t>(q)];
+      if (grid.is_one_way(r, q) == (tear != kNoTear)) continue;
+      check.found.offend(location_of(grid, r, q), [&] {
+        return describe_link(grid, r, q) +
+               (tear == kNoTear ? ": one-way, without a tear fraction"
+                                : format(": not one-way, with tear fraction {}", tear));
+      });
+    }
+  return check;
+}
+
+std::vector<std::uint32_t> find_distances(const Grid& grid) {
+  std::vector<std::uint32_t> distance(grid.records(), kUnreached);
+  // Breadth first: `reached` is the queue, and keeps what has left it.
+  std::vector<RecordIndex> reached;
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    if (grid.record_generation(r) != 0) continue;
+    distance[r] = 0;
+    reached.push_back(r);
+  }
+  for (std::size_t head = 0; head < reached.size(); ++head) {
+    const RecordIndex r = reached[head];
+    for (int q = 0; q < kDirections; ++q) {
+      const RecordIndex target = grid.destination(r, q);
+      if (target == Grid::kNoRecord || distance[target] != kUnreached) continue;
+      distance[target] = distance[r] + 1;
+      reached.push_back(target);
+    }
+  }
+  return distance;
+}
+
+Check check_reachable(const Grid& grid, const std::vector<std::uint32_t>& distances) {
+  Check check{"reachable", "records", "records that no chain of links leads to from the seeds", {}};
+  check.found.counted = grid.records();
+  for (RecordIndex r = 0; r < grid.records(); ++r)
+    if (distances[r] == kUnreached)
+      check.found.offend(location_of(grid, r), [&] { return describe(grid, r); });
+  return check;
+}
+
+Check check_generations(const Grid& grid, const std::vector<std::uint32_t>& distances) {
+  Check check{"generations",
+              "records",
+              "records whose generation is not their distance from the seeds, in links, or less "
+              "than that of a level below",
+              {}};
+  std::uint32_t youngest = 0;
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    const std::uint32_t generation = grid.record_generation(r);
+    youngest = std::max(youngest, generation);
+    if (distances[r] == kUnreached) continue;
+    ++check.found.counted;
+    const auto offend = [&](const char* beside, std::uint32_t other) {
+      check.found.offend(location_of(grid, r), [&] {
+        return format("{}: generation {}, {} {}", describe(grid, r), generation, beside, other);
+      });
+    };
+    if (distances[r] != generation)
+      offend("distance", distances[r]);
+    else if (grid.level(r) > 0 && grid.record_generation(r - 1) > generation)
+      offend("the level below has", grid.record_generation(r - 1));
+  }
+  // The last round finds nothing new.
+  if (grid.records() > 0 && grid.generation() > youngest + 1)
+    check.found.offend([&] {
+      return format("the grid has generation {}, its youngest record {}", grid.generation(),
+                    youngest);
+    });
+  return check;
 }
 
 }  // namespace hapgrid

@@ -1,46 +1,33 @@
-// What play does with the hand's energy: closed walks along links (energy.hpp), and how much more
-// the blending of branches can return.
+// Whether a hand that comes back to where it was can have gained energy.
+//
+// Where play interpolates the energy of the nodes (haptic/node_force.hpp), this energy is the
+// potential of the force on a branch, so that a closed walk on a branch has no work at all. What is
+// left is where the state snaps to another branch: the hand gains what the energy behind the snap
+// is above the energy before it, and no closed walk gains anything when no snap leads up. Each snap
+// along an axis is looked at by itself, which is the whole proof.
+//
+// Behind its end a branch is extrapolated, up to where the tear function is 0. Half of what the
+// energies at the snap go beyond the slopes of the two records is allowed, because it was
+// extrapolated. So is what the friction of a device takes: 0.2 N along two spacings.
 #pragma once
 
-#include "libcore/check/configurations.hpp"
-#include "libcore/check/energy.hpp"
-#include "libcore/check/forces.hpp"
-#include "libcore/check/played_work.hpp"
+#include <string>
+
 #include "libcore/check/report.hpp"
 #include "libcore/grid/grid.hpp"
+#include "libcore/haptic/branch_traversal.hpp"
+#include "libcore/haptic/node_energies.hpp"
 
 namespace hapgrid {
 
-/// `passive`: no closed walk along links gains more energy than is tolerated, and all work is
-/// finite. Counts links; those that lead nowhere are left to `links`. Figures:
-///
-/// `gain per length`, newtons: what the steepest closed walk gains beyond its allowances, divided
-/// by its length. Its links are beside it.
-///
-/// `largest loss`, newtons times the unit of length: what a one-way link and the reversible way
-/// back cost: the hysteresis.
-/// @param energy find_energy() of this work
-Check check_passive(const Grid& grid, const Work& work, const Energy& energy);
+/// `passive`: no snap leads up, and all energies and forces are finite numbers. Counts the links
+/// along the axes. Figures, in newtons times the unit of length: `largest gain`, what a snap leads
+/// up beyond what was extrapolated, and `largest loss`, what one leads down: the hysteresis.
+/// @param nodes with the ghosts of map.sheets
+Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& nodes);
 
-/// Figures of `passive` for the paper's rule of traversal, in newtons times the unit of length:
-///
-/// `largest turn`: what one turn around a face of a cell returns in one of its directions, over all
-/// configurations of play. Exact for a stored force.
-///
-/// `largest mixture`: how far the energies of two branches are apart at a point where a mixed
-/// configuration (paths.hpp) has one and a corner's link leads to the other. Walks along links
-/// never cross between branches without a link; a hand can, inside a mixed cell, where the force is
-/// a blend. As cell switches carry a mixture along, a closed walk of the hand that crosses there
-/// and back where the branches are differently far apart can return up to this, beside what the
-/// crossing costs. It is a property of Algorithm 2 and no fault of the grid.
-/// @param threads at least 1; the result does not depend on it.
-void add_inside_cells(Check& check, const Grid& grid, const CellMap& map,
-                      const Configurations& found, const Forces& forces, const Energy& energy,
-                      int threads);
-
-/// `limited`, a note: what the limit of the force does to this. A force that is cut to a length and
-/// keeps its direction is no gradient any more, even if it was one.
-/// @param energy find_energy() of the work of the force so limited
-Check check_limited(const Grid& grid, const ForceLimit& limit, const Energy& energy);
+/// `passive` where play takes its force from elsewhere: not proved.
+/// @param why and what to do
+Check passive_not_proved(std::string why);
 
 }  // namespace hapgrid

@@ -1,4 +1,5 @@
-// What verify found: a row for each check, as a table for people or as JSON for programs.
+// What verify found: a table with a row for each check, and details below. It is printed as text
+// for people, as JSON for programs, and as JUnit's XML for CI systems.
 #pragma once
 
 #include <cstdint>
@@ -13,23 +14,23 @@
 namespace hapgrid {
 
 /// Where in a grid something is, as far as it has a place there.
-struct Place {
+struct Location {
   std::optional<PointIndex> point{};
   std::optional<Level> level{};
   std::optional<int> direction{};  ///< q of a link
 
-  bool operator==(const Place&) const = default;
+  bool operator==(const Location&) const = default;
 };
-inline Place place_of(const Grid& grid, RecordIndex r) {
+inline Location location_of(const Grid& grid, RecordIndex r) {
   return {grid.point(r), grid.level(r), {}};
 }
-inline Place place_of(const Grid& grid, RecordIndex r, int q) {
+inline Location location_of(const Grid& grid, RecordIndex r, int q) {
   return {grid.point(r), grid.level(r), q};
 }
 
 struct Offender {
-  std::string text;  ///< for people: the place, and what is wrong there
-  Place place{};
+  std::string text;  ///< for people: the location, and what is wrong there
+  Location location{};
 
   bool operator==(const Offender&) const = default;
 };
@@ -44,14 +45,14 @@ struct Findings {
 
   /// `describe()` is only called while the text is wanted.
   template <class Describe>
-  void offend(const Place& place, Describe&& describe) {
+  void offend(const Location& location, Describe&& describe) {
     ++offenders;
-    if (first.size() < kShown) first.push_back({describe(), place});
+    if (first.size() < kShown) first.push_back({describe(), location});
   }
   /// What has no place in a grid.
   template <class Describe>
   void offend(Describe&& describe) {
-    offend(Place{}, std::forward<Describe>(describe));
+    offend(Location{}, std::forward<Describe>(describe));
   }
   /// Appends what was found in a later part of the grid.
   void add(Findings&& later) {
@@ -102,7 +103,7 @@ enum class Details {
   kAll
 };
 
-/// A table with a row a check, then the details: all, or as many as make a report of 20 lines.
+/// A table with a row a check, then the details.
 std::string checks_text(const std::vector<Check>& checks, Details details);
 /// [{"name", "verdict", "counted", "unit", "offenders", "meaning", "first": [{"text", and as far as
 /// it has them "point": [i, j, k], "level", "direction": [di, dj, dk]}], "not_proved" where the
@@ -110,26 +111,15 @@ std::string checks_text(const std::vector<Check>& checks, Details details);
 /// @param box of the grid that was checked
 nlohmann::ordered_json checks_json(const Box& box, const std::vector<Check>& checks);
 
-/// What a report says of the grid itself.
-struct ReportedGrid {
-  const GridSpec& spec;
-  std::uint64_t records;
-  std::uint32_t generation;
-};
-inline ReportedGrid reported(const Grid& grid) {
-  return {grid.spec(), grid.records(), grid.generation()};
-}
-
 /// What grid it is, and checks_text().
-std::string report_text(const ReportedGrid& grid, const std::vector<Check>& checks,
-                        Details details);
+std::string report_text(const Grid& grid, const std::vector<Check>& checks, Details details);
 
 /// {"version": 1, "model", "counts", "records", "generation", "verdict": "fine", "broken" or "not
 /// proved", "checks": checks_json()}. The version changes when a key changes its meaning or goes.
-std::string report_json(const ReportedGrid& grid, const std::vector<Check>& checks);
+std::string report_json(const Grid& grid, const std::vector<Check>& checks);
 
 /// As JUnit's XML, which CI systems show: a test case a check, a failure where it is broken or not
 /// proved, and notes as output.
-std::string report_junit(const ReportedGrid& grid, const std::vector<Check>& checks);
+std::string report_junit(const Grid& grid, const std::vector<Check>& checks);
 
 }  // namespace hapgrid

@@ -1,23 +1,21 @@
-// How steep play gets, over every configuration that it can be in, against what a device renders
-// stably.
+// How steep play gets on a branch, against what a device renders stably.
 //
-// The interpolated state's derivative along an axis is a mean of the differences along the four
-// edges of the cell in that direction, over h: none is larger than the largest edge's. The same
-// holds for a stored force, which play interpolates, and then in any direction the force changes by
-// at most K a length, K² the sum over the axes of the squared largest differences over h. Of a
-// force that the model evaluates in the loop this is the mean over each edge, not what it does
-// between.
+// Inside a cell the derivative of what is interpolated is a mean of the derivatives at its corners,
+// each of which has the differences along the three edges there, over h. So none is larger than the
+// largest difference along a two-way link; and in any direction the force changes by at most K a
+// length, K² the sum over the axes of the squared larger difference of the links to either side of
+// a record. Of a force that the model evaluates in the loop this is the mean over each link, not
+// what it does between; and behind the end of a branch it is extrapolated, which is not looked at.
 //
 // A wall of stiffness K is rendered without active oscillation by a device of damping b at a rate
 // of f ticks a second when K < 2 b f.
 #pragma once
 
-#include <cstdint>
 #include <optional>
+#include <span>
 
-#include "libcore/check/configurations.hpp"
-#include "libcore/check/forces.hpp"
 #include "libcore/check/report.hpp"
+#include "libcore/grid/grid.hpp"
 
 namespace hapgrid {
 
@@ -31,10 +29,10 @@ struct Rendering {
   double limit() const { return 2 * damping * rate_hz; }
 };
 
-/// `steep`, a note. Counts configurations; with a scale, offenders are those that are too stiff.
-/// @param forces nullptr: of states alone
-/// @param threads at least 1; the result does not depend on it.
-Check check_steep(const Grid& grid, const CellMap& map, const Configurations& found,
-                  const Forces* forces, const Rendering& rendering, int threads);
+/// `steep`, a note. Counts records; with a scale, offenders are those around which the force is too
+/// stiff. Figures: the largest slopes of `state` and `force`, and the `stiffness`, or the `largest
+/// stable scale`.
+/// @param forces by record, in newtons; empty: of states alone
+Check check_steep(const Grid& grid, std::span<const Vec3> forces, const Rendering& rendering);
 
 }  // namespace hapgrid

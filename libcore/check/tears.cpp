@@ -30,7 +30,7 @@ Check check_tears(const Grid& grid, std::span<const RecordIndex> records, Conver
       const auto [r, q] = links[i];
       const TearByte stored = grid.tears(r)[q];
       if (std::abs(stored - tears[i]) <= 1) continue;
-      check.found.offend(place_of(grid, r, q), [&, r = r, q = q] {
+      check.found.offend(location_of(grid, r, q), [&, r = r, q = q] {
         return describe_link(grid, r, q) + ": stored is " + std::to_string(stored) +
                ", the model gives " + std::to_string(tears[i]);
       });

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# How long large grids take to open, and with how much memory: `play` along a short path, `stats`, `verify
-# --invariants`, and all of `verify` where VERIFY=1 asks for it.
+# How long large grids take to open, and with how much memory: `play` along a short path, `stats`, and `verify
+# --recompute none`.
 #
 #   tests/bench/large.sh [BUILD] [GRID...]        (default: build, and hung balls of 64 and 128 points a side)
 #
@@ -24,7 +24,6 @@ for grid in "${grids[@]}"; do
   name=$(basename "$grid" .grid)
   measure "play-$name" play "$grid" --device path:path >/dev/null
   measure "stats-$name" stats "$grid" >/dev/null
-  measure "invariants-$name" verify "$grid" --invariants >/dev/null
-  if [[ ${VERIFY:-} ]]; then measure "verify-$name" verify "$grid" --recompute none -j 2 >/dev/null || true; fi
+  measure "verify-$name" verify "$grid" --recompute none >/dev/null || true
 done
 print_costs

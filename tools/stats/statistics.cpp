@@ -12,7 +12,6 @@
 #include "libcore/base/json_text.hpp"
 #include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/shard/chunks.hpp"
 
 namespace hapgrid {
 
@@ -78,90 +77,38 @@ std::string table_row(const std::string& model, const Statistics& s, const CostS
 
 }  // namespace
 
-StatisticsCounter::StatisticsCounter(const GridSpec& spec, std::uint32_t generation)
-    : spec_(spec), around_(spec.box), inside_of_(spec.box, around_), window_(spec) {
-  counts_.points = spec.box.points();
-  counts_.generation = generation;
-  counts_.levels_histogram.assign(1, 0);
-}
-
-void StatisticsCounter::add(PointIndex point, Level level, std::uint32_t generation,
-                            const Level* links) {
-  window_.add(point, level, generation, links, [this](PointIndex p) { count(p); });
-}
-
-void StatisticsCounter::count(PointIndex p) {
-  Statistics& s = counts_;
-  const RecordIndex levels = window_.levels(p);
-  if (levels >= s.levels_histogram.size()) s.levels_histogram.resize(levels + 1, 0);
-  ++s.levels_histogram[levels];
-  const DirectionMask inside = inside_of_(p);
-  const auto directions = static_cast<std::uint64_t>(std::popcount(inside));
-  const bool is_plain = inside == kAllDirections && levels == 1 && window_.is_plain(p);
-  for (RecordIndex l = 0; l < levels; ++l) {
-    const auto level = static_cast<Level>(l);
-    const std::uint32_t generation = window_.record(p, level).generation;
-    s.generations = std::max(s.generations, std::uint64_t{generation} + 1);
-    if (generation == s.generation) {
-      ++s.frontier;
-      s.conversions_left += directions;
-      continue;
-    }
-    s.conversions += directions;
-    if (is_plain)
-      s.links += directions;
-    else
-      count_links(p, level);
-  }
-}
-
-void StatisticsCounter::count_links(PointIndex p, Level level) {
-  const Links& links = window_.links(p, level);
-  for (int q = 0; q < kDirections; ++q) {
-    if (!(links.usable >> q & 1)) continue;
-    const auto target = static_cast<PointIndex>(p + around_.offset(q));
-    if (links.level[q] >= window_.levels(target)) continue;
-    const int back = Direction(q).opposite().q();
-    const Links& there = window_.links(target, links.level[q]);
-    if (!(there.usable >> back & 1) || there.level[back] >= window_.levels(p)) continue;
-    ++counts_.links;
-    counts_.one_way_links += there.level[back] != level;
-  }
-}
-
-Statistics StatisticsCounter::finish(std::uint64_t stored_bytes, bool has_tears) {
-  require_enough_records(spec_.box, window_.records());
-  window_.finish([this](PointIndex p) { count(p); });
-  Statistics s = counts_;
-  s.records = window_.records();
+Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes) {
+  Statistics s;
+  s.points = grid.box().points();
+  s.records = grid.records();
+  s.frontier = grid.frontier();
+  s.generation = grid.generation();
+  s.has_tears = grid.has_tears();
   s.stored_bytes = stored_bytes;
+  s.levels_histogram.assign(1, 0);
+  for (std::uint64_t p = 0; p < s.points; ++p) {
+    const RecordIndex levels = grid.levels(static_cast<PointIndex>(p));
+    if (levels >= s.levels_histogram.size()) s.levels_histogram.resize(levels + 1, 0);
+    ++s.levels_histogram[levels];
+  }
   s.points_reached = s.points - s.levels_histogram[0];
-  s.has_tears = has_tears;
-  const bool lacks_tears = s.frontier == 0 && spec_.tears && !has_tears;
+  for (RecordIndex r = 0; r < grid.records(); ++r) {
+    s.generations = std::max(s.generations, std::uint64_t{grid.record_generation(r)} + 1);
+    const auto directions =
+        static_cast<std::uint64_t>(std::popcount(grid.neighbourhood().inside(grid.point(r))));
+    (grid.in_frontier(r) ? s.conversions_left : s.conversions) += directions;
+    for (int q = 0; q < kDirections; ++q) {
+      const RecordIndex there = grid.destination(r, q);
+      if (there == Grid::kNoRecord) continue;
+      const RecordIndex back = grid.destination(there, Direction(q).opposite().q());
+      if (back == Grid::kNoRecord) continue;
+      ++s.links;
+      s.one_way_links += back != r;
+    }
+  }
+  const bool lacks_tears = s.frontier == 0 && grid.spec().tears && !s.has_tears;
   s.todo = lacks_tears ? s.records : s.frontier;
   return s;
-}
-
-Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes) {
-  StatisticsCounter counter(grid.spec(), grid.generation());
-  for (RecordIndex r = 0; r < grid.records(); ++r)
-    counter.add(grid.point(r), grid.level(r), grid.record_generation(r), grid.links(r).data());
-  return counter.finish(stored_bytes, grid.has_tears());
-}
-
-Statistics count_statistics(const Section& section) {
-  const SectionHeader& header = section.header;
-  require_plausible(section);
-  require_enough_records(header.spec.box, section.records());
-  StatisticsCounter counter(header.spec, header.generation);
-  SectionReader reader(section);
-  RecordRows rows;
-  for (std::size_t i = 0; i < section.footer.chunks.size(); ++i) {
-    reader.read(i, rows);
-    for (std::size_t r = 0; r < rows.size(); ++r)
-      counter.add(rows.point[r], rows.level[r], rows.generation[r], &rows.links[r * kDirections]);
-  }
-  return counter.finish(section.end - section.begin, header.has_tears);
 }
 
 void add_costs(CostSums& sums, const std::string& name, const std::string& text) {

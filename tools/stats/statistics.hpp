@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "libcore/grid/record_window.hpp"
-#include "libcore/shard/section.hpp"
+#include "libcore/grid/grid.hpp"
 
 namespace hapgrid {
 
@@ -32,31 +31,8 @@ struct Statistics {
   std::uint64_t stored_bytes = 0;
 };
 
-/// Counts records as they come, with no more of the grid in memory than two layers.
-class StatisticsCounter {
- public:
-  /// @param spec outlives this. @param generation of the grid
-  StatisticsCounter(const GridSpec& spec, std::uint32_t generation);
-
-  /// Adds the next record. @throw FormatError when the records are not a grid's.
-  void add(PointIndex point, Level level, std::uint32_t generation, const Level* links);
-  /// @param stored_bytes size of the shards as they are stored, compressed
-  Statistics finish(std::uint64_t stored_bytes, bool has_tears);
-
- private:
-  void count(PointIndex p);
-  void count_links(PointIndex p, Level level);
-
-  const GridSpec& spec_;
-  const Neighbourhood around_;
-  InsideOfRun inside_of_;
-  RecordWindow window_;
-  Statistics counts_;
-};
-
+/// @param stored_bytes size of the shards as they are stored, compressed
 Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes);
-/// Of a section that is a grid. @throw as load_grid()
-Statistics count_statistics(const Section& section);
 
 /// The sums over the lines of `expand --cost` and `merge --cost`.
 struct CostSums {

@@ -2,16 +2,17 @@
 by faults.sh in its directory, where the good grids are.
 
 The faults are in faults_in_*.py: each is a function that changes a grid, and may return the place
-that the report must name. Beside each stand the rows of the report that must be
-broken: exactly these, and the first is the check for this kind of fault. --table prints all of them. A text between asterisks is
-the end of the error message with which verify refuses the grid (exit code 1). verify runs with
---recompute all unless the options say otherwise.
+that the report must name. --table lists all of them with the rows of the report that must be
+broken: exactly these, and the first is the check for this kind of fault. A text between asterisks is
+the end of the error message with which verify refuses the grid (exit code 1). Where no row is broken,
+those that could prove nothing are listed as "(not proved)". verify runs with --recompute all unless the
+options say otherwise.
 Checksums, digests and sums are made right again after each change, except in the part "not sealed".
 
 The grids (faults.sh): ball is a hung ball of 14 x 3 x 2 points; stored is the same with force, energy
 and shape; fine has half of the spacing; torn is ball with tear fractions;
 middle waits for its second round; chunks has five large
-states of a toy model. Faults in play's switch rule are planted by unit/check/switch_rule_test.cpp.
+states of a toy model.
 """
 
 import concurrent.futures
@@ -30,23 +31,13 @@ import faults_in_headers  # noqa: F401
 import faults_in_streams  # noqa: F401
 import no_faults  # noqa: F401
 
+
 def table():
     """A line a fault: its part, what was changed, the grid, options of verify, and what finds it."""
     lines = ["part\tfault\tgrid\toptions\tfound by"]
     for f in planting.FAULTS:
         lines.append("\t".join((f.part, f.name, f.grid, " ".join(f.arguments), f.found_by())))
     return "\n".join(lines) + "\n"
-
-
-def parts(report):
-    """The rows of the table, and the details of those that have some."""
-    table, *details = report.removesuffix("\n").split("\n\n")
-    return [" ".join(line.split()) for line in table.split("\n")], details
-
-
-def begins_with(whole, alone):
-    """Whether a report begins with the invariants, and says the same of them."""
-    return all(a[: len(b)] == b for a, b in zip(whole, alone))
 
 
 def examine(number, fault, shows):
@@ -58,30 +49,22 @@ def examine(number, fault, shows):
     with open(name, "wb") as file:
         file.write(data)
     options = fault.arguments if "--recompute" in fault.arguments else ["--recompute", "all"] + fault.arguments
-    done = subprocess.run(["verify", name, "--traversal", "paper", "-v", *options], capture_output=True, text=True)
-    by_branches = subprocess.run(["verify", name, "--recompute", "none"], capture_output=True, text=True)
-    alone = subprocess.run(["verify", name, "--invariants", "-v"], capture_output=True, text=True)
+    done = subprocess.run(["verify", name, "-v", *options], capture_output=True, text=True)
     os.unlink(name)
     if shows:
         print(done.stdout, done.stderr, where)
     if fault.refused:
         if done.returncode != 1 or done.stdout or not fault.is_refusal(done.stderr):
             return "exit code %d: %s" % (done.returncode, done.stderr)
-        # They need no model that converts.
-        if alone.returncode == 1 and alone.stderr != done.stderr:
-            return "--invariants: %s" % alone.stderr
         return ""
     rows = re.findall("^([a-z-]+) .*  broken$", done.stdout, re.M)
+    if not rows:
+        rows = [name + " (not proved)" for name in re.findall("^([a-z-]+) .*  not proved$", done.stdout, re.M)]
     code, verdict = (3, "broken: ") if fault.rows else (0, "fine: ")
+    if any("(not proved)" in row for row in fault.rows):
+        code, verdict = (4, "not proved: ")
     if done.returncode != code or not done.stderr.startswith("verify: " + verdict) or sorted(rows) != sorted(fault.rows):
         return "exit code %d, rows %s: %s" % (done.returncode, rows, done.stderr)
-    if by_branches.stdout.count("\n") > 20:
-        return "more than 20 lines without -v: %s" % by_branches.stdout
-    if not begins_with(parts(done.stdout), parts(alone.stdout)):
-        return "--invariants: %s" % alone.stdout
-    # Where the paper's rule gets stuck, so does the one that stays on a branch.
-    if "paths" in rows and "complete" not in rows and " branches (" not in by_branches.stderr:
-        return "branches are fine: %s" % by_branches.stderr
     # The place is named where its row lists offenders.
     if where:
         listed = re.search("^%s: .*\n((?:  .*\n)+)" % fault.rows[0], done.stdout, re.M)

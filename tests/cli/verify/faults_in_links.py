@@ -11,13 +11,13 @@ for way, q in (("a face", X), ("an edge", EDGE), ("a vertex", VERTEX)):
         move(row, q)
         return named(g, row, q)
 
-    @fault("a link across %s to a level that is not there" % way, "links", "paths")
+    @fault("a link across %s to a level that is not there" % way, "links", "continuous")
     def _(g, q=q):
         row = g.at(MIDDLE)
         row["links"][q] = 2
         return named(g, row, q)
 
-    @fault("a link across %s lost: not settled" % way, "links", "paths")
+    @fault("a link across %s lost: not settled" % way, "links", "continuous")
     def _(g, q=q):
         row = g.at(MIDDLE)
         row["links"][q] = 254
@@ -39,17 +39,17 @@ def _(g):
     return named(g, row, X)
 
 
-@fault("a link to the level limit", "links", "paths")
+@fault("a link to the level limit", "links", "continuous")
 def _(g):
     g.at(MIDDLE)["links"][X] = 8
 
 
-@fault("a link to level 253", "links", "paths")
+@fault("a link to level 253", "links", "continuous")
 def _(g):
     g.at(MIDDLE)["links"][X] = 253
 
 
-@fault("a link marked as leaving the box, inside of it", "links", "paths")
+@fault("a link marked as leaving the box, inside of it", "links", "continuous")
 def _(g):
     row = g.at(MIDDLE)
     row["links"][X] = 255
@@ -76,7 +76,7 @@ def _(g):
     links[X], links[q] = links[q], links[X]
 
 
-@fault("a link inside exchanged with one that leaves the box", "links", "paths")
+@fault("a link inside exchanged with one that leaves the box", "links", "continuous")
 def _(g):
     links = g.at(0)["links"]
     q = direction((-1, 0, 0))
@@ -95,13 +95,13 @@ def _(g):
     a["links"], b["links"] = b["links"], a["links"]
 
 
-@fault("a record's links shifted by one direction", "links", "paths")
+@fault("a record's links shifted by one direction", "links", "continuous")
 def _(g):
     links = g.at(MIDDLE)["links"]
     links.append(links.pop(0))
 
 
-@fault("a record's links in the order of the opposite directions", "links", "paths")
+@fault("a record's links in the order of the opposite directions", "links", "continuous")
 def _(g):
     g.at(MIDDLE)["links"].reverse()
 
@@ -126,13 +126,13 @@ def _(g):
             row["links"] = [min(v, 0) if v < 254 else v for v in row["links"]]
 
 
-@fault("all links of a record lost", "links", "paths")
+@fault("all links of a record lost", "links", "continuous")
 def _(g):
     row = g.at(MIDDLE)
     row["links"] = [254 if v < 254 else v for v in row["links"]]
 
 
-@fault("two seeds' links lost", "links", "paths")
+@fault("two seeds' links lost", "links", "continuous")
 def _(g):
     for p in (0, 13):
         g.at(p)["links"] = [254 if v < 254 else v for v in g.at(p)["links"]]

@@ -60,13 +60,13 @@ def _(g):
         row["state"][0] *= 1.001
 
 
-@fault("all states in degrees", "fidelity", "passive")
+@fault("all states in degrees", "fidelity")
 def _(g):
     for row in g.rows:
         row["state"][0] = math.degrees(row["state"][0])
 
 
-@fault("the states of all points shifted by one record", "fidelity", "passive")
+@fault("the states of all points shifted by one record", "fidelity")
 def _(g):
     states = [row["state"] for row in g.rows]
     for row, state in zip(g.rows, states[1:] + states[:1]):
@@ -83,19 +83,26 @@ def _(g):
     return named(g, row)
 
 
-@fault("all forces of the wrong sign", "stored", "passive", grid="stored")
+@fault("all forces of the wrong sign", "stored", grid="stored")
 def _(g):
     for row in g.rows:
         row["force"] = [-f for f in row["force"]]
 
 
-@fault("all forces of the wrong sign", "passive", grid="fine", arguments="--recompute none")
+@fault("all forces and energies of the wrong sign: snaps lead up", "passive", grid="fine", arguments="--recompute none")
+def _(g):
+    for row in g.rows:
+        row["force"] = [-f for f in row["force"]]
+        row["energy"] = [-e for e in row["energy"]]
+
+
+@fault("all forces of the wrong sign", "passive (not proved)", grid="fine", arguments="--recompute none")
 def _(g):
     for row in g.rows:
         row["force"] = [-f for f in row["force"]]
 
 
-@fault("a force that is no gradient", "passive", grid="fine", arguments="--recompute none")
+@fault("a force that is no gradient", "passive (not proved)", grid="fine", arguments="--recompute none")
 def _(g):
     for row in g.rows:
         i, j, _ = shard.coordinates(g.box, row["point"])
@@ -157,7 +164,7 @@ def _(g):
 
 
 for what in ("force", "energy", "shape"):
-    @fault("a number of the %s is nan" % what, "finite", *["passive"] * (what == "force"), grid="stored")
+    @fault("a number of the %s is nan" % what, "finite", grid="stored")
     def _(g, what=what):
         row = g.at(MIDDLE)
         row[what][0] = float("nan")

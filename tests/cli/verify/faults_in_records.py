@@ -21,7 +21,7 @@ def _(g):
     g.rows[r], g.rows[r + 1] = g.rows[r + 1], g.rows[r]
 
 
-@fault("a point's last level lost", "links", "paths")
+@fault("a point's last level lost", "links", "continuous")
 def _(g):
     g.rows.remove(g.at(MIDDLE, 1))
 
@@ -31,24 +31,24 @@ def _(g):
     g.rows.remove(g.at(MIDDLE))
 
 
-@fault("a point's first level lost, the second in its place", "links", "generations", "fidelity", "paths")
+@fault("a point's first level lost, the second in its place", "links", "generations", "fidelity", "continuous", "passive")
 def _(g):
     g.rows.remove(g.at(MIDDLE))
     g.at(MIDDLE, 1)["level"] = 0
 
 
-@fault("a point's only level lost", "coverage", "links", "paths")
+@fault("a point's only level lost", "coverage", "links", "continuous")
 def _(g):
     g.rows.remove(g.at(1))
     return "point 1 (1, 0, 0)"
 
 
-@fault("a plane of points lost", "coverage", "links", "paths", "reachable")
+@fault("a plane of points lost", "coverage", "links", "continuous", "reachable")
 def _(g):
     g.rows = [r for r in g.rows if shard.coordinates(g.box, r["point"])[0] != 3]
 
 
-@fault("all records lost but the seeds", "coverage", "links", "generations", "paths")
+@fault("all records lost but the seeds", "coverage", "links", "generations", "continuous")
 def _(g):
     g.rows = [r for r in g.rows if r["generation"] == 0]
 
@@ -160,7 +160,7 @@ def _(g):
     g.header["generation"] -= 1
 
 
-@fault("a frontier of which one record has links", "links", "complete", "coverage", "paths", grid="middle")
+@fault("a frontier of which one record has links", "links", "complete", "coverage", grid="middle")
 def _(g):
     row = next(r for r in g.rows if r["generation"] == 1)
     row["links"] = [0 if v < 255 else v for v in row["links"]]

@@ -5,7 +5,7 @@ from planting import Grid, byte_fault, message_fault, part, read, shard
 part("Sections, chunks, digests: not sealed again where nothing else is said")
 
 
-@byte_fault("half of a grid alone, sealed", "coverage", "links", "generations", "paths")
+@byte_fault("half of a grid alone, sealed", "coverage", "links", "generations", "continuous")
 def _(data):
     return Grid(data).part(lambda row: row["point"] < 42).seal()
 
@@ -73,8 +73,8 @@ def chunks(name, order, *rows, refused=None, sealed=True):
 
 
 chunks("a chunk of three lost", [0, 2], refused="truncated: the footer's section is larger than what stands before it", sealed=False)
-chunks("a chunk of three lost, sealed", [0, 2], "coverage", "links", "reachable", "paths")
-chunks("the last chunk lost, sealed", [0, 1], "coverage", "links", "generations", "paths")
+chunks("a chunk of three lost, sealed", [0, 2], "coverage", "links", "reachable", "continuous")
+chunks("the last chunk lost, sealed", [0, 1], "coverage", "links", "generations", "continuous")
 chunks("two chunks exchanged", [1, 0, 2], refused="damaged: a chunk does not fit the footer's hash of it", sealed=False)
 chunks("two chunks exchanged, sealed", [1, 0, 2], refused="damaged: chunks out of order")
 chunks("a chunk doubled, sealed", [0, 1, 1, 2], refused="damaged: chunks out of order")

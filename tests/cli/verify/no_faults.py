@@ -43,7 +43,8 @@ def _(g):
         row["force"] = [(1 + 1e-7) * f for f in row["force"]]
 
 
-@fault("a force that is 0 everywhere", grid="fine", arguments="--recompute none")
+@fault("a force and an energy that are 0 everywhere", grid="fine", arguments="--recompute none")
 def _(g):
     for row in g.rows:
         row["force"] = [0.0, 0.0, 0.0]
+        row["energy"] = [0.0]

@@ -4,10 +4,7 @@
 #include <catch2/catch.hpp>
 #include <limits>
 #include <map>
-#include <utility>
 
-#include "libcore/check/blends.hpp"
-#include "libcore/check/reachable.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
 using namespace hapgrid;
@@ -15,7 +12,15 @@ using namespace hapgrid;
 namespace {
 
 std::vector<Check> all_checks(const Grid& grid, double tolerance = 1e-6) {
-  std::vector<Check> checks = check_invariants(grid, tiny::model(tolerance).same);
+  const std::vector<std::uint32_t> distances = find_distances(grid);
+  std::vector<Check> checks{check_complete(grid),
+                            check_coverage(grid),
+                            check_links(grid),
+                            check_finite(grid),
+                            check_distinct(grid, tiny::model(tolerance).same),
+                            check_reachable(grid, distances),
+                            check_generations(grid, distances)};
+  if (grid.has_tears()) checks.push_back(check_fractions(grid));
   std::atomic<std::uint64_t> done{0};
   checks.push_back(check_fidelity(
       grid, sample_records(grid, 1000, 1), [&] { return tiny::model(tolerance); }, 1, done));
@@ -147,121 +152,69 @@ TEST_CASE("a generation that is not the distance from the seeds") {
   }
 }
 
-TEST_CASE("blends are the cells at the two tear-offs") {
-  // From level 1 of point 1 (state -1) the left end is reached, and from there level 0 (+1).
-  const auto check = check_blends(tiny::grid(), 1);
-  CHECK(check.is_note);
-  CHECK(check.found.counted == 3);
-  CHECK(tiny::texts(check.found) ==
-        std::vector<std::string>{"cell (0, 0, 0) from point 1 (1, 0, 0) level 1",
-                                 "cell (2, 0, 0) from point 2 (2, 0, 0) level 1"});
-  CHECK(check_blends(tiny::after_one_round(), 1).found.offenders == 0);
-}
-
 TEST_CASE("only the first five offenders are described") {
   RecordColumns records;
   for (PointIndex p = 0; p < 9; ++p) tiny::add(records, p, 0, 7, 0, kLeavesBox, kLeavesBox);
   GridSpec spec = tiny::spec();
   spec.box.counts = {9, 1, 1};
   const Grid grid(spec, 7, records);
-  const auto check = check_invariants(grid, tiny::model().same)[0];
+  const Check check = check_complete(grid);
   CHECK(check.found.offenders == 9);
   CHECK(check.found.first.size() == 5);
   CHECK(check.found.first.back().text == "point 4 (4, 0, 0) level 0");
 }
 
-namespace {
-
-/// Whatever the rows say, those on distances must be what the whole grid gives.
-void check_distances(const Grid& grid) {
-  const std::vector<Check> all = check_invariants(grid, tiny::model().same);
-  const std::vector<Check> expected = check_reachable(grid);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Check& row = all[all.size() - 2 + i];
-    CHECK(row.name == expected[i].name);
-    CHECK(row.found.counted == expected[i].found.counted);
-    CHECK(row.found.offenders == expected[i].found.offenders);
-    CHECK(row.found.first == expected[i].found.first);
-  }
-}
-
-}  // namespace
-
-TEST_CASE("distances that records tell one by one are those in the whole grid") {
-  // All generations and links that the tiny grid can have, one or two of them changed.
-  for (RecordIndex r = 0; r < 6; ++r)
-    for (std::uint32_t generation = 0; generation < 5; ++generation)
-      for (RecordIndex s = 0; s < 6; ++s)
-        for (const int q : {tiny::kLeft, tiny::kRight})
-          for (const Level level : {Level{0}, Level{1}, Level{2}, kUnsettled, kLeavesBox}) {
-            RecordColumns records = tiny::records();
-            records.generation[r] = generation;
-            tiny::link(records, s, q) = level;
-            CAPTURE(r, generation, s, q, int{level});
-            check_distances(Grid(tiny::spec(), tiny::kGeneration, records));
-          }
-}
-
-namespace {
-
-constexpr PointIndex kCentre = 62;
-
-/// 5 x 5 x 5 points of one level each, found from the point 0: most have nothing else around.
-RecordColumns cube(GridSpec& spec) {
-  spec = tiny::spec();
-  spec.box.counts = {5, 5, 5};
-  spec.tears = true;
-  const Neighbourhood around(spec.box);
-  RecordColumns records;
-  for (PointIndex p = 0; p < spec.box.points(); ++p) {
-    const GridCoordinates c = spec.box.coordinates(p);
-    tiny::add(records, p, 0, std::max({c[0], c[1], c[2]}), 0, kLeavesBox, kLeavesBox);
-    for (int q = 0; q < kDirections; ++q)
-      if (around.inside(c) >> q & 1) tiny::link(records, p, q) = 0;
-  }
-  records.tears.assign(records.links.size(), kNoTear);
-  return records;
-}
-
-}  // namespace
-
-TEST_CASE("points that have one level, as all around them") {
-  GridSpec spec;
-  RecordColumns records = cube(spec);
-  const auto rows = [&] {
-    return broken(check_invariants(Grid(spec, 5, records), tiny::model().same));
-  };
-  CHECK(rows() == Broken{});
-  SECTION("a generation is wrong") {
-    for (PointIndex p = 0; p < spec.box.points(); ++p)
-      for (std::uint32_t generation = 0; generation < 6; ++generation) {
-        const std::uint32_t right = std::exchange(records.generation[p], generation);
-        check_distances(Grid(spec, 5, records));
-        records.generation[p] = right;
-      }
-  }
+TEST_CASE("a grid without seeds reaches nothing, and one that says it is rounds younger is named") {
+  auto records = tiny::records();
   SECTION("no record is a seed") {
-    for (PointIndex p = 0; p < spec.box.points(); ++p) {
-      std::uint32_t away = 0;  // from the centre
-      for (const std::uint32_t c : spec.box.coordinates(p))
-        away = std::max(away, c > 2 ? c - 2 : 2 - c);
-      records.generation[p] = 1 + away;
-    }
-    check_distances(Grid(spec, 5, records));
-    CHECK(rows().at("reachable").size() == 5);
+    records.generation[0] = records.generation[5] = 1;
+    CHECK(broken(records).at("reachable").size() == 5);
   }
-  SECTION("a tear fraction is too many") {
-    records.tears[kCentre * kDirections + tiny::kLeft] = 3;
-    CHECK(rows() ==
-          Broken{{"fractions",
-                  {"point 62 (2, 2, 2) level 0 direction 12 (-1, 0, 0): not one-way, with tear "
-                   "fraction 3"}}});
+  SECTION("a round too many") {
+    CHECK(broken(all_checks(Grid(tiny::spec(), tiny::kGeneration + 1, records))) ==
+          Broken{{"generations", {"the grid has generation 4, its youngest record 2"}}});
   }
-  SECTION("a record of the frontier has links") {
-    records.generation[kCentre] = 5;
-    CHECK(rows().at("complete").size() == 1);
-    CHECK(rows().at("links").front() ==
-          "point 62 (2, 2, 2) level 0 direction 0 (-1, -1, -1): destination level 0, but the "
-          "record is in the frontier");
+  SECTION("the levels of a point in the wrong order") {
+    // From the left seed both levels of point 1 are reached at once, the lower one says later.
+    RecordColumns two;
+    tiny::add(two, 0, 0, 0, 0, kLeavesBox, 1);
+    tiny::add(two, 1, 0, 2, +1, 0, 0);
+    tiny::add(two, 1, 1, 1, -1, 0, 0);
+    tiny::add(two, 2, 0, 2, -1, 0, kLeavesBox);
+    GridSpec spec = tiny::spec();
+    spec.box.counts = {3, 1, 1};
+    two.generation = {0, 3, 1, 2};
+    CHECK(
+        tiny::texts(check_generations(Grid(spec, 4, two), {0, 3, 1, 2}).found) ==
+        std::vector<std::string>{"point 1 (1, 0, 0) level 1: generation 1, the level below has 3"});
   }
+}
+
+TEST_CASE("a record of the frontier that has links") {
+  const auto found = broken(all_checks(Grid(tiny::spec(), 2, tiny::records())));
+  CHECK(found.at("complete").size() == 2);
+  CHECK(found.at("links").front() ==
+        "point 1 (1, 0, 0) level 1 direction 12 (-1, 0, 0): destination level 0, but the record is "
+        "in the frontier");
+}
+
+TEST_CASE("tear fractions are where links are one-way") {
+  auto records = tiny::records();
+  records.tears.assign(records.links.size(), kNoTear);
+  const auto tear = [&](RecordIndex r, int q) -> TearByte& {
+    return records.tears[std::size_t{r} * kDirections + static_cast<std::size_t>(q)];
+  };
+  tear(2, tiny::kLeft) = tear(4, tiny::kRight) = 16;
+  GridSpec spec = tiny::spec();
+  spec.tears = true;
+  const auto rows = [&] { return broken(all_checks(Grid(spec, tiny::kGeneration, records))); };
+  CHECK(rows() == Broken{});
+  tear(2, tiny::kLeft) = kNoTear;
+  tear(1, tiny::kLeft) = 3;
+  CHECK(rows() ==
+        Broken{{"fractions",
+                {"point 1 (1, 0, 0) level 0 direction 12 (-1, 0, 0): not one-way, with tear "
+                 "fraction 3",
+                 "point 1 (1, 0, 0) level 1 direction 12 (-1, 0, 0): one-way, without a tear "
+                 "fraction"}}});
 }

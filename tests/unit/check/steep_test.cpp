@@ -3,136 +3,92 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "libcore/check/passive.hpp"
-#include "libcore/check/trapezoid_work.hpp"
-#include "tests/unit/check/oracle.hpp"
+#include "libcore/haptic/traversal.hpp"
+#include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
+using tiny::figure;
 
 namespace {
 
 constexpr double kSpacing = 0.25;
 
-/// A random grid that stores a force; states of two numbers.
-Grid grid_with_force(const GridCoordinates& counts, unsigned levels, std::uint64_t seed) {
-  GridSpec spec = spec_for({{0, 0, 0}, kSpacing, counts}, 2);
-  spec.stored.force = true;
-  return Grid(spec, 1, random_columns(spec.box, spec.row_size(), levels, seed));
-}
-
-Forces stored_forces(const Grid& grid) {
-  const auto none = []() -> std::unique_ptr<Model> { throw std::logic_error("not needed"); };
-  return Forces(record_fields(grid, none, 2).force);
-}
-
 double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
-/// What play has somewhere in its cell, given as parts along the axes.
-std::vector<double> row_at(const Box& box, const PaperTraversal& t, const Vec3& part) {
-  PaperTraversal there(t);
-  REQUIRE(there.step(inside(box, t.cell(), part)).usable());
-  REQUIRE(there.cell() == t.cell());
-  return {there.row().begin(), there.row().end()};
-}
 
 }  // namespace
 
-TEST_CASE("nothing that play can do is steeper, and something is as steep") {
-  std::uint64_t seed = 0;
-  for (const GridCoordinates& counts :
-       {GridCoordinates{6, 1, 1}, {3, 1, 3}, {3, 2, 3}, {1, 1, 1}, {2, 2, 2}}) {
-    const Grid grid = grid_with_force(counts, 2, ++seed);
-    const Box& box = grid.box();
-    const Oracle oracle(grid);
-    double state = 0, force = 0, stiffness = 0, turn = 0;
-    for (const auto& [place, t] : oracle.at) {
-      Vec3 along{0, 0, 0};
-      for (int a = 0; a < 3; ++a)
-        for (int i = 0; i < 4 && box.counts[a] > 1; ++i) {
-          Vec3 from, to;
-          from[(a + 1) % 3] = to[(a + 1) % 3] = i & 1;
-          from[(a + 2) % 3] = to[(a + 2) % 3] = i >> 1;
-          from[a] = 0;
-          to[a] = 1;
-          const auto r = row_at(box, t, from), s = row_at(box, t, to);
-          state = std::max({state, std::abs(r[0] - s[0]), std::abs(r[1] - s[1])});
-          along[a] = std::max(along[a], norm({r[2] - s[2], r[3] - s[3], r[4] - s[4]}) / kSpacing);
-        }
-      force = std::max({force, along[0], along[1], along[2]});
-      stiffness = std::max(stiffness, norm(along));
-      // Along an edge the force is linear: its middle gives the work.
-      for (int a = 0; a < 3; ++a)
-        for (int side = 0; side < 2; ++side) {
-          const int u = (a + 1) % 3, v = (a + 2) % 3;
-          if (box.counts[u] == 1 || box.counts[v] == 1) continue;
-          double work = 0;
-          for (int i = 0; i < 2; ++i) {
-            Vec3 x;
-            x[a] = side;
-            x[u] = 0.5, x[v] = i;
-            work += (i ? -1 : 1) * row_at(box, t, x)[static_cast<std::size_t>(u) + 2];
-            x[u] = i, x[v] = 0.5;
-            work += (i ? 1 : -1) * row_at(box, t, x)[static_cast<std::size_t>(v) + 2];
-          }
-          turn = std::max(turn, std::abs(work) * kSpacing);
-        }
-    }
+TEST_CASE("no interpolated force is stiffer, and an edge is as steep") {
+  std::mt19937_64 random(1);
+  const Box box{{0, 0, 0}, kSpacing, {3, 4, 3}};
+  const Grid grid = random_grid(box, 2, 1, 1);
+  std::vector<Vec3> forces;
+  for (RecordIndex r = 0; r < grid.records(); ++r)
+    forces.push_back({uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)});
+  const Check check = check_steep(grid, forces, {});
+  CHECK(check.is_note);
+  CHECK(check.found.counted == grid.records());
+  const double stiffness = 4000 / figure(check, "largest stable scale");
 
-    const CellMap map(grid, 1);
-    const auto found = find_configurations(grid, map, 1, 1 << 20);
-    const Forces forces = stored_forces(grid);
-    const Check check = check_steep(grid, map, found, &forces, {}, 2);
-    CHECK(check.is_note);
-    CHECK(check.found.counted == oracle.at.size());
-    // A few roundings of numbers below 2, each way.
-    CHECK(figure(check, "state") == Approx(state / kSpacing).epsilon(1e-14));
-    CHECK(figure(check, "force") == Approx(force).epsilon(1e-14));
-    if (stiffness > 0)
-      CHECK(figure(check, "largest stable scale") == Approx(4000 / stiffness).epsilon(1e-14));
-    const TrapezoidWork work_of_links(grid, forces);
-    const Energy energy = find_energy(grid, work_of_links, 1, 1);
-    Check passive = check_passive(grid, work_of_links, energy);
-    add_inside_cells(passive, grid, map, found, forces, energy, 2);
-    CHECK(figure(passive, "largest turn") == Approx(turn).epsilon(1e-13));
-    if (box.points() > 1) CHECK(force > 0);
-
-    // Without forces the states remain.
-    const Check states = check_steep(grid, map, found, nullptr, {}, 1);
-    CHECK(states.figures.size() == 1);
-    CHECK(figure(states, "state") == figure(check, "state"));
-    // Two components, compared by the plug-in itself: in which unit is not known.
-    CHECK(states.figures[0].unit == "of a component/length");
+  double force = 0, state = 0, change = 0;
+  const auto force_at = [&](const GridCoordinates& cell, const Vec3& part) {
+    Vec3 f{0, 0, 0};
+    const auto weights = corner_weights(part);
+    for (unsigned k = 0; k < 8; ++k)
+      for (int a = 0; a < 3; ++a)
+        f[a] +=
+            weights[k] * forces[box.index(GridCoordinates{cell[0] + (k & 1), cell[1] + (k >> 1 & 1),
+                                                          cell[2] + (k >> 2)})][a];
+    return f;
+  };
+  for (int trial = 0; trial < 20000; ++trial) {
+    const GridCoordinates cell{static_cast<std::uint32_t>(random() % 2),
+                               static_cast<std::uint32_t>(random() % 3),
+                               static_cast<std::uint32_t>(random() % 2)};
+    Vec3 from, to, way;
+    for (int a = 0; a < 3; ++a) from[a] = uniform(random, 0, 0.999);
+    for (int a = 0; a < 3; ++a) to[a] = from[a] + (way[a] = uniform(random, 0, 0.001));
+    const Vec3 f = force_at(cell, from), g = force_at(cell, to);
+    change = std::max(change, norm({f[0] - g[0], f[1] - g[1], f[2] - g[2]}) / norm(way) / kSpacing);
   }
+  CHECK(change < stiffness);
+  CHECK(change > stiffness / 2);
+  for (RecordIndex r = 0; r < grid.records(); ++r)
+    for (const int q : {tiny::kRight, Direction::of(0, 1, 0).q(), Direction::of(0, 0, 1).q()}) {
+      const RecordIndex to = grid.destination(r, q);
+      if (to == Grid::kNoRecord) continue;
+      const Vec3 &f = forces[r], &g = forces[to];
+      force = std::max(force, norm({f[0] - g[0], f[1] - g[1], f[2] - g[2]}) / kSpacing);
+      for (std::size_t c = 0; c < 2; ++c)
+        state = std::max(state, std::abs(grid.state(r)[c] - grid.state(to)[c]) / kSpacing);
+    }
+  CHECK(figure(check, "force") == Approx(force));
+  CHECK(figure(check, "state") == Approx(state));
+
+  // Without forces the states remain.
+  const Check states = check_steep(grid, {}, {});
+  CHECK(states.figures.size() == 1);
+  CHECK(figure(states, "state") == figure(check, "state"));
+  // Two components, compared by the plug-in itself: in which unit is not known.
+  CHECK(states.figures[0].unit == "of a component/length");
 }
 
 TEST_CASE("a device is stable below K = 2 b f and not above") {
   // A spring of 100 N a length in x, one level: the figures are known.
-  GridSpec spec = spec_for({{0, 0, 0}, kSpacing, {4, 3, 3}}, 1);
-  spec.stored.force = true;
-  RecordColumns columns = random_columns(spec.box, spec.row_size(), 1, 1);
-  for (PointIndex p = 0; p < spec.box.points(); ++p) {
-    double* row = &columns.rows[p * 4];
-    row[0] = row[2] = row[3] = 0;
-    row[1] = -100 * spec.box.position(p)[0];
-  }
-  const Grid grid(spec, 1, columns);
-  const CellMap map(grid, 1);
-  const Forces forces = stored_forces(grid);
-  const auto check = [&](const Rendering& rendering) {
-    return check_steep(grid, map, {}, &forces, rendering, 1);
-  };
-  const Check free = check({});
+  const Grid grid = random_grid({{0, 0, 0}, kSpacing, {4, 3, 3}}, 1, 1, 1);
+  std::vector<Vec3> forces;
+  for (RecordIndex r = 0; r < grid.records(); ++r)
+    forces.push_back({-100 * grid.box().position(grid.point(r))[0], 0, 0});
+  const Check free = check_steep(grid, forces, {});
   CHECK(figure(free, "force") == Approx(100));
-  CHECK(figure(free, "force in one branch") == Approx(100));
   CHECK(figure(free, "largest stable scale") == Approx(2 * 2 * 1000 / 100.0));
   CHECK(free.found.offenders == 0);
-  const Check stable = check({.damping = 2, .rate_hz = 1000, .scale = 39});
+  const Check stable = check_steep(grid, forces, {.damping = 2, .rate_hz = 1000, .scale = 39});
   CHECK(figure(stable, "stiffness") == Approx(100 * 39));
   CHECK(stable.figures.back().where.substr(0, 7) == "stable:");
   CHECK(stable.found.offenders == 0);
-  const Check not_stable = check({.damping = 2, .rate_hz = 500, .scale = 39});
+  const Check not_stable = check_steep(grid, forces, {.damping = 2, .rate_hz = 500, .scale = 39});
   CHECK(not_stable.figures.back().where.substr(0, 11) == "not stable:");
   CHECK(not_stable.found.offenders == not_stable.found.counted);
   CHECK(is_fine({not_stable}));

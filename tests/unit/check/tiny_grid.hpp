@@ -20,6 +20,12 @@ inline std::vector<std::string> texts(const Findings& found) {
   return texts;
 }
 
+inline double figure(const Check& check, const std::string& name) {
+  for (const Figure& f : check.figures)
+    if (f.name == name) return f.value;
+  return 0;
+}
+
 inline constexpr int kLeft = 12;   // (-1, 0, 0)
 inline constexpr int kRight = 13;  // (+1, 0, 0)
 
