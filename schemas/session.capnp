@@ -1,8 +1,8 @@
 # What play records of a session, tick by tick. A session is a sequence of zstd frames, each with its
-# content checksum; each zstd frame holds one Cap'n Proto message with the root Message: a header, any
-# number of chunks of ticks, ascending, and a footer. Behind the footer stands a skippable zstd frame
-# (magic 0x184D2A5E, 16 bytes): two little-endian UInt64, the size of the footer's zstd frame and the
-# XXH3-64 (seed 0) of its bytes. A session without this end was interrupted.
+# content checksum; each zstd frame holds one Cap'n Proto message with the root Message: first a header,
+# then any number of chunks of ticks, ascending. A session ends where its file does. When play was killed,
+# or the file is damaged, the session ends before the first zstd frame that is cut or damaged; a reader
+# says so.
 #
 #   zstd -dc x.session | capnp decode schemas/session.capnp Message
 #
@@ -16,7 +16,6 @@ struct Message {
   union {
     header @0 :Header;
     ticks @1 :Ticks;
-    footer @2 :Footer;
   }
 }
 
@@ -27,7 +26,7 @@ struct Header {
   # 0x6861706772696473, "hapgrids" in ASCII.
 
   version @1 :UInt32;
-  # 1; a reader refuses any other.
+  # 2; a reader refuses any other.
 
   model @2 :Text;
   # The plug-in's plain name, never a path.
@@ -59,7 +58,7 @@ struct Ticks {
   # The first tick's number.
 
   skipped @1 :List(UInt64);
-  # n: how many numbers lie between the tick before and this one; ticks that were missed, or that
+  # n: how many numbers lie between the tick before and this one: ticks that were missed, or that
   # the recorder had to drop. The first entry is 0.
 
   flags @2 :List(UInt32);
@@ -87,35 +86,8 @@ struct Ticks {
   force @8 :Data;
   # 24 n: newtons, as it was sent to the device. Coded like hip, but u is the 64-bit number of the
   # force exclusive-or that of rawForce: 0 where nothing was done to it.
-}
 
-struct Footer {
-  ticks @0 :UInt64;
-  # In all chunks.
-
-  dropped @1 :UInt64;
-  # Ticks of play that are not in the chunks, since the disk was too slow.
-
-  chunks @2 :List(Chunk);
-  # One after the other, the first right behind the header, the last right before the footer.
-
-  digestLow @3 :UInt64;
-  digestHigh @4 :UInt64;
-  # XXH3-128, seed 0, of the digests (low, high) of the header's message and of each chunk's.
-}
-
-struct Chunk {
-  offset @0 :UInt64;
-  size @1 :UInt64;
-  # Of its zstd frame, in bytes.
-
-  first @2 :UInt64;
-  last @3 :UInt64;
-  # Numbers of its first and last tick.
-
-  ticks @4 :UInt32;
-
-  digestLow @5 :UInt64;
-  digestHigh @6 :UInt64;
-  # XXH3-128, seed 0, of its message.
+  dropped @9 :UInt64;
+  # Ticks of the play before the end of this chunk that are in no chunk, since the disk was too slow. The
+  # last chunk counts those of the whole play.
 }

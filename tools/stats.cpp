@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <istream>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -147,12 +146,6 @@ void dump(const Grid& grid, const std::string& name) {
   output.commit();
 }
 
-/// Whether anything is asked for that only a session has.
-bool asks_for_session(const SessionOptions& options) {
-  return std::isfinite(options.from) || std::isfinite(options.to) || options.salvage ||
-         !options.export_file.empty();
-}
-
 /// What is drawn when column `y` is asked for. A force is drawn as the model gave it and as it was
 /// sent, so that what the safety core does is not taken for a property of the model.
 std::vector<std::string> columns_of(const std::string& y) {
@@ -187,8 +180,8 @@ std::string column_label(const std::string& column, const GridSpec& spec) {
 void plot_text(const InputFile& file, const Options& options) {
   if (options.plot.empty() || options.png.empty())
     throw UsageError("--log: a log that is text needs --plot and --png");
-  if (asks_for_session(options.session) || !options.npz.empty())
-    throw UsageError("--from, --to, --export, --npz and --salvage are for sessions, not text");
+  if (!options.session.export_file.empty() || !options.npz.empty())
+    throw UsageError("--export and --npz are for sessions, not text");
   const auto [x, y] = *parse_pair(options.plot);
   const GridSpec spec = options.grid == "-" ? GridSpec{} : open_grid(options.grid).header.spec;
   const auto [x_label, y_label] = options.labels.empty()
@@ -247,8 +240,7 @@ void check_options(const Options& options) {
     throw UsageError("--png needs --slice or --log");
   if (!options.plot.empty() && !reads_log) throw UsageError("--plot needs --log");
   if (!options.labels.empty() && options.plot.empty()) throw UsageError("--labels needs --plot");
-  if (asks_for_session(options.session) && !reads_log)
-    throw UsageError("--from, --to, --export and --salvage need --log");
+  if (!options.session.export_file.empty() && !reads_log) throw UsageError("--export needs --log");
   if (!options.get.empty()) require_known_key(options.get);
   if (reads_log && options.grid != "-" && options.plot.empty())
     throw UsageError(
@@ -350,18 +342,9 @@ void add_log_options(CommandLine& app, Options& options) {
   app.group("A log of play, instead of a grid");
   app.add("--log", options.log, "Session or text that play --log wrote ('-': standard input).")
       .type("FILE");
-  constexpr double kMost = std::numeric_limits<double>::max();
-  app.add("--from", options.session.from, "Only a session's ticks from this time on")
-      .type("SECONDS")
-      .within(-kMost, kMost, "a number of seconds");
-  app.add("--to", options.session.to, "Only a session's ticks before this time")
-      .type("SECONDS")
-      .within(-kMost, kMost, "a number of seconds");
   app.add("--export", options.session.export_file,
           "Text to write, with a line for each tick of a session.")
       .type("FILE");
-  app.add_flag("--salvage", options.session.salvage,
-               "Read as much as possible of a session that was cut off or is damaged.");
   const auto is_pair = [](const std::string& text) { return parse_pair(text).has_value(); };
   app.add("--plot", options.plot, "Columns of a text log that --png draws, Y over X.")
       .type("X,Y")

@@ -20,8 +20,8 @@ std::uint64_t Histogram::lower_edge(std::size_t bin) noexcept {
   return (kSub + (bin & (kSub - 1))) << shift;
 }
 
-void Histogram::add(std::int64_t nanoseconds) noexcept {
-  const std::int64_t value = std::max<std::int64_t>(nanoseconds, 0);
+void Histogram::add(std::int64_t value) noexcept {
+  value = std::max<std::int64_t>(value, 0);
   ++counts_[bin(static_cast<std::uint64_t>(value))];
   ++count_;
   max_ = std::max(max_, value);

@@ -1,6 +1,7 @@
-// A histogram of durations that a real-time thread can add to. Its bins are counters in an array;
-// each bin is at most 1/128 of its values wide (the scheme of HDR histograms, which Debian only has
-// for other languages).
+// A histogram of whole numbers from 0 on, such as durations in nanoseconds or forces in
+// nanonewtons, that a real-time thread can add to. Its bins are counters in an array; a bin is at
+// most 1/128 of its values wide (the scheme of HDR histograms, which Debian only has for other
+// languages).
 #pragma once
 
 #include <array>
@@ -11,20 +12,20 @@ namespace hapgrid {
 
 class Histogram {
  public:
-  /// Adds a duration in nanoseconds; a negative one counts as 0. Real-time safe.
-  void add(std::int64_t nanoseconds) noexcept;
+  /// Adds a value; a negative one counts as 0. Real-time safe.
+  void add(std::int64_t value) noexcept;
 
-  /// Adds all durations of another histogram.
+  /// Adds all values of another histogram.
   void add(const Histogram& other) noexcept;
 
   std::uint64_t count() const { return count_; }
   std::int64_t max() const { return max_; }
-  /// The quantile `p` in (0, 1]: the upper edge of its bin, so it is not below the true quantile,
-  /// at most 1/128 above it, and never above max(). 0 when nothing was added.
+  /// The quantile `p` in (0, 1], as the upper edge of its bin: not below the true quantile, at most
+  /// 1/128 above it, and never above max(). 0 when nothing was added.
   std::int64_t quantile(double p) const;
 
   struct Bin {
-    std::int64_t from;  ///< nanoseconds, inclusive
+    std::int64_t from;  ///< inclusive
     std::int64_t to;    ///< exclusive
     std::uint64_t count;
   };

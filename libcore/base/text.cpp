@@ -1,9 +1,10 @@
 #include "libcore/base/text.hpp"
 
+#include <utf8proc.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <iterator>
 
 namespace hapgrid {
 
@@ -11,48 +12,20 @@ namespace {
 constexpr int kDigits = 32;        // sign, point, 17 digits, e-308
 constexpr int kFixedDigits = 400;  // sign, 309 digits, point, and the few decimals of a report
 
-constexpr char32_t kNoCharacter = 0xffffffff;
-
-struct Character {
-  char32_t code;
-  std::size_t bytes;
-};
-
-/// The first character of a text that is not empty; kNoCharacter and one byte for what is no UTF-8
-/// (RFC 3629: no overlong forms, no surrogates, nothing above U+10FFFF).
-Character first_character(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned lead = byte(0);
-  if (lead < 0x80) return {lead, 1};
-  const std::size_t bytes = lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
-  if (lead < 0xc2 || lead > 0xf4 || bytes > text.size()) return {kNoCharacter, 1};
-  char32_t code = lead & (0xffU >> (bytes + 1));
-  for (std::size_t i = 1; i < bytes; ++i) {
-    if ((byte(i) & 0xc0) != 0x80) return {kNoCharacter, 1};
-    code = code << 6 | (byte(i) & 0x3fU);
+/// Whether a terminal shows the character where it stands. Not shown are control characters, marks
+/// of writing direction, separators of lines, characters without width, and what Unicode does not
+/// define.
+bool is_visible(utf8proc_int32_t character) {
+  switch (utf8proc_category(character)) {
+    case UTF8PROC_CATEGORY_CN:  // not assigned
+    case UTF8PROC_CATEGORY_CC:
+    case UTF8PROC_CATEGORY_CF:
+    case UTF8PROC_CATEGORY_ZL:
+    case UTF8PROC_CATEGORY_ZP:
+      return false;
+    default:
+      return !utf8proc_get_property(character)->ignorable;
   }
-  constexpr char32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  const bool surrogate = code >= 0xd800 && code <= 0xdfff;
-  if (code < kLeast[bytes] || surrogate || code > 0x10ffff) return {kNoCharacter, 1};
-  return {code, bytes};
-}
-
-/// Unicode's general categories Cc, Cf, Zl and Zp, and its Default_Ignorable_Code_Point.
-bool is_unseen(char32_t code) {
-  struct Range {
-    char32_t first, last;
-  };
-  static constexpr Range kUnseen[] = {
-      {0x00, 0x1f},       {0x7f, 0x9f},       {0xad, 0xad},       {0x34f, 0x34f},
-      {0x600, 0x605},     {0x61c, 0x61c},     {0x6dd, 0x6dd},     {0x70f, 0x70f},
-      {0x890, 0x891},     {0x8e2, 0x8e2},     {0x115f, 0x1160},   {0x17b4, 0x17b5},
-      {0x180b, 0x180f},   {0x200b, 0x200f},   {0x2028, 0x202e},   {0x2060, 0x206f},
-      {0x3164, 0x3164},   {0xfe00, 0xfe0f},   {0xfeff, 0xfeff},   {0xffa0, 0xffa0},
-      {0xfff0, 0xfffb},   {0x110bd, 0x110bd}, {0x110cd, 0x110cd}, {0x13430, 0x1345f},
-      {0x1bca0, 0x1bca3}, {0x1d173, 0x1d17a}, {0xe0000, 0xe0fff}};
-  const auto* const range = std::lower_bound(std::begin(kUnseen), std::end(kUnseen), code,
-                                             [](const Range& r, char32_t c) { return r.last < c; });
-  return range != std::end(kUnseen) && code >= range->first;
 }
 
 }  // namespace
@@ -85,13 +58,16 @@ std::string printable_line(std::string_view text, std::size_t limit) {
   text = text.substr(0, limit);
   std::string line;
   while (!text.empty()) {
-    const Character next = first_character(text);
-    const bool is_control = next.code < 0x20 || next.code == 0x7f;
-    if (next.code == kNoCharacter || (!is_control && is_unseen(next.code)))
-      line += '?';
+    utf8proc_int32_t character = 0;
+    const auto* const bytes = reinterpret_cast<const utf8proc_uint8_t*>(text.data());
+    const utf8proc_ssize_t size =
+        utf8proc_iterate(bytes, static_cast<utf8proc_ssize_t>(text.size()), &character);
+    const auto count = static_cast<std::size_t>(std::max<utf8proc_ssize_t>(size, 1));
+    if (size > 0 && (character < 0x20 || character == 0x7f))
+      line += ' ';
     else
-      line += is_control ? std::string_view(" ") : text.substr(0, next.bytes);
-    text.remove_prefix(next.bytes);
+      line += size > 0 && is_visible(character) ? text.substr(0, count) : "?";
+    text.remove_prefix(count);
   }
   return line;
 }

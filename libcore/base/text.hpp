@@ -1,4 +1,5 @@
-// Numbers as text, the same in every locale; and what others wrote as a line for people.
+// Numbers as text, the same in every locale; and texts that strangers wrote, made safe for a
+// terminal.
 #pragma once
 
 #include <string>
@@ -19,11 +20,11 @@ std::string fixed(double value, int decimals);
 /// `value` with at most six significant digits, for people ("0.025", "1e-06").
 std::string rounded(double value);
 
-/// One line of at most `limit` bytes, whatever a model, a shard or a file's name has in it: the
-/// control characters of ASCII become blanks. What is no UTF-8, and what is not seen but changes
-/// how the rest is shown (other control characters, marks of writing direction, separators of
-/// lines, characters without width), becomes '?'. Every text from outside goes through here before
-/// it reaches a terminal.
+/// One line of at most `limit` bytes, whatever a model, a shard or a file's name has in it. The
+/// control characters of ASCII become blanks. '?' stands for a byte that is no UTF-8, and for a
+/// character that is not seen (other control characters, marks of writing direction, separators of
+/// lines, characters without width), because it can change how the rest is shown. Every text from
+/// outside goes through here before it reaches a terminal.
 std::string printable_line(std::string_view text, std::size_t limit = 200);
 
 /// A unit as pictures and plots show it: "Å" for angstrom; any other as it is, in a printable line.

@@ -39,14 +39,14 @@ struct EvdevAxis {
   int flat = 0;            ///< so far from the middle is rest
 
   /// The deflection in [-1, 1] as the kernel's joydev has it: 0 up to `flat` from the middle, full
-  /// from `flat` before the end on. Where the driver says no `flat`, it is what the kernel gives
+  /// from `flat` before the end on. A driver that names no `flat` gets the kernel's value for
   /// gamepads: a sixteenth of the range.
   double rate(int value) const noexcept;
   /// The place in [-1, 1] of the range.
   double place(int value) const noexcept;
 };
 
-/// What an event device has of what is used here.
+/// Those axes and effects of an event device that hapgrid uses.
 struct EvdevLayout {
   std::string name;  ///< for people
   bool constant = false, rumble = false, gain = false, autocenter = false;
@@ -62,7 +62,7 @@ struct EvdevParameters {
   std::array<double, 2> signs{1, 1};
 };
 
-/// What the writer is told; a report is an EvdevWord and what belongs to it.
+/// The commands for the writer. A report is an EvdevWord, followed by the bytes that it names.
 enum class EvdevWord : std::uint8_t {
   kEffect,   ///< a struct ff_effect, whose id is its slot: created at first, then changed
   kPlay,     ///< a byte, the slot: started, or started anew

@@ -17,12 +17,12 @@ struct EvdevInfo {
   bool constant = false, rumble = false;  ///< the effects that it has
 };
 
-/// All of them, in the order of their numbers, including those that the user may not open: sysfs
-/// tells everybody. A wheel or a stick with force has at least one axis; what has none must have
-/// two, and a button of a joystick or gamepad. Motion sensors and touch pads are left out.
+/// All wheels, sticks and gamepads in the order of their numbers, from sysfs, which also lists
+/// those that the user may not open. A device with force needs one axis; a device without force
+/// needs two, and a button of a joystick or gamepad. Motion sensors and touch pads are left out.
 std::vector<EvdevInfo> list_evdev(const std::string& sysfs = "/sys/class/input");
 
-/// The one device that fits; without a word of the user's that with the most to feel.
+/// The one device that matches; when the user names none, the one with the most effects.
 /// @throw DeviceError "no gamepad or stick is ...", or "2 gamepads or sticks are ...".
 EvdevInfo find_one_evdev(const std::vector<EvdevInfo>& devices, const HidMatch& match);
 

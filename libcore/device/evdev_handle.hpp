@@ -30,8 +30,8 @@ class EvdevHandle : public HidWire {
 
   EvdevLayout layout() const;
 
-  /// A struct input_event of an axis or a button: at first where they are, then what changes. After
-  /// an overflow of the kernel's queue libevdev gives what was missed.
+  /// Reads a struct input_event of an axis or a button: first the present value of each, then the
+  /// changes. After an overflow of the kernel's queue, libevdev repeats the changes that were lost.
   int read(std::span<std::uint8_t> buffer, int milliseconds) noexcept override;
   /// Drivers may wait for the device in here.
   bool try_write(std::span<const std::uint8_t> report) noexcept override;

@@ -1,8 +1,8 @@
-// A hand that feels nothing, such as one on a mouse: another program writes where it is into a
-// named pipe, and what the hand cannot feel it sees.
+// A hand without a force on it, such as one on a mouse. Another program writes the hand's position
+// into a named pipe.
 //
-// Pseudo-haptics (Lécuyer 2009 is the survey): what is shown moves less than the hand where the
-// force is against it, and people take that for resistance. Here the HIP itself does so, by the
+// Pseudo-haptics (Lécuyer 2009 is the survey): the picture moves less than the hand where the force
+// is against it, and people take that for resistance. Here the HIP itself does so, by the
 // virtual coupling of Colgate, Stanley and Brown (1995) without a mass: a spring k and a damper b
 // from the hand's place h to the HIP at x, on which the force F of the grid acts,
 //
@@ -72,7 +72,7 @@ class HandLines {
   /// The newest position of the lines that end in `bytes`, if there is one.
   /// @throw Error "line N: ...", also for a line of more than 256 bytes
   std::optional<Vec3> take(std::string_view bytes);
-  /// The stream is over: the same for what is left. @throw Error
+  /// The stream is over: reads the last line, which may have no end. @throw Error
   std::optional<Vec3> finish();
 
  private:

@@ -21,7 +21,8 @@
 // | stop() and no answer to the last message     | kFailed after a second; it is killed        |
 // | this program stands still or vanishes        | see ProcessGuard                            |
 //
-// Who is told to let go and does not within HAPGRID_DEVICE_SILENCE is killed.
+// An adapter that is told to let go, and does not confirm that within HAPGRID_DEVICE_SILENCE, is
+// killed.
 #pragma once
 
 #include <chrono>
@@ -45,12 +46,13 @@ class ProcessDevice : public Device {
   ~ProcessDevice() override;
 
   DeviceInfo info() const override { return device_info(greeting_, guard_.name()); }
-  /// Waits for a late answer, HAPGRID_DEVICE_SILENCE at most. The first call also asks for it,
-  /// since the state that the constructor saw may be old.
+  /// Waits for a late answer, HAPGRID_DEVICE_SILENCE at most. The first call also asks for a state,
+  /// since the one that the constructor saw may be old.
   DeviceStatus read(DeviceInput& input) noexcept override;
   DeviceStatus send(const Vec3& force) noexcept override;
   DeviceStatus stop() noexcept override;
-  /// Of the adapter's threads that have none; those that it starts later do not inherit it.
+  /// Sets the priority of those threads of the adapter that have no real-time priority. Threads
+  /// that the adapter starts later do not inherit it.
   bool set_priority(int priority) noexcept override;
   std::string error() const override;
 

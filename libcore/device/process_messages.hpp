@@ -1,4 +1,4 @@
-// What an adapter sends is checked here, before anything of it is used.
+// Checks the messages of an adapter before anything uses them.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
-/* What play and an adapter tell each other: the binary protocol of `play --device process:CMD`, in
- * C, so that an adapter can be written in any language. examples/devices/README.md says all of it
- * in words.
+/* The binary protocol between play and an adapter of `play --device process:CMD`, in C, so that an
+ * adapter can be written in any language. This header needs no other of hapgrid.
+ * examples/devices/README.md explains the protocol.
  *
  * An adapter drives one device, mostly through its maker's library. Its standard input and output
  * are one end of a socket that keeps the boundaries of messages (AF_UNIX, SOCK_SEQPACKET): one
@@ -23,7 +23,8 @@ extern "C" {
 #define HAPGRID_DEVICE_MAGIC "hapgrid"
 #define HAPGRID_DEVICE_VERSION 1
 
-/* Seconds. Whoever does not hear from the other for so long takes the force off the hand. */
+/* Seconds. When one side hears nothing from the other for so long, it takes the force off the hand.
+ */
 #define HAPGRID_DEVICE_SILENCE 0.1
 
 /* Axes: x to the right, y away from the user, z up. */
@@ -31,7 +32,7 @@ typedef struct hapgrid_device_greeting {
   char magic[8];    /* HAPGRID_DEVICE_MAGIC with its NUL */
   uint32_t version; /* HAPGRID_DEVICE_VERSION */
   uint32_t axes;    /* degrees of freedom: how many axes have low < high; 1 to 3 */
-  double low[3];    /* what the handle reaches, m; low = high on an axis that is missing */
+  double low[3];    /* the handle's range, m; low = high on an axis that is missing */
   double high[3];
   double max_force; /* the largest magnitude that the device can hold for long, N */
   double rate;      /* forces a second that the adapter can take, Hz */

@@ -83,9 +83,9 @@ struct Profile {
 /// @throw Error "NAME: line N: KEY: ..." for a key that is missing, unknown or out of its range.
 Profile read_profile(const std::string& text, const std::string& name);
 
-/// The protocol of a profile. Forces are rounded towards zero, so that what the device gets is
-/// never more than what was sent; values that a field cannot hold stay at its limit; a force that
-/// is not finite counts as zero.
+/// The protocol of a profile. Forces are rounded towards zero, so that the device never gets a
+/// larger force than the one sent. A value beyond the limits of a field becomes the limit. A force
+/// that is not finite counts as zero.
 class ProfileProtocol : public HidProtocol {
  public:
   explicit ProfileProtocol(Profile profile) : profile_(std::move(profile)) {}

@@ -1,4 +1,4 @@
-// A hand that moves at random, smoothly, and rests now and then.
+// The hand of a simulated device: it goes from place to place as people do, and rests now and then.
 #pragma once
 
 #include <cstdint>

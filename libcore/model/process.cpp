@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/signals.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -230,26 +231,6 @@ ChildProcess::End ChildProcess::how_it_ended() {
   const bool by_itself = wait_until(Clock::now() + kEndingGrace);
   const End end = reap();
   return by_itself ? end : End{"closed its standard output and stayed"};
-}
-
-NoSigpipe::NoSigpipe() {
-  sigset_t pipe, before, pending;
-  sigemptyset(&pipe);
-  sigaddset(&pipe, SIGPIPE);
-  ::sigpending(&pending);
-  ::pthread_sigmask(SIG_BLOCK, &pipe, &before);
-  hold_ = !sigismember(&before, SIGPIPE) && !sigismember(&pending, SIGPIPE);
-}
-
-NoSigpipe::~NoSigpipe() {
-  if (!hold_) return;
-  sigset_t pipe;
-  sigemptyset(&pipe);
-  sigaddset(&pipe, SIGPIPE);
-  const timespec at_once{};
-  while (::sigtimedwait(&pipe, nullptr, &at_once) < 0 && errno == EINTR) {
-  }
-  ::pthread_sigmask(SIG_UNBLOCK, &pipe, nullptr);
 }
 
 }  // namespace hapgrid

@@ -81,17 +81,4 @@ class ChildProcess {
   std::string last_error_line_;  // the last whole one with a word in it
 };
 
-/// Holds SIGPIPE back in the calling thread, so that writing to a child that died is an error and
-/// not the end of this program, for whose own standard output SIGPIPE keeps its meaning.
-class NoSigpipe {
- public:
-  NoSigpipe();
-  ~NoSigpipe();
-  NoSigpipe(const NoSigpipe&) = delete;
-  NoSigpipe& operator=(const NoSigpipe&) = delete;
-
- private:
-  bool hold_ = false;  // nobody held it back or had it pending before
-};
-
 }  // namespace hapgrid

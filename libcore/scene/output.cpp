@@ -2,10 +2,7 @@
 
 #include <limits.h>
 #include <poll.h>
-#include <pthread.h>
-#include <signal.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,35 +11,13 @@
 #include <system_error>
 #include <utility>
 
+#include "libcore/base/signals.hpp"
+
 namespace hapgrid {
 
 namespace {
 
 constexpr int kAskEvery_ms = 20;
-
-/// While an object lives, the calling thread gets EPIPE and no SIGPIPE. A pending SIGPIPE is
-/// removed at the end, so that it does not arrive later.
-class NoSigpipe {
- public:
-  NoSigpipe() {
-    ::sigemptyset(&pipe_);
-    ::sigaddset(&pipe_, SIGPIPE);
-    ::pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
-  }
-  ~NoSigpipe() {
-    if (::sigismember(&before_, SIGPIPE)) return;
-    const timespec now{};
-    while (::sigtimedwait(&pipe_, nullptr, &now) < 0 && errno == EINTR) {
-    }
-    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-  NoSigpipe(const NoSigpipe&) = delete;
-  NoSigpipe& operator=(const NoSigpipe&) = delete;
-
- private:
-  sigset_t pipe_;
-  sigset_t before_;
-};
 
 }  // namespace
 

@@ -2,8 +2,9 @@
 //
 // All spheres are seen along parallel rays, so each covers a disc of pixels, and its depth there
 // has a closed form: every primitive is drawn into a buffer of depths and the nearest one stays.
-// That needs no ray to search for what it hits, and the cost is what is covered. A window or a
-// terminal draws the same picture with other sizes: render() depends on its arguments alone.
+// No ray has to search for the sphere that it hits, and the cost grows with the pixels covered. A
+// window or a terminal draws the same picture with other sizes: render() depends on its arguments
+// alone.
 #pragma once
 
 #include "libcore/scene/drawing.hpp"
@@ -13,8 +14,8 @@
 namespace hapgrid {
 
 /// Draws `frame` on white. Spheres that are not in a finite place are left out; the HIP stands
-/// where it is held in the box. It is translucent: what is behind it shines through, and it through
-/// what stands before it.
+/// where it is held in the box. It is translucent: spheres behind it shine through, and it shines
+/// through the spheres before it.
 Image render(const Scene& scene, const Frame& frame, const Camera& camera,
              const RenderOptions& options);
 

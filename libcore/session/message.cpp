@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/box_message.hpp"
 #include "libcore/session/column.hpp"
@@ -18,7 +19,7 @@ namespace hapgrid {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x6861706772696473;  // "hapgrids"
-constexpr std::uint32_t kFormatVersion = 1;
+constexpr std::uint32_t kFormatVersion = 2;
 constexpr double kMinRate = 1e-6;  // so that times and numbers of ticks are far from overflow
 constexpr double kMaxRate = 1e9;
 constexpr std::size_t kMaxText = 255;  // bytes of a name, unit or digest
@@ -44,17 +45,16 @@ auto parse(const Message& message, F&& use) {
     const auto* begin = reinterpret_cast<const capnp::word*>(message.data());
     capnp::FlatArrayMessageReader reader(kj::arrayPtr(begin, message.size()), options);
     if (reader.getEnd() != begin + message.size())
-      throw FormatError("damaged: bytes behind the message in a frame");
+      throw FormatError("damaged: bytes behind the message in a zstd frame");
     return use(reader.getRoot<session_schema::Message>());
   } catch (const kj::Exception& e) {
-    throw FormatError("damaged: " + std::string(e.getDescription().cStr()));
+    throw FormatError(format("damaged: {}", e.getDescription().cStr()));
   }
 }
 
 std::string get_text(capnp::Text::Reader in, std::size_t limit, const char* what) {
   if (in.size() > limit)
-    throw FormatError(std::string(what) + " of " + std::to_string(in.size()) +
-                      " bytes, the limit is " + std::to_string(limit));
+    throw FormatError(format("{} of {} bytes, the limit is {}", what, in.size(), limit));
   return std::string(in.begin(), in.size());
 }
 
@@ -65,20 +65,19 @@ std::span<const T> column(List list, std::size_t count, const char* name) {
       sizeof(T) == 8 ? capnp::ElementSize::EIGHT_BYTES : capnp::ElementSize::FOUR_BYTES;
   const capnp::AnyList::Reader any(list);
   if (any.size() != count || any.getElementSize() != kSize)
-    throw FormatError(std::string("damaged: column ") + name + " does not fit the chunk");
+    throw FormatError(format("damaged: column {} does not fit the chunk", name));
   return {reinterpret_cast<const T*>(any.getRawBytes().begin()), count};
 }
 
 const std::uint8_t* column(capnp::Data::Reader data, std::size_t bytes, const char* name) {
   if (data.size() != bytes)
-    throw FormatError(std::string("damaged: column ") + name + " does not fit the chunk");
+    throw FormatError(format("damaged: column {} does not fit the chunk", name));
   return data.begin();
 }
 
-void check_text(const std::string& text, std::size_t limit, const std::string& what) {
+void check_text(const std::string& text, std::size_t limit, const char* what) {
   if (text.size() > limit)
-    throw Error(what + " of " + std::to_string(text.size()) + " bytes, the limit is " +
-                std::to_string(limit));
+    throw Error(format("{} of {} bytes, the limit is {}", what, text.size(), limit));
 }
 
 }  // namespace
@@ -86,10 +85,10 @@ void check_text(const std::string& text, std::size_t limit, const std::string& w
 void SessionHeader::validate() const {
   box.validate();
   if (!(rate_hz >= kMinRate && rate_hz <= kMaxRate))
-    throw Error("a rate of " + to_text(rate_hz) + " Hz; " + to_text(kMinRate) + " to " +
-                to_text(kMaxRate) + " are possible");
+    throw Error(format("a rate of {} Hz; {} to {} are possible", to_text(rate_hz),
+                       to_text(kMinRate), to_text(kMaxRate)));
   if (flags.size() > kMaxFlags)
-    throw Error(std::to_string(flags.size()) + " flags, the limit is " + std::to_string(kMaxFlags));
+    throw Error(format("{} flags, the limit is {}", flags.size(), kMaxFlags));
   for (const std::string& name : flags) check_text(name, kMaxText, "a flag's name");
   check_text(model, kMaxText, "a model's name");
   check_text(grid_digest, kMaxText, "a grid's digest");
@@ -120,8 +119,8 @@ SessionHeader decode_header(const Message& message) {
       throw FormatError("not a session");
     const auto in = in_message.getHeader();
     if (in.getVersion() != kFormatVersion)
-      throw FormatError("format version " + std::to_string(in.getVersion()) +
-                        ", this program reads version " + std::to_string(kFormatVersion));
+      throw FormatError(format("format version {}, this program reads version {}", in.getVersion(),
+                               kFormatVersion));
     SessionHeader header;
     header.model = get_text(in.getModel(), kMaxText, "a model's name");
     header.grid_digest = get_text(in.getGridDigest(), kMaxText, "a grid's digest");
@@ -130,8 +129,7 @@ SessionHeader decode_header(const Message& message) {
     header.rate_hz = in.getRate();
     const auto flags = in.getFlagNames();
     if (flags.size() > kMaxFlags)
-      throw FormatError(std::to_string(flags.size()) + " flags, the limit is " +
-                        std::to_string(kMaxFlags));
+      throw FormatError(format("{} flags, the limit is {}", flags.size(), kMaxFlags));
     for (const auto name : flags) header.flags.push_back(get_text(name, kMaxText, "a flag's name"));
     header.settings = get_text(in.getSettings(), kMaxSettings, "settings");
     try {
@@ -143,11 +141,12 @@ SessionHeader decode_header(const Message& message) {
   });
 }
 
-Message encode_ticks(std::span<const TickRecord> ticks) {
+Message encode_ticks(std::span<const TickRecord> ticks, std::uint64_t dropped) {
   const auto n = static_cast<unsigned>(ticks.size());
   return build(13 * ticks.size() + 64, [&](session_schema::Message::Builder message) {
     auto out = message.initTicks();
     out.setFirst(ticks[0].number);
+    out.setDropped(dropped);
     auto skipped = out.initSkipped(n);
     auto flags = out.initFlags(n);
     auto lateness = out.initLateness(n);
@@ -166,14 +165,14 @@ Message encode_ticks(std::span<const TickRecord> ticks) {
   });
 }
 
-void decode_ticks(const Message& message, std::vector<TickRecord>& ticks) {
-  parse(message, [&](session_schema::Message::Reader in_message) {
+std::uint64_t decode_ticks(const Message& message, std::vector<TickRecord>& ticks) {
+  return parse(message, [&](session_schema::Message::Reader in_message) {
     if (!in_message.isTicks()) throw FormatError("damaged: a chunk of ticks was expected");
     const auto in = in_message.getTicks();
     const std::size_t n = in.getSkipped().size();
     if (n == 0 || n > kChunkTicks)
-      throw FormatError("damaged: a chunk of " + std::to_string(n) + " ticks; 1 to " +
-                        std::to_string(kChunkTicks) + " are possible");
+      throw FormatError(
+          format("damaged: a chunk of {} ticks; 1 to {} are possible", n, kChunkTicks));
     const auto skipped = column<std::uint64_t>(in.getSkipped(), n, "skipped");
     const auto flags = column<std::uint32_t>(in.getFlags(), n, "flags");
     const auto lateness = column<std::uint32_t>(in.getLateness(), n, "lateness");
@@ -200,50 +199,7 @@ void decode_ticks(const Message& message, std::vector<TickRecord>& ticks) {
     decode_differences(hip, &TickRecord::hip, ticks);
     decode_differences(raw_force, &TickRecord::raw_force, ticks);
     decode_force(force, ticks);
-  });
-}
-
-Message encode_footer(const SessionFooter& footer) {
-  return build(7 * footer.chunks.size() + 64, [&](session_schema::Message::Builder message) {
-    auto out = message.initFooter();
-    out.setTicks(footer.ticks);
-    out.setDropped(footer.dropped);
-    auto chunks = out.initChunks(static_cast<unsigned>(footer.chunks.size()));
-    for (unsigned i = 0; i < footer.chunks.size(); ++i) {
-      const ChunkEntry& chunk = footer.chunks[i];
-      auto entry = chunks[i];
-      entry.setOffset(chunk.offset);
-      entry.setSize(chunk.size);
-      entry.setFirst(chunk.first);
-      entry.setLast(chunk.last);
-      entry.setTicks(chunk.ticks);
-      entry.setDigestLow(chunk.digest.low);
-      entry.setDigestHigh(chunk.digest.high);
-    }
-    out.setDigestLow(footer.digest.low);
-    out.setDigestHigh(footer.digest.high);
-  });
-}
-
-SessionFooter decode_footer(const Message& message, std::uint64_t most) {
-  return parse(message, [&](session_schema::Message::Reader in_message) {
-    if (!in_message.isFooter()) throw FormatError("damaged: a footer was expected");
-    const auto in = in_message.getFooter();
-    const auto chunks = in.getChunks();
-    // A list of empty structs can claim any size.
-    if (chunks.size() > most)
-      throw FormatError("damaged: " + std::to_string(chunks.size()) + " chunks in the footer");
-    SessionFooter footer{
-        in.getTicks(), in.getDropped(), {}, {in.getDigestLow(), in.getDigestHigh()}};
-    footer.chunks.reserve(chunks.size());
-    for (const auto entry : chunks)
-      footer.chunks.push_back({entry.getOffset(),
-                               entry.getSize(),
-                               entry.getFirst(),
-                               entry.getLast(),
-                               entry.getTicks(),
-                               {entry.getDigestLow(), entry.getDigestHigh()}});
-    return footer;
+    return in.getDropped();
   });
 }
 

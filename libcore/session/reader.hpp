@@ -1,7 +1,9 @@
-// Reading a session, from any tick on. Everything in a file is checked before it is used.
+// Reading a session, chunk by chunk. Everything in a file is checked before it is used.
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,69 +13,53 @@
 
 namespace hapgrid {
 
-/// The memory is that of the index, which is in proportion to the file, and of one chunk.
+/// A session ends where its file does. When play was killed, or the disk has damaged the file, the
+/// session ends before the first zstd frame that is cut or damaged; ended_early() says so then. The
+/// memory is that of one chunk.
 class SessionReader {
  public:
-  enum class Damage {
-    kRefused,
-    /// What is left of a session that was interrupted or is damaged is good enough: chunks that
-    /// cannot be read are left out.
-    kSalvaged,
-  };
-
-  /// Reads header and index. "-" is standard input.
+  /// Reads the header. "-" is standard input.
   /// @throw std::system_error; FormatError "NAME: byte N: ..."
-  explicit SessionReader(const std::string& name, Damage damage = Damage::kRefused)
-      : SessionReader(InputFile(name), damage) {}
-  explicit SessionReader(InputFile file, Damage damage = Damage::kRefused);
+  explicit SessionReader(const std::string& name) : SessionReader(InputFile(name)) {}
+  explicit SessionReader(InputFile file);
 
   /// The name for messages: "standard input" for "-".
   const std::string& name() const { return file_.name(); }
   const SessionHeader& header() const { return header_; }
 
-  /// In the session, and, of what happened, not in it since the disk was too slow.
-  std::uint64_t ticks() const { return footer_.ticks; }
-  std::uint64_t dropped() const { return footer_.dropped; }
-  /// Numbers of the first and last tick; 0 without ticks.
-  std::uint64_t first_tick() const { return ticks() == 0 ? 0 : footer_.chunks.front().first; }
-  std::uint64_t last_tick() const { return ticks() == 0 ? 0 : footer_.chunks.back().last; }
-  /// Of the file, in what could be salvaged only; 0 otherwise.
-  std::uint64_t lost_bytes() const { return lost_bytes_; }
-
-  /// The number of the first tick whose time, HEADER.time_of(), is `seconds` or later.
-  std::uint64_t tick_at(double seconds) const;
-
-  /// next() goes on with the first tick of this number or above.
-  void seek(std::uint64_t number);
-  /// The ticks of the next chunk, at least one; false behind the last.
-  /// @throw std::system_error; FormatError "NAME: byte N: ..."
+  /// Reads the ticks of the next chunk, at least one. False at the session's end.
+  /// @throw std::system_error
   bool next(std::vector<TickRecord>& ticks);
+  /// The following next() reads the first chunk.
+  void rewind();
+
+  /// After next() has returned false: where and why the session ended before its file,
+  /// "byte 4711 of 9000: a zstd frame is cut". Empty when the session is whole.
+  const std::string& ended_early() const { return ended_early_; }
+  /// Ticks of the play up to the last chunk read that are not in the session, because the disk was
+  /// too slow.
+  std::uint64_t dropped() const { return dropped_; }
 
  private:
-  [[noreturn]] void fail(std::uint64_t offset, const std::string& what) const;
-  /// At most `size` bytes from `offset`; fewer only at the file's end.
-  std::span<const std::byte> bytes_at(std::uint64_t offset, std::uint64_t size);
-  /// Decodes a frame; whatever is wrong becomes a FormatError with the offset.
-  template <class F>
-  auto decode(std::span<const std::byte> frame, std::uint64_t offset, std::uint64_t limit, F&& use);
-  /// Answers where it ends.
-  std::uint64_t read_header();
-  void read_index(std::uint64_t header_end);
-  void check_index(std::uint64_t header_end, std::uint64_t footer) const;
-  void salvage(std::uint64_t header_end);
-  void scan(std::uint64_t header_end);
-  void read_chunk(const ChunkEntry& chunk, std::vector<TickRecord>& ticks);
+  void read_header();
+  /// @throw FormatError without file and offset
+  void read_chunk(std::vector<TickRecord>& ticks);
+  /// The zstd frame at offset_, or nothing when no whole one of `content` bytes at most is there.
+  std::span<const std::byte> frame(std::uint64_t content);
 
   InputFile file_;
   ZstdFrameDecoder frames_{"session"};
   std::vector<std::byte> buffer_;
   Message message_;
   SessionHeader header_;
-  Digest header_digest_;
-  SessionFooter footer_;
-  std::uint64_t lost_bytes_ = 0;
-  std::size_t next_ = 0;    // chunk
-  std::uint64_t from_ = 0;  // tick
+  std::uint64_t header_end_ = 0;
+  std::uint64_t offset_ = 0;                // of the next zstd frame
+  std::optional<std::uint64_t> last_tick_;  // its number, of the chunks before
+  std::uint64_t dropped_ = 0;
+  std::string ended_early_;
 };
+
+/// Why a session that has no tick cannot be used, for an Error.
+std::string without_ticks(const SessionReader& session);
 
 }  // namespace hapgrid

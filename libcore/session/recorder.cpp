@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "libcore/base/error.hpp"
 #include "libcore/base/signals.hpp"
 
 namespace hapgrid {
@@ -16,8 +15,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kPeriod{20};
 
-/// Ticks that the ring holds: what comes in 8 s, longer than a disk that is busy keeps a writer
-/// waiting; at most 64 MiB.
+/// The ring has room for the ticks of 8 s, because a busy disk keeps a writer waiting for less; at
+/// most 64 MiB.
 std::size_t ring_capacity(double rate_hz) {
   constexpr double kSeconds = 8;
   constexpr double kMost = (64 << 20) / sizeof(TickRecord);
@@ -43,25 +42,26 @@ bool SessionRecorder::add(const TickRecord& tick) noexcept {
     kept = ring_->push(tick);
   } else if (kept) {
     try {
-      writer_.add(tick);
+      writer_.add(tick, dropped());
     } catch (...) {
       failure_ = std::current_exception();
       failed_.store(true, std::memory_order_relaxed);
       kept = false;
     }
   }
-  if (!kept) ++dropped_;
+  if (!kept) dropped_.fetch_add(1, std::memory_order_relaxed);
   return kept;
 }
 
 /// The slow thread.
 void SessionRecorder::run(const std::stop_token& token) {
-  // A thread inherits the real-time priority of who starts it.
+  // A thread inherits the real-time priority of the thread that starts it.
   const sched_param normal{};
   static_cast<void>(::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &normal));
   try {
     for (;;) {
-      const bool last = token.stop_requested();  // asked first: then nothing newer can come
+      const bool last =
+          token.stop_requested();  // Asked before drain(), which then finds all ticks.
       drain();
       if (last) return;
       std::this_thread::sleep_for(kPeriod);
@@ -76,26 +76,19 @@ void SessionRecorder::drain() {
   for (auto ticks = ring_->peek(); !ticks.empty(); ticks = ring_->peek()) {
     // Written ticks leave the ring at once, so that it has room while a large backlog is written.
     ticks = ticks.first(std::min<std::size_t>(ticks.size(), kChunkTicks));
-    for (const TickRecord& tick : ticks) writer_.add(tick);
+    for (const TickRecord& tick : ticks) writer_.add(tick, dropped());
     ring_->pop(ticks.size());
   }
 }
 
-SessionCounts SessionRecorder::finish() {
+std::uint64_t SessionRecorder::finish() {
   if (slow_.joinable()) {
     slow_.request_stop();
     slow_.join();
   }
-  const std::string part = writer_.part();
-  try {
-    if (failure_) std::rethrow_exception(failure_);
-    writer_.finish(dropped_);
-  } catch (const std::exception& e) {
-    if (part.empty() || !writer_.any_written()) throw;
-    throw Error(std::string(e.what()) + "; what was recorded before is in " + part +
-                ", for stats --salvage");
-  }
-  return {writer_.ticks(), dropped_};
+  if (failure_) std::rethrow_exception(failure_);
+  writer_.finish(dropped());
+  return writer_.ticks();
 }
 
 }  // namespace hapgrid

@@ -21,18 +21,12 @@
 
 namespace hapgrid {
 
-/// How recording went, in ticks.
-struct SessionCounts {
-  std::uint64_t recorded = 0;
-  std::uint64_t dropped = 0;  ///< the disk was too slow
-};
-
 class SessionRecorder {
  public:
   /// @param paced ticks come in real time, header.rate_hz a second.
   /// @throw as SessionWriter
   SessionRecorder(const std::string& name, const SessionHeader& header, bool paced);
-  /// Without finish() the recorded ticks stay in NAME.part (SessionWriter).
+  /// Without finish() the last ticks are missing in the file (SessionWriter).
   ~SessionRecorder();
   SessionRecorder(const SessionRecorder&) = delete;
   SessionRecorder& operator=(const SessionRecorder&) = delete;
@@ -40,12 +34,12 @@ class SessionRecorder {
   /// False when the tick is dropped: the ring is full, or writing has failed, which finish()
   /// reports. Real-time safe in a paced play.
   bool add(const TickRecord& tick) noexcept;
-  /// Ticks that add() dropped.
-  std::uint64_t dropped() const noexcept { return dropped_; }
+  /// Ticks that add() dropped, because the disk was too slow or writing had failed.
+  std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
-  /// Called once, after the last tick: everything is on the disk, and the file appears.
-  /// @throw std::system_error, Error: the first failure, and where the recorded ticks are.
-  SessionCounts finish();
+  /// Writes what is left to the disk and returns the number of ticks in the session. Called once,
+  /// after the last add(). @throw std::system_error, Error: the first failure
+  std::uint64_t finish();
 
  private:
   void run(const std::stop_token& token);
@@ -54,7 +48,7 @@ class SessionRecorder {
   SessionWriter writer_;  // belongs to the slow thread while it runs
   std::exception_ptr failure_;
   std::atomic<bool> failed_{false};
-  std::uint64_t dropped_ = 0;
+  std::atomic<std::uint64_t> dropped_{0};
   std::optional<SpscRing<TickRecord>> ring_;  // paced only
   std::jthread slow_;                         // declared last: ends before what it uses
 };

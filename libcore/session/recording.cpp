@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/input_stream.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/session/reader.hpp"
@@ -18,16 +19,13 @@ namespace {
 
 void require_room(const std::string& name, std::uint64_t ticks, std::uint64_t limit) {
   if (ticks > limit / sizeof(RecordedTick))
-    throw Error(name + ": " + std::to_string(ticks) + " ticks or more need " +
-                std::to_string(ticks * sizeof(RecordedTick)) + " bytes of memory, the limit is " +
-                std::to_string(limit));
+    throw Error(format("{}: {} ticks or more need {} bytes of memory, the limit is {}", name, ticks,
+                       ticks * sizeof(RecordedTick), limit));
 }
 
 Recording load_session(InputFile file, std::uint64_t limit) {
   SessionReader reader(std::move(file));
-  if (reader.ticks() == 0) throw Error(reader.name() + ": a session without a tick");
-  require_room(reader.name(), reader.ticks(), limit);
-  Recording recording{reader.header(), {}};
+  Recording recording{reader.header(), {}, {}};
   const auto bit = [&](const char* name) -> std::uint32_t {
     const std::size_t flag = reader.header().flag(name);
     return flag == kMaxFlags ? 0 : std::uint32_t{1} << flag;
@@ -36,11 +34,15 @@ Recording load_session(InputFile file, std::uint64_t limit) {
   const std::uint32_t stalled = bit(kStalledFlag);
   const std::uint32_t reset = bit(kResetFlag);
   const std::uint32_t begins = bit(kBeginsFlag);
-  for (std::vector<TickRecord> chunk; reader.next(chunk);)
+  for (std::vector<TickRecord> chunk; reader.next(chunk);) {
+    require_room(reader.name(), recording.ticks.size() + chunk.size(), limit);
     for (const TickRecord& tick : chunk)
       recording.ticks.push_back({tick.number, tick.hip, (tick.flags & clutch) != 0,
                                  (tick.flags & stalled) != 0, (tick.flags & reset) != 0,
                                  (tick.flags & begins) != 0});
+  }
+  recording.ended_early = reader.ended_early();
+  if (recording.ticks.empty()) throw Error(without_ticks(reader));
   return recording;
 }
 
@@ -65,30 +67,30 @@ class TextLog {
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       std::string_view cell;
       while (find_cell(line_, columns_[i], cell) && cell != kNames[i]) ++columns_[i];
-      if (cell != kNames[i]) fail("no column '" + std::string(kNames[i]) + "'");
+      if (cell != kNames[i]) fail(format("no column '{}'", kNames[i]));
     }
   }
 
   bool next(RecordedTick& tick) {
     if (!std::getline(input_, line_)) {
-      if (input_.bad()) throw Error(name_ + ": cannot be read");
+      if (input_.bad()) throw Error(format("{}: cannot be read", name_));
       return false;
     }
     ++number_;
     const double t = value(0);
     const double ticks = std::round(t * rate_hz_);
     if (!(ticks >= 0 && ticks < 0x1p53))
-      fail("t = " + to_text(t) + " at " + to_text(rate_hz_) + " Hz is no tick's number");
+      fail(format("t = {} at {} Hz is no tick's number", to_text(t), to_text(rate_hz_)));
     const auto number = static_cast<std::uint64_t>(ticks);
     if (number_ > 2 && number <= tick.number)
-      fail("t = " + to_text(t) + " at " + to_text(rate_hz_) + " Hz is tick " +
-           std::to_string(number) + ", and the line before is tick " + std::to_string(tick.number));
+      fail(format("t = {} at {} Hz is tick {}, and the line before is tick {}", to_text(t),
+                  to_text(rate_hz_), number, tick.number));
     tick = {.number = number, .hip = {value(1), value(2), value(3)}};
     return true;
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw Error(name_ + ": line " + std::to_string(number_) + ": " + what);
+    throw Error(format("{}: line {}: {}", name_, number_, what));
   }
 
  private:
@@ -101,8 +103,8 @@ class TextLog {
     const char* end = cell.data() + cell.size();
     const auto read = std::from_chars(cell.data(), end, result);
     if (!found || read.ec != std::errc() || read.ptr != end)
-      fail("column " + std::string(kNames[i]) + ": " +
-           (found ? std::string("'") + printable_line(cell, 40) + "' is no number" : "not there"));
+      fail(format("column {}: {}", kNames[i],
+                  found ? format("'{}' is no number", printable_line(cell, 40)) : "not there"));
     return result;
   }
 

@@ -1,62 +1,49 @@
 #include "libcore/session/writer.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
 #include "libcore/base/error.hpp"
-#include "libcore/base/locator.hpp"
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
-SessionWriter::SessionWriter(const std::string& name, const SessionHeader& header)
-    : output_((header.validate(), OutputFile::part_file(name))) {
-  try {
-    rows_.reserve(kChunkTicks);
-    write(encode_header(header));
-  } catch (...) {
-    output_.discard();
-    throw;
-  }
+SessionWriter::SessionWriter(const std::string& name, const SessionHeader& header) : name_(name) {
+  const Message message = encode_header(header);
+  file_ = FileDescriptor(::open(name.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (!file_) throw std::system_error(errno, std::generic_category(), name);
+  rows_.reserve(kChunkTicks);
+  write(message);
 }
 
-SessionWriter::~SessionWriter() {
-  if (footer_.chunks.empty()) output_.discard();
+void SessionWriter::write(const Message& message) {
+  write_all(file_.get(), frames_.encode(std::as_bytes(std::span(message))), name_);
 }
 
-std::uint64_t SessionWriter::write(const Message& message) {
-  const auto bytes = std::as_bytes(std::span(message));
-  const std::span<const std::byte> frame = frames_.encode(bytes);
-  output_.write(frame);
-  offset_ += frame.size();
-  digests_.push_back(digest_of(bytes));
-  footer_hash_ = hash_of(frame);
-  return frame.size();
-}
-
-void SessionWriter::add(const TickRecord& tick) {
-  if (any_ && tick.number <= last_)
-    throw Error(output_.name() + ": tick " + std::to_string(tick.number) + " after tick " +
-                std::to_string(last_));
-  any_ = true;
-  last_ = tick.number;
-  rows_.push_back(tick);
-  if (rows_.size() == kChunkTicks) flush();
-}
-
-void SessionWriter::flush() {
-  if (rows_.empty()) return;
-  const std::uint64_t offset = offset_;
-  const std::uint64_t size = write(encode_ticks(rows_));
-  footer_.chunks.push_back({offset, size, rows_.front().number, rows_.back().number,
-                            static_cast<std::uint32_t>(rows_.size()), digests_.back()});
-  footer_.ticks += rows_.size();
+void SessionWriter::write_chunk(std::uint64_t dropped) {
+  write(encode_ticks(rows_, dropped));
   rows_.clear();
 }
 
+void SessionWriter::add(const TickRecord& tick, std::uint64_t dropped) {
+  if (ticks_ > 0 && tick.number <= last_)
+    throw Error(format("{}: tick {} after tick {}", name_, tick.number, last_));
+  // A full chunk waits for the next tick, so that finish() always has one to tell `dropped` with.
+  if (rows_.size() == kChunkTicks) write_chunk(dropped);
+  ++ticks_;
+  last_ = tick.number;
+  rows_.push_back(tick);
+}
+
 void SessionWriter::finish(std::uint64_t dropped) {
-  flush();
-  footer_.dropped = dropped;
-  footer_.digest = digest_of(std::as_bytes(std::span(digests_)));
-  const std::uint64_t size = write(encode_footer(footer_));
-  output_.write(encode_locator({size, footer_hash_}));
-  output_.commit();
+  if (!rows_.empty()) write_chunk(dropped);
+  // EINVAL: a device or a pipe, which has no disk.
+  if (::fsync(file_.get()) != 0 && errno != EINVAL)
+    throw std::system_error(errno, std::generic_category(), name_);
+  file_ = FileDescriptor();  // The reader of a pipe waits for its end.
 }
 
 }  // namespace hapgrid

@@ -1,4 +1,4 @@
-// Writing a session: header, chunks, footer (schemas/session.capnp).
+// Writing a session: a header, then chunks of ticks (schemas/session.capnp).
 #pragma once
 
 #include <cstdint>
@@ -11,49 +11,37 @@
 
 namespace hapgrid {
 
-/// A session cannot be repeated: a hand was there once. So it is written chunk by chunk as
-/// NAME.part, and becomes NAME when it is whole. An interrupted session stays NAME.part, which
-/// readers refuse as truncated unless they are asked to salvage it. Alternatives: a file without a
-/// name would be lost with the process; NAME itself would destroy an old session, and half a
-/// session would look whole.
+/// A session cannot be repeated: a hand was there once. So it is written into its file chunk by
+/// chunk, and what is written stays whatever happens: a session is whole at the end of each chunk.
+/// An older file of that name is lost when the writer opens it.
 class SessionWriter {
  public:
-  /// Writes the header at once. "-" is standard output; a device or pipe is written directly.
-  /// @throw Error for a header that cannot be (SessionHeader::validate()), for a NAME.part that is
-  /// there already; std::system_error
+  /// Writes the header at once, into a file, a device or a pipe.
+  /// @throw Error for an impossible header (SessionHeader::validate()); std::system_error
   SessionWriter(const std::string& name, const SessionHeader& header);
-  /// Without finish() NAME.part stays, if a chunk of ticks is in it.
-  ~SessionWriter();
   SessionWriter(const SessionWriter&) = delete;
   SessionWriter& operator=(const SessionWriter&) = delete;
 
-  /// @throw Error when its number is not above the last one's; std::system_error
-  void add(const TickRecord& tick);
-  std::uint64_t ticks() const { return footer_.ticks + rows_.size(); }
+  /// Ticks that are not added are counted here: `dropped` of them so far.
+  /// @throw Error when the tick's number is not above the last one's; std::system_error
+  void add(const TickRecord& tick, std::uint64_t dropped = 0);
+  /// How many were added.
+  std::uint64_t ticks() const { return ticks_; }
 
-  /// Writes what is left and the footer, and lets the file appear. @param dropped ticks that never
-  /// came here. @throw std::system_error
+  /// Writes the last ticks, and waits until a regular file is on the disk. Called once.
+  /// @throw std::system_error
   void finish(std::uint64_t dropped = 0);
 
-  /// Whether a chunk of ticks is in the file.
-  bool any_written() const { return !footer_.chunks.empty(); }
-  /// The file's name until finish(): NAME.part; empty for a device or pipe.
-  std::string part() const { return output_.part(); }
-
  private:
-  /// Answers the frame's size.
-  std::uint64_t write(const Message& message);
-  void flush();
+  void write(const Message& message);
+  void write_chunk(std::uint64_t dropped);
 
-  OutputFile output_;
-  ZstdFrameEncoder frames_{
-      3};  // the slow thread has time, and a session is kept: zstd's own default
+  std::string name_;
+  FileDescriptor file_;
+  // The slow thread has time, and a session is kept: zstd's own default.
+  ZstdFrameEncoder frames_{3};
   std::vector<TickRecord> rows_;  // of the chunk that is being filled
-  SessionFooter footer_;
-  std::vector<Digest> digests_;
-  std::uint64_t offset_ = 0;
-  std::uint64_t footer_hash_ = 0;
-  bool any_ = false;
+  std::uint64_t ticks_ = 0;
   std::uint64_t last_ = 0;  // number
 };
 

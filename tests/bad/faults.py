@@ -47,7 +47,7 @@ EXITS = {"text": (1, 2)}  # without its first bytes a session is taken for a tex
 # One after the other, some of them appear before others, and none is taken back: whole, and harmless.
 SEVERAL = {"play", "view", "expand"}
 # What is left on purpose: what was felt cannot be made again.
-UNFINISHED = {"session": "log.session.part"}
+UNFINISHED = {"session": "log.session"}
 
 # Calls that change files, and the errors of each. The kill comes when the call is entered, so killing
 # at each of them gives all the states that the files ever have.

@@ -77,10 +77,10 @@ if [[ $can_mount ]]; then
         fits=$pages
         nothing_left d other "$(cd d && ls -d out*)"
       else
-        rm -f d/out.session.part
+        rm -f d/out.session
         refused "$tool" ': No space left on device.*'
         # What was felt is kept as far as it went.
-        [[ $tool == *session ]] && rm -f d/out.session.part
+        [[ $tool == *session ]] && rm -f d/out.session
         nothing_left d other
       fi
       umount d

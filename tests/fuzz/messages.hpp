@@ -1,7 +1,7 @@
 // Shards and sessions taken apart and put together again: both are Cap'n Proto messages in zstd
-// frames, of which the last of a section is a footer that a locator follows. A fuzzer does not find
-// a digest, so the mutator (mutate.hpp) changes the messages, and what depends on them is made
-// anew.
+// frames. The last message of a shard's section is a footer that a locator follows; a session has
+// none. A fuzzer does not find a checksum, so the mutator (mutate.hpp) changes the messages, and
+// what depends on them is made anew.
 #pragma once
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <sstream>
@@ -103,6 +104,9 @@ OpenDevice open_path(const std::string& file) {
 
 OpenDevice open_replay(const std::string& file, double text_rate_hz) {
   const Recording recording = load_recording(file, text_rate_hz);
+  if (!recording.ended_early.empty())
+    std::fprintf(stderr, "play: %s: the session ended early, at %s\n", printable_line(file).c_str(),
+                 recording.ended_early.c_str());
   std::vector<ReplayTick> ticks;
   ticks.reserve(recording.ticks.size());
   std::uint64_t next = recording.ticks.front().number;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "libcore/base/format.hpp"
+
 namespace hapgrid {
 
 Log::Log(const std::string& file, const LoadedGrid& loaded, const Fields& fields, double rate_hz,
@@ -28,11 +30,12 @@ void Log::add(const Tick& tick) {
 
 void Log::finish() {
   if (session_) {
-    const SessionCounts counts = session_->finish();
-    if (counts.dropped > 0)
-      std::fprintf(stderr, "play: the log has %llu ticks, %llu were dropped: the disk was slow\n",
-                   static_cast<unsigned long long>(counts.recorded),
-                   static_cast<unsigned long long>(counts.dropped));
+    const std::uint64_t recorded = session_->finish();
+    if (session_->dropped() > 0)
+      std::fputs(format("play: the log has {} ticks, {} were dropped: the disk was slow\n",
+                        recorded, session_->dropped())
+                     .c_str(),
+                 stderr);
   }
   if (!text_) return;
   text_->flush();

@@ -16,6 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kMilli = 1e3;
+constexpr double kNano = 1e9;
 constexpr double kContact = 0.01;  // newtons, of the model's force or the one that is played
 
 double length(const Vec3& f) { return std::sqrt(dot(f, f)); }
@@ -66,17 +67,18 @@ Summary summarize(const std::vector<SessionFigures>& sessions) {
 
 void ForceError::add(double newtons) noexcept {
   sum_ += newtons;
-  histogram_.add(static_cast<std::int64_t>(std::min(newtons, 1e9) * 1e9));
+  constexpr double kMost = 1e9;  // newtons, far below the largest whole number of nanonewtons
+  nanonewtons_.add(static_cast<std::int64_t>(std::min(newtons, kMost) * kNano));
 }
 
 void ForceError::add(const ForceError& other) noexcept {
   sum_ += other.sum_;
-  histogram_.add(other.histogram_);
+  nanonewtons_.add(other.nanonewtons_);
 }
 
 double ForceError::mean() const { return ticks() > 0 ? sum_ / static_cast<double>(ticks()) : 0; }
 
-double ForceError::p99() const { return static_cast<double>(histogram_.quantile(0.99)) / 1e9; }
+double ForceError::p99() const { return static_cast<double>(nanonewtons_.quantile(0.99)) / kNano; }
 
 Sessions::Sessions(const SimulatedDevice& device, const Fields& fields, const Setup& setup,
                    Traversal* truth)

@@ -18,13 +18,13 @@ class ForceError {
  public:
   void add(double newtons) noexcept;
   void add(const ForceError& other) noexcept;
-  std::uint64_t ticks() const { return histogram_.count(); }
+  std::uint64_t ticks() const { return nanonewtons_.count(); }
   double mean() const;  ///< newtons; 0 without a tick
   double p99() const;   ///< newtons; at most 1/128 too large
 
  private:
   double sum_ = 0;
-  Histogram histogram_;  // of nanonewtons
+  Histogram nanonewtons_;
 };
 
 /// One session. The energies are exact, of the force as it was in effect.

@@ -1,11 +1,13 @@
 #include "tools/stats/session.hpp"
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/session/statistics.hpp"
@@ -19,16 +21,12 @@ namespace hapgrid {
 
 namespace {
 
-/// Calls `use` on the ticks from seconds `from` up to `to`, a chunk at a time.
+/// Calls `use` on all ticks, from the first on.
 template <class F>
-void for_ticks(SessionReader& session, double from, double to, F&& use) {
-  session.seek(session.tick_at(from));
-  const SessionHeader& header = session.header();
+void for_ticks(SessionReader& session, F&& use) {
+  session.rewind();
   for (std::vector<TickRecord> ticks; session.next(ticks);)
-    for (const TickRecord& tick : ticks) {
-      if (header.time_of(tick.number) >= to) return;
-      use(tick);
-    }
+    for (const TickRecord& tick : ticks) use(tick);
 }
 
 class Export {
@@ -60,42 +58,40 @@ class Export {
 }  // namespace
 
 void run_session(InputFile file, const SessionOptions& options) {
-  SessionReader session(std::move(file), options.salvage ? SessionReader::Damage::kSalvaged
-                                                         : SessionReader::Damage::kRefused);
+  SessionReader session(std::move(file));
   const SessionHeader& header = session.header();
-  if (session.ticks() == 0) throw Error(session.name() + ": a session without a tick");
-
   std::optional<Export> text;
   if (!options.export_file.empty()) text.emplace(options.export_file);
   SessionStatistics statistics;
   HandEnergy energy(header);
-  for_ticks(session, options.from, options.to, [&](const TickRecord& tick) {
+  for_ticks(session, [&](const TickRecord& tick) {
     statistics.add(tick);
     energy.add(tick);
     if (text) text->add(header, tick);
   });
-  if (statistics.ticks == 0)
-    throw Error(session.name() + ": no tick from --from to --to: it goes from " +
-                to_text(header.time_of(session.first_tick())) + " s to " +
-                to_text(header.time_of(session.last_tick())) + " s");
+  if (statistics.ticks == 0) throw Error(without_ticks(session));
   if (text) text->commit();
   if (!options.png.empty()) {
     // Again from the beginning: what the columns are is known now.
     SessionCurves curves(header, statistics.first, statistics.last, energy_unit(header));
-    for_ticks(session, options.from, options.to, [&](const TickRecord& tick) { curves.add(tick); });
+    for_ticks(session, [&](const TickRecord& tick) { curves.add(tick); });
     OutputFile png(options.png);
-    run_gnuplot(
-        curves.script(std::to_string(statistics.ticks) + " ticks at " + rounded(header.rate_hz) +
-                      " Hz, " + std::to_string(statistics.skipped) + " missed" +
-                      (session.dropped() > 0 ? " or dropped" : "")),
-        png);
+    run_gnuplot(curves.script(format("{} ticks at {} Hz, {} missed{}", statistics.ticks,
+                                     rounded(header.rate_hz), statistics.skipped,
+                                     session.dropped() > 0 ? " or dropped" : "")),
+                png);
     png.commit();
   }
   if (!options.npz.empty())
     write_session_arrays(
-        header, statistics.ticks,
-        [&](const auto& use) { for_ticks(session, options.from, options.to, use); }, options.npz);
-  if (text || !options.png.empty() || !options.npz.empty()) return;
+        header, statistics.ticks, [&](const auto& use) { for_ticks(session, use); }, options.npz);
+  if (text || !options.png.empty() || !options.npz.empty()) {
+    // The report has a line on it.
+    if (!session.ended_early().empty())
+      std::fprintf(stderr, "stats: %s: the session ended early, at %s\n",
+                   printable_line(session.name()).c_str(), session.ended_early().c_str());
+    return;
+  }
 
   OutputFile output(options.output, /*binary=*/false);
   if (options.format == "text")

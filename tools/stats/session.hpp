@@ -1,7 +1,6 @@
 // stats --log of a session: report, picture, text.
 #pragma once
 
-#include <limits>
 #include <string>
 
 #include "libcore/base/file.hpp"
@@ -9,9 +8,6 @@
 namespace hapgrid {
 
 struct SessionOptions {
-  double from = -std::numeric_limits<double>::infinity();  ///< seconds
-  double to = std::numeric_limits<double>::infinity();     ///< seconds; up to there, without it
-  bool salvage = false;
   std::string png;          ///< empty: no picture
   std::string export_file;  ///< empty: no text
   std::string npz;          ///< empty: no arrays

@@ -76,6 +76,8 @@ SessionCurves::SessionCurves(SessionHeader header, std::uint64_t first, std::uin
       columns_(static_cast<std::size_t>(std::min(last - first, kMostColumns - 1) + 1)) {}
 
 void SessionCurves::add(const TickRecord& tick) {
+  // Someone may have changed the file since its first and last tick were counted.
+  if (tick.number < first_ || tick.number > last_) return;
   // In doubles: the last number may be anything below 2^64.
   const double part =
       static_cast<double>(tick.number - first_) / (static_cast<double>(last_ - first_) + 1);

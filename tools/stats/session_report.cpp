@@ -75,35 +75,36 @@ Json session_json(const SessionReader& session, const SessionStatistics& s,
   for (std::size_t i = 0; i < header.flags.size(); ++i) flags[header.flags[i]] = s.flags[i];
   const double start = header.time_of(s.first);
   const double end = header.time_of(s.last);
-  return {{"version", 1},
-          {"model", header.model},
-          {"grid_digest", header.grid_digest},
-          {"box",
-           {{"origin", header.box.origin},
-            {"spacing", header.box.spacing},
-            {"counts", header.box.counts}}},
-          {"length_unit", header.length_unit},
-          {"settings", header.settings},
-          {"rate_hz", header.rate_hz},
-          {"ticks", s.ticks},
-          {"start_s", start},
-          {"end_s", end},
-          {"duration_s", end - start},
-          {"missed", session.dropped() == 0 ? Json(s.skipped) : Json(nullptr)},
-          {"missed_or_dropped", s.skipped},
-          {"dropped", session.dropped()},
-          {"lost_bytes", session.lost_bytes()},
-          {"largest_raw_force", force_json(header, s.raw)},
-          {"largest_force", force_json(header, s.sent)},
-          {"energy",
-           {{"unit", unit.name},
-            {"given", energy.given() * unit.factor},
-            {"returned", energy.returned() * unit.factor},
-            {"returned_time_s", header.time_of(energy.returned_tick())}}},
-          {"force_not_computed", s.not_computed},
-          {"flags", flags},
-          {"lateness_us", times_json(s.lateness)},
-          {"compute_us", times_json(s.compute)}};
+  return {
+      {"version", 1},
+      {"model", header.model},
+      {"grid_digest", header.grid_digest},
+      {"box",
+       {{"origin", header.box.origin},
+        {"spacing", header.box.spacing},
+        {"counts", header.box.counts}}},
+      {"length_unit", header.length_unit},
+      {"settings", header.settings},
+      {"rate_hz", header.rate_hz},
+      {"ticks", s.ticks},
+      {"start_s", start},
+      {"end_s", end},
+      {"duration_s", end - start},
+      {"missed", session.dropped() == 0 ? Json(s.skipped) : Json(nullptr)},
+      {"missed_or_dropped", s.skipped},
+      {"dropped", session.dropped()},
+      {"ended_early", session.ended_early().empty() ? Json(nullptr) : Json(session.ended_early())},
+      {"largest_raw_force", force_json(header, s.raw)},
+      {"largest_force", force_json(header, s.sent)},
+      {"energy",
+       {{"unit", unit.name},
+        {"given", energy.given() * unit.factor},
+        {"returned", energy.returned() * unit.factor},
+        {"returned_time_s", header.time_of(energy.returned_tick())}}},
+      {"force_not_computed", s.not_computed},
+      {"flags", flags},
+      {"lateness_us", times_json(s.lateness)},
+      {"compute_us", times_json(s.compute)}};
 }
 
 std::string session_text(const SessionReader& session, const SessionStatistics& s,
@@ -140,8 +141,7 @@ std::string session_text(const SessionReader& session, const SessionStatistics& 
                        " or dropped; the disk was too "
                        "slow for " +
                        std::to_string(session.dropped()) + " of the whole session");
-  if (session.lost_bytes() > 0)
-    line("salvaged", std::to_string(session.lost_bytes()) + " bytes of the file are lost");
+  if (!session.ended_early().empty()) line("ended early", "at " + session.ended_early());
   line("largest force", force_text(header, s.sent) + " as sent, " + force_text(header, s.raw) +
                             " before the safety core");
   const EnergyUnit unit = energy_unit(header);

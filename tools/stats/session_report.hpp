@@ -17,8 +17,7 @@ struct EnergyUnit {
 };
 EnergyUnit energy_unit(const SessionHeader& header);
 
-/// `statistics` are of the session's ticks or a part of them, at least one. Keys are only ever
-/// added.
+/// `statistics` and `energy` are of all the session's ticks, at least one.
 nlohmann::ordered_json session_json(const SessionReader& session,
                                     const SessionStatistics& statistics, const HandEnergy& energy);
 std::string session_text(const SessionReader& session, const SessionStatistics& statistics,

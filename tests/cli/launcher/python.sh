@@ -110,7 +110,7 @@ assert (grid["force"] == np.column_stack([-grid["state"], np.full(len(dump), 0.5
 ticks, text = hapgrid.read(pathlib.Path("a.session"))["ticks"], np.loadtxt("text")
 assert len(ticks) == len(text) == 2 and (ticks["t"] == text[:, 0]).all() and (ticks["hip"] == text[:, 1:4]).all()
 for name, error, words in (("gone", FileNotFoundError, "gone"), ("cut", ValueError, "cut: stats: "), ("empty", ValueError, "empty: stats: "),
-                           ("cut.session", ValueError, "truncated"), ("dump", ValueError, "dump: stats: ")):
+                           ("cut.session", ValueError, "a session without a tick, which ended early"), ("dump", ValueError, "dump: stats: ")):
     try:
         hapgrid.read(name)
     except error as why:

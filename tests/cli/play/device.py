@@ -180,7 +180,7 @@ device = Device(SPACEMOUSE, struct.pack("<B3h", 1, -175, 0, 0).hex())
 process = play("--rate", "500", "--duration", "1", "--set", "mapping.speed=0.4", "--log", "mouse.session",
                device="spacemouse")
 deadline = time.monotonic() + 30
-while not os.path.exists("mouse.session.part"):  # the device is open
+while not os.path.exists("mouse.session"):  # the device is open
     assert time.monotonic() < deadline, "no log"
     time.sleep(0.01)
 device.tell(f"input {struct.pack('<BH', 3, 2).hex()}")

@@ -73,8 +73,6 @@ class Play:
 
 
 def good(adapter, last):
-    if os.path.exists(f"{adapter}.session.part"):  # of an attempt before
-        os.remove(f"{adapter}.session.part")
     play = Play(adapter, options=["--duration", "0.5", "--log", f"{adapter}.session"])
     play.end(0, "play: lateness .*")
     heard = play.heard()

@@ -1,7 +1,8 @@
-"""Sessions by the stock tools alone (zstd, capnp, xxhsum), without hapgrid's reader or writer.
+"""Sessions by the stock tools alone (zstd, capnp), without hapgrid's reader or writer.
 
 session.py text FILE: prints a session as stats --export has to.
 session.py make FILE: writes a small session whose numbers are known.
+session.py one FILE: writes a session of one tick, without a force.
 session.py bad FILE: feeds damaged and hostile relatives of a session to stats --log.
 """
 
@@ -19,7 +20,6 @@ import shard
 
 SCHEMA = os.path.join(os.environ["HAPGRID_SOURCE"], "schemas", "session.capnp")
 MASK = (1 << 64) - 1
-LOCATOR = 24
 
 
 def decode(data):
@@ -30,38 +30,9 @@ def decode(data):
     return [json.loads(line) for line in text.splitlines()]
 
 
-def seal(messages, edit=None, footer_frame=None, locator=None):
-    """The bytes of a session whose footer has the right index; `edit` changes the footer."""
-    messages = copy.deepcopy(messages)
-    body = shard.encode(messages[:-1], SCHEMA)
-    frames = [shard.frame(m) for m in body]
-    footer = messages[-1]["footer"]
-    footer["chunks"] = []
-    digests = b""
-    at = 0
-    for message, content, frame in zip(messages, body, frames):
-        low, high = shard.xxh3_128(content)
-        digests += struct.pack("<QQ", low, high)
-        if "ticks" in message:
-            skipped = [int(s) for s in message["ticks"]["skipped"]]
-            first = int(message["ticks"].get("first", 0))
-            entry = {"offset": at, "size": len(frame), "first": first}
-            entry["last"] = first + sum(skipped) + len(skipped) - 1
-            entry.update(ticks=len(skipped), digestLow=low, digestHigh=high)
-            footer["chunks"].append(entry)
-        at += len(frame)
-    footer["ticks"] = sum(c["ticks"] for c in footer["chunks"])
-    low, high = shard.xxh3_128(digests)
-    footer.update(digestLow=low, digestHigh=high)
-    if edit:
-        edit(footer)
-    for where in [footer, *footer["chunks"]]:
-        for key, value in where.items():
-            if key not in ("chunks", ) and not (where is not footer and key == "ticks"):
-                where[key] = str(value)
-    last = footer_frame or shard.frame(shard.encode([{"footer": footer}], SCHEMA)[0])
-    end = struct.pack("<IIQQ", 0x184D2A5E, 16, locator or len(last), shard.xxh3_64(last))
-    return b"".join(frames) + last + end
+def seal(messages):
+    """The bytes of a session."""
+    return b"".join(shard.frame(m) for m in shard.encode(messages, SCHEMA))
 
 
 def numbers(column, n):
@@ -121,7 +92,7 @@ def text(name):
     rate = messages[0]["header"]["rate"]
     names = "# t x y z force_x force_y force_z sent_x sent_y sent_z l0 l1 l2 l3 l4 l5 l6 l7 flags lateness_us compute_us"
     lines = ["# " + "\t".join(names[2:].split())]
-    for message in messages[1:-1]:
+    for message in messages[1:]:
         ticks = message["ticks"]
         n = len(ticks["skipped"])
         number = int(ticks.get("first", 0)) - 1
@@ -147,32 +118,49 @@ def make(name):
     force = [(0, 1, 0), (1.2, -1.6, 0), (0, 0, 0), (0, 0.5, 0)]
     box = {"originX": -1, "originY": 0, "originZ": 0, "spacing": 0.5}
     box.update(countX=3, countY=2, countZ=2)
-    header = {"magic": str(0x6861706772696473), "version": 1, "model": "ball", "box": box}
+    header = {"magic": str(0x6861706772696473), "version": 2, "model": "ball", "box": box}
     header.update(rate=10, lengthUnit="m", flagNames=["clutch", "safety_clamped", "level_changed"])
     ticks = {"first": "5", "skipped": ["0", "0", "2", "0"], "flags": [0, 6, 1, 0]}
     ticks.update(lateness=[0, 1500, 100, 4294967295], compute=[1, 2, 3, 4])
     ticks.update(levels=[0] * 4 + [i % 2 for i in range(28)], hip=code(hip), rawForce=code(raw))
     ticks["force"] = code_force(force, raw)
     with open(name, "wb") as file:
-        file.write(seal([{"header": header}, {"ticks": ticks}, {"footer": {"dropped": 0}}]))
+        file.write(seal([{"header": header}, {"ticks": ticks}]))
+
+
+def one(name):
+    """A tick whose force was not computed."""
+    make(name)
+    with open(name, "rb") as file:
+        messages = decode(file.read())
+    nan = float("nan")
+    ticks = {"first": "7", "skipped": ["0"], "flags": [1], "lateness": [0], "compute": [1]}
+    ticks.update(levels=[0] * 8, hip=code([(0, 0, 0)]), rawForce=code([(nan, nan, nan)]))
+    ticks["force"] = code_force([(0, 0, 0)], [(nan, nan, nan)])
+    with open(name, "wb") as file:
+        file.write(seal([messages[0], {"ticks": ticks}]))
 
 
 failures = []
 
 
-def refuse(what, data, message, option=()):
-    """stats gives one line and exit code 1, and takes little memory. The line starts with `message`
-    behind the file's name."""
+def limit():
+    if os.environ.get("SLOW") != "1":  # sanitizers reserve terabytes
+        resource.setrlimit(resource.RLIMIT_AS, (200 << 20, 200 << 20))
+
+
+def stats(data, *options):
     with open("bad.session", "wb") as file:
         file.write(data)
-
-    def limit():
-        if os.environ.get("SLOW") != "1":  # sanitizers reserve terabytes
-            resource.setrlimit(resource.RLIMIT_AS, (200 << 20, 200 << 20))
-
-    done = subprocess.run(
-        ["stats", "--log", "bad.session", *option], capture_output=True, preexec_fn=limit, timeout=60
+    return subprocess.run(
+        ["stats", "--log", "bad.session", *options], capture_output=True, preexec_fn=limit, timeout=60
     )
+
+
+def refuse(what, data, message):
+    """stats gives one line and exit code 1, and takes little memory. The line starts with `message`
+    behind the file's name."""
+    done = stats(data)
     got = done.stderr.decode()
     wanted = "stats: bad.session: " + message
     good = done.returncode == 1 and done.stdout == b"" and got.count("\n") == 1
@@ -180,19 +168,31 @@ def refuse(what, data, message, option=()):
         failures.append("%s: %d %s\n  wanted %s" % (what, done.returncode, got, wanted))
 
 
+def end_early(what, data, ticks, at, message):
+    """stats reports on the first `ticks` ticks, says that the session ends early at byte `at`, and
+    takes little memory. What it says starts with `message`."""
+    done = stats(data, "--format", "json")
+    report = json.loads(done.stdout or "{}")
+    wanted = "byte %d of %d: %s" % (at, len(data), message)
+    good = done.returncode == 0 and done.stderr == b"" and report["ticks"] == ticks
+    if not good or not report["ended_early"].startswith(wanted):
+        failures.append("%s: %s\n  wanted %d ticks, %s" % (what, done, ticks, wanted))
+
+
 def bad(name):
     with open(name, "rb") as file:
         messages = decode(file.read())
-    messages.insert(2, copy.deepcopy(messages[1]))
-    messages[2]["ticks"]["first"] = "100"
+    for first in ("100", "200"):
+        messages.append(copy.deepcopy(messages[1]))
+        messages[-1]["ticks"]["first"] = first
     good = seal(messages)
-    frames = shard.frames(good[:-LOCATOR])
+    frames = shard.frames(good)
     at = [sum(len(f) for f in frames[:i]) for i in range(len(frames) + 1)]
-    with open("good.session", "wb") as file:
-        file.write(good)
-    subprocess.run(["stats", "--log", "good.session"], stdout=subprocess.DEVNULL, check=True)
+    n = len(messages[1]["ticks"]["skipped"])
+    done = stats(good, "--format", "json")
+    assert (json.loads(done.stdout)["ticks"], json.loads(done.stdout)["ended_early"]) == (3 * n, None)
 
-    def change(kind, place=1, **fields):
+    def change(kind, place, **fields):
         changed = copy.deepcopy(messages)
         changed[place][kind].update(fields)
         return changed
@@ -201,7 +201,7 @@ def bad(name):
         refuse(what, seal(change("header", 0, **fields)), "byte 0: " + message)
 
     header("magic", "not a session", magic="1")
-    header("version", "format version 2, this program reads version 1", version=2)
+    header("version", "format version 1, this program reads version 2", version=1)
     header("rate 0", "a rate of 0 Hz; ", rate=0)
     header("box", "box: spacing is -1", box=dict(messages[0]["header"]["box"], spacing=-1))
     header("many flags", "33 flags, the limit is 32", flagNames=["f"] * 33)
@@ -209,73 +209,52 @@ def bad(name):
     header("long settings", "settings of 600000 bytes, the limit is 524288", settings="s" * 600000)
     refuse("huge header", seal(change("header", 0, settings="s" * 2000000)),
            "byte 0: a message of 2000")
+    bomb = shard.frame(bytes(1 << 30))
+    refuse("a bomb instead of a header", bomb, "byte 0: a message of 1073741824 bytes")
+    refuse("cut header", good[:40], "byte 0: not a session, or its header is cut")
+    refuse("nothing behind the header", good[: at[1]], "a session without a tick\n")
+    refuse("no whole chunk", good[: at[1] + 9],
+           "a session without a tick, which ended early at byte %d of %d: " % (at[1], at[1] + 9))
 
+    # In the second chunk of three: the first is read.
     def chunk(what, message, **fields):
-        data = seal(change("ticks", **fields))
-        size = len(shard.frame(shard.encode([messages[0]], SCHEMA)[0]))
-        refuse(what, data, "byte %d: %s" % (size, message))
+        end_early(what, seal(change("ticks", 2, **fields)), n, at[2], message)
 
-    ticks = messages[1]["ticks"]
+    ticks = messages[2]["ticks"]
     for column in ("flags", "lateness", "compute", "levels", "hip", "rawForce", "force"):
         chunk(column, "damaged: column %s does not fit the chunk" % column,
               **{column: ticks[column][1:]})
         chunk(column, "damaged: column %s does not fit the chunk" % column, **{column: []})
-    wraps = change("ticks", skipped=["0", str(MASK)] + ticks["skipped"][2:])
+    chunk("a number that wraps", "damaged: a tick's number is beyond 64 bits",
+          skipped=["0", str(MASK)] + ticks["skipped"][2:])
+    chunk("skipped at first", "damaged: ticks skipped before", skipped=["1"] + ticks["skipped"][1:])
+    chunk("no tick", "damaged: a chunk of 0 ticks", skipped=[])
+    chunk("too many ticks", "damaged: a chunk of 4097 ticks", skipped=["0"] * 4097)
+    last = 5 + n + 1  # two numbers are skipped
+    for first in (0, last):
+        chunk("chunks out of order", "damaged: tick %d after tick %d" % (first, last), first=str(first))
 
-    def last(footer):
-        footer["chunks"][0]["last"] = int(messages[-1]["footer"]["chunks"][0]["last"])
+    def instead(what, message, frame):
+        end_early(what, b"".join(frames[:2] + [frame] + frames[3:]), n, at[2], message)
 
-    refuse("a number that wraps", seal(wraps, last), "byte %d: damaged: a tick's number" % at[1])
-    early = change("ticks", skipped=["1"] + ticks["skipped"][1:])
-    refuse("skipped at first", seal(early, last), "byte %d: damaged: ticks skipped before" % at[1])
-    order = messages[:1] + [messages[2], messages[1]] + messages[3:]
+    instead("a header again", "damaged: a chunk of ticks was expected", frames[0])
+    instead("a bomb", "a message of 1073741824 bytes, the limit is 524288", bomb)
+    instead("no message", "not a session: no Cap'n Proto message", shard.frame(b"1234567"))
+    instead("an empty message", "damaged: ", shard.frame(bytes(8)))
+    instead("a frame to skip", "not a session: ", struct.pack("<II", 0x184D2A5E, 0))
+    instead("no zstd frame", "a zstd frame is cut", b"x" * 1000)
 
-    def index(what, edit, base=messages, message="damaged: the index does not fit the file"):
-        data = seal(base, edit)
-        at_footer = len(data) - LOCATOR - struct.unpack_from("<Q", data, len(data) - 16)[0]
-        refuse(what, data, "byte %d: %s" % (at_footer, message))
-
-    def set_in(entry, key, value):
-        def edit(footer):
-            (footer["chunks"][entry] if entry is not None else footer)[key] = value
-
-        return edit
-
-    index("chunks out of order", None, order)
-    index("offset", set_in(1, "offset", 5))
-    index("size", set_in(0, "size", 1 << 62))
-    index("zero size", set_in(0, "size", 0))
-    index("ticks", set_in(0, "ticks", 4097))
-    index("sum", set_in(None, "ticks", 1))
-    index("first above last", set_in(0, "first", 1 << 40))
-    index("digest", set_in(None, "digestLow", 1),
-          message="damaged: header and index do not fit the digest")
-    index("a chunk twice", lambda f: f["chunks"].append(dict(f["chunks"][-1])))
-    index("fewer chunks", lambda f: f["chunks"].pop())
-
-    # A footer that claims a gigabyte, or a locator that leads elsewhere.
-    bomb = shard.frame(bytes(1 << 30))
-    large = "byte %d: damaged: an index larger than any can be" % at[-2]
-    refuse("huge footer", seal(messages, footer_frame=bomb), large)
-    large = "byte %d: a message of 4194304 bytes, the limit is " % at[-2]
-    refuse("large footer", seal(messages, footer_frame=shard.frame(bytes(4 << 20))), large)
-    behind = len(good) - LOCATOR
-    refuse("locator outside", seal(messages, locator=1 << 63), "byte ")
-    refuse("locator in a chunk", seal(messages, locator=behind - at[1] - 1), "byte ")
-    refuse("locator at the header", seal(messages, locator=behind - 1), "byte ")
-    refuse("a bomb instead of a header", bomb, "byte 0: a message of 1073741824 bytes")
-
-    # Cuts: between frames, in frames, in the locator.
-    hint = "truncated: no index at its end, as of a session that was interrupted (stats --salvage"
-    for cut in at[1:] + [at[1] + 7, at[2] + 20, len(good) - 1, len(good) - LOCATOR]:
-        refuse("cut at %d" % cut, good[:cut], "byte %d: %s" % (cut, hint))
-    refuse("cut header", good[:40], "byte 0: not a session, or its header is cut")
-    refuse("a cut header is beyond salvage", good[:40], "byte 0: not a session", option=["--salvage"])
-    refuse("nothing behind the header", good[: at[1]], "a session without a tick",
-           option=["--salvage"])
-    refuse("something behind", good + b"x", "byte %d: %s" % (len(good) + 1, hint))
+    # Cuts: between zstd frames, where nothing can be seen, and in them.
+    for chunks in (1, 2):
+        done = stats(good[: at[chunks + 1]], "--export", "-")
+        good_cut = done.returncode == 0 and done.stderr == b"" and done.stdout.count(b"\n") == chunks * n + 1
+        if not good_cut:
+            failures.append("cut behind chunk %d: %s" % (chunks, done))
+    for cut in (at[2] + 1, at[2] + 20, at[3] - 1):
+        end_early("cut at %d" % cut, good[:cut], n, at[2], "a zstd frame is cut")
+    end_early("something behind", good + b"x", 3 * n, at[4], "a zstd frame is cut")
     if failures:
         sys.exit("\n".join(failures))
 
 
-{"text": text, "make": make, "bad": bad}[sys.argv[1]](sys.argv[2])
+{"text": text, "make": make, "one": one, "bad": bad}[sys.argv[1]](sys.argv[2])

@@ -58,6 +58,9 @@ TEST_CASE("hostile strings become printable") {
         "???|???|????|????");
   CHECK(printable_line("\xf0\x9f\x98\x80\xe6\xbc\xa2\xef\xbf\xbd") ==
         "\xf0\x9f\x98\x80\xe6\xbc\xa2\xef\xbf\xbd");
+  CHECK(printable_line("\xf3\xa0\x84\x80|\xe3\x85\xa4|\xcd\x8f|\xcd\xb8") ==
+        "?|?|?|?");                                   // ignorable, and none
+  CHECK(printable_line("e\xcc\x81") == "e\xcc\x81");  // an accent of its own
   CHECK(printable_text("a\033\n\n\xe2\x80\xae"
                        "b") == "a \n\n?b");
 }

@@ -1,14 +1,10 @@
-// What is recorded comes back, from any tick on, to the last bit; what is damaged does not.
-#include <unistd.h>
-
+// What is recorded comes back to the last bit, up to where a file is cut or damaged.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <span>
-#include <sstream>
-#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/zstd_frame.hpp"
@@ -38,187 +34,87 @@ void put_bytes(const std::string& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
 }
 
-/// A file without a name that may be damaged.
-class Scratch {
- public:
-  explicit Scratch(const std::string& bytes) : file_(unlinked_file(directory_.path())) {
-    REQUIRE(::write(file_.get(), bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()));
-  }
-  /// Answers whether it is accepted; what it decodes to is in header and ticks then.
-  bool read(SessionReader::Damage damage = SessionReader::Damage::kRefused) {
-    try {
-      SessionReader reader(InputFile(FileDescriptor(::dup(file_.get())), "bad"), damage);
-      header = reader.header();
-      ticks = rest_of(reader);
-      return true;
-    } catch (const FormatError& e) {
-      why = e.what();
-      return false;
-    }
-  }
-
-  SessionHeader header;
-  std::vector<TickRecord> ticks;
-  std::string why;
-
- private:
-  TemporaryDirectory directory_;
-  FileDescriptor file_;
-};
-
 }  // namespace
 
-TEST_CASE("a session comes back to the last bit") {
+TEST_CASE("a session comes back to the last bit, and again after rewind()") {
   const TemporaryDirectory directory;
   const std::string file = directory.file("x.session");
-  for (const std::size_t count : {0, 1, 2, 4095, 4096, 4097, 10000}) {
+  for (const std::size_t count : {0, 1, 2, 4095, 4096, 4097, 8192, 10000}) {
     const std::vector<TickRecord> ticks = random_ticks(count, count);
     write(file, ticks, 7);
     SessionReader reader(file);
     CHECK(reader.header() == small_header());
-    CHECK(reader.ticks() == count);
-    CHECK(reader.dropped() == 7);
-    CHECK(reader.lost_bytes() == 0);
-    CHECK(reader.first_tick() == (count == 0 ? 0 : ticks.front().number));
-    CHECK(reader.last_tick() == (count == 0 ? 0 : ticks.back().number));
-    CHECK(same(rest_of(reader), ticks));
-  }
-  CHECK_FALSE(std::filesystem::exists(file + ".part"));
-}
-
-TEST_CASE("a session is read from any tick on") {
-  const TemporaryDirectory directory;
-  const std::string file = directory.file("x.session");
-  const std::vector<TickRecord> ticks = random_ticks(10000, 3);
-  write(file, ticks);
-  SessionReader reader(file);
-  for (const std::size_t at : {0, 1, 4095, 4096, 8191, 8192, 9999, 17, 4097}) {
-    reader.seek(ticks[at].number);
-    CHECK(same(rest_of(reader), {ticks.begin() + static_cast<std::ptrdiff_t>(at), ticks.end()}));
-    reader.seek(ticks[at].number + 1);
-    std::vector<TickRecord> chunk;
-    REQUIRE(reader.next(chunk) == (at < 9999));
-    if (at < 9999) CHECK(same(chunk.front(), ticks[at + 1]));
-  }
-}
-
-TEST_CASE("a time belongs to the first tick that is not before it") {
-  const TemporaryDirectory directory;
-  const std::string file = directory.file("x.session");
-  for (const double rate : {1000.0, 0.001, 333.3, 1e6}) {
-    SessionHeader header = small_header();
-    header.rate_hz = rate;
-    write(file, {}, 0, header);
-    const SessionReader reader(file);
-    CHECK(reader.tick_at(-1) == 0);
-    CHECK(reader.tick_at(0) == 0);
-    for (const std::uint64_t n : {1ull, 2ull, 3ull, 999ull, 123456789ull}) {
-      const double t = header.time_of(n);
-      CHECK(reader.tick_at(t) == n);
-      CHECK(reader.tick_at(std::nextafter(t, 1e300)) == n + 1);
-      CHECK(reader.tick_at(std::nextafter(t, 0)) == n);
+    for (int times = 0; times < 2; ++times) {
+      CHECK(same(rest_of(reader), ticks));
+      CHECK(reader.dropped() == (count == 0 ? 0 : 7));
+      CHECK(reader.ended_early() == "");
+      reader.rewind();
+      CHECK(reader.dropped() == 0);
     }
   }
 }
 
-TEST_CASE("a session that was interrupted is refused, and salvaged") {
+TEST_CASE("a session that was interrupted has all its whole chunks") {
   const TemporaryDirectory directory;
   const std::string file = directory.file("x.session");
   const std::vector<TickRecord> ticks = random_ticks(9000, 5);
   put_bytes(file, "an old one");
   {
     SessionWriter writer(file, small_header());
-    for (const TickRecord& tick : ticks) writer.add(tick);
-    CHECK(writer.part() == std::filesystem::canonical(file).string() + ".part");
-    // Never two at a time, and an interrupted one is not written over.
-    CHECK_THROWS_WITH(SessionWriter(file, small_header()), Catch::Contains("is there already"));
+    for (const TickRecord& tick : ticks) writer.add(tick, 3);
+    // Another process can read it meanwhile.
+    SessionReader reader(file);
+    CHECK(same(rest_of(reader), {ticks.begin(), ticks.begin() + 8192}));
+    CHECK(reader.dropped() == 3);
   }
-  CHECK(bytes_of(file) == "an old one");
-  const std::string part = file + ".part";
-  CHECK_THROWS_WITH(SessionReader(part),
-                    part + ": byte " + std::to_string(std::filesystem::file_size(part)) +
-                        ": truncated: no index at its end, as of a session that was interrupted "
-                        "(stats --salvage takes what is there)");
-  SessionReader reader(part, SessionReader::Damage::kSalvaged);
-  CHECK(reader.header() == small_header());
-  CHECK(reader.lost_bytes() == 0);
-  CHECK(same(rest_of(reader), {ticks.begin(), ticks.begin() + 8192}));  // whole chunks
+  SessionReader reader(file);
+  CHECK(same(rest_of(reader), {ticks.begin(), ticks.begin() + 8192}));
+  CHECK(reader.ended_early() == "");
 }
 
-TEST_CASE("nothing stays of a session without a chunk") {
-  const TemporaryDirectory directory;
-  const std::string file = directory.file("x.session");
-  { SessionWriter(file, small_header()).add(random_ticks(1, 1)[0]); }
-  CHECK(std::filesystem::is_empty(directory.path()));
-}
-
-TEST_CASE("a damaged chunk costs its own ticks alone") {
+TEST_CASE("a session that is cut or damaged ends before that zstd frame") {
   const TemporaryDirectory directory;
   const std::string file = directory.file("x.session");
   const std::vector<TickRecord> ticks = random_ticks(9000, 6);
-  write(file, ticks, 3);
-  std::string bytes = bytes_of(file);
-  const std::size_t middle = bytes.size() / 2;  // in the second chunk of three
-  bytes[middle] = static_cast<char>(bytes[middle] ^ 1);
-  put_bytes(file, bytes);
-  {
-    SessionReader refused(file);
-    CHECK_THROWS_WITH(rest_of(refused), Catch::Contains(": damaged"));
-  }
-  std::vector<TickRecord> expected(ticks.begin(), ticks.begin() + 4096);
-  expected.insert(expected.end(), ticks.begin() + 8192, ticks.end());
-  SessionReader reader(file, SessionReader::Damage::kSalvaged);
-  CHECK(reader.ticks() == expected.size());
-  CHECK(reader.dropped() == 3);
-  CHECK(reader.lost_bytes() > 100'000);
-  CHECK(same(rest_of(reader), expected));
-  // Without the index as well.
-  put_bytes(file, bytes.substr(0, bytes.size() - 1));
-  SessionReader scanned(file, SessionReader::Damage::kSalvaged);
-  CHECK(same(rest_of(scanned), expected));
-}
-
-TEST_CASE("what is salvaged does not go back in time") {
-  const TemporaryDirectory directory;
-  const std::string file = directory.file("x.session");
-  const std::vector<TickRecord> ticks = random_ticks(9000, 7);
   write(file, ticks);
   const std::string bytes = bytes_of(file);
-  std::size_t end = 0;
-  const auto next_frame = [&] {
-    const std::size_t size = zstd_frame_size(std::as_bytes(std::span(bytes)).subspan(end));
-    return bytes.substr(std::exchange(end, end + size), size);
+  std::vector<std::size_t> at{0};  // where the zstd frames are, and the file's end
+  while (at.back() < bytes.size())
+    at.push_back(at.back() + zstd_frame_size(std::as_bytes(std::span(bytes)).subspan(at.back())));
+  REQUIRE(at.size() == 5);
+  // Reads other bytes: the first `chunks` chunks must be there, and why the others are not.
+  const auto check = [&](const std::string& other, std::size_t chunks, const std::string& why) {
+    put_bytes(file, other);
+    SessionReader reader(file);
+    const std::size_t count = std::min(4096 * chunks, ticks.size());
+    CHECK(same(rest_of(reader), {ticks.begin(), ticks.begin() + static_cast<long>(count)}));
+    CHECK_THAT(reader.ended_early(), Catch::Equals(why) || Catch::StartsWith(why + ": damaged: "));
   };
-  const std::string header = next_frame();
-  const std::string first = next_frame();
-  const std::string second = next_frame();
-  put_bytes(file, header + second + first);
-  SessionReader reader(file, SessionReader::Damage::kSalvaged);
-  CHECK(reader.lost_bytes() == first.size());
+  const auto place = [&](std::size_t frame, std::size_t size) {
+    return "byte " + std::to_string(at[frame]) + " of " + std::to_string(size);
+  };
+  for (std::size_t frame = 1; frame < 5; ++frame) check(bytes.substr(0, at[frame]), frame - 1, "");
+  for (const std::size_t size : {at[2] + 1, at[2] + 5, at[3] - 1})
+    check(bytes.substr(0, size), 1, place(2, size) + ": a zstd frame is cut");
+  check(bytes + "x", 3, place(4, bytes.size() + 1) + ": a zstd frame is cut");
+  std::string flipped = bytes;
+  flipped[at[2] + 1000] ^= 1;
+  check(flipped, 1, place(2, bytes.size()));
+  // A computer that lost its power may leave zeros.
+  check(bytes.substr(0, at[2]) + std::string(5000, '\0'), 1,
+        place(2, at[2] + 5000) + ": a zstd frame is cut");
+  // Chunks in another order, and one twice.
+  const auto frames = [&](auto... which) {
+    return (bytes.substr(at[which], at[which + 1] - at[which]) + ...);
+  };
+  const std::string again = frames(0U, 1U, 1U);
+  check(again, 1, place(2, again.size()));
+  put_bytes(file, frames(0U, 2U, 1U));
+  SessionReader reader(file);
   CHECK(same(rest_of(reader), {ticks.begin() + 4096, ticks.begin() + 8192}));
-}
-
-TEST_CASE("parts of two sessions make none") {
-  const TemporaryDirectory directory;
-  write(directory.file("a"), random_ticks(3, 1));
-  const std::string a = bytes_of(directory.file("a"));
-  const auto frame_after = [&](const std::string& bytes, std::size_t from) {
-    return bytes.find("\x28\xB5\x2F\xFD", from);
-  };
-  const std::size_t chunk = frame_after(a, 4);
-  const std::size_t footer = frame_after(a, chunk + 4);
-  // Another session whose chunk has the same size.
-  std::string other;
-  for (std::uint64_t seed = 2; other.size() != footer - chunk; ++seed) {
-    REQUIRE(seed < 1000);
-    write(directory.file("b"), random_ticks(3, seed));
-    const std::string b = bytes_of(directory.file("b"));
-    other = b.substr(chunk, frame_after(b, chunk + 4) - chunk);
-  }
-  Scratch mixed(a.substr(0, chunk) + other + a.substr(footer));
-  CHECK_FALSE(mixed.read());
-  CHECK(mixed.why == "bad: byte " + std::to_string(chunk) +
-                         ": damaged: a chunk does not fit the index's digest of it");
+  CHECK_THAT(reader.ended_early(),
+             Catch::EndsWith(": damaged: tick " + std::to_string(ticks[0].number) + " after tick " +
+                             std::to_string(ticks[8191].number)));
 }
 
 TEST_CASE("what is no session is called so") {
@@ -228,6 +124,9 @@ TEST_CASE("what is no session is called so") {
   CHECK_THROWS_WITH(SessionReader(file), file + ": byte 0: not a session: no zstd frame");
   put_bytes(file, "# t\tx\ty\tz\n");
   CHECK_THROWS_WITH(SessionReader(file), file + ": byte 0: not a session: no zstd frame");
+  write(file, {});
+  put_bytes(file, bytes_of(file).substr(0, 40));
+  CHECK_THROWS_WITH(SessionReader(file), file + ": byte 0: not a session, or its header is cut");
   CHECK_THROWS_AS(SessionReader(directory.file("none")), std::system_error);
 }
 
