@@ -10,7 +10,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/model/plugin_model.hpp"
-#include "tests/unit/model/refusal.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
