@@ -96,8 +96,8 @@ push() {
   nothing_left tmp
 }
 patiently push
-python3 "$here/png.py" order left.png blue yellow
-python3 "$here/png.py" order right.png yellow blue
+/usr/bin/python3 "$here/png.py" order left.png blue yellow
+/usr/bin/python3 "$here/png.py" order right.png yellow blue
 play grid --device replay:hand.session --log again --frames again.frames 2>/dev/null
 python3 - <<'PYTHON'
 with open("again") as text:
