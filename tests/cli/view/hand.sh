@@ -56,7 +56,7 @@ patiently() {
   for ((attempt = 0; attempt < 9; attempt++)); do
     rm -rf tmp/* hapgrid-*.png ./*.session ./*.session.part
     set +e
-    (set -e; trap 'kill $feel 2>/dev/null || :; wait || :' EXIT; "$@")
+    (set -e; trap 'kill ${feel-} 2>/dev/null || :; wait || :' EXIT; "$@")
     code=$?
     set -e
     ((code)) || return 0
