@@ -41,12 +41,16 @@ for name in ../toy ./toy toy.so /etc/passwd '' -toy 'to y'; do
 done
 
 # No plug-ins, or of another version of the interface.
-for plugin in wrong_version no_entry null_table null_create null_equal; do
-  define $plugin >bad.toml
-  refuses "seed: model $plugin: .*" -- seed bad.toml -o out
+not_one() { # PLUGIN MESSAGE
+  define "$1" >bad.toml
+  refuses "seed: model $1: $2" -- seed bad.toml -o out
+}
+not_one no_entry "$plugins/no_entry\.so is no hapgrid plug-in \(it has no function hapgrid_model_plugin\)"
+not_one null_table 'hapgrid_model_plugin\(\) returned NULL'
+not_one wrong_version "$plugins/wrong_version\.so has interface version 999, this hapgrid has 3; build the plug-in again"
+for function in create destroy info known_states convert equal; do
+  not_one "null_$function" "a required function of the plug-in's table is NULL"
 done
-define wrong_version >bad.toml
-refuses 'seed: model wrong_version: .*version [0-9]+.*' -- seed bad.toml -o out
 
 # What it says of itself must make sense, and be what it was when the grid was seeded.
 puppet() {
@@ -57,7 +61,10 @@ puppet 'state_size = 0' 'model puppet: a state of 0 components; 1 to 1048576 are
 puppet 'state_size = 1048577' 'model puppet: a state of 1048577 components; .*'
 puppet 'd_max = 0' 'model puppet: d_max is not positive'
 puppet 'd_max = nan' '.*d_max.*not finite'
-puppet 'tolerance = -1' 'model puppet: the tolerance is negative or not finite'
+for tolerance in -1 -1e-300; do
+  puppet "tolerance = $tolerance" 'model puppet: the tolerance is negative or not finite'
+done
+puppet 'd_max = -1' 'model puppet: d_max is not positive'
 puppet 'stored = 8' 'model puppet: info.stored has unknown bits'
 for kind in 1 2 4; do
   puppet "stored = $kind" 'model puppet: info.stored names a function that is NULL'

@@ -2,15 +2,8 @@
 source "$(dirname "$0")/../lib.sh"
 needs gnuplot gnuplot-nox
 
-# png_size FILE: signature, width and height as they stand in the file's header.
-png_size() {
-  local bytes
-  bytes=$(od -An -tx1 -v -N 24 "$1" | tr -d ' \n')
-  [[ ${bytes:0:32} == 89504e470d0a1a0a0000000d49484452 ]] || fail "$1 is no PNG"
-  # It ends with the chunk IEND: gnuplot has written all of it.
-  [[ $(tail -c 8 "$1" | od -An -tx1 | tr -d ' \n') == 49454e44ae426082 ]] || fail "$1 is cut off"
-  echo "$((16#${bytes:32:8})) x $((16#${bytes:40:8}))"
-}
+# png_size FILE: width and height of a whole PNG.
+png_size() { /usr/bin/python3 "$here/../view/png.py" size "$1" || fail "$1 is no PNG, or cut off"; }
 
 seed "$ball" -o seeds
 expand --complete seeds -o grid

@@ -50,18 +50,18 @@ chromium_once() {
 # Three.js draws triangles, so that rims differ, and lines a pixel wide. Much differ 8 of 1,000 (measured), and 70
 # as soon as the view is a degree off.
 browse --screenshot=shot.png "file://$PWD/x.html#t=0.12"
-same "size" "400 x 496" "$(python3 "$here/png.py" size shot.png)"
+same "size" "400 x 496" "$(/usr/bin/python3 "$here/png.py" size shot.png)"
 view x.frames --at 0.12 --size 400x300 --png drawn.png
-python3 "$here/png.py" near shot.png drawn.png 0.06 0.012
+/usr/bin/python3 "$here/png.py" near shot.png drawn.png 0.06 0.012
 view x.frames --at 0.12 --size 400x300 --png drawn.png --azimuth 31
-python3 "$here/png.py" near shot.png drawn.png 0.06 0.012 2>/dev/null && fail "compares nothing"
+/usr/bin/python3 "$here/png.py" near shot.png drawn.png 0.06 0.012 2>/dev/null && fail "compares nothing"
 # Balls and sticks.
 view x.frames --style sticks --html sticks.html
 browse --screenshot=shot.png "file://$PWD/sticks.html#t=0.12"
 view x.frames --at 0.12 --size 400x300 --style sticks --png drawn.png
-python3 "$here/png.py" near shot.png drawn.png 0.06 0.012
+/usr/bin/python3 "$here/png.py" near shot.png drawn.png 0.06 0.012
 view x.frames --at 0.12 --size 400x300 --png drawn.png
-python3 "$here/png.py" near shot.png drawn.png 0.06 0.012 2>/dev/null && fail "whole spheres"
+/usr/bin/python3 "$here/png.py" near shot.png drawn.png 0.06 0.012 2>/dev/null && fail "whole spheres"
 # At the end, with the hostile name: the last frame's numbers, and every snap that play counted.
 browse --dump-dom "file://$PWD/hostile.html#t=99" >dom
 last=$(view x.frames --format json | python3 -c 'import json, sys; print("%.2f" % json.load(sys.stdin)["last_s"])')

@@ -1,46 +1,24 @@
-"""Looks into PNG files of 8-bit RGB, without any library for pictures.
+"""Looks into PNG files.
 
 usage: png.py size FILE            prints "W x H"
        png.py order FILE COLOUR... whether the middles of what has these colours go from left to right
        png.py near FILE OTHER A B  whether the upper part of FILE is OTHER: at most the part A of the
                                    pixels differs by more than a rounding, and B by much
 """
-import struct
 import sys
-import zlib
+
+from PIL import Image
 
 
 def decode(name):
     """Width, height, and the rows of pixels as tuples."""
-    data = open(name, "rb").read()
-    assert data[:8] == b"\x89PNG\r\n\x1a\n", "no PNG"
-    chunks, at = [], 8
-    while at < len(data):
-        size, kind = struct.unpack(">I4s", data[at:at + 8])
-        body = data[at + 8:at + 8 + size]
-        crc, = struct.unpack(">I", data[at + 8 + size:at + 12 + size])
-        assert crc == zlib.crc32(kind + body), "damaged"
-        chunks.append((kind, body))
-        at += 12 + size
-    assert chunks[0][0] == b"IHDR" and chunks[-1] == (b"IEND", b""), "cut off"
-    width, height, depth, colours, *_ = struct.unpack(">IIBBBBB", chunks[0][1])
-    assert (depth, colours) == (8, 2), "not 8-bit RGB"
-    raw = zlib.decompress(b"".join(body for kind, body in chunks if kind == b"IDAT"))
-    stride = 3 * width
-    assert len(raw) == (1 + stride) * height, "wrong size"
-    rows, above = [], bytearray(stride)
-    for y in range(height):
-        kind, row = raw[y * (1 + stride)], bytearray(raw[y * (1 + stride) + 1:(y + 1) * (1 + stride)])
-        for i in range(stride):
-            a, b, c = (row[i - 3] if i > 2 else 0), above[i], (above[i - 3] if i > 2 else 0)
-            if kind == 4:
-                near = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
-            else:
-                near = [0, a, b, (a + b) // 2][kind]
-            row[i] = (row[i] + near) & 255
-        rows.append([tuple(row[i:i + 3]) for i in range(0, stride, 3)])
-        above = row
-    return width, height, rows
+    with open(name, "rb") as file:
+        data = file.read()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n" and data.endswith(b"IEND\xaeB`\x82"), "no PNG, or cut off"
+    image = Image.open(name)
+    width, height = image.size
+    pixels = list(image.convert("RGB").getdata())  # reads all of it
+    return width, height, [pixels[y * width:(y + 1) * width] for y in range(height)]
 
 
 COLOURS = {

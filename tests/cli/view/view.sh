@@ -63,9 +63,9 @@ else
   missing obabel
 fi
 
-# Pictures. python3 "$here/png.py" decodes them with zlib alone and prints "W x H colours...".
+# Pictures. png.py prints "W x H".
 expect 0 '' '' -- view x.frames --png last.png
-same "size" "800 x 600" "$(python3 "$here/png.py" size last.png)"
+same "size" "800 x 600" "$(/usr/bin/python3 "$here/png.py" size last.png)"
 view --png - <x.frames | cmp - last.png
 view x.frames --at 1e6 --png - | cmp - last.png
 play grid --device path:path --set safety.ramp=0 --frames - 2>/dev/null | view --png piped.png
@@ -78,13 +78,13 @@ cmp -s at.png last.png && fail "all frames look the same"
 # Pushed at x = 0.3: the ball (yellow) is right of the HIP (blue), the arrow (red) points to the left.
 view x.frames --at 0.12 --azimuth 0 --elevation 0 --size 640x320 --hip-radius 0.1 \
   --png front.png
-same "size" "640 x 320" "$(python3 "$here/png.py" size front.png)"
-python3 "$here/png.py" order front.png red blue yellow
+same "size" "640 x 320" "$(/usr/bin/python3 "$here/png.py" size front.png)"
+/usr/bin/python3 "$here/png.py" order front.png red blue yellow
 view x.frames --at 0.12 --azimuth 180 --elevation -5 --size 640x320 --hip-radius 0.1 \
   --png back.png
-python3 "$here/png.py" order back.png yellow blue red
+/usr/bin/python3 "$here/png.py" order back.png yellow blue red
 expect 0 '' '' -- view x.frames --png tiny.png --size 1x1 --azimuth -30
-same "size" "1 x 1" "$(python3 "$here/png.py" size tiny.png)"
+same "size" "1 x 1" "$(/usr/bin/python3 "$here/png.py" size tiny.png)"
 
 # Refused: one line, and no file is left.
 mkdir empty

@@ -68,20 +68,20 @@ for name in ball molecule; do
     read -r azimuth elevation <<<"$angles"
     how=(--azimuth="$azimuth" --elevation="$elevation")
     expect 0 '' '' -- view $name.one --window --close --size 360x360 "${how[@]}" --screenshot shot.png
-    same "size" "360 x 360" "$(python3 "$here/png.py" size shot.png)"
+    same "size" "360 x 360" "$(/usr/bin/python3 "$here/png.py" size shot.png)"
     view $name.one --png drawn.png --size 360x240 "${how[@]}"
-    python3 "$here/png.py" near shot.png drawn.png 0.04 0.0025
+    /usr/bin/python3 "$here/png.py" near shot.png drawn.png 0.04 0.0025
   done
   # And the comparison sees a degree.
   view $name.one --png drawn.png --size 360x240 --azimuth=-69 --elevation=65
-  python3 "$here/png.py" near shot.png drawn.png 0.04 0.002 2>/dev/null && fail "compares nothing"
+  /usr/bin/python3 "$here/png.py" near shot.png drawn.png 0.04 0.002 2>/dev/null && fail "compares nothing"
 done
 # HIP and force from the side, as in view.sh, and a low window is the picture alone.
 view ball.one --window --close --azimuth 0 --elevation 0 --size 640x200 --hip-radius 0.1 \
   --screenshot front.png
-python3 "$here/png.py" order front.png red blue yellow
+/usr/bin/python3 "$here/png.py" order front.png red blue yellow
 view ball.one --png drawn.png --azimuth 0 --elevation 0 --size 640x200 --hip-radius 0.1
-python3 "$here/png.py" near front.png drawn.png 0.04 0.002
+/usr/bin/python3 "$here/png.py" near front.png drawn.png 0.04 0.002
 
 # Live: the window stays, the newest frame is in it, keys and mouse do what the help says.
 mkfifo live
@@ -106,7 +106,7 @@ shoot() {
 }
 shoot first.png
 view ../molecule.one --png ../drawn.png --size 360x240
-python3 "$here/png.py" near ../first.png ../drawn.png 0.04 0.0025
+/usr/bin/python3 "$here/png.py" near ../first.png ../drawn.png 0.04 0.0025
 shoot again.png
 cmp ../first.png ../again.png
 xdotool click 4
@@ -123,7 +123,7 @@ cmp ../first.png ../reset.png
 xdotool key h
 shoot help.png
 cmp -s ../first.png ../help.png && fail "h shows no help"
-python3 "$here/png.py" near ../help.png ../drawn.png 0.04 0.0025
+/usr/bin/python3 "$here/png.py" near ../help.png ../drawn.png 0.04 0.0025
 xdotool key question
 shoot reset.png
 cmp ../first.png ../reset.png
@@ -137,8 +137,8 @@ cmp ../first.png ../reset.png
 xdotool key b
 shoot sticks.png
 view ../molecule.one --png ../sticks.drawn.png --size 360x240 --style sticks
-python3 "$here/png.py" near ../sticks.png ../sticks.drawn.png 0.045 0.0025
-python3 "$here/png.py" near ../sticks.png ../drawn.png 0.045 0.0025 2>/dev/null && fail "b changes nothing"
+/usr/bin/python3 "$here/png.py" near ../sticks.png ../sticks.drawn.png 0.045 0.0025
+/usr/bin/python3 "$here/png.py" near ../sticks.png ../drawn.png 0.045 0.0025 2>/dev/null && fail "b changes nothing"
 xdotool key b
 shoot reset.png
 cmp ../first.png ../reset.png
@@ -149,7 +149,7 @@ size=$(capnp decode --short "$frames" Message <../molecule.frames | sed -n 1p |
   capnp encode "$frames" Message | wc -c)
 one ../molecule.frames 3 | tail -c +$((size + 1)) >&4
 shoot paused.png
-python3 "$here/png.py" near ../paused.png ../drawn.png 0.04 0.0025
+/usr/bin/python3 "$here/png.py" near ../paused.png ../drawn.png 0.04 0.0025
 xdotool key space
 wait_for 60 "window" xdotool search --name '^molecule - hapgrid view$'
 tick=$(capnp decode --short "$frames" Message <../molecule.frames |
@@ -163,7 +163,7 @@ xdotool key q
 wait $view
 grep -qx "view: wrote hapgrid-$tick.png" ../err || fail "$(cat ../err)"
 cmp -s ../last.png ../paused.png && fail "--screenshot is not what was shown last"
-same "size" "360 x 360" "$(python3 "$here/png.py" size ../last.png)"
+same "size" "360 x 360" "$(/usr/bin/python3 "$here/png.py" size ../last.png)"
 cd ..
 
 # A whole file in its own time: 0.18 s and not a tenth of that; the last frame stays.

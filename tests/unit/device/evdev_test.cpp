@@ -11,6 +11,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/device/evdev_bus.hpp"
+#include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
@@ -55,16 +56,6 @@ EvdevLayout joystick() {
           .autocenter = true,
           .axes = {EvdevAxis{ABS_X, -100, 100, 0}, EvdevAxis{ABS_Y, 0, 1000, 0},
                    EvdevAxis{ABS_RZ, 0, 255, 0}}};
-}
-
-template <class Call>
-std::string refusal(Call&& call) {
-  try {
-    call();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
 }
 
 }  // namespace
@@ -230,13 +221,14 @@ TEST_CASE("a stick with force is held") {
 
 TEST_CASE("parameters that cannot be are refused") {
   const auto why = [](const EvdevParameters& p) {
-    return refusal([&] { EvdevProtocol(joystick(), p); });
+    return testing::refusal([&] { EvdevProtocol(joystick(), p); });
   };
   CHECK(why({.half_range = 0}) == "evdev: half range 0: above 0");
   CHECK(why({.newtons = -1}) == "evdev: newtons -1: above 0");
   CHECK(why({.signs = {0, 1}}) == "evdev: sign 0 of x: 1 or -1");
   CHECK(why({.signs = {1, 0.5}}) == "evdev: sign 0.5 of y: 1, -1 or 0");
-  CHECK(refusal([] { EvdevProtocol({.name = "keyboard"}, {}); }) == "keyboard: has no stick");
+  CHECK(testing::refusal([] { EvdevProtocol({.name = "keyboard"}, {}); }) ==
+        "keyboard: has no stick");
 }
 
 TEST_CASE("sticks are found in sysfs, whoever may open them") {
@@ -276,12 +268,12 @@ TEST_CASE("sticks are found in sysfs, whoever may open them") {
   CHECK(find_one_evdev(all, {}).name == "stick");
   CHECK(find_one_evdev(all, {.path = "/dev/input/event12"}).name == "X-Box  360 pad");
   CHECK(
-      refusal([&] { find_one_evdev(all, {.vid = 0x45e, .pid = 0x28e}); }) ==
+      testing::refusal([&] { find_one_evdev(all, {.vid = 0x45e, .pid = 0x28e}); }) ==
       "2 gamepads or sticks are 045e:028e: stick (045e:028e) at /dev/input/event3, X-Box  360 pad "
       "(045e:028e) at /dev/input/event12: choose one by its path (--device evdev:WHICH)");
-  CHECK(refusal([&] { find_one_evdev(all, {.serial = "9"}); }) ==
+  CHECK(testing::refusal([&] { find_one_evdev(all, {.serial = "9"}); }) ==
         "no gamepad or stick is serial 9; there is stick (045e:028e) at /dev/input/event3, X-Box  "
         "360 pad (045e:028e) at /dev/input/event12 (play --list-devices shows all)");
-  CHECK(refusal([&] { find_one_evdev({}, {}); }) ==
+  CHECK(testing::refusal([&] { find_one_evdev({}, {}); }) ==
         "there is no gamepad or stick (play --list-devices shows all)");
 }

@@ -14,6 +14,7 @@
 
 #include "libcore/base/error.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
@@ -112,14 +113,11 @@ TEST_CASE("positions come in pieces; what is none is named with its line") {
   CHECK(lines.take(" 6\r\n7 8 9\n1 1 1") == Vec3{7, 8, 9});
   CHECK(lines.finish() == Vec3{1, 1, 1});
   const auto refusal = [](std::string_view bytes) {
-    HandLines refusing;
-    try {
+    return testing::refusal([&] {
+      HandLines refusing;
       refusing.take(bytes);
       refusing.finish();
-    } catch (const Error& e) {
-      return std::string(e.what());
-    }
-    return std::string();
+    });
   };
   CHECK(refusal("0 0 0\n0 zero 0\n") == "line 2: 'zero' is not a number");
   CHECK(refusal("0 0\n") == "line 1: the 3 numbers x y z are needed, found 2");

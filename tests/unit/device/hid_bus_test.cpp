@@ -11,6 +11,7 @@
 
 #include "libcore/base/error.hpp"
 #include "tests/unit/device/standin_device.hpp"
+#include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
@@ -26,16 +27,6 @@ const HidInfo kTeensy{.path = "/dev/hidraw0",
                       .usage_page = 0xffab,
                       .usage = 0x0200,
                       .interface = 0};
-
-template <class Call>
-std::string refusal(Call&& call) {
-  try {
-    call();
-  } catch (const DeviceError& e) {
-    return e.what();
-  }
-  return "";
-}
 
 }  // namespace
 
@@ -76,7 +67,7 @@ TEST_CASE("WHICH is a path, the numbers, or a serial") {
   std::filesystem::create_symlink(directory.file("device"), directory.file("link"));
   CHECK(parse_hid_match(directory.file("link")).path ==
         std::filesystem::canonical(directory.file("device")).string());
-  CHECK(refusal([] { parse_hid_match("/dev/"); }) == "/dev: is a directory, not a device");
+  CHECK(testing::refusal([] { parse_hid_match("/dev/"); }) == "/dev: is a directory, not a device");
 }
 
 TEST_CASE("what was not found, or found twice, is a message that helps") {
@@ -84,16 +75,16 @@ TEST_CASE("what was not found, or found twice, is a message that helps") {
   second.path = "/dev/hidraw1";
   second.serial = "5678";
   const HidMatch match{.vid = 0x16c0, .pid = 0x0486, .usage_page = 0xffab, .usage = 0x0200};
-  CHECK(refusal([&] {
+  CHECK(testing::refusal([&] {
           find_one_hid({kTeensy, second}, match, "--device spacemouse:WHICH");
         }) ==
         "2 devices are 16c0:0486, usage ffab:0200: Teensy RawHID (16c0:0486) at /dev/hidraw0 with "
         "serial 1234, Teensy RawHID (16c0:0486) at /dev/hidraw1 with serial 5678: choose one by "
         "its path or serial (--device spacemouse:WHICH)");
-  CHECK(refusal([&] { find_one_hid({kTeensy}, {.serial = "9"}, ""); }) ==
+  CHECK(testing::refusal([&] { find_one_hid({kTeensy}, {.serial = "9"}, ""); }) ==
         "no device is serial 9; there is Teensy RawHID (16c0:0486) at /dev/hidraw0 with serial "
         "1234 (play --list-devices shows all)");
-  CHECK(refusal([&] { find_one_hid({}, match, ""); }) ==
+  CHECK(testing::refusal([&] { find_one_hid({}, match, ""); }) ==
         "no device is 16c0:0486, usage ffab:0200; there is no HID device at all (play "
         "--list-devices shows all)");
   CHECK(find_one_hid({kTeensy, second}, {.serial = "5678"}, "").path == "/dev/hidraw1");

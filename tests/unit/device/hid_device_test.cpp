@@ -12,6 +12,7 @@
 #include "tests/unit/device/standin_device.hpp"
 #include "tests/unit/device/tiny_protocol.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
@@ -40,12 +41,8 @@ struct Rig {
     return std::make_unique<HidDevice>("tiny", std::make_unique<TinyProtocol>(timing, alive));
   }
   std::string refusal(HidTiming timing = kPatient) {
-    try {
-      HidDevice device("tiny", std::make_unique<TinyProtocol>(timing));
-    } catch (const DeviceError& e) {
-      return e.what();
-    }
-    return "";
+    return testing::refusal(
+        [&] { HidDevice device("tiny", std::make_unique<TinyProtocol>(timing)); });
   }
   /// Reads until the condition holds for what was read.
   template <class Condition>

@@ -18,6 +18,7 @@
 #include "libcore/base/error.hpp"
 #include "tests/unit/device/standin_device.hpp"
 #include "tests/unit/device/tiny_protocol.hpp"
+#include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
@@ -181,12 +182,7 @@ TEST_CASE("a guard that cannot open the device says so") {
   HidGuard guard;
   StandinDevice hardware(directory.file("socket"));
   const auto refusal = [&guard] {
-    try {
-      guard.watch("tiny", {TinyProtocol::stopped()});
-    } catch (const DeviceError& e) {
-      return std::string(e.what());
-    }
-    return std::string();
+    return testing::refusal([&] { guard.watch("tiny", {TinyProtocol::stopped()}); });
   };
   // It was forked before the socket had a name.
   CHECK(refusal() == "the guard process: tiny: cannot be opened: no device process");

@@ -5,18 +5,14 @@
 
 #include "libcore/base/error.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 
 namespace {
 
 std::string refusal(const std::string& text) {
-  try {
-    parse_path(text, "p.txt");
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  return testing::refusal([&] { parse_path(text, "p.txt"); });
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 
@@ -32,12 +33,7 @@ high = [1, 0, 0]
 )";
 
 std::string refusal(const std::string& text) {
-  try {
-    read_profile(text, "p");
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  return testing::refusal([&] { read_profile(text, "p"); });
 }
 
 /// kGood with `from` replaced.

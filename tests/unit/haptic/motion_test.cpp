@@ -11,6 +11,7 @@
 #include "libcore/haptic/playable.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/places.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
@@ -181,12 +182,8 @@ TEST_CASE("only a complete grid is playable") {
   const Box box{{0, 0, 0}, 1, {3, 3, 3}};
   const RecordColumns good = random_columns(box, 2, 2, 5);
   const auto refusal = [&](RecordColumns columns, std::uint32_t generation = 1) {
-    try {
-      require_playable(Grid(spec_for(box, 2), generation, columns), "x.grid");
-    } catch (const Error& e) {
-      return std::string(e.what());
-    }
-    return std::string();
+    return testing::refusal(
+        [&] { require_playable(Grid(spec_for(box, 2), generation, columns), "x.grid"); });
   };
   CHECK(refusal(good) == "");
 

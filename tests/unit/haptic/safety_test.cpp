@@ -8,6 +8,7 @@
 
 #include "libcore/base/error.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using hapgrid::testing::uniform;
@@ -319,13 +320,8 @@ TEST_CASE("a limit cycle is damped, then stopped; a hand's own tremor is neither
 }
 
 TEST_CASE("limits that are none are refused") {
-  const auto refusal = [](const SafetyLimits& limits) -> std::string {
-    try {
-      SafetyCore safety(limits);
-    } catch (const Error& e) {
-      return e.what();
-    }
-    return "";
+  const auto refusal = [](const SafetyLimits& limits) {
+    return testing::refusal([&] { SafetyCore safety(limits); });
   };
   CHECK(refusal({}).empty());
   CHECK(refusal({.max_force = -1}) ==

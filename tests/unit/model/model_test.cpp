@@ -10,7 +10,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/model/plugin_model.hpp"
-#include "tests/unit/model/refusal.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
@@ -78,12 +78,6 @@ TEST_CASE("a plug-in's name is never a path") {
   CHECK(load_refusal("-x", {home.path()}).find("model '-x'") == 0);
 }
 
-TEST_CASE("a plug-in that is nowhere: the message lists where it was looked for, in order") {
-  CHECK(load_refusal("ghost", {"/nowhere/b", "/nowhere/a"}) ==
-        "model ghost: no plug-in ghost.so in: /nowhere/b, /nowhere/a (add a directory with "
-        "--model-path or HAPGRID_MODEL_PATH)");
-}
-
 TEST_CASE("the first directory that has the plug-in wins") {
   const Directory first;
   fs::copy_file(kBad[0] / "wrong_version.so", first.path() / "puppet.so");
@@ -117,24 +111,6 @@ TEST_CASE("a file that is no plug-in") {
     CHECK(message.find(home.path() / (std::string(name) + ".so")) != std::string::npos);
     CHECK(message.find('\n') == std::string::npos);
   }
-  CHECK(load_refusal("no_entry") ==
-        "model no_entry: " + (kBad[0] / "no_entry.so").string() +
-            " is no hapgrid plug-in (it has no function hapgrid_model_plugin)");
-  CHECK(load_refusal("null_table") == "model null_table: hapgrid_model_plugin() returned NULL");
-}
-
-TEST_CASE("a plug-in of another interface version") {
-  CHECK(load_refusal("wrong_version") ==
-        "model wrong_version: " + (kBad[0] / "wrong_version.so").string() +
-            " has interface version 999, this hapgrid has 3; build the plug-in again");
-}
-
-TEST_CASE("a table without one of the required functions") {
-  for (const char* function : {"create", "destroy", "info", "known_states", "convert", "equal"}) {
-    const std::string name = std::string("null_") + function;
-    CHECK(load_refusal(name) ==
-          "model " + name + ": a required function of the plug-in's table is NULL");
-  }
 }
 
 TEST_CASE("a plug-in in plain C works, and says what it cannot do") {
@@ -155,28 +131,6 @@ TEST_CASE("a plug-in in plain C works, and says what it cannot do") {
   for (const double component : reached) CHECK(component == 0.5);
   CHECK(model->equal(s, s));
   CHECK_FALSE(model->equal(s, reached));
-}
-
-TEST_CASE("a failing create: its message in one line") {
-  CHECK(create_refusal({{"refuse", std::string("no such file")}}) == "model puppet: no such file");
-  CHECK(create_refusal({{"refuse", std::string("two\nlines\tand a bell\a")}}) ==
-        "model puppet: two lines and a bell ");
-  CHECK(create_refusal({{"refuse", std::string()}}) == "model puppet: no reason given");
-  const std::string overrun = create_refusal({{"overrun", true}});
-  CHECK(overrun.find("model puppet: xxx") == 0);
-  CHECK(overrun.size() < 1000);
-}
-
-TEST_CASE("a model that says something impossible of itself") {
-  CHECK(create_refusal({{"state_size", 0.0}}) ==
-        "model puppet: a state of 0 components; 1 to 1048576 are possible");
-  CHECK(create_refusal({{"state_size", 4e9}}) ==
-        "model puppet: a state of 4000000000 components; 1 to 1048576 are possible");
-  for (const double d_max : {0.0, -1.0, kNaN})
-    CHECK(create_refusal({{"d_max", d_max}}) == "model puppet: d_max is not positive");
-  for (const double tolerance : {-1e-300, kNaN, kInf})
-    CHECK(create_refusal({{"tolerance", tolerance}}) ==
-          "model puppet: the tolerance is negative or not finite");
 }
 
 TEST_CASE("a conversion that fails or is not finite is an answer, not an exception") {

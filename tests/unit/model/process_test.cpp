@@ -11,7 +11,8 @@
 #include "libcore/base/error.hpp"
 #include "libcore/model/process_model.hpp"
 #include "libcore/model/protocol.hpp"
-#include "tests/unit/model/refusal.hpp"
+#include "tests/unit/model/answer.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

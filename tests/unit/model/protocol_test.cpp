@@ -6,7 +6,8 @@
 #include <limits>
 
 #include "libcore/base/error.hpp"
-#include "tests/unit/model/refusal.hpp"
+#include "tests/unit/model/answer.hpp"
+#include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;

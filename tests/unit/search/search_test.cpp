@@ -1,6 +1,5 @@
 // The search against the paper's Algorithm 1, written down line by line in reference.hpp.
 #include <algorithm>
-#include <bit>
 #include <catch2/catch.hpp>
 #include <chrono>
 
@@ -163,68 +162,6 @@ TEST_CASE("the level limit stops a model that is not finite") {
                       Catch::Matchers::Matches(
                           "level limit: point [0-9]+ \\([0-9]+, [0-9]+, [0-9]+\\) has 3 levels "
                           "\\(search\\.max_levels\\), .* within the tolerance 0\\.2 turns: .*"));
-}
-
-TEST_CASE("merge counts the requests that are missing, and refuses those nobody asked for") {
-  Random random(20035);
-  Case c(random);
-  while (c.grid.counts < std::array{4, 4, 4} || c.seeds.size() < 2) c = Case(random);
-  const TemporaryDirectory dir;
-  const std::string grid = dir.file("grid");
-  write_seed_shard(c, grid);
-  for (std::uint64_t k = 1; k <= 3; ++k)
-    expand_shard(grid, {k, 3}, dir.file("r" + std::to_string(k)));
-  const auto count = [&](const std::string& name) {
-    return open_sections({dir.file(name)}).front().conversions();
-  };
-  const std::uint64_t missing = count("r2");
-  const std::uint64_t all = missing + count("r1") + count("r3");
-  REQUIRE_THROWS_WITH(
-      merge_shards({grid, dir.file("r1"), dir.file("r3")}, dir.file("next")),
-      Catch::Matchers::StartsWith("requests are missing: " + std::to_string(missing) + " of the " +
-                                  std::to_string(all) + " conversions of generation 0, the first"));
-  REQUIRE_THROWS_WITH(merge_shards({grid}, dir.file("next")),
-                      Catch::Matchers::StartsWith("requests are missing: " + std::to_string(all) +
-                                                  " of the " + std::to_string(all)));
-
-  // The same requests, one of them with another state: before or behind the right one.
-  const auto sections = open_sections({dir.file("r1")});
-  const std::uint32_t n = sections.front().header.spec.state_size;
-  write_shard(dir.file("wrong"), sections.front().header, [&](SectionWriter& out) {
-    RequestReader requests(sections);
-    SourceRequests first;
-    REQUIRE(requests.next(first));
-    const DirectionMask one = first.directions & (0 - first.directions);
-    std::vector<double> reached(std::size_t{kDirections} * n);
-    const auto q = static_cast<std::size_t>(std::countr_zero(one));
-    std::copy_n(first.rows, n, &reached[q * n]);
-    reached[q * n] += 1e-9;
-    out.requests(first.point, first.level, one, reached.data());
-    out.finish();
-  });
-  const std::vector<std::string> right{grid, dir.file("r1"), dir.file("r2"), dir.file("r3")};
-  std::vector<std::string> names = right;
-  names.push_back(dir.file("wrong"));
-  for (int i = 0; i < 2; ++i) {
-    REQUIRE_THROWS_WITH(merge_shards(names, dir.file("next")),
-                        Catch::Matchers::EndsWith(": two different answers"));
-    std::reverse(names.begin(), names.end());
-  }
-
-  merge_shards(right, dir.file("next"));
-  REQUIRE_THROWS_WITH(
-      merge_shards({dir.file("next"), dir.file("r1")}, dir.file("x")),
-      Catch::Matchers::Contains("requests of generation 0, the grid's frontier is 1"));
-  // The right generation, but a conversion that no record asks for.
-  SectionHeader header = sections.front().header;
-  header.generation = 1;
-  write_shard(dir.file("unasked"), header, [&](SectionWriter& out) {
-    const std::vector<double> reached(std::size_t{kDirections} * n, 0.5);
-    out.requests(0, 200, DirectionMask{1} << Direction::of(1, 1, 1).q(), reached.data());
-    out.finish();
-  });
-  REQUIRE_THROWS_WITH(merge_shards({dir.file("next"), dir.file("unasked")}, dir.file("x")),
-                      Catch::Matchers::EndsWith("the grid's frontier asks for no such conversion"));
 }
 
 TEST_CASE("a conversion that fails is named, the same with any number of threads") {

@@ -11,6 +11,7 @@
 #include "libcore/session/text.hpp"
 #include "libcore/session/writer.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/refusal.hpp"
 #include "tests/unit/session/ticks.hpp"
 #include "tests/unit/temporary.hpp"
 
@@ -27,15 +28,10 @@ std::string text_file(const std::string& text) {
   return file;
 }
 
-std::string refusal(const std::string& text, double rate_hz = 1000) {
+std::string text_refusal(const std::string& text, double rate_hz = 1000) {
   const std::string file = text_file(text);
-  try {
-    load_recording(file, rate_hz);
-  } catch (const Error& e) {
-    const std::string what = e.what();
-    return what.rfind(file, 0) == 0 ? what.substr(file.size()) : what;
-  }
-  return "";
+  const std::string what = testing::refusal([&] { load_recording(file, rate_hz); });
+  return what.starts_with(file) ? what.substr(file.size()) : what;
 }
 
 }  // namespace
@@ -79,20 +75,20 @@ TEST_CASE("the hand's part of a text") {
   CHECK(got.ticks[1].hip[1] == 5e-324);
   CHECK(std::isnan(got.ticks[1].hip[2]));
 
-  CHECK(refusal("") == ": line 1: no session, and no '# t x y z ...' as play --log writes it");
-  CHECK(refusal("0 0 0\n") ==
+  CHECK(text_refusal("") == ": line 1: no session, and no '# t x y z ...' as play --log writes it");
+  CHECK(text_refusal("0 0 0\n") ==
         ": line 1: no session, and no '# t x y z ...' as play --log writes it");
-  CHECK(refusal("# t\tx\ty\n") == ": line 1: no column 'z'");
-  CHECK(refusal("# t\tx\ty\tz\n") == ": line 1: no ticks after the names of the columns");
-  CHECK(refusal("# t\tx\ty\tz\n0\t1\t2\n") == ": line 2: column z: not there");
-  CHECK(refusal("# t\tx\ty\tz\n0\t1\tup\t2\n") == ": line 2: column y: 'up' is no number");
-  CHECK(refusal("# t\tx\ty\tz\n-1\t1\t2\t2\n") ==
+  CHECK(text_refusal("# t\tx\ty\n") == ": line 1: no column 'z'");
+  CHECK(text_refusal("# t\tx\ty\tz\n") == ": line 1: no ticks after the names of the columns");
+  CHECK(text_refusal("# t\tx\ty\tz\n0\t1\t2\n") == ": line 2: column z: not there");
+  CHECK(text_refusal("# t\tx\ty\tz\n0\t1\tup\t2\n") == ": line 2: column y: 'up' is no number");
+  CHECK(text_refusal("# t\tx\ty\tz\n-1\t1\t2\t2\n") ==
         ": line 2: t = -1 at 1000 Hz is no tick's number");
-  CHECK(refusal("# t\tx\ty\tz\nnan\t1\t2\t2\n") ==
+  CHECK(text_refusal("# t\tx\ty\tz\nnan\t1\t2\t2\n") ==
         ": line 2: t = nan at 1000 Hz is no tick's number");
-  CHECK(refusal("# t\tx\ty\tz\n0.001\t1\t2\t2\n0.0014\t1\t2\t2\n") ==
+  CHECK(text_refusal("# t\tx\ty\tz\n0.001\t1\t2\t2\n0.0014\t1\t2\t2\n") ==
         ": line 3: t = 0.0014 at 1000 Hz is tick 1, and the line before is tick 1");
-  CHECK(refusal("# t\tx\ty\tz\n0\t1\t2\t2\n0.001\t1\t2\t2\n", 100) ==
+  CHECK(text_refusal("# t\tx\ty\tz\n0\t1\t2\t2\n0.001\t1\t2\t2\n", 100) ==
         ": line 3: t = 0.001 at 100 Hz is tick 0, and the line before is tick 0");
 }
 

@@ -10,6 +10,7 @@
 #include "libcore/base/zstd_frame.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/session/writer.hpp"
+#include "tests/unit/refusal.hpp"
 #include "tests/unit/session/ticks.hpp"
 #include "tests/unit/temporary.hpp"
 
@@ -136,12 +137,7 @@ TEST_CASE("a header that cannot be is refused before anything is written") {
   const auto refusal = [&](auto&& change) {
     SessionHeader header = small_header();
     change(header);
-    try {
-      SessionWriter(file, header);
-    } catch (const Error& e) {
-      return std::string(e.what());
-    }
-    return std::string();
+    return testing::refusal([&] { SessionWriter(file, header); });
   };
   CHECK(refusal([](SessionHeader& h) { h.rate_hz = 0; }) ==
         "a rate of 0 Hz; 1e-06 to 1e+09 are possible");
