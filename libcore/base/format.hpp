@@ -14,7 +14,7 @@ std::string vformat(fmt::string_view text, fmt::format_args args);
 /// As fmt::format(): format("{}: {} of {} records", name, done, all). The compiler checks the text.
 template <class... Values>
 std::string format(fmt::format_string<Values...> text, Values&&... values) {
-  return vformat(text, fmt::make_format_args(values...));
+  return hapgrid::vformat(text, fmt::make_format_args(values...));
 }
 
 }  // namespace hapgrid

@@ -19,11 +19,6 @@ std::string refusal(F&& f) {
   return "(nothing was refused)";
 }
 
-/// A line of a model process, taken apart.
-inline Answer answer(const std::string& line) {
-  Answer a;
-  read_answer(line, a);
-  return a;
-}
+inline Answer answer(const std::string& line) { return read_answer(line); }
 
 }  // namespace hapgrid::testing
