@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/model/process.hpp"
 #include "libcore/model/protocol.hpp"
