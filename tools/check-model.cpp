@@ -68,7 +68,7 @@ Json calls_json(const CallTimes& t) {
 }
 
 std::string report_text(const GridSpec& spec, const ModelInfo& info, const ModelCheck& m,
-                        const std::optional<GridEstimate>& e) {
+                        const std::optional<GridEstimate>& e, const std::string& no_estimate) {
   const std::string length = info.length_unit.empty() ? "" : " " + printable_line(info.length_unit);
   std::string text = checks_text(m.checks, Details::kAll) + "\n";
   const auto row = [&](const std::string& name, const std::string& value) {
@@ -88,7 +88,7 @@ std::string report_text(const GridSpec& spec, const ModelInfo& info, const Model
                                         rounded(100 * m.median_force_error) + " % of that (median)"
                                   : ""));
   if (!e) {
-    row("whole grid", "no estimate, because a check is broken");
+    row("whole grid", "no estimate, because " + no_estimate);
     return text;
   }
   row("whole grid",
@@ -135,16 +135,18 @@ int run(const Options& options) {
 
   const ModelCheck found = check_model(
       spec, seeds, [&] { return create_model(*source, spec); }, options.limits);
-  // What a broken model takes for a conversion says nothing.
+  // The time that a broken model takes for a conversion says nothing.
   std::optional<GridEstimate> estimate;
-  if (!is_broken(found.checks))
-    estimate =
-        estimate_grid(spec, seeds, *create_model(*source, spec),
-                      {options.limits.seconds / 4, options.limits.walk_seed}, found.convert.mean);
+  std::string no_estimate = "a check is broken";
+  if (!is_broken(found.checks)) try {
+      estimate = estimate_grid(definition, *source, options.limits.seconds / 4, found.convert.mean);
+    } catch (const Error& e) {
+      no_estimate = std::string("the search of a coarser grid failed: ") + e.what();
+    }
   OutputFile output(options.output, /*binary=*/false);
-  output.write(options.format == "json"
-                   ? report_json(spec, model->info(), found, estimate)
-                   : printable_text(report_text(spec, model->info(), found, estimate)));
+  output.write(options.format == "json" ? report_json(spec, model->info(), found, estimate)
+                                        : printable_text(report_text(spec, model->info(), found,
+                                                                     estimate, no_estimate)));
   output.commit();
   say("check-model", verdict_line(found.checks));
   return is_fine(found.checks) ? kExitDone : kExitInvalid;
@@ -168,17 +170,12 @@ int main(int argc, char** argv) {
       "  reflexive, symmetric   of the tolerance function\n"
       "  finite         forces and shapes are finite numbers\n"
       "  gradient       the force is the energy's negative gradient, within 2 % of the largest\n"
-      "  sane           what the model itself says against its parameters, where it has a check\n"
-      "  singular       force, energy and state stay finite nearer and nearer to where they are\n"
-      "                 largest, and the force does not jump but where the model snaps\n"
-      "  room           (no fault) the box ends inside the shape with the probe around it, on "
-      "both\n"
-      "                 sides along an axis\n"
-      "  halves         (no fault) steps that end elsewhere when they are made in two halves\n"
-      "  returns        (no fault) steps there and back that end in another state\n"
+      "  sane           the model finds no mistake in its parameters, where it has a check\n"
+      "  halves         steps end in the same state when they are made in two halves (no fault)\n"
+      "  returns        steps there and back end in the same state (no fault)\n"
       "\n"
-      "Times depend on the machine; everything else depends on the model alone, unless\n"
-      "--seconds ends the walks.\n",
+      "Times depend on the machine, and so does the estimate. Everything else depends on the\n"
+      "model alone, unless --seconds ends the walks.\n",
       "  3  the model breaks what the search relies on\n");
   add_definition(app, options.definition);
   app.add("--steps", options.limits.conversions, "Steps along the walks")
@@ -186,11 +183,10 @@ int main(int argc, char** argv) {
       .whole(1, std::int64_t{1} << 40)
       .shows_default();
   app.add("--seconds", options.limits.seconds,
-          "No step is begun after this time; `singular` and the estimate take a quarter each")
+          "Time for the walks; the estimate takes a quarter of it")
       .type("S")
       .positive()
       .shows_default();
-  app.add("--walk-seed", options.limits.walk_seed, "Draws other walks").type("S").shows_default();
   app.add("--format", options.format, "How the report is written")
       .one_of({"text", "json"})
       .shows_default();

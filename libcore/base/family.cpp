@@ -9,6 +9,9 @@
 #include <chrono>
 #include <fstream>
 #include <thread>
+#include <vector>
+
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
@@ -18,6 +21,15 @@ namespace {
 
 constexpr auto kKilling = 1s;
 constexpr auto kPause = 1ms;
+
+/// The processes whose parent is the calling one, which has one thread.
+std::vector<pid_t> children() {
+  const std::string self = std::to_string(::getpid());
+  std::ifstream file("/proc/self/task/" + self + "/children");
+  std::vector<pid_t> all;
+  for (pid_t child; file >> child;) all.push_back(child);
+  return all;
+}
 
 }  // namespace
 
@@ -29,17 +41,9 @@ void begin_child(pid_t parent) noexcept {
   if (::getppid() != parent) ::raise(SIGKILL);  // it died before prctl()
 }
 
-std::vector<pid_t> children() {
-  const std::string self = std::to_string(::getpid());
-  std::ifstream file("/proc/self/task/" + self + "/children");
-  std::vector<pid_t> all;
-  for (pid_t child; file >> child;) all.push_back(child);
-  return all;
-}
-
 void kill_family() {
   const auto deadline = std::chrono::steady_clock::now() + kKilling;
-  // Those whose parent was killed are this process's children the next time.
+  // Processes whose parent was killed are children of this process in the next round.
   for (std::vector<pid_t> alive; !(alive = children()).empty();) {
     for (const pid_t child : alive) ::kill(child, SIGKILL);
     while (::waitpid(-1, nullptr, WNOHANG) > 0) {
@@ -50,10 +54,10 @@ void kill_family() {
 }
 
 std::string how_it_ended(int status) {
-  if (!WIFSIGNALED(status)) return "exited with status " + std::to_string(WEXITSTATUS(status));
-  const char* name = ::sigdescr_np(WTERMSIG(status));
-  return "was killed by signal " + std::to_string(WTERMSIG(status)) +
-         (name ? std::string(" (") + name + ")" : "");
+  if (!WIFSIGNALED(status)) return format("exited with status {}", WEXITSTATUS(status));
+  const int signal = WTERMSIG(status);
+  const char* name = ::sigdescr_np(signal);
+  return format("was killed by signal {}", signal) + (name ? format(" ({})", name) : "");
 }
 
 }  // namespace hapgrid

@@ -9,12 +9,11 @@
 #include <string>
 #include <utility>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/singular.hpp"
 #include "libcore/check/straight_way.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/model/room.hpp"
 
 namespace hapgrid {
 
@@ -27,6 +26,8 @@ constexpr double kDifferenceStep = 1e-3;
 // Of the largest force: what a force may be off from the energy's gradient. A central difference
 // over 2e-3 of the spacing is exact to some 1e-6; iterative models leave a residue.
 constexpr double kForceTolerance = 0.02;
+
+constexpr std::uint64_t kWalkSeed = 1;
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -58,9 +59,7 @@ class ModelWalker {
         model_(make_model()),
         second_(make_model()),
         around_(spec.box),
-        singular_(spec, *model_),
-        random_(limits.walk_seed),
-        reached_(spec.row_size()),
+        random_(kWalkSeed),
         other_(spec.row_size()) {}
 
   ModelCheck run() {
@@ -92,71 +91,87 @@ class ModelWalker {
  private:
   static constexpr int kLegs = 4;
 
-  std::string here(int q) const {
-    return describe(spec_.box, point_) + " direction " + std::to_string(q) + " from state " +
-           state_text(state_);
+  /// A step of a walk: C has carried on `from` at x by d.
+  struct Step {
+    PointIndex point;
+    int q;
+    Vec3 x, d, there;
+    State from;
+    State row;      ///< what C has given
+    State arrived;  ///< its state
+  };
+  /// Counts what it tries in `found`.
+  using TryStep = void (ModelWalker::*)(const Step&, Findings& found);
+  struct Trial {
+    const char* name;
+    const char* unit;
+    const char* meaning;
+    TryStep try_step;  ///< null: what is found elsewhere
+    bool is_note = false;
+  };
+  static constexpr std::size_t kDefined = 0, kGradient = 6, kSane = 7, kTrials = 10;
+  static const std::array<Trial, kTrials>& trials() {
+    static constexpr std::array<Trial, kTrials> all{{
+        {"defined", "conversions", "steps of the grid that C fails on", nullptr},
+        {"deterministic", "conversions",
+         "C, asked again, answers with other bits: no two runs will give the same grid",
+         &ModelWalker::try_again},
+        {"stays", "states",
+         "C(s, x, 0) is another state than s: a state that was reached is not at rest",
+         &ModelWalker::try_to_stay},
+        {"reflexive", "states", "the tolerance function says that a state differs from itself",
+         &ModelWalker::try_reflexive},
+        {"symmetric", "pairs", "the tolerance function depends on the order of its arguments",
+         &ModelWalker::try_symmetric},
+        {"finite", "calls", "force or shape that is not finite", &ModelWalker::try_force},
+        {"gradient", "forces",
+         "the force is not the energy's negative gradient: a loop of the hand would gain or lose "
+         "energy",
+         nullptr},
+        {"sane", "parameters", "what the model itself says against its parameters", nullptr},
+        {"halves", "conversions",
+         "a step in two halves ends in another state: that is right near a tear-off; elsewhere C "
+         "walks too coarsely",
+         &ModelWalker::try_halves, true},
+        {"returns", "conversions",
+         "a step there and back ends in another state: levels are there for such hysteresis; many "
+         "of them mean that C is less exact than its tolerance",
+         &ModelWalker::try_to_return, true},
+    }};
+    return all;
+  }
+
+  std::string text_of(const Step& step) const {
+    return format("{} direction {} from state {}", describe(spec_.box, step.point), step.q,
+                  state_text(step.from));
   }
 
   bool same(const State& a, const State& b) const { return model_->equal(a.data(), b.data()); }
 
-  /// Makes one step of the walk and all trials there. Answers whether the walk can go on.
+  std::string state_of(const State& row) const {
+    return state_text(std::span(row).first(spec_.state_size));
+  }
+
+  /// Makes one step of the walk and all trials there. Returns whether the walk can go on.
   bool step(int q) {
     const Vec3 x = spec_.box.position(point_);
     const Vec3& d = around_.shift(q);
-    ++defined_.counted;
+    Step step{point_, q, x, d, {x[0] + d[0], x[1] + d[1], x[2] + d[2]}, state_, {}, {}};
+    step.row.resize(spec_.row_size());
+    Findings& defined = found_[kDefined];
+    ++defined.counted;
     const double before = now();
-    const bool converted = model_->convert(state_.data(), x, d, reached_.data());
+    const bool converted = convert(step.from, x, d, step.row);
     convert_seconds_.push_back(now() - before);
     if (!converted) {
-      defined_.offend([&] { return here(q) + ": " + model_->error(); });
+      defined.offend([&] { return text_of(step) + ": " + model_->error(); });
       return false;
     }
-    const State arrived(reached_.begin(), reached_.begin() + spec_.state_size);
-    const Vec3 there{x[0] + d[0], x[1] + d[1], x[2] + d[2]};
-
-    // The same bits again, from this model, whatever it did in between, and from another one.
-    const State row = reached_;
-    for (Model* model : {second_.get(), model_.get()}) {
-      ++deterministic_.counted;
-      if (!model->convert(state_.data(), x, d, other_.data()) ||
-          std::memcmp(other_.data(), row.data(), row.size() * sizeof(double)) != 0)
-        deterministic_.offend([&] {
-          return here(q) + ": " + state_text(arrived) + ", then " +
-                 state_text(std::span(other_).first(spec_.state_size));
-        });
-    }
-
-    ++stays_.counted;
-    if (!convert(arrived, there, {0, 0, 0}, other_) || !same(other_, arrived))
-      stays_.offend([&] {
-        return describe(spec_.box, point_) + ": from " + state_text(arrived) + " to " +
-               state_text(std::span(other_).first(spec_.state_size));
-      });
-
-    ++returns_.counted;
-    if (!convert(arrived, there, {-d[0], -d[1], -d[2]}, other_) || !same(other_, state_))
-      returns_.offend([&] {
-        return here(q) + ": back in " + state_text(std::span(other_).first(spec_.state_size));
-      });
-    else
-      singular_.pass(x, d, other_, row);
-    singular_.visit(there, row);
-
-    ++halves_.counted;
-    const Vec3 half{d[0] / 2, d[1] / 2, d[2] / 2};
-    const Vec3 middle{x[0] + half[0], x[1] + half[1], x[2] + half[2]};
-    State halfway(spec_.row_size());
-    if (!convert(state_, x, half, halfway) || !convert(halfway, middle, half, other_) ||
-        !same(other_, arrived))
-      halves_.offend([&] {
-        return here(q) + ": at once " + state_text(arrived) + ", in two halves " +
-               state_text(std::span(other_).first(spec_.state_size));
-      });
-
-    try_tolerance(arrived);
-    try_force(there, arrived);
+    step.arrived.assign(step.row.begin(), step.row.begin() + spec_.state_size);
+    for (std::size_t i = 0; i < kTrials; ++i)
+      if (trials()[i].try_step) (this->*trials()[i].try_step)(step, found_[i]);
     point_ = static_cast<PointIndex>(std::int64_t{point_} + around_.offset(q));
-    state_ = arrived;
+    state_ = step.arrived;
     return true;
   }
 
@@ -164,16 +179,62 @@ class ModelWalker {
     return model_->convert(s.data(), x, d, row.data());
   }
 
-  void try_tolerance(const State& arrived) {
-    ++reflexive_.counted;
-    if (!same(arrived, arrived)) reflexive_.offend([&] { return state_text(arrived); });
-    ++symmetric_.counted;
-    if (same(arrived, state_) != same(state_, arrived))
-      symmetric_.offend([&] { return state_text(arrived) + " and " + state_text(state_); });
+  /// The same bits from a second model, and from this one, whatever it did in between.
+  void try_again(const Step& step, Findings& found) {
+    for (Model* model : {second_.get(), model_.get()}) {
+      ++found.counted;
+      if (!model->convert(step.from.data(), step.x, step.d, other_.data()) ||
+          std::memcmp(other_.data(), step.row.data(), step.row.size() * sizeof(double)) != 0)
+        found.offend([&] {
+          return text_of(step) + ": " + state_text(step.arrived) + ", then " + state_of(other_);
+        });
+    }
   }
 
-  /// Force, energy and shape in `s` at x: finite, and the force the energy's gradient.
-  void try_force(const Vec3& x, const State& s) {
+  void try_to_stay(const Step& step, Findings& found) {
+    ++found.counted;
+    if (!convert(step.arrived, step.there, {0, 0, 0}, other_) || !same(other_, step.arrived))
+      found.offend([&] {
+        return describe(spec_.box, step.point) + ": from " + state_text(step.arrived) + " to " +
+               state_of(other_);
+      });
+  }
+
+  void try_to_return(const Step& step, Findings& found) {
+    ++found.counted;
+    const Vec3 back{-step.d[0], -step.d[1], -step.d[2]};
+    if (!convert(step.arrived, step.there, back, other_) || !same(other_, step.from))
+      found.offend([&] { return text_of(step) + ": back in " + state_of(other_); });
+  }
+
+  void try_halves(const Step& step, Findings& found) {
+    ++found.counted;
+    const Vec3 half{step.d[0] / 2, step.d[1] / 2, step.d[2] / 2};
+    const Vec3 middle{step.x[0] + half[0], step.x[1] + half[1], step.x[2] + half[2]};
+    State halfway(spec_.row_size());
+    if (!convert(step.from, step.x, half, halfway) || !convert(halfway, middle, half, other_) ||
+        !same(other_, step.arrived))
+      found.offend([&] {
+        return text_of(step) + ": at once " + state_text(step.arrived) + ", in two halves " +
+               state_of(other_);
+      });
+  }
+
+  void try_reflexive(const Step& step, Findings& found) {
+    ++found.counted;
+    if (!same(step.arrived, step.arrived)) found.offend([&] { return state_text(step.arrived); });
+  }
+
+  void try_symmetric(const Step& step, Findings& found) {
+    ++found.counted;
+    if (same(step.arrived, step.from) != same(step.from, step.arrived))
+      found.offend([&] { return state_text(step.arrived) + " and " + state_text(step.from); });
+  }
+
+  /// Force and shape in the state reached are finite. Also notes the energy's gradient there.
+  void try_force(const Step& step, Findings& finite) {
+    const Vec3& x = step.there;
+    const State& s = step.arrived;
     State row = s;
     row.resize(spec_.row_size());
     if (model_->has_shape() && !spec_.stored.shape) {
@@ -181,9 +242,9 @@ class ModelWalker {
       const double before = now();
       model_->shape(s.data(), centres);
       shape_seconds_.push_back(now() - before);
-      ++finite_.counted;
+      ++finite.counted;
       if (!std::all_of(centres.begin(), centres.end(), [](float c) { return std::isfinite(c); }))
-        finite_.offend([&] { return "shape in state " + state_text(s); });
+        finite.offend([&] { return "shape in state " + state_text(s); });
     }
     if (!model_->has_force() && !spec_.stored.force) return;
     Vec3 force{};
@@ -195,14 +256,14 @@ class ModelWalker {
       force = model_->force(x, s.data());
       force_seconds_.push_back(now() - before);
     }
-    ++finite_.counted;
+    ++finite.counted;
     const double magnitude = std::hypot(force[0], force[1], force[2]);
     if (!std::isfinite(magnitude))
-      return finite_.offend([&] { return "force in state " + state_text(s); });
+      return finite.offend([&] { return "force in state " + state_text(s); });
     largest_force_ = std::max(largest_force_, magnitude);
     if (!model_->has_energy() && !spec_.stored.energy) return;
 
-    try_gradient(x, s, row, force);
+    add_gradient(x, s, row, force);
   }
 
   double energy_of(const Vec3& x, const State& row) const {
@@ -211,7 +272,7 @@ class ModelWalker {
 
   /// E of the state that the model takes on when the HIP moves a little: C of both sides, where
   /// both come back to s (no tear-off in between).
-  void try_gradient(const Vec3& x, const State& s, State& row, const Vec3& force) {
+  void add_gradient(const Vec3& x, const State& s, State& row, const Vec3& force) {
     if (spec_.stored.energy && !spec_.stored.force && !model_->complete(x, row.data())) return;
     const double here = energy_of(x, row);
     const int axis = static_cast<int>(gradients_.size() % 3);
@@ -236,36 +297,13 @@ class ModelWalker {
   /// What the model itself says against its parameters.
   void ask_model() {
     if (!model_->has_check()) return;
-    for (const std::string& problem : model_->check()) sane_.offend([&] { return problem; });
-    sane_.counted = std::max<std::uint64_t>(spec_.parameters.size(), sane_.offenders);
+    for (const std::string& problem : model_->check())
+      found_[kSane].offend([&] { return problem; });
+    found_[kSane].counted =
+        std::max<std::uint64_t>(spec_.parameters.size(), found_[kSane].offenders);
   }
 
-  /// Whether the hand can pass the shape that the model has in its first seed. A shape that ends
-  /// outside on one side is common: a rope or a block hangs on something.
-  void look_for_room() {
-    const auto& [point, states] = *seeds_.begin();
-    const auto shape = extent_with_probe(*model_, spec_.box.position(point), states.data());
-    if (!shape) return;
-    const auto& n = spec_.box.counts;
-    const Extent3 box{spec_.box.position(GridCoordinates{0, 0, 0}),
-                      spec_.box.position(GridCoordinates{n[0] - 1, n[1] - 1, n[2] - 1})};
-    room_.counted = 1;
-    for (int a = 0; a < 3 && room_.offenders == 0; ++a)
-      if (n[a] > 1 && shape->low[a] < box.low[a] && shape->high[a] > box.high[a])
-        room_.offend(
-            [&] { return "it reaches " + extent_text(*shape) + ", the box " + extent_text(box); });
-  }
-
-  /// Followed where nothing else is broken: what fails everywhere fails near a pole, too.
-  Findings singular_places() {
-    for (const Findings* broken : {&defined_, &deterministic_, &stays_, &finite_})
-      if (broken->offenders > 0) return {};
-    const auto seconds = std::chrono::duration<double>(limits_.seconds / 4);
-    using Clock = std::chrono::steady_clock;
-    return singular_.search(Clock::now() + std::chrono::duration_cast<Clock::duration>(seconds));
-  }
-
-  /// And the median of what the force is off.
+  /// Compares forces and gradients; also gives the median of the errors.
   Findings compare_gradients(double& median_error) {
     Findings gradient;
     std::vector<double> errors;
@@ -289,49 +327,18 @@ class ModelWalker {
 
   ModelCheck result() {
     ask_model();
-    look_for_room();
     ModelCheck out;
+    found_[kGradient] = compare_gradients(out.median_force_error);
     out.convert = summary(convert_seconds_);
     out.force = summary(force_seconds_);
     out.shape = summary(shape_seconds_);
     out.largest_force = largest_force_;
-    const auto add = [&](const char* name, const char* unit, const char* meaning, Findings&& found,
-                         bool note = false) {
-      if (found.counted > 0) out.checks.push_back({name, unit, meaning, std::move(found), note});
-    };
-    Findings singular = singular_places();
-    add("defined", "conversions", "steps of the grid that C fails on", std::move(defined_));
-    add("deterministic", "conversions",
-        "C, asked again, answers with other bits: no two runs will give the same grid",
-        std::move(deterministic_));
-    add("stays", "states",
-        "C(s, x, 0) is another state than s: a state that was reached is not at rest",
-        std::move(stays_));
-    add("reflexive", "states", "the tolerance function says that a state differs from itself",
-        std::move(reflexive_));
-    add("symmetric", "pairs", "the tolerance function depends on the order of its arguments",
-        std::move(symmetric_));
-    add("finite", "calls", "force or shape that is not finite", std::move(finite_));
-    add("gradient", "forces",
-        "the force is not the energy's negative gradient: a loop of the hand would gain or lose "
-        "energy",
-        compare_gradients(out.median_force_error));
-    add("sane", "parameters", "what the model itself says against its parameters",
-        std::move(sane_));
-    add("singular", "places", "force, energy or state grow without end, or the force jumps",
-        std::move(singular));
-    add("room", "shapes",
-        "along an axis, the box ends inside the shape with the probe around it on both sides: the "
-        "hand cannot pass it there",
-        std::move(room_), true);
-    add("halves", "conversions",
-        "a step in two halves ends in another state: that is right near a tear-off; elsewhere C "
-        "walks too coarsely",
-        std::move(halves_), true);
-    add("returns", "conversions",
-        "a step there and back ends in another state: levels are there for such hysteresis; many "
-        "of them mean that C is less exact than its tolerance",
-        std::move(returns_), true);
+    for (std::size_t i = 0; i < kTrials; ++i) {
+      const Trial& trial = trials()[i];
+      if (found_[i].counted > 0)
+        out.checks.push_back(
+            {trial.name, trial.unit, trial.meaning, std::move(found_[i]), trial.is_note});
+    }
     return out;
   }
 
@@ -347,14 +354,11 @@ class ModelWalker {
   std::unique_ptr<Model> model_;
   std::unique_ptr<Model> second_;
   Neighbourhood around_;
-  SingularPlaces singular_;
   SplitMix64 random_;
   PointIndex point_ = 0;
   State state_;
-  State reached_;  // rows
-  State other_;
-  Findings defined_, deterministic_, stays_, returns_, halves_, reflexive_, symmetric_, finite_;
-  Findings sane_, room_;
+  State other_;  // a row
+  std::array<Findings, kTrials> found_;
   std::vector<double> convert_seconds_, force_seconds_, shape_seconds_;
   std::vector<Gradient> gradients_;
   double largest_force_ = 0;

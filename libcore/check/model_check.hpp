@@ -1,6 +1,5 @@
-// Finds what would go wrong in the search of a grid before the search is paid for: tries the
-// conditions of Sect. 2.1 and the assumptions of Algorithms 1 and 2 on the model itself, in states
-// along walks through the box.
+// Tries a model before its grid is searched: the conditions of Sect. 2.1 and the assumptions of
+// Algorithms 1 and 2, in states along walks through the box.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +13,7 @@ namespace hapgrid {
 
 struct ModelCheckLimits {
   std::uint64_t conversions = 2000;  ///< steps along the walks
-  double seconds = 20;  ///< no further step is begun after them; a quarter is added for `singular`
-  std::uint64_t walk_seed = 1;  ///< another one draws other walks
+  double seconds = 20;               ///< no step is begun after this time
 };
 
 /// Median and tails of one kind of call, in seconds.

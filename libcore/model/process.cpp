@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +15,8 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/family.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/signals.hpp"
 #include "libcore/base/text.hpp"
 
@@ -26,16 +29,15 @@ namespace {
 
 constexpr std::size_t kReadBytes = 1 << 16;
 constexpr std::size_t kErrorLineBytes = 4096;  // of a line of standard error that is remembered
-constexpr auto kGrace = 2s;                    // after the end of its input
-constexpr auto kTermGrace = 1s;                // after SIGTERM
-constexpr auto kEndingGrace = 1s;              // between closing its output and being gone
+constexpr auto kGrace = 2s;                    // from the end of the child's input to SIGKILL
+constexpr auto kEndingGrace = 1s;              // from the end of its output to its own end
 
 [[noreturn]] void fail_by_errno(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-/// The file to execute. Looked up here and not between fork and exec, where hardly anything is
-/// allowed.
+/// The file to execute. It is looked up here because hardly any call is allowed between fork and
+/// exec.
 fs::path find_program(const Command& command) {
   const std::string& program = command.words.at(0);
   if (program.find('/') != std::string::npos)
@@ -51,18 +53,8 @@ fs::path find_program(const Command& command) {
     if (!entry.empty() && fs::is_regular_file(file, ignored) && ::access(file.c_str(), X_OK) == 0)
       return file;
   }
-  throw Error("cannot be started: no program " + program + " in PATH");
+  throw Error(format("cannot be started: no program {} in PATH", program));
 }
-
-struct Pipe {
-  FileDescriptor read, write;
-  Pipe() {
-    int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) fail_by_errno("a pipe to a model process");
-    read = FileDescriptor(ends[0]);
-    write = FileDescriptor(ends[1]);
-  }
-};
 
 void set_nonblocking(int fd) {
   if (::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) | O_NONBLOCK) != 0) fail_by_errno("a pipe");
@@ -76,26 +68,18 @@ int milliseconds_until(ChildProcess::Clock::time_point deadline) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(Keeper& keeper, const Command& command)
-    : keeper_(keeper), buffer_(kReadBytes, '\0') {
-  const fs::path file = find_program(command);
-  Pipe in, out, errors;
-  kept_ = keeper_.start({.file = file.string(),
-                         .words = command.words,
-                         .directory = command.directory.string(),
-                         .in = in.read.get(),
-                         .out = out.write.get(),
-                         .errors = errors.write.get()});
-  to_ = std::move(in.write);
-  from_ = std::move(out.read);
-  errors_ = std::move(errors.read);
-  for (const FileDescriptor* end : {&to_, &from_, &errors_}) set_nonblocking(end->get());
+ChildProcess::ChildProcess(Launcher& launcher, const Command& command)
+    : child_(launcher.start(find_program(command).string(), command.words,
+                            command.directory.string())),
+      buffer_(kReadBytes, '\0') {
+  for (const FileDescriptor* end : {&child_.input, &child_.output, &child_.errors})
+    set_nonblocking(end->get());
 }
 
 ChildProcess::~ChildProcess() { end(); }
 
 ChildProcess::Event ChildProcess::pump(Clock::time_point deadline) {
-  // Taken lines are forgotten here, where no view of one is in use any more.
+  // Lines that next_line() has returned are removed here: nobody uses them any more.
   if (read_ > 0) {
     in_.erase(0, read_);
     scanned_ -= read_;
@@ -103,7 +87,7 @@ ChildProcess::Event ChildProcess::pump(Clock::time_point deadline) {
   }
   for (;;) {
     while (written_ < out_.size()) {
-      const ssize_t n = ::write(to_.get(), out_.data() + written_, out_.size() - written_);
+      const ssize_t n = ::write(child_.input.get(), out_.data() + written_, out_.size() - written_);
       if (n < 0 && errno == EINTR) continue;
       if (n < 0 && errno != EAGAIN) return Event::kEnded;
       if (n < 0) break;
@@ -113,7 +97,9 @@ ChildProcess::Event ChildProcess::pump(Clock::time_point deadline) {
       out_.clear();
       written_ = 0;
     }
-    pollfd fds[3] = {{from_.get(), POLLIN, 0}, {errors_.get(), POLLIN, 0}, {to_.get(), POLLOUT, 0}};
+    pollfd fds[3] = {{child_.output.get(), POLLIN, 0},
+                     {child_.errors.get(), POLLIN, 0},
+                     {child_.input.get(), POLLOUT, 0}};
     const int ready = ::poll(fds, out_.empty() ? 2 : 3, milliseconds_until(deadline));
     if (ready < 0 && errno == EINTR) continue;
     if (ready < 0) fail_by_errno("a pipe from a model process");
@@ -123,11 +109,11 @@ ChildProcess::Event ChildProcess::pump(Clock::time_point deadline) {
     }
     if (fds[1].revents != 0) pass_errors_on();
     if (fds[0].revents == 0) {
-      if (Clock::now() >= deadline) return Event::kTimeout;  // however much it has to tell
+      if (Clock::now() >= deadline) return Event::kTimeout;  // standard error gives no more time
       continue;
     }
     ssize_t n;
-    do n = ::read(from_.get(), buffer_.data(), buffer_.size());
+    do n = ::read(child_.output.get(), buffer_.data(), buffer_.size());
     while (n < 0 && errno == EINTR);
     if (n > 0) {
       in_.append(buffer_.data(), static_cast<std::size_t>(n));
@@ -148,16 +134,23 @@ bool ChildProcess::next_line(std::string_view& line) {
   return true;
 }
 
-void ChildProcess::hang_up() { to_ = FileDescriptor(); }
+void ChildProcess::hang_up() { child_.input = FileDescriptor(); }
+
+/// Its process id stays valid: its end has not been waited for.
+bool ChildProcess::has_ended() const {
+  siginfo_t info{};
+  return ::waitid(P_PID, static_cast<id_t>(child_.pid), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+         info.si_pid != 0;
+}
 
 bool ChildProcess::wait_until(Clock::time_point deadline) {
   // Most end at once when their input does.
-  for (auto pause = 100us; !keeper_.has_ended(kept_); pause = std::min(2 * pause, 20'000us)) {
+  for (auto pause = 100us; !has_ended(); pause = std::min(2 * pause, 20'000us)) {
     if (Clock::now() >= deadline) return false;
     // A child that still writes must not wait for a reader.
     char ignored[4096];
-    if (from_)
-      while (::read(from_.get(), ignored, sizeof ignored) > 0) {
+    if (child_.output)
+      while (::read(child_.output.get(), ignored, sizeof ignored) > 0) {
       }
     pass_errors_on();
     std::this_thread::sleep_for(pause);
@@ -165,23 +158,23 @@ bool ChildProcess::wait_until(Clock::time_point deadline) {
   return true;
 }
 
-/// Passes on a buffer of what has come by standard error. Answers whether there may be more.
+/// Reads once from the child's standard error and copies it. Returns whether there may be more.
 bool ChildProcess::pass_errors_on() {
-  if (!errors_) return false;
+  if (!child_.errors) return false;
   char text[1 << 14];
   ssize_t n;
-  do n = ::read(errors_.get(), text, sizeof text);
+  do n = ::read(child_.errors.get(), text, sizeof text);
   while (n < 0 && errno == EINTR);
   if (n < 0 && errno == EAGAIN) return false;
   if (n <= 0) {
-    errors_ = FileDescriptor();
+    child_.errors = FileDescriptor();
     return false;
   }
   write_errors({text, static_cast<std::size_t>(n)});
   return true;
 }
 
-/// Writes it, whatever comes of that, and remembers its last line.
+/// Copies it to standard error, where an error is ignored, and remembers its last line.
 void ChildProcess::write_errors(std::string_view text) {
   const NoSigpipe no_sigpipe;
   for (std::string_view left = text; !left.empty();) {
@@ -203,30 +196,30 @@ std::string ChildProcess::last_error_line() const {
 }
 
 ChildProcess::End ChildProcess::reap() {
-  End end = keeper_.end(kept_);
-  kept_.pid = -1;
+  // The group first: its number cannot become another group's before its leader is waited for.
+  ::kill(-child_.pid, SIGKILL);
+  int status = 0;
+  while (::waitpid(child_.pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  child_.pid = -1;
   while (pass_errors_on()) {
   }
-  return end;
+  return {hapgrid::how_it_ended(status), WIFEXITED(status) && WEXITSTATUS(status) != 0};
 }
 
 void ChildProcess::end() {
-  if (kept_.pid < 0) return;
+  if (child_.pid < 0) return;
   hang_up();
-  if (!wait_until(Clock::now() + kGrace)) {
-    ::kill(-kept_.pid, SIGTERM);
-    wait_until(Clock::now() + kTermGrace);
-  }
+  wait_until(Clock::now() + kGrace);
   reap();
 }
 
 void ChildProcess::kill() {
-  if (kept_.pid >= 0) reap();
-  Keeper::kill_marked(kept_);
+  if (child_.pid >= 0) reap();
 }
 
 ChildProcess::End ChildProcess::how_it_ended() {
-  if (kept_.pid < 0) return {"ended"};
+  if (child_.pid < 0) return {"ended"};
   hang_up();
   const bool by_itself = wait_until(Clock::now() + kEndingGrace);
   const End end = reap();

@@ -1,5 +1,4 @@
-// A child process that reads and writes lines: starts it, feeds it, hears it, notices how it ended,
-// and makes sure that it is gone.
+// A child process that reads and writes lines.
 #pragma once
 
 #include <chrono>
@@ -10,7 +9,7 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
-#include "libcore/model/keeper.hpp"
+#include "libcore/model/launcher.hpp"
 
 namespace hapgrid {
 
@@ -20,65 +19,68 @@ struct Command {
   std::filesystem::path directory;  ///< where it runs, and where "./program" is looked for
 };
 
-/// The child has pipes as its standard streams; pump() passes on what comes by standard error.
-/// Every other file of this process is closed in it, and it leads a process group of its own, so
-/// that a Ctrl-C at the terminal is this program's alone. The keeper is its parent.
+/// The child has pipes as its standard streams, and no other file of this process. It leads a
+/// process group of its own, so that a Ctrl-C at the terminal reaches only this program. When the
+/// ChildProcess is destroyed, the whole group is killed. A process that the child started and that
+/// has left the group may live on.
 class ChildProcess {
  public:
   using Clock = std::chrono::steady_clock;
 
   /// @throw Error "cannot be started: ..." when the program is not found or cannot be executed.
-  /// @param keeper outlives it
-  ChildProcess(Keeper& keeper, const Command& command);
+  /// @param launcher outlives the child
+  ChildProcess(Launcher& launcher, const Command& command);
   /// As end().
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Text that pump() is to write.
+  /// Appends to the text that pump() writes.
   void send(std::string_view text) { out_ += text; }
 
   enum class Event { kMoved, kTimeout, kEnded };
-  /// Writes and reads what it can without waiting; if it can do neither, waits until `deadline` at
-  /// most.
+  /// Writes to the child and reads from it without waiting. If neither is possible, it waits, at
+  /// most until `deadline`. The child's standard error is copied to that of this program.
   /// kEnded: the child has closed its output, or its input while there was something to write.
-  /// What the child has written to standard error goes to that of this program.
-  /// The calling thread must hold SIGPIPE back (NoSigpipe).
+  /// The calling thread must block SIGPIPE (NoSigpipe).
   Event pump(Clock::time_point deadline);
-  /// The next whole line that came, without its end; valid until the next call of pump().
+  /// The next whole line that was read, without its end. It is valid until the next call of pump().
+  /// Returns false when there is none.
   bool next_line(std::string_view& line);
-  /// What came behind the last whole line.
+  /// The beginning of a line whose end has not been read yet.
   std::string_view rest() const { return std::string_view(in_).substr(read_); }
 
   /// Closes its standard input: a process that reads to the end ends by itself.
   void hang_up();
-  /// hang_up(), then after a grace of 2 s SIGTERM, after another 1 s SIGKILL.
+  /// hang_up(); the child has 2 s to end. Then its group is killed.
   void end();
-  /// Kills it at once, with all that it started.
+  /// Kills the group of the child at once.
   void kill();
-  /// After kEnded: how the child ended. Kills a child that lives on.
-  using End = KeptEnd;
+  struct End {
+    std::string how;            ///< "exited with status 3"
+    bool has_given_up = false;  ///< it exited, and not with status 0
+  };
+  /// How the child ended, after kEnded. A child that is still there after 1 s is killed.
   End how_it_ended();
   /// The last line that it wrote to standard error, in printable characters; empty without any.
   std::string last_error_line() const;
 
  private:
+  bool has_ended() const;
   bool wait_until(Clock::time_point deadline);
   bool pass_errors_on();
   void write_errors(std::string_view text);
   End reap();
 
-  Keeper& keeper_;
-  Kept kept_;  // pid -1: reaped
-  FileDescriptor to_, from_, errors_;
+  Child child_;  // pid -1: its end has been waited for
   std::string out_;
   std::size_t written_ = 0;
   std::string in_;
-  std::string buffer_;           // that read() fills
-  std::size_t read_ = 0;         // lines before are taken
+  std::string buffer_;           // read() writes here
+  std::size_t read_ = 0;         // next_line() has returned the lines before
   std::size_t scanned_ = 0;      // no line ends in [read_, scanned_)
-  std::string error_line_;       // of standard error, perhaps the beginning of one
-  std::string last_error_line_;  // the last whole one with a word in it
+  std::string error_line_;       // the current line of standard error, so far
+  std::string last_error_line_;  // the last whole line of it that is not blank
 };
 
 }  // namespace hapgrid

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/signals.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/model/process.hpp"
@@ -28,7 +29,7 @@ struct ProcessGroup {
   ProcessOptions options;
   std::string handshake;
   std::optional<ModelInfo> info;  // what the first process said; all later ones must say the same
-  Keeper keeper;
+  Launcher launcher;
 };
 
 namespace {
@@ -85,7 +86,7 @@ struct Started {
 Started start(ProcessGroup& group) {
   Started started;
   try {
-    started.child = std::make_unique<ChildProcess>(group.keeper, group.command);
+    started.child = std::make_unique<ChildProcess>(group.launcher, group.command);
     started.child->send(group.handshake);
     started.info = hear_first_line(group, *started.child);
     if (group.info && started.info != *group.info)
@@ -158,17 +159,16 @@ class ProcessModel final : public Model {
     bool is_lasting = false;  // asking again cannot help
   };
   Fault listen(const QuestionDone& done);
-  void take_lines(const QuestionDone& done);
-  void take_answer(const QuestionDone& done);
+  void read_lines(const QuestionDone& done);
+  void handle(const Answer& answer, const QuestionDone& done);
   void give_up(const Fault& fault, const QuestionDone& done);
 
-  std::shared_ptr<ProcessGroup> group_;  // declared first: its starter outlives the child
+  std::shared_ptr<ProcessGroup> group_;  // declared first: its launcher outlives the child
   std::unique_ptr<ChildProcess> child_;
   std::uint64_t last_id_ = 0;
   std::vector<Question> sent_;  // and not answered, ascending by id
   std::deque<Question> again_;  // lost with a process, in the order in which they were first sent
   Clock::time_point last_answer_;
-  Answer answer_;
   std::string line_;
   std::string dead_;  // why no process can be started any more
 };
@@ -251,7 +251,7 @@ ProcessModel::Fault ProcessModel::listen(const QuestionDone& done) {
   try {
     switch (child_->pump(deadline())) {
       case ChildProcess::Event::kMoved:
-        take_lines(done);
+        read_lines(done);
         return {};
       case ChildProcess::Event::kTimeout:
         throw ModelError("gave no answer within " + to_text(group_->options.timeout_seconds) +
@@ -267,11 +267,10 @@ ProcessModel::Fault ProcessModel::listen(const QuestionDone& done) {
   }
 }
 
-void ProcessModel::take_lines(const QuestionDone& done) {
+void ProcessModel::read_lines(const QuestionDone& done) {
   std::string_view line;
   while (child_->next_line(line)) {
-    read_answer(line, answer_);
-    take_answer(done);
+    handle(read_answer(line), done);
   }
   const std::size_t limit =
       max_answer_bytes(info(), sent_.empty() ? Operation::kConvert : sent_.front().operation);
@@ -279,23 +278,22 @@ void ProcessModel::take_lines(const QuestionDone& done) {
     throw ModelError("wrote a line of more than " + std::to_string(limit) + " bytes");
 }
 
-void ProcessModel::take_answer(const QuestionDone& done) {
+void ProcessModel::handle(const Answer& answer, const QuestionDone& done) {
   const auto found = std::find_if(sent_.begin(), sent_.end(),
-                                  [&](const Question& q) { return q.id == answer_.id; });
+                                  [&](const Question& q) { return q.id == answer.id; });
   if (found == sent_.end())
-    throw ModelError("answered a question " + std::to_string(answer_.id) +
-                     " that it does not have");
-  if (!answer_.has_error) {
+    throw ModelError(format("answered a question {} that it does not have", answer.id));
+  if (!answer.error) {
     if (found->operation == Operation::kKnownStates)
-      *found->states = take_states(answer_, info());
+      *found->states = states_of(answer, info());
     else
-      take_row(answer_, info(), found->operation, found->conversion.row);
+      write_row(answer, info(), found->operation, found->conversion.row);
   }
   const Question question = *found;
   sent_.erase(found);
   last_answer_ = Clock::now();
-  if (answer_.has_error && answer_.error.empty()) answer_.error = "no reason given";
-  done(question, answer_.has_error ? answer_.error : std::string_view());
+  if (!answer.error) return done(question, {});
+  done(question, answer.error->empty() ? "no reason given" : *answer.error);
 }
 
 /// Takes back the questions that a lost process had: each is asked again, or fails. Of a lasting

@@ -1,9 +1,8 @@
-// Questions to a model process and its answers, as PROTOCOL.md has them: questions are written by
-// hand, since there are millions of them, and answers are read by a parser that takes nothing for
-// granted.
+// Questions to a model process and its answers (PROTOCOL.md). Answers are not trusted.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,30 +22,29 @@ enum class Operation { kConvert, kKnownStates, kEvaluate };
 void append_question(std::string& text, std::uint64_t id, Operation operation, std::uint32_t n,
                      const double* s, const Vec3& x, const Vec3& d);
 
-/// The longest answer that is taken: it has room for all numbers, with generous blanks and digits.
+/// The longest answer that is read: all its numbers fit, with many blanks and digits.
 std::size_t max_answer_bytes(const ModelInfo& model, Operation operation);
 
-/// One answer; the vectors keep their storage from line to line.
+/// One answer. An array that it does not have is empty.
 struct Answer {
   std::uint64_t id = 0;
-  bool has_error = false;
-  std::string error;
-  bool has_states = false;
-  std::vector<double> s, force, shape, states;
-  std::vector<double> energy;               ///< one number or none
-  std::vector<std::uint32_t> states_sizes;  ///< how many components each of `states` has
+  std::optional<std::string> error;
+  std::vector<double> s, force, shape;
+  std::vector<double> energy;  ///< one number or none
+  std::optional<std::vector<std::vector<double>>> states;
 };
 
-/// @throw LastingError as require_object(); ModelError, one line: no JSON, no id, entries of wrong
-/// types.
-void read_answer(std::string_view line, Answer& answer);
+/// Unknown keys are ignored.
+/// @throw LastingError as require_object(); ModelError, one line, when the line is no JSON, has no
+/// id, or an entry is of the wrong type.
+Answer read_answer(std::string_view line);
 
-/// Writes an answer's row: the state and what is stored with it. An answer to kEvaluate has no
-/// state, and that part of `row` stays as it is.
+/// Writes the row of an answer: the state, then what is stored with it. An answer to kEvaluate has
+/// no state, and the state in `row` stays as it is.
 /// @throw ModelError when there are too few or too many numbers, or one is too large.
-void take_row(const Answer& answer, const ModelInfo& model, Operation operation, double* row);
+void write_row(const Answer& answer, const ModelInfo& model, Operation operation, double* row);
 
-/// An answer's known states, row after row. @throw ModelError
-std::vector<double> take_states(const Answer& answer, const ModelInfo& model);
+/// The known states of an answer, row after row. @throw ModelError
+std::vector<double> states_of(const Answer& answer, const ModelInfo& model);
 
 }  // namespace hapgrid

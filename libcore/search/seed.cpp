@@ -8,7 +8,6 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
-#include "libcore/model/room.hpp"
 
 namespace hapgrid {
 
@@ -40,14 +39,13 @@ PointIndex point_at(const Box& box, const Vec3& position) {
   return box.index(c);
 }
 
-std::vector<double> known_states(Model& model, const Box& box, PointIndex point, bool is_corner) {
+std::vector<double> known_states(Model& model, const Box& box, PointIndex point) {
   std::vector<double> states = model.known_states(box.position(point));
   if (!states.empty()) return states;
-  const std::string hint = is_corner ? larger_box(model, box) : "";
-  throw Error(format(
-      "seed {} at {}: the model knows no state there; {}choose other seeds, or give their "
-      "states",
-      describe(box, point), to_text(box.position(point)), hint.empty() ? "" : hint + "; or "));
+  throw Error(
+      format("seed {} at {}: the model knows no state there; choose a larger box or other seeds, or "
+             "give their states",
+             describe(box, point), to_text(box.position(point))));
 }
 
 }  // namespace
@@ -64,7 +62,7 @@ Seeds seed_states(const Definition& definition, Model& model) {
                            to_text(seed.position), state.size(), model.state_size()));
       states.insert(states.end(), state.begin(), state.end());
     }
-    if (states.empty()) states = known_states(model, box, point, false);
+    if (states.empty()) states = known_states(model, box, point);
     if (!seeds.emplace(point, std::move(states)).second)
       throw Error(format("seed {}: given twice", to_text(seed.position)));
   }
@@ -74,7 +72,7 @@ Seeds seed_states(const Definition& definition, Model& model) {
     GridCoordinates c{};
     for (int a = 0; a < 3; ++a) c[a] = corner >> a & 1 ? box.counts[a] - 1 : 0;
     const PointIndex point = box.index(c);
-    if (!seeds.contains(point)) seeds[point] = known_states(model, box, point, true);
+    if (!seeds.contains(point)) seeds[point] = known_states(model, box, point);
   }
   return seeds;
 }

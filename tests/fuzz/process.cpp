@@ -9,14 +9,13 @@ using namespace hapgrid;
 
 namespace {
 
-void take(std::string_view line, const ModelInfo& model) {
-  Answer answer;
-  read_answer(line, answer);
+void read(std::string_view line, const ModelInfo& model) {
+  const Answer answer = read_answer(line);
   std::vector<double> row(model.row_size());
   for (const Operation operation : {Operation::kConvert, Operation::kEvaluate})
-    fuzz::refusable([&] { take_row(answer, model, operation, row.data()); });
+    fuzz::refusable([&] { write_row(answer, model, operation, row.data()); });
   fuzz::refusable([&] {
-    if (take_states(answer, model).size() % model.state_size != 0)
+    if (states_of(answer, model).size() % model.state_size != 0)
       throw std::logic_error("half a state");
   });
 }
@@ -34,7 +33,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     rest.remove_prefix(std::min(rest.size(), line.size() + 1));
     if (first) fuzz::refusable([&] { model = read_first_line(line); });
     first = false;
-    fuzz::refusable([&] { take(line, model); });
+    fuzz::refusable([&] { read(line, model); });
   }
   return 0;
 }

@@ -24,19 +24,9 @@ sane: what the model itself says against its parameters
 whole grid +no estimate, because a check is broken" '~check-model: broken: sane \(2 of [0-9]+\)' -- \
   check-model "${insane[@]}" --steps 40
 
-# A box of 3 Å is too small, and the one that the message names would do. One that is flat has free corners, but the
-# probe cannot go round the molecule.
-butane=$molecules/butane/butane.toml
-refuses 'seed: seed point 0 \(0, 0, 0\) at \(-1\.5, -1\.5, -1\.5\): the model knows no state there; the box is too small: in one from \(-[0-9.]+, -[0-9.]+, -[0-9.]+\) to \([0-9.]+, [0-9.]+, [0-9.]+\) it would know states in all corners, and its shape with the probe around it reaches from \(-[0-9.]+, .*\) to .*; or choose other seeds, or give their states' \
-  -- seed "$butane" --set grid.spacing=1 --set 'grid.counts=[4,4,4]' --set 'grid.origin=[-1.5,-1.5,-1.5]'
-read -r low high <<<"$(sed -nE 's/.*in one from \((-[0-9.]+), .* to \(([0-9.]+), .* it would.*/\1 \2/p' "$work/got/err")"
-seed "$butane" --set "grid.origin=[$low,$low,$low]" --set 'grid.counts=[5,5,5]' \
-  --set "grid.spacing=$(awk -v a="$low" -v b="$high" 'BEGIN { print (b - a) / 4 }')" >/dev/null
-expect 0 '~.*
-room +1 shapes +1  note.*
-room: .*
-  it reaches from .*, the box from .*' '~check-model: fine: .*' -- check-model "$butane" --steps 20 \
-  --set grid.spacing=1 --set 'grid.counts=[16,16,3]' --set 'grid.origin=[-7.5,-7.5,-1]'
+# A box of 3 Å is too small.
+refuses 'seed: seed point 0 \(0, 0, 0\) at \(-1\.5, -1\.5, -1\.5\): the model knows no state there; choose a larger box or other seeds, or give their states' \
+  -- seed "$molecules/butane/butane.toml" --set grid.spacing=1 --set 'grid.counts=[4,4,4]' --set 'grid.origin=[-1.5,-1.5,-1.5]'
 
 # Of the four that are committed: "all combined  1.16, 0.48 H48 H67, at t = 1, 1, 0.09, 0.61".
 read -r _ _ distance _ one two _ _ _ t <<<"$(grep '^all combined' sane | tr -s ' ')"

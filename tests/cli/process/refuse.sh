@@ -136,44 +136,17 @@ for signal in TERM HUP KILL; do
   [[ ! -e half ]] || fail "half a file after $signal"
 done
 
-# Nor anything that a model has started, whatever group and session it went to: after a good end, when a
-# model is replaced, and after a signal to the tool.
-family() {  # AT: the model dies at its AT-th question
+# Nor anything that a model has started and that is still in its group: after a good end, and when a model
+# is replaced. A daemon may live on.
+group() {  # FAULT: the model dies at its first question, or never
   mark=1$RANDOM$RANDOM  # seconds, for `sleep`
-  define puppet family "$1" "$mark" >told.toml
+  define puppet "$1" 1 "$mark" >told.toml
 }
 left() { pgrep -f "sleep 1000 $mark" >/dev/null; }
-gone() { ! left; }
-four() { [[ $(pgrep -c -f "^sleep 1000 $mark") -ge 4 ]]; }
-family 1000
+group group
 expect 0 '' '' -- expand seeds --allow-process told.toml -o requests
 ! left || fail "a good end leaves what the model has started"
-family 1
-refuses "expand: $conversion: $who family 1 .*' exited with status 7; asked 3 times" -- \
+group dying-group
+refuses "expand: $conversion: $who dying-group 1 .*' exited with status 7; asked 3 times" -- \
   expand seeds --allow-process told.toml -o out
 ! left || fail "a bad end leaves what the model has started"
-for signal in TERM KILL; do
-  family 1
-  sed -i "s/\"family\"/\"slow-family\"/" told.toml
-  "$HAPGRID_BIN/expand" seeds --allow-process "$PWD/told.toml" -o half &
-  tool=$!
-  wait_for 10 "family" four
-  kill -$signal $tool
-  wait $tool 2>/dev/null || true
-  wait_for 5 "end of what the model has started after $signal" gone
-done
-
-# When somebody kills the keeper, too, what has the mark is still looked for when the tool ends.
-family 1
-sed -i "s/\"family\"/\"slow-family\"/" told.toml
-"$HAPGRID_BIN/expand" seeds --allow-process "$PWD/told.toml" -o half --process-timeout 2 2>err &
-tool=$!
-wait_for 10 "family" four
-keeper=$(pgrep -P $tool -x hapgrid-keeper) || fail "no keeper"
-kill -KILL "$keeper"
-code=0
-wait $tool || code=$?
-same "exit code without the keeper" 1 $code
-grep -q 'the process that keeps the models' err || fail "$(cat err)"
-same "what clears its environment" 1 "$(pgrep -c -f "^sleep 1000 $mark")"
-kill $(pgrep -f "^sleep 1000 $mark")

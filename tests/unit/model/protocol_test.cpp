@@ -33,7 +33,7 @@ TEST_CASE("numbers read back to the same double and are never taken for whole on
         "\"d\": [0.0, 0.0, 0.25]}\n");
 }
 
-TEST_CASE("an answer is taken apart") {
+TEST_CASE("an answer is read") {
   const Answer a = answer(
       R"( {"shape": [1, 2, 3], "s": [1, -0, 2.5e0], "note": [{"s": [9], "id": 1}], "id": 12,
           "force": [0, 0.5, -1], "energy": -3} )");
@@ -45,8 +45,7 @@ TEST_CASE("an answer is taken apart") {
   CHECK(a.energy == std::vector<double>{-3});
   CHECK(a.shape == std::vector<double>{1, 2, 3});
   const Answer known = answer(R"({"id": 0, "states": [[1, 2], [], [3]]})");
-  CHECK(known.states == std::vector<double>{1, 2, 3});
-  CHECK(known.states_sizes == std::vector<std::uint32_t>{2, 0, 1});
+  CHECK(known.states == std::vector<std::vector<double>>{{1, 2}, {}, {3}});
   CHECK(answer(R"({"id": 3, "error": "a\nb"})").error == "a b");
 }
 
@@ -105,12 +104,12 @@ TEST_CASE("hostile answers are refused in one line") {
   std::vector<double> row(d.row_size());
   const std::string good =
       R"({"id": 1, "s": [1, 2], "force": [3, 4, 5], "energy": 6, "shape": [7, 8, 0.1]})";
-  take_row(answer(good), d, Operation::kConvert, row.data());
+  write_row(answer(good), d, Operation::kConvert, row.data());
   CHECK(row == std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 0.1F});
   const auto refused = [&](const std::string& from, const std::string& to) {
     std::string line = good;
     line.replace(line.find(from), from.size(), to);
-    return refusal([&] { take_row(answer(line), d, Operation::kConvert, row.data()); });
+    return refusal([&] { write_row(answer(line), d, Operation::kConvert, row.data()); });
   };
   CHECK(refused("[1, 2]", "[1]") == "an answer with 1 numbers in \"s\", not 2");
   CHECK(refused("[1, 2]", "[1, 2, 3]") == "an answer with 3 numbers in \"s\", not 2");

@@ -8,8 +8,8 @@ a process that lived can be checked, and `fault` says what it does beside answer
     poison     dies at the questions whose s[0] is above AT, whoever asks
   or before: import version deep unknown-key no-size refuse mute dead binary late-start rms
   or always: reverse (answers all that came together last first), slow-end (stays after its input),
-    chatty (answers with more keys than asked for), stderr, family (starts processes that stay, in
-    its group and in sessions of their own, and dies at the AT-th question), slow-family (and hangs)
+    chatty (answers with more keys than asked for), stderr, group (starts a process that stays in
+    its group), dying-group (and dies at the AT-th question)
 """
 import json
 import os
@@ -73,14 +73,9 @@ elif fault == "binary":
     sys.stdout.buffer.write(b"\xff\xfe\n")
 elif fault == "late-start":
     time.sleep(0.3)
-elif fault in ("family", "slow-family"):
-    forever = ["sleep", "1000", *sys.argv[3:]]
+elif fault in ("group", "dying-group"):
     quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    subprocess.Popen(forever, **quiet)
-    subprocess.Popen(forever, start_new_session=True, **quiet)
-    # Daemons, whose parents are gone; the second one has lost its environment, too.
-    subprocess.run(["sh", "-c", 'setsid "$@" &', "sh", *forever], **quiet)
-    subprocess.run(["sh", "-c", '(env -i setsid "$@" &) &', "sh", *forever], **quiet)
+    subprocess.Popen(["sleep", "1000", *sys.argv[3:]], **quiet)
 elif fault == "stderr":
     print("hello from the model", file=sys.stderr)
 say(json.dumps(description) + "\n")
@@ -95,13 +90,13 @@ while True:
         if fault == "poison" and question["op"] == "convert" and question["s"][0] > at:
             os._exit(9)
         if count % at == 0 and fault != "poison":
-            if fault in ("die", "family"):
+            if fault in ("die", "dying-group"):
                 os._exit(7)
             elif fault == "raise":
                 {}["gone"]
             elif fault == "crash":
                 os.kill(os.getpid(), signal.SIGSEGV)
-            elif fault in ("hang", "slow-family"):
+            elif fault == "hang":
                 time.sleep(1000)
             elif fault == "close":
                 os.close(1)
