@@ -36,6 +36,11 @@ class Direction {
     return Direction(cube < 13 ? cube : cube - 1);
   }
 
+  /// The direction up an axis, 0 to 2.
+  static constexpr Direction up(int axis) {
+    return of(axis == 0 ? 1 : 0, axis == 1 ? 1 : 0, axis == 2 ? 1 : 0);
+  }
+
   constexpr int q() const { return q_; }
   /// The components (d1, d2, d3) in units of the spacing.
   constexpr std::array<int, 3> step() const {

@@ -1,4 +1,4 @@
-// What several folders compute with vectors.
+// Sums, products and lengths of vectors.
 #pragma once
 
 #include <cmath>
@@ -12,8 +12,19 @@ inline bool finite(const Vec3& v) noexcept {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }
 
+constexpr Vec3 operator+(const Vec3& a, const Vec3& b) noexcept {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+constexpr Vec3 operator-(const Vec3& a, const Vec3& b) noexcept {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+constexpr Vec3 operator*(double s, const Vec3& v) noexcept {
+  return {s * v[0], s * v[1], s * v[2]};
+}
+
 inline double dot(const Vec3& a, const Vec3& b) noexcept {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
+inline double length_of(const Vec3& v) noexcept { return std::sqrt(dot(v, v)); }
 
 }  // namespace hapgrid

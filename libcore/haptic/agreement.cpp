@@ -1,7 +1,6 @@
 #include "libcore/haptic/agreement.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace hapgrid {
@@ -12,9 +11,7 @@ Agreement agreement(const Grid& grid, const RecordFields& fields) {
   const auto square = [](double x) { return x * x; };
   for (RecordIndex r = 0; r < grid.records(); ++r)
     for (int a = 0; a < 3; ++a) {
-      std::array<int, 3> d{0, 0, 0};
-      d[a] = 1;
-      const Direction up = Direction::of(d[0], d[1], d[2]);
+      const Direction up = Direction::up(a);
       const RecordIndex high = grid.two_way(r, up.q()), low = grid.two_way(r, up.opposite().q());
       if (high == Grid::kNoRecord || low == Grid::kNoRecord) continue;
       const double force = fields.force[r][a];

@@ -16,8 +16,6 @@ constexpr double kLeastWeight = 0.02;
 // How often the state can snap at one place. Snaps that go in a circle must end.
 constexpr int kMostSnaps = 4;
 
-double square(double x) { return x * x; }
-
 /// In spacings squared.
 double distance2(const Vec3& part, int corner) {
   double sum = 0;
@@ -64,7 +62,7 @@ struct BranchTraversal::Common {
 
 BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                                  std::uint16_t max_sub_steps)
-    : Traversal(grid, max_sub_steps), map_(std::move(map)), offset_(row_.size()) {
+    : Traversal(grid, max_sub_steps), map_(std::move(map)), offset_(row_.size(), box_.spacing) {
   for (int a = 0; a < 3; ++a)
     if (box_.counts[a] == 1) flat_ |= 1 << a;
 }
@@ -74,7 +72,7 @@ bool BranchTraversal::begin(int nearest) noexcept {
   Branch branch;
   if (grid_.levels(p) == 0 || !derive(base(), grid_.first(p), nearest, branch)) return false;
   take(base(), branch);
-  has_offset_ = false;
+  offset_.end();
   StepResult ignored;
   return move(position(), ignored);
 }
@@ -149,7 +147,7 @@ bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& r
       return false;
     take(base, next);
     result.snapped = result.level_changed = true;
-    has_offset_ = false;
+    offset_.end();
     return true;
   }
   if (!derive(base, nodes_[from], from ^ common.moved, next)) return false;
@@ -209,18 +207,16 @@ int BranchTraversal::common_record(const Common& common, const Vec3& part) const
 void BranchTraversal::keep_state(const std::array<const double*, 8>& before,
                                  const std::array<double, 8>& weights,
                                  const std::array<const double*, 8>& after) noexcept {
-  if (!has_offset_) std::fill(offset_.begin(), offset_.end(), 0.0);
+  const std::span<double> offset = offset_.renew();
   for (int k = 0; k < 8; ++k) {
     if (before[k] == after[k] || weights[k] == 0) continue;
-    for (std::size_t c = 0; c < offset_.size(); ++c)
-      offset_[c] += weights[k] * (before[k][c] - after[k][c]);
+    for (std::size_t c = 0; c < offset.size(); ++c)
+      offset[c] += weights[k] * (before[k][c] - after[k][c]);
   }
-  has_offset_ = true;
-  left_ = box_.spacing / 2;
 }
 
 bool BranchTraversal::move(const Vec3& x, StepResult& result) noexcept {
-  if (has_offset_) fade(x);
+  offset_.fade(position(), x);
   const Vec3 part = part_of_cell(x);
   weights_ = corner_weights(part);
   if (is_mixed_) change_anchor();
@@ -229,22 +225,9 @@ bool BranchTraversal::move(const Vec3& x, StepResult& result) noexcept {
     for (int k = 0; k < 8; ++k) tear += weights_[k] * tear_[k];
     if (tear >= 0 || !snap(part)) break;
     result.snapped = result.level_changed = true;
-    has_offset_ = false;
+    offset_.end();
   }
   return true;
-}
-
-void BranchTraversal::fade(const Vec3& x) noexcept {
-  const Vec3& from = position();
-  const double moved =
-      std::sqrt(square(x[0] - from[0]) + square(x[1] - from[1]) + square(x[2] - from[2]));
-  if (moved >= left_) {
-    has_offset_ = false;
-    return;
-  }
-  const double part = 1 - moved / left_;
-  for (double& value : offset_) value *= part;
-  left_ -= moved;
 }
 
 /// In a mixed cell each record has its own view of what the other corners are. Of the records of a
@@ -321,8 +304,7 @@ bool BranchTraversal::snap(const Vec3& part) noexcept {
 
 void BranchTraversal::evaluate() noexcept {
   blend(weights_, rows_, row_);
-  if (!has_offset_) return;
-  for (std::size_t c = 0; c < row_.size(); ++c) row_[c] += offset_[c];
+  offset_.add_to(row_);
 }
 
 }  // namespace hapgrid

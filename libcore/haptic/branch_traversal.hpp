@@ -22,6 +22,7 @@
 #include <memory>
 #include <vector>
 
+#include "libcore/haptic/fading_offset.hpp"
 #include "libcore/haptic/sheets.hpp"
 #include "libcore/haptic/tear_function.hpp"
 #include "libcore/haptic/traversal.hpp"
@@ -61,7 +62,6 @@ class BranchTraversal final : public Traversal {
   bool find_better(PointIndex base, const std::array<double, 8>& weights,
                    const std::array<RecordIndex, 8>& kept, Branch& branch) const noexcept;
   void change_anchor() noexcept;
-  void fade(const Vec3& x) noexcept;
   void keep_state(const std::array<const double*, 8>& before, const std::array<double, 8>& weights,
                   const std::array<const double*, 8>& after) noexcept;
 
@@ -74,9 +74,7 @@ class BranchTraversal final : public Traversal {
   bool is_torn_ = false;             // a corner is a ghost
   bool is_mixed_ = false;            // corners are not of one branch, and which: Sheets::apart()
   std::array<std::uint8_t, 8> apart_{};
-  bool has_offset_ = false;
-  double left_ = 0;  // of the way on which the offset fades
-  std::vector<double> offset_;
+  FadingOffset offset_;  // of row()
 };
 
 }  // namespace hapgrid

@@ -22,12 +22,6 @@ constexpr double kNothing = 1e-6;
 // The part of the way to the wanted force is found to 2^-20.
 constexpr int kHalvings = 20;
 
-double norm(const Vec3& v) { return std::sqrt(dot(v, v)); }
-Vec3 moved(const Vec3& a, const Vec3& b, double s) {
-  return {a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]};
-}
-Vec3 difference(const Vec3& a, const Vec3& b) { return moved(a, b, -1); }
-
 /// The force that costs `joules` to let go of at this speed without acceleration: letgo()
 /// backwards. With n steps it is linear, period speed (n force - step n (n - 1) / 2).
 double affordable(double joules, double speed, const TankTerms& terms) {
@@ -74,7 +68,7 @@ const Vec3& EnergyTank::force(std::uint32_t ticks_ago) const noexcept {
 
 void EnergyTank::move(const TankTerms& terms, const Vec3& place, double dt, bool certain) noexcept {
   if (placed_) {
-    const Vec3 way = difference(place, place_);
+    const Vec3 way = place - place_;
     double work = std::max(dot(force(terms.delay), way), dot(force(terms.delay + 1), way));
     if (!certain || seen_ == 0) work = std::max(work, 0.0);
     energy_ -= work;
@@ -111,7 +105,7 @@ void EnergyTank::measure_speed() noexcept {
     speed_ = {0, 0, 0};
     return;
   }
-  const Vec3 way = difference(places_[newest_], places_[oldest_]);
+  const Vec3 way = places_[newest_] - places_[oldest_];
   speed_ = {way[0] / window_, way[1] / window_, way[2] / window_};
 }
 
@@ -129,7 +123,7 @@ double EnergyTank::under_way(const TankTerms& terms) const noexcept {
   double all = 0;
   for (std::uint32_t j = 0; j <= terms.delay; ++j) {
     const Vec3& f = force(terms.delay - j);
-    const double size = norm(f);
+    const double size = length_of(f);
     if (size == 0) continue;
     const double speed =
         speed_along(terms, f, size) + terms.acceleration * (j + 0.5) * terms.period;
@@ -139,7 +133,7 @@ double EnergyTank::under_way(const TankTerms& terms) const noexcept {
 }
 
 double EnergyTank::cost(const TankTerms& terms, const Vec3& force) const noexcept {
-  const double size = norm(force);
+  const double size = length_of(force);
   if (size == 0) return 0;
   const double speed =
       speed_along(terms, force, size) + terms.acceleration * (terms.delay + 1) * terms.period;
@@ -158,20 +152,19 @@ Vec3 EnergyTank::soften(const TankTerms& terms, const Vec3& wanted, double dt) n
   const double affords = energy_ + kTankSlack;
   const double time = affords < 0 ? kSlowReturn : kReturn;
   for (double& w : withheld_) w *= time / (time + dt);
-  if (const double kept = norm(withheld_); kept > kNothing) {
+  if (const double kept = length_of(withheld_); kept > kNothing) {
     const double along = dot(force, withheld_) / kept;
-    force = moved(force, withheld_, -std::min(kept, std::max(0.0, along)) / kept);
+    force = force + -std::min(kept, std::max(0.0, along)) / kept * withheld_;
   }
-  if (const double speed = norm(speed_); speed > 0 && speed < kUnbounded) {
+  if (const double speed = length_of(speed_); speed > 0 && speed < kUnbounded) {
     const double along = dot(force, speed_) / speed;
     TankTerms steady = terms;
     steady.acceleration = 0;
     if (along > 0 && letgo(along, speed, steady) > std::max(0.0, affords))
-      force = moved(
-          force, speed_,
-          (std::min(along, affordable(std::max(0.0, affords), speed, terms)) - along) / speed);
+      force = force + (std::min(along, affordable(std::max(0.0, affords), speed, terms)) - along) /
+                          speed * speed_;
   }
-  withheld_ = difference(wanted, force);
+  withheld_ = wanted - force;
   return force;
 }
 
@@ -179,13 +172,13 @@ Vec3 EnergyTank::bound(const TankTerms& terms, const Vec3& wanted, const Vec3& b
                        double step) const noexcept {
   const double rest = std::max(0.0, energy_ + kTankSlack + terms.reserve) - under_way(terms);
   if (cost(terms, wanted) <= rest) return wanted;
-  const double size = norm(before);
-  const Vec3 shorter = size > step ? moved(before, before, -step / size) : Vec3{0, 0, 0};
-  const Vec3 way = difference(wanted, shorter);
+  const double size = length_of(before);
+  const Vec3 shorter = size > step ? before + -step / size * before : Vec3{0, 0, 0};
+  const Vec3 way = wanted - shorter;
   double part = 0;
   for (double half = 0.5; half > std::ldexp(1.0, -kHalvings - 1); half /= 2)
-    if (cost(terms, moved(shorter, way, part + half)) <= rest) part += half;
-  return moved(shorter, way, part);
+    if (cost(terms, shorter + (part + half) * way) <= rest) part += half;
+  return shorter + part * way;
 }
 
 void EnergyTank::sent(const Vec3& force) noexcept {

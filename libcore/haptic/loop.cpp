@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "libcore/grid/vec3.hpp"
+
 namespace hapgrid {
 
 namespace {
@@ -14,8 +16,7 @@ double magnitude(const Vec3& f) { return std::hypot(f[0], f[1], f[2]); }
 
 double loop_detail::Speed::next(const Vec3& hip, double dt) noexcept {
   double speed = 0;
-  if (any_ && scale_ > 0)
-    speed = magnitude({hip[0] - last_[0], hip[1] - last_[1], hip[2] - last_[2]}) / (scale_ * dt);
+  if (any_ && scale_ > 0) speed = magnitude(hip - last_) / (scale_ * dt);
   last_ = hip;
   any_ = true;
   return std::min(speed, std::numeric_limits<double>::max());

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "libcore/grid/vec3.hpp"
+
 namespace hapgrid {
 
 ModelTraversal::ModelTraversal(const Grid& grid, std::unique_ptr<Model> model, double steps_a_cell,
@@ -29,7 +31,7 @@ bool ModelTraversal::move(const Vec3& x, StepResult&) noexcept { return follow(p
 
 /// Whole or not at all: when a conversion fails, the state before the first one stays.
 bool ModelTraversal::follow(Vec3 from, const Vec3& to) noexcept {
-  const Vec3 way{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+  const Vec3 way = to - from;
   const double length = std::hypot(way[0], way[1], way[2]);
   if (length == 0) return true;
   const double steps = std::ceil(length / longest_);

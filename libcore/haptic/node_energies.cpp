@@ -5,16 +5,6 @@
 
 namespace hapgrid {
 
-namespace {
-
-int along(int axis, int step) {
-  std::array<int, 3> d{0, 0, 0};
-  d[axis] = step;
-  return Direction::of(d[0], d[1], d[2]).q();
-}
-
-}  // namespace
-
 NodeEnergies::NodeEnergies(const Grid& grid, const RecordFields& fields) : nodes_(grid.records()) {
   // Energies are large against their differences: only what is above the lowest one fits a float.
   double lowest = std::numeric_limits<double>::infinity();
@@ -42,7 +32,8 @@ void NodeEnergies::add_mixed(const Grid& grid, RecordIndex r) {
   };
   std::array<float, 3> sum{}, ways{};
   for (int a = 0; a < 3; ++a) {
-    const NodeEnergy *low = pushed_beside(along(a, -1)), *high = pushed_beside(along(a, 1));
+    const Direction up = Direction::up(a);
+    const NodeEnergy *low = pushed_beside(up.opposite().q()), *high = pushed_beside(up.q());
     if (!low && !high) continue;
     const float width = low && high ? 2.0F : 1.0F;
     if (!low) low = &node;

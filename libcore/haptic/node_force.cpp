@@ -1,9 +1,5 @@
 #include "libcore/haptic/node_force.hpp"
 
-#include <cmath>
-
-#include "libcore/grid/vec3.hpp"
-
 namespace hapgrid {
 
 namespace {
@@ -95,9 +91,9 @@ NodeCorners NodeForce::corners_of(const std::array<RecordIndex, 8>& nodes) const
 Vec3 NodeForce::operator()(const Traversal& traversal) noexcept {
   const bool same_nodes = traversal.nodes() == nodes_;
   const NodeCorners corners = same_nodes ? corners_ : corners_of(traversal.nodes());
-  if (left_ > 0) fade(traversal.position());
+  offset_.fade(position_, traversal.position());
   if (traversal.jumps() != jumps_)
-    left_ = 0;
+    offset_.end();
   else if (traversal.cell() != cell_ || !same_nodes)
     keep_force(traversal, corners);
   jumps_ = traversal.jumps();
@@ -107,8 +103,7 @@ Vec3 NodeForce::operator()(const Traversal& traversal) noexcept {
   position_ = traversal.position();
   part_ = traversal.part();
   Vec3 force = interpolate_(corners, part_);
-  if (left_ > 0)
-    for (int a = 0; a < 3; ++a) force[a] += offset_[a];
+  offset_.add_to(force);
   return force;
 }
 
@@ -122,7 +117,7 @@ void NodeForce::keep_force(const Traversal& traversal, const NodeCorners& corner
     const std::int64_t d = std::int64_t{traversal.cell()[a]} - std::int64_t{cell_[a]};
     if (d == 0) continue;
     if (d < -1 || d > 1) {  // nothing is shared
-      left_ = 0;
+      offset_.end();
       return;
     }
     moved |= 1 << a;
@@ -136,15 +131,8 @@ void NodeForce::keep_force(const Traversal& traversal, const NodeCorners& corner
   if (same) return;
   const Vec3 had = interpolate_(corners_, before);
   const Vec3 has = interpolate_(corners, after);
-  for (int a = 0; a < 3; ++a) offset_[a] = (left_ > 0 ? offset_[a] : 0) + had[a] - has[a];
-  left_ = box_.spacing / 2;
-}
-
-void NodeForce::fade(const Vec3& x) noexcept {
-  const Vec3 way{x[0] - position_[0], x[1] - position_[1], x[2] - position_[2]};
-  const double moved = std::sqrt(dot(way, way));
-  for (double& f : offset_) f *= moved < left_ ? 1 - moved / left_ : 0;
-  left_ = moved < left_ ? left_ - moved : 0;
+  const std::span<double> offset = offset_.renew();
+  for (std::size_t a = 0; a < 3; ++a) offset[a] = offset[a] + had[a] - has[a];
 }
 
 }  // namespace hapgrid

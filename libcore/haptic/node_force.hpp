@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "libcore/haptic/fading_offset.hpp"
 #include "libcore/haptic/node_energies.hpp"
 #include "libcore/haptic/traversal.hpp"
 
@@ -40,9 +41,8 @@ class NodeForce {
   using Interpolate = Vec3 (*)(const NodeCorners&, const Vec3&) noexcept;
 
   /// @param interpolate hermite_force or mean_force.
-  /// @param box outlives this.
   NodeForce(std::shared_ptr<const NodeEnergies> energies, const Box& box, Interpolate interpolate)
-      : energies_(std::move(energies)), interpolate_(interpolate), box_(box) {}
+      : energies_(std::move(energies)), interpolate_(interpolate), offset_(3, box.spacing) {}
 
   /// The force at the traversal's position. Called once in each tick, after the step; real-time
   /// safe. The traversal has nodes, and steps that are not usable() are passed over.
@@ -56,11 +56,9 @@ class NodeForce {
   }
   NodeCorners corners_of(const std::array<RecordIndex, 8>& nodes) const noexcept;
   void keep_force(const Traversal& traversal, const NodeCorners& corners) noexcept;
-  void fade(const Vec3& x) noexcept;
 
   std::shared_ptr<const NodeEnergies> energies_;
   Interpolate interpolate_;
-  const Box& box_;
   // Of the tick before.
   std::uint64_t jumps_ = 0;
   GridCoordinates cell_{0, 0, 0};
@@ -68,8 +66,7 @@ class NodeForce {
   NodeCorners corners_{};  // of nodes_
   Vec3 position_{0, 0, 0};
   Vec3 part_{0, 0, 0};
-  double left_ = 0;  // of the way on which the offset fades; 0: there is none
-  Vec3 offset_{0, 0, 0};
+  FadingOffset offset_;
 };
 
 }  // namespace hapgrid

@@ -28,25 +28,20 @@ constexpr double kBuzzTime = 0.25;
 // Buzzing is over below this part of buzz_rate.
 constexpr double kCalmBuzz = 0.25;
 
-Vec3 plus(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vec3 times(const Vec3& a, double s) { return {a[0] * s, a[1] * s, a[2] * s}; }
-
 /// Scales f to the magnitude `limit` when it is larger. @return whether it was
 bool clamp_magnitude(Vec3& f, double limit) {
   // Through the largest component, since the square of a finite force can be infinite or zero.
   const double largest = std::max({std::abs(f[0]), std::abs(f[1]), std::abs(f[2])});
   if (largest == 0) return false;
-  const Vec3 unit = times(f, 1 / largest);
+  const Vec3 unit = 1 / largest * f;
   // 1 / largest is infinite for a denormal: such a small force counts as zero.
   if (!finite(unit)) {
     f = {0, 0, 0};
     return false;
   }
-  const double length = std::sqrt(dot(unit, unit));
-  const double scale = limit / length * kMargin;
+  const double scale = limit / length_of(unit) * kMargin;
   if (largest <= scale) return false;
-  f = times(unit, scale);
+  f = scale * unit;
   return true;
 }
 
@@ -90,10 +85,7 @@ void watch_speed(const SafetyLimits& limits, SafetyState& state, const SafetyInp
 void watch_buzz(const SafetyLimits& limits, SafetyState& state, Vec3 wanted, double dt) {
   clamp_magnitude(wanted, limits.max_force);  // as far as it can be felt
   state.swings *= kBuzzTime / (kBuzzTime + dt);
-  const auto apart = [](const Vec3& a, const Vec3& b) {
-    const Vec3 way = minus(a, b);
-    return std::sqrt(dot(way, way));
-  };
+  const auto apart = [](const Vec3& a, const Vec3& b) { return length_of(a - b); };
   if (apart(wanted, state.anchor) >= apart(state.extreme, state.anchor)) {
     state.extreme = wanted;
   } else if (apart(wanted, state.extreme) >= limits.buzz_force) {
@@ -143,9 +135,9 @@ bool watch_energy(const SafetyLimits& limits, SafetyState& state, const SafetyIn
 void slew_and_clamp(const SafetyLimits& limits, const Vec3& sent, double dt, Vec3& force,
                     std::uint32_t& acted) {
   // In halves, because the difference of two finite forces can be infinite.
-  Vec3 half_step = minus(times(force, 0.5), times(sent, 0.5));
+  Vec3 half_step = 0.5 * force - 0.5 * sent;
   if (clamp_magnitude(half_step, limits.slew * 1000 * dt / 2)) {
-    force = plus(sent, times(half_step, 2));
+    force = sent + 2 * half_step;
     acted |= kSlewed;
   }
   if (clamp_magnitude(force, limits.max_force)) acted |= kClamped;
@@ -153,14 +145,14 @@ void slew_and_clamp(const SafetyLimits& limits, const Vec3& sent, double dt, Vec
 
 SafeForce limit(const SafetyLimits& limits, SafetyState& state, const SafetyInput& input,
                 const TankTerms& terms, bool tank) {
-  Vec3 force = times(input.force, limits.gain);
+  Vec3 force = limits.gain * input.force;
   if (const std::uint32_t why = reason_for_zero(limits, state, input, force))
     return let_go(state, why);
 
   SafeForce safe;
   const auto scale = [&](double by, SafetyAction action) {
     if (by >= 1) return;
-    force = times(force, by > 0 ? by : 0);  // a factor that is NaN counts as 0
+    force = (by > 0 ? by : 0) * force;  // a factor that is NaN counts as 0
     safe.acted |= action;
   };
   if (limits.fade_cells > 0 && input.outside_cells > 0)

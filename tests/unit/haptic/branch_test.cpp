@@ -30,8 +30,6 @@ Grid random_torn_grid(const Box& box, std::uint32_t n, unsigned levels, std::uin
   return Grid(spec, 1, columns);
 }
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 /// Two branches of a unit grid. The one is where normal·x < reach, with the state slope·x, and
 /// snaps at the plane to the other, which is everywhere, with the state -100.
 struct Half {
