@@ -81,7 +81,6 @@ Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes) {
   Statistics s;
   s.points = grid.box().points();
   s.records = grid.records();
-  s.frontier = grid.frontier();
   s.generation = grid.generation();
   s.has_tears = grid.has_tears();
   s.stored_bytes = stored_bytes;
@@ -96,6 +95,7 @@ Statistics count_statistics(const Grid& grid, std::uint64_t stored_bytes) {
     s.generations = std::max(s.generations, std::uint64_t{grid.record_generation(r)} + 1);
     const auto directions =
         static_cast<std::uint64_t>(std::popcount(grid.neighbourhood().inside(grid.point(r))));
+    if (grid.in_frontier(r)) ++s.frontier;
     (grid.in_frontier(r) ? s.conversions_left : s.conversions) += directions;
     for (int q = 0; q < kDirections; ++q) {
       const RecordIndex there = grid.destination(r, q);
