@@ -54,8 +54,8 @@ void announce_terminal(const std::string& input) {
 
 void add_model_path(CommandLine& app, std::vector<std::string>& directories) {
   app.add("--model-path", directories,
-          "Directory to look for plug-ins in, before those of HAPGRID_MODEL_PATH "
-          "(separated by ':') and ../models beside this program; repeatable")
+          "Directory with plug-ins, searched before those of HAPGRID_MODEL_PATH (separated by ':') "
+          "and ../models beside this program. It can be given several times")
       .type("DIR")
       .repeatable();
 }

@@ -134,8 +134,16 @@ expect 0 '~hapgrid play .*' '~.*Cl1-C2-C3-Cl4-plus leads to a minimum that is 0\
   hapgrid molecule "${shapes[@]}" --keep-conformation -o anti
 within "anti" "$(word anti/conformation.xyz 1 Cl1-C2-C3-Cl4)" 180 180
 
-# One way of one bond alone.
-peroxide=(--smiles OO --method gfnff --spacing 1.5)
+# One way of one bond alone. A file says which of the two mirror images it is: of a drawing, the processor's rounding decides.
+cat >peroxide.xyz <<'XYZ'
+4
+
+O     0.7259   -0.0740    0.0134
+O    -0.7259    0.0740    0.0134
+H     1.0506    0.8114   -0.2131
+H    -1.0506   -0.8114   -0.2131
+XYZ
+peroxide=(peroxide.xyz --method gfnff --spacing 1.5)
 refuses 'molecule: --torsions: no bond H3-O1-O2-H4-up turns, only H3-O1-O2-H4' -- \
   hapgrid molecule "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-up
 oneway=(hapgrid molecule "${peroxide[@]}" -o oneway --torsions H3-O1-O2-H4-minus)

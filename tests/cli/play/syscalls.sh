@@ -15,10 +15,10 @@ trace replay play grid --device replay:log.session "${common[@]}"
 mkfifo hand
 exec 5<>hand
 echo 0.1 0 0 >&5
-trace hand play grid --device path:hand --duration 0.5 "${common[@]}"
+trace hand play grid --device path:hand --duration 2 "${common[@]}"
 exec 5>&-
 cat >keys.sh <<END
-strace -f -o trace.keys play grid --device keys --duration 0.7 ${common[*]} 2>err
+strace -f -o trace.keys play grid --device keys --duration 2 ${common[*]} 2>err
 END
 script -qec 'bash keys.sh' /dev/null </dev/null >/dev/null || fail "keys: $(cat err)"
 python3 - trace.* <<'PYTHON'
