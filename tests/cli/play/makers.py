@@ -16,16 +16,16 @@ numbers = iter(range(100))
 
 
 class Busy(Exception):
-    """This machine let the adapter wait until play gave it up, which is not what is tested."""
+    """The machine stood still for 100 ms, so that play gave the adapter up, as it should."""
 
 
 def patiently(attempt, *arguments, **options):
-    """The result of an attempt on a machine that is not too busy for it."""
-    for _ in range(9):
+    """The result of one of three attempts."""
+    for number in 1, 2:
         try:
             return attempt(*arguments, **options)
         except Busy as why:
-            print("once more:", why)
+            print(f"attempt {number} of 3: the machine stood still: {why}")
     return attempt(*arguments, **options)
 
 

@@ -12,9 +12,10 @@ read -r _ _ _ count _ <<<"$(stats grid --vti branch1.vti --branch 1)"
 count=${count%:}
 refuses "stats: --branch $count: this grid has the branches 0 to $((count - 1))" -- stats grid --vti x.vti --branch "$count"
 expect 2 '' '~stats: --branch needs --vti .*' -- stats grid --branch 0
-needs xvfb-run xvfb
+source "$here/../xvfb.sh"
 /usr/bin/python3 -c "import vtk" 2>/dev/null || { missing python3-vtk9; exit 77; }
-LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a /usr/bin/python3 - <<'PYTHON'
+start_x
+LIBGL_ALWAYS_SOFTWARE=1 /usr/bin/python3 - <<'PYTHON'
 import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
