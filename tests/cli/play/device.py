@@ -143,16 +143,14 @@ def move(x_mm):
     return lambda device, process: setattr(device, "report", report(x_mm))
 
 
+# HUP, TSTP and an abort are in process.py.
 case("interrupted", lambda device, process: process.send_signal(signal.SIGINT), 130,
      r"^play: [0-9]+ ticks, ")
-case("hung up", lambda device, process: process.send_signal(signal.SIGHUP), 129, r"^play: ")
-case("Ctrl-Z", lambda device, process: process.send_signal(signal.SIGTSTP), 148, r"^play: ")
 case("broken", lambda device, process: device.messages.append(b"eburnt out"), 1, r"^play: device: .*burnt out")
 case("vanished", lambda device, process: setattr(device, "gone", True), 1, r"^play: device: ",
      reachable=False)
 case("killed", lambda device, process: process.kill(), -signal.SIGKILL, r"")
 case("hangs", move(60), 1, r"^play: the haptic loop hangs, .*zero force was sent")
-case("crashed", move(60), -signal.SIGABRT, r"", grid="stuck.1")
 
 
 def stand_still(device, process):
@@ -166,26 +164,6 @@ def stand_still(device, process):
 
 
 case("stopped", stand_still, 1, r"^play: device: .*: the program stood still, and its guard sent zero force$")
-
-# Each thread's priority, as chrt says it: a force passes through the device's threads.
-device = Device()
-process = play()
-await_force(device, process)
-said = {}
-for task in os.listdir(f"/proc/{process.pid}/task"):
-    name = open(f"/proc/{process.pid}/task/{task}/comm").read().strip()
-    text = subprocess.run(["chrt", "-p", task], check=True, capture_output=True, text=True).stdout
-    policy, priority = re.findall(r": (\w+)$", text, re.M)
-    said.setdefault(name if task != str(process.pid) else "loop", []).append((policy, int(priority)))
-process.send_signal(signal.SIGINT)
-process.communicate(timeout=30)
-device.end()
-if subprocess.run(["chrt", "-f", "45", "true"], stderr=subprocess.DEVNULL).returncode == 0:
-    assert said["loop"] == [("SCHED_FIFO", 40)], said
-    assert said["hid-reader"] == said["hid-writer"] == [("SCHED_FIFO", 45)], said
-    print("priorities:", said)
-else:
-    print("priorities: NOT TESTED, this machine allows no SCHED_FIFO:", said)
 
 # The clutch's button takes the force away, and gives it back.
 device = Device()
