@@ -96,30 +96,24 @@ view ../molecule.one --png ../drawn.png --size 360x240
 /usr/bin/python3 "$here/png.py" near ../first.png ../drawn.png 0.04 0.0025
 shoot again.png
 cmp ../first.png ../again.png
-xdotool click 4
-shoot larger.png
-cmp -s ../first.png ../larger.png && fail "the wheel does nothing"
-xdotool key r mousedown 1 mousemove_relative 50 20 mouseup 1
-shoot turned.png
-cmp -s ../first.png ../turned.png && fail "dragging does nothing"
-cmp -s ../larger.png ../turned.png && fail "dragging and r do nothing"
-xdotool key r
-shoot reset.png
-cmp ../first.png ../reset.png
-# Help in place of the curves, by both keys, and back; the right button moves the picture.
+# changes WHAT UNDO WORD...: what xdotool does, and a key that undoes it.
+changes() {
+  xdotool "${@:3}"
+  shoot changed.png
+  cmp -s ../first.png ../changed.png && fail "$1 does nothing"
+  xdotool key "$2"
+  shoot reset.png
+  cmp ../first.png ../reset.png
+}
+changes "the wheel" r click 4
+changes dragging r mousedown 1 mousemove_relative 50 20 mouseup 1
+changes "dragging with the right button" r mousedown 3 mousemove_relative 40 0 mouseup 3
+# Help is in place of the curves.
+changes h question key h
 xdotool key h
 shoot help.png
-cmp -s ../first.png ../help.png && fail "h shows no help"
 /usr/bin/python3 "$here/png.py" near ../help.png ../drawn.png 0.04 0.0025
-xdotool key question
-shoot reset.png
-cmp ../first.png ../reset.png
-xdotool mousedown 3 mousemove_relative 40 0 mouseup 3
-shoot moved.png
-cmp -s ../first.png ../moved.png && fail "dragging with the right button does nothing"
-xdotool key r
-shoot reset.png
-cmp ../first.png ../reset.png
+xdotool key h
 # Balls and sticks, and whole spheres again.
 xdotool key b
 shoot sticks.png
