@@ -134,13 +134,13 @@ nothing_left() {
   same "files in $directory" "$(printf '%s\n' "$@" | sort)" "$(ls -A "$directory" | sort)"
 }
 
-# rounds GRID OUT: runs rounds of expand and merge, through a pipe, until the frontier is empty.
+# rounds GRID OUT OPTION...: runs rounds of expand and merge, through a pipe, until the frontier is empty; options of expand.
 rounds() {
   cp "$1" "$2"
   local old=-1 new
   while new=$(header "$2" generation); [[ $new != "$old" ]]; do
     old=$new
-    expand "$2" | merge "$2" - -o "$2.new"
+    expand "$2" "${@:3}" | merge "$2" - -o "$2.new"
     mv "$2.new" "$2"
   done
 }

@@ -11,13 +11,7 @@ seed "$ball" --set model.parameters.stored=true -o seeds
 stats --dump evaluated >evaluated.dump
 stats --dump stored >stored.dump
 cmp evaluated.dump stored.dump
-cp seeds rounds
-while (($(stats --get todo rounds) > 0)); do
-  expand --part 1/2 rounds -o r1
-  expand --part 2/2 rounds -o r2
-  merge rounds r2 r1 -o next
-  mv next rounds
-done
+rounds seeds rounds
 cmp rounds stored
 
 verify stored --recompute all >report 2>verdict
