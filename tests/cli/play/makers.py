@@ -5,7 +5,6 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import time
 
 source, build = os.environ["HAPGRID_SOURCE"], os.environ["HAPGRID_BUILD"]
