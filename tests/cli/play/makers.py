@@ -64,7 +64,7 @@ class Play:
             self.service.wait()
             self.service.stdout.close()
         late = re.search("did not answer within 100 ms|its time stood still for 100 ms|the haptic loop hangs|"
-                         "its guard process does not answer", error)
+                         "its guard process does not answer|it calls nobody", error)
         if late and not re.search("100 ms", lines):
             raise Busy(late[0])
         assert self.process.returncode == code, (self.adapter, self.process.returncode, error)
