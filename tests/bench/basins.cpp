@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "libcore/base/error.hpp"
-#include "libcore/haptic/model_traversal.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
+#include "libcore/haptic/model_traversal.hpp"
 #include "libcore/model/plugin_model.hpp"
 #include "libcore/shard/load.hpp"
 

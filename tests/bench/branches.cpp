@@ -31,8 +31,8 @@
 #include <vector>
 
 #include "libcore/base/error.hpp"
-#include "libcore/haptic/model_traversal.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
+#include "libcore/haptic/model_traversal.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
 #include "libcore/haptic/tear_function.hpp"
 #include "libcore/model/fields.hpp"

@@ -20,12 +20,12 @@
 #include <vector>
 
 #include "libcore/base/error.hpp"
-#include "libcore/haptic/record_fields.hpp"
-#include "libcore/haptic/model_traversal.hpp"
 #include "libcore/check/random_hand.hpp"
 #include "libcore/haptic/agreement.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
+#include "libcore/haptic/model_traversal.hpp"
 #include "libcore/haptic/node_force.hpp"
+#include "libcore/haptic/record_fields.hpp"
 #include "libcore/model/plugin_model.hpp"
 #include "libcore/shard/load.hpp"
 

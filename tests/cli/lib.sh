@@ -102,6 +102,22 @@ wait_for() {
 }
 evidence() { :; }
 
+# in_time ERRORS COMMAND...: runs a command in a subshell. A machine that stands still for 100 ms makes play let go of the
+# device, as it should. Where the file ERRORS says that this has happened, the command gets another attempt, of three.
+in_time() {
+  local attempt code
+  for attempt in 1 2 3; do
+    set +e
+    (set -e; "${@:2}")
+    code=$?
+    set -e
+    ((code)) || return 0
+    grep -E 'the haptic loop hangs|did not answer within 100 ms' "$1" || exit $code
+    echo "attempt $attempt of 3: the machine stood still"
+  done
+  exit $code
+}
+
 # decode FILE...: prints the shards as JSON, a line for each message, with the stock tools.
 decode() { zstd -dc "$@" | capnp convert binary:json --short "$schema" Message; }
 
@@ -118,13 +134,13 @@ nothing_left() {
   same "files in $directory" "$(printf '%s\n' "$@" | sort)" "$(ls -A "$directory" | sort)"
 }
 
-# rounds GRID OUT: runs rounds of expand and merge, through a pipe, until the frontier is empty.
+# rounds GRID OUT OPTION...: runs rounds of expand and merge, through a pipe, until the frontier is empty; options of expand.
 rounds() {
   cp "$1" "$2"
   local old=-1 new
   while new=$(header "$2" generation); [[ $new != "$old" ]]; do
     old=$new
-    expand "$2" | merge "$2" - -o "$2.new"
+    expand "$2" "${@:3}" | merge "$2" - -o "$2.new"
     mv "$2.new" "$2"
   done
 }

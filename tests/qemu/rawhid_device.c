@@ -31,8 +31,13 @@
 #include <poll.h>
 #include <sched.h>
 
-#include "tests/hid/descriptors.h"
 #include "tests/qemu/uhid.h"
+
+/* Teensy RawHID: 64 bytes each way, no report id. */
+static const unsigned char descriptor[] = {
+    0x06, 0xab, 0xff, 0x0a, 0x00, 0x02, 0xa1, 0x01, 0x75, 0x08, 0x15, 0x00, 0x26, 0xff,
+    0x00, 0x95, 0x40, 0x09, 0x01, 0x81, 0x02, 0x95, 0x40, 0x09, 0x02, 0x91, 0x02, 0xc0,
+};
 
 struct record {
   int64_t time_ns;
@@ -157,8 +162,7 @@ int main(int argc, char** argv) {
   sigset_t waiting;
   catch_term(&waiting);
 
-  const int fd =
-      uhid_create("Teensy RawHID", BUS_USB, 0x16c0, 0x0486, kTeensyRawHid, sizeof kTeensyRawHid);
+  const int fd = uhid_create("Teensy RawHID", 0x16c0, 0x0486, descriptor, sizeof descriptor);
   static struct uhid_event event;
   int is_open = 0;
   int64_t sent = 0;

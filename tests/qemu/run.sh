@@ -13,7 +13,7 @@
 # and a mounted /proc, /sys, /sys/kernel/debug, /dev and /tmp; one processor, 256 MiB.
 #
 # The kernel is linux-image-KERNEL: cloud-amd64, which has uhid, or with KERNEL=amd64 the one for all
-# machines, which starts 4 s later, and has uinput, USB and its drivers besides.
+# machines, which starts 4 s later, and has uinput besides.
 #
 # Exit code 77, and a reason: there is no qemu, or the kernel cannot be downloaded. The kernel (27 or
 # 70 MB) is downloaded once, into HAPGRID_BUILD/qemu. No more than TIMEOUT (120) seconds, then 124.
@@ -25,8 +25,8 @@ kernel=${KERNEL:-cloud-amd64}
 modules=(hid uhid hid-generic)
 folders=('*/drivers/hid/*')
 if [[ $kernel != cloud-amd64 ]]; then
-  modules+=(evdev ff-memless hid-microsoft uinput usb-common usbcore usbhid usbip-core vhci-hcd)
-  folders+=('*/drivers/input/*' '*/drivers/usb/*')
+  modules+=(evdev ff-memless uinput)
+  folders+=('*/drivers/input/*')
 fi
 cache=$build/qemu/$kernel
 

@@ -30,8 +30,8 @@ static inline void uhid_send(int fd, const struct uhid_event* event) {
   if (write(fd, event, sizeof *event) != (ssize_t)sizeof *event) die("write to /dev/uhid");
 }
 
-/* A device with this report descriptor, on BUS_USB or BUS_BLUETOOTH. */
-static inline int uhid_create(const char* name, uint16_t bus, uint32_t vendor, uint32_t product,
+/* A device on USB with this report descriptor. */
+static inline int uhid_create(const char* name, uint32_t vendor, uint32_t product,
                               const unsigned char* descriptor, size_t size) {
   const int fd = open("/dev/uhid", O_RDWR | O_CLOEXEC);
   if (fd < 0) die("/dev/uhid");
@@ -40,7 +40,7 @@ static inline int uhid_create(const char* name, uint16_t bus, uint32_t vendor, u
   event.type = UHID_CREATE2;
   snprintf((char*)event.u.create2.name, sizeof event.u.create2.name, "%s", name);
   event.u.create2.rd_size = (uint16_t)size;
-  event.u.create2.bus = bus;
+  event.u.create2.bus = BUS_USB;
   event.u.create2.vendor = vendor;
   event.u.create2.product = product;
   memcpy(event.u.create2.rd_data, descriptor, size);

@@ -1,8 +1,8 @@
 // A stand-in for OpenHaptics' libHD: a device in process whose handle rests at one place. As with
 // the real one, a thread of the kit calls back a thousand times a second once the scheduler runs;
 // forces are set inside a frame and go out at its end, if force output is enabled; a force beyond
-// the largest is an error and does not go out; errors are on a stack that hdGetError() empties;
-// when the scheduler stops, so do forces.
+// the largest is an error and does not go out; hdGetError() takes the last error away; when the
+// scheduler stops, so do forces.
 #include <HD/hd.h>
 #include <pthread.h>
 #include <stdatomic.h>
@@ -10,27 +10,15 @@
 
 #include "tests/standin/kits/kit.h"
 
-static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
-static HDErrorInfo errors[16];
-static int count, enabled, in_frame;
+static _Atomic HDerror last_error;
+static int enabled, in_frame;
 static double wanted[3];
 static HDSchedulerCallback callback;
-static void* data;
 static pthread_t thread;
 static atomic_int running;
 
-static void push(HDerror code) {
-  pthread_mutex_lock(&mutex);
-  if (count < 16) errors[count++] = (HDErrorInfo){.errorCode = code};
-  pthread_mutex_unlock(&mutex);
-}
-
 HDErrorInfo hdGetError(void) {
-  HDErrorInfo error = {.errorCode = HD_SUCCESS};
-  pthread_mutex_lock(&mutex);
-  if (count > 0) error = errors[--count];
-  pthread_mutex_unlock(&mutex);
-  return error;
+  return (HDErrorInfo){.errorCode = atomic_exchange(&last_error, HD_SUCCESS)};
 }
 
 HDstring hdGetErrorString(HDerror code) {
@@ -41,7 +29,7 @@ HDstring hdGetErrorString(HDerror code) {
 
 HHD hdInitDevice(HDstring name) {
   (void)name;
-  if (kit_fault("absent", 0)) push(HD_COMM_ERROR);
+  if (kit_fault("absent", 0)) last_error = HD_COMM_ERROR;
   return 1;
 }
 
@@ -62,8 +50,9 @@ void hdEndFrame(HHD device) {
   in_frame = 0;
   const double squared = wanted[0] * wanted[0] + wanted[1] * wanted[1] + wanted[2] * wanted[2];
   if (squared > 0.88 * 0.88)
-    push(HD_EXCEEDED_MAX_FORCE);
-  else if (enabled && !kit_force(wanted[0], wanted[1], wanted[2])) push(HD_COMM_ERROR);
+    last_error = HD_EXCEEDED_MAX_FORCE;
+  else if (enabled && !kit_force(wanted[0], wanted[1], wanted[2]))
+    last_error = HD_COMM_ERROR;
 }
 
 // 25 mm to the left of the middle, 10 mm away from the user, 5 mm up.
@@ -74,7 +63,7 @@ void hdGetDoublev(HDenum what, HDdouble* values) {
   } else if (what == HD_NOMINAL_MAX_CONTINUOUS_FORCE) {
     *values = 0.88;
   } else if (!in_frame) {
-    push(HD_FRAME_ERROR);
+    last_error = HD_FRAME_ERROR;
   } else if (what == HD_CURRENT_POSITION) {
     memcpy(values, place, sizeof place);
   } else {
@@ -89,7 +78,7 @@ void hdGetIntegerv(HDenum what, HDint* values) {
 
 void hdSetDoublev(HDenum what, const HDdouble* values) {
   if (what != HD_CURRENT_FORCE || !in_frame)
-    push(HD_FRAME_ERROR);
+    last_error = HD_FRAME_ERROR;
   else
     memcpy(wanted, values, sizeof wanted);
 }
@@ -102,15 +91,14 @@ HDstring hdGetString(HDenum what) {
 static void* loop(void* unused) {
   (void)unused;
   const struct timespec tick = {.tv_nsec = 1000000};
-  while (running && callback(data) == HD_CALLBACK_CONTINUE) nanosleep(&tick, NULL);
+  while (running && callback(NULL) == HD_CALLBACK_CONTINUE) nanosleep(&tick, NULL);
   return NULL;
 }
 
 HDSchedulerHandle hdScheduleAsynchronous(HDSchedulerCallback function, void* argument,
                                          HDushort priority) {
-  (void)priority;
+  (void)priority, (void)argument;
   callback = function;
-  data = argument;
   return 1;
 }
 
@@ -118,7 +106,7 @@ void hdUnschedule(HDSchedulerHandle handle) { (void)handle; }
 
 void hdStartScheduler(void) {
   running = 1;
-  if (pthread_create(&thread, NULL, loop, NULL) != 0) push(HD_COMM_ERROR);
+  if (pthread_create(&thread, NULL, loop, NULL) != 0) last_error = HD_COMM_ERROR;
 }
 
 void hdStopScheduler(void) {

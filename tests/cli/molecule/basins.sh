@@ -24,26 +24,6 @@ if [[ -x $HAPGRID_BUILD/bench/bench_basins ]]; then
 fi
 source "$here/xtb.bash"
 
-# From a minimum that is not the lowest one the search begins anew behind its saddle: GFN-FF has anti 0.6 kJ/mol
-# above gauche.
-/usr/bin/python3 - "$molecules" <<'END' || fail "not from the lower minimum"
-import os
-import sys
-import numpy
-sys.path.insert(0, sys.argv[1])
-import preparation  # noqa: F401
-from command import rotors, stages, structures
-from preparation import geometry, molecule, work
-one = molecule.from_file(f"{sys.argv[1]}/dichloroethane/conformation.xyz")
-os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-found = structures.explore(one, rotors.find(one)[0], structures.Options(
-    work.Options("gfnff", 0, 0, 150.0, "work"), search=False, keep_conformation=False, basins=True, threads=2), stages.Stages(".", True))
-turn = numpy.degrees(geometry.torsion(found.result.x, 0, 1, 2, 3))
-assert 60 < abs(turn) < 80 and not found.lower, (turn, found.lower)
-minima = [k for k, kind in found.result.found[0].kinds.items() if kind == "minimum"]
-assert any(abs(found.result.found[0].energies[k] - found.result.energy) * 2625.5 < 1 for k in minima)
-END
-
 # 1,3-Difluoropropane: two equal torsions. Where both are behind a saddle the sum is wrong, so one is left out. The
 # minima and saddles of the other are xtb's, and the probe leads it over a barrier and back.
 hapgrid molecule --smiles FCCCF --basins --method gfnff --spacing 2 -o fluoro --quiet >line || fail "no grid"

@@ -9,5 +9,5 @@ seed "$ball" --set 'grid.counts=[41,21,21]' --set 'grid.origin=[-1,-0.5,-0.5]' |
   expand --complete -o plane.grid
 play shipped.grid --device "path:$path" --log shipped.log 2>/dev/null
 play plane.grid --device "path:$path" --log plane.log 2>/dev/null
-python3 "$here/closed_form.py" shipped.log 0.05 0.025 3
-python3 "$here/closed_form.py" plane.log 0.05 0 1
+python3 "$here/along.py" shipped.log 0.05 0.025 3
+python3 "$here/along.py" plane.log 0.05 0 1

@@ -1,12 +1,14 @@
-"""Plays with devices of tests/standin: a Teensy with the shipped profile, PLUGINS has `stuck`; a
-SpaceMouse."""
+"""Plays with devices behind standin/hidapi.c: a Teensy with the shipped profile, PLUGINS has `stuck`; a SpaceMouse."""
 import collections
 import os
 import re
+import selectors
 import signal
+import socket
 import struct
 import subprocess
 import sys
+import threading
 import time
 
 plugins = sys.argv[1]
@@ -20,32 +22,75 @@ PROFILE = f"{source}/examples/devices/teensy-rawhid.toml"
 
 def report(x_mm, buttons=0):
     """An input report of the profile: nanometres behind four bytes."""
-    return struct.pack("<BBxx3i48x", 0x48, buttons, int(x_mm * 1e6), 0, 0).hex()
+    return struct.pack("<BBxx3i48x", 0x48, buttons, int(x_mm * 1e6), 0, 0)
 
 
 class Device:
-    """The device process. Of the Teensy the hand is at x = -40 mm, where 0.08 m are half of the box."""
+    """The device behind standin/hidapi.c, as a thread. It sends its report 500 times a second. Of the Teensy the hand
+    is at x = -40 mm, where 0.08 m are half of the box."""
 
     def __init__(self, info=TEENSY, first=report(-40)):
-        for name in ("socket", "record"):
-            if os.path.exists(name):
-                os.remove(name)
-        self.process = subprocess.Popen([sys.executable, f"{source}/tests/standin/device.py", "socket",
-                                         "record", info], stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE, text=True)
-        assert self.process.stdout.readline() == "ready\n"
-        self.tell(f"repeat 500 {first}")
+        if os.path.exists("socket"):
+            os.remove("socket")
+        self.listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self.listener.bind("socket")
+        self.listener.listen(16)
+        self.info, self.report = info, first
+        self.messages = []  # to be sent once: "i" and a report, or "e" and why hid_read fails
+        self.written = []  # reports that came, with their ids
+        self.gone = self.over = False
+        self.thread = threading.Thread(target=self.serve, daemon=True)
+        self.thread.start()
 
-    def tell(self, line):
-        self.process.stdin.write(line + "\n")
-        self.process.stdin.flush()
+    def serve(self):
+        kinds, select, due = {}, selectors.DefaultSelector(), time.monotonic()
+        select.register(self.listener, selectors.EVENT_READ)
 
-    def written(self):
-        return [bytes.fromhex(line[2:]) for line in open("record") if line[0] == "w"]
+        def send(connection, message):
+            try:
+                connection.send(message, socket.MSG_DONTWAIT)
+            except OSError:
+                pass  # no room, or gone: as hidraw
+
+        def take(connection):
+            try:
+                message = connection.recv(8192)
+            except OSError:
+                message = b""
+            if not message:
+                select.unregister(connection)
+                del kinds[connection]
+                connection.close()
+            elif not kinds[connection]:
+                kinds[connection] = chr(message[0])
+                if message[:1] in b"CL":
+                    send(connection, b"k" if message[:1] == b"C" else self.info.encode())
+            else:
+                if message[:1] == b"w":
+                    self.written.append(message[1:])
+                send(connection, b"r" + struct.pack("=i", len(message) - 1))
+
+        while not self.over and not self.gone:
+            for key, _ in select.select(max(0, due - time.monotonic())):
+                if key.fileobj is self.listener:
+                    connection, _ = self.listener.accept()
+                    kinds[connection] = ""
+                    select.register(connection, selectors.EVENT_READ)
+                else:
+                    take(key.fileobj)
+            messages, self.messages = self.messages, []
+            if time.monotonic() >= due:
+                messages.append(b"i" + self.report)
+                due = max(due + 0.002, time.monotonic())
+            for message in messages:
+                for connection in [c for c, kind in kinds.items() if kind == "I"]:
+                    send(connection, message)
+        for connection in [self.listener, *kinds]:
+            connection.close()
 
     def end(self):
-        self.process.stdin.close()
-        self.process.wait()
+        self.over = True
+        self.thread.join()
 
 
 def force(written):
@@ -64,7 +109,7 @@ def await_force(device, process):
     """Until the whole half newton is on the device."""
     deadline = time.monotonic() + 30
     while time.monotonic() < deadline and process.poll() is None:
-        if any(force(w) == 500 for w in device.written()):
+        if any(force(w) == 500 for w in device.written):
             return
         time.sleep(0.02)
     process.kill()
@@ -83,7 +128,7 @@ def case(name, disturb, code, line, grid="stuck.0", reachable=True):
     assert re.search(line, error, re.M), (name, error)
 
     def last():
-        return [force(w) for w in device.written()[-2:]]
+        return [force(w) for w in device.written[-2:]]
 
     # The guard writes from another process, perhaps a moment later.
     deadline = time.monotonic() + 10
@@ -91,31 +136,28 @@ def case(name, disturb, code, line, grid="stuck.0", reachable=True):
         assert time.monotonic() < deadline, (name, last())
         time.sleep(0.02)
     device.end()
-    print(f"{name}: {len(device.written())} reports, the last {last()}")
+    print(f"{name}: {len(device.written)} reports, the last {last()}")
 
 
 def move(x_mm):
-    return lambda device, process: device.tell(f"repeat 500 {report(x_mm)}")
+    return lambda device, process: setattr(device, "report", report(x_mm))
 
 
+# HUP, TSTP and an abort are in process.py.
 case("interrupted", lambda device, process: process.send_signal(signal.SIGINT), 130,
      r"^play: [0-9]+ ticks, ")
-case("hung up", lambda device, process: process.send_signal(signal.SIGHUP), 129, r"^play: ")
-case("Ctrl-Z", lambda device, process: process.send_signal(signal.SIGTSTP), 148, r"^play: ")
-case("broken", lambda device, process: device.tell("error burnt out"), 1, r"^play: device: .*burnt out")
-case("vanished", lambda device, process: device.tell("vanish"), 1, r"^play: device: ",
+case("broken", lambda device, process: device.messages.append(b"eburnt out"), 1, r"^play: device: .*burnt out")
+case("vanished", lambda device, process: setattr(device, "gone", True), 1, r"^play: device: ",
      reachable=False)
 case("killed", lambda device, process: process.kill(), -signal.SIGKILL, r"")
 case("hangs", move(60), 1, r"^play: the haptic loop hangs, .*zero force was sent")
-case("crashed", move(60), -signal.SIGABRT, r"", grid="stuck.1")
-
 
 
 def stand_still(device, process):
     """The guard lets go while the program stands still; then it goes on."""
     process.send_signal(signal.SIGSTOP)
     deadline = time.monotonic() + 20
-    while force(device.written()[-1]) != "stop":
+    while force(device.written[-1]) != "stop":
         assert time.monotonic() < deadline, "stopped, and the force is left on the device"
         time.sleep(0.02)
     process.send_signal(signal.SIGCONT)
@@ -123,36 +165,16 @@ def stand_still(device, process):
 
 case("stopped", stand_still, 1, r"^play: device: .*: the program stood still, and its guard sent zero force$")
 
-# Each thread's priority, as chrt says it: a force passes through the device's threads.
-device = Device()
-process = play()
-await_force(device, process)
-said = {}
-for task in os.listdir(f"/proc/{process.pid}/task"):
-    name = open(f"/proc/{process.pid}/task/{task}/comm").read().strip()
-    text = subprocess.run(["chrt", "-p", task], check=True, capture_output=True, text=True).stdout
-    policy, priority = re.findall(r": (\w+)$", text, re.M)
-    said.setdefault(name if task != str(process.pid) else "loop", []).append((policy, int(priority)))
-process.send_signal(signal.SIGINT)
-process.communicate(timeout=30)
-device.end()
-if subprocess.run(["chrt", "-f", "45", "true"], stderr=subprocess.DEVNULL).returncode == 0:
-    assert said["loop"] == [("SCHED_FIFO", 40)], said
-    assert said["hid-reader"] == said["hid-writer"] == [("SCHED_FIFO", 45)], said
-    print("priorities:", said)
-else:
-    print("priorities: NOT TESTED, this machine allows no SCHED_FIFO:", said)
-
 # The clutch's button takes the force away, and gives it back.
 device = Device()
 process = play()
 await_force(device, process)
-count = len(device.written())
-device.tell(f"repeat 500 {report(-40, buttons=1)}")
+count = len(device.written)
+device.report = report(-40, buttons=1)
 deadline = time.monotonic() + 20
-while time.monotonic() < deadline and all(force(w) != 0 for w in device.written()[count:]):
+while time.monotonic() < deadline and all(force(w) != 0 for w in device.written[count:]):
     time.sleep(0.02)
-assert any(force(w) == 0 for w in device.written()[count:]), "the clutch did nothing"
+assert any(force(w) == 0 for w in device.written[count:]), "the clutch did nothing"
 process.send_signal(signal.SIGINT)
 process.communicate(timeout=30)
 device.end()
@@ -176,19 +198,19 @@ print("system calls:", dict(calls))
 
 # A SpaceMouse: pushed half way to the left, the HIP goes half of mapping.speed that way, and nowhere else; a
 # button is in the log.
-device = Device(SPACEMOUSE, struct.pack("<B3h", 1, -175, 0, 0).hex())
+device = Device(SPACEMOUSE, struct.pack("<B3h", 1, -175, 0, 0))
 process = play("--rate", "500", "--duration", "1", "--set", "mapping.speed=0.4", "--log", "mouse.session",
                device="spacemouse")
 deadline = time.monotonic() + 30
 while not os.path.exists("mouse.session"):  # the device is open
     assert time.monotonic() < deadline, "no log"
     time.sleep(0.01)
-device.tell(f"input {struct.pack('<BH', 3, 2).hex()}")
+device.messages.append(b"i" + struct.pack("<BH", 3, 2))
 error = process.communicate(timeout=60)[1]
 assert process.returncode == 0, error
 assert error.startswith("play: SpaceMouse Wireless (256f:c62e) at 500 Hz; "), error
 device.end()
-assert not device.written(), device.written()
+assert not device.written, device.written
 subprocess.run(["stats", "--log", "mouse.session", "--export", "mouse.txt"], check=True)
 ticks = [tuple(map(float, text.split("\t")[:4])) for text in open("mouse.txt") if text[0] != "#"]
 ticks = ticks[next(i for i, (_, x, _, _) in enumerate(ticks) if x):]  # from the first report on

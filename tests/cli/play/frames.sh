@@ -91,6 +91,16 @@ PYTHON
 same "paced frames" "$(sed -nE 's/.*"frames": ([0-9]+),.*/\1/p' json)" \
   "$(sed -nE 's/play: frames written ([0-9]+), dropped [0-9]+/\1/p' err)"
 
+# A viewer that dies takes nothing away from play, with a pace or without; others are in unit/scene/publisher_test.cpp.
+for _ in {1..100}; do cat path; done >long
+for rate in '' '--rate 20000'; do
+  # shellcheck disable=SC2086  # two words or none
+  (set +o pipefail; play grid --device path:long --frames - $rate 2>err | head -c 1000 >part)
+  grep -q '^play: 36200 ticks, ' err || fail "$(cat err)"
+  same "last line" "~play: frames written [1-9][0-9]*, dropped [0-9]+; the viewer closed its end before the last one" \
+    "$(tail -n 1 err)"
+done
+
 # A signal: the frames so far are a whole file.
 # A shell starts background commands with SIGINT ignored; env undoes that.
 for i in {1..500}; do echo "0.0$i 0 0"; done >slow

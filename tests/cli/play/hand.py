@@ -1,6 +1,5 @@
 """Moves a hand through the grid of the hung ball by way of the named pipe: the closed loop of a real play."""
 import atexit
-import math
 import os
 import signal
 import subprocess
@@ -101,15 +100,7 @@ contact = at_rest("contact")[-1]
 assert contact["s0"] > 0.2 and 0.02 < 0.1 - contact["x"] < 0.1, contact
 assert abs(at_rest("left")[-1]["s0"]) < 1e-9 and abs(at_rest("snapped")[-1]["s0"]) < 1e-9
 
-# The HIP is pressed down below the hand's z = 0, until the ball slips over it and falls back, in one tick. Then it
-# goes up to the hand with its time constant of 30 ms, and nothing swings.
+# The HIP is pressed down below the hand's z = 0, until the ball slips over it and falls back, in one tick. How the HIP
+# then goes to the hand is in unit/device/hand_test.cpp.
 snaps = [i for i in range(1, len(log)) if log[i - 1]["s0"] - log[i]["s0"] > 0.1]
-assert len(snaps) == 1, snaps
-depths = [-row["z"] for row in log[snaps[0]:]]
-assert depths[0] > 0.1, depths[0]
-start = 5  # the force is gone after so many ticks, by 1 N a tick
-ticks = log[snaps[0] + start:snaps[0] + start + 61]
-wanted = sum(math.log(1 + min(b["t"] - a["t"], 0.004) / 0.03) for a, b in zip(ticks, ticks[1:]))
-times = math.log(depths[start] / depths[start + 60])
-assert abs(times / wanted - 1) < 0.1, (times, wanted)  # ticks are late by some of their time
-assert all(b < a for a, b in zip(depths[start:], depths[start + 1:start + 200])), "it swings after the snap"
+assert len(snaps) == 1 and log[snaps[0]]["z"] < -0.1, snaps

@@ -1,4 +1,4 @@
-# play --imd: an independent client compares the bytes, beside hostile ones.
+# play --imd: an independent client compares the bytes.
 source "$(dirname "$0")/../lib.sh"
 frames=$HAPGRID_SOURCE/schemas/frame.capnp
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid

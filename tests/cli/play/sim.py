@@ -3,50 +3,14 @@
 sim.py LOG TABLE REPORT SUMMARY, with the sim.toml of sim.sh
 sim.py error LOG TRUTH TABLE     the errors of LOG's forces against those of the model in TRUTH
 
-The hand's targets are computed here by the rule in libcore/device/wandering.hpp.
+How the hand wanders and rests is in unit/device/simulated_test.cpp.
 """
 import json
 import math
 import re
 import sys
 
-SCALE, TICKS, REST = 19.0, 4000, 1250
-MASK = (1 << 64) - 1
-
-
-def mix(z):
-    z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9 & MASK
-    z = (z ^ z >> 27) * 0x94D049BB133111EB & MASK
-    return z ^ z >> 31
-
-
-def rests(session):
-    """The first and the last tick of each rest that lasts a second or more."""
-    state = mix(3) + session & MASK
-
-    def number():
-        nonlocal state
-        state = state + 0x9E3779B97F4A7C15 & MASK
-        return mix(state)
-
-    def part():
-        return (number() % (1 << 53)) / (1 << 53)
-
-    def place():
-        return [(-0.5 + part()) * side / SCALE for side in (1.9, 0.9, 0.9)]
-
-    at, tick, found = place(), 0, []
-    while tick < TICKS - 1:
-        if number() % 2 == 0:
-            found.append((tick, min(tick + REST, TICKS - 1)))
-            tick += REST
-        if tick >= TICKS - 1:
-            break
-        to = place()
-        speed = 0.2 * (1 + 3 * part()) / 4
-        tick += math.ceil(math.dist(at, to) / speed * 1000)
-        at = to
-    return [(begin, end) for begin, end in found if end - begin + 1 >= 1000]
+SCALE, TICKS = 19.0, 4000
 
 
 def read(name):
@@ -82,11 +46,6 @@ def judge(log, table, report, summary):
         near(said["given_mJ"], given, "given")
         near(said["returned_mJ"], highest, "returned")
         near(said["largest_step_N"], max(math.dist(a, b) for a, b in zip(sent, sent[1:])), "step")
-        held = rests(k)
-        assert said["holds"] == len(held), (k, said, held)
-        last = [x[end - 999:end + 1] for _, end in held]
-        worst = max([max(max(c) - min(c) for c in zip(*p)) for p in last], default=0)
-        near(said["oscillation_mm"], 1000 * worst, "oscillation")
     assert sum(s["holds"] for s in sessions) > 3 and max(s["returned_mJ"] for s in sessions) > 0
     said = json.load(open(report))["simulation"]
     returned = [s["returned_mJ"] for s in sessions]

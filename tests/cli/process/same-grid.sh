@@ -14,18 +14,12 @@ seed "$ball" $small | expand --complete >plugin.grid
 [[ $(stats --get records grid) -gt 128 ]] || fail "no point has two levels"
 cmp <(stats --dump grid | cut -f 1-31) <(stats --dump plugin.grid | cut -f 1-31)
 
-# The same bytes with more copies, with more questions in flight, and in rounds of parts, where only
+# The same bytes with more copies, with more questions in flight, and in rounds, where only
 # expand needs the process. In another directory the command still runs beside its definition.
 mkdir elsewhere
 expect 0 '' '' -- env -C elsewhere "$HAPGRID_BIN/expand" --complete ../seeds $allow -j 3 --in-flight 7 -o ../grid.3
 cmp grid grid.3
-cp seeds round
-while [[ $(stats --get todo round) -gt 0 ]]; do
-  expand round $allow --part 1/2 -j 2 -o requests.1
-  expand round $allow --part 2/2 --in-flight 1 -o requests.2
-  expect 0 '' '' -- merge round requests.2 requests.1 -o next
-  mv next round
-done
+rounds seeds round $allow -j 2 --in-flight 2
 cmp grid round
 
 # With make, which says so once.

@@ -197,19 +197,17 @@ def bad(name):
         changed[place][kind].update(fields)
         return changed
 
-    def header(what, message, **fields):
-        refuse(what, seal(change("header", 0, **fields)), "byte 0: " + message)
-
-    header("magic", "not a session", magic="1")
-    header("version", "format version 1, this program reads version 2", version=1)
-    header("rate 0", "a rate of 0 Hz; ", rate=0)
-    header("box", "box: spacing is -1", box=dict(messages[0]["header"]["box"], spacing=-1))
-    header("many flags", "33 flags, the limit is 32", flagNames=["f"] * 33)
-    header("long model", "a model's name of 300 bytes, the limit is 255", model="m" * 300)
-    header("long settings", "settings of 600000 bytes, the limit is 524288", settings="s" * 600000)
-    refuse("huge header", seal(change("header", 0, settings="s" * 2000000)),
-           "byte 0: a message of 2000")
     bomb = shard.frame(bytes(1 << 30))
+    for what, message, fields in [
+            ("magic", "not a session", {"magic": "1"}),
+            ("version", "format version 1, this program reads version 2", {"version": 1}),
+            ("rate 0", "a rate of 0 Hz; ", {"rate": 0}),
+            ("box", "box: spacing is -1", {"box": dict(messages[0]["header"]["box"], spacing=-1)}),
+            ("many flags", "33 flags, the limit is 32", {"flagNames": ["f"] * 33}),
+            ("long model", "a model's name of 300 bytes, the limit is 255", {"model": "m" * 300}),
+            ("long settings", "settings of 600000 bytes, the limit is 524288", {"settings": "s" * 600000}),
+            ("huge header", "a message of 2000", {"settings": "s" * 2000000})]:
+        refuse(what, seal(change("header", 0, **fields)), "byte 0: " + message)
     refuse("a bomb instead of a header", bomb, "byte 0: a message of 1073741824 bytes")
     refuse("cut header", good[:40], "byte 0: not a session, or its header is cut")
     refuse("nothing behind the header", good[: at[1]], "a session without a tick\n")
@@ -217,38 +215,32 @@ def bad(name):
            "a session without a tick, which ended early at byte %d of %d: " % (at[1], at[1] + 9))
 
     # In the second chunk of three: the first is read.
-    def chunk(what, message, **fields):
-        end_early(what, seal(change("ticks", 2, **fields)), n, at[2], message)
-
     ticks = messages[2]["ticks"]
-    for column in ("flags", "lateness", "compute", "levels", "hip", "rawForce", "force"):
-        chunk(column, "damaged: column %s does not fit the chunk" % column,
-              **{column: ticks[column][1:]})
-        chunk(column, "damaged: column %s does not fit the chunk" % column, **{column: []})
-    chunk("a number that wraps", "damaged: a tick's number is beyond 64 bits",
-          skipped=["0", str(MASK)] + ticks["skipped"][2:])
-    chunk("skipped at first", "damaged: ticks skipped before", skipped=["1"] + ticks["skipped"][1:])
-    chunk("no tick", "damaged: a chunk of 0 ticks", skipped=[])
-    chunk("too many ticks", "damaged: a chunk of 4097 ticks", skipped=["0"] * 4097)
-    last = 5 + n + 1  # two numbers are skipped
-    for first in (0, last):
-        chunk("chunks out of order", "damaged: tick %d after tick %d" % (first, last), first=str(first))
-
-    def instead(what, message, frame):
+    columns = ("flags", "lateness", "compute", "levels", "hip", "rawForce", "force")
+    for what, message, fields in [
+            *((c, "column %s does not fit the chunk" % c, {c: ticks[c][1:]}) for c in columns),
+            *((c, "column %s does not fit the chunk" % c, {c: []}) for c in columns),
+            ("a number that wraps", "a tick's number is beyond 64 bits",
+             {"skipped": ["0", str(MASK)] + ticks["skipped"][2:]}),
+            ("skipped at first", "ticks skipped before", {"skipped": ["1"] + ticks["skipped"][1:]}),
+            ("no tick", "a chunk of 0 ticks", {"skipped": []}),
+            ("too many ticks", "a chunk of 4097 ticks", {"skipped": ["0"] * 4097}),
+            # Two numbers are skipped in the first.
+            *(("chunks out of order", "tick %d after tick %d" % (k, 5 + n + 1), {"first": str(k)}) for k in (0, 5 + n + 1))]:
+        end_early(what, seal(change("ticks", 2, **fields)), n, at[2], "damaged: " + message)
+    for what, message, frame in [
+            ("a header again", "damaged: a chunk of ticks was expected", frames[0]),
+            ("a bomb", "a message of 1073741824 bytes, the limit is 524288", bomb),
+            ("no message", "not a session: no Cap'n Proto message", shard.frame(b"1234567")),
+            ("an empty message", "damaged: ", shard.frame(bytes(8))),
+            ("a frame to skip", "not a session: ", struct.pack("<II", 0x184D2A5E, 0)),
+            ("no zstd frame", "a zstd frame is cut", b"x" * 1000),
+            ("zeros", "a zstd frame is cut", bytes(5000))]:
         end_early(what, b"".join(frames[:2] + [frame] + frames[3:]), n, at[2], message)
-
-    instead("a header again", "damaged: a chunk of ticks was expected", frames[0])
-    instead("a bomb", "a message of 1073741824 bytes, the limit is 524288", bomb)
-    instead("no message", "not a session: no Cap'n Proto message", shard.frame(b"1234567"))
-    instead("an empty message", "damaged: ", shard.frame(bytes(8)))
-    instead("a frame to skip", "not a session: ", struct.pack("<II", 0x184D2A5E, 0))
-    instead("no zstd frame", "a zstd frame is cut", b"x" * 1000)
-
     # Cuts: between zstd frames, where nothing can be seen, and in them.
     for chunks in (1, 2):
         done = stats(good[: at[chunks + 1]], "--export", "-")
-        good_cut = done.returncode == 0 and done.stderr == b"" and done.stdout.count(b"\n") == chunks * n + 1
-        if not good_cut:
+        if done.returncode or done.stderr or done.stdout.count(b"\n") != chunks * n + 1:
             failures.append("cut behind chunk %d: %s" % (chunks, done))
     for cut in (at[2] + 1, at[2] + 20, at[3] - 1):
         end_early("cut at %d" % cut, good[:cut], n, at[2], "a zstd frame is cut")

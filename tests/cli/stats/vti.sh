@@ -1,4 +1,4 @@
-# A grid as an image for ParaView: its library reads it and draws it.
+# A grid as an image for ParaView: its library reads it.
 source "$(dirname "$0")/../lib.sh"
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' --set model.parameters.stored=true |
   expand --complete -o grid
@@ -12,9 +12,8 @@ read -r _ _ _ count _ <<<"$(stats grid --vti branch1.vti --branch 1)"
 count=${count%:}
 refuses "stats: --branch $count: this grid has the branches 0 to $((count - 1))" -- stats grid --vti x.vti --branch "$count"
 expect 2 '' '~stats: --branch needs --vti .*' -- stats grid --branch 0
-needs xvfb-run xvfb
 /usr/bin/python3 -c "import vtk" 2>/dev/null || { missing python3-vtk9; exit 77; }
-LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a /usr/bin/python3 - <<'PYTHON'
+/usr/bin/python3 - <<'PYTHON'
 import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
@@ -61,19 +60,4 @@ for n in 0, 1:
         values = vtk_to_numpy(shown.GetArray(name)).reshape(2000, -1)
         assert (values[point[here]] == grid[name][here].reshape(sizes[n], -1)).all(), name
         assert np.isnan(values).any(axis=1).sum() == 2000 - sizes[n], name
-mapper, actor, renderer, window = vtk.vtkDataSetMapper(), vtk.vtkActor(), vtk.vtkRenderer(), vtk.vtkRenderWindow()
-mapper.SetInputData(image)
-data.SetActiveScalars("levels")
-mapper.SetScalarRange(1, 2)
-actor.SetMapper(mapper)
-renderer.AddActor(actor)
-window.SetOffScreenRendering(1)
-window.SetSize(200, 150)
-window.AddRenderer(renderer)
-window.Render()
-shot = vtk.vtkWindowToImageFilter()
-shot.SetInput(window)
-shot.Update()
-colours = np.unique(vtk_to_numpy(shot.GetOutput().GetPointData().GetScalars()), axis=0)
-assert len(colours) > 10, colours  # one and two levels, and what is between
 PYTHON

@@ -26,15 +26,9 @@ same "path" '0 0 0' "$(cat path)"
 mkfifo hand
 refuses 'view: hand: nobody reads this pipe; it is for play --device path:hand' -- view frames --window --hand hand
 
-needs Xvfb xvfb
+source "$here/../xvfb.sh"
 needs xdotool xdotool
-: >display
-Xvfb -displayfd 3 -screen 0 1100x800x24 -nolisten tcp -noreset 3>display >xvfb.log 2>&1 &
-server=$!
-trap 'kill $server 2>/dev/null; rm -rf "$work"' EXIT
-wait_for 60 "X server" test -s display
-DISPLAY=:$(cat display)
-export DISPLAY
+start_x
 
 # feel OPTION...: starts it in the background and waits for its window and the first frame in it.
 feel() {
@@ -46,27 +40,19 @@ feel() {
   wait_for 60 "frame" first_frame
   rm hapgrid-*.png
 }
-first_frame() { in_time && xdotool key s && sleep 0.1 && compgen -G 'hapgrid-*.png'; }
+first_frame() { not_held_up && xdotool key s && sleep 0.1 && compgen -G 'hapgrid-*.png'; }
 evidence() { cat err; }
-# in_time: ends the attempt where this machine was too busy to keep the loop's time, so that play let go of the hand.
-in_time() { ! grep -q 'the haptic loop hangs' err || exit 1; }
-# patiently COMMAND...: a new attempt for each in which the machine was too busy.
-patiently() {
-  local attempt code
-  for ((attempt = 0; attempt < 9; attempt++)); do
-    rm -rf tmp/* hapgrid-*.png ./*.session ./*.session.part
-    set +e
-    (set -e; trap 'kill ${feel-} 2>/dev/null || :; wait || :' EXIT; "$@")
-    code=$?
-    set -e
-    ((code)) || return 0
-    grep -q 'the haptic loop hangs' err || exit $code
-  done
-  fail "this machine is too busy"
+# not_held_up: ends an attempt at once where play has let go of the hand.
+not_held_up() { ! grep -q 'the haptic loop hangs' err || exit 1; }
+# attempt COMMAND...: an attempt of in_time, from the beginning.
+attempt() {
+  trap 'kill ${feel-} 2>/dev/null || :; wait || :' EXIT
+  rm -rf tmp/* hapgrid-*.png ./*.session ./*.session.part
+  "$@"
 }
 # mouse DX DY STEPS: 50 steps a second.
 mouse() { for ((i = 0; i < $3; ++i)); do xdotool mousemove_relative -- "$1" "$2"; sleep 0.02; done; }
-shot() { in_time && compgen -G 'hapgrid-*.png'; }
+shot() { not_held_up && compgen -G 'hapgrid-*.png'; }
 shoot() {
   rm -f hapgrid-*.png
   xdotool key s
@@ -92,10 +78,10 @@ push() {
   sleep 0.5
   shoot right.png
   xdotool key q
-  wait $feel || { in_time; fail "$(cat err)"; }
+  wait $feel || fail "$(cat err)"
   nothing_left tmp
 }
-patiently push
+in_time err attempt push
 /usr/bin/python3 "$here/png.py" order left.png blue yellow
 /usr/bin/python3 "$here/png.py" order right.png yellow blue
 play grid --device replay:hand.session --log again --frames again.frames 2>/dev/null
@@ -123,16 +109,16 @@ stop() {
   kill -TERM $feel
   local code=0
   wait $feel || code=$?
-  in_time
+  not_held_up
   same "exit code" 143 $code
   grep -q '^play: [0-9]* ticks' err || fail "the play did not end in good order: $(cat err)"
   nothing_left tmp
   ! xdotool search --name '^hung-ball - hapgrid view$' || fail "there is still a window"
 }
-patiently stop
+in_time err attempt stop
 short() {
-  hapgrid feel grid --duration 1 2>err || { in_time; fail "$(cat err)"; }
+  hapgrid feel grid --duration 1 2>err || fail "$(cat err)"
   grep -q '^play: hand at 1000 Hz' err || fail "$(cat err)"
   nothing_left tmp
 }
-patiently short
+in_time err attempt short

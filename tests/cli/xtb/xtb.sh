@@ -1,6 +1,6 @@
 #!/bin/bash
 # examples/xtb, a model process that uses libxtb: answers do not depend on earlier questions, and a small
-# grid is the same from one process and from parts, verifies, and is played without the process.
+# grid is the same from one process and in rounds, verifies, and is played without the process.
 source "$(dirname "$0")/../lib.sh"
 example=$HAPGRID_SOURCE/examples/xtb
 toml=$example/disulfane.toml
@@ -47,13 +47,7 @@ allow="--allow-process $toml"
 files=$(ls -A "$example")
 seed "$toml" "${small[@]}" --allow-process -o seeds
 expand --complete seeds $allow -o grid
-cp seeds round
-while [[ $(stats --get todo round) -gt 0 ]]; do
-  expand round $allow --part 1/2 -o requests.1
-  expand round $allow --part 2/2 --in-flight 1 -o requests.2
-  merge round requests.2 requests.1 -o next
-  mv next round
-done
+rounds seeds round $allow --in-flight 1
 cmp grid round
 [[ $(stats --get records grid) -gt 27 ]] || fail "no point has two levels"
 same "files of the example" "$files" "$(ls -A "$example")"

@@ -1,6 +1,5 @@
 #!/bin/bash
-# The structures of the committed molecules: xtb itself finds the same energies and saddles, and `hapgrid molecule`
-# makes butane's once more.
+# The structures of the committed molecules: xtb itself finds the same energies and saddles. molecules.sh makes others.
 source "$(dirname "$0")/../../lib.sh"
 source "$here/../xtb.bash"
 
@@ -32,22 +31,3 @@ for file in butane/C1-C2-C3-C4-plus butane/H5-C1-C2-C3 \
 done
 same "imaginary frequencies of the conformation" 0 \
   "$(xtb_waves "$molecules/alanine-dipeptide/conformation.xyz" 1 | awk '$1 < 0' | wc -l)"
-
-# From trans-butane to gauche (in experiments the barrier is 14 to 15 kJ/mol and gauche 2.5 to 4 above
-# trans; GFN2's barriers about single bonds are a quarter too low), and a methyl group (12 to 14).
-hapgrid molecule --smiles CCCC --torsions C1-C2-C3-C4-plus,H5-C1-C2-C3 --spacing 1.5 -o butane -j 2 >line 2>log ||
-  fail "$(cat log)"
-turn=butane/C1-C2-C3-C4-plus.xyz
-within "trans" "$(word butane/conformation.xyz 1 C1-C2-C3-C4 | tr -d -)" 179 180
-within "saddle" "$(word $turn 11 C1-C2-C3-C4)" -125 -115
-within "barrier" "$(word $turn 11 dE)" 9 16
-within "methyl" "$(word butane/H5-C1-C2-C3.xyz 11 dE)" 9 15
-within "gauche" "$(awk -F'\t' '$1 == "C1-C2-C3-C4-plus:far" { print $3 }' butane/report.tsv)" 2 4
-
-# The barriers are those of the committed files: they are printed with four digits, and at a stationary point an error
-# of the shape counts in its square.
-for name in C1-C2-C3-C4-plus H5-C1-C2-C3; do
-  there=$(word "$molecules/butane/$name.xyz" 11 dE)
-  within "barrier of $name against the committed one" \
-    "$(awk -v a="$(word "butane/$name.xyz" 11 dE)" -v b="$there" 'BEGIN { print a - b }')" -0.01 0.01
-done

@@ -1,6 +1,6 @@
 """Compares a log of play along y = z = 0 with the closed form of the hung ball (issue, point 5).
 
-usage: closed_form.py LOG H OFFSET TORN
+usage: along.py LOG H OFFSET TORN
   H       spacing of the grid; its planes in y and z are at OFFSET + k H, in x at OFFSET + k H
   TORN    how many cells in x are torn at each of the two tear-offs: some corners have lost contact
 
@@ -11,24 +11,17 @@ for what lies between its points. In a cell with the kink of the first contact t
 and the true one lie between the smallest and the largest value of the cell.
 """
 import math
+import os
 import sys
 
-R = 0.1
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), ".."))
+from closed_form import contact
+
 LOG, H, OFFSET, TORN = sys.argv[1], float(sys.argv[2]), float(sys.argv[3]), int(sys.argv[4])
 
 
-def contact(x, y, z):
-    """The angle of a ball pushed from the left; None where the balls do not touch on that branch."""
-    rho = math.hypot(x, 1 - z)
-    phi = math.atan2(x, 1 - z)
-    m = 4 * R * R - y * y
-    if m <= 0 or (1 + rho * rho - m) / (2 * rho) >= 1:
-        return None
-    return phi + math.acos((1 + rho * rho - m) / (2 * rho))
-
-
 def alpha(x, y, z):
-    angle = contact(x, y, z)
+    angle = contact((x, y, z))
     return 0.0 if angle is None else max(0.0, angle)
 
 
@@ -47,7 +40,7 @@ def bound(x):
     axis = [[lo + (hi - lo) * i / (n - 1) for i in range(n)] for lo, hi in box]
     lattice = [(u, v, w) for u in axis[0] for v in axis[1] for w in axis[2]]
     values = [alpha(*p) for p in lattice]
-    if all(contact(*p) is not None and v > 0.01 for p, v in zip(lattice, values)):
+    if all(contact(p) is not None and v > 0.01 for p, v in zip(lattice, values)):
         most = [0.0, 0.0, 0.0]
         for p in lattice:
             for a in range(3):
@@ -68,7 +61,7 @@ def corners(x):
 
 def lost(x):
     """Whether all corners of the cell are past the tear-off."""
-    return x > 0.3 and all(contact(*p) is None for p in corners(x))
+    return x > 0.3 and all(contact(p) is None for p in corners(x))
 
 
 worst = smooth = 0

@@ -1,12 +1,15 @@
-"""closed_form.py all|reached RADIUS SPACING ORIGIN COUNTS < dump: what `stats --dump` prints of a
-hung ball against the closed form, in angles, as issue 2 writes it. Nothing of hapgrid is used.
+"""reached.py all|reached RADIUS SPACING ORIGIN COUNTS < dump: what `stats --dump` prints of a
+hung ball against the closed form.
 
 all: each point has all of its feasible states, S(x). reached: it has those that a search over the
 closed form reaches from the corners.
 """
 
-import math
+import os
 import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), ".."))
+from closed_form import convert, feasible
 
 TOLERANCE = 1e-6  # rad, the model's own
 
@@ -14,49 +17,6 @@ mode, radius, spacing, origin, counts = sys.argv[1:]
 radius, spacing = float(radius), float(spacing)
 origin = [float(v) for v in origin.split(",")]
 counts = [int(v) for v in counts.split(",")]
-
-
-def arc(p):
-    """(φ, δ): the balls overlap for |α - φ| < δ. None without such an arc."""
-    x, y, z = p
-    m = 4 * radius * radius - y * y
-    rho = math.hypot(x, 1 - z)
-    if m <= 0 or rho == 0:
-        return None
-    cosine = (1 + rho * rho - m) / (2 * rho)
-    if cosine >= 1:
-        return None
-    return math.atan2(x, 1 - z), math.acos(max(cosine, -1.0))
-
-
-def settle(alpha, p):
-    here = arc(p)
-    if here is None:
-        return 0.0
-    phi, delta = here
-    to = max(0.0, phi + delta) if alpha >= phi else min(0.0, phi - delta)
-    return to if abs(to) < math.pi else 0.0
-
-
-def convert(alpha, p, d):
-    steps = math.ceil(math.sqrt(sum(c * c for c in d)) / (radius / 16))
-    if arc([a + b for a, b in zip(p, d)]) is None:
-        return 0.0
-    for k in range(1, steps + 1):
-        alpha = settle(alpha, [a + k / steps * b for a, b in zip(p, d)])
-    return alpha
-
-
-def feasible(p):
-    """S(x)."""
-    here = arc(p)
-    if here is None:
-        return [0.0]
-    phi, delta = here
-    states = [0.0] if abs(phi) >= delta else []
-    states += [phi + delta] if 0 < phi + delta < math.pi else []
-    states += [phi - delta] if -math.pi < phi - delta < 0 else []
-    return states
 
 
 def position(at):
@@ -80,7 +40,7 @@ def search():
             to = tuple(a + s for a, s in zip(at, step))
             if not all(0 <= a < n for a, n in zip(to, counts)):
                 continue
-            reached = convert(alpha, p, [spacing * s for s in step])
+            reached = convert(alpha, p, [spacing * s for s in step], radius)
             states = found.setdefault(to, [])
             if not known(states, reached):
                 states.append(reached)
@@ -101,10 +61,10 @@ for line in sys.stdin:
 points = counts[0] * counts[1] * counts[2]
 if len(grid) != points:
     sys.exit("%d of %d points have a level" % (len(grid), points))
-reached = search() if mode == "reached" else {at: feasible(position(at)) for at in grid}
+reached = search() if mode == "reached" else {at: feasible(position(at), radius) for at in grid}
 several = unreachable = 0
 for at, states in grid.items():
-    right = feasible(position(at))
+    right = feasible(position(at), radius)
     for alpha in states:
         if not known(right, alpha):
             sys.exit("point %s: α = %.17g is none of the feasible %s" % (at, alpha, right))
