@@ -52,7 +52,7 @@ bool is_faulted(const LoopSummary& s, const SafetyCore& safety, const RunFacts& 
 /// @throw Error when the play must not count as done.
 void require_good_end(const LoopSummary& s, bool faulted, const RunFacts& facts,
                       const Device& device) {
-  if (s.end == LoopEnd::kDeviceFailed) throw DeviceError("device: " + device.error());
+  if (s.end == LoopExit::kDeviceFailed) throw DeviceError("device: " + device.error());
   if (!s.zero_sent)
     throw DeviceError("device: did not take the last zero force: " + device.error());
   if (!faulted) return;
@@ -246,9 +246,9 @@ LoopSummary drive(Device& device, Mapping& mapping, Traversal& traversal, Safety
 int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts facts,
              const SafetyCore& safety, const Device& device, const Viewers& viewers) {
   const bool faulted = is_faulted(summary, safety, facts);
-  const bool bad = summary.end == LoopEnd::kDeviceFailed || !summary.zero_sent || faulted;
+  const bool bad = summary.end == LoopExit::kDeviceFailed || !summary.zero_sent || faulted;
   facts.exit_code = bad                                ? kExitFailed
-                    : summary.end == LoopEnd::kStopped ? 128 + caught_signal.load()
+                    : summary.end == LoopExit::kStopped ? 128 + caught_signal.load()
                                                        : kExitDone;
   wait_for_terminal();
   print_summary(summary, facts);

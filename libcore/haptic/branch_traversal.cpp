@@ -219,7 +219,7 @@ bool BranchTraversal::move(const Vec3& x, StepResult& result) noexcept {
   offset_.fade(position(), x);
   const Vec3 part = part_of_cell(x);
   weights_ = corner_weights(part);
-  if (is_mixed_) change_anchor();
+  if (is_mixed_) change_anchor(result);
   for (int i = 0; i < kMostSnaps && is_torn_; ++i) {
     double tear = 0;
     for (int k = 0; k < 8; ++k) tear += weights_[k] * tear_[k];
@@ -258,7 +258,7 @@ bool BranchTraversal::find_better(PointIndex base, const std::array<double, 8>& 
   return found;
 }
 
-void BranchTraversal::change_anchor() noexcept {
+void BranchTraversal::change_anchor(StepResult& result) noexcept {
   if (disagreement(apart_, weights_) <= kBetter) return;
   Branch next{anchor_, nodes_, is_torn_, is_mixed_, apart_};
   constexpr std::array<Node, 8> kAny = [] {
@@ -268,7 +268,9 @@ void BranchTraversal::change_anchor() noexcept {
   }();
   if (!find_better(base(), weights_, kAny, next)) return;
   const std::array<const double*, 8> before = rows_;
+  result.nodes_before = nodes_;
   take(base(), next);
+  result.corners_changed = nodes_ != result.nodes_before;
   keep_state(before, weights_, rows_);
 }
 

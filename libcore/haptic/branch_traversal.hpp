@@ -61,7 +61,7 @@ class BranchTraversal final : public Traversal {
   bool snap(const Vec3& part) noexcept;
   bool find_better(PointIndex base, const std::array<double, 8>& weights,
                    const std::array<RecordIndex, 8>& kept, Branch& branch) const noexcept;
-  void change_anchor() noexcept;
+  void change_anchor(StepResult& result) noexcept;
   void keep_state(const std::array<const double*, 8>& before, const std::array<double, 8>& weights,
                   const std::array<const double*, 8>& after) noexcept;
 
