@@ -134,7 +134,7 @@ class Responder {
     if constexpr (requires { force_.stored_energy(traversal_); })
       if (step.usable()) stored = force_.stored_energy(traversal_);
     safety_.begin(stored);
-    last_hip_.reset();
+    has_last_hip_ = false;
     reset_held_ = false;
     begun_ = true;
   }
@@ -150,11 +150,12 @@ class Responder {
   double speed(const Vec3& hip, double dt) noexcept {
     const double scale = mapping_.scale();
     double speed = 0;
-    if (last_hip_ && scale > 0) {
-      const Vec3 way = hip - *last_hip_;
+    if (has_last_hip_ && scale > 0) {
+      const Vec3 way = hip - last_hip_;
       speed = std::hypot(way[0], way[1], way[2]) / (scale * dt);
     }
     last_hip_ = hip;
+    has_last_hip_ = true;
     return std::min(speed, std::numeric_limits<double>::max());
   }
 
@@ -162,7 +163,8 @@ class Responder {
   Traversal& traversal_;
   SafetyCore& safety_;
   Force& force_;
-  std::optional<Vec3> last_hip_;
+  Vec3 last_hip_{0, 0, 0};
+  bool has_last_hip_ = false;
   bool begun_ = false;
   bool reset_held_ = false;
 };
@@ -198,8 +200,7 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
     const std::uint64_t passed = summary.ticks > 0 ? number - last : 1;
     last = number;
 
-    Tick tick =
-        responder.respond(number, input, static_cast<double>(passed) * period, passed - 1);
+    Tick tick = responder.respond(number, input, static_cast<double>(passed) * period, passed - 1);
     if (tick.step.snapped && !safety.faulted()) device.snap();
     if (device.send(mapping.to_device(tick.force.force)) != DeviceStatus::kOk) {
       summary.end = LoopExit::kDeviceFailed;

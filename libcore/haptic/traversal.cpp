@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
@@ -33,12 +33,12 @@ Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
     for (std::int64_t c = 1; c < box_.counts[a]; ++c) {
       const double width = face(a, c) - face(a, c - 1);
       if (!(width > 0 && std::isfinite(1 / width)))
-        throw Error("grid: neighbouring points coincide in double precision along axis " +
-                    std::to_string(a) + ", near " + std::to_string(face(a, c)));
+        throw Error(format(
+            "grid: neighbouring points coincide in double precision along axis {}, near {:f}", a,
+            face(a, c)));
     }
     if (!std::isfinite(box_high_[a] - box_low_[a]))
-      throw Error("grid: the box is too large for double precision along axis " +
-                  std::to_string(a));
+      throw Error(format("grid: the box is too large for double precision along axis {}", a));
   }
 }
 
@@ -56,8 +56,8 @@ const StepResult& Traversal::start(const Vec3& hip) noexcept {
   GridCoordinates cell{};
   int nearest = 0;
   for (int a = 0; a < 3; ++a) {
-    if (box_.counts[a] == 1) continue;
-    const std::int64_t last = std::int64_t{box_.counts[a]} - 2;
+    if (cells_.is_flat(a)) continue;
+    const std::int64_t last = std::int64_t{cells_.count(a)} - 1;
     auto c = std::min(static_cast<std::int64_t>((x[a] - box_.origin[a]) / box_.spacing), last);
     while (c > 0 && x[a] < face(a, c)) --c;
     while (c < last && x[a] >= face(a, c + 1)) ++c;
@@ -126,7 +126,7 @@ std::int64_t Traversal::cells_away(int a, double x) const noexcept {
   const std::int64_t here = cell_[a];
   const auto guess = [&] { return static_cast<std::int64_t>((x - box_.origin[a]) / box_.spacing); };
   if (x > high_[a]) {
-    const std::int64_t last = std::int64_t{box_.counts[a]} - 2;
+    const std::int64_t last = std::int64_t{cells_.count(a)} - 1;
     std::int64_t c = std::clamp(guess(), here + 1, last);
     while (c > here + 1 && x <= face(a, c)) --c;
     while (c < last && x > face(a, c + 1)) ++c;
@@ -218,7 +218,7 @@ void Traversal::enter(const GridCoordinates& cell, PointIndex base) noexcept {
   for (int a = 0; a < 3; ++a) {
     low_[a] = face(a, cell[a]);
     high_[a] = low_[a];
-    if (box_.counts[a] == 1) continue;
+    if (cells_.is_flat(a)) continue;
     high_[a] = face(a, std::int64_t{cell[a]} + 1);
     const double width = high_[a] - low_[a];
     scale_[a] = 1 / width;

@@ -38,7 +38,7 @@
 
 namespace hapgrid {
 
-class Sheets;
+class BranchNodes;
 
 /// What happened in a step. When all is false and zero, the HIP stayed in its cell.
 struct StepResult {
@@ -97,10 +97,10 @@ class Traversal {
   /// Their levels; kNoLevel where there is no record.
   const std::array<Level, 8>& levels() const { return levels_; }
   /// The nodes that state() is interpolated from, by corner: a record, or from Grid::records() on a
-  /// ghost (sheets.hpp); Grid::kNoRecord where the rule has none.
+  /// ghost (branch_nodes.hpp); Grid::kNoRecord where the rule has none.
   const std::array<RecordIndex, 8>& nodes() const { return nodes_; }
-  /// What knows the ghosts among them; null where the rule has none.
-  virtual const Sheets* sheets() const { return nullptr; }
+  /// The branches whose ghosts are among them; null where the rule has none.
+  virtual const BranchNodes* branch_nodes() const { return nullptr; }
   /// Where position() is in the cell, in [0, 1] on each axis.
   Vec3 part() const noexcept { return part_of_cell(position_); }
   /// Where x is in the cell, for a point of the closed cell; exactly 0 and 1 on its faces.

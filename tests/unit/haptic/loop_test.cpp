@@ -298,11 +298,13 @@ TEST_CASE_METHOD(Fixture, "a fault ends with the user's reset") {
     d.inputs.push_back({.clutch = pressed && clutch, .reset = pressed && !clutch});
   }
   d.sent.reserve(100);
-  int ticks = 0;
+  int ticks = 0, asked = 0;
   const auto force = [&](const Traversal&) {
+    ++asked;
     return ticks == 10 ? Vec3{std::nan(""), 0, 0} : Vec3{1, 0, 0};
   };
   loop(d, force, [&](const Tick&) { ++ticks; });
+  CHECK(asked == 30);  // a force that depends on the steps before misses none of them
   for (int i = 0; i < 30; ++i) {
     const bool held = clutch && (i == 5 || i == 20);  // no force then either
     CHECK(d.sent[i] == ((i < 10 || i >= 20) && !held ? Vec3{1, 0, 0} : kZero));
