@@ -9,7 +9,6 @@
 #include "libcore/check/accuracy.hpp"
 #include "libcore/check/continuous.hpp"
 #include "libcore/check/fidelity.hpp"
-#include "libcore/check/forces.hpp"
 #include "libcore/check/gradient.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
