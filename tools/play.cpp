@@ -14,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "libcore/base/error.hpp"
@@ -52,17 +53,17 @@ bool is_faulted(const LoopSummary& s, const SafetyCore& safety, const RunFacts& 
 /// @throw Error when the play must not count as done.
 void require_good_end(const LoopSummary& s, bool faulted, const RunFacts& facts,
                       const Device& device) {
-  if (s.end == LoopEnd::kDeviceFailed) throw DeviceError("device: " + device.error());
+  if (s.end == LoopExit::kDeviceFailed) throw DeviceError(format("device: {}", device.error()));
   if (!s.zero_sent)
-    throw DeviceError("device: did not take the last zero force: " + device.error());
+    throw DeviceError(format("device: did not take the last zero force: {}", device.error()));
   if (!faulted) return;
   const bool by_model = facts.traversal == name_of(TraversalRule::kModel);
   const std::string why = s.blocked && by_model ? "the model could not convert a state"
                           : s.blocked           ? "a link of the grid leads nowhere"
                           : s.not_finite        ? "the HIP was not finite"
                                                 : "the force was not finite";
-  throw Error(why + ": zero force in " + (facts.sessions ? "" : "the last ") +
-              std::to_string(s.count_of(kFault)) + " of " + std::to_string(s.ticks) + " ticks");
+  throw Error(format("{}: zero force in {}{} of {} ticks", why, facts.sessions ? "" : "the last ",
+                     s.count_of(kFault), s.ticks));
 }
 
 /// Whether two names are the same file.
@@ -91,14 +92,13 @@ void check_files(const PlayOptions& options) {
                            : same_file(output.file, options.grid) ? "grid"
                                                                   : nullptr;
     if (replaced)
-      throw UsageError(std::string(output.option) + ": " + output.what + " would replace the " +
-                       replaced);
+      throw UsageError(format("{}: {} would replace the {}", output.option, output.what, replaced));
   }
   for (std::size_t i = 0; i < std::size(outputs); ++i)
     for (std::size_t j = i + 1; j < std::size(outputs); ++j)
       if (same_file(outputs[i].file, outputs[j].file))
-        throw UsageError(std::string(outputs[i].option) + " and " + outputs[j].option +
-                         " cannot both be " + outputs[j].file);
+        throw UsageError(format("{} and {} cannot both be {}", outputs[i].option, outputs[j].option,
+                                outputs[j].file));
 }
 
 /// @throw UsageError, Error for a command line that cannot be played.
@@ -108,8 +108,8 @@ void check(const PlayOptions& options) {
   check_files(options);
   if (std::holds_alternative<AdapterProcess>(*options.device) && options.rate_hz > 0 &&
       options.rate_hz < kSlowestProcessHz)
-    throw UsageError("--rate: an adapter lets go of the hand below " + rounded(kSlowestProcessHz) +
-                     " Hz");
+    throw UsageError(
+        format("--rate: an adapter lets go of the hand below {} Hz", rounded(kSlowestProcessHz)));
   if (options.traversal && is_slow(*options.traversal) && is_live(*options.device))
     throw UsageError("--traversal: a live device cannot wait for the model itself");
   if (options.traversal == TraversalRule::kModel && options.force &&
@@ -137,8 +137,9 @@ bool viewer_waits(const PlayOptions& options) {
 /// The model for states of the grid: one that answers as the grid's did. @throw ModelError
 std::unique_ptr<Model> exact_model(const GridSpec& spec, const std::vector<std::string>& path) {
   if (spec.equality.is_declared())
-    throw ModelError("model " + spec.model +
-                     ": is a process, and play starts none: the model itself cannot be played");
+    throw ModelError(
+        format("model {}: is a process, and play starts none: the model itself cannot be played",
+               spec.model));
   return create_model(Plugin(spec.model, model_path(path)), spec);
 }
 
@@ -164,7 +165,7 @@ Settled settle(const PlayOptions& options, const std::optional<SessionHeader>& s
   if (session) {
     const std::string file = input_file(*options.device);
     if (session->grid_digest != loaded.digest)
-      say("play", file + " was recorded with another grid: its forces will be different");
+      say("play", format("{} was recorded with another grid: its forces will be different", file));
     const PlayedWith with = played_with(*session, file);
     settings.safety = with.limits;
     settings.mapping.scale = with.scale;
@@ -193,20 +194,20 @@ LoopOptions pace(const PlayOptions& options, const OpenDevice& open, double spin
   if (is_live(*options.device) && loop.rate_hz == 0)
     loop.rate_hz = open.rate_hz > 0 ? open.rate_hz : kDefaultRateHz;
   if (open.rate_hz > 0 && loop.rate_hz > open.rate_hz)
-    throw Error("--rate: " + open.device->info().name + " takes at most " + rounded(open.rate_hz) +
-                " forces a second");
+    throw Error(format("--rate: {} takes at most {} forces a second", open.device->info().name,
+                       rounded(open.rate_hz)));
   if (options.duration_s > 0)
     loop.ticks = static_cast<std::uint64_t>(std::ceil(options.duration_s * loop.tick_rate_hz()));
   return loop;
 }
 
 /// Ends the program with a zero force when the loop hangs.
-std::unique_ptr<Watchdog> watch(Device& device, const std::atomic<std::uint64_t>& heartbeat,
-                                const LoopOptions& loop) {
-  if (!loop.paced()) return nullptr;
+std::jthread watch(Device& device, const std::atomic<std::uint64_t>& heartbeat,
+                   const LoopOptions& loop) {
+  if (!loop.paced()) return {};
   // A loop of less than one tick a second must not seem to hang.
   const std::chrono::milliseconds of_rate(static_cast<int>(4000 / loop.rate_hz));
-  return std::make_unique<Watchdog>(heartbeat, std::max(kHungAfter, of_rate), [&device] {
+  return start_watchdog(heartbeat, std::max(kHungAfter, of_rate), [&device] {
     device.stop();
     static_cast<void>(std::fputs(
         "play: the haptic loop hangs, in the model or the machine: zero force was sent\n", stderr));
@@ -234,7 +235,7 @@ LoopSummary drive(Device& device, Mapping& mapping, Traversal& traversal, Safety
                   const PlayedForce& force, const LoopOptions& loop, RealtimeMode wanted,
                   RunFacts& facts, const Use& use) {
   std::atomic<std::uint64_t> heartbeat{0};
-  const std::unique_ptr<Watchdog> watchdog = watch(device, heartbeat, loop);
+  const std::jthread watchdog = watch(device, heartbeat, loop);
   const Realtime realtime(loop.paced() ? wanted : RealtimeMode::kOff, &device);
   facts.realtime = realtime.got();
   if (loop.paced())
@@ -246,10 +247,10 @@ LoopSummary drive(Device& device, Mapping& mapping, Traversal& traversal, Safety
 int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts facts,
              const SafetyCore& safety, const Device& device, const Viewers& viewers) {
   const bool faulted = is_faulted(summary, safety, facts);
-  const bool bad = summary.end == LoopEnd::kDeviceFailed || !summary.zero_sent || faulted;
-  facts.exit_code = bad                                ? kExitFailed
-                    : summary.end == LoopEnd::kStopped ? 128 + caught_signal.load()
-                                                       : kExitDone;
+  const bool bad = summary.end == LoopExit::kDeviceFailed || !summary.zero_sent || faulted;
+  facts.exit_code = bad                                 ? kExitFailed
+                    : summary.end == LoopExit::kStopped ? 128 + caught_signal.load()
+                                                        : kExitDone;
   wait_for_terminal();
   print_summary(summary, facts);
   viewers.print_summary();
@@ -263,8 +264,8 @@ int conclude(const PlayOptions& options, const LoopSummary& summary, RunFacts fa
   return facts.exit_code;
 }
 
-/// Takes what a file of --config gives and the command line does not, and says so.
-void take_file(PlayOptions& options) {
+/// Adds what a file of --config sets and the command line does not, and says so.
+void apply_file(PlayOptions& options) {
   const PlayFile& file = options.file;
   if (file.name.empty()) return;
   say("play", file_text(file, options.given, options.axes.has_value()));
@@ -273,7 +274,7 @@ void take_file(PlayOptions& options) {
 }
 
 int play(PlayOptions options) {
-  take_file(options);
+  apply_file(options);
   if (viewer_waits(options)) options.frames = "-";
   check(options);
   for (const std::string& input : {options.grid, input_file(*options.device)})
@@ -304,13 +305,13 @@ int play(PlayOptions options) {
   auto [settings, rule, wanted_force] =
       settle(options, opened ? opened->session : std::nullopt, loaded);
   const auto create_exact = [&] { return exact_model(spec, options.model_path); };
-  // To ask the records takes all threads, and to prepare the traversal mostly one.
+  // The records are asked by all threads, and the traversal is prepared mostly by one.
   std::future<NodeForces> records = PlayForce::ask_records(wanted_force, rule, grid, create);
   const std::unique_ptr<Traversal> traversal = traversals(rule, grid, create_exact)();
   const auto truth = opened && opened->wants_truth
                          ? traversals(TraversalRule::kModel, grid, create_exact)()
                          : nullptr;
-  PlayForce force(wanted_force, rule, grid, traversal->sheets(), fields, std::move(records));
+  PlayForce force(wanted_force, rule, grid, traversal->branch_nodes(), fields, std::move(records));
 
   std::optional<CaughtSignals> signals(std::in_place);
   if (!opened) opened.emplace(open_it());

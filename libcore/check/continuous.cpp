@@ -22,25 +22,25 @@ bool has_cell(const Box& box, PointIndex point, int corner) {
 }
 
 /// Looks at the cell in which record r is corner `corner`.
-void look_around(const Grid& grid, const Sheets& sheets, const Cells& cells, RecordIndex r,
+void look_around(const Grid& grid, const BranchNodes& branches, const Cells& cells, RecordIndex r,
                  int corner, Findings& found, std::uint64_t& torn) {
   ++found.counted;
   bool is_torn = false;
   for (int k = 0; k < 8; ++k) {
     const int q = kBetweenCorners[corner][k];
     if (q < 0 || !cells.is_corner(k)) continue;
-    const Node node = sheets.node(r, q);
-    if (node == Sheets::kNoNode)
+    const Node node = branches.node(r, q);
+    if (node == BranchNodes::kNoNode)
       return found.offend(location_of(grid, r, q),
                           [&] { return describe_link(grid, r, q) + ": leads to no record"; });
-    is_torn |= sheets.is_ghost(node);
+    is_torn |= branches.is_ghost(node);
   }
   torn += is_torn;
 }
 
 }  // namespace
 
-Check check_continuous(const Grid& grid, const Sheets& sheets) {
+Check check_continuous(const Grid& grid, const BranchNodes& branches) {
   Check check{
       "continuous", "cells", "cells around a record in which its branch lacks a corner", {}};
   const Cells cells(grid);
@@ -49,15 +49,15 @@ Check check_continuous(const Grid& grid, const Sheets& sheets) {
     if (grid.in_frontier(r)) continue;
     for (int corner = 0; corner < 8; ++corner) {
       if (!has_cell(grid.box(), grid.point(r), corner)) continue;
-      look_around(grid, sheets, cells, r, corner, check.found, torn);
-      mixed += sheets.is_mixed(r, corner);
+      look_around(grid, branches, cells, r, corner, check.found, torn);
+      mixed += branches.is_mixed(r, corner);
     }
   }
   check.figures = {
       {"torn", static_cast<double>(torn), "", "of these cells: the branch ends in them"},
       {"mixed", static_cast<double>(mixed), "",
        "of these cells: two other corners are not of one branch themselves"},
-      {"ghosts", static_cast<double>(sheets.ghosts()), "",
+      {"ghosts", static_cast<double>(branches.ghosts()), "",
        "extrapolated rows at points before which a branch ends"}};
   return check;
 }

@@ -49,8 +49,8 @@ Snap snap_on(const Grid& grid, const BranchMap& map, const NodeEnergies& nodes, 
   const Direction towards = Direction::of(step[0], step[1], step[2]);
   const RecordIndex target = grid.destination(r, towards.q());
   // Where the branch of either record is, on the other side of the link.
-  const Node end = map.sheets.node(r, towards.q());
-  const Node start = map.sheets.node(target, towards.opposite().q());
+  const Node end = map.nodes.node(r, towards.q());
+  const Node start = map.nodes.node(target, towards.opposite().q());
   const double at = map.tear[r] / (double{map.tear[r]} - map.tear[end]);
   const NodeEnergy &from = nodes[r], &to = nodes[target];
 
@@ -62,7 +62,7 @@ Snap snap_on(const Grid& grid, const BranchMap& map, const NodeEnergies& nodes, 
         std::abs(beyond.energy - record.energy - way * record.slope[axis]) * part * part / 2;
   };
   allow(from, nodes[end], sign, at);
-  if (start != Sheets::kNoNode) {
+  if (start != BranchNodes::kNoNode) {
     snap.behind = energy_between(nodes[start], to, axis, sign, at);
     allow(to, nodes[start], -sign, 1 - at);
   }

@@ -23,7 +23,7 @@ namespace hapgrid {
 /// `passive`: no snap leads up, and all energies and forces are finite numbers. Counts the links
 /// along the axes. Figures, in newtons times the unit of length: `largest gain`, what a snap leads
 /// up beyond what was extrapolated, and `largest loss`, what one leads down: the hysteresis.
-/// @param nodes with the ghosts of map.sheets
+/// @param nodes with the ghosts of map.nodes
 Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& nodes);
 
 /// `passive` where play takes its force from elsewhere: not proved.

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <string>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
@@ -38,7 +38,7 @@ void Box::validate() const {
     if (counts[a] == 0) throw Error("box: a count is 0; each axis needs at least one point");
   }
   if (!std::isfinite(spacing) || spacing <= 0)
-    throw Error("box: spacing is " + std::to_string(spacing) + ", it must be positive");
+    throw Error(format("box: spacing is {:f}, it must be positive", spacing));
   constexpr std::uint64_t kLimit = std::numeric_limits<PointIndex>::max();
   // Two factors are tested first: the product of three 32-bit counts can overflow 64 bits.
   if (std::uint64_t{counts[0]} * counts[1] > kLimit || points() > kLimit)

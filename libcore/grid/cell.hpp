@@ -40,7 +40,7 @@ constexpr std::array<std::array<int, 8>, 8> between_corners() {
 }
 
 /// Sect. 2.4, i) to iii) in one rule: along the axes of the move the source is the common corner,
-/// along the others it has the new corner's own index. So a move across a face converts along one
+/// along the others it has the index of the new corner. So a move across a face converts along one
 /// axis; across an edge, three times from each of its ends; across a vertex, seven times from it.
 constexpr std::array<CellSwitch, kDirections> cell_switches() {
   std::array<CellSwitch, kDirections> switches{};
@@ -50,10 +50,10 @@ constexpr std::array<CellSwitch, kDirections> cell_switches() {
       int from = 0;
       std::array<int, 3> d{};
       for (int a = 0; a < 3; ++a) {
-        const int own = corner >> a & 1;
-        const int common = move[a] > 0 ? 0 : move[a] < 0 ? 1 : own;  // in the new cell
+        const int bit = corner >> a & 1;
+        const int common = move[a] > 0 ? 0 : move[a] < 0 ? 1 : bit;  // in the new cell
         from |= (common + move[a]) << a;
-        d[a] = own - common;
+        d[a] = bit - common;
       }
       switches[q].from[corner] = static_cast<std::uint8_t>(from);
       const bool kept = d == std::array<int, 3>{0, 0, 0};
@@ -79,23 +79,24 @@ class Cells {
  public:
   explicit Cells(const Grid& grid) : grid_(grid) {
     const Box& box = grid.box();
-    for (unsigned corner = 0; corner < 8; ++corner) {
+    for (int a = 0; a < 3; ++a)
+      if (box.counts[a] == 1) flat_ |= 1 << a;
+    for (int corner = 0; corner < 8; ++corner) {
       GridCoordinates c{};
-      for (int a = 0; a < 3; ++a) c[a] = box.counts[a] > 1 ? corner >> a & 1 : 0;
+      for (int a = 0; a < 3; ++a) c[a] = distinct(corner) >> a & 1;
       corner_offset_[corner] = box.index(c);
     }
   }
 
+  /// Whether the box has one point along an axis, so that each cell is flat there.
+  bool is_flat(int axis) const { return flat_ >> axis & 1; }
+
   /// How many cells there are along an axis, flat cells included.
-  std::uint32_t count(int axis) const {
-    return grid_.box().counts[axis] > 1 ? grid_.box().counts[axis] - 1 : 1;
-  }
-  /// Whether a corner has a grid point of its own. Along a flat axis only the lower corners have.
-  bool is_corner(int corner) const {
-    for (int a = 0; a < 3; ++a)
-      if (grid_.box().counts[a] == 1 && (corner >> a & 1)) return false;
-    return true;
-  }
+  std::uint32_t count(int axis) const { return is_flat(axis) ? 1 : grid_.box().counts[axis] - 1; }
+  /// Whether no lower corner has the same grid point, as one has along a flat axis.
+  bool is_corner(int corner) const { return (corner & flat_) == 0; }
+  /// The lowest corner with the same grid point.
+  int distinct(int corner) const { return corner & ~flat_; }
   /// The grid point of a corner.
   PointIndex point(PointIndex base, int corner) const { return base + corner_offset_[corner]; }
 
@@ -109,13 +110,8 @@ class Cells {
     corners.level.fill(level);
     corners.record.fill(grid_.first(nearest_point) + level);
     for (int corner = 0; corner < 8; ++corner) {
-      std::array<int, 3> d{};
-      for (int a = 0; a < 3; ++a)
-        if (grid_.box().counts[a] > 1) d[a] = (corner >> a & 1) - (nearest >> a & 1);
-      if (d == std::array<int, 3>{0, 0, 0}) continue;
-      if (!follow(corners.record[nearest], Direction::of(d[0], d[1], d[2]).q(), base, corners,
-                  corner))
-        return false;
+      const int q = kBetweenCorners[nearest][distinct(corner)];
+      if (q >= 0 && !follow(corners.record[nearest], q, base, corners, corner)) return false;
     }
     return true;
   }
@@ -157,6 +153,7 @@ class Cells {
   }
 
   const Grid& grid_;
+  int flat_ = 0;                             // bits of the axes with one point
   std::array<PointIndex, 8> corner_offset_;  // from the base, as point indices
 };
 

@@ -2,18 +2,18 @@
 
 #include <algorithm>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
 std::string describe(const Box& box, PointIndex point) {
   const GridCoordinates c = box.coordinates(point);
-  return "point " + std::to_string(point) + " (" + std::to_string(c[0]) + ", " +
-         std::to_string(c[1]) + ", " + std::to_string(c[2]) + ")";
+  return format("point {} ({}, {}, {})", point, c[0], c[1], c[2]);
 }
 
 std::string describe(const Box& box, PointIndex point, Level level) {
-  return describe(box, point) + " level " + std::to_string(level);
+  return format("{} level {}", describe(box, point), level);
 }
 
 std::string describe(const Grid& grid, RecordIndex r) {
@@ -22,9 +22,8 @@ std::string describe(const Grid& grid, RecordIndex r) {
 
 std::string describe_link(const Box& box, PointIndex point, Level level, int q) {
   const auto step = Direction(q).step();
-  return describe(box, point, level) + " direction " + std::to_string(q) + " (" +
-         std::to_string(step[0]) + ", " + std::to_string(step[1]) + ", " + std::to_string(step[2]) +
-         ")";
+  return format("{} direction {} ({}, {}, {})", describe(box, point, level), q, step[0], step[1],
+                step[2]);
 }
 
 std::string describe_link(const Grid& grid, RecordIndex r, int q) {

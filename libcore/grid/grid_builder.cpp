@@ -4,9 +4,43 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
-#include "libcore/grid/record_order.hpp"
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
+
+namespace {
+
+/// A header can claim any number of points in a few bytes. A finished grid has a record at each of
+/// them; a grid of more than 2^24 points must have a record at least at one in a thousand.
+void require_enough_records(const Box& box, std::uint64_t records) {
+  constexpr std::uint64_t kMostlyEmptyPoints = 1 << 24;
+  constexpr std::uint64_t kPointsARecord = 1024;
+  const std::uint64_t points = box.points();
+  if (points > kMostlyEmptyPoints && points / kPointsARecord > records)
+    throw FormatError(
+        format("grid: a box of {} points with {} records; more than {} points want a record in {} "
+               "of them",
+               points, records, kMostlyEmptyPoints, kPointsARecord));
+}
+
+/// Each point is in the box, points ascend, and the levels of a point are 0, 1, 2, ...
+void require_order(const GridSpec& spec, std::span<const PointIndex> point,
+                   std::span<const Level> level) {
+  std::uint32_t expected = 0;  // level
+  for (std::size_t r = 0; r < point.size(); ++r) {
+    const bool is_other = r > 0 && point[r] != point[r - 1];
+    if (point[r] >= spec.box.points() || (is_other && point[r] < point[r - 1]))
+      throw FormatError(
+          format("grid: record {} has point {}, outside the box or out of order", r, point[r]));
+    if (is_other) expected = 0;
+    if (level[r] != expected || level[r] >= spec.max_levels)
+      throw FormatError(format("grid: point {}: level {} where level {} of at most {} was expected",
+                               point[r], level[r], expected, spec.max_levels));
+    ++expected;
+  }
+}
+
+}  // namespace
 
 GridBuilder::GridBuilder(GridSpec spec, std::uint32_t generation, bool has_tears,
                          std::uint64_t records)
@@ -58,13 +92,11 @@ void GridBuilder::add(std::uint64_t first, const RecordRun& run) {
 
 Grid GridBuilder::finish() {
   if (added_ != level_.size()) throw FormatError("grid: records are missing or there twice");
-  RecordOrder order(grid_.spec_);
+  require_order(grid_.spec_, grid_.point_, level_);
   const std::uint64_t points = grid_.box().points();
   grid_.first_.reserve(points + 1);
-  for (RecordIndex r = 0; r < grid_.records(); ++r) {
-    order.next(r, grid_.point_[r], level_[r]);
+  for (RecordIndex r = 0; r < grid_.records(); ++r)
     while (grid_.first_.size() <= grid_.point_[r]) grid_.first_.push_back(r);
-  }
   grid_.first_.resize(points + 1, grid_.records());
   grid_.table_.finish();
   level_ = {};

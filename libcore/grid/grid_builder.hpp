@@ -1,4 +1,4 @@
-// A grid from its records, in runs, so that nothing but the grid itself is ever whole in memory.
+// Makes a grid from runs of records, so that no second copy of all records is in memory.
 #pragma once
 
 #include <mutex>

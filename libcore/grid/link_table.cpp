@@ -7,6 +7,7 @@
 
 #include "libcore/base/digest.hpp"
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
@@ -27,8 +28,8 @@ Links make_links(const Level* levels, const TearByte* tears, DirectionMask insid
     links.tear.fill(kNoTear);
   for (const TearByte tear : links.tear)
     if (!is_tear_byte(tear))
-      throw FormatError("grid: a tear fraction of " + std::to_string(tear) + ", at most " +
-                        std::to_string(kTearSteps - 1) + " is possible");
+      throw FormatError(
+          format("grid: a tear fraction of {}, at most {} is possible", tear, kTearSteps - 1));
   for (int q = 0; q < kDirections; ++q)
     if (links.level[q] < kMaxLevels) links.usable |= DirectionMask{1} << q;
   links.usable &= inside;

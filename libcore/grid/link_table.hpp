@@ -1,5 +1,5 @@
-// The links of a grid's records, each distinct set of them once: most records of a grid lead to the
-// same levels as their neighbours do.
+// Stores each distinct set of links once, because most records of a grid have the same links as
+// their neighbours.
 #pragma once
 
 #include <array>

@@ -1,10 +1,9 @@
 // How far two states are apart, in the unit of the tolerance.
 //
-// A tolerance function in words is a norm (grid/equality.hpp). A plug-in has it in code, and only
-// says whether two states are the same: that of a molecule knows that its state is a rotation, a
-// shift and parts of ways, and compares atoms. It is asked how much of the way from one state to
-// the other it forgives: where that is the part λ, they are tolerance / λ apart. For a norm this is
-// its value, and for what is nearly one near the tolerance nearly so.
+// A declared tolerance function is a norm (grid/equality.hpp), which has a value. A plug-in only
+// says whether two states are the same: a molecule's compares atoms, for example. We search for the
+// largest λ such that the plug-in still calls a and a + λ (b - a) the same. Then the distance is
+// tolerance / λ. For a norm this is exact; otherwise it is a good approximation near the tolerance.
 #pragma once
 
 #include <algorithm>
@@ -39,14 +38,14 @@ class StateDistance {
     if (spec_.equality.is_declared() || !(spec_.tolerance > 0))
       return distance(spec_.equality, n, a.data(), b.data());
     if (std::equal(a.begin(), a.begin() + n, b.begin())) return 0;
-    double least = 1;  // λ that is forgiven
-    while (!forgives(a, b, least) && least > kLeast) least /= 2;
-    double most = 2 * least;  // and one that is not
-    while (forgives(a, b, most) && most < kMost) most *= 2;
+    double least = 1;  // a λ with which the states are the same
+    while (!same_at(a, b, least) && least > kLeast) least /= 2;
+    double most = 2 * least;  // and one with which they are not
+    while (same_at(a, b, most) && most < kMost) most *= 2;
     least = most / 2;
     while (most - least > 1e-6 * least) {
       const double middle = (least + most) / 2;
-      (forgives(a, b, middle) ? least : most) = middle;
+      (same_at(a, b, middle) ? least : most) = middle;
     }
     return spec_.tolerance / least;
   }
@@ -55,7 +54,7 @@ class StateDistance {
   static constexpr double kLeast = 0x1p-60;
   static constexpr double kMost = 0x1p40;
 
-  bool forgives(std::span<const double> a, std::span<const double> b, double part) {
+  bool same_at(std::span<const double> a, std::span<const double> b, double part) {
     for (std::size_t c = 0; c < between_.size(); ++c) between_[c] = a[c] + part * (b[c] - a[c]);
     return same_(a.data(), between_.data());
   }

@@ -1,10 +1,9 @@
 // Whether the force at a grid's records is the negated gradient of their energy.
 //
 // Each record's force along an axis is predicted from its two neighbours on the same branch, once
-// by a Hermite polynomial from their energies and forces, once as the mean of their forces. Where
-// the energy is the force's own, it knows more, and the first prediction is far better. The
-// residual of energies against forces does not tell: it is larger on a good coarse grid than on a
-// spoilt fine one.
+// by a Hermite polynomial from their energies and forces, once as the mean of their forces. If the
+// force is the gradient of the energy, the first prediction is far better. The residual of energies
+// against forces is no measure: it is larger on a good coarse grid than on a spoilt fine one.
 #pragma once
 
 #include <cstdint>

@@ -28,7 +28,7 @@ double distance2(const Vec3& part, int corner) {
 
 /// How much corners that are not of one branch contradict each other at the HIP: the sum, over such
 /// pairs, of the product of their weights in the blend.
-/// @param apart Sheets::apart()
+/// @param apart BranchNodes::apart()
 double disagreement(const std::array<std::uint8_t, 8>& apart,
                     const std::array<double, 8>& weights) noexcept {
   double sum = 0;
@@ -40,7 +40,7 @@ double disagreement(const std::array<std::uint8_t, 8>& apart,
 
 }  // namespace
 
-BranchMap::BranchMap(const Grid& grid) : sheets(grid), tear(tear_function(grid, sheets)) {}
+BranchMap::BranchMap(const Grid& grid) : nodes(grid), tear(tear_function(grid, nodes)) {}
 
 /// The corners that an anchor gives a cell.
 struct BranchTraversal::Branch {
@@ -48,7 +48,7 @@ struct BranchTraversal::Branch {
   std::array<Node, 8> nodes{};
   bool is_torn = false;                 // a corner is a ghost
   bool is_mixed = false;                // other corners are not of one branch themselves
-  std::array<std::uint8_t, 8> apart{};  // and which: Sheets::apart()
+  std::array<std::uint8_t, 8> apart{};  // and which: BranchNodes::apart()
 };
 
 /// Which corners two neighbouring cells have in common. Corner k of the old cell is corner k ^
@@ -62,16 +62,13 @@ struct BranchTraversal::Common {
 
 BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                                  std::uint16_t max_sub_steps)
-    : Traversal(grid, max_sub_steps), map_(std::move(map)), offset_(row_.size(), box_.spacing) {
-  for (int a = 0; a < 3; ++a)
-    if (box_.counts[a] == 1) flat_ |= 1 << a;
-}
+    : Traversal(grid, max_sub_steps), map_(std::move(map)), offset_(row_.size(), box_.spacing) {}
 
 bool BranchTraversal::begin(int nearest) noexcept {
   const PointIndex p = cells_.point(base(), nearest);
   Branch branch;
   if (grid_.levels(p) == 0 || !derive(base(), grid_.first(p), nearest, branch)) return false;
-  take(base(), branch);
+  enter_branch(base(), branch);
   offset_.end();
   StepResult ignored;
   return move(position(), ignored);
@@ -79,42 +76,40 @@ bool BranchTraversal::begin(int nearest) noexcept {
 
 bool BranchTraversal::derive(PointIndex base, RecordIndex anchor, int corner,
                              Branch& branch) const noexcept {
-  branch.anchor = corner & ~flat_;
+  branch.anchor = cells_.distinct(corner);
   branch.is_torn = false;
-  branch.is_mixed = map_->sheets.is_mixed(anchor, branch.anchor);
+  branch.is_mixed = map_->nodes.is_mixed(anchor, branch.anchor);
   for (int k = 0; k < 8; ++k) {
-    // Along an axis with one point both corners are the same.
-    const int own = k & ~flat_;
-    const int q = kBetweenCorners[branch.anchor][own];
-    branch.nodes[k] = q < 0 ? anchor : map_->sheets.node(anchor, q, cells_, base, own);
-    if (branch.nodes[k] == Sheets::kNoNode) return false;
-    branch.is_torn |= map_->sheets.is_ghost(branch.nodes[k]);
+    const int q = kBetweenCorners[branch.anchor][cells_.distinct(k)];
+    branch.nodes[k] = q < 0 ? anchor : map_->nodes.node(anchor, q, cells_, base, k);
+    if (branch.nodes[k] == BranchNodes::kNoNode) return false;
+    branch.is_torn |= map_->nodes.is_ghost(branch.nodes[k]);
   }
   if (!branch.is_mixed) return true;
   std::array<Node, 8> corners = branch.nodes;
   for (int k = 0; k < 8; ++k)
-    if ((k & flat_) != 0) corners[k] = Sheets::kNoNode;
-  branch.apart = map_->sheets.apart(corners);
+    if (!cells_.is_corner(k)) corners[k] = BranchNodes::kNoNode;
+  branch.apart = map_->nodes.apart(corners);
   return true;
 }
 
 /// @param base of the cell whose corners they are
-void BranchTraversal::take(PointIndex base, const Branch& branch) noexcept {
+void BranchTraversal::enter_branch(PointIndex base, const Branch& branch) noexcept {
   anchor_ = branch.anchor;
   nodes_ = branch.nodes;
   is_torn_ = branch.is_torn;
   is_mixed_ = branch.is_mixed;
   apart_ = branch.apart;
   for (int k = 0; k < 8; ++k) {
-    rows_[k] = map_->sheets.row(nodes_[k]);
+    rows_[k] = map_->nodes.row(nodes_[k]);
     __builtin_prefetch(rows_[k]);
     __builtin_prefetch(rows_[k] + row_.size() - 1);
-    if (map_->sheets.is_ghost(nodes_[k])) {
+    if (map_->nodes.is_ghost(nodes_[k])) {
       records_[k] = Grid::kNoRecord;
       levels_[k] = kNoLevel;
     } else {
       records_[k] = nodes_[k];
-      levels_[k] = static_cast<Level>(nodes_[k] - grid_.first(cells_.point(base, k & ~flat_)));
+      levels_[k] = static_cast<Level>(nodes_[k] - grid_.first(cells_.point(base, k)));
       const Level* const links = grid_.links(nodes_[k]).data();
       __builtin_prefetch(links);
       __builtin_prefetch(links + kDirections - 1);
@@ -132,29 +127,25 @@ bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& r
     common.moved |= (d[a] != 0) << a;
     common.side |= (d[a] > 0) << a;
   }
-  // Most cells have one branch: then any common corner will do, and nothing changes in the others.
+  // Around most records there is one branch: then any common corner will do, and nothing changes in
+  // the others.
   const int beside = (anchor_ & ~common.moved) | (common.side & common.moved);
-  if (!is_torn_ && !is_mixed_ && map_->sheets.is_whole(nodes_[beside]))
-    return go_on(base, beside, common);
+  if (!is_torn_ && !is_mixed_ && map_->nodes.has_one_branch_around(nodes_[beside]))
+    return cross_within_branch(base, beside, common);
 
   const Vec3 part = part_of_cell(nearest_in_cell(y));  // on the common face, edge or vertex
   const int from = common_record(common, part);
-  Branch next;
-  if (from < 0) {  // the branch does not reach into the new cell
-    const RecordIndex anchor =
-        cells_.destination(nodes_[anchor_], kBetweenCorners[anchor_][beside], this->base(), beside);
-    if (anchor == Grid::kNoRecord || !derive(base, anchor, beside ^ common.moved, next))
-      return false;
-    take(base, next);
+  if (from < 0) {
+    if (!cross_by_snap(base, beside, common)) return false;
     result.snapped = result.level_changed = true;
-    offset_.end();
     return true;
   }
+  Branch next;
   if (!derive(base, nodes_[from], from ^ common.moved, next)) return false;
   if (next.is_mixed) {
     std::array<Node, 8> kept;
     for (int k = 0; k < 8; ++k)
-      kept[k] = common.has(k ^ common.moved) ? nodes_[k ^ common.moved] : Sheets::kNoNode;
+      kept[k] = common.has(k ^ common.moved) ? nodes_[k ^ common.moved] : BranchNodes::kNoNode;
     // On the common face, edge or vertex, as seen from the new cell.
     Vec3 at = part;
     for (int a = 0; a < 3; ++a)
@@ -163,7 +154,7 @@ bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& r
   }
   const std::array<const double*, 8> before = rows_;
   std::array<const double*, 8> after = before;
-  take(base, next);
+  enter_branch(base, next);
   for (int k = 0; k < 8; ++k)
     if (common.has(k)) after[k] = rows_[k ^ common.moved];
   if (after != before) keep_state(before, corner_weights(part), after);
@@ -171,20 +162,33 @@ bool BranchTraversal::cross(int q, PointIndex base, const Vec3& y, StepResult& r
 }
 
 /// Into a cell of one branch from another one: the common corners stay.
-bool BranchTraversal::go_on(PointIndex base, int from, const Common& common) noexcept {
+bool BranchTraversal::cross_within_branch(PointIndex base, int from,
+                                          const Common& common) noexcept {
   const RecordIndex anchor = nodes_[from];
   const int at = from ^ common.moved;
   Branch next{at, nodes_};
   for (int k = 0; k < 8; ++k) {
-    const int own = k & ~flat_;
-    if (common.has(own ^ common.moved)) {
-      next.nodes[k] = nodes_[own ^ common.moved];
+    const int corner = cells_.distinct(k);
+    if (common.has(corner ^ common.moved)) {
+      next.nodes[k] = nodes_[corner ^ common.moved];
       continue;
     }
-    next.nodes[k] = cells_.destination(anchor, kBetweenCorners[at][own], base, own);
+    next.nodes[k] = cells_.destination(anchor, kBetweenCorners[at][corner], base, corner);
     if (next.nodes[k] == Grid::kNoRecord) return false;
   }
-  take(base, next);
+  enter_branch(base, next);
+  return true;
+}
+
+/// Where the branch does not reach into the new cell: to where the anchor's link leads.
+/// @param to the corner of the old cell, common to both, to which it leads
+bool BranchTraversal::cross_by_snap(PointIndex base, int to, const Common& common) noexcept {
+  const RecordIndex anchor =
+      cells_.destination(nodes_[anchor_], kBetweenCorners[anchor_][to], this->base(), to);
+  Branch next;
+  if (anchor == Grid::kNoRecord || !derive(base, anchor, to ^ common.moved, next)) return false;
+  enter_branch(base, next);
+  offset_.end();
   return true;
 }
 
@@ -195,12 +199,12 @@ int BranchTraversal::common_record(const Common& common, const Vec3& part) const
   double nearest = std::numeric_limits<double>::infinity();
   int from = -1;
   for (int k = 0; k < 8; ++k) {
-    if (!common.has(k) || map_->sheets.is_ghost(nodes_[k]) || distance2(part, k) >= nearest)
+    if (!common.has(k) || map_->nodes.is_ghost(nodes_[k]) || distance2(part, k) >= nearest)
       continue;
     nearest = distance2(part, k);
     from = k;
   }
-  return from < 0 ? from : from & ~flat_;
+  return from < 0 ? from : cells_.distinct(from);
 }
 
 /// Where corners change without a snap: what the blend loses goes to the offset.
@@ -219,7 +223,7 @@ bool BranchTraversal::move(const Vec3& x, StepResult& result) noexcept {
   offset_.fade(position(), x);
   const Vec3 part = part_of_cell(x);
   weights_ = corner_weights(part);
-  if (is_mixed_) change_anchor();
+  if (is_mixed_) change_anchor(result);
   for (int i = 0; i < kMostSnaps && is_torn_; ++i) {
     double tear = 0;
     for (int k = 0; k < 8; ++k) tear += weights_[k] * tear_[k];
@@ -230,8 +234,8 @@ bool BranchTraversal::move(const Vec3& x, StepResult& result) noexcept {
   return true;
 }
 
-/// In a mixed cell each record has its own view of what the other corners are. Of the records of a
-/// branch, takes the one as the anchor whose corners disagree least where the HIP is.
+/// In a mixed cell the records differ in what the other corners are. Of the records of a branch,
+/// the one becomes the anchor whose corners disagree least where the HIP is.
 /// @param kept corners that should stay; kNoNode where any will do
 /// @returns whether another anchor was found, whose corners disagree less by kBetter at least
 bool BranchTraversal::find_better(PointIndex base, const std::array<double, 8>& weights,
@@ -240,15 +244,15 @@ bool BranchTraversal::find_better(PointIndex base, const std::array<double, 8>& 
     double sum = disagreement(b.apart, weights);
     // To keep corners comes first: a sum of products of weights is small against 8.
     for (int k = 0; k < 8; ++k)
-      if (kept[k] != Sheets::kNoNode && b.nodes[k] != kept[k]) sum += 8;
+      if (kept[k] != BranchNodes::kNoNode && b.nodes[k] != kept[k]) sum += 8;
     return sum;
   };
   const std::array<Node, 8> candidates = branch.nodes;
-  const int own = branch.anchor;
+  const int present = branch.anchor;
   double least = cost(branch) - kBetter;
   bool found = false;
   for (int k = 0; k < 8 && least > 0; ++k) {
-    if (k == own || (k & flat_) != 0 || map_->sheets.is_ghost(candidates[k])) continue;
+    if (k == present || !cells_.is_corner(k) || map_->nodes.is_ghost(candidates[k])) continue;
     Branch other;
     if (!derive(base, candidates[k], k, other) || !(cost(other) < least)) continue;
     least = cost(other);
@@ -258,17 +262,19 @@ bool BranchTraversal::find_better(PointIndex base, const std::array<double, 8>& 
   return found;
 }
 
-void BranchTraversal::change_anchor() noexcept {
+void BranchTraversal::change_anchor(StepResult& result) noexcept {
   if (disagreement(apart_, weights_) <= kBetter) return;
   Branch next{anchor_, nodes_, is_torn_, is_mixed_, apart_};
   constexpr std::array<Node, 8> kAny = [] {
     std::array<Node, 8> any{};
-    any.fill(Sheets::kNoNode);
+    any.fill(BranchNodes::kNoNode);
     return any;
   }();
   if (!find_better(base(), weights_, kAny, next)) return;
   const std::array<const double*, 8> before = rows_;
-  take(base(), next);
+  result.nodes_before = nodes_;
+  enter_branch(base(), next);
+  result.corners_changed = nodes_ != result.nodes_before;
   keep_state(before, weights_, rows_);
 }
 
@@ -278,11 +284,11 @@ bool BranchTraversal::snap(const Vec3& part) noexcept {
   int to = -1;
   RecordIndex anchor = Grid::kNoRecord;
   for (int k = 0; k < 8; ++k) {
-    if (map_->sheets.is_ghost(nodes_[k]) || (k & flat_) != 0) continue;
+    if (map_->nodes.is_ghost(nodes_[k]) || !cells_.is_corner(k)) continue;
     for (int j = 0; j < 8; ++j) {
-      if (!map_->sheets.is_ghost(nodes_[j]) || (j & flat_) != 0) continue;
+      if (!map_->nodes.is_ghost(nodes_[j]) || !cells_.is_corner(j)) continue;
       const int q = kBetweenCorners[k][j];
-      if (map_->sheets.node(nodes_[k], q, cells_, base(), j) != nodes_[j]) continue;
+      if (map_->nodes.node(nodes_[k], q, cells_, base(), j) != nodes_[j]) continue;
       const double t = tear_fraction(grid_, nodes_[k], q);
       double sum = 0;
       for (int a = 0; a < 3; ++a) {
@@ -298,7 +304,7 @@ bool BranchTraversal::snap(const Vec3& part) noexcept {
   }
   Branch next;
   if (to < 0 || !derive(base(), anchor, to, next)) return false;
-  take(base(), next);
+  enter_branch(base(), next);
   return true;
 }
 

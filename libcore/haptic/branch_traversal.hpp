@@ -3,9 +3,9 @@
 // The paper's rule (paper_traversal.hpp) gives each corner of a cell a level of its own. Where
 // branches end the corners then belong to several of them, and the state is a blend that the model
 // never takes. Here one record of the cell, the *anchor*, says which branch the hand is on, and the
-// other corners are that branch's (sheets.hpp). Where the branch ends inside the cell, a function
-// of place says where (tear_function.hpp): when the hand comes there the state snaps, to where the
-// links lead.
+// other corners are that branch's (branch_nodes.hpp). Where the branch ends inside the cell, a
+// function of place says where (tear_function.hpp): when the hand comes there the state snaps, to
+// where the links lead.
 //
 // In a *mixed* cell the records contradict each other: there the branches meet, finer than the
 // grid. Of the records that keep what the cell shares with the one before, that one is the anchor
@@ -22,19 +22,19 @@
 #include <memory>
 #include <vector>
 
+#include "libcore/haptic/branch_nodes.hpp"
 #include "libcore/haptic/fading_offset.hpp"
-#include "libcore/haptic/sheets.hpp"
 #include "libcore/haptic/tear_function.hpp"
 #include "libcore/haptic/traversal.hpp"
 
 namespace hapgrid {
 
-/// What is computed of a grid once, when it is loaded, for all BranchTraversals.
+/// Computed once for each grid, and shared by all its BranchTraversals.
 struct BranchMap {
   /// @param grid outlives this.
   explicit BranchMap(const Grid& grid);
 
-  Sheets sheets;
+  BranchNodes nodes;
   std::vector<float> tear;  ///< tear_function(), by node
 };
 
@@ -43,7 +43,7 @@ class BranchTraversal final : public Traversal {
   /// @param map of the same grid. @throw Error as Traversal does
   BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                   std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
-  const Sheets* sheets() const override { return &map_->sheets; }
+  const BranchNodes* branch_nodes() const override { return &map_->nodes; }
 
  private:
   /// The corner nearest to the HIP has level 0, as in the paper's rule.
@@ -55,24 +55,24 @@ class BranchTraversal final : public Traversal {
   struct Branch;
   struct Common;
   bool derive(PointIndex base, RecordIndex anchor, int corner, Branch& branch) const noexcept;
-  void take(PointIndex base, const Branch& branch) noexcept;
-  bool go_on(PointIndex base, int from, const Common& common) noexcept;
+  void enter_branch(PointIndex base, const Branch& branch) noexcept;
+  bool cross_within_branch(PointIndex base, int from, const Common& common) noexcept;
+  bool cross_by_snap(PointIndex base, int to, const Common& common) noexcept;
   int common_record(const Common& common, const Vec3& part) const noexcept;
   bool snap(const Vec3& part) noexcept;
   bool find_better(PointIndex base, const std::array<double, 8>& weights,
                    const std::array<RecordIndex, 8>& kept, Branch& branch) const noexcept;
-  void change_anchor() noexcept;
+  void change_anchor(StepResult& result) noexcept;
   void keep_state(const std::array<const double*, 8>& before, const std::array<double, 8>& weights,
                   const std::array<const double*, 8>& after) noexcept;
 
   std::shared_ptr<const BranchMap> map_;
-  int flat_ = 0;    // bits of the axes with one point
   int anchor_ = 0;  // the corner whose record names the branch
   std::array<const double*, 8> rows_{};
   std::array<double, 8> tear_{};
   std::array<double, 8> weights_{};  // at position()
   bool is_torn_ = false;             // a corner is a ghost
-  bool is_mixed_ = false;            // corners are not of one branch, and which: Sheets::apart()
+  bool is_mixed_ = false;  // corners are not of one branch, and which: BranchNodes::apart()
   std::array<std::uint8_t, 8> apart_{};
   FadingOffset offset_;  // of row()
 };

@@ -8,13 +8,13 @@
 // returned is at most what the tank held at the start plus kTankSlack plus the reserve.
 //
 // That holds under these assumptions:
-//   the hand's acceleration is at most TankTerms::acceleration;
-//   a force is in effect TankTerms::delay or one more ticks after it was sent, for whole ticks;
-//   positions are rounded to TankTerms::encoder, and energy is counted along rounded positions.
-//   Along
-//     the true ones each change dF of the force adds at most |dF| times half a step, of either
-//     sign;
-//   no tick is missed. A missed tick is charged when it is over, so that later forces pay for it.
+// - The hand's acceleration is at most TankTerms::acceleration.
+// - A force is in effect TankTerms::delay or one more ticks after it was sent, for whole ticks.
+// - Positions are rounded to TankTerms::encoder, and energy is counted along rounded positions.
+// - No tick is missed. A missed tick is charged when it is over, so that later forces pay for it.
+//
+// Along the true positions each change dF of the force adds at most |dF| times half a step of the
+// encoder to the energy, of either sign.
 //
 // Alternatives: damping that dissipates what an observer counted (it drags, and it breaks the
 // slew), a virtual coupling (passive, but softer than the model and drags in free air), scaling the

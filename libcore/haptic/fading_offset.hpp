@@ -1,5 +1,6 @@
-// What keeps a state or a force from jumping where the traversal changes corners without a snap:
-// the difference at the place of the change, which fades while the hand moves on by half a spacing.
+// Keeps a state or a force from jumping where the traversal changes corners without a snap: the
+// difference at the place of the change is added to it, and fades while the hand moves on by half a
+// spacing.
 #pragma once
 
 #include <algorithm>

@@ -4,8 +4,6 @@
 #include <bit>
 #include <cmath>
 
-#include "libcore/grid/vec3.hpp"
-
 namespace hapgrid {
 
 namespace {
@@ -13,14 +11,6 @@ namespace {
 double magnitude(const Vec3& f) { return std::hypot(f[0], f[1], f[2]); }
 
 }  // namespace
-
-double loop_detail::Speed::next(const Vec3& hip, double dt) noexcept {
-  double speed = 0;
-  if (any_ && scale_ > 0) speed = magnitude(hip - last_) / (scale_ * dt);
-  last_ = hip;
-  any_ = true;
-  return std::min(speed, std::numeric_limits<double>::max());
-}
 
 std::uint64_t LoopSummary::count_of(SafetyAction action) const {
   return acted[std::countr_zero(static_cast<std::uint32_t>(action))];

@@ -7,6 +7,7 @@
 // exception of the force function or the sink included: the device then has a zero force.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -17,6 +18,7 @@
 
 #include "libcore/base/histogram.hpp"
 #include "libcore/device/device.hpp"
+#include "libcore/grid/vec3.hpp"
 #include "libcore/haptic/mapping.hpp"
 #include "libcore/haptic/pacer.hpp"
 #include "libcore/haptic/safety.hpp"
@@ -41,16 +43,16 @@ struct LoopOptions {
 struct Tick {
   std::uint64_t number;  ///< ticks that were skipped are counted, too
   const DeviceInput& input;
-  const Vec3& hip;  ///< in the box's axes and the model's unit; may be outside the box
+  Vec3 hip;  ///< in the box's axes and the model's unit; may be outside the box
   const StepResult& step;
-  const Vec3& raw_force;   ///< newtons, as the model gave it; NaN where it was not asked
-  const SafeForce& force;  ///< as it was sent, in the box's axes
+  Vec3 raw_force;   ///< newtons, as the model gave it; NaN where there was none or in a fault
+  SafeForce force;  ///< as it was sent, in the box's axes
   const Traversal& traversal;
-  std::int64_t lateness_ns;  ///< from when the tick was due to when it began
-  std::int64_t compute_ns;   ///< from there to when the force was sent
+  std::int64_t lateness_ns = 0;  ///< from when the tick was due to when it began
+  std::int64_t compute_ns = 0;   ///< from there to when the force was sent
 };
 
-enum class LoopEnd {
+enum class LoopExit {
   kDeviceEnd,     ///< the device has no more positions
   kStopped,       ///< the stop flag
   kTicks,         ///< LoopOptions::ticks
@@ -59,7 +61,7 @@ enum class LoopEnd {
 
 /// What happened: counts of ticks, except where a comment says otherwise.
 struct LoopSummary {
-  LoopEnd end = LoopEnd::kStopped;
+  LoopExit end = LoopExit::kStopped;
   bool zero_sent = false;  ///< the device took the last zero force
   std::uint64_t ticks = 0;
   std::uint64_t missed = 0;
@@ -85,45 +87,20 @@ struct LoopSummary {
 
 namespace loop_detail {
 
-/// The speed of the hand in m/s, from the positions of the HIP.
-class Speed {
- public:
-  /// @param scale model units per metre; when it is 0 (not known), the speed is 0.
-  explicit Speed(double scale) : scale_(scale) {}
-  double next(const Vec3& hip, double dt) noexcept;
-
- private:
-  double scale_;
-  bool any_ = false;
-  Vec3 last_{0, 0, 0};
-};
-
-/// What an input led to.
-struct Response {
-  Vec3 hip;
-  StepResult step;
-  Vec3 raw_force;
-  SafeForce force;
-};
-
 /// From the device's input to the force that is sent.
 template <class Force>
 class Responder {
  public:
   Responder(Mapping& mapping, Traversal& traversal, SafetyCore& safety, Force& force)
-      : mapping_(mapping),
-        traversal_(traversal),
-        safety_(safety),
-        force_(force),
-        speed_(mapping.scale()) {}
+      : mapping_(mapping), traversal_(traversal), safety_(safety), force_(force) {}
 
   /// @param dt seconds since the tick before. @param missed ticks in between.
-  Response respond(const DeviceInput& input, double dt, std::uint64_t missed) {
+  Tick respond(std::uint64_t number, const DeviceInput& input, double dt, std::uint64_t missed) {
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-    Response r{mapping_.hip(input, dt), {}, {kNaN, kNaN, kNaN}, {}};
+    const Vec3 hip = mapping_.hip(input, dt);
     const bool begins = input.begins || !begun_;
-    r.step = begins ? traversal_.start(r.hip) : traversal_.step(r.hip);
-    if (begins) begin(r.step);
+    const StepResult& step = begins ? traversal_.start(hip) : traversal_.step(hip);
+    if (begins) begin(step);
     // The loop takes the press of the reset button alone: a button that was pressed before the
     // fault does not answer it. The clutch may be held: nobody wants a force meanwhile, and its
     // release starts a ramp.
@@ -132,18 +109,23 @@ class Responder {
     if ((reset || input.clutch) && safety_.faulted()) safety_.reset();
     // After a HIP of NaN, or a link that leads nowhere, the state is that of an earlier HIP, and so
     // is its force: that is a fault like a force that is not finite.
-    const bool unusable = !r.step.usable();
-    if (!unusable && !safety_.faulted()) r.raw_force = force_(std::as_const(traversal_));
-    r.force = safety_.apply({.force = r.raw_force,
-                             .dt = dt,
-                             .missed = missed,
-                             .speed = unusable ? 0 : speed_.next(r.hip, dt),
-                             .place = place(r.hip),
-                             .outside_cells = mapping_.outside_cells(r.hip),
-                             .stalled = input.stalled,
-                             .clutch = input.clutch,
-                             .unusable = unusable});
-    return r;
+    const bool unusable = !step.usable();
+    Vec3 raw_force{kNaN, kNaN, kNaN};
+    if (!unusable) {
+      // Also in a fault, because a force may depend on the steps before.
+      const Vec3 asked = force_(std::as_const(traversal_));
+      if (!safety_.faulted()) raw_force = asked;
+    }
+    const SafeForce force = safety_.apply({.force = raw_force,
+                                           .dt = dt,
+                                           .missed = missed,
+                                           .speed = unusable ? 0 : speed(hip, dt),
+                                           .place = place(hip),
+                                           .outside_cells = mapping_.outside_cells(hip),
+                                           .stalled = input.stalled,
+                                           .clutch = input.clutch,
+                                           .unusable = unusable});
+    return {number, input, hip, step, raw_force, force, traversal_};
   }
 
  private:
@@ -152,7 +134,7 @@ class Responder {
     if constexpr (requires { force_.stored_energy(traversal_); })
       if (step.usable()) stored = force_.stored_energy(traversal_);
     safety_.begin(stored);
-    speed_ = Speed(mapping_.scale());
+    has_last_hip_ = false;
     reset_held_ = false;
     begun_ = true;
   }
@@ -164,11 +146,25 @@ class Responder {
     return Vec3{hip[0] / scale, hip[1] / scale, hip[2] / scale};
   }
 
+  /// Of the hand, in m/s; 0 where the scale is not known.
+  double speed(const Vec3& hip, double dt) noexcept {
+    const double scale = mapping_.scale();
+    double speed = 0;
+    if (has_last_hip_ && scale > 0) {
+      const Vec3 way = hip - last_hip_;
+      speed = std::hypot(way[0], way[1], way[2]) / (scale * dt);
+    }
+    last_hip_ = hip;
+    has_last_hip_ = true;
+    return std::min(speed, std::numeric_limits<double>::max());
+  }
+
   Mapping& mapping_;
   Traversal& traversal_;
   SafetyCore& safety_;
   Force& force_;
-  Speed speed_;
+  Vec3 last_hip_{0, 0, 0};
+  bool has_last_hip_ = false;
   bool begun_ = false;
   bool reset_held_ = false;
 };
@@ -186,17 +182,17 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
     const std::uint64_t due = pacer.wait(stop);
     heartbeat.fetch_add(1, std::memory_order_relaxed);
     if (stop.load(std::memory_order_relaxed) != 0) {
-      summary.end = LoopEnd::kStopped;
+      summary.end = LoopExit::kStopped;
       return;
     }
     if (due >= options.ticks) {
-      summary.end = LoopEnd::kTicks;
+      summary.end = LoopExit::kTicks;
       return;
     }
     DeviceInput input;
     const DeviceStatus read = device.read(input);
     if (read != DeviceStatus::kOk) {
-      summary.end = read == DeviceStatus::kEnd ? LoopEnd::kDeviceEnd : LoopEnd::kDeviceFailed;
+      summary.end = read == DeviceStatus::kEnd ? LoopExit::kDeviceEnd : LoopExit::kDeviceFailed;
       return;
     }
     recorded_misses += input.missed;
@@ -204,21 +200,14 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
     const std::uint64_t passed = summary.ticks > 0 ? number - last : 1;
     last = number;
 
-    const Response r = responder.respond(input, static_cast<double>(passed) * period, passed - 1);
-    if (r.step.snapped && !safety.faulted()) device.snap();
-    if (device.send(mapping.to_device(r.force.force)) != DeviceStatus::kOk) {
-      summary.end = LoopEnd::kDeviceFailed;
+    Tick tick = responder.respond(number, input, static_cast<double>(passed) * period, passed - 1);
+    if (tick.step.snapped && !safety.faulted()) device.snap();
+    if (device.send(mapping.to_device(tick.force.force)) != DeviceStatus::kOk) {
+      summary.end = LoopExit::kDeviceFailed;
       return;
     }
-    const Tick tick{number,
-                    input,
-                    r.hip,
-                    r.step,
-                    r.raw_force,
-                    r.force,
-                    traversal,
-                    pacer.lateness_ns(),
-                    monotonic_ns() - pacer.began_ns()};
+    tick.lateness_ns = pacer.lateness_ns();
+    tick.compute_ns = monotonic_ns() - pacer.began_ns();
     summary.count(tick);
     sink(tick);
     summary.missed += passed - 1;
@@ -230,9 +219,10 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 
 /// Drives `device` until it ends or fails or `stop` is nonzero.
 /// @param force  Vec3 (const Traversal&): the force in newtons at the traversal's position, asked
-///               after each usable step. Real-time safe. It may have a member double
-///               stored_energy(const Traversal&): the energy in joules that the hand may get back,
-///               because the play begins there; without it that is 0.
+///               after each usable step, of which it knows by Traversal::last_step(). Real-time
+///               safe. It may have a member double stored_energy(const Traversal&): the energy in
+///               joules that the hand may get back, because the play begins there; without it that
+///               is 0.
 /// @param sink   void (const Tick&), after the force was sent; real-time safe when paced.
 /// @param heartbeat counts the ticks as they begin, for a watchdog in another thread.
 /// @throw whatever force and sink throw, after a zero force was sent.

@@ -1,6 +1,5 @@
-// The truth that the rules of traversal are measured by: the model itself, asked along the way of
-// the hand in steps that are small against the spacing. It is as slow as the model, so it is for
-// virtual time.
+// The reference for the rules of traversal: it asks the model itself along the way of the hand, in
+// steps that are small against the spacing. It is as slow as the model, so it is for virtual time.
 #pragma once
 
 #include <cstdint>

@@ -48,20 +48,20 @@ void NodeEnergies::add_mixed(const Grid& grid, RecordIndex r) {
   for (int c = 0; c < 3; ++c) node.mixed[c] = ways[c] > 0 ? sum[c] / ways[c] : 0.0F;
 }
 
-void NodeEnergies::add_ghosts(const Grid& grid, const Sheets& sheets) {
-  nodes_.reserve(nodes_.size() + sheets.ghosts());
-  for (Node i = 0; i < sheets.ghosts(); ++i)
-    nodes_.push_back(of_ghost(grid, sheets, grid.records() + i));
+void NodeEnergies::add_ghosts(const Grid& grid, const BranchNodes& branches) {
+  nodes_.reserve(nodes_.size() + branches.ghosts());
+  for (Node i = 0; i < branches.ghosts(); ++i)
+    nodes_.push_back(of_ghost(grid, branches, grid.records() + i));
 }
 
 /// Means over the records whose links lead to the ghost.
-NodeEnergy NodeEnergies::of_ghost(const Grid& grid, const Sheets& sheets, Node ghost) const {
+NodeEnergy NodeEnergies::of_ghost(const Grid& grid, const BranchNodes& branches, Node ghost) const {
   const auto weight_of = [](const std::array<int, 3>& d) {
     return 1.0 / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
   };
   double weights = 0, weights_ahead = 0;
   std::array<double, 3> slope{}, slope_ahead{}, mixed{};
-  for (const auto& [point, r, q] : sheets.ends_of_ghost(ghost)) {
+  for (const auto& [point, r, q] : branches.links_into_ghost(ghost)) {
     const NodeEnergy& node = (*this)[r];
     const double weight = weight_of(Direction(q).step());
     const RecordIndex behind = grid.two_way(r, Direction(q).opposite().q());
@@ -83,7 +83,7 @@ NodeEnergy NodeEnergies::of_ghost(const Grid& grid, const Sheets& sheets, Node g
   double energies = 0;
   float settled =
       -std::numeric_limits<float>::infinity();  // of the records to which the links lead
-  for (const auto& [point, r, q] : sheets.ends_of_ghost(ghost)) {
+  for (const auto& [point, r, q] : branches.links_into_ghost(ghost)) {
     const NodeEnergy& node = (*this)[r];
     const auto d = Direction(q).step();
     double energy = node.energy;

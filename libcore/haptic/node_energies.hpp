@@ -5,19 +5,19 @@
 #include <array>
 #include <vector>
 
+#include "libcore/haptic/branch_nodes.hpp"
 #include "libcore/haptic/record_fields.hpp"
-#include "libcore/haptic/sheets.hpp"
 
 namespace hapgrid {
 
-/// What is known at a node, all in newtons: lengths are measured in spacings.
+/// The energy at a node and its derivatives, all in newtons because lengths are in spacings.
 struct NodeEnergy {
   float energy = 0;              ///< above an energy that all nodes have in common
   std::array<float, 3> slope{};  ///< of the energy along x, y, z: the force, negated
   std::array<float, 3> mixed{};  ///< mixed second derivatives: of yz, xz, xy
 };
 
-/// By node, the records first: 28 bytes each.
+/// By node, the records first. Each node has an entry of 28 bytes.
 ///
 /// The energy of a state at rest is smooth on a branch, and its gradient there is the negated
 /// force, so energy and slope are known exactly. The mixed derivatives are differences of the
@@ -29,18 +29,18 @@ class NodeEnergies {
  public:
   /// Of the records alone.
   NodeEnergies(const Grid& grid, const RecordFields& fields);
-  /// @param sheets of this grid; null: there are no ghosts.
-  NodeEnergies(const Grid& grid, const Sheets* sheets, const RecordFields& fields)
+  /// @param branches of this grid; null: there are no ghosts.
+  NodeEnergies(const Grid& grid, const BranchNodes* branches, const RecordFields& fields)
       : NodeEnergies(grid, fields) {
-    if (sheets) add_ghosts(grid, *sheets);
+    if (branches) add_ghosts(grid, *branches);
   }
-  void add_ghosts(const Grid& grid, const Sheets& sheets);
+  void add_ghosts(const Grid& grid, const BranchNodes& branches);
 
   const NodeEnergy& operator[](Node node) const noexcept { return nodes_[node]; }
 
  private:
   void add_mixed(const Grid& grid, RecordIndex r);
-  NodeEnergy of_ghost(const Grid& grid, const Sheets& sheets, Node ghost) const;
+  NodeEnergy of_ghost(const Grid& grid, const BranchNodes& branches, Node ghost) const;
 
   std::vector<NodeEnergy> nodes_;
 };

@@ -89,47 +89,33 @@ NodeCorners NodeForce::corners_of(const std::array<RecordIndex, 8>& nodes) const
 }
 
 Vec3 NodeForce::operator()(const Traversal& traversal) noexcept {
-  const bool same_nodes = traversal.nodes() == nodes_;
-  const NodeCorners corners = same_nodes ? corners_ : corners_of(traversal.nodes());
-  offset_.fade(position_, traversal.position());
-  if (traversal.jumps() != jumps_)
+  const StepResult& step = traversal.last_step();
+  const NodeCorners corners = corners_of(traversal.nodes());
+  offset_.fade(step.from, traversal.position());
+  if (step.jumped() || step.split)
     offset_.end();
-  else if (traversal.cell() != cell_ || !same_nodes)
+  else if (step.corners_changed)
     keep_force(traversal, corners);
-  jumps_ = traversal.jumps();
-  cell_ = traversal.cell();
-  nodes_ = traversal.nodes();
-  corners_ = corners;
-  position_ = traversal.position();
-  part_ = traversal.part();
-  Vec3 force = interpolate_(corners, part_);
+  Vec3 force = interpolate_(corners, traversal.part());
   offset_.add_to(force);
   return force;
 }
 
 /// Where corners that the cell shares with the one before have changed, the force goes on from
-/// where it was. Both are asked at one place, the one in both cells that is nearest to the tick
-/// before.
+/// where it was. Both are asked at one place, the one in both cells that is nearest to where the
+/// step began.
 void NodeForce::keep_force(const Traversal& traversal, const NodeCorners& corners) noexcept {
-  Vec3 before = part_, after = part_;
-  int moved = 0, side = 0;
-  for (int a = 0; a < 3; ++a) {
-    const std::int64_t d = std::int64_t{traversal.cell()[a]} - std::int64_t{cell_[a]};
-    if (d == 0) continue;
-    if (d < -1 || d > 1) {  // nothing is shared
-      offset_.end();
-      return;
+  const StepResult& step = traversal.last_step();
+  Vec3 before = traversal.part_of_cell(step.from), after = before;
+  if (step.direction >= 0) {
+    const auto move = Direction(step.direction).step();
+    for (int a = 0; a < 3; ++a) {
+      if (move[a] == 0) continue;
+      before[a] = move[a] > 0 ? 1 : 0;
+      after[a] = move[a] > 0 ? 0 : 1;
     }
-    moved |= 1 << a;
-    side |= (d > 0) << a;
-    before[a] = d > 0 ? 1 : 0;
-    after[a] = d > 0 ? 0 : 1;
   }
-  bool same = true;
-  for (int k = 0; k < 8; ++k)
-    same &= ((k ^ side) & moved) != 0 || traversal.nodes()[k ^ moved] == nodes_[k];
-  if (same) return;
-  const Vec3 had = interpolate_(corners_, before);
+  const Vec3 had = interpolate_(corners_of(step.nodes_before), before);
   const Vec3 has = interpolate_(corners, after);
   const std::span<double> offset = offset_.renew();
   for (std::size_t a = 0; a < 3; ++a) offset[a] = offset[a] + had[a] - has[a];

@@ -44,28 +44,16 @@ class NodeForce {
   NodeForce(std::shared_ptr<const NodeEnergies> energies, const Box& box, Interpolate interpolate)
       : energies_(std::move(energies)), interpolate_(interpolate), offset_(3, box.spacing) {}
 
-  /// The force at the traversal's position. Called once in each tick, after the step; real-time
-  /// safe. The traversal has nodes, and steps that are not usable() are passed over.
+  /// The force at the traversal's position. Called once after each step that is usable(); real-time
+  /// safe. The traversal must have nodes.
   Vec3 operator()(const Traversal& traversal) noexcept;
 
  private:
-  static constexpr std::array<RecordIndex, 8> none() {
-    std::array<RecordIndex, 8> nodes{};
-    nodes.fill(Grid::kNoRecord);
-    return nodes;
-  }
   NodeCorners corners_of(const std::array<RecordIndex, 8>& nodes) const noexcept;
   void keep_force(const Traversal& traversal, const NodeCorners& corners) noexcept;
 
   std::shared_ptr<const NodeEnergies> energies_;
   Interpolate interpolate_;
-  // Of the tick before.
-  std::uint64_t jumps_ = 0;
-  GridCoordinates cell_{0, 0, 0};
-  std::array<RecordIndex, 8> nodes_ = none();
-  NodeCorners corners_{};  // of nodes_
-  Vec3 position_{0, 0, 0};
-  Vec3 part_{0, 0, 0};
   FadingOffset offset_;
 };
 

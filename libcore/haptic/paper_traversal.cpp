@@ -5,7 +5,7 @@ namespace hapgrid {
 bool PaperTraversal::begin(int nearest) noexcept {
   Corners corners;
   if (!cells_.start(base(), nearest, corners)) return false;
-  take(corners);
+  set_corners(corners);
   return true;
 }
 
@@ -13,12 +13,12 @@ bool PaperTraversal::cross(int q, PointIndex base, const Vec3&, StepResult& resu
   Corners corners;
   bool changed = false;
   if (!cells_.cross(q, base, {records_, levels_}, corners, changed)) return false;
-  take(corners);
+  set_corners(corners);
   result.level_changed |= changed;
   return true;
 }
 
-void PaperTraversal::take(const Corners& corners) noexcept {
+void PaperTraversal::set_corners(const Corners& corners) noexcept {
   records_ = nodes_ = corners.record;
   levels_ = corners.level;
   for (int corner = 0; corner < 8; ++corner) {

@@ -27,7 +27,7 @@ class PaperTraversal final : public Traversal {
   bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept override;
   bool move(const Vec3&, StepResult&) noexcept override { return true; }
   void evaluate() noexcept override;
-  void take(const Corners& corners) noexcept;
+  void set_corners(const Corners& corners) noexcept;
 
   std::array<const double*, 8> rows_{};
 };

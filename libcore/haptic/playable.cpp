@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
@@ -27,7 +28,7 @@ void require_playable(const Grid& grid, const std::string& name) {
     }
   }
   const auto refuse = [&](std::uint64_t count, const std::string& what) {
-    if (count != 0) throw Error(name + ": " + std::to_string(count) + what);
+    if (count != 0) throw Error(format("{}: {}{}", name, count, what));
   };
   refuse(frontier, " records are still in the frontier: finish the grid with expand --complete");
   refuse(without_level, " grid points have no level: the seeds do not reach them, see verify");

@@ -1,4 +1,4 @@
-// What play asks of a grid before it begins.
+// Checks that a grid can be played.
 #pragma once
 
 #include <string>

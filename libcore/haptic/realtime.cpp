@@ -13,6 +13,7 @@
 #include <fstream>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
@@ -25,15 +26,16 @@ std::uint64_t address_space() {
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-std::string megabytes(std::uint64_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000); }
+/// In 10^6 bytes, rounded up.
+std::uint64_t megabytes(std::uint64_t bytes) { return (bytes + 999'999) / 1'000'000; }
 
 /// Takes the priority. @return why the system refused it, empty when it did not
 std::string take_priority() {
   const sched_param priority{.sched_priority = kRealtimePriority};
   const int error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
   if (error == 0) return "";
-  return "no SCHED_FIFO (" + std::string(std::strerror(error)) + ": rtprio " +
-         std::to_string(kDevicePriority) + " in /etc/security/limits.d)";
+  return format("no SCHED_FIFO ({}: rtprio {} in /etc/security/limits.d)", std::strerror(error),
+                kDevicePriority);
 }
 
 /// Locks the memory. @return why the system refused it, empty when it did not
@@ -43,10 +45,11 @@ std::string lock_memory() {
   const std::uint64_t wanted = address_space() + (std::uint64_t{16} << 20);
   const bool privileged = ::geteuid() == 0;
   if (!privileged && ::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur < wanted)
-    return "memory not locked (" + megabytes(wanted) + " MB, ulimit -l allows " +
-           megabytes(limit.rlim_cur) + ": memlock in /etc/security/limits.d)";
+    return format(
+        "memory not locked ({} MB, ulimit -l allows {}: memlock in /etc/security/limits.d)",
+        megabytes(wanted), megabytes(limit.rlim_cur));
   if (::mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return "";
-  return "memory not locked (" + std::string(std::strerror(errno)) + ")";
+  return format("memory not locked ({})", std::strerror(errno));
 }
 
 /// While the descriptor is open, processors stay out of states that take longer than 0 us to leave.
@@ -71,17 +74,18 @@ Realtime::Realtime(RealtimeMode mode, Device* device) : device_(device) {
   scheduled_ = priority.empty();
   if (scheduled_ && device_ && !device_->set_priority(kDevicePriority)) {
     give_priority_back();
-    priority = "no SCHED_FIFO for the device's threads (rtprio " + std::to_string(kDevicePriority) +
-               " in /etc/security/limits.d)";
+    priority =
+        format("no SCHED_FIFO for the device's threads (rtprio {} in /etc/security/limits.d)",
+               kDevicePriority);
   }
   awake_ = keep_awake();
-  got_ = (scheduled_ ? "SCHED_FIFO " + std::to_string(kRealtimePriority) : priority) + ", " +
-         (locked_ ? "memory locked" : memory) + (awake_ ? ", processors awake" : "");
+  got_ = format("{}, {}{}", scheduled_ ? format("SCHED_FIFO {}", kRealtimePriority) : priority,
+                locked_ ? "memory locked" : memory, awake_ ? ", processors awake" : "");
   if (mode == RealtimeMode::kTry || (scheduled_ && locked_)) return;
   const std::string why = got_;
   if (locked_) ::munlockall();
   if (scheduled_) give_priority_back();
-  throw Error("real time was required: " + why);
+  throw Error(format("real time was required: {}", why));
 }
 
 void Realtime::give_priority_back() noexcept {

@@ -20,13 +20,13 @@ RecordFields record_fields(const Grid& grid, const MakeModel& create, int thread
   if (has_energy) found.energy.resize(grid.records());
   constexpr std::size_t kBlock = 4096;
   for_each_with_own((std::size_t{grid.records()} + kBlock - 1) / kBlock, fields,
-                    [&](const Fields& own, std::size_t block) {
+                    [&](const Fields& mine, std::size_t block) {
                       const std::size_t end =
                           std::min<std::size_t>(grid.records(), (block + 1) * kBlock);
                       for (auto r = static_cast<RecordIndex>(block * kBlock); r < end; ++r) {
                         const Vec3 x = grid.box().position(grid.point(r));
-                        found.force[r] = own.force(x, grid.row(r));
-                        if (has_energy) found.energy[r] = scale * own.energy(x, grid.row(r));
+                        found.force[r] = mine.force(x, grid.row(r));
+                        if (has_energy) found.energy[r] = scale * mine.energy(x, grid.row(r));
                       }
                     });
   return found;

@@ -1,4 +1,4 @@
-// Force and energy at a grid's records, as play has them there.
+// Force and energy at a grid's records, as play interpolates them.
 #pragma once
 
 #include <vector>
@@ -18,7 +18,7 @@ struct RecordFields {
   std::vector<double> energy;  ///< newtons times the unit of length; empty where it is not known
 };
 
-/// What the grid stores, or its model gives.
+/// The grid's stored values, or else the model's.
 /// @param create makes the grid's model; called only where the grid does not store the force, in
 /// the calling thread, once for each of `threads`. The result does not depend on `threads`.
 /// @throw ModelError when no force can be had; what `create` throws.

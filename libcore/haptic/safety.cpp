@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/vec3.hpp"
 
@@ -210,8 +211,8 @@ void SafetyCore::reset() noexcept {
 SafetyCore::SafetyCore(const SafetyLimits& limits) : limits_(limits) {
   const auto check = [](const char* what, double value, bool can_be_infinite) {
     if (value >= 0 && (can_be_infinite || std::isfinite(value))) return;
-    throw Error(std::string("safety: ") + what + " is " + to_text(value) + ", it must " +
-                (can_be_infinite ? "" : "be finite and ") + "not be negative");
+    throw Error(format("safety: {} is {}, it must {}not be negative", what, to_text(value),
+                       can_be_infinite ? "" : "be finite and "));
   };
   check("the gain", limits.gain, false);
   check("the force limit", limits.max_force, false);
@@ -227,8 +228,8 @@ SafetyCore::SafetyCore(const SafetyLimits& limits) : limits_(limits) {
   check("the encoder's step", limits.encoder, false);
   check("the delay", limits.delay_ticks, false);
   if (limits.delay_ticks > kMaxTankDelay)
-    throw Error("safety: the delay is " + to_text(limits.delay_ticks) + " ticks, the limit is " +
-                std::to_string(kMaxTankDelay));
+    throw Error(format("safety: the delay is {} ticks, the limit is {}",
+                       to_text(limits.delay_ticks), kMaxTankDelay));
 }
 
 }  // namespace hapgrid

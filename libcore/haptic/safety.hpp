@@ -43,15 +43,15 @@
 namespace hapgrid {
 
 /// The limit of each stage, for a small desktop device of about 3 N. The user of play can change
-/// gain, max_force, ramp_ms, reserve, encoder and delay_ticks, which differ between devices and models. The
-/// others are the same for all, and only tests change them.
+/// gain, max_force, ramp_ms, reserve, encoder and delay_ticks, which differ between devices and
+/// models. The others are the same for all, and only tests change them.
 struct SafetyLimits {
-  double gain = 1;          ///< newtons felt for a newton of the model
-  double max_force = 3;     ///< newtons, of the magnitude
+  double gain = 1;       ///< newtons felt for a newton of the model
+  double max_force = 3;  ///< newtons, of the magnitude
   /// Newtons a millisecond, of the vector's change; inf: none. The full force may still come within
   /// 3 ms, which feels like a wall; a larger step is a blow that makes a device ring.
   double slew = 1;
-  double ramp_ms = 500;     ///< from zero to the full force, at the start and after a fault
+  double ramp_ms = 500;  ///< from zero to the full force, at the start and after a fault
   /// Of the hand, m/s; a faster hand gets zero force; inf: none. A hand that feels its way moves at
   /// a tenth of that: a faster handle was let go of, or is thrown by the force.
   double max_speed = 2;
@@ -66,10 +66,10 @@ struct SafetyLimits {
   /// This many missed ticks give zero, then a ramp; inf: none. At 1 kHz 10 ms: a busy machine is
   /// seldom late by that, and a hand goes 2 cm in them at most.
   double watchdog_ticks = 10;
-  double reserve = 1;          ///< mJ that letting go may cost beyond what is stored; inf: no limit
-  double acceleration = 40;    ///< of the hand at most, m/s^2
-  double encoder = 5.5e-5;     ///< the device's positions come in such steps, m
-  double delay_ticks = 0;      ///< from when a force is sent until it is in effect
+  double reserve = 1;        ///< mJ that letting go may cost beyond what is stored; inf: no limit
+  double acceleration = 40;  ///< of the hand at most, m/s^2
+  double encoder = 5.5e-5;   ///< the device's positions come in such steps, m
+  double delay_ticks = 0;    ///< from when a force is sent until it is in effect
 };
 
 /// At this multiple of buzz_rate damping did not help, and the force becomes zero.

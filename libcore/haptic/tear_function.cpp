@@ -66,7 +66,8 @@ struct Equation {
 };
 
 /// False where a corner of the cell that the link crosses is missing.
-bool make_equation(const Sheets& sheets, RecordIndex r, int q, double t, Equation& equation) {
+bool make_equation(const BranchNodes& branches, RecordIndex r, int q, double t,
+                   Equation& equation) {
   const auto d = Direction(q).step();
   std::array<int, 3> axes{};
   int count = 0;
@@ -82,8 +83,8 @@ bool make_equation(const Sheets& sheets, RecordIndex r, int q, double t, Equatio
       weight *= there ? t : 1 - t;
     }
     equation.node[corner] =
-        corner == 0 ? r : sheets.node(r, Direction::of(step[0], step[1], step[2]).q());
-    if (equation.node[corner] == Sheets::kNoNode) return false;
+        corner == 0 ? r : branches.node(r, Direction::of(step[0], step[1], step[2]).q());
+    if (equation.node[corner] == BranchNodes::kNoNode) return false;
     equation.weight[corner] = weight;
   }
   return true;
@@ -129,11 +130,11 @@ void solve(const std::vector<Equation>& equations, std::vector<double>& value) {
 
 }  // namespace
 
-std::vector<float> tear_function(const Grid& grid, const Sheets& sheets) {
+std::vector<float> tear_function(const Grid& grid, const BranchNodes& branches) {
   std::vector<Equation> equations;
   // Most records are nowhere near a tear: only the nodes of equations are numbered, in the order in
   // which they come.
-  const std::size_t nodes = std::size_t{grid.records()} + sheets.ghosts();
+  const std::size_t nodes = std::size_t{grid.records()} + branches.ghosts();
   constexpr Node kNone = ~Node{0};
   std::vector<Node> number(nodes, kNone), numbered;
   std::vector<Plane> planes;
@@ -146,26 +147,26 @@ std::vector<float> tear_function(const Grid& grid, const Sheets& sheets) {
     return number[node];
   };
   for (RecordIndex r = 0; r < grid.records(); ++r)
-    for (DirectionMask left = sheets.one_way(r); left != 0; left &= left - 1) {
+    for (DirectionMask left = branches.one_way(r); left != 0; left &= left - 1) {
       const int q = std::countr_zero(left);
       const double t = tear_fraction(grid, r, q);
       const auto d = Direction(q).step();
       planes[number_of(r)].add({t * d[0], t * d[1], t * d[2]});
-      planes[number_of(sheets.node(r, q))].add({(t - 1) * d[0], (t - 1) * d[1], (t - 1) * d[2]});
+      planes[number_of(branches.node(r, q))].add({(t - 1) * d[0], (t - 1) * d[1], (t - 1) * d[2]});
       Equation equation{};
-      if (!make_equation(sheets, r, q, t, equation)) continue;
+      if (!make_equation(branches, r, q, t, equation)) continue;
       for (int k = 0; k < equation.size; ++k) equation.node[k] = number_of(equation.node[k]);
       equations.push_back(equation);
     }
   std::vector<double> value(numbered.size(), kNothingTears);
   for (std::size_t i = 0; i < value.size(); ++i)
     if (planes[i].any())
-      value[i] = sheets.is_ghost(numbered[i]) ? -planes[i].distance() : planes[i].distance();
+      value[i] = branches.is_ghost(numbered[i]) ? -planes[i].distance() : planes[i].distance();
   solve(equations, value);
   std::vector<float> result(nodes, static_cast<float>(kNothingTears));
   for (std::size_t i = 0; i < value.size(); ++i)
     result[numbered[i]] = static_cast<float>(
-        sheets.is_ghost(numbered[i]) ? std::min(value[i], -kLeast) : std::max(value[i], kLeast));
+        branches.is_ghost(numbered[i]) ? std::min(value[i], -kLeast) : std::max(value[i], kLeast));
   return result;
 }
 

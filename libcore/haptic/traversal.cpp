@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
@@ -33,31 +33,31 @@ Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
     for (std::int64_t c = 1; c < box_.counts[a]; ++c) {
       const double width = face(a, c) - face(a, c - 1);
       if (!(width > 0 && std::isfinite(1 / width)))
-        throw Error("grid: neighbouring points coincide in double precision along axis " +
-                    std::to_string(a) + ", near " + std::to_string(face(a, c)));
+        throw Error(format(
+            "grid: neighbouring points coincide in double precision along axis {}, near {:f}", a,
+            face(a, c)));
     }
     if (!std::isfinite(box_high_[a] - box_low_[a]))
-      throw Error("grid: the box is too large for double precision along axis " +
-                  std::to_string(a));
+      throw Error(format("grid: the box is too large for double precision along axis {}", a));
   }
 }
 
-StepResult Traversal::start(const Vec3& hip) noexcept {
-  StepResult result;
+const StepResult& Traversal::start(const Vec3& hip) noexcept {
+  step_ = {.started = true, .from = position_};
   started_ = false;
   ++jumps_;
   if (!finite(hip)) {
-    result.not_finite = true;
-    return result;
+    step_.not_finite = true;
+    return step_;
   }
   Vec3 x = hip;
-  result.outside = clamp(x);
+  step_.outside = clamp(x);
 
   GridCoordinates cell{};
   int nearest = 0;
   for (int a = 0; a < 3; ++a) {
-    if (box_.counts[a] == 1) continue;
-    const std::int64_t last = std::int64_t{box_.counts[a]} - 2;
+    if (cells_.is_flat(a)) continue;
+    const std::int64_t last = std::int64_t{cells_.count(a)} - 1;
     auto c = std::min(static_cast<std::int64_t>((x[a] - box_.origin[a]) / box_.spacing), last);
     while (c > 0 && x[a] < face(a, c)) --c;
     while (c < last && x[a] >= face(a, c + 1)) ++c;
@@ -66,41 +66,43 @@ StepResult Traversal::start(const Vec3& hip) noexcept {
   }
 
   enter(cell, box_.index(cell));
-  const Vec3 before = position_;
   position_ = x;
   started_ = begin(nearest);
-  result.blocked = !started_;
+  step_.blocked = !started_;
   if (started_)
     evaluate();
   else
-    position_ = before;
-  return result;
+    position_ = step_.from;
+  return step_;
 }
 
-StepResult Traversal::step(const Vec3& hip) noexcept {
-  StepResult result;
+const StepResult& Traversal::step(const Vec3& hip) noexcept {
   // The most frequent case comes first: a HIP in the closed cell is finite and in the box.
   if (started_ && hip[0] >= low_[0] && hip[0] <= high_[0] && hip[1] >= low_[1] &&
       hip[1] <= high_[1] && hip[2] >= low_[2] && hip[2] <= high_[2]) {
-    if (move(hip, result))
+    step_ = {.from = position_};
+    if (move(hip, step_))
       position_ = hip;
     else
-      result.blocked = true;
-    jumps_ += result.snapped;
+      step_.blocked = true;
+    jumps_ += step_.snapped;
     evaluate();
-    return result;
+    return step_;
   }
   if (!started_) return start(hip);
+  step_ = {.from = position_};
   if (!finite(hip)) {
-    result.not_finite = true;
-    return result;
+    step_.not_finite = true;
+    return step_;
   }
   Vec3 x = hip;
-  result.outside = clamp(x);
-  travel(x, result);
-  jumps_ += result.snapped;
+  step_.outside = clamp(x);
+  const std::array<RecordIndex, 8> before = nodes_;
+  travel(x);
+  compare_corners(before);
+  jumps_ += step_.snapped;
   evaluate();
-  return result;
+  return step_;
 }
 
 bool Traversal::clamp(Vec3& x) const noexcept {
@@ -124,7 +126,7 @@ std::int64_t Traversal::cells_away(int a, double x) const noexcept {
   const std::int64_t here = cell_[a];
   const auto guess = [&] { return static_cast<std::int64_t>((x - box_.origin[a]) / box_.spacing); };
   if (x > high_[a]) {
-    const std::int64_t last = std::int64_t{box_.counts[a]} - 2;
+    const std::int64_t last = std::int64_t{cells_.count(a)} - 1;
     std::int64_t c = std::clamp(guess(), here + 1, last);
     while (c > here + 1 && x <= face(a, c)) --c;
     while (c < last && x > face(a, c + 1)) ++c;
@@ -144,15 +146,15 @@ std::array<std::int64_t, 3> Traversal::cells_away(const Vec3& x) const noexcept 
 }
 
 /// Moves to x, which is inside the box and outside the cell, as far as links and the bound allow.
-void Traversal::travel(const Vec3& x, StepResult& result) noexcept {
+void Traversal::travel(const Vec3& x) noexcept {
   for (int sub_steps = 0;; ++sub_steps) {
     auto away = cells_away(x);
     const std::int64_t distance = farthest(away);
     Vec3 y = x;
     if (distance > 1) {
-      result.split = true;
+      step_.split = true;
       if (sub_steps == max_sub_steps_) {
-        result.lagging = true;
+        step_.lagging = true;
         return;
       }
       // The first of `distance` equal parts ends in a neighbouring cell, except for rounding. Then
@@ -164,11 +166,11 @@ void Traversal::travel(const Vec3& x, StepResult& result) noexcept {
         if (farthest(away) <= 1) break;
       }
     } else if (sub_steps == max_sub_steps_ && distance == 1) {
-      result.lagging = true;
+      step_.lagging = true;
       return;
     }
-    if ((farthest(away) > 0 && !switch_cell(away, y, result)) || !move(y, result)) {
-      result.blocked = true;
+    if ((farthest(away) > 0 && !switch_cell(away, y)) || !move(y, step_)) {
+      step_.blocked = true;
       return;
     }
     position_ = y;
@@ -178,19 +180,36 @@ void Traversal::travel(const Vec3& x, StepResult& result) noexcept {
 
 /// Goes to the cell at `move`, whose components are -1, 0 or 1. When a link is missing, nothing
 /// changes.
-bool Traversal::switch_cell(const std::array<std::int64_t, 3>& move, const Vec3& y,
-                            StepResult& result) noexcept {
+bool Traversal::switch_cell(const std::array<std::int64_t, 3>& move, const Vec3& y) noexcept {
   const int q =
       Direction::of(static_cast<int>(move[0]), static_cast<int>(move[1]), static_cast<int>(move[2]))
           .q();
   const auto base = static_cast<PointIndex>(base_ + grid_.neighbourhood().offset(q));
-  if (!cross(q, base, y, result)) return false;
+  if (!cross(q, base, y, step_)) return false;
   GridCoordinates cell;
   for (int a = 0; a < 3; ++a) cell[a] = static_cast<std::uint32_t>(cell_[a] + move[a]);
   enter(cell, base);
   const int axes = (move[0] != 0) + (move[1] != 0) + (move[2] != 0);
-  ++(axes == 1 ? result.face_switches : axes == 2 ? result.edge_switches : result.vertex_switches);
+  ++(axes == 1 ? step_.face_switches : axes == 2 ? step_.edge_switches : step_.vertex_switches);
+  step_.direction = static_cast<std::int8_t>(q);
   return true;
+}
+
+/// Whether corners changed in a step that ended outside the cell where it began. Without `split`
+/// there was one switch at most, and a switch keeps the corners that both cells have.
+void Traversal::compare_corners(const std::array<RecordIndex, 8>& before) noexcept {
+  step_.corners_changed = false;
+  if (step_.split) return;
+  step_.nodes_before = before;
+  for (int k = 0; k < 8; ++k) {
+    if (step_.direction < 0) {
+      step_.corners_changed |= nodes_[k] != before[k];
+      continue;
+    }
+    const CellSwitch& table = kCellSwitches[step_.direction];
+    if (table.direction[k] == CellSwitch::kKept)
+      step_.corners_changed |= nodes_[k] != before[table.from[k]];
+  }
 }
 
 void Traversal::enter(const GridCoordinates& cell, PointIndex base) noexcept {
@@ -199,7 +218,7 @@ void Traversal::enter(const GridCoordinates& cell, PointIndex base) noexcept {
   for (int a = 0; a < 3; ++a) {
     low_[a] = face(a, cell[a]);
     high_[a] = low_[a];
-    if (box_.counts[a] == 1) continue;
+    if (cells_.is_flat(a)) continue;
     high_[a] = face(a, std::int64_t{cell[a]} + 1);
     const double width = high_[a] - low_[a];
     scale_[a] = 1 / width;

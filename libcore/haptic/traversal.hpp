@@ -38,10 +38,11 @@
 
 namespace hapgrid {
 
-class Sheets;
+class BranchNodes;
 
 /// What happened in a step. When all is false and zero, the HIP stayed in its cell.
 struct StepResult {
+  bool started = false;     ///< the traversal began, so nothing before the step counts
   bool not_finite = false;  ///< the HIP was not finite: nothing changed, the state is held
   bool outside = false;     ///< the HIP was outside the box and is held at the box's edge
   bool split = false;       ///< the HIP jumped to a cell that shares no vertex
@@ -54,9 +55,17 @@ struct StepResult {
   std::uint16_t face_switches = 0;
   std::uint16_t edge_switches = 0;
   std::uint16_t vertex_switches = 0;
+  std::int8_t direction = -1;  ///< of the last switch to another cell; -1: there was none
+  /// Some corner that the cells before and after the step share has another node. False where the
+  /// HIP jumped to a cell that shares none.
+  bool corners_changed = false;
+  std::array<RecordIndex, 8> nodes_before{};  ///< nodes() before the step, where corners changed
+  Vec3 from{0, 0, 0};                         ///< position() before the step
 
   /// Whether state() belongs to this HIP, or at least to its place a moment ago.
   bool usable() const { return !not_finite && !blocked; }
+  /// Whether the state does not go on from where it was.
+  bool jumped() const { return started || snapped; }
 };
 
 /// The traversal of one grid by one HIP; for one thread.
@@ -68,10 +77,11 @@ class Traversal {
 
   virtual ~Traversal() = default;
 
-  /// Starts in the cell of the HIP.
-  StepResult start(const Vec3& hip) noexcept;
-  /// Follows the HIP. Until a start has succeeded it does the same as start().
-  StepResult step(const Vec3& hip) noexcept;
+  /// Starts in the cell of the HIP. @returns last_step()
+  const StepResult& start(const Vec3& hip) noexcept;
+  /// Follows the HIP. Until a start has succeeded it does the same as start(). @returns last_step()
+  const StepResult& step(const Vec3& hip) noexcept;
+  const StepResult& last_step() const { return step_; }
 
   /// The state there, n values in the model's units; zeros before the first start.
   std::span<const double> state() const {
@@ -87,12 +97,17 @@ class Traversal {
   /// Their levels; kNoLevel where there is no record.
   const std::array<Level, 8>& levels() const { return levels_; }
   /// The nodes that state() is interpolated from, by corner: a record, or from Grid::records() on a
-  /// ghost (sheets.hpp); Grid::kNoRecord where the rule has none.
+  /// ghost (branch_nodes.hpp); Grid::kNoRecord where the rule has none.
   const std::array<RecordIndex, 8>& nodes() const { return nodes_; }
-  /// What knows the ghosts among them; null where the rule has none.
-  virtual const Sheets* sheets() const { return nullptr; }
+  /// The branches whose ghosts are among them; null where the rule has none.
+  virtual const BranchNodes* branch_nodes() const { return nullptr; }
   /// Where position() is in the cell, in [0, 1] on each axis.
   Vec3 part() const noexcept { return part_of_cell(position_); }
+  /// Where x is in the cell, for a point of the closed cell; exactly 0 and 1 on its faces.
+  Vec3 part_of_cell(const Vec3& x) const noexcept {
+    const auto part = [&](int a) { return std::min((x[a] - low_[a]) * scale_[a], 1.0); };
+    return {part(0), part(1), part(2)};
+  }
   /// Counts the ticks in which the state jumped, because it started or snapped.
   std::uint64_t jumps() const { return jumps_; }
   /// The corner (0,0,0) of the cell.
@@ -118,11 +133,6 @@ class Traversal {
   /// Sets row() to what is at position().
   virtual void evaluate() noexcept = 0;
 
-  /// Where x is in the current cell, in [0, 1] on each axis; exactly 0 and 1 on its faces.
-  Vec3 part_of_cell(const Vec3& x) const noexcept {
-    const auto part = [&](int a) { return std::min((x[a] - low_[a]) * scale_[a], 1.0); };
-    return {part(0), part(1), part(2)};
-  }
   /// The point of the current closed cell that is nearest to x.
   Vec3 nearest_in_cell(const Vec3& x) const noexcept {
     return {std::clamp(x[0], low_[0], high_[0]), std::clamp(x[1], low_[1], high_[1]),
@@ -145,15 +155,16 @@ class Traversal {
   bool clamp(Vec3& x) const noexcept;
   std::int64_t cells_away(int axis, double x) const noexcept;
   std::array<std::int64_t, 3> cells_away(const Vec3& x) const noexcept;
-  void travel(const Vec3& x, StepResult& result) noexcept;
-  bool switch_cell(const std::array<std::int64_t, 3>& move, const Vec3& y,
-                   StepResult& result) noexcept;
+  void travel(const Vec3& x) noexcept;
+  bool switch_cell(const std::array<std::int64_t, 3>& move, const Vec3& y) noexcept;
+  void compare_corners(const std::array<RecordIndex, 8>& before) noexcept;
   void enter(const GridCoordinates& cell, PointIndex base) noexcept;
 
   const int max_sub_steps_;
   Vec3 box_low_;
   Vec3 box_high_;
   bool started_ = false;
+  StepResult step_;
   std::uint64_t jumps_ = 0;
   Vec3 position_{0, 0, 0};
   GridCoordinates cell_{0, 0, 0};

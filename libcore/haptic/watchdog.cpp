@@ -9,10 +9,10 @@
 
 namespace hapgrid {
 
-Watchdog::Watchdog(const std::atomic<std::uint64_t>& heartbeat, std::chrono::milliseconds patience,
-                   std::function<void()> hung) {
+std::jthread start_watchdog(const std::atomic<std::uint64_t>& heartbeat,
+                            std::chrono::milliseconds patience, std::function<void()> hung) {
   const BlockedSignals blocked;
-  thread_ = std::jthread([&heartbeat, patience, hung = std::move(hung)](std::stop_token token) {
+  return std::jthread([&heartbeat, patience, hung = std::move(hung)](std::stop_token token) {
     using Clock = std::chrono::steady_clock;
     std::mutex mutex;
     std::condition_variable_any wake;

@@ -10,15 +10,9 @@
 
 namespace hapgrid {
 
-class Watchdog {
- public:
-  /// Calls `hung` once, in a thread of its own, when `heartbeat` has not changed for `patience`.
-  Watchdog(const std::atomic<std::uint64_t>& heartbeat, std::chrono::milliseconds patience,
-           std::function<void()> hung);
-  // The destructor ends the watch.
-
- private:
-  std::jthread thread_;
-};
+/// Calls `hung` once, in the thread that is returned, when `heartbeat` has not changed for
+/// `patience`. The thread's destructor ends the watch.
+std::jthread start_watchdog(const std::atomic<std::uint64_t>& heartbeat,
+                            std::chrono::milliseconds patience, std::function<void()> hung);
 
 }  // namespace hapgrid

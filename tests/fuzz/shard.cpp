@@ -4,8 +4,8 @@
 
 #include "libcore/check/continuous.hpp"
 #include "libcore/check/invariants.hpp"
+#include "libcore/haptic/branch_nodes.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
-#include "libcore/haptic/sheets.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/reader.hpp"
 #include "libcore/shard/schema.hpp"
@@ -60,7 +60,7 @@ void look_at(const Grid& grid) {
   if (grid.has_tears()) check_fractions(grid);
   check_reachable(grid, distances);
   check_generations(grid, distances);
-  check_continuous(grid, Sheets(grid));
+  check_continuous(grid, BranchNodes(grid));
 }
 
 void read_shard(std::span<const std::byte> bytes) {

@@ -143,7 +143,7 @@ constexpr double kMostMoved = (3 * 14 + 70 * 2 * 1.7321) * kStep;
 void play(const Case& made, bool is_fine, Input& input) {
   const Grid& grid = *made.grid;
   const auto map = std::make_shared<const BranchMap>(grid);
-  const auto nodes = std::make_shared<const NodeEnergies>(grid, &map->sheets, made.fields);
+  const auto nodes = std::make_shared<const NodeEnergies>(grid, &map->nodes, made.fields);
   BranchTraversal traversal(grid, map);
   NodeForce force(nodes, grid.box(), hermite_force);
   SafetyLimits limits;
@@ -187,10 +187,10 @@ bool is_fine_grid(const Case& made) {
   const Grid& grid = *made.grid;
   const auto same = [](const double* a, const double* b) { return a[0] == b[0]; };
   const BranchMap map(grid);
-  const NodeEnergies nodes(grid, &map.sheets, made.fields);
+  const NodeEnergies nodes(grid, &map.nodes, made.fields);
   return is_fine({check_coverage(grid), check_links(grid), check_finite(grid),
                   check_distinct(grid, same), check_fractions(grid),
-                  check_continuous(grid, map.sheets), check_passive(grid, map, nodes)});
+                  check_continuous(grid, map.nodes), check_passive(grid, map, nodes)});
 }
 
 }  // namespace

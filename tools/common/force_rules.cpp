@@ -1,5 +1,6 @@
 #include "tools/common/force_rules.hpp"
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/haptic/agreement.hpp"
 
@@ -20,8 +21,9 @@ std::string objection(const Grid& grid, const RecordFields& fields) {
   const Agreement found = agreement(grid, fields);
   if (found.is_good()) return "";
   if (found.predictions == 0) return "the grid is too small to compare force and energy";
-  return "the force is not the gradient of the energy (off by " + rounded(found.by_energy) +
-         " N with the energy, " + rounded(found.by_forces) + " N without)";
+  return format(
+      "the force is not the gradient of the energy (off by {} N with the energy, {} N without)",
+      rounded(found.by_energy), rounded(found.by_forces));
 }
 
 }  // namespace

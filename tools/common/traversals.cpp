@@ -1,7 +1,8 @@
 #include "tools/common/traversals.hpp"
 
-#include "libcore/haptic/model_traversal.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
+#include "libcore/haptic/model_traversal.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
 
 namespace hapgrid {
@@ -32,7 +33,7 @@ std::optional<TraversalRule> rule_named(const std::string& name) {
 
 std::string rule_names() {
   std::string names;
-  for (const Rule& r : kRules) names += (names.empty() ? "" : ", ") + std::string(r.name);
+  for (const Rule& r : kRules) names += format("{}{}", names.empty() ? "" : ", ", r.name);
   return names;
 }
 

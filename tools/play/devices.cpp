@@ -3,7 +3,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <sstream>
@@ -13,6 +12,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/device/evdev_bus.hpp"
 #include "libcore/device/evdev_handle.hpp"
@@ -27,6 +27,7 @@
 #include "libcore/device/spacemouse.hpp"
 #include "libcore/haptic/mapping.hpp"
 #include "tools/common/definition.hpp"
+#include "tools/common/tool.hpp"
 #include "tools/play/simulation.hpp"
 
 namespace hapgrid {
@@ -105,8 +106,7 @@ OpenDevice open_path(const std::string& file) {
 OpenDevice open_replay(const std::string& file, double text_rate_hz) {
   const Recording recording = load_recording(file, text_rate_hz);
   if (!recording.ended_early.empty())
-    std::fprintf(stderr, "play: %s: the session ended early, at %s\n", printable_line(file).c_str(),
-                 recording.ended_early.c_str());
+    say("play", format("{}: the session ended early, at {}", file, recording.ended_early));
   std::vector<ReplayTick> ticks;
   ticks.reserve(recording.ticks.size());
   std::uint64_t next = recording.ticks.front().number;
@@ -138,7 +138,8 @@ OpenDevice open_simulation(const std::string& file, double rate_hz, const Mappin
 
 std::unique_ptr<Device> open_profile(const std::string& file, HidGuard& guard) {
   Profile profile = read_profile(read_toml(file, kMaxProfileBytes), file);
-  const HidInfo info = find_one_hid(list_hid(), profile.match, "[match] serial or path in " + file);
+  const HidInfo info =
+      find_one_hid(list_hid(), profile.match, format("[match] serial or path in {}", file));
   return std::make_unique<HidDevice>(info.path,
                                      std::make_unique<ProfileProtocol>(std::move(profile)), &guard);
 }
@@ -171,9 +172,9 @@ DeviceChoice parse_device(const std::string& name) {
                       : form.argument == Argument::kNone ? !given
                                                          : !argument.empty();
     if (name.substr(0, colon) == form.name && fits) return form.make(argument);
-    forms += (forms.empty() ? "" : ", ") + std::string(form.shown);
+    forms += format("{}{}", forms.empty() ? "" : ", ", form.shown);
   }
-  throw UsageError("--device: '" + name + "' is not a device: " + forms);
+  throw UsageError(format("--device: '{}' is not a device: {}", name, forms));
 }
 
 std::string input_file(const DeviceChoice& device) {

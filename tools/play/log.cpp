@@ -1,9 +1,9 @@
 #include "tools/play/log.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "libcore/base/format.hpp"
+#include "tools/common/tool.hpp"
 
 namespace hapgrid {
 
@@ -32,10 +32,8 @@ void Log::finish() {
   if (session_) {
     const std::uint64_t recorded = session_->finish();
     if (session_->dropped() > 0)
-      std::fputs(format("play: the log has {} ticks, {} were dropped: the disk was slow\n",
-                        recorded, session_->dropped())
-                     .c_str(),
-                 stderr);
+      say("play", format("the log has {} ticks, {} were dropped: the disk was slow", recorded,
+                         session_->dropped()));
   }
   if (!text_) return;
   text_->flush();

@@ -1,6 +1,7 @@
 #include "tools/play/played_force.hpp"
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/parallel.hpp"
 #include "libcore/haptic/record_fields.hpp"
 #include "tools/common/tool.hpp"
@@ -20,14 +21,15 @@ std::future<NodeForces> PlayForce::ask_records(std::optional<ForceRule> wanted,
 }
 
 PlayForce::PlayForce(std::optional<ForceRule> wanted, TraversalRule traversal, const Grid& grid,
-                     const Sheets* sheets, const Fields& fields, std::future<NodeForces> records)
+                     const BranchNodes* branches, const Fields& fields,
+                     std::future<NodeForces> records)
     : fields_(fields), rule_(wanted.value_or(default_force(traversal))) {
   if (rule_ == ForceRule::kState) return;
   const NodeForces found = records.get();
-  if (sheets) found.nodes->add_ghosts(grid, *sheets);
+  if (branches) found.nodes->add_ghosts(grid, *branches);
   if (!found.why_not.empty()) {
-    if (wanted) throw Error("--force energy: " + found.why_not);
-    say("play", found.why_not + ": the forces of the records are interpolated");
+    if (wanted) throw Error(format("--force energy: {}", found.why_not));
+    say("play", format("{}: the forces of the records are interpolated", found.why_not));
   }
   rule_ = found.rule;
   nodes_.emplace(found.nodes, grid.box(), found.interpolate);

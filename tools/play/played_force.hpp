@@ -21,11 +21,11 @@ class PlayForce {
   /// @param wanted nothing: kEnergy for the rule of branches, or kRecords where no energy has the
   /// forces as its gradient; kState for the other rules of traversal. Says on standard error where
   /// it falls back to kRecords.
-  /// @param sheets of the traversal; may be null. @param fields, grid outlive this.
+  /// @param branches of the traversal; may be null. @param fields, grid outlive this.
   /// @param records from ask_records()
   /// @throw Error when kEnergy is wanted and cannot be had; what `create` throws.
   PlayForce(std::optional<ForceRule> wanted, TraversalRule traversal, const Grid& grid,
-            const Sheets* sheets, const Fields& fields, std::future<NodeForces> records);
+            const BranchNodes* branches, const Fields& fields, std::future<NodeForces> records);
 
   ForceRule rule() const { return rule_; }
 

@@ -25,15 +25,15 @@ Json to_json(const Histogram& h) {
           {"histogram", {{"columns", {"from_us", "to_us", "ticks"}}, {"bins", bins}}}};
 }
 
-const char* name_of(LoopEnd end) {
+const char* name_of(LoopExit end) {
   switch (end) {
-    case LoopEnd::kDeviceEnd:
+    case LoopExit::kDeviceEnd:
       return "device";
-    case LoopEnd::kStopped:
+    case LoopExit::kStopped:
       return "signal";
-    case LoopEnd::kTicks:
+    case LoopExit::kTicks:
       return "duration";
-    case LoopEnd::kDeviceFailed:
+    case LoopExit::kDeviceFailed:
       return "device failed";
   }
   return "";

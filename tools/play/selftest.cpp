@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "libcore/base/format.hpp"
 #include "libcore/grid/grid.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
 #include "tools/common/signals.hpp"
@@ -136,13 +137,15 @@ int run_selftest(const PlayOptions& options) {
       }
     }
     if (caught_signal.load() != 0) return 128 + caught_signal.load();
-    std::printf("%g Hz: %s (%s)\n", rate_hz, grade(measured, rate_hz), got.c_str());
-    std::printf("  the loop's lateness    %s; missed %llu of %llu\n",
-                quantiles_text(measured.loop).c_str(),
-                static_cast<unsigned long long>(measured.missed),
-                static_cast<unsigned long long>(measured.loop.count()));
-    std::printf("  the kernel's lateness  %s\n", quantiles_text(measured.kernel).c_str());
-    std::printf("  the loop's computing   %s\n", quantiles_text(measured.compute).c_str());
+    std::fputs(format("{:g} Hz: {} ({})\n"
+                      "  the loop's lateness    {}; missed {} of {}\n"
+                      "  the kernel's lateness  {}\n"
+                      "  the loop's computing   {}\n",
+                      rate_hz, grade(measured, rate_hz), got, quantiles_text(measured.loop),
+                      measured.missed, measured.loop.count(), quantiles_text(measured.kernel),
+                      quantiles_text(measured.compute))
+                   .c_str(),
+               stdout);
     std::fflush(stdout);
   }
   return kExitDone;

@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/json.hpp"
+#include "libcore/base/json_text.hpp"
 
 namespace hapgrid {
 
@@ -52,18 +54,18 @@ SessionHeader session_header(const GridSpec& spec, const std::string& digest, do
   Json safety;
   // JSON has no infinity; null stands for it.
   each_limit(with.limits, [&](const char* name, double value) { safety[name] = value; });
-  header.settings = Json{{"safety", safety},
-                         {"scale_per_m", with.scale},
-                         {"traversal", name_of(with.traversal)},
-                         {"force", name_of(with.force)}}
-                        .dump();
+  header.settings = json_line({{"safety", safety},
+                               {"scale_per_m", with.scale},
+                               {"traversal", name_of(with.traversal)},
+                               {"force", name_of(with.force)}});
   return header;
 }
 
 PlayedWith played_with(const SessionHeader& header, const std::string& name) {
   PlayedWith with;
   try {
-    if (nests_too_deep(header.settings)) throw Error(name + ": its settings are not those of play");
+    if (nests_too_deep(header.settings))
+      throw Error(format("{}: its settings are not those of play", name));
     const Json settings = Json::parse(header.settings);
     each_limit(with.limits, [&](const char* key, double& value) {
       const Json& written = settings.at("safety").at(key);
@@ -71,13 +73,15 @@ PlayedWith played_with(const SessionHeader& header, const std::string& name) {
     });
     with.scale = settings.at("scale_per_m").get<double>();
     const auto rule = rule_named(settings.at("traversal").get<std::string>());
-    if (!rule) throw Error(name + ": played by a rule of traversal that this program lacks");
+    if (!rule)
+      throw Error(format("{}: played by a rule of traversal that this program lacks", name));
     with.traversal = *rule;
     const auto force = force_named(settings.at("force").get<std::string>());
-    if (!force) throw Error(name + ": played with a rule of forces that this program lacks");
+    if (!force)
+      throw Error(format("{}: played with a rule of forces that this program lacks", name));
     with.force = *force;
   } catch (const Json::exception&) {
-    throw Error(name + ": its settings are not those of play");
+    throw Error(format("{}: its settings are not those of play", name));
   }
   return with;
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "libcore/base/table.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tools/play/report.hpp"
@@ -18,9 +18,6 @@ using Json = nlohmann::ordered_json;
 constexpr double kMilli = 1e3;
 constexpr double kNano = 1e9;
 constexpr double kContact = 0.01;  // newtons, of the model's force or the one that is played
-
-double length(const Vec3& f) { return std::sqrt(dot(f, f)); }
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 /// A figure over all sessions that have it.
 struct Overall {
@@ -93,9 +90,9 @@ void Sessions::add(const Tick& tick) {
   SessionFigures& now = sessions_.back();
   now.given_mj = device_.work() * kMilli;
   now.returned_mj = std::max(now.returned_mj, now.given_mj - now.stored_mj);
-  now.largest_step_n = std::max(now.largest_step_n, length(minus(tick.force.force, last_sent_)));
+  now.largest_step_n = std::max(now.largest_step_n, length_of(tick.force.force - last_sent_));
   last_sent_ = tick.force.force;
-  look_at_rest();
+  note_position();
   if (truth_) compare(tick);
 }
 
@@ -132,7 +129,7 @@ void Sessions::end() {
   session_sent_ = session_raw_ = {};
 }
 
-void Sessions::look_at_rest() {
+void Sessions::note_position() {
   if (device_.target() != last_target_) judge_rest();
   last_target_ = device_.target();
   ++rest_;
@@ -160,35 +157,33 @@ void Sessions::compare(const Tick& tick) {
   const StepResult step = tick.input.begins ? truth_->start(tick.hip) : truth_->step(tick.hip);
   if (!step.usable() || !finite(tick.raw_force)) return;
   const Vec3 model = fields_.force(truth_->position(), truth_->row());
-  if (std::max(length(model), length(tick.raw_force)) < kContact) return;
-  Vec3 felt;
-  for (int a = 0; a < 3; ++a) felt[a] = model[a] * setup_.gain;
-  session_sent_.add(length(minus(tick.force.force, felt)));
-  session_raw_.add(length(minus(tick.raw_force, model)));
+  if (std::max(length_of(model), length_of(tick.raw_force)) < kContact) return;
+  const Vec3 felt = setup_.gain * model;
+  session_sent_.add(length_of(tick.force.force - felt));
+  session_raw_.add(length_of(tick.raw_force - model));
 }
 
 std::string sessions_text(const Sessions& sessions) {
-  const auto line = [](const std::string& what, const Overall& o, const std::string& unit) {
-    return "play: " + what + ": mean " + three_digits(o.mean) + " " + unit + ", worst " +
-           three_digits(o.worst) + " " + unit + " in session " + std::to_string(o.session);
+  const auto line = [](const std::string& what, const Overall& o, const char* unit) {
+    return format("play: {}: mean {:.3g} {}, worst {:.3g} {} in session {}\n", what, o.mean, unit,
+                  o.worst, unit, o.session);
   };
   const Summary s = summarize(sessions.sessions());
-  std::string text = line("energy returned beyond what was stored, of " +
-                              std::to_string(sessions.sessions().size()) + " sessions",
-                          s.returned, "mJ") +
-                     "\n";
+  std::string text = line(
+      format("energy returned beyond what was stored, of {} sessions", sessions.sessions().size()),
+      s.returned, "mJ");
   if (s.holds > 0)
-    text += line("oscillation in " + std::to_string(s.holds) + " rests of the hand", s.oscillation,
-                 "mm") +
-            "\n";
-  text += line("largest step of the force in a tick", s.step, "N") + "\n";
+    text += line(format("oscillation in {} rests of the hand", s.holds), s.oscillation, "mm");
+  text += line("largest step of the force in a tick", s.step, "N");
   if (!sessions.has_truth()) return text;
   const auto error = [](const ForceError& e) {
-    return "mean " + three_digits(e.mean()) + " N, 99 % " + three_digits(e.p99()) + " N";
+    return format("mean {:.3g} N, 99 % {:.3g} N", e.mean(), e.p99());
   };
-  return text + "play: error of the force in " + std::to_string(sessions.sent_error().ticks()) +
-         " ticks in contact: " + error(sessions.sent_error()) + " as sent; " +
-         error(sessions.raw_error()) + " before the safety core\n";
+  return text + format(
+                    "play: error of the force in {} ticks in contact: {} as sent; {} before the "
+                    "safety core\n",
+                    sessions.sent_error().ticks(), error(sessions.sent_error()),
+                    error(sessions.raw_error()));
 }
 
 Json sessions_json(const Sessions& sessions) {
@@ -217,17 +212,12 @@ std::string sessions_table(const Sessions& sessions) {
   text += '\n';
   for (std::size_t i = 0; i < sessions.sessions().size(); ++i) {
     const SessionFigures& s = sessions.sessions()[i];
-    const auto append = [&](double value) { text += '\t' + to_text(value); };
-    text += std::to_string(i);
-    for (const double value : {s.stored_mj, s.given_mj, s.returned_mj}) append(value);
-    text += '\t' + std::to_string(s.holds);
-    append(s.oscillation_mm);
-    append(s.largest_step_n);
-    if (sessions.has_truth()) {
-      text += '\t' + std::to_string(s.contact);
-      for (const double value : {s.sent_mean_n, s.sent_p99_n, s.raw_mean_n, s.raw_p99_n})
-        append(value);
-    }
+    text += format("{}\t{}\t{}\t{}\t{}\t{}\t{}", i, to_text(s.stored_mj), to_text(s.given_mj),
+                   to_text(s.returned_mj), s.holds, to_text(s.oscillation_mm),
+                   to_text(s.largest_step_n));
+    if (sessions.has_truth())
+      text += format("\t{}\t{}\t{}\t{}\t{}", s.contact, to_text(s.sent_mean_n),
+                     to_text(s.sent_p99_n), to_text(s.raw_mean_n), to_text(s.raw_p99_n));
     text += '\n';
   }
   return text;

@@ -64,7 +64,7 @@ class Sessions {
  private:
   void begin(const Tick& tick);
   void end();
-  void look_at_rest();
+  void note_position();
   void judge_rest();
   void compare(const Tick& tick);
 

@@ -92,8 +92,9 @@ std::string unknown_key(const std::string& key, bool in_file) {
     meant.insert(meant.end(), 2, in_file && is_option(setting) ? last : name);
   }
   const auto near = nearest(key, known);
-  return "unknown key '" + key + "'" +
-         (near ? "; did you mean '" + meant[*near] + "'?" : "; play --help has a table of keys");
+  return format(
+      "unknown key '{}'; {}", key,
+      near ? format("did you mean '{}'?", meant[*near]) : "play --help has a table of keys");
 }
 
 std::vector<double> read_numbers(const toml::node& node) {
@@ -116,8 +117,8 @@ const Setting* find_setting(const std::string& name) {
   return found == std::end(kSettings) ? nullptr : &*found;
 }
 
-/// Takes `key = node`. @return what is wrong with it, empty when nothing is
-std::string take(const std::string& key, const toml::node& node, GivenSettings& given) {
+/// Adds `key = node` to what is given. @return what is wrong with it, empty when nothing is
+std::string parse_setting(const std::string& key, const toml::node& node, GivenSettings& given) {
   const Setting* const setting = find_setting(key);
   if (!setting) return unknown_key(key, /*in_file=*/false);
   PlaySettings defaults;
@@ -125,22 +126,22 @@ std::string take(const std::string& key, const toml::node& node, GivenSettings& 
   const std::vector<double> values = read_numbers(node);
   const auto good = [&](double v) { return v >= setting->low && v <= setting->high; };
   if (values.size() != count || !std::all_of(values.begin(), values.end(), good))
-    return key + " must be " +
-           (count == 1 ? "a number" : std::to_string(count) + " numbers in [ ]") + bounds(*setting);
+    return format("{} must be {}{}", key,
+                  count == 1 ? "a number" : format("{} numbers in [ ]", count), bounds(*setting));
   given.emplace_back(setting, values);
   return "";
 }
 
 void set(const std::string& text, GivenSettings& given) {
   const std::size_t equals = text.find('=');
-  std::string mistake = "'" + text + "' is not like KEY=VALUE";
+  std::string mistake = format("'{}' is not like KEY=VALUE", text);
   try {
     const TomlFile value("value = " + text.substr(equals + 1), "");
     if (equals != std::string::npos && value.root().size() == 1)
-      mistake = take(text.substr(0, equals), *value.root().get("value"), given);
+      mistake = parse_setting(text.substr(0, equals), *value.root().get("value"), given);
   } catch (const Error&) {  // VALUE is not one
   }
-  if (!mistake.empty()) throw UsageError("--set: " + mistake);
+  if (!mistake.empty()) throw UsageError(format("--set: {}", mistake));
 }
 
 /// Reads the table [play] of a file that may be a stranger's.
@@ -155,37 +156,38 @@ class PlayTable {
     for (const auto& [k, node] : file_.table(file_.root(), "play")) {
       const std::string key(k.str());
       if (const toml::table* inner = node.as_table())
-        take_inner(*inner, key + ".");
+        read_inner(*inner, key + ".");
       else if (key == "axes")
-        take_axes(node);
+        read_axes_key(node);
       else
-        take_number("--" + key, key, node);
+        read_number("--" + key, key, node);
     }
   }
 
  private:
-  void take_inner(const toml::table& table, const std::string& prefix) {
+  void read_inner(const toml::table& table, const std::string& prefix) {
     for (const auto& [k, node] : table) {
       const std::string key = prefix + std::string(k.str());
       if (const toml::table* inner = node.as_table())
-        take_inner(*inner, key + ".");
+        read_inner(*inner, key + ".");
       else
-        take_number(key, key, node);
+        read_number(key, key, node);
     }
   }
 
-  void take_axes(const toml::node& node) {
+  void read_axes_key(const toml::node& node) {
     into_.axes = file_.text(node, "axes");
-    if (!read_axes(into_.axes)) file_.fail(node, "axes: '" + into_.axes + "' is not like -z,x,y");
+    if (!read_axes(into_.axes))
+      file_.fail(node, format("axes: '{}' is not like -z,x,y", into_.axes));
   }
 
   /// @param name of the setting or option. @param key as the file has it.
-  void take_number(const std::string& name, const std::string& key, const toml::node& node) {
+  void read_number(const std::string& name, const std::string& key, const toml::node& node) {
     const Setting* const setting = find_setting(name);
     if (setting ? setting->from_file == From::kNo : app_.has(name))
-      file_.fail(node, key + " cannot be set by a file, only by the command line");
+      file_.fail(node, format("{} cannot be set by a file, only by the command line", key));
     if (!setting) file_.fail(node, unknown_key(key, /*in_file=*/true));
-    if (const std::string mistake = take(name, node, into_.given); !mistake.empty())
+    if (const std::string mistake = parse_setting(name, node, into_.given); !mistake.empty())
       file_.fail(node, mistake);
     PlaySettings defaults;
     const double usual = setting->values(defaults)[0];
@@ -194,9 +196,10 @@ class PlayTable {
     const bool higher = setting->from_file == From::kHigher && value < usual;
     const std::string unit = name == "--gain" ? "" : std::string(" ") + setting->unit;
     if (lower || higher)
-      file_.fail(node, key + " = " + to_text(value) + ": a file can only set " + to_text(usual) +
-                           unit + " or " + (lower ? "less" : "more") +
-                           "; the command line can set " + (lower ? "more" : "less"));
+      file_.fail(node,
+                 format("{} = {}: a file can only set {}{} or {}; the command line can set {}", key,
+                        to_text(value), to_text(usual), unit, lower ? "less" : "more",
+                        lower ? "more" : "less"));
   }
 
   TomlFile file_;
@@ -248,19 +251,20 @@ std::optional<Axes> read_axes(const std::string& text) {
 
 std::string file_text(const PlayFile& file, const GivenSettings& given, bool axes_given) {
   std::string text;
-  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  const auto add = [&](std::string_view key, const std::string& value) {
+    text += format("{}{} = {}", text.empty() ? "" : ", ", key, value);
+  };
   for (const auto& [setting, values] : file.given) {
     if (std::any_of(given.begin(), given.end(),
-                    [setting = setting](const auto& own) { return own.first == setting; }))
+                    [setting = setting](const auto& other) { return other.first == setting; }))
       continue;
     std::string numbers;
     for (const double value : values) numbers += (numbers.empty() ? "" : ",") + to_text(value);
-    if (values.size() > 1) numbers = "[" + numbers + "]";
-    const std::string name = setting->name;
-    add(name.substr(is_option(*setting) ? 2 : 0) + " = " + numbers);
+    if (values.size() > 1) numbers = format("[{}]", numbers);
+    add(std::string_view(setting->name).substr(is_option(*setting) ? 2 : 0), numbers);
   }
-  if (!file.axes.empty() && !axes_given) add("axes = " + file.axes);
-  return file.name + " sets " + (text.empty() ? "nothing" : text);
+  if (!file.axes.empty() && !axes_given) add("axes", file.axes);
+  return format("{} sets {}", file.name, text.empty() ? "nothing" : text);
 }
 
 void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file) {
@@ -279,7 +283,7 @@ void add_settings(CommandLine& app, GivenSettings& given, PlayFile& file) {
            },
            setting.meaning)
         .type(setting.unit)
-        .within(setting.low, setting.high, "a number" + bounds(setting));
+        .within(setting.low, setting.high, format("a number{}", bounds(setting)));
   }
   app.add(
          "--set", [&](const std::string& text) { set(text, given); },

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/base/toml.hpp"
 #include "libcore/device/path.hpp"
@@ -30,8 +31,8 @@ class Table {
     if (!node) return;
     value = file_.number(*node, prefix_ + key);
     if (value < low || value > high)
-      file_.fail(*node, prefix_ + key + " must be a number from " + to_text(low) + " to " +
-                            to_text(high) + " " + unit + ", not " + to_text(value));
+      file_.fail(*node, format("{}{} must be a number from {} to {} {}, not {}", prefix_, key,
+                               to_text(low), to_text(high), unit, to_text(value)));
   }
   template <class T>
   void whole(const char* key, std::int64_t low, std::int64_t high, T& value) const {

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -28,8 +29,8 @@ TextLog::TextLog(const std::string& file, const GridSpec& spec, const Fields& fi
     positions_.resize(capacity);
   levels_.resize(capacity);
   text_ = "# t\tx\ty\tz\tforce_x\tforce_y\tforce_z\tsent_x\tsent_y\tsent_z";
-  for (int i = 0; i < 8; ++i) text_ += "\tl" + std::to_string(i);
-  for (std::size_t i = 0; i < spec.state_size; ++i) text_ += "\ts" + std::to_string(i);
+  for (int i = 0; i < 8; ++i) text_ += format("\tl{}", i);
+  for (std::size_t i = 0; i < spec.state_size; ++i) text_ += format("\ts{}", i);
   if (fields.has_energy()) text_ += "\tenergy";
   if (fields.has_own_energy()) text_ += "\town_energy";
   text_ += '\n';

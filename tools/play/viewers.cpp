@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <string>
 #include <utility>
 
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "tools/common/tool.hpp"
 
@@ -55,9 +55,8 @@ void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
 void print_imd_units(const Scene& scene, bool has_energy, int version) {
   const ImdUnits units(version, scene.length_unit, scene.energy_unit);
   const auto print = [](const char* what, const std::string& unit, const char* taken_for) {
-    say("play", std::string("IMD: ") + what + " go out in " +
-                    (unit.empty() ? "a unit without a name" : unit) + ", viewers take them for " +
-                    taken_for);
+    say("play", format("IMD: {} go out in {}, viewers take them for {}", what,
+                       unit.empty() ? "a unit without a name" : unit, taken_for));
   };
   if (!units.length_known) print("lengths", scene.length_unit, "angstrom");
   if (has_energy && !units.energy_known)
@@ -69,7 +68,7 @@ void print_imd_units(const Scene& scene, bool has_energy, int version) {
 Viewers::Viewers(const PlayOptions& options) : options_(options), file_(!options.frames.empty()) {
   if (!options.imd_port) return;
   imd_.emplace(options.imd);
-  std::fprintf(stderr, "play: IMD version %d on %s\n", options.imd.version, imd_->name().c_str());
+  say("play", format("IMD version {} on {}", options.imd.version, imd_->name()));
 }
 
 void Viewers::start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
@@ -94,7 +93,7 @@ void Viewers::start(const GridSpec& spec, const MakeModel& create, double rate_h
 void Viewers::wait(double seconds, const std::atomic<int>& stop) {
   if (imd_ && seconds > 0 && !imd_->wait_for_viewer(std::chrono::duration<double>(seconds), stop) &&
       stop.load() == 0)
-    std::fprintf(stderr, "play: IMD: no viewer within %g s\n", seconds);
+    say("play", format("IMD: no viewer within {:g} s", seconds));
 }
 
 void Viewers::show(const Tick& tick) {
@@ -111,19 +110,15 @@ void Viewers::finish() {
 }
 
 void Viewers::print_summary() const {
-  const auto n = [](std::uint64_t count) { return static_cast<unsigned long long>(count); };
   if (file_)
-    std::fprintf(stderr, "play: frames written %llu, dropped %llu%s\n", n(counts_->written),
-                 n(counts_->dropped),
-                 counts_->closed ? "; the viewer closed its end before the last one"
-                 : counts_->cut  ? "; the viewer stopped reading, the last one is cut"
-                                 : "");
+    say("play", format("frames written {}, dropped {}{}", counts_->written, counts_->dropped,
+                       counts_->closed ? "; the viewer closed its end before the last one"
+                       : counts_->cut  ? "; the viewer stopped reading, the last one is cut"
+                                       : ""));
   if (imd_counts_)
-    std::fprintf(stderr,
-                 "play: IMD viewers %llu, frames sent %llu, dropped %llu; closed because they did "
-                 "not read %llu\n",
-                 n(imd_counts_->viewers), n(imd_counts_->sent), n(imd_counts_->dropped),
-                 n(imd_counts_->slow));
+    say("play",
+        format("IMD viewers {}, frames sent {}, dropped {}; closed because they did not read {}",
+               imd_counts_->viewers, imd_counts_->sent, imd_counts_->dropped, imd_counts_->slow));
 }
 
 }  // namespace hapgrid

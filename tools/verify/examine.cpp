@@ -9,7 +9,6 @@
 #include "libcore/check/accuracy.hpp"
 #include "libcore/check/continuous.hpp"
 #include "libcore/check/fidelity.hpp"
-#include "libcore/check/forces.hpp"
 #include "libcore/check/gradient.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
@@ -54,7 +53,7 @@ Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFie
         "--force energy can be proved");
   const NodeForces forces = node_forces(asked, grid, fields);
   if (forces.rule == ForceRule::kEnergy) {
-    forces.nodes->add_ghosts(grid, branches.sheets);
+    forces.nodes->add_ghosts(grid, branches.nodes);
     return check_passive(grid, branches, *forces.nodes);
   }
   if (forces.why_not.empty())
@@ -114,7 +113,7 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
 
   // What does the hand feel?
   const BranchMap branches(grid);
-  add(check_continuous(grid, branches.sheets));
+  add(check_continuous(grid, branches.nodes));
   RecordFields fields;
   if (knows_force) fields = record_fields(grid, judge, asked.threads);
   if (!fields.energy.empty()) add(check_gradient(grid, fields));

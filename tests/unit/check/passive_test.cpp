@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "libcore/check/continuous.hpp"
-#include "libcore/check/forces.hpp"
 #include "tests/unit/check/ball_grid.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
@@ -26,7 +25,7 @@ RecordFields fields_of(const Grid& grid) {
 
 Check passive(const Grid& grid, const RecordFields& fields) {
   const BranchMap map(grid);
-  return check_passive(grid, map, NodeEnergies(grid, &map.sheets, fields));
+  return check_passive(grid, map, NodeEnergies(grid, &map.nodes, fields));
 }
 
 /// The same energy with the other sign: where the ball would drop, it is lifted.
@@ -117,7 +116,7 @@ TEST_CASE("where nothing can be proved, the report says why") {
 
 TEST_CASE("a branch that lacks a corner is found") {
   const Grid sound = tiny::grid();
-  const Check check = check_continuous(sound, Sheets(sound));
+  const Check check = check_continuous(sound, BranchNodes(sound));
   CHECK(check.verdict() == "ok");
   CHECK(check.found.counted == 10);  // the ends are in one cell, the other four records in two
   CHECK(figure(check, "torn") == 2);
@@ -125,7 +124,7 @@ TEST_CASE("a branch that lacks a corner is found") {
   auto records = tiny::records();
   tiny::link(records, 1, tiny::kRight) = 7;
   const Grid broken(tiny::spec(), tiny::kGeneration, records);
-  CHECK(tiny::texts(check_continuous(broken, Sheets(broken)).found) ==
+  CHECK(tiny::texts(check_continuous(broken, BranchNodes(broken)).found) ==
         std::vector<std::string>{
             "point 1 (1, 0, 0) level 0 direction 13 (1, 0, 0): leads to no record"});
 }

@@ -72,7 +72,7 @@ TEST_CASE("on a grid of one branch both rules give the same bits") {
   for (const Box& box : boxes()) {
     const Grid grid = random_grid(box, 3, 1, 5);
     const auto map = std::make_shared<const BranchMap>(grid);
-    CHECK(map->sheets.ghosts() == 0);
+    CHECK(map->nodes.ghosts() == 0);
     PaperTraversal paper(grid);
     BranchTraversal branch(grid, map);
     std::mt19937_64 random(5);
@@ -116,7 +116,7 @@ TEST_CASE("along a line the state snaps where the tear fraction says, and comes 
   spec.tears = true;
   const Grid grid(spec, 1, columns);
   const auto map = std::make_shared<const BranchMap>(grid);
-  REQUIRE(map->sheets.ghosts() == 2);
+  REQUIRE(map->nodes.ghosts() == 2);
   BranchTraversal t(grid, map);
   const double ends = 4 + 10.5 / 32, comes_back = 3 - 5.5 / 32;
   int snaps = 0;

@@ -115,7 +115,7 @@ TEST_CASE_METHOD(Fixture, "each position gives a force, and a zero force ends th
   CHECK(ticks == 100);
   CHECK(summary.ticks == 100);
   CHECK(summary.outside == 1);
-  CHECK(summary.end == LoopEnd::kDeviceEnd);
+  CHECK(summary.end == LoopExit::kDeviceEnd);
   CHECK(summary.zero_sent);
   CHECK(summary.missed == 0);
   CHECK(d.sent.size() == 101);
@@ -131,7 +131,7 @@ TEST_CASE_METHOD(Fixture, "the stop flag ends the loop with a zero force") {
     stop = 0;
     d = device(100);
     const LoopSummary summary = loop(d, kConstant, sink, {.rate_hz = rate});
-    CHECK(summary.end == LoopEnd::kStopped);
+    CHECK(summary.end == LoopExit::kStopped);
     CHECK(summary.ticks <= 10);
     CHECK(summary.zero_sent);
     CHECK(d.sent.back() == kZero);
@@ -148,7 +148,7 @@ TEST_CASE_METHOD(Fixture, "a device that fails is left with a zero force, or it 
   FakeDevice d = device(100);
   d.fail_read_at = 5;
   LoopSummary summary = loop(d, kConstant, kIgnore);
-  CHECK(summary.end == LoopEnd::kDeviceFailed);
+  CHECK(summary.end == LoopExit::kDeviceFailed);
   CHECK(summary.ticks == 5);
   CHECK(summary.zero_sent);
   CHECK(d.sent.back() == kZero);
@@ -156,7 +156,7 @@ TEST_CASE_METHOD(Fixture, "a device that fails is left with a zero force, or it 
   d = device(100);
   d.fail_send_at = 5;
   summary = loop(d, kConstant, kIgnore);
-  CHECK(summary.end == LoopEnd::kDeviceFailed);
+  CHECK(summary.end == LoopExit::kDeviceFailed);
   CHECK(summary.ticks == 5);
   CHECK(summary.zero_sent);
   CHECK(d.sent.size() == 7);
@@ -165,7 +165,7 @@ TEST_CASE_METHOD(Fixture, "a device that fails is left with a zero force, or it 
   d = device(5);
   d.fail_send_at = 5;  // the last zero itself
   summary = loop(d, kConstant, kIgnore);
-  CHECK(summary.end == LoopEnd::kDeviceEnd);
+  CHECK(summary.end == LoopExit::kDeviceEnd);
   CHECK_FALSE(summary.zero_sent);
 }
 
@@ -298,11 +298,13 @@ TEST_CASE_METHOD(Fixture, "a fault ends with the user's reset") {
     d.inputs.push_back({.clutch = pressed && clutch, .reset = pressed && !clutch});
   }
   d.sent.reserve(100);
-  int ticks = 0;
+  int ticks = 0, asked = 0;
   const auto force = [&](const Traversal&) {
+    ++asked;
     return ticks == 10 ? Vec3{std::nan(""), 0, 0} : Vec3{1, 0, 0};
   };
   loop(d, force, [&](const Tick&) { ++ticks; });
+  CHECK(asked == 30);  // a force that depends on the steps before misses none of them
   for (int i = 0; i < 30; ++i) {
     const bool held = clutch && (i == 5 || i == 20);  // no force then either
     CHECK(d.sent[i] == ((i < 10 || i >= 20) && !held ? Vec3{1, 0, 0} : kZero));

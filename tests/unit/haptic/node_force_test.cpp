@@ -147,7 +147,7 @@ TEST_CASE("on a branch no closed way of the hand gains energy") {
   const Grid grid = random_grid(box, 1, 1, 2);
   const auto map = std::make_shared<const BranchMap>(grid);
   const auto energies =
-      std::make_shared<const NodeEnergies>(grid, &map->sheets, random_fields(grid, 2));
+      std::make_shared<const NodeEnergies>(grid, &map->nodes, random_fields(grid, 2));
   BranchTraversal t(grid, map);
   NodeForce force(energies, box, hermite_force);
   std::mt19937_64 random(2);
@@ -273,8 +273,8 @@ TEST_CASE("ghosts are exact where forces are linear") {
     }
   }
   const Grid grid(spec_for(box, 1), 1, columns);
-  const Sheets sheets(grid);
-  REQUIRE(sheets.ghosts() > 25);
+  const BranchNodes branches(grid);
+  REQUIRE(branches.ghosts() > 25);
   const double stiffness[3][3] = {{1, 0.5, -0.25}, {0.5, 2, 0.75}, {-0.25, 0.75, -1}};
   const auto force = [&](const Vec3& x) {
     Vec3 f;
@@ -291,10 +291,10 @@ TEST_CASE("ghosts are exact where forces are linear") {
     RecordFields fields = fields_of(grid, energy, force);
     for (RecordIndex r = 0; r < grid.records(); ++r)
       if (r == grid.first(grid.point(r))) fields.energy[r] += moved;
-    const NodeEnergies nodes(grid, &sheets, fields);
+    const NodeEnergies nodes(grid, &branches, fields);
     const double lowest = *std::min_element(fields.energy.begin(), fields.energy.end());
-    for (Node ghost = grid.records(); ghost < grid.records() + sheets.ghosts(); ++ghost) {
-      const Vec3 x = box.position(sheets.point(ghost));
+    for (Node ghost = grid.records(); ghost < grid.records() + branches.ghosts(); ++ghost) {
+      const Vec3 x = box.position(branches.point(ghost));
       // No model snaps to a state of more energy, so the ghost is not below that either. Small
       // whole multiples of 1/8: no rounding but that of the averages, to floats below 128.
       const double expected = energy(x) + std::max(moved, 0.0) - lowest;
@@ -316,7 +316,7 @@ TEST_CASE("whatever the links are, the force jumps only where the state does") {
     const Grid grid = random_grid(box, 1, levels, levels);
     const auto map = std::make_shared<const BranchMap>(grid);
     const auto energies =
-        std::make_shared<const NodeEnergies>(grid, &map->sheets, random_fields(grid, levels));
+        std::make_shared<const NodeEnergies>(grid, &map->nodes, random_fields(grid, levels));
     BranchTraversal t(grid, map);
     NodeForce force(energies, box, hermite_force);
     std::mt19937_64 random(levels);

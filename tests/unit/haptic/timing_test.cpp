@@ -82,7 +82,7 @@ TEST_CASE("a watchdog barks once when the heart stops, and not while it beats") 
   constexpr auto kPatience = std::chrono::milliseconds(200);
   for (auto longest = Clock::duration::max(); longest >= kPatience;) {
     barks = 0;
-    const Watchdog watchdog(heart, kPatience, [&] { ++barks; });
+    const auto watchdog = start_watchdog(heart, kPatience, [&] { ++barks; });
     longest = Clock::duration::zero();
     const auto begin = Clock::now();
     for (auto last = begin; last - begin < std::chrono::milliseconds(500);) {
@@ -93,7 +93,7 @@ TEST_CASE("a watchdog barks once when the heart stops, and not while it beats") 
     }
   }
   CHECK(barks == 0);
-  const Watchdog watchdog(heart, std::chrono::milliseconds(50), [&] { ++barks; });
+  const auto watchdog = start_watchdog(heart, std::chrono::milliseconds(50), [&] { ++barks; });
   const auto begin = Clock::now();
   while (barks == 0 && Clock::now() - begin < std::chrono::seconds(20))
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
