@@ -6,13 +6,11 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
-#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <system_error>
 #include <thread>
 
-#include "libcore/base/error.hpp"
 #include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
@@ -71,28 +69,6 @@ TEST_CASE("an output file appears with commit(), and not before") {
   REQUIRE(entries(dir.path()) == 1);
 }
 
-TEST_CASE("a part file stays without commit(), and is not written twice") {
-  const TemporaryDirectory dir;
-  const std::string name = dir.file("out");
-  const std::string part = fs::canonical(dir.path()).string() + "/out.part";
-  {
-    OutputFile out = OutputFile::part_file(name);
-    REQUIRE(out.part() == part);
-    out.write("half");
-    REQUIRE_THROWS_WITH(OutputFile::part_file(name),
-                        Catch::StartsWith(part + ": is there already"));
-  }
-  REQUIRE(content(part) == "half");
-  fs::remove(part);
-  OutputFile::part_file(name).discard();
-  REQUIRE(entries(dir.path()) == 0);
-  OutputFile out = OutputFile::part_file(name);
-  out.write("whole");
-  out.commit();
-  REQUIRE(content(name) == "whole");
-  REQUIRE(entries(dir.path()) == 1);
-}
-
 TEST_CASE("two that write the same file: the last commit() wins, whole") {
   const TemporaryDirectory dir;
   OutputFile a(dir.file("out"));
@@ -129,15 +105,6 @@ TEST_CASE("symbolic links are followed, also one to nowhere and a chain") {
   REQUIRE(fs::is_symlink(dir.path() / "chain"));
   fs::create_symlink("loop", dir.path() / "loop");
   REQUIRE_THROWS_AS(InputFile(dir.file("loop")), std::system_error);
-}
-
-TEST_CASE("what cannot be created or written says so") {
-  const TemporaryDirectory dir;
-  REQUIRE_THROWS_WITH(OutputFile(dir.file("missing/out")),
-                      Catch::Contains("missing/out: No such file"));
-  REQUIRE_THROWS_WITH(OutputFile(dir.path().string()), Catch::Contains("Is a directory"));
-  OutputFile full("/dev/full");
-  REQUIRE_THROWS_WITH(full.write("x"), "/dev/full: No space left on device");
 }
 
 TEST_CASE("an input can be read at any offset, from a file and from a pipe") {
@@ -180,54 +147,4 @@ TEST_CASE("an input can be read at any offset, from a file and from a pipe") {
   ::dup2(saved, STDIN_FILENO);
   ::close(saved);
   ::close(file);
-}
-
-TEST_CASE("inputs that are none") {
-  const TemporaryDirectory dir;
-  REQUIRE_THROWS_WITH(InputFile(dir.file("missing")),
-                      dir.file("missing") + ": No such file or directory");
-  REQUIRE_THROWS_WITH(InputFile(dir.path().string()), dir.path().string() + ": Is a directory");
-  REQUIRE(InputFile("/dev/null").size() == 0);
-}
-
-TEST_CASE("texts are limited") {
-  const TemporaryDirectory dir;
-  put(dir.file("text"), "abc");
-  REQUIRE(read_text(dir.file("text"), 3) == "abc");
-  REQUIRE_THROWS_AS(read_text(dir.file("text"), 2), Error);
-}
-
-TEST_CASE("a device that never ends is read as far as the limit") {
-  REQUIRE_THROWS_WITH(read_text("/dev/zero", 1000000),
-                      "/dev/zero: more than 1000000 bytes, which is the limit");
-}
-
-TEST_CASE("only regular files, where a stranger may have written the name") {
-  const TemporaryDirectory dir;
-  put(dir.file("text"), "abc");
-  fs::create_symlink("text", dir.path() / "link");
-  REQUIRE(read_regular_text(dir.file("link"), 3) == "abc");
-  REQUIRE_THROWS_WITH(read_regular_text(dir.file("link"), 2),
-                      dir.file("link") + ": 3 bytes, the limit is 2");
-  REQUIRE_THROWS_WITH(read_regular_text("/dev/zero", 2), "/dev/zero: is no regular file");
-  REQUIRE(::mkfifo(dir.file("pipe").c_str(), 0600) == 0);
-  fs::create_symlink("pipe", dir.path() / "way");
-  REQUIRE_THROWS_WITH(read_regular_text(dir.file("way"), 2),
-                      dir.file("way") + ": is no regular file");
-  REQUIRE_THROWS_WITH(read_regular_text(dir.path().string(), 2),
-                      dir.path().string() + ": Is a directory");
-  REQUIRE_THROWS_WITH(read_regular_text("-", 2), "-: No such file or directory");
-}
-
-TEST_CASE("an unlinked file leaves nothing") {
-  const TemporaryDirectory dir;
-  {
-    const FileDescriptor file = unlinked_file(dir.path());
-    REQUIRE(entries(dir.path()) == 0);
-    REQUIRE(::write(file.get(), "abc", 3) == 3);
-    char back[3];
-    REQUIRE(::pread(file.get(), back, 3, 0) == 3);
-    REQUIRE(std::memcmp(back, "abc", 3) == 0);
-  }
-  REQUIRE_THROWS_AS(unlinked_file(dir.path() / "missing"), std::system_error);
 }

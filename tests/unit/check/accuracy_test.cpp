@@ -78,7 +78,6 @@ double figure(const Check& check, const std::string& name) {
 }
 
 double square(const Vec3& x) { return x[0] * x[0]; }
-double squares(const Vec3& x) { return x[0] * x[0] + 2 * x[1] * x[1] - x[2] * x[2]; }
 double linear(const Vec3& x) { return 1 + x[0] - 3 * x[1] + 0.5 * x[2]; }
 double products(const Vec3& x) { return x[0] * x[1] * x[2] + x[0] * x[1] - x[2]; }
 double kink(const Vec3& x) { return std::abs(x[0] - 0.3); }
@@ -112,31 +111,6 @@ TEST_CASE("of x² interpolation is off by h² t (1 - t), with twice the spacing 
   CHECK(figure(check, "state worst") <= h * h / 4 + 1e-12);
   CHECK(figure(check, "order") == Approx(2).margin(0.01));
   CHECK(figure(check, "one branch") == 1);
-}
-
-TEST_CASE("the spacing that is told reaches the wanted error, and no coarser one does") {
-  const Box box{{-3, -1, -2}, 0.25, {17, 13, 9}};
-  const Grid grid = grid_of(squares, box);
-  const Walked walked = walk(grid, model_of(squares), 300);
-  const double now = figure(row(grid, walked), "state 99 %");
-  CHECK(now <= 4 * 0.25 * 0.25 / 4);
-  for (const double wanted : {now / 9, now * 1.5}) {
-    const Check check = row(grid, walked, wanted);
-    CHECK(check.verdict() == (wanted < now ? "broken" : "ok"));
-    const double spacing = figure(check, "sufficient spacing");
-    CHECK(spacing == Approx(0.25 * std::sqrt(wanted / now)).epsilon(0.1));
-    for (const double factor :
-         {0.95, 1.05}) {  // 10 % of the error, which is sampled to some per cent
-      Box other = box;
-      other.spacing = spacing * factor;
-      for (int a = 0; a < 3; ++a)
-        other.counts[a] =
-            1 + static_cast<std::uint32_t>((box.counts[a] - 1) * 0.25 / other.spacing);
-      const Grid finer = grid_of(squares, other);
-      const double reached = figure(row(finer, walk(finer, model_of(squares), 300)), "state 99 %");
-      CHECK((reached <= wanted) == (factor < 1));
-    }
-  }
 }
 
 TEST_CASE("the fault is more than one place in a hundred") {
@@ -240,20 +214,4 @@ TEST_CASE("conversions that fail are listed, and the walk goes on elsewhere") {
   CHECK(check.found.first[0].text.substr(0, 15) == "conversion to (");
   CHECK(check.found.first[0].text.find("failed: too far") != std::string::npos);
   CHECK(row(grid, walked, 100.0).verdict() == "broken");
-}
-
-TEST_CASE("a walk depends on its number and the seed alone") {
-  const Grid grid = grid_of(squares, {{-3, -1, -2}, 0.25, {9, 8, 7}});
-  const ModelFunctions model = model_of(squares);
-  const auto errors_of = [](const Walked& walked) {
-    std::vector<double> errors;
-    for (const PlayError& e : walked.one_branch) errors.push_back(e.state);
-    return errors;
-  };
-  const std::vector<double> twenty = errors_of(walk(grid, model, 20, 1));
-  CHECK(errors_of(walk(grid, model, 20, 3)) == twenty);
-  const std::vector<double> seven = errors_of(walk(grid, model, 7, 2));
-  CHECK(seven ==
-        std::vector<double>(twenty.begin(), twenty.begin() + std::ptrdiff_t(seven.size())));
-  CHECK(errors_of(walk(grid, model, 20, 1, 2)) != twenty);
 }

@@ -8,15 +8,6 @@ using namespace hapgrid;
 
 namespace {
 
-Check fidelity(const Grid& grid) {
-  std::atomic<std::uint64_t> done{0};
-  const auto records = sample_records(grid, ~std::uint64_t{0}, 1);
-  const Check check = check_fidelity(
-      grid, records, [] { return tiny::model(); }, 1, done);
-  CHECK(done == records.size());
-  return check;
-}
-
 /// 200 points in a row, each with the state 0.
 Grid row() {
   GridSpec spec = tiny::spec();
@@ -28,32 +19,6 @@ Grid row() {
 }
 
 }  // namespace
-
-TEST_CASE("a link to another state than the model reaches") {
-  auto records = tiny::records();
-  tiny::link(records, 2, tiny::kRight) = 1;
-  const auto check = fidelity(Grid(tiny::spec(), tiny::kGeneration, records));
-  CHECK(check.found.counted == 10);
-  CHECK(check.found.offenders == 1);
-  CHECK(tiny::texts(check.found) ==
-        std::vector<std::string>{"point 1 (1, 0, 0) level 1 direction 13 (1, 0, 0): C gives -1, "
-                                 "stored at level 1 is 1"});
-}
-
-TEST_CASE("a state that is off by more than the tolerance, and by less") {
-  auto records = tiny::records();
-  records.rows[1] = 1 + 0.5e-6;
-  CHECK(fidelity(Grid(tiny::spec(), tiny::kGeneration, records)).found.offenders == 0);
-  records.rows[1] = 1 + 2e-6;
-  // Both links that lead there, and the one from there to a state of exactly 1.
-  CHECK(tiny::texts(fidelity(Grid(tiny::spec(), tiny::kGeneration, records)).found) ==
-        std::vector<std::string>{"point 0 (0, 0, 0) level 0 direction 13 (1, 0, 0): C gives 1, "
-                                 "stored at level 0 is 1.000002",
-                                 "point 1 (1, 0, 0) level 0 direction 13 (1, 0, 0): C gives "
-                                 "1.000002, stored at level 1 is 1",
-                                 "point 2 (2, 0, 0) level 1 direction 12 (-1, 0, 0): C gives 1, "
-                                 "stored at level 0 is 1.000002"});
-}
 
 TEST_CASE("a conversion that fails is an offender in the model's words") {
   const Grid grid = tiny::grid();
@@ -74,33 +39,6 @@ TEST_CASE("a conversion that fails is an offender in the model's words") {
   CHECK(check.found.first.front().text ==
         "point 2 (2, 0, 0) level 0 direction 12 (-1, 0, 0): conversion failed: no minimum near "
         "1.000000");
-}
-
-TEST_CASE("fidelity does not depend on the number of threads") {
-  const Grid grid = row();
-  // Every third point fails, each in its own words.
-  const auto make_model = [] {
-    ModelFunctions model = tiny::model();
-    model.convert = [](const double*, const Vec3& x, const Vec3&, double* result,
-                       std::string& error) {
-      const int point = static_cast<int>((x[0] - 0.5) / 0.25);
-      error = "point " + std::to_string(point);
-      *result = 0;
-      return point % 3 != 2;
-    };
-    return model;
-  };
-  const auto records = sample_records(grid, 190, 1);
-  std::vector<Findings> found;
-  for (const int threads : {1, 2, 3, 8}) {
-    std::atomic<std::uint64_t> done{0};
-    found.push_back(check_fidelity(grid, records, make_model, threads, done).found);
-    CHECK(done == 190);
-    CHECK(found.back().offenders > 100);
-    CHECK(found.back().counted == found.front().counted);
-    CHECK(found.back().offenders == found.front().offenders);
-    CHECK(found.back().first == found.front().first);
-  }
 }
 
 TEST_CASE("the sample is the same on every platform") {

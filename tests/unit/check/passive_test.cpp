@@ -1,12 +1,11 @@
 #include "libcore/check/passive.hpp"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <limits>
 
 #include "libcore/check/continuous.hpp"
-#include "tests/unit/check/ball_grid.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
+#include "tests/unit/hung_ball/grid.hpp"
 
 using namespace hapgrid;
 using tiny::figure;
@@ -20,7 +19,7 @@ const double kDrop = 1 - 1 / (1 + 2 * hung_ball::kRadius);
 
 RecordFields fields_of(const Grid& grid) {
   return record_fields(
-      grid, [&] { return hung_ball::make(grid.spec().parameters); }, 2);
+      grid, [] { return hung_ball::make(); }, 2);
 }
 
 Check passive(const Grid& grid, const RecordFields& fields) {
@@ -39,7 +38,7 @@ RecordFields turned(RecordFields fields) {
 }  // namespace
 
 TEST_CASE("the hung ball's snaps lead down, by what it drops by") {
-  const Grid line = hung_ball::grid({{-0.9, 0, 0}, 1.8 / 1600, {1601, 1, 1}}, {});
+  const Grid line = hung_ball::grid({{-0.9, 0, 0}, 1.8 / 1600, {1601, 1, 1}});
   const Check check = passive(line, fields_of(line));
   CHECK(check.verdict() == "ok");
   CHECK(check.found.counted == 2 * (line.records() - 1));
@@ -51,7 +50,7 @@ TEST_CASE("the hung ball's snaps lead down, by what it drops by") {
 TEST_CASE("no snap of the ball in its box leads up, also where a finer grid meets its cusp") {
   // The finer one has points in the plane x = 0, where the two sides of the ball meet.
   for (const Box& box : {kBallBox, Box{{-0.9875, -0.4875, -0.4875}, 0.025, {80, 40, 40}}}) {
-    const Grid grid = hung_ball::grid(box, {});
+    const Grid grid = hung_ball::grid(box);
     const Check check = passive(grid, fields_of(grid));
     CHECK(check.verdict() == "ok");
     CHECK(figure(check, "largest gain") < 0.01 * kDrop);
@@ -59,7 +58,7 @@ TEST_CASE("no snap of the ball in its box leads up, also where a finer grid meet
 }
 
 TEST_CASE("a snap that leads up is found") {
-  const Grid line = hung_ball::grid({{-0.9, 0, 0}, 1.8 / 1600, {1601, 1, 1}}, {});
+  const Grid line = hung_ball::grid({{-0.9, 0, 0}, 1.8 / 1600, {1601, 1, 1}});
   const Check check = passive(line, turned(fields_of(line)));
   CHECK(check.verdict() == "broken");
   CHECK(check.found.offenders == 2);  // once from either side
@@ -69,7 +68,7 @@ TEST_CASE("a snap that leads up is found") {
 }
 
 TEST_CASE("exchanged links that lift the ball for nothing are found") {
-  const Grid grid = hung_ball::grid(kBallBox, {});
+  const Grid grid = hung_ball::grid(kBallBox);
   CHECK(grid.records() == 18104);  // as seed and expand find them, examples/hung-ball
   // Where the ball is pushed highest near y = z = 0, the links to the right of the two levels are
   // exchanged: the one that hangs free is then lifted for nothing.
@@ -104,14 +103,6 @@ TEST_CASE("an energy that is not finite is broken") {
   CHECK(passive(grid, fields).verdict() == "ok");
   fields.force[1][1] = std::numeric_limits<double>::infinity();
   CHECK(passive(grid, fields).found.offenders > 0);
-}
-
-TEST_CASE("where nothing can be proved, the report says why") {
-  const Check check = passive_not_proved("the reason");
-  CHECK(check.verdict() == "not proved");
-  CHECK(verdict_line({check}) == "not proved: passive");
-  CHECK(checks_text({check}, Details::kNotFine).find("  not proved: the reason\n") !=
-        std::string::npos);
 }
 
 TEST_CASE("a branch that lacks a corner is found") {

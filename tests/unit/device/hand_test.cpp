@@ -12,7 +12,6 @@
 #include <limits>
 #include <random>
 
-#include "libcore/base/error.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
@@ -120,7 +119,6 @@ TEST_CASE("positions come in pieces; what is none is named with its line") {
     });
   };
   CHECK(refusal("0 0 0\n0 zero 0\n") == "line 2: 'zero' is not a number");
-  CHECK(refusal("0 0\n") == "line 1: the 3 numbers x y z are needed, found 2");
   CHECK(refusal("\n0 0 nan") == "line 2: 'nan' is not finite");
   CHECK(refusal("0 0 0\n" + std::string(300, ' ')) == "line 2: longer than 256 bytes");
   CHECK(refusal("0 0 0\n\n").empty());

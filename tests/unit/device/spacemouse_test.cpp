@@ -6,20 +6,6 @@
 using namespace hapgrid;
 using Bytes = std::vector<std::uint8_t>;
 
-TEST_CASE("SpaceMouse: which ids belong to the family") {
-  CHECK(is_spacemouse(0x046d, 0xc626));  // SpaceNavigator
-  CHECK(is_spacemouse(0x046d, 0xc603));
-  CHECK(is_spacemouse(0x046d, 0xc62b));        // SpaceMouse Pro
-  CHECK(is_spacemouse(0x256f, 0xc62e));        // SpaceMouse Wireless
-  CHECK(is_spacemouse(0x256f, 0xc635));        // SpaceMouse Compact
-  CHECK(is_spacemouse(0x256f, 0xc652));        // Universal Receiver
-  CHECK_FALSE(is_spacemouse(0x046d, 0xc077));  // a mouse
-  CHECK_FALSE(is_spacemouse(0x046d, 0xc62e));
-  CHECK_FALSE(is_spacemouse(0x256f, 0xc650));  // CadMouse
-  CHECK_FALSE(is_spacemouse(0x256f, 0xc651));
-  CHECK_FALSE(is_spacemouse(0x16c0, 0xc626));
-}
-
 TEST_CASE("SpaceMouse: a push is a rate in the box's axes") {
   SpaceMouseProtocol mouse("SpaceNavigator");
   DeviceInput input;

@@ -92,11 +92,7 @@ void StandinDevice::take(Connection& c) {
       answer(c.fd, static_cast<std::int32_t>(bytes.size()), "");
     }
   } else if (message[0] == 'f') {
-    features_.push_back(bytes);
     answer(c.fd, static_cast<std::int32_t>(bytes.size()), "");
-  } else if (message[0] == 'g') {
-    answer(c.fd, feature_.empty() ? -1 : static_cast<std::int32_t>(feature_.size()),
-           feature_.empty() ? "no such report" : std::string(feature_.begin(), feature_.end()));
   }
 }
 
@@ -186,19 +182,9 @@ void StandinDevice::set_refusal(const std::string& text) {
   refusal_ = text;
 }
 
-void StandinDevice::set_feature(const Bytes& report) {
-  const std::lock_guard lock(mutex_);
-  feature_ = report;
-}
-
 std::vector<StandinDevice::Bytes> StandinDevice::written() const {
   const std::lock_guard lock(mutex_);
   return written_;
-}
-
-std::vector<StandinDevice::Bytes> StandinDevice::features() const {
-  const std::lock_guard lock(mutex_);
-  return features_;
 }
 
 int StandinDevice::opened() const {

@@ -39,14 +39,12 @@ class StandinDevice {
 
   void set_list(const std::string& list);
   void set_refusal(const std::string& text);  ///< of hid_open_path
-  void set_feature(const Bytes& report);      ///< hid_get_feature_report gives it
 
-  std::vector<Bytes> written() const;   ///< output reports
-  std::vector<Bytes> features() const;  ///< feature reports
-  int opened() const;                   ///< handles so far
-  int open() const;                     ///< handles now
-  int held() const;                     ///< writes that wait for their answer
-  bool written_by_two() const;          ///< output reports came on more than one handle
+  std::vector<Bytes> written() const;  ///< output reports
+  int opened() const;                  ///< handles so far
+  int open() const;                    ///< handles now
+  int held() const;                    ///< writes that wait for their answer
+  bool written_by_two() const;         ///< output reports came on more than one handle
 
   /// Whether it became true within 10 s; looks again whenever something came, and each 5 ms.
   bool wait(const std::function<bool()>& condition) const;
@@ -71,14 +69,13 @@ class StandinDevice {
 
   mutable std::mutex mutex_;
   std::vector<Connection> connections_;
-  std::vector<Bytes> written_, features_, kept_;
+  std::vector<Bytes> written_, kept_;
   std::vector<int> writers_;
   std::vector<Held> held_;
   bool holding_ = false, gone_ = false;
   int answers_ = 0;
   std::int32_t answer_ = 0;
   std::string answer_text_, list_, refusal_;
-  Bytes feature_;
   int opened_ = 0;
   int listener_ = -1;
   std::atomic<bool> end_{false}, flooding_{false};

@@ -9,25 +9,6 @@
 using namespace hapgrid;
 using namespace hapgrid::testing;
 
-TEST_CASE("corner weights sum to 1 and are exact in the corners") {
-  std::mt19937_64 random(1);
-  for (int i = 0; i < 10000; ++i) {
-    const Vec3 x{uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1)};
-    long double sum = 0;
-    for (const double w : corner_weights(x)) {
-      REQUIRE(w >= 0);
-      sum += w;
-    }
-    // 1 - x is wrong by eps/4 at most, three times; the two products by eps/2 each: below 2 eps.
-    REQUIRE(std::abs(static_cast<double>(sum - 1)) <= 2 * kEps);
-  }
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto w =
-        corner_weights({double(corner & 1), double(corner >> 1 & 1), double(corner >> 2)});
-    for (int other = 0; other < 8; ++other) CHECK(w[other] == (other == corner ? 1 : 0));
-  }
-}
-
 TEST_CASE("a grid point gives its stored state to the last bit") {
   for (const Box& box : boxes()) {
     const Grid grid = random_grid(box, 5, 3, 7);

@@ -208,15 +208,6 @@ TEST_CASE_METHOD(Fixture, "what is not finite makes all later forces zero") {
     CHECK(d.sent[i] == (i < 40 ? Vec3{1, 2, 0.5} : kZero));
 }
 
-TEST_CASE_METHOD(Fixture, "a large force is limited and counted") {
-  FakeDevice d = device(10);
-  const auto force = [&](const Traversal&) { return Vec3{30, 0, -40}; };
-  const LoopSummary summary = loop(d, force, kIgnore);
-  CHECK(summary.count_of(kClamped) == 10);
-  CHECK(d.sent[0][0] == Approx(3 * 0.6));
-  CHECK(d.sent[0][2] == Approx(3 * -0.8));
-}
-
 TEST_CASE_METHOD(Fixture, "a paced loop keeps absolute deadlines and skips what it misses") {
   using Clock = std::chrono::steady_clock;
   // Only lower bounds: a virtual machine can stall at any time.

@@ -1,10 +1,8 @@
 #include "libcore/haptic/mapping.hpp"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <random>
 
-#include "libcore/base/error.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
@@ -102,15 +100,4 @@ TEST_CASE("how far outside, in spacings") {
   CHECK(mapping.outside_cells({-2, 2, 11}) == 0);
   CHECK(mapping.outside_cells({2.25, 1, 10.5}) == 0.5);
   CHECK(mapping.outside_cells({-3.5, 4, 11}) == Approx(5));  // 3 and 4
-}
-
-TEST_CASE("a mapping that cannot be is refused") {
-  const DeviceInfo device = held({-1, -1, -1}, {1, 1, 1});
-  CHECK_THROWS_AS(Mapping({.scale = -1}, device, kBox), Error);
-  CHECK_THROWS_AS(Mapping({.scale = std::nan("")}, device, kBox), Error);
-  CHECK_THROWS_WITH(Mapping({.speed = -1}, device, kBox), Catch::Contains("the speed must be"));
-  CHECK_THROWS_AS(Mapping({.axes = {Vec3{1, 0, 0}, {1, 0, 0}, {0, 0, 1}}}, device, kBox), Error);
-  CHECK_THROWS_AS(Mapping({.axes = {Vec3{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, device, kBox), Error);
-  CHECK_THROWS_WITH(Mapping({}, held({0, 0, 0}, {0, 0, 0}), kBox),
-                    "mapping: the device does not say how far it reaches: give a scale");
 }

@@ -117,30 +117,6 @@ TEST_CASE("the bound on sub-steps delays a jump and changes nothing else") {
   CHECK(ticks == 30);
 }
 
-TEST_CASE("random jumps end where they should") {
-  for (const Box& box : boxes()) {
-    const Grid grid = random_grid(box, 3, 4, 9);
-    std::mt19937_64 random(3);
-    PaperTraversal t(grid);
-    t.start(random_point(box, random));
-    for (int i = 0; i < 5000; ++i) {
-      const Vec3 x = random_point(box, random);
-      const Cell from = cell_of(t);
-      const Cell to = cell_from(box, from, x);
-      const StepResult r = t.step(x);
-      REQUIRE(r.usable());
-      REQUIRE_FALSE(r.lagging);
-      REQUIRE(t.position() == x);
-      REQUIRE(cell_of(t) == to);
-      int distance = 0;
-      for (int a = 0; a < 3; ++a) distance = std::max(distance, std::abs(to[a] - from[a]));
-      REQUIRE(r.split == (distance > 1));
-      REQUIRE(switches(r) >= distance);
-      require_consistent(grid, t);
-    }
-  }
-}
-
 TEST_CASE("links and points that lead nowhere are met without harm") {
   std::mt19937_64 random(8);
   int blocked = 0, went = 0;

@@ -18,23 +18,6 @@ std::unique_ptr<Model> heavy() { return make({{"weight", kWeight}, {"max_force",
 
 }  // namespace
 
-TEST_CASE("a HIP that pushes the ball to the right feels it to the left") {
-  const auto model = make();
-  const double alpha = static_cast<double>(alpha_1(0, kRadius));
-  const double mirrored = -alpha;
-  const Vec3 f = model->force({0, 0, 0}, &alpha);
-  CHECK(f[0] < 0);
-  CHECK(f[1] == 0);
-  // The ball is higher than the HIP and rests on it.
-  CHECK(f[2] < 0);
-  const Vec3 g = model->force({0, 0, 0}, &mirrored);
-  CHECK(g[0] == -f[0]);
-  CHECK(g[2] == f[2]);
-  const double rest = 0;
-  CHECK(model->force({-0.2, 0, 0}, &rest) == Vec3{0, 0, 0});
-  CHECK(model->force({0, 0, 0}, &rest) == Vec3{0, 0, 0});
-}
-
 TEST_CASE("in 3D the force is the slope of the energy, which is the ball's height") {
   const auto model = heavy();
   int tested = 0;
@@ -101,13 +84,6 @@ TEST_CASE("the force is finite and bounded, whatever the state; it is 0 at rest 
       CHECK(size <= kMaxForce * (1 + 4 * kU));
     }
   }
-}
-
-TEST_CASE("near the tear-off the force is the bound, along the line of centres") {
-  const auto model = heavy();
-  const double x = 2 * std::sqrt(kRadius * (kRadius + 1)) - 1e-9;
-  const double alpha = static_cast<double>(alpha_1(x, kRadius));
-  CHECK(norm(model->force({x, 0, 0}, &alpha)) == Approx(kMaxForce).epsilon(1e-14));
 }
 
 TEST_CASE("the shape is the ball where the state has it, and its rope") {

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "libcore/base/error.hpp"
-#include "tests/unit/model/answer.hpp"
 #include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
@@ -34,67 +33,41 @@ TEST_CASE("numbers read back to the same double and are never taken for whole on
 }
 
 TEST_CASE("an answer is read") {
-  const Answer a = answer(
+  const Answer a = read_answer(
       R"( {"shape": [1, 2, 3], "s": [1, -0, 2.5e0], "note": [{"s": [9], "id": 1}], "id": 12,
           "force": [0, 0.5, -1], "energy": -3} )");
   CHECK(a.id == 12);
   CHECK(a.s == std::vector<double>{1, 0, 2.5});
   CHECK(std::signbit(a.s[1]));
-  CHECK_FALSE(std::signbit(answer(R"({"id": 1, "s": [0]})").s[0]));
+  CHECK_FALSE(std::signbit(read_answer(R"({"id": 1, "s": [0]})").s[0]));
   CHECK(a.force == std::vector<double>{0, 0.5, -1});
   CHECK(a.energy == std::vector<double>{-3});
   CHECK(a.shape == std::vector<double>{1, 2, 3});
-  const Answer known = answer(R"({"id": 0, "states": [[1, 2], [], [3]]})");
+  const Answer known = read_answer(R"({"id": 0, "states": [[1, 2], [], [3]]})");
   CHECK(known.states == std::vector<std::vector<double>>{{1, 2}, {}, {3}});
-  CHECK(answer(R"({"id": 3, "error": "a\nb"})").error == "a b");
+  CHECK(read_answer(R"({"id": 3, "error": "a\nb"})").error == "a b");
 }
 
 TEST_CASE("hostile answers are refused in one line") {
-  for (const char* line : {"",
-                           " ",
-                           "{",
-                           "}",
-                           "[]",
-                           "1",
-                           "null",
-                           "\"s\"",
-                           "[{\"id\": 1}]",
-                           "{\"id\": 1}{",
-                           "{\"id\": 1} x",
-                           "{}",
-                           "{\"id\": -1}",
-                           "{\"id\": 1.5}",
-                           "{\"id\": \"1\"}",
-                           "{\"id\": 99999999999999999999999}",
-                           "{\"id\": [1]}",
-                           "{\"id\": 1, \"s\": 1}",
-                           "{\"id\": 1, \"s\": [[1]]}",
-                           "{\"id\": 1, \"s\": [1, null]}",
-                           "{\"id\": 1, \"s\": [true]}",
-                           "{\"id\": 1, \"s\": [\"1\"]}",
-                           "{\"id\": 1, \"s\": [{}]}",
-                           "{\"id\": 1, \"s\": {\"s\": 1}}",
-                           "{\"id\": 1, \"s\": [NaN]}",
-                           "{\"id\": 1, \"s\": [1e999]}",
-                           "{\"id\": 1, \"energy\": [1]}",
-                           "{\"id\": 1, \"states\": [1]}",
-                           "{\"id\": 1, \"states\": [[[1]]]}",
-                           "{\"id\": 1, \"error\": 3}",
-                           "{\"id\": 1, \"error\": null}",
-                           "\xff\xfe",
-                           "{\"id\": 1, \"x\": \"\xff\"}"}) {
-    const std::string why = refusal([&] { answer(line); });
+  for (const char* line :
+       {"", "{", "1", "{\"id\": 1} x", "{}", "{\"id\": -1}", "{\"id\": 1.5}",
+        "{\"id\": 99999999999999999999999}", "{\"id\": 1, \"s\": 1}", "{\"id\": 1, \"s\": [[1]]}",
+        "{\"id\": 1, \"s\": [1, null]}", "{\"id\": 1, \"s\": {\"s\": 1}}",
+        "{\"id\": 1, \"s\": [NaN]}", "{\"id\": 1, \"s\": [1e999]}", "{\"id\": 1, \"energy\": [1]}",
+        "{\"id\": 1, \"states\": [[[1]]]}", "{\"id\": 1, \"error\": 3}",
+        "{\"id\": 1, \"x\": \"\xff\"}"}) {
+    const std::string why = refusal([&] { read_answer(line); });
     CAPTURE(line);
     CHECK((why.starts_with("answered '") || why.starts_with("printed '")));
     CHECK(why.find('\n') == std::string::npos);
   }
-  CHECK(refusal([] { answer(std::string(1000000, '[')); }).size() < 600);
-  CHECK(refusal([] { answer("{\"x\":" + std::string(1000000, '[')); }).size() < 600);
+  CHECK(refusal([] { read_answer(std::string(1000000, '[')); }).size() < 600);
+  CHECK(refusal([] { read_answer("{\"x\":" + std::string(1000000, '[')); }).size() < 600);
   const auto nested = [](std::size_t depth) {
     return "{\"id\": 1, \"note\": " + std::string(depth, '[') + std::string(depth, ']') + "}";
   };
-  CHECK(answer(nested(63)).id == 1);
-  CHECK(refusal([&] { answer(nested(64)); }).find("nested deeper than 64 levels") !=
+  CHECK(read_answer(nested(63)).id == 1);
+  CHECK(refusal([&] { read_answer(nested(64)); }).find("nested deeper than 64 levels") !=
         std::string::npos);
 
   ModelInfo d;
@@ -104,17 +77,14 @@ TEST_CASE("hostile answers are refused in one line") {
   std::vector<double> row(d.row_size());
   const std::string good =
       R"({"id": 1, "s": [1, 2], "force": [3, 4, 5], "energy": 6, "shape": [7, 8, 0.1]})";
-  write_row(answer(good), d, Operation::kConvert, row.data());
+  write_row(read_answer(good), d, Operation::kConvert, row.data());
   CHECK(row == std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 0.1F});
   const auto refused = [&](const std::string& from, const std::string& to) {
     std::string line = good;
     line.replace(line.find(from), from.size(), to);
-    return refusal([&] { write_row(answer(line), d, Operation::kConvert, row.data()); });
+    return refusal([&] { write_row(read_answer(line), d, Operation::kConvert, row.data()); });
   };
   CHECK(refused("[1, 2]", "[1]") == "an answer with 1 numbers in \"s\", not 2");
-  CHECK(refused("[1, 2]", "[1, 2, 3]") == "an answer with 3 numbers in \"s\", not 2");
-  CHECK(refused("\"s\"", "\"S\"") == "an answer with 0 numbers in \"s\", not 2");
-  CHECK(refused(", 5]", "]") == "an answer with 2 numbers in \"force\", not 3");
   CHECK(refused("\"energy\": 6", "\"e\": 6") == "an answer with 0 numbers in \"energy\", not 1");
   CHECK(refused("0.1", "0.1, 1") == "an answer with 4 numbers in \"shape\", not 3");
   CHECK(refused("0.1", "1e39") == "an answer with a centre in \"shape\" that is too large");
@@ -138,29 +108,19 @@ TEST_CASE("what a model says of itself") {
     line.replace(at, from.size(), to);
     return refusal([&] { read_first_line(line); });
   };
-  CHECK(refused("\"hapgrid\": 1", "\"hapgrid\": 2") ==
-        "it speaks version 2 of the protocol, this hapgrid speaks 1");
-  CHECK(refused("\"hapgrid\": 1", "\"hapgrid\": \"1\"").find("it speaks version") == 0);
   CHECK(refused("\"hapgrid\": 1, ", "").find("its first line has no \"hapgrid\"") == 0);
   CHECK(refused("\"norm\"", "\"Norm\"").find("unknown key \"Norm\" in its first line (known: ") ==
         0);
   CHECK(refused("\"state_size\": 2, ", "") == "its first line has no \"state_size\"");
   CHECK(refused("\"state_size\": 2", "\"state_size\": 0").find("\"state_size\" must be") == 0);
-  CHECK(refused("\"state_size\": 2", "\"state_size\": 1.5").find("\"state_size\" must be") == 0);
-  CHECK(refused("\"state_size\": 2", "\"state_size\": 1e9").find("\"state_size\" must be") == 0);
   CHECK(refused("\"d_max\": 1", "\"d_max\": 0") == "d_max is not positive");
-  CHECK(refused("\"d_max\": 1", "\"d_max\": NaN").find("its first line is no JSON: ") == 0);
   CHECK(refused("0.5, \"norm", "-1, \"norm") == "the tolerance is negative or not finite");
   CHECK(refused("rms", "mean") == "\"norm\" must be \"max\" or \"rms\"");
   CHECK(refused("[1, 0.5]", "[1]").find("\"weights\" must be 2 numbers") == 0);
-  CHECK(refused("[1, 0.5]", "[1, -1]").find("\"weights\" must be 2 numbers") == 0);
-  CHECK(refused("[1, 0.5]", "[1, \"a\"]") == "\"weights\" must be an array of numbers");
   CHECK(refused("\"rad\"", "\"0123456789abcdef\"") == "\"tolerance_unit\" has more than 15 bytes");
   CHECK(refused("\"shape\", ", "") == "\"spheres\" and the \"shape\" in \"stored\" go together");
   CHECK(refused("\"shape\", ", "\"colour\", ").find("\"stored\" must be an array of") == 0);
   CHECK(refused("{\"radius\": 0}", "0") == "\"spheres\" must be an array of objects");
-  CHECK(refused("{\"radius\": 0}", "{\"radius\": -1}") ==
-        "a sphere whose radius is negative or not finite");
   CHECK(refused("[1, 0, 0.5]", "[1, 0, 2]") == "a sphere's colour is not within 0 and 1");
   CHECK_THROWS_AS(read_first_line(R"({"error": "no"})"), RefusedError);
   // The message would repeat the version, level by level.

@@ -15,15 +15,6 @@ namespace {
 const Source kDichloroethane{"dichloroethane", {"turn.xyz"}};
 const hapgrid::Parameter kUnlifted{"morph_stiffness", 0.0};
 
-/// The energies in the titles, kJ/mol.
-std::vector<double> energies(const std::string& xyz) {
-  std::vector<double> found;
-  std::istringstream lines(xyz);
-  for (std::string line; std::getline(lines, line);)
-    if (line.rfind("dE=", 0) == 0) found.push_back(std::stod(line.substr(3)));
-  return found;
-}
-
 State convert(hapgrid::Model& model, const State& s, const hapgrid::Vec3& x,
               const hapgrid::Vec3& d) {
   State result(s.size());
@@ -59,32 +50,6 @@ TEST_CASE("a path behind its saddles has xtb's shapes and energies at all nodes"
   for (const double t : {-0.7, 0.6}) {
     const double end = t < 0 ? -0.5 : 0.5;
     CHECK(energy.shape_energy(&t) == energy.shape_energy(&end));
-  }
-}
-
-TEST_CASE("derivatives are right on both sides of the conformation") {
-  HybridEnergy energy(kDichloroethane.read(), {1.2, 100, 20, 100, 0});
-  Random random(4);
-  for (int i = 0; i < 200; ++i) {
-    State s(7);
-    s[0] = random.between(-0.49, 0.49);
-    for (std::size_t k = 1; k < 7; ++k) s[k] = random.between(-0.4, 0.4);
-    const Positions p = positions(energy, s);
-    const Eigen::Vector3d x =
-        p[random.below(p.size())] + random.between(1, 2.4) * random.direction();
-    double gradient[7], hessian[49];
-    energy.value(s.data(), x.data());
-    energy.derivatives(gradient, hessian, true);
-    // Central differences: the error is h² times the third derivative, some 1e5 at most in these
-    // units; where a contact begins between them, h times the penalty times the squared speed.
-    constexpr double h = 1e-6;
-    for (std::size_t k = 0; k < 7; ++k) {
-      State a = s, b = s;
-      a[k] -= h, b[k] += h;
-      const double slope =
-          (energy.value(b.data(), x.data()) - energy.value(a.data(), x.data())) / (2 * h);
-      CHECK(gradient[k] == Approx(slope).epsilon(1e-4).margin(2e-3));
-    }
   }
 }
 

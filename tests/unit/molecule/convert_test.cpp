@@ -2,9 +2,6 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
-#include <cstring>
-#include <deque>
-#include <map>
 #include <utility>
 
 #include "examples/molecule/conversion.hpp"
@@ -14,7 +11,6 @@
 using namespace molecules;
 using Catch::Matchers::StartsWith;
 using hapgrid::Model;
-using hapgrid::Stored;
 using hapgrid::Vec3;
 
 namespace {
@@ -57,35 +53,6 @@ bool is_rest(const State& s) {
 }
 
 }  // namespace
-
-TEST_CASE("what the model says of itself") {
-  const auto model = kDipeptide.make({{"tolerance", 0.2}, {"force_scale", 0.01}});
-  CHECK(model->info().state_size == 10);
-  CHECK(model->info().tolerance == 0.2);
-  CHECK(model->info().force_scale == 0.01);
-  CHECK(model->info().tolerance_unit == std::string("angstrom RMSD"));
-  CHECK(model->info().length_unit == std::string("angstrom"));
-  CHECK(model->info().energy_unit == std::string("kJ/mol"));
-  CHECK(model->info().stored == Stored{});
-  REQUIRE(model->info().spheres.size() == 22);
-  const auto spheres = model->info().spheres;
-  CHECK(spheres[0].label == std::string("C"));
-  CHECK(spheres[0].radius == 1.70F);
-  CHECK(spheres[2].label == std::string("O"));
-  CHECK(spheres[2].radius == 1.52F);
-  CHECK(spheres[3].label == std::string("N"));
-  CHECK(spheres[3].radius == 1.55F);
-  CHECK(spheres[21].label == std::string("H"));
-  CHECK(spheres[21].radius == 1.20F);
-  // The shape at rest is the conformation.
-  const State rest(10);
-  std::vector<float> centres(66);
-  model->shape(rest.data(), centres);
-  const Molecule molecule = kDipeptide.read();
-  for (std::size_t i = 0; i < 22; ++i)
-    for (std::size_t a = 0; a < 3; ++a)
-      CHECK(std::abs(centres[3 * i + a] - molecule.conformation[i][static_cast<int>(a)]) < 1e-6);
-}
 
 TEST_CASE("pictures join the atoms that Open Babel does") {
   for (const Source* source : {&kButane, &kDipeptide, &kEnkephalin}) {
@@ -340,56 +307,4 @@ TEST_CASE("force and energy are finite whatever the state") {
     const Vec3 f = model->force({random.between(-3, 3), 0, 0}, s.data());
     for (const double v : f) CHECK(std::isfinite(v));
   }
-}
-
-// Every conversion of a coarse grid of butane, with the substep and with half of it.
-TEST_CASE("half the substep gives the same states") {
-#ifdef HAPGRID_SANITIZED
-  constexpr int kCount = 5;
-#else
-  constexpr int kCount = 8;
-#endif
-  constexpr double kOrigin = -5.6, kSpacing = -2 * kOrigin / (kCount - 1);
-  const auto model = kButane.make(), finer = kButane.make({{"substep", 0.025}});
-  std::map<std::array<int, 3>, std::vector<State>> levels;
-  std::deque<std::pair<std::array<int, 3>, State>> queue;
-  const auto at = [&](const std::array<int, 3>& c) {
-    return Vec3{kOrigin + kSpacing * c[0], kOrigin + kSpacing * c[1], kOrigin + kSpacing * c[2]};
-  };
-  const std::array<int, 3> corner{0, 0, 0};
-  REQUIRE(model->known_states(at(corner)).size() == model->state_size());
-  levels[corner].push_back(State(model->state_size()));
-  queue.emplace_back(corner, State(model->state_size()));
-  int conversions = 0, apart = 0;
-  while (!queue.empty()) {
-    const auto [c, s] = queue.front();
-    queue.pop_front();
-    for (int q = 0; q < 27; ++q) {
-      const std::array<int, 3> to{c[0] + q % 3 - 1, c[1] + q / 3 % 3 - 1, c[2] + q / 9 - 1};
-      if (q == 13 || *std::min_element(to.begin(), to.end()) < 0 ||
-          *std::max_element(to.begin(), to.end()) >= kCount)
-        continue;
-      const Vec3 x = at(c),
-                 d{kSpacing * (q % 3 - 1), kSpacing * (q / 3 % 3 - 1), kSpacing * (q / 9 - 1)};
-      const State reached = convert(*model, s, x, d), fine = convert(*finer, s, x, d);
-      ++conversions;
-      apart += !model->equal(reached.data(), fine.data());
-      auto& there = levels[to];
-      if (std::none_of(there.begin(), there.end(), [&](const State& other) {
-            return model->equal(other.data(), reached.data());
-          })) {
-        there.push_back(reached);
-        queue.emplace_back(to, reached);
-      }
-    }
-  }
-  std::size_t records = 0;
-  for (const auto& [point, states] : levels) records += states.size();
-  INFO(apart << " of " << conversions << " conversions differ; " << records << " records");
-  CHECK(levels.size() == kCount * kCount * kCount);
-  // One level a point at least: the pairs of neighbours.
-  constexpr int kPairs = (3 * kCount - 2) * (3 * kCount - 2) * (3 * kCount - 2);
-  CHECK(conversions >= kPairs - kCount * kCount * kCount);
-  // The shipped molecules slip to another level in 0.06 % at most (tests/bench/substeps.cpp).
-  CHECK(apart * 1000 <= conversions);
 }

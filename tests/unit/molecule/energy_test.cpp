@@ -1,7 +1,6 @@
 #include "examples/molecule/energy.hpp"
 
 #include <catch2/catch.hpp>
-#include <sstream>
 
 #include "tests/unit/molecule/reference.hpp"
 
@@ -10,15 +9,6 @@ using namespace molecules;
 namespace {
 
 const EnergyParameters kParameters{1.3, 150, 30, 120, 4};
-
-/// The numbers after dE= of every frame.
-std::vector<double> energies(const std::string& xyz) {
-  std::vector<double> found;
-  std::istringstream lines(xyz);
-  for (std::string line; std::getline(lines, line);)
-    if (line.rfind("dE=", 0) == 0) found.push_back(std::stod(line.substr(3)));
-  return found;
-}
 
 /// The probe near some atom, so that it touches one or more.
 std::array<double, 3> touching(Random& random, HybridEnergy& energy, const std::vector<double>& s) {
@@ -160,46 +150,5 @@ TEST_CASE("the gradient is that of central differences, and the Hessian the grad
     INFO(source.name << " off by " << worst << " and " << worst_second);
     CHECK(worst < 2e-11 / kStep);
     CHECK(worst_second < 1e-3);
-  }
-}
-
-TEST_CASE("the force is minus the gradient by the probe's position") {
-  Random random(7);
-  constexpr double kStep = 1e-5;
-  for (const Source& source : kAll) {
-    HybridEnergy energy(source.read(), kParameters);
-    for (int trial = 0; trial < 200; ++trial) {
-      const std::vector<double> s = random.state(energy);
-      const auto x = touching(random, energy, s);
-      double f[3];
-      energy.force(s.data(), x.data(), f);
-      for (int a = 0; a < 3; ++a) {
-        auto moved = x;
-        moved[a] = x[a] + kStep;
-        const double up = energy.value(s.data(), moved.data());
-        moved[a] = x[a] - kStep;
-        const double down = energy.value(s.data(), moved.data());
-        CHECK(std::abs((up - down) / (2 * kStep) + f[a]) < 1e-5);
-      }
-    }
-    const std::vector<double> rest(energy.variables());
-    const double far[3] = {50, 0, 0};
-    double f[3] = {1, 1, 1};
-    energy.force(rest.data(), far, f);
-    CHECK((f[0] == 0 && f[1] == 0 && f[2] == 0));
-  }
-}
-
-TEST_CASE("the displacement of two states is that of their positions") {
-  Random random(8);
-  for (const Source& source : kAll) {
-    HybridEnergy energy(source.read(), {});
-    for (int trial = 0; trial < 50; ++trial) {
-      const std::vector<double> a = random.state(energy), b = random.state(energy);
-      const double expected = rmsd(positions(energy, a), positions(energy, b));
-      CHECK(energy.displacement(a.data(), b.data()) == Approx(expected).epsilon(1e-12));
-      CHECK(energy.displacement(a.data(), b.data()) == energy.displacement(b.data(), a.data()));
-      CHECK(energy.displacement(a.data(), a.data()) == 0);
-    }
   }
 }

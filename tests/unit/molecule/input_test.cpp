@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <locale>
 
-#include "libcore/base/error.hpp"
 #include "tests/unit/molecule/reference.hpp"
 
 using namespace molecules;
@@ -186,19 +185,11 @@ TEST_CASE("shapes without torsions") {
 }
 
 TEST_CASE("parameters out of range are refused through the plug-in") {
-  using hapgrid::ModelError;
   const auto refused = [](const char* key, double value, const std::string& line) {
     CHECK_THROWS_WITH(kButane.make({{key, value}}), Equals("model molecule: " + line));
   };
   refused("probe_radius", 0, "parameter probe_radius is 0, it must be from 0.1 to 10");
   refused("penalty", -1, "parameter penalty is -1, it must be from 1 to 100000");
-  refused("substep", 2, "parameter substep is 2, it must be from 0.001 to 1");
-  refused("tolerance", 0, "parameter tolerance is 0, it must be from 0.001 to 1");
-  refused("morph_stiffness", -1, "parameter morph_stiffness is -1, it must be from 0 to 100000");
-  CHECK_THROWS_WITH(kButane.make({{"penalti", 3.0}}),
-                    StartsWith("model molecule: unknown parameter penalti (known: "));
-  CHECK_THROWS_WITH(kButane.make({{"penalty", std::string("soft")}}),
-                    Equals("model molecule: parameter penalty must be a number"));
   CHECK_THROWS_WITH(
       hapgrid::Plugin("molecule", {HAPGRID_BUILD_DIR "/models"}).create({}),
       Equals("model molecule: parameter conformation is missing: a text in XYZ or SDF format"));

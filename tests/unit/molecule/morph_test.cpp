@@ -1,7 +1,6 @@
 #include "examples/molecule/morph.hpp"
 
 #include <catch2/catch.hpp>
-#include <set>
 
 #include "examples/molecule/elementary.hpp"
 #include "tests/unit/molecule/reference.hpp"
@@ -44,23 +43,6 @@ TEST_CASE("sines, cosines and angles are those of the C library") {
   CHECK(hapgrid::molecule::angle_of(0, -1) == Approx(M_PI).epsilon(1e-15));
   CHECK(hapgrid::molecule::angle_of(1, 0) == Approx(M_PI / 2).epsilon(1e-15));
   CHECK(hapgrid::molecule::angle_of(0, 0) == 0);
-}
-
-TEST_CASE("the spanning tree has every atom once, parents first, along bonds") {
-  for (const Source& source : kAll) {
-    const Molecule molecule = source.read();
-    const hapgrid::molecule::Tree tree = hapgrid::molecule::spanning_tree(molecule);
-    REQUIRE(tree.size() == molecule.atoms.size());
-    CHECK(std::set<int>(tree.order.begin(), tree.order.end()).size() == tree.size());
-    for (std::size_t i = 1; i < tree.size(); ++i) {
-      REQUIRE(tree.parent[i] < static_cast<int>(i));
-      const int a = tree.order[i], b = tree.order[tree.parent[i]];
-      const std::pair<int, int> bond{std::min(a, b), std::max(a, b)};
-      CHECK(std::count(molecule.bonds.begin(), molecule.bonds.end(), bond) == 1);
-    }
-  }
-  // A ring each of phenylalanine and tyrosine: two bonds more than a tree of 77 atoms has.
-  CHECK(kEnkephalin.read().bonds.size() == 78);
 }
 
 TEST_CASE("along each path the nodes of its text are reproduced") {
@@ -167,84 +149,6 @@ TEST_CASE("the alignment leaves no shift and no turn") {
       }
     }
   }
-}
-
-TEST_CASE("the shape is continuous in t") {
-  for (const Source& source : kAll) {
-    const Morph morph(source.read());
-    for (std::size_t k = 0; k < morph.paths(); ++k) {
-      std::vector<double> t(morph.paths(), 0.3);
-      t[k] = 0;
-      Positions last = shape_at(morph, t);
-      for (int step = 1; step <= 1000; ++step) {
-        t[k] = step / 1000.0;
-        const Positions next = shape_at(morph, t);
-        // A thousandth of the path; no part of it is ten times as fast as its length says.
-        CHECK(rmsd(last, next) < 10 * morph.length(k) / 1000);
-        last = next;
-      }
-    }
-  }
-}
-
-TEST_CASE("derivatives of the shape are those of central differences") {
-  Random random(3);
-  constexpr double kStep = 1e-4;
-  for (const Source& source : kAll) {
-    const Morph morph(source.read());
-    Morph::Shape shape = morph.make_shape(), up = shape, down = shape;
-    const std::size_t paths = morph.paths();
-    std::vector<double> v(3 * paths), above(3 * paths), below(3 * paths), c(paths * paths);
-    double worst = 0, worst_second = 0;
-    for (int trial = 0; trial < 50; ++trial) {
-      std::vector<double> t;
-      // Away from the nodes, where third derivatives jump.
-      for (std::size_t k = 0; k < paths; ++k)
-        t.push_back((static_cast<double>(random.below(10)) + random.between(0.1, 0.9)) / 10);
-      morph.shape(t.data(), shape);
-      morph.differentiate(shape);
-      for (std::size_t k = 0; k < paths; ++k) {
-        std::vector<double> moved = t;
-        moved[k] = t[k] + kStep;
-        morph.shape(moved.data(), up);
-        morph.differentiate(up);
-        moved[k] = t[k] - kStep;
-        morph.shape(moved.data(), down);
-        morph.differentiate(down);
-        for (std::size_t i = 0; i < morph.atoms(); ++i) {
-          morph.velocity(shape, i, v.data());
-          const double difference[3] = {(up.x[i] - down.x[i]) / (2 * kStep),
-                                        (up.y[i] - down.y[i]) / (2 * kStep),
-                                        (up.z[i] - down.z[i]) / (2 * kStep)};
-          const double normal[3] = {0.48, -0.6, 0.64};
-          const Morph::Pull pull{i, {normal[0], normal[1], normal[2]}};
-          morph.curvature(shape, &pull, 1, c.data());
-          morph.velocity(up, i, above.data());
-          morph.velocity(down, i, below.data());
-          for (int a = 0; a < 3; ++a)
-            worst = std::max(worst, std::abs(difference[a] - v[3 * k + a]));
-          for (std::size_t l = 0; l < paths; ++l) {
-            double second = 0;
-            for (int a = 0; a < 3; ++a)
-              second += normal[a] * (above[3 * l + a] - below[3 * l + a]) / (2 * kStep);
-            worst_second = std::max(worst_second, std::abs(second - c[paths * k + l]));
-          }
-        }
-      }
-    }
-    INFO(source.name << " off by " << worst << " and " << worst_second);
-    // Step²/6 times the third (fourth) derivative: atoms move some 10 Å a unit of t, and turn by
-    // ten radians a unit at most, so that derivatives grow by a factor of 10: 10^4 (10^5).
-    CHECK(worst < kStep * kStep / 6 * 1e4);
-    CHECK(worst_second < kStep * kStep / 6 * 1e6);
-  }
-}
-
-TEST_CASE("values of t outside are taken for the nearest inside") {
-  const Morph morph(kButane.read());
-  CHECK(rmsd(shape_at(morph, {-3, 0.5}), shape_at(morph, {0, 0.5})) == 0);
-  CHECK(rmsd(shape_at(morph, {0.5, 1e9}), shape_at(morph, {0.5, 1})) == 0);
-  CHECK(rmsd(shape_at(morph, {std::nan(""), 0.5}), shape_at(morph, {0, 0.5})) == 0);
 }
 
 TEST_CASE("one frame is enough for a path: the way there is straight in internal coordinates") {

@@ -81,6 +81,15 @@ inline std::vector<Positions> frames(const std::string& xyz) {
   return frames;
 }
 
+/// The numbers after dE= of every frame, kJ/mol.
+inline std::vector<double> energies(const std::string& xyz) {
+  std::vector<double> found;
+  std::istringstream lines(xyz);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("dE=", 0) == 0) found.push_back(std::stod(line.substr(3)));
+  return found;
+}
+
 /// a superposed on b, unweighted; the RMS distance that is left, Å.
 inline double superposed_rmsd(const Positions& a, const Positions& b) {
   Eigen::Vector3d ca = Eigen::Vector3d::Zero(), cb = ca;

@@ -2,8 +2,6 @@
 #include "libcore/scene/imd_protocol.hpp"
 
 #include <catch2/catch.hpp>
-#include <cstdint>
-#include <cstring>
 #include <random>
 #include <string>
 
@@ -65,54 +63,6 @@ State answer(int version, const std::string& hex) {
 
 }  // namespace
 
-TEST_CASE("IMD version 2, byte for byte") {
-  ImdEncoder encoder(2, one_sphere(), true, 1e-3);
-  CHECK(encoder.greeting() == bytes("00000004 02000000"));
-  CHECK(copy(encoder.encode(one_frame())) ==
-        bytes("00000001 00000001"                    // ENERGIES
-              "02010000 00000000 000080bf 000080bf"  // step, T, -1 kcal/mol twice
-              "00000000 00000000 00000000 00000000 00000000 00000000"
-              "00000002 00000002"              // FCOORDS of two atoms
-              "0000c03f 00000000 000080bf"     // 1.5 0 -1
-              "0000803f 000000c0 0000003f"));  // the HIP: 1 -2 0.5
-  // Without energies, and a second time.
-  ImdEncoder none(2, one_sphere(), false, 1e-3);
-  for (int i = 0; i < 2; ++i)
-    CHECK(copy(none.encode(one_frame())) == bytes("00000002 00000002"
-                                                  "0000c03f 00000000 000080bf"
-                                                  "0000803f 000000c0 0000003f"));
-}
-
-TEST_CASE("IMD version 3, byte for byte") {
-  // 4, 8 and 12 cells of 0.5 along the axes.
-  ImdEncoder encoder(3, one_sphere(), true, 0.25);
-  CHECK(encoder.greeting() == bytes("00000004 03000000"
-                                    "0000000a 00000007 01 01 01 01 00 00 01"));
-  Frame frame = one_frame();
-  frame.energy = -1;
-  CHECK(copy(encoder.encode(frame)) == bytes("0000000c 00000001"  // TIME
-                                             "000000a2941a4d42"   // 2.5e11 ps a tick
-                                             "000000a2941a5d42"   // 5e11 ps
-                                             "0201000000000000"
-                                             "00000001 00000001"  // ENERGIES
-                                             "02010000 00000000 000080bf 000080bf"
-                                             "00000000 00000000 00000000 00000000 00000000 00000000"
-                                             "0000000d 00000001"           // BOX
-                                             "00000040 00000000 00000000"  // 2 0 0
-                                             "00000000 00008040 00000000"  // 0 4 0
-                                             "00000000 00000000 0000c040"  // 0 0 6
-                                             "00000002 00000002"           // FCOORDS
-                                             "0000c03f 00000000 000080bf"
-                                             "0000803f 000000c0 0000003f"
-                                             "0000000f 00000002"  // FORCES: none on the sphere
-                                             "00000000 00000000 00000000"
-                                             "00000000 000080bf 00000040"));  // 0 -1 2
-  ImdEncoder none(3, one_sphere(), false, 0.25);
-  CHECK(none.greeting() == bytes("00000004 03000000"
-                                 "0000000a 00000007 01 00 01 01 00 00 01"));
-  CHECK(none.encode(frame).size() == encoder.encode(frame).size() - 48);
-}
-
 TEST_CASE("a step beyond 32 bits is the largest one in ENERGIES, and itself in TIME") {
   Frame frame = one_frame();
   frame.tick = 0x123456789a;
@@ -150,14 +100,6 @@ TEST_CASE("units of IMD") {
     CHECK_FALSE(unknown.energy_known);
     CHECK_FALSE(ImdUnits(version, "", "").length_known);
   }
-  // In a frame, all that is a length is converted.
-  Scene scene = one_sphere();
-  scene.length_unit = "nm";
-  ImdEncoder encoder(3, scene, false, 1);
-  const auto frame = encoder.encode(one_frame());
-  CHECK(copy(frame.subspan(40, 4)) == bytes("0000a041"));                     // 20
-  CHECK(copy(frame.subspan(84, 12)) == bytes("00007041 00000000 000020c1"));  // 15 0 -10
-  CHECK(copy(frame.subspan(96, 12)) == bytes("00002041 0000a0c1 0000a040"));  // 10 -20 5
 }
 
 TEST_CASE("what an IMD client may say") {

@@ -10,10 +10,8 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <system_error>
 #include <vector>
 
-#include "libcore/base/error.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
 using namespace hapgrid;
@@ -117,47 +115,6 @@ struct Served {
 };
 
 }  // namespace
-
-TEST_CASE("addresses of IMD") {
-  CHECK(ImdServer({.address = "127.0.0.1"}).name().starts_with("127.0.0.1:"));
-  CHECK(ImdServer::is_address("::1"));
-  CHECK(ImdServer::is_address("0.0.0.0"));
-  for (const char* bad : {"", "localhost", "127.0.0.256", "nowhere.invalid", "1.2.3.4:5"})
-    CHECK_FALSE(ImdServer::is_address(bad));
-  CHECK_THROWS_AS(ImdServer({.address = "localhost"}), Error);
-  const ImdServer first({});
-  const auto port = static_cast<std::uint16_t>(std::stoi(first.name().substr(10)));
-  CHECK(port != 0);
-  CHECK_THROWS_WITH(ImdServer({.port = port}), first.name() + ": Address already in use");
-}
-
-TEST_CASE("viewers of IMD come, get whole frames, and go") {
-  for (const int version : {2, 3}) {
-    Served served({.version = version});
-    CHECK_FALSE(served.server.wait_for_viewer(0s, never));
-    Viewer a(served.server);
-    served.greet(a);
-    CHECK(served.server.wait_for_viewer(kLong, never));
-    Viewer b(served.server);
-    served.greet(b);
-    while (!a.take(1, 100ms).empty()) {
-    }
-    const Frame frame = small_frame(1000);
-    served.server.publish(frame);
-    for (Viewer* viewer : {&a, &b})
-      CHECK(viewer->take(served.bytes(frame).size()) == served.bytes(frame));
-    // KILL and DISCONNECT are their own end alone.
-    CHECK(a.say(header(version == 2 ? 5 : 0, 0)));
-    CHECK(a.ends());
-    served.server.publish(small_frame(1001));
-    CHECK(b.take(served.bytes(frame).size()) == served.bytes(small_frame(1001)));
-    b.close();
-    const ImdCounts counts = served.server.finish();
-    CHECK(counts.viewers == 2);
-    CHECK(counts.slow == 0);
-    CHECK_THROWS_AS(ImdServer({.address = "nowhere"}), Error);
-  }
-}
 
 TEST_CASE("a viewer that pauses gets nothing until it goes on") {
   for (const int version : {2, 3}) {
@@ -288,24 +245,6 @@ TEST_CASE("a viewer that reads late gets the frame that was on its way, and the 
   const ImdCounts counts = served.server.finish();
   CHECK(counts.sent == 2);
   CHECK(counts.dropped == 7);
-}
-
-TEST_CASE("the end of IMD: the last frame arrives, and then the end") {
-  Served served;
-  Viewer viewer(served.server);
-  served.greet(viewer);
-  served.server.publish(small_frame(5000));
-  std::thread reader([&] {
-    CHECK(viewer.take(1 << 20) == served.bytes(small_frame(5000)));
-    viewer.close();
-  });
-  served.server.finish();
-  reader.join();
-  // Nobody there, and a server that never started.
-  Served empty;
-  CHECK(empty.server.finish().viewers == 0);
-  ImdServer unused({});
-  CHECK(unused.finish().viewers == 0);
 }
 
 TEST_CASE("waiting for a viewer of IMD ends with a signal") {

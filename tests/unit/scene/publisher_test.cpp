@@ -9,10 +9,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <cmath>
 #include <functional>
 #include <optional>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -46,13 +44,6 @@ void offer(FramePublisher& publisher, std::uint64_t tick) {
   s.levels.fill(static_cast<std::uint8_t>(tick));
   s.row[0] = s.row[1] = s.row[2] = t;
   publisher.publish();
-}
-
-FramePublisher::Complete slowly(std::chrono::milliseconds time) {
-  return [=](Frame& frame) {
-    std::this_thread::sleep_for(time);
-    complete(frame);
-  };
 }
 
 std::vector<Frame> read_all(const std::string& file) {
@@ -90,73 +81,6 @@ struct Pipe {
 };
 
 }  // namespace
-
-TEST_CASE("without a pace each tick that is due is a frame, and the last one") {
-  const TemporaryDirectory directory;
-  for (const std::uint64_t last : {0, 39, 40, 41, 100}) {
-    const std::string name = directory.file("f");
-    FramePublisher publisher(OutputFile(name, false), kScene, 3, complete, false, 1000, stop);
-    for (std::uint64_t tick = 0; tick <= last; ++tick) offer(publisher, tick);
-    const FrameCounts counts = publisher.finish();
-    std::vector<std::uint64_t> ticks;
-    for (const Frame& frame : read_all(name)) ticks.push_back(frame.tick);
-    std::vector<std::uint64_t> expected;
-    for (std::uint64_t tick = 0; tick <= last; tick += 40) expected.push_back(tick);
-    if (last % 40 != 0) expected.push_back(last);
-    CHECK(ticks == expected);
-    CHECK(counts.written == ticks.size());
-    CHECK(counts.dropped == 0);
-    CHECK_FALSE(counts.closed);
-    CHECK_FALSE(counts.cut);
-  }
-}
-
-TEST_CASE("a play without a tick is a stream without frames") {
-  const TemporaryDirectory directory;
-  for (const bool paced : {false, true}) {
-    const std::string name = directory.file("f");
-    FramePublisher publisher(OutputFile(name, false), kScene, 3, complete, paced, 1000, stop);
-    CHECK(publisher.finish().written == 0);
-    CHECK(read_all(name).empty());
-  }
-}
-
-TEST_CASE("without finish() no file appears") {
-  const TemporaryDirectory directory;
-  for (const bool paced : {false, true}) {
-    FramePublisher publisher(OutputFile(directory.file("f"), false), kScene, 3, complete, paced,
-                             1000, stop);
-    offer(publisher, 0);
-  }
-  CHECK(std::filesystem::is_empty(directory.path()));
-}
-
-TEST_CASE("paced, frames are ticks in their order, whole, and the last is the last") {
-  const TemporaryDirectory directory;
-  const std::string name = directory.file("f");
-  FramePublisher publisher(OutputFile(name, false), kScene, 3, complete, true, 1000, stop);
-  const auto begin = Clock::now();
-  std::uint64_t tick = 0;
-  while (Clock::now() - begin < 300ms) offer(publisher, tick++);
-  const FrameCounts counts = publisher.finish();
-  const std::vector<Frame> frames = read_all(name);
-  CHECK(frames.size() == counts.written);
-  CHECK(frames.size() <= 10);  // at 0, 40, ... 320 ms at the most, and the last one
-  CHECK(frames.back().tick == tick - 1);
-}
-
-TEST_CASE("a slow model makes frames rare and nothing else") {
-  const TemporaryDirectory directory;
-  const std::string name = directory.file("f");
-  FramePublisher publisher(OutputFile(name, false), kScene, 3, slowly(100ms), true, 1000, stop);
-  for (std::uint64_t tick = 0; tick < 400; ++tick) {
-    offer(publisher, tick);
-    std::this_thread::sleep_for(1ms);
-  }
-  const FrameCounts counts = publisher.finish();
-  CHECK(counts.dropped >= 2 * (counts.written - 1));  // 100 ms are two periods more than one
-  CHECK(read_all(name).back().tick == 399);
-}
 
 TEST_CASE("a viewer that wakes up goes on with whole frames") {
   Pipe pipe;
@@ -217,15 +141,6 @@ TEST_CASE("without a pace the viewer is waited for until a signal asks to stop")
   signal.join();
   CHECK(tick / 40 < kPipeFrames + 2);
   CHECK(publisher.finish().cut);
-}
-
-TEST_CASE("an error of the slow thread is heard at the end") {
-  FramePublisher full(OutputFile("/dev/full", false), kScene, 3, complete, true, 1000, stop);
-  offer(full, 0);
-  CHECK_THROWS_AS(full.finish(), std::system_error);
-  CHECK_THROWS_AS(
-      FramePublisher(OutputFile("/dev/full", false), kScene, 3, complete, false, 1000, stop),
-      std::system_error);
 }
 
 TEST_CASE("paced, publishing a tick allocates nothing, nor does the slow thread") {

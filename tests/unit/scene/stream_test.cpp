@@ -4,7 +4,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -120,17 +119,6 @@ TEST_CASE("torsions are followed from the first frame on") {
   CHECK(turned_text(scene.torsions[0], -170) == "phi -170°");
 }
 
-TEST_CASE("a scene without spheres, and one with many") {
-  Scene scene = kScene;
-  scene.spheres.clear();
-  Frame frame = small_frame(1);
-  frame.centres.clear();
-  CHECK(read_all(scene_bytes(scene) + frame_bytes(frame)) == 1);
-  scene.spheres.assign(100000, {1, {1, 1, 1}, "Xe12345"});
-  frame.centres.assign(300000, 0.5F);
-  CHECK(read_all(scene_bytes(scene) + frame_bytes(frame)) == 1);
-}
-
 TEST_CASE("a frame is there as soon as its last byte is") {
   int ends[2];
   REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends) == 0);
@@ -147,39 +135,6 @@ TEST_CASE("a frame is there as soon as its last byte is") {
     REQUIRE(reader.next(frame));
     CHECK(frame.tick == tick);
   }
-}
-
-TEST_CASE("a stream may end behind any message, and nowhere else") {
-  const Bytes first = kStart + frame_bytes(small_frame(0));
-  const Bytes bytes = first + frame_bytes(small_frame(40));
-  for (std::size_t size = 0; size < bytes.size(); ++size) {
-    const Bytes part(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
-    if (size == kStart.size() || size == first.size()) {
-      CHECK(read_all(part) == (size == first.size()));
-      continue;
-    }
-    const std::string where = size < kStart.size()  ? "0"
-                              : size < first.size() ? std::to_string(kStart.size())
-                                                    : std::to_string(first.size());
-    CHECK_THROWS_WITH(read_all(part), size == 0
-                                          ? "f: empty, not a stream of frames"
-                                          : "f: byte " + where + ": truncated: a message is cut");
-  }
-}
-
-TEST_CASE("what is no stream of frames is refused by name and place") {
-  Bytes text(200);
-  std::memset(text.data(), 'a', text.size());
-  CHECK_THROWS_WITH(read_all(text), "f: byte 0: not a stream of frames, or damaged");
-  CHECK_THROWS_WITH(read_all(Bytes(200)), StartsWith("f: byte 0: "));
-  const std::string second = "f: byte " + std::to_string(kStart.size()) + ": ";
-  CHECK_THROWS_WITH(read_all(frame_bytes(small_frame(0))),
-                    "f: byte 0: not a stream of frames: no scene in front");
-  CHECK_THROWS_WITH(read_all(kStart + kStart), second + "a second scene");
-  CHECK_THROWS_WITH(read_all(kStart + frame_bytes(small_frame(3)) + frame_bytes(small_frame(3))),
-                    "f: byte " +
-                        std::to_string(kStart.size() + frame_bytes(small_frame(3)).size()) +
-                        ": tick 3 after tick 3");
 }
 
 TEST_CASE("a claim beyond the limit takes no memory") {
@@ -237,9 +192,4 @@ TEST_CASE("values that cannot be are refused") {
   refuses_frame([](Frame& f) { f.row.push_back(0); }, "state: 3 values, the scene has 2");
   refuses_frame([](Frame& f) { f.row.clear(); }, "state: 0 values, the scene has 2");
   refuses_frame([](Frame& f) { f.centres.pop_back(); }, "centres: 8 values, the scene has 9");
-}
-
-TEST_CASE("files that cannot be read") {
-  CHECK_THROWS_WITH(SceneReader("/nowhere/f"), StartsWith("/nowhere/f: No such file"));
-  CHECK_THROWS_WITH(SceneReader("/"), StartsWith("/: Is a directory"));
 }

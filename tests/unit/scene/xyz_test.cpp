@@ -4,39 +4,11 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "libcore/base/error.hpp"
 #include "libcore/scene/pdb.hpp"
-#include "libcore/scene/summary.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::testing;
-
-TEST_CASE("a frame as XYZ") {
-  const Scene scene = small_scene();
-  std::string text = "before\n";
-  Frame frame = small_frame(0);
-  frame.hip = {1.5, -2, 1e-9};
-  append_xyz(text, scene, frame, "");
-  CHECK(text ==
-        "before\n3\n"
-        "time=0 tick=0 hip=1.5,-2,1e-09 force=0,0,-0\n"  // no energy
-        "O 0.000000 1.000000 2.000000\n"
-        "X 3.000000 4.000000 5.000000\n"
-        "Na 6.000000 7.000000 0.000000\n");
-  text.clear();
-  frame = small_frame(3);
-  append_xyz(text, scene, frame, "Xx");
-  CHECK(text ==
-        "4\n"
-        "time=0.003 tick=3 hip=3,-1e+300,inf force=0,0,-1 energy=-3\n"
-        "O 0.000000 1.000000 2.000000\n"
-        "X 3.000000 4.000000 5.000000\n"
-        "Na 6.000000 7.000000 3.000000\n"
-        "Xx 0.500000 -2.000000 3.000000\n");
-  frame.centres[4] = std::numeric_limits<float>::infinity();
-  CHECK_THROWS_WITH(append_xyz(text, scene, frame, ""), "a coordinate is not finite");
-}
 
 TEST_CASE("a frame as PDB, by its columns") {
   const Scene scene = small_scene();
@@ -71,30 +43,4 @@ TEST_CASE("labels that XYZ cannot have become X") {
   std::string text;
   append_xyz(text, scene, small_frame(0), "");
   CHECK(text.find("\nX 0.000000 1") != text.npos);
-}
-
-TEST_CASE("the summary of a stream") {
-  const Scene scene = small_scene();
-  SceneSummary summary;
-  CHECK_FALSE(summary.bounds);
-  summary.add(scene, small_frame(0));
-  CHECK(summary.largest_force == 0);
-  CHECK_FALSE(summary.energy);
-  summary.add(scene, small_frame(3));
-  Frame frame = small_frame(6);
-  frame.force = {0, 0.6, -0.8};
-  frame.centres[3] = std::numeric_limits<float>::quiet_NaN();
-  summary.add(scene, frame);
-  CHECK(summary.frames == 3);
-  CHECK(summary.first_s == 0);
-  CHECK(summary.last_s == 0.006);
-  CHECK(summary.largest_force == 1);
-  CHECK(summary.largest_force_s == 0.003);
-  REQUIRE(summary.bounds);
-  const auto& [x, y, z] = *summary.bounds;
-  CHECK((x.low == -1.5 && x.high == 6));
-  CHECK((y.low == -0.5 && y.high == 7));
-  CHECK((z.low == 0 && z.high == 6));
-  REQUIRE(summary.energy);
-  CHECK((summary.energy->low == -6 && summary.energy->high == -3));
 }

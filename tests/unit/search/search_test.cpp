@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 
-#include "libcore/base/error.hpp"
 #include "libcore/search/requests.hpp"
 #include "tests/unit/search/shards.hpp"
 #include "tests/unit/temporary.hpp"
@@ -51,37 +50,6 @@ TEST_CASE("rounds of expand and merge are Algorithm 1, generation by generation"
   }
   // Else the order of requests was not put to the test.
   REQUIRE(most_levels >= 4);
-}
-
-TEST_CASE("a finished grid that is stored small holds the same, and merges into itself") {
-  Random random(20038);
-  for (int i = 0; i < 10; ++i) {
-    CAPTURE(i);
-    const TemporaryDirectory dir;
-    Case c(random);
-    if (i % 2) c.resize({16, 16, 20});
-    reference::Search search = c.search();
-    write_seed_shard(c, dir.file("seeds"));
-    complete_shard(dir.file("seeds"), dir.file("grid"), 1);
-    while (search.round()) {
-    }
-    const Section grid = open_grid(dir.file("grid"));
-    const FileDescriptor file = open_plain(dir.file("small"));
-    SectionWriter small(file.get(), "small", grid.header, Packing::kSmall);
-    copy_finished(grid, small);
-    require_same(dir.file("small"), search);
-    const std::size_t chunks = open_grid(dir.file("small")).footer.chunks.size();
-    REQUIRE((i % 2 ? chunks < grid.footer.chunks.size() / 4 : chunks == 1));
-    merge_shards({dir.file("small")}, dir.file("merged"));
-    REQUIRE(load_grid(dir.file("merged")).digest == load_grid(dir.file("small")).digest);
-    // Seeds are a frontier.
-    const Section seeds = open_grid(dir.file("seeds"));
-    const FileDescriptor other = open_plain(dir.file("refused"));
-    SectionWriter refused(other.get(), "refused", seeds.header, Packing::kSmall);
-    REQUIRE_THROWS_WITH(copy_finished(seeds, refused),
-                        Catch::Matchers::EndsWith(" records are still in the frontier; only a "
-                                                  "finished grid can be made small"));
-  }
 }
 
 TEST_CASE("complete() is Algorithm 1, with any number of threads") {
@@ -148,35 +116,6 @@ TEST_CASE("expand's requests are the queue, and its parts cut it without overlap
     // Together the parts are the queue.
     REQUIRE(found == expected);
   }
-}
-
-TEST_CASE("the level limit stops a model that is not finite") {
-  Random random(20034);
-  Case c(random);
-  while (c.toy.state_size != 2 || c.toy.tolerance > 0.2 || c.grid.counts < std::array{5, 5, 5})
-    c = Case(random);
-  c.definition.max_levels = 3;
-  const TemporaryDirectory dir;
-  write_seed_shard(c, dir.file("seeds"));
-  REQUIRE_THROWS_WITH(complete_shard(dir.file("seeds"), dir.file("grid"), 1),
-                      Catch::Matchers::Matches(
-                          "level limit: point [0-9]+ \\([0-9]+, [0-9]+, [0-9]+\\) has 3 levels "
-                          "\\(search\\.max_levels\\), .* within the tolerance 0\\.2 turns: .*"));
-}
-
-TEST_CASE("a conversion that fails is named, the same with any number of threads") {
-  Random random(20036);
-  Case c(random);
-  while (c.grid.counts < std::array{5, 5, 5}) c = Case(random);
-  c.definition.parameters.push_back({"fail", c.grid.origin[0] + 2 * c.grid.spacing});
-  std::sort(c.definition.parameters.begin(), c.definition.parameters.end(),
-            [](const Parameter& a, const Parameter& b) { return a.key < b.key; });
-  const TemporaryDirectory dir;
-  write_seed_shard(c, dir.file("seeds"));
-  for (unsigned threads = 1; threads <= 3; ++threads)
-    REQUIRE_THROWS_WITH(complete_shard(dir.file("seeds"), dir.file("grid"), threads),
-                        Catch::Matchers::Matches("conversion at point [0-9]+ \\(2, [0-9], [0-9]\\) "
-                                                 "level [0-9]+, direction [0-9]+: told to fail"));
 }
 
 TEST_CASE("threads share the directions of a record") {

@@ -9,10 +9,8 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <cmath>
 #include <thread>
 
-#include "libcore/base/error.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/session/ticks.hpp"
 #include "tests/unit/temporary.hpp"
@@ -55,23 +53,6 @@ struct StuckDisk {
 };
 
 }  // namespace
-
-TEST_CASE("the ring gives back what went in, in order") {
-  SpscRing<int> ring(3);
-  CHECK(ring.peek().empty());
-  for (int round = 0; round < 10; ++round) {
-    CHECK((ring.push(1) && ring.push(2) && ring.push(3)));
-    CHECK_FALSE(ring.push(4));
-    std::vector<int> got;
-    while (!ring.peek().empty()) {
-      got.push_back(ring.peek()[0]);
-      ring.pop(1);
-    }
-    CHECK(got == std::vector<int>{1, 2, 3});
-    CHECK(ring.push(5));  // so that the next round starts elsewhere
-    ring.pop(1);
-  }
-}
 
 TEST_CASE("two threads and a ring: nothing is lost, doubled or torn") {
   struct Wide {
@@ -156,18 +137,6 @@ TEST_CASE("a disk that does not answer costs ticks, never time nor memory") {
   SessionReader reader(copy);
   CHECK(same(rest_of(reader), kept));
   CHECK(reader.dropped() == ticks.size() - kept.size());
-}
-
-TEST_CASE("without a pace every tick is written, whatever the ring would hold") {
-  const TemporaryDirectory directory;
-  const std::string file = directory.file("x.session");
-  const std::vector<TickRecord> ticks = random_ticks(20'000, 3);
-  SessionHeader header = small_header();
-  SessionRecorder recorder(file, header, false);
-  for (const TickRecord& tick : ticks) REQUIRE(recorder.add(tick));
-  CHECK(recorder.finish() == ticks.size());
-  SessionReader reader(file);
-  CHECK(same(rest_of(reader), ticks));
 }
 
 TEST_CASE("a disk that is full is told at the end") {

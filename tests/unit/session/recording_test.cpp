@@ -5,9 +5,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "libcore/base/error.hpp"
 #include "libcore/device/replay.hpp"
-#include "libcore/session/statistics.hpp"
 #include "libcore/session/text.hpp"
 #include "libcore/session/writer.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
@@ -92,33 +90,6 @@ TEST_CASE("the hand's part of a text") {
         ": line 3: t = 0.001 at 100 Hz is tick 0, and the line before is tick 0");
 }
 
-TEST_CASE("a session as text reads back to the same hand") {
-  std::vector<TickRecord> ticks = random_ticks(300, 4);
-  std::uint64_t number = 5;
-  for (TickRecord& tick : ticks) tick.number = number += 1 + number % 3;
-  const SessionHeader header = small_header();
-  std::string text = session_text_header();
-  CHECK(text ==
-        "# t\tx\ty\tz\tforce_x\tforce_y\tforce_z\tsent_x\tsent_y\tsent_z\tl0\tl1\tl2\tl3\tl4\tl5\t"
-        "l6\tl7\tflags\tlateness_us\tcompute_us\n");
-  for (const TickRecord& tick : ticks) append_session_text(text, header, tick);
-  const Recording got = load_recording(text_file(text), 1000);
-  REQUIRE(got.ticks.size() == ticks.size());
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    CHECK(got.ticks[i].number == ticks[i].number);
-    for (int a = 0; a < 3; ++a) {
-      const double x = ticks[i].hip[a];
-      CHECK((std::isnan(x) ? std::isnan(got.ticks[i].hip[a]) : got.ticks[i].hip[a] == x));
-    }
-  }
-  TickRecord one{1234, {0.1, 0, 0}, {1, 2, 3}, {-0.5, 0, 0}, {1, 2, 3, 4, 5, 6, 7, 8}, 5, 1500, 10};
-  text.clear();
-  append_session_text(text, header, one);
-  CHECK(text ==
-        "1.234\t0.10000000000000001\t0\t0\t1\t2\t3\t-0.5\t0\t0\t1\t2\t3\t4\t5\t6\t7\t8\t5\t1.5\t"
-        "0.01\n");
-}
-
 TEST_CASE("a replay gives back its ticks, and says what was missed") {
   ReplayDevice device({{{.position = {1, 2, 3}, .clutch = true}, 0},
                        {{.position = {4, 5, 6}, .stalled = true, .missed = 99}, 2}});
@@ -152,19 +123,4 @@ TEST_CASE("a replay's read() and send() do not allocate") {
   ok = device.read(input) == DeviceStatus::kEnd && device.stop() == DeviceStatus::kOk && ok;
   CHECK(allocations_of_thread() == before);
   CHECK(ok);
-}
-
-TEST_CASE("a session is counted") {
-  SessionStatistics s;
-  const double nan = std::nan("");
-  s.add({10, {}, {nan, nan, nan}, {0, 0, 0}, {}, 1, 5, 7});
-  s.add({11, {}, {3, 4, 0}, {0.6, 0.8, 0}, {}, 9, 6, 7});
-  s.add({15, {}, {-3, 4, 0}, {0, 0, 2}, {}, 0, 6, 7});
-  CHECK(s.ticks == 3);
-  CHECK((s.first == 10 && s.last == 15 && s.skipped == 3));
-  CHECK((s.raw.newtons == 5 && s.raw.tick == 11));
-  CHECK((s.sent.newtons == 2 && s.sent.tick == 15));
-  CHECK(s.not_computed == 1);
-  CHECK((s.flags[0] == 2 && s.flags[3] == 1 && s.flags[1] == 0));
-  CHECK((s.lateness.quantile(0.3) == 5 && s.lateness.quantile(0.5) == 6));
 }

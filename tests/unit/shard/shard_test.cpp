@@ -1,11 +1,8 @@
 // What is written comes back, row by row, whatever its chunks are.
-#include <algorithm>
-#include <bit>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 
-#include "libcore/base/error.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/reader.hpp"
 #include "tests/unit/shard/rows.hpp"
@@ -141,56 +138,5 @@ TEST_CASE("sections that are concatenated are found again, from any number of fi
     }
     for (const std::string& name : names) bytes -= std::filesystem::file_size(name);
     REQUIRE(bytes == 0);
-  }
-}
-
-TEST_CASE("what is not one grid is refused where a grid is needed") {
-  Random random(2006);
-  const TemporaryDirectory dir;
-  const SectionHeader grid{Content::kGrid, 2, make_spec(1, {5, 5, 5})};
-  const SectionHeader requests{Content::kRequests, 2, grid.spec};
-  write(dir.file("requests"), requests, random_rows(random, requests, 10));
-  for (int i = 0; i < 2; ++i) write(dir.file("two"), grid, random_rows(random, grid, 10));
-  REQUIRE_THROWS_WITH(open_grid(dir.file("requests")),
-                      Catch::Matchers::EndsWith("requests: holds requests where a grid is needed"));
-  REQUIRE_THROWS_WITH(open_grid(dir.file("two")),
-                      Catch::Matchers::EndsWith("two: holds 2 sections where one grid is needed"));
-}
-
-TEST_CASE("load_grid() holds what was written") {
-  Random random(2007);
-  const TemporaryDirectory dir;
-  const SectionHeader header{Content::kGrid, 5, make_spec(3, {13, 11, 7})};
-  const Neighbourhood neighbourhood(header.spec.box);
-  std::vector<Row> rows;
-  for (PointIndex p = 0; p < header.spec.box.points(); ++p) {
-    const std::uint32_t levels = draw(random, 0, 3);
-    for (Level l = 0; l < levels; ++l) {
-      Row row{p, l, draw(random, 0, 5), random_state(random, 3), {}, 0};
-      for (int q = 0; q < kDirections; ++q)
-        row.links.push_back(neighbourhood.inside(p) >> q & 1 ? Level{0} : kLeavesBox);
-      rows.push_back(row);
-    }
-  }
-  write(dir.file("grid"), header, rows);
-  const LoadedGrid loaded = load_grid(dir.file("grid"));
-  const Grid& grid = loaded.grid;
-  REQUIRE(grid.records() == rows.size());
-  REQUIRE(loaded.stored_bytes == std::filesystem::file_size(dir.file("grid")));
-  for (RecordIndex r = 0; r < grid.records(); ++r) {
-    REQUIRE(grid.point(r) == rows[r].point);
-    REQUIRE(grid.level(r) == rows[r].level);
-    REQUIRE(grid.record_generation(r) == rows[r].generation);
-    REQUIRE(std::equal(grid.state(r).begin(), grid.state(r).end(), rows[r].state.begin()));
-    REQUIRE(std::equal(grid.links(r).begin(), grid.links(r).end(), rows[r].links.begin()));
-    for (int q = 0; q < kDirections; ++q) {
-      const RecordIndex to = grid.destination(r, q);
-      const auto target = static_cast<std::uint64_t>(rows[r].point + neighbourhood.offset(q));
-      const bool there = rows[r].links[static_cast<std::size_t>(q)] == 0 &&
-                         std::any_of(rows.begin(), rows.end(),
-                                     [&](const Row& row) { return row.point == target; });
-      REQUIRE((to != Grid::kNoRecord) == there);
-      if (there) REQUIRE((grid.point(to) == target && grid.level(to) == 0));
-    }
   }
 }

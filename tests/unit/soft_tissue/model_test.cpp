@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include "libcore/model/plugin_model.hpp"
@@ -22,19 +21,6 @@ std::unique_ptr<Model> make(std::vector<Parameter> parameters,
 }
 
 }  // namespace
-
-TEST_CASE("the soft tissue describes itself") {
-  const auto model = make({});
-  CHECK(model->state_size() == 1521);
-  CHECK(model->info().spheres.size() == 265);
-  CHECK(model->info().stored == Stored{true, true, true});
-  CHECK(model->info().d_max == 15);
-  CHECK(model->info().tolerance == 0.01);
-  CHECK(std::string(model->info().length_unit) == "mm");
-  CHECK(std::string(model->info().energy_unit) == "N mm");
-  CHECK(model->info().force_scale == 1);
-  CHECK(model->info().hip_radius == 15);
-}
 
 TEST_CASE("rest is known where the ball touches nothing") {
   const auto model = make(kSmall);
@@ -80,23 +66,4 @@ TEST_CASE("states are equal when no node is farther apart than the tolerance") {
   CHECK_FALSE(model->equal(b.data(), a.data()));
   b[148] = std::nan("");
   CHECK_FALSE(model->equal(b.data(), b.data()));
-}
-
-TEST_CASE("the soft tissue refuses parameters out of range") {
-  const auto refused = [&](const Parameter& parameter, const std::string& message) {
-    CHECK_THROWS_WITH(make({parameter}), Catch::Contains(message));
-  };
-  refused({"weight", 1.0}, "unknown parameter weight (known: ");
-  refused({"size", std::vector<double>{1, 2}}, "parameter size has 2 numbers, it needs 3");
-  refused({"size", std::vector<double>{1, 0, 2}}, "parameter size is 0, it must be positive");
-  refused({"elements", std::vector<double>{3, 4, 2}},
-          "parameter elements is 3, it must be an even");
-  refused({"elements", std::vector<double>{4, 4, 1e9}}, "a whole number from 1 to 100 along z");
-  refused({"young_modulus", 0.0}, "it must be positive");
-  refused({"young_modulus", std::nan("")}, "it must be finite");
-  refused({"poisson_ratio", 0.49}, "parameter poisson_ratio is 0.49, it must be from 0 to 0.45");
-  refused({"adhesion", 100.0}, "parameter adhesion is 100, it must be from 0 to 4/27");
-  refused({"probe_radius", true}, "parameter probe_radius must be a number");
-  refused({"substep", 0.0}, "it must be positive");
-  refused({"tolerance", -1.0}, "it must be 0 or more");
 }

@@ -80,34 +80,6 @@ double convert(Model& model, double s, const Vec3& x, const Vec3& d) {
 
 }  // namespace
 
-TEST_CASE("the spring describes itself") {
-  for (const std::string& name : kPlugins) {
-    INFO(name);
-    const auto model = make(name);
-    CHECK(model->state_size() == 1);
-    CHECK(model->info().d_max == kReach);
-    CHECK(model->info().tolerance == 1e-6);
-    CHECK(std::string(model->info().tolerance_unit) == "mm");
-    CHECK(std::string(model->info().length_unit) == "mm");
-    CHECK(std::string(model->info().energy_unit) == "N mm");
-    CHECK(model->info().force_scale == 1);
-    CHECK(model->info().hip_radius == 0);
-    CHECK(model->info().stored == Stored{});
-    REQUIRE(model->has_force());
-    REQUIRE(model->has_energy());
-    REQUIRE(model->info().spheres.size() == 3);
-    const auto spheres = model->info().spheres;
-    CHECK(spheres[0].radius == 2.0F);
-    CHECK(spheres[2].radius == 0.5F);
-    CHECK(spheres[0].colour[0] == 0.9F);
-    CHECK(spheres[1].colour[2] == 0.9F);
-    std::vector<float> centres(9, 1.0F);
-    const double s = -3.5;
-    model->shape(&s, centres);
-    CHECK(centres == std::vector<float>{-3.5F, 0, 0, -10, 0, 0, 10, 0, 0});
-  }
-}
-
 TEST_CASE("the known states are the stable ones") {
   for (const std::string& name : kPlugins) {
     INFO(name);
@@ -205,36 +177,5 @@ TEST_CASE("the spring's force is minus the energy's gradient at a fixed state an
         CHECK(std::abs(f[axis] + along) < 1e-7);
       }
     }
-  }
-}
-
-TEST_CASE("the spring refuses what it does not know, and breaks when it is too long") {
-  for (const std::string& name : kPlugins) {
-    INFO(name);
-    const auto refused = [&](const Parameter& parameter, const std::string& message) {
-      CHECK_THROWS_WITH(make(name, {parameter}), Catch::Contains(message));
-    };
-    refused({"weight", 1.0}, "unknown parameter weight (known: wells, depth, stiffness, reach, ");
-    refused({"depth", true}, "parameter depth must be a number");
-    refused({"reach", -1.0}, "parameter reach is -1");
-    refused({"wells", 0.0}, "it must be positive");
-    refused({"depth", std::nan("")}, "it must be positive");
-    const auto model = make(name, {{"strength", 5.0}});
-    double s = -10, reached;
-    CHECK(model->convert(&s, {-10, 0, 0}, {1, 0, 0}, &reached));
-    CHECK_FALSE(model->convert(&s, {-10, 4, 0}, {0, 2, 0}, &reached));
-    CHECK_THAT(model->error(), Catch::StartsWith("the spring broke: stretched to "));
-    CHECK_THAT(model->error(), Catch::EndsWith(" mm"));
-  }
-}
-
-TEST_CASE("no shift, no change; equality up to the tolerance") {
-  for (const std::string& name : kPlugins) {
-    const auto model = make(name, {{"tolerance", 0.25}});
-    CHECK(convert(*model, 1.5, {3, 0, 0}, {0, 0, 0}) == 1.5);
-    const double a = 1, b = 1.25, c = 1.2500001;
-    CHECK(model->equal(&a, &b));
-    CHECK(model->equal(&b, &a));
-    CHECK_FALSE(model->equal(&a, &c));
   }
 }

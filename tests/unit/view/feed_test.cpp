@@ -175,10 +175,3 @@ TEST_CASE("a file is played in its own time, and its clock can be stopped") {
   CHECK_FALSE(feed.update(frame, traces).ended);
   // The third one is not waited for.
 }
-
-TEST_CASE("what is no stream is refused at once") {
-  const TemporaryDirectory directory;
-  CHECK_THROWS_AS(Feed(directory.path() / "none", [] {}), std::system_error);
-  std::ofstream(directory.path() / "empty");
-  CHECK_THROWS_AS(Feed(directory.path() / "empty", [] {}), FormatError);
-}

@@ -10,9 +10,6 @@ using namespace hapgrid;
 
 namespace {
 
-constexpr Rgb kBlack{0, 0, 0};
-constexpr Rgb kWhite{255, 255, 255};
-
 bool reddish(const Rgb& p) { return p[0] > p[1] + 100 && p[0] > p[2] + 100; }
 
 /// The middle of what is reddish in a column of the picture; NaN where nothing is.
@@ -28,32 +25,6 @@ double red_row(const Image& image, int x) {
 }
 
 }  // namespace
-
-TEST_CASE("letters are where they are written, and stay in the picture") {
-  Image image = blank(30, 15, kWhite);
-  write(image, 1, 1, 1, "|\n", kBlack);  // what is no letter is '?'
-  int first = 0, second = 0;
-  for (int y = 0; y < 15; ++y)
-    for (int x = 0; x < 30; ++x) {
-      if (image.at(x, y) != kBlack) continue;
-      REQUIRE(x >= 1);
-      REQUIRE(x < 1 + 2 * kLetterWidth);
-      (x < 1 + kLetterWidth ? first : second)++;
-    }
-  CHECK(first >= 8);  // a bar
-  CHECK(second >= 5);
-  Image again = blank(30, 15, kWhite);
-  write(again, 1, 1, 1, "|?", kBlack);
-  CHECK(again.pixels == image.pixels);
-  // Twice as large, each pixel is four.
-  Image large = blank(60, 30, kWhite);
-  write(large, 2, 2, 2, "|?", kBlack);
-  for (int y = 0; y < 30; ++y)
-    for (int x = 0; x < 60; ++x) REQUIRE(large.at(x, y) == image.at(x / 2, y / 2));
-  write(image, -100, -100, 3, "outside", kBlack);
-  write(image, 28, 14, 3, "outside", kBlack);
-  line(image, -50, -50, 50, 90, 2, kBlack);
-}
 
 TEST_CASE("a curve rises to the right when the force does") {
   const Scene scene;

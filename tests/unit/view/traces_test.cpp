@@ -64,19 +64,6 @@ TEST_CASE("more jumps than in the frame before are a snap, other levels are none
   CHECK(snapped == std::vector<bool>{false, false, true, false});
 }
 
-TEST_CASE("a force is its magnitude, and its axis starts at zero") {
-  Traces traces;
-  CHECK(force_extent(traces).high == 1);
-  traces.add(frame_at(0, {3, -4, 12}));
-  traces.add(frame_at(1, {kNan, 0, 0}));
-  traces.add(frame_at(2, {1, 0, 0}));
-  CHECK(traces.samples()[0].force == 13);
-  const Extent extent = force_extent(traces);
-  CHECK(extent.low == 0);
-  CHECK(extent.high == 13);
-  CHECK(extent(6.5) == 0.5);
-}
-
 TEST_CASE("energies span their axis, and none is none") {
   Traces traces;
   traces.add(frame_at(0));
