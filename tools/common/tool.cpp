@@ -18,6 +18,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/text.hpp"
+#include "tools/common/signals.hpp"
 
 namespace hapgrid {
 
@@ -141,6 +142,7 @@ void keep_memory() {
 
 int run_tool(CommandLine& app, int argc, char** argv, const std::function<int()>& run) {
   occupy_standard_streams();
+  remove_unfinished_files_on_signals();
   const std::string tool = app.name();
   return guarded(tool, [&] {
     const std::optional<std::string> answer = app.parse(argc, argv);

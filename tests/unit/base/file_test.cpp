@@ -71,28 +71,6 @@ TEST_CASE("an output file appears with commit(), and not before") {
   REQUIRE(entries(dir.path()) == 1);
 }
 
-TEST_CASE("a part file stays without commit(), and is not written twice") {
-  const TemporaryDirectory dir;
-  const std::string name = dir.file("out");
-  const std::string part = fs::canonical(dir.path()).string() + "/out.part";
-  {
-    OutputFile out = OutputFile::part_file(name);
-    REQUIRE(out.part() == part);
-    out.write("half");
-    REQUIRE_THROWS_WITH(OutputFile::part_file(name),
-                        Catch::StartsWith(part + ": is there already"));
-  }
-  REQUIRE(content(part) == "half");
-  fs::remove(part);
-  OutputFile::part_file(name).discard();
-  REQUIRE(entries(dir.path()) == 0);
-  OutputFile out = OutputFile::part_file(name);
-  out.write("whole");
-  out.commit();
-  REQUIRE(content(name) == "whole");
-  REQUIRE(entries(dir.path()) == 1);
-}
-
 TEST_CASE("two that write the same file: the last commit() wins, whole") {
   const TemporaryDirectory dir;
   OutputFile a(dir.file("out"));
@@ -217,17 +195,4 @@ TEST_CASE("only regular files, where a stranger may have written the name") {
   REQUIRE_THROWS_WITH(read_regular_text(dir.path().string(), 2),
                       dir.path().string() + ": Is a directory");
   REQUIRE_THROWS_WITH(read_regular_text("-", 2), "-: No such file or directory");
-}
-
-TEST_CASE("an unlinked file leaves nothing") {
-  const TemporaryDirectory dir;
-  {
-    const FileDescriptor file = unlinked_file(dir.path());
-    REQUIRE(entries(dir.path()) == 0);
-    REQUIRE(::write(file.get(), "abc", 3) == 3);
-    char back[3];
-    REQUIRE(::pread(file.get(), back, 3, 0) == 3);
-    REQUIRE(std::memcmp(back, "abc", 3) == 0);
-  }
-  REQUIRE_THROWS_AS(unlinked_file(dir.path() / "missing"), std::system_error);
 }
