@@ -74,7 +74,7 @@ FileDescriptor named_temporary(const fs::path& directory, std::string& name) {
 FileDescriptor unlinked_file(const fs::path& directory) {
   std::string name;
   FileDescriptor file = named_temporary(directory, name);
-  if (!file) fail(directory.string() + ": cannot create a file");
+  if (!file) fail(format("{}: cannot create a file", directory.string()));
   ::unlink(name.c_str());
   return file;
 }
@@ -284,7 +284,7 @@ std::string read_regular_text(const std::string& name, std::uint64_t limit) {
   const FileDescriptor file(::open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (!file) fail(name);
   if (const mode_t mode = status_of(file.get(), name).st_mode; !S_ISREG(mode) && !S_ISDIR(mode))
-    throw Error(name + ": is no regular file");
+    throw Error(format("{}: is no regular file", name));
   return rest_of(file.get(), name, limit);
 }
 

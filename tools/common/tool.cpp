@@ -17,6 +17,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "tools/common/signals.hpp"
 
@@ -95,7 +96,7 @@ std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
         of < std::uint64_t{1} << 32)
       return {number, of};
   }
-  throw UsageError(option + ": '" + text + "' is not K/N with 1 <= K <= N < 2^32");
+  throw UsageError(format("{}: '{}' is not K/N with 1 <= K <= N < 2^32", option, text));
 }
 
 void add_cost(CommandLine& app, std::string& file) {
@@ -108,7 +109,7 @@ void add_cost(CommandLine& app, std::string& file) {
 namespace {
 
 int wrong_usage(const std::string& tool, const std::exception& e) {
-  return report(tool, std::string(e.what()) + " (see " + tool + " --help)", kExitUsage);
+  return report(tool, format("{} (see {} --help)", e.what(), tool), kExitUsage);
 }
 
 /// What `run` returns, or the exit code of what it throws.
