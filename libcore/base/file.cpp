@@ -225,6 +225,7 @@ void OutputFile::commit() {
   change_unfinished(temporary_.get(), nullptr);
   temporary_.reset();
   owned_ = FileDescriptor();
+  fd_ = -1;
 }
 
 InputFile::InputFile(const std::string& name, Content content) : shown_name_(name) {
