@@ -156,7 +156,6 @@ int run(const Options& options) {
     signals.emplace(CaughtSignals::kEnding, ::isatty(STDERR_FILENO) ? kOverProgress : kNotice);
   }
   OutputFile out(output);
-  remove_on_signal(out);
   const Section start = partial ? partial->start(grid) : grid;
   if (partial && partial->kept())
     say("expand",

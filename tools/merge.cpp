@@ -8,7 +8,6 @@
 #include "libcore/base/format.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/progress.hpp"
-#include "tools/common/signals.hpp"
 #include "tools/common/tool.hpp"
 
 namespace {
@@ -27,7 +26,6 @@ struct Options {
 std::uint32_t write_small(const std::string& name, const std::string& output) {
   const Section grid = open_grid(name);
   OutputFile out(output);
-  remove_on_signal(out);
   SectionWriter writer(out.fd(), out.name(), grid.header, Packing::kSmall);
   copy_finished(grid, writer);
   out.commit();
@@ -40,7 +38,6 @@ std::uint32_t write_merged(const std::vector<std::string>& names, const Options&
   const auto model = judging_model(input.grid.header.spec, options.model_path);
   const SectionHeader header = input.merged_header();
   OutputFile out(options.output);
-  remove_on_signal(out);
   SectionWriter writer(out.fd(), out.name(), header);
   Progress progress;
   {

@@ -5,7 +5,6 @@
 #include "libcore/base/file.hpp"
 #include "tools/common/definition.hpp"
 #include "tools/common/models.hpp"
-#include "tools/common/signals.hpp"
 #include "tools/common/tool.hpp"
 
 namespace {
@@ -23,7 +22,6 @@ int run(const Options& options) {
                          ->create(definition.parameters, definition.store);
   const GridSpec spec = spec_of(definition, *model);
   OutputFile out(options.output);
-  remove_on_signal(out);
   SectionWriter writer(out.fd(), out.name(), {Content::kGrid, 0, spec});
   write_seeds(definition, spec, *model, writer);
   out.commit();

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstdlib>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 
@@ -66,6 +68,30 @@ std::string rest_of(int fd, const std::string& name, std::uint64_t limit) {
 FileDescriptor named_temporary(const fs::path& directory, std::string& name) {
   name = (directory / ".hapgrid.XXXXXX").string();
   return FileDescriptor(::mkostemp(name.data(), O_CLOEXEC));
+}
+
+/// An unlinked file in `directory`, which is gone when it is closed. @throw std::system_error
+FileDescriptor unlinked_file(const fs::path& directory) {
+  std::string name;
+  FileDescriptor file = named_temporary(directory, name);
+  if (!file) fail(format("{}: cannot create a file", directory.string()));
+  ::unlink(name.c_str());
+  return file;
+}
+
+// The names of the output files that are not finished. A signal's handler reads them, which can
+// wait for no lock. No tool has more of them at a time; a file beyond these only stays after a
+// signal.
+constexpr std::size_t kMaxUnfinished = 16;
+std::array<std::atomic<const std::string*>, kMaxUnfinished> unfinished_files;
+static_assert(std::atomic<const std::string*>::is_always_lock_free);
+
+/// Puts `now` into the first place that has `before`; null is a free place.
+void change_unfinished(const std::string* before, const std::string* now) {
+  for (auto& place : unfinished_files) {
+    const std::string* expected = before;
+    if (place.compare_exchange_strong(expected, now)) return;
+  }
 }
 
 /// Whether a stream that begins with `start` can be what is expected. A zstd frame begins with
@@ -137,12 +163,9 @@ FileDescriptor::~FileDescriptor() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-FileDescriptor unlinked_file(const fs::path& directory) {
-  std::string name;
-  FileDescriptor file = named_temporary(directory, name);
-  if (!file) fail(directory.string() + ": cannot create a file");
-  ::unlink(name.c_str());
-  return file;
+void remove_unfinished_files() noexcept {
+  for (const auto& place : unfinished_files)
+    if (const std::string* const name = place.load()) ::unlink(name->c_str());
 }
 
 OutputFile::OutputFile(const std::string& name, bool binary)
@@ -176,43 +199,31 @@ OutputFile OutputFile::temporary_of(const std::string& target, const std::string
   OutputFile out(shown_name, named_temporary(fs::path(target).parent_path(), temporary));
   if (!out.owned_) fail(shown_name);
   out.target_ = target;
-  out.temporary_ = std::move(temporary);
+  out.temporary_ = std::make_unique<const std::string>(std::move(temporary));
+  change_unfinished(nullptr, out.temporary_.get());
   const mode_t mask = ::umask(0);
   ::umask(mask);
   if (::fchmod(out.fd_, 0666 & ~mask) != 0) fail(shown_name);
   return out;
 }
 
-OutputFile OutputFile::part_file(const std::string& name) {
-  if (is_special(name)) return direct(name);
-  const std::string target = followed(name);
-  const std::string part = target + ".part";
-  OutputFile out(
-      name, FileDescriptor(::open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666)));
-  if (!out.owned_ && errno == EEXIST)
-    throw Error(
-        format("{}: is there already, from a run that is not over or was interrupted: move it away",
-               part));
-  if (!out.owned_) fail(part);
-  out.target_ = target;
-  out.temporary_ = part;
-  out.stays_ = true;
-  return out;
-}
-
 OutputFile::~OutputFile() {
-  if (!temporary_.empty() && owned_ && !stays_) ::unlink(temporary_.c_str());
+  if (!temporary_) return;
+  ::unlink(temporary_->c_str());
+  change_unfinished(temporary_.get(), nullptr);
 }
 
 void OutputFile::write(std::span<const std::byte> bytes) { write_all(fd_, bytes, shown_name_); }
 
 void OutputFile::commit() {
-  if (target_.empty()) {
-    if (owned_ && ::close(std::exchange(owned_, FileDescriptor()).get()) != 0) fail(shown_name_);
+  if (!temporary_) {
+    if (owned_ && ::close(owned_.release()) != 0) fail(shown_name_);
     return;
   }
-  if (::fsync(fd_) != 0 || ::rename(temporary_.c_str(), target_.c_str()) != 0) fail(shown_name_);
-  temporary_.clear();
+  if (::fsync(owned_.get()) != 0 || ::rename(temporary_->c_str(), target_.c_str()) != 0)
+    fail(shown_name_);
+  change_unfinished(temporary_.get(), nullptr);
+  temporary_.reset();
   owned_ = FileDescriptor();
   fd_ = -1;
 }
@@ -274,7 +285,7 @@ std::string read_regular_text(const std::string& name, std::uint64_t limit) {
   const FileDescriptor file(::open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (!file) fail(name);
   if (const mode_t mode = status_of(file.get(), name).st_mode; !S_ISREG(mode) && !S_ISDIR(mode))
-    throw Error(name + ": is no regular file");
+    throw Error(format("{}: is no regular file", name));
   return rest_of(file.get(), name, limit);
 }
 

@@ -4,9 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 
 namespace hapgrid {
 
@@ -15,10 +16,12 @@ class FileDescriptor {
  public:
   FileDescriptor() = default;
   explicit FileDescriptor(int fd) : fd_(fd) {}
-  FileDescriptor(FileDescriptor&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
+  FileDescriptor(FileDescriptor&& other) noexcept : fd_(other.release()) {}
   FileDescriptor& operator=(FileDescriptor&& other) noexcept;
   ~FileDescriptor();
   int get() const { return fd_; }
+  /// The caller closes it.
+  int release() { return std::exchange(fd_, -1); }
   explicit operator bool() const { return fd_ >= 0; }
 
  private:
@@ -33,18 +36,13 @@ class OutputFile {
   /// What a tool's -o FILE means: "-" is standard output; a device or a pipe is written directly;
   /// any other file is replaced. Where `name` is a symbolic link, the file that it leads to is
   /// replaced, and the link stays.
-  /// @param binary whether a person cannot read it: to_standard_output()
-  /// @throw std::system_error when it cannot be created; Error as to_standard_output()
+  /// @param binary whether a person cannot read it
+  /// @throw std::system_error when it cannot be created; Error when a terminal would get binary
+  /// output
   explicit OutputFile(const std::string& name, bool binary = true);
 
-  /// @throw Error when it is a terminal and `binary`
-  static OutputFile to_standard_output(bool binary);
   /// Replaces what has this name, also a symbolic link. @throw std::system_error
   static OutputFile replacing(const std::string& name);
-  /// Written as NAME.part, which stays if commit() is not called: for what cannot be made again. A
-  /// device or a pipe is written directly.
-  /// @throw std::system_error; Error when there is a NAME.part already
-  static OutputFile part_file(const std::string& name);
 
   OutputFile(OutputFile&&) = default;
   OutputFile& operator=(OutputFile&&) = delete;
@@ -59,26 +57,24 @@ class OutputFile {
   void write(const std::string& text) { write(std::as_bytes(std::span(text))); }
   /// Makes the file appear. @throw std::system_error
   void commit();
-  /// The name of the file until commit(); empty for standard output, a device or a pipe.
-  const std::string& temporary() const { return temporary_; }
-  /// NAME.part, which stays without commit(); empty where nothing stays.
-  std::string part() const { return stays_ ? temporary_ : std::string(); }
-  /// Removes NAME.part after all if commit() is not called.
-  void discard() { stays_ = false; }
 
  private:
   OutputFile(std::string shown_name, FileDescriptor file);
 
+  static OutputFile to_standard_output(bool binary);
   static OutputFile direct(const std::string& name);
   static OutputFile temporary_of(const std::string& target, const std::string& shown_name);
 
   std::string shown_name_;
   FileDescriptor owned_;
   int fd_ = -1;
-  std::string target_;     // empty: written directly
-  std::string temporary_;  // its name until commit()
-  bool stays_ = false;
+  std::string target_;                            // empty: written directly
+  std::unique_ptr<const std::string> temporary_;  // its name until commit()
 };
+
+/// Removes the files .hapgrid.XXXXXX of all output files of this process. For the handler of a
+/// signal that ends the process.
+void remove_unfinished_files() noexcept;
 
 /// An input of which any part can be read at any time. A pipe is copied to an unlinked temporary
 /// file first (in TMPDIR, else /tmp), because a merge reads several places of its input at once. If
@@ -110,9 +106,6 @@ class InputFile {
   std::uint64_t start_ = 0;
   std::uint64_t size_ = 0;
 };
-
-/// An unlinked file in `directory`, gone when it is closed. @throw std::system_error
-FileDescriptor unlinked_file(const std::filesystem::path& directory);
 
 /// @param name for the message. @throw std::system_error; then a part may be written.
 void write_all(int fd, std::span<const std::byte> bytes, const std::string& name);

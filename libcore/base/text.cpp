@@ -6,6 +6,8 @@
 #include <array>
 #include <charconv>
 
+#include "libcore/base/format.hpp"
+
 namespace hapgrid {
 
 namespace {
@@ -86,8 +88,8 @@ std::string unit_sign(std::string_view unit) {
 
 std::string axis_label(std::string_view quantity, std::string_view unit) {
   const std::string sign = unit_sign(unit);
-  const bool quotient = sign.find('/') != sign.npos;
-  return std::string(quantity) + " / " + (quotient ? "(" + sign + ")" : sign);
+  const bool is_quotient = sign.find('/') != sign.npos;
+  return format("{} / {}", quantity, is_quotient ? format("({})", sign) : sign);
 }
 
 }  // namespace hapgrid

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
@@ -37,7 +38,7 @@ std::uint64_t overlong_key(const std::string& text) {
 
 TomlFile::TomlFile(const std::string& text, std::string name) : name_(std::move(name)) {
   if (const std::uint64_t line = overlong_key(text))
-    fail(line, "a key of more than " + std::to_string(kMaxKeyParts) + " parts");
+    fail(line, format("a key of more than {} parts", kMaxKeyParts));
   try {
     root_ = toml::parse(text, std::string_view());
   } catch (const toml::parse_error& e) {
@@ -49,7 +50,7 @@ TomlFile::TomlFile(const std::string& text, std::string name) : name_(std::move(
 
 void TomlFile::fail(std::uint64_t line, const std::string& what) const {
   // Nodes that an override made have no place in the file.
-  throw Error(name_ + ": " + (line ? "line " + std::to_string(line) + ": " : "") + what);
+  throw Error(line ? format("{}: line {}: {}", name_, line, what) : format("{}: {}", name_, what));
 }
 
 void TomlFile::fail(const toml::node& node, const std::string& what) const {
@@ -62,37 +63,36 @@ void TomlFile::only_keys(const toml::table& table, const std::string& prefix,
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
     std::string names;
     for (const std::string_view k : known) names += (names.empty() ? "" : ", ") + std::string(k);
-    fail(key.source().begin.line,
-         "unknown key " + prefix + std::string(key.str()) + " (known: " + names + ")");
+    fail(key.source().begin.line, format("unknown key {}{} (known: {})", prefix, key.str(), names));
   }
 }
 
 const toml::table& TomlFile::table(const toml::table& in, const std::string& key) const {
   const toml::node* node = in.get(key);
-  if (!node) fail(0, "the table [" + key + "] is missing");
-  if (!node->is_table()) fail(*node, key + " must be a table");
+  if (!node) fail(0, format("the table [{}] is missing", key));
+  if (!node->is_table()) fail(*node, format("{} must be a table", key));
   return *node->as_table();
 }
 
 const toml::node& TomlFile::required(const toml::table& in, const std::string& prefix,
                                      const char* key) const {
   const toml::node* node = in.get(key);
-  if (!node) fail(in, "the key " + prefix + key + " is missing");
+  if (!node) fail(in, format("the key {}{} is missing", prefix, key));
   return *node;
 }
 
 std::string TomlFile::text(const toml::node& node, const std::string& key) const {
-  if (!node.is_string()) fail(node, key + " must be a text in quotes");
+  if (!node.is_string()) fail(node, format("{} must be a text in quotes", key));
   return **node.as_string();
 }
 
 const toml::array& TomlFile::array(const toml::node& node, const std::string& key) const {
-  if (!node.is_array()) fail(node, key + " must be an array");
+  if (!node.is_array()) fail(node, format("{} must be an array", key));
   return *node.as_array();
 }
 
 bool TomlFile::boolean(const toml::node& node, const std::string& key) const {
-  if (!node.is_boolean()) fail(node, key + " must be true or false");
+  if (!node.is_boolean()) fail(node, format("{} must be true or false", key));
   return **node.as_boolean();
 }
 
@@ -100,24 +100,23 @@ double TomlFile::number(const toml::node& node, const std::string& key) const {
   double value = 0;
   if (node.is_integer()) {
     const std::int64_t whole_value = **node.as_integer();
-    if (whole_value > kExact || whole_value < -kExact) fail(node, key + " is beyond 2^53");
+    if (whole_value > kExact || whole_value < -kExact) fail(node, format("{} is beyond 2^53", key));
     value = static_cast<double>(whole_value);
   } else if (node.is_floating_point()) {
     value = **node.as_floating_point();
   } else {
-    fail(node, key + " must be a number");
+    fail(node, format("{} must be a number", key));
   }
-  if (!std::isfinite(value)) fail(node, key + " is not finite");
+  if (!std::isfinite(value)) fail(node, format("{} is not finite", key));
   return value;
 }
 
 std::int64_t TomlFile::whole(const toml::node& node, const std::string& key, std::int64_t least,
                              std::int64_t most) const {
-  const std::string range =
-      " must be a whole number from " + std::to_string(least) + " to " + std::to_string(most);
-  if (!node.is_integer()) fail(node, key + range);
+  const std::string range = format("{} must be a whole number from {} to {}", key, least, most);
+  if (!node.is_integer()) fail(node, range);
   const std::int64_t value = **node.as_integer();
-  if (value < least || value > most) fail(node, key + range + ", not " + std::to_string(value));
+  if (value < least || value > most) fail(node, format("{}, not {}", range, value));
   return value;
 }
 

@@ -1,4 +1,4 @@
-// Frontier records on their way through conversions.
+// Records of the frontier, and what their conversions reach.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace hapgrid {
 
-/// Records with the directions to be expanded, and room for what each conversion reaches. As many
-/// as keep threads busy, and few enough to keep what they reach near the caches.
+/// Records with the directions to be expanded, and room for what each conversion reaches. There are
+/// enough records to keep the threads busy, and so few that the rows reached stay near the caches.
 class Batch {
  public:
   /// One conversion: of a record of the batch, in a direction.
@@ -35,8 +35,8 @@ class Batch {
   bool is_full() const { return size_ == capacity_; }
   void clear() { size_ = count_ = 0; }
 
-  /// Adds a record where the batch is not full. `todo` are the directions to expand; `state` n
-  /// numbers.
+  /// Adds a record to a batch that is not full. `todo` are the directions to expand, `state` the
+  /// numbers of its state.
   void add(PointIndex point, Level level, const double* state, DirectionMask todo) {
     sources_[size_] = {point, todo, level};
     std::copy_n(state, n_, &states_[size_ * n_]);

@@ -14,12 +14,13 @@
 
 namespace hapgrid {
 
-/// A conversion at a time, so that others can be under way meanwhile.
+/// It asks for one conversion at a time, so that those of other bisections can be under way
+/// meanwhile.
 class Bisection {
  public:
   explicit Bisection(std::size_t row_size) : middle_row_(row_size), back_row_(row_size) {}
 
-  /// @param index the caller's own number of it
+  /// @param index the number that the caller gives it
   /// @param x where the HIP is in the state of `from`; it moves by d to where `to` is reached
   void start(std::size_t index, const Vec3& x, const Vec3& d, std::span<const double> from,
              std::span<const double> to) {
@@ -41,7 +42,7 @@ class Bisection {
     return {low_row_.data(), at(low_), shift(middle() - low_), middle_row_.data(), tag};
   }
 
-  /// Takes what it reached. Answers whether the fraction is found.
+  /// Goes on with the row that the conversion reached. Answers whether the fraction is found.
   bool advance(StateDistance& distance) {
     if (is_back_) {
       halve(distance.is_same(back_row_, low_row_));

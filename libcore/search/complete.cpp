@@ -44,8 +44,8 @@ void show(const Frontier& frontier, const Neighbourhood& neighbourhood, const Le
   progress.records = levels.records();
 }
 
-/// The records, which leave `levels`.
-Grid take_grid(const SectionHeader& header, Levels& levels) {
+/// Moves the records out of `levels` into a grid.
+Grid move_into_grid(const SectionHeader& header, Levels& levels) {
   GridBuilder grid(header.spec, header.generation, /*has_tears=*/false, levels.records());
   std::uint64_t added = 0;
   for (std::uint64_t b = 0; b < levels.blocks(); ++b) {
@@ -141,7 +141,7 @@ void complete(const Section& grid, Converter& converter, Progress& progress,
     SectionWriter out = open(header);
     return levels.write(out);
   }
-  const Grid finished = take_grid(header, levels);
+  const Grid finished = move_into_grid(header, levels);
   const std::vector<OneWayLink> links = one_way_links(finished);
   std::vector<TearByte> tears;
   tell_what_is_kept(partial, [&] { tears = find_tears(finished, links, converter, progress); });

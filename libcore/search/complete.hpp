@@ -13,8 +13,8 @@ namespace hapgrid {
 
 /// Completes a grid. `open` is called once, with the header of the finished grid, and gives the
 /// writer for it. The bytes are those that rounds of expand and merge end with.
-/// @param partial keeps a whole generation meanwhile; the message of an error says which. Null:
-/// nothing is kept. `grid` is what its start() answered.
+/// @param partial keeps the last whole generation in a file, and the message of an error names that
+/// generation; `grid` must be what partial->start() answered. With null, nothing is kept.
 /// @throw Stopped, Error (level limit), ModelError, FormatError, std::system_error
 void complete(const Section& grid, Converter& converter, Progress& progress,
               const std::function<SectionWriter(const SectionHeader&)>& open,

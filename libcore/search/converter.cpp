@@ -53,32 +53,42 @@ void Converter::make_conversions(Batch& batch, WorkQueue& queue, Model& model) {
   const std::size_t width = model.row_size();
   const bool is_process = model.is_process();
   WorkQueue::Slice mine;
-  std::size_t record = batch.size();  // that x belongs to
+  std::size_t record = batch.size();  // that the next three belong to
   Vec3 x{};
-  std::uint64_t done = 0;
+  const double* state = nullptr;
+  double* reached = nullptr;
+  std::uint64_t made = 0;  // and not counted yet
   const auto count = [&] {
-    progress_.conversions.fetch_add(done, std::memory_order_relaxed);
-    progress_.frontier_done.fetch_add(std::exchange(done, 0), std::memory_order_relaxed);
+    progress_.conversions.fetch_add(made, std::memory_order_relaxed);
+    progress_.frontier_done.fetch_add(std::exchange(made, 0), std::memory_order_relaxed);
   };
-  model.convert_all(
-      [&](Conversion& conversion, bool idle) {
-        if (mine.is_empty()) count();
-        std::uint64_t item = 0;
-        if (!queue.next(mine, idle, item)) return false;
-        const auto [i, q] = batch.conversion(item);
-        if (record != i) {
-          record = i;
-          x = box_.position(batch.point(i));
-        }
-        if (!is_process) current = {batch.point(i), batch.level(i), q};
-        conversion = {batch.state(i), x, neighbourhood_.shift(q), batch.reached(i) + q * width,
-                      item};
-        return true;
-      },
-      [&](const Conversion& conversion, std::string_view error) {
-        if (!error.empty()) return queue.fail(conversion.tag, error);
-        ++done;
-      });
+  const auto next = [&](Conversion& conversion, bool idle) {
+    if (mine.is_empty()) count();
+    std::uint64_t item = 0;
+    if (!queue.next(mine, idle, item)) return false;
+    const auto [i, q] = batch.conversion(item);
+    if (record != i) {
+      record = i;
+      x = box_.position(batch.point(i));
+      state = batch.state(i);
+      reached = batch.reached(i);
+      if (!is_process) current = {batch.point(i), batch.level(i), -1};
+    }
+    if (!is_process) current.q = q;
+    conversion = {state, x, neighbourhood_.shift(q), reached + q * width, item};
+    return true;
+  };
+  const auto done = [&](const Conversion& conversion, std::string_view error) {
+    if (!error.empty()) return queue.fail(conversion.tag, error);
+    ++made;
+  };
+  if (is_process) {
+    model.convert_all(next, done);
+  } else {
+    // The inner loop of the search: convert_all() would add two indirect calls to each conversion.
+    for (Conversion c; next(c, true);)
+      done(c, model.convert(c.s, c.x, c.d, c.row) ? std::string_view() : model.error());
+  }
   current.q = -1;
   count();
 }

@@ -12,11 +12,11 @@
 
 namespace hapgrid {
 
-/// What a thread has asked its plug-in for, so that a crash handler can name it.
+/// The conversion that the plug-in of a thread is making, so that a crash handler can name it.
 struct CurrentConversion {
   PointIndex point = 0;
   Level level = 0;
-  int q = -1;  ///< -1: nothing
+  int q = -1;  ///< -1: the plug-in makes no conversion
 };
 /// Of the calling thread. May be called in a signal's handler.
 CurrentConversion& current_conversion() noexcept;

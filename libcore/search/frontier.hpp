@@ -14,11 +14,11 @@ struct Part {
   std::uint64_t of = 1;
 };
 
-/// Which items of a round are a part's: conversions of a frontier, or one-way links. Slow
-/// conversions lie together, so the items are cut into blocks of equally many, which are dealt out
-/// in turns: block b goes to part b mod N + 1. The size of a block follows from the number of items
-/// and N alone: many turns make the parts alike, and the blocks of a large frontier are long, so that
-/// few parts read the same chunk of the grid.
+/// Which items of a round belong to a part. The items are the conversions of a frontier, or one-way
+/// links. Slow conversions lie together, so the items are cut into blocks of equal size, which are
+/// dealt out in turns: block b goes to part b mod N + 1. The size of a block follows from the
+/// number of items and N alone. There are many turns, so that all parts take about as long; and the
+/// blocks of a large frontier are long, so that few parts read the same chunk of the grid.
 class Partition {
  public:
   Partition(std::uint64_t items, Part part);

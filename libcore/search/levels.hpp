@@ -61,26 +61,26 @@ class Levels {
   /// @throw FormatError when a level is not the next one at its point.
   void append(const RecordRows& rows);
 
-  /// Touches a block.
+  /// Loads a block that is not there.
   void touch(std::uint64_t number);
   bool is_loaded(std::uint64_t number) const { return blocks_[number] != nullptr; }
 
-  /// Where the record is, nowhere where there is none.
+  /// Where the record is; an empty handle when there is no such record.
   RecordHandle find(PointIndex point, Level level);
   std::uint32_t generation(RecordHandle handle) const;
   const double* state(RecordHandle handle) const;
 
   /// For each of the `directions`, ascending: finds or stores the state that the conversion from
   /// `source` reached (lines 11 to 19), and sets the link there (line 20). `row(q)` is the row that
-  /// was reached in direction q; its state equals one whose bits it has. Calls stored(Stored) for
-  /// each record that this stores, of generation `generation`.
+  /// was reached in direction q; states with the same bits are equal without asking the model.
+  /// Calls stored(Stored) for each record that this stores, of generation `generation`.
   /// @throw FormatError when a link is settled already; LevelLimit.
   template <class Row, class F>
   void settle(RecordHandle source, DirectionMask directions, std::uint32_t generation, Row&& row,
               F&& stored);
 
-  /// Calls f(rows, begin, end) for the records of block `number`, ascending: as few runs of them as
-  /// there are, one where no record was added to those that were appended.
+  /// Calls f(rows, begin, end) for the records of block `number`, ascending, in as few runs as
+  /// possible: in one when no record was added after append().
   template <class F>
   void visit(std::uint64_t number, F&& f) const;
   /// Writes all records, and finishes the section. @throw std::system_error

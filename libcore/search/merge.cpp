@@ -201,8 +201,9 @@ void merge(const MergeInput& input, const Model& model, SectionWriter& out, Prog
 
 void copy_finished(const Section& grid, SectionWriter& out) {
   if (grid.frontier() > 0)
-    throw Error(grid.file->name() + ": " + std::to_string(grid.frontier()) +
-                " records are still in the frontier; only a finished grid can be made small");
+    throw Error(
+        format("{}: {} records are still in the frontier; only a finished grid can be made small",
+               grid.file->name(), grid.frontier()));
   SectionReader reader(grid);
   RecordRows rows;
   for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {

@@ -1,8 +1,8 @@
 // What a search in one process has found so far, in a file: after an error, a kill or a power cut
 // it goes on from there.
 //
-// The file is written only at the end of a generation, because the records of a half one depend on
-// how far each of its conversions came.
+// The file is written only at the end of a generation, because the records of an unfinished one
+// depend on which of its conversions were made.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// What a search tells while it works, and how it is told to end.
+// The progress of a search, and the request to stop it.
 #pragma once
 
 #include <atomic>
@@ -20,13 +20,13 @@ struct Progress {
   std::atomic<std::uint64_t> links{0};             ///< whose tear fractions are asked for
   std::atomic<std::uint64_t> links_done{0};        ///< of these, done
   std::atomic<std::uint64_t> tear_conversions{0};  ///< made for them; not among `conversions`
-  /// Whether the work is to end soon. Null: it goes on to its end. A signal's handler may set it.
+  /// Not 0 when the work must end soon. Null when nothing stops it. A signal's handler may set it.
   const std::atomic<int>* stop = nullptr;
 
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed) != 0; }
 };
 
-/// Thrown out of work that Progress::stop has ended.
+/// Thrown by work that Progress::stop has ended.
 class Stopped : public Error {
  public:
   explicit Stopped(const std::string& what_is_kept = "") : Error("interrupted" + what_is_kept) {}

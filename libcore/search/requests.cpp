@@ -58,8 +58,9 @@ void RequestReader::push(std::unique_ptr<Stream> stream) {
   std::push_heap(heap_.begin(), heap_.end(), later);
 }
 
-/// Has in first_ the stream with the smallest key, its next row read; false behind all rows.
-bool RequestReader::take_first() {
+/// Puts the stream with the smallest key into first_, with its next row read. False behind all
+/// rows.
+bool RequestReader::select_first() {
   for (;;) {
     if (first_ && first_->at_end()) first_.reset();
     if (first_ && !heap_.empty() && heap_.front()->key() < first_->key()) push(std::move(first_));
@@ -77,7 +78,7 @@ bool RequestReader::take_first() {
 bool RequestReader::next(SourceRequests& source) {
   if (given_) ++first_->row;
   given_ = false;
-  if (!take_first()) return false;
+  if (!select_first()) return false;
   source = first_->source();
   const RowKey key = first_->key();
   given_ = heap_.empty() || heap_.front()->key() > key;
@@ -86,7 +87,7 @@ bool RequestReader::next(SourceRequests& source) {
   do {
     gather(first_->source(), source.directions);
     ++first_->row;
-  } while (take_first() && first_->key() == key);
+  } while (select_first() && first_->key() == key);
   rows_.clear();
   for (DirectionMask left = source.directions; left; left &= left - 1) {
     const double* const row =

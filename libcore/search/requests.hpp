@@ -19,7 +19,7 @@ struct SourceRequests {
   const double* rows = nullptr;  ///< one for each of the directions, ascending
   std::size_t width = 0;         ///< numbers a row
 
-  /// What was reached in direction q, one of the directions.
+  /// The row of direction q, which must be one of the directions.
   const double* row(int q) const {
     if (directions == kAllDirections) return rows + width * static_cast<unsigned>(q);
     const DirectionMask before = directions & ((DirectionMask{1} << q) - 1);
@@ -45,11 +45,11 @@ class RequestReader {
   struct Stream;
   static bool later(const std::unique_ptr<Stream>& a, const std::unique_ptr<Stream>& b);
   void push(std::unique_ptr<Stream> stream);
-  bool take_first();
+  bool select_first();
   void gather(const SourceRequests& more, DirectionMask& known);
 
   std::vector<std::unique_ptr<Stream>> heap_;  // the one with the smallest key in front
-  std::unique_ptr<Stream> first_;              // taken out of it
+  std::unique_ptr<Stream> first_;              // was taken out of it
   bool given_ = false;                         // its row is what next() gave
   // Of a record that several sections have requests of:
   std::vector<double> spread_;  // 26 rows

@@ -28,8 +28,9 @@ std::vector<OneWayLink> one_way_links(const Grid& grid, Part part = {});
 
 /// The tear fractions of `links`, by five bisections each: C, carried on from the last state that
 /// was still on the branch of the record, goes to the middle of the interval in which the model
-/// snaps. Whether the state reached is still on the branch is asked by going back, but for the one
-/// that is at least 4 times nearer to one of the two states that bracket it than to the other.
+/// snaps. A conversion back tells whether the state reached is still on the branch. It is not made
+/// where that state is at least 4 times nearer to one of the two states that bracket it than to the
+/// other.
 /// @throw ModelError naming the first link with a conversion that failed.
 std::vector<TearByte> find_tears(const Grid& grid, std::span<const OneWayLink> links,
                                  Converter& converter, Progress& progress);

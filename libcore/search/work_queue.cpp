@@ -13,7 +13,7 @@ WorkQueue::WorkQueue(std::uint64_t items, std::size_t models, std::uint64_t slic
       threads_(static_cast<std::size_t>(std::min<std::uint64_t>(models, items))),
       left_{0, items} {}
 
-bool WorkQueue::take(Slice& mine, bool idle) {
+bool WorkQueue::refill(Slice& mine, bool idle) {
   const std::lock_guard lock(mutex_);
   const std::uint64_t left = left_.end - left_.next;
   // The last items are for models that have nothing to do, not for a second place in a queue.

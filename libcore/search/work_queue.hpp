@@ -34,7 +34,7 @@ class WorkQueue {
   /// The next item of `mine`, which is filled again when it is empty. False when the work is over,
   /// or when the last items are kept for models that are idle.
   bool next(Slice& mine, bool idle, std::uint64_t& item) {
-    if (progress_.stopped() || (mine.is_empty() && !take(mine, idle))) return false;
+    if (progress_.stopped() || (mine.is_empty() && !refill(mine, idle))) return false;
     if (mine.next > failed_.load(std::memory_order_relaxed)) return false;
     item = mine.next++;
     return true;
@@ -50,7 +50,7 @@ class WorkQueue {
  private:
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
 
-  bool take(Slice& mine, bool idle);
+  bool refill(Slice& mine, bool idle);
 
   const Progress& progress_;
   std::uint64_t slice_;

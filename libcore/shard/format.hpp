@@ -77,8 +77,8 @@ struct RecordRows : Chunk {
   std::span<const TearByte> tears;  ///< R x 26, or empty where the header says that there are none
 };
 
-/// What N requests of R source records reached. The numbers are N x width: those of a record's
-/// `directions`, ascending.
+/// What N requests of R source records reached. The numbers are N x width: for each record one row
+/// for each of its `directions`, ascending.
 struct RequestRows : Chunk {
   std::span<const DirectionMask> directions;
   std::vector<std::uint32_t> first;  ///< R: each record's first request
@@ -90,17 +90,17 @@ struct TearRows : Chunk {
   std::span<const TearByte> tears;  ///< N, of a record's `directions`, ascending
 };
 
-/// Where a row stands in its section's order: by (point, level).
+/// The rows of a section ascend by this key: (point, level).
 using RowKey = std::uint64_t;
 inline RowKey record_key(PointIndex point, Level level) { return RowKey{point} << 8 | level; }
 
 /// Bytes of one record before compression, for rows of `row_size` numbers.
 std::uint64_t record_bytes(std::uint32_t row_size);
 
-/// A round takes apart the chunks of the grid that it touches: the smaller they are, the less of
-/// them it does not change. Below this size they would get larger altogether.
+/// Bytes of a grid's chunk before compression. A round writes each chunk that it touches anew, so
+/// small chunks save work; but with smaller ones than this the whole grid would be larger.
 inline constexpr std::uint64_t kChunkBytes = 1 << 16;
-/// Of a finished grid that is stored small.
+/// The same of a finished grid that is stored small.
 inline constexpr std::uint64_t kLargeChunkBytes = 1 << 20;
 
 /// How many points one chunk of a grid covers: the power of two that keeps a chunk at one level a

@@ -154,14 +154,14 @@ Sphere decode_sphere(schema::Sphere::Reader in) {
 void decode_limits(schema::Header::Reader in, GridSpec& spec) {
   spec.state_size = in.getStateSize();
   if (spec.state_size == 0 || spec.state_size > kMaxStateSize)
-    throw FormatError("a state of " + std::to_string(spec.state_size) + " components; 1 to " +
-                      std::to_string(kMaxStateSize) + " are possible");
+    throw FormatError(
+        format("a state of {} components; 1 to {} are possible", spec.state_size, kMaxStateSize));
   spec.tolerance = in.getTolerance();
   if (!std::isfinite(spec.tolerance)) throw FormatError("the tolerance is not finite");
   spec.max_levels = in.getMaxLevels();
   if (spec.max_levels == 0 || spec.max_levels > static_cast<unsigned>(kMaxLevels))
-    throw FormatError("a level limit of " + std::to_string(spec.max_levels) + "; 1 to " +
-                      std::to_string(kMaxLevels) + " are possible");
+    throw FormatError(
+        format("a level limit of {}; 1 to {} are possible", spec.max_levels, kMaxLevels));
   spec.equality.norm = decode_norm(in.getEquality().getNorm());
   for (const double weight : in.getEquality().getWeights()) spec.equality.weights.push_back(weight);
   if (!spec.equality.fits(spec.state_size))

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "libcore/base/error.hpp"
-#include "libcore/base/locator.hpp"
 #include "libcore/base/zstd_frame.hpp"
+#include "libcore/shard/locator.hpp"
 #include "libcore/shard/schema.hpp"
 
 namespace hapgrid {
@@ -30,7 +30,7 @@ std::uint64_t sum(const Section& section, F&& of) {
 class BackwardReader {
  public:
   explicit BackwardReader(std::shared_ptr<const InputFile> file) : file_(std::move(file)) {
-    if (file_->size() == 0) throw FormatError(file_->name() + ": empty, not a shard");
+    if (file_->size() == 0) throw FormatError(format("{}: empty, not a shard", file_->name()));
     if (!starts_with_zstd_frame(*file_)) fail(0, "not a shard: no zstd frame");
   }
 

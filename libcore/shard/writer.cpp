@@ -6,8 +6,8 @@
 #include <type_traits>
 
 #include "libcore/base/file.hpp"
-#include "libcore/base/locator.hpp"
 #include "libcore/base/zstd_frame.hpp"
+#include "libcore/shard/locator.hpp"
 #include "libcore/shard/schema.hpp"
 
 namespace hapgrid {
@@ -134,19 +134,18 @@ SectionWriter::SectionWriter(int fd, const std::string& name, const SectionHeade
                  : packing == Packing::kSmall     ? chunk_points(row_size_, kLargeChunkBytes)
                                                   : chunk_points(row_size_)) {
   const std::size_t rows = row_limit_;
-  columns_.point = std::make_unique_for_overwrite<PointIndex[]>(rows);
-  columns_.level = std::make_unique_for_overwrite<Level[]>(rows);
+  point_ = std::make_unique_for_overwrite<PointIndex[]>(rows);
+  level_ = std::make_unique_for_overwrite<Level[]>(rows);
   if (header.content == Content::kTears)
-    columns_.tears = std::make_unique_for_overwrite<TearByte[]>(rows);
+    tears_ = std::make_unique_for_overwrite<TearByte[]>(rows);
   else
-    columns_.numbers = std::make_unique_for_overwrite<double[]>(rows * row_size_);
+    numbers_ = std::make_unique_for_overwrite<double[]>(rows * row_size_);
   if (header.content == Content::kGrid) {
-    columns_.generation = std::make_unique_for_overwrite<std::uint32_t[]>(rows);
-    columns_.links = std::make_unique_for_overwrite<Level[]>(rows * kDirections);
-    if (header.has_tears)
-      columns_.tears = std::make_unique_for_overwrite<TearByte[]>(rows * kDirections);
+    generation_ = std::make_unique_for_overwrite<std::uint32_t[]>(rows);
+    links_ = std::make_unique_for_overwrite<Level[]>(rows * kDirections);
+    if (header.has_tears) tears_ = std::make_unique_for_overwrite<TearByte[]>(rows * kDirections);
   } else {
-    columns_.directions = std::make_unique_for_overwrite<DirectionMask[]>(rows);
+    directions_ = std::make_unique_for_overwrite<DirectionMask[]>(rows);
   }
   encoder_->write(kHeaderWords, [&](schema::Message::Builder message) {
     encode_header(header, message.initHeader());
@@ -161,12 +160,12 @@ void SectionWriter::record(PointIndex point, Level level, std::uint32_t generati
                            const double* row_numbers, const Level* links, const TearByte* tears) {
   enter_range(point);
   if (rows_ == row_limit_) flush();
-  columns_.point[rows_] = point;
-  columns_.level[rows_] = level;
-  columns_.generation[rows_] = generation;
-  std::copy_n(row_numbers, row_size_, &columns_.numbers[rows_ * row_size_]);
-  std::memcpy(&columns_.links[rows_ * kDirections], links, kDirections);
-  if (columns_.tears) std::memcpy(&columns_.tears[rows_ * kDirections], tears, kDirections);
+  point_[rows_] = point;
+  level_[rows_] = level;
+  generation_[rows_] = generation;
+  std::copy_n(row_numbers, row_size_, &numbers_[rows_ * row_size_]);
+  std::memcpy(&links_[rows_ * kDirections], links, kDirections);
+  if (tears_) std::memcpy(&tears_[rows_ * kDirections], tears, kDirections);
   count_frontier(point, generation);
   ++rows_;
 }
@@ -180,12 +179,12 @@ void SectionWriter::records(const RecordRows& rows, std::size_t begin, std::size
     if (rows_ == row_limit_) flush();
     std::size_t stop = std::min(end, begin + row_limit_ - rows_);
     while (rows.point[stop - 1] >= range_end_) --stop;
-    copy(rows.point, columns_.point.get(), 1, stop - begin);
-    copy(rows.level, columns_.level.get(), 1, stop - begin);
-    copy(rows.generation, columns_.generation.get(), 1, stop - begin);
-    copy(rows.numbers, columns_.numbers.get(), row_size_, stop - begin);
-    copy(rows.links, columns_.links.get(), kDirections, stop - begin);
-    if (columns_.tears) copy(rows.tears, columns_.tears.get(), kDirections, stop - begin);
+    copy(rows.point, point_.get(), 1, stop - begin);
+    copy(rows.level, level_.get(), 1, stop - begin);
+    copy(rows.generation, generation_.get(), 1, stop - begin);
+    copy(rows.numbers, numbers_.get(), row_size_, stop - begin);
+    copy(rows.links, links_.get(), kDirections, stop - begin);
+    if (tears_) copy(rows.tears, tears_.get(), kDirections, stop - begin);
     for (std::size_t r = begin; r < stop; ++r) count_frontier(rows.point[r], rows.generation[r]);
     rows_ += stop - begin;
     begin = stop;
@@ -207,16 +206,16 @@ void SectionWriter::count_frontier(PointIndex point, std::uint32_t generation) {
 /// A row for a source record, in a chunk that has room for all its directions.
 void SectionWriter::add_source(PointIndex point, Level level, DirectionMask directions) {
   if (conversions_ + static_cast<std::uint32_t>(std::popcount(directions)) > row_limit_) flush();
-  columns_.point[rows_] = point;
-  columns_.level[rows_] = level;
-  columns_.directions[rows_] = directions;
+  point_[rows_] = point;
+  level_[rows_] = level;
+  directions_[rows_] = directions;
   ++rows_;
 }
 
 void SectionWriter::requests(PointIndex point, Level level, DirectionMask directions,
                              const double* rows) {
   add_source(point, level, directions);
-  double* to = &columns_.numbers[std::size_t{conversions_} * row_size_];
+  double* to = &numbers_[std::size_t{conversions_} * row_size_];
   for (DirectionMask left = directions; left; left &= left - 1, to += row_size_)
     std::copy_n(rows + static_cast<std::size_t>(std::countr_zero(left)) * row_size_, row_size_, to);
   conversions_ += static_cast<std::uint32_t>(std::popcount(directions));
@@ -226,7 +225,7 @@ void SectionWriter::tears(PointIndex point, Level level, DirectionMask direction
                           const TearByte* tears) {
   add_source(point, level, directions);
   const auto count = static_cast<std::uint32_t>(std::popcount(directions));
-  std::copy_n(tears, count, &columns_.tears[conversions_]);
+  std::copy_n(tears, count, &tears_[conversions_]);
   conversions_ += count;
 }
 
@@ -245,24 +244,24 @@ void SectionWriter::flush() {
   const std::size_t bytes = (std::size_t{rows} + numbers) * (record_bytes(row_size_) + kDirections);
   encoder_->write(bytes / sizeof(std::uint64_t) + 64, [&](schema::Message::Builder message) {
     const auto fill_keys = [&](auto chunk) {
-      copy_column(chunk.initPoint(rows), columns_.point);
-      chunk.setLevel(bytes_of(columns_.level, rows));
+      copy_column(chunk.initPoint(rows), point_);
+      chunk.setLevel(bytes_of(level_, rows));
       return chunk;
     };
     if (header_.content == Content::kRequests) {
       auto chunk = fill_keys(message.initRequests());
-      copy_column(chunk.initDirections(rows), columns_.directions);
-      copy_rows(chunk, numbers, columns_.numbers.get(), row_size_, header_.spec);
+      copy_column(chunk.initDirections(rows), directions_);
+      copy_rows(chunk, numbers, numbers_.get(), row_size_, header_.spec);
     } else if (header_.content == Content::kTears) {
       auto chunk = fill_keys(message.initTears());
-      copy_column(chunk.initDirections(rows), columns_.directions);
-      chunk.setTears(bytes_of(columns_.tears, conversions_));
+      copy_column(chunk.initDirections(rows), directions_);
+      chunk.setTears(bytes_of(tears_, conversions_));
     } else {
       auto chunk = fill_keys(message.initRecords());
-      copy_column(chunk.initGeneration(rows), columns_.generation);
-      copy_rows(chunk, numbers, columns_.numbers.get(), row_size_, header_.spec);
-      chunk.setLinks(bytes_of(columns_.links, rows * kDirections));
-      if (columns_.tears) chunk.setTears(bytes_of(columns_.tears, rows * kDirections));
+      copy_column(chunk.initGeneration(rows), generation_);
+      copy_rows(chunk, numbers, numbers_.get(), row_size_, header_.spec);
+      chunk.setLinks(bytes_of(links_, rows * kDirections));
+      if (tears_) chunk.setTears(bytes_of(tears_, rows * kDirections));
     }
   });
   ChunkInfo info;
@@ -270,8 +269,8 @@ void SectionWriter::flush() {
   info.rows = rows;
   info.frontier = frontier_;
   info.conversions = conversions_;
-  info.first_point = columns_.point[0];
-  info.last_point = columns_.point[rows - 1];
+  info.first_point = point_[0];
+  info.last_point = point_[rows - 1];
   info.digest = encoder_->digest();
   info.stored = encoder_->hash();
   footer_.chunks.push_back(info);

@@ -49,17 +49,6 @@ class SectionWriter {
 
  private:
   class Encoder;
-  /// The rows of the chunk that is being filled, row_limit_ at most. Not initialised: a small
-  /// section touches little of it.
-  struct Columns {
-    std::unique_ptr<PointIndex[]> point;
-    std::unique_ptr<Level[]> level;
-    std::unique_ptr<double[]> numbers;            // row_limit_ x row_size_
-    std::unique_ptr<std::uint32_t[]> generation;  // of a grid, as the links
-    std::unique_ptr<Level[]> links;
-    std::unique_ptr<TearByte[]> tears;            // of a grid that stores them, or of links
-    std::unique_ptr<DirectionMask[]> directions;  // of requests and tear fractions
-  };
 
   /// A chunk of a grid ends where its range of points ends.
   void enter_range(PointIndex point);
@@ -73,7 +62,15 @@ class SectionWriter {
   std::unique_ptr<Encoder> encoder_;
   SectionFooter footer_;
   Digest header_digest_;
-  Columns columns_;
+  // The rows of the chunk that is being filled: rows_ of them, row_limit_ at most. The columns are
+  // not initialised, because a small section touches little of them.
+  std::unique_ptr<PointIndex[]> point_;
+  std::unique_ptr<Level[]> level_;
+  std::unique_ptr<double[]> numbers_;            // row_limit_ x row_size_
+  std::unique_ptr<std::uint32_t[]> generation_;  // of a grid, as the links
+  std::unique_ptr<Level[]> links_;
+  std::unique_ptr<TearByte[]> tears_;            // of a grid that stores them, or of links
+  std::unique_ptr<DirectionMask[]> directions_;  // of requests and tear fractions
   std::size_t rows_ = 0;
   std::uint32_t frontier_ = 0;     // of the rows
   std::uint32_t conversions_ = 0;  // that these ask for; of requests: how many there are

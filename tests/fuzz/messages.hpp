@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "libcore/base/digest.hpp"
-#include "libcore/base/locator.hpp"
 #include "libcore/base/zstd_frame.hpp"
+#include "libcore/shard/locator.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace hapgrid::fuzz {

@@ -233,22 +233,22 @@ Option CommandLine::add(const std::string& names, std::uint64_t& value, const st
 
 Option CommandLine::add(const std::string& names, std::vector<std::string>& values,
                         const std::string& help) {
-  const auto take = [&values](const CLI::results_t& given) {
+  const auto set_values = [&values](const CLI::results_t& given) {
     values = given;
     return true;
   };
-  return Option(app_->add_option(names, take, help)
+  return Option(app_->add_option(names, set_values, help)
                     ->type_name("TEXT")
                     ->expected(CLI::detail::expected_max_vector_size));
 }
 
-Option CommandLine::add(const std::string& names, std::function<void(const std::string&)> take,
+Option CommandLine::add(const std::string& names, std::function<void(const std::string&)> use,
                         const std::string& help) {
-  const auto take_all = [take = std::move(take)](const CLI::results_t& given) {
-    for (const std::string& text : given) take(text);
+  const auto use_each = [use = std::move(use)](const CLI::results_t& given) {
+    for (const std::string& text : given) use(text);
     return true;
   };
-  return Option(app_->add_option(names, take_all, help)->type_name("TEXT"));
+  return Option(app_->add_option(names, use_each, help)->type_name("TEXT"));
 }
 
 Option CommandLine::add_flag(const std::string& name, bool& value, const std::string& help) {

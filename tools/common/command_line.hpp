@@ -55,10 +55,9 @@ class Option {
   CLI::Option* option_;
 };
 
-/// `names` are "-o,--output", or without a dash those of a positional. A `help` is a sentence or two
-/// with a subject, a unit and a default. Variables keep their values
-/// where the option is not given, and must outlive parse(), as functions must, which are called for
-/// each value.
+/// `names` are "-o,--output", or without a dash those of a positional. A `help` is a sentence or
+/// two with a subject, a unit and a default. Variables keep their values where the option is not
+/// given, and must outlive parse(), as functions must, which are called for each value.
 class CommandLine {
  public:
   explicit CommandLine(const std::string& about);
@@ -71,7 +70,7 @@ class CommandLine {
   Option add(const std::string& names, unsigned& value, const std::string& help);
   Option add(const std::string& names, std::uint64_t& value, const std::string& help);
   Option add(const std::string& names, std::vector<std::string>& values, const std::string& help);
-  Option add(const std::string& names, std::function<void(const std::string&)> take,
+  Option add(const std::string& names, std::function<void(const std::string&)> use,
              const std::string& help);
   Option add_flag(const std::string& name, bool& value, const std::string& help);
   /// A flag that may have a value behind '=', as in "--terminal{auto}".
@@ -85,8 +84,8 @@ class CommandLine {
   bool given(const std::string& name) const;
 
   /// Names the program, and gives it --version and a --help that ends with `details` and the table
-  /// of exit codes; `more_exits` are further lines of that table ("  130  ...\n"). The lines of both
-  /// have at most 80 columns, to which everything else in the help is wrapped.
+  /// of exit codes; `more_exits` are further lines of that table ("  130  ...\n"). The lines of
+  /// both have at most 80 columns, to which everything else in the help is wrapped.
   void set_help(const std::string& name, const std::string& details = "",
                 const std::string& more_exits = "");
   std::string name() const;

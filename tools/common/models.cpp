@@ -6,6 +6,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/search/converter.hpp"
 #include "tools/common/tool.hpp"
 
@@ -70,9 +71,9 @@ std::unique_ptr<ModelSource> model_source(const Definition& definition, const st
   if (!definition.process)
     return std::make_unique<Plugin>(definition.plugin, model_path(options.path));
   if (!options.allow_process)
-    throw Error(shown(file) + ": the model is a process, '" +
-                command_text(definition.process->command) +
-                "', which is only started with --allow-process");
+    throw Error(
+        format("{}: the model is a process, '{}', which is only started with --allow-process",
+               shown(file), command_text(definition.process->command)));
   return process_source(*definition.process, file, options.process);
 }
 
@@ -83,14 +84,14 @@ std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptio
   if (!is_plain(spec.model))
     throw ModelError("a model whose name has other than letters, digits, '-' and '_'");
   if (options.allowed.empty())
-    throw ModelError("model " + spec.model +
-                     ": is a process, which is only started with --allow-process MODEL.toml" +
-                     instead);
+    throw ModelError(
+        format("model {}: is a process, which is only started with --allow-process MODEL.toml{}",
+               spec.model, instead));
   const std::string name = shown(options.allowed);
   const ProcessDefinition process = read_process(read_toml(options.allowed), name);
   if (process.name != spec.model)
-    throw ModelError(name + ": defines the model " + process.name + ", the grid's is " +
-                     spec.model);
+    throw ModelError(
+        format("{}: defines the model {}, the grid's is {}", name, process.name, spec.model));
   return process_source(process, options.allowed, options.process);
 }
 

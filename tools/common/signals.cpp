@@ -4,7 +4,8 @@
 
 #include <cerrno>
 #include <cstring>
-#include <string>
+
+#include "libcore/base/file.hpp"
 
 namespace hapgrid {
 
@@ -13,14 +14,16 @@ static_assert(std::atomic<int>::is_always_lock_free);  // or a handler may not u
 
 namespace {
 
-const char* notice_line = nullptr;  // written before a handler can run
-std::string unfinished_file;        // so is this
+// Written before a handler can run.
+const char* notice_line = nullptr;
+pid_t process = 0;
 
 }  // namespace
 
 extern "C" {
-static void remove_unfinished(int signal) {
-  ::unlink(unfinished_file.c_str());
+static void end_without_unfinished_files(int signal) {
+  // A child between fork and exec has the handler, too, and its parent still needs the files.
+  if (::getpid() == process) remove_unfinished_files();
   ::signal(signal, SIG_DFL);
   ::raise(signal);  // ends the process when this handler returns
 }
@@ -31,7 +34,7 @@ static void catch_signal(int signal) {
   const int error = errno;
   static_cast<void>(!::write(STDERR_FILENO, notice_line, std::strlen(notice_line)));
   errno = error;
-  ::signal(signal, remove_unfinished);  // once more: at once
+  ::signal(signal, end_without_unfinished_files);  // once more: at once
 }
 }
 
@@ -49,12 +52,12 @@ CaughtSignals::~CaughtSignals() {
   for (std::size_t i = 0; i < signals_.size(); ++i) ::sigaction(signals_[i], &before_[i], nullptr);
 }
 
-void remove_on_signal(const OutputFile& output) {
-  unfinished_file = output.temporary();
+void remove_unfinished_files_on_signals() {
+  process = ::getpid();
   for (const int signal : CaughtSignals::kEnding) {
     struct sigaction before {};
     ::sigaction(signal, nullptr, &before);
-    if (before.sa_handler == SIG_DFL) ::signal(signal, remove_unfinished);
+    if (before.sa_handler == SIG_DFL) ::signal(signal, end_without_unfinished_files);
   }
 }
 

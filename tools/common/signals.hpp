@@ -7,8 +7,6 @@
 #include <atomic>
 #include <span>
 
-#include "libcore/base/file.hpp"
-
 namespace hapgrid {
 
 /// The signal that was caught, 0 for none.
@@ -35,8 +33,8 @@ class CaughtSignals {
   std::array<struct sigaction, kOfPlay.size()> before_{};
 };
 
-/// From now on a signal of kEnding that ends the process removes the unfinished file of `output`
-/// first. One file a process; a signal that is ignored or caught stays so.
-void remove_on_signal(const OutputFile& output);
+/// From now on a signal of kEnding that ends the process removes its unfinished files first. A
+/// signal that is ignored or caught stays so.
+void remove_unfinished_files_on_signals();
 
 }  // namespace hapgrid

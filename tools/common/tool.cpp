@@ -17,7 +17,9 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
+#include "tools/common/signals.hpp"
 
 namespace hapgrid {
 
@@ -94,7 +96,7 @@ std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
         of < std::uint64_t{1} << 32)
       return {number, of};
   }
-  throw UsageError(option + ": '" + text + "' is not K/N with 1 <= K <= N < 2^32");
+  throw UsageError(format("{}: '{}' is not K/N with 1 <= K <= N < 2^32", option, text));
 }
 
 void add_cost(CommandLine& app, std::string& file) {
@@ -107,7 +109,7 @@ void add_cost(CommandLine& app, std::string& file) {
 namespace {
 
 int wrong_usage(const std::string& tool, const std::exception& e) {
-  return report(tool, std::string(e.what()) + " (see " + tool + " --help)", kExitUsage);
+  return report(tool, format("{} (see {} --help)", e.what(), tool), kExitUsage);
 }
 
 /// What `run` returns, or the exit code of what it throws.
@@ -141,6 +143,7 @@ void keep_memory() {
 
 int run_tool(CommandLine& app, int argc, char** argv, const std::function<int()>& run) {
   occupy_standard_streams();
+  remove_unfinished_files_on_signals();
   const std::string tool = app.name();
   return guarded(tool, [&] {
     const std::optional<std::string> answer = app.parse(argc, argv);

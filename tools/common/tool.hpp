@@ -13,9 +13,10 @@
 namespace hapgrid {
 
 inline constexpr int kExitDone = 0;
-inline constexpr int kExitFailed = 1;     ///< input, I/O, model, device, level limit
-inline constexpr int kExitUsage = 2;      ///< wrong command line; nothing was read or written
-inline constexpr int kExitInvalid = 3;    ///< verify, check-model: the grid or the model breaks a rule
+inline constexpr int kExitFailed = 1;  ///< input, I/O, model, device, level limit
+inline constexpr int kExitUsage = 2;   ///< wrong command line; nothing was read or written
+inline constexpr int kExitInvalid =
+    3;  ///< verify, check-model: the grid or the model breaks a rule
 inline constexpr int kExitNotProved = 4;  ///< verify: nothing is broken, but not all is proved
 
 /// The option --model-path DIR, repeatable.
@@ -53,8 +54,9 @@ void announce_terminal(const std::string& input);
 /// next one needs again, and the system would clear it anew each time.
 void keep_memory();
 
-/// Parses the command line and calls `run`, whose result is the exit code; every exception becomes
-/// one line "NAME: message" on standard error and an exit code.
+/// Parses the command line and calls `run`, whose result is the exit code. Every exception becomes
+/// one line "NAME: message" on standard error and an exit code. A signal that ends the process
+/// removes its unfinished files.
 int run_tool(CommandLine& app, int argc, char** argv, const std::function<int()>& run);
 
 }  // namespace hapgrid

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <optional>
 
+#include "libcore/base/format.hpp"
 #include "tools/common/command_line.hpp"
 
 namespace hapgrid {
@@ -14,18 +15,19 @@ namespace {
 
 constexpr std::uint64_t kMostParts = (std::uint64_t{1} << 32) - 1;
 
-[[noreturn]] void refuse(const std::string& why) { throw UsageError("--part: auto: " + why); }
+[[noreturn]] void refuse(const std::string& why) {
+  throw UsageError(format("--part: auto: {}", why));
+}
 
 /// A variable's value. @throw UsageError when it is not set or not in [low, high]
 std::uint64_t number(const std::string& name, std::uint64_t low, std::uint64_t high) {
   const char* const text = std::getenv(name.c_str());
-  if (!text) refuse(name + " is not set");
+  if (!text) refuse(format("{} is not set", name));
   const char* const end = text + std::strlen(text);
   std::uint64_t value = 0;
   const auto read = std::from_chars(text, end, value);
   if (read.ec != std::errc() || read.ptr != end || value < low || value > high)
-    refuse(name + " is '" + text + "', and not a number from " + std::to_string(low) + " to " +
-           std::to_string(high));
+    refuse(format("{} is '{}', and not a number from {} to {}", name, text, low, high));
   return value;
 }
 
@@ -43,7 +45,7 @@ std::optional<Part> array_element() {
   const std::uint64_t high = number(name + "MAX", low, kMostParts - 1);
   const std::uint64_t step = number(name + "STEP", 1, kMostParts);
   const std::uint64_t at = number(name + "ID", low, high) - low;
-  if (at % step != 0) refuse(name + "ID is not a whole number of steps above " + name + "MIN");
+  if (at % step != 0) refuse(format("{0}ID is not a whole number of steps above {0}MIN", name));
   return Part{at / step + 1, (high - low) / step + 1};
 }
 
@@ -66,8 +68,7 @@ Part part_of_launcher() {
 
 std::string named_by_part(std::string pattern, const Part& part) {
   const std::size_t at = pattern.find("{}");
-  if (at != std::string::npos)
-    pattern.replace(at, 2, std::to_string(part.number) + "-of-" + std::to_string(part.of));
+  if (at != std::string::npos) pattern.replace(at, 2, format("{}-of-{}", part.number, part.of));
   return pattern;
 }
 

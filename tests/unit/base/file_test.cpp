@@ -69,6 +69,19 @@ TEST_CASE("an output file appears with commit(), and not before") {
   REQUIRE(entries(dir.path()) == 1);
 }
 
+TEST_CASE("what a signal's handler removes: the files that are not finished, and no others") {
+  const TemporaryDirectory dir;
+  OutputFile finished(dir.file("finished"));
+  OutputFile moved(dir.file("moved"));
+  const OutputFile unfinished(std::move(moved));
+  { const OutputFile over(dir.file("over")); }
+  finished.commit();
+  REQUIRE(entries(dir.path()) == 2);
+  remove_unfinished_files();
+  REQUIRE(entries(dir.path()) == 1);
+  REQUIRE(fs::exists(dir.file("finished")));
+}
+
 TEST_CASE("two that write the same file: the last commit() wins, whole") {
   const TemporaryDirectory dir;
   OutputFile a(dir.file("out"));

@@ -1,5 +1,5 @@
-// The last bytes of a section or a session: they say where its footer is, so that a reader of a
-// file goes straight to it.
+// The last bytes of a section: they say where its footer is, so that a reader of a file goes
+// straight to it.
 #pragma once
 
 #include <array>

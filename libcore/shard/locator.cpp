@@ -1,4 +1,4 @@
-#include "libcore/base/locator.hpp"
+#include "libcore/shard/locator.hpp"
 
 #include <bit>
 #include <cstring>
