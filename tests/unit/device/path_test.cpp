@@ -39,7 +39,7 @@ TEST_CASE("a wrong line is named") {
   CHECK(refusal("1 2 0x10") == "p.txt: line 1: '0x10' is not a number");
   CHECK(refusal("") == "p.txt: no position in it");
   CHECK(refusal("# nothing\n\n") == "p.txt: no position in it");
-  CHECK(refusal(std::string("1 2 3\0", 6)) == "p.txt: line 1: '3?' is not a number");
+  CHECK(refusal(std::string("1 2 3\0", 6)) == "p.txt: line 1: '3 ' is not a number");
   CHECK(refusal(std::string(99, 'x')) ==
         "p.txt: line 1: '" + std::string(40, 'x') + "' is not a number");
 }

@@ -1,11 +1,10 @@
 // Trajectories and the summary of a stream.
-#include "libcore/scene/xyz.hpp"
+#include "libcore/scene/trajectory.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>
 
 #include "libcore/base/error.hpp"
-#include "libcore/scene/pdb.hpp"
 #include "libcore/scene/summary.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
@@ -92,9 +91,9 @@ TEST_CASE("the summary of a stream") {
   CHECK(summary.largest_force_s == 0.003);
   REQUIRE(summary.bounds);
   const auto& [x, y, z] = *summary.bounds;
-  CHECK((x.low == -1.5 && x.high == 6));
-  CHECK((y.low == -0.5 && y.high == 7));
-  CHECK((z.low == 0 && z.high == 6));
+  CHECK((x.first == -1.5 && x.second == 6));
+  CHECK((y.first == -0.5 && y.second == 7));
+  CHECK((z.first == 0 && z.second == 6));
   REQUIRE(summary.energy);
-  CHECK((summary.energy->low == -6 && summary.energy->high == -3));
+  CHECK((summary.energy->first == -6 && summary.energy->second == -3));
 }

@@ -142,7 +142,7 @@ TEST_CASE("a replay gives back its ticks, and says what was missed") {
 }
 
 TEST_CASE("a replay's read() and send() do not allocate") {
-  ReplayDevice device(std::vector<ReplayTick>(1000));
+  ReplayDevice device(std::vector<DeviceInput>(1000));
   DeviceInput input;
   bool ok = true;
   const std::uint64_t before = allocations_of_thread();
