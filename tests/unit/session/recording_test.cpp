@@ -120,8 +120,8 @@ TEST_CASE("a session as text reads back to the same hand") {
 }
 
 TEST_CASE("a replay gives back its ticks, and says what was missed") {
-  ReplayDevice device({{{.position = {1, 2, 3}, .clutch = true}, 0},
-                       {{.position = {4, 5, 6}, .stalled = true, .missed = 99}, 2}});
+  ReplayDevice device({{.position = {1, 2, 3}, .clutch = true},
+                       {.position = {4, 5, 6}, .stalled = true, .missed = 2}});
   CHECK(device.size() == 2);
   CHECK(device.info().name == "replay");
   CHECK(device.info().unit == DeviceInfo::Unit::kModel);
