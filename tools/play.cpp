@@ -322,11 +322,6 @@ int play(PlayOptions options) {
   const double rate_hz = loop.tick_rate_hz();
   Mapping mapping(settings.mapping, device.info(), spec.box);
   SafetyCore safety(settings.safety);
-  Log log(options.log, loaded, fields, rate_hz, loop.paced(), open.ticks,
-          {.limits = settings.safety,
-           .scale = mapping.scale(),
-           .traversal = rule,
-           .force = force.rule()});
   std::optional<Sessions> sessions;
   if (open.simulated)
     sessions.emplace(
@@ -342,6 +337,13 @@ int play(PlayOptions options) {
   const PlayedForce played{force, fields,
                            mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0};
   viewers.wait(settings.imd_wait_s, caught_signal);
+  // As late as possible: an older session of that name is lost now. A signal that came before the
+  // first tick leaves it.
+  Log log(caught_signal == 0 ? options.log : "", loaded, fields, rate_hz, loop.paced(), open.ticks,
+          {.limits = settings.safety,
+           .scale = mapping.scale(),
+           .traversal = rule,
+           .force = force.rule()});
   const LoopSummary summary = drive(device, mapping, *traversal, safety, played, loop,
                                     options.realtime, facts, [&](const Tick& tick) {
                                       log.add(tick);

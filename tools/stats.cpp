@@ -12,6 +12,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/input_stream.hpp"
 #include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
@@ -97,7 +98,7 @@ void require_known_key(const std::string& key) {
   if (keys.contains(key.substr(0, key.find('.')))) return;
   std::string known;
   for (const auto& item : keys.items()) known += (known.empty() ? "" : ", ") + item.key();
-  throw UsageError("--get: no value " + key + " (there are: " + known + ")");
+  throw UsageError(format("--get: no value {} (there are: {})", key, known));
 }
 
 /// A value that header and footer tell, so that a loop over generations need not read the whole
@@ -202,9 +203,9 @@ void plot_text(const InputFile& file, const Options& options) {
   const auto quantity = [](const std::string& label) { return label.substr(0, label.find(" / ")); };
   write_picture(
       options.png,
-      motion_script(curves, quantity(y_label) + " over " + quantity(x_label) + ", there and back",
-                    file.name() + ": " + std::to_string(ticks[0].size()) + " ticks", x_label,
-                    y_label));
+      motion_script(curves,
+                    format("{} over {}, there and back", quantity(y_label), quantity(x_label)),
+                    format("{}: {} ticks", file.name(), ticks[0].size()), x_label, y_label));
 }
 
 /// A session or a text, whichever the content is.
@@ -262,7 +263,7 @@ std::string report(const Options& options, const LoadedGrid& loaded) {
   const Json json = statistics_json(spec, statistics, costs);
   if (options.get.empty()) return json_text(json);
   const Json* value = find(json, options.get);
-  if (!value) throw Error("--get: this grid has no value " + options.get);
+  if (!value) throw Error(format("--get: this grid has no value {}", options.get));
   return value_line(*value);
 }
 
@@ -277,8 +278,8 @@ void write_image(const Grid& grid, const Options& options) {
   const Branches branches = find_branches(grid);
   const std::size_t count = branches.sizes.size();
   if (options.branch >= count)
-    throw Error("--branch " + std::to_string(options.branch) + ": this grid has " +
-                (count == 0 ? "no branches" : "the branches 0 to " + std::to_string(count - 1)));
+    throw Error(format("--branch {}: this grid has {}", options.branch,
+                       count == 0 ? "no branches" : format("the branches 0 to {}", count - 1)));
   write_vti(
       grid, [&](PointIndex p) { return branches.record(grid, options.branch, p); }, options.vti);
   write_all(options.output, branch_text(branches, options.branch));

@@ -12,14 +12,14 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/json_text.hpp"
 #include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/scene/pdb.hpp"
 #include "libcore/scene/render.hpp"
 #include "libcore/scene/stream.hpp"
 #include "libcore/scene/summary.hpp"
-#include "libcore/scene/xyz.hpp"
+#include "libcore/scene/trajectory.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/view/page/page.hpp"
 #include "tools/view/terminal.hpp"
@@ -89,33 +89,31 @@ class Chosen {
 };
 
 std::string with_unit(const std::string& text, const std::string& unit) {
-  return unit.empty() ? text : text + " " + printable_line(unit);
+  return unit.empty() ? text : format("{} {}", text, printable_line(unit));
 }
 
 std::string report_text(const Scene& scene, const SceneSummary& s) {
   std::string text;
   const auto row = [&](const std::string& name, const std::string& value) {
-    text += left(name, 9) + value + "\n";
+    text += format("{}{}\n", left(name, 9), value);
   };
   row("model", printable_line(scene.model));
-  row("frames",
-      std::to_string(s.frames) +
-          (s.frames == 0 ? ""
-                         : ", from " + rounded(s.first_s) + " s to " + rounded(s.last_s) + " s"));
-  std::string spheres = std::to_string(scene.spheres.size());
-  if (s.bounds) {
-    for (int a = 0; a < 3; ++a)
-      spheres += std::string(a == 0 ? ", in " : ", ") + "xyz"[a] + " " +
-                 rounded((*s.bounds)[a].low) + " .. " + rounded((*s.bounds)[a].high);
-    spheres = with_unit(spheres, scene.length_unit);
-  }
-  row("spheres", spheres);
-  row("force", s.largest_force > 0 ? "at most " + rounded(s.largest_force) + " N, at " +
-                                         rounded(s.largest_force_s) + " s"
+  row("frames", s.frames == 0 ? "0"
+                              : format("{}, from {} s to {} s", s.frames, rounded(s.first_s),
+                                       rounded(s.last_s)));
+  const auto range = [](const SceneSummary::Range& r) {
+    return format("{} .. {}", rounded(r.first), rounded(r.second));
+  };
+  const std::string count = format("{}", scene.spheres.size());
+  row("spheres", !s.bounds
+                     ? count
+                     : with_unit(format("{}, in x {}, y {}, z {}", count, range((*s.bounds)[0]),
+                                        range((*s.bounds)[1]), range((*s.bounds)[2])),
+                                 scene.length_unit));
+  row("force", s.largest_force > 0 ? format("at most {} N, at {} s", rounded(s.largest_force),
+                                            rounded(s.largest_force_s))
                                    : "none");
-  if (s.energy)
-    row("energy",
-        with_unit(rounded(s.energy->low) + " .. " + rounded(s.energy->high), scene.energy_unit));
+  if (s.energy) row("energy", with_unit(range(*s.energy), scene.energy_unit));
   return text;
 }
 
@@ -136,7 +134,7 @@ std::string report_json(const Scene& scene, const SceneSummary& s) {
     for (const auto& [low, high] : *s.bounds) json["bounds"].push_back({low, high});
   json["largest_force"] = s.largest_force;
   json["largest_force_s"] = s.largest_force > 0 ? Json(s.largest_force_s) : Json();
-  json["energy"] = s.energy ? Json({s.energy->low, s.energy->high}) : Json();
+  json["energy"] = s.energy ? Json({s.energy->first, s.energy->second}) : Json();
   return json_text(json);
 }
 
@@ -161,7 +159,7 @@ class Trajectories {
         pdb_->write(text);
       }
     } catch (const Error& e) {
-      throw Error(reader.name() + ": tick " + std::to_string(frame.tick) + ": " + e.what());
+      throw Error(format("{}: tick {}: {}", reader.name(), frame.tick, e.what()));
     }
   }
   void commit() {
@@ -181,7 +179,7 @@ RenderOptions render_options(const Options& options) {
   RenderOptions how;
   std::tie(how.width, how.height) = *parse_size(options.size);
   how.hip_radius = options.hip_radius;
-  how.style = options.style == "sticks" ? Style::kSticks : Style::kSpheres;
+  how.sticks = options.style == "sticks";
   return how;
 }
 
@@ -232,12 +230,13 @@ int run(const Options& options) {
     trajectories.add(reader, frame);
   }
   if (png) {
-    if (!chosen.frame()) throw Error(reader.name() + ": no frame in it, nothing to draw");
+    if (!chosen.frame()) throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
     png->write(encode_png(picture(options, scene, *chosen.frame())));
     png->commit();
   }
   if (html) {
-    if (summary.frames == 0) throw Error(reader.name() + ": no frame in it, nothing to draw");
+    if (summary.frames == 0)
+      throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
     html->write(page.finish(scene, render_options(options), options.azimuth_degrees,
                             options.elevation_degrees));
     html->commit();
@@ -316,7 +315,7 @@ void add_picture_options(CommandLine& app, Options& options) {
   app.add("--size", options.size, "Width and height of the picture or of the window in pixels.")
       .type("WxH")
       .check([](const std::string& text) { return parse_size(text).has_value(); },
-             "like 800x600, at most " + std::to_string(kMaxPixels) + " each")
+             format("like 800x600, at most {} each", kMaxPixels))
       .shows_default();
   app.add("--azimuth", options.azimuth_degrees,
           "Direction of the viewer around z; at 0, x points to the right and y away.")
@@ -342,7 +341,7 @@ void check_picture(const CommandLine& app) {
   if (app.given("--size") && !picture) throw UsageError("--size requires --png or --window");
   for (const char* const name : {"--style", "--azimuth", "--elevation", "--hip-radius"})
     if (app.given(name) && !picture && !app.given("--terminal") && !app.given("--html"))
-      throw UsageError(std::string(name) + " requires --png, --html, --window or --terminal");
+      throw UsageError(format("{} requires --png, --html, --window or --terminal", name));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // simulation.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -17,7 +18,7 @@ enum class DeviceStatus {
   kFailed,  ///< the device is lost; error() says why
 };
 
-/// What the hand does at a tick.
+/// The input of one tick: what the hand does.
 struct DeviceInput {
   Vec3 position{0, 0, 0};  ///< of the handle, in the device's unit (DeviceInfo)
   /// For a device that steers the HIP: its speed on each axis, in [-1, 1] of full deflection. The
@@ -28,15 +29,15 @@ struct DeviceInput {
   /// The user wants the force back after a fault. The loop acts when the button is pressed, not
   /// while it is held, so that no fault ends before the user has felt it.
   bool reset = false;
-  /// The hand is another one, or was put elsewhere: nothing of the ticks before counts.
+  /// Another hand begins here, or the hand was put elsewhere: no tick before counts.
   bool begins = false;
   /// Only in a replay: how many ticks were missed before this one when it was recorded.
   std::uint64_t missed = 0;
 };
 
-/// What does not change while a device is open.
+/// The properties of a device, which do not change while it is open.
 struct DeviceInfo {
-  /// What the device reports, and so how it is mapped to the box.
+  /// The kind of input that the device reports, which decides how it is mapped to the box.
   enum class Unit {
     kModel,   ///< positions in the model's unit of length and the box's axes: nothing to map
     kMetres,  ///< positions in metres: x to the right, y away from the user, z up
@@ -44,20 +45,31 @@ struct DeviceInfo {
   };
   std::string name;  ///< for people: "Teensy RawHID (16c0:0486)"
   Unit unit = Unit::kModel;
-  /// What the handle can reach, in metres. low = high on an axis that the device does not have.
+  /// The range of the handle, in metres. low = high on an axis that the device does not have.
   Vec3 low{0, 0, 0};
   Vec3 high{0, 0, 0};
   /// The largest magnitude of a force that the device can hold for long, in newtons.
   double max_force = std::numeric_limits<double>::infinity();
 };
 
+/// The box of a device without a handle, which moves the HIP itself, in the model's unit of length.
+struct HipRange {
+  Vec3 start{0, 0, 0};  ///< where the HIP begins
+  Vec3 low{0, 0, 0};    ///< the HIP does not leave the box from here
+  Vec3 high{0, 0, 0};   ///< to here
+
+  double longest_side() const noexcept {
+    return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+  }
+};
+
 /// A constructor opens the device, the destructor closes it. The haptic thread calls read(),
 /// snap() and send(), which are real-time safe: they do not allocate, lock, throw, or wait for the
 /// hardware (only ProcessDevice waits, for an adapter that is late).
 ///
-/// A device sends what it is given. The haptic loop limits forces and sends a zero force at every
-/// way out, because a destructor cannot report that it failed. By itself a device only takes the
-/// force away when it no longer hears from the loop (see HidDevice).
+/// A device sends every force that it is given. The haptic loop limits forces, and sends a zero
+/// force on every way out, because a destructor cannot report that it failed. By itself a device
+/// only takes the force away when it no longer hears from the loop (see HidDevice).
 class Device {
  public:
   virtual ~Device() = default;
@@ -69,17 +81,17 @@ class Device {
   virtual DeviceStatus read(DeviceInput& input) noexcept = 0;
   /// Applies a force, in newtons, in the axes of DeviceInput::position.
   virtual DeviceStatus send(const Vec3& force) noexcept = 0;
-  /// The state jumped to another branch: the next force is of that one. A device that cannot show a
-  /// force as such (a rumble) shows this by itself.
+  /// The state jumped to another branch, to which the next force belongs. A device that cannot show
+  /// a force as such (a rumble) shows the jump by itself.
   virtual void snap() noexcept {}
   /// The last call: sends zero force, and waits a second at most until the hardware took it, which
   /// kOk says. Not real-time safe. Later calls do nothing and return the same.
   virtual DeviceStatus stop() noexcept = 0;
-  /// Forces that pass through threads of the device are late where these have to wait: gives them
-  /// this priority under SCHED_FIFO; 0 takes it back. Not real-time safe.
+  /// Gives the device's threads, through which forces pass, this priority under SCHED_FIFO, so that
+  /// they do not wait; 0 takes it back. Not real-time safe.
   /// @return whether all of them took it
   virtual bool set_priority(int) noexcept { return true; }
-  /// What went wrong first, in words. Not real-time safe.
+  /// The first failure, in words. Not real-time safe.
   virtual std::string error() const = 0;
 
  protected:

@@ -1,5 +1,5 @@
-// What all guards have in common: a second process that lives until this program ends, however that
-// happens, and notices when this program stands still.
+// The process of a guard: it lives until this program ends, however that happens, and notices when
+// this program stands still.
 #pragma once
 
 #include <sys/types.h>
@@ -19,8 +19,8 @@ namespace hapgrid {
 /// looks at it. Both have the same memory.
 struct Heart {
   std::atomic<std::uint64_t> beats{0};  ///< 0: it does not beat, and nobody expects it to
-  /// The guard let go, since the heart stopped. The program must not send forces any more: nobody
-  /// knows in which state the device is.
+  /// The guard took the force off the device because the heart stopped. The program must not send
+  /// forces any more: nobody knows in which state the device is.
   std::atomic<bool> let_go{false};
 };
 inline constexpr std::chrono::milliseconds kHeartBeat{10};
@@ -30,7 +30,7 @@ inline constexpr int kSilentLooks = 25;
 
 class GuardProcess {
  public:
-  /// What the child does until its end. The socket keeps the boundaries of messages; it is closed
+  /// The work of the child until its end. The socket keeps the boundaries of messages; it is closed
   /// when the program is gone.
   using Life = std::function<void(int socket, Heart& heart)>;
   static constexpr int kFirstKept = 4;

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/signals.hpp"
 #include "libcore/device/path.hpp"
 
@@ -23,70 +24,65 @@ constexpr std::size_t kMaxLine = 256;  // bytes
 // After a hiccup of the machine the force is old: the HIP does not go far with it.
 constexpr double kLongestTick = 0.004;
 
-double longest_side(const HandOptions& o) {
-  return std::max({o.high[0] - o.low[0], o.high[1] - o.low[1], o.high[2] - o.low[2]});
-}
-
 }  // namespace
 
-CoupledHip::CoupledHip(const HandOptions& options)
-    : options_(options),
-      speed_(kHandSpeed * longest_side(options)),
-      stiffness_(kHandForce / (kHandReach * longest_side(options))),
-      x_(options.start) {}
+CoupledHip::CoupledHip(const HipRange& range)
+    : range_(range),
+      speed_(kHandSpeed * range.longest_side()),
+      stiffness_(kHandForce / (kHandReach * range.longest_side())),
+      x_(range.start) {}
 
 const Vec3& CoupledHip::next(const Vec3& hand, const Vec3& force, double dt) noexcept {
   const double tick = std::clamp(dt, 0.0, kLongestTick);
   const double part = tick / (kHandSeconds + tick);
   // A hand far away pulls no more than one that the HIP can be drawn behind.
-  const double margin = kHandReach * longest_side(options_);
+  const double margin = kHandReach * range_.longest_side();
   Vec3 way;
   for (int a = 0; a < 3; ++a) {
-    const double h = std::clamp(hand[a], options_.low[a] - margin, options_.high[a] + margin);
+    const double h = std::clamp(hand[a], range_.low[a] - margin, range_.high[a] + margin);
     way[a] = part * (h + force[a] / stiffness_ - x_[a]);
   }
   const double length = std::hypot(way[0], way[1], way[2]);
   const double most = speed_ * tick;
   const double shown = length > most ? most / length : 1;
   for (int a = 0; a < 3; ++a)
-    x_[a] = std::clamp(x_[a] + shown * way[a], options_.low[a], options_.high[a]);
+    x_[a] = std::clamp(x_[a] + shown * way[a], range_.low[a], range_.high[a]);
   return x_;
 }
 
-std::optional<Vec3> HandLines::take(std::string_view bytes) {
+std::optional<Vec3> HandLines::read(std::string_view bytes) {
   std::optional<Vec3> newest;
   for (const char c : bytes) {
     if (c == '\n') {
-      if (const auto x = take_line()) newest = x;
+      if (const auto x = read_line()) newest = x;
       continue;
     }
     if (line_.size() == kMaxLine)
-      throw Error("line " + std::to_string(number_) + ": longer than " + std::to_string(kMaxLine) +
-                  " bytes");
+      throw Error(format("line {}: longer than {} bytes", number_, kMaxLine));
     line_ += c;
   }
   return newest;
 }
 
-std::optional<Vec3> HandLines::finish() { return take_line(); }
+std::optional<Vec3> HandLines::finish() { return read_line(); }
 
-std::optional<Vec3> HandLines::take_line() {
+std::optional<Vec3> HandLines::read_line() {
   try {
     const auto x = parse_position(line_);
     line_.clear();
     ++number_;
     return x;
   } catch (const Error& e) {
-    throw Error("line " + std::to_string(number_) + ": " + e.what());
+    throw Error(format("line {}: {}", number_, e.what()));
   }
 }
 
-HandDevice::HandDevice(const std::string& pipe, const HandOptions& options)
+HandDevice::HandDevice(const std::string& pipe, const HipRange& range)
     : name_(pipe),
       // Without waiting for a writer: that is the viewer, which waits for the scene.
       pipe_(::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)),
-      hand_(options.start),
-      hip_(options) {
+      hand_(range.start),
+      hip_(range) {
   if (!pipe_) throw std::system_error(errno, std::generic_category(), pipe);
   const BlockedSignals blocked;
   listener_ = std::jthread([this](const std::stop_token& token) { listen(token); });
@@ -116,7 +112,7 @@ bool HandDevice::listen_once(HandLines& lines) {
     if (errno == EAGAIN || errno == EINTR) return true;
     throw std::system_error(errno, std::generic_category());
   }
-  const auto x = count > 0 ? lines.take({bytes, static_cast<std::size_t>(count)}) : lines.finish();
+  const auto x = count > 0 ? lines.read({bytes, static_cast<std::size_t>(count)}) : lines.finish();
   if (x) {
     hand_.back() = *x;
     hand_.publish();

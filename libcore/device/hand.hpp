@@ -9,16 +9,15 @@
 //   b x' = k (h - x) + F.
 //
 // At rest the HIP lags behind the hand by |F| / k. In a wall of stiffness K it makes k / (k + K) of
-// the hand's motion, and where the model snaps, so that F is gone, it goes to the hand with the
-// time constant b / k, which also makes a smooth motion of positions that come 60 to 125 times a
-// second.
+// the hand's motion. When the model snaps, so that F is gone, it goes to the hand with the time
+// constant b / k, which also smooths positions that come only 60 to 125 times a second.
 //
 // The coupling is computed here, in the loop of play, and not in the viewer, whose forces are late
-// by a frame. With the force of the tick before, a tick dt takes the HIP the part dt / (b / k + dt)
-// of the way to h + F / k. So nothing swings while K <= k (b / k) / dt = b / dt: at 1 kHz behind
-// walls of up to 30 k. A steeper one can shake the HIP, by no more than the guard against buzzing
-// of the safety core lets it. Nothing of the hand is stored between ticks but x, and the position
-// that a session records is x: it can be replayed like any other.
+// by a frame. With the force of the tick before, a tick dt moves the HIP the part dt / (b / k + dt)
+// of the way to h + F / k. So the HIP does not swing while K <= k (b / k) / dt = b / dt: at 1 kHz
+// behind walls of up to 30 k. A steeper wall can shake it, by no more than the safety core's guard
+// against buzzing allows. Between ticks only x is kept, and x is the position that a session
+// records: it can be replayed like any other.
 #pragma once
 
 #include <atomic>
@@ -34,8 +33,8 @@
 
 namespace hapgrid {
 
-/// So far, in longest sides of the box, the HIP lags behind the hand when the force is
-/// kHandForce newtons.
+/// How far the HIP lags behind the hand when the force is kHandForce newtons, in longest sides of
+/// the box.
 inline constexpr double kHandReach = 1.0 / 3;
 inline constexpr double kHandForce = 3;
 /// The HIP crosses so many longest sides of the box in a second at most.
@@ -43,16 +42,10 @@ inline constexpr double kHandSpeed = 4;
 /// Time constant with which the HIP follows the hand, in seconds.
 inline constexpr double kHandSeconds = 0.03;
 
-struct HandOptions {
-  Vec3 start{0, 0, 0};  ///< of the HIP, until the first position comes; in the model's unit
-  Vec3 low{0, 0, 0};    ///< of the box, which the HIP does not leave
-  Vec3 high{0, 0, 0};
-};
-
 /// The HIP on its spring. Real-time safe.
 class CoupledHip {
  public:
-  explicit CoupledHip(const HandOptions& options);
+  explicit CoupledHip(const HipRange& range);
 
   /// The HIP `dt` seconds later; more than 4 ms count as 4 ms. @param hand, force finite; newtons.
   const Vec3& next(const Vec3& hand, const Vec3& force, double dt) noexcept;
@@ -60,34 +53,34 @@ class CoupledHip {
   double stiffness() const { return stiffness_; }
 
  private:
-  HandOptions options_;
+  HipRange range_;
   double speed_;  // units a second
   double stiffness_;
   Vec3 x_;
 };
 
-/// Takes positions, as a path has them, from a stream of bytes.
+/// Reads positions, in the lines of a path, from a stream of bytes.
 class HandLines {
  public:
   /// The newest position of the lines that end in `bytes`, if there is one.
   /// @throw Error "line N: ...", also for a line of more than 256 bytes
-  std::optional<Vec3> take(std::string_view bytes);
-  /// The stream is over: reads the last line, which may have no end. @throw Error
+  std::optional<Vec3> read(std::string_view bytes);
+  /// Reads the last line of the stream, which may have no end. @throw Error
   std::optional<Vec3> finish();
 
  private:
-  std::optional<Vec3> take_line();
+  std::optional<Vec3> read_line();
 
   std::string line_;
   std::size_t number_ = 1;
 };
 
-/// Reads the pipe in a thread of its own. The HIP stays where it is while nothing comes. The play
-/// ends when the pipe's writers have closed it.
+/// Reads the pipe in a thread of its own. The HIP follows the last position while no new one comes,
+/// and the play ends when the pipe's writers have closed it.
 class HandDevice : public Device {
  public:
   /// @param pipe a named pipe, which need not have a writer yet. @throw std::system_error
-  HandDevice(const std::string& pipe, const HandOptions& options);
+  HandDevice(const std::string& pipe, const HipRange& range);
 
   DeviceInfo info() const override { return {.name = "hand"}; }
   DeviceStatus read(DeviceInput& input) noexcept override;

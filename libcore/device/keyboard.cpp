@@ -30,15 +30,14 @@ FileDescriptor open_terminal() {
 
 }  // namespace
 
-KeyReader::KeyReader(const KeyboardOptions& options)
-    : options_(options), target_(options.start), step_(options.step) {}
+KeyReader::KeyReader(const HipRange& range, double step)
+    : range_(range), first_step_(step), target_(range.start), step_(step) {}
 
 void KeyReader::move(int axis, double steps) {
-  target_[axis] =
-      std::clamp(target_[axis] + steps * step_, options_.low[axis], options_.high[axis]);
+  target_[axis] = std::clamp(target_[axis] + steps * step_, range_.low[axis], range_.high[axis]);
 }
 
-void KeyReader::key(unsigned char final_byte, int parameter) {
+void KeyReader::obey(unsigned char final_byte, int parameter) {
   switch (final_byte) {
     case 'A':
       return move(2, 1);
@@ -57,7 +56,7 @@ void KeyReader::key(unsigned char final_byte, int parameter) {
   }
 }
 
-void KeyReader::take(unsigned char byte) {
+void KeyReader::read(unsigned char byte) {
   switch (expect_) {
     case Expect::kAfterEscape:
       // ESC [ or, with application cursor keys, ESC O. Any other byte is a key after a lone escape.
@@ -80,7 +79,7 @@ void KeyReader::take(unsigned char byte) {
       }
       while (parameter_ >= 1000) parameter_ /= 1000;
       expect_ = Expect::kKey;
-      return key(byte, parameter_);
+      return obey(byte, parameter_);
     case Expect::kKey:
       break;
   }
@@ -95,26 +94,22 @@ void KeyReader::take(unsigned char byte) {
       ++resets_;
       return;
     case '0':
-      target_ = options_.start;
+      target_ = range_.start;
       return;
     case '+':
-    case '=': {
-      const double longest =
-          std::max({options_.high[0] - options_.low[0], options_.high[1] - options_.low[1],
-                    options_.high[2] - options_.low[2]});
-      step_ = std::min(step_ * kStepFactor, longest / 4);
+    case '=':
+      step_ = std::min(step_ * kStepFactor, range_.longest_side() / 4);
       return;
-    }
     case '-':
-      step_ = std::max(step_ / kStepFactor, options_.step / 1000);
+      step_ = std::max(step_ / kStepFactor, first_step_ / 1000);
       return;
     default:
       return;
   }
 }
 
-KeyboardDevice::KeyboardDevice(const KeyboardOptions& options)
-    : terminal_(open_terminal()), keys_(options), position_(options.start) {
+KeyboardDevice::KeyboardDevice(const HipRange& range, double step)
+    : terminal_(open_terminal()), keys_(range, step), position_(range.start) {
   if (::tcgetattr(terminal_.get(), &before_) != 0)
     throw std::system_error(errno, std::generic_category(), "/dev/tty");
   termios mode = before_;
@@ -123,7 +118,7 @@ KeyboardDevice::KeyboardDevice(const KeyboardOptions& options)
   mode.c_cc[VTIME] = 0;
   if (::tcsetattr(terminal_.get(), TCSANOW, &mode) != 0)
     throw std::system_error(errno, std::generic_category(), "/dev/tty");
-  for (int a = 0; a < 3; ++a) target_[a] = options.start[a];
+  for (int a = 0; a < 3; ++a) target_[a] = range.start[a];
   const BlockedSignals blocked;
   listener_ = std::jthread([this](const std::stop_token& token) { listen(token); });
 }
@@ -131,7 +126,7 @@ KeyboardDevice::KeyboardDevice(const KeyboardOptions& options)
 KeyboardDevice::~KeyboardDevice() { stop(); }
 
 DeviceStatus KeyboardDevice::stop() noexcept {
-  if (!given_back_.exchange(true)) ::tcsetattr(terminal_.get(), TCSANOW, &before_);
+  if (!restored_.exchange(true)) ::tcsetattr(terminal_.get(), TCSANOW, &before_);
   return DeviceStatus::kOk;
 }
 
@@ -146,7 +141,7 @@ void KeyboardDevice::listen(const std::stop_token& token) {
       lost_ = true;
       return;
     }
-    for (ssize_t i = 0; i < count; ++i) keys_.take(bytes[i]);
+    for (ssize_t i = 0; i < count; ++i) keys_.read(bytes[i]);
     for (int a = 0; a < 3; ++a) target_[a].store(keys_.target()[a], std::memory_order_relaxed);
     resets_.store(keys_.resets(), std::memory_order_relaxed);
     quit_.store(keys_.quit(), std::memory_order_relaxed);

@@ -1,4 +1,4 @@
-// The keyboard of a terminal as a device without force: keys move the HIP, also over ssh.
+// The keyboard of a terminal as a device without force: its keys move the HIP, also over ssh.
 #pragma once
 
 #include <termios.h>
@@ -15,28 +15,23 @@
 
 namespace hapgrid {
 
-struct KeyboardOptions {
-  Vec3 start{0, 0, 0};  ///< where the HIP begins, and returns to with key 0; in the model's unit
-  Vec3 low{0, 0, 0};    ///< of the box, which the HIP does not leave
-  Vec3 high{0, 0, 0};
-  double step = 0;  ///< how far a key moves the HIP, in the model's unit
-};
-
 /// Understands the bytes that a terminal sends for keys.
 class KeyReader {
  public:
-  explicit KeyReader(const KeyboardOptions& options);
-  /// Takes one byte; a key may send several.
-  void take(unsigned char byte);
+  /// @param step how far a key moves the HIP, in the model's unit. Key 0 moves it to range.start.
+  KeyReader(const HipRange& range, double step);
+  /// Reads one byte; a key may send several.
+  void read(unsigned char byte);
   const Vec3& target() const { return target_; }
   bool quit() const { return quit_; }
   unsigned resets() const { return resets_; }
 
  private:
-  void key(unsigned char final_byte, int parameter);
+  void obey(unsigned char final_byte, int parameter);
   void move(int axis, double steps);
 
-  KeyboardOptions options_;
+  HipRange range_;
+  double first_step_;
   Vec3 target_;
   double step_;
   bool quit_ = false;
@@ -49,7 +44,7 @@ class KeyReader {
 class KeyboardDevice : public Device {
  public:
   /// @throw DeviceError when the process has no terminal; std::system_error
-  explicit KeyboardDevice(const KeyboardOptions& options);
+  KeyboardDevice(const HipRange& range, double step);
   ~KeyboardDevice() override;
 
   DeviceInfo info() const override { return {.name = "keys"}; }
@@ -69,7 +64,7 @@ class KeyboardDevice : public Device {
   std::atomic<unsigned> resets_{0};
   std::atomic<bool> quit_{false};
   std::atomic<bool> lost_{false};
-  std::atomic<bool> given_back_{false};
+  std::atomic<bool> restored_{false};  // the terminal
   // The haptic thread's.
   Vec3 position_;
   std::optional<std::chrono::steady_clock::time_point> last_;

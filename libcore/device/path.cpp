@@ -7,6 +7,8 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
+#include "libcore/base/text.hpp"
 
 namespace hapgrid {
 
@@ -15,20 +17,12 @@ namespace {
 constexpr std::string_view kBlanks = " \t\r";  // '\r' ends lines in files of other systems
 constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
 
-/// Takes the next word off the line. @return the word, empty at the end of the line
+/// Removes the next word from the line. @return the word, empty at the end of the line
 std::string_view next_word(std::string_view& line) {
   line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
   const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
   line.remove_prefix(word.size());
   return word;
-}
-
-/// A word for a message: shortened, and without control characters.
-std::string quoted(std::string_view word) {
-  std::string shown(word.substr(0, 40));
-  const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
-  std::replace_if(shown.begin(), shown.end(), control, '?');
-  return "'" + shown + "'";
 }
 
 /// Reads one coordinate. @return what is wrong with it, empty when nothing is
@@ -52,10 +46,10 @@ std::optional<Vec3> parse_position(std::string_view line) {
   for (std::string_view word; !(word = next_word(line)).empty(); ++count) {
     if (count == 3) throw Error("more than the 3 numbers x y z");
     const std::string_view wrong = parse_coordinate(word, x[count]);
-    if (!wrong.empty()) throw Error(quoted(word) + " " + std::string(wrong));
+    if (!wrong.empty()) throw Error(format("'{}' {}", printable_line(word, 40), wrong));
   }
   if (count == 0) return std::nullopt;
-  if (count != 3) throw Error("the 3 numbers x y z are needed, found " + std::to_string(count));
+  if (count != 3) throw Error(format("the 3 numbers x y z are needed, found {}", count));
   return x;
 }
 
@@ -67,10 +61,10 @@ std::vector<Vec3> parse_path(std::string_view text, const std::string& name) {
     try {
       if (const auto x = parse_position(line)) positions.push_back(*x);
     } catch (const Error& e) {
-      throw Error(name + ": line " + std::to_string(number) + ": " + e.what());
+      throw Error(format("{}: line {}: {}", name, number, e.what()));
     }
   }
-  if (positions.empty()) throw Error(name + ": no position in it");
+  if (positions.empty()) throw Error(format("{}: no position in it", name));
   return positions;
 }
 

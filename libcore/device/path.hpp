@@ -11,7 +11,7 @@
 
 namespace hapgrid {
 
-/// The position in a line of a path; nothing where it has only blanks and a comment.
+/// The position in a line of a path; nothing if the line has only blanks and a comment.
 /// @throw Error that says what is wrong with the line.
 std::optional<Vec3> parse_position(std::string_view line);
 

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -39,7 +40,7 @@ ProcessDevice::ProcessDevice(ProcessGuard& guard) : guard_(guard) {
     ::setsockopt(guard_.wire(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
     moved_on_ = Clock::now();
     state_.time = -std::numeric_limits<double>::infinity();
-    if (ask({0, 0, 0}, false) && take_answer()) return;
+    if (ask({0, 0, 0}, false) && read_answer()) return;
   } catch (...) {
     close(kSilence);
     throw;
@@ -56,8 +57,7 @@ void ProcessDevice::greet() {
   const int polled = ::poll(&ready, 1, kGreetingWait / 1ms);
   if (polled < 0) throw std::system_error(errno, std::generic_category(), guard_.name());
   if (polled == 0)
-    throw DeviceError(guard_.name() + ": no greeting within " + std::to_string(kGreetingWait / 1s) +
-                      " s");
+    throw DeviceError(format("{}: no greeting within {} s", guard_.name(), kGreetingWait / 1s));
   const ssize_t got = ::recv(wire, &greeting_, sizeof greeting_, MSG_TRUNC);
   if (got <= 0) {
     fail(Fault::kGone);
@@ -65,7 +65,7 @@ void ProcessDevice::greet() {
     throw DeviceError(error());
   }
   const std::string wrong = greeting_flaw(greeting_, static_cast<std::size_t>(got));
-  if (!wrong.empty()) throw DeviceError(guard_.name() + ": " + wrong);
+  if (!wrong.empty()) throw DeviceError(format("{}: {}", guard_.name(), wrong));
 }
 
 /// Keeps the first fault. @return false
@@ -85,7 +85,7 @@ bool ProcessDevice::ask(const Vec3& force, bool end) noexcept {
 }
 
 /// Reads the answer to the last force. @return whether there is a good one
-bool ProcessDevice::take_answer() noexcept {
+bool ProcessDevice::read_answer() noexcept {
   ssize_t got;
   do got = ::recv(guard_.wire(), &wrong_, sizeof wrong_, MSG_TRUNC);
   while (got < 0 && errno == EINTR);
@@ -115,7 +115,7 @@ DeviceStatus ProcessDevice::read(DeviceInput& input) noexcept {
     moved_on_ = Clock::now();  // nobody asked for a while
     if (!ask({0, 0, 0}, false)) return DeviceStatus::kFailed;
   }
-  if (!take_answer()) return DeviceStatus::kFailed;
+  if (!read_answer()) return DeviceStatus::kFailed;
   input = {.clutch = (state_.buttons & HAPGRID_DEVICE_CLUTCH) != 0,
            .reset = (state_.buttons & HAPGRID_DEVICE_RESET) != 0};
   std::copy_n(state_.position, 3, input.position.begin());
@@ -173,7 +173,7 @@ bool ProcessDevice::set_priority(int priority) noexcept {
   const int policy = priority > 0 ? SCHED_FIFO | SCHED_RESET_ON_FORK : SCHED_OTHER;
   bool took = true;
   try {
-    const std::string tasks = "/proc/" + std::to_string(guard_.adapter()) + "/task";
+    const std::string tasks = format("/proc/{}/task", guard_.adapter());
     for (const auto& task : std::filesystem::directory_iterator(tasks)) {
       const pid_t thread = std::stoi(task.path().filename());
       sched_param has{};
@@ -189,23 +189,22 @@ bool ProcessDevice::set_priority(int priority) noexcept {
   return took;
 }
 
-std::string ProcessDevice::error() const { return guard_.name() + ": " + what(); }
+std::string ProcessDevice::error() const { return format("{}: {}", guard_.name(), what()); }
 
 std::string ProcessDevice::what() const {
-  const std::string limit = std::to_string(kSilence / 1ms) + " ms";
   switch (fault_) {
     case Fault::kNone:
       return "no error";
     case Fault::kSilent:
-      return how_.empty() ? "did not answer within " + limit : how_;
+      return how_.empty() ? format("did not answer within {} ms", kSilence / 1ms) : how_;
     case Fault::kHeldOn:
-      return "did not answer the last message within " + std::to_string(kStopLimit / 1s) + " s";
+      return format("did not answer the last message within {} s", kStopLimit / 1s);
     case Fault::kGone:
       return how_.empty() ? "closed its standard input or output" : how_;
     case Fault::kFlaw:
       return what_flaw();
     case Fault::kStoodStill:
-      return "its time stood still for " + limit;
+      return format("its time stood still for {} ms", kSilence / 1ms);
     case Fault::kGuardLetGo:
       return "the program stood still, and its guard sent zero force";
   }
@@ -214,25 +213,23 @@ std::string ProcessDevice::what() const {
 
 std::string ProcessDevice::what_flaw() const {
   const auto place = [](const double* x) {
-    return rounded(x[0]) + " " + rounded(x[1]) + " " + rounded(x[2]) + " m";
+    return format("{} {} {} m", rounded(x[0]), rounded(x[1]), rounded(x[2]));
   };
   switch (flaw_) {
     case StateFlaw::kNone:
       return "";
     case StateFlaw::kSize:
-      return "sent " + std::to_string(size_) + " bytes, and a state has " +
-             std::to_string(sizeof state_);
+      return format("sent {} bytes, and a state has {}", size_, sizeof state_);
     case StateFlaw::kNumber:
-      return "answered force " + std::to_string(wrong_.number) + " instead of force " +
-             std::to_string(expected_);
+      return format("answered force {} instead of force {}", wrong_.number, expected_);
     case StateFlaw::kNotFinite:
       return "sent a number that is not finite";
     case StateFlaw::kOutside:
-      return "is at " + place(wrong_.position) + ", and its ranges go from " +
-             place(greeting_.low) + " to " + place(greeting_.high);
+      return format("is at {}, and its ranges go from {} to {}", place(wrong_.position),
+                    place(greeting_.low), place(greeting_.high));
     case StateFlaw::kBackwards:
-      return "its time went back from " + rounded(state_.time) + " to " + rounded(wrong_.time) +
-             " s";
+      return format("its time went back from {} to {} s", rounded(state_.time),
+                    rounded(wrong_.time));
   }
   return "";
 }

@@ -68,7 +68,7 @@ class ProcessDevice : public Device {
   std::string what_flaw() const;
   bool fail(Fault fault) noexcept;
   bool ask(const Vec3& force, bool end) noexcept;
-  bool take_answer() noexcept;
+  bool read_answer() noexcept;
   bool confirmed(Clock::time_point deadline) noexcept;
   void close(std::chrono::microseconds patience) noexcept;
 

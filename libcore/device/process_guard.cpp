@@ -16,6 +16,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/family.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/device/process_protocol.h"
 
 namespace hapgrid {
@@ -160,9 +161,9 @@ ProcessGuard::ProcessGuard(std::vector<std::string> command) {
 void ProcessGuard::start() {
   char answer[256];
   const ssize_t got = process_->ask({&kStart, 1}, answer);
-  if (got <= 0) throw DeviceError(name_ + ": its guard process does not answer");
+  if (got <= 0) throw DeviceError(format("{}: its guard process does not answer", name_));
   const std::string_view text(answer + 1, static_cast<std::size_t>(got) - 1);
-  if (answer[0] == kCannot) throw DeviceError(name_ + ": cannot be started: " + std::string(text));
+  if (answer[0] == kCannot) throw DeviceError(format("{}: cannot be started: {}", name_, text));
   std::from_chars(text.data(), text.data() + text.size(), adapter_);
 }
 

@@ -1,5 +1,5 @@
-// The guard of a device that is a process: it starts the adapter, lets go of the hand when this
-// program cannot, and sees to it that nothing of the adapter is left.
+// The guard of a device that is a process: it starts the adapter, takes the force off the hand when
+// this program cannot, and ends every process that the adapter has left.
 //
 // Problem. An adapter that hangs holds the hand with the last force; one that has children or
 // became a daemon outlives its parent; and this program may be killed or stopped before it could

@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -37,25 +38,23 @@ std::string greeting_flaw(const hapgrid_device_greeting& g, std::size_t size) {
   if (size != sizeof g || std::memcmp(g.magic, HAPGRID_DEVICE_MAGIC, sizeof g.magic) != 0)
     return "sent something that is not a greeting";
   if (g.version != HAPGRID_DEVICE_VERSION)
-    return "speaks version " + std::to_string(g.version) + " of the protocol, this play speaks " +
-           std::to_string(HAPGRID_DEVICE_VERSION);
+    return format("speaks version {} of the protocol, this play speaks {}", g.version,
+                  HAPGRID_DEVICE_VERSION);
   std::uint32_t axes = 0;
   for (int a = 0; a < 3; ++a) {
     const double low = g.low[a], high = g.high[a];
     const bool possible =
         low >= -kFarthest && high <= kFarthest && (low == high || high - low >= kNearest);
     if (!possible)
-      return std::string("says that its ") + "xyz"[a] + " goes from " + rounded(low) + " to " +
-             rounded(high) + " m";
+      return format("says that its {} goes from {} to {} m", "xyz"[a], rounded(low), rounded(high));
     axes += low < high;
   }
   if (axes == 0 || axes != g.axes)
-    return "says that it has " + std::to_string(g.axes) + " axes, and its ranges have " +
-           std::to_string(axes);
+    return format("says that it has {} axes, and its ranges have {}", g.axes, axes);
   if (!(g.max_force >= 0 && g.max_force <= kStrongest))
-    return "says that its largest force is " + rounded(g.max_force) + " N";
+    return format("says that its largest force is {} N", rounded(g.max_force));
   if (!(g.rate >= kSlowestProcessHz && g.rate <= kFastest))
-    return "says that its rate is " + rounded(g.rate) + " Hz";
+    return format("says that its rate is {} Hz", rounded(g.rate));
   return "";
 }
 

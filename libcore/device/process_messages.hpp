@@ -12,10 +12,10 @@ namespace hapgrid {
 /// With fewer forces a second the adapter would take each of them away before the next comes.
 inline constexpr double kSlowestProcessHz = 20;
 
-/// What is wrong with a greeting, to be read behind the adapter's name; empty when nothing is.
+/// The flaw of a greeting, to be read behind the adapter's name; empty when there is none.
 /// @param size bytes that came, of which `greeting` has the first ones.
 std::string greeting_flaw(const hapgrid_device_greeting& greeting, std::size_t size);
-/// @param greeting without flaw. @param name where it has none.
+/// @param greeting without flaw. @param name stands for the name of a greeting that has none.
 DeviceInfo device_info(const hapgrid_device_greeting& greeting, const std::string& name);
 
 enum class StateFlaw { kNone, kSize, kNumber, kNotFinite, kOutside, kBackwards };

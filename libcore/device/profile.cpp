@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/base/toml.hpp"
 #include "libcore/device/hid_handle.hpp"
@@ -59,8 +60,8 @@ class Reader : private TomlFile {
   double bounded(const toml::node& node, const std::string& key, double least, double most) const {
     const double value = number(node, key);
     if (value < least || value > most)
-      fail(node, key + " must be from " + to_text(least) + " to " + to_text(most) + ", not " +
-                     to_text(value));
+      fail(node, format("{} must be from {} to {}, not {}", key, to_text(least), to_text(most),
+                        to_text(value)));
     return value;
   }
 
@@ -70,8 +71,8 @@ class Reader : private TomlFile {
     const toml::node& node = required(in, prefix, key);
     const double value = number(node, prefix + key);
     if (std::abs(value) < least || std::abs(value) > most)
-      fail(node, prefix + key + " must have a magnitude from " + to_text(least) + " to " +
-                     to_text(most) + ", not " + to_text(value));
+      fail(node, format("{}{} must have a magnitude from {} to {}, not {}", prefix, key,
+                        to_text(least), to_text(most), to_text(value)));
     return value;
   }
 
@@ -118,8 +119,7 @@ class Reader : private TomlFile {
         fail(*node, prefix + "endian = \"big\" needs whole bytes");
     }
     if (f.bit + f.bits > 8 * report_length)
-      fail(bit, prefix + "bit: the field ends behind the report, which has " +
-                    std::to_string(room) + " bits");
+      fail(bit, format("{}bit: the field ends behind the report, which has {} bits", prefix, room));
     return f;
   }
 
@@ -178,11 +178,10 @@ class Reader : private TomlFile {
     p.force_axes = axes(&force, "force.");
     const toml::array& list = array(*root().get("output"), "output");
     if (list.empty() || list.size() > kMaxReports)
-      fail(list, "output has 1 to " + std::to_string(kMaxReports) + " reports");
+      fail(list, format("output has 1 to {} reports", kMaxReports));
     std::array<bool, 3> seen{};
     for (std::size_t i = 0; i < list.size(); ++i) {
-      const std::string prefix =
-          list.size() == 1 ? "output." : "output " + std::to_string(i + 1) + ": ";
+      const std::string prefix = list.size() == 1 ? "output." : format("output {}: ", i + 1);
       if (!list.get(i)->is_table()) fail(list, "output must be written [[output]]");
       p.outputs.push_back(output(*list.get(i)->as_table(), prefix, p));
       for (std::size_t a = 0; a < 3; ++a) {
@@ -202,10 +201,10 @@ class Reader : private TomlFile {
     out.report[0] = report_id(in, prefix);
     check_id(in, prefix + "id", out.report[0], p);
     std::vector<bool> taken(8 * size);
-    const auto take = [&](const toml::node& node, const std::string& key, std::size_t bit,
-                          std::size_t bits) {
+    const auto claim = [&](const toml::node& node, const std::string& key, std::size_t bit,
+                           std::size_t bits) {
       for (std::size_t i = bit; i < bit + bits; ++i) {
-        if (taken[i]) fail(node, key + ": bit " + std::to_string(i) + " is taken already");
+        if (taken[i]) fail(node, format("{}: bit {} is taken already", key, i));
         taken[i] = true;
       }
     };
@@ -220,7 +219,7 @@ class Reader : private TomlFile {
         const toml::node& node = required(t, key + ".", "hex");
         const HidReport bytes = hex(node, key + ".hex", text(node, key + ".hex"));
         if (bytes.size() > size - at) fail(node, key + ".hex ends behind the report");
-        take(node, key, 8 * at, 8 * bytes.size());
+        claim(node, key, 8 * at, 8 * bytes.size());
         std::copy(bytes.begin(), bytes.end(),
                   out.report.begin() + static_cast<std::ptrdiff_t>(1 + at));
       }
@@ -230,7 +229,7 @@ class Reader : private TomlFile {
       const toml::table& t = table(in, kAxes[a]);
       const std::string key = prefix + kAxes[a] + ".";
       out.axes[a] = output_axis(t, key, size, p.max_force);
-      take(t, key + "bit", out.axes[a]->field.bit, out.axes[a]->field.bits);
+      claim(t, key + "bit", out.axes[a]->field.bit, out.axes[a]->field.bits);
     }
     return out;
   }
@@ -249,14 +248,14 @@ class Reader : private TomlFile {
     axis.high = count("high", axis.field.most());
     axis.zero = count("zero", 0);
     if (axis.zero < axis.low || axis.zero > axis.high)
-      fail(in, prefix + "zero must lie from " + prefix + "low to " + prefix + "high");
+      fail(in, format("{0}zero must lie from {0}low to {0}high", prefix));
     // A force that is cut on one axis alone would change its direction. Less than a count is cut on
     // every axis, since forces are rounded towards zero.
     const auto room = static_cast<double>(std::min(axis.high - axis.zero, axis.zero - axis.low));
     const double newtons = std::abs(axis.newtons_per_count);
     if (max_force >= (room + 1) * newtons)
-      fail(in, prefix + "low to " + prefix + "high hold " + to_text(room * newtons) +
-                   " N, force.max is " + to_text(max_force) + " N");
+      fail(in, format("{0}low to {0}high hold {1} N, force.max is {2} N", prefix,
+                      to_text(room * newtons), to_text(max_force)));
     return axis;
   }
 
@@ -264,8 +263,8 @@ class Reader : private TomlFile {
   void check_id(const toml::node& node, const std::string& key, std::uint8_t id,
                 const Profile& p) const {
     if ((id == 0) != (p.input_id == 0))
-      fail(node, key + ": reports have ids all or none (0), and input.id is " +
-                     std::to_string(p.input_id));
+      fail(node,
+           format("{}: reports have ids all or none (0), and input.id is {}", key, p.input_id));
   }
 
   /// Bytes in hex, with or without blanks between them.
@@ -299,7 +298,7 @@ class Reader : private TomlFile {
     const std::string key = std::string("reports.") + name;
     for (const toml::node& entry : array(*node, key)) {
       if (list.size() == kMaxReports)
-        fail(entry, key + " has at most " + std::to_string(kMaxReports) + " reports");
+        fail(entry, format("{} has at most {} reports", key, kMaxReports));
       const std::string words = text(entry, key);
       std::string_view digits = words;
       Profile::Literal literal;
@@ -311,7 +310,7 @@ class Reader : private TomlFile {
       }
       literal.report = hex(entry, key, digits);
       if (literal.report.size() > kMaxHidReport)
-        fail(entry, key + " has a report of more than " + std::to_string(kMaxLength) + " bytes");
+        fail(entry, format("{} has a report of more than {} bytes", key, kMaxLength));
       check_id(entry, key, literal.report[0], p);
       if (!literal.is_feature) pad(entry, key, literal.report, p);
       list.push_back(std::move(literal));
@@ -325,8 +324,8 @@ class Reader : private TomlFile {
     for (const Profile::Output& output : p.outputs) {
       if (output.report[0] != report[0]) continue;
       if (report.size() > output.report.size())
-        fail(node, key + " has a report longer than its output, " +
-                       std::to_string(output.report.size() - 1) + " bytes behind the id");
+        fail(node, format("{} has a report longer than its output, {} bytes behind the id", key,
+                          output.report.size() - 1));
       report.resize(output.report.size());
       return;
     }

@@ -4,9 +4,7 @@ namespace hapgrid {
 
 DeviceStatus ReplayDevice::read(DeviceInput& input) noexcept {
   if (next_ == ticks_.size()) return DeviceStatus::kEnd;
-  const ReplayTick& tick = ticks_[next_++];
-  input = tick.input;
-  input.missed = tick.missed;
+  input = ticks_[next_++];
   return DeviceStatus::kOk;
 }
 

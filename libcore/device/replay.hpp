@@ -10,17 +10,11 @@
 
 namespace hapgrid {
 
-/// What a device reported at one tick of a recorded play.
-struct ReplayTick {
-  DeviceInput input;         ///< without `missed`
-  std::uint64_t missed = 0;  ///< ticks that were missed before this one
-};
-
-/// Each read() gives the next tick, and in DeviceInput::missed the ticks that were missed before
-/// it, so that the loop does what it did then.
+/// Each read() gives the next input of a recorded play. Its DeviceInput::missed tells the ticks
+/// that were missed before it, so that the loop does what it did then.
 class ReplayDevice : public Device {
  public:
-  explicit ReplayDevice(std::vector<ReplayTick> ticks) : ticks_(std::move(ticks)) {}
+  explicit ReplayDevice(std::vector<DeviceInput> ticks) : ticks_(std::move(ticks)) {}
 
   std::size_t size() const { return ticks_.size(); }
   /// The force that was sent last.
@@ -33,7 +27,7 @@ class ReplayDevice : public Device {
   std::string error() const override { return "a replay does not fail"; }
 
  private:
-  std::vector<ReplayTick> ticks_;
+  std::vector<DeviceInput> ticks_;
   std::size_t next_ = 0;
   Vec3 force_{0, 0, 0};
 };

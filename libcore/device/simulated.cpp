@@ -42,30 +42,17 @@ Matrix exponential(Matrix a) {
 
 }  // namespace
 
-HandleMechanics::HandleMechanics(const SimulatedOptions& o)
-    : dt_(1 / o.rate_hz), mass_(o.mass), damping_(o.damping) {
-  const double spring = o.stiffness / o.mass;
-  const double friction = (o.hand_damping + o.damping) / o.mass;
-  // u' = w, w' = -spring u - friction w + a, a' = 0.
-  const Matrix e = exponential({{{0, dt_, 0}, {-spring * dt_, -friction * dt_, dt_}, {0, 0, 0}}});
-  step_ = {e[0], e[1]};
-}
-
-void HandleMechanics::advance(double& x, double& v, double force, double from,
-                              double to) const noexcept {
-  const double speed = (to - from) / dt_;
-  const double u = x - from;
-  const double w = v - speed;
-  const double a = (force - damping_ * speed) / mass_;
-  x = to + (step_[0][0] * u + step_[0][1] * w + step_[0][2] * a);
-  v = speed + (step_[1][0] * u + step_[1][1] * w + step_[1][2] * a);
-}
-
 SimulatedDevice::SimulatedDevice(const SimulatedOptions& options, Targets targets)
     : options_(options),
-      mechanics_(options),
       source_(std::move(targets)),
-      sent_(std::size_t{options.delay} + 1, Vec3{0, 0, 0}) {}
+      sent_(std::size_t{options.delay} + 1, Vec3{0, 0, 0}) {
+  const double dt = 1 / options.rate_hz;
+  const double spring = options.stiffness / options.mass;
+  const double friction = (options.hand_damping + options.damping) / options.mass;
+  // u' = w, w' = -spring u - friction w + a, a' = 0.
+  const Matrix e = exponential({{{0, dt, 0}, {-spring * dt, -friction * dt, dt}, {0, 0, 0}}});
+  step_ = {e[0], e[1]};
+}
 
 DeviceInfo SimulatedDevice::info(const SimulatedOptions& options) {
   const double half = options.reach / 2;
@@ -108,11 +95,21 @@ void SimulatedDevice::begin() {
   std::fill(sent_.begin(), sent_.end(), Vec3{0, 0, 0});
 }
 
+void SimulatedDevice::advance(double& x, double& v, double force, double from,
+                              double to) const noexcept {
+  const double speed = (to - from) / (1 / options_.rate_hz);
+  const double u = x - from;
+  const double w = v - speed;
+  const double a = (force - options_.damping * speed) / options_.mass;
+  x = to + (step_[0][0] * u + step_[0][1] * w + step_[0][2] * a);
+  v = speed + (step_[1][0] * u + step_[1][1] * w + step_[1][2] * a);
+}
+
 void SimulatedDevice::advance() {
   const Vec3& force = sent_[(newest_ + 1) % sent_.size()];  // the oldest
   for (int a = 0; a < 3; ++a) {
     const double before = x_[a];
-    mechanics_.advance(x_[a], v_[a], force[a], targets_[at_][a], targets_[at_ + 1][a]);
+    advance(x_[a], v_[a], force[a], targets_[at_][a], targets_[at_ + 1][a]);
     work_ += force[a] * (x_[a] - before);
   }
   ++at_;

@@ -6,10 +6,10 @@
 //
 //   m x'' = F + k (X - x) + b (X' - x') - c x'
 //
-// F is what was sent, and it holds for a tick; X goes straight from one tick's target to the next
-// one's. So each tick has an exact solution, whatever the stiffness and however long the tick, and
-// it is one small matrix product. The matrix is a series of sums and products: no function of the
-// mathematical library, whose last bit differs between machines, is used.
+// F is the force that was sent, and it holds for a tick. X moves straight from one tick's target to
+// the next one's. So each tick has an exact solution, whatever the stiffness and however long the
+// tick, and it is one small matrix product. The matrix is a series of sums and products: no
+// function of the mathematical library, whose last bit differs between machines, is used.
 //
 // Nothing here is real-time safe: nobody waits for a simulated device.
 #pragma once
@@ -28,37 +28,21 @@ struct SimulatedOptions {
   double damping = 0;         ///< c of the device, N s/m
   double stiffness = 300;     ///< k of the hand, N/m; 0: the handle is free
   double hand_damping = 1.5;  ///< b of the hand, N s/m
-  double encoder = 5.5e-5;    ///< positions are reported in such steps, m; 0: exactly
+  double encoder = 5.5e-5;    ///< positions are rounded to such steps, m; 0: not at all
   std::uint32_t delay = 0;    ///< ticks from when a force is sent until it is in effect
   double reach = 0.1;         ///< side of the cube around 0 that the handle reaches, m
   double rate_hz = 1000;      ///< ticks a second
   std::uint64_t sessions = 1;
 };
 
-/// How the handle moves in one tick.
-class HandleMechanics {
- public:
-  explicit HandleMechanics(const SimulatedOptions& options);
-
-  /// The handle's place and speed on one axis, a tick later.
-  /// @param force of the device, in newtons. @param from, to of the hand's point X, in metres.
-  void advance(double& x, double& v, double force, double from, double to) const noexcept;
-
- private:
-  double dt_, mass_, damping_;
-  // (u, w, a) -> u and w a tick later; u = x - X, w = v - X', a the constant acceleration.
-  std::array<std::array<double, 3>, 2> step_;
-};
-
 class SimulatedDevice : public Device {
  public:
-  /// Fills in the hand's point X, in metres, for each tick of a session, at least one: it replaces
-  /// what the vector had.
+  /// Sets the vector to the hand's point X, in metres, at each tick of a session, at least one.
   using Targets = std::function<void(std::uint64_t session, std::vector<Vec3>& targets)>;
 
   SimulatedDevice(const SimulatedOptions& options, Targets targets);
 
-  /// What info() will say; the options alone decide it.
+  /// The answer of info(), which the options alone decide.
   static DeviceInfo info(const SimulatedOptions& options);
 
   DeviceInfo info() const override { return info(options_); }
@@ -69,11 +53,11 @@ class SimulatedDevice : public Device {
   DeviceStatus stop() noexcept override { return DeviceStatus::kOk; }
   std::string error() const override { return "a simulated device does not fail"; }
 
-  // What the simulation knows at the tick that was read last.
+  // The state of the simulation at the tick that was read last.
 
-  /// Of the session, from 0.
+  /// The number of the session, from 0.
   std::uint64_t session() const { return session_; }
-  /// Where the handle is, in metres, whatever the encoder says.
+  /// Where the handle is, in metres, before the encoder rounds it.
   const Vec3& position() const { return x_; }
   /// The hand's point X, in metres.
   const Vec3& target() const { return targets_[at_]; }
@@ -84,9 +68,13 @@ class SimulatedDevice : public Device {
  private:
   void begin();
   void advance();
+  /// Moves the handle on one axis by a tick: its position x and speed v.
+  /// @param force of the device, in newtons. @param from, to of the hand's point X, in metres.
+  void advance(double& x, double& v, double force, double from, double to) const noexcept;
 
   SimulatedOptions options_;
-  HandleMechanics mechanics_;
+  // (u, w, a) -> u and w a tick later; u = x - X, w = v - X', a the constant acceleration.
+  std::array<std::array<double, 3>, 2> step_;
   Targets source_;
   std::vector<Vec3> targets_;
   std::uint64_t session_ = 0;

@@ -1,8 +1,10 @@
-// A box in the messages of all streams (Box of schemas/common.capnp). Builder and Reader are Cap'n
-// Proto's, which only the folders with streams include.
+// A box and a sphere in the messages of all streams (schemas/common.capnp). Builder and Reader are
+// Cap'n Proto's, which only the folders with streams include.
 #pragma once
 
+#include "libcore/base/error.hpp"
 #include "libcore/grid/box.hpp"
+#include "libcore/grid/spec.hpp"
 
 namespace hapgrid {
 
@@ -17,12 +19,33 @@ void set_box(Builder out, const Box& box) {
   out.setCountZ(box.counts[2]);
 }
 
-/// Not checked yet: see Box::validate().
+/// @throw FormatError for an impossible box (Box::validate()).
 template <class Reader>
 Box get_box(Reader in) {
-  return {{in.getOriginX(), in.getOriginY(), in.getOriginZ()},
-          in.getSpacing(),
-          {in.getCountX(), in.getCountY(), in.getCountZ()}};
+  const Box box{{in.getOriginX(), in.getOriginY(), in.getOriginZ()},
+                in.getSpacing(),
+                {in.getCountX(), in.getCountY(), in.getCountZ()}};
+  try {
+    box.validate();
+  } catch (const Error& e) {
+    throw FormatError(e.what());
+  }
+  return box;
+}
+
+/// All but the label: shards have one of each sphere, frames only those that are not empty.
+template <class Builder>
+void set_sphere(Builder out, const Sphere& sphere) {
+  out.setRadius(sphere.radius);
+  out.setRed(sphere.colour[0]);
+  out.setGreen(sphere.colour[1]);
+  out.setBlue(sphere.colour[2]);
+}
+
+/// Not checked: radius and colour may be any numbers, and the label may be long.
+template <class Reader>
+Sphere get_sphere(Reader in) {
+  return {in.getRadius(), {in.getRed(), in.getGreen(), in.getBlue()}, in.getLabel()};
 }
 
 }  // namespace hapgrid

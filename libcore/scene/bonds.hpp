@@ -1,7 +1,7 @@
-// Which spheres of a picture are joined by sticks.
+// Finds the spheres of a picture that sticks join.
 //
-// Nothing tells of bonds: a model's shape is spheres in places. What molecular viewers do without
-// a list of bonds is done here: two spheres are joined where they overlap deeply.
+// A model's shape is a list of spheres without bonds. As in molecular viewers, two spheres are
+// joined if they overlap deeply.
 #pragma once
 
 #include <array>
@@ -12,10 +12,10 @@
 
 namespace hapgrid {
 
-/// Pairs i < j of spheres in finite places whose distance is below 0.6 of the sum of their radii,
-/// ascending. With van der Waals radii that tells bonds from neighbours of neighbours. None for
-/// more than 4,096 spheres: all pairs are looked at in each frame.
-/// Source: the same rule and factor as VMD's (User's Guide, "DynamicBonds" and "Bonds").
+/// Pairs i < j of spheres whose distance is below 0.6 of the sum of their radii, ascending. With
+/// van der Waals radii that tells bonds from neighbours of neighbours. There are none among more
+/// than 4,096 spheres, because each frame compares all pairs. Source: the same rule and factor as
+/// VMD's (User's Guide, "DynamicBonds" and "Bonds").
 std::vector<std::array<std::uint32_t, 2>> find_bonds(const Scene& scene, const Frame& frame);
 
 }  // namespace hapgrid

@@ -23,9 +23,8 @@ constexpr double kAround = 1.06;     // around what fills a picture
 constexpr double kBallPart = 0.25;
 constexpr double kStickPart = 0.12;
 
-Vec3 along(const Vec3& a, const Vec3& b, double t) {
-  return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
-}
+Vec3 along(const Vec3& a, const Vec3& b, double t) { return a + t * (b - a); }
+
 /// Model to rays: x right, y down, z towards the viewer, all in distances of neighbouring rays.
 struct Projection {
   PictureAxes axes;
@@ -63,57 +62,39 @@ Vec3 sphere_centre(const Frame& frame, std::size_t i) {
   return {frame.centres[3 * i], frame.centres[3 * i + 1], frame.centres[3 * i + 2]};
 }
 
-/// How wide a picture around the camera's centre must be to have a ball in it, whole and with a
-/// margin; 0 for what is in no finite place.
-class Reach {
- public:
-  Reach(const Camera& camera, const RenderOptions& options)
-      : axes_(camera), centre_(axes_(camera.centre)) {
-    const double nearer = std::min(options.width, options.height);
-    parts_ = {nearer / options.width, nearer / options.height};
-  }
-  double operator()(const Vec3& v, double radius) const {
-    if (!finite(v)) return 0;
-    const Vec3 p = axes_(v);
-    const double x = std::abs(p[0] - centre_[0]) + radius;
-    const double y = std::abs(p[1] - centre_[1]) + radius;
-    const double half = kAround * std::max(x * parts_[0], y * parts_[1]);
-    return std::isfinite(half) ? half : 0;
-  }
+/// How wide a picture around the camera's centre must be to show a ball, whole and with a margin; 0
+/// for a ball without a finite centre.
+double width_for(const Vec3& v, double radius, const PictureAxes& axes, const Camera& camera,
+                 const RenderOptions& options) {
+  if (!finite(v)) return 0;
+  const Vec3 p = axes(v) - axes(camera.centre);
+  const double nearer = std::min(options.width, options.height);
+  const double half = kAround * std::max((std::abs(p[0]) + radius) * (nearer / options.width),
+                                         (std::abs(p[1]) + radius) * (nearer / options.height));
+  return std::isfinite(half) ? half : 0;
+}
 
- private:
-  PictureAxes axes_;
-  Vec3 centre_;
-  std::array<double, 2> parts_;
-};
-
-struct Arrow {
-  Vec3 from;
-  Vec3 to;
-  double radius;  // of the shaft
-};
-
-Arrow arrow(const Scene& scene, const Frame& frame, const RenderOptions& options) {
-  const double newton = newton_length(scene, options);
-  const Vec3& x = frame.position;
-  const Vec3& f = frame.force;
-  return {x,
-          {x[0] + newton * f[0], x[1] + newton * f[1], x[2] + newton * f[2]},
-          hip_radius(scene, options) / 5};
+// The arrow of the force, from the HIP.
+Vec3 arrow_tip(const Scene& scene, const Frame& frame, const RenderOptions& options) {
+  return frame.position + newton_length(scene, options) * frame.force;
+}
+double shaft_radius(const Scene& scene, const RenderOptions& options) {
+  return hip_radius(scene, options) / 5;
 }
 
 /// A shaft and a head, as many balls that stand close together.
-void add_arrow(const Arrow& a, const Projection& project, std::vector<Ball>& balls) {
-  const double length = std::hypot(a.to[0] - a.from[0], a.to[1] - a.from[1], a.to[2] - a.from[2]);
+void add_arrow(const Vec3& from, const Vec3& to, double shaft, const Projection& project,
+               std::vector<Ball>& balls) {
+  const double length = std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
   if (!(length > 0) || !std::isfinite(length)) return;
-  const double head = std::min(6 * a.radius, length);
+  const double head = std::min(6 * shaft, length);
   // Half a ray apart they look like one thing; the bound is for absurd lengths.
   const int steps = static_cast<int>(std::clamp(length * project.scale / 0.5, 8.0, 4000.0));
   for (int i = 0; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps;
     const double left = length * (1 - t);  // to the tip
-    const double radius = left < head ? 2.5 * a.radius * left / head : a.radius;
-    balls.push_back({project(along(a.from, a.to, t)), radius * project.scale, kForceColour});
+    const double radius = left < head ? 2.5 * shaft * left / head : shaft;
+    balls.push_back({project(along(from, to, t)), radius * project.scale, kForceColour});
   }
 }
 
@@ -168,7 +149,7 @@ Camera panned(const Camera& camera, const RenderOptions& options, double right, 
   const PictureAxes axes(camera);
   const double unit = 2 * camera.half_width / std::min(options.width, options.height);
   Camera moved = camera;
-  for (int a = 0; a < 3; ++a) moved.centre[a] += unit * (down * axes.up[a] - right * axes.right[a]);
+  moved.centre = moved.centre + unit * (down * axes.up - right * axes.right);
   return moved;
 }
 
@@ -200,27 +181,27 @@ Camera fit_model(const Scene& scene, const Frame& frame, const RenderOptions& op
                                (high[1] - low[1]) * nearer / options.height);
   if (!(camera.half_width > 0)) camera.half_width = 1;
   const Vec3 middle{0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
-  for (int a = 0; a < 3; ++a)
-    camera.centre[a] =
-        middle[0] * axes.right[a] + middle[1] * axes.up[a] + middle[2] * axes.near[a];
+  camera.centre = middle[0] * axes.right + middle[1] * axes.up + middle[2] * axes.near;
   return camera;
 }
 
 double needed_half_width(const Scene& scene, const Frame& frame, const Camera& camera,
                          const RenderOptions& options) {
-  const Reach reach(camera, options);
+  const PictureAxes axes(camera);
   double half = 0;
   for (std::size_t i = 0; i < scene.spheres.size(); ++i)
-    half = std::max(half, reach(sphere_centre(frame, i), scene.spheres[i].radius));
+    half = std::max(
+        half, width_for(sphere_centre(frame, i), scene.spheres[i].radius, axes, camera, options));
   if (!options.hip) return half;
-  return std::max(half, reach(frame.position, hip_radius(scene, options)));
+  return std::max(half,
+                  width_for(frame.position, hip_radius(scene, options), axes, camera, options));
 }
 
 double needed_for_arrow(const Scene& scene, const Frame& frame, const Camera& camera,
                         const RenderOptions& options) {
   if (!options.hip) return 0;
-  const Arrow force = arrow(scene, frame, options);
-  return Reach(camera, options)(force.to, 2.5 * force.radius);
+  return width_for(arrow_tip(scene, frame, options), 2.5 * shaft_radius(scene, options),
+                   PictureAxes(camera), camera, options);
 }
 
 Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
@@ -235,14 +216,14 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
              const RenderOptions& options) {
   const Projection project(camera, options);
   Drawing all;
-  const double part = options.style == Style::kSticks ? kBallPart : 1;
+  const double part = options.sticks ? kBallPart : 1;
   for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
     const Vec3 centre = sphere_centre(frame, i);
     if (!finite(centre)) continue;
     all.balls.push_back(
         {project(centre), part * scene.spheres[i].radius * project.scale, scene.spheres[i].colour});
   }
-  if (options.style == Style::kSticks)
+  if (options.sticks)
     for (const auto& bond : find_bonds(scene, frame))
       add_stick(scene, frame, bond, project, all.balls);
   if (options.box)
@@ -253,7 +234,8 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
                                project(corner(scene.box, c | 1 << axis)),
                                kLinePixels * options.supersampling, kBoxColour});
   if (options.hip && finite(frame.position)) {
-    add_arrow(arrow(scene, frame, options), project, all.balls);
+    add_arrow(frame.position, arrow_tip(scene, frame, options), shaft_radius(scene, options),
+              project, all.balls);
     all.translucent.push_back(
         {project(frame.position), hip_radius(scene, options) * project.scale, kHipColour});
   }

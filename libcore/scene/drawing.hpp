@@ -1,6 +1,5 @@
-// What a picture of one frame consists of, and where: the spheres, the HIP, the force, the box,
-// seen along parallel rays. render() draws it without a display, a window draws the same with
-// OpenGL.
+// The shapes in a picture of one frame: the spheres, the HIP, the force and the box, seen along
+// parallel rays. render() draws them without a display, and a window draws the same with OpenGL.
 #pragma once
 
 #include <array>
@@ -17,8 +16,8 @@ namespace hapgrid {
 struct Camera {
   double azimuth_degrees = 30;
   double elevation_degrees = 20;
-  Vec3 centre{0, 0, 0};   ///< what is in the middle of the picture
-  double half_width = 1;  ///< model's units from the middle to the nearer edges
+  Vec3 centre{0, 0, 0};   ///< in the middle of the picture; in the model's space and unit
+  double half_width = 1;  ///< from the middle to the nearer edges, in the model's unit of length
 };
 
 /// The picture's axes in the model's space: to the right, up, towards the viewer.
@@ -28,14 +27,8 @@ struct PictureAxes {
   Vec3 near;
 
   explicit PictureAxes(const Camera& camera);
-  /// A place or a direction in these axes.
+  /// A point or a direction of the model's space in these axes.
   Vec3 operator()(const Vec3& v) const { return {dot(right, v), dot(up, v), dot(near, v)}; }
-};
-
-/// How the model's spheres are drawn.
-enum class Style {
-  kSpheres,  ///< whole
-  kSticks,   ///< smaller balls, and sticks between those that are joined (bonds.hpp)
 };
 
 struct RenderOptions {
@@ -47,10 +40,9 @@ struct RenderOptions {
   bool box = true;
   bool hip = true;      ///< with the force
   bool legend = true;   ///< the axes and a scale bar
-  bool letters = true;  ///< what the legend says, without which the caller writes it, and the names
-                        ///< of torsions that have turned
+  bool letters = true;  ///< the texts of the legend, and the names of torsions that have turned
   int letter_scale = 1;
-  Style style = Style::kSpheres;
+  bool sticks = false;  ///< smaller balls, and sticks between those that are joined (bonds.hpp)
 };
 
 /// The radius of the ball at the HIP, and the length of the arrow for a newton.
@@ -62,20 +54,21 @@ using Colour = std::array<float, 3>;
 
 inline constexpr Colour kBackground{1, 1, 1};
 inline constexpr float kHipOpacity = 0.6F;
-/// Of the HIP where something stands before it: that fades, so that the HIP is never hidden.
+/// Opacity of the HIP where something stands before it, so that the HIP is never hidden.
 inline constexpr float kHiddenOpacity = 0.5F;
 
-/// Places and lengths in a drawing are in distances of neighbouring rays: x to the right and y down
-/// from the picture's upper left corner, z towards the viewer from what is in the middle. A ray
-/// goes through the middle of its square: that of column i is at x = i + 1/2.
+// Coordinates and lengths in a drawing are in distances of neighbouring rays: x to the right and y
+// down from the picture's upper left corner, z towards the viewer from the camera's centre. Each
+// ray goes through the middle of its square: the ray of column i is at x = i + 1/2.
+
 struct Ball {
   Vec3 centre;
   double radius;
   Colour colour;
 };
 
-/// A band around a line: all places nearer to it than half_width in x and y. The depth of such a
-/// place is that of the nearest place on the line.
+/// A band around a line: all points nearer to it than half_width in x and y. The depth of such a
+/// point is that of the nearest point on the line.
 struct Line {
   Vec3 from;
   Vec3 to;
@@ -87,14 +80,14 @@ struct Drawing {
   std::vector<Line> lines;        ///< the box
   std::vector<Ball> balls;        ///< the spheres; sticks and the arrow are rows of balls
   std::vector<Ball> translucent;  ///< the HIP, with kHipOpacity, or kHiddenOpacity behind the rest
-  std::vector<Line> overlay;      ///< what is written over all of it, one after the other
+  std::vector<Line> overlay;      ///< drawn over everything else, in this order
 };
 
 /// The camera after the picture was moved by so many pixels to the right and down.
 Camera panned(const Camera& camera, const RenderOptions& options, double right, double down);
 
-/// The camera in these angles whose picture the model fills, with room for the HIP where it
-/// touches; the whole box where there are no spheres.
+/// The camera at these angles whose picture the model fills, with room for the HIP where it touches
+/// the model. Without spheres the box fills the picture.
 Camera fit_model(const Scene& scene, const Frame& frame, const RenderOptions& options,
                  double azimuth_degrees, double elevation_degrees);
 
@@ -109,8 +102,8 @@ double needed_for_arrow(const Scene& scene, const Frame& frame, const Camera& ca
 Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
                   double azimuth_degrees, double elevation_degrees);
 
-/// What `frame` looks like. A sphere whose place is not finite is left out; the HIP is drawn where
-/// it is held in the box.
+/// The picture of `frame`. Spheres without a finite centre are left out; the HIP is drawn where it
+/// is held in the box.
 Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
              const RenderOptions& options);
 

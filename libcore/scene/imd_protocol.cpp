@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 namespace hapgrid {
 
@@ -23,10 +24,7 @@ constexpr double kSecond_ps = 1e12;
 
 constexpr int kSessionInfoSize = 7;
 
-struct Unit {
-  std::string_view name;
-  double value;
-};
+using Unit = std::pair<std::string_view, double>;  // its name, and its factor
 constexpr Unit kLengths[] = {{"angstrom", 1}, {"m", 1e10},  {"mm", 1e7},
                              {"nm", 10},      {"pm", 0.01}, {"bohr", kBohr_angstrom}};
 constexpr Unit kEnergies[] = {{"kJ/mol", 1},
@@ -35,12 +33,12 @@ constexpr Unit kEnergies[] = {{"kJ/mol", 1},
                               {"eV", kElementaryCharge* kJoule_kJmol},
                               {"hartree", kHartree_joule* kJoule_kJmol}};
 
-/// Sets `value` if the unit is known.
+/// Sets `value`, and says whether the unit is known.
 bool find_unit(std::span<const Unit> units, const std::string& name, double& value) {
   const auto unit = std::find_if(units.begin(), units.end(),
-                                 [&](const Unit& candidate) { return candidate.name == name; });
+                                 [&](const Unit& candidate) { return candidate.first == name; });
   if (unit == units.end()) return false;
-  value = unit->value;
+  value = unit->second;
   return true;
 }
 
@@ -133,7 +131,7 @@ std::span<const std::byte> ImdEncoder::encode(const Frame& frame) {
   return bytes_;
 }
 
-ImdListener::State ImdListener::take(std::span<const std::byte> bytes) {
+ImdListener::State ImdListener::read(std::span<const std::byte> bytes) {
   while (!bytes.empty() && state_ != State::kClosed) {
     if (skip_ > 0) {
       const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(skip_, bytes.size()));

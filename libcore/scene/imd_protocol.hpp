@@ -2,8 +2,8 @@
 // MDAnalysis (version 3: https://imdclient.readthedocs.io, "IMDv3 Protocol"). No sockets here.
 //
 // A message is a header, two big-endian int32: type and length; and a body in the byte order of the
-// one who serves, which the client learns from the handshake. The atoms are the scene's spheres in
-// their order, and one more at the end: the HIP, held in the box.
+// server, which the client learns from the handshake. The atoms are the scene's spheres in their
+// order, and the HIP, held in the box, as the last one.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ enum class ImdType : std::int32_t {
   kGo = 3,
   kHandshake = 4,
   kKill = 5,
-  kForcesOnAtoms = 6,  ///< MDCOMM: forces that the client would have on atoms
+  kForcesOnAtoms = 6,  ///< MDCOMM: forces that the client wants to act on atoms
   kPause = 7,
   kRate = 8,  ///< TRATE
   // Version 3.
@@ -48,7 +48,7 @@ struct ImdUnits {
   static const char* energy_name(int version) { return version == 2 ? "kcal/mol" : "kJ/mol"; }
 };
 
-/// What a server says: a greeting to each client, then frames.
+/// The messages of a server: a greeting to each client, then frames.
 ///
 /// A frame of version 2 has the messages ENERGIES (if the model has an energy) and FCOORDS. A frame
 /// of version 3 has TIME, ENERGIES (likewise), BOX, FCOORDS and FORCES. TIME has the time and the
@@ -77,23 +77,23 @@ class ImdEncoder {
   std::vector<std::byte> bytes_;
 };
 
-/// What a client says. Clients are hostile: only the place in the current message is kept; forces
-/// and rates are read and thrown away. A message of a type that only servers send, a negative
-/// length, or forces on more atoms than there are, close the client.
+/// The messages of a client. Clients are hostile: forces and rates are read and thrown away, and
+/// only the position in the current message is kept. A message of a type that only servers send, a
+/// negative length, or forces on more atoms than there are, close the client.
 class ImdListener {
  public:
   enum class State {
-    kGreeted,  ///< has to say GO
+    kGreeted,  ///< the client has yet to say GO
     kRunning,
     kPaused,
-    kClosed,  ///< it asked for that (DISCONNECT, KILL), or broke the rules
+    kClosed,  ///< the client asked for that (DISCONNECT, KILL), or broke the rules
   };
 
   /// @param atoms spheres and HIP.
   ImdListener(int version, std::size_t atoms) : version_(version), atoms_(atoms) {}
 
-  /// Takes the next bytes, in pieces of any size.
-  State take(std::span<const std::byte> bytes);
+  /// Reads the next bytes of the client, in pieces of any size.
+  State read(std::span<const std::byte> bytes);
   State state() const { return state_; }
 
  private:

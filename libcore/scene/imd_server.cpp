@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/signals.hpp"
 
 namespace hapgrid {
@@ -50,7 +51,7 @@ Address parse(const std::string& address, std::uint16_t port) {
 
 std::string name_of(const std::string& address, std::uint16_t port) {
   const bool six = address.find(':') != std::string::npos;
-  return (six ? '[' + address + ']' : address) + ':' + std::to_string(port);
+  return six ? format("[{}]:{}", address, port) : format("{}:{}", address, port);
 }
 
 std::uint16_t port_of(int socket) {
@@ -71,7 +72,7 @@ bool ImdServer::is_address(const std::string& address) { return parse(address, 0
 ImdServer::ImdServer(const ImdOptions& options)
     : options_(options), name_(name_of(options.address, options.port)) {
   const Address address = parse(options.address, options.port);
-  if (!address) throw Error(options.address + ": not an address in numbers");
+  if (!address) throw Error(format("{}: not an address in numbers", options.address));
   port_ = FileDescriptor(
       ::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, IPPROTO_TCP));
   const int on = 1;
@@ -226,7 +227,7 @@ void ImdServer::listen_to(Client& client) {
   }
   using State = ImdListener::State;
   const State before = client.listener.state();
-  const State after = client.listener.take(std::span(bytes).first(static_cast<std::size_t>(count)));
+  const State after = client.listener.read(std::span(bytes).first(static_cast<std::size_t>(count)));
   if (count == 0 || after == State::kClosed) client.dead = true;
   if (before == State::kGreeted && after != State::kGreeted && !client.dead) ++counts_.viewers;
   if (before != State::kRunning && after == State::kRunning) {

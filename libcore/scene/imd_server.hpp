@@ -1,9 +1,9 @@
 // Serves frames over TCP to several viewers of molecules at once (imd_protocol.hpp). Nothing that a
 // client sends reaches the play.
 //
-// One thread accepts clients, listens to them, and sends what could not be sent at once. A client
-// gets whole frames: while one is on its way, the newest frame waits and replaces those that waited
-// before, which are counted as dropped.
+// One thread accepts clients, listens to them, and sends the bytes that could not be sent at once.
+// A client gets whole frames: while one is on its way, the newest frame waits. It replaces the
+// frame that waited before, which is counted as dropped.
 #pragma once
 
 #include <atomic>
@@ -34,7 +34,7 @@ struct ImdOptions {
   std::chrono::milliseconds patience{5000};
 };
 
-/// How serving went, in all clients together.
+/// The counts of all clients together.
 struct ImdCounts {
   std::uint64_t viewers = 0;  ///< clients that said GO
   std::uint64_t sent = 0;     ///< frames; those that were dropped are not among them
@@ -45,9 +45,10 @@ struct ImdCounts {
 class ImdServer {
  public:
   static constexpr std::size_t kMaxClients = 8;  ///< more are closed at once
-  /// What publish() without a pace waits at most: a frame's scripted time.
+  /// The longest wait of publish() without a pace: a frame's scripted time.
   static constexpr std::chrono::milliseconds kWait{1000 / kFramesPerSecond};
-  static constexpr std::chrono::milliseconds kLinger{1000};  ///< for viewers, at the end
+  static constexpr std::chrono::milliseconds kLinger{
+      1000};  ///< the time that viewers get at the end
 
   /// Whether the text is a numeric IPv4 or IPv6 address.
   static bool is_address(const std::string& address);
@@ -67,8 +68,8 @@ class ImdServer {
   void start(const Scene& scene, bool has_energy, double tick_s, bool paced);
   /// Waits until a client has said GO. False when the time is over or `stop` became nonzero.
   bool wait_for_viewer(std::chrono::duration<double> time, const std::atomic<int>& stop);
-  /// Sends a frame to all clients. A paced server waits for nobody; another one waits for clients
-  /// that still read an older frame, at most kWait.
+  /// Sends a frame to all clients. Without a pace it waits, at most kWait, for clients that still
+  /// read an older frame.
   void publish(const Frame& frame);
   /// Gives the clients kLinger to read the rest and to close, then closes them.
   /// @throw what the thread threw
@@ -82,9 +83,9 @@ class ImdServer {
     Clock::time_point since{};       // accepted; resumed; a frame began
     std::vector<std::byte> message;  // on its way: the greeting or a frame
     std::size_t sent = 0;            // bytes of it
-    bool greeted = false;            // the message is a frame
-    std::uint64_t seen = 0;          // number of the newest frame that it got or missed
-    bool ended = false;              // it was told that no frame follows
+    bool greeted = false;            // the greeting was sent: the message is a frame
+    std::uint64_t seen = 0;          // number of the newest frame that the client got or missed
+    bool ended = false;              // the client was told that no frame follows
     bool dead = false;
     bool running() const {
       return !dead && listener.state() == ImdListener::State::kRunning && greeted;

@@ -1,5 +1,5 @@
-// What a picture says about directions and lengths: the axes x, y and z, each with its length, and
-// a scale bar, in its lower left corner.
+// The legend in the lower left corner of a picture: the axes x, y and z, each with its length, and
+// a scale bar.
 #pragma once
 
 #include <array>
@@ -13,26 +13,26 @@ namespace hapgrid {
 /// A text in a picture, in pixels from the picture's upper left corner.
 struct Label {
   std::string text;
-  std::array<double, 2> left;  ///< of the text, and the middle of its height
+  std::array<double, 2> left;  ///< the text's left end, at the middle of its height
 };
 
 struct Legend {
-  /// In pixels: lines from one place to another.
+  /// Lines from one point to another, in pixels.
   std::vector<std::array<std::array<double, 2>, 2>> lines;
   std::vector<Label>
       labels;  ///< how long the bar is, "2 Å", and the axes: "x 1 Å", "y 1 Å", "z 1 Å"
 };
 
-/// The legend of a picture; empty where the picture is too small for one. The bar is 1, 2 or 5
+/// The legend of a picture; empty if the picture is too small for one. The bar is 1, 2 or 5
 /// times a power of ten long, and at most a quarter of the width. So are the axes, all of one
 /// length in the model's space; the picture shortens those that do not lie in its plane.
 Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions& options);
 
-/// Draws it over everything, with its letters if the options say so.
+/// Draws the legend over everything, with its letters if the options want them.
 void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
                 const RenderOptions& options);
 
-/// Draws a text on a white plate over everything, its middle in this place of a drawing.
+/// Draws a text on a white plate over everything, with its middle at x, y of the drawing.
 void add_plate(Drawing& drawing, const std::string& text, double x, double y,
                const RenderOptions& options);
 /// Draws a text over everything.

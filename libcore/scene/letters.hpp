@@ -15,7 +15,7 @@ inline constexpr int kLetterHeight = 13;
 /// A letter's rows from the top; bit kLetterWidth - 1 is the left column.
 using LetterRows = std::span<const std::uint8_t, kLetterHeight>;
 
-/// Everything but printable ASCII, Å and ° (as one byte of Latin-1) is '?'.
+/// The rows of '?' stand for any letter but printable ASCII, Å and ° (as one byte of Latin-1).
 LetterRows letter_rows(char letter);
 
 /// The letters of a text in UTF-8, one byte each, for letter_rows().

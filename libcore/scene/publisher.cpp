@@ -1,9 +1,16 @@
 #include "libcore/scene/publisher.hpp"
 
+#include <limits.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
-#include <optional>
+#include <limits>
+#include <system_error>
 #include <utility>
 
 #include "libcore/base/signals.hpp"
@@ -16,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::nanoseconds kPeriod{1'000'000'000 / kFramesPerSecond};
 constexpr std::chrono::seconds kLinger{1};
+constexpr int kAskEvery_ms = 20;
 
 Snapshot empty_snapshot(std::size_t row_size) {
   Snapshot snapshot;
@@ -28,7 +36,8 @@ Snapshot empty_snapshot(std::size_t row_size) {
 FramePublisher::FramePublisher(std::optional<OutputFile> output, const Scene& scene,
                                std::size_t row_size, Complete complete, bool paced,
                                double ticks_per_second, const std::atomic<int>& stop, Show show)
-    : scene_(scene),
+    : output_(std::move(output)),
+      scene_(scene),
       complete_(std::move(complete)),
       show_(std::move(show)),
       paced_(paced),
@@ -36,7 +45,13 @@ FramePublisher::FramePublisher(std::optional<OutputFile> output, const Scene& sc
           std::max(1.0, std::round(ticks_per_second / kFramesPerSecond)))),
       stopped_([&stop] { return stop.load(std::memory_order_relaxed) != 0; }),
       buffer_(empty_snapshot(row_size)) {
-  if (output) output_.emplace(std::move(*output));
+  if (output_) {
+    // A pipe that poll() calls writable takes PIPE_BUF bytes. O_NONBLOCK would work for any number,
+    // but it belongs to the pipe: other writers would see it too.
+    struct stat status {};
+    const bool regular = ::fstat(output_->fd(), &status) == 0 && S_ISREG(status.st_mode);
+    piece_ = regular ? std::numeric_limits<std::size_t>::max() : PIPE_BUF;
+  }
   static_cast<Snapshot&>(frame_) = buffer_.front();
   frame_.centres.resize(3 * scene.spheres.size());
   if (output_) encoder_.encode(frame_, scene_.state_size);  // takes the memory for all of them
@@ -116,17 +131,29 @@ void FramePublisher::write_scene(const GiveUp& give_up) {
 }
 
 bool FramePublisher::write(std::span<const std::byte> message, const GiveUp& give_up) {
-  switch (output_->write(message, give_up)) {
-    case FrameOutput::Status::kWritten:
-      return true;
-    case FrameOutput::Status::kClosed:
+  const NoSigpipe
+      no_sigpipe;  // a closed pipe is an outcome here, whatever the process does with it
+  const auto fail = [&] {
+    throw std::system_error(errno, std::generic_category(), output_->name());
+  };
+  while (!message.empty()) {
+    pollfd viewer{output_->fd(), POLLOUT, 0};
+    const int ready = ::poll(&viewer, 1, kAskEvery_ms);
+    if (ready < 0 && errno != EINTR) fail();
+    if (ready <= 0) {
+      counts_.cut = give_up();
+      if (counts_.cut) return false;
+      continue;
+    }
+    const ssize_t count = ::write(output_->fd(), message.data(), std::min(message.size(), piece_));
+    if (count < 0 && errno == EPIPE) {
       counts_.closed = true;
       return false;
-    case FrameOutput::Status::kGivenUp:
-      counts_.cut = true;
-      break;
+    }
+    if (count < 0 && errno != EINTR && errno != EAGAIN) fail();
+    if (count > 0) message = message.subspan(static_cast<std::size_t>(count));
   }
-  return false;
+  return true;
 }
 
 /// Completes and shows the newest snapshot, if there is a new one.

@@ -9,20 +9,22 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <optional>
+#include <span>
 #include <thread>
 
+#include "libcore/base/file.hpp"
 #include "libcore/base/triple_buffer.hpp"
-#include "libcore/scene/output.hpp"
 #include "libcore/scene/scene.hpp"
 #include "libcore/scene/stream.hpp"
 
 namespace hapgrid {
 
-/// How writing frames to the file went.
+/// The frames that were written to the file, and how that ended.
 struct FrameCounts {
   std::uint64_t written = 0;
   std::uint64_t dropped = 0;  ///< due while the viewer or the slow thread was late
@@ -32,18 +34,18 @@ struct FrameCounts {
 
 class FramePublisher {
  public:
-  /// Sets a frame's energy and centres, which has the scene's size, from the rest of the frame.
+  /// Sets the energy and the centres of a frame, which have their sizes, from the rest of it.
   using Complete = std::function<void(Frame&)>;
-  /// Gets each completed frame before it is written, also frames that the file's slow viewer
-  /// misses. May throw.
+  /// Gets each completed frame before it is written, and also the frames that a slow viewer of the
+  /// file misses. May throw.
   using Show = std::function<void(const Frame&)>;
 
   /// @param output the file or pipe for frames, if any.
   /// @param row_size numbers in each snapshot's row; the scene's state_size or more.
   /// @param complete called from the slow thread when paced.
   /// @param ticks_per_second how much scripted time a tick is, for a play without a pace.
-  /// @param stop nonzero, through a signal's handler: a play without a pace no longer waits for its
-  /// viewer.
+  /// @param stop becomes nonzero in a signal's handler: then a play without a pace no longer waits
+  /// for its viewer.
   /// @param show called where `complete` is; should not take long.
   /// @throw std::system_error
   FramePublisher(std::optional<OutputFile> output, const Scene& scene, std::size_t row_size,
@@ -69,15 +71,18 @@ class FramePublisher {
   using GiveUp = std::function<bool()>;
 
   void run(const std::stop_token& token);
-  /// False when nothing more can be written.
+  /// Writes all of `message`, unless the viewer closes the pipe (counts_.closed). While the viewer
+  /// reads no more, `give_up` is asked several times a second whether to leave the message cut
+  /// (counts_.cut), so that nothing may be written behind it. @return whether all was written
   bool write(std::span<const std::byte> message, const GiveUp& give_up);
   void write_scene(const GiveUp& give_up);
   void write_newest(const GiveUp& give_up);
   void complete_newest();
-  /// The file takes more.
+  /// Whether more can be written to the file.
   bool open() const { return output_ && !counts_.closed && !counts_.cut; }
 
-  std::optional<FrameOutput> output_;
+  std::optional<OutputFile> output_;  // a file, or a viewer behind a pipe: slow, asleep or dead
+  std::size_t piece_ = 0;  // bytes that can be written without waiting, once poll() has said so
   const Scene scene_;
   const Complete complete_;
   const Show show_;
@@ -88,7 +93,7 @@ class FramePublisher {
   // While the slow thread runs, the members from here on belong to it.
   SceneEncoder encoder_;
   Frame frame_;
-  bool unwritten_ = false;  // the frame is newer than what the file has
+  bool unwritten_ = false;  // frame_ is newer than the last frame in the file
   FrameCounts counts_;
   std::exception_ptr failure_;
   // Without a pace.

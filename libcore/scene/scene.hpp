@@ -1,5 +1,5 @@
-// What a viewer is told of a running play (schemas/frame.capnp): a scene once, and a frame 25 times
-// a second. Lengths and positions are in the model's unit of length.
+// The stream that viewers get of a running play (schemas/frame.capnp): a scene once, and a frame 25
+// times a second. Lengths and positions are in the model's unit of length.
 #pragma once
 
 #include <array>
@@ -12,43 +12,43 @@
 
 namespace hapgrid {
 
-/// Frames a second of play's time: what an eye takes for motion (Sect. 2.4).
+/// Frames a second of play's time: an eye takes so many for motion (Sect. 2.4).
 inline constexpr int kFramesPerSecond = 25;
 
-/// What stays the same in all frames.
+/// The facts that are the same in all frames.
 struct Scene {
   std::string model;
   std::string length_unit;  ///< for people; may be empty
   std::string energy_unit;  ///< for people; may be empty
   Box box;
   std::uint32_t state_size = 1;
-  double hip_radius = 0;  ///< of the ball that the HIP moves; 0: unknown
+  double hip_radius = 0;  ///< of the ball that the HIP moves; 0 if it is unknown
   std::vector<Sphere> spheres;
-  std::vector<Torsion> torsions;  ///< of the spheres; empty where none are to be watched
+  std::vector<Torsion> torsions;  ///< of the spheres, which viewers follow
   std::string keys;               ///< for people: what the keys do that play reads; may be empty
   friend bool operator==(const Scene&, const Scene&) = default;
 };
 
-/// One tick as the haptic loop knows it.
+/// One tick with the numbers that the haptic loop knows.
 struct Snapshot {
   std::uint64_t tick = 0;
   double time_s = 0;
   Vec3 hip{};        ///< as the device gave it; may be outside the box or not finite
-  Vec3 position{};   ///< held in the box: where state, energy and force belong to
+  Vec3 position{};   ///< the HIP held in the box, to which state, energy and force belong
   Vec3 force{};      ///< newtons, as sent
-  Vec3 raw_force{};  ///< newtons, before the safety core; NaN where it was not computed
+  Vec3 raw_force{};  ///< newtons, before the safety core; NaN if it was not computed
   std::array<std::uint8_t, 8> levels{};  ///< in the corners i + 2j + 4k of the cell
   std::uint64_t jumps = 0;  ///< ticks in which the state jumped, because it started or snapped
-  std::vector<double> row;  ///< the state, then what the grid keeps with it, which no stream has
+  std::vector<double> row;  ///< the state; then the grid's stored values, which no stream has
 };
 
-/// A snapshot with what takes too long for the haptic loop.
+/// A snapshot, and the numbers whose computation takes too long for the haptic loop.
 struct Frame : Snapshot {
-  double energy = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the model has none
+  double energy = std::numeric_limits<double>::quiet_NaN();  ///< NaN if the model has none
   double own_energy = energy;  ///< of the model by itself, without the HIP; NaN as well
   std::vector<float> centres;  ///< of the spheres, x y z by sphere
   /// Degrees in (-180, 180] by which each of the scene's torsions has turned since the first frame
-  /// that a reader got; NaN where it is no angle.
+  /// that the reader got; NaN if it is no angle.
   std::vector<double> turned;
 };
 

@@ -1,15 +1,11 @@
 #include "libcore/scene/stream.hpp"
 
-#include <capnp/message.h>
-#include <capnp/serialize.h>
 #include <fcntl.h>
-#include <kj/exception.h>
 #include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -18,13 +14,12 @@
 
 #include "frame.capnp.h"
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
+#include "libcore/base/message.hpp"
 #include "libcore/grid/box_message.hpp"
 #include "libcore/scene/torsion.hpp"
 
 namespace hapgrid {
-
-static_assert(std::endian::native == std::endian::little,
-              "the segment table is written as it is in memory, and Cap'n Proto is little-endian");
 
 namespace {
 
@@ -54,22 +49,24 @@ void set_vector(scene_schema::Vector::Builder out, const Vec3& v) {
 
 Vec3 get_vector(scene_schema::Vector::Reader in) { return {in.getX(), in.getY(), in.getZ()}; }
 
+void check_text(std::size_t bytes, const char* what) {
+  if (bytes > kMaxText)
+    throw FormatError(format("{} of {} bytes, the limit is {}", what, bytes, kMaxText));
+}
+
 std::string get_text(capnp::Text::Reader in, const char* what) {
-  if (in.size() > kMaxText)
-    throw FormatError(std::string(what) + " of " + std::to_string(in.size()) +
-                      " bytes, the limit is " + std::to_string(kMaxText));
+  check_text(in.size(), what);
   return std::string(in.begin(), in.size());
 }
 
-float get_length(float value, const char* what) {
-  if (!std::isfinite(value) || value < 0)
-    throw FormatError(std::string(what) + " is negative or not finite");
-  return value;
-}
-
-float get_colour(float value) {
-  if (!(value >= 0 && value <= 1)) throw FormatError("a colour is not in [0, 1]");
-  return value;
+Sphere decode_sphere(schema::Sphere::Reader in) {
+  Sphere sphere = get_sphere(in);
+  if (!std::isfinite(sphere.radius) || sphere.radius < 0)
+    throw FormatError("a radius is negative or not finite");
+  for (const float part : sphere.colour)
+    if (!(part >= 0 && part <= 1)) throw FormatError("a colour is not in [0, 1]");
+  check_text(sphere.label.size(), "a label");
+  return sphere;
 }
 
 void set_torsions(scene_schema::Scene::Builder scene, const std::vector<Torsion>& torsions) {
@@ -87,45 +84,36 @@ void set_torsions(scene_schema::Scene::Builder scene, const std::vector<Torsion>
 Scene decode_scene(scene_schema::Scene::Reader in) {
   if (in.getMagic() != kMagic) throw FormatError("not a stream of frames");
   if (in.getVersion() != kFormatVersion)
-    throw FormatError("format version " + std::to_string(in.getVersion()) +
-                      ", this program reads version " + std::to_string(kFormatVersion));
+    throw FormatError(format("format version {}, this program reads version {}", in.getVersion(),
+                             kFormatVersion));
   Scene scene;
   scene.model = get_text(in.getModel(), "a model's name");
   scene.length_unit = get_text(in.getLengthUnit(), "a unit");
   scene.energy_unit = get_text(in.getEnergyUnit(), "a unit");
   scene.keys = get_text(in.getKeys(), "a line about keys");
   scene.box = get_box(in.getBox());
-  try {
-    scene.box.validate();
-  } catch (const Error& e) {
-    throw FormatError(e.what());
-  }
   scene.state_size = in.getStateSize();
   if (scene.state_size == 0 || scene.state_size > kMaxStateSize)
-    throw FormatError("a state of " + std::to_string(scene.state_size) + " components; 1 to " +
-                      std::to_string(kMaxStateSize) + " are possible");
+    throw FormatError(
+        format("a state of {} components; 1 to {} are possible", scene.state_size, kMaxStateSize));
   scene.hip_radius = in.getHipRadius();
   if (!std::isfinite(scene.hip_radius) || scene.hip_radius < 0)
     throw FormatError("the radius of the HIP is negative or not finite");
   const auto spheres = in.getSpheres();
   if (spheres.size() > kMaxSpheres)
-    throw FormatError("a shape of " + std::to_string(spheres.size()) + " spheres; " +
-                      std::to_string(kMaxSpheres) + " are possible");
+    throw FormatError(
+        format("a shape of {} spheres; {} are possible", spheres.size(), kMaxSpheres));
   scene.spheres.reserve(spheres.size());
-  for (const auto sphere : spheres)
-    scene.spheres.push_back(
-        {get_length(sphere.getRadius(), "a radius"),
-         {get_colour(sphere.getRed()), get_colour(sphere.getGreen()), get_colour(sphere.getBlue())},
-         get_text(sphere.getLabel(), "a label")});
+  for (const auto sphere : spheres) scene.spheres.push_back(decode_sphere(sphere));
   if (in.getTorsions().size() > kMaxTorsions)
-    throw FormatError(std::to_string(in.getTorsions().size()) + " torsions; " +
-                      std::to_string(kMaxTorsions) + " are possible");
+    throw FormatError(
+        format("{} torsions; {} are possible", in.getTorsions().size(), kMaxTorsions));
   for (const auto torsion : in.getTorsions()) {
     scene.torsions.push_back({{torsion.getA(), torsion.getB(), torsion.getC(), torsion.getD()},
                               get_text(torsion.getName(), "a torsion's name")});
     for (const std::uint32_t sphere : scene.torsions.back().spheres)
       if (sphere >= scene.spheres.size())
-        throw FormatError("a torsion of sphere " + std::to_string(sphere) + ", which is not there");
+        throw FormatError(format("a torsion of sphere {}, which is not there", sphere));
   }
   return scene;
 }
@@ -133,8 +121,7 @@ Scene decode_scene(scene_schema::Scene::Reader in) {
 template <class List, class To>
 void get_list(List in, std::size_t size, const char* what, To& to) {
   if (in.size() != size)
-    throw FormatError(std::string(what) + ": " + std::to_string(in.size()) +
-                      " values, the scene has " + std::to_string(size));
+    throw FormatError(format("{}: {} values, the scene has {}", what, in.size(), size));
   std::copy(in.begin(), in.end(), to.begin());
 }
 
@@ -158,20 +145,9 @@ void decode_frame(scene_schema::Frame::Reader in, const Scene& scene, Frame& fra
 
 }  // namespace
 
-/// Builds one message with `fill(scene_schema::Message::Builder)`, which needs at most `words`.
-template <class F>
-std::span<const std::byte> SceneEncoder::build(std::size_t words, F&& fill) {
-  // Cap'n Proto wants a segment of zeros, and clears what it used of it when it is done.
-  if (segment_.size() < words) segment_.resize(words);
-  capnp::MallocMessageBuilder builder(
-      kj::arrayPtr(reinterpret_cast<capnp::word*>(segment_.data()), segment_.size()));
-  fill(builder.initRoot<scene_schema::Message>());
-  const auto segments = builder.getSegmentsForOutput();
-  if (segments.size() != 1) throw Error("a message is larger than foreseen");
-  const std::size_t used = segments[0].size();
-  message_.resize(1 + used);
-  message_[0] = std::uint64_t{used} << 32;  // one segment (0: the count less one), its words
-  std::memcpy(message_.data() + 1, segments[0].begin(), used * sizeof(capnp::word));
+template <class Fill>
+std::span<const std::byte> SceneEncoder::build(std::size_t words, Fill&& fill) {
+  build_message<scene_schema::Message>(words, scratch_, message_, fill);
   return std::as_bytes(std::span(message_));
 }
 
@@ -194,10 +170,7 @@ std::span<const std::byte> SceneEncoder::encode(const Scene& scene) {
     auto spheres = out.initSpheres(static_cast<unsigned>(scene.spheres.size()));
     for (unsigned i = 0; i < spheres.size(); ++i) {
       const Sphere& sphere = scene.spheres[i];
-      spheres[i].setRadius(sphere.radius);
-      spheres[i].setRed(sphere.colour[0]);
-      spheres[i].setGreen(sphere.colour[1]);
-      spheres[i].setBlue(sphere.colour[2]);
+      set_sphere(spheres[i], sphere);
       if (!sphere.label.empty()) spheres[i].setLabel(sphere.label);
     }
     if (!scene.torsions.empty()) set_torsions(out, scene.torsions);
@@ -231,36 +204,31 @@ SceneReader::SceneReader(const std::string& name) : name_(name), fd_(STDIN_FILEN
     if (!owned_) throw std::system_error(errno, std::generic_category(), name_);
     fd_ = owned_.get();
   }
-  take_scene();
+  read_scene();
 }
 
 SceneReader::SceneReader(FileDescriptor file, std::string name)
     : name_(std::move(name)), owned_(std::move(file)), fd_(owned_.get()) {
-  take_scene();
+  read_scene();
 }
 
-/// Calls `use(scene_schema::Message::Reader)` on the message; everything that Cap'n Proto throws
-/// becomes a FormatError.
-template <class F>
-void SceneReader::decode(F&& use) const {
+void SceneReader::fail(const std::string& what) const {
+  throw FormatError(format("{}: byte {}: {}", name_, message_start_, what));
+}
+
+template <class Use>
+void SceneReader::decode(Use&& use) const {
   try {
-    capnp::ReaderOptions options;
-    options.traversalLimitInWords = 2 * words_.size() + 1024;
-    options.nestingLimit = 8;
-    const auto* begin = reinterpret_cast<const capnp::word*>(words_.data());
-    capnp::FlatArrayMessageReader reader(kj::arrayPtr(begin, words_.size()), options);
-    use(reader.getRoot<scene_schema::Message>());
+    read_message<scene_schema::Message>(words_, use);
   } catch (const FormatError& e) {
-    throw FormatError(name_ + ": byte " + std::to_string(message_) + ": " + e.what());
-  } catch (const kj::Exception& e) {
-    throw FormatError(name_ + ": byte " + std::to_string(message_) +
-                      ": damaged: " + std::string(e.getDescription().cStr()));
+    fail(e.what());
   }
 }
 
-void SceneReader::take_scene() {
+void SceneReader::read_scene() {
   buffer_.resize(kReadBytes);
-  if (!take_message(kSceneLimit)) throw FormatError(name_ + ": empty, not a stream of frames");
+  if (!read_words(kSceneLimit))
+    throw FormatError(format("{}: empty, not a stream of frames", name_));
   decode([&](scene_schema::Message::Reader message) {
     if (!message.isScene()) throw FormatError("not a stream of frames: no scene in front");
     scene_ = decode_scene(message.getScene());
@@ -270,15 +238,14 @@ void SceneReader::take_scene() {
 }
 
 bool SceneReader::next(Frame& frame) {
-  if (!take_message(frame_limit_)) return false;
+  if (!read_words(frame_limit_)) return false;
   decode([&](scene_schema::Message::Reader message) {
     if (message.isScene()) throw FormatError("a second scene");
     if (!message.isFrame())
       throw FormatError("a message of a kind that this version does not know");
     decode_frame(message.getFrame(), scene_, frame);
     if (any_frame_ && frame.tick <= last_tick_)
-      throw FormatError("tick " + std::to_string(frame.tick) + " after tick " +
-                        std::to_string(last_tick_));
+      throw FormatError(format("tick {} after tick {}", frame.tick, last_tick_));
   });
   std::vector<double> angles;
   for (const Torsion& torsion : scene_.torsions) angles.push_back(torsion_degrees(torsion, frame));
@@ -301,7 +268,7 @@ bool SceneReader::given_up() const {
 }
 
 /// The next `size` bytes; false when the stream ends in front of the first of them.
-bool SceneReader::take(std::byte* to, std::size_t size) {
+bool SceneReader::read(std::byte* to, std::size_t size) {
   std::size_t done = 0;
   while (done < size) {
     if (begin_ == end_) {
@@ -318,27 +285,22 @@ bool SceneReader::take(std::byte* to, std::size_t size) {
     begin_ += part;
     done += part;
   }
-  taken_ += done;
+  bytes_read_ += done;
   if (done == 0 && size > 0) return false;
-  if (done < size)
-    throw FormatError(name_ + ": byte " + std::to_string(message_) +
-                      ": truncated: a message is cut");
+  if (done < size) fail("truncated: a message is cut");
   return true;
 }
 
-bool SceneReader::take_message(std::uint64_t limit) {
-  message_ = taken_;
-  const auto fail = [&](const std::string& what) {
-    throw FormatError(name_ + ": byte " + std::to_string(message_) + ": " + what);
-  };
+bool SceneReader::read_words(std::uint64_t limit) {
+  message_start_ = bytes_read_;
   const auto rest = [&](std::uint64_t* to, std::size_t words) {
-    if (!take(reinterpret_cast<std::byte*>(to), words * sizeof *to))
+    if (!read(reinterpret_cast<std::byte*>(to), words * sizeof *to))
       fail("truncated: a message is cut");
   };
   // The segment table, in halves of words filled up to whole ones: the count less one, then how
   // many words each segment has.
   words_.resize(1);
-  if (!take(reinterpret_cast<std::byte*>(words_.data()), sizeof words_[0])) return false;
+  if (!read(reinterpret_cast<std::byte*>(words_.data()), sizeof words_[0])) return false;
   const auto more = static_cast<std::uint32_t>(words_[0]);
   if (more >= kMaxSegments) fail("not a stream of frames, or damaged");
   const std::size_t table = (more + 3) / 2;
@@ -348,8 +310,7 @@ bool SceneReader::take_message(std::uint64_t limit) {
   for (std::uint32_t i = 0; i <= more; ++i)
     words += (words_[(i + 1) / 2] >> ((i + 1) % 2 * 32)) & 0xffffffff;
   if (words > limit / sizeof(std::uint64_t))
-    fail("a message of " + std::to_string(words * sizeof(std::uint64_t)) + " bytes, the limit is " +
-         std::to_string(limit));
+    fail(format("a message of {} bytes, the limit is {}", words * sizeof(std::uint64_t), limit));
   // Memory grows with the bytes that were read, not with the claimed size.
   while (words_.size() < words) {
     const std::size_t old = words_.size();

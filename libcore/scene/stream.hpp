@@ -12,7 +12,7 @@
 
 namespace hapgrid {
 
-/// Makes messages. Memory is taken for the first message of a size and kept.
+/// Makes messages. It allocates for the first message of a size, and keeps that memory.
 class SceneEncoder {
  public:
   /// The message is valid until the next call.
@@ -21,11 +21,12 @@ class SceneEncoder {
   std::span<const std::byte> encode(const Frame& frame, std::size_t state_size);
 
  private:
-  template <class F>
-  std::span<const std::byte> build(std::size_t words, F&& fill);
+  /// @param words that the message needs at most
+  template <class Fill>
+  std::span<const std::byte> build(std::size_t words, Fill&& fill);
 
-  std::vector<std::uint64_t> segment_;  // where a message is built
-  std::vector<std::uint64_t> message_;  // with its segment table in front
+  std::vector<std::uint64_t> scratch_;  // see build_message()
+  std::vector<std::uint64_t> message_;
 };
 
 /// Reads a stream as it comes: a frame is given out as soon as its last byte is there, so that a
@@ -33,7 +34,7 @@ class SceneEncoder {
 /// and what was read agrees with the scene.
 class SceneReader {
  public:
-  /// Takes the scene off the stream; "-" is standard input.
+  /// Reads the scene; "-" is standard input.
   /// @throw std::system_error; FormatError "NAME: byte N: ..." when there is none.
   explicit SceneReader(const std::string& name);
   /// A file that is open already, from where it stands.
@@ -52,24 +53,26 @@ class SceneReader {
   void give_up_on(int fd) { give_up_ = fd; }
 
  private:
-  /// Gets the next message into words_; false at the end. `limit` is in bytes.
-  bool take_message(std::uint64_t limit);
-  bool take(std::byte* to, std::size_t size);
+  void read_scene();
+  /// Reads the next message into words_; false at the end of the stream. `limit` is in bytes.
+  bool read_words(std::uint64_t limit);
+  bool read(std::byte* to, std::size_t size);
   bool given_up() const;
-  void take_scene();
-  template <class F>
-  void decode(F&& use) const;
+  /// Calls use(scene_schema::Message::Reader).
+  template <class Use>
+  void decode(Use&& use) const;
+  [[noreturn]] void fail(const std::string& what) const;
 
   std::string name_;
   FileDescriptor owned_;
   int fd_ = -1;
   int give_up_ = -1;
-  std::vector<std::byte> buffer_;  // what was read and not taken yet: begin_ .. end_
+  std::vector<std::byte> buffer_;  // the bytes from begin_ to end_ are still to be used
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
-  std::uint64_t taken_ = 0;    // bytes of the stream
-  std::uint64_t message_ = 0;  // where the message starts, in bytes
-  std::vector<std::uint64_t> words_;
+  std::uint64_t bytes_read_ = 0;      // of the stream
+  std::uint64_t message_start_ = 0;   // in bytes
+  std::vector<std::uint64_t> words_;  // of the message
   Scene scene_;
   std::uint64_t frame_limit_ = 0;
   bool any_frame_ = false;

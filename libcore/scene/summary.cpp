@@ -18,8 +18,8 @@ void SceneSummary::add(const Scene& scene, const Frame& frame) {
     }
     for (int a = 0; a < 3; ++a) {
       Range& range = (*bounds)[a];
-      range.low = std::min(range.low, centre[a] - r);
-      range.high = std::max(range.high, centre[a] + r);
+      range.first = std::min(range.first, centre[a] - r);
+      range.second = std::max(range.second, centre[a] + r);
     }
   }
   const double force = std::hypot(frame.force[0], frame.force[1], frame.force[2]);
@@ -29,8 +29,8 @@ void SceneSummary::add(const Scene& scene, const Frame& frame) {
   }
   if (!std::isfinite(frame.energy)) return;
   if (!energy) energy = Range{frame.energy, frame.energy};
-  energy->low = std::min(energy->low, frame.energy);
-  energy->high = std::max(energy->high, frame.energy);
+  energy->first = std::min(energy->first, frame.energy);
+  energy->second = std::max(energy->second, frame.energy);
 }
 
 }  // namespace hapgrid

@@ -11,10 +11,10 @@ namespace hapgrid {
 /// (IUPAC); NaN where three of the spheres stand on a line or a place is not finite.
 double torsion_degrees(const Torsion& torsion, const Frame& frame);
 
-/// From so many degrees on, a torsion that has turned is named.
+/// Pictures name a torsion that has turned by so many degrees or more.
 inline constexpr double kTurned = 10;
 
-/// "psi +67°": a torsion that has turned, and how far.
+/// The name of a torsion, and how far it has turned: "psi +67°".
 std::string turned_text(const Torsion& torsion, double degrees);
 
 }  // namespace hapgrid

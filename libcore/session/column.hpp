@@ -1,10 +1,10 @@
-// Columns of doubles so that zstd finds what is regular in them. Only for the sources of this
-// folder.
+// Columns of doubles in a form that zstd compresses well. Only for the sources of this folder.
 //
-// What a hand does is smooth: from tick to tick sign, exponent and the upper bits of the fraction
-// hardly change, but zstd, which looks for repeated bytes, does not see it through the noise of the
-// lower bits. The difference of neighbours makes zeros of what stays the same, and bytes of one
-// significance side by side keep the zeros together. schemas/session.capnp says it to the bit.
+// A hand moves smoothly: from tick to tick sign, exponent and the upper bits of the fraction hardly
+// change. But zstd, which looks for repeated bytes, does not see that through the noise of the
+// lower bits. The difference of neighbours has zeros in place of the bits that stay the same, and
+// bytes of one significance side by side keep the zeros together. schemas/session.capnp defines
+// each bit.
 #pragma once
 
 #include <bit>
@@ -48,7 +48,7 @@ inline void decode_differences(const std::uint8_t* from, Vec3 TickRecord::*membe
     }
 }
 
-/// Three columns of what was done to the raw force; `to` has 24 bytes a tick.
+/// Three columns of the bits in which the force differs from the raw one; `to` has 24 bytes a tick.
 inline void encode_force(std::span<const TickRecord> ticks, std::uint8_t* to) {
   const std::size_t n = ticks.size();
   for (int axis = 0; axis < 3; ++axis, to += 8 * n)

@@ -1,4 +1,4 @@
-// Between structs and Cap'n Proto messages. Only for the sources of this folder.
+// Turns headers and ticks into Cap'n Proto messages and back. Only for the sources of this folder.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@
 
 namespace hapgrid {
 
-inline constexpr std::size_t kChunkTicks = 4096;  ///< The most in a chunk.
-/// The most bytes of a header's and of a chunk's message, whoever wrote them.
+inline constexpr std::size_t kChunkTicks = 4096;  ///< A chunk has at most so many ticks.
+/// The most bytes of the messages of a header and of a chunk, whoever wrote them.
 inline constexpr std::uint64_t kHeaderLimit = 1 << 20;
 inline constexpr std::uint64_t kChunkLimit = 128 * kChunkTicks;
 
-/// Messages, flat.
+/// A message with its segment table.
 using Message = std::vector<std::uint64_t>;
 Message encode_header(const SessionHeader& header);
 /// @param ticks 1 to kChunkTicks, ascending. @param dropped see schemas/session.capnp

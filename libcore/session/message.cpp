@@ -1,10 +1,5 @@
 // Messages of schemas/session.capnp.
-#include <capnp/any.h>
-#include <capnp/message.h>
-#include <capnp/serialize.h>
-#include <kj/exception.h>
-
-#include <cstring>
+#include "libcore/base/message.hpp"
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
@@ -24,55 +19,17 @@ constexpr double kMinRate = 1e-6;  // so that times and numbers of ticks are far
 constexpr double kMaxRate = 1e9;
 constexpr std::size_t kMaxText = 255;  // bytes of a name, unit or digest
 
-/// Builds a message of some `words` with `fill(session_schema::Message::Builder)`.
-template <class F>
-Message build(std::size_t words, F&& fill) {
-  capnp::MallocMessageBuilder builder(static_cast<unsigned>(words));
-  fill(builder.initRoot<session_schema::Message>());
-  const auto flat = capnp::messageToFlatArray(builder);
-  Message message(flat.size());
-  std::memcpy(message.data(), flat.begin(), flat.size() * sizeof(std::uint64_t));
+template <class Fill>
+Message build(std::size_t words, Fill&& fill) {
+  Message scratch, message;
+  build_message<session_schema::Message>(words, scratch, message, fill);
   return message;
-}
-
-/// Everything that Cap'n Proto throws becomes a FormatError.
-template <class F>
-auto parse(const Message& message, F&& use) {
-  try {
-    capnp::ReaderOptions options;
-    options.traversalLimitInWords = 4 * message.size() + 1024;
-    options.nestingLimit = 8;
-    const auto* begin = reinterpret_cast<const capnp::word*>(message.data());
-    capnp::FlatArrayMessageReader reader(kj::arrayPtr(begin, message.size()), options);
-    if (reader.getEnd() != begin + message.size())
-      throw FormatError("damaged: bytes behind the message in a zstd frame");
-    return use(reader.getRoot<session_schema::Message>());
-  } catch (const kj::Exception& e) {
-    throw FormatError(format("damaged: {}", e.getDescription().cStr()));
-  }
 }
 
 std::string get_text(capnp::Text::Reader in, std::size_t limit, const char* what) {
   if (in.size() > limit)
     throw FormatError(format("{} of {} bytes, the limit is {}", what, in.size(), limit));
   return std::string(in.begin(), in.size());
-}
-
-/// A hostile list may have been encoded with another element size.
-template <class T, class List>
-std::span<const T> column(List list, std::size_t count, const char* name) {
-  constexpr auto kSize =
-      sizeof(T) == 8 ? capnp::ElementSize::EIGHT_BYTES : capnp::ElementSize::FOUR_BYTES;
-  const capnp::AnyList::Reader any(list);
-  if (any.size() != count || any.getElementSize() != kSize)
-    throw FormatError(format("damaged: column {} does not fit the chunk", name));
-  return {reinterpret_cast<const T*>(any.getRawBytes().begin()), count};
-}
-
-const std::uint8_t* column(capnp::Data::Reader data, std::size_t bytes, const char* name) {
-  if (data.size() != bytes)
-    throw FormatError(format("damaged: column {} does not fit the chunk", name));
-  return data.begin();
 }
 
 void check_text(const std::string& text, std::size_t limit, const char* what) {
@@ -114,31 +71,33 @@ Message encode_header(const SessionHeader& header) {
 }
 
 SessionHeader decode_header(const Message& message) {
-  return parse(message, [](session_schema::Message::Reader in_message) {
-    if (!in_message.isHeader() || in_message.getHeader().getMagic() != kMagic)
-      throw FormatError("not a session");
-    const auto in = in_message.getHeader();
-    if (in.getVersion() != kFormatVersion)
-      throw FormatError(format("format version {}, this program reads version {}", in.getVersion(),
-                               kFormatVersion));
-    SessionHeader header;
-    header.model = get_text(in.getModel(), kMaxText, "a model's name");
-    header.grid_digest = get_text(in.getGridDigest(), kMaxText, "a grid's digest");
-    header.length_unit = get_text(in.getLengthUnit(), kMaxText, "a unit");
-    header.box = get_box(in.getBox());
-    header.rate_hz = in.getRate();
-    const auto flags = in.getFlagNames();
-    if (flags.size() > kMaxFlags)
-      throw FormatError(format("{} flags, the limit is {}", flags.size(), kMaxFlags));
-    for (const auto name : flags) header.flags.push_back(get_text(name, kMaxText, "a flag's name"));
-    header.settings = get_text(in.getSettings(), kMaxSettings, "settings");
-    try {
-      header.validate();
-    } catch (const Error& e) {
-      throw FormatError(e.what());
-    }
-    return header;
-  });
+  return read_message<session_schema::Message>(
+      message, [](session_schema::Message::Reader in_message) {
+        if (!in_message.isHeader() || in_message.getHeader().getMagic() != kMagic)
+          throw FormatError("not a session");
+        const auto in = in_message.getHeader();
+        if (in.getVersion() != kFormatVersion)
+          throw FormatError(format("format version {}, this program reads version {}",
+                                   in.getVersion(), kFormatVersion));
+        SessionHeader header;
+        header.model = get_text(in.getModel(), kMaxText, "a model's name");
+        header.grid_digest = get_text(in.getGridDigest(), kMaxText, "a grid's digest");
+        header.length_unit = get_text(in.getLengthUnit(), kMaxText, "a unit");
+        header.box = get_box(in.getBox());
+        header.rate_hz = in.getRate();
+        const auto flags = in.getFlagNames();
+        if (flags.size() > kMaxFlags)
+          throw FormatError(format("{} flags, the limit is {}", flags.size(), kMaxFlags));
+        for (const auto name : flags)
+          header.flags.push_back(get_text(name, kMaxText, "a flag's name"));
+        header.settings = get_text(in.getSettings(), kMaxSettings, "settings");
+        try {
+          header.validate();
+        } catch (const Error& e) {
+          throw FormatError(e.what());
+        }
+        return header;
+      });
 }
 
 Message encode_ticks(std::span<const TickRecord> ticks, std::uint64_t dropped) {
@@ -166,41 +125,43 @@ Message encode_ticks(std::span<const TickRecord> ticks, std::uint64_t dropped) {
 }
 
 std::uint64_t decode_ticks(const Message& message, std::vector<TickRecord>& ticks) {
-  return parse(message, [&](session_schema::Message::Reader in_message) {
-    if (!in_message.isTicks()) throw FormatError("damaged: a chunk of ticks was expected");
-    const auto in = in_message.getTicks();
-    const std::size_t n = in.getSkipped().size();
-    if (n == 0 || n > kChunkTicks)
-      throw FormatError(
-          format("damaged: a chunk of {} ticks; 1 to {} are possible", n, kChunkTicks));
-    const auto skipped = column<std::uint64_t>(in.getSkipped(), n, "skipped");
-    const auto flags = column<std::uint32_t>(in.getFlags(), n, "flags");
-    const auto lateness = column<std::uint32_t>(in.getLateness(), n, "lateness");
-    const auto compute = column<std::uint32_t>(in.getCompute(), n, "compute");
-    const std::uint8_t* levels = column(in.getLevels(), 8 * n, "levels");
-    const std::uint8_t* hip = column(in.getHip(), 24 * n, "hip");
-    const std::uint8_t* raw_force = column(in.getRawForce(), 24 * n, "rawForce");
-    const std::uint8_t* force = column(in.getForce(), 24 * n, "force");
-    if (skipped[0] != 0) throw FormatError("damaged: ticks skipped before the first of a chunk");
-    ticks.resize(n);
-    std::uint64_t number = in.getFirst();
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i > 0) {
-        const std::uint64_t before = number;
-        number += skipped[i] + 1;
-        if (number <= before) throw FormatError("damaged: a tick's number is beyond 64 bits");
-      }
-      ticks[i].number = number;
-      ticks[i].flags = flags[i];
-      ticks[i].lateness_ns = lateness[i];
-      ticks[i].compute_ns = compute[i];
-      for (std::size_t c = 0; c < 8; ++c) ticks[i].levels[c] = levels[c * n + i];
-    }
-    decode_differences(hip, &TickRecord::hip, ticks);
-    decode_differences(raw_force, &TickRecord::raw_force, ticks);
-    decode_force(force, ticks);
-    return in.getDropped();
-  });
+  return read_message<session_schema::Message>(
+      message, [&](session_schema::Message::Reader in_message) {
+        if (!in_message.isTicks()) throw FormatError("damaged: a chunk of ticks was expected");
+        const auto in = in_message.getTicks();
+        const std::size_t n = in.getSkipped().size();
+        if (n == 0 || n > kChunkTicks)
+          throw FormatError(
+              format("damaged: a chunk of {} ticks; 1 to {} are possible", n, kChunkTicks));
+        const auto skipped = column<std::uint64_t>(in.getSkipped(), n, "skipped");
+        const auto flags = column<std::uint32_t>(in.getFlags(), n, "flags");
+        const auto lateness = column<std::uint32_t>(in.getLateness(), n, "lateness");
+        const auto compute = column<std::uint32_t>(in.getCompute(), n, "compute");
+        const auto levels = column(in.getLevels(), 8 * n, "levels");
+        const auto hip = column(in.getHip(), 24 * n, "hip");
+        const auto raw_force = column(in.getRawForce(), 24 * n, "rawForce");
+        const auto force = column(in.getForce(), 24 * n, "force");
+        if (skipped[0] != 0)
+          throw FormatError("damaged: ticks skipped before the first of a chunk");
+        ticks.resize(n);
+        std::uint64_t number = in.getFirst();
+        for (std::size_t i = 0; i < n; ++i) {
+          if (i > 0) {
+            const std::uint64_t before = number;
+            number += skipped[i] + 1;
+            if (number <= before) throw FormatError("damaged: a tick's number is beyond 64 bits");
+          }
+          ticks[i].number = number;
+          ticks[i].flags = flags[i];
+          ticks[i].lateness_ns = lateness[i];
+          ticks[i].compute_ns = compute[i];
+          for (std::size_t c = 0; c < 8; ++c) ticks[i].levels[c] = levels[c * n + i];
+        }
+        decode_differences(hip.data(), &TickRecord::hip, ticks);
+        decode_differences(raw_force.data(), &TickRecord::raw_force, ticks);
+        decode_force(force.data(), ticks);
+        return in.getDropped();
+      });
 }
 
 }  // namespace hapgrid

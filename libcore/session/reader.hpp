@@ -59,7 +59,7 @@ class SessionReader {
   std::string ended_early_;
 };
 
-/// Why a session that has no tick cannot be used, for an Error.
+/// The text of an Error for a session that has no tick.
 std::string without_ticks(const SessionReader& session);
 
 }  // namespace hapgrid

@@ -23,7 +23,7 @@ namespace hapgrid {
 
 class SessionRecorder {
  public:
-  /// @param paced ticks come in real time, header.rate_hz a second.
+  /// @param paced whether ticks come in real time, header.rate_hz a second.
   /// @throw as SessionWriter
   SessionRecorder(const std::string& name, const SessionHeader& header, bool paced);
   /// Without finish() the last ticks are missing in the file (SessionWriter).

@@ -12,7 +12,7 @@ namespace hapgrid {
 
 struct RecordedTick {
   std::uint64_t number = 0;  ///< ascending; ticks whose numbers are skipped were missed
-  Vec3 hip{};                ///< the box's axes, the model's unit; need not be finite
+  Vec3 hip{};                ///< in the box's axes and the model's unit; it need not be finite
   bool clutch = false;
   bool stalled = false;
   bool reset = false;

@@ -1,4 +1,4 @@
-// Values from one thread to another in order, neither ever waiting for the other.
+// Passes values from one thread to another in order. Neither thread ever waits for the other.
 #pragma once
 
 #include <algorithm>
@@ -13,17 +13,17 @@ namespace hapgrid {
 /// For one writer and one reader. push() is the writer's, peek() and pop() the reader's; all are
 /// wait-free, and real-time safe.
 ///
-/// Both ends count what ever went through, and each keeps the other's last known count, so that the
-/// line of memory that they share is only fetched when the ring looks full or empty.
+/// Each end counts the values that ever went through it, and keeps the last known count of the
+/// other end, so that it fetches the other's cache line only when the ring looks full or empty.
 template <class T>
 class SpscRing {
  public:
-  /// Memory for `capacity` values, 1 or more, is taken and touched here.
+  /// Allocates the memory for `capacity` values, 1 or more, and touches it.
   explicit SpscRing(std::size_t capacity) : values_(capacity) {}
 
   std::size_t capacity() const noexcept { return values_.size(); }
 
-  /// False when it is full: the value is not in.
+  /// Returns false, and does not keep the value, when the ring is full.
   bool push(const T& value) noexcept {
     const std::uint64_t written = written_.load(std::memory_order_relaxed);
     if (written - known_read_ == values_.size()) {
@@ -36,14 +36,14 @@ class SpscRing {
     return true;
   }
 
-  /// The oldest values that stand in one piece; empty when there are none.
+  /// The oldest values that are contiguous in memory; empty when there are none.
   std::span<const T> peek() noexcept {
     const std::uint64_t written = written_.load(std::memory_order_acquire);
     const std::uint64_t count = written - read_.load(std::memory_order_relaxed);
     return {values_.data() + read_at_,
             static_cast<std::size_t>(std::min<std::uint64_t>(count, values_.size() - read_at_))};
   }
-  /// Gives the first `count` values of peek() back.
+  /// Removes the first `count` values of peek().
   void pop(std::size_t count) noexcept {
     read_at_ = (read_at_ + count) % values_.size();
     read_.store(read_.load(std::memory_order_relaxed) + count, std::memory_order_release);

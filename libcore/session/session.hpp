@@ -1,4 +1,4 @@
-// What play records of a session (schemas/session.capnp): a header once, and a record a tick.
+// The record of a play, a session (schemas/session.capnp): a header, and one record for each tick.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ inline constexpr const char* kSafetyFlag = "safety_";       ///< "safety_clamped
 inline constexpr std::size_t kMaxFlags = 32;
 inline constexpr std::size_t kMaxSettings = 512 << 10;  ///< bytes
 
-/// What stays the same in all ticks.
+/// The facts that are the same in all ticks.
 struct SessionHeader {
   std::string model;
   std::string grid_digest;  ///< which grid was played; may be empty
@@ -50,13 +50,13 @@ struct SessionHeader {
 
 /// One tick of the haptic loop.
 struct TickRecord {
-  std::uint64_t number = 0;  ///< ascending; what is skipped was missed
+  std::uint64_t number = 0;  ///< ascending; ticks whose numbers are skipped were missed
   Vec3 hip{};                ///< as the device gave it: the box's axes, the model's unit of length
-  Vec3 raw_force{};          ///< newtons, before the safety core; NaN where it was not computed
+  Vec3 raw_force{};          ///< newtons, before the safety core; NaN if it was not computed
   Vec3 force{};              ///< newtons, as it was sent
   std::array<std::uint8_t, 8> levels{};  ///< in the corners i + 2j + 4k of the cell
   std::uint32_t flags = 0;               ///< bits, named by the header
-  std::uint32_t lateness_ns = 0;         ///< from when it was due to when it started
+  std::uint32_t lateness_ns = 0;         ///< from the time when the tick was due to its start
   std::uint32_t compute_ns = 0;          ///< from its start until its force was sent
 };
 

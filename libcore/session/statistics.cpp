@@ -7,7 +7,7 @@ namespace hapgrid {
 
 namespace {
 
-void take_largest(LargestForce& largest, const Vec3& force, std::uint64_t tick) {
+void keep_larger(LargestForce& largest, const Vec3& force, std::uint64_t tick) {
   const double newtons = std::hypot(force[0], force[1], force[2]);
   if (!std::isfinite(newtons) || (largest.any && newtons <= largest.newtons)) return;
   largest = {newtons, tick, true};
@@ -43,8 +43,8 @@ void SessionStatistics::add(const TickRecord& tick) {
     skipped += tick.number - last - 1;
   last = tick.number;
   ++ticks;
-  take_largest(raw, tick.raw_force, tick.number);
-  take_largest(sent, tick.force, tick.number);
+  keep_larger(raw, tick.raw_force, tick.number);
+  keep_larger(sent, tick.force, tick.number);
   if (std::isnan(tick.raw_force[0]) || std::isnan(tick.raw_force[1]) ||
       std::isnan(tick.raw_force[2]))
     ++not_computed;

@@ -11,9 +11,9 @@
 
 namespace hapgrid {
 
-/// A session cannot be repeated: a hand was there once. So it is written into its file chunk by
-/// chunk, and what is written stays whatever happens: a session is whole at the end of each chunk.
-/// An older file of that name is lost when the writer opens it.
+/// A session cannot be repeated: the hand was there once. So it is written into its file chunk by
+/// chunk, and the chunks that are written stay whatever happens: a session is whole at the end of
+/// each chunk. An older file of that name is lost when the writer opens it.
 class SessionWriter {
  public:
   /// Writes the header at once, into a file, a device or a pipe.
@@ -22,7 +22,7 @@ class SessionWriter {
   SessionWriter(const SessionWriter&) = delete;
   SessionWriter& operator=(const SessionWriter&) = delete;
 
-  /// Ticks that are not added are counted here: `dropped` of them so far.
+  /// @param dropped the number of ticks so far that were not added, which the next chunk tells.
   /// @throw Error when the tick's number is not above the last one's; std::system_error
   void add(const TickRecord& tick, std::uint64_t dropped = 0);
   /// How many were added.

@@ -123,26 +123,8 @@ Equality::Norm decode_norm(schema::Equality::Norm norm) {
   throw FormatError("a tolerance function of a kind that this version does not know");
 }
 
-Box decode_box(schema::Box::Reader in) {
-  const Box box = get_box(in);
-  try {
-    box.validate();
-  } catch (const Error& e) {
-    throw FormatError(e.what());
-  }
-  return box;
-}
-
-void encode_sphere(const Sphere& sphere, schema::Sphere::Builder out) {
-  out.setRadius(sphere.radius);
-  out.setRed(sphere.colour[0]);
-  out.setGreen(sphere.colour[1]);
-  out.setBlue(sphere.colour[2]);
-  out.setLabel(sphere.label);
-}
-
 Sphere decode_sphere(schema::Sphere::Reader in) {
-  const Sphere sphere{in.getRadius(), {in.getRed(), in.getGreen(), in.getBlue()}, in.getLabel()};
+  Sphere sphere = get_sphere(in);
   if (!std::isfinite(sphere.radius) || sphere.radius < 0 || !std::isfinite(sphere.colour[0]) ||
       !std::isfinite(sphere.colour[1]) || !std::isfinite(sphere.colour[2]) ||
       sphere.label.size() > kMaxLabelSize)
@@ -197,7 +179,10 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   stored.setEnergy(spec.stored.energy);
   stored.setShape(spec.stored.shape);
   auto spheres = out.initSpheres(static_cast<unsigned>(spec.spheres.size()));
-  for (unsigned i = 0; i < spheres.size(); ++i) encode_sphere(spec.spheres[i], spheres[i]);
+  for (unsigned i = 0; i < spheres.size(); ++i) {
+    set_sphere(spheres[i], spec.spheres[i]);
+    spheres[i].setLabel(spec.spheres[i].label);
+  }
   auto equality = out.initEquality();
   equality.setNorm(encode_norm(spec.equality.norm));
   equality.setWeights(kj::arrayPtr(spec.equality.weights.data(), spec.equality.weights.size()));
@@ -219,7 +204,7 @@ SectionHeader decode_header(schema::Header::Reader in) {
   header.content = decode_content(in.getContent());
   header.generation = in.getGeneration();
   GridSpec& spec = header.spec;
-  spec.box = decode_box(in.getBox());
+  spec.box = get_box(in.getBox());
   spec.model = in.getModel();
   for (const auto parameter : in.getParameters())
     spec.parameters.push_back(decode_parameter(parameter));

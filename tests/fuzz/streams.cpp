@@ -53,22 +53,21 @@ void take_imd(Bytes all) {
   const std::size_t piece = 1 + (all[0] >> 1);
   const auto bytes = std::as_bytes(all.subspan(1));
   ImdListener whole(version, 5);
-  whole.take(bytes);
+  whole.read(bytes);
   ImdListener listener(version, 5);
   for (std::size_t i = 0; i < bytes.size(); i += piece)
-    listener.take(bytes.subspan(i, std::min(piece, bytes.size() - i)));
+    listener.read(bytes.subspan(i, std::min(piece, bytes.size() - i)));
   if (listener.state() != whole.state()) throw std::logic_error("the pieces matter");
 }
 
 /// What a terminal sends: wherever keys lead, the HIP stays in its box.
 void take_keys(Bytes bytes) {
-  const KeyboardOptions options{
-      .start = {0, 0, 0}, .low = {-1, -2, 0}, .high = {1, 2, 3}, .step = 0.1};
-  KeyReader keys(options);
+  const HipRange range{.start = {0, 0, 0}, .low = {-1, -2, 0}, .high = {1, 2, 3}};
+  KeyReader keys(range, 0.1);
   for (const std::uint8_t byte : bytes) {
-    keys.take(byte);
+    keys.read(byte);
     for (int a = 0; a < 3; ++a)
-      if (!(keys.target()[a] >= options.low[a] && keys.target()[a] <= options.high[a]))
+      if (!(keys.target()[a] >= range.low[a] && keys.target()[a] <= range.high[a]))
         throw std::logic_error("out of the box");
   }
 }

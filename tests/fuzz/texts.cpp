@@ -73,8 +73,8 @@ void take_path(std::string_view text) {
   refusable([&] {
     HandLines lines;
     const std::size_t cut = text.size() / 3;
-    std::optional<Vec3> newest = lines.take(text.substr(0, cut));
-    if (const auto x = lines.take(text.substr(cut))) newest = x;
+    std::optional<Vec3> newest = lines.read(text.substr(0, cut));
+    if (const auto x = lines.read(text.substr(cut))) newest = x;
     if (const auto x = lines.finish()) newest = x;
     if (newest != last) std::abort();
   });

@@ -80,20 +80,14 @@ constexpr Form kForms[] = {
     {"process", Argument::kNeeded, "process:COMMAND", make_process},
 };
 
-KeyboardOptions keyboard_options(const PlaySettings& settings, const Box& box) {
-  KeyboardOptions keys;
-  keys.low = box.position({0, 0, 0});
-  keys.high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
+HipRange hip_range(const PlaySettings& settings, const Box& box) {
+  HipRange range;
+  range.low = box.position({0, 0, 0});
+  range.high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
   for (int a = 0; a < 3; ++a)
-    keys.start[a] = std::clamp((keys.low[a] + keys.high[a]) / 2 + settings.mapping.offset[a],
-                               keys.low[a], keys.high[a]);
-  keys.step = box.spacing / 2;
-  return keys;
-}
-
-HandOptions hand_options(const PlaySettings& settings, const Box& box) {
-  const KeyboardOptions keys = keyboard_options(settings, box);
-  return {.start = keys.start, .low = keys.low, .high = keys.high};
+    range.start[a] = std::clamp((range.low[a] + range.high[a]) / 2 + settings.mapping.offset[a],
+                                range.low[a], range.high[a]);
+  return range;
 }
 
 OpenDevice open_path(const std::string& file) {
@@ -107,15 +101,15 @@ OpenDevice open_replay(const std::string& file, double text_rate_hz) {
   const Recording recording = load_recording(file, text_rate_hz);
   if (!recording.ended_early.empty())
     say("play", format("{}: the session ended early, at {}", file, recording.ended_early));
-  std::vector<ReplayTick> ticks;
+  std::vector<DeviceInput> ticks;
   ticks.reserve(recording.ticks.size());
   std::uint64_t next = recording.ticks.front().number;
   for (const RecordedTick& tick : recording.ticks) {
-    ticks.push_back({.input = {.position = tick.hip,
-                               .stalled = tick.stalled,
-                               .clutch = tick.clutch,
-                               .reset = tick.reset,
-                               .begins = tick.begins},
+    ticks.push_back({.position = tick.hip,
+                     .stalled = tick.stalled,
+                     .clutch = tick.clutch,
+                     .reset = tick.reset,
+                     .begins = tick.begins,
                      .missed = tick.number - next});
     next = tick.number + 1;
   }
@@ -218,7 +212,7 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
     }
     OpenDevice operator()(const PathFile& path) const { return open_path(path.file); }
     OpenDevice operator()(const HandPipe& hand) const {
-      return live(std::make_unique<HandDevice>(hand.pipe, hand_options(settings, box)));
+      return live(std::make_unique<HandDevice>(hand.pipe, hip_range(settings, box)));
     }
     OpenDevice operator()(const ReplayFile& replay) const {
       return open_replay(replay.file, virtual_hz);
@@ -227,7 +221,7 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
       return open_simulation(simulation.file, virtual_hz, settings.mapping, box);
     }
     OpenDevice operator()(const TerminalKeys&) const {
-      return live(std::make_unique<KeyboardDevice>(keyboard_options(settings, box)));
+      return live(std::make_unique<KeyboardDevice>(hip_range(settings, box), box.spacing / 2));
     }
     OpenDevice operator()(const ProfileFile& profile) const {
       return live(open_profile(profile.file, *guard.hid));

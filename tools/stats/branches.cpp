@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "libcore/base/format.hpp"
+
 namespace hapgrid {
 
 RecordIndex Branches::record(const Grid& grid, std::uint32_t branch, PointIndex point) const {
@@ -20,17 +22,17 @@ Branches find_branches(const Grid& grid) {
     if (found.of_record[seed] != Branches::kNone) continue;
     const auto branch = static_cast<std::uint32_t>(found.sizes.size());
     members.clear();
-    const auto take = [&](RecordIndex r) {
+    const auto add = [&](RecordIndex r) {
       found.of_record[r] = last_at[grid.point(r)] = branch;
       members.push_back(r);
     };
-    take(seed);
+    add(seed);
     for (std::size_t i = 0; i < members.size(); ++i)
       for (int q = 0; q < kDirections; ++q) {
         const RecordIndex to = grid.destination(members[i], q);
         if (to == Grid::kNoRecord || found.of_record[to] != Branches::kNone) continue;
         if (last_at[grid.point(to)] == branch) continue;
-        if (grid.destination(to, Direction(q).opposite().q()) == members[i]) take(to);
+        if (grid.destination(to, Direction(q).opposite().q()) == members[i]) add(to);
       }
     found.sizes.push_back(static_cast<RecordIndex>(members.size()));
   }
@@ -45,12 +47,10 @@ std::string branch_text(const Branches& branches, std::uint32_t branch) {
     return branches.sizes[a] > branches.sizes[b];
   });
   if (largest.size() > kShown) largest.resize(kShown);
-  std::string text = "branch " + std::to_string(branch) + " of " +
-                     std::to_string(branches.sizes.size()) + ": " +
-                     std::to_string(branches.sizes[branch]) + " records; the largest:";
+  std::string text = format("branch {} of {}: {} records; the largest:", branch,
+                            branches.sizes.size(), branches.sizes[branch]);
   for (const std::uint32_t b : largest)
-    text += (b == largest.front() ? " " : ", ") + std::to_string(b) + " (" +
-            std::to_string(branches.sizes[b]) + ")";
+    text += format("{} {} ({})", b == largest.front() ? "" : ",", b, branches.sizes[b]);
   return text + "\n";
 }
 

@@ -1,4 +1,4 @@
-// The branches of a grid, for pictures: what a hand that never makes the model snap comes to.
+// The branches of a grid, for pictures: the records that a hand reaches without a snap.
 #pragma once
 
 #include <cstdint>
@@ -20,13 +20,13 @@ struct Branches {
   std::vector<std::uint32_t> of_record;
   std::vector<RecordIndex> sizes;  ///< by branch
 
-  /// The record of a branch at a point; Grid::kNoRecord where it has none.
+  /// The record of a branch at a point; Grid::kNoRecord if it has none there.
   RecordIndex record(const Grid& grid, std::uint32_t branch, PointIndex point) const;
 };
 
 Branches find_branches(const Grid& grid);
 
-/// A line on one of them: how many there are, how large it is, and which are the largest.
+/// A line about one branch: how many there are, how large it is, and which are the largest.
 std::string branch_text(const Branches& branches, std::uint32_t branch);
 
 }  // namespace hapgrid

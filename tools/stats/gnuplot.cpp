@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -58,12 +59,6 @@ constexpr std::array kColours{0xdddddd, 0x56b4e9, 0xe69f00, 0x009e73,
                               0xcc79a7, 0x0072b2, 0xd55e00, 0x000000};
 constexpr std::size_t kMostLevels = kColours.size() - 1;
 
-std::string hex(int colour) {
-  std::string text = "#";
-  for (int shift = 20; shift >= 0; shift -= 4) text += "0123456789abcdef"[colour >> shift & 15];
-  return text;
-}
-
 /// Pixels. The margins hold titles, labels and tics whatever the plot's own size is.
 struct Canvas {
   double plot_width;
@@ -84,19 +79,23 @@ std::string setup(const Canvas& canvas, const std::string& title, const std::str
   const auto fraction = [](double part, double whole) { return "screen " + rounded(part / whole); };
   const double w = canvas.width();
   const double h = canvas.height();
-  std::string script = "set encoding utf8\nset terminal pngcairo noenhanced size " +
-                       rounded(std::round(w)) + "," + rounded(std::round(h)) + " font 'sans,12'\n";
-  script += "set lmargin at " + fraction(canvas.left, w) + "\n";
-  script += "set rmargin at " + fraction(canvas.left + canvas.plot_width, w) + "\n";
-  script += "set bmargin at " + fraction(canvas.bottom, h) + "\n";
-  script += "set tmargin at " + fraction(canvas.bottom + canvas.plot_height, h) + "\n";
-  script += "set label 1 " + gnuplot_string(title) + " at screen 0.5, " + fraction(h - 25, h) +
-            " center font 'sans,14'\n";
-  script += "set label 2 " + gnuplot_string(subtitle) + " at screen 0.5, " + fraction(h - 50, h) +
-            " center\n";
-  script += "set xlabel " + gnuplot_string(x_label) + "\n";
-  script += "set ylabel " + gnuplot_string(y_label) + "\n";
-  return script + "set tics out nomirror\n";
+  return format(
+      "set encoding utf8\n"
+      "set terminal pngcairo noenhanced size {},{} font 'sans,12'\n"
+      "set lmargin at {}\n"
+      "set rmargin at {}\n"
+      "set bmargin at {}\n"
+      "set tmargin at {}\n"
+      "set label 1 {} at screen 0.5, {} center font 'sans,14'\n"
+      "set label 2 {} at screen 0.5, {} center\n"
+      "set xlabel {}\n"
+      "set ylabel {}\n"
+      "set tics out nomirror\n",
+      rounded(std::round(w)), rounded(std::round(h)), fraction(canvas.left, w),
+      fraction(canvas.left + canvas.plot_width, w), fraction(canvas.bottom, h),
+      fraction(canvas.bottom + canvas.plot_height, h), gnuplot_string(title), fraction(h - 25, h),
+      gnuplot_string(subtitle), fraction(h - 50, h), gnuplot_string(x_label),
+      gnuplot_string(y_label));
 }
 
 void append_numbers(std::string& script, std::initializer_list<double> values) {
@@ -117,7 +116,7 @@ std::vector<double> square_centres(const Box& box, int axis) {
 
 std::string axis_range(const Box& box, int axis) {
   const double low = box.origin[axis] - box.spacing / 2;
-  return "[" + to_text(low) + ":" + to_text(low + box.spacing * box.counts[axis]) + "]\n";
+  return format("[{}:{}]\n", to_text(low), to_text(low + box.spacing * box.counts[axis]));
 }
 
 }  // namespace
@@ -155,10 +154,9 @@ void run_gnuplot(const std::string& script, OutputFile& png) {
   int status = 0;
   while (::waitpid(child, &status, 0) < 0)
     if (errno != EINTR) fail(errno, "gnuplot");
-  if (WIFSIGNALED(status))
-    throw Error("gnuplot: ended by signal " + std::to_string(WTERMSIG(status)));
+  if (WIFSIGNALED(status)) throw Error(format("gnuplot: ended by signal {}", WTERMSIG(status)));
   if (WEXITSTATUS(status) == 127) throw Error(not_found);  // as posix_spawnp() may say it, too
-  if (WEXITSTATUS(status) != 0) throw Error("gnuplot: " + complaint(errors.get()));
+  if (WEXITSTATUS(status) != 0) throw Error(format("gnuplot: {}", complaint(errors.get())));
   // gnuplot says nothing of what it could not write: it writes to memory, and that it is whole is
   // seen by the last chunk of a PNG.
   const InputFile picture(std::move(output), "picture of gnuplot");
@@ -181,26 +179,25 @@ std::string slice_script(const GridSpec& spec, const Slice& slice) {
   const double missing = std::max(0.0, 140 - canvas.plot_height);
   canvas.bottom += missing / 2;
   canvas.top += missing / 2;
-  const auto name = [](int axis) { return std::string(1, "xyz"[axis]); };
   const auto label = [&](int axis) {
-    return axis_label(name(axis),
+    return axis_label(std::string(1, "xyz"[axis]),
                       spec.length_unit.empty() ? "model's unit of length" : spec.length_unit);
   };
   constexpr std::size_t kLongestName = 32;
   const bool is_long = spec.model.size() > kLongestName;
   const std::string model =
       is_long ? printable_line(spec.model, kLongestName - 3) + "..." : spec.model;
-  std::string script = setup(
-      canvas,
-      model + ": levels of each point at " + name(slice.axis) + " = " + rounded(slice.coordinate),
-      "grid of " + std::to_string(box.counts[0]) + " × " + std::to_string(box.counts[1]) + " × " +
-          std::to_string(box.counts[2]) + " points",
-      label(slice.u), label(slice.v));
+  std::string script =
+      setup(canvas,
+            format("{}: levels of each point at {} = {}", model, "xyz"[slice.axis],
+                   rounded(slice.coordinate)),
+            format("grid of {} × {} × {} points", box.counts[0], box.counts[1], box.counts[2]),
+            label(slice.u), label(slice.v));
   script += "set xrange " + axis_range(box, slice.u) + "set yrange " + axis_range(box, slice.v);
   // Along a short axis tics would run into each other: one in its middle plane has to do.
   const auto one_tic = [&](const char* tics, int axis) {
     const std::string middle = rounded(box.origin[axis] + box.spacing * (box.counts[axis] / 2));
-    script += std::string("set ") + tics + " (" + gnuplot_string(middle) + " " + middle + ")\n";
+    script += format("set {} ({} {})\n", tics, gnuplot_string(middle), middle);
   };
   if (canvas.plot_width < 200) one_tic("xtics", slice.u);
   if (canvas.plot_height < 100) one_tic("ytics", slice.v);
@@ -228,13 +225,12 @@ std::string slice_script(const GridSpec& spec, const Slice& slice) {
   script += "END\nplot $levels with rgbimage notitle";
   for (std::size_t k = 0; k < points.size(); ++k) {
     if (points[k] == 0) continue;
-    const std::string what = k == 0 ? "not reached"
-                             : k == 1
-                                 ? "1 level"
-                                 : std::to_string(k) + (k == kMostLevels ? "+ levels" : " levels");
-    script += ", NaN with boxes lc rgb '" + hex(kColours[k]) + "' title " +
-              gnuplot_string(what + ": " + std::to_string(points[k]) +
-                             (points[k] == 1 ? " point" : " points"));
+    const std::string what = k == 0   ? "not reached"
+                             : k == 1 ? "1 level"
+                                      : format("{}{} levels", k, k == kMostLevels ? "+" : "");
+    script += format(
+        ", NaN with boxes lc rgb '#{:06x}' title {}", kColours[k],
+        gnuplot_string(format("{}: {} point{}", what, points[k], points[k] == 1 ? "" : "s")));
   }
   return script + "\n";
 }
@@ -256,13 +252,13 @@ std::string motion_script(const std::vector<MotionCurve>& curves, const std::str
   std::string plots;
   const auto append = [&](std::size_t c, int back, const std::vector<XY>& line) {
     if (line.empty()) return;
-    const std::string data = (back ? "$back" : "$there") + std::to_string(c);
-    script += data + " << END\n";
+    const std::string data = format("${}{}", back ? "back" : "there", c);
+    script += format("{} << END\n", data);
     for (const auto& [x, y] : line) append_numbers(script, {x, y});
     script += "END\n";
     const std::string way = back ? "back" : "there";
-    plots += std::string(plots.empty() ? "" : ", ") + data + " with lines " + kLooks[c][back] +
-             " title " + gnuplot_string(curves.size() > 1 ? way + ", " + curves[c].name : way);
+    plots += format("{}{} with lines {} title {}", plots.empty() ? "" : ", ", data, kLooks[c][back],
+                    gnuplot_string(curves.size() > 1 ? way + ", " + curves[c].name : way));
   };
   for (std::size_t c = 0; c < std::min(curves.size(), kLooks.size()); ++c) {
     append(c, 0, curves[c].motion.there);

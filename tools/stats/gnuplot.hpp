@@ -21,11 +21,11 @@ std::string gnuplot_string(std::string_view text);
 
 /// Runs gnuplot on `script`, which leaves `set output` alone, and puts the picture into `png`
 /// (without committing it).
-/// @throw Error when gnuplot is not installed or fails, with what it complained about;
+/// @throw Error when gnuplot is not installed or fails, with gnuplot's complaint;
 /// std::system_error.
 void run_gnuplot(const std::string& script, OutputFile& png);
 
-/// The levels of each point in a plane: a coloured square a point, and what the colours mean.
+/// The levels of each point in a plane: a coloured square for each point, and a key of the colours.
 std::string slice_script(const GridSpec& spec, const Slice& slice);
 
 /// A column of a log over another one.

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -29,7 +30,7 @@ std::vector<std::vector<XY>> read_log(std::istream& log, const std::string& name
                                       const std::string& beside) {
   std::size_t number = 1;
   const auto fail = [&](const std::string& what) {
-    throw Error(name + ": line " + std::to_string(number) + ": " + what);
+    throw Error(format("{}: line {}: {}", name, number, what));
   };
   std::string line;
   if (!std::getline(log, line) || line.empty() || line[0] != '#')
@@ -39,7 +40,7 @@ std::vector<std::vector<XY>> read_log(std::istream& log, const std::string& name
   const std::vector<std::string_view> names = split(header);
   const auto column = [&](const std::string& which) {
     const auto found = std::find(names.begin(), names.end(), which);
-    if (found == names.end()) fail("no column '" + which + "' in: " + printable_line(header));
+    if (found == names.end()) fail(format("no column '{}' in: {}", which, printable_line(header)));
     return static_cast<std::size_t>(found - names.begin());
   };
   const std::size_t x_column = column(x);
@@ -57,22 +58,21 @@ std::vector<std::vector<XY>> read_log(std::istream& log, const std::string& name
   while (std::getline(log, line)) {
     ++number;
     const std::vector<std::string_view> cells = split(line);
-    if (cells.size() != columns)
-      fail(std::to_string(cells.size()) + " columns instead of " + std::to_string(columns));
+    if (cells.size() != columns) fail(format("{} columns instead of {}", cells.size(), columns));
     const auto value = [&](std::size_t c, const std::string& column_name) {
       double result = 0;
       const char* end = cells[c].data() + cells[c].size();
       const auto read = std::from_chars(cells[c].data(), end, result);
       if (read.ec != std::errc() || read.ptr != end || !std::isfinite(result))
-        fail("column " + column_name + ": '" + printable_line(cells[c].substr(0, 40)) +
-             "' is no finite number");
+        fail(format("column {}: '{}' is no finite number", column_name,
+                    printable_line(cells[c], 40)));
       return result;
     };
     const double at = value(x_column, x);
     for (std::size_t i = 0; i < wanted.size(); ++i)
       ticks[i].emplace_back(at, value(y_columns[i], wanted[i]));
   }
-  if (log.bad()) throw Error(name + ": cannot be read");
+  if (log.bad()) throw Error(format("{}: cannot be read", name));
   if (number == 1) fail("no ticks after the names of the columns");
   return ticks;
 }

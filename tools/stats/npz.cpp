@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
@@ -38,13 +39,13 @@ NpzFile::~NpzFile() {
 void NpzFile::require(long result) const {
   if (failure_) std::rethrow_exception(failure_);
   if (result < ARCHIVE_OK)
-    throw Error(output_.name() + ": " + archive_error_string(archive_.get()));
+    throw Error(format("{}: {}", output_.name(), archive_error_string(archive_.get())));
 }
 
 void NpzFile::begin(const std::string& name, const std::string& type,
                     const std::vector<std::uint64_t>& shape, std::uint64_t bytes) {
-  std::string header = "{'descr': " + type + ", 'fortran_order': False, 'shape': (";
-  for (const std::uint64_t size : shape) header += std::to_string(size) + ", ";
+  std::string header = format("{{'descr': {}, 'fortran_order': False, 'shape': (", type);
+  for (const std::uint64_t size : shape) header += format("{}, ", size);
   header += "), }";
   constexpr std::size_t kMagic = 10, kAligned = 64;
   header.resize((kMagic + header.size() + 1 + kAligned - 1) / kAligned * kAligned - kMagic - 1,

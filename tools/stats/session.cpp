@@ -8,6 +8,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
+#include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/session/statistics.hpp"
@@ -96,11 +97,8 @@ void run_session(InputFile file, const SessionOptions& options) {
   OutputFile output(options.output, /*binary=*/false);
   if (options.format == "text")
     output.write(printable_text(session_text(session, statistics, energy)));
-  else  // "replace": a session's strings need not be UTF-8
-    output.write(
-        session_json(session, statistics, energy)
-            .dump(2, ' ', /*ensure_ascii=*/true, nlohmann::ordered_json::error_handler_t::replace) +
-        "\n");
+  else
+    output.write(json_text(session_json(session, statistics, energy)));
   output.commit();
 }
 

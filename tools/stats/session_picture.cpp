@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "tools/stats/gnuplot.hpp"
 
@@ -48,18 +49,18 @@ std::string y_range(double low, double high) {
   const double size = std::max(std::abs(low), std::abs(high));
   const double margin =
       high - low > std::max(1e-9 * size, 1e-30) ? 0.06 * (high - low) : std::max(size, 1e-3);
-  return "set yrange [" + to_text(low - margin) + ":" + to_text(high + margin) + "]\n";
+  return format("set yrange [{}:{}]\n", to_text(low - margin), to_text(high + margin));
 }
 
 std::string curve(const std::string& data, double width, const std::string& colour,
                   const std::string& title) {
-  return data + " with lines lw " + rounded(width) + " lc rgb '" + colour + "' title " +
-         gnuplot_string(title);
+  return format("{} with lines lw {} lc rgb '{}' title {}", data, rounded(width), colour,
+                gnuplot_string(title));
 }
 
 }  // namespace
 
-void SessionCurves::Range::take(double value) {
+void SessionCurves::Range::add(double value) {
   if (!(std::abs(value) <= kLargest)) return;
   low = any ? std::min(low, value) : value;
   high = any ? std::max(high, value) : value;
@@ -87,12 +88,12 @@ void SessionCurves::add(const TickRecord& tick) {
   column.any = true;
   column.last = tick.number;
   for (std::size_t a = 0; a < 3; ++a) {
-    column.series[a].take(tick.force[a]);
-    column.series[3 + a].take(tick.raw_force[a]);
-    column.series[6 + a].take(tick.hip[a]);
+    column.series[a].add(tick.force[a]);
+    column.series[3 + a].add(tick.raw_force[a]);
+    column.series[6 + a].add(tick.hip[a]);
   }
   energy_.add(tick);
-  column.series[9].take(energy_.since_begin() * unit_.factor);
+  column.series[9].add(energy_.since_begin() * unit_.factor);
   column.flags |= tick.flags;
   column.lateness_us = std::max(column.lateness_us, tick.lateness_ns / 1e3);
   column.compute_us = std::max(column.compute_us, tick.compute_ns / 1e3);
@@ -112,7 +113,7 @@ bool SessionCurves::gap_before(std::size_t column, std::size_t before) const {
 }
 
 void SessionCurves::append_series(std::string& script, std::size_t series) const {
-  script += "$s" + std::to_string(series) + " << END\n";
+  script += format("$s{} << END\n", series);
   bool any = false;
   std::size_t before = 0;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -133,7 +134,7 @@ void SessionCurves::append_series(std::string& script, std::size_t series) const
 
 void SessionCurves::append_times(std::string& script, const char* name,
                                  double Column::*member) const {
-  script += std::string("$") + name + " << END\n";
+  script += format("${} << END\n", name);
   bool any = false;
   std::size_t before = 0;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -149,14 +150,14 @@ void SessionCurves::append_times(std::string& script, const char* name,
 
 /// Rectangles x y, x from to, y from to, where the flag was set.
 void SessionCurves::append_flag(std::string& script, std::size_t flag) const {
-  script += "$f" + std::to_string(flag) + " << END\n";
+  script += format("$f{} << END\n", flag);
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     const auto set = [&](std::size_t i) { return (columns_[i].flags >> flag & 1) != 0; };
     if (!set(c)) continue;
     const double begin = header_.time_of(columns_[c].first);
     while (c + 1 < columns_.size() && set(c + 1)) ++c;
     const double end = time_end(c);
-    script += to_text((begin + end) / 2) + " 0 " + to_text(begin) + " " + to_text(end) + "\n";
+    script += format("{} 0 {} {}\n", to_text((begin + end) / 2), to_text(begin), to_text(end));
   }
   script += "END\n";
 }
@@ -166,8 +167,8 @@ SessionCurves::Range SessionCurves::range(std::size_t first_series, std::size_t 
   for (const Column& column : columns_)
     for (std::size_t s = first_series; s < last_series; ++s)
       if (column.series[s].any) {
-        all.take(column.series[s].low);
-        all.take(column.series[s].high);
+        all.add(column.series[s].low);
+        all.add(column.series[s].high);
       }
   return all;
 }
@@ -176,8 +177,8 @@ SessionCurves::Range SessionCurves::time_range() const {
   Range all;
   for (const Column& column : columns_) {
     if (!column.any) continue;
-    all.take(std::max(column.lateness_us, kLeastMicroseconds));
-    all.take(std::max(column.compute_us, kLeastMicroseconds));
+    all.add(std::max(column.lateness_us, kLeastMicroseconds));
+    all.add(std::max(column.compute_us, kLeastMicroseconds));
   }
   return all;
 }
@@ -186,12 +187,12 @@ std::string SessionCurves::force_panel() const {
   const Range all = range(0, 6);
   std::string script = y_range(all.low, all.high) + "set ylabel 'force / N'\nplot ";
   for (std::size_t a = 0; a < 3; ++a)
-    script += curve("$s" + std::to_string(3 + a), 5, kLightColours[a],
-                    std::string(1, "xyz"[a]) + ", of the model") +
-              ", ";
+    script +=
+        curve(format("$s{}", 3 + a), 5, kLightColours[a], format("{}, of the model", "xyz"[a])) +
+        ", ";
   for (std::size_t a = 0; a < 3; ++a)
-    script += (a == 0 ? "" : ", ") + curve("$s" + std::to_string(a), 1.5, kAxisColours[a],
-                                           std::string(1, "xyz"[a]) + ", as sent");
+    script += (a == 0 ? "" : ", ") +
+              curve(format("$s{}", a), 1.5, kAxisColours[a], format("{}, as sent", "xyz"[a]));
   return script + "\n";
 }
 
@@ -199,51 +200,53 @@ std::string SessionCurves::hip_panel() const {
   const Range all = range(6, 9);
   const std::string unit =
       header_.length_unit.empty() ? "model's unit of length" : header_.length_unit;
-  std::string script = y_range(all.low, all.high) + "set ylabel " +
-                       gnuplot_string(axis_label("HIP", unit)) + "\nplot ";
+  std::string script = format("{}set ylabel {}\nplot ", y_range(all.low, all.high),
+                              gnuplot_string(axis_label("HIP", unit)));
   for (std::size_t a = 0; a < 3; ++a)
     script += (a == 0 ? "" : ", ") +
-              curve("$s" + std::to_string(6 + a), 1.5, kAxisColours[a], std::string(1, "xyz"[a]));
+              curve(format("$s{}", 6 + a), 1.5, kAxisColours[a], std::string(1, "xyz"[a]));
   return script + "\n";
 }
 
 std::string SessionCurves::energy_panel() const {
   const Range all = range(9, 10);
-  return y_range(all.low, all.high) + "set ylabel " +
-         gnuplot_string(axis_label("work on the hand", unit_.name)) + "\nplot " +
-         curve("$s9", 1.5, "#000000", "since it began") + "\n";
+  return format("{}set ylabel {}\nplot {}\n", y_range(all.low, all.high),
+                gnuplot_string(axis_label("work on the hand", unit_.name)),
+                curve("$s9", 1.5, "#000000", "since it began"));
 }
 
 std::string SessionCurves::time_panel() const {
   const Range all = time_range();
-  return "set logscale y\nset format y '%g'\nset yrange [" + to_text(all.low / 2) + ":" +
-         to_text(all.high * 2) + "]\nset ylabel 'largest time / µs'\nplot " +
-         curve("$lateness", 1.5, "#cc79a7", "lateness") + ", " +
-         curve("$compute", 1.5, "#000000", "compute time") + "\nunset logscale y\n";
+  return format(
+      "set logscale y\nset format y '%g'\nset yrange [{}:{}]\nset ylabel 'largest time / µs'\n"
+      "plot {}, {}\nunset logscale y\n",
+      to_text(all.low / 2), to_text(all.high * 2), curve("$lateness", 1.5, "#cc79a7", "lateness"),
+      curve("$compute", 1.5, "#000000", "compute time"));
 }
 
 std::string SessionCurves::flag_panel(const std::vector<std::size_t>& flags) const {
   // A row a flag, the first on top.
   const std::size_t rows = std::max<std::size_t>(flags.size(), 1);
-  std::string script = "unset key\nunset ylabel\nset yrange [" +
-                       rounded(static_cast<double>(rows) - 0.5) + ":-0.5]\nset ytics (";
+  std::string script = format("unset key\nunset ylabel\nset yrange [{}:-0.5]\nset ytics (",
+                              rounded(static_cast<double>(rows) - 0.5));
   std::string plots;
   for (std::size_t row = 0; row < flags.size(); ++row) {
     const std::string& name = header_.flags[flags[row]];
-    const std::string y = std::to_string(row);
-    script += (row == 0 ? "" : ", ") + gnuplot_string(printable_line(name, 16)) + " " + y;
+    const char* const comma = row == 0 ? "" : ", ";
+    script += format("{}{} {}", comma, gnuplot_string(printable_line(name, 16)), row);
     const char* colour = name == kLevelFlag              ? "#0072b2"
                          : name.starts_with(kSafetyFlag) ? "#d55e00"
                                                          : "#777777";
-    plots += (row == 0 ? "" : ", ") + ("$f" + std::to_string(flags[row])) + " using 1:($2+" + y +
-             "):3:4:($2+" + y + "-0.35):($2+" + y + "+0.35) with boxxyerror fc rgb '" + colour +
-             "' fs solid 1 border rgb '" + colour + "' notitle";
+    plots += format(
+        "{0}$f{1} using 1:($2+{2}):3:4:($2+{2}-0.35):($2+{2}+0.35) with boxxyerror fc rgb '{3}' "
+        "fs solid 1 border rgb '{3}' notitle",
+        comma, flags[row], row, colour);
   }
   if (flags.empty()) {
     script += "'no flag' 0";
     plots = "NaN notitle";
   }
-  return script + ")\nset format x\nset xlabel 'time / s'\nplot " + plots + "\n";
+  return format("{})\nset format x\nset xlabel 'time / s'\nplot {}\n", script, plots);
 }
 
 std::string SessionCurves::script(const std::string& subtitle) const {
@@ -256,23 +259,26 @@ std::string SessionCurves::script(const std::string& subtitle) const {
   const double strip = kFlagRow * std::max(1.0, static_cast<double>(flags.size())) + 8;
   const double height = kTop + 4 * (kPanel + kGap) + strip + kBottom;
   const auto y = [&](double pixels) { return rounded(1 - pixels / height); };
-  std::string script = "set encoding utf8\nset terminal pngcairo noenhanced size " +
-                       rounded(kWidth) + "," + rounded(std::round(height)) + " font 'sans,12'\n";
+  std::string script =
+      format("set encoding utf8\nset terminal pngcairo noenhanced size {},{} font 'sans,12'\n",
+             rounded(kWidth), rounded(std::round(height)));
   for (std::size_t s = 0; s < kSeries; ++s) append_series(script, s);
   append_times(script, "lateness", &Column::lateness_us);
   append_times(script, "compute", &Column::compute_us);
   for (const std::size_t flag : flags) append_flag(script, flag);
 
-  script += "set multiplot\nset label 1 " +
-            gnuplot_string("Session with " + printable_line(header_.model, 40)) +
-            " at screen 0.5, screen " + y(25) + " center font 'sans,14'\nset label 2 " +
-            gnuplot_string(subtitle) + " at screen 0.5, screen " + y(50) + " center\n";
+  script += format(
+      "set multiplot\n"
+      "set label 1 {} at screen 0.5, screen {} center font 'sans,14'\n"
+      "set label 2 {} at screen 0.5, screen {} center\n",
+      gnuplot_string("Session with " + printable_line(header_.model, 40)), y(25),
+      gnuplot_string(subtitle), y(50));
   // At least what gnuplot can tell apart.
   const double half = std::max(0.5 / header_.rate_hz, 1e-9 * std::abs(header_.time_of(last_)));
-  script += "set xrange [" + to_text(header_.time_of(first_) - half) + ":" +
-            to_text(header_.time_of(last_) + half) +
-            "]\nset tics out nomirror\nset grid lc rgb '#dddddd' lt 1\nset format x ''\n"
-            "set ylabel offset 0\n";
+  script += format(
+      "set xrange [{}:{}]\nset tics out nomirror\nset grid lc rgb '#dddddd' lt 1\n"
+      "set format x ''\nset ylabel offset 0\n",
+      to_text(header_.time_of(first_) - half), to_text(header_.time_of(last_) + half));
   double top = kTop;
   const auto next = [&](double size) {
     script += place(height, top, top + size);

@@ -1,5 +1,4 @@
-// A session as curves over time: force, HIP, energy, lateness and compute time, and what the flags
-// say.
+// A session as curves over time: force, HIP, energy, lateness, compute time, and flags.
 #pragma once
 
 #include <array>
@@ -13,8 +12,8 @@
 
 namespace hapgrid {
 
-/// What a picture of a session needs: its ticks in some 1500 columns, each with the range of every
-/// curve, so that a peak of one tick is seen however long the session is.
+/// The curves of a session in some 1500 columns, each with the range of every curve, so that a peak
+/// of one tick is seen however long the session is.
 class SessionCurves {
  public:
   /// For ticks with numbers from `first` to `last`.
@@ -31,7 +30,7 @@ class SessionCurves {
     double low = 0;
     double high = 0;
     bool any = false;
-    void take(double value);
+    void add(double value);
   };
   struct Column {
     std::uint64_t first = 0;  ///< number

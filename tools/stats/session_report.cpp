@@ -8,7 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/json.hpp"
+#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 
@@ -26,8 +28,6 @@ Json force_json(const SessionHeader& header, const LargestForce& force) {
   return {{"newtons", force.newtons}, {"time_s", header.time_of(force.tick)}, {"tick", force.tick}};
 }
 
-double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }
-
 Json times_json(const Histogram& times) {
   Json json;
   for (const auto& [name, share] : kPercentiles) json[name] = microseconds(times.quantile(share));
@@ -37,19 +37,19 @@ Json times_json(const Histogram& times) {
 
 std::string force_text(const SessionHeader& header, const LargestForce& force) {
   if (!force.any) return "-";
-  return rounded(force.newtons) + " N at " + to_text(header.time_of(force.tick)) + " s";
+  return format("{} N at {} s", rounded(force.newtons), to_text(header.time_of(force.tick)));
 }
 
 std::string times_text(const Histogram& times) {
   std::string text;
   for (const auto& [name, share] : kPercentiles)
-    text += std::string(name) + " " + fixed(microseconds(times.quantile(share)), 3) + ", ";
-  return text + "max " + fixed(microseconds(times.max()), 3) + " µs";
+    text += format("{} {:.3f}, ", name, microseconds(times.quantile(share)));
+  return format("{}max {:.3f} µs", text, microseconds(times.max()));
 }
 
 std::string share_text(std::uint64_t part, std::uint64_t whole) {
-  return std::to_string(part) + " (" +
-         fixed(100 * static_cast<double>(part) / static_cast<double>(whole), 3) + " %)";
+  return format("{} ({:.3f} %)", part,
+                100 * static_cast<double>(part) / static_cast<double>(whole));
 }
 
 }  // namespace
@@ -117,38 +117,35 @@ std::string session_text(const SessionReader& session, const SessionStatistics& 
   std::size_t width = std::string_view("largest force").size();
   for (const std::string& name : header.flags) {
     flags.push_back("flag " + printable_line(name, 40));
-    width = std::max(width, flags.back().size());
+    width = std::max(width, text_width(flags.back()));
   }
   std::string text;
-  const auto line = [&](std::string name, const std::string& value) {
-    name.resize(width + 1, ' ');
-    text += name + value + "\n";
+  const auto line = [&](const std::string& name, const std::string& value) {
+    text += format("{}{}\n", left(name, width + 1), value);
   };
   line("model", printable_line(header.model));
   line("grid", header.grid_digest.empty() ? "-" : printable_line(header.grid_digest));
-  const auto count = [&](int axis) { return std::to_string(box.counts[axis]); };
-  line("box", count(0) + " x " + count(1) + " x " + count(2) + " points, " + to_text(box.spacing) +
-                  " apart, from " + state_text(box.origin) +
-                  (header.length_unit.empty() ? "" : " " + printable_line(header.length_unit)));
+  const auto& n = box.counts;
+  line("box", format("{} x {} x {} points, {} apart, from {}{}", n[0], n[1], n[2],
+                     to_text(box.spacing), state_text(box.origin),
+                     header.length_unit.empty() ? "" : " " + printable_line(header.length_unit)));
   line("settings", header.settings.empty() ? "-" : printable_line(header.settings));
-  line("rate", to_text(header.rate_hz) + " Hz");
-  line("ticks", std::to_string(s.ticks) + ", from " + to_text(start) + " s to " + to_text(end) +
-                    " s (" + rounded(end - start) + " s)");
-  if (session.dropped() == 0)
-    line("missed", share_text(s.skipped, s.ticks + s.skipped));
-  else
-    line("missed", share_text(s.skipped, s.ticks + s.skipped) +
-                       " or dropped; the disk was too "
-                       "slow for " +
-                       std::to_string(session.dropped()) + " of the whole session");
+  line("rate", format("{} Hz", to_text(header.rate_hz)));
+  line("ticks", format("{}, from {} s to {} s ({} s)", s.ticks, to_text(start), to_text(end),
+                       rounded(end - start)));
+  const std::string missed = share_text(s.skipped, s.ticks + s.skipped);
+  line("missed", session.dropped() == 0
+                     ? missed
+                     : format("{} or dropped; the disk was too slow for {} of the whole session",
+                              missed, session.dropped()));
   if (!session.ended_early().empty()) line("ended early", "at " + session.ended_early());
-  line("largest force", force_text(header, s.sent) + " as sent, " + force_text(header, s.raw) +
-                            " before the safety core");
+  line("largest force", format("{} as sent, {} before the safety core", force_text(header, s.sent),
+                               force_text(header, s.raw)));
   const EnergyUnit unit = energy_unit(header);
-  line("energy", rounded(energy.given() * unit.factor) + " " + unit.name +
-                     " given to the hand, at most " + rounded(energy.returned() * unit.factor) +
-                     " " + unit.name + " until " + to_text(header.time_of(energy.returned_tick())) +
-                     " s");
+  line("energy", format("{0} {1} given to the hand, at most {2} {1} until {3} s",
+                        rounded(energy.given() * unit.factor), unit.name,
+                        rounded(energy.returned() * unit.factor),
+                        to_text(header.time_of(energy.returned_tick()))));
   line("not computed", share_text(s.not_computed, s.ticks));
   line("lateness", times_text(s.lateness));
   line("compute time", times_text(s.compute));

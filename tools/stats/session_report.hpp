@@ -1,4 +1,4 @@
-// A session in numbers, for people and for programs.
+// The figures of a session, for people and for programs.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,8 +9,8 @@
 
 namespace hapgrid {
 
-/// How energies of a session are shown: in mJ where its settings tell how many units of length a
-/// metre of the hand is.
+/// The unit in which energies of a session are shown: mJ if its settings tell how many units of
+/// length a metre of the hand is.
 struct EnergyUnit {
   double factor = 1;  ///< of newtons times the box's unit of length
   std::string name;   ///< "mJ" or "N angstrom"

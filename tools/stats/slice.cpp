@@ -5,6 +5,7 @@
 #include <string>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -15,10 +16,9 @@ Slice slice_levels(const Grid& grid, int axis, double value) {
   const double plane = (value - box.origin[axis]) / box.spacing;
   // A value typed as the report prints a plane may be off by rounding.
   if (!(plane >= -1e-9 && plane <= last + 1e-9)) {
-    const std::string name(1, "xyz"[axis]);
-    throw Error("slice " + name + "=" + to_text(value) + " is outside the box: " + name +
-                " goes from " + rounded(box.origin[axis]) + " to " +
-                rounded(box.origin[axis] + box.spacing * last));
+    throw Error(format("slice {0}={1} is outside the box: {0} goes from {2} to {3}", "xyz"[axis],
+                       to_text(value), rounded(box.origin[axis]),
+                       rounded(box.origin[axis] + box.spacing * last)));
   }
   const auto nearest =
       static_cast<std::uint32_t>(std::clamp(std::ceil(plane - 0.5 - 1e-9), 0.0, last));

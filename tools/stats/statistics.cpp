@@ -122,7 +122,7 @@ void add_costs(CostSums& sums, const std::string& name, const std::string& text)
                           ? nlohmann::json()
                           : nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
     const auto fail = [&](const std::string& what) {
-      throw Error(name + ": line " + std::to_string(number) + ": " + what);
+      throw Error(format("{}: line {}: {}", name, number, what));
     };
     if (!json.is_object()) fail("no JSON object");
     const auto seconds = json.find("cpu_seconds");
@@ -131,7 +131,7 @@ void add_costs(CostSums& sums, const std::string& name, const std::string& text)
     const auto count = [&](const char* key) {
       const auto value = json.find(key);
       if (value == json.end() || !value->is_number_unsigned())
-        fail("\"" + std::string(key) + "\" is no whole number of 0 or more");
+        fail(format("\"{}\" is no whole number of 0 or more", key));
       return value->get<std::uint64_t>();
     };
     ++sums.lines;
@@ -189,15 +189,15 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Cos
   const std::string model = printable_line(spec.model);
   std::string text;
   const auto row = [&](const std::string& name, const std::string& value) {
-    text += left(name, 13) + value + "\n";
+    text += format("{}{}\n", left(name, 13), value);
   };
   row("model", model + (spec.equality.is_declared() ? ", a process" : ""));
   for (const Parameter& p : spec.parameters) {
     std::string value = json_line(value_json(p.value));
     // Contents of files; --format json has them in full.
     if (value.size() > kLongValue)
-      value = value.substr(0, kLongValue) + "... (" + std::to_string(value.size()) + " bytes)";
-    row("parameter", printable_line(p.key) + " = " + value);
+      value = format("{}... ({} bytes)", value.substr(0, kLongValue), value.size());
+    row("parameter", format("{} = {}", printable_line(p.key), value));
   }
   const auto& n = spec.box.counts;
   const Vec3 last = spec.box.position(GridCoordinates{n[0] - 1, n[1] - 1, n[2] - 1});

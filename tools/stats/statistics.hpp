@@ -1,4 +1,4 @@
-// What is in a grid, in numbers: the row of the paper's Table 2 and what explains it.
+// The figures of a grid: the row of the paper's Table 2, and the numbers that explain it.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +21,12 @@ struct Statistics {
   std::vector<std::uint64_t> levels_histogram;  ///< entry k: points that have k levels
   /// Links that can be followed there and back: both destination levels are settled and exist.
   std::uint64_t links = 0;
-  std::uint64_t one_way_links = 0;  ///< of these, such that do not come back to the level
+  std::uint64_t one_way_links = 0;  ///< those of them that do not come back to the level
   bool has_tears = false;           ///< whether these have tear fractions
   /// In-box directions of the records that are not in the frontier: Algorithm 1 evaluates C once
   /// for each.
   std::uint64_t conversions = 0;
-  std::uint64_t conversions_left = 0;  ///< that the frontier asks for
+  std::uint64_t conversions_left = 0;  ///< conversions that the frontier asks for
   std::uint64_t todo = 0;  ///< records that are to be expanded, or to get their tear fractions
   std::uint64_t stored_bytes = 0;
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -37,24 +38,24 @@ void write_appended(OutputFile& output, const Grid& grid, std::size_t width, Fil
 
 std::string header(const Grid& grid, const std::vector<Array>& arrays) {
   const Box& box = grid.box();
-  std::string extent, origin, spacing;
-  for (int a = 0; a < 3; ++a) {
-    extent += (a > 0 ? " 0 " : "0 ") + std::to_string(box.counts[a] - 1);
-    origin += (a > 0 ? " " : "") + to_text(box.origin[a]);
-    spacing += (a > 0 ? " " : "") + to_text(box.spacing);
-  }
-  std::string xml =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" "
-      "byte_order=\"LittleEndian\" "
-      "header_type=\"UInt64\">\n<ImageData WholeExtent=\"" +
-      extent + "\" Origin=\"" + origin + "\" Spacing=\"" + spacing + "\">\n<Piece Extent=\"" +
-      extent + "\">\n<PointData Scalars=\"levels\">\n";
+  const Vec3& o = box.origin;
+  const std::string extent =
+      format("0 {} 0 {} 0 {}", box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1);
+  std::string xml = format(
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n"
+      "<ImageData WholeExtent=\"{0}\" Origin=\"{1} {2} {3}\" Spacing=\"{4} {4} {4}\">\n"
+      "<Piece Extent=\"{0}\">\n"
+      "<PointData Scalars=\"levels\">\n",
+      extent, to_text(o[0]), to_text(o[1]), to_text(o[2]), to_text(box.spacing));
   std::uint64_t offset = 0;
   const auto add = [&](const std::string& name, const std::string& type, std::size_t width,
                        std::size_t bytes) {
-    xml += "<DataArray type=\"" + type + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
-           std::to_string(width) + "\" format=\"appended\" offset=\"" + std::to_string(offset) +
-           "\"/>\n";
+    xml += format(
+        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
+        "offset=\"{}\"/>\n",
+        type, name, width, offset);
     offset += sizeof(std::uint64_t) + box.points() * width * bytes;
   };
   add("levels", "UInt16", 1, sizeof(std::uint16_t));

@@ -9,7 +9,7 @@
 namespace hapgrid {
 
 /// Point data: `levels`, how many each point has; and of the record that `record_at` names for each
-/// point the `state`, and where the grid stores them `force` and `energy`; NaN where it names
+/// point the `state`, and if the grid stores them `force` and `energy`; NaN where it names
 /// Grid::kNoRecord. Lengths are the model's. Source: VTK File Formats, "ImageData", appended raw
 /// data.
 /// @throw std::system_error

@@ -1,6 +1,6 @@
-// Reads frames in a thread of its own. Reading never waits for the drawing. It gets each frame
-// while few of them wait, so that a hiccup of the machine costs no picture; else it gets the newest
-// one.
+// Reads frames in a thread of its own, which never waits for the drawing. While few frames wait,
+// the drawing gets each of them, so that a hiccup of the machine costs no picture; else it gets the
+// newest one.
 #pragma once
 
 #include <chrono>
@@ -23,8 +23,8 @@ namespace hapgrid {
 /// file are given out in the time in which they were recorded.
 class Feed {
  public:
-  /// Takes the scene off the stream and waits for it; "-" is standard input. `changed` is called on
-  /// the reading thread when there is something new: a frame, or the end.
+  /// Waits for the scene and reads it; "-" is standard input. `changed` is called on the reading
+  /// thread when there is a new frame, or the end.
   /// @throw std::system_error, FormatError as SceneReader does.
   Feed(const std::string& name, std::function<void()> changed);
   ~Feed();
@@ -40,9 +40,9 @@ class Feed {
   /// The state of the stream. `frame` and `traces` are written only when there is a new frame.
   struct State {
     bool fresh = false;
-    bool more = false;          ///< there is a newer frame already
-    bool ended = false;         ///< no frame comes after this one
-    std::uint64_t dropped = 0;  ///< frames that were never given out, after the first that was
+    bool more = false;          ///< whether a newer frame waits already
+    bool ended = false;         ///< whether this frame is the last one
+    std::uint64_t dropped = 0;  ///< frames since the first given-out one that were never given out
   };
   State update(Frame& frame, Traces& traces);
   /// Stops and starts the clock of a file; a live stream goes on.
@@ -53,7 +53,7 @@ class Feed {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// At 25 frames a second 0.12 s: what no hand feels as a delay.
+  /// At 25 frames a second this is 0.12 s, which no hand feels as a delay.
   static constexpr std::size_t kMostWaiting = 3;
 
   void run();
@@ -68,8 +68,8 @@ class Feed {
   std::condition_variable wake_;
   bool stopped_ = false;
   bool paused_ = false;
-  double first_s_ = 0;       // the recording starts with this time,
-  Clock::time_point start_;  // which was due then; pauses move it on
+  double first_s_ = 0;       // the time of the recording's first frame
+  Clock::time_point start_;  // when that frame was due; pauses move it on
   Clock::time_point paused_since_;
   std::deque<Frame> waiting_;  // the oldest first
   Traces traces_;

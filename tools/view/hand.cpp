@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/device/hand.hpp"
 
@@ -23,10 +24,10 @@ FileDescriptor open_for_play(const std::string& name) {
   const auto fail = [&] { throw std::system_error(errno, std::generic_category(), name); };
   struct stat status {};
   if (::stat(name.c_str(), &status) != 0) fail();
-  if (!S_ISFIFO(status.st_mode)) throw Error(name + ": is not a named pipe");
+  if (!S_ISFIFO(status.st_mode)) throw Error(format("{}: is not a named pipe", name));
   FileDescriptor pipe(::open(name.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
   if (!pipe && errno == ENXIO)
-    throw Error(name + ": nobody reads this pipe; it is for play --device path:" + name);
+    throw Error(format("{0}: nobody reads this pipe; it is for play --device path:{0}", name));
   if (!pipe) fail();
   return pipe;
 }
@@ -68,7 +69,7 @@ void Hand::go(const Vec3& way) {
 void Hand::send() {
   if (!changed_ || closed_) return;
   const Vec3& x = *place_;
-  const std::string line = to_text(x[0]) + " " + to_text(x[1]) + " " + to_text(x[2]) + "\n";
+  const std::string line = format("{} {} {}\n", to_text(x[0]), to_text(x[1]), to_text(x[2]));
   // A line is far shorter than PIPE_BUF: all of it is written, or nothing.
   if (::write(pipe_.get(), line.data(), line.size()) >= 0)
     changed_ = false;

@@ -1,5 +1,5 @@
-// The mouse of the window as a hand: where it wants the HIP to be, and the pipe through which play
-// learns that (libcore/device/hand.hpp).
+// The mouse of the window as a hand: the position to which it moves the HIP, and the pipe through
+// which play learns that position (libcore/device/hand.hpp).
 #pragma once
 
 #include <optional>
@@ -16,19 +16,19 @@ class Hand {
   /// @throw Error, std::system_error
   Hand(const std::string& pipe, const Box& box);
 
-  /// Takes the HIP at `place`; before that nothing moves.
+  /// Starts the hand at `place`; before that nothing moves.
   void begin(const Vec3& place);
   bool begun() const { return place_.has_value(); }
-  /// Where it is: in the box, or farther out by as much as the HIP can lag behind it.
+  /// Where the hand is: in the box, or outside by at most as much as the HIP can lag behind it.
   const Vec3& place() const { return *place_; }
 
-  /// By so many pixels to the right and down in the plane of the picture.
+  /// Moves the hand by so many pixels to the right and down in the plane of the picture.
   void move(const Camera& camera, const RenderOptions& options, double right, double down);
-  /// Away from the viewer by so many steps of the wheel, of which 40 are the box's longest side.
+  /// Moves it away from the viewer by so many steps of the wheel; 40 are the box's longest side.
   void push(const Camera& camera, double steps);
 
-  /// Writes the place as a line where it is a new one. Never waits: while the pipe is full nothing
-  /// is written, and nobody needs to know when the other end is closed.
+  /// Writes the hand's place as a line if it is a new one. It never waits: while the pipe is full,
+  /// and after the other end was closed, nothing is written.
   /// @throw std::system_error
   void send();
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "tools/view/shaders.hpp"
 
 namespace hapgrid {
@@ -136,13 +137,14 @@ Painter::Shape Painter::make_shape(const char* vertex, const char* fragment,
     gl_.ShaderSource(shader, 1, &source, nullptr);
     gl_.CompileShader(shader);
     gl_.GetShaderiv(shader, GL_COMPILE_STATUS, &done);
-    if (!done) throw Error("OpenGL's shader: " + log_of(shader, gl_.GetShaderInfoLog));
+    if (!done) throw Error(format("OpenGL's shader: {}", log_of(shader, gl_.GetShaderInfoLog)));
     gl_.AttachShader(shape.program, shader);
     gl_.DeleteShader(shader);
   }
   gl_.LinkProgram(shape.program);
   gl_.GetProgramiv(shape.program, GL_LINK_STATUS, &done);
-  if (!done) throw Error("OpenGL's shaders: " + log_of(shape.program, gl_.GetProgramInfoLog));
+  if (!done)
+    throw Error(format("OpenGL's shaders: {}", log_of(shape.program, gl_.GetProgramInfoLog)));
 
   gl_.GenVertexArrays(1, &shape.vertices);
   gl_.GenBuffers(1, &shape.instances);
@@ -183,9 +185,8 @@ void Painter::resize(int width, int picture_height, int panel_height) {
   if (width == width_ && picture_height == picture_height_ && panel_height == panel_height_) return;
   const int side = std::max(width, picture_height + panel_height);
   if (side > largest_side_)
-    throw Error("a window of " + std::to_string(width) + "x" +
-                std::to_string(picture_height + panel_height) + " pixels; OpenGL's limit is " +
-                std::to_string(largest_side_));
+    throw Error(format("a window of {}x{} pixels; OpenGL's limit is {}", width,
+                       picture_height + panel_height, largest_side_));
   supersampling_ = kSupersampling * side <= largest_side_ ? kSupersampling : 1;
   width_ = width;
   picture_height_ = picture_height;
@@ -195,8 +196,8 @@ void Painter::resize(int width, int picture_height, int panel_height) {
   set_size(shown_, width, picture_height + panel_height);
   complete &= gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
   if (!complete)
-    throw Error("OpenGL cannot draw into a picture of " + std::to_string(width) + "x" +
-                std::to_string(picture_height + panel_height) + " pixels");
+    throw Error(format("OpenGL cannot draw into a picture of {}x{} pixels", width,
+                       picture_height + panel_height));
 }
 
 void Painter::draw_instances(const Shape& shape, const std::vector<float>& data,

@@ -1,10 +1,10 @@
 // Draws a window's picture with OpenGL 3.3, from the same Drawing as render().
 //
 // A sphere is a square whose fragment shader finds the sphere's surface, its normal and its depth.
-// So a sphere is round at every size, and spheres that intersect do so in the right places. The
-// picture is painted into memory with several rays a pixel and then made smaller, because
-// multisampling does not smooth the edges of what a fragment shader discards. The window shows a
-// copy of it, so a screenshot is whole even behind other windows.
+// So a sphere is round at every size, and spheres intersect where they should. The picture is
+// painted into memory with several rays a pixel and then made smaller, because multisampling does
+// not smooth the edges that a fragment shader makes by discarding. The window shows a copy of the
+// picture, so a screenshot is whole even behind other windows.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ namespace hapgrid {
 /// Its objects belong to the OpenGL context, which must be current in each call.
 class Painter {
  public:
-  /// @throw Error when the context cannot do what is needed.
+  /// @throw Error when the context lacks something that is needed.
   Painter();
 
   /// Sets the size of the picture and of the panel below it in pixels, at least 1 each.
@@ -31,7 +31,7 @@ class Painter {
   void paint(const Drawing& drawing, const Image& panel);
   /// Copies what was painted to the window, which has the same size.
   void show() const;
-  /// What was painted.
+  /// The picture that was painted.
   Image read() const;
 
  private:

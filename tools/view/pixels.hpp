@@ -24,7 +24,7 @@ using ChafaPointer = std::unique_ptr<T, ChafaDeleter>;
 /// The terminal's abilities, as the environment (TERM and others) describes them.
 class TerminalPixels {
  public:
-  /// @param mode "symbols", "sixel" or "kitty", or "auto" for what the terminal can do.
+  /// @param mode "symbols", "sixel" or "kitty", or "auto" for the best that the terminal can do.
   explicit TerminalPixels(const std::string& mode);
 
   bool symbols() const { return pixel_mode_ == CHAFA_PIXEL_MODE_SYMBOLS; }

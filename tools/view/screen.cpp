@@ -34,7 +34,7 @@ extern "C" void on_signal(int signal) {
   errno = error;
 }
 
-bool take(volatile sig_atomic_t& flag) {
+bool read_and_clear(volatile sig_atomic_t& flag) {
   const bool was = flag;
   if (was) flag = 0;
   return was;
@@ -74,8 +74,8 @@ void wake() {
 }
 
 int ending_signal() { return ending; }
-bool take_stop() { return take(stop_asked); }
-bool take_resize() { return take(size_changed); }
+bool stop_was_asked() { return read_and_clear(stop_asked); }
+bool size_was_changed() { return read_and_clear(size_changed); }
 
 void die_of(int signal) {
   ::signal(signal, SIG_DFL);

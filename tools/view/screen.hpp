@@ -24,12 +24,12 @@ void wake();
 /// The signal that asks the process to end, or 0.
 int ending_signal();
 /// Whether the process was asked to stop (^Z), or the size changed, since the last call.
-bool take_stop();
-bool take_resize();
+bool stop_was_asked();
+bool size_was_changed();
 /// Ends the process as the signal would have.
 void die_of(int signal);
 
-/// The terminal's alternate screen, without a cursor.
+/// The terminal's alternate screen, with the cursor hidden.
 class Screen {
  public:
   /// @param images whether images of kitty's protocol are shown, which are deleted at the end.

@@ -1,4 +1,4 @@
-// What the graphics card runs for each sphere and each line.
+// The programs that the graphics card runs for each sphere and each line.
 #pragma once
 
 namespace hapgrid {

@@ -14,6 +14,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/scene/legend.hpp"
@@ -30,7 +31,7 @@ namespace {
 constexpr int kLinesBelow = 3;   // status, force, energy
 constexpr int kSymbolScale = 2;  // of the legend, whose letters are the terminal's own
 
-std::string at_row(int row) { return "\033[" + std::to_string(row) + ";1H"; }
+std::string at_row(int row) { return format("\033[{};1H", row); }
 
 /// "force    0.52 |..:|  ", with blocks up to the height of the value; where the state snapped
 /// the ground is yellow. `columns` wide.
@@ -138,7 +139,7 @@ class Display {
       const int column = static_cast<int>(label.left[0] * size_.columns / how.width);
       if (row < 0 || row >= rows || column < 0) continue;
       const int room = std::max(0, size_.columns - column);
-      legend_ += "\033[" + std::to_string(row + 1) + ";" + std::to_string(column + 1) + "H" +
+      legend_ += format("\033[{};{}H", row + 1, column + 1) +
                  label.text.substr(0, static_cast<std::size_t>(room));
     }
   }
@@ -188,13 +189,13 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
       std::uint64_t count = 0;
       if (::poll(&file, 1, state.more ? 0 : -1) == 1)
         static_cast<void>(!::read(woken.get(), &count, sizeof count));
-      if (take_stop()) {
+      if (stop_was_asked()) {
         screen.leave();
         ::raise(SIGSTOP);  // and goes on here
         screen.enter();
         display.resize();
       }
-      if (take_resize()) {
+      if (size_was_changed()) {
         display.resize();
         screen.write("\033[0m\033[2J");
       }

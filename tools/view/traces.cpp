@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/scene/torsion.hpp"
@@ -73,8 +74,9 @@ std::vector<Column> columns(const Traces& traces, int count) {
 
 std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dropped) {
   std::string text =
-      "t " + (std::abs(frame.time_s) < 1e9 ? fixed(frame.time_s, 2) : three_digits(frame.time_s)) +
-      " s   force " + three_digits(magnitude(frame.force)) + " N";
+      format("t {} s   force {} N",
+             std::abs(frame.time_s) < 1e9 ? fixed(frame.time_s, 2) : three_digits(frame.time_s),
+             three_digits(magnitude(frame.force)));
   if (std::isfinite(frame.energy)) {
     text += "   energy " + three_digits(frame.energy);
     if (!scene.energy_unit.empty()) text += " " + printable_line(scene.energy_unit);
@@ -88,8 +90,8 @@ std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dr
     text += "   " + turned_text(scene.torsions[farthest], frame.turned[farthest]);
   text += "   levels";
   for (const int level : std::set<int>(frame.levels.begin(), frame.levels.end()))
-    text += " " + std::to_string(level);
-  return text + "   dropped " + std::to_string(dropped);
+    text += format(" {}", level);
+  return format("{}   dropped {}", text, dropped);
 }
 
 }  // namespace hapgrid

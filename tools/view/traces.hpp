@@ -16,16 +16,16 @@ namespace hapgrid {
 class Traces {
  public:
   static constexpr double kSeconds = 10;
-  /// More frames than play writes in that time; of a faster stream the newest are kept.
+  /// Play writes fewer frames in that time; of a faster stream the newest are kept.
   static constexpr std::size_t kMaxSamples = 4096;
 
   struct Sample {
     double time_s;
     double force;   ///< newtons, the magnitude, as sent
-    double energy;  ///< in the scene's unit; NaN: none
+    double energy;  ///< in the scene's unit; NaN if there is none
     /// Whether the state snapped after the frame before.
     bool snapped;
-    double own_energy;  ///< of the model by itself; NaN: none
+    double own_energy;  ///< of the model by itself; NaN if there is none
   };
 
   /// Frames come in the order of ticks. When the time goes back, the curves start anew.
@@ -48,13 +48,13 @@ struct Extent {
 
 /// From zero to the largest force; 0 to 1 when there is no force at all.
 Extent force_extent(const Traces& traces);
-/// Of both energies. Low and high are NaN when none is finite.
+/// The extent of both energies. Low and high are NaN when none is finite.
 Extent energy_extent(const Traces& traces);
 
 /// One of the few columns that a terminal has for a curve.
 struct Column {
   double force;   ///< the largest; NaN before the first sample
-  double energy;  ///< the last; NaN where there is none
+  double energy;  ///< the last; NaN if there is none
   bool snapped = false;
 };
 

@@ -14,6 +14,7 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/device/hand.hpp"
 #include "libcore/grid/vec3.hpp"
@@ -181,7 +182,7 @@ void Window::on_key(int key) {
       if (has_frame_) reset_camera();
       break;
     case GLFW_KEY_B:
-      render_.style = render_.style == Style::kSticks ? Style::kSpheres : Style::kSticks;
+      render_.sticks = !render_.sticks;
       break;
     case GLFW_KEY_S:
       save_ = true;
@@ -237,9 +238,9 @@ void Window::on_move(double x, double y) {
 }
 
 void Window::set_title() {
-  ::glfwSetWindowTitle(
-      window_,
-      (printable_line(scene_.model) + " - hapgrid view" + (paused_ ? " (paused)" : "")).c_str());
+  ::glfwSetWindowTitle(window_, format("{} - hapgrid view{}", printable_line(scene_.model),
+                                       paused_ ? " (paused)" : "")
+                                    .c_str());
 }
 
 std::vector<std::string> Window::help() const {
@@ -331,7 +332,7 @@ void Window::draw() {
 
 void Window::save() {
   // With the tick's number: each frame has a file of its own.
-  const std::string name = "hapgrid-" + std::to_string(frame_.tick) + ".png";
+  const std::string name = format("hapgrid-{}.png", frame_.tick);
   try {
     write_png(name, painter_->read());
     std::fprintf(stderr, "view: wrote %s\n", name.c_str());
@@ -388,7 +389,7 @@ void run_window(const std::string& frames, const WindowOptions& options) {
   if (screenshot) {
     if (!window.has_frame()) {
       feed.check();
-      throw Error(feed.name() + ": no frame in it, nothing to draw");
+      throw Error(format("{}: no frame in it, nothing to draw", feed.name()));
     }
     screenshot->write(encode_png(window.screenshot()));
     screenshot->commit();

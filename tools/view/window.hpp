@@ -12,7 +12,7 @@ struct WindowOptions {
   double azimuth_degrees = Camera{}.azimuth_degrees;
   double elevation_degrees = Camera{}.elevation_degrees;
   bool close = false;      ///< at the end of the stream
-  std::string screenshot;  ///< PNG of what was shown last; empty: none
+  std::string screenshot;  ///< PNG of the last picture; empty: none
   std::string hand;        ///< the pipe in which play reads the mouse as a hand; empty: none
 };
 

@@ -74,4 +74,23 @@ expect 2 '' "play: --log: a text log cannot be used with a live device; give a n
 expect 1 '' "play: nowhere/log: No such file or directory" \
   -- play grid --device path:path --log nowhere/log
 expect 1 '' "play: /dev/full: No space left on device" -- play grid --device path:path --log /dev/full
+
+# An older session is lost only when play begins: not by a grid, device or log that is refused, nor
+# by a signal while play still waits for a viewer.
+echo 'an older session' >old.session
+cp old.session kept
+for command in 'cut --device path:path' 'grid --device path:word' 'grid --device process:false' \
+  'grid --device path:path --frames nowhere/frames'; do
+  # shellcheck disable=SC2086
+  refuses 'play: .*' -- play $command --log old.session
+  cmp old.session kept
+done
+rc=0
+timeout --preserve-status -s TERM 2 play grid --device path:path --log old.session --imd 0 \
+  --set imd.wait=60 2>stderr || rc=$?
+same "a signal while play waits" 143 "$rc"
+cmp old.session kept
+play grid --device path:path --log old.session 2>stderr
+cmp -s old.session kept && fail "the session was not written"
+rm old.session kept stderr
 nothing_left . bin cut grid inf path puppet.grid puppet.toml seeds two word

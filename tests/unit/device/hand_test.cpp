@@ -21,7 +21,7 @@ using namespace hapgrid;
 namespace {
 
 // The longest side is 2, so that the spring has 3 N / (2 / 3) = 4.5 N a unit.
-const HandOptions kOptions{.start = {0, 0, 0}, .low = {-1, -0.5, -0.5}, .high = {1, 0.5, 0.5}};
+const HipRange kRange{.start = {0, 0, 0}, .low = {-1, -0.5, -0.5}, .high = {1, 0.5, 0.5}};
 constexpr double kSpring = 4.5;
 constexpr double kTick = 0.001;
 
@@ -42,12 +42,12 @@ std::vector<double> pressed(CoupledHip& hip, double stiffness, double hand) {
 }  // namespace
 
 TEST_CASE("behind a wall the HIP makes k / (k + K) of the hand's motion, and does not swing") {
-  CHECK(CoupledHip(kOptions).stiffness() == Approx(kSpring));
+  CHECK(CoupledHip(kRange).stiffness() == Approx(kSpring));
   // Up to K = b / dt = 30 k.
   for (const double stiffness : {1.0, 6.0, 60.0, 30 * kSpring}) {
     CAPTURE(stiffness);
     const double shown = kSpring / (kSpring + stiffness);
-    CoupledHip hip(kOptions);
+    CoupledHip hip(kRange);
     double before = 0;
     for (const double hand : {0.1, 0.2, 0.4}) {
       const auto xs = pressed(hip, stiffness, hand);
@@ -61,7 +61,7 @@ TEST_CASE("behind a wall the HIP makes k / (k + K) of the hand's motion, and doe
 }
 
 TEST_CASE("beyond twice that stiffness it swings, but stays in the box and below its speed") {
-  CoupledHip hip(kOptions);
+  CoupledHip hip(kRange);
   const auto xs = pressed(hip, 62 * kSpring, 0.4);
   CHECK(std::abs(xs[999] - xs[998]) > 1e-3);
   for (std::size_t i = 1; i < xs.size(); ++i)
@@ -69,7 +69,7 @@ TEST_CASE("beyond twice that stiffness it swings, but stays in the box and below
 }
 
 TEST_CASE("at a snap the HIP goes to the hand, with its time constant, and not beyond") {
-  CoupledHip hip(kOptions);
+  CoupledHip hip(kRange);
   const double lag = 0.4 - pressed(hip, 60, 0.4).back();
   CHECK(lag == Approx(0.4 * 60 / 64.5));
   // The speed is a limit at first: 0.37 / 31 is above 8e-3 a tick.
@@ -83,13 +83,13 @@ TEST_CASE("at a snap the HIP goes to the hand, with its time constant, and not b
 }
 
 TEST_CASE("a leap of the hand, a hiccup and absurd numbers move the HIP no faster") {
-  CoupledHip hip(kOptions);
+  CoupledHip hip(kRange);
   Vec3 last = hip.next({0, 0, 0}, {0, 0, 0}, 0);
   const auto step = [&](const Vec3& hand, const Vec3& force, double dt) {
     const Vec3 x = hip.next(hand, force, dt);
     const double length = std::hypot(x[0] - last[0], x[1] - last[1], x[2] - last[2]);
     REQUIRE(length <= 2 * kHandSpeed * std::min(dt, 0.004) * (1 + 1e-9));
-    for (int a = 0; a < 3; ++a) REQUIRE((x[a] >= kOptions.low[a] && x[a] <= kOptions.high[a]));
+    for (int a = 0; a < 3; ++a) REQUIRE((x[a] >= kRange.low[a] && x[a] <= kRange.high[a]));
     last = x;
   };
   step({1, 0, 0}, {0, 0, 0}, kTick);
@@ -106,15 +106,15 @@ TEST_CASE("a leap of the hand, a hiccup and absurd numbers move the HIP no faste
 
 TEST_CASE("positions come in pieces; what is none is named with its line") {
   HandLines lines;
-  CHECK_FALSE(lines.take("1 2"));
-  CHECK_FALSE(lines.take(" 3"));
-  CHECK(lines.take("\n# a comment\n\n4 5") == Vec3{1, 2, 3});
-  CHECK(lines.take(" 6\r\n7 8 9\n1 1 1") == Vec3{7, 8, 9});
+  CHECK_FALSE(lines.read("1 2"));
+  CHECK_FALSE(lines.read(" 3"));
+  CHECK(lines.read("\n# a comment\n\n4 5") == Vec3{1, 2, 3});
+  CHECK(lines.read(" 6\r\n7 8 9\n1 1 1") == Vec3{7, 8, 9});
   CHECK(lines.finish() == Vec3{1, 1, 1});
   const auto refusal = [](std::string_view bytes) {
     return testing::refusal([&] {
       HandLines refusing;
-      refusing.take(bytes);
+      refusing.read(bytes);
       refusing.finish();
     });
   };
@@ -135,7 +135,7 @@ struct Ends {
 
   HandDevice make() const {
     REQUIRE(::mkfifo(name.c_str(), 0600) == 0);
-    return HandDevice(name, kOptions);
+    return HandDevice(name, kRange);
   }
   void open() { writer = FileDescriptor(::open(name.c_str(), O_WRONLY | O_NONBLOCK)); }
   void write(std::string_view text) const {
@@ -163,7 +163,7 @@ TEST_CASE("the hand holds still before it moves, allocates nothing, and ends wit
   CHECK(ends.device.info().unit == DeviceInfo::Unit::kModel);
   for (int i = 0; i < 100; ++i) {
     REQUIRE(ends.device.read(input) == DeviceStatus::kOk);
-    REQUIRE(input.position == kOptions.start);
+    REQUIRE(input.position == kRange.start);
   }
   ends.open();
   ends.write("0.25 0.1 -0.1\n");
@@ -184,5 +184,5 @@ TEST_CASE("a hand that writes nonsense fails, and says where") {
   ends.write("0 0 0\nover there\n");
   CHECK(ends.read_until(kNever) == DeviceStatus::kFailed);
   CHECK(ends.device.error() == ends.name + ": line 2: 'over' is not a number");
-  CHECK_THROWS_AS(HandDevice(ends.dir.file("none"), kOptions), std::system_error);
+  CHECK_THROWS_AS(HandDevice(ends.dir.file("none"), kRange), std::system_error);
 }

@@ -52,7 +52,7 @@ Frame one_frame() {
 
 const std::string kGo = "00000003 00000000";
 
-State say(ImdListener& listener, const std::string& hex) { return listener.take(bytes(hex)); }
+State say(ImdListener& listener, const std::string& hex) { return listener.read(bytes(hex)); }
 
 /// After GO.
 State answer(int version, const std::string& hex) {
@@ -169,11 +169,11 @@ TEST_CASE("an IMD client's bytes mean the same in pieces of any size; random one
       if (type == 6) stream.resize(stream.size() + 16 * length, static_cast<std::byte>(below(9)));
     }
     ImdListener whole(version, 4);
-    whole.take(stream);
+    whole.read(stream);
     ImdListener pieces(version, 4);
     for (std::size_t at = 0; at < stream.size();) {
       const std::size_t part = std::min<std::size_t>(1 + below(20), stream.size() - at);
-      pieces.take(std::span(stream).subspan(at, part));
+      pieces.read(std::span(stream).subspan(at, part));
       at += part;
     }
     REQUIRE(pieces.state() == whole.state());

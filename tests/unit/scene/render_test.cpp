@@ -154,7 +154,7 @@ TEST_CASE("the legend says where the axes point and how long things are, in fron
 
 TEST_CASE("balls and sticks") {
   Stage stage;
-  stage.options.style = Style::kSticks;
+  stage.options.sticks = true;
   // 0.2 apart with radii of 0.2: 0.5 of the sum. The third is farther away than 0.6 of it.
   stage.add(-0.1F, 0, 0, 0.2F, {1, 0, 0});
   stage.add(0.1F, 0, 0, 0.2F, {0, 1, 0});

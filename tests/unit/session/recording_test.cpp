@@ -91,8 +91,8 @@ TEST_CASE("the hand's part of a text") {
 }
 
 TEST_CASE("a replay gives back its ticks, and says what was missed") {
-  ReplayDevice device({{{.position = {1, 2, 3}, .clutch = true}, 0},
-                       {{.position = {4, 5, 6}, .stalled = true, .missed = 99}, 2}});
+  ReplayDevice device({{.position = {1, 2, 3}, .clutch = true},
+                       {.position = {4, 5, 6}, .stalled = true, .missed = 2}});
   CHECK(device.size() == 2);
   CHECK(device.info().name == "replay");
   CHECK(device.info().unit == DeviceInfo::Unit::kModel);
@@ -113,7 +113,7 @@ TEST_CASE("a replay gives back its ticks, and says what was missed") {
 }
 
 TEST_CASE("a replay's read() and send() do not allocate") {
-  ReplayDevice device(std::vector<ReplayTick>(1000));
+  ReplayDevice device(std::vector<DeviceInput>(1000));
   DeviceInput input;
   bool ok = true;
   const std::uint64_t before = allocations_of_thread();

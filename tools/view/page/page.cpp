@@ -62,7 +62,7 @@ std::string Page::finish(const Scene& scene, const RenderOptions& options, doubl
       {"energy_unit", printable_line(scene.energy_unit)},
       {"energy_label",
        axis_label("energy", scene.energy_unit.empty() ? "model's unit" : scene.energy_unit)},
-      {"sticks", options.style == Style::kSticks},
+      {"sticks", options.sticks},
       {"low", box.origin},
       {"high",
        box.position(GridCoordinates{box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1})},

@@ -1,10 +1,9 @@
 // Trajectories and the summary of a stream.
-#include "libcore/scene/xyz.hpp"
+#include "libcore/scene/trajectory.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "libcore/scene/pdb.hpp"
 #include "tests/unit/scene/scenes.hpp"
 
 using namespace hapgrid;
