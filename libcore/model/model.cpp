@@ -88,18 +88,7 @@ double Model::own_energy(const double*) const {
 void Model::shape(const double*, std::span<float>) const { assert(!"this model has no shape"); }
 
 std::unique_ptr<Model> declared_model(const GridSpec& spec) {
-  ModelInfo info;
-  info.state_size = spec.state_size;
-  info.d_max = std::numeric_limits<double>::infinity();  // not in a shard, and nothing is converted
-  info.tolerance = spec.tolerance;
-  info.tolerance_unit = spec.tolerance_unit;
-  info.equality = spec.equality;
-  info.length_unit = spec.length_unit;
-  info.energy_unit = spec.energy_unit;
-  info.force_scale = spec.force_scale;
-  info.hip_radius = spec.hip_radius;
-  info.stored = spec.stored;
-  info.spheres = spec.spheres;
+  ModelInfo info{spec, /*d_max=*/std::numeric_limits<double>::infinity(), {}};
   return std::make_unique<DeclaredModel>(std::move(info));
 }
 

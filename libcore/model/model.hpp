@@ -20,21 +20,10 @@ namespace hapgrid {
 bool is_plain(const std::string& name);
 
 /// What a model says of itself.
-struct ModelInfo {
-  std::uint32_t state_size = 0;
-  double d_max = 0;  ///< conversions are defined for |d| up to this
-  double tolerance = 0;
-  std::string tolerance_unit, length_unit, energy_unit;
-  Equality equality;  ///< a process says its tolerance function in words, a plug-in has it in code
-  double force_scale = 0;  ///< newtons that one energy unit per length unit is on the device
-  double hip_radius = 0;
-  Stored stored;
-  std::vector<Sphere> spheres;    ///< show a state; empty where the model has no shape
-  std::vector<Torsion> torsions;  ///< of the shape
+struct ModelInfo : ModelDescription {
+  double d_max = 0;               ///< conversions are defined for |d| up to this
+  std::vector<Torsion> torsions;  ///< of the spheres
 
-  std::uint32_t row_size() const {
-    return hapgrid::row_size(state_size, stored, stored.shape ? spheres.size() : 0);
-  }
   /// @throw ModelError when a number is out of its range.
   void validate() const;
   friend bool operator==(const ModelInfo&, const ModelInfo&) = default;
