@@ -27,7 +27,8 @@ constexpr double kLoopBudget = 100e-6;
 struct Options {
   DefinitionOptions definition;
   DefinedModelOptions model;
-  ModelCheckLimits limits;
+  std::uint64_t steps = 2000;
+  double seconds = 20;
   std::string format = "text";
   std::string output = "-";
 };
@@ -134,12 +135,12 @@ int run(const Options& options) {
   const Seeds seeds = seed_states(definition, *model);
 
   const ModelCheck found = check_model(
-      spec, seeds, [&] { return create_model(*source, spec); }, options.limits);
+      spec, seeds, [&] { return create_model(*source, spec); }, options.steps, options.seconds);
   // The time that a broken model takes for a conversion says nothing.
   std::optional<GridEstimate> estimate;
   std::string no_estimate = "a check is broken";
   if (!is_broken(found.checks)) try {
-      estimate = estimate_grid(definition, *source, options.limits.seconds / 4, found.convert.mean);
+      estimate = estimate_grid(definition, *source, options.seconds / 4, found.convert.mean);
     } catch (const Error& e) {
       no_estimate = std::string("the search of a coarser grid failed: ") + e.what();
     }
@@ -178,12 +179,11 @@ int main(int argc, char** argv) {
       "model alone, unless --seconds ends the walks.\n",
       "  3  the model breaks what the search relies on\n");
   add_definition(app, options.definition);
-  app.add("--steps", options.limits.conversions, "Steps along the walks")
+  app.add("--steps", options.steps, "Steps along the walks")
       .type("N")
       .whole(1, std::int64_t{1} << 40)
       .shows_default();
-  app.add("--seconds", options.limits.seconds,
-          "Time for the walks; the estimate takes a quarter of it")
+  app.add("--seconds", options.seconds, "Time for the walks; the estimate takes a quarter of it")
       .type("S")
       .positive()
       .shows_default();

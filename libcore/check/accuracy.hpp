@@ -13,7 +13,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "libcore/check/report.hpp"
 #include "libcore/check/walk.hpp"
@@ -21,21 +20,12 @@
 
 namespace hapgrid {
 
-/// What the walks are judged by.
-struct AccuracyTerms {
-  std::optional<double> wanted;  ///< E, in the unit of the tolerance
-  double spacing = 1;
-  GridCoordinates counts{1, 1, 1};
-  std::string state_unit;
-  std::string length_unit;
-  bool has_force = false;
-};
-AccuracyTerms accuracy_terms(const GridSpec& spec, bool has_force, std::optional<double> wanted);
-
 /// `accurate`: a note without a wanted error. With one it is broken when more than 1 in 100 places
 /// in one branch are off by more. Conversions that fail are offenders. Figures: the shares of the
 /// places in one branch, empty, mixed and parted; median, 99 % and worst of the errors; the order
 /// p; with a wanted error the spacing it takes, where p can be told: from 100 places and above 3/4.
-Check check_accurate(const Walked& walked, const AccuracyTerms& terms);
+/// @param wanted E, in the unit of the tolerance
+Check check_accurate(const GridSpec& spec, const Walked& walked, bool has_force,
+                     std::optional<double> wanted);
 
 }  // namespace hapgrid

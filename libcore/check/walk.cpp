@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/parallel.hpp"
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
@@ -28,17 +29,15 @@ std::uint64_t seed_of(std::uint64_t seed, std::uint64_t walk) {
   return SplitMix64(SplitMix64(seed).below(kAll) + walk).below(kAll);
 }
 
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double length(const Vec3& d) { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
-
 /// Walks with one model; for one thread.
 class Walker {
  public:
   Walker(const Grid& grid, const WalkModels& models)
       : grid_(grid),
         cells_(grid),
-        model_(models.functions()),
-        distance_(grid.spec(), models.same()),
+        model_(models.model()),
+        distance_(grid.spec(),
+                  [this](const double* a, const double* b) { return model_->equal(a, b); }),
         play_(models.traversal()),
         row_(grid.spec().row_size()),
         next_(row_.size()),
@@ -108,11 +107,10 @@ class Walker {
   bool convert(const double* s, const Vec3& from, const Vec3& to, std::vector<double>& row,
                Findings& failed) {
     ++failed.counted;
-    std::string error;
-    if (model_.convert(s, from, difference(to, from), row.data(), error)) return true;
+    if (model_->convert(s, from, to - from, row.data())) return true;
     failed.offend([&] {
-      return "conversion to (" + rounded(to[0]) + ", " + rounded(to[1]) + ", " + rounded(to[2]) +
-             ") failed: " + error;
+      return format("conversion to ({}, {}, {}) failed: {}", rounded(to[0]), rounded(to[1]),
+                    rounded(to[2]), model_->error());
     });
     return false;
   }
@@ -128,9 +126,9 @@ class Walker {
       if (!is_finite(grid_.row(r))) return false;
       const Vec3 corner = grid_.box().position(grid_.point(r));
       if (!convert(grid_.state(r).data(), corner, x, next_, seen.failed)) return false;
-      if (!model_.same(next_.data(), row_.data())) continue;
+      if (!model_->equal(next_.data(), row_.data())) continue;
       if (!convert(row_.data(), x, corner, next_, seen.failed)) return false;
-      same += model_.same(next_.data(), grid_.state(r).data());
+      same += model_->equal(next_.data(), grid_.state(r).data());
     }
     ++seen.places;
     if (same == 0) {
@@ -168,7 +166,7 @@ class Walker {
   double off(std::span<const double> row) { return distance_(row_, row); }
   double force_off(const Vec3& x, std::span<const double> row) const {
     if (!fields_) return 0;
-    const double off = length(difference(fields_->force(x, row), fields_->force(x, row_)));
+    const double off = length_of(fields_->force(x, row) - fields_->force(x, row_));
     // A blend may be a state of which the model has no force.
     return std::isnan(off) ? std::numeric_limits<double>::infinity() : off;
   }
@@ -176,9 +174,8 @@ class Walker {
   void note(WorstError& worst, double value, const Vec3& x) const {
     if (!(value > worst.value)) return;
     const GridCoordinates& c = play_->cell();
-    worst = {value, "at (" + rounded(x[0]) + ", " + rounded(x[1]) + ", " + rounded(x[2]) +
-                        "), in cell (" + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " +
-                        std::to_string(c[2]) + ")"};
+    worst = {value, format("at ({}, {}, {}), in cell ({}, {}, {})", rounded(x[0]), rounded(x[1]),
+                           rounded(x[2]), c[0], c[1], c[2])};
   }
 
   /// Into coarse_, from the corners of a cell twice as large that holds play's cell, each one link
@@ -224,7 +221,7 @@ class Walker {
 
   const Grid& grid_;
   const Cells cells_;
-  const ModelFunctions model_;
+  const std::unique_ptr<Model> model_;
   StateDistance distance_;
   std::optional<Fields> fields_;
   std::unique_ptr<Traversal> play_;

@@ -78,8 +78,7 @@ struct Walked {
 
 /// What walks need of the grid's model. Each is called once a thread, from the calling thread.
 struct WalkModels {
-  std::function<ModelFunctions()> functions;
-  std::function<SameState()> same;                        ///< the tolerance function as it is
+  MakeModel model;
   std::function<Fields()> fields;                         ///< for the force; empty: there is none
   std::function<std::unique_ptr<Traversal>()> traversal;  ///< the rule that play follows
 };

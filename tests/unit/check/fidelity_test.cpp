@@ -61,12 +61,12 @@ TEST_CASE("a conversion that fails is an offender in the model's words") {
   const auto check = check_fidelity(
       grid, std::vector<RecordIndex>{3},
       [] {
-        ModelFunctions model = tiny::model();
-        model.convert = [](const double*, const Vec3& x, const Vec3&, double*, std::string& error) {
-          error = "no minimum near " + std::to_string(x[0]);
-          return false;
-        };
-        return model;
+        return std::make_unique<tiny::TestModel>(
+            tiny::spec(),
+            [](const double*, const Vec3& x, const Vec3&, double*, std::string& error) {
+              error = "no minimum near " + std::to_string(x[0]);
+              return false;
+            });
       },
       1, done);
   CHECK(check.found.counted == 2);
@@ -80,15 +80,14 @@ TEST_CASE("fidelity does not depend on the number of threads") {
   const Grid grid = row();
   // Every third point fails, each in its own words.
   const auto make_model = [] {
-    ModelFunctions model = tiny::model();
-    model.convert = [](const double*, const Vec3& x, const Vec3&, double* result,
-                       std::string& error) {
-      const int point = static_cast<int>((x[0] - 0.5) / 0.25);
-      error = "point " + std::to_string(point);
-      *result = 0;
-      return point % 3 != 2;
-    };
-    return model;
+    return std::make_unique<tiny::TestModel>(
+        tiny::spec(),
+        [](const double*, const Vec3& x, const Vec3&, double* result, std::string& error) {
+          const int point = static_cast<int>((x[0] - 0.5) / 0.25);
+          error = "point " + std::to_string(point);
+          *result = 0;
+          return point % 3 != 2;
+        });
   };
   const auto records = sample_records(grid, 190, 1);
   std::vector<Findings> found;

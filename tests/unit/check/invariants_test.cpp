@@ -17,7 +17,7 @@ std::vector<Check> all_checks(const Grid& grid, double tolerance = 1e-6) {
                             check_coverage(grid),
                             check_links(grid),
                             check_finite(grid),
-                            check_distinct(grid, tiny::model(tolerance).same),
+                            check_distinct(grid, *tiny::model(tolerance)),
                             check_reachable(grid, distances),
                             check_generations(grid, distances)};
   if (grid.has_tears()) checks.push_back(check_fractions(grid));

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "libcore/check/continuous.hpp"
-#include "libcore/check/forces.hpp"
 #include "tests/unit/check/ball_grid.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
