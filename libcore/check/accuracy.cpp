@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -75,9 +76,9 @@ class Row {
     add("empty", share(walked_.empty), "", "where all corners and the model are in one state");
     add("mixed", share(walked_.mixed), "",
         walked_.mixed_state.value > 0
-            ? "where a branch ends in the cell; the state is off by " +
-                  rounded(walked_.mixed_state.value) + " " + printable_line(spec_.tolerance_unit) +
-                  " " + walked_.mixed_state.where
+            ? format("where a branch ends in the cell; the state is off by {} {} {}",
+                     rounded(walked_.mixed_state.value), printable_line(spec_.tolerance_unit),
+                     walked_.mixed_state.where)
             : "where a branch ends in the cell");
     add("parted", share(walked_.parted), "", "where play and the model are in different branches");
   }
@@ -101,8 +102,8 @@ class Row {
       add("median order", std::log2(quantile(coarse, 0.5) / median), "",
           "how the median falls, as the next line says of the 99 %");
     add("order", order, "",
-        "of the 99 %, which is " + rounded(twice) + " with every other point, and here " +
-            rounded(e) + " in the same places");
+        format("of the 99 %, which is {} with every other point, and here {} in the same places",
+               rounded(twice), rounded(e)));
     if (!wanted_ || !(order > kLeastOrder)) {
       if (wanted_) check_.figures.back().where += "; too low to tell a sufficient spacing";
       return;
@@ -111,7 +112,8 @@ class Row {
     const double spacing =
         spec_.box.spacing * std::pow(*wanted_ / now, 1 / std::min(order, kHighestOrder));
     add("sufficient spacing", spacing, spec_.length_unit,
-        points_text(spec_.box, spacing) + ", for " + rounded(*wanted_) + " in 99 of 100 places");
+        format("{}, for {} in 99 of 100 places", points_text(spec_.box, spacing),
+               rounded(*wanted_)));
   }
 
   void judge() {
@@ -129,7 +131,7 @@ class Row {
         std::count_if(errors.begin(), errors.end(), [&](double e) { return e > *wanted_; }));
     auto& first = check_.found.first;
     first.insert(first.begin(),
-                 {"off by " + rounded(walked_.state.value) + " " + walked_.state.where});
+                 {format("off by {} {}", rounded(walked_.state.value), walked_.state.where)});
     first.resize(std::min(first.size(), Findings::kShown));
   }
 

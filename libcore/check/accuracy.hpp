@@ -8,8 +8,8 @@
 // is p = log2(e99(2h) / e99(h)), 2 at most. A wanted error E then takes the spacing h (E /
 // e99)^(1/p). Near kinks p rises as h falls, up to 2, and the estimate is on the safe side.
 //
-// Only places in one branch count: where branches end play is off by their distance with every
-// spacing. These places are counted, and become fewer as h.
+// Only places in one branch count. Where a branch ends, the error of play is the distance of the
+// branches, whatever the spacing. Such places are counted apart; their share falls with h.
 #pragma once
 
 #include <optional>
@@ -20,10 +20,11 @@
 
 namespace hapgrid {
 
-/// `accurate`: a note without a wanted error. With one it is broken when more than 1 in 100 places
-/// in one branch are off by more. Conversions that fail are offenders. Figures: the shares of the
-/// places in one branch, empty, mixed and parted; median, 99 % and worst of the errors; the order
-/// p; with a wanted error the spacing it takes, where p can be told: from 100 places and above 3/4.
+/// `accurate`: a note without a wanted error. With one, the check is broken when more than 1 in 100
+/// places in one branch have a larger error. Conversions that fail are offenders. Figures: the
+/// shares of the places in one branch, empty, mixed and parted; median, 99 % and worst of the
+/// errors; the order p; with a wanted error the spacing it takes, where p can be told: from 100
+/// places and above 3/4.
 /// @param wanted E, in the unit of the tolerance
 Check check_accurate(const GridSpec& spec, const Walked& walked, bool has_force,
                      std::optional<double> wanted);

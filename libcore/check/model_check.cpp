@@ -14,6 +14,7 @@
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/grid/direction.hpp"
+#include "libcore/grid/vec3.hpp"
 #include "libcore/model/fields.hpp"
 
 namespace hapgrid {
@@ -168,7 +169,7 @@ class ModelWalker {
   bool step(int q) {
     const Vec3 x = spec_.box.position(point_);
     const Vec3& d = around_.shift(q);
-    Step step{point_, q, x, d, {x[0] + d[0], x[1] + d[1], x[2] + d[2]}, state_, {}, {}};
+    Step step{point_, q, x, d, x + d, state_, {}, {}};
     step.row.resize(spec_.row_size());
     Findings& defined = found_[kDefined];
     ++defined.counted;
@@ -198,7 +199,8 @@ class ModelWalker {
       if (!model->convert(step.from.data(), step.x, step.d, other_.data()) ||
           std::memcmp(other_.data(), step.row.data(), step.row.size() * sizeof(double)) != 0)
         found.offend([&] {
-          return text_of(step) + ": " + state_text(step.arrived) + ", then " + state_of(other_);
+          return format("{}: {}, then {}", text_of(step), state_text(step.arrived),
+                        state_of(other_));
         });
     }
   }
@@ -207,8 +209,8 @@ class ModelWalker {
     ++found.counted;
     if (!convert(step.arrived, step.there, {0, 0, 0}, other_) || !same(other_, step.arrived))
       found.offend([&] {
-        return describe(spec_.box, step.point) + ": from " + state_text(step.arrived) + " to " +
-               state_of(other_);
+        return format("{}: from {} to {}", describe(spec_.box, step.point),
+                      state_text(step.arrived), state_of(other_));
       });
   }
 
@@ -221,14 +223,14 @@ class ModelWalker {
 
   void try_halves(const Step& step, Findings& found) {
     ++found.counted;
-    const Vec3 half{step.d[0] / 2, step.d[1] / 2, step.d[2] / 2};
-    const Vec3 middle{step.x[0] + half[0], step.x[1] + half[1], step.x[2] + half[2]};
+    const Vec3 half = 0.5 * step.d;
+    const Vec3 middle = step.x + half;
     State halfway(spec_.row_size());
     if (!convert(step.from, step.x, half, halfway) || !convert(halfway, middle, half, other_) ||
         !same(other_, step.arrived))
       found.offend([&] {
-        return text_of(step) + ": at once " + state_text(step.arrived) + ", in two halves " +
-               state_of(other_);
+        return format("{}: at once {}, in two halves {}", text_of(step), state_text(step.arrived),
+                      state_of(other_));
       });
   }
 
@@ -280,7 +282,7 @@ class ModelWalker {
     for (int side = 0; side < 2; ++side) {
       Vec3 d{0, 0, 0};
       d[axis] = side ? e : -e;
-      const Vec3 beside{x[0] + d[0], x[1] + d[1], x[2] + d[2]};
+      const Vec3 beside = x + d;
       State moved(spec_.row_size()), back(spec_.row_size());
       if (!convert(row, x, d, moved) || !convert(moved, beside, {-d[0], -d[1], -d[2]}, back) ||
           !same(back, row))
@@ -312,9 +314,9 @@ class ModelWalker {
       if (g.force != 0) errors.push_back(error);  // where nothing is felt all is well, and common
       if (!(error <= kForceTolerance))
         gradient.offend([&] {
-          return std::string("at (") + to_text(g.x[0]) + ", " + to_text(g.x[1]) + ", " +
-                 to_text(g.x[2]) + "): force " + "xyz"[g.axis] + " " + to_text(g.force) +
-                 " N, the energy's gradient gives " + to_text(g.difference);
+          return format("at ({}, {}, {}): force {} {} N, the energy's gradient gives {}",
+                        to_text(g.x[0]), to_text(g.x[1]), to_text(g.x[2]), "xyz"[g.axis],
+                        to_text(g.force), to_text(g.difference));
         });
     }
     if (errors.empty()) return gradient;

@@ -11,7 +11,7 @@
 
 namespace hapgrid {
 
-/// Median and tails of one kind of call, in seconds.
+/// The durations of one kind of call, in seconds.
 struct CallTimes {
   std::uint64_t calls = 0;
   double median = 0;
@@ -23,7 +23,7 @@ struct CallTimes {
 struct ModelCheck {
   std::vector<Check> checks;
   CallTimes convert;
-  CallTimes force;  ///< no calls: the model has no force, or a stored one
+  CallTimes force;  ///< without calls when the model has no force or the grid stores it
   CallTimes shape;
   /// Median error of the force's nonzero components against the energy's gradient, as a share of
   /// the largest force.

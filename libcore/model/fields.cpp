@@ -8,21 +8,23 @@
 namespace hapgrid {
 
 Fields::Fields(const GridSpec& spec, const MakeModel& create, bool wants_shape) : spec_(spec) {
-  const std::string who = "model " + spec.model + ": ";
   const bool is_process = spec.equality.is_declared();
   if (is_process && !spec.stored.force)
-    throw ModelError(who +
-                     "is a process, which is too slow for forces, and this grid stores none "
-                     "(\"stored\": [\"force\"])");
+    throw ModelError(
+        format("model {}: is a process, which is too slow for forces, and this grid stores none "
+               "(\"stored\": [\"force\"])",
+               spec.model));
   const bool shape_missing = wants_shape && !spec.stored.shape && !is_process;
   if (!spec.stored.force || shape_missing) {
     own_model_ = create();
     model_ = own_model_.get();
     if (model_->state_size() != spec.state_size)
-      throw ModelError(format("{}states of {} values, the grid has {}", who, model_->state_size(),
-                              spec.state_size));
+      throw ModelError(format("model {}: states of {} values, the grid has {}", spec.model,
+                              model_->state_size(), spec.state_size));
   }
-  if (!has_force()) throw ModelError(who + "has no force function, forces cannot be computed");
+  if (!has_force())
+    throw ModelError(
+        format("model {}: has no force function, forces cannot be computed", spec.model));
   if (spec.stored.shape)
     spheres_ = spec.spheres;
   else if (model_)

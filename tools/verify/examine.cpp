@@ -59,8 +59,9 @@ Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFie
   if (forces.why_not.empty())
     return passive_not_proved("interpolated forces have no energy; --force energy can be proved");
   return passive_not_proved(
-      "play interpolates the forces of the records, which have no energy, because " +
-      forces.why_not + "; give the model the energy of its force, and see check-model");
+      format("play interpolates the forces of the records, which have no energy, because {}; give "
+             "the model the energy of its force, and see check-model",
+             forces.why_not));
 }
 
 Check measure_accuracy(const Grid& grid, const Examination& asked, WalkModels models) {
