@@ -1,11 +1,13 @@
 // check-model: finds what would go wrong in the search of a grid before the search is paid for.
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
+#include "libcore/base/json_text.hpp"
+#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/check/estimate.hpp"
 #include "libcore/check/model_check.hpp"
@@ -27,7 +29,8 @@ constexpr double kLoopBudget = 100e-6;
 struct Options {
   DefinitionOptions definition;
   DefinedModelOptions model;
-  ModelCheckLimits limits;
+  std::uint64_t steps = 2000;
+  double seconds = 20;
   std::string format = "text";
   std::string output = "-";
 };
@@ -43,20 +46,14 @@ std::string time_text(double seconds, int digits = 3) {
                                     {7200, 1.0 / 60, "min"}, {INFINITY, 1.0 / 3600, "h"}};
   const Unit* unit = kUnits;
   while (seconds >= unit->below) ++unit;
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*g", digits, seconds * unit->scale);
-  std::snprintf(text, sizeof text, "%g %s", std::strtod(text, nullptr), unit->name);  // no exponent
-  return text;
-}
-
-std::string megabytes(std::uint64_t bytes) {
-  return rounded(std::ceil(static_cast<double>(bytes) / 1e5) / 10) + " MB";
+  // Rounded first, and then written without an exponent.
+  const double value = std::stod(format("{:.{}g}", seconds * unit->scale, digits));
+  return format("{:g} {}", value, unit->name);
 }
 
 std::string calls_text(const CallTimes& t) {
-  return "median " + time_text(t.median) + ", mean " + time_text(t.mean) + ", 99 % below " +
-         time_text(t.p99) + ", longest " + time_text(t.worst) + " (" + std::to_string(t.calls) +
-         " calls)";
+  return format("median {}, mean {}, 99 % below {}, longest {} ({} calls)", time_text(t.median),
+                time_text(t.mean), time_text(t.p99), time_text(t.worst), t.calls);
 }
 
 Json calls_json(const CallTimes& t) {
@@ -71,34 +68,34 @@ std::string report_text(const GridSpec& spec, const ModelInfo& info, const Model
                         const std::optional<GridEstimate>& e, const std::string& no_estimate) {
   const std::string length = info.length_unit.empty() ? "" : " " + printable_line(info.length_unit);
   std::string text = checks_text(m.checks, Details::kAll) + "\n";
-  const auto row = [&](const std::string& name, const std::string& value) {
-    text += name + std::string(13 - name.size(), ' ') + value + "\n";
+  const auto row = [&](const char* name, const std::string& value) {
+    text += left(name, 13) + value + "\n";
   };
-  row("d_max", rounded(info.d_max) + length + "; the longest step of this grid, sqrt(3) h, is " +
-                   rounded(std::sqrt(3.0) * spec.box.spacing) + length);
+  row("d_max",
+      format("{}{}; the longest step of this grid, sqrt(3) h, is {}{}", rounded(info.d_max), length,
+             rounded(std::sqrt(3.0) * spec.box.spacing), length));
   row("conversion", calls_text(m.convert));
   if (m.force.calls) row("force", calls_text(m.force));
   if (m.shape.calls) row("shape", calls_text(m.shape));
   if (m.force.p99 + m.shape.p99 > kLoopBudget)
     row("", "too slow for a haptic loop: let the grid store them (info.stored)");
-  if (m.largest_force > 0)
+  if (m.largest_force > 0) {
+    const std::string error = format("; against the energy's gradient off by {} % of that (median)",
+                                     rounded(100 * m.median_force_error));
     row("forces",
-        "up to " + rounded(m.largest_force) + " N" +
-            (info.force_scale > 0 ? "; against the energy's gradient off by " +
-                                        rounded(100 * m.median_force_error) + " % of that (median)"
-                                  : ""));
+        format("up to {} N{}", rounded(m.largest_force), info.force_scale > 0 ? error : ""));
+  }
   if (!e) {
     row("whole grid", "no estimate, because " + no_estimate);
     return text;
   }
+  const std::string tears =
+      spec.tears ? format(" and {} for tear fractions", e->tear_conversions) : "";
   row("whole grid",
-      "about " + fixed(e->levels, 2) + " levels a point, " + std::to_string(e->conversions) +
-          " conversions" +
-          (spec.tears ? " and " + std::to_string(e->tear_conversions) + " for tear fractions"
-                      : "") +
-          ": about " + time_text(e->cpu_seconds, 2) + " on one core");
+      format("about {} levels a point, {} conversions{}: about {} on one core", fixed(e->levels, 2),
+             e->conversions, tears, time_text(e->cpu_seconds, 2)));
   row("memory",
-      "play " + megabytes(e->play_bytes) + ", expand up to " + megabytes(e->expand_bytes));
+      format("play {}, expand up to {}", megabytes(e->play_bytes), megabytes(e->expand_bytes)));
   return text;
 }
 
@@ -123,7 +120,7 @@ std::string report_json(const GridSpec& spec, const ModelInfo& info, const Model
                           {"play_bytes", e->play_bytes},
                           {"expand_bytes", e->expand_bytes}}
                    : Json();
-  return json.dump(2, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 int run(const Options& options) {
@@ -134,14 +131,14 @@ int run(const Options& options) {
   const Seeds seeds = seed_states(definition, *model);
 
   const ModelCheck found = check_model(
-      spec, seeds, [&] { return create_model(*source, spec); }, options.limits);
+      spec, seeds, [&] { return create_model(*source, spec); }, options.steps, options.seconds);
   // The time that a broken model takes for a conversion says nothing.
   std::optional<GridEstimate> estimate;
   std::string no_estimate = "a check is broken";
   if (!is_broken(found.checks)) try {
-      estimate = estimate_grid(definition, *source, options.limits.seconds / 4, found.convert.mean);
+      estimate = estimate_grid(definition, *source, options.seconds / 4, found.convert.mean);
     } catch (const Error& e) {
-      no_estimate = std::string("the search of a coarser grid failed: ") + e.what();
+      no_estimate = format("the search of a coarser grid failed: {}", e.what());
     }
   OutputFile output(options.output, /*binary=*/false);
   output.write(options.format == "json" ? report_json(spec, model->info(), found, estimate)
@@ -178,12 +175,11 @@ int main(int argc, char** argv) {
       "model alone, unless --seconds ends the walks.\n",
       "  3  the model breaks what the search relies on\n");
   add_definition(app, options.definition);
-  app.add("--steps", options.limits.conversions, "Steps along the walks")
+  app.add("--steps", options.steps, "Steps along the walks")
       .type("N")
       .whole(1, std::int64_t{1} << 40)
       .shows_default();
-  app.add("--seconds", options.limits.seconds,
-          "Time for the walks; the estimate takes a quarter of it")
+  app.add("--seconds", options.seconds, "Time for the walks; the estimate takes a quarter of it")
       .type("S")
       .positive()
       .shows_default();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libcore/base/file.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/check/report.hpp"
 #include "libcore/shard/load.hpp"
@@ -34,15 +35,17 @@ constexpr std::uint64_t kDefaultWalks = 100;
 
 constexpr const char* kChecks =
     "The rows of the report:\n"
-    "  complete, coverage, links, finite, distinct, fractions   all points, states and links are "
-    "there\n"
-    "  reachable, generations   links lead from the seeds to each record, as far as its "
-    "generation\n"
-    "  fidelity, stored, tears   the model, asked again, gives what the grid has\n"
+    "  complete, coverage, links, finite, distinct, fractions\n"
+    "               all points, states and links are there\n"
+    "  reachable, generations\n"
+    "               links lead from the seeds to each record, as far as its generation\n"
+    "  fidelity, stored, tears\n"
+    "               the model, asked again, gives what the grid has\n"
     "  continuous   the state jumps nowhere but where it snaps\n"
-    "  gradient, steep   notes: force and energy; slopes, and what the device renders stably\n"
+    "  gradient, steep\n"
+    "               notes: force and energy; slopes, and what the device renders stably\n"
     "  passive      no closed walk of the hand gains energy: no snap leads up\n"
-    "  accurate     --walks: the error between the points; a fault with --accuracy only\n";
+    "  accurate     --walks: the error between points; a fault with --accuracy only\n";
 
 /// How many records --recompute asks for; false for anything but "all", "none" and a number.
 bool parse_recompute(const std::string& text, std::uint64_t& count) {
@@ -100,8 +103,7 @@ void add_checks(CommandLine& app, Options& options) {
       .type("N")
       .whole(1, kMostWalks);
   app.add("--accuracy", asked.accuracy,
-          "Fault: 1 % of the walked places are off by more; sets --walks " +
-              std::to_string(kDefaultWalks))
+          format("Fault: 1 % of the walked places are off by more; sets --walks {}", kDefaultWalks))
       .type("E")
       .positive();
   app.add(

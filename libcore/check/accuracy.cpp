@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -34,25 +35,26 @@ std::vector<double> column(const std::vector<PlayError>& errors, double PlayErro
   return values;
 }
 
-std::string points_text(const AccuracyTerms& terms, double spacing) {
+std::string points_text(const Box& box, double spacing) {
   std::string text;
   for (int a = 0; a < 3; ++a) {
-    const double cells = std::ceil((terms.counts[a] - 1) * terms.spacing / spacing);
-    text += (a == 0 ? "" : " x ") + fixed(terms.counts[a] == 1 ? 1 : std::max(cells, 1.0) + 1, 0);
+    const double cells = std::ceil((box.counts[a] - 1) * box.spacing / spacing);
+    text += (a == 0 ? "" : " x ") + fixed(box.counts[a] == 1 ? 1 : std::max(cells, 1.0) + 1, 0);
   }
   return text + " points";
 }
 
 class Row {
  public:
-  Row(const Walked& walked, const AccuracyTerms& terms) : walked_(walked), terms_(terms) {}
+  Row(const GridSpec& spec, const Walked& walked, bool has_force, std::optional<double> wanted)
+      : spec_(spec), walked_(walked), has_force_(has_force), wanted_(wanted) {}
 
   Check check() {
     check_.found.counted = walked_.places;
-    check_.is_note = !terms_.wanted;
+    check_.is_note = !wanted_;
     add_shares();
-    add_errors("state", terms_.state_unit, &PlayError::state, walked_.state);
-    if (terms_.has_force) add_errors("force", "N", &PlayError::force, walked_.force);
+    add_errors("state", spec_.tolerance_unit, &PlayError::state, walked_.state);
+    if (has_force_) add_errors("force", "N", &PlayError::force, walked_.force);
     add_estimate();
     judge();
     return std::move(check_);
@@ -74,9 +76,9 @@ class Row {
     add("empty", share(walked_.empty), "", "where all corners and the model are in one state");
     add("mixed", share(walked_.mixed), "",
         walked_.mixed_state.value > 0
-            ? "where a branch ends in the cell; the state is off by " +
-                  rounded(walked_.mixed_state.value) + " " + printable_line(terms_.state_unit) +
-                  " " + walked_.mixed_state.where
+            ? format("where a branch ends in the cell; the state is off by {} {} {}",
+                     rounded(walked_.mixed_state.value), printable_line(spec_.tolerance_unit),
+                     walked_.mixed_state.where)
             : "where a branch ends in the cell");
     add("parted", share(walked_.parted), "", "where play and the model are in different branches");
   }
@@ -100,52 +102,51 @@ class Row {
       add("median order", std::log2(quantile(coarse, 0.5) / median), "",
           "how the median falls, as the next line says of the 99 %");
     add("order", order, "",
-        "of the 99 %, which is " + rounded(twice) + " with every other point, and here " +
-            rounded(e) + " in the same places");
-    if (!terms_.wanted || !(order > kLeastOrder)) {
-      if (terms_.wanted) check_.figures.back().where += "; too low to tell a sufficient spacing";
+        format("of the 99 %, which is {} with every other point, and here {} in the same places",
+               rounded(twice), rounded(e)));
+    if (!wanted_ || !(order > kLeastOrder)) {
+      if (wanted_) check_.figures.back().where += "; too low to tell a sufficient spacing";
       return;
     }
     const double now = quantile(column(walked_.one_branch, &PlayError::state), kMostPlaces);
     const double spacing =
-        terms_.spacing * std::pow(*terms_.wanted / now, 1 / std::min(order, kHighestOrder));
-    add("sufficient spacing", spacing, terms_.length_unit,
-        points_text(terms_, spacing) + ", for " + rounded(*terms_.wanted) + " in 99 of 100 places");
+        spec_.box.spacing * std::pow(*wanted_ / now, 1 / std::min(order, kHighestOrder));
+    add("sufficient spacing", spacing, spec_.length_unit,
+        format("{}, for {} in 99 of 100 places", points_text(spec_.box, spacing),
+               rounded(*wanted_)));
   }
 
   void judge() {
     check_.found.offenders = walked_.failed.offenders;
     check_.found.first = walked_.failed.first;
-    if (!terms_.wanted) {
+    if (!wanted_) {
       check_.meaning = "conversions that failed on the way";
       return;
     }
     const std::vector<double> errors = column(walked_.one_branch, &PlayError::state);
-    check_.meaning = "places with an error above " + rounded(*terms_.wanted) +
+    check_.meaning = "places with an error above " + rounded(*wanted_) +
                      ", where these are more than 1 in 100; and conversions that failed";
-    if (quantile(errors, kMostPlaces) <= *terms_.wanted) return;
+    if (quantile(errors, kMostPlaces) <= *wanted_) return;
     check_.found.offenders += static_cast<std::uint64_t>(
-        std::count_if(errors.begin(), errors.end(), [&](double e) { return e > *terms_.wanted; }));
+        std::count_if(errors.begin(), errors.end(), [&](double e) { return e > *wanted_; }));
     auto& first = check_.found.first;
     first.insert(first.begin(),
-                 {"off by " + rounded(walked_.state.value) + " " + walked_.state.where});
+                 {format("off by {} {}", rounded(walked_.state.value), walked_.state.where)});
     first.resize(std::min(first.size(), Findings::kShown));
   }
 
+  const GridSpec& spec_;
   const Walked& walked_;
-  const AccuracyTerms& terms_;
+  const bool has_force_;
+  const std::optional<double> wanted_;
   Check check_{"accurate", "places", "", {}};
 };
 
 }  // namespace
 
-AccuracyTerms accuracy_terms(const GridSpec& spec, bool has_force, std::optional<double> wanted) {
-  return {wanted,           spec.box.spacing, spec.box.counts, spec.tolerance_unit,
-          spec.length_unit, has_force};
-}
-
-Check check_accurate(const Walked& walked, const AccuracyTerms& terms) {
-  return Row(walked, terms).check();
+Check check_accurate(const GridSpec& spec, const Walked& walked, bool has_force,
+                     std::optional<double> wanted) {
+  return Row(spec, walked, has_force, wanted).check();
 }
 
 }  // namespace hapgrid

@@ -8,12 +8,11 @@
 // is p = log2(e99(2h) / e99(h)), 2 at most. A wanted error E then takes the spacing h (E /
 // e99)^(1/p). Near kinks p rises as h falls, up to 2, and the estimate is on the safe side.
 //
-// Only places in one branch count: where branches end play is off by their distance with every
-// spacing. These places are counted, and become fewer as h.
+// Only places in one branch count. Where a branch ends, the error of play is the distance of the
+// branches, whatever the spacing. Such places are counted apart; their share falls with h.
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "libcore/check/report.hpp"
 #include "libcore/check/walk.hpp"
@@ -21,21 +20,13 @@
 
 namespace hapgrid {
 
-/// What the walks are judged by.
-struct AccuracyTerms {
-  std::optional<double> wanted;  ///< E, in the unit of the tolerance
-  double spacing = 1;
-  GridCoordinates counts{1, 1, 1};
-  std::string state_unit;
-  std::string length_unit;
-  bool has_force = false;
-};
-AccuracyTerms accuracy_terms(const GridSpec& spec, bool has_force, std::optional<double> wanted);
-
-/// `accurate`: a note without a wanted error. With one it is broken when more than 1 in 100 places
-/// in one branch are off by more. Conversions that fail are offenders. Figures: the shares of the
-/// places in one branch, empty, mixed and parted; median, 99 % and worst of the errors; the order
-/// p; with a wanted error the spacing it takes, where p can be told: from 100 places and above 3/4.
-Check check_accurate(const Walked& walked, const AccuracyTerms& terms);
+/// `accurate`: a note without a wanted error. With one, the check is broken when more than 1 in 100
+/// places in one branch have a larger error. Conversions that fail are offenders. Figures: the
+/// shares of the places in one branch, empty, mixed and parted; median, 99 % and worst of the
+/// errors; the order p; with a wanted error the spacing it takes, where p can be told: from 100
+/// places and above 3/4.
+/// @param wanted E, in the unit of the tolerance
+Check check_accurate(const GridSpec& spec, const Walked& walked, bool has_force,
+                     std::optional<double> wanted);
 
 }  // namespace hapgrid

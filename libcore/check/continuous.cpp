@@ -21,9 +21,10 @@ bool has_cell(const Box& box, PointIndex point, int corner) {
   return true;
 }
 
-/// Looks at the cell in which record r is corner `corner`.
-void look_around(const Grid& grid, const BranchNodes& branches, const Cells& cells, RecordIndex r,
-                 int corner, Findings& found, std::uint64_t& torn) {
+/// Finds whether the branch of record r has a node in all corners of the cell in which r is corner
+/// `corner`. Counts the cell in `torn` where a node is a ghost.
+void check_cell(const Grid& grid, const BranchNodes& branches, const Cells& cells, RecordIndex r,
+                int corner, Findings& found, std::uint64_t& torn) {
   ++found.counted;
   bool is_torn = false;
   for (int k = 0; k < 8; ++k) {
@@ -49,7 +50,7 @@ Check check_continuous(const Grid& grid, const BranchNodes& branches) {
     if (grid.in_frontier(r)) continue;
     for (int corner = 0; corner < 8; ++corner) {
       if (!has_cell(grid.box(), grid.point(r), corner)) continue;
-      look_around(grid, branches, cells, r, corner, check.found, torn);
+      check_cell(grid, branches, cells, r, corner, check.found, torn);
       mixed += branches.is_mixed(r, corner);
     }
   }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/parallel.hpp"
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
@@ -29,16 +30,16 @@ bool is_settled(const Grid& grid, RecordIndex r, int q) {
   return target != Grid::kNoRecord && is_finite(grid.state(target));
 }
 
-/// All conversions of a record by a model that takes many at once: rows and errors by direction.
-void convert_many(const Grid& grid, RecordIndex r, const ModelFunctions& model, double* rows,
-                  std::string* errors) {
+/// Evaluates all conversions of a record that can be compared: rows and errors by direction.
+void convert_record(const Grid& grid, RecordIndex r, Model& model, double* rows,
+                    std::string* errors) {
   int q = -1;
-  model.convert_many(
+  model.convert_all(
       [&](Conversion& conversion, bool) {
         do ++q;
         while (q < kDirections && !is_settled(grid, r, q));
         if (q >= kDirections) {
-          q = kDirections - 1;  // it may be asked again
+          q = kDirections - 1;  // the model may ask once more
           return false;
         }
         conversion = {grid.state(r).data(), grid.box().position(grid.point(r)),
@@ -52,101 +53,72 @@ void convert_many(const Grid& grid, RecordIndex r, const ModelFunctions& model, 
       });
 }
 
-void recompute(const Grid& grid, RecordIndex r, const ModelFunctions& model,
-               std::vector<double>& reached, Findings& found) {
+void recompute(const Grid& grid, RecordIndex r, Model& model, std::vector<double>& rows,
+               Findings& found) {
   if (!is_finite(grid.state(r))) return;
-  const Vec3 x = grid.box().position(grid.point(r));
-  const bool many = model.convert_many != nullptr;
-  std::vector<double> rows(many ? kDirections * reached.size() : 0);
+  rows.resize(std::size_t{kDirections} * grid.spec().row_size());
   std::string errors[kDirections];
-  if (many) convert_many(grid, r, model, rows.data(), errors);
+  convert_record(grid, r, model, rows.data(), errors);
   for (int q = 0; q < kDirections; ++q) {
     if (!is_settled(grid, r, q)) continue;
     const RecordIndex target = grid.destination(r, q);
+    const double* const reached = &rows[static_cast<std::size_t>(q) * grid.spec().row_size()];
     ++found.counted;
-    std::string& error = errors[q];
-    bool converted = error.empty();
-    if (many)
-      std::copy_n(&rows[static_cast<std::size_t>(q) * reached.size()], reached.size(),
-                  reached.begin());
-    else
-      converted = model.convert(grid.state(r).data(), x, grid.neighbourhood().shift(q),
-                                reached.data(), error);
-    if (!converted) {
-      found.offend(location_of(grid, r, q),
-                   [&] { return describe_link(grid, r, q) + ": conversion failed: " + error; });
-    } else if (!model.same(reached.data(), grid.state(target).data())) {
+    if (!errors[q].empty()) {
       found.offend(location_of(grid, r, q), [&] {
-        return describe_link(grid, r, q) + ": C gives " + state_text(reached) +
-               ", stored at level " + std::to_string(grid.level(target)) + " is " +
-               state_text(grid.state(target));
+        return format("{}: conversion failed: {}", describe_link(grid, r, q), errors[q]);
+      });
+    } else if (!model.equal(reached, grid.state(target).data())) {
+      found.offend(location_of(grid, r, q), [&] {
+        return format("{}: C gives {}, stored at level {} is {}", describe_link(grid, r, q),
+                      state_text(std::span(reached, grid.state_size())), grid.level(target),
+                      state_text(grid.state(target)));
       });
     }
   }
 }
 
-void recompute_stored(const Grid& grid, RecordIndex r, const ModelFunctions& model,
-                      std::vector<double>& row, Findings& found) {
+void recompute_stored(const Grid& grid, RecordIndex r, Model& model, std::vector<double>& row,
+                      Findings& found) {
   if (!is_finite(grid.row(r))) return;
+  row.resize(grid.spec().row_size());
   ++found.counted;
   const std::size_t n = grid.state_size();
   std::copy_n(grid.state(r).begin(), n, row.begin());
-  std::string error;
-  if (!model.complete(grid.box().position(grid.point(r)), row.data(), error))
-    return found.offend(location_of(grid, r), [&] { return describe(grid, r) + ": " + error; });
+  if (!model.complete(grid.box().position(grid.point(r)), row.data()))
+    return found.offend(location_of(grid, r),
+                        [&] { return describe(grid, r) + ": " + model.error(); });
   for (std::size_t i = n; i < row.size(); ++i) {
     const double stored = grid.row(r)[i];
     if (std::abs(row[i] - stored) <= kStoredTolerance * std::max(1.0, std::abs(stored))) continue;
     return found.offend(location_of(grid, r), [&] {
-      return describe(grid, r) + ": stored number " + std::to_string(i - n) + " is " +
-             to_text(stored) + ", the model gives " + to_text(row[i]);
+      return format("{}: stored number {} is {}, the model gives {}", describe(grid, r), i - n,
+                    to_text(stored), to_text(row[i]));
     });
   }
 }
 
-/// Runs work(model, record, row, findings) for all records, in threads. Findings are kept by block
-/// and joined in order, so that the threads leave no trace.
+/// Runs work_on(grid, record, model, numbers, findings) for all records, in threads. Findings are
+/// kept by block and joined in order, so that the threads leave no trace.
 template <class Work>
 Findings for_each_record(const Grid& grid, std::span<const RecordIndex> records,
-                         const std::function<ModelFunctions()>& make_model, int threads,
+                         const MakeModel& make_model, int threads,
                          std::atomic<std::uint64_t>& records_done, Work&& work_on) {
   std::vector<Findings> blocks((records.size() + kSampleBlock - 1) / kSampleBlock);
-  std::vector<ModelFunctions> models;
+  std::vector<std::unique_ptr<Model>> models;
   models.reserve(static_cast<std::size_t>(threads));
   for (int t = 0; t < threads; ++t) models.push_back(make_model());
-  for_each_with_own(blocks.size(), models, [&](const ModelFunctions& model, std::size_t b) {
-    std::vector<double> row(grid.spec().row_size());
+  for_each_with_own(blocks.size(), models, [&](const std::unique_ptr<Model>& model, std::size_t b) {
+    std::vector<double> numbers;
     const std::size_t end = std::min(records.size(), (b + 1) * kSampleBlock);
     for (std::size_t i = b * kSampleBlock; i < end; ++i)
-      work_on(grid, records[i], model, row, blocks[b]);
+      work_on(grid, records[i], *model, numbers, blocks[b]);
     records_done += end - b * kSampleBlock;
   });
   return sum_of(std::move(blocks));
 }
 
 }  // namespace
-
-ModelFunctions model_functions(std::unique_ptr<Model> model_to_own) {
-  const std::shared_ptr<Model> model = std::move(model_to_own);
-  ModelFunctions functions;
-  functions.convert = [model](const double* s, const Vec3& x, const Vec3& d, double* row,
-                              std::string& error) {
-    const bool converted = model->convert(s, x, d, row);
-    if (!converted) error = model->error();
-    return converted;
-  };
-  if (model->is_process())
-    functions.convert_many = [model](const NextConversion& next, const ConversionDone& done) {
-      model->convert_all(next, done);
-    };
-  functions.complete = [model](const Vec3& x, double* row, std::string& error) {
-    const bool completed = model->complete(x, row);
-    if (!completed) error = model->error();
-    return completed;
-  };
-  functions.same = [model](const double* a, const double* b) { return model->equal(a, b); };
-  return functions;
-}
 
 std::vector<RecordIndex> sample_records(const Grid& grid, std::uint64_t count, std::uint64_t seed) {
   std::vector<RecordIndex> records;
@@ -169,7 +141,7 @@ std::vector<RecordIndex> sample_records(const Grid& grid, std::uint64_t count, s
 }
 
 Check check_fidelity(const Grid& grid, std::span<const RecordIndex> records,
-                     const std::function<ModelFunctions()>& make_model, int threads,
+                     const MakeModel& make_model, int threads,
                      std::atomic<std::uint64_t>& records_done) {
   Check check{
       "fidelity", "conversions", "links to a state that C, evaluated again, does not reach", {}};
@@ -178,7 +150,7 @@ Check check_fidelity(const Grid& grid, std::span<const RecordIndex> records,
 }
 
 Check check_stored(const Grid& grid, std::span<const RecordIndex> records,
-                   const std::function<ModelFunctions()>& make_model, int threads) {
+                   const MakeModel& make_model, int threads) {
   Check check{"stored",
               "records",
               "forces, energies or shapes that the model, asked again, does not give",

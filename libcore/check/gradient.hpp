@@ -9,8 +9,8 @@ namespace hapgrid {
 
 /// `gradient`, a note: how well the energies of neighbours on a branch predict the force of a
 /// record (haptic/agreement.hpp). Counts the predictions. Figures: the force that was predicted,
-/// and the errors of both predictions and their `ratio`, root mean squares. An offender is a grid
-/// of which play does not take the energy.
+/// the errors of both predictions as root mean squares, and their `ratio`. The check has an
+/// offender when play does not use the energy of this grid.
 /// @param fields of the grid, with energies.
 Check check_gradient(const Grid& grid, const RecordFields& fields);
 

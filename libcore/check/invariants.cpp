@@ -88,7 +88,7 @@ Check check_finite(const Grid& grid) {
   return check;
 }
 
-Check check_distinct(const Grid& grid, const SameState& same) {
+Check check_distinct(const Grid& grid, const Model& model) {
   Check check{"distinct",
               "pairs of levels",
               "levels of one point that are the same state under the tolerance function",
@@ -98,7 +98,7 @@ Check check_distinct(const Grid& grid, const SameState& same) {
     for (RecordIndex b = a + 1; b < grid.first(p) + grid.levels(p); ++b) {
       ++check.found.counted;
       const auto one = grid.state(a), other = grid.state(b);
-      if (!is_finite(one) || !is_finite(other) || !same(one.data(), other.data())) continue;
+      if (!is_finite(one) || !is_finite(other) || !model.equal(one.data(), other.data())) continue;
       check.found.offend(location_of(grid, a), [&] {
         return format("{} and level {}: states {} and {}", describe(grid, a), grid.level(b),
                       state_text(one), state_text(other));

@@ -12,7 +12,7 @@
 
 #include "libcore/check/report.hpp"
 #include "libcore/grid/grid.hpp"
-#include "libcore/grid/state_distance.hpp"
+#include "libcore/model/model.hpp"
 
 namespace hapgrid {
 
@@ -34,7 +34,7 @@ Check check_finite(const Grid& grid);
 
 /// `distinct`: no two levels of a point are the same state under the tolerance function (condition
 /// c), 1:1). Counts pairs; states that are not finite are left to `finite`.
-Check check_distinct(const Grid& grid, const SameState& same);
+Check check_distinct(const Grid& grid, const Model& model);
 
 /// `fractions`, of a grid that has tear fractions: each one-way link has one, and no other
 /// direction has.

@@ -12,8 +12,10 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/straight_way.hpp"
 #include "libcore/grid/describe.hpp"
+#include "libcore/grid/direction.hpp"
+#include "libcore/grid/vec3.hpp"
+#include "libcore/model/fields.hpp"
 
 namespace hapgrid {
 
@@ -49,15 +51,26 @@ CallTimes summary(std::vector<double> seconds) {
   return times;
 }
 
+/// The direction of the next step from one grid point straight to another; the points differ.
+int direction_to(const Box& box, PointIndex from, PointIndex to) {
+  const GridCoordinates a = box.coordinates(from), b = box.coordinates(to);
+  int d[3];
+  for (int i = 0; i < 3; ++i) d[i] = b[i] > a[i] ? 1 : b[i] < a[i] ? -1 : 0;
+  return Direction::of(d[0], d[1], d[2]).q();
+}
+
 class ModelWalker {
  public:
   ModelWalker(const GridSpec& spec, const std::map<PointIndex, State>& seeds,
-              const MakeModel& make_model, const ModelCheckLimits& limits)
+              const MakeModel& make_model, std::uint64_t most_steps, double most_seconds)
       : spec_(spec),
         seeds_(seeds),
-        limits_(limits),
+        most_steps_(most_steps),
+        most_seconds_(most_seconds),
         model_(make_model()),
         second_(make_model()),
+        fields_(spec, *model_),
+        is_stored_(spec.row_size() > spec.state_size),
         around_(spec.box),
         random_(kWalkSeed),
         other_(spec.row_size()) {}
@@ -65,7 +78,7 @@ class ModelWalker {
   ModelCheck run() {
     const double start = now();
     std::uint64_t steps = 0;
-    while (steps < limits_.conversions) {
+    while (steps < most_steps_) {
       auto seed = seeds_.begin();
       std::advance(seed, static_cast<std::ptrdiff_t>(random_.below(seeds_.size())));
       point_ = seed->first;
@@ -74,10 +87,10 @@ class ModelWalker {
       state_.assign(seed->second.begin() + static_cast<std::ptrdiff_t>(level * n),
                     seed->second.begin() + static_cast<std::ptrdiff_t>((level + 1) * n));
       // A walk has several targets: the next leg starts where the last one ended.
-      for (int leg = 0; leg < kLegs && steps < limits_.conversions; ++leg) {
+      for (int leg = 0; leg < kLegs && steps < most_steps_; ++leg) {
         const auto target = static_cast<PointIndex>(random_.below(spec_.box.points()));
-        while (point_ != target && steps < limits_.conversions) {
-          if (steps > 0 && now() - start > limits_.seconds) return result();
+        while (point_ != target && steps < most_steps_) {
+          if (steps > 0 && now() - start > most_seconds_) return result();
           ++steps;
           if (!step(direction_to(spec_.box, point_, target))) leg = kLegs;
           if (leg == kLegs) break;
@@ -156,7 +169,7 @@ class ModelWalker {
   bool step(int q) {
     const Vec3 x = spec_.box.position(point_);
     const Vec3& d = around_.shift(q);
-    Step step{point_, q, x, d, {x[0] + d[0], x[1] + d[1], x[2] + d[2]}, state_, {}, {}};
+    Step step{point_, q, x, d, x + d, state_, {}, {}};
     step.row.resize(spec_.row_size());
     Findings& defined = found_[kDefined];
     ++defined.counted;
@@ -186,7 +199,8 @@ class ModelWalker {
       if (!model->convert(step.from.data(), step.x, step.d, other_.data()) ||
           std::memcmp(other_.data(), step.row.data(), step.row.size() * sizeof(double)) != 0)
         found.offend([&] {
-          return text_of(step) + ": " + state_text(step.arrived) + ", then " + state_of(other_);
+          return format("{}: {}, then {}", text_of(step), state_text(step.arrived),
+                        state_of(other_));
         });
     }
   }
@@ -195,8 +209,8 @@ class ModelWalker {
     ++found.counted;
     if (!convert(step.arrived, step.there, {0, 0, 0}, other_) || !same(other_, step.arrived))
       found.offend([&] {
-        return describe(spec_.box, step.point) + ": from " + state_text(step.arrived) + " to " +
-               state_of(other_);
+        return format("{}: from {} to {}", describe(spec_.box, step.point),
+                      state_text(step.arrived), state_of(other_));
       });
   }
 
@@ -209,14 +223,14 @@ class ModelWalker {
 
   void try_halves(const Step& step, Findings& found) {
     ++found.counted;
-    const Vec3 half{step.d[0] / 2, step.d[1] / 2, step.d[2] / 2};
-    const Vec3 middle{step.x[0] + half[0], step.x[1] + half[1], step.x[2] + half[2]};
+    const Vec3 half = 0.5 * step.d;
+    const Vec3 middle = step.x + half;
     State halfway(spec_.row_size());
     if (!convert(step.from, step.x, half, halfway) || !convert(halfway, middle, half, other_) ||
         !same(other_, step.arrived))
       found.offend([&] {
-        return text_of(step) + ": at once " + state_text(step.arrived) + ", in two halves " +
-               state_of(other_);
+        return format("{}: at once {}, in two halves {}", text_of(step), state_text(step.arrived),
+                      state_of(other_));
       });
   }
 
@@ -234,62 +248,49 @@ class ModelWalker {
   /// Force and shape in the state reached are finite. Also notes the energy's gradient there.
   void try_force(const Step& step, Findings& finite) {
     const Vec3& x = step.there;
-    const State& s = step.arrived;
-    State row = s;
+    State row = step.arrived;
     row.resize(spec_.row_size());
-    if (model_->has_shape() && !spec_.stored.shape) {
-      std::vector<float> centres(std::size_t{3} * model_->info().spheres.size());
+    if (fields_.asks_for_shape()) {
+      std::vector<float> centres(std::size_t{3} * fields_.spheres().size());
       const double before = now();
-      model_->shape(s.data(), centres);
+      fields_.shape(row, centres);
       shape_seconds_.push_back(now() - before);
       ++finite.counted;
       if (!std::all_of(centres.begin(), centres.end(), [](float c) { return std::isfinite(c); }))
-        finite.offend([&] { return "shape in state " + state_text(s); });
+        finite.offend([&] { return "shape in state " + state_text(step.arrived); });
     }
-    if (!model_->has_force() && !spec_.stored.force) return;
-    Vec3 force{};
-    if (spec_.stored.force) {
-      if (!model_->complete(x, row.data())) return;  // convert() has reported that
-      std::copy_n(row.begin() + spec_.force_offset(), 3, force.begin());
-    } else {
-      const double before = now();
-      force = model_->force(x, s.data());
-      force_seconds_.push_back(now() - before);
-    }
+    if (!fields_.has_force()) return;
+    if (is_stored_ && !model_->complete(x, row.data())) return;  // convert() has reported that
+    const double before = now();
+    const Vec3 force = fields_.force(x, row);
+    if (fields_.asks_for_force()) force_seconds_.push_back(now() - before);
     ++finite.counted;
     const double magnitude = std::hypot(force[0], force[1], force[2]);
     if (!std::isfinite(magnitude))
-      return finite.offend([&] { return "force in state " + state_text(s); });
+      return finite.offend([&] { return "force in state " + state_text(step.arrived); });
     largest_force_ = std::max(largest_force_, magnitude);
-    if (!model_->has_energy() && !spec_.stored.energy) return;
-
-    add_gradient(x, s, row, force);
-  }
-
-  double energy_of(const Vec3& x, const State& row) const {
-    return spec_.stored.energy ? row[spec_.energy_offset()] : model_->energy(x, row.data());
+    if (fields_.has_energy()) add_gradient(x, row, force);
   }
 
   /// E of the state that the model takes on when the HIP moves a little: C of both sides, where
   /// both come back to s (no tear-off in between).
-  void add_gradient(const Vec3& x, const State& s, State& row, const Vec3& force) {
-    if (spec_.stored.energy && !spec_.stored.force && !model_->complete(x, row.data())) return;
-    const double here = energy_of(x, row);
+  void add_gradient(const Vec3& x, const State& row, const Vec3& force) {
+    const double here = fields_.energy(x, row);
     const int axis = static_cast<int>(gradients_.size() % 3);
     const double e = kDifferenceStep * spec_.box.spacing;
     std::array<double, 2> slope{};  // before x and behind it
     for (int side = 0; side < 2; ++side) {
       Vec3 d{0, 0, 0};
       d[axis] = side ? e : -e;
-      const Vec3 beside{x[0] + d[0], x[1] + d[1], x[2] + d[2]};
+      const Vec3 beside = x + d;
       State moved(spec_.row_size()), back(spec_.row_size());
-      if (!convert(s, x, d, moved) || !convert(moved, beside, {-d[0], -d[1], -d[2]}, back) ||
-          !same(back, s))
+      if (!convert(row, x, d, moved) || !convert(moved, beside, {-d[0], -d[1], -d[2]}, back) ||
+          !same(back, row))
         return;
-      slope[static_cast<std::size_t>(side)] = (energy_of(beside, moved) - here) / d[axis];
+      slope[static_cast<std::size_t>(side)] = (fields_.energy(beside, moved) - here) / d[axis];
     }
     // Where the force changes much within the step, as before a tear-off, it is between the two.
-    const double scale = -model_->info().force_scale;
+    const double scale = -fields_.force_scale();
     const auto [low, high] = std::minmax({scale * slope[0], scale * slope[1]});
     gradients_.push_back({force[axis], std::clamp(force[axis], low, high), x, axis});
   }
@@ -313,9 +314,9 @@ class ModelWalker {
       if (g.force != 0) errors.push_back(error);  // where nothing is felt all is well, and common
       if (!(error <= kForceTolerance))
         gradient.offend([&] {
-          return std::string("at (") + to_text(g.x[0]) + ", " + to_text(g.x[1]) + ", " +
-                 to_text(g.x[2]) + "): force " + "xyz"[g.axis] + " " + to_text(g.force) +
-                 " N, the energy's gradient gives " + to_text(g.difference);
+          return format("at ({}, {}, {}): force {} {} N, the energy's gradient gives {}",
+                        to_text(g.x[0]), to_text(g.x[1]), to_text(g.x[2]), "xyz"[g.axis],
+                        to_text(g.force), to_text(g.difference));
         });
     }
     if (errors.empty()) return gradient;
@@ -350,9 +351,12 @@ class ModelWalker {
 
   const GridSpec& spec_;
   const std::map<PointIndex, State>& seeds_;
-  ModelCheckLimits limits_;
+  const std::uint64_t most_steps_;
+  const double most_seconds_;
   std::unique_ptr<Model> model_;
   std::unique_ptr<Model> second_;
+  const Fields fields_;
+  const bool is_stored_;  // whether there is more in a row than the state
   Neighbourhood around_;
   SplitMix64 random_;
   PointIndex point_ = 0;
@@ -367,8 +371,8 @@ class ModelWalker {
 }  // namespace
 
 ModelCheck check_model(const GridSpec& spec, const std::map<PointIndex, std::vector<double>>& seeds,
-                       const MakeModel& make_model, const ModelCheckLimits& limits) {
-  return ModelWalker(spec, seeds, make_model, limits).run();
+                       const MakeModel& make_model, std::uint64_t most_steps, double most_seconds) {
+  return ModelWalker(spec, seeds, make_model, most_steps, most_seconds).run();
 }
 
 }  // namespace hapgrid

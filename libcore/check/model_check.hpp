@@ -11,12 +11,7 @@
 
 namespace hapgrid {
 
-struct ModelCheckLimits {
-  std::uint64_t conversions = 2000;  ///< steps along the walks
-  double seconds = 20;               ///< no step is begun after this time
-};
-
-/// Median and tails of one kind of call, in seconds.
+/// The durations of one kind of call, in seconds.
 struct CallTimes {
   std::uint64_t calls = 0;
   double median = 0;
@@ -28,7 +23,7 @@ struct CallTimes {
 struct ModelCheck {
   std::vector<Check> checks;
   CallTimes convert;
-  CallTimes force;  ///< no calls: the model has no force, or a stored one
+  CallTimes force;  ///< without calls when the model has no force or the grid stores it
   CallTimes shape;
   /// Median error of the force's nonzero components against the energy's gradient, as a share of
   /// the largest force.
@@ -39,9 +34,10 @@ struct ModelCheck {
 /// Walks from random seeds to random points of the box, straight on, one grid step after the other,
 /// as a hand would, and tries the model at each step.
 /// @param make_model two are made, to compare them.
+/// @param most_steps along the walks. @param most_seconds no step begins after this time.
 /// @param seeds by point the states known there, row after row; at least one.
 /// @throw ModelError when a model cannot be made.
 ModelCheck check_model(const GridSpec& spec, const std::map<PointIndex, std::vector<double>>& seeds,
-                       const MakeModel& make_model, const ModelCheckLimits& limits);
+                       const MakeModel& make_model, std::uint64_t most_steps, double most_seconds);
 
 }  // namespace hapgrid

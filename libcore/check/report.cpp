@@ -6,6 +6,8 @@
 #include <string_view>
 
 #include "libcore/base/format.hpp"
+#include "libcore/base/json_text.hpp"
+#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 
 namespace hapgrid {
@@ -23,23 +25,24 @@ std::string table_of(const std::vector<Check>& checks) {
                     std::to_string(c.found.offenders), c.verdict()});
   std::array<std::size_t, 4> width{};
   for (const Row& row : rows)
-    for (std::size_t i = 0; i < width.size(); ++i) width[i] = std::max(width[i], row[i].size());
+    for (std::size_t i = 0; i < width.size(); ++i)
+      width[i] = std::max(width[i], text_width(row[i]));
   std::string text;
   for (const Row& row : rows)
-    text += format("{:<{}}  {:>{}} {:<{}}  {:>{}}  {}\n", row[0], width[0], row[1], width[1],
-                   row[2], width[2], row[3], width[3], row[4]);
+    text += format("{}  {} {}  {}  {}\n", left(row[0], width[0]), right(row[1], width[1]),
+                   left(row[2], width[2]), right(row[3], width[3]), row[4]);
   return text;
 }
 
 /// What there is to say of a check below the table, with a line for what an offender is.
 std::string details_of(const Check& c) {
-  std::string text = c.name + ": " + c.meaning + "\n";
-  if (!c.not_proved.empty()) text += "  not proved: " + c.not_proved + "\n";
+  std::string text = format("{}: {}\n", c.name, c.meaning);
+  if (!c.not_proved.empty()) text += format("  not proved: {}\n", c.not_proved);
   for (const Figure& figure : c.figures)
     text += format("  {} {}{}{}\n", figure.name, rounded(figure.value),
                    figure.unit.empty() ? "" : " " + printable_line(figure.unit),
                    figure.where.empty() ? "" : ": " + figure.where);
-  for (const Offender& offender : c.found.first) text += "  " + offender.text + "\n";
+  for (const Offender& offender : c.found.first) text += format("  {}\n", offender.text);
   if (c.found.offenders > c.found.first.size())
     text += format("  and {} more\n", c.found.offenders - c.found.first.size());
   return text;
@@ -132,10 +135,7 @@ std::string report_json(const Grid& grid, const std::vector<Check>& checks) {
   json["generation"] = grid.generation();
   json["verdict"] = is_broken(checks) ? "broken" : is_fine(checks) ? "fine" : "not proved";
   json["checks"] = checks_json(grid.box(), checks);
-  // "replace": a shard's strings need not be UTF-8.
-  return json.dump(2, ' ', /*ensure_ascii=*/true,
-                   nlohmann::ordered_json::error_handler_t::replace) +
-         "\n";
+  return json_text(json);
 }
 
 namespace {

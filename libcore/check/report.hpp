@@ -13,7 +13,7 @@
 
 namespace hapgrid {
 
-/// Where in a grid something is, as far as it has a place there.
+/// Where in a grid something is. A field that is not set does not apply.
 struct Location {
   std::optional<PointIndex> point{};
   std::optional<Level> level{};
@@ -35,7 +35,7 @@ struct Offender {
   bool operator==(const Offender&) const = default;
 };
 
-/// How many things were looked at, how many of them offend, and the first few of those.
+/// How many things a check has tested, how many of them offend, and the first of these.
 struct Findings {
   static constexpr std::size_t kShown = 5;
 
@@ -49,7 +49,7 @@ struct Findings {
     ++offenders;
     if (first.size() < kShown) first.push_back({describe(), location});
   }
-  /// What has no place in a grid.
+  /// An offender without a location in a grid.
   template <class Describe>
   void offend(Describe&& describe) {
     offend(Location{}, std::forward<Describe>(describe));
@@ -97,7 +97,7 @@ bool is_broken(const std::vector<Check>& checks);
 /// passive".
 std::string verdict_line(const std::vector<Check>& checks);
 
-/// Of which checks a text gives figures and first offenders.
+/// The checks whose figures and first offenders a text shows.
 enum class Details {
   kNotFine,  ///< those that are broken or not proved
   kAll
@@ -115,7 +115,8 @@ nlohmann::ordered_json checks_json(const Box& box, const std::vector<Check>& che
 std::string report_text(const Grid& grid, const std::vector<Check>& checks, Details details);
 
 /// {"version": 1, "model", "counts", "records", "generation", "verdict": "fine", "broken" or "not
-/// proved", "checks": checks_json()}. The version changes when a key changes its meaning or goes.
+/// proved", "checks": checks_json()}. The version number increases when a key is removed or changes
+/// its meaning.
 std::string report_json(const Grid& grid, const std::vector<Check>& checks);
 
 /// As JUnit's XML, which CI systems show: a test case a check, a failure where it is broken or not

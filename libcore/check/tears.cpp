@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/search/tears.hpp"
@@ -31,8 +32,8 @@ Check check_tears(const Grid& grid, std::span<const RecordIndex> records, Conver
       const TearByte stored = grid.tears(r)[q];
       if (std::abs(stored - tears[i]) <= 1) continue;
       check.found.offend(location_of(grid, r, q), [&, r = r, q = q] {
-        return describe_link(grid, r, q) + ": stored is " + std::to_string(stored) +
-               ", the model gives " + std::to_string(tears[i]);
+        return format("{}: stored is {}, the model gives {}", describe_link(grid, r, q), stored,
+                      tears[i]);
       });
     }
   } catch (const ModelError& e) {

@@ -9,10 +9,11 @@
 
 namespace hapgrid {
 
-/// `tears`: searches the tear fractions of the one-way links of `records` again. They may differ by
-/// one interval, for another machine rounds in another way. A link whose conversion fails is an
-/// offender with the model's own words, and ends the search. Links without a tear fraction are left
-/// to `fractions`, and states that are not finite, here or there, to `finite`.
+/// `tears`: searches the tear fractions of the one-way links of `records` again. A difference of
+/// one interval is allowed, because machines round differently. A link whose conversion fails is an
+/// offender, with the message of the model, and ends the search. Links without a tear fraction are
+/// offenders of `fractions`, and states that are not finite are offenders of `finite`; both are
+/// skipped here.
 Check check_tears(const Grid& grid, std::span<const RecordIndex> records, Converter& converter);
 
 }  // namespace hapgrid

@@ -7,29 +7,28 @@
 #include <limits>
 #include <utility>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/parallel.hpp"
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/check/random_hand.hpp"
 #include "libcore/grid/state_distance.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-// Points drawn for one to begin at where the state changes: with one in a hundred such points, two
-// of three walks find one.
+// A walk starts at a point around which the state changes. It draws up to so many points to find
+// one: if one point in a hundred is such, two of three walks find one.
 constexpr int kDraws = 100;
 
-/// A number for each walk that has nothing to do with the next one's.
+/// The seed of a walk. The seeds of two walks are unrelated.
 std::uint64_t seed_of(std::uint64_t seed, std::uint64_t walk) {
   constexpr std::uint64_t kAll = ~std::uint64_t{0};
   return SplitMix64(SplitMix64(seed).below(kAll) + walk).below(kAll);
 }
-
-Vec3 difference(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double length(const Vec3& d) { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
 
 /// Walks with one model; for one thread.
 class Walker {
@@ -37,8 +36,9 @@ class Walker {
   Walker(const Grid& grid, const WalkModels& models)
       : grid_(grid),
         cells_(grid),
-        model_(models.functions()),
-        distance_(grid.spec(), models.same()),
+        model_(models.model()),
+        distance_(grid.spec(),
+                  [this](const double* a, const double* b) { return model_->equal(a, b); }),
         play_(models.traversal()),
         row_(grid.spec().row_size()),
         next_(row_.size()),
@@ -51,8 +51,8 @@ class Walker {
     if (grid_.box().points() == 1) return seen;  // there is no place off it
     RandomHand hand(grid_.box(), seed, kStepsToPlace);
     for (int draw = 0; draw < kDraws && !changes_around(hand.jump()); ++draw) continue;
-    // Where play cannot start or go on, `complete` and `paths` say why.
-    if (!play_->start(hand.at()).usable() || !take_over()) return seen;
+    // If play cannot start or continue, `complete` and `links` say why.
+    if (!play_->start(hand.at()).usable() || !start_model()) return seen;
     for (int place = 0; place < kPlacesInWalk; ++place) {
       hand.set_out();
       bool fails = false;
@@ -63,8 +63,8 @@ class Walker {
         fails = !convert(row_.data(), from, hand.at(), next_, seen.failed);
         if (!fails) std::swap(row_, next_);
       }
-      if (!fails && look_around(hand.at(), seen)) continue;
-      if (!meet(hand)) return seen;
+      if (!fails && compare_at(hand.at(), seen)) continue;
+      if (!meet_at_corner(hand)) return seen;
     }
     return seen;
   }
@@ -82,15 +82,15 @@ class Walker {
     return false;
   }
 
-  /// On a point of the grid, where play has a record as it is stored: the model goes on with it.
-  bool take_over() {
+  /// The model starts with play's row. Play is at a point of the grid, where its row is a record.
+  bool start_model() {
     std::copy(play_->row().begin(), play_->row().end(), row_.begin());
     return is_finite(row_);
   }
 
-  /// Both go to the nearest corner and on from play's record there; play starts anew where it has
-  /// none.
-  bool meet(RandomHand& hand) {
+  /// Moves the hand to the nearest corner of the cell. Play and the model go on from play's record
+  /// there. Without such a record, play starts again.
+  bool meet_at_corner(RandomHand& hand) {
     int corner = 0;
     for (int a = 0; a < 3; ++a) {
       const double low = grid_.box().position(play_->cell())[a];
@@ -99,7 +99,7 @@ class Walker {
     }
     const RecordIndex record = play_->records()[corner];
     hand.put(grid_.box().position(cells_.point(grid_.box().index(play_->cell()), corner)));
-    if (record == Grid::kNoRecord) return play_->start(hand.at()).usable() && take_over();
+    if (record == Grid::kNoRecord) return play_->start(hand.at()).usable() && start_model();
     if (!play_->step(hand.at()).usable()) return false;
     std::copy(grid_.row(record).begin(), grid_.row(record).end(), row_.begin());
     return is_finite(row_);
@@ -108,17 +108,16 @@ class Walker {
   bool convert(const double* s, const Vec3& from, const Vec3& to, std::vector<double>& row,
                Findings& failed) {
     ++failed.counted;
-    std::string error;
-    if (model_.convert(s, from, difference(to, from), row.data(), error)) return true;
+    if (model_->convert(s, from, to - from, row.data())) return true;
     failed.offend([&] {
-      return "conversion to (" + rounded(to[0]) + ", " + rounded(to[1]) + ", " + rounded(to[2]) +
-             ") failed: " + error;
+      return format("conversion to ({}, {}, {}) failed: {}", rounded(to[0]), rounded(to[1]),
+                    rounded(to[2]), model_->error());
     });
     return false;
   }
 
-  /// Compares play and the model at x. False where they must start again from a common place.
-  bool look_around(const Vec3& x, Walked& seen) {
+  /// Compares play and the model at x. Returns false when both must start again from one record.
+  bool compare_at(const Vec3& x, Walked& seen) {
     int corners = 0, same = 0;
     for (int c = 0; c < 8; ++c) {
       if (!cells_.is_corner(c)) continue;
@@ -128,9 +127,9 @@ class Walker {
       if (!is_finite(grid_.row(r))) return false;
       const Vec3 corner = grid_.box().position(grid_.point(r));
       if (!convert(grid_.state(r).data(), corner, x, next_, seen.failed)) return false;
-      if (!model_.same(next_.data(), row_.data())) continue;
+      if (!model_->equal(next_.data(), row_.data())) continue;
       if (!convert(row_.data(), x, corner, next_, seen.failed)) return false;
-      same += model_.same(next_.data(), grid_.state(r).data());
+      same += model_->equal(next_.data(), grid_.state(r).data());
     }
     ++seen.places;
     if (same == 0) {
@@ -157,8 +156,8 @@ class Walker {
     return true;
   }
 
-  /// All corners are records here. Then play's state, between those, is the same, and a stored
-  /// force not off at all.
+  /// Whether all corners, which are records here, have the state of the model. Play's state is then
+  /// the same, and a stored force has no error.
   bool is_empty(const PlayError& error) const {
     for (int c = 0; c < 8; ++c)
       if (!distance_.is_same(grid_.row(play_->records()[c]), row_)) return false;
@@ -168,7 +167,7 @@ class Walker {
   double off(std::span<const double> row) { return distance_(row_, row); }
   double force_off(const Vec3& x, std::span<const double> row) const {
     if (!fields_) return 0;
-    const double off = length(difference(fields_->force(x, row), fields_->force(x, row_)));
+    const double off = length_of(fields_->force(x, row) - fields_->force(x, row_));
     // A blend may be a state of which the model has no force.
     return std::isnan(off) ? std::numeric_limits<double>::infinity() : off;
   }
@@ -176,14 +175,13 @@ class Walker {
   void note(WorstError& worst, double value, const Vec3& x) const {
     if (!(value > worst.value)) return;
     const GridCoordinates& c = play_->cell();
-    worst = {value, "at (" + rounded(x[0]) + ", " + rounded(x[1]) + ", " + rounded(x[2]) +
-                        "), in cell (" + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " +
-                        std::to_string(c[2]) + ")"};
+    worst = {value, format("at ({}, {}, {}), in cell ({}, {}, {})", rounded(x[0]), rounded(x[1]),
+                           rounded(x[2]), c[0], c[1], c[2])};
   }
 
-  /// Into coarse_, from the corners of a cell twice as large that holds play's cell, each one link
-  /// away from a corner there. False where a link does not stay in the branch: it cannot be taken
-  /// back; and where an axis has only two points.
+  /// Interpolates coarse_ in a cell of twice the size that contains play's cell. Each of its
+  /// corners is at most one link away from a corner of play's cell. Returns false when such a link
+  /// is one-way, because it leaves the branch, and when an axis has only two points.
   bool interpolate_coarsely(const Vec3& x) {
     const Box& box = grid_.box();
     const GridCoordinates& cell = play_->cell();
@@ -224,7 +222,7 @@ class Walker {
 
   const Grid& grid_;
   const Cells cells_;
-  const ModelFunctions model_;
+  const std::unique_ptr<Model> model_;
   StateDistance distance_;
   std::optional<Fields> fields_;
   std::unique_ptr<Traversal> play_;

@@ -38,23 +38,23 @@
 
 namespace hapgrid {
 
-/// The places of a walk, half a spacing apart or less; the hand turns after some of them.
+/// The number of places in a walk. They are at most half a spacing apart; the hand turns after some
+/// of them.
 inline constexpr int kPlacesInWalk = 32;
-/// The steps from place to place in which play and the model follow: an eighth of the spacing or
-/// less.
+/// The number of steps from place to place, each at most an eighth of the spacing.
 inline constexpr int kStepsToPlace = 4;
 
-/// How far play is off in a place with one branch where something changes: the state in the unit of
-/// the tolerance (state_distance.hpp), the force in newtons.
+/// The error of play at a place in one branch where something changes: of the state in the unit of
+/// the tolerance (state_distance.hpp), of the force in newtons.
 struct PlayError {
   double state = 0;
   double force = 0;  ///< 0 where there is none
-  /// The same with twice the spacing; not a number where the branch has not all points for it.
+  /// The same errors with twice the spacing; NaN where the branch does not have all points for it.
   double coarse_state = 0;
   double coarse_force = 0;
 };
 
-/// A number, and where the first of its kind was.
+/// The largest error, and where it was found first.
 struct WorstError {
   double value = 0;
   std::string where;
@@ -71,21 +71,20 @@ struct Walked {
   std::vector<PlayError> one_branch;  ///< all others, in the order of the walks
   WorstError state, force;            ///< in one branch
   WorstError mixed_state;
-  Findings failed;  ///< conversions counted, and those that failed
+  Findings failed;  ///< counts conversions; offenders are those that failed
 
   void add(Walked&& later);
 };
 
-/// What walks need of the grid's model. Each is called once a thread, from the calling thread.
+/// Makes what a walk needs. Each function is called once for each thread, by the calling thread.
 struct WalkModels {
-  std::function<ModelFunctions()> functions;
-  std::function<SameState()> same;                        ///< the tolerance function as it is
-  std::function<Fields()> fields;                         ///< for the force; empty: there is none
+  MakeModel model;
+  std::function<Fields()> fields;                         ///< empty when there is no force
   std::function<std::unique_ptr<Traversal>()> traversal;  ///< the rule that play follows
 };
 
-/// @param walks how many; each is drawn by its own number and `seed` alone.
-/// @param walks_done counts up meanwhile.
+/// @param walks how many. Each depends only on its own number and on `seed`.
+/// @param walks_done counts the walks that are done.
 Walked walk_grid(const Grid& grid, std::uint64_t walks, std::uint64_t seed,
                  const WalkModels& models, int threads, std::atomic<std::uint64_t>& walks_done);
 

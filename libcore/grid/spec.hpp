@@ -56,37 +56,40 @@ inline constexpr std::uint32_t kMaxTorsions = 4096;
 /// The most spheres; viewers get them 25 times a second.
 inline constexpr std::uint32_t kMaxSpheres = 1u << 20;
 
-/// How many numbers a record's row has (GridSpec says in which order).
-inline std::uint32_t row_size(std::uint32_t state_size, const Stored& stored, std::size_t spheres) {
-  return state_size + (stored.force ? 3 : 0) + (stored.energy ? 1 : 0) +
-         3 * static_cast<std::uint32_t>(spheres);
-}
-
-/// Everything about a grid that is known before its first record is computed.
+/// What a model says of itself, and a grid repeats in its header.
 ///
 /// The numbers of a record are its row: the state, then what is stored with it in the order force
 /// (3, newtons), energy (1), shape (x y z of each sphere, rounded to floats).
-struct GridSpec {
-  Box box;
-  std::string model;                  ///< the plug-in's or the process's plain name
-  std::vector<Parameter> parameters;  ///< ascending by key
-  std::uint32_t state_size = 1;       ///< n, the number of components of a state
-  double tolerance = 0;               ///< the bound that the model's tolerance function applies
+struct ModelDescription {
+  std::uint32_t state_size = 1;  ///< n, the number of components of a state
+  double tolerance = 0;          ///< the bound that the model's tolerance function applies
   std::string tolerance_unit;
-  Equality equality;              ///< declared if and only if the model is a process
-  std::uint32_t max_levels = 64;  ///< the most levels that a point may have, 1 .. kMaxLevels
-  std::string length_unit;        ///< for people to read, as is the next one; may be empty
+  Equality equality;        ///< the tolerance function of a process; a plug-in has it in its code
+  std::string length_unit;  ///< for people to read, as is the next one; may be empty
   std::string energy_unit;
   double force_scale = 0;  ///< newtons that one unit of energy per unit of length is; 0: unknown
   double hip_radius = 0;   ///< of the ball that pictures show at the HIP; 0 when there is none
   Stored stored;
-  bool tears = false;           ///< whether the finished grid has tear fractions (tear.hpp)
-  std::vector<Sphere> spheres;  ///< empty when the shape is not stored
+  /// They show a state. A grid has none when it does not store the shape.
+  std::vector<Sphere> spheres;
 
   std::uint32_t force_offset() const { return state_size; }
   std::uint32_t energy_offset() const { return force_offset() + (stored.force ? 3 : 0); }
   std::uint32_t shape_offset() const { return energy_offset() + (stored.energy ? 1 : 0); }
-  std::uint32_t row_size() const { return hapgrid::row_size(state_size, stored, spheres.size()); }
+  std::uint32_t row_size() const {
+    return shape_offset() + (stored.shape ? 3 * static_cast<std::uint32_t>(spheres.size()) : 0);
+  }
+
+  friend bool operator==(const ModelDescription&, const ModelDescription&) = default;
+};
+
+/// Everything about a grid that is known before its first record is computed.
+struct GridSpec : ModelDescription {
+  Box box;
+  std::string model;                  ///< the name of the plug-in or process
+  std::vector<Parameter> parameters;  ///< ascending by key
+  std::uint32_t max_levels = 64;      ///< the most levels that a point may have, 1 .. kMaxLevels
+  bool tears = false;                 ///< whether the finished grid has tear fractions (tear.hpp)
 
   friend bool operator==(const GridSpec&, const GridSpec&) = default;
 };
@@ -95,8 +98,9 @@ struct GridSpec {
 /// several components itself, distance() is a difference of one, and this is "of a component".
 std::string distance_unit(const GridSpec& spec);
 
-/// The first difference of two descriptions in words, as in "spacing 0.05 and 0.1"; empty when they
-/// are equal.
+/// The first difference in words, as in "tolerance 0.05 and 0.1"; empty when there is none. Spheres
+/// are compared where both store the shape.
+std::string difference(const ModelDescription& a, const ModelDescription& b);
 std::string difference(const GridSpec& a, const GridSpec& b);
 
 }  // namespace hapgrid

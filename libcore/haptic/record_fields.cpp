@@ -6,10 +6,6 @@
 
 namespace hapgrid {
 
-bool has_force(const GridSpec& spec, const Model& model) {
-  return spec.stored.force || model.has_force();
-}
-
 RecordFields record_fields(const Grid& grid, const MakeModel& create, int threads) {
   std::deque<Fields> fields;  // one for each thread
   for (int t = 0; t < threads; ++t) fields.emplace_back(grid.spec(), create, /*wants_shape=*/false);

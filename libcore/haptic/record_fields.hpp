@@ -8,10 +8,6 @@
 
 namespace hapgrid {
 
-/// Whether play can have a force of this grid at all.
-/// @param model the grid's, or what its header says of it
-bool has_force(const GridSpec& spec, const Model& model);
-
 /// By record.
 struct RecordFields {
   std::vector<Vec3> force;     ///< newtons

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/toml.hpp"
 #include "libcore/model/model.hpp"
 
@@ -79,13 +80,13 @@ class Reader : private TomlFile {
   void set(const std::string& entry) {
     const std::size_t equals = entry.find('=');
     if (equals == std::string::npos || equals == 0)
-      throw Error("--set " + entry + ": needs the form key=value");
+      throw Error(format("--set {}: needs the form key=value", entry));
     const std::string key = entry.substr(0, equals);
     const std::string value = entry.substr(equals + 1);
     toml::table parsed;
     try {
       parsed = toml::parse("value = " + value);
-      if (parsed.size() != 1) throw Error("--set " + entry + ": more than one value");
+      if (parsed.size() != 1) throw Error(format("--set {}: more than one value", entry));
     } catch (const toml::parse_error&) {
       parsed = toml::table{{"value", value}};
     }
@@ -94,12 +95,12 @@ class Reader : private TomlFile {
     std::vector<std::string> names;
     for (std::string part; std::getline(parts, part, '.');) names.push_back(part);
     if (std::count(names.begin(), names.end(), "") > 0 || key.back() == '.')
-      throw Error("--set " + entry + ": an empty key");
+      throw Error(format("--set {}: an empty key", entry));
     for (std::size_t i = 0; i + 1 < names.size(); ++i) {
       toml::node* next = at->get(names[i]);
       if (!next) next = &at->insert(names[i], toml::table{}).first->second;
       at = next->as_table();
-      if (!at) throw Error("--set " + entry + ": " + names[i] + " is no table");
+      if (!at) throw Error(format("--set {}: {} is no table", entry, names[i]));
     }
     at->insert_or_assign(names.back(), *parsed.get("value"));
   }
@@ -109,7 +110,7 @@ class Reader : private TomlFile {
     for (const toml::node& node : names) {
       const std::string name = text(node, "search.store");
       if (name != "energy" && name != "force" && name != "shape")
-        fail(node, "search.store names " + name + "; energy, force and shape are possible");
+        fail(node, format("search.store names {}; energy, force and shape are possible", name));
       (name == "energy" ? stored.energy : name == "force" ? stored.force : stored.shape) = true;
     }
     return stored;
@@ -127,8 +128,8 @@ class Reader : private TomlFile {
     ProcessDefinition process;
     const toml::node& name = required(model, "model.", "name");
     process.name = text(name, "model.name");
-    if (!is_plain(process.name))
-      fail(name, "model.name '" + process.name + "': it has only letters, digits, '-' and '_'");
+    if (!is_valid_name(process.name))
+      fail(name, format("model.name '{}': it has only letters, digits, '-' and '_'", process.name));
     const toml::array& words = array(*model.get("process"), "model.process");
     for (const toml::node& word : words) {
       process.command.push_back(text(word, "model.process"));
@@ -177,8 +178,8 @@ class Reader : private TomlFile {
       if (text_of_file.find('\0') != std::string::npos) fail(node, shown + ": is no text file");
       bytes += text_of_file.size();
       if (bytes > kMaxFileBytes)
-        fail(node, "the files of [model.files] have more than " + std::to_string(kMaxFileBytes) +
-                       " bytes in all");
+        fail(node,
+             format("the files of [model.files] have more than {} bytes in all", kMaxFileBytes));
       return text_of_file;
     };
     for (const auto& [k, node] : in) {
@@ -205,8 +206,7 @@ class Reader : private TomlFile {
     if (!states) return;
     const toml::array& lists = array(*states, "seeds.states");
     if (lists.size() != out.size())
-      fail(lists, "seeds.states has " + std::to_string(lists.size()) + " entries for " +
-                      std::to_string(out.size()) + " points");
+      fail(lists, format("seeds.states has {} entries for {} points", lists.size(), out.size()));
     for (std::size_t i = 0; i < out.size(); ++i) {
       for (const toml::node& state : array(*lists.get(i), "seeds.states"))
         out[i].states.push_back(numbers(state, "seeds.states"));

@@ -1,4 +1,4 @@
-// MODEL.toml: what a user writes to define a grid (design section 4).
+// MODEL.toml: the file in which a user defines a grid.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace hapgrid {
 
-/// A seed point as it is written: a position, and its states where the file gives them.
+/// A seed point of the file: a position, and its states if the file gives them.
 struct SeedDefinition {
   Vec3 position{};
   std::vector<std::vector<double>> states;
@@ -25,7 +25,7 @@ struct ProcessDefinition {
 
 struct Definition {
   std::string plugin;                        ///< empty: a process
-  std::optional<ProcessDefinition> process;  ///< one of the two is there
+  std::optional<ProcessDefinition> process;  ///< set if and only if `plugin` is empty
   const std::string& model_name() const { return process ? process->name : plugin; }
 
   std::vector<Parameter> parameters;  ///< ascending by key
@@ -53,7 +53,7 @@ Definition read_definition(const std::string& text, const std::string& name,
                            const std::vector<std::string>& overrides,
                            const std::function<std::string(const std::string&)>& read_file);
 
-/// The model of a definition alone, from a file that a user names to allow its command.
+/// Reads only the model of a definition, from a file that a user names to allow its command.
 /// @throw Error as above, and when the model is a plug-in.
 ProcessDefinition read_process(const std::string& text, const std::string& name);
 

@@ -3,30 +3,38 @@
 #include <algorithm>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
 Fields::Fields(const GridSpec& spec, const MakeModel& create, bool wants_shape) : spec_(spec) {
-  const std::string who = "model " + spec.model + ": ";
   const bool is_process = spec.equality.is_declared();
   if (is_process && !spec.stored.force)
-    throw ModelError(who +
-                     "is a process, which is too slow for forces, and this grid stores none "
-                     "(\"stored\": [\"force\"])");
+    throw ModelError(
+        format("model {}: is a process, which is too slow for forces, and this grid stores none "
+               "(\"stored\": [\"force\"])",
+               spec.model));
   const bool shape_missing = wants_shape && !spec.stored.shape && !is_process;
   if (!spec.stored.force || shape_missing) {
-    model_ = create();
+    own_model_ = create();
+    model_ = own_model_.get();
     if (model_->state_size() != spec.state_size)
-      throw ModelError(who + "states of " + std::to_string(model_->state_size()) +
-                       " values, the grid has " + std::to_string(spec.state_size));
-    if (!spec.stored.force && !model_->has_force())
-      throw ModelError(who + "has no force function, forces cannot be computed");
+      throw ModelError(format("model {}: states of {} values, the grid has {}", spec.model,
+                              model_->state_size(), spec.state_size));
   }
+  if (!has_force())
+    throw ModelError(
+        format("model {}: has no force function, forces cannot be computed", spec.model));
   if (spec.stored.shape)
     spheres_ = spec.spheres;
   else if (model_)
     spheres_ = model_->info().spheres;
 }
+
+Fields::Fields(const GridSpec& spec, const Model& model)
+    : spec_(spec),
+      model_(&model),
+      spheres_(spec.stored.shape ? spec.spheres : model.info().spheres) {}
 
 Vec3 Fields::force(const Vec3& x, std::span<const double> row) const noexcept {
   if (!spec_.stored.force) return model_->force(x, row.data());

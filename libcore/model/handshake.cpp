@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/json.hpp"
 #include "libcore/base/text.hpp"
 
@@ -21,8 +22,8 @@ constexpr std::size_t kMaxWord = 100;
 
 double number(const Json& in, const char* key) {
   const auto at = in.find(key);
-  if (at == in.end()) fail(std::string("its first line has no \"") + key + "\"");
-  if (!at->is_number()) fail(std::string("\"") + key + "\" must be a number");
+  if (at == in.end()) fail(format("its first line has no \"{}\"", key));
+  if (!at->is_number()) fail(format("\"{}\" must be a number", key));
   return at->get<double>();
 }
 
@@ -33,10 +34,9 @@ double number(const Json& in, const char* key, double default_value) {
 std::string text(const Json& in, const char* key, std::size_t limit) {
   const auto at = in.find(key);
   if (at == in.end()) return "";
-  if (!at->is_string()) fail(std::string("\"") + key + "\" must be a text");
+  if (!at->is_string()) fail(format("\"{}\" must be a text", key));
   const std::string value = at->get<std::string>();
-  if (value.size() > limit)
-    fail(std::string("\"") + key + "\" has more than " + std::to_string(limit) + " bytes");
+  if (value.size() > limit) fail(format("\"{}\" has more than {} bytes", key, limit));
   return printable_line(value);
 }
 
@@ -44,7 +44,7 @@ const Json& array(const Json& in, const char* key) {
   static const Json none = Json::array();
   const auto at = in.find(key);
   if (at == in.end()) return none;
-  if (!at->is_array()) fail(std::string("\"") + key + "\" must be an array");
+  if (!at->is_array()) fail(format("\"{}\" must be an array", key));
   return *at;
 }
 
@@ -54,7 +54,7 @@ void only_keys(const Json& in, const std::string& where,
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     std::string names;
     for (const std::string_view k : known) names += (names.empty() ? "" : ", ") + std::string(k);
-    fail("unknown key \"" + printable_line(key) + "\" in " + where + " (known: " + names + ")");
+    fail(format("unknown key \"{}\" in {} (known: {})", printable_line(key), where, names));
   }
 }
 
@@ -86,8 +86,10 @@ Equality read_equality(const Json& in, std::uint32_t state_size) {
     equality.weights.push_back(weight.get<double>());
   }
   if (!equality.fits(state_size))
-    fail("\"weights\" must be " + std::to_string(state_size) +
-         " numbers, one for each component of the state, none of them negative");
+    fail(
+        format("\"weights\" must be {} numbers, one for each component of the state, none of them "
+               "negative",
+               state_size));
   return equality;
 }
 
@@ -108,15 +110,15 @@ ModelInfo read_info(const Json& in) {
   const auto version = in.find("hapgrid");
   if (version == in.end()) fail("its first line has no \"hapgrid\", the version of the protocol");
   if (!version->is_number_integer() || *version != kProtocolVersion)
-    fail("it speaks version " + printable_line(version->dump(-1, ' ', true)) +
-         " of the protocol, this hapgrid speaks " + std::to_string(kProtocolVersion));
+    fail(format("it speaks version {} of the protocol, this hapgrid speaks {}",
+                printable_line(version->dump(-1, ' ', true)), kProtocolVersion));
   only_keys(in, "its first line",
             {"hapgrid", "state_size", "d_max", "tolerance", "tolerance_unit", "norm", "weights",
              "length_unit", "energy_unit", "force_scale", "hip_radius", "stored", "spheres"});
   ModelInfo info;
   const double size = number(in, "state_size");
   if (!(size >= 1 && size <= kMaxStateSize) || size != std::floor(size))
-    fail("\"state_size\" must be a whole number from 1 to " + std::to_string(kMaxStateSize));
+    fail(format("\"state_size\" must be a whole number from 1 to {}", kMaxStateSize));
   info.state_size = static_cast<std::uint32_t>(size);
   info.d_max = number(in, "d_max");
   info.tolerance = number(in, "tolerance");
@@ -143,7 +145,8 @@ std::string handshake_line(const std::vector<Parameter>& parameters) {
   for (const Parameter& p : parameters) {
     const auto require_finite = [&p](double number) {
       if (!std::isfinite(number))
-        fail("parameter " + printable_line(p.key) + " is not finite, which JSON cannot express");
+        fail(
+            format("parameter {} is not finite, which JSON cannot express", printable_line(p.key)));
     };
     if (const auto* one = std::get_if<double>(&p.value)) require_finite(*one);
     if (const auto* many = std::get_if<std::vector<double>>(&p.value))
@@ -169,16 +172,16 @@ void require_object(std::string_view line) {
     skip_blanks();
     if (rest.starts_with('"') || rest.starts_with('}')) return;
   }
-  throw LastingError("printed '" + printable_line(line) +
-                     "' to standard output, which is for its answers: what a model prints must go "
-                     "to standard error, in Python with print(..., file=sys.stderr) in place of "
-                     "print()");
+  throw LastingError(
+      format("printed '{}' to standard output, which is for its answers: what a model prints must "
+             "go to standard error, in Python with print(..., file=sys.stderr) in place of print()",
+             printable_line(line)));
 }
 
 ModelInfo read_first_line(std::string_view line) {
   require_object(line);
   if (nests_too_deep(line))
-    fail("its first line nests deeper than " + std::to_string(kMaxJsonDepth) + " levels");
+    fail(format("its first line nests deeper than {} levels", kMaxJsonDepth));
   Json in;
   try {
     in = Json::parse(line);

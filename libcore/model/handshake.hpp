@@ -12,7 +12,7 @@
 
 namespace hapgrid {
 
-/// Raised by every change that a model would notice.
+/// The version increases with every change of the protocol that a model would notice.
 inline constexpr unsigned kProtocolVersion = 1;
 
 /// The longest line that a model may begin with: a million spheres fit.
@@ -22,7 +22,7 @@ inline constexpr std::size_t kMaxFirstLineBytes = std::size_t{128} << 20;
 /// express: a number that is not finite, a text that is no UTF-8.
 std::string handshake_line(const std::vector<Parameter>& parameters);
 
-/// What a process would do again, were it asked again.
+/// A failure that would occur again if the process were asked again.
 class LastingError : public ModelError {
  public:
   using ModelError::ModelError;
@@ -34,15 +34,15 @@ class RefusedError : public LastingError {
   using LastingError::LastingError;
 };
 
-/// The first line from the model. @throw RefusedError; LastingError where something was printed
-/// instead; ModelError. All are one line without the model's name.
+/// Reads the first line from the model. @throw RefusedError; LastingError when the model printed
+/// something else; ModelError. Each message is one line without the model's name.
 ModelInfo read_first_line(std::string_view line);
 
-/// @throw LastingError when the line begins otherwise than a JSON object does: then the model, or a
-/// library of its, has printed it.
+/// @throw LastingError when the line does not begin like a JSON object. The model, or a library
+/// that it uses, has then printed text to its standard output.
 void require_object(std::string_view line);
 
-/// What a JSON parser says, in one printable line and without its own prefix.
+/// The message of a JSON parser, in one printable line and without the parser's prefix.
 std::string json_reason(const std::exception& e);
 
 }  // namespace hapgrid

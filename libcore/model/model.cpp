@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 
 namespace hapgrid {
 
@@ -16,7 +17,7 @@ class DeclaredModel final : public Model {
   explicit DeclaredModel(ModelInfo info) : Model(std::move(info)) {}
 
   std::vector<double> known_states(const Vec3&) override {
-    throw ModelError(std::string("known states: ") + kNotStarted);
+    throw ModelError(format("known states: {}", kNotStarted));
   }
   bool convert(const double*, const Vec3&, const Vec3&, double*) override { return fail(); }
   bool complete(const Vec3&, double*) override { return fail(); }
@@ -35,7 +36,7 @@ class DeclaredModel final : public Model {
 
 }  // namespace
 
-bool is_plain(const std::string& name) {
+bool is_valid_name(const std::string& name) {
   if (name.empty() || name.size() > 100 || name[0] == '-') return false;
   for (const char c : name)
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') return false;
@@ -44,14 +45,13 @@ bool is_plain(const std::string& name) {
 
 void require_possible_shape(std::size_t spheres) {
   if (spheres > kMaxSpheres)
-    throw ModelError("a shape of " + std::to_string(spheres) + " spheres; " +
-                     std::to_string(kMaxSpheres) + " are possible");
+    throw ModelError(format("a shape of {} spheres; {} are possible", spheres, kMaxSpheres));
 }
 
 void ModelInfo::validate() const {
   if (state_size == 0 || state_size > kMaxStateSize)
-    throw ModelError("a state of " + std::to_string(state_size) + " components; 1 to " +
-                     std::to_string(kMaxStateSize) + " are possible");
+    throw ModelError(
+        format("a state of {} components; 1 to {} are possible", state_size, kMaxStateSize));
   if (!(d_max > 0)) throw ModelError("d_max is not positive");
   if (!std::isfinite(tolerance) || tolerance < 0)
     throw ModelError("the tolerance is negative or not finite");
@@ -88,18 +88,7 @@ double Model::own_energy(const double*) const {
 void Model::shape(const double*, std::span<float>) const { assert(!"this model has no shape"); }
 
 std::unique_ptr<Model> declared_model(const GridSpec& spec) {
-  ModelInfo info;
-  info.state_size = spec.state_size;
-  info.d_max = std::numeric_limits<double>::infinity();  // not in a shard, and nothing is converted
-  info.tolerance = spec.tolerance;
-  info.tolerance_unit = spec.tolerance_unit;
-  info.equality = spec.equality;
-  info.length_unit = spec.length_unit;
-  info.energy_unit = spec.energy_unit;
-  info.force_scale = spec.force_scale;
-  info.hip_radius = spec.hip_radius;
-  info.stored = spec.stored;
-  info.spheres = spec.spheres;
+  ModelInfo info{spec, /*d_max=*/std::numeric_limits<double>::infinity(), {}};
   return std::make_unique<DeclaredModel>(std::move(info));
 }
 

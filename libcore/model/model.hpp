@@ -15,26 +15,15 @@
 
 namespace hapgrid {
 
-/// Whether a model can have this name: it has only letters, digits, '-' and '_', so that it is
-/// never a path.
-bool is_plain(const std::string& name);
+/// Whether a model can have this name: only letters, digits, '-' and '_' are allowed, so that a
+/// name is never a path.
+bool is_valid_name(const std::string& name);
 
 /// What a model says of itself.
-struct ModelInfo {
-  std::uint32_t state_size = 0;
-  double d_max = 0;  ///< conversions are defined for |d| up to this
-  double tolerance = 0;
-  std::string tolerance_unit, length_unit, energy_unit;
-  Equality equality;  ///< a process says its tolerance function in words, a plug-in has it in code
-  double force_scale = 0;  ///< newtons that one energy unit per length unit is on the device
-  double hip_radius = 0;
-  Stored stored;
-  std::vector<Sphere> spheres;    ///< show a state; empty where the model has no shape
-  std::vector<Torsion> torsions;  ///< of the shape
+struct ModelInfo : ModelDescription {
+  double d_max = 0;               ///< conversions are defined for |d| up to this
+  std::vector<Torsion> torsions;  ///< of the spheres
 
-  std::uint32_t row_size() const {
-    return hapgrid::row_size(state_size, stored, stored.shape ? spheres.size() : 0);
-  }
   /// @throw ModelError when a number is out of its range.
   void validate() const;
   friend bool operator==(const ModelInfo&, const ModelInfo&) = default;
@@ -52,10 +41,12 @@ struct Conversion {
   double* row = nullptr;
   std::uint64_t tag = 0;  ///< the caller's own
 };
-/// Gives the next conversion to a model, which is idle or has others at work. False when there is
-/// none, or none for a model that is not idle; such a model asks again after its next answer.
+/// Fills in the next conversion and returns true. `idle` says that the model has nothing to do.
+/// Returns false when no conversion is left, or when the last ones are kept for idle models; the
+/// caller then asks again after its next answer.
 using NextConversion = std::function<bool(Conversion&, bool idle)>;
-/// Takes a conversion that is done, in any order. `error` is one line, empty for success.
+/// Is called with each conversion that is done, in any order. `error` is one line, and empty after
+/// success.
 using ConversionDone = std::function<void(const Conversion&, std::string_view error)>;
 
 /// One model, for one thread at a time.
@@ -72,21 +63,21 @@ class Model {
   /// Whether answers come from a process: slowly, and several at a time.
   bool is_process() const { return info_.equality.is_declared(); }
 
-  /// The states known a priori at x, row after row (count x n).
+  /// The states known a priori at x, one after the other (count x n doubles).
   /// @throw ModelError
   virtual std::vector<double> known_states(const Vec3& x) = 0;
-  /// C(s, x, d), and what is stored with the state reached, into `row` (row_size() doubles).
-  /// Answers whether it succeeded and every number is finite; error() then says what went wrong.
-  /// No exception: this is the search's inner loop.
+  /// Writes C(s, x, d), and what is stored with the state reached, into `row` (row_size() doubles).
+  /// Returns whether it succeeded and every number is finite. After a failure error() says what
+  /// went wrong. It throws nothing, because this is the inner loop of the search.
   virtual bool convert(const double* s, const Vec3& x, const Vec3& d, double* row) = 0;
   /// Makes all conversions that `next` gives.
   virtual void convert_all(const NextConversion& next, const ConversionDone& done);
-  /// Fills in what is stored with the state at the beginning of `row`, for the HIP at x. Answers as
-  /// convert() does.
+  /// Fills in what is stored with the state at the beginning of `row`, for the HIP at x. Returns
+  /// the same as convert().
   virtual bool complete(const Vec3& x, double* row) = 0;
-  /// What the last call that failed said.
+  /// The message of the last call that failed.
   const std::string& error() const { return error_; }
-  /// Says that nothing more will be asked: a process ends by itself then, while others still work.
+  /// Tells the model that no question follows: a process can then end while others still work.
   virtual void hang_up() {}
 
   /// The tolerance function. Real-time safe.
@@ -97,14 +88,14 @@ class Model {
   virtual bool has_energy() const { return false; }
   virtual bool has_shape() const { return false; }
   virtual bool has_own_energy() const { return false; }
-  /// Whether it can say what is wrong with its parameters, a line a problem.
+  /// Whether the model can check its parameters. check() returns one line for each problem.
   virtual bool has_check() const { return false; }
   virtual std::vector<std::string> check() { return {}; }
   /// F(x, s) in newtons; needs has_force(). As real-time safe as the model.
   virtual Vec3 force(const Vec3& x, const double* s) const;
   /// The energy of state s with the HIP at x, in info().energy_unit; needs has_energy().
   virtual double energy(const Vec3& x, const double* s) const;
-  /// The same of state s by itself, without the HIP; needs has_own_energy().
+  /// The energy of state s alone, without the HIP; needs has_own_energy().
   virtual double own_energy(const double* s) const;
   /// The centres of info().spheres in state s, x y z by sphere; needs has_shape().
   virtual void shape(const double* s, std::span<float> centres) const;
@@ -127,11 +118,10 @@ class ModelSource {
   virtual ~ModelSource() = default;
   /// "plug-in" or "process", for messages.
   virtual const char* kind() const = 0;
-  /// One of several models that are used at a time, each by a thread of its own. One thread calls
-  /// this.
+  /// Makes a model for one thread. All calls of create() come from one thread.
   /// @param store what the model shall store with each state, beside what it stores by itself.
-  /// @throw ModelError when the model refuses the parameters, cannot store that, or says something
-  /// impossible of itself.
+  /// @throw ModelError when the model refuses the parameters, cannot store that, or describes
+  /// itself with impossible numbers.
   virtual std::unique_ptr<Model> create(const std::vector<Parameter>& parameters,
                                         const Stored& store) const = 0;
   std::unique_ptr<Model> create(const std::vector<Parameter>& parameters) const {
@@ -139,7 +129,8 @@ class ModelSource {
   }
 };
 
-/// What a shard tells of a model that is a process: it can judge equality, and nothing is started.
+/// A model process as the header of a grid describes it. It can only compare states; no process is
+/// started.
 std::unique_ptr<Model> declared_model(const GridSpec& spec);
 
 }  // namespace hapgrid

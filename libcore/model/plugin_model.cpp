@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/model/plugin.h"
 
@@ -71,8 +72,7 @@ class CParameters {
 std::vector<Torsion> torsions_of(const hapgrid_model_table& table, const hapgrid_model* model,
                                  const hapgrid_model_info& in) {
   if (in.torsions > kMaxTorsions)
-    throw ModelError(std::to_string(in.torsions) + " torsions; " + std::to_string(kMaxTorsions) +
-                     " are possible");
+    throw ModelError(format("{} torsions; {} are possible", in.torsions, kMaxTorsions));
   std::vector<hapgrid_torsion> given(in.torsions);
   table.torsions(model, given.data());
   std::vector<Torsion> torsions;
@@ -82,7 +82,7 @@ std::vector<Torsion> torsions_of(const hapgrid_model_table& table, const hapgrid
     for (int k = 0; k < 4; ++k) {
       torsions.back().spheres[k] = t.spheres[k];
       if (!table.shape || t.spheres[k] >= in.spheres)
-        throw ModelError("torsion " + torsions.back().name + " has a sphere that is not there");
+        throw ModelError(format("torsion {} has a sphere that is not there", torsions.back().name));
     }
   }
   return torsions;
@@ -198,8 +198,8 @@ std::vector<double> PluginModel::known_states(const Vec3& x) {
                             sizeof error) != 0)
       throw ModelError("known states: " + reason(error));
     if (count > static_cast<std::size_t>(kMaxLevels))
-      throw ModelError("known states: " + std::to_string(count) +
-                       " states at one point, the limit is " + std::to_string(kMaxLevels));
+      throw ModelError(
+          format("known states: {} states at one point, the limit is {}", count, kMaxLevels));
     states.resize(count * state_size());
     if (count <= capacity) return states;
     capacity = count;
@@ -215,7 +215,7 @@ bool PluginModel::convert(const double* s, const Vec3& x, const Vec3& d, double*
   }
   for (std::uint32_t c = 0; c < state_size(); ++c) {
     if (!std::isfinite(row[c])) {
-      error_ = "component " + std::to_string(c) + " of the state reached is not finite";
+      error_ = format("component {} of the state reached is not finite", c);
       return false;
     }
   }
@@ -225,19 +225,19 @@ bool PluginModel::convert(const double* s, const Vec3& x, const Vec3& d, double*
 bool PluginModel::complete(const Vec3& x, double* row) {
   double* out = row + state_size();
   const char* what = nullptr;
-  const auto keep = [&](double value, const char* name) {
+  const auto append = [&](double value, const char* name) {
     if (!std::isfinite(value)) what = name;
     *out++ = value;
   };
   const Stored& kept = info().stored;
   if (kept.force)
-    for (const double f : force(x, row)) keep(f, "force");
-  if (kept.energy) keep(energy(x, row), "energy");
+    for (const double f : force(x, row)) append(f, "force");
+  if (kept.energy) append(energy(x, row), "energy");
   if (kept.shape) {
     shape(row, centres_);
-    for (const float c : centres_) keep(c, "shape");
+    for (const float c : centres_) append(c, "shape");
   }
-  if (what) error_ = std::string("the ") + what + " is not finite";
+  if (what) error_ = format("the {} is not finite", what);
   return what == nullptr;
 }
 
@@ -257,9 +257,9 @@ std::vector<fs::path> model_path(const std::vector<std::string>& given) {
 }
 
 Plugin::Plugin(const std::string& name, const std::vector<fs::path>& directories) : name_(name) {
-  if (!is_plain(name))
-    throw ModelError("model '" + printable_line(name) +
-                     "': a plug-in's name has only letters, digits, '-' and '_'");
+  if (!is_valid_name(name))
+    throw ModelError(format("model '{}': a plug-in's name has only letters, digits, '-' and '_'",
+                            printable_line(name)));
   std::string searched;
   fs::path file;
   for (const fs::path& directory : directories) {
@@ -271,27 +271,31 @@ Plugin::Plugin(const std::string& name, const std::vector<fs::path>& directories
     }
   }
   if (file.empty())
-    throw ModelError("model " + name + ": no plug-in " + name + ".so in: " + searched +
-                     " (add a directory with --model-path or HAPGRID_MODEL_PATH)");
+    throw ModelError(
+        format("model {}: no plug-in {}.so in: {} (add a directory with --model-path or "
+               "HAPGRID_MODEL_PATH)",
+               name, name, searched));
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!handle) throw ModelError("model " + name + ": " + printable_line(dlerror()));
+  if (!handle) throw ModelError(format("model {}: {}", name, printable_line(dlerror())));
   library_ = std::shared_ptr<void>(handle, [](void* h) { dlclose(h); });
   using Entry = const hapgrid_model_table* (*)();
   const auto entry = reinterpret_cast<Entry>(dlsym(handle, "hapgrid_model_plugin"));
   if (!entry)
-    throw ModelError("model " + name + ": " + file.string() +
-                     " is no hapgrid plug-in (it has no function hapgrid_model_plugin)");
+    throw ModelError(
+        format("model {}: {} is no hapgrid plug-in (it has no function hapgrid_model_plugin)", name,
+               file.string()));
   table_ = entry();
-  if (!table_) throw ModelError("model " + name + ": hapgrid_model_plugin() returned NULL");
+  if (!table_) throw ModelError(format("model {}: hapgrid_model_plugin() returned NULL", name));
   if (table_->interface_version != HAPGRID_MODEL_INTERFACE)
-    throw ModelError("model " + name + ": " + file.string() + " has interface version " +
-                     std::to_string(table_->interface_version) + ", this hapgrid has " +
-                     std::to_string(HAPGRID_MODEL_INTERFACE) + "; build the plug-in again");
+    throw ModelError(format(
+        "model {}: {} has interface version {}, this hapgrid has {}; build the plug-in again", name,
+        file.string(), table_->interface_version, HAPGRID_MODEL_INTERFACE));
   if (!table_->create || !table_->destroy || !table_->info || !table_->known_states ||
       !table_->convert || !table_->equal)
-    throw ModelError("model " + name + ": a required function of the plug-in's table is NULL");
+    throw ModelError(format("model {}: a required function of the plug-in's table is NULL", name));
   if (!table_->spheres != !table_->shape)
-    throw ModelError("model " + name + ": one of spheres() and shape() is NULL, the other is not");
+    throw ModelError(
+        format("model {}: one of spheres() and shape() is NULL, the other is not", name));
   if (table_->summary) summary_ = printable_line(table_->summary);
 }
 
@@ -305,7 +309,7 @@ std::unique_ptr<Model> Plugin::create(const std::vector<Parameter>& parameters,
     if (!model) throw ModelError(reason(error));
     return std::make_unique<PluginModel>(library_, *table_, std::move(model), store);
   } catch (const ModelError& e) {
-    throw ModelError("model " + name_ + ": " + e.what());
+    throw ModelError(format("model {}: {}", name_, e.what()));
   }
 }
 

@@ -16,11 +16,11 @@ namespace hapgrid {
 /// entries of the environment's HAPGRID_MODEL_PATH, then ../models beside the running program.
 std::vector<std::filesystem::path> model_path(const std::vector<std::string>& given);
 
-/// A loaded plug-in. Names come from shards, which are hostile: only plain ones are taken.
+/// A loaded plug-in. Its name may come from a hostile shard, so only valid names are accepted.
 /// Models keep the plug-in loaded.
 class Plugin : public ModelSource {
  public:
-  /// @throw ModelError when the name is not plain, no directory has NAME.so, or that file is no
+  /// @throw ModelError when the name is not valid, no directory has NAME.so, or that file is no
   /// plug-in of this interface version.
   Plugin(const std::string& name, const std::vector<std::filesystem::path>& directories);
 

@@ -13,7 +13,7 @@
 
 namespace hapgrid {
 
-/// What is run: no shell in between.
+/// A command that is run without a shell.
 struct Command {
   std::vector<std::string> words;   ///< program and arguments; the program is looked up in PATH
   std::filesystem::path directory;  ///< where it runs, and where "./program" is looked for

@@ -48,7 +48,7 @@ std::chrono::nanoseconds nanoseconds(double seconds) {
   const std::string last_words = printable_line(child.rest());
   const ChildProcess::End end = child.how_it_ended();
   std::string what = end.how + when;
-  if (!last_words.empty()) what += " (last words: '" + last_words + "')";
+  if (!last_words.empty()) what += format(" (last words: '{}')", last_words);
   const std::string error_line = child.last_error_line();
   if (!error_line.empty()) what += ": " + error_line;
   if (end.has_given_up && !error_line.empty()) throw LastingError(what);
@@ -56,7 +56,7 @@ std::chrono::nanoseconds nanoseconds(double seconds) {
 }
 
 std::string who(const ProcessGroup& group, const std::string& what) {
-  return "process '" + command_text(group.command.words) + "' " + what;
+  return format("process '{}' {}", command_text(group.command.words), what);
 }
 
 /// Waits for the first line of a process. @throw Error
@@ -72,33 +72,31 @@ ModelInfo hear_first_line(const ProcessGroup& group, ChildProcess& child) {
     if (event == ChildProcess::Event::kEnded)
       throw_how_it_ended(child, " before it had said what it is");
     if (event == ChildProcess::Event::kTimeout)
-      throw ModelError("did not say what it is within " + to_text(seconds) + " s");
+      throw ModelError(format("did not say what it is within {} s", to_text(seconds)));
   }
   return read_first_line(line);
 }
 
-struct Started {
-  std::unique_ptr<ChildProcess> child;
-  ModelInfo info;
-};
-
+/// Starts a process. The first one of a group tells what the model is.
 /// @throw RefusedError when the model refuses its parameters; LastingError; ModelError
-Started start(ProcessGroup& group) {
-  Started started;
+std::unique_ptr<ChildProcess> start(ProcessGroup& group) {
+  std::unique_ptr<ChildProcess> child;
   try {
-    started.child = std::make_unique<ChildProcess>(group.launcher, group.command);
-    started.child->send(group.handshake);
-    started.info = hear_first_line(group, *started.child);
-    if (group.info && started.info != *group.info)
+    child = std::make_unique<ChildProcess>(group.launcher, group.command);
+    child->send(group.handshake);
+    ModelInfo info = hear_first_line(group, *child);
+    if (!group.info)
+      group.info = std::move(info);
+    else if (info != *group.info)
       throw ModelError("says other things of itself than at its first start");
-    return started;
+    return child;
   } catch (const RefusedError&) {
     throw;
   } catch (const LastingError& e) {
-    started.child->kill();
+    child->kill();
     throw LastingError(who(group, e.what()));
   } catch (const Error& e) {
-    if (started.child) started.child->kill();
+    if (child) child->kill();
     throw ModelError(who(group, e.what()));
   }
 }
@@ -212,9 +210,9 @@ bool ProcessModel::has_room() const {
 bool ProcessModel::require_child() {
   for (unsigned attempt = 1; !child_ && dead_.empty(); ++attempt) {
     try {
-      child_ = start(*group_).child;
+      child_ = start(*group_);
     } catch (const RefusedError& e) {
-      dead_ = who(*group_, std::string("now refuses its parameters: ") + e.what());
+      dead_ = who(*group_, format("now refuses its parameters: {}", e.what()));
     } catch (const LastingError& e) {
       dead_ = e.what();
     } catch (const ModelError& e) {
@@ -254,8 +252,8 @@ ProcessModel::Fault ProcessModel::listen(const QuestionDone& done) {
         read_lines(done);
         return {};
       case ChildProcess::Event::kTimeout:
-        throw ModelError("gave no answer within " + to_text(group_->options.timeout_seconds) +
-                         " s");
+        throw ModelError(
+            format("gave no answer within {} s", to_text(group_->options.timeout_seconds)));
       case ChildProcess::Event::kEnded:
         break;
     }
@@ -275,7 +273,7 @@ void ProcessModel::read_lines(const QuestionDone& done) {
   const std::size_t limit =
       max_answer_bytes(info(), sent_.empty() ? Operation::kConvert : sent_.front().operation);
   if (child_->rest().size() > limit)
-    throw ModelError("wrote a line of more than " + std::to_string(limit) + " bytes");
+    throw ModelError(format("wrote a line of more than {} bytes", limit));
 }
 
 void ProcessModel::handle(const Answer& answer, const QuestionDone& done) {
@@ -308,7 +306,7 @@ void ProcessModel::give_up(const Fault& fault, const QuestionDone& done) {
     if (question->attempts < kMaxAttempts) again_.push_front(*question);
   for (const Question& question : lost)
     if (question.attempts >= kMaxAttempts)
-      done(question, fault.why + "; asked " + std::to_string(question.attempts) + " times");
+      done(question, format("{}; asked {} times", fault.why, question.attempts));
 }
 
 }  // namespace
@@ -332,16 +330,15 @@ std::unique_ptr<Model> ProcessSource::create(const std::vector<Parameter>& param
     group->options = options_;
     group->handshake = std::move(handshake);
     const NoSigpipe no_sigpipe;
-    Started first = start(*group);
-    group->info = std::move(first.info);
+    std::unique_ptr<ChildProcess> first = start(*group);
     const Stored& given = group->info->stored;
     if ((store.force && !given.force) || (store.energy && !given.energy) ||
         (store.shape && !given.shape))
       throw ModelError("what is to be stored must be in its \"stored\"");
     group_ = group;
-    return std::make_unique<ProcessModel>(group_, std::move(first.child));
+    return std::make_unique<ProcessModel>(group_, std::move(first));
   } catch (const ModelError& e) {
-    throw ModelError("model " + name_ + ": " + e.what());
+    throw ModelError(format("model {}: {}", name_, e.what()));
   }
 }
 

@@ -11,16 +11,17 @@
 namespace hapgrid {
 
 struct ProcessOptions {
-  double timeout_seconds = 60;        ///< for one answer
-  unsigned in_flight = 4;             ///< questions that one process has at a time
-  double start_timeout_seconds = 60;  ///< for the first line, if it is longer than the other
+  double timeout_seconds = 60;  ///< for one answer
+  unsigned in_flight = 4;       ///< questions that one process has at a time
+  /// For the first line. The longer of both timeouts counts.
+  double start_timeout_seconds = 60;
 };
 
 struct ProcessGroup;
 
-/// A command that the user allowed. The first model that is created starts a process and hears
-/// what the model is. Later ones with the same parameters start theirs with their first question,
-/// so that slow starts happen at the same time.
+/// A command that the user allowed. The first model that is created starts a process and reads its
+/// first line. Later models with the same parameters start their processes with their first
+/// question, so that slow starts happen at the same time.
 class ProcessSource : public ModelSource {
  public:
   /// @param name of the model, for messages.
@@ -42,7 +43,7 @@ class ProcessSource : public ModelSource {
   mutable std::shared_ptr<ProcessGroup> group_;  // of the parameters that were asked for last
 };
 
-/// The words with spaces between, for messages; long ones are cut.
+/// The words with spaces between them, for messages. A long text is cut.
 std::string command_text(const std::vector<std::string>& command);
 
 }  // namespace hapgrid

@@ -132,13 +132,13 @@ void write_row(const Answer& answer, const ModelInfo& model, Operation operation
     std::copy(answer.s.begin(), answer.s.end(), row);
   }
   double* out = row + model.state_size;
-  const auto keep = [&out](const char* what, const std::vector<double>& numbers,
-                           std::size_t expected) {
+  const auto append = [&out](const char* what, const std::vector<double>& numbers,
+                             std::size_t expected) {
     require_count(what, numbers.size(), expected);
     out = std::copy(numbers.begin(), numbers.end(), out);
   };
-  if (stored.force) keep("force", answer.force, 3);
-  if (stored.energy) keep("energy", answer.energy, 1);
+  if (stored.force) append("force", answer.force, 3);
+  if (stored.energy) append("energy", answer.energy, 1);
   if (stored.shape) {
     require_count("shape", answer.shape.size(), 3 * model.spheres.size());
     for (const double centre : answer.shape) {

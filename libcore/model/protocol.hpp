@@ -11,8 +11,8 @@
 
 namespace hapgrid {
 
-/// Appends a number that reads back to the same double. It always has a point or an exponent, so
-/// that a language with whole numbers does not take it for one: -0 would lose its sign.
+/// Appends a number that reads back to the same double. It always has a point or an exponent:
+/// a language with whole numbers would otherwise read one, and -0 would lose its sign.
 void append_number(std::string& text, double value);
 
 enum class Operation { kConvert, kKnownStates, kEvaluate };
@@ -22,7 +22,7 @@ enum class Operation { kConvert, kKnownStates, kEvaluate };
 void append_question(std::string& text, std::uint64_t id, Operation operation, std::uint32_t n,
                      const double* s, const Vec3& x, const Vec3& d);
 
-/// The longest answer that is read: all its numbers fit, with many blanks and digits.
+/// The largest size of an answer. All its numbers fit, with many blanks and digits.
 std::size_t max_answer_bytes(const ModelInfo& model, Operation operation);
 
 /// One answer. An array that it does not have is empty.

@@ -20,19 +20,11 @@ thread_local CurrentConversion current;
 
 std::unique_ptr<Model> create_model(const ModelSource& source, const GridSpec& spec) {
   std::unique_ptr<Model> model = source.create(spec.parameters, spec.stored);
-  const ModelInfo& info = model->info();
-  const auto require = [&](bool same, const std::string& what) {
-    if (!same)
-      throw ModelError(format("model {}: {}; was the {} changed since the grid was seeded?",
-                              spec.model, what, source.kind()));
-  };
-  require(info.state_size == spec.state_size,
-          format("states of {} components, the grid has {}", info.state_size, spec.state_size));
-  require(info.tolerance == spec.tolerance && info.tolerance_unit == spec.tolerance_unit,
-          "another tolerance than the grid's");
-  require(info.equality == spec.equality, "another tolerance function than the grid's");
-  require(info.stored == spec.stored && (!spec.stored.shape || info.spheres == spec.spheres),
-          "keeps other forces or shapes with its states than the grid does");
+  if (const std::string found = difference(model->info(), spec); !found.empty())
+    throw ModelError(
+        format("model {}: it and the grid differ in {}; was the {} changed since the grid was "
+               "seeded?",
+               spec.model, found, source.kind()));
   return model;
 }
 

@@ -42,10 +42,10 @@ PointIndex point_at(const Box& box, const Vec3& position) {
 std::vector<double> known_states(Model& model, const Box& box, PointIndex point) {
   std::vector<double> states = model.known_states(box.position(point));
   if (!states.empty()) return states;
-  throw Error(
-      format("seed {} at {}: the model knows no state there; choose a larger box or other seeds, or "
-             "give their states",
-             describe(box, point), to_text(box.position(point))));
+  throw Error(format(
+      "seed {} at {}: the model knows no state there; choose a larger box or other seeds, or "
+      "give their states",
+      describe(box, point), to_text(box.position(point))));
 }
 
 }  // namespace
@@ -87,21 +87,13 @@ GridSpec spec_of(const Definition& definition, const Model& model) {
                to_text(definition.box.spacing), to_text(reach), to_text(info.d_max),
                to_text(info.d_max / std::sqrt(3.0))));
   GridSpec spec;
+  static_cast<ModelDescription&>(spec) = info;
   spec.box = definition.box;
   spec.model = definition.model_name();
   spec.parameters = definition.parameters;
-  spec.state_size = info.state_size;
-  spec.tolerance = info.tolerance;
-  spec.tolerance_unit = info.tolerance_unit;
-  spec.equality = info.equality;
   spec.max_levels = definition.max_levels;
-  spec.length_unit = info.length_unit;
-  spec.energy_unit = info.energy_unit;
-  spec.force_scale = info.force_scale;
-  spec.hip_radius = info.hip_radius;
-  spec.stored = info.stored;
   spec.tears = definition.tears;
-  if (spec.stored.shape) spec.spheres = info.spheres;
+  if (!spec.stored.shape) spec.spheres.clear();
   return spec;
 }
 

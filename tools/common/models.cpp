@@ -81,7 +81,7 @@ std::unique_ptr<ModelSource> model_source(const GridSpec& spec, const ModelOptio
                                           const std::string& instead) {
   if (!spec.equality.is_declared())
     return std::make_unique<Plugin>(spec.model, model_path(options.path));
-  if (!is_plain(spec.model))
+  if (!is_valid_name(spec.model))
     throw ModelError("a model whose name has other than letters, digits, '-' and '_'");
   if (options.allowed.empty())
     throw ModelError(

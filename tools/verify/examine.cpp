@@ -31,7 +31,7 @@ ProgressLine progress_of(const char* row, const std::atomic<std::uint64_t>& done
 }
 
 Check recompute_conversions(const Grid& grid, std::span<const RecordIndex> sample,
-                            const std::function<ModelFunctions()>& model, int threads) {
+                            const MakeModel& model, int threads) {
   std::atomic<std::uint64_t> done{0};
   const ProgressLine progress = progress_of("fidelity", done, sample.size(), "records");
   return check_fidelity(grid, sample, model, threads, done);
@@ -59,8 +59,9 @@ Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFie
   if (forces.why_not.empty())
     return passive_not_proved("interpolated forces have no energy; --force energy can be proved");
   return passive_not_proved(
-      "play interpolates the forces of the records, which have no energy, because " +
-      forces.why_not + "; give the model the energy of its force, and see check-model");
+      format("play interpolates the forces of the records, which have no energy, because {}; give "
+             "the model the energy of its force, and see check-model",
+             forces.why_not));
 }
 
 Check measure_accuracy(const Grid& grid, const Examination& asked, WalkModels models) {
@@ -68,8 +69,7 @@ Check measure_accuracy(const Grid& grid, const Examination& asked, WalkModels mo
   const ProgressLine progress = progress_of("accurate", done, asked.walks, "walks");
   const Walked walked =
       walk_grid(grid, asked.walks, asked.sample_seed, models, asked.threads, done);
-  return check_accurate(walked,
-                        accuracy_terms(grid.spec(), models.fields != nullptr, asked.accuracy));
+  return check_accurate(grid.spec(), walked, models.fields != nullptr, asked.accuracy);
 }
 
 }  // namespace
@@ -83,10 +83,9 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
                                           : " (or leave C out: --recompute none)");
   // A model that is asked for forces and for equality, and never for a conversion.
   const auto judge = [&] { return judging_model(spec, asked.model.path); };
-  const auto make_model = [&] { return model_functions(create_model(*source, spec)); };
-  std::unique_ptr<Model> judging = judge();
-  const bool knows_force = has_force(spec, *judging);
-  const SameState same = model_functions(std::move(judging)).same;
+  const auto make_model = [&] { return create_model(*source, spec); };
+  const std::unique_ptr<Model> judging = judge();
+  const bool knows_force = Fields(spec, *judging).has_force();
   const auto is_stored = spec.row_size() > grid.state_size();
 
   std::vector<Check> checks;
@@ -97,7 +96,7 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
   add(check_coverage(grid));
   add(check_links(grid));
   add(check_finite(grid));
-  add(check_distinct(grid, same));
+  add(check_distinct(grid, *judging));
   if (grid.has_tears()) add(check_fractions(grid));
   const std::vector<std::uint32_t> distances = find_distances(grid);
   add(check_reachable(grid, distances));
@@ -122,10 +121,9 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
 
   // And between the points?
   if (asked.walks > 0) {
-    WalkModels models{make_model,
-                      [&] { return model_functions(judge()).same; },
-                      {},
-                      traversals(kDefaultRule, grid, [&] { return create_model(*source, spec); })};
+    WalkModels models{make_model, {}, traversals(kDefaultRule, grid, [&] {
+                        return create_model(*source, spec);
+                      })};
     if (knows_force) models.fields = [&] { return Fields(spec, judge, /*wants_shape=*/false); };
     add(measure_accuracy(grid, asked, std::move(models)));
   }

@@ -77,7 +77,7 @@ refuses "seed: model puppet: process 'no-such-program .*' cannot be started: no 
 # Another tolerance function than the grid's.
 define puppet rms >told.toml
 changed='was the process changed since the grid was seeded\?'
-refuses "expand: model puppet: another tolerance function than the grid's; $changed" -- \
+refuses "expand: model puppet: it and the grid differ in the tolerance function; $changed" -- \
   expand seeds --allow-process told.toml -o out
 seed told.toml --allow-process -o rms.seeds
 expand rms.seeds --allow-process told.toml -o rms.requests

@@ -15,6 +15,10 @@ class ChangedBall {
     info.d_max = 1;
     info.tolerance = 1e-6;
     std::snprintf(info.tolerance_unit, sizeof info.tolerance_unit, "rad");
+    std::snprintf(info.length_unit, sizeof info.length_unit, "rope lengths");
+    std::snprintf(info.energy_unit, sizeof info.energy_unit, "N rope lengths");
+    info.force_scale = 1;
+    info.hip_radius = 0.1;
     return info;
   }
   std::vector<double> known_states(const double*) const { return {0.0}; }

@@ -40,14 +40,14 @@ box("more points than can be", refused="box: more than 4294967295 grid points", 
 parameter("another radius of the balls", "fidelity", radius=0.11)
 parameter("another weight", "stored", grid="stored", weight=1.5)
 parameter("another bound of the force", "stored", grid="stored", max_force=0.2)
-parameter("another tolerance of the model", refused="another tolerance than the grid's...", tolerance=1e-5)
+parameter("another tolerance of the model", refused="it and the grid differ in tolerance...", tolerance=1e-5)
 parameter("a parameter out of its range", refused="radius...", radius=0.6)
 header("a parameter that the model does not have", refused="unknown parameter...",
        parameters=[{"key": "colour", "value": {"number": 1}}])
 header("a parameter of another kind", refused="parameter radius must be a number...",
        parameters=[{"key": "radius", "value": {"text": "0.1"}}])
-header("another tolerance", refused="another tolerance than the grid's...", tolerance=1e-5)
-header("another unit of the tolerance", refused="another tolerance than the grid's...", toleranceUnit="deg")
+header("another tolerance", refused="it and the grid differ in tolerance...", tolerance=1e-5)
+header("another unit of the tolerance", refused="it and the grid differ in the units...", toleranceUnit="deg")
 
 
 @message_fault("another tolerance, of the model too", "distinct")
@@ -75,6 +75,6 @@ header("another format", refused="not a hapgrid shard", magic="1")
 header("a version to come", refused="format version 2...", version=2)
 
 
-@message_fault("a sphere of another size", refused="keeps other forces or shapes...", grid="stored")
+@message_fault("a sphere of another size", refused="it and the grid differ in the spheres that show the model...", grid="stored")
 def _(messages):
     messages[0]["header"]["spheres"][0]["radius"] = 0.2

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "libcore/base/error.hpp"
-#include "libcore/grid/state_distance.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 
@@ -16,17 +15,13 @@ namespace {
 /// the state, along x.
 using Field = double (*)(const Vec3&);
 
-ModelFunctions model_of(Field field) {
-  ModelFunctions functions;
-  functions.convert = [field](const double*, const Vec3& x, const Vec3& d, double* row,
-                              std::string&) {
+tiny::TestModel::Convert model_of(Field field) {
+  return [field](const double*, const Vec3& x, const Vec3& d, double* row, std::string&) {
     row[0] = field({x[0] + d[0], x[1] + d[1], x[2] + d[2]});
     row[1] = 2 * row[0];
     row[2] = row[3] = 0;
     return true;
   };
-  functions.same = [](const double* a, const double* b) { return std::abs(*a - *b) <= 1e-9; };
-  return functions;
 }
 
 Grid grid_of(Field field, const Box& box) {
@@ -49,11 +44,10 @@ Grid grid_of(Field field, const Box& box) {
   return Grid(spec, 1, columns);
 }
 
-Walked walk(const Grid& grid, const ModelFunctions& model, std::uint64_t walks, int threads = 2,
-            std::uint64_t seed = 1) {
+Walked walk(const Grid& grid, const tiny::TestModel::Convert& model, std::uint64_t walks,
+            int threads = 2, std::uint64_t seed = 1) {
   std::atomic<std::uint64_t> done{0};
-  WalkModels models{[&] { return model; },
-                    [&] { return model.same; },
+  WalkModels models{[&] { return std::make_unique<tiny::TestModel>(grid.spec(), model); },
                     {},
                     [&] { return std::make_unique<PaperTraversal>(grid); }};
   if (grid.spec().stored.force)
@@ -68,7 +62,7 @@ Walked walk(const Grid& grid, const ModelFunctions& model, std::uint64_t walks, 
 }
 
 Check row(const Grid& grid, const Walked& walked, std::optional<double> wanted = std::nullopt) {
-  return check_accurate(walked, accuracy_terms(grid.spec(), grid.spec().stored.force, wanted));
+  return check_accurate(grid.spec(), walked, grid.spec().stored.force, wanted);
 }
 
 double figure(const Check& check, const std::string& name) {
@@ -179,13 +173,11 @@ TEST_CASE("behind the end of a branch places are mixed and parted, and not judge
   tiny::add(c, 3, 0, 0, 0, 1, 0);
   tiny::add(c, 4, 0, 0, 0, 0, kLeavesBox);
   const Grid grid(spec, 1, c);
-  ModelFunctions string;
-  string.convert = [](const double* s, const Vec3& x, const Vec3& d, double* row, std::string&) {
+  const auto string = [](const double* s, const Vec3& x, const Vec3& d, double* row, std::string&) {
     const double to = x[0] + d[0];
     *row = to > 2.4 ? 0 : to < 0.6 ? 1 : *s;
     return true;
   };
-  string.same = [](const double* a, const double* b) { return std::abs(*a - *b) <= 1e-9; };
   const Walked walked = walk(grid, string, 100);
   CHECK(walked.mixed > 0);
   CHECK(walked.parted > 0);
@@ -198,10 +190,8 @@ TEST_CASE("behind the end of a branch places are mixed and parted, and not judge
 
 TEST_CASE("conversions that fail are listed, and the walk goes on elsewhere") {
   const Grid grid = grid_of(square, {{-3, 0, 0}, 0.25, {33, 1, 1}});
-  ModelFunctions model = model_of(square);
-  const auto convert = model.convert;
-  model.convert = [convert](const double* s, const Vec3& x, const Vec3& d, double* row,
-                            std::string& error) {
+  const auto model = [convert = model_of(square)](const double* s, const Vec3& x, const Vec3& d,
+                                                  double* row, std::string& error) {
     error = "too far";
     return x[0] + d[0] < 2 && convert(s, x, d, row, error);
   };

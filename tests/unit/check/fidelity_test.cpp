@@ -26,12 +26,12 @@ TEST_CASE("a conversion that fails is an offender in the model's words") {
   const auto check = check_fidelity(
       grid, std::vector<RecordIndex>{3},
       [] {
-        ModelFunctions model = tiny::model();
-        model.convert = [](const double*, const Vec3& x, const Vec3&, double*, std::string& error) {
-          error = "no minimum near " + std::to_string(x[0]);
-          return false;
-        };
-        return model;
+        return std::make_unique<tiny::TestModel>(
+            tiny::spec(),
+            [](const double*, const Vec3& x, const Vec3&, double*, std::string& error) {
+              error = "no minimum near " + std::to_string(x[0]);
+              return false;
+            });
       },
       1, done);
   CHECK(check.found.counted == 2);

@@ -16,7 +16,7 @@ std::vector<Check> all_checks(const Grid& grid) {
                             check_coverage(grid),
                             check_links(grid),
                             check_finite(grid),
-                            check_distinct(grid, tiny::model().same),
+                            check_distinct(grid, *tiny::model()),
                             check_reachable(grid, distances),
                             check_generations(grid, distances)};
   std::atomic<std::uint64_t> done{0};

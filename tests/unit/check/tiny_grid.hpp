@@ -8,6 +8,10 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
 
 #include "libcore/check/fidelity.hpp"
 #include "libcore/grid/grid.hpp"
@@ -78,19 +82,38 @@ inline Grid after_one_round() {
   return Grid(spec(), 1, c);
 }
 
-inline ModelFunctions model(double tolerance = 1e-6) {
-  ModelFunctions functions;
-  functions.convert = [](const double* s, const Vec3& x, const Vec3& d, double* result,
-                         std::string&) {
-    const double target = (x[0] - 0.5 + d[0]) / 0.25;
-    const bool is_end = target < 0.5 || target > 2.5;
-    *result = is_end ? 0 : *s != 0 ? *s : d[0] > 0 ? 1 : -1;
-    return true;
-  };
-  functions.same = [tolerance](const double* a, const double* b) {
-    return std::abs(*a - *b) <= tolerance;
-  };
-  return functions;
+/// A model of which a test gives C. Two states are the same where their first components are.
+class TestModel final : public Model {
+ public:
+  /// Answers false and says why in `error` when it fails.
+  using Convert = std::function<bool(const double* s, const Vec3& x, const Vec3& d, double* row,
+                                     std::string& error)>;
+  TestModel(const ModelDescription& description, Convert convert)
+      : Model({description, 1, {}}), convert_(std::move(convert)) {}
+
+  std::vector<double> known_states(const Vec3&) override { return {}; }
+  bool convert(const double* s, const Vec3& x, const Vec3& d, double* row) override {
+    return convert_(s, x, d, row, error_);
+  }
+  bool complete(const Vec3&, double*) override { return true; }
+  bool equal(const double* a, const double* b) const override {
+    return std::abs(*a - *b) <= info().tolerance;
+  }
+
+ private:
+  Convert convert_;
+};
+
+inline std::unique_ptr<Model> model(double tolerance = 1e-6) {
+  GridSpec description = spec();
+  description.tolerance = tolerance;
+  return std::make_unique<TestModel>(
+      description, [](const double* s, const Vec3& x, const Vec3& d, double* result, std::string&) {
+        const double target = (x[0] - 0.5 + d[0]) / 0.25;
+        const bool is_end = target < 0.5 || target > 2.5;
+        *result = is_end ? 0 : *s != 0 ? *s : d[0] > 0 ? 1 : -1;
+        return true;
+      });
 }
 
 }  // namespace hapgrid::tiny
