@@ -20,7 +20,13 @@ thread_local CurrentConversion current;
 
 std::unique_ptr<Model> create_model(const ModelSource& source, const GridSpec& spec) {
   std::unique_ptr<Model> model = source.create(spec.parameters, spec.stored);
-  if (const std::string found = difference(model->info(), spec); !found.empty())
+  ModelDescription said = model->info();
+  // These are for people and pictures, and change no record.
+  said.length_unit = spec.length_unit;
+  said.energy_unit = spec.energy_unit;
+  said.hip_radius = spec.hip_radius;
+  said.force_scale = spec.force_scale;
+  if (const std::string found = difference(said, spec); !found.empty())
     throw ModelError(
         format("model {}: it and the grid differ in {}; was the {} changed since the grid was "
                "seeded?",
