@@ -4,14 +4,13 @@
 #define HAPGRID_EXAMPLES_DEVICES_ADAPTER_H
 
 #include <errno.h>
+#include <hapgrid/device.h>
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
-
-#include <hapgrid/device.h>
 
 /* Says on standard error why the adapter ends. Returns its exit code. */
 static inline int complain(const char* adapter, const char* what, const char* why) {

@@ -12,12 +12,11 @@
  * With m = sqrt(-P/3), there are two stable roots, s < -m and s > m, when P < 0 and |Q| < 2 m^3;
  * otherwise there is one. So the bead remembers nothing but its side: the sign of s.
  */
+#include <hapgrid/plugin.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <hapgrid/plugin.h>
 
 enum { kBeads = 3 }; /* the spheres that show a state: the bead, and the two wells */
 

@@ -23,7 +23,7 @@ struct PlaySettings {
   SafetyLimits safety;
   MappingOptions mapping;
   EvdevParameters evdev;
-  double spin_us = 0;   ///< see Pacer
+  double spin_us = 0;  ///< see Pacer
   double imd_wait_s = 0;
 };
 
