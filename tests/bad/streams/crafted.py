@@ -52,7 +52,7 @@ for kind in ("seeds", "requests"):
         crafted("version", kind, "byte 0: format version %d, this program reads version 1" % version, header(version=version))
     crafted("state size 0", kind, "a state of 0 components; 1 to 1048576 are possible", header(stateSize=0))
     crafted("state size 2^20 + 1", kind, "a state of 1048577 components", header(stateSize=1048577))
-    crafted("state size", kind, "states of 1 components, the grid has 3|another grid|does not fit", header(stateSize=3))
+    crafted("state size", kind, "differ in state size 1 and 3|another grid|does not fit", header(stateSize=3))
     crafted("level limit 0", kind, "a level limit of 0; 1 to 254 are possible", header(maxLevels=0))
     crafted("level limit 255", kind, "a level limit of 255; 1 to 254", header(maxLevels=255))
     crafted("tolerance nan", kind, "the tolerance is not finite", header(tolerance="NaN"))
