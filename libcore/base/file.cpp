@@ -118,11 +118,12 @@ std::uint64_t copy_stream(int from, int to, InputFile::Content content, const st
       count += more;
     else
       break;
-  const bool fits = can_be(content, std::span(buffer).first(count));
+  // A terminal that has said its end is not asked again: it would wait for more.
+  const bool goes_on = count == kFirst && can_be(content, std::span(buffer).first(count));
   do {
     write_all(to, std::span(buffer).first(count), copy);
     size += count;
-  } while (fits && (count = read_some(from, buffer, name)) > 0);
+  } while (goes_on && (count = read_some(from, buffer, name)) > 0);
   return size;
 }
 
