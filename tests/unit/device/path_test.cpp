@@ -23,7 +23,7 @@ TEST_CASE("a number that is none is named with its line") {
            {"1 2 1e999", "line 1: '1e999' is beyond double precision"},
            {"1 2 +-3", "line 1: '+-3' is not a number"},
            {"1 2 0x10", "line 1: '0x10' is not a number"},
-           {std::string("1 2 3\0", 6), "line 1: '3?' is not a number"}})
+           {std::string("1 2 3\0", 6), "line 1: '3 ' is not a number"}})
     CHECK(testing::refusal([&] { parse_path(text, "p.txt"); }) == "p.txt: " + why);
 }
 
