@@ -1,13 +1,17 @@
 #include "libcore/check/accuracy.hpp"
 
+#include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "libcore/base/error.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
+#include "tests/unit/haptic/random_grid.hpp"
 
 using namespace hapgrid;
+using tiny::figure;
 
 namespace {
 
@@ -30,16 +34,10 @@ Grid grid_of(Field field, const Box& box) {
   spec.tolerance = 1e-9;
   spec.equality.norm = Equality::Norm::kMax;
   spec.stored.force = true;
-  const Neighbourhood around(box);
-  RecordColumns columns;
+  RecordColumns columns = testing::random_columns(box, 4, 1, 1);
   for (PointIndex p = 0; p < box.points(); ++p) {
-    columns.point.push_back(p);
-    columns.level.push_back(0);
-    columns.generation.push_back(0);
     const double s = field(box.position(p));
-    columns.rows.insert(columns.rows.end(), {s, 2 * s, 0, 0});
-    for (int q = 0; q < kDirections; ++q)
-      columns.links.push_back(around.inside(p) >> q & 1 ? 0 : kLeavesBox);
+    std::ranges::copy(std::array{s, 2 * s, 0., 0.}, &columns.rows[4 * p]);
   }
   return Grid(spec, 1, columns);
 }
@@ -63,12 +61,6 @@ Walked walk(const Grid& grid, const tiny::TestModel::Convert& model, std::uint64
 
 Check row(const Grid& grid, const Walked& walked, std::optional<double> wanted = std::nullopt) {
   return check_accurate(grid.spec(), walked, grid.spec().stored.force, wanted);
-}
-
-double figure(const Check& check, const std::string& name) {
-  for (const Figure& f : check.figures)
-    if (f.name == name) return f.value;
-  return std::nan("");
 }
 
 double square(const Vec3& x) { return x[0] * x[0]; }
@@ -201,7 +193,7 @@ TEST_CASE("conversions that fail are listed, and the walk goes on elsewhere") {
   const Check check = row(grid, walked);
   CHECK(check.verdict() == "note");
   CHECK(check.found.offenders == walked.failed.offenders);
-  CHECK(check.found.first[0].text.substr(0, 15) == "conversion to (");
+  CHECK(check.found.first[0].text.starts_with("conversion to ("));
   CHECK(check.found.first[0].text.find("failed: too far") != std::string::npos);
   CHECK(row(grid, walked, 100.0).verdict() == "broken");
 }

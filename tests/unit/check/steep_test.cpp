@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "libcore/grid/vec3.hpp"
 #include "libcore/haptic/traversal.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
@@ -11,13 +12,7 @@ using namespace hapgrid;
 using namespace hapgrid::testing;
 using tiny::figure;
 
-namespace {
-
-constexpr double kSpacing = 0.25;
-
-double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
-}  // namespace
+static constexpr double kSpacing = 0.25;
 
 TEST_CASE("no interpolated force is stiffer, and an edge is as steep") {
   std::mt19937_64 random(1);
@@ -36,10 +31,9 @@ TEST_CASE("no interpolated force is stiffer, and an edge is as steep") {
     Vec3 f{0, 0, 0};
     const auto weights = corner_weights(part);
     for (unsigned k = 0; k < 8; ++k)
-      for (int a = 0; a < 3; ++a)
-        f[a] +=
-            weights[k] * forces[box.index(GridCoordinates{cell[0] + (k & 1), cell[1] + (k >> 1 & 1),
-                                                          cell[2] + (k >> 2)})][a];
+      f = f +
+          weights[k] *
+              forces[box.index({cell[0] + (k & 1), cell[1] + (k >> 1 & 1), cell[2] + (k >> 2)})];
     return f;
   };
   for (int trial = 0; trial < 20000; ++trial) {
@@ -49,8 +43,8 @@ TEST_CASE("no interpolated force is stiffer, and an edge is as steep") {
     Vec3 from, to, way;
     for (int a = 0; a < 3; ++a) from[a] = uniform(random, 0, 0.999);
     for (int a = 0; a < 3; ++a) to[a] = from[a] + (way[a] = uniform(random, 0, 0.001));
-    const Vec3 f = force_at(cell, from), g = force_at(cell, to);
-    change = std::max(change, norm({f[0] - g[0], f[1] - g[1], f[2] - g[2]}) / norm(way) / kSpacing);
+    const double changed = length_of(force_at(cell, from) - force_at(cell, to));
+    change = std::max(change, changed / length_of(way) / kSpacing);
   }
   CHECK(change < stiffness);
   CHECK(change > stiffness / 2);
@@ -58,8 +52,7 @@ TEST_CASE("no interpolated force is stiffer, and an edge is as steep") {
     for (const int q : {tiny::kRight, Direction::of(0, 1, 0).q(), Direction::of(0, 0, 1).q()}) {
       const RecordIndex to = grid.destination(r, q);
       if (to == Grid::kNoRecord) continue;
-      const Vec3 &f = forces[r], &g = forces[to];
-      force = std::max(force, norm({f[0] - g[0], f[1] - g[1], f[2] - g[2]}) / kSpacing);
+      force = std::max(force, length_of(forces[r] - forces[to]) / kSpacing);
       for (std::size_t c = 0; c < 2; ++c)
         state = std::max(state, std::abs(grid.state(r)[c] - grid.state(to)[c]) / kSpacing);
     }

@@ -117,32 +117,34 @@ TEST_CASE("no effect goes on for ever when nobody ends it") {
 
 TEST_CASE("a deflection as joydev has it") {
   // joydev: 0 up to `flat` around (low + high) / 2, then a line that is full `flat` before the end.
-  const EvdevAxis pad{ABS_X, -32768, 32768, 128};
-  CHECK(pad.rate(0) == 0);
-  CHECK(pad.rate(128) == 0);
-  CHECK(pad.rate(-128) == 0);
-  CHECK(pad.rate(16384) == Approx(0.5));
-  CHECK(pad.rate(-16384) == Approx(-0.5));
-  CHECK(pad.rate(32768 - 128) == 1);
-  CHECK(pad.rate(-32768) == -1);
-  // 0 to 255 with the 15 that the kernel gives a gamepad: from 142.5 to 240.
-  const EvdevAxis byte{ABS_X, 0, 255, 15};
-  CHECK(byte.rate(127) == 0);
-  CHECK(byte.rate(142) == 0);
-  CHECK(byte.rate(143) == Approx(0.5 / 97.5));
-  CHECK(byte.rate(240) == 1);
-  CHECK(byte.rate(15) == -1);
-  // No dead zone: a sixteenth of the range, 256. No flat is so large that nothing is left.
-  const EvdevAxis none{ABS_X, 0, 4096, 0};
-  CHECK(none.rate(2048 + 256) == 0);
-  CHECK(none.rate(2048 + 1024) == Approx(0.5));
-  const EvdevAxis all{ABS_X, -1, 1, 1000};
-  CHECK(all.rate(1) == 1);
-  CHECK(all.rate(0) == 0);
-  const EvdevAxis widest{ABS_X, std::numeric_limits<int>::min(), std::numeric_limits<int>::max(),
-                         0};
-  CHECK(widest.rate(std::numeric_limits<int>::max()) == 1);
-  CHECK(widest.place(std::numeric_limits<int>::min()) == -1);
+  constexpr int kLeast = std::numeric_limits<int>::min(), kMost = std::numeric_limits<int>::max();
+  const struct {
+    int low, high, flat, value;
+    double rate;
+  } rows[] = {{-32768, 32768, 128, 0, 0},
+              {-32768, 32768, 128, 128, 0},
+              {-32768, 32768, 128, -128, 0},
+              {-32768, 32768, 128, 16384, 0.5},
+              {-32768, 32768, 128, -16384, -0.5},
+              {-32768, 32768, 128, 32768 - 128, 1},
+              {-32768, 32768, 128, -32768, -1},
+              // With the 15 that the kernel gives a gamepad: from 142.5 to 240.
+              {0, 255, 15, 142, 0},
+              {0, 255, 15, 143, 0.5 / 97.5},
+              {0, 255, 15, 240, 1},
+              {0, 255, 15, 15, -1},
+              // No dead zone: a sixteenth of the range, 256.
+              {0, 4096, 0, 2048 + 256, 0},
+              {0, 4096, 0, 2048 + 1024, 0.5},
+              // No flat is so large that nothing is left.
+              {-1, 1, 1000, 1, 1},
+              {-1, 1, 1000, 0, 0},
+              {kLeast, kMost, 0, kMost, 1}};
+  for (const auto& r : rows) {
+    CAPTURE(r.high, r.value);
+    CHECK(EvdevAxis{ABS_X, r.low, r.high, r.flat}.rate(r.value) == Approx(r.rate));
+  }
+  CHECK(EvdevAxis{ABS_X, kLeast, kMost, 0}.place(kLeast) == -1);
 }
 
 TEST_CASE("a gamepad steers, and its buttons reset") {
@@ -238,22 +240,21 @@ TEST_CASE("sticks are found in sysfs, whoever may open them") {
     const auto device = sysfs.path() / event / "device";
     std::filesystem::create_directories(device / "capabilities");
     std::filesystem::create_directories(device / "id");
-    std::ofstream(device / "name") << name << "\n";
-    std::ofstream(device / "uniq") << "\n";
-    std::ofstream(device / "id" / "vendor") << "045e\n";
-    std::ofstream(device / "id" / "product") << "028e\n";
-    std::ofstream(device / "properties") << prop << "\n";
-    std::ofstream(device / "capabilities" / "abs") << abs << "\n";
-    std::ofstream(device / "capabilities" / "key") << key << "\n";
-    std::ofstream(device / "capabilities" / "ff") << ff << "\n";
+    const char* const files[] = {"name",
+                                 "uniq",
+                                 "id/vendor",
+                                 "id/product",
+                                 "properties",
+                                 "capabilities/abs",
+                                 "capabilities/key",
+                                 "capabilities/ff"};
+    const std::string texts[] = {name, "", "045e", "028e", prop, abs, key, ff};
+    for (int i = 0; i < 8; ++i) std::ofstream(device / files[i]) << texts[i] << "\n";
   };
   CHECK(list_evdev("/no/such").empty());
   CHECK(list_text(list_evdev(sysfs.path().string())).empty());
   // An Xbox 360 pad as Linux 6.1 shows it: BTN_SOUTH is 0x130, FF_RUMBLE 0x50, FF_GAIN 0x60.
-  add("event12",
-      "X-Box\x01"
-      " 360 pad",
-      "3003f", "7cdb000000000000 0 0 0 0", "107030000 0", "0");
+  add("event12", "X-Box\x01 360 pad", "3003f", "7cdb000000000000 0 0 0 0", "107030000 0", "0");
   // A stick with X, Y, BTN_TRIGGER and FF_CONSTANT (0x52).
   add("event3", "stick", "3", "1 0 0 0 0", "100040000 0", "0");
   // Its motion sensors; a touch screen; a keyboard.

@@ -31,16 +31,17 @@ Vec3 after(std::string_view bytes) {
 }  // namespace
 
 TEST_CASE("arrows and page keys, in both of a terminal's modes and with modifiers") {
-  CHECK(after("\x1b[C") == Vec3{0.25, 0, 0});
-  CHECK(after("\x1b[D") == Vec3{-0.25, 0, 0});
-  CHECK(after("\x1bOA") == Vec3{0, 0, 0.25});
-  CHECK(after("\x1bOB") == Vec3{0, 0, -0.25});
-  CHECK(after("\x1b[5~") == Vec3{0, 0.25, 0});
-  CHECK(after("\x1b[6~") == Vec3{0, -0.25, 0});
-  CHECK(after("\x1b[5;2;3;4;5;6;7~") == Vec3{0, 0.25, 0});
-  CHECK(after("\x1b[1;5C") == Vec3{0.25, 0, 0});
-  CHECK(after("\x1b[5;2~") == Vec3{0, 0.25, 0});
-  CHECK(after("\x1b[C\x1b[C\x1b[B") == Vec3{0.5, 0, -0.25});
+  const std::pair<const char*, Vec3> keys[] = {{"\x1b[C", {0.25, 0, 0}},
+                                               {"\x1b[D", {-0.25, 0, 0}},
+                                               {"\x1bOA", {0, 0, 0.25}},
+                                               {"\x1bOB", {0, 0, -0.25}},
+                                               {"\x1b[5~", {0, 0.25, 0}},
+                                               {"\x1b[6~", {0, -0.25, 0}},
+                                               {"\x1b[1;5C", {0.25, 0, 0}},
+                                               {"\x1b[5;2~", {0, 0.25, 0}},
+                                               {"\x1b[5;2;3;4;5;6;7~", {0, 0.25, 0}},
+                                               {"\x1b[C\x1b[C\x1b[B", {0.5, 0, -0.25}}};
+  for (const auto& [bytes, to] : keys) CHECK(after(bytes) == to);
 }
 
 TEST_CASE("other keys") {

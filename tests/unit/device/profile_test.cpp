@@ -6,6 +6,7 @@
 #include <random>
 
 #include "libcore/base/file.hpp"
+#include "libcore/grid/vec3.hpp"
 #include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
@@ -62,6 +63,15 @@ struct Channel : HidChannel {
     written.push_back({'f', {r.begin(), r.end()}});
   }
 };
+
+/// A profile with these inputs, outputs and lines of [force].
+Profile with(const std::string& input, const std::string& outputs, const std::string& force) {
+  return read_profile(
+      "name = \"d\"\nmatch = {vid = 1, pid = 2}\n"
+      "workspace = {low = [-1, 0, 0], high = [1, 0, 0]}\n[input]\n" +
+          input + outputs + "[force]\n" + force,
+      "p");
+}
 
 HidReport teensy_report(std::initializer_list<std::uint8_t> bytes) {
   HidReport report(bytes);
@@ -132,17 +142,13 @@ TEST_CASE("the template has every key") {
 }
 
 TEST_CASE("each axis can have a report of its own") {
-  ProfileProtocol board(read_profile(R"(name = "two motors"
-[match]
-vid = 1
-pid = 2
-[input]
-id = 1
+  ProfileProtocol board(with(R"(id = 1
 length = 4
 axes = [[1, 0, 0], [0, -1, 0], [0, 0, 1]]
 x = {bit = 0, bits = 16, scale = 1.5e-6}
 y = {bit = 16, bits = 16, scale = 1.5e-6}
-[[output]]
+)",
+                             R"([[output]]
 id = 5
 length = 3
 fixed = [{byte = 0, hex = "01"}]
@@ -152,16 +158,12 @@ id = 5
 length = 3
 fixed = [{byte = 0, hex = "02"}]
 y = {bit = 8, bits = 16, newtons_per_count = 6.2e-5, low = -32767, high = 32767}
-[force]
-max = 2
+)",
+                             R"(max = 2
 axes = [[1, 0, 0], [0, -1, 0], [0, 0, 1]]
 [reports]
 stop = ["0c 04"]
-[workspace]
-low = [-0.05, -0.05, 0]
-high = [0.05, 0.05, 0]
-)",
-                                     "two"));
+)"));
   // 1 N is 16129 counts = 0x3F01.
   std::vector<HidReport> out;
   board.encode({1, 1, 7}, out);
@@ -203,30 +205,19 @@ TEST_CASE("fields of any place and order keep their values, and their neighbours
 }
 
 TEST_CASE("axes are turned, offset and inverted") {
-  ProfileProtocol device(read_profile(
-      R"(name = "d"
-[match]
-vid = 1
-pid = 2
-[input]
-id = 7
+  ProfileProtocol device(with(R"(id = 7
 length = 3
 axes = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
 x = {bit = 0, bits = 8, signed = false, scale = 0.001, offset = -0.1}
 y = {bit = 8, bits = 8, scale = -0.001}
 clutch = {bit = 16, inverted = true}
-[[output]]
+)",
+                              R"([[output]]
 id = 8
 length = 2
 x = {bit = 0, bits = 8, signed = false, newtons_per_count = -0.02, zero = 128, low = 28, high = 228}
-[force]
-max = 2
-axes = [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]
-[workspace]
-low = [-1, 0, 0]
-high = [1, 0, 0]
 )",
-      "p"));
+                              "max = 2\naxes = [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]\n"));
   DeviceInput input;
   const HidReport in{7, 200, 0x80, 0};
   REQUIRE(device.decode(in, input));
@@ -243,27 +234,14 @@ high = [1, 0, 0]
 
 TEST_CASE("no rounding makes a force larger") {
   // The rows keep lengths only within the tolerance: the first is 1.0004 long.
-  Profile profile = read_profile(R"(name = "d"
-[match]
-vid = 1
-pid = 2
-[input]
-length = 1
-x = {bit = 0, bits = 8, scale = 0.001}
-[[output]]
+  ProfileProtocol device(
+      with("length = 1\nx = {bit = 0, bits = 8, scale = 0.001}\n", R"([[output]]
 length = 3
 x = {bit = 0, bits = 8, newtons_per_count = 0.5}
 y = {bit = 8, bits = 8, newtons_per_count = -0.5, zero = -20}
 z = {bit = 16, bits = 8, signed = false, newtons_per_count = 0.03, zero = 128}
-[force]
-max = 3
-axes = [[0.6003, 0.8003, 0], [-0.8, 0.6, 0], [0, 0, 1]]
-[workspace]
-low = [-1, 0, 0]
-high = [1, 0, 0]
 )",
-                                 "p");
-  ProfileProtocol device(profile);
+           "max = 3\naxes = [[0.6003, 0.8003, 0], [-0.8, 0.6, 0], [0, 0, 1]]\n"));
   std::vector<HidReport> out;
   const auto felt = [&](const Vec3& force) {
     device.encode(force, out);
@@ -271,31 +249,24 @@ high = [1, 0, 0]
     return Vec3{0.5 * static_cast<std::int8_t>(r[1]), -0.5 * (static_cast<std::int8_t>(r[2]) + 20),
                 0.03 * (r[3] - 128)};
   };
-  const auto length = [](const Vec3& v) { return std::hypot(v[0], v[1], v[2]); };
   // 2.99 N, on the outputs' axes (2.75, -0.75, -0.9), which the nearest counts make 3.29 N.
-  CHECK(length(felt({2.25, 1.75, -0.9})) <= 2.99);
+  CHECK(length_of(felt({2.25, 1.75, -0.9})) <= 2.99);
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 10'000; ++i) {
     const Vec3 direction{normal(random), normal(random), normal(random)};
     const double newtons = 3.0 * (i % 100 + 1) / 100;
-    Vec3 force;
-    for (int a = 0; a < 3; ++a) force[a] = newtons * direction[a] / length(direction);
-    const Vec3 given = felt(force);
-    REQUIRE(length(given) <= newtons * (1 + 1e-12));
+    const double given = length_of(felt(newtons / length_of(direction) * direction));
+    REQUIRE(given <= newtons * (1 + 1e-12));
     // And less than a count is lost on each axis: 0.5 N twice, and 0.03 N; 0.15 % by the rows.
-    REQUIRE(length(given) >= newtons * (1 - 1.5e-3) - std::hypot(0.5, 0.5, 0.03));
+    REQUIRE(given >= newtons * (1 - 1.5e-3) - std::hypot(0.5, 0.5, 0.03));
   }
 }
 
-TEST_CASE("a profile without an output has no force") {
-  const std::string text = kGood;
-  const std::size_t from = text.find("[[output]]"), to = text.find("[workspace]");
-  ProfileProtocol device(read_profile(text.substr(0, from) + text.substr(to), "p"));
-  CHECK(device.stop().empty());
-}
-
-TEST_CASE("a profile that cannot be right is refused") {
+TEST_CASE("a profile without an output has no force; one that cannot be right is refused") {
+  const std::size_t from = kGood.find("[[output]]"), to = kGood.find("[workspace]");
+  CHECK(
+      ProfileProtocol(read_profile(kGood.substr(0, from) + kGood.substr(to), "p")).stop().empty());
   CHECK(refusal(kGood).empty());
   CHECK(refusal("name = \"d\"", "") == "p: line 1: the key name is missing");
   CHECK(refusal("[match]", "[watch]").starts_with("p: line 2: unknown key watch"));
@@ -328,9 +299,7 @@ TEST_CASE("a profile that cannot be right is refused") {
   CHECK(refusal("[force]\nmax = 3", "") == "p: the table [force] is missing");
   CHECK(refusal("low = [-1, 0, 0]", "low = [2, 0, 0]") ==
         "p: line 13: workspace.low is above workspace.high in x");
-  const auto reports = [](const std::string& text) {
-    return refusal(kGood + "[reports]\n" + text);
-  };
+  const auto reports = [](const char* text) { return refusal(kGood + "[reports]\n" + text); };
   CHECK(reports("init = [\"00 1\"]") == "p: line 17: reports.init must be bytes in hex: \"48 0f\"");
   CHECK(reports("stop = [\"feature 00 01\"]") ==
         "p: line 17: reports.stop has output reports alone");

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "libcore/device/wandering.hpp"
+#include "libcore/grid/vec3.hpp"
 
 using namespace hapgrid;
 
@@ -47,25 +48,21 @@ TEST_CASE("a handle on a spring and a damper swings as the closed form says") {
 }
 
 TEST_CASE("a handle without a hand, and a hand that drags a handle through a damping device") {
-  SECTION("x = F t^2 / (2 m)") {
-    SimulatedDevice free = device({.mass = 2, .stiffness = 0, .hand_damping = 0, .encoder = 0}, 101,
-                                  [](double) { return kOrigin; });
+  const auto end = [](SimulatedDevice hand, const Vec3& force) {
     DeviceInput input;
-    while (free.read(input) == DeviceStatus::kOk)
-      REQUIRE(free.send({0, 0, 3}) == DeviceStatus::kOk);
-    CHECK(std::abs(free.position()[2] - 3 * 0.1 * 0.1 / (2 * 2)) < 1e-12);
-  }
-  SECTION("behind a point of constant speed it stays back by c V / k, and the force takes work") {
-    // 10 s are 100 times the time in which the swing goes to 1/e.
-    SimulatedDevice dragged = device({.damping = 3, .encoder = 0}, 10001, [](double t) {
-      return Vec3{0.02 * t, 0, 0};
-    });
-    DeviceInput input;
-    while (dragged.read(input) == DeviceStatus::kOk)
-      REQUIRE(dragged.send({0, 0, 0}) == DeviceStatus::kOk);
-    CHECK(std::abs(dragged.position()[0] - (0.2 - 3 * 0.02 / 300)) < 1e-10);
-    CHECK(dragged.work() == 0);
-  }
+    while (hand.read(input) == DeviceStatus::kOk) REQUIRE(hand.send(force) == DeviceStatus::kOk);
+    return std::pair(hand.position(), hand.work());
+  };
+  // x = F t^2 / (2 m)
+  const SimulatedOptions loose{.mass = 2, .stiffness = 0, .hand_damping = 0, .encoder = 0};
+  const Vec3 pushed = end(device(loose, 101, [](double) { return kOrigin; }), {0, 0, 3}).first;
+  CHECK(std::abs(pushed[2] - 3 * 0.1 * 0.1 / (2 * 2)) < 1e-12);
+  // Behind a point of constant speed it stays back by c V / k, and the force takes work. 10 s are
+  // 100 times the time in which the swing goes to 1/e.
+  const auto along = [](double t) { return Vec3{0.02 * t, 0, 0}; };
+  const auto [dragged, work] = end(device({.damping = 3, .encoder = 0}, 10001, along), kOrigin);
+  CHECK(std::abs(dragged[0] - (0.2 - 3 * 0.02 / 300)) < 1e-10);
+  CHECK(work == 0);
 }
 
 TEST_CASE("a force is in effect after the delay, and positions are rounded to the encoder's step") {
@@ -156,14 +153,10 @@ TEST_CASE("a wandering hand stays in its box, keeps its speed, and rests") {
       for (int a = 0; a < 3; ++a) CHECK_FALSE((places[i][a] < low[a] || places[i][a] > high[a]));
       if (i == 0) continue;
       const Vec3 &x = places[i], &y = places[i - 1];
-      fastest = std::max(fastest, std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]) * 1000);
-      if (x == y) {
-        ++still;
-        continue;
-      }
-      rests += still >= 1250;
-      shorter += still > 10 && still < 1250;
-      still = 1;
+      fastest = std::max(fastest, length_of(x - y) * 1000);
+      rests += x != y && still >= 1250;
+      shorter += x != y && still > 10 && still < 1250;
+      still = x == y ? still + 1 : 1;
     }
   }
   CHECK(shorter == 0);

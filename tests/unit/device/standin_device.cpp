@@ -111,10 +111,7 @@ void StandinDevice::send_inputs(const std::string& message) {
 }
 
 void StandinDevice::input(const Bytes& report, bool kept) {
-  if (kept) {
-    const std::lock_guard lock(mutex_);
-    kept_.push_back(report);
-  }
+  if (kept) locked([&] { kept_.push_back(report); });
   send_inputs("i" + std::string(report.begin(), report.end()));
 }
 
@@ -153,59 +150,11 @@ void StandinDevice::vanish() {
   listener_ = -1;
 }
 
-void StandinDevice::hold_writes() {
-  const std::lock_guard lock(mutex_);
-  holding_ = true;
-}
-
 void StandinDevice::release_writes() {
   const std::lock_guard lock(mutex_);
   holding_ = false;
   for (const Held& held : held_) answer(held.fd, static_cast<std::int32_t>(held.size), "");
   held_.clear();
-}
-
-void StandinDevice::answer_writes(int count, std::int32_t value, const std::string& text) {
-  const std::lock_guard lock(mutex_);
-  answers_ = count;
-  answer_ = value;
-  answer_text_ = text;
-}
-
-void StandinDevice::set_list(const std::string& list) {
-  const std::lock_guard lock(mutex_);
-  list_ = list;
-}
-
-void StandinDevice::set_refusal(const std::string& text) {
-  const std::lock_guard lock(mutex_);
-  refusal_ = text;
-}
-
-std::vector<StandinDevice::Bytes> StandinDevice::written() const {
-  const std::lock_guard lock(mutex_);
-  return written_;
-}
-
-int StandinDevice::opened() const {
-  const std::lock_guard lock(mutex_);
-  return opened_;
-}
-
-int StandinDevice::open() const {
-  const std::lock_guard lock(mutex_);
-  return static_cast<int>(std::count_if(connections_.begin(), connections_.end(),
-                                        [](const Connection& c) { return c.kind == 'C'; }));
-}
-
-int StandinDevice::held() const {
-  const std::lock_guard lock(mutex_);
-  return static_cast<int>(held_.size());
-}
-
-bool StandinDevice::written_by_two() const {
-  const std::lock_guard lock(mutex_);
-  return writers_.size() > 1;
 }
 
 bool StandinDevice::wait(const std::function<bool()>& condition) const {

@@ -1,6 +1,7 @@
 // The device process of the stand-in library (tests/standin/hidapi.c), as a thread of the test.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -12,6 +13,12 @@
 
 /// One device at any path. What is written to it is kept in the order in which it came.
 class StandinDevice {
+  template <class F>
+  auto locked(F&& f) const {
+    const std::lock_guard lock(mutex_);
+    return f();
+  }
+
  public:
   using Bytes = std::vector<std::uint8_t>;
 
@@ -32,19 +39,41 @@ class StandinDevice {
   void vanish();
 
   /// The next writes are answered only by release_writes().
-  void hold_writes();
+  void hold_writes() {
+    locked([&] { holding_ = true; });
+  }
   void release_writes();
   /// The next `count` writes are answered by this, not by their size.
-  void answer_writes(int count, std::int32_t answer, const std::string& text);
+  void answer_writes(int count, std::int32_t answer, const std::string& text) {
+    locked([&] { answers_ = count, answer_ = answer, answer_text_ = text; });
+  }
+  void set_list(const std::string& list) {
+    locked([&] { list_ = list; });
+  }
+  /// Of hid_open_path.
+  void set_refusal(const std::string& text) {
+    locked([&] { refusal_ = text; });
+  }
 
-  void set_list(const std::string& list);
-  void set_refusal(const std::string& text);  ///< of hid_open_path
-
-  std::vector<Bytes> written() const;  ///< output reports
-  int opened() const;                  ///< handles so far
-  int open() const;                    ///< handles now
-  int held() const;                    ///< writes that wait for their answer
-  bool written_by_two() const;         ///< output reports came on more than one handle
+  /// Output reports, oldest first.
+  std::vector<Bytes> written() const {
+    return locked([&] { return written_; });
+  }
+  /// Handles so far, and those that are open.
+  int opened() const {
+    return locked([&] { return opened_; });
+  }
+  int open() const {
+    return locked([&] { return std::ranges::count(connections_, 'C', &Connection::kind); });
+  }
+  /// Writes that wait for their answer.
+  std::size_t held() const {
+    return locked([&] { return held_.size(); });
+  }
+  /// Whether output reports came on more than one handle.
+  bool written_by_two() const {
+    return locked([&] { return writers_.size() > 1; });
+  }
 
   /// Whether it became true within 10 s; looks again whenever something came, and each 5 ms.
   bool wait(const std::function<bool()>& condition) const;

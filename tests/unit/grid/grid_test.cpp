@@ -17,13 +17,9 @@ Grid one_record(const GridCoordinates& counts) {
   GridSpec spec;
   spec.box = {{0, 0, 0}, 1, counts};
   spec.state_size = 1;
-  RecordColumns columns;
-  columns.point = {0};
-  columns.level = {0};
-  columns.generation = {0};
-  columns.rows = {0.5};
-  columns.links.assign(kDirections, kLeavesBox);
-  return Grid(spec, 0, columns);
+  const std::vector<Level> links(kDirections, kLeavesBox);
+  return Grid(spec, 0,
+              {.point = {0}, .level = {0}, .generation = {0}, .rows = {0.5}, .links = links});
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
+#include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/places.hpp"
 
@@ -92,25 +93,18 @@ TEST_CASE("along a line the state snaps where the tear fraction says, and comes 
   // 0 1 2 3 4 on the upper branch, which ends 10.5/32 behind 4; the lower one, -100, from 3 on,
   // ends 5.5/32 before 3 on the way back.
   const Box box{{0, 0, 0}, 1, {8, 1, 1}};
-  const int right = Direction::of(1, 0, 0).q(), left = Direction::of(-1, 0, 0).q();
   RecordColumns columns;
   for (int i = 0; i < 8; ++i)
-    for (int upper = 1; upper >= 0; --upper) {
+    for (const bool upper : {true, false}) {
       if (upper ? i > 4 : i < 3) continue;
-      columns.point.push_back(static_cast<PointIndex>(i));
-      columns.level.push_back(static_cast<Level>(!upper && i <= 4));
-      columns.generation.push_back(0);
-      columns.rows.push_back(upper ? 10.0 + i : -100);
-      std::array<Level, kDirections> links;
-      std::array<TearByte, kDirections> tears;
-      links.fill(kLeavesBox);
-      tears.fill(kNoTear);
-      if (i < 7) links[right] = static_cast<Level>(!upper && i + 1 <= 4);
-      if (i > 0) links[left] = static_cast<Level>(!upper && i - 1 <= 4 && i - 1 >= 3);
-      if (upper && i == 4) tears[right] = 10;
-      if (!upper && i == 3) tears[left] = 5;
-      columns.links.insert(columns.links.end(), links.begin(), links.end());
-      columns.tears.insert(columns.tears.end(), tears.begin(), tears.end());
+      const Level left = i == 0 ? kLeavesBox : !upper && i >= 4 && i <= 5;
+      const Level right = i == 7 ? kLeavesBox : !upper && i < 4;
+      tiny::add(columns, static_cast<PointIndex>(i), !upper && i <= 4, 0, upper ? 10.0 + i : -100,
+                left, right);
+      columns.tears.resize(columns.links.size(), kNoTear);
+      TearByte* const tears = &columns.tears[columns.links.size() - kDirections];
+      if (upper && i == 4) tears[tiny::kRight] = 10;
+      if (!upper && i == 3) tears[tiny::kLeft] = 5;
     }
   GridSpec spec = spec_for(box, 1);
   spec.tears = true;
@@ -148,19 +142,17 @@ TEST_CASE("at a plane the state snaps where the plane is") {
     std::mt19937_64 random(7);
     int paths = 0;
     while (paths < 100) {
-      Vec3 from, to;
-      for (int a = 0; a < 3; ++a) {
-        from[a] = uniform(random, 2, 6);
-        to[a] = uniform(random, 2, 6);
-      }
+      const auto any = [&] {
+        return Vec3{uniform(random, 2, 6), uniform(random, 2, 6), uniform(random, 2, 6)};
+      };
+      const Vec3 from = any(), to = any();
       // So far on the upper side that the nearest corner is there too.
       if (dot(normal, from) > half.reach - 1 || dot(normal, to) < half.reach + 0.1) continue;
       ++paths;
       t.start(from);
       double snapped_at = -1;
       for (int i = 1; i <= 1000 && snapped_at < 0; ++i) {
-        Vec3 x;
-        for (int a = 0; a < 3; ++a) x[a] = from[a] + (to[a] - from[a]) * i / 1000;
+        const Vec3 x = from + i / 1000.0 * (to - from);
         if (t.step(x).snapped) snapped_at = dot(normal, x);
         // On the branch up to the end, and off it behind: the slope is exact in ghosts, too.
         CHECK(std::abs(t.state()[0] - (snapped_at < 0 ? dot(half.slope, x) : -100)) < 1e-12);
@@ -187,12 +179,9 @@ TEST_CASE("whatever the links are, the state jumps only where it snaps") {
       REQUIRE(t.start(x).usable());
       for (int leg = 0; leg < 20; ++leg) {
         x = t.position();  // a leg can end outside the box
-        const Vec3 to = random_point_in(box, cell_of(t), random);
-        Vec3 beyond;
-        for (int a = 0; a < 3; ++a) beyond[a] = x[a] + 3 * (to[a] - x[a]);
+        const Vec3 beyond = x + 3 * (random_point_in(box, cell_of(t), random) - x);
         for (int i = 0; i < kSteps; ++i) {
-          Vec3 next = x;
-          for (int a = 0; a < 3; ++a) next[a] += (beyond[a] - x[a]) / (kSteps - i);
+          const Vec3 next = x + 1.0 / (kSteps - i) * (beyond - x);
           const auto before = copy(t.row());
           const auto r = t.step(next);
           REQUIRE(r.usable());

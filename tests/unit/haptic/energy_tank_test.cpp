@@ -8,7 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "libcore/haptic/safety.hpp"
+#include "libcore/grid/vec3.hpp"
+#include "tests/unit/haptic/limits.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 using namespace hapgrid;
@@ -20,18 +21,11 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr Vec3 kZero{0, 0, 0};
 
-double dot3(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double magnitude(const Vec3& v) { return std::sqrt(dot3(v, v)); }
-
 /// Every stage off but slew, clamp and tank.
 SafetyLimits only_tank() {
-  return {.max_force = 3,
-          .slew = 1,
-          .ramp_ms = 0,
-          .max_speed = kInf,
-          .buzz_force = kInf,
-          .fade_cells = 0,
-          .watchdog_ticks = kInf};
+  SafetyLimits limits = testing::only_clamp(3);
+  limits.slew = 1;
+  return limits;
 }
 
 /// A hand whose acceleration is bounded, and the work of the force that is in effect, in joules.
@@ -54,15 +48,10 @@ struct Hand {
   /// @param a acceleration, constant in the tick
   void advance(const Vec3& a, double dt) {
     const Vec3 before = x, shown_before = shown();
-    for (int i = 0; i < 3; ++i) {
-      x[i] += v[i] * dt + a[i] * dt * dt / 2;
-      v[i] += a[i] * dt;
-    }
-    const Vec3 now = shown();
-    for (int i = 0; i < 3; ++i) {
-      given += in_effect()[i] * (x[i] - before[i]);
-      counted += in_effect()[i] * (now[i] - shown_before[i]);
-    }
+    x = x + dt * (v + dt / 2 * a);
+    v = v + dt * a;
+    given += dot(in_effect(), x - before);
+    counted += dot(in_effect(), shown() - shown_before);
     returned = std::max(returned, given);
     counted_returned = std::max(counted_returned, counted);
   }
@@ -71,11 +60,8 @@ struct Hand {
 /// A vector of the length.
 Vec3 any_direction(std::mt19937_64& random, double length) {
   for (;;) {
-    Vec3 d{uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
-    const double size = magnitude(d);
-    if (size < 0.1 || size > 1) continue;
-    for (double& c : d) c *= length / size;
-    return d;
+    const Vec3 d{uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
+    if (length_of(d) > 0.1 && length_of(d) < 1) return length / length_of(d) * d;
   }
 }
 
@@ -83,20 +69,20 @@ Vec3 any_direction(std::mt19937_64& random, double length) {
 Vec3 hostile_force(std::mt19937_64& random, int kind, const Hand& hand, Vec3& held) {
   if (random() % 20 == 0) held = any_direction(random, uniform(random, 0, 5));
   if (kind == 0) return held;
-  const double speed = magnitude(hand.v);
+  const double speed = length_of(hand.v);
   const double sign = kind == 1 ? 1 : (random() % 100 < 60 ? -1 : 1);  // 2: first loads, then pays
   if (speed == 0) return held;
-  return {sign * 5 * hand.v[0] / speed, sign * 5 * hand.v[1] / speed, sign * 5 * hand.v[2] / speed};
+  return sign * 5 / speed * hand.v;
 }
 
 Vec3 hostile_acceleration(std::mt19937_64& random, const Hand& hand, double most) {
-  const double speed = magnitude(hand.v);
+  const double speed = length_of(hand.v);
   const Vec3& force = hand.in_effect();
-  const double size = magnitude(force);
+  const double size = length_of(force);
   if (speed > 0.5 && random() % 2)  // brake, so that it begins anew
-    return {-most * hand.v[0] / speed, -most * hand.v[1] / speed, -most * hand.v[2] / speed};
+    return -most / speed * hand.v;
   if (size > 0 && random() % 4)  // run along with the force
-    return {most * force[0] / size, most * force[1] / size, most * force[2] / size};
+    return most / size * force;
   return any_direction(random, most);
 }
 
@@ -146,10 +132,8 @@ TEST_CASE("no sequence of forces gives a hand more than was stored and the bound
       const Vec3 wanted = hostile_force(random, kind, hand, held);
       const SafeForce safe = safety.apply({.force = wanted, .dt = dt, .place = hand.shown()});
       acted |= safe.acted;
-      REQUIRE(magnitude(safe.force) <= 3);
-      const Vec3 step{safe.force[0] - before[0], safe.force[1] - before[1],
-                      safe.force[2] - before[2]};
-      REQUIRE(magnitude(step) <= 1000 * dt + 1e-15);
+      REQUIRE(length_of(safe.force) <= 3);
+      REQUIRE(length_of(safe.force - before) <= 1000 * dt + 1e-15);
       before = safe.force;
       hand.sent.erase(hand.sent.begin());
       hand.sent.push_back(safe.force);
@@ -255,11 +239,9 @@ TEST_CASE("without a scale, and with an infinite reserve, no energy is counted")
 TEST_CASE("a wall that takes more than it gives back is not touched") {
   SafetyCore safety(only_tank());
   safety.begin(0);
-  double x = 0;
   for (int i = 0; i < 5000; ++i) {
     // In and out, at 0.1 m/s at most; 200 N/m, and 2 N s/m.
-    const double t = i * 0.001, v = 0.1 * std::cos(10 * t);
-    x = 0.01 * std::sin(10 * t);
+    const double t = i * 0.001, v = 0.1 * std::cos(10 * t), x = 0.01 * std::sin(10 * t);
     const Vec3 wall{x < 0 ? std::max(0.0, -200 * x - 2 * v) : 0, 0, 0};
     const SafeForce safe = safety.apply({.force = wall, .place = Vec3{x, 0, 0}});
     REQUIRE(safe.acted == 0);

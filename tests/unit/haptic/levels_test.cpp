@@ -4,7 +4,6 @@
 #include <cmath>
 #include <random>
 
-#include "libcore/haptic/playable.hpp"
 #include "tests/unit/haptic/literal.hpp"
 #include "tests/unit/haptic/places.hpp"
 
@@ -54,60 +53,6 @@ TEST_CASE("levels along random walks are those of the paper's text") {
     }
     if (box.points() > 8) CHECK(seen > 1000);
   }
-}
-
-TEST_CASE("the way there and the way back differ where the grid says so") {
-  // Along x, as in Fig. 2: 0 outside, +1 pushed from the left (level 1), -1 from the right (level
-  // 0), torn off at the ends.
-  const Box box{{0, 0, 0}, 1, {6, 1, 1}};
-  const int right = Direction::of(1, 0, 0).q(), left = Direction::of(-1, 0, 0).q();
-  RecordColumns columns;
-  const auto add = [&](PointIndex p, Level level, double state, Level to_left, Level to_right) {
-    columns.point.push_back(p);
-    columns.level.push_back(level);
-    columns.generation.push_back(0);
-    columns.rows.push_back(state);
-    columns.links.resize(columns.links.size() + kDirections, kLeavesBox);
-    Level* const links = &columns.links[columns.links.size() - kDirections];
-    if (p > 0) links[left] = to_left;
-    if (p < 5) links[right] = to_right;
-  };
-  add(0, 0, 0, 0, 0);
-  add(1, 0, 0, 0, 1);
-  add(2, 0, -1, 0, 0);
-  add(2, 1, +1, 0, 1);
-  add(3, 0, -1, 0, 0);
-  add(3, 1, +1, 1, 0);
-  add(4, 0, 0, 0, 0);
-  add(5, 0, 0, 0, 0);
-  const Grid grid(spec_for(box, 1), 1, columns);
-  require_playable(grid, "grid");
-
-  PaperTraversal t(grid);
-  const auto at = [&](double x) {
-    t.step({x, 0, 0});
-    return t.state()[0];
-  };
-  CHECK(at(0.5) == 0);
-  CHECK(at(1.5) == 0.5);
-  CHECK(at(2.5) == 1);
-  CHECK(at(2.0) == 1);  // back and forth on the branch
-  CHECK(at(2.75) == 1);
-  CHECK(at(3.5) == 0.5);
-  CHECK(t.step({4.5, 0, 0}).level_changed == false);
-  CHECK(t.state()[0] == 0);
-  CHECK(at(3.5) == -0.5);
-  CHECK(at(2.5) == -1);
-  CHECK(at(1.25) == -0.25);
-  CHECK(at(0.5) == 0);
-  CHECK(t.step({1.5, 0, 0}).level_changed);
-  CHECK(at(2.5) == 1);
-
-  // One long jump does what the way does.
-  PaperTraversal jump(grid);
-  jump.step({0.5, 0, 0});
-  CHECK(jump.step({2.5, 0, 0}).split);
-  CHECK(jump.state()[0] == 1);
 }
 
 TEST_CASE("a HIP at rest on a face does not flap") {

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "libcore/haptic/paper_traversal.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/haptic/limits.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 using namespace hapgrid;
@@ -26,19 +28,14 @@ struct FakeDevice : Device {
   std::size_t next = 0;
   std::size_t fail_read_at = ~std::size_t{0};
   std::size_t fail_send_at = ~std::size_t{0};
-  std::vector<Vec3> sent;  // reserved by device(): a tick must not allocate
+  std::vector<Vec3> sent;  // reserved: a tick must not allocate
 
-  FakeDevice() = default;
-  // Copied only to start afresh.
-  FakeDevice(const FakeDevice& other) : Device(), path(other.path) {
-    sent.reserve(path.size() + 2);
-  }
-  FakeDevice& operator=(const FakeDevice& other) {
-    path = other.path;
-    next = 0;
-    fail_read_at = fail_send_at = ~std::size_t{0};
-    sent.clear();
-    return *this;
+  explicit FakeDevice(std::size_t count = 0) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const double t = static_cast<double>(i);
+      path.push_back({1.5 + std::sin(t / 10), 1.5 + std::cos(t / 7), 1.5});
+    }
+    sent.reserve(count + 100);
   }
 
   DeviceInfo info() const override { return {.name = "fake"}; }
@@ -57,23 +54,12 @@ struct FakeDevice : Device {
   std::string error() const override { return "told to fail"; }
 };
 
-FakeDevice device(std::size_t count) {
-  FakeDevice d;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double t = static_cast<double>(i);
-    d.path.push_back({1.5 + std::sin(t / 10), 1.5 + std::cos(t / 7), 1.5});
-  }
-  d.sent.reserve(count + 1);
-  return d;
-}
-
-/// Every stage off but the clamp: what is sent is what was computed.
-constexpr SafetyLimits kClampOnly{.slew = std::numeric_limits<double>::infinity(),
-                                  .ramp_ms = 0,
-                                  .buzz_force = std::numeric_limits<double>::infinity(),
-                                  .fade_cells = 0,
-                                  .watchdog_ticks = std::numeric_limits<double>::infinity(),
-                                  .reserve = std::numeric_limits<double>::infinity()};
+/// What is sent is what was computed.
+const SafetyLimits kClampOnly = [] {
+  SafetyLimits limits = only_clamp(3);
+  limits.reserve = std::numeric_limits<double>::infinity();
+  return limits;
+}();
 
 struct Fixture {
   Grid grid = random_grid({{0, 0, 0}, 1, {4, 4, 4}}, 2, 2, 1);
@@ -96,7 +82,7 @@ constexpr Vec3 kZero{0, 0, 0};
 }  // namespace
 
 TEST_CASE_METHOD(Fixture, "each position gives a force, and a zero force ends the loop") {
-  FakeDevice d = device(100);
+  FakeDevice d(100);
   d.path[50] = {-9, 1.5, 1.5};
   std::vector<double> states;
   std::size_t ticks = 0;
@@ -118,18 +104,18 @@ TEST_CASE_METHOD(Fixture, "each position gives a force, and a zero force ends th
   CHECK(summary.end == LoopExit::kDeviceEnd);
   CHECK(summary.zero_sent);
   CHECK(summary.missed == 0);
+  CHECK(heartbeat == 101);  // the last beat met the end of the device
   CHECK(d.sent.size() == 101);
   CHECK(d.sent.back() == kZero);
 }
 
 TEST_CASE_METHOD(Fixture, "the stop flag ends the loop with a zero force") {
-  FakeDevice d = device(100);
   const auto sink = [&](const Tick& tick) {
     if (tick.number >= 9) stop = 15;  // paced, tick 9 can be one that is missed
   };
   for (const double rate : {0.0, 10000.0}) {
     stop = 0;
-    d = device(100);
+    FakeDevice d(100);
     const LoopSummary summary = loop(d, kConstant, sink, {.rate_hz = rate});
     CHECK(summary.end == LoopExit::kStopped);
     CHECK(summary.ticks <= 10);
@@ -138,72 +124,55 @@ TEST_CASE_METHOD(Fixture, "the stop flag ends the loop with a zero force") {
     CHECK(d.sent.size() == summary.ticks + 1);
   }
   // Set before the first tick: nothing but the zero is ever sent.
-  d = device(100);
+  FakeDevice d(100);
   stop = 2;
   CHECK(loop(d, kConstant, kIgnore).ticks == 0);
   CHECK(d.sent == std::vector<Vec3>{kZero});
 }
 
 TEST_CASE_METHOD(Fixture, "a device that fails is left with a zero force, or it is said") {
-  FakeDevice d = device(100);
-  d.fail_read_at = 5;
+  const bool reading = GENERATE(true, false);
+  FakeDevice d(100);
+  (reading ? d.fail_read_at : d.fail_send_at) = 5;
   LoopSummary summary = loop(d, kConstant, kIgnore);
   CHECK(summary.end == LoopExit::kDeviceFailed);
   CHECK(summary.ticks == 5);
   CHECK(summary.zero_sent);
+  CHECK(d.sent.size() == (reading ? 6 : 7));
   CHECK(d.sent.back() == kZero);
 
-  d = device(100);
-  d.fail_send_at = 5;
-  summary = loop(d, kConstant, kIgnore);
-  CHECK(summary.end == LoopExit::kDeviceFailed);
-  CHECK(summary.ticks == 5);
-  CHECK(summary.zero_sent);
-  CHECK(d.sent.size() == 7);
-  CHECK(d.sent.back() == kZero);
-
-  d = device(5);
-  d.fail_send_at = 5;  // the last zero itself
-  summary = loop(d, kConstant, kIgnore);
+  FakeDevice short_one(5);
+  short_one.fail_send_at = 5;  // the last zero itself
+  summary = loop(short_one, kConstant, kIgnore);
   CHECK(summary.end == LoopExit::kDeviceEnd);
   CHECK_FALSE(summary.zero_sent);
 }
 
 TEST_CASE_METHOD(Fixture, "an exception in force or sink leaves a zero force behind") {
-  FakeDevice d = device(100);
-  const auto throwing_force = [&](const Traversal&) -> Vec3 {
-    if (d.sent.size() == 7) throw std::runtime_error("force");
+  FakeDevice d(100);
+  const bool in_force = GENERATE(true, false);
+  const auto force = [&](const Traversal&) -> Vec3 {
+    if (in_force && d.sent.size() == 7) throw std::runtime_error("force");
     return {1, 1, 1};
   };
-  CHECK_THROWS_WITH(loop(d, throwing_force, kIgnore), "force");
-  CHECK(d.sent.size() == 8);
-  CHECK(d.sent.back() == kZero);
-
-  d = device(100);
-  const auto throwing_sink = [](const Tick& tick) {
-    if (tick.number == 3) throw std::runtime_error("sink");
+  const auto sink = [&](const Tick& tick) {
+    if (!in_force && tick.number == 6) throw std::runtime_error("sink");
   };
-  CHECK_THROWS_WITH(loop(d, kConstant, throwing_sink), "sink");
-  CHECK(d.sent.size() == 5);
+  CHECK_THROWS_WITH(loop(d, force, sink), in_force ? "force" : "sink");
+  CHECK(d.sent.size() == 8);
   CHECK(d.sent.back() == kZero);
 }
 
 TEST_CASE_METHOD(Fixture, "what is not finite makes all later forces zero") {
-  FakeDevice d = device(100);
-  SECTION("the HIP") {
-    d.path[40][1] = std::nan("");
-    const LoopSummary summary = loop(d, kConstant, kIgnore);
-    CHECK(summary.not_finite == 1);
-    CHECK(summary.count_of(kFault) == 60);
-  }
-  SECTION("the force") {
-    const auto force = [&](const Traversal&) {
-      return d.sent.size() == 40 ? Vec3{1, std::nan(""), 1} : Vec3{1, 2, 0.5};
-    };
-    const LoopSummary summary = loop(d, force, kIgnore);
-    CHECK(summary.not_finite == 0);
-    CHECK(summary.count_of(kFault) == 60);
-  }
+  FakeDevice d(100);
+  const bool is_force = GENERATE(true, false);
+  if (!is_force) d.path[40][1] = std::nan("");
+  const auto force = [&](const Traversal&) {
+    return is_force && d.sent.size() == 40 ? Vec3{1, std::nan(""), 1} : Vec3{1, 2, 0.5};
+  };
+  const LoopSummary summary = loop(d, force, kIgnore);
+  CHECK(summary.not_finite == !is_force);
+  CHECK(summary.count_of(kFault) == 60);
   for (std::size_t i = 0; i < d.sent.size(); ++i)
     CHECK(d.sent[i] == (i < 40 ? Vec3{1, 2, 0.5} : kZero));
 }
@@ -211,7 +180,7 @@ TEST_CASE_METHOD(Fixture, "what is not finite makes all later forces zero") {
 TEST_CASE_METHOD(Fixture, "a paced loop keeps absolute deadlines and skips what it misses") {
   using Clock = std::chrono::steady_clock;
   // Only lower bounds: a virtual machine can stall at any time.
-  FakeDevice d = device(200);
+  FakeDevice d(200);
   std::uint64_t last = 0;
   const auto begin = Clock::now();
   const auto sink = [&](const Tick& tick) {
@@ -229,7 +198,7 @@ TEST_CASE_METHOD(Fixture, "a paced loop keeps absolute deadlines and skips what 
 }
 
 TEST_CASE_METHOD(Fixture, "a tick allocates nothing") {
-  FakeDevice d = device(5000);
+  FakeDevice d(5000);
   d.path[1000] = {90, 90, 90};
   std::uint64_t before = 0, after = 0;
   const auto sink = [&](const Tick& tick) {
@@ -266,7 +235,6 @@ TEST_CASE_METHOD(Fixture, "a stalled device is let go; the HIP is not moved by t
   for (int i = 0; i < 40; ++i)
     d.inputs.push_back(
         {.position = {i * 0.001, 0, 0}, .stalled = i >= 10 && i < 20, .clutch = i >= 25 && i < 30});
-  d.sent.reserve(100);
   std::vector<double> x;
   const LoopSummary summary =
       loop(d, kConstant, [&](const Tick& tick) { x.push_back(tick.hip[0]); });
@@ -280,15 +248,14 @@ TEST_CASE_METHOD(Fixture, "a stalled device is let go; the HIP is not moved by t
   CHECK(d.sent[24] == Vec3{1, 2, 0.5});
 }
 
-TEST_CASE_METHOD(Fixture, "a fault ends with the user's reset") {
+TEST_CASE_METHOD(Fixture, "a fault ends with the user's reset, a press after it") {
   HeldDevice d;
-  // By a button, or by the clutch.
-  const bool clutch = GENERATE(false, true);
-  for (int i = 0; i < 30; ++i) {
-    const bool pressed = i == 5 || i == 20;
-    d.inputs.push_back({.clutch = pressed && clutch, .reset = pressed && !clutch});
-  }
-  d.sent.reserve(100);
+  // By a button, by the clutch, or by a button that is held from before the fault on.
+  const std::string by = GENERATE(as<std::string>{}, "button", "clutch", "held");
+  const auto pressed = [&](int i) { return by == "held" ? i >= 5 && i != 20 : i == 5 || i == 20; };
+  for (int i = 0; i < 30; ++i)
+    d.inputs.push_back(
+        {.clutch = pressed(i) && by == "clutch", .reset = pressed(i) && by != "clutch"});
   int ticks = 0, asked = 0;
   const auto force = [&](const Traversal&) {
     ++asked;
@@ -297,48 +264,26 @@ TEST_CASE_METHOD(Fixture, "a fault ends with the user's reset") {
   loop(d, force, [&](const Tick&) { ++ticks; });
   CHECK(asked == 30);  // a force that depends on the steps before misses none of them
   for (int i = 0; i < 30; ++i) {
-    const bool held = clutch && (i == 5 || i == 20);  // no force then either
-    CHECK(d.sent[i] == ((i < 10 || i >= 20) && !held ? Vec3{1, 0, 0} : kZero));
+    const bool is_let_go = by == "clutch" && pressed(i);  // no force then either
+    const bool works = i < 10 || i >= (by == "held" ? 21 : 20);
+    CHECK(d.sent[i] == (works && !is_let_go ? Vec3{1, 0, 0} : kZero));
   }
-}
-
-TEST_CASE_METHOD(Fixture, "a button held since before a fault does not end it") {
-  HeldDevice d;
-  // Held from tick 5 on, let go for tick 20, and held again.
-  for (int i = 0; i < 30; ++i) d.inputs.push_back({.reset = i >= 5 && i != 20});
-  d.sent.reserve(100);
-  int ticks = 0;
-  const auto force = [&](const Traversal&) {
-    return ticks == 10 ? Vec3{std::nan(""), 0, 0} : Vec3{1, 0, 0};
-  };
-  loop(d, force, [&](const Tick&) { ++ticks; });
-  for (int i = 0; i < 30; ++i) CHECK(d.sent[i] == (i < 10 || i > 20 ? Vec3{1, 0, 0} : kZero));
 }
 
 TEST_CASE_METHOD(Fixture, "a replay's missed ticks count as time and in the numbers") {
   HeldDevice d;
   for (int i = 0; i < 10; ++i) d.inputs.push_back({.missed = i == 4 ? 7U : 0U});
-  d.sent.reserve(100);
   safety =
       SafetyCore({.slew = 0.1, .ramp_ms = 0, .reserve = std::numeric_limits<double>::infinity()});
   std::vector<std::uint64_t> numbers;
-  const LoopSummary summary = loop(
-      d,
-      [](const Traversal&) {
-        return Vec3{3, 0, 0};
-      },
-      [&](const Tick& tick) { numbers.push_back(tick.number); });
+  const auto force = [](const Traversal&) { return Vec3{3, 0, 0}; };
+  const LoopSummary summary =
+      loop(d, force, [&](const Tick& tick) { numbers.push_back(tick.number); });
   CHECK(numbers == std::vector<std::uint64_t>{0, 1, 2, 3, 11, 12, 13, 14, 15, 16});
   CHECK(summary.missed == 7);
   CHECK(summary.overruns == 1);
   CHECK(d.sent[3][0] == Approx(0.4));
   CHECK(d.sent[4][0] == Approx(1.2));  // 8 ms at 0.1 N/ms
-}
-
-TEST_CASE_METHOD(Fixture, "the heart beats once a tick") {
-  FakeDevice d = device(100);
-  loop(d, kConstant, kIgnore);
-  CHECK(heartbeat == 101);  // the last one met the end of the device
 }
 
 TEST_CASE_METHOD(Fixture, "where the hand begins anew, nothing of the ticks before counts") {
@@ -353,7 +298,7 @@ TEST_CASE_METHOD(Fixture, "where the hand begins anew, nothing of the ticks befo
   // Ramp, slew and the speed guard all remember; a hole in the first hand's path is a fault.
   const auto sent = [&](std::size_t from) {
     Twice d;
-    const FakeDevice whole = device(400);
+    const FakeDevice whole(400);
     d.path.assign(whole.path.begin() + static_cast<std::ptrdiff_t>(from), whole.path.end());
     if (from == 0) d.path[20][1] = std::nan("");
     d.begin = 100 - from;

@@ -40,12 +40,8 @@ double work(const Vec3& a, const Vec3& b, Force&& force) {
   constexpr double kWeight[] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889,
                                 0.4786286704993665, 0.2369268850561891};
   double sum = 0;
-  for (int i = 0; i < 5; ++i) {
-    Vec3 x;
-    for (int c = 0; c < 3; ++c) x[c] = a[c] + (b[c] - a[c]) * (1 + kAt[i]) / 2;
-    const Vec3 f = force(x);
-    for (int c = 0; c < 3; ++c) sum += kWeight[i] / 2 * f[c] * (b[c] - a[c]);
-  }
+  for (int i = 0; i < 5; ++i)
+    sum += kWeight[i] / 2 * dot(force(a + (1 + kAt[i]) / 2 * (b - a)), b - a);
   return sum;
 }
 
@@ -63,24 +59,22 @@ RecordFields fields_of(const Grid& grid, Energy&& energy, Force&& force) {
 
 RecordFields random_fields(const Grid& grid, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  return fields_of(
-      grid, [&](const Vec3&) { return exact(random); },
-      [&](const Vec3&) {
-        return Vec3{exact(random), exact(random), exact(random)};
-      });
+  const auto energy = [&](const Vec3&) { return exact(random); };
+  return fields_of(grid, energy, [&](const Vec3&) {
+    return Vec3{exact(random), exact(random), exact(random)};
+  });
 }
 
 /// All cubic polynomials but x y z, with random coefficients.
 struct Cubic {
   explicit Cubic(std::uint64_t seed) {
     std::mt19937_64 random(seed);
-    for (auto& of_x : c)
-      for (auto& of_y : of_x)
-        for (double& of_z : of_y) of_z = uniform(random, -1, 1);
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < 4; ++j)
-        for (int k = 0; k < 4; ++k)
+        for (int k = 0; k < 4; ++k) {
+          c[i][j][k] = uniform(random, -1, 1);
           if (i + j + k > 3 || i * j * k > 0) c[i][j][k] = 0;
+        }
   }
   double energy(const Vec3& x) const {
     double sum = 0;
@@ -106,10 +100,6 @@ struct Cubic {
   }
   double c[4][4][4];
 };
-
-double distance(const Vec3& a, const Vec3& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
 
 Vec3 random_part(std::mt19937_64& random) {
   return {uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1)};
@@ -228,9 +218,7 @@ TEST_CASE("beside free points a quadratic energy comes back where the hand pushe
   const Grid grid = random_grid(box, 1, 1, 4);
   const Vec3 n{0.5, 0.75, 0.25};
   const auto depth = [&](const Vec3& x) { return std::max(0.0, dot(n, x) - 3.3); };
-  const auto push = [&](const Vec3& x) {
-    return Vec3{-n[0] * depth(x), -n[1] * depth(x), -n[2] * depth(x)};
-  };
+  const auto push = [&](const Vec3& x) { return -depth(x) * n; };
   const RecordFields fields = fields_of(
       grid, [&](const Vec3& x) { return depth(x) * depth(x) / 2; }, push);
   const auto energies = std::make_shared<const NodeEnergies>(grid, nullptr, fields);
@@ -275,17 +263,12 @@ TEST_CASE("ghosts are exact where forces are linear") {
   const Grid grid(spec_for(box, 1), 1, columns);
   const BranchNodes branches(grid);
   REQUIRE(branches.ghosts() > 25);
-  const double stiffness[3][3] = {{1, 0.5, -0.25}, {0.5, 2, 0.75}, {-0.25, 0.75, -1}};
+  const Vec3 stiffness[] = {{1, 0.5, -0.25}, {0.5, 2, 0.75}, {-0.25, 0.75, -1}};
+  constexpr Vec3 kOnes{1, 1, 1};
   const auto force = [&](const Vec3& x) {
-    Vec3 f;
-    for (int a = 0; a < 3; ++a)
-      f[a] = 1 - stiffness[a][0] * x[0] - stiffness[a][1] * x[1] - stiffness[a][2] * x[2];
-    return f;
+    return kOnes - Vec3{dot(stiffness[0], x), dot(stiffness[1], x), dot(stiffness[2], x)};
   };
-  const auto energy = [&](const Vec3& x) {
-    const Vec3 f = force(x);
-    return -((f[0] + 1) * x[0] + (f[1] + 1) * x[1] + (f[2] + 1) * x[2]) / 2;
-  };
+  const auto energy = [&](const Vec3& x) { return -dot(force(x) + kOnes, x) / 2; };
   // The energy of the branch to which it snaps is that of the other one, moved up or down.
   for (const double moved : {-4.0, 0.0, 4.0}) {
     RecordFields fields = fields_of(grid, energy, force);
@@ -329,13 +312,13 @@ TEST_CASE("whatever the links are, the force jumps only where the state does") {
     for (int leg = 0; leg < 60; ++leg) {
       const Vec3 from = x, to = random_point(box, random);
       for (int i = 1; i <= kTicks; ++i) {
-        for (int a = 0; a < 3; ++a) x[a] = from[a] + (to[a] - from[a]) * i / kTicks;
+        x = from + static_cast<double>(i) / kTicks * (to - from);
         const std::uint64_t jumps = t.jumps();
         const auto nodes = t.nodes();
         const auto cell = t.cell();
         t.step(x);
         const Vec3 now = force(t);
-        since = t.nodes() == nodes ? since + distance(from, to) / box.spacing / kTicks : 0;
+        since = t.nodes() == nodes ? since + length_of(to - from) / box.spacing / kTicks : 0;
         if (since > 0.5) {
           NodeCorners corners;
           for (int k = 0; k < 8; ++k) corners[k] = &(*energies)[t.nodes()[k]];
@@ -344,7 +327,7 @@ TEST_CASE("whatever the links are, the force jumps only where the state does") {
         }
         if (t.jumps() == jumps) {
           changes += t.cell() == cell && t.nodes() != nodes;
-          largest_step = std::max(largest_step, distance(now, before));
+          largest_step = std::max(largest_step, length_of(now - before));
         }
         before = now;
       }
@@ -378,20 +361,16 @@ TEST_CASE("what tells an energy whose gradient the force is from one that is spo
   for (double& e : fifth.energy) e *= 1.2;
   CHECK_FALSE(agreement(grid, fifth).is_good());
   const RecordFields curl = fields_of(grid, energy, [&](const Vec3& x) {
-    const Vec3 f = force(x);
-    return Vec3{f[0] - 0.2 * x[1], f[1] + 0.2 * x[0], f[2]};
+    return force(x) + 0.2 * Vec3{-x[1], x[0], 0};
   });
   CHECK_FALSE(agreement(grid, curl).is_good());
 
   // A linear force leaves no error to either of the predictions.
   const auto spring = [](const Vec3& x) { return Vec3{-x[0], -2 * x[1], -3 * x[2]}; };
-  const auto half = [](double share) {
-    return [share](const Vec3& x) {
-      return share * (x[0] * x[0] + 2 * x[1] * x[1] + 3 * x[2] * x[2]);
-    };
-  };
-  CHECK(agreement(grid, fields_of(grid, half(0.5), spring)).is_good());
-  CHECK_FALSE(agreement(grid, fields_of(grid, half(0.6), spring)).is_good());
+  for (const double share : {0.5, 0.6}) {
+    const auto work = [&](const Vec3& x) { return -share * dot(spring(x), x); };
+    CHECK(agreement(grid, fields_of(grid, work, spring)).is_good() == (share == 0.5));
+  }
 
   // Two points an axis predict nothing.
   const Grid small = random_grid({{0, 0, 0}, 1, {2, 2, 2}}, 1, 1, 5);

@@ -6,10 +6,13 @@
 #include <limits>
 #include <random>
 
+#include "libcore/grid/vec3.hpp"
+#include "tests/unit/haptic/limits.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 #include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
+using hapgrid::testing::only_clamp;
 using hapgrid::testing::uniform;
 
 namespace {
@@ -20,46 +23,20 @@ constexpr double kMax = std::numeric_limits<double>::max();
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr Vec3 kZero{0, 0, 0};
 
+// Of any size, which sums of squares are not.
 double magnitude(const Vec3& f) { return std::hypot(f[0], f[1], f[2]); }
-double distance(const Vec3& a, const Vec3& b) {
-  return magnitude({a[0] - b[0], a[1] - b[1], a[2] - b[2]});
-}
 
 /// Any size and sign, special values among them; finite.
 double hostile(std::mt19937_64& random) {
-  const double specials[] = {0,
-                             -0.0,
-                             kMax,
-                             -kMax,
-                             std::numeric_limits<double>::min(),
-                             std::numeric_limits<double>::denorm_min(),
-                             1,
-                             -3};
+  const double specials[] = {0, -0.0, kMax, -kMax, 0x1p-1022, 0x1p-1074, 1, -3};
   if (random() % 4 == 0) return specials[random() % std::size(specials)];
   return std::ldexp(uniform(random, -1, 1), static_cast<int>(random() % 2000) - 1000);
 }
 
 /// A limit that a user could give.
 double any_limit(std::mt19937_64& random, double typical) {
-  switch (random() % 5) {
-    case 0:
-      return 0;
-    case 1:
-      return kInf;
-    default:
-      return typical * std::exp(uniform(random, -5, 5));
-  }
-}
-
-/// Every stage off, but the clamp.
-SafetyLimits only_clamp(double max_force) {
-  return {.max_force = max_force,
-          .slew = kInf,
-          .ramp_ms = 0,
-          .max_speed = kInf,
-          .buzz_force = kInf,
-          .fade_cells = 0,
-          .watchdog_ticks = kInf};
+  const auto kind = random() % 5;
+  return kind == 0 ? 0 : kind == 1 ? kInf : typical * std::exp(uniform(random, -5, 5));
 }
 
 /// A tick in which nothing is remarkable.
@@ -141,9 +118,7 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
         in.place = {uniform(random, -1e-3, 1e-3), 0, i * 1e-4};
       else if (random() % 2 == 0)
         in.place = {hostile(random), random() % 2 ? kNaN : 0, 0};
-      const bool number = std::isfinite(in.force[0] * limits.gain) &&
-                          std::isfinite(in.force[1] * limits.gain) &&
-                          std::isfinite(in.force[2] * limits.gain);
+      const bool number = finite(limits.gain * in.force);
       const bool latched = safety.faulted();
       const SafeForce safe = safety.apply(in);
       seen |= safe.acted;
@@ -159,7 +134,7 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
         REQUIRE(safe.force == kZero);
       } else {
         // The last roundings of three components of at most the limit.
-        REQUIRE(distance(safe.force, before) <=
+        REQUIRE(magnitude(safe.force - before) <=
                 limits.slew * 1000 * in.dt + 4 * kEps * limits.max_force);
       }
       before = safe.force;
@@ -173,25 +148,9 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
   CHECK(seen == (1U << kSafetyActions) - 1);
 }
 
-TEST_CASE("finite forces whose difference is not") {
-  SafetyLimits limits = only_clamp(1e304);
-  limits.slew = 5e303;  // N/ms
-  SafetyCore slewed(limits);
-  double before = 0;
-  for (const double wanted : {kMax, kMax, -kMax, -kMax, -kMax, -kMax, -kMax}) {
-    const double force = slewed.apply(tick({wanted, 0, 0})).force[0];
-    CHECK(force ==
-          Approx(std::clamp(before + std::copysign(5e303, wanted), -1e304, 1e304)).margin(1e300));
-    CHECK(std::abs(force) <= 1e304);
-    before = force;
-  }
-  CHECK_FALSE(slewed.faulted());
-}
-
 TEST_CASE("what is not finite holds zero until reset, and then comes back by the ramp") {
   SafetyCore safety({.slew = kInf, .ramp_ms = 100});
   for (int i = 0; i < 200; ++i) safety.apply(tick({1, 0, 0}));
-  CHECK(safety.apply(tick({1, 0, 0})).force == Vec3{1, 0, 0});
   CHECK(safety.apply(tick({1, kNaN, 0})).force == kZero);
   for (int i = 0; i < 1000; ++i) {
     const SafeForce safe = safety.apply(tick({1, 0, 0}));
@@ -227,25 +186,19 @@ TEST_CASE("a stall, a pause, and a hand that is too fast give zero at once, then
   limits.ramp_ms = 10;
   limits.max_speed = 1;
   limits.watchdog_ticks = 5;
-  const auto ready = [&] {
-    SafetyCore safety(limits);
-    for (int i = 0; i < 20; ++i) safety.apply(tick({1, 0, 0}));
-    return safety;
-  };
+  SafetyCore safety(limits);
+  for (int i = 0; i < 20; ++i) safety.apply(tick({1, 0, 0}));
   const auto ramps = [](SafetyCore& safety) {
     for (int i = 1; i <= 10; ++i)
       REQUIRE(safety.apply(tick({1, 0, 0})).force[0] == Approx(i / 10.0).margin(1e-12));
   };
+  SafetyInput in = tick({1, 0, 0});
   SECTION("stall") {
-    SafetyCore safety = ready();
-    SafetyInput in = tick({1, 0, 0});
     in.stalled = true;
     CHECK(safety.apply(in).force == kZero);
     ramps(safety);
   }
   SECTION("pause") {
-    SafetyCore safety = ready();
-    SafetyInput in = tick({1, 0, 0});
     in.missed = 4;
     in.dt = 0.005;
     CHECK(safety.apply(in).force[0] == 1);
@@ -255,8 +208,6 @@ TEST_CASE("a stall, a pause, and a hand that is too fast give zero at once, then
     ramps(safety);
   }
   SECTION("speed") {
-    SafetyCore safety = ready();
-    SafetyInput in = tick({1, 0, 0});
     in.speed = 1.2;
     // Smoothed over 10 ms: above 1 when 1 - exp(-t / 10 ms) = 1 / 1.2, at 18 ms (with steps of
     // dt / (10 ms + dt) a tick later).

@@ -24,7 +24,7 @@ double from_right(Model& model, double x) { return walked_to(model, 1, x); }
 
 /// Compares C with its definition in words; answers whether the ball touches the HIP in the end.
 bool agrees(Model& model, double r, double alpha, const Vec3& x, const Vec3& d) {
-  const Vec3 p = sum(x, d);
+  const Vec3 p = x + d;
   const double reached = convert(model, alpha, x, d);
   const Real expected = reference(alpha, x, d, r);
   INFO("r " << r << " α " << alpha << " x " << x[0] << ' ' << x[1] << ' ' << x[2] << " d " << d[0]
@@ -179,8 +179,8 @@ TEST_CASE("above the hinge the branch of φ is not felt") {
   while (phi < 3.1) {
     const Vec3 x = on_circle(phi);
     const Vec3 end = on_circle(phi += 0.01);
-    alpha = convert(*model, alpha, x, {end[0] - x[0], end[1] - x[1], end[2] - x[2]});
-    if (alpha > highest) highest = alpha;
+    alpha = convert(*model, alpha, x, end - x);
+    highest = std::max(highest, alpha);
     if (alpha == 0 && phi > 0) break;
   }
   const double delta = static_cast<double>(arc(on_circle(phi), kRadius)->delta);

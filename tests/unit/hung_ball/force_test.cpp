@@ -8,9 +8,6 @@ using namespace hung_ball;
 
 namespace {
 
-double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 constexpr double kWeight = 2.5;
 constexpr double kMaxForce = 4;
 
@@ -22,7 +19,7 @@ TEST_CASE("in 3D the force is the slope of the energy, which is the ball's heigh
   const auto model = heavy();
   int tested = 0;
   walk(*model, kRadius, 7, 50000, 0.1, [&](double alpha, const Vec3& x, const Vec3& d) {
-    const Vec3 p = sum(x, d);
+    const Vec3 p = x + d;
     const double reached = convert(*model, alpha, x, d);
     const auto a = arc(p, kRadius);
     // Away from the first contact and the tear-off, so that the whole stencil is on the branch.
@@ -31,7 +28,7 @@ TEST_CASE("in 3D the force is the slope of the energy, which is the ball's heigh
     // Five roundings of the model, one of the cosine.
     CHECK(std::abs(model->energy(p, &reached) - gained) <= 8 * kU * gained + kWeight * 0x1p-63L);
     const Vec3 f = model->force(p, &reached);
-    if (norm(f) > 0.999 * kMaxForce) return;
+    if (length_of(f) > 0.999 * kMaxForce) return;
     ++tested;
     const auto height = [&](Vec3 q, int axis, double shift) {
       q[axis] += shift;
@@ -58,15 +55,15 @@ TEST_CASE("the force is finite and bounded, whatever the state; it is 0 at rest 
   const auto model = heavy();
   walk(*model, kRadius, 8, 20000, model->info().d_max,
        [&](double alpha, const Vec3& x, const Vec3& d) {
-         const Vec3 p = sum(x, d);
+         const Vec3 p = x + d;
          const double reached = convert(*model, alpha, x, d);
          const Vec3 f = model->force(p, &reached);
-         const double size = norm(f);
+         const double size = length_of(f);
          CHECK(size <= kMaxForce * (1 + 4 * kU));
          CHECK((size == 0) == (reached == 0));
          // It points from the ball to the HIP.
          const Vec3 u{std::sin(reached) - p[0], -p[1], 1 - std::cos(reached) - p[2]};
-         if (size > 0) CHECK(dot(f, u) == Approx(-size * norm(u)).epsilon(1e-12));
+         if (size > 0) CHECK(dot(f, u) == Approx(-size * length_of(u)).epsilon(1e-12));
        });
 
   Random random(9);
@@ -80,15 +77,13 @@ TEST_CASE("the force is finite and bounded, whatever the state; it is 0 at rest 
                              {0, inf, 0},   {0, 0, 1}};
     for (int i = 0; i < 100; ++i) places.push_back(random.point());
     for (const Vec3& p : places) {
-      const double size = norm(model->force(p, &state));
-      CHECK(size <= kMaxForce * (1 + 4 * kU));
+      CHECK(length_of(model->force(p, &state)) <= kMaxForce * (1 + 4 * kU));
     }
   }
 }
 
 TEST_CASE("the shape is the ball where the state has it, and its rope") {
   const auto model = make();
-  REQUIRE(model->info().spheres.size() == 10);
   const std::vector<Sphere> spheres = model->info().spheres;
   REQUIRE(spheres.size() == 10);
   CHECK(spheres[0].radius == 0.1F);

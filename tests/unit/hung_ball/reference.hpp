@@ -10,10 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "libcore/grid/vec3.hpp"
 #include "libcore/model/plugin_model.hpp"
 
 namespace hung_ball {
 
+using hapgrid::length_of, hapgrid::operator+, hapgrid::operator-, hapgrid::operator*;
 using hapgrid::Vec3;
 using Real = long double;
 
@@ -32,8 +34,6 @@ inline double convert(hapgrid::Model& model, double alpha, const Vec3& x, const 
   double reached = 0;
   return model.convert(&alpha, x, d, &reached) ? reached : std::nan("");
 }
-
-inline Vec3 sum(const Vec3& x, const Vec3& d) { return {x[0] + d[0], x[1] + d[1], x[2] + d[2]}; }
 
 /// The arc of overlap about φ, half as wide as 2δ.
 struct Arc {
@@ -56,7 +56,7 @@ inline Real reference(Real alpha, const Vec3& x, const Vec3& d, Real r) {
   for (Real k = 1; k <= substeps; ++k) {
     // The end is where the plug-in has it, so that both see the same HIP to the last bit.
     const double f = static_cast<double>(k / substeps);
-    const Vec3 p = sum(x, {f * d[0], f * d[1], f * d[2]});
+    const Vec3 p = x + f * d;
     const std::optional<Arc> a = arc(p, r);
     if (!a) {
       alpha = 0;
@@ -113,8 +113,7 @@ class Random {
   Vec3 shift(double longest) {
     for (;;) {
       const Vec3 d{between(-1, 1), between(-1, 1), between(-1, 1)};
-      if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > 1) continue;
-      return {longest * d[0], longest * d[1], longest * d[2]};
+      if (length_of(d) <= 1) return longest * d;
     }
   }
 
@@ -134,14 +133,11 @@ void walk(hapgrid::Model& model, double r, std::uint64_t seed, int steps, double
     along = std::clamp(along + random.between(-0.5, 0.5) * longest, -2.5, 2.5);
     const double rho = 1 + random.between(-2.2, 2.2) * r;
     const Vec3 to{rho * std::sin(along), random.between(-2.2, 2.2) * r, 1 - rho * std::cos(along)};
-    Vec3 d{to[0] - x[0], to[1] - x[1], to[2] - x[2]};
-    const double shrink =
-        random.between(0, 1) *
-        std::min(1.0, longest / std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
-    for (double& component : d) component *= shrink;
+    const double most = std::min(1.0, longest / length_of(to - x));
+    const Vec3 d = random.between(0, 1) * most * (to - x);
     f(alpha, x, d);
     alpha = convert(model, alpha, x, d);
-    x = sum(x, d);
+    x = x + d;
     if (alpha == 0) along *= 0.8;  // back to where the ball hangs
   }
 }

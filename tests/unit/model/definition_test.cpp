@@ -33,15 +33,9 @@ TEST_CASE("files become parameters with their contents") {
       {"shape", std::string("contents of a.xyz")},
       {"stiffness", 2.0}};
   CHECK(d.parameters == expected);
-}
-
-TEST_CASE("an override names another file") {
-  const Definition d =
-      read_definition(kDefinition, "some.toml", {"model.files.shape=z.xyz"}, contents_of);
-  CHECK(d.parameters[1] == Parameter{"shape", std::string("contents of z.xyz")});
-}
-
-TEST_CASE("what reading a file throws comes through") {
+  // An override names another file, and what reading one throws comes through.
+  CHECK(read_definition(kDefinition, "some.toml", {"model.files.shape=z.xyz"}, contents_of)
+            .parameters[1] == Parameter{"shape", std::string("contents of z.xyz")});
   const auto fails = [](const std::string& file) -> std::string { throw Error(file + ": gone"); };
   CHECK_THROWS_WITH(read_definition(kDefinition, "some.toml", {}, fails), "b.xyz: gone");
 }

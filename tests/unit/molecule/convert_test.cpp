@@ -2,29 +2,20 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
+#include <ranges>
+#include <tuple>
 #include <utility>
 
 #include "examples/molecule/conversion.hpp"
+#include "libcore/grid/vec3.hpp"
 #include "libcore/scene/bonds.hpp"
 #include "tests/unit/molecule/reference.hpp"
 
 using namespace molecules;
 using Catch::Matchers::StartsWith;
-using hapgrid::Model;
-using hapgrid::Vec3;
+using namespace hapgrid;
 
 namespace {
-
-using State = std::vector<double>;
-
-State convert(Model& model, const State& s, const Vec3& x, const Vec3& d) {
-  State result(s.size());
-  INFO(model.error());
-  REQUIRE(model.convert(s.data(), x, d, result.data()));
-  return result;
-}
-
-Vec3 sum(const Vec3& x, const Vec3& d) { return {x[0] + d[0], x[1] + d[1], x[2] + d[2]}; }
 
 /// A walk of the HIP through and about the molecule: f(s, x, d, reached).
 template <class F>
@@ -44,7 +35,7 @@ void walk(Model& model, double reach, unsigned seed, int steps, double length, F
     const State reached = convert(model, s, x, d);
     f(s, x, d, reached);
     s = reached;
-    x = sum(x, d);
+    x = x + d;
   }
 }
 
@@ -129,7 +120,7 @@ TEST_CASE("states that are reached are minima in multiples of 2^-20, with t in [
     Random random(9);
     int touched = 0;
     walk(*model, 4, 10, 400, 0.5, [&](const State&, const Vec3& x, const Vec3& d, const State& s) {
-      const Vec3 p = sum(x, d);
+      const Vec3 p = x + d;
       for (std::size_t k = 0; k < paths; ++k) CHECK((s[k] >= 0 && s[k] <= 1));
       for (const double v : s) {
         CHECK(std::nearbyint(v * 0x1p20) == v * 0x1p20);
@@ -179,7 +170,7 @@ TEST_CASE("the minimum is where a plain descent in tiny steps arrives") {
          State s = from;
          std::vector<double> g(n), h(n * n);
          for (int part = 1; part <= 10; ++part) {
-           const Vec3 p{x[0] + d[0] * part / 10, x[1] + d[1] * part / 10, x[2] + d[2] * part / 10};
+           const Vec3 p = x + part / 10.0 * d;
            for (int step = 0; step < 20000; ++step) {
              energy.value(s.data(), p.data());
              energy.derivatives(g.data(), h.data(), true);
@@ -213,13 +204,12 @@ TEST_CASE("when the HIP has left, the molecule is back at rest") {
     walk(*model, 6, 13, 200, 0.5, [&](const State&, const Vec3& x, const Vec3& d, const State& s) {
       if (is_rest(s) || ++left > 20) return;
       // Straight away from the middle, in steps.
-      Vec3 p = sum(x, d);
+      Vec3 p = x + d;
       State now = s;
       for (int step = 0; step < 40; ++step) {
-        const double norm = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
-        const Vec3 out{0.6 * p[0] / norm, 0.6 * p[1] / norm, 0.6 * p[2] / norm};
+        const Vec3 out = 0.6 / length_of(p) * p;
         now = convert(*model, now, p, out);
-        p = sum(p, out);
+        p = p + out;
       }
       CHECK(is_rest(now));
     });
@@ -229,21 +219,11 @@ TEST_CASE("when the HIP has left, the molecule is back at rest") {
 
 TEST_CASE("a conversion depends on its arguments alone") {
   const auto one = kDipeptide.make(), other = kDipeptide.make();
-  struct Call {
-    State s;
-    Vec3 x, d;
-    State reached;
-  };
-  std::vector<Call> calls;
-  walk(*one, 4, 14, 300, 0.5,
-       [&](const State& s, const Vec3& x, const Vec3& d, const State& reached) {
-         calls.push_back({s, x, d, reached});
-       });
+  std::vector<std::tuple<State, Vec3, Vec3, State>> calls;
+  walk(*one, 4, 14, 300, 0.5, [&](const auto&... call) { calls.emplace_back(call...); });
   // Backwards, and by another model.
-  for (auto call = calls.rbegin(); call != calls.rend(); ++call) {
-    CHECK(convert(*one, call->s, call->x, call->d) == call->reached);
-    CHECK(convert(*other, call->s, call->x, call->d) == call->reached);
-  }
+  for (const auto& [s, x, d, reached] : calls | std::views::reverse)
+    for (Model* model : {one.get(), other.get()}) CHECK(convert(*model, s, x, d) == reached);
 }
 
 TEST_CASE("equal states are no farther apart than the tolerance, and it is symmetric") {
@@ -264,37 +244,6 @@ TEST_CASE("equal states are no farther apart than the tolerance, and it is symme
     CHECK(model->equal(a.data(), a.data()));
   }
   CHECK((same > 100 && same < 1900));
-}
-
-TEST_CASE("along a smooth branch the force is minus the slope of the energy") {
-  constexpr double kStep = 0.01;
-  for (const Source& source : {kButane, kDipeptide}) {
-    const auto model = source.make();
-    int compared = 0, off = 0;
-    walk(*model, 4, 17, 400, 0.3, [&](const State&, const Vec3& x, const Vec3& d, const State& s) {
-      if (is_rest(s)) return;
-      const Vec3 p = sum(x, d);
-      const Vec3 f = model->force(p, s.data());
-      for (int a = 0; a < 3; ++a) {
-        Vec3 step{0, 0, 0};
-        const auto energy_at = [&](double by) {
-          step[a] = by;
-          const State moved = convert(*model, s, p, step);
-          return model->energy(sum(p, step), moved.data());
-        };
-        const double up = energy_at(kStep), down = energy_at(-kStep), here = energy_at(0);
-        const double slope = (up - down) / (2 * kStep);
-        const double curvature = std::abs(up - 2 * here + down) / kStep;
-        ++compared;
-        // A smooth function's third derivative and the kinks where an atom begins to touch or t
-        // meets a bound change the slope by less than the second difference does.
-        off += !(std::abs(-f[a] / model->info().force_scale - slope) < 0.5 * curvature + 0.05);
-      }
-    });
-    REQUIRE(compared > 100);
-    // Steps over a tear-off.
-    CHECK(off <= compared / 100);
-  }
 }
 
 TEST_CASE("force and energy are finite whatever the state") {

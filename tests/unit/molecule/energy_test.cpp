@@ -124,19 +124,18 @@ TEST_CASE("the gradient is that of central differences, and the Hessian the grad
       const bool touched = energy.touches();
       energy.derivatives(g.data(), h.data(), true);
       for (std::size_t i = 0; i < n; ++i) {
-        std::vector<double> moved = s;
-        moved[i] = s[i] + kStep;
-        const double up = energy.value(moved.data(), x.data());
+        const auto at = [&](double step) {
+          std::vector<double> moved = s;
+          moved[i] += step;
+          return energy.value(moved.data(), x.data());
+        };
+        const double up = at(kStep);
         energy.derivatives(above.data(), unused.data(), true);
-        moved[i] = s[i] - kStep;
-        const double down = energy.value(moved.data(), x.data());
+        const double down = at(-kStep);
         energy.derivatives(below.data(), unused.data(), true);
         // Half the step leaves a quarter of the error: three times what is left is the change.
-        moved[i] = s[i] + kStep / 2;
-        const double near_up = energy.value(moved.data(), x.data());
-        moved[i] = s[i] - kStep / 2;
-        const double near_down = energy.value(moved.data(), x.data());
-        const double coarse = (up - down) / (2 * kStep), fine = (near_up - near_down) / kStep;
+        const double coarse = (up - down) / (2 * kStep);
+        const double fine = (at(kStep / 2) - at(-kStep / 2)) / kStep;
         // Energies of up to 1e4 kJ/mol are rounded to 2e-12, some ten times on the way.
         worst = std::max(worst, std::abs(fine - g[i]) - std::abs(fine - coarse));
         for (std::size_t j = 0; j < n && !turned && touched; ++j) {

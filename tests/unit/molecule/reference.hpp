@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
 #include <random>
@@ -90,27 +91,21 @@ inline std::vector<double> energies(const std::string& xyz) {
   return found;
 }
 
-/// a superposed on b, unweighted; the RMS distance that is left, Å.
-inline double superposed_rmsd(const Positions& a, const Positions& b) {
-  Eigen::Vector3d ca = Eigen::Vector3d::Zero(), cb = ca;
-  for (std::size_t i = 0; i < a.size(); ++i) ca += a[i], cb += b[i];
-  ca /= static_cast<double>(a.size());
-  cb /= static_cast<double>(a.size());
-  Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < a.size(); ++i) h += (b[i] - cb) * (a[i] - ca).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d sign = Eigen::Matrix3d::Identity();
-  sign(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-  const Eigen::Matrix3d r = svd.matrixU() * sign * svd.matrixV().transpose();
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (r * (a[i] - ca) - (b[i] - cb)).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(a.size()));
+/// The points as columns.
+inline Eigen::Map<const Eigen::Matrix3Xd> columns(const Positions& p) {
+  return {p[0].data(), 3, static_cast<Eigen::Index>(p.size())};
 }
 
+/// The RMS distance, Å.
 inline double rmsd(const Positions& a, const Positions& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(a.size()));
+  return (columns(a) - columns(b)).norm() / std::sqrt(static_cast<double>(a.size()));
+}
+
+/// a superposed on b, unweighted; the RMS distance that is left, Å.
+inline double superposed_rmsd(Positions a, const Positions& b) {
+  const Eigen::Matrix4d to_b = Eigen::umeyama(columns(a), columns(b), false);
+  for (Eigen::Vector3d& x : a) x = (to_b * x.homogeneous()).head<3>();
+  return rmsd(a, b);
 }
 
 inline double torsion(const Positions& p, int a, int b, int c, int d) {
@@ -125,6 +120,16 @@ inline Positions positions(HybridEnergy& energy, const std::vector<double>& s) {
   Positions out;
   for (std::size_t i = 0; i < p.size(); i += 3) out.emplace_back(p[i], p[i + 1], p[i + 2]);
   return out;
+}
+
+using State = std::vector<double>;
+
+inline State convert(hapgrid::Model& model, const State& s, const hapgrid::Vec3& x,
+                     const hapgrid::Vec3& d) {
+  State result(s.size());
+  INFO(model.error());
+  REQUIRE(model.convert(s.data(), x, d, result.data()));
+  return result;
 }
 
 /// The same numbers everywhere.

@@ -73,25 +73,17 @@ TEST_CASE("a step beyond 32 bits is the largest one in ENERGIES, and itself in T
 }
 
 TEST_CASE("units of IMD") {
-  const auto length = [](const std::string& unit) { return ImdUnits(3, unit, "").length; };
-  CHECK(length("m") == Approx(1e10));
-  CHECK(length("mm") == Approx(1e7));
-  CHECK(length("nm") == Approx(10));
-  CHECK(length("angstrom") == 1);
-  CHECK(length("pm") == Approx(0.01));
-  CHECK(length("bohr") == Approx(0.529177).epsilon(1e-6));
-  const auto energy = [](int version, const std::string& unit) {
-    return ImdUnits(version, "", unit).energy;
-  };
-  // One of each is so many kJ/mol, in the tables of textbooks.
-  CHECK(energy(3, "kJ/mol") == 1);
-  CHECK(energy(3, "kcal/mol") == Approx(4.184));
-  CHECK(energy(3, "eV") == Approx(96.485).epsilon(1e-5));
-  CHECK(energy(3, "hartree") == Approx(2625.5).epsilon(1e-5));
-  CHECK(energy(3, "J") == Approx(6.02214e20).epsilon(1e-5));
-  CHECK(energy(2, "kcal/mol") == Approx(1));
-  CHECK(energy(2, "eV") == Approx(23.0605).epsilon(1e-5));
-  CHECK(energy(2, "hartree") == Approx(627.51).epsilon(1e-5));
+  const std::pair<const char*, double> lengths[] = {
+      {"m", 1e10}, {"mm", 1e7}, {"nm", 10}, {"angstrom", 1}, {"pm", 0.01}, {"bohr", 0.529177}};
+  for (const auto& [unit, length] : lengths)
+    CHECK(ImdUnits(3, unit, "").length == Approx(length).epsilon(1e-6));
+  // One of each is so many kJ/mol, in the tables of textbooks; version 2 has kcal/mol.
+  const std::pair<const char*, double> energies[] = {
+      {"kJ/mol", 1}, {"kcal/mol", 4.184}, {"eV", 96.485}, {"hartree", 2625.5}, {"J", 6.02214e20}};
+  for (const auto& [unit, energy] : energies) {
+    CHECK(ImdUnits(3, "", unit).energy == Approx(energy).epsilon(1e-5));
+    CHECK(ImdUnits(2, "", unit).energy == Approx(energy / 4.184).epsilon(1e-5));
+  }
   for (const int version : {2, 3}) {
     const ImdUnits unknown(version, "rope lengths", "N rope lengths");
     CHECK(unknown.length == 1);

@@ -58,8 +58,7 @@ class Viewer {
     Bytes bytes(size);
     std::size_t done = 0;
     while (done < size) {
-      pollfd ready{socket_.get(), POLLIN, 0};
-      if (::poll(&ready, 1, static_cast<int>(patience.count())) <= 0) break;
+      if (!gets(patience)) break;
       const ssize_t count = ::recv(socket_.get(), bytes.data() + done, size - done, 0);
       if (count <= 0) break;
       done += static_cast<std::size_t>(count);
@@ -67,19 +66,13 @@ class Viewer {
     bytes.resize(done);
     return bytes;
   }
+  /// Whether there is something to take, or the end; it is left there.
+  bool gets(std::chrono::milliseconds patience = kLong) {
+    pollfd ready{socket_.get(), POLLIN, 0};
+    return ::poll(&ready, 1, static_cast<int>(patience.count())) == 1;
+  }
   /// The server closes, without another byte.
-  bool ends() {
-    const auto begin = Clock::now();
-    std::byte byte;
-    pollfd ready{socket_.get(), POLLIN, 0};
-    return ::poll(&ready, 1, std::chrono::milliseconds(kLong).count()) == 1 &&
-           ::recv(socket_.get(), &byte, 1, 0) <= 0 && Clock::now() - begin < kLong;
-  }
-  /// Whether there is something to take, which is left there.
-  bool gets() {
-    pollfd ready{socket_.get(), POLLIN, 0};
-    return ::poll(&ready, 1, std::chrono::milliseconds(kLong).count()) == 1;
-  }
+  bool ends() { return gets() && take(1).empty(); }
   void close() { socket_ = FileDescriptor(); }
 
  private:
@@ -87,6 +80,18 @@ class Viewer {
 };
 
 const Scene kScene = small_scene();
+/// A scene of which no socket has room for two frames, and one of these.
+constexpr std::size_t kMany = 100000;
+const Scene kLarge = [] {
+  Scene scene = kScene;
+  scene.spheres.resize(kMany);
+  return scene;
+}();
+const Frame kLargeFrame = [] {
+  Frame frame = small_frame(1);
+  frame.centres.resize(3 * kMany);
+  return frame;
+}();
 
 struct Served {
   ImdServer server;
@@ -169,11 +174,8 @@ TEST_CASE("a client that does not say GO is closed, and so is a ninth one") {
 }
 
 TEST_CASE("a viewer that does not read misses whole frames, then it is closed; nobody waits") {
-  Scene large = kScene;
-  large.spheres.resize(100000);
-  Frame frame = small_frame(1);
-  frame.centres.resize(3 * large.spheres.size());
-  Served served({.patience = 3s}, /*paced=*/true, large);
+  Frame frame = kLargeFrame;
+  Served served({.patience = 3s}, /*paced=*/true, kLarge);
   Viewer asleep(served.server, 4096);
   Viewer awake(served.server);
   for (Viewer* viewer : {&asleep, &awake}) {
@@ -214,11 +216,8 @@ TEST_CASE("a viewer that does not read misses whole frames, then it is closed; n
 }
 
 TEST_CASE("without a pace a viewer that does not read is waited for, so long and no longer") {
-  Scene large = kScene;
-  large.spheres.resize(100000);
-  Frame frame = small_frame(1);
-  frame.centres.resize(3 * large.spheres.size());
-  Served served({}, /*paced=*/false, large);
+  Frame frame = kLargeFrame;
+  Served served({}, /*paced=*/false, kLarge);
   Viewer asleep(served.server, 4096);
   REQUIRE(asleep.take(8).size() == 8);
   REQUIRE(asleep.say(header(3, 0)));
@@ -231,11 +230,8 @@ TEST_CASE("without a pace a viewer that does not read is waited for, so long and
 }
 
 TEST_CASE("a viewer that reads late gets the frame that was on its way, and the newest") {
-  Scene large = kScene;
-  large.spheres.resize(100000);
-  Frame frame = small_frame(1);
-  frame.centres.resize(3 * large.spheres.size());
-  Served served({.patience = kLong}, /*paced=*/true, large);
+  Frame frame = kLargeFrame;
+  Served served({.patience = kLong}, /*paced=*/true, kLarge);
   Viewer late(served.server, 4096);
   REQUIRE(late.take(8).size() == 8);
   REQUIRE(late.say(header(3, 0)));

@@ -186,11 +186,9 @@ TEST_CASE("a torsion that has turned is named at its bond") {
   double x = 0, y = 0, dark = 0;
   for (int row = 0; row < 300; ++row)
     for (int column = 0; column < 300; ++column) {
-      if (turned.at(column, row) == still.at(column, row)) continue;
-      if (turned.at(column, row)[1] > 150) continue;
-      x += column;
-      y += row;
-      ++dark;
+      const Rgb& pixel = turned.at(column, row);
+      if (pixel == still.at(column, row) || pixel[1] > 150) continue;
+      x += column, y += row, ++dark;
     }
   REQUIRE(dark > 30);
   CHECK(x / dark == Approx(200).margin(3));  // between the second and the third sphere
@@ -245,14 +243,12 @@ TEST_CASE("values that are no places draw nothing and harm nothing") {
   const auto draw = [&] {
     return render(scene, frame, fit_camera(scene, frame, options, 10, 10), options);
   };
-  frame.centres.assign(9, std::numeric_limits<float>::quiet_NaN());
-  frame.force = {nan, 0, 0};
-  CHECK(draw().pixels.size() == 1200);
-  frame.position = {nan, 0, 0};
-  CHECK(draw().pixels.size() == 1200);
-  frame.centres = {kHuge, -kHuge, kHuge, std::numeric_limits<float>::infinity(), 0, 0, 0, 0, 0};
-  CHECK(draw().pixels.size() == 1200);
-  frame.position = {1e308, -1e308, 1e308};
-  frame.force = {1e308, 1e308, 1e308};
-  CHECK(draw().pixels.size() == 1200);
+  const std::vector<float> none(9, std::numeric_limits<float>::quiet_NaN());
+  const std::vector<float> huge{kHuge, -kHuge, kHuge, HUGE_VALF, 0, 0, 0, 0, 0};
+  for (const auto& centres : {none, huge})
+    for (const Vec3& place : {frame.position, Vec3{nan, 0, 0}, Vec3{1e308, -1e308, 1e308}})
+      for (const Vec3& force : {Vec3{nan, 0, 0}, Vec3{1e308, 1e308, 1e308}}) {
+        frame.centres = centres, frame.position = place, frame.force = force;
+        CHECK(draw().pixels.size() == 1200);
+      }
 }

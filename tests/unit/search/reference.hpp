@@ -74,8 +74,6 @@ class Search {
 
   const X& x() const { return x_; }
   unsigned generation() const { return generation_; }
-  /// What the next round will drain, in no order.
-  const std::vector<Request>& queue() const { return queue_; }
 
  private:
   std::uint64_t index(const std::array<int, 3>& at) const {

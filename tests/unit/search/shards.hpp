@@ -193,11 +193,8 @@ inline void require_same(const std::string& shard, const reference::Search& sear
     REQUIRE(grid.point(r) == key.first);
     REQUIRE(grid.level(r) == key.second);
     REQUIRE(grid.record_generation(r) == record.generation);
-    const auto state = grid.state(r);
-    REQUIRE(std::vector<double>(state.begin(), state.end()) == record.s);
-    const auto links = grid.links(r);
-    REQUIRE(std::vector<int>(links.begin(), links.end()) ==
-            std::vector<int>(record.D.begin(), record.D.end()));
+    REQUIRE(std::ranges::equal(grid.state(r), record.s));
+    REQUIRE(std::ranges::equal(grid.links(r), record.D));
     ++r;
   }
 }

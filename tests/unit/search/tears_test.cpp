@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "libcore/grid/describe.hpp"
+#include "libcore/grid/vec3.hpp"
 #include "tests/unit/hung_ball/grid.hpp"
 #include "tests/unit/search/shards.hpp"
 #include "tests/unit/temporary.hpp"
@@ -23,13 +24,11 @@ int toy_tear(const Grid& grid, RecordIndex r, int q, const toy::Toy& toy) {
   const Vec3 x = grid.box().position(grid.point(r));
   const auto step = Direction(q).step();
   const auto along = [&](double from, double to, const State& s) {
-    double at[3], by[3];
-    for (std::size_t a = 0; a < 3; ++a) {
-      at[a] = x[a] + from * step[a] * grid.box().spacing;
-      by[a] = (to - from) * step[a] * grid.box().spacing;
-    }
+    const double h = grid.box().spacing;
+    const Vec3 link = h * Vec3{1.0 * step[0], 1.0 * step[1], 1.0 * step[2]};
+    const Vec3 at = x + from * link, by = (to - from) * link;
     State reached(s.size());
-    toy::convert(toy, s.data(), at, by, reached.data());
+    toy::convert(toy, s.data(), at.data(), by.data(), reached.data());
     return reached;
   };
   const auto apart = [](const State& a, const State& b) {
@@ -255,8 +254,7 @@ TEST_CASE("the hung ball snaps where small steps along the link say") {
     for (int i = 0; i < kSteps; ++i) {
       const double t = h * i;
       double next = std::nan("");
-      model->convert(&s, {x[0] + t * d[0], x[1] + t * d[1], x[2] + t * d[2]},
-                     {h * d[0], h * d[1], h * d[2]}, &next);
+      model->convert(&s, x + t * d, h * d, &next);
       if (std::abs(next - s) > largest) {
         largest = std::abs(next - s);
         snap = t + h / 2;

@@ -73,21 +73,24 @@ TEST_CASE("the hand's part of a text") {
   CHECK(got.ticks[1].hip[1] == 5e-324);
   CHECK(std::isnan(got.ticks[1].hip[2]));
 
-  CHECK(text_refusal("") == ": line 1: no session, and no '# t x y z ...' as play --log writes it");
-  CHECK(text_refusal("0 0 0\n") ==
-        ": line 1: no session, and no '# t x y z ...' as play --log writes it");
-  CHECK(text_refusal("# t\tx\ty\n") == ": line 1: no column 'z'");
-  CHECK(text_refusal("# t\tx\ty\tz\n") == ": line 1: no ticks after the names of the columns");
-  CHECK(text_refusal("# t\tx\ty\tz\n0\t1\t2\n") == ": line 2: column z: not there");
-  CHECK(text_refusal("# t\tx\ty\tz\n0\t1\tup\t2\n") == ": line 2: column y: 'up' is no number");
-  CHECK(text_refusal("# t\tx\ty\tz\n-1\t1\t2\t2\n") ==
-        ": line 2: t = -1 at 1000 Hz is no tick's number");
-  CHECK(text_refusal("# t\tx\ty\tz\nnan\t1\t2\t2\n") ==
-        ": line 2: t = nan at 1000 Hz is no tick's number");
-  CHECK(text_refusal("# t\tx\ty\tz\n0.001\t1\t2\t2\n0.0014\t1\t2\t2\n") ==
-        ": line 3: t = 0.0014 at 1000 Hz is tick 1, and the line before is tick 1");
-  CHECK(text_refusal("# t\tx\ty\tz\n0\t1\t2\t2\n0.001\t1\t2\t2\n", 100) ==
-        ": line 3: t = 0.001 at 100 Hz is tick 0, and the line before is tick 0");
+  const std::string names = "# t\tx\ty\tz\n", row = "0.001\t1\t2\t2\n";
+  const struct {
+    std::string text, why;
+    double rate_hz = 1000;
+  } cases[] = {
+      {"", "line 1: no session, and no '# t x y z ...' as play --log writes it"},
+      {"0 0 0\n", "line 1: no session, and no '# t x y z ...' as play --log writes it"},
+      {"# t\tx\ty\n", "line 1: no column 'z'"},
+      {names, "line 1: no ticks after the names of the columns"},
+      {names + "0\t1\t2\n", "line 2: column z: not there"},
+      {names + "0\t1\tup\t2\n", "line 2: column y: 'up' is no number"},
+      {names + "-1\t1\t2\t2\n", "line 2: t = -1 at 1000 Hz is no tick's number"},
+      {names + "nan\t1\t2\t2\n", "line 2: t = nan at 1000 Hz is no tick's number"},
+      {names + row + row, "line 3: t = 0.001 at 1000 Hz is tick 1, and the line before is tick 1"},
+      {names + "0\t1\t2\t2\n" + row,
+       "line 3: t = 0.001 at 100 Hz is tick 0, and the line before is tick 0", 100},
+  };
+  for (const auto& c : cases) CHECK(text_refusal(c.text, c.rate_hz) == ": " + c.why);
 }
 
 TEST_CASE("a replay gives back its ticks, and says what was missed") {
@@ -114,13 +117,5 @@ TEST_CASE("a replay gives back its ticks, and says what was missed") {
 
 TEST_CASE("a replay's read() and send() do not allocate") {
   ReplayDevice device(std::vector<DeviceInput>(1000));
-  DeviceInput input;
-  bool ok = true;
-  const std::uint64_t before = allocations_of_thread();
-  for (int i = 0; i < 1000; ++i)
-    ok = device.read(input) == DeviceStatus::kOk && device.send({1, 0, 0}) == DeviceStatus::kOk &&
-         ok;
-  ok = device.read(input) == DeviceStatus::kEnd && device.stop() == DeviceStatus::kOk && ok;
-  CHECK(allocations_of_thread() == before);
-  CHECK(ok);
+  CHECK(ticks_without_allocating(device, 1001) == 1000);
 }

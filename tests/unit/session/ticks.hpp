@@ -1,7 +1,9 @@
 // Sessions for tests.
 #pragma once
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <random>
 #include <string>
@@ -25,16 +27,8 @@ inline SessionHeader small_header() {
 /// Anything that a record can be.
 inline std::vector<TickRecord> random_ticks(std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  using Limits = std::numeric_limits<double>;
-  static constexpr double kSpecial[] = {0.0,
-                                        -0.0,
-                                        Limits::denorm_min(),
-                                        -1e-310,
-                                        Limits::max(),
-                                        Limits::lowest(),
-                                        Limits::infinity(),
-                                        -Limits::infinity(),
-                                        Limits::quiet_NaN()};
+  constexpr double kMost = std::numeric_limits<double>::max();
+  const double kSpecial[] = {0, -0.0, 5e-324, -1e-310, kMost, -kMost, INFINITY, -INFINITY, NAN};
   const auto vector = [&] {
     Vec3 v;
     for (double& x : v)
@@ -70,9 +64,7 @@ inline bool same(const TickRecord& a, const TickRecord& b) {
 }
 
 inline bool same(const std::vector<TickRecord>& a, const std::vector<TickRecord>& b) {
-  return a.size() == b.size() &&
-         std::equal(a.begin(), a.end(), b.begin(),
-                    [](const TickRecord& x, const TickRecord& y) { return same(x, y); });
+  return std::ranges::equal(a, b, [](const auto& x, const auto& y) { return same(x, y); });
 }
 
 inline std::vector<TickRecord> rest_of(SessionReader& reader) {

@@ -16,11 +16,12 @@ namespace {
 constexpr double kFar = 1e6;
 const Vec3 kNowhere(0, 0, kFar);
 
-Options small_options() {
+Options small_options(double adhesion = Options{}.adhesion) {
   Options o;
   o.size = {24, 24, 12};
   o.elements = {4, 4, 2};
   o.probe_radius = 8;
+  o.adhesion = adhesion;
   return o;
 }
 
@@ -133,9 +134,7 @@ TEST_CASE("a rigid motion of all that an element sees has no energy") {
 
 TEST_CASE("gradient and tangent are the derivatives of the energy, in and out of contact") {
   for (const double adhesion : {0.0, 4e-3}) {
-    Options o = small_options();
-    o.adhesion = adhesion;
-    const Block block(o);
+    const Block block(small_options(adhesion));
     const Vector u = random_displacement(block, 0.3, 1);
     const Vec3 centre(3, -2, 12 + 8 - 1.5);
     Vector g, g_high, g_low;
@@ -173,8 +172,7 @@ TEST_CASE("gradient and tangent are the derivatives of the energy, in and out of
 
 TEST_CASE("an equilibrium is one, and its force is minus the slope of its energy") {
   for (const double adhesion : {0.0, 2e-3}) {
-    Options o = small_options();
-    o.adhesion = adhesion;
+    const Options o = small_options(adhesion);
     Block block(o);
     const auto at = [&](const Vec3& centre, Vector& u, double& energy) {
       Vector g;
@@ -209,9 +207,7 @@ TEST_CASE("an equilibrium is one, and its force is minus the slope of its energy
 }
 
 TEST_CASE("a centred poke leaves the block's symmetries") {
-  Options o = small_options();
-  o.adhesion = 0;
-  Block block(o);
+  Block block(small_options(0));
   Vector u = zero(block);
   block.follow(u, Vec3(0, 0, 22), Vec3(0, 0, 18.5), 0.5);
   const Vec3 force = block.force(u, Vec3(0, 0, 18.5));
@@ -234,50 +230,10 @@ TEST_CASE("a centred poke leaves the block's symmetries") {
   CHECK(find({0, 0, 12})[2] < -0.5);
 }
 
-TEST_CASE("what follow() reaches does not depend on what was computed before") {
-  Block fresh(small_options());
-  Block used(small_options());
-  Vector u = zero(fresh);
-  used.follow(u, Vec3(0, 0, 24), Vec3(0, 0, 18), 0.5);
-  Vector a = zero(fresh), b = zero(fresh);
-  fresh.follow(a, Vec3(3, 1, 24), Vec3(3, 1, 19), 1);
-  used.follow(b, Vec3(3, 1, 24), Vec3(3, 1, 19), 1);
-  CHECK(a == b);
-}
-
-TEST_CASE("with adhesion the surface jumps to the ball, and tears off later: hysteresis") {
-  Options o = small_options();
-  o.young_modulus = 4e-3;
-  Block block(o);
-  Vector u = zero(block);
-  double jumped = 0, torn = 0;
-  const auto height = [](double gap) { return Vec3(0, 0, 20 + gap); };
-  constexpr double kStep = 0.1;
-  for (double gap = 5; gap > 0; gap -= kStep) {
-    const double before = block.force(u, height(gap))[2];
-    block.follow(u, height(gap), height(gap - kStep), kStep);
-    if (block.force(u, height(gap - kStep))[2] < before - 0.05) jumped = gap;
-    if (jumped > 0) break;
-  }
-  REQUIRE(jumped > 0);
-  for (double gap = jumped - kStep; gap < 8; gap += kStep) {
-    block.follow(u, height(gap), height(gap + kStep), kStep);
-    if (u.lpNorm<Eigen::Infinity>() < 1e-6) {
-      torn = gap;
-      break;
-    }
-  }
-  INFO("jumped at " << jumped << ", torn at " << torn);
-  CHECK(torn > jumped + 0.3);
-}
-
 TEST_CASE("the ball is clear of the block where no point of the surface is in reach") {
-  Options o = small_options();
-  const Block sticky(o);
+  const Block sticky(small_options()), dry(small_options(0));
   CHECK(sticky.is_clear({0, 0, 20 + 2.1}));
   CHECK_FALSE(sticky.is_clear({1, 1, 20 + 1.5}));
-  o.adhesion = 0;
-  const Block dry(o);
   CHECK(dry.is_clear({1, 1, 20.1}));
   CHECK_FALSE(dry.is_clear({1, 1, 19.5}));
 }

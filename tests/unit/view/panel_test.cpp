@@ -12,6 +12,19 @@ namespace {
 
 bool reddish(const Rgb& p) { return p[0] > p[1] + 100 && p[0] > p[2] + 100; }
 
+/// Ten seconds of frames that `set` fills.
+template <class Set>
+Traces ten_seconds(Set&& set) {
+  Traces traces;
+  for (int i = 0; i <= 250; ++i) {
+    Frame frame;
+    frame.time_s = i / 25.0;
+    set(frame);
+    traces.add(frame);
+  }
+  return traces;
+}
+
 /// The middle of what is reddish in a column of the picture; NaN where nothing is.
 double red_row(const Image& image, int x) {
   double sum = 0;
@@ -28,13 +41,7 @@ double red_row(const Image& image, int x) {
 
 TEST_CASE("a curve rises to the right when the force does") {
   const Scene scene;
-  Traces traces;
-  for (int i = 0; i <= 250; ++i) {
-    Frame frame;
-    frame.time_s = i / 25.0;
-    frame.force = {i / 250.0, 0, 0};
-    traces.add(frame);
-  }
+  const Traces traces = ten_seconds([](Frame& frame) { frame.force = {frame.time_s / 10, 0, 0}; });
   for (const int scale : {1, 2}) {
     const Image image = draw_panel(600, scale, scene, traces, "status");
     REQUIRE(image.width == 600);
@@ -55,14 +62,8 @@ TEST_CASE("the energy of the model itself has a curve of its own beside the ener
   Scene scene;
   scene.energy_unit = "kJ/mol";
   const auto green = [&](double own_energy) {
-    Traces traces;
-    for (int i = 0; i <= 250; ++i) {
-      Frame frame;
-      frame.time_s = i / 25.0;
-      frame.energy = 10;
-      frame.own_energy = own_energy;
-      traces.add(frame);
-    }
+    const Traces traces =
+        ten_seconds([&](Frame& frame) { frame.energy = 10, frame.own_energy = own_energy; });
     const Image image = draw_panel(600, 1, scene, traces, "status");
     std::vector<int> rows;  // where a column of the curves is green
     for (int y = 0; y < image.height; ++y)

@@ -12,10 +12,15 @@
  *   crash       convert() aborts when it is not 0
  *   above       equal(a, b) is true where a is above b, too, when it is not 0
  *   unlike      equal() tells a state with this component from itself
+ *
+ * The build makes more plug-ins of it: each lacks the function HAPGRID_NULL_FUNCTION; and with
+ * HAPGRID_STUCK it has a force, of half a newton along x until the HIP is beyond x = 0.5. There
+ * force() never comes back, or it aborts with `crash`, and convert() does not.
  */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "libcore/model/plugin.h"
 
@@ -85,6 +90,7 @@ static hapgrid_model* create(const hapgrid_parameter* list, size_t count, char* 
   model->info.tolerance = number(list, count, "tolerance", 0);
   model->info.stored = (uint32_t)number(list, count, "stored", 0);
   model->info.hip_radius = number(list, count, "hip_radius", 0);
+  model->info.force_scale = 1;
   memset(model->info.tolerance_unit, 'u', sizeof model->info.tolerance_unit);
   return model;
 }
@@ -114,7 +120,9 @@ static int convert(hapgrid_model* model, const double* s, const double* x, const
     snprintf(error, error_size, "%s", model->lose);
     return -1;
   }
+#ifndef HAPGRID_STUCK
   if (model->crash) abort();
+#endif
   for (uint32_t c = 0; c < model->info.state_size; ++c) result[c] = model->component;
   return 0;
 }
@@ -125,14 +133,30 @@ static int equal(const hapgrid_model* model, const double* a, const double* b) {
   return 1;
 }
 
+#ifdef HAPGRID_STUCK
+static void force(hapgrid_model* model, const double* x, const double* s, double* f) {
+  (void)s;
+  if (x[0] > 0.5 && model->crash) abort();
+  while (x[0] > 0.5) pause();
+  f[0] = 0.5;
+  f[1] = f[2] = 0;
+}
+#endif
+
 const hapgrid_model_table* hapgrid_model_plugin(void) {
-  static const hapgrid_model_table table = {.interface_version = HAPGRID_MODEL_INTERFACE,
-                                            .summary = "does\nas it is told",
-                                            .create = create,
-                                            .destroy = destroy,
-                                            .info = info,
-                                            .known_states = known_states,
-                                            .convert = convert,
-                                            .equal = equal};
+  static hapgrid_model_table table = {.interface_version = HAPGRID_MODEL_INTERFACE,
+                                      .summary = "does\nas it is told",
+                                      .create = create,
+                                      .destroy = destroy,
+                                      .info = info,
+                                      .known_states = known_states,
+                                      .convert = convert,
+                                      .equal = equal};
+#ifdef HAPGRID_STUCK
+  table.force = force;
+#endif
+#ifdef HAPGRID_NULL_FUNCTION
+  table.HAPGRID_NULL_FUNCTION = NULL;
+#endif
   return &table;
 }

@@ -2,7 +2,7 @@
 a process that lived can be checked, and `fault` says what it does beside answering.
 
   puppet.py [FAULT [AT]]    FAULT happens at each AT-th question to a process (default 1):
-    die crash hang garbage html id number short long nan huge close   instead of an answer
+    die crash hang garbage id number short long nan huge close   instead of an answer
     raise      an exception that nobody catches
     fail       answers {"error": ...}
     poison     dies at the questions whose s[0] is above AT, whoever asks
@@ -105,7 +105,6 @@ while True:
                 while True:
                     say("[" * 4096)
             instead = {"garbage": "Segmentation fault (core dumped)",
-                       "html": '[{"id": 1}]',
                        "id": '{"id": 4000000000, "s": [1, 2]}',
                        "number": f'{{"id": {id}, "s": ["one", 2]}}',
                        "short": f'{{"id": {id}, "s": [1]}}',
