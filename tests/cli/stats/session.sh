@@ -65,7 +65,6 @@ session bad known
 
 see='\(see stats --help\)'
 printf '# t\tx\ty\tz\n0\t1\t2\t3\n1\t1\t2\t3\n' >log
-expect 2 '' "~stats: --log: a log that is text needs --plot and --png $see" -- stats --log log
 expect 2 '' "~stats: --log: a log that is text needs --plot and --png $see" -- \
   stats --log log --export -
 expect 2 '' "~stats: --export and --npz are for sessions, not text $see" -- \
