@@ -1,4 +1,3 @@
-#!/bin/bash
 # play with a device behind a real hidraw: a three-axis device that a text profile describes, at
 # 5 kHz in the machine's own time; unplugged, silent, interrupted. First the emulated device itself:
 # reports at the rate that was asked for, forces as they were sent, unplugged when told to.

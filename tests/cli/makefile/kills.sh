@@ -1,4 +1,3 @@
-#!/bin/bash
 # Makefile.example's grid, killed with SIGKILL at KILLS random moments and started again: the same
 # bytes in the end, and nothing is made twice but what was in flight. SEED draws other moments.
 source "$(dirname "$0")/../lib.sh"

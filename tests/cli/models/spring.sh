@@ -1,4 +1,3 @@
-#!/bin/bash
 # The bead between two wells, from plug-ins in C and in Fortran: their grids are complete and verify, and both refuse in
 # one line. Languages are compared in cli/launcher/init.
 source "$(dirname "$0")/../lib.sh"

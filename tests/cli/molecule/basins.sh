@@ -1,4 +1,3 @@
-#!/bin/bash
 # Paths that go on behind their saddles: the committed one, and `hapgrid molecule --basins` with GFN-FF.
 source "$(dirname "$0")/../lib.sh"
 molecules=$HAPGRID_SOURCE/examples/molecule

@@ -1,4 +1,3 @@
-#!/bin/bash
 # `hapgrid molecule`: from SMILES or a file to a verified grid, with GFN-FF and a coarse grid. What cannot be felt is
 # refused in one line.
 source "$(dirname "$0")/../lib.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # Of 150 random pushes of 1,2-dichloroethane none ends in no minimum, and at least 145 end where the model without a
 # grid does. Its minima and barriers, and those of butane and of the dipeptide along phi, are those of the program xtb.
 source "$(dirname "$0")/../../lib.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # Table 2 of the paper at 12 points a side: both molecules, verified; rounds in parts give the same
 # bytes. Leu-enkephalin with 10 points, 3.2 Å apart, or fewer is too coarse: verify finds walks that return energy.
 source "$(dirname "$0")/../../lib.sh"
