@@ -6,7 +6,7 @@
 // the ring is full because the disk is slow, ticks are dropped and counted. A play without a pace
 // has no deadlines: it writes every tick itself.
 //
-// add() takes some 0.1 us, the slow thread 1 us a tick (tests/bench/session.cpp).
+// add() takes some 0.1 us, the slow thread 1 us a tick.
 #pragma once
 
 #include <atomic>

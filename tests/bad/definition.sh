@@ -1,4 +1,3 @@
-#!/bin/bash
 # Every mistake in a MODEL.toml gets one line that says where, exit code 1, and no grid.
 source "$(dirname "$0")/../cli/lib.sh"
 

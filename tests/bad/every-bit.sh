@@ -1,4 +1,3 @@
-#!/bin/bash
 # Every bit matters: of small files of each kind that the tools make, each single flipped bit and each
 # cut is refused, or changes nothing of what is read. every_bit.cpp reads them in one process; what
 # the tools themselves say to some of it is in streams.sh.

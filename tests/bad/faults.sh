@@ -1,4 +1,3 @@
-#!/bin/bash
 # Each tool, killed at each system call that changes a file, with each of its calls refused, and within
 # limits of size, memory and descriptors: see faults.py. Here three commands are, on behalf of all; slow/faults.sh
 # has all of them (FAULTS=all), at each byte that their files may have.

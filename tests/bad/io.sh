@@ -1,4 +1,3 @@
-#!/bin/bash
 # Inputs that are no shards, and outputs that cannot be written.
 source "$(dirname "$0")/../cli/lib.sh"
 

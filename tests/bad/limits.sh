@@ -1,4 +1,3 @@
-#!/bin/bash
 # Out of room, read-only, and pipes that are closed or slow. What a single write or call meets, and
 # the limits of a process, are in faults.py.
 source "$(dirname "$0")/../cli/lib.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # Files of molecules that are none: what has no end, or is large, is refused before it is read.
 source "$(dirname "$0")/../cli/lib.sh"
 molecule=$HAPGRID_SOURCE/examples/molecule

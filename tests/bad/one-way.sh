@@ -1,4 +1,3 @@
-#!/bin/bash
 # A small shard with as many one-way links as there can be: each point has 254 levels, and all their links lead
 # to level 0. It takes no more time to load than an honest one; and a signal ends the loading at once.
 source "$(dirname "$0")/../cli/lib.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # Plug-ins that are not there, are no plug-ins, or misbehave. (Names with a path in a shard:
 # streams/.)
 source "$(dirname "$0")/../cli/lib.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # Good shards that do not belong together.
 source "$(dirname "$0")/../cli/lib.sh"
 

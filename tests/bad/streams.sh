@@ -1,4 +1,3 @@
-#!/bin/bash
 # Shards that are cut, flipped, or made to do harm: one line, exit code 1, nothing written, and no
 # more memory or time than an honest shard takes. The faults are in streams/. With STREAMS=all each is put
 # before all filters that read such a shard.

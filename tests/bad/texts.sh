@@ -1,4 +1,3 @@
-#!/bin/bash
 # Texts from outside reach the terminal without characters that change how the rest is shown: those that
 # Python's table of Unicode has as Cc, Cf, Zl and Zp, in names of files, keys, plug-ins, units and answers.
 source "$(dirname "$0")/../cli/lib.sh"

@@ -11,24 +11,20 @@
 // A line for each pair of ends: known state by the grid, by the model ("-": none), pushes. Then a
 // sum. The exit code is 1 when a push ends in no known state by the grid, or fewer than 29 of 30
 // where the model does.
-#include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <memory>
-#include <random>
 #include <utility>
-#include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/model_traversal.hpp"
-#include "libcore/model/plugin_model.hpp"
-#include "libcore/shard/load.hpp"
+#include "tests/bench/bench.hpp"
 
 namespace {
 
 using namespace hapgrid;
+using namespace hapgrid::bench;
 
 constexpr double kTick = 0.02;  // of the model's unit
 constexpr int kNone = -1;
@@ -49,19 +45,19 @@ class Pushes {
     Vec3 u{}, aim{};
     double length = 0;
     while (!(length > 0.1 && length < 1)) {
-      for (double& v : u) v = uniform(-1, 1);
+      for (double& v : u) v = uniform(random_, -1, 1);
       length = std::hypot(u[0], u[1], u[2]);
     }
     const std::size_t sphere = random_() % (centres_.size() / 3);
     double before = 1e30, behind = 1e30;  // how far the box goes
     for (int a = 0; a < 3; ++a) {
       u[a] /= length;
-      aim[a] = centres_[3 * sphere + a] + uniform(-0.8, 0.8);
+      aim[a] = centres_[3 * sphere + a] + uniform(random_, -0.8, 0.8);
       before = std::min(before, ((u[a] > 0 ? low_[a] : high_[a]) - aim[a]) / -u[a]);
       behind = std::min(behind, ((u[a] > 0 ? high_[a] : low_[a]) - aim[a]) / u[a]);
     }
     before *= 0.98;
-    const double way = before + std::min(uniform(-1, 2), 0.98 * behind);
+    const double way = before + std::min(uniform(random_, -1, 2), 0.98 * behind);
     const int ticks = static_cast<int>(std::ceil(way / kTick));
     std::vector<Vec3> path;
     for (int i = 0; i <= 2 * ticks; ++i) {
@@ -80,9 +76,6 @@ class Pushes {
   }
 
  private:
-  double uniform(double low, double high) {
-    return low + (high - low) * (static_cast<double>(random_() >> 11) * 0x1p-53);
-  }
   std::mt19937_64 random_;
   Vec3 low_, high_;
   std::vector<double> known_;
@@ -91,16 +84,11 @@ class Pushes {
 
 void follow(Traversal& traversal, const std::vector<Vec3>& path) {
   for (std::size_t i = 0; i < path.size(); ++i)
-    if (!(i == 0 ? traversal.start(path[i]) : traversal.step(path[i])).usable())
-      throw Error("a push cannot be followed to its end");
+    if (!go(traversal, path, i).usable()) throw Error("a push cannot be followed to its end");
 }
 
-int run(int argc, char** argv) {
-  const LoadedGrid loaded = load_grid(argv[1]);
-  const Grid& grid = loaded.grid;
-  const MakeModel make = [&] {
-    return Plugin(grid.spec().model, {argv[2]}).create(grid.spec().parameters);
-  };
+int run(const Grid& grid, int argc, char** argv) {
+  const MakeModel make = model_of(grid, argv[2]);
   const int count = argc > 3 ? std::atoi(argv[3]) : 150;
   const std::unique_ptr<Model> model = make();
   Pushes pushes(grid, *model, argc > 4 ? std::strtoull(argv[4], nullptr, 10) : 1);
@@ -131,14 +119,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::fprintf(stderr, "bench_basins GRID MODELS [PUSHES] [SEED]\n");
-    return 2;
-  }
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "bench_basins: %s\n", e.what());
-    return 1;
-  }
+  return bench::main_of(argc, argv, 3, "bench_basins GRID MODELS [PUSHES] [SEED]", run);
 }

@@ -17,18 +17,12 @@
 //
 // A line for each rule: kind, rule, ticks that count, % of them right, the force's error in newtons
 // (median, 99th percentile), snaps, nanoseconds a step.
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <deque>
 #include <map>
 #include <memory>
 #include <numbers>
-#include <random>
-#include <string>
-#include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
@@ -36,21 +30,15 @@
 #include "libcore/haptic/paper_traversal.hpp"
 #include "libcore/haptic/tear_function.hpp"
 #include "libcore/model/fields.hpp"
-#include "libcore/model/plugin_model.hpp"
-#include "libcore/shard/load.hpp"
+#include "tests/bench/bench.hpp"
 
 namespace {
 
 using namespace hapgrid;
+using namespace hapgrid::bench;
 
 constexpr std::size_t kTicks = 4000;  // of a path
 constexpr double kContact = 1e-6;     // newtons
-
-double uniform(std::mt19937_64& random, double low, double high) {
-  return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
-}
-
-double length(const Vec3& a) { return std::hypot(a[0], a[1], a[2]); }
 
 class Paths {
  public:
@@ -90,7 +78,7 @@ class Paths {
   }
 
   void go(std::vector<Vec3>& path, const Vec3& from, const Vec3& to) const {
-    const double way = length({to[0] - from[0], to[1] - from[1], to[2] - from[2]});
+    const double way = distance(to, from);
     const double ticks = std::ceil(way / box_.spacing * ticks_a_cell_);
     for (double i = 0; i < ticks; ++i) {
       Vec3 x;
@@ -122,7 +110,7 @@ class Paths {
     while (path.size() < kTicks) {
       path.push_back(at(t));
       const Vec3 now = at(t), soon = at(t + 1e-4);
-      const double speed = length({soon[0] - now[0], soon[1] - now[1], soon[2] - now[2]}) / 1e-4;
+      const double speed = distance(soon, now) / 1e-4;
       t += std::min(0.05, box_.spacing / ticks_a_cell_ / std::max(speed, 1e-9));
     }
     return path;
@@ -195,20 +183,13 @@ struct Figures {
   double nanoseconds = 0;
   std::vector<double> force_error;
 
-  double quantile(double q) {
-    if (force_error.empty()) return 0;
-    const auto at = force_error.begin() +
-                    static_cast<std::ptrdiff_t>(q * static_cast<double>(force_error.size() - 1));
-    std::nth_element(force_error.begin(), at, force_error.end());
-    return *at;
-  }
   void print(const char* kind, const char* rule) {
     std::printf(
         "%s\t%s\t%llu\t%.2f\t%.4f\t%.3f\t%llu\t%.1f\n", kind, rule,
         static_cast<unsigned long long>(ticks),
         100.0 * static_cast<double>(right) / static_cast<double>(std::max(ticks, std::uint64_t{1})),
-        quantile(0.5), quantile(0.99), static_cast<unsigned long long>(snaps),
-        nanoseconds / static_cast<double>(steps));
+        quantile(force_error, 0.5), quantile(force_error, 0.99),
+        static_cast<unsigned long long>(snaps), nanoseconds / static_cast<double>(steps));
   }
 };
 
@@ -219,15 +200,15 @@ class Comparison {
 
   void add(const Traversal& truth, const Traversal& play, Figures& figures) {
     const Vec3 f = fields_.force(truth.position(), truth.row());
-    if (!(length(f) > kContact)) return;
+    if (!(distance(f, {0, 0, 0}) > kContact)) return;
     const Vec3 g = fields_.force(play.position(), play.row());
-    figures.force_error.push_back(length({f[0] - g[0], f[1] - g[1], f[2] - g[2]}));
+    figures.force_error.push_back(distance(f, g));
     ++figures.ticks;
-    figures.right += distance(truth.row(), play.row()) <= right_;
+    figures.right += rms(truth.row(), play.row()) <= right_;
   }
 
  private:
-  double distance(std::span<const double> a, std::span<const double> b) const {
+  double rms(std::span<const double> a, std::span<const double> b) const {
     std::vector<float> p(3 * spheres_), q(3 * spheres_);
     fields_.shape(a, p);
     fields_.shape(b, q);
@@ -241,10 +222,6 @@ class Comparison {
   std::size_t spheres_;
 };
 
-StepResult go(Traversal& t, const std::vector<Vec3>& path, std::size_t i) {
-  return i == 0 ? t.start(path[i]) : t.step(path[i]);
-}
-
 /// The whole path by one rule, timed.
 void time(Traversal& play, const std::vector<Vec3>& path, Figures& figures) {
   const auto begin = std::chrono::steady_clock::now();
@@ -254,12 +231,8 @@ void time(Traversal& play, const std::vector<Vec3>& path, Figures& figures) {
   figures.steps += path.size();
 }
 
-int run(int argc, char** argv) {
-  const LoadedGrid loaded = load_grid(argv[1]);
-  const Grid& grid = loaded.grid;
-  const MakeModel make = [&] {
-    return Plugin(grid.spec().model, {argv[2]}).create(grid.spec().parameters);
-  };
+int run(const Grid& grid, int argc, char** argv) {
+  const MakeModel make = model_of(grid, argv[2]);
   const double right = std::atof(argv[4]);
   const int count = argc > 5 ? std::atoi(argv[5]) : 20;
   const std::uint64_t seed = argc > 6 ? std::strtoull(argv[6], nullptr, 10) : 1;
@@ -289,14 +262,6 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 5) {
-    std::fprintf(stderr, "bench_branches GRID MODELS KIND RIGHT [PATHS] [SEED] [TICKS]\n");
-    return 2;
-  }
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "bench_branches: %s\n", e.what());
-    return 1;
-  }
+  return bench::main_of(argc, argv, 5,
+                        "bench_branches GRID MODELS KIND RIGHT [PATHS] [SEED] [TICKS]", run);
 }

@@ -9,15 +9,10 @@
 // A line for each force and kind of cell: energy, records or state; whole cells, or torn ones, in
 // which the branch ends; ticks that count; the error in newtons, its median and 99th percentile;
 // nanoseconds a tick of the force alone, over all ticks.
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/check/random_hand.hpp"
@@ -26,26 +21,14 @@
 #include "libcore/haptic/model_traversal.hpp"
 #include "libcore/haptic/node_force.hpp"
 #include "libcore/haptic/record_fields.hpp"
-#include "libcore/model/plugin_model.hpp"
-#include "libcore/shard/load.hpp"
+#include "tests/bench/bench.hpp"
 
 namespace {
 
 using namespace hapgrid;
+using namespace hapgrid::bench;
 
 constexpr double kContact = 1e-6;  // newtons
-
-double distance(const Vec3& a, const Vec3& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
-
-double quantile(std::vector<double>& values, double q) {
-  if (values.empty()) return 0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 struct Force {
   const char* name;
@@ -73,10 +56,7 @@ double time(Traversal& traversal, const std::vector<Vec3>& path, const Force* fo
   const auto begin = std::chrono::steady_clock::now();
   double sum = 0;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    if (i == 0)
-      traversal.start(path[i]);
-    else
-      traversal.step(path[i]);
+    go(traversal, path, i);
     if (force) sum += force->at(traversal)[0];
   }
   const std::chrono::duration<double, std::nano> passed = std::chrono::steady_clock::now() - begin;
@@ -90,12 +70,8 @@ void measure(const Grid& grid, const std::vector<Vec3>& path, const MakeModel& m
   ModelTraversal truth(grid, make());
   BranchTraversal branch(grid, map);
   for (std::size_t i = 0; i < path.size(); ++i) {
-    const bool good = i == 0 ? truth.start(path[i]).usable() : truth.step(path[i]).usable();
-    if (!good) throw Error("the model fails on this path");
-    if (i == 0)
-      branch.start(path[i]);
-    else
-      branch.step(path[i]);
+    if (!go(truth, path, i).usable()) throw Error("the model fails on this path");
+    go(branch, path, i);
     const Vec3 model = fields.force(truth.position(), truth.row());
     const auto& nodes = branch.nodes();
     const bool torn = std::any_of(nodes.begin(), nodes.end(),
@@ -116,12 +92,8 @@ void measure(const Grid& grid, const std::vector<Vec3>& path, const MakeModel& m
   }
 }
 
-int run(int argc, char** argv) {
-  const LoadedGrid loaded = load_grid(argv[1]);
-  const Grid& grid = loaded.grid;
-  const MakeModel make = [&] {
-    return Plugin(grid.spec().model, {argv[2]}).create(grid.spec().parameters);
-  };
+int run(const Grid& grid, int argc, char** argv) {
+  const MakeModel make = model_of(grid, argv[2]);
   const std::size_t ticks = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 200'000;
   const std::uint64_t seed = argc > 4 ? std::strtoull(argv[4], nullptr, 10) : 1;
   const auto map = std::make_shared<const BranchMap>(grid);
@@ -149,14 +121,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::fprintf(stderr, "bench_force GRID MODELS [TICKS] [SEED]\n");
-    return 2;
-  }
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "bench_force: %s\n", e.what());
-    return 1;
-  }
+  return bench::main_of(argc, argv, 3, "bench_force GRID MODELS [TICKS] [SEED]", run);
 }

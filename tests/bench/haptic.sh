@@ -13,10 +13,7 @@ seconds=${2:-5} turns=${3:-4}
 source "$(dirname "$0")/lib.sh"
 
 seed "$ball" | expand --complete -j 2 -o hung-ball.grid
-molecule=$HAPGRID_SOURCE/examples/molecule/leu-enkephalin/leu-enkephalin.toml
-spacing=$(seed "$molecule" | stats --get box.spacing | awk '{ printf "%.17g", $1 * 29 / 11 }')
-seed "$molecule" --set 'grid.counts=[12,12,12]' --set "grid.spacing=$spacing" |
-  expand --complete -j 2 -o leu-enkephalin.grid
+compute leu-enkephalin "$HAPGRID_SOURCE/examples/molecule/leu-enkephalin/leu-enkephalin.toml" 12
 
 # A path that wanders through the inner half of the box, in contact and out of it, at 0.1 box sides a second.
 paths() { # GRID RATE

@@ -10,6 +10,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -18,7 +19,6 @@
 
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
-#include "tests/bench/smooth_path.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 namespace {
@@ -56,12 +56,25 @@ std::function<double(const std::vector<Vec3>&)> follower(Traversal& traversal) {
   };
 }
 
+/// A Lissajous figure that stays inside [-1, 1]^3, with steps of about the length `step`.
+std::vector<Vec3> smooth_path(double step, std::size_t count) {
+  std::vector<Vec3> path(count);
+  double t = 0;
+  for (Vec3& x : path) {
+    x = {0.97 * std::sin(t), 0.97 * std::sin(1.618 * t + 0.5), 0.97 * std::sin(2.414 * t + 1)};
+    const double speed = std::hypot(0.97 * std::cos(t), 1.57 * std::cos(1.618 * t + 0.5),
+                                    2.34 * std::cos(2.414 * t + 1));
+    t += step / std::max(speed, 0.3);
+  }
+  return path;
+}
+
 void compare(std::uint32_t side, int ticks_a_cell, int turns) {
   const double spacing = 2.0 / (side - 1);
   const Box box{{-1, -1, -1}, spacing, {side, side, side}};
   const Grid two = testing::random_grid(box, kStateSize, 2, 1);
   const Grid one = testing::random_grid(box, kStateSize, 1, 1);
-  const auto path = bench::smooth_path(spacing / ticks_a_cell, kSteps);
+  const auto path = smooth_path(spacing / ticks_a_cell, kSteps);
   PaperTraversal paper(two);
   BranchTraversal branch(one, std::make_shared<const BranchMap>(one));
   const auto follow_paper = follower(paper), follow_branch = follower(branch);

@@ -1,4 +1,3 @@
-#!/bin/bash
 # What needs no scheduler: the loop of examples/cluster/README.md, mpirun, GNU parallel, Snakemake.
 source "$(dirname "$0")/../cli/lib.sh"
 examples=$HAPGRID_SOURCE/examples/cluster

@@ -117,12 +117,13 @@ cluster_stop() {
 in_allocation() { salloc -Q -n "$1" "${@:2}" >out 2>err || fail "$(tail -n 20 err out)"; }
 export PATH=$HAPGRID_SOURCE/examples/cluster:$PATH
 
-# define MILLISECONDS: my.toml, a small hung ball whose conversions take so long, and `reference`, what one
-# process makes of it.
+# define MILLISECONDS: my.toml, a toy whose conversions take so long, and `reference`, what one process makes of it.
 export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins
 define() {
-  sed "s/^plugin = .*/plugin = \"sleeper\"/; s/^radius/milliseconds = $1\nradius/
-       s/^counts = .*/counts = [4, 6, 6]/; s/^spacing = .*/spacing = 0.15/" "$ball" >my.toml
+  cat >my.toml <<TOML
+model = {plugin = "toy", parameters = {amplitude = 0, milliseconds = $1}}
+grid = {origin = [0, 0, 0], spacing = 1, counts = [4, 6, 6]}
+TOML
   seed my.toml | expand --complete -j 32 -o reference
 }
 

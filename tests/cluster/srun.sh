@@ -1,4 +1,3 @@
-#!/bin/bash
 # Rounds on Slurm inside an allocation: one srun a round, one srun a part by make, and a batch job.
 source "$(dirname "$0")/../cli/lib.sh"
 source "$here/slurm.sh"

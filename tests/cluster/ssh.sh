@@ -1,4 +1,3 @@
-#!/bin/bash
 # Parts that GNU parallel starts over ssh.
 source "$(dirname "$0")/../cli/lib.sh"
 needs sshd openssh-server

@@ -1,4 +1,3 @@
-#!/bin/bash
 # play with a gamepad that rumbles and a stick with force, as the kernel shows them; uinput makes both. The hand goes
 # from the middle to the left end of the box, pushes the ball there, and it snaps. What ends the play: its duration; a
 # device that takes no effect any more; SIGSTOP; SIGKILL; the cable.

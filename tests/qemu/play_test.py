@@ -1,10 +1,11 @@
-"""What play-test.sh's machine wrote: GOT, the positions that the device sent, where to put the session."""
+"""What play-test.sh's machine wrote: GOT, the positions that the device sent. It leaves log.session and there.txt."""
 import base64
 import json
 import re
+import subprocess
 import sys
 
-got, positions, session = sys.argv[1:]
+got, positions = sys.argv[1:]
 parts = {}
 for line in open(got):
     line = line.rstrip("\r\n")
@@ -34,7 +35,7 @@ report = json.loads("\n".join(parts["report"]))
 assert report["ticks"] == 5000 and report["missed"] == 0 and report["overruns"] == 0, report
 assert report["device"] == "test device" or "test device" in report["device"], report
 assert exit_code(parts["5000 ticks"]) == ["exit 0"], parts["5000 ticks"]
-open(session, "wb").write(base64.b64decode("".join(parts["session"])))
+open("log.session", "wb").write(base64.b64decode("".join(parts["session"])))
 forces = [tuple(map(int, line.split())) for line in parts["record"]]
 assert len(forces) > 2500 and forces[-1] == (0, 0, 0), (len(forces), forces[-3:])
 strongest = max(abs(f[0]) for f in forces)
@@ -83,3 +84,39 @@ for name, code in (("interrupted", "exit 130"), ("killed", "exit 137")):
 # What is there.
 lines = parts["list"]
 assert "/dev/hidraw0\t16c0:0486\t-\tffab:0200\t-\tTeensy RawHID" in lines, lines
+
+# What went over the wire at 5,000 ticks against the session's text.
+subprocess.run(["stats", "--log", "log.session", "--export", "there.txt"], check=True, stdout=subprocess.DEVNULL)
+ticks = [line.split("\t") for line in open("there.txt") if not line.startswith("#")]
+hips = [tuple(map(float, t[1:4])) for t in ticks]
+sent_forces = [tuple(map(float, t[7:10])) for t in ticks]
+
+# Positions: 0.2 m of reach fill 1.9 along x, so 9.5 units a metre, from the box's middle, which is at
+# (-0.025, -0.025, -0.025). Each HIP is one that the device sent, in their order, none older than the
+# third newest (a report a tick, and both at 5 kHz).
+sent = [9.5e-6 * float(line.split()[0]) - 0.025 for line in open(positions)]
+at = 0
+for tick, (x, y, z) in enumerate(hips):
+    while at < len(sent) and abs(sent[at] - x) > 1e-9:
+        at += 1
+    assert at < len(sent), f"tick {tick}: {x} is no position of the device after the one before"
+    assert abs(y + 0.025) < 1e-9 and abs(z + 0.025) < 1e-9, (y, z)
+assert at > 4900, at
+
+def is_of(force, report):
+    """Whether a report has this force in whole millinewtons, rounded towards zero."""
+    return all(abs(w) <= abs(1000 * f) + 1e-6 and abs(1000 * f - w) < 1 + 1e-6 for f, w in zip(force, report))
+
+
+# Forces: each report is what a tick had, in their order; what was replaced before it was written is
+# left out, and that are few.
+tick = 0
+for number, report in enumerate(forces[:-1]):  # the last one is the stop's zero
+    while tick < len(sent_forces) and not is_of(sent_forces[tick], report):
+        tick += 1
+    if tick == len(sent_forces):
+        rest = forces[number:]
+        assert len(rest) <= 3 and all(w == (0, 0, 0) for w in rest), (number, rest[:5])
+        break
+assert len(forces) > 4500, len(forces)
+print(f"{len(hips)} positions and {len(forces)} forces are the device's and the session's")

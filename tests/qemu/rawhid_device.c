@@ -1,4 +1,4 @@
-/* rawhid-device [--rate HZ] [--unplug-after N [--silent MS]] [--priority P] POSITIONS
+/* rawhid-device [--rate HZ] [--unplug-after N [--silent MS]] POSITIONS
  *
  * A device for the hand with three axes and a force: 64-byte reports without an id in both
  * directions, "Teensy RawHID", vendor 16c0, product 0486, all numbers little-endian:
@@ -24,14 +24,18 @@
  *   TIME end REPORTS LATE  how many input reports went out, the latest of them LATE microseconds
  *                          behind its time
  *
- * P is a priority of SCHED_FIFO (default 60): the device is no process of the machine it is plugged
- * into, so nothing there may hold it up. */
+ * Its priority is 60 of SCHED_FIFO: the device is no process of the machine it is plugged into, so
+ * nothing there may hold it up. What an emulated HID device needs of Linux is in
+ * Documentation/hid/uhid.rst. */
 #define _GNU_SOURCE
 #include <inttypes.h>
+#include <linux/input.h>
+#include <linux/uhid.h>
 #include <poll.h>
 #include <sched.h>
+#include <signal.h>
 
-#include "tests/qemu/uhid.h"
+#include "tests/qemu/device.h"
 
 /* Teensy RawHID: 64 bytes each way, no report id. */
 static const unsigned char descriptor[] = {
@@ -39,28 +43,56 @@ static const unsigned char descriptor[] = {
     0x00, 0x95, 0x40, 0x09, 0x01, 0x81, 0x02, 0x95, 0x40, 0x09, 0x02, 0x91, 0x02, 0xc0,
 };
 
-struct record {
-  int64_t time_ns;
-  char what; /* o open, c close, f force, s short */
-  int16_t force[3];
-  uint16_t flags;
-};
+static void uhid_send(int fd, const struct uhid_event* event) {
+  if (write(fd, event, sizeof *event) != (ssize_t)sizeof *event) die("write to /dev/uhid");
+}
 
-static struct record* records;
-static size_t record_count, record_room;
+static int create(void) {
+  const int fd = open("/dev/uhid", O_RDWR | O_CLOEXEC);
+  if (fd < 0) die("/dev/uhid");
+  static struct uhid_event event = {.type = UHID_CREATE2};
+  struct uhid_create2_req* device = &event.u.create2;
+  strcpy((char*)device->name, "Teensy RawHID");
+  device->rd_size = sizeof descriptor;
+  device->bus = BUS_USB;
+  device->vendor = 0x16c0;
+  device->product = 0x0486;
+  memcpy(device->rd_data, descriptor, sizeof descriptor);
+  uhid_send(fd, &event);
+  return fd;
+}
+
+static void uhid_input(int fd, const void* report, size_t size) {
+  static struct uhid_event event;
+  event.type = UHID_INPUT2;
+  event.u.input2.size = (uint16_t)size;
+  memcpy(event.u.input2.data, report, size);
+  uhid_send(fd, &event);
+}
+
+/* SIGTERM says that the record is wanted: it interrupts what waits in a ppoll() with `*waiting`. */
+static volatile sig_atomic_t ended = 0;
+static void on_term(int signal_number) {
+  (void)signal_number;
+  ended = 1;
+}
+static void catch_term(sigset_t* waiting) {
+  const struct sigaction action = {.sa_handler = on_term};
+  sigset_t blocked;
+  sigemptyset(&blocked);
+  sigaddset(&blocked, SIGTERM);
+  sigaction(SIGTERM, &action, NULL);
+  sigprocmask(SIG_BLOCK, &blocked, waiting);
+  sigdelset(waiting, SIGTERM);
+}
+
+static FILE* record; /* in memory */
 static int64_t first_open = -1;
 
-static struct record* add(char what) {
-  if (record_count == record_room) {
-    record_room = record_room ? 2 * record_room : 65536;
-    records = realloc(records, record_room * sizeof *records);
-    if (!records) die("memory");
-  }
-  struct record* r = &records[record_count++];
-  memset(r, 0, sizeof *r);
-  r->time_ns = now_ns();
-  r->what = what;
-  return r;
+/* Begins a line of the record. */
+static FILE* say(void) {
+  fprintf(record, "%.3f ", (double)(now_ns() - first_open) / 1e3);
+  return record;
 }
 
 static void put32(unsigned char* at, uint32_t value) {
@@ -71,22 +103,20 @@ static uint16_t get16(const unsigned char* at) { return (uint16_t)(at[0] | at[1]
 
 static void handle(const struct uhid_event* event, int* is_open) {
   if (event->type == UHID_OPEN) {
-    const struct record* r = add('o');
-    if (first_open < 0) first_open = r->time_ns;
+    if (first_open < 0) first_open = now_ns();
+    fputs("open\n", say());
     *is_open = 1;
   } else if (event->type == UHID_CLOSE) {
-    add('c');
+    fputs("close\n", say());
     *is_open = 0;
   } else if (event->type == UHID_OUTPUT) {
     /* uhid passes on the 0 that stands for the id; on a USB cable there is none. */
     const unsigned char* data = event->u.output.data + 1;
-    if (event->u.output.size != 65 || event->u.output.data[0] != 0) {
-      add('s')->flags = event->u.output.size;
-      return;
-    }
-    struct record* r = add('f');
-    for (int i = 0; i < 3; ++i) r->force[i] = (int16_t)get16(data + 2 * i);
-    r->flags = get16(data + 6);
+    if (event->u.output.size != 65 || event->u.output.data[0] != 0)
+      fprintf(say(), "short %u\n", event->u.output.size);
+    else
+      fprintf(say(), "out %d %d %d %u\n", (int16_t)get16(data), (int16_t)get16(data + 2),
+              (int16_t)get16(data + 4), get16(data + 6));
   }
 }
 
@@ -113,27 +143,10 @@ static int32_t (*read_positions(const char* name, size_t* count))[3] {
   return positions;
 }
 
-static void print_record(int64_t sent, int64_t latest_ns) {
-  for (size_t i = 0; i < record_count; ++i) {
-    const struct record* r = &records[i];
-    printf("%.3f ", (double)(r->time_ns - first_open) / 1e3);
-    if (r->what == 'o') puts("open");
-    if (r->what == 'c') puts("close");
-    if (r->what == 's') printf("short %u\n", r->flags);
-    if (r->what == 'f') {
-      printf("out %d %d %d %u\n", r->force[0], r->force[1], r->force[2], r->flags);
-    }
-  }
-  const int64_t end = first_open < 0 ? 0 : now_ns() - first_open;
-  printf("%.3f end %" PRId64 " %.3f\n", (double)end / 1e3, sent, (double)latest_ns / 1e3);
-  fflush(stdout);
-}
-
 int main(int argc, char** argv) {
   double rate = 1000;
   int64_t unplug_after = -1;
   int64_t silent_ns = 0;
-  int priority = 60;
   const char* script = NULL;
   for (int i = 1; i < argc; ++i) {
     if (!strcmp(argv[i], "--rate") && i + 1 < argc) {
@@ -142,27 +155,25 @@ int main(int argc, char** argv) {
       unplug_after = atoll(argv[++i]);
     } else if (!strcmp(argv[i], "--silent") && i + 1 < argc) {
       silent_ns = 1000000 * (int64_t)atoll(argv[++i]);
-    } else if (!strcmp(argv[i], "--priority") && i + 1 < argc) {
-      priority = atoi(argv[++i]);
     } else {
       script = argv[i];
     }
   }
   if (!script || !(rate > 0)) {
-    fputs(
-        "usage: rawhid-device [--rate HZ] [--unplug-after N [--silent MS]] [--priority P] "
-        "POSITIONS\n",
-        stderr);
+    fputs("usage: rawhid-device [--rate HZ] [--unplug-after N [--silent MS]] POSITIONS\n", stderr);
     return 2;
   }
   size_t count = 0;
   int32_t(*positions)[3] = read_positions(script, &count);
-  const struct sched_param scheduling = {.sched_priority = priority};
+  const struct sched_param scheduling = {.sched_priority = 60};
   if (sched_setscheduler(0, SCHED_FIFO, &scheduling) != 0) die("SCHED_FIFO");
+  /* To make room in between would take the machine's one processor too long. */
+  static char text[1 << 22];
+  record = fmemopen(text, sizeof text, "w");
   sigset_t waiting;
   catch_term(&waiting);
 
-  const int fd = uhid_create("Teensy RawHID", 0x16c0, 0x0486, descriptor, sizeof descriptor);
+  const int fd = create();
   static struct uhid_event event;
   int is_open = 0;
   int64_t sent = 0;
@@ -187,11 +198,15 @@ int main(int argc, char** argv) {
     const struct timespec timeout = {left / 1000000000, left % 1000000000};
     struct pollfd poll_fd = {.fd = fd, .events = POLLIN};
     if (ppoll(&poll_fd, 1, is_open ? &timeout : NULL, &waiting) > 0) {
-      uhid_read(fd, &event);
+      if (read(fd, &event, sizeof event) < 0) die("read from /dev/uhid");
       handle(&event, &is_open);
     }
   }
-  if (unplug_after >= 0 && sent >= unplug_after) uhid_destroy(fd);
-  print_record(sent, latest_ns);
+  if (unplug_after >= 0 && sent >= unplug_after)
+    uhid_send(fd, &(struct uhid_event){.type = UHID_DESTROY});
+  if (first_open < 0) first_open = now_ns();
+  fprintf(say(), "end %" PRId64 " %.3f\n", sent, (double)latest_ns / 1e3);
+  fclose(record);
+  fputs(text, stdout);
   return 0;
 }

@@ -11,11 +11,12 @@
  *   TIME upload ID rumble STRONG WEAK LENGTH | TIME upload ID constant LEVEL DIRECTION LENGTH
  *   TIME erase ID | TIME play ID TIMES | TIME set CODE VALUE */
 #define _GNU_SOURCE
+#include <linux/input.h>
 #include <linux/uinput.h>
 #include <poll.h>
 #include <sys/ioctl.h>
 
-#include "tests/qemu/uhid.h"
+#include "tests/qemu/device.h"
 
 enum { kHalf = 32767, kStepMs = 4, kWayMs = 1200, kPauseMs = 100 };
 

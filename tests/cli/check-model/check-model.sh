@@ -1,4 +1,3 @@
-#!/bin/bash
 # check-model: a model that is fine, and one fault at a time in a model process that was, each found by
 # the check that is meant for it.
 source "$(dirname "$0")/../lib.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # What differs from run to run goes to --cost, as one JSON line.
 source "$(dirname "$0")/../lib.sh"
 

@@ -1,4 +1,3 @@
-#!/bin/bash
 # Conversions of a frontier: parts, threads, where the input comes from.
 source "$(dirname "$0")/../lib.sh"
 

@@ -1,4 +1,3 @@
-#!/bin/bash
 # expand --part auto: the part that a launcher's environment gives a process, and what it does where
 # the part's file is there already.
 source "$(dirname "$0")/../lib.sh"

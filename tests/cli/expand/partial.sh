@@ -1,4 +1,3 @@
-#!/bin/bash
 # expand --complete keeps a whole generation beside its output, and goes on from it: after the level limit, an
 # error of the model, and a kill. The grid has the same bytes in the end.
 source "$(dirname "$0")/../lib.sh"

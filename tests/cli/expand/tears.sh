@@ -1,4 +1,3 @@
-#!/bin/bash
 # The round of tear fractions: its parts, what it costs, what does not fit, and grids without it.
 source "$(dirname "$0")/../lib.sh"
 

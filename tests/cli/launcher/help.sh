@@ -1,4 +1,3 @@
-#!/bin/bash
 # The help of each tool is short enough to read, and its manual page has what a reader looks for.
 source "$(dirname "$0")/../lib.sh"
 export LC_ALL=C.UTF-8

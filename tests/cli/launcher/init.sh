@@ -1,4 +1,3 @@
-#!/bin/bash
 # hapgrid init: in each language, make in the new folder leaves a grid with the same records, and make play plays it
 # to the snaps that the closed form has. From the build's folder, and from an installation.
 source "$(dirname "$0")/../lib.sh"

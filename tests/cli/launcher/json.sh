@@ -1,4 +1,3 @@
-#!/bin/bash
 # JSON of every tool that writes some has the keys that its manual page lists, all of them and no others, and a version.
 source "$(dirname "$0")/../lib.sh"
 

@@ -1,4 +1,3 @@
-#!/bin/bash
 # An option that can be given several times takes one value each time, so that the file behind it is read;
 # a filter that reads a terminal says so.
 source "$(dirname "$0")/../lib.sh"

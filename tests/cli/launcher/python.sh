@@ -1,4 +1,3 @@
-#!/bin/bash
 # The Python module: serve() answers for a model as the protocol says, whatever the model prints, and read() has what
 # the dump and the text of a session say.
 source "$(dirname "$0")/../lib.sh"

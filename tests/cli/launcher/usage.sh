@@ -1,4 +1,3 @@
-#!/bin/bash
 # A mistake in a command line: one line, exit code 2, and nothing is read or written. Options that one filter alone has
 # are in its own folder; help.sh looks at the help.
 source "$(dirname "$0")/../lib.sh"

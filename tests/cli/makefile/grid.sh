@@ -1,4 +1,3 @@
-#!/bin/bash
 # Makefile.example's grid: any PARTS, parts that fail or get lost, a signal, a changed definition, two makes at once.
 source "$(dirname "$0")/../lib.sh"
 

@@ -1,4 +1,3 @@
-#!/bin/bash
 # merge streams: under 200 MB on 128^3 points (issue 2), in a generation that touches every point
 # and has more requests than any of the hung ball's.
 source "$(dirname "$0")/../lib.sh"

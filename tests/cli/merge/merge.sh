@@ -1,4 +1,3 @@
-#!/bin/bash
 # A generation's requests into the grid; a finished grid that is stored small.
 source "$(dirname "$0")/../lib.sh"
 

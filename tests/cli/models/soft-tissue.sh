@@ -1,4 +1,3 @@
-#!/bin/bash
 # The block of soft tissue: a small grid is complete and verifies, is the same from one process and in
 # rounds, and is played without the model. Refusals are one line.
 source "$(dirname "$0")/../lib.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # The commands of examples/guide/your-own-model.md, as a reader would type them.
 source "$(dirname "$0")/../lib.sh"
 

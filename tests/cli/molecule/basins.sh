@@ -1,4 +1,3 @@
-#!/bin/bash
 # Paths that go on behind their saddles: the committed one, and `hapgrid molecule --basins` with GFN-FF.
 source "$(dirname "$0")/../lib.sh"
 molecules=$HAPGRID_SOURCE/examples/molecule
@@ -31,14 +30,7 @@ grep -qP '^C2-C3-C4-F5\t.*\tno\tthe minima at t = .* together are .* kJ/mol by x
   fail "$(cat fluoro/rotors.tsv)"
 METHOD=(--gfnff)
 turn=fluoro/F1-C2-C3-C4.xyz
-start=$(xtb_energy fluoro/conformation.xyz 1)
-seen=
-for n in $(awk 'NF == 1 { n++; getline; if (/nimag=/) print n }' "$turn"); do
-  seen+=$(word "$turn" "$n" nimag)
-  got=$(awk -v a="$start" -v b="$(xtb_energy "$turn" "$n")" 'BEGIN { print (b - a) * 2625.4996394799 }')
-  within "energy of frame $n" "$got" "$(awk -v e="$(word "$turn" "$n" dE)" 'BEGIN { print e - 0.01 }')" \
-    "$(awk -v e="$(word "$turn" "$n" dE)" 'BEGIN { print e + 0.01 }')"
-done
+turning_points "$turn" fluoro/conformation.xyz
 [[ $seen =~ ^(1?0)(10)+1?$ ]] || fail "minima and saddles do not alternate: $seen"
 grep -q 'over its barrier, goes round' fluoro/path-F1-C2-C3-C4.txt || fail "no way over the barrier"
 [[ -s fluoro/behind.png && -s fluoro/after.png ]] || fail "no pictures"

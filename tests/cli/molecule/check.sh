@@ -1,4 +1,3 @@
-#!/bin/bash
 # molecule-check: the committed paths are sane together; one more of leu-enkephalin's is too many. The nearest atoms
 # that it reports are as near in the shape that it prints.
 source "$(dirname "$0")/../lib.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # The stiffness that `hapgrid molecule` chooses: for made-up Hessians of closed form, and for a grid that breaks a rule.
 source "$(dirname "$0")/../lib.sh"
 /usr/bin/python3 "$here/stiffness.py" "$HAPGRID_SOURCE/examples/molecule" || fail "see above"

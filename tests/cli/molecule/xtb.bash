@@ -45,3 +45,14 @@ energies() {
         'BEGIN { printf "%.6f", dE - (b - a) * 2625.4996394799 }')" -0.001 0.001
   done
 }
+
+# turning_points FILE START: the same of its minima and saddles, to 0.01 kJ/mol above START's frame. $seen is their nimag.
+turning_points() {
+  local n start got
+  start=$(xtb_energy "$2" 1) seen=
+  for n in $(awk 'NF == 1 { n++; getline; if (/nimag=/) print n }' "$1"); do
+    seen+=$(word "$1" "$n" nimag)
+    got=$(awk -v a="$start" -v b="$(xtb_energy "$1" "$n")" 'BEGIN { print (b - a) * 2625.4996394799 }')
+    within "dE of frame $n of $1 less xtb's" "$(awk -v a="$(word "$1" "$n" dE)" -v b="$got" 'BEGIN { print a - b }')" -0.01 0.01
+  done
+}

@@ -1,4 +1,3 @@
-#!/bin/bash
 # The hung ball's grid against its closed form (issue 2, point 5): each stored angle is a feasible
 # state, and each point has as many levels as states that can be reached there.
 source "$(dirname "$0")/../lib.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # -o FILE appears whole or not at all; nothing is left beside it, hidden files included.
 source "$(dirname "$0")/../lib.sh"
 export HAPGRID_MODEL_PATH=$HAPGRID_BUILD/tests/plugins

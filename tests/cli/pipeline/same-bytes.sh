@@ -1,4 +1,3 @@
-#!/bin/bash
 # The same model and grid give the same bytes, however they were computed (design section 2).
 source "$(dirname "$0")/../lib.sh"
 

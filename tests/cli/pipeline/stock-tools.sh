@@ -1,4 +1,3 @@
-#!/bin/bash
 # Every kind of shard is read by the stock tools, and says what it should.
 source "$(dirname "$0")/../lib.sh"
 

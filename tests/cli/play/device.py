@@ -1,5 +1,4 @@
 """Plays with devices behind standin/hidapi.c: a Teensy with the shipped profile, PLUGINS has `stuck`; a SpaceMouse."""
-import collections
 import os
 import re
 import selectors
@@ -11,6 +10,8 @@ import sys
 import threading
 import time
 
+import system_calls
+
 plugins = sys.argv[1]
 source, build = os.environ["HAPGRID_SOURCE"], os.environ["HAPGRID_BUILD"]
 TEENSY = "/dev/hidraw7\t16c0\t0486\t\tPJRC\tTeensy RawHID\tffab\t0200\t0"
@@ -20,9 +21,9 @@ environment = dict(os.environ, HAPGRID_STANDIN=os.path.abspath("socket"),
 PROFILE = f"{source}/examples/devices/teensy-rawhid.toml"
 
 
-def report(x_mm, buttons=0):
+def report(x_mm):
     """An input report of the profile: nanometres behind four bytes."""
-    return struct.pack("<BBxx3i48x", 0x48, buttons, int(x_mm * 1e6), 0, 0)
+    return struct.pack("<BBxx3i48x", 0x48, 0, int(x_mm * 1e6), 0, 0)
 
 
 class Device:
@@ -105,15 +106,17 @@ def play(*options, grid="stuck.0", wrapper=(), device=f"profile:{PROFILE}"):
                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
+def wait(until, what):
+    deadline = time.monotonic() + 30
+    while not until():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.01)
+
+
 def await_force(device, process):
     """Until the whole half newton is on the device."""
-    deadline = time.monotonic() + 30
-    while time.monotonic() < deadline and process.poll() is None:
-        if any(force(w) == 500 for w in device.written):
-            return
-        time.sleep(0.02)
-    process.kill()
-    sys.exit(f"no force came: {process.communicate()[1]}")
+    wait(lambda: process.poll() is not None or any(force(w) == 500 for w in device.written), "no force came")
+    assert process.poll() is None, process.communicate()[1]
 
 
 def case(name, disturb, code, line, grid="stuck.0", reachable=True):
@@ -131,10 +134,7 @@ def case(name, disturb, code, line, grid="stuck.0", reachable=True):
         return [force(w) for w in device.written[-2:]]
 
     # The guard writes from another process, perhaps a moment later.
-    deadline = time.monotonic() + 10
-    while reachable and last() != [0, "stop"]:
-        assert time.monotonic() < deadline, (name, last())
-        time.sleep(0.02)
+    wait(lambda: not reachable or last() == [0, "stop"], name)
     device.end()
     print(f"{name}: {len(device.written)} reports, the last {last()}")
 
@@ -143,9 +143,7 @@ def move(x_mm):
     return lambda device, process: setattr(device, "report", report(x_mm))
 
 
-# HUP, TSTP and an abort are in process.py.
-case("interrupted", lambda device, process: process.send_signal(signal.SIGINT), 130,
-     r"^play: [0-9]+ ticks, ")
+# Signals, an abort and the clutch are in process.py.
 case("broken", lambda device, process: device.messages.append(b"eburnt out"), 1, r"^play: device: .*burnt out")
 case("vanished", lambda device, process: setattr(device, "gone", True), 1, r"^play: device: ",
      reachable=False)
@@ -156,28 +154,11 @@ case("hangs", move(60), 1, r"^play: the haptic loop hangs, .*zero force was sent
 def stand_still(device, process):
     """The guard lets go while the program stands still; then it goes on."""
     process.send_signal(signal.SIGSTOP)
-    deadline = time.monotonic() + 20
-    while force(device.written[-1]) != "stop":
-        assert time.monotonic() < deadline, "stopped, and the force is left on the device"
-        time.sleep(0.02)
+    wait(lambda: force(device.written[-1]) == "stop", "stopped, and the force is left on the device")
     process.send_signal(signal.SIGCONT)
 
 
 case("stopped", stand_still, 1, r"^play: device: .*: the program stood still, and its guard sent zero force$")
-
-# The clutch's button takes the force away, and gives it back.
-device = Device()
-process = play()
-await_force(device, process)
-count = len(device.written)
-device.report = report(-40, buttons=1)
-deadline = time.monotonic() + 20
-while time.monotonic() < deadline and all(force(w) != 0 for w in device.written[count:]):
-    time.sleep(0.02)
-assert any(force(w) == 0 for w in device.written[count:]), "the clutch did nothing"
-process.send_signal(signal.SIGINT)
-process.communicate(timeout=30)
-device.end()
 
 # System calls of the haptic thread: sleeping, and the semaphore that wakes the device's writer.
 device = Device()
@@ -185,14 +166,8 @@ process = play("--rate", "500", "--duration", "1", "--log", "log.session", "--fr
                wrapper=("strace", "-f", "-o", "trace"))
 error = process.communicate(timeout=60)[1]
 assert process.returncode == 0, error
-lines = [text.split(None, 1) for text in open("trace")]
-mine = [text for pid, text in lines if pid == lines[0][0]]
-# The loop's are until a time; who waits for the guard at the end sleeps for some.
-sleeps = [i for i, text in enumerate(mine) if text.startswith("clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME")]
-calls = collections.Counter(re.match(r"(?:<\.\.\. )?(\w+)", text).group(1)
-                            for text in mine[sleeps[0]:sleeps[-1]])
-assert len(sleeps) > 100 and set(calls) <= {"clock_nanosleep", "clock_gettime", "futex"}, calls
-assert calls["futex"] <= 2 * len(sleeps) + 2, calls  # one that is interrupted is two lines
+calls = system_calls.check("trace", "futex")
+assert calls["futex"] <= 2 * calls["clock_nanosleep"] + 2, calls  # one that is interrupted is two lines
 device.end()
 print("system calls:", dict(calls))
 
@@ -201,10 +176,7 @@ print("system calls:", dict(calls))
 device = Device(SPACEMOUSE, struct.pack("<B3h", 1, -175, 0, 0))
 process = play("--rate", "500", "--duration", "1", "--set", "mapping.speed=0.4", "--log", "mouse.session",
                device="spacemouse")
-deadline = time.monotonic() + 30
-while not os.path.exists("mouse.session"):  # the device is open
-    assert time.monotonic() < deadline, "no log"
-    time.sleep(0.01)
+wait(lambda: os.path.exists("mouse.session"), "no log")  # the device is open
 device.messages.append(b"i" + struct.pack("<BH", 3, 2))
 error = process.communicate(timeout=60)[1]
 assert process.returncode == 0, error

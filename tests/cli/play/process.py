@@ -9,6 +9,8 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 
+import system_calls
+
 plugins = f"{os.environ['HAPGRID_BUILD']}/tests/plugins"
 ADAPTER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "adapter.py")
 # Seconds from the fault until nothing pushes the hand: play's patience, and what a busy machine may add.
@@ -236,17 +238,13 @@ def real_time():
     if os.environ.get("HAPGRID_WRAPPER"):
         return
     trace = subprocess.run(
-        ["strace", "-o", "trace", "play", "stuck.0", "--device",
+        ["strace", "-f", "-o", "trace", "play", "stuck.0", "--device",
          f"process:/usr/bin/python3 {ADAPTER} record.trace good", "--model-path", plugins, "--force", "state",
          "--rate", "200", "--duration", "0.5", "--log", "trace.session"],
         env=dict(os.environ, ASAN_OPTIONS="detect_leaks=0"), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     assert trace.returncode == 0, trace.stderr
-    calls = re.findall(r"^(\w+)\(", open("trace").read(), re.M)
-    sleeps = [i for i, call in enumerate(calls) if call == "clock_nanosleep"]
-    between = [call for call in calls[sleeps[0]:sleeps[-1]] if call != "clock_gettime"]
-    # Since -f is missing, it is the thread that the program began with.
-    assert set(between) == {"clock_nanosleep", "recvfrom", "sendto"}, set(between)
-    assert abs(between.count("recvfrom") - between.count("sendto")) <= 1 and len(sleeps) > 50
+    calls = system_calls.check("trace", "recvfrom", "sendto")
+    assert abs(calls["recvfrom"] - calls["sendto"]) <= 1, calls
     print("real time: done")
 
 

@@ -1,4 +1,3 @@
-#!/bin/bash
 # Sect. 2.2: force, energy and shape that are stored with the states and interpolated, against those
 # that play evaluates, on the hung ball. Also: play needs no plug-in for what is stored.
 source "$(dirname "$0")/../lib.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # What a model process is not allowed to do, or does wrong, ends in one line and leaves no half file.
 source "$(dirname "$0")/../lib.sh"
 processes=$HAPGRID_SOURCE/tests/unit/model/processes

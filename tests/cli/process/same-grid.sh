@@ -1,4 +1,3 @@
-#!/bin/bash
 # A model as a process: the one in Python finds what the plug-in finds, and the grid does
 # not depend on how its processes worked.
 source "$(dirname "$0")/../lib.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # Definitions, overrides and seeds, as they stand in the grid that seed writes.
 source "$(dirname "$0")/../lib.sh"
 

@@ -60,17 +60,11 @@ shoot() {
   mv hapgrid-*.png "$1"
 }
 
-# To the left of the ball, and from there to the right through it. Between the two the key t takes the mouse from the
-# hand: it turns the view.
+# To the left of the ball, and from there to the right through it.
 push() {
   feel --log hand.session
   mouse -20 0 20
   shoot left.png
-  xdotool key t
-  mouse 0 20 5
-  shoot turned.png
-  cmp -s left.png turned.png && fail "t does not turn the view"
-  xdotool key t r
   xdotool click 4 # away, by a fortieth of the box
   shoot back.png # drawn after the keys were read: on a busy machine the moves could come before them
   mouse 20 0 40
@@ -96,14 +90,12 @@ assert min(xs) < -0.6 and xs[-1] > 0.6, (min(xs), xs[-1])
 # The ball is pushed to the right, and falls back in one tick.
 snaps = [i for i in range(1, len(rows)) if rows[i - 1]["s0"] - rows[i]["s0"] > 0.1]
 assert len(snaps) == 1 and rows[snaps[0] - 1]["x"] > 0, snaps
-# The wheel took the HIP along y, and the turning of the view moved it nowhere.
+# The wheel took the HIP along y.
 far = max(row["y"] for row in rows) - rows[0]["y"]
 assert 0.03 < far < 0.12, far
-# 100 pixels down would be 0.26.
-assert abs(rows[-1]["z"] - rows[0]["z"]) < 0.05, (rows[0]["z"], rows[-1]["z"])
 PYTHON
 
-# A signal and the end of the play close all of it.
+# A signal closes all of it.
 stop() {
   feel --log other.session
   kill -TERM $feel
@@ -116,9 +108,3 @@ stop() {
   ! xdotool search --name '^hung-ball - hapgrid view$' || fail "there is still a window"
 }
 in_time err attempt stop
-short() {
-  hapgrid feel grid --duration 1 2>err || fail "$(cat err)"
-  grep -q '^play: hand at 1000 Hz' err || fail "$(cat err)"
-  nothing_left tmp
-}
-in_time err attempt short

@@ -11,16 +11,10 @@ import sys
 from png import decode
 
 
-def palette(n):
-    """xterm's 256 colours."""
-    if n < 16:
-        full = 255 if n > 7 else 205
-        return (127,) * 3 if n == 8 else (229,) * 3 if n == 7 else tuple(
-            full * (n >> bit & 1) for bit in range(3))
-    if n < 232:
-        n -= 16
-        return tuple(55 + 40 * v if v else 0 for v in (n // 36, n // 6 % 6, n % 6))
-    return (8 + 10 * (n - 232),) * 3
+def basic(n):
+    """The first 16 colours of xterm."""
+    full = 255 if n > 7 else 205
+    return (127,) * 3 if n == 8 else (229,) * 3 if n == 7 else tuple(full * (n >> bit & 1) for bit in range(3))
 
 
 def covered(symbol):
@@ -58,18 +52,13 @@ def cells(line, state):
                 front, back, turned = PLAIN
             elif code in (7, 27):
                 turned = code == 7
-            elif code in (38, 48):
-                kind = codes.pop(0)
-                colour = palette(codes.pop(0)) if kind == 5 else tuple(
-                    codes.pop(0) for _ in range(3))
+            elif code in (38, 48):  # true colour
+                assert codes.pop(0) == 2, codes
+                colour = tuple(codes.pop(0) for _ in range(3))
                 front, back = (colour, back) if code == 38 else (front, colour)
-            elif code == 39:
-                front = (229,) * 3
-            elif code == 49:
-                back = (0,) * 3
-            elif code not in (1, 22):
-                n = code % 10 + (8 if code >= 90 else 0)
-                front, back = ((palette(n), back) if code // 10 in (3, 9) else (front, palette(n)))
+            elif code not in (1, 22):  # 39, 49: the usual ones
+                colour = basic(code % 10 + (8 if code >= 90 else 0)) if code % 10 < 8 else PLAIN[code // 10 - 3]
+                front, back = (colour, back) if code // 10 in (3, 9) else (front, colour)
     return result, (front, back, turned)
 
 

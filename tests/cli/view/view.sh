@@ -104,17 +104,9 @@ cat x.frames scene >twice
 refuses "view: twice: byte $(stat -c %s x.frames): a second scene" -- view twice
 tail -c +$((size + 1)) x.frames >headless
 refuses 'view: headless: byte 0: not a stream of frames: no scene in front' -- view headless
-# Another version, and values that cannot be, by the stock tools.
-capnp decode "$frames" Message <scene >text
-change() { sed "$1" text | capnp encode "$frames" Message; }
-change 's/version = 1/version = 2/' >changed
+# Another version, by the stock tools.
+capnp decode "$frames" Message <scene | sed 's/version = 1/version = 2/' | capnp encode "$frames" Message >changed
 refuses 'view: changed: byte 0: format version 2, this program reads version 1' -- view changed
-change 's/magic = 7/magic = 6/' >changed
-refuses 'view: changed: byte 0: not a stream of frames' -- view changed
-change 's/countX = 20/countX = 0/' >changed
-refuses 'view: changed: byte 0: .*' -- view changed
-change 's/red = 0.9/red = -1/' >changed
-refuses 'view: changed: byte 0: a colour is not in \[0, 1\]' -- view changed
 nothing_left empty
 
 expect 2 '' "view: only one of --xyz, --pdb, --png and --html can be standard output $see" \

@@ -1,4 +1,3 @@
-#!/bin/bash
 # examples/xtb, a model process that uses libxtb: answers do not depend on earlier questions, and a small
 # grid is the same from one process and in rounds, verifies, and is played without the process.
 source "$(dirname "$0")/../lib.sh"

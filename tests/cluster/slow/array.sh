@@ -1,4 +1,3 @@
-#!/bin/bash
 # A round as a job array, whole, and with elements that are lost.
 source "$(dirname "$0")/../../cli/lib.sh"
 source "$here/../slurm.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # A node dies in the middle of a round and comes back later. A round that failed is simply said again.
 source "$(dirname "$0")/../../cli/lib.sh"
 source "$here/../slurm.sh"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # The time that check-model estimates is that of the search and of the round of tear fractions, within a factor of 3.
 source "$(dirname "$0")/../../lib.sh"
 sanitized && skip "sanitizers change what is compared"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # What the Dockerfile does, line by line, in fresh roots of Debian 12: podman needs more of a kernel than a test has. The
 # image that comes of it plays a grid and has what `hapgrid molecule` needs.
 source "$(dirname "$0")/../../lib.sh"

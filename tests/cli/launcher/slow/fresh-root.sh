@@ -1,4 +1,3 @@
-#!/bin/bash
 # The Debian package installs in a fresh root of Debian 12 with nothing else in it, works there, and goes again.
 source "$(dirname "$0")/../../lib.sh"
 needs mmdebstrap mmdebstrap

@@ -1,3 +1,2 @@
-#!/bin/bash
 # The same with 60 kills.
 KILLS=60 exec bash "$(dirname "$0")/../kills.sh"

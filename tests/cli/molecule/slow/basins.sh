@@ -1,4 +1,3 @@
-#!/bin/bash
 # Of 150 random pushes of 1,2-dichloroethane none ends in no minimum, and at least 145 end where the model without a
 # grid does. Its minima and barriers, and those of butane and of the dipeptide along phi, are those of the program xtb.
 source "$(dirname "$0")/../../lib.sh"
@@ -8,12 +7,7 @@ basins=$HAPGRID_BUILD/bench/bench_basins
 [[ -x $basins ]] || skip "bench_basins is not built"
 
 for path in "$molecules"/dichloroethane/turn.xyz "$molecules"/basins/butane/C1-C2-C3-C4.xyz "$molecules"/basins/dipeptide-phi/phi.xyz; do
-  start=$(xtb_energy "$(dirname "$path")/conformation.xyz" 1)
-  for n in $(awk 'NF == 1 { n++; getline; if (/nimag=/) print n }' "$path"); do
-    got=$(awk -v a="$start" -v b="$(xtb_energy "$path" "$n")" 'BEGIN { print (b - a) * 2625.4996394799 }')
-    within "dE of frame $n of $path less xtb's" "$(awk -v a="$(word "$path" "$n" dE)" -v b="$got" 'BEGIN { print a - b }')" \
-      -0.01 0.01
-  done
+  turning_points "$path" "$(dirname "$path")/conformation.xyz"
 done
 for toml in "$molecules"/basins/*/*.toml; do
   molecule-check "$toml" >sane || fail "$toml: $(cat sane)"

@@ -1,4 +1,3 @@
-#!/bin/bash
 # The structures of the committed molecules: xtb itself finds the same energies and saddles. molecules.sh makes others.
 source "$(dirname "$0")/../../lib.sh"
 source "$here/../xtb.bash"

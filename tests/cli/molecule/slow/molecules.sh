@@ -1,4 +1,3 @@
-#!/bin/bash
 # The five quickest molecules of tried.tsv from SMILES to a verified grid, with the defaults, and two more: energies and
 # imaginary frequencies are those of the program xtb, and each way turns what it says.
 source "$(dirname "$0")/../../lib.sh"

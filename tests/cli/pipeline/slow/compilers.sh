@@ -1,4 +1,3 @@
-#!/bin/bash
 # g++ and clang build filters that write the same bytes, and models, too, whose arithmetic is IEEE's basic
 # operations in the order in which they are written, and functions of the same mathematical library.
 source "$(dirname "$0")/../../lib.sh"
