@@ -16,15 +16,16 @@ TEST_CASE("a path is three numbers a line") {
 }
 
 TEST_CASE("a number that is none is named with its line") {
-  for (const auto& [text, why] : std::vector<std::pair<std::string, std::string>>{
-           {"0 0 0\n# c\n0 zero 0\n", "line 3: 'zero' is not a number"},
-           {"1 2 3 4", "line 1: more than the 3 numbers x y z"},
-           {"1,5 2 3", "line 1: '1,5' is not a number"},
-           {"1 2 1e999", "line 1: '1e999' is beyond double precision"},
-           {"1 2 +-3", "line 1: '+-3' is not a number"},
-           {"1 2 0x10", "line 1: '0x10' is not a number"},
-           {std::string("1 2 3\0", 6), "line 1: '3 ' is not a number"}})
-    CHECK(testing::refusal([&] { parse_path(text, "p.txt"); }) == "p.txt: " + why);
+  const std::pair<std::string, std::string> cases[] = {
+      {"0 0 0\n# c\n0 zero 0\n", "line 3: 'zero' is not a number"},
+      {"1 2 3 4", "line 1: more than the 3 numbers x y z"},
+      {"1,5 2 3", "line 1: '1,5' is not a number"},
+      {"1 2 1e999", "line 1: '1e999' is beyond double precision"},
+      {"1 2 +-3", "line 1: '+-3' is not a number"},
+      {"1 2 0x10", "line 1: '0x10' is not a number"},
+      {std::string("1 2 3\0", 6), "line 1: '3 ' is not a number"}};
+  for (const auto& wrong : cases)
+    CHECK(testing::refusal([&] { parse_path(wrong.first, "p.txt"); }) == "p.txt: " + wrong.second);
 }
 
 TEST_CASE("a path's read() and send() do not allocate") {

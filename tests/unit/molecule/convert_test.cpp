@@ -1,8 +1,8 @@
 // The conversion function as the filters call it, through the plug-in.
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
-#include <ranges>
 #include <tuple>
 #include <utility>
 
@@ -222,7 +222,8 @@ TEST_CASE("a conversion depends on its arguments alone") {
   std::vector<std::tuple<State, Vec3, Vec3, State>> calls;
   walk(*one, 4, 14, 300, 0.5, [&](const auto&... call) { calls.emplace_back(call...); });
   // Backwards, and by another model.
-  for (const auto& [s, x, d, reached] : calls | std::views::reverse)
+  std::reverse(calls.begin(), calls.end());
+  for (const auto& [s, x, d, reached] : calls)
     for (Model* model : {one.get(), other.get()}) CHECK(convert(*model, s, x, d) == reached);
 }
 
