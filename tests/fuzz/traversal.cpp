@@ -18,6 +18,7 @@
 #include "libcore/haptic/node_force.hpp"
 #include "libcore/haptic/safety.hpp"
 #include "tests/fuzz/fuzz.hpp"
+#include "tests/unit/check/tiny_grid.hpp"
 
 using namespace hapgrid;
 using namespace hapgrid::fuzz;
@@ -185,11 +186,11 @@ void play(const Case& made, bool is_fine, Input& input) {
 /// The checks of verify that need no model.
 bool is_fine_grid(const Case& made) {
   const Grid& grid = *made.grid;
-  const auto same = [](const double* a, const double* b) { return a[0] == b[0]; };
+  const tiny::TestModel model(grid.spec(), nullptr);
   const BranchMap map(grid);
   const NodeEnergies nodes(grid, &map.nodes, made.fields);
   return is_fine({check_coverage(grid), check_links(grid), check_finite(grid),
-                  check_distinct(grid, same), check_fractions(grid),
+                  check_distinct(grid, model), check_fractions(grid),
                   check_continuous(grid, map.nodes), check_passive(grid, map, nodes)});
 }
 
