@@ -66,7 +66,9 @@ seed "$ball" --set 'grid.counts=[300,300,2]' -o large
 expand large --complete -o complete
 (($(stat -c %s complete) > 16384)) || fail "too small to be cut"
 for tool in "expand --complete large" "merge complete"; do
-  refuses "${tool%% *}: out: File too large" -- bash -c "trap '' XFSZ; ulimit -f 8; exec $tool -o out"
+  # A search of more than a second has a checkpoint, which cannot be written either.
+  expect 1 '' $'~(expand: cannot keep what is found: out\\.partial: File too large\n)?'"${tool%% *}: out: File too large" -- \
+    bash -c "trap '' XFSZ; ulimit -f 8; exec $tool -o out"
   [[ ! -e out ]] || fail "half a file"
   (ulimit -f 8; $tool -o out) 2>err && fail "no SIGXFSZ"
   [[ ! -e out ]] || fail "half a file"
