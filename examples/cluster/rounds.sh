@@ -5,7 +5,7 @@
 #
 # The launcher runs the command behind it PARTS times, and expand finds its part in the environment.
 # Files appear whole or not at all, and a part whose file is there is not computed again: when a round
-# fails, say the same command again.
+# fails, run the same command again.
 set -euo pipefail
 model=$1 parts=$2 launcher=("${@:3}")
 name=$(basename "$model" .toml)
