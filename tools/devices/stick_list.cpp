@@ -1,4 +1,4 @@
-#include "libcore/device/evdev_bus.hpp"
+#include "tools/devices/stick_list.hpp"
 
 #include <linux/input.h>
 #include <unistd.h>
@@ -55,10 +55,6 @@ std::uint16_t number(const fs::path& file) {
 
 HidMatch numbers_of(const EvdevInfo& info) { return {.vid = info.vid, .pid = info.pid}; }
 
-std::string feels(const EvdevInfo& info) {
-  return info.constant ? "force" : info.rumble ? "rumble" : "-";
-}
-
 std::string names(const std::vector<EvdevInfo>& devices) {
   std::string text;
   for (const EvdevInfo& info : devices)
@@ -67,13 +63,12 @@ std::string names(const std::vector<EvdevInfo>& devices) {
   return text;
 }
 
-std::string permission(const EvdevInfo& info) {
-  return info.path + ": permission denied: " +
-         udev_help("KERNEL==\"event*\", ATTRS{id/vendor}==\"" + hex4(info.vid) +
+}  // namespace
+
+std::string stick_permission(const EvdevInfo& info) {
+  return udev_help("KERNEL==\"event*\", ATTRS{id/vendor}==\"" + hex4(info.vid) +
                    "\", ATTRS{id/product}==\"" + hex4(info.pid) + "\"");
 }
-
-}  // namespace
 
 std::vector<EvdevInfo> list_evdev(const std::string& sysfs) {
   std::vector<EvdevInfo> devices;
@@ -133,22 +128,10 @@ EvdevInfo find_one_evdev(const std::vector<EvdevInfo>& devices, const HidMatch& 
       " (play --list-devices shows all)");
 }
 
-std::string list_text(const std::vector<EvdevInfo>& devices) {
-  if (devices.empty()) return "";
-  std::string text = "path\tvid:pid\tfeels\tserial\tname\n", closed;
-  for (const EvdevInfo& info : devices) {
-    text += info.path + "\t" + to_text(numbers_of(info)) + "\t" + feels(info) + "\t" +
-            (info.serial.empty() ? "-" : info.serial) + "\t" + info.name + "\n";
-    if (closed.empty() && ::access(info.path.c_str(), R_OK | W_OK) != 0 && errno == EACCES)
-      closed = permission(info) + "\n";
-  }
-  return text + closed;
-}
-
 std::string evdev_open_failure(const std::string& path, int error) {
   if (error == EACCES)
     for (const EvdevInfo& info : list_evdev())
-      if (info.path == path) return permission(info);
+      if (info.path == path) return path + ": permission denied: " + stick_permission(info);
   return printable_line(path) + ": cannot be opened: " + std::generic_category().message(error);
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "libcore/device/hid_bus.hpp"
+#include "tools/devices/hid_bus.hpp"
 
 namespace hapgrid {
 
@@ -26,8 +26,8 @@ std::vector<EvdevInfo> list_evdev(const std::string& sysfs = "/sys/class/input")
 /// @throw DeviceError "no gamepad or stick is ...", or "2 gamepads or sticks are ...".
 EvdevInfo find_one_evdev(const std::vector<EvdevInfo>& devices, const HidMatch& match);
 
-/// The table of `play --list-devices`, empty without devices; see list_text().
-std::string list_text(const std::vector<EvdevInfo>& devices);
+/// The udev rule for a device that the user may not open, and how to install it.
+std::string stick_permission(const EvdevInfo& info);
 
 /// One line for a path that could not be opened; see open_failure().
 std::string evdev_open_failure(const std::string& path, int error);

@@ -15,8 +15,10 @@
 #include <utility>
 #include <vector>
 
-#include "libcore/device/hid_bus.hpp"
-#include "libcore/device/hid_protocol.hpp"
+#include "libcore/device/process_protocol.h"
+#include "libcore/grid/box.hpp"
+#include "tools/devices/hid_bus.hpp"
+#include "tools/devices/hid_handle.hpp"
 
 namespace hapgrid {
 
@@ -33,6 +35,14 @@ struct BitField {
   /// `data` is a report without its id, and long enough.
   std::int64_t get(std::span<const std::uint8_t> data) const noexcept;
   void set(std::span<std::uint8_t> data, std::int64_t value) const noexcept;
+};
+
+/// Times in seconds.
+struct ProfileTiming {
+  double stall = 0.1;      ///< after this silence the position is old
+  double watchdog = 0.05;  ///< the device gets zero force after this time without a force
+  /// How often the keep-alive reports are written, or, without any, the force again; 0: never.
+  double keep_alive = 0;
 };
 
 using Matrix3 = std::array<Vec3, 3>;  // rows
@@ -75,35 +85,23 @@ struct Profile {
   Matrix3 force_axes{};  ///< forces of the output axes = force_axes * force
   std::vector<Literal> init;
   std::vector<HidReport> keep_alive, stop;
-  HidTiming timing;
+  ProfileTiming timing;
   Vec3 low{}, high{};  ///< metres
+
+  /// Reads an input report, its id first (0 for a device without ids), into position and clutch.
+  /// @return false, and `state` is unchanged, for a report that has another id or is too short
+  bool decode(std::span<const std::uint8_t> report, hapgrid_device_state& state) const noexcept;
+  /// Makes the output reports for a force, in newtons, in their order. Forces are rounded towards
+  /// zero, so that the device never gets a larger force than the one sent. A value beyond the
+  /// limits of a field becomes the limit. A force that is not finite counts as zero.
+  std::vector<HidReport> encode(const Vec3& force) const;
+  /// Zero force, then the stop reports: what leaves the device without force, whatever state it is
+  /// in.
+  std::vector<HidReport> stop_reports() const;
 };
 
 /// @param name for messages.
 /// @throw Error "NAME: line N: KEY: ..." for a key that is missing, unknown or out of its range.
 Profile read_profile(const std::string& text, const std::string& name);
-
-/// The protocol of a profile. Forces are rounded towards zero, so that the device never gets a
-/// larger force than the one sent. A value beyond the limits of a field becomes the limit. A force
-/// that is not finite counts as zero.
-class ProfileProtocol : public HidProtocol {
- public:
-  explicit ProfileProtocol(Profile profile) : profile_(std::move(profile)) {}
-
-  DeviceInfo info() const override;
-  HidTiming timing() const override { return profile_.timing; }
-  bool numbered() const override { return profile_.input_id != 0; }
-  void start(HidChannel& channel) override;
-  bool decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept override;
-  void encode(const Vec3& force, std::vector<HidReport>& reports) noexcept override;
-  std::vector<HidReport> keep_alive() const override { return profile_.keep_alive; }
-  /// Zero force, then the stop reports of the profile.
-  std::vector<HidReport> stop() const override;
-
- private:
-  void write_force(const Vec3& force, std::vector<HidReport>& reports) const;
-
-  const Profile profile_;
-};
 
 }  // namespace hapgrid

@@ -12,7 +12,7 @@
 // |                            |                                         | weak one says a snap   |
 //
 // Effects last kEvdevEffect and are started anew five times in that time, so the kernel or the
-// device ends them when nobody does, even without a guard.
+// device ends them when nobody does.
 //
 // Alternatives: two constant forces, along x and along y (an update in two steps can be stronger
 // than both its ends; one in level and direction cannot), reports of the PID class written by
@@ -25,10 +25,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
-#include "libcore/device/hid_protocol.hpp"
+#include "libcore/device/process_protocol.h"
+#include "libcore/grid/box.hpp"
 
 namespace hapgrid {
 
@@ -52,6 +51,8 @@ struct EvdevLayout {
   bool constant = false, rumble = false, gain = false, autocenter = false;
   /// To the right; towards the user; and, of the second stick, downwards.
   std::array<std::optional<EvdevAxis>, 3> axes{};
+
+  bool has_force() const { return constant || rumble; }
 };
 
 struct EvdevParameters {
@@ -62,15 +63,7 @@ struct EvdevParameters {
   std::array<double, 2> signs{1, 1};
 };
 
-/// The commands for the writer. A report is an EvdevWord, followed by the bytes that it names.
-enum class EvdevWord : std::uint8_t {
-  kEffect,   ///< a struct ff_effect, whose id is its slot: created at first, then changed
-  kPlay,     ///< a byte, the slot: started, or started anew
-  kSet,      ///< a struct input_event: gain, autocentre
-  kSilence,  ///< the effects of this handle are stopped; where it made none, all of the device
-};
-inline constexpr std::uint8_t kEvdevForce = 0, kEvdevSnap = 1;  ///< slots
-inline constexpr std::uint16_t kEvdevEffect = 250;              ///< ms
+inline constexpr std::uint16_t kEvdevEffect = 250;  ///< ms
 
 /// The constant force of at most `newtons` along the plane (x to the right, y away from the user):
 /// level and direction are rounded, the level towards zero. A force that is not finite is none.
@@ -80,27 +73,15 @@ ff_effect rumble_effect(const Vec3& force, const EvdevParameters& parameters) no
 /// The weak motor, for a moment.
 ff_effect snap_effect() noexcept;
 
-class EvdevProtocol : public HidProtocol {
- public:
-  /// @throw Error when a parameter is out of its range; DeviceError without an axis.
-  EvdevProtocol(EvdevLayout layout, EvdevParameters parameters);
+/// The layout with those axes that have motors where it is held, and checked parameters.
+/// @throw Error when a parameter is out of its range; DeviceError without an axis.
+EvdevLayout usable_layout(EvdevLayout layout, EvdevParameters& parameters);
 
-  DeviceInfo info() const override;
-  HidTiming timing() const override;
-  /// Switches off a spring of the driver's own, and starts an effect without force.
-  void start(HidChannel& channel) override;
-  /// Takes a struct input_event. Any button is DeviceInput::reset.
-  bool decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept override;
-  void encode(const Vec3& force, std::vector<HidReport>& reports) noexcept override;
-  std::vector<HidReport> keep_alive() const override;
-  std::vector<HidReport> snap() const override;
-  std::vector<HidReport> stop() const override;
+hapgrid_device_greeting stick_greeting(const EvdevLayout& layout, const EvdevParameters& parameters,
+                                       double rate);
 
- private:
-  bool has_force() const { return layout_.constant || layout_.rumble; }
-
-  EvdevLayout layout_;
-  EvdevParameters parameters_;
-};
+/// Takes the event of an axis or a button; any button is HAPGRID_DEVICE_RESET.
+void take_event(const EvdevLayout& layout, const EvdevParameters& parameters,
+                const input_event& event, hapgrid_device_state& state) noexcept;
 
 }  // namespace hapgrid

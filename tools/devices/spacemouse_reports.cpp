@@ -1,4 +1,4 @@
-#include "libcore/device/spacemouse.hpp"
+#include "tools/devices/spacemouse_reports.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,21 +16,24 @@ bool is_spacemouse(std::uint16_t vendor, std::uint16_t product) {
   return vendor == 0x256f && ((product >= 0xc62e && product < 0xc650) || product == 0xc652);
 }
 
-bool SpaceMouseProtocol::decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept {
+bool decode_spacemouse(std::span<const std::uint8_t> report, hapgrid_device_state& state) noexcept {
   if (report.size() >= 2 && report[0] == 3) {
     const auto buttons = report.subspan(1);
-    input.reset = std::any_of(buttons.begin(), buttons.end(), [](auto byte) { return byte != 0; });
+    const bool pressed =
+        std::any_of(buttons.begin(), buttons.end(), [](auto byte) { return byte != 0; });
+    state.flags = pressed ? std::uint32_t{HAPGRID_DEVICE_RESET} : 0;
     return true;
   }
   if (report.size() < 7 || report[0] != 1) return false;
   const auto deflection = [&](std::size_t axis) {
     const auto raw = static_cast<std::int16_t>(report[1 + 2 * axis] | report[2 + 2 * axis] << 8);
-    if (std::abs(raw) <= kDeadZone) return 0.0;
-    return std::clamp(raw / kFull, -1.0, 1.0);
+    if (std::abs(raw) <= kSpaceMouseDeadZone) return 0.0;
+    return std::clamp(raw / kSpaceMouseFull, -1.0, 1.0);
   };
-  // 0 - x, because a log should not show a rate of -0.
-  input.rate = {deflection(0), 0 - deflection(1), 0 - deflection(2)};
-  input.clutch = false;  // a SpaceMouse has no clutch
+  // 0 - x, because a log should not show a deflection of -0.
+  state.position[0] = deflection(0);
+  state.position[1] = 0 - deflection(1);
+  state.position[2] = 0 - deflection(2);
   return true;
 }
 

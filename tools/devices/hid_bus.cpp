@@ -1,9 +1,10 @@
-#include "libcore/device/hid_bus.hpp"
+#include "tools/devices/hid_bus.hpp"
 
 #include <hidapi/hidapi.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <filesystem>
 #include <memory>
@@ -30,10 +31,6 @@ std::optional<std::uint16_t> parse_hex4(std::string_view text) {
   const auto [rest, error] = std::from_chars(text.data(), end, value, 16);
   if (text.size() != 4 || error != std::errc() || rest != end) return std::nullopt;
   return value;
-}
-
-bool may_open(const std::string& path) {
-  return ::access(path.c_str(), R_OK | W_OK) == 0 || errno != EACCES;
 }
 
 /// "Teensy RawHID (16c0:0486) at /dev/hidraw0, ...", with at most kMaxListed devices.
@@ -161,20 +158,8 @@ std::string shown_name(const HidInfo& info) {
   return (name.empty() ? "device" : name) + " (" + pair_text(info.vid, info.pid) + ")";
 }
 
-std::string list_text(const std::vector<HidInfo>& devices) {
-  if (devices.empty()) return "no HID device\n";
-  std::string text = "path\tvid:pid\tinterface\tusage\tserial\tname\n";
-  std::string closed;
-  for (const HidInfo& info : devices) {
-    text += info.path + "\t" + pair_text(info.vid, info.pid) + "\t" +
-            (info.interface < 0 ? "-" : std::to_string(info.interface)) + "\t" +
-            pair_text(info.usage_page, info.usage) + "\t" +
-            (info.serial.empty() ? "-" : info.serial) + "\t" + info.manufacturer +
-            (info.manufacturer.empty() || info.product.empty() ? "" : " ") + info.product + "\n";
-    if (closed.empty() && !may_open(info.path))
-      closed = info.path + ": permission denied: " + permission_help(info.vid, info.pid) + "\n";
-  }
-  return text + closed;
+bool may_open(const std::string& path) {
+  return ::access(path.c_str(), R_OK | W_OK) == 0 || errno != EACCES;
 }
 
 std::string open_failure(const std::string& path, const std::string& reason) {

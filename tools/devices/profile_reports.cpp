@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libcore/device/profile.hpp"
 #include "libcore/grid/vec3.hpp"
+#include "tools/devices/profile.hpp"
 
 namespace hapgrid {
 
@@ -88,58 +88,37 @@ void BitField::set(std::span<std::uint8_t> data, std::int64_t value) const noexc
     data[bit / 8 + i] = static_cast<std::uint8_t>(raw >> (bits - 8 - 8 * i));
 }
 
-DeviceInfo ProfileProtocol::info() const {
-  DeviceInfo info{.name = profile_.name,
-                  .unit = DeviceInfo::Unit::kMetres,
-                  .low = profile_.low,
-                  .high = profile_.high};
-  if (!profile_.outputs.empty()) info.max_force = profile_.max_force;
-  return info;
-}
-
-void ProfileProtocol::start(HidChannel& channel) {
-  for (const Profile::Literal& literal : profile_.init) {
-    if (literal.is_feature) {
-      channel.set_feature(literal.report);
-    } else {
-      channel.write(literal.report);
-    }
-  }
-}
-
-bool ProfileProtocol::decode(std::span<const std::uint8_t> report, DeviceInput& input) noexcept {
-  if (report.size() < 1 + profile_.input_length || report[0] != profile_.input_id) return false;
+bool Profile::decode(std::span<const std::uint8_t> report,
+                     hapgrid_device_state& state) const noexcept {
+  if (report.size() < 1 + input_length || report[0] != input_id) return false;
   const std::span<const std::uint8_t> data = report.subspan(1);
   Vec3 metres{0, 0, 0};
   for (std::size_t a = 0; a < 3; ++a)
-    if (const auto& axis = profile_.inputs[a])
+    if (const auto& axis = inputs[a])
       metres[a] = axis->scale * static_cast<double>(axis->field.get(data)) + axis->offset;
-  input.position = times(profile_.input_axes, metres);
-  if (const auto& clutch = profile_.clutch)
-    input.clutch = (clutch->field.get(data) != 0) != clutch->inverted;
+  const Vec3 position = times(input_axes, metres);
+  std::copy(position.begin(), position.end(), state.position);
+  state.flags = 0;
+  if (clutch && (clutch->field.get(data) != 0) != clutch->inverted)
+    state.flags = HAPGRID_DEVICE_CLUTCH;
   return true;
 }
 
-void ProfileProtocol::encode(const Vec3& force, std::vector<HidReport>& reports) noexcept {
-  write_force(force, reports);
-}
-
-void ProfileProtocol::write_force(const Vec3& force, std::vector<HidReport>& reports) const {
-  const Vec3 newtons = on_axes(profile_.force_axes, force);
-  reports.resize(profile_.outputs.size());
-  for (std::size_t i = 0; i < reports.size(); ++i) {
-    const Profile::Output& output = profile_.outputs[i];
-    reports[i].assign(output.report.begin(), output.report.end());
+std::vector<HidReport> Profile::encode(const Vec3& force) const {
+  const Vec3 newtons = on_axes(force_axes, force);
+  std::vector<HidReport> reports;
+  for (const Output& output : outputs) {
+    reports.push_back(output.report);
     for (std::size_t a = 0; a < 3; ++a)
       if (const auto& axis = output.axes[a])
-        axis->field.set(std::span(reports[i]).subspan(1), counts(*axis, newtons[a]));
+        axis->field.set(std::span(reports.back()).subspan(1), counts(*axis, newtons[a]));
   }
+  return reports;
 }
 
-std::vector<HidReport> ProfileProtocol::stop() const {
-  std::vector<HidReport> reports;
-  write_force({0, 0, 0}, reports);
-  reports.insert(reports.end(), profile_.stop.begin(), profile_.stop.end());
+std::vector<HidReport> Profile::stop_reports() const {
+  std::vector<HidReport> reports = encode({0, 0, 0});
+  reports.insert(reports.end(), stop.begin(), stop.end());
   return reports;
 }
 

@@ -54,9 +54,8 @@ HidInfo find_one_hid(const std::vector<HidInfo>& devices, const HidMatch& match,
 /// "Teensy RawHID (16c0:0486)".
 std::string shown_name(const HidInfo& info);
 
-/// The table of `play --list-devices`: a line for each collection, and a last line that helps when
-/// the user may not open a device; "no HID device" without devices.
-std::string list_text(const std::vector<HidInfo>& devices);
+/// Whether nothing but the device itself can keep the user from opening it.
+bool may_open(const std::string& path);
 
 /// One line for a path that could not be opened: what hidapi said, or, when the permission is
 /// missing, the udev rule that gives it.

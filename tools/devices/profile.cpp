@@ -1,4 +1,4 @@
-#include "libcore/device/profile.hpp"
+#include "tools/devices/profile.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/base/toml.hpp"
-#include "libcore/device/hid_handle.hpp"
+#include "tools/devices/hid_handle.hpp"
 
 namespace hapgrid {
 
@@ -340,7 +340,7 @@ class Reader : private TomlFile {
       p.stop.push_back(std::move(l.report));
   }
 
-  void timing(const toml::table& in, HidTiming& timing) const {
+  void timing(const toml::table& in, ProfileTiming& timing) const {
     only_keys(in, "timing.", {"stall_ms", "watchdog_ms", "keep_alive_ms"});
     const auto seconds = [&](const char* key, std::int64_t least, double usual) {
       const toml::node* node = in.get(key);
