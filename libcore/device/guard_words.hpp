@@ -27,6 +27,6 @@ inline constexpr int kGuardSocket = 0, kGuardWire = 1, kGuardAdaptersEnd = 3;
 
 /// Linux runs its interrupt threads at 50, play's loop at 40, and adapters at 45: the guard is
 /// above both, so that neither can keep it from its work by spinning.
-inline constexpr int kGuardPriority = 46;
+inline constexpr int kAdapterPriority = 45, kGuardPriority = 46;
 
 }  // namespace hapgrid

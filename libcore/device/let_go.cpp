@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
@@ -15,6 +16,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "libcore/device/guard_words.hpp"
 #include "libcore/device/process_protocol.h"
 
 namespace hapgrid {
@@ -61,7 +63,8 @@ bool is_confirmed(int wire, int process, Clock::time_point deadline) noexcept {
 
 FileDescriptor open_process(pid_t pid) {
   FileDescriptor process(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
-  if (!process) throw std::system_error(errno, std::generic_category(), "the adapter's process");
+  if (!process && errno != ESRCH)
+    throw std::system_error(errno, std::generic_category(), "the adapter's process");
   return process;
 }
 
@@ -71,6 +74,7 @@ bool send_zero(int wire) noexcept {
 }
 
 bool has_ended(int process, std::chrono::milliseconds patience) noexcept {
+  if (process < 0) return true;
   const auto deadline = Clock::now() + patience;
   pollfd ready{process, POLLIN, 0};
   int polled;
@@ -106,6 +110,9 @@ bool release(const std::vector<std::string>& command) noexcept {
     if (pid == 0) {
       ::setpgid(0, 0);
       restore_signals();
+      // A busy desktop must not hold up the last word.
+      const sched_param priority{.sched_priority = kAdapterPriority};
+      ::sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &priority);
       const int nothing = ::open("/dev/null", O_RDWR);
       ::dup2(nothing, STDIN_FILENO);
       ::dup2(nothing, STDOUT_FILENO);

@@ -32,7 +32,8 @@ inline constexpr std::chrono::milliseconds kReleaseTime{2000};
 /// The number of the last force; no other force has it.
 inline constexpr std::uint32_t kLastForce = ~std::uint32_t{0};
 
-/// A process by a descriptor, which never means another process. @throw std::system_error
+/// A process by a descriptor, which never means another process; none for a process that has ended
+/// already. @throw std::system_error
 FileDescriptor open_process(pid_t pid);
 
 /// Zero force that needs no answer. Never waits. @return whether it was sent

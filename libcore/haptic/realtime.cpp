@@ -14,7 +14,6 @@
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/device/guard_words.hpp"
 
 namespace hapgrid {
 

@@ -57,7 +57,7 @@ done
 for who in play guard adapter play+adapter play+guard+adapter; do for what in KILL STOP 120; do cell evdev $who $what; done; done
 echo "== end"
 END
-KERNEL=amd64 TIMEOUT=400 machine "$qemu/rawhid-device" "$qemu/uinput-device" "$qemu/disturb" "$HAPGRID_BIN/play" \
+KERNEL=amd64 TIMEOUT=${TIMEOUT:-400} machine "$qemu/rawhid-device" "$qemu/uinput-device" "$qemu/disturb" "$HAPGRID_BIN/play" \
   "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BUILD/tests/plugins/stuck.so" \
   stuck.0 profile.toml place.txt session -- 'sh session'
 printf '%s\n' "$output" >got

@@ -73,11 +73,11 @@ class Play:
 
 
 def good(adapter, last):
-    play = Play(adapter, options=["--duration", "0.5", "--log", f"{adapter}.session"])
+    play = Play(adapter, options=["--duration", "1.5", "--log", f"{adapter}.session"])
     play.end(0, "play: lateness .*")
     heard = play.heard()
     if RIGHT[adapter] not in heard:
-        raise Busy("half a second was too short")
+        raise Busy("1.5 s were too short")
     assert heard[-len(last):] == last, (adapter, heard[-5:])
     text = subprocess.run(["stats", "--log", f"{adapter}.session", "--export", "-"], check=True, capture_output=True,
                           text=True).stdout.splitlines()
