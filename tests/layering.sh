@@ -54,7 +54,7 @@ for file in $(sources libcore); do
         [[ $folder == scene ]] || complain "$file: only scene/ uses $path"
         ;;
       hidapi* | libevdev/*)
-        [[ $folder == device ]] || complain "$file: only device/ uses $path"
+        complain "$file: only adapters (tools/devices/) use $path"
         ;;
       iostream | cstdio | stdio.h | print | syncstream)
         # plugin.hpp is compiled into plug-ins, and snprintf() is no printing.
@@ -78,11 +78,8 @@ for file in $(sources libcore); do
     [[ $first == "#include \"${file%.cpp}.hpp\"" ]] || complain "$file: its own header is not first"
   fi
   [[ $file != *.hpp ]] || grep -q '^#pragma once' "$file" || complain "$file: no #pragma once"
-  # The guard is a process of its own, which ends itself.
-  allowed_end=()
-  [[ $file != libcore/device/guard_process.cpp ]] || allowed_end=(-e 's/::_exit\(0\);//')
   # Comments aside; std::exit, exit(, _exit(, abort(, quick_exit(, and printing.
-  if sed -E -e 's://.*$::; s:/\*.*\*/::; /^[[:space:]]*\*/d' "${allowed_end[@]}" "$file" |
+  if sed -E -e 's://.*$::; s:/\*.*\*/::; /^[[:space:]]*\*/d' "$file" |
     grep -nE '(^|[^[:alnum:]_>.])(std::)?(_?exit|_Exit|quick_exit|abort|terminate|v?f?printf|puts|fputs|perror)[[:space:]]*\(|std::(cout|cerr|clog)' >&2; then
     complain "$file: libcore never prints nor exits"
   fi

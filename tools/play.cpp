@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <future>
+#include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,7 +21,6 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/device/process_device.hpp"
 #include "libcore/haptic/playable.hpp"
 #include "libcore/haptic/watchdog.hpp"
 #include "libcore/model/fields.hpp"
@@ -31,11 +31,13 @@
 #include "tools/common/terminal_turn.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/devices.hpp"
+#include "tools/play/list_devices.hpp"
 #include "tools/play/log.hpp"
 #include "tools/play/options.hpp"
 #include "tools/play/played_force.hpp"
 #include "tools/play/report.hpp"
 #include "tools/play/selftest.hpp"
+#include "tools/play/try_device.hpp"
 #include "tools/play/viewers.hpp"
 
 using namespace hapgrid;
@@ -103,11 +105,12 @@ void check_files(const PlayOptions& options) {
 
 /// @throw UsageError, Error for a command line that cannot be played.
 void check(const PlayOptions& options) {
-  if (options.grid.empty()) throw UsageError("grid is required");
+  const bool has_adapter = options.device && std::holds_alternative<AdapterChoice>(*options.device);
+  // Without a grid, a device is only looked at.
+  if (options.grid.empty() && !has_adapter) throw UsageError("grid is required");
   if (!options.device) throw UsageError("--device is required");
   check_files(options);
-  if (std::holds_alternative<AdapterProcess>(*options.device) && options.rate_hz > 0 &&
-      options.rate_hz < kSlowestProcessHz)
+  if (has_adapter && options.rate_hz > 0 && options.rate_hz < kSlowestProcessHz)
     throw UsageError(
         format("--rate: an adapter lets go of the hand below {} Hz", rounded(kSlowestProcessHz)));
   if (options.traversal && is_slow(*options.traversal) && is_live(*options.device))
@@ -192,10 +195,10 @@ LoopOptions pace(const PlayOptions& options, const OpenDevice& open, double spin
   if (open.session) loop.unpaced_hz = open.session->rate_hz;
   if (open.simulated) loop = {.unpaced_hz = virtual_rate_hz(options)};
   if (is_live(*options.device) && loop.rate_hz == 0)
-    loop.rate_hz = open.rate_hz > 0 ? open.rate_hz : kDefaultRateHz;
-  if (open.rate_hz > 0 && loop.rate_hz > open.rate_hz)
+    loop.rate_hz = open.adapter ? open.adapter->rate_hz() : kDefaultRateHz;
+  if (open.adapter && loop.rate_hz > open.adapter->rate_hz())
     throw Error(format("--rate: {} takes at most {} forces a second", open.device->info().name,
-                       rounded(open.rate_hz)));
+                       rounded(open.adapter->rate_hz())));
   if (options.duration_s > 0)
     loop.ticks = static_cast<std::uint64_t>(std::ceil(options.duration_s * loop.tick_rate_hz()));
   return loop;
@@ -273,16 +276,24 @@ void apply_file(PlayOptions& options) {
   if (!options.axes) options.axes = read_axes(file.axes);
 }
 
+/// Looks at a device without a grid.
+int try_it(const PlayOptions& options) {
+  const CaughtSignals signals;
+  ProcessDevice device(adapter_program(std::get<AdapterChoice>(*options.device),
+                                       given_settings(options), options.rate_hz));
+  return try_device(device, options.rate_hz, options.duration_s);
+}
+
 int play(PlayOptions options) {
   apply_file(options);
-  if (viewer_waits(options)) options.frames = "-";
+  if (!options.grid.empty() && viewer_waits(options)) options.frames = "-";
   check(options);
+  if (options.grid.empty()) return try_it(options);
   for (const std::string& input : {options.grid, input_file(*options.device)})
     announce_terminal(input);
   // Where another thread's heap grows, the kernel fills the new pages of locked memory while the
   // loop waits: let it grow seldom, and before the loop begins.
   if (is_live(*options.device)) ::mallopt(M_TOP_PAD, 8 << 20);
-  DeviceGuard guard(*options.device);
   Viewers viewers(options);
   const LoadedGrid loaded = load_grid(options.grid);
   const Grid& grid = loaded.grid;
@@ -297,8 +308,8 @@ int play(PlayOptions options) {
   // terminal without lines and echo. Until then a signal ends the program at once, also while it
   // reads a path from standard input or prepares a large grid.
   const auto open_it = [&] {
-    return open_device(*options.device, given_settings(options), virtual_rate_hz(options), spec.box,
-                       guard);
+    return open_device(*options.device, given_settings(options), virtual_rate_hz(options),
+                       options.rate_hz, spec.box);
   };
   std::optional<OpenDevice> opened;
   if (!is_live(*options.device)) opened.emplace(open_it());
@@ -317,6 +328,11 @@ int play(PlayOptions options) {
   if (!opened) opened.emplace(open_it());
   const OpenDevice& open = *opened;
   Device& device = *open.device;
+  if (open.adapter && !open.adapter->releases() && device.info().max_force > 0)
+    say("play",
+        format("{}: its adapter has no --release: if it crashes, only the device itself can "
+               "take the force away",
+               device.info().name));
   settings.safety.max_force = std::min(settings.safety.max_force, device.info().max_force);
   const LoopOptions loop = pace(options, open, settings.spin_us);
   const double rate_hz = loop.tick_rate_hz();
@@ -333,7 +349,9 @@ int play(PlayOptions options) {
                  .device = device.info().name,
                  .traversal = name_of(rule),
                  .force = name_of(force.rule()),
-                 .rate_hz = loop.rate_hz};
+                 .rate_hz = loop.rate_hz,
+                 .answers = open.adapter ? &open.adapter->delays() : nullptr,
+                 .declared_delay = settings.safety.delay_ticks};
   const PlayedForce played{force, fields,
                            mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0};
   viewers.wait(settings.imd_wait_s, caught_signal);
@@ -364,7 +382,7 @@ int play(PlayOptions options) {
 int run(const PlayOptions& options) {
   if (options.selftest) return run_selftest(options);
   if (options.list_devices) {
-    print_devices();
+    std::cout << devices_table();
     return kExitDone;
   }
   try {
@@ -390,11 +408,13 @@ int main(int argc, char** argv) {
                "  keys              this terminal's keyboard\n"
                "  replay:FILE       what a log has\n"
                "  sim:FILE          a simulated device and hand, described by a TOML file\n"
-               "  profile:FILE      a HID device that a text file describes\n"
-               "  process:COMMAND   an adapter program, for a device with its maker's library\n"
+               "  hid:PROFILE       a HID device that a text file describes\n"
                "  evdev[:WHICH]     a gamepad, stick or wheel\n"
                "  spacemouse[:WHICH]  a SpaceMouse, which moves the HIP but cannot show forces\n"
-               "WHICH is a path, VID:PID, VID:PID:SERIAL or serial number of --list-devices.\n"
+               "  process:COMMAND   an adapter program, for a device with its maker's library\n"
+               "WHICH is a path, VID:PID, VID:PID:SERIAL or serial number; --list-devices has the\n"
+               "text for each device. Without GRID, play shows where one of the last four is, and\n"
+               "sends no force.\n"
                "\n"
                "Settings for --set and for the table [play] of --config:\n" +
                    settings_help() +

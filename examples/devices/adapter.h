@@ -6,24 +6,44 @@
 #include <errno.h>
 #include <hapgrid/device.h>
 #include <poll.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
 
-/* Says on standard error why the adapter ends. Returns its exit code. */
-static inline int complain(const char* adapter, const char* what, const char* why) {
-  fprintf(stderr, "%s: %s: %s\n", adapter, what, why);
+/* Tells play, or with --release the user, why the adapter ends. Returns its exit code. */
+static inline int complain(const char* what, const char* why) {
+  char text[256];
+  const int size = snprintf(text, sizeof text, HAPGRID_DEVICE_ERROR "%s: %s", what, why);
+  const size_t sent = size < (int)sizeof text ? (size_t)size : sizeof text - 1;
+  if (send(STDOUT_FILENO, text, sent, MSG_NOSIGNAL) < 0) fprintf(stderr, "%s\n", text);
   return 1;
 }
 
-/* The handle reaches from -reach to reach metres on three axes, around the device's middle. */
+/* Whether the last word of the command line is --release, which is taken away. */
+static inline int is_release(int* count, char** words) {
+  if (*count < 2 || strcmp(words[*count - 1], "--release") != 0) return 0;
+  --*count;
+  return 1;
+}
+
+static volatile sig_atomic_t told_to_end;
+static inline void on_term(int number) {
+  (void)number;
+  told_to_end = 1;
+}
+
+/* The handle reaches from -reach to reach metres on three axes, around the device's middle. From
+ * now on SIGTERM only sets told_to_end, so that the adapter can let go of its device. */
 static inline hapgrid_device_greeting greeting(const char* name, double reach, double max_force,
                                                double rate) {
+  const struct sigaction action = {.sa_handler = on_term};
+  sigaction(SIGTERM, &action, NULL);
   hapgrid_device_greeting g = {.magic = HAPGRID_DEVICE_MAGIC,
                                .version = HAPGRID_DEVICE_VERSION,
-                               .axes = 3,
+                               .flags = HAPGRID_DEVICE_RELEASES,
                                .low = {-reach, -reach, -reach},
                                .high = {reach, reach, reach},
                                .max_force = max_force,
@@ -37,17 +57,17 @@ static inline int say(const void* message, size_t size) {
   return send(STDOUT_FILENO, message, size, MSG_NOSIGNAL) == (ssize_t)size;
 }
 
-/* Waits for the next force. When play is silent or gone, that is zero, with the number 0; and the
- * end, if play is gone. Returns whether it must be answered. */
+/* Waits for the next force. When play is silent or gone, or SIGTERM came, that is zero; and the
+ * end, but for a silent play. Returns whether it must be answered. */
 static inline int next_force(hapgrid_device_force* force) {
   struct pollfd in = {.fd = STDIN_FILENO, .events = POLLIN};
   memset(force, 0, sizeof *force);
-  if (poll(&in, 1, (int)(HAPGRID_DEVICE_SILENCE * 1000)) == 0) return 0;
-  ssize_t got = read(STDIN_FILENO, force, sizeof *force);
-  if (got == (ssize_t)sizeof *force) return 1;
-  const int interrupted = got < 0 && errno == EINTR;
+  const int ready = poll(&in, 1, (int)(HAPGRID_DEVICE_SILENCE * 1000));
+  if (ready == 0 && !told_to_end) return 0;
+  if (!told_to_end && read(STDIN_FILENO, force, sizeof *force) == (ssize_t)sizeof *force)
+    return force->number != 0;
   memset(force, 0, sizeof *force);
-  force->end = !interrupted;
+  force->flags = HAPGRID_DEVICE_END;
   return 0;
 }
 

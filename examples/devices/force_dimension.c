@@ -14,15 +14,24 @@
 #include "examples/devices/adapter.h"
 
 static int fail(const char* what) {
-  const int code = complain("force-dimension", what, dhdErrorGetLastStr());
+  const int code = complain(what, dhdErrorGetLastStr());
   dhdStop(-1); /* brakes, whatever the force was */
   dhdClose(-1);
   return code;
 }
 
+/* Brakes, whatever the force was. */
+static int release(void) {
+  if (dhdOpen() < 0) return complain("no device", dhdErrorGetLastStr());
+  const int code = dhdStop(-1) < 0 ? complain("cannot brake", dhdErrorGetLastStr()) : 0;
+  dhdClose(-1);
+  return code;
+}
+
 int main(int count, char** words) {
+  if (is_release(&count, words)) return release();
   const double reach = count > 1 ? atof(words[1]) : 0.05, newtons = count > 2 ? atof(words[2]) : 8;
-  if (dhdOpen() < 0) return complain("force-dimension", "no device", dhdErrorGetLastStr());
+  if (dhdOpen() < 0) return complain("no device", dhdErrorGetLastStr());
   if (dhdEnableForce(DHD_ON, -1) < 0) return fail("cannot enable forces");
   const hapgrid_device_greeting hello = greeting(dhdGetSystemName(-1), reach, newtons, 4000);
   say(&hello, sizeof hello);
@@ -37,10 +46,10 @@ int main(int count, char** words) {
     const hapgrid_device_state state = {.time = now(),
                                         .position = {y, -x, z},
                                         .velocity = {vy, -vx, vz},
-                                        .buttons = dhdGetButtonMask(-1) & 3,
+                                        .flags = dhdGetButtonMask(-1) & 3,
                                         .number = f.number};
     if (answer) say(&state, sizeof state);
-  } while (!f.end);
+  } while (!(f.flags & HAPGRID_DEVICE_END));
   dhdStop(-1);
   dhdClose(-1);
   return 0;

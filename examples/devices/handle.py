@@ -6,12 +6,14 @@ with a spring and a damper. Copy it for your own device: the lines marked HERE a
 import math
 import os
 import select
+import signal
 import struct
+import sys
 import time
 
 GREETING = struct.Struct("<8s2I8d48s")  # the layouts of <hapgrid/device.h>
 STATE, FORCE = struct.Struct("<7d2I"), struct.Struct("<3d2I")
-REACH, SILENCE = 0.05, 0.1  # m, s
+REACH, SILENCE, RELEASES, END = 0.05, 0.1, 1, 1  # m, s, two flags
 place, speed, now = [0.0] * 3, [0.0] * 3, time.monotonic()  # HERE
 
 
@@ -25,16 +27,18 @@ def move(force):  # HERE: applies the force in newtons; afterwards place and spe
         place[a] = max(-REACH, min(REACH, place[a] + passed * speed[a]))
 
 
-os.write(1, GREETING.pack(b"hapgrid", 1, 3, *[-REACH] * 3, *[REACH] * 3, 3.0, 1000.0, b"a handle on a spring"))
+signal.signal(signal.SIGTERM, lambda *_: sys.exit(move((0, 0, 0))))
+if sys.argv[-1] == "--release":  # an adapter was killed: no force
+    sys.exit(move((0, 0, 0)))
+os.write(1, GREETING.pack(b"hapgrid", 2, RELEASES, *[-REACH] * 3, *[REACH] * 3, 3.0, 1000.0, b"a handle on a spring"))
 while True:
     if not select.select([0], [], [], SILENCE)[0]:  # play is silent: no force
         move((0, 0, 0))
         continue
-    message = os.read(0, FORCE.size)
-    if not message:  # play is gone
-        break
-    *force, number, end = FORCE.unpack(message)
+    message = os.read(0, FORCE.size) or FORCE.pack(0, 0, 0, 0, END)  # when play is gone
+    *force, number, flags = FORCE.unpack(message)
     move(force)
-    os.write(1, STATE.pack(time.monotonic(), *place, *speed, 0, number))
-    if end:  # HERE: the force was zero; close the device
+    if number:
+        os.write(1, STATE.pack(time.monotonic(), *place, *speed, 0, number))
+    if flags & END:  # HERE: the force was zero; close the device
         break

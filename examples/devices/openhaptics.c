@@ -41,7 +41,7 @@ static HDCallbackCode HDCALLBACK serve(void* unused) {
   shared.state = (hapgrid_device_state){.time = now(),
                                         .position = {p[0] / 1000, -p[2] / 1000, p[1] / 1000},
                                         .velocity = {v[0] / 1000, -v[2] / 1000, v[1] / 1000},
-                                        .buttons = (uint32_t)buttons & 3};
+                                        .flags = (uint32_t)buttons & 3};
   if (HD_DEVICE_ERROR(error)) shared.error = error;
   ++shared.served;
   pthread_mutex_unlock(&shared.mutex);
@@ -73,20 +73,21 @@ static int play(void) {
     const HDErrorInfo error = shared.error;
     pthread_mutex_unlock(&shared.mutex);
     if (HD_DEVICE_ERROR(error))
-      return complain("openhaptics", "the device failed", hdGetErrorString(error.errorCode));
+      return complain("the device failed", hdGetErrorString(error.errorCode));
     state.number = f.number;
-    if (f.end && !applied())
-      return complain("openhaptics", "the device failed", "it took no zero force");
+    if ((f.flags & HAPGRID_DEVICE_END) && !applied())
+      return complain("the device failed", "it took no zero force");
     if (answer) say(&state, sizeof state);
-  } while (!f.end);
+  } while (!(f.flags & HAPGRID_DEVICE_END));
   return 0;
 }
 
 int main(int count, char** words) {
+  const int releases = is_release(&count, words);
   HDErrorInfo error;
   shared.device = hdInitDevice(count > 1 ? words[1] : HD_DEFAULT_DEVICE);
   if (HD_DEVICE_ERROR(error = hdGetError()))
-    return complain("openhaptics", "no device", hdGetErrorString(error.errorCode));
+    return complain("no device", hdGetErrorString(error.errorCode));
   HDdouble box[6], newtons = 0; /* mm: low x, y, z, high x, y, z */
   hdGetDoublev(HD_MAX_WORKSPACE_DIMENSIONS, box);
   hdGetDoublev(HD_NOMINAL_MAX_CONTINUOUS_FORCE, &newtons);
@@ -101,9 +102,11 @@ int main(int count, char** words) {
   hdStartScheduler();
   int code = 1;
   if (HD_DEVICE_ERROR(error = hdGetError()))
-    complain("openhaptics", "no scheduler", hdGetErrorString(error.errorCode));
+    complain("no scheduler", hdGetErrorString(error.errorCode));
   else if (!applied())
-    complain("openhaptics", "no scheduler", "it calls nobody");
+    complain("no scheduler", "it calls nobody");
+  else if (releases)
+    code = 0; /* the kit has sent zero force */
   else if (say(&hello, sizeof hello))
     code = play();
   hdStopScheduler(); /* which takes the force away */

@@ -68,8 +68,8 @@ struct HipRange {
 /// hardware (only ProcessDevice waits, for an adapter that is late).
 ///
 /// A device sends every force that it is given. The haptic loop limits forces, and sends a zero
-/// force on every way out, because a destructor cannot report that it failed. By itself a device
-/// only takes the force away when it no longer hears from the loop (see HidDevice).
+/// force on every way out, because a destructor cannot report that it failed. An adapter takes the
+/// force away when it no longer hears from the loop (let_go.hpp).
 class Device {
  public:
   virtual ~Device() = default;
@@ -84,10 +84,10 @@ class Device {
   /// The state jumped to another branch, to which the next force belongs. A device that cannot show
   /// a force as such (a rumble) shows the jump by itself.
   virtual void snap() noexcept {}
-  /// The last call: sends zero force, and waits a second at most until the hardware took it, which
-  /// kOk says. Not real-time safe. Later calls do nothing and return the same.
+  /// The last call: sends zero force, and waits until the hardware took it, which kOk says, or will
+  /// not. Not real-time safe. Later calls do nothing and return the same.
   virtual DeviceStatus stop() noexcept = 0;
-  /// Gives the device's threads, through which forces pass, this priority under SCHED_FIFO, so that
+  /// Gives the device's process, through which forces pass, this priority under SCHED_FIFO, so that
   /// they do not wait; 0 takes it back. Not real-time safe.
   /// @return whether all of them took it
   virtual bool set_priority(int) noexcept { return true; }

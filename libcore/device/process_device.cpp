@@ -7,13 +7,16 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <system_error>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/device/guard_words.hpp"
 
 namespace hapgrid {
 
@@ -22,7 +25,6 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr auto kGreetingWait = 10s;
-constexpr auto kStopLimit = 1s;
 constexpr std::chrono::microseconds kSilence(static_cast<std::int64_t>(HAPGRID_DEVICE_SILENCE *
                                                                        1e6));
 
@@ -32,19 +34,14 @@ timeval to_timeval(std::chrono::microseconds t) {
 
 }  // namespace
 
-ProcessDevice::ProcessDevice(ProcessGuard& guard) : guard_(guard) {
-  guard_.start();
-  try {
-    greet();
-    const timeval limit = to_timeval(kSilence);
-    ::setsockopt(guard_.wire(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    moved_on_ = Clock::now();
-    state_.time = -std::numeric_limits<double>::infinity();
-    if (ask({0, 0, 0}, false) && read_answer()) return;
-  } catch (...) {
-    close(kSilence);
-    throw;
-  }
+ProcessDevice::ProcessDevice(AdapterProgram program) : guard_(std::move(program)) {
+  greet();
+  if (releases()) guard_.set_releases();
+  const timeval limit = to_timeval(kSilence);
+  ::setsockopt(guard_.wire(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+  moved_on_ = Clock::now();
+  state_.time = -std::numeric_limits<double>::infinity();
+  if (ask({0, 0, 0}) && read_answer()) return;
   stop();
   throw DeviceError(error());
 }
@@ -58,13 +55,12 @@ void ProcessDevice::greet() {
   if (polled < 0) throw std::system_error(errno, std::generic_category(), guard_.name());
   if (polled == 0)
     throw DeviceError(format("{}: no greeting within {} s", guard_.name(), kGreetingWait / 1s));
-  const ssize_t got = ::recv(wire, &greeting_, sizeof greeting_, MSG_TRUNC);
-  if (got <= 0) {
-    fail(Fault::kGone);
-    close(0us);
+  if (!receive()) {
+    stop();
     throw DeviceError(error());
   }
-  const std::string wrong = greeting_flaw(greeting_, static_cast<std::size_t>(got));
+  std::memcpy(&greeting_, message_.data(), sizeof greeting_);
+  const std::string wrong = greeting_flaw(greeting_, size_);
   if (!wrong.empty()) throw DeviceError(format("{}: {}", guard_.name(), wrong));
 }
 
@@ -75,24 +71,45 @@ bool ProcessDevice::fail(Fault fault) noexcept {
 }
 
 /// Sends a force. @return whether the adapter could be told
-bool ProcessDevice::ask(const Vec3& force, bool end) noexcept {
-  if (++number_ == 0) ++number_;
+bool ProcessDevice::ask(const Vec3& force) noexcept {
+  do ++number_;
+  while (number_ == 0 || number_ == kLastForce);
   const hapgrid_device_force message{
-      .force = {force[0], force[1], force[2]}, .number = number_, .end = end};
+      .force = {force[0], force[1], force[2]},
+      .number = number_,
+      .flags = std::exchange(snaps_, false) ? std::uint32_t{HAPGRID_DEVICE_SNAP} : 0};
   asked_ = true;
+  sent_ = Clock::now();
   const ssize_t sent = ::send(guard_.wire(), &message, sizeof message, MSG_NOSIGNAL | MSG_DONTWAIT);
-  return sent == sizeof message || fail(Fault::kGone);
+  return sent == sizeof message || fail(errno == EAGAIN ? Fault::kSilent : Fault::kGone);
+}
+
+/// Waits for a message that is not an error. @return whether there is one
+bool ProcessDevice::receive() noexcept {
+  // An adapter that ends with a force unread resets the socket once; its last word comes then.
+  const auto take = [this](int flags) {
+    ssize_t got;
+    do got = ::recv(guard_.wire(), message_.data(), message_.size(), MSG_TRUNC | flags);
+    while (got < 0 && (errno == EINTR || errno == ECONNRESET));
+    return got;
+  };
+  ssize_t got = take(MSG_DONTWAIT);
+  const bool waits = got < 0 && errno == EAGAIN;
+  if (waits) got = take(0);
+  if (got < 0 && errno == EAGAIN) return fail(Fault::kSilent);
+  if (got <= 0) return fail(Fault::kGone);
+  size_ = static_cast<std::size_t>(got);
+  if (!told_error(message_.data(), std::min(size_, message_.size())).empty())
+    return fail(Fault::kTold);
+  delays_.add(waits ? (Clock::now() - sent_) / 1ns : 0);
+  return true;
 }
 
 /// Reads the answer to the last force. @return whether there is a good one
 bool ProcessDevice::read_answer() noexcept {
-  ssize_t got;
-  do got = ::recv(guard_.wire(), &wrong_, sizeof wrong_, MSG_TRUNC);
-  while (got < 0 && errno == EINTR);
-  if (got < 0 && errno == EAGAIN) return fail(Fault::kSilent);
-  if (got <= 0) return fail(Fault::kGone);
+  if (!receive()) return false;
   asked_ = false;
-  size_ = static_cast<std::size_t>(got);
+  std::memcpy(&wrong_, message_.data(), sizeof wrong_);
   expected_ = number_;
   flaw_ = state_flaw(greeting_, wrong_, size_, number_, state_.time);
   if (flaw_ != StateFlaw::kNone) return fail(Fault::kFlaw);
@@ -103,67 +120,43 @@ bool ProcessDevice::read_answer() noexcept {
   return true;
 }
 
+/// Tells the guard that this program lives. @return whether it could be told
+bool ProcessDevice::beat(Clock::time_point now) noexcept {
+  if (now - beat_ < kGuardBeatTime) return true;
+  beat_ = now;
+  return guard_.beat() || fail(Fault::kGuardGone);
+}
+
 DeviceStatus ProcessDevice::read(DeviceInput& input) noexcept {
   if (fault_ != Fault::kNone || stopped_) return DeviceStatus::kFailed;
-  Heart& heart = guard_.heart();
-  heart.beats.fetch_add(1);
-  if (heart.let_go.load()) {
-    fail(Fault::kGuardLetGo);
-    return DeviceStatus::kFailed;
-  }
+  const auto now = Clock::now();
+  if (!beat(now)) return DeviceStatus::kFailed;
   if (!asked_) {
-    moved_on_ = Clock::now();  // nobody asked for a while
-    if (!ask({0, 0, 0}, false)) return DeviceStatus::kFailed;
+    moved_on_ = now;  // nobody asked for a while
+    if (!ask({0, 0, 0})) return DeviceStatus::kFailed;
   }
   if (!read_answer()) return DeviceStatus::kFailed;
-  input = {.clutch = (state_.buttons & HAPGRID_DEVICE_CLUTCH) != 0,
-           .reset = (state_.buttons & HAPGRID_DEVICE_RESET) != 0};
-  std::copy_n(state_.position, 3, input.position.begin());
+  input = {.stalled = (state_.flags & HAPGRID_DEVICE_STALLED) != 0,
+           .clutch = (state_.flags & HAPGRID_DEVICE_CLUTCH) != 0,
+           .reset = (state_.flags & HAPGRID_DEVICE_RESET) != 0};
+  const bool steers = (greeting_.flags & HAPGRID_DEVICE_STEERS) != 0;
+  std::copy_n(state_.position, 3, (steers ? input.rate : input.position).begin());
   return DeviceStatus::kOk;
 }
 
 DeviceStatus ProcessDevice::send(const Vec3& force) noexcept {
   if (stopped_) return stop_status_;
-  if (fault_ != Fault::kNone || guard_.heart().let_go.load() || !ask(force, false)) {
-    if (guard_.heart().let_go.load()) fail(Fault::kGuardLetGo);
-    return DeviceStatus::kFailed;
-  }
+  if (fault_ != Fault::kNone || !ask(force)) return DeviceStatus::kFailed;
   return DeviceStatus::kOk;
 }
 
-/// Whether the adapter answered the last message; what comes before is skipped.
-bool ProcessDevice::confirmed(Clock::time_point deadline) noexcept {
-  for (;;) {
-    hapgrid_device_state state[2];  // what is too long shows
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
-    pollfd ready{guard_.wire(), POLLIN, 0};
-    if (left <= 0ms || (::poll(&ready, 1, static_cast<int>(left.count())) < 0 && errno != EINTR))
-      return false;
-    const ssize_t got = ::recv(guard_.wire(), state, sizeof state, MSG_DONTWAIT);
-    if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) return false;
-    if (got == sizeof state[0] && state[0].number == number_) return true;
-  }
-}
-
-/// Tells the adapter to let go, or kills it.
-void ProcessDevice::close(std::chrono::microseconds patience) noexcept {
-  if (stopped_) return;
-  stopped_ = true;
-  guard_.heart().beats.store(0);
-  if (ask({0, 0, 0}, true) && confirmed(Clock::now() + patience)) {
-    guard_.release();
-    stop_status_ = DeviceStatus::kOk;
-  } else {
-    how_ = guard_.kill();
-    fail(Fault::kHeldOn);
-  }
-}
-
 DeviceStatus ProcessDevice::stop() noexcept {
-  // Who did not answer so far is not waited for: it may hold the hand.
-  close(fault_ == Fault::kNone     ? std::chrono::microseconds(kStopLimit)
-        : fault_ == Fault::kSilent ? 0us
-                                   : kSilence);
+  if (stopped_) return stop_status_;
+  stopped_ = true;
+  if (guard_.end())
+    stop_status_ = DeviceStatus::kOk;
+  else
+    fail(Fault::kHeldOn);
   return stop_status_;
 }
 
@@ -189,24 +182,40 @@ bool ProcessDevice::set_priority(int priority) noexcept {
   return took;
 }
 
-std::string ProcessDevice::error() const { return format("{}: {}", guard_.name(), what()); }
+std::string ProcessDevice::error() const {
+  std::string consequence;
+  if (stopped_ && stop_status_ != DeviceStatus::kOk && greeting_.max_force > 0)
+    consequence = guard_.released() ? "; then --release sent zero force"
+                  : releases()      ? "; --release failed: the device may hold its last force"
+                                    : "; it has no --release: the device may hold its last force";
+  return format("{}: {}{}", guard_.name(), what(), consequence);
+}
 
 std::string ProcessDevice::what() const {
-  switch (fault_) {
+  if (guard_.why() == kGuardStood) return "the program stood still, and its guard sent zero force";
+  if (guard_.why() == kGuardDeaf)
+    return format("read nothing within {} ms, while this program stood still", kSilence / 1ms);
+  const std::string& how = guard_.how_it_ended();
+  // The guard may have seen the adapter's end first.
+  const bool saw = fault_ == Fault::kGuardGone && guard_.why() == kGuardClosed;
+  switch (saw ? Fault::kGone : fault_) {
     case Fault::kNone:
       return "no error";
     case Fault::kSilent:
-      return how_.empty() ? format("did not answer within {} ms", kSilence / 1ms) : how_;
+      return how.empty() ? format("did not answer within {} ms", kSilence / 1ms) : how;
     case Fault::kHeldOn:
-      return format("did not answer the last message within {} s", kStopLimit / 1s);
+      return format("did not answer the last message within {} ms", kConfirmTime / 1ms);
     case Fault::kGone:
-      return how_.empty() ? "closed its standard input or output" : how_;
+      return how.empty() ? "closed its standard input or output" : how;
+    case Fault::kTold:
+      return printable_line(told_error(message_.data(), std::min(size_, message_.size())),
+                            message_.size());
     case Fault::kFlaw:
       return what_flaw();
     case Fault::kStoodStill:
       return format("its time stood still for {} ms", kSilence / 1ms);
-    case Fault::kGuardLetGo:
-      return "the program stood still, and its guard sent zero force";
+    case Fault::kGuardGone:
+      return "its guard process is gone";
   }
   return "";
 }

@@ -1,34 +1,37 @@
 // A device that is a process: an adapter drives it, beside this program, and speaks the protocol of
-// process_protocol.h.
+// process_protocol.h. All hardware is reached in this way.
 //
 // Problem. Most devices with three axes are driven by a closed library of their maker, which must
-// not run in this program. Choice: each tick sends one force, and the next tick reads the one state
-// that answers it. The answer has had a whole period to come, so that reading it does not wait. An
-// adapter that is late makes the tick late, which the loop counts as for every other reason: each
-// force was in effect, and each position is that after it, a tick old; the energy tank allows for
-// that tick (TankTerms::delay). There are no queues, and no threads.
+// not run in this program, and any driver can make the loop wait. Choice: each tick sends one
+// force, and the next tick reads the one state that answers it. The answer has had a whole period
+// to come, so that reading it does not wait. An adapter that is late makes the tick late, which the
+// loop counts as for every other reason: each force was in effect, and each position is that after
+// it, a tick old; the energy tank allows for that tick (TankTerms::delay). There are no queues, and
+// no threads.
 // Alternatives: an adapter that sends at its own rate (positions are fresher, but it must not block
 // when this program stands still, and each adapter would have to get that right); to send and wait
 // in the same tick (fresher by a period, and the loop waits for hardware in every tick).
 //
-// | what                                         | outcome                                     |
-// |----------------------------------------------|---------------------------------------------|
-// | no answer for HAPGRID_DEVICE_SILENCE         | kFailed; the adapter is killed              |
-// | its clock goes back, or stands still as long | kFailed; it is told to let go               |
-// | a position beyond its own ranges, NaN        | kFailed; it is told to let go               |
-// | another size or number than that of a state  | kFailed; it is told to let go               |
-// | it ends, or closes its socket                | kFailed; what it started is killed          |
-// | stop() and no answer to the last message     | kFailed after a second; it is killed        |
-// | this program stands still or vanishes        | see ProcessGuard                            |
+// | what                                         | outcome                                   |
+// |----------------------------------------------|-------------------------------------------|
+// | no answer for HAPGRID_DEVICE_SILENCE         | kFailed                                   |
+// | its clock goes back, or stands still as long | kFailed                                   |
+// | a position beyond its own ranges, NaN        | kFailed                                   |
+// | another size or number than that of a state  | kFailed                                   |
+// | it says an error, ends, or closes its socket | kFailed                                   |
+// | its guard is gone                            | kFailed                                   |
+// | stop() and no answer to the last message     | kFailed                                   |
+// | this program stands still or vanishes        | see tools/devices/guard.cpp               |
 //
-// An adapter that is told to let go, and does not confirm that within HAPGRID_DEVICE_SILENCE, is
-// killed.
+// However it fails, its end is that of let_go.hpp.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <string>
 
+#include "libcore/base/histogram.hpp"
 #include "libcore/device/device.hpp"
 #include "libcore/device/process_guard.hpp"
 #include "libcore/device/process_messages.hpp"
@@ -38,10 +41,8 @@ namespace hapgrid {
 class ProcessDevice : public Device {
  public:
   /// Starts the adapter, and waits 10 s at most for its greeting, then for a first state.
-  /// @param guard not started; it must live longer than this object.
-  /// @throw DeviceError; std::system_error(interrupted) when a signal came. The adapter was told to
-  /// end, or killed.
-  explicit ProcessDevice(ProcessGuard& guard);
+  /// @throw DeviceError; std::system_error(interrupted) when a signal came. The adapter has ended.
+  explicit ProcessDevice(AdapterProgram program);
   /// Calls stop().
   ~ProcessDevice() override;
 
@@ -50,6 +51,7 @@ class ProcessDevice : public Device {
   /// since the one that the constructor saw may be old.
   DeviceStatus read(DeviceInput& input) noexcept override;
   DeviceStatus send(const Vec3& force) noexcept override;
+  void snap() noexcept override { snaps_ = true; }
   DeviceStatus stop() noexcept override;
   /// Sets the priority of those threads of the adapter that have no real-time priority. Threads
   /// that the adapter starts later do not inherit it.
@@ -58,34 +60,44 @@ class ProcessDevice : public Device {
 
   /// Forces a second that the adapter can take.
   double rate_hz() const { return greeting_.rate; }
+  /// Whether the adapter can be started to send zero force after it was killed.
+  bool releases() const { return (greeting_.flags & HAPGRID_DEVICE_RELEASES) != 0; }
+  pid_t adapter() const { return guard_.adapter(); }
+  pid_t guard() const { return guard_.pid(); }
+  /// From sending a force to its answer, in nanoseconds; 0 for an answer that was there when the
+  /// next tick asked for it.
+  const Histogram& delays() const { return delays_; }
 
  private:
   using Clock = std::chrono::steady_clock;
-  enum class Fault { kNone, kSilent, kHeldOn, kGone, kFlaw, kStoodStill, kGuardLetGo };
+  enum class Fault { kNone, kSilent, kHeldOn, kGone, kTold, kFlaw, kStoodStill, kGuardGone };
 
   void greet();
   std::string what() const;
   std::string what_flaw() const;
   bool fail(Fault fault) noexcept;
-  bool ask(const Vec3& force, bool end) noexcept;
+  bool ask(const Vec3& force) noexcept;
+  bool receive() noexcept;
   bool read_answer() noexcept;
-  bool confirmed(Clock::time_point deadline) noexcept;
-  void close(std::chrono::microseconds patience) noexcept;
+  bool beat(Clock::time_point now) noexcept;
 
-  ProcessGuard& guard_;
+  ProcessGuard guard_;
   hapgrid_device_greeting greeting_{};
   hapgrid_device_state state_{};
   Clock::time_point moved_on_;  // when the adapter's clock did
-  std::uint32_t number_ = 0;    // of the last force
-  int priority_ = 0;            // that the adapter was given
-  bool asked_ = false;          // its answer was not read yet
+  Clock::time_point sent_, beat_;
+  std::uint32_t number_ = 0;  // of the last force
+  int priority_ = 0;          // that the adapter was given
+  bool asked_ = false;        // its answer was not read yet
+  bool snaps_ = false;        // with the next force
+  Histogram delays_;
   Fault fault_ = Fault::kNone;
+  std::array<char, 512> message_{};  // the last one that came, of size_ bytes
+  std::size_t size_ = 0;
   // For error():
   StateFlaw flaw_ = StateFlaw::kNone;
-  std::size_t size_ = 0;          // of the message that is no state
   hapgrid_device_state wrong_{};  // that answered the force expected_
   std::uint32_t expected_ = 0;
-  std::string how_;  // the adapter ended
   bool stopped_ = false;
   DeviceStatus stop_status_ = DeviceStatus::kFailed;
 };

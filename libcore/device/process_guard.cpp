@@ -1,178 +1,175 @@
 #include "libcore/device/process_guard.hpp"
 
-#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
-#include <chrono>
 #include <string_view>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "libcore/base/error.hpp"
-#include "libcore/base/family.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/device/process_protocol.h"
+#include "libcore/device/guard_words.hpp"
 
 namespace hapgrid {
 
 using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
 
 namespace {
 
-// Messages of the guard's socket: to start, to kill, the goodbye. Answers: 'k' and the adapter's
-// process id, or how it ended; 'e' and why it cannot be started.
-constexpr char kStart = 's', kKill = 'x', kBye = 'g', kOkay = 'k', kCannot = 'e';
-constexpr auto kGrace = 2s;    // from the last message until the adapter has ended
-constexpr auto kKilling = 1s;  // until all that was killed is gone
-constexpr auto kPause = 5ms;
-constexpr auto kEnding = 50ms;  // of an adapter that has closed its socket
-// What the guard keeps.
-constexpr int kWire = GuardProcess::kFirstKept;
-constexpr int kAdaptersEnd = kWire + 1;
-constexpr int kErrors = kWire + 2;  // standard error
+constexpr auto kStartTime = 2s;    // for the guard, and the start of the adapter
+constexpr auto kHeardTime = 50ms;  // until a guard that can act has said so
+constexpr auto kEndTime = kConfirmTime + kTermTime + 200ms;  // until it must have told how it ended
+constexpr auto kPatience = kLingerTime + kReleaseTime;       // until it must have ended
 
-/// What the child does between fork and exec. Writes errno to `failed` when it cannot.
-[[noreturn]] void become_adapter(std::vector<char*>& arguments, pid_t guard, int failed) {
-  begin_child(guard);
-  restore_signals();
-  ::dup2(kAdaptersEnd, STDIN_FILENO);
-  ::dup2(kAdaptersEnd, STDOUT_FILENO);
-  ::dup2(kErrors, STDERR_FILENO);
-  ::execvp(arguments[0], arguments.data());
-  const int error = errno;
-  (void)!::write(failed, &error, sizeof error);
-  ::raise(SIGKILL);
-  for (;;) ::pause();
-}
+struct Pair {
+  FileDescriptor ours, theirs;
 
-/// In the guard: the adapter and its descendants.
-class Family {
- public:
-  explicit Family(std::vector<std::string> command) : command_(std::move(command)) {
-    become_subreaper();
+  explicit Pair(const char* what) {
+    int ends[2];
+    if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
+      throw std::system_error(errno, std::generic_category(), what);
+    ours = FileDescriptor(ends[0]);
+    theirs = FileDescriptor(ends[1]);
   }
-
-  /// @return the answer
-  std::string start() {
-    std::vector<char*> arguments;
-    for (std::string& word : command_) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    int failed[2];
-    if (adapter_ >= 0 || ::pipe2(failed, O_CLOEXEC) != 0) return kCannot + std::string("no pipe");
-    const FileDescriptor heard(failed[0]);
-    const pid_t guard = ::getpid();
-    adapter_ = ::fork();
-    if (adapter_ == 0) become_adapter(arguments, guard, failed[1]);
-    int error = adapter_ < 0 ? errno : 0;
-    // Only the adapter keeps its end, so that this program hears when it closes it.
-    ::close(kAdaptersEnd);
-    ::close(failed[1]);
-    if (adapter_ > 0 && ::read(heard.get(), &error, sizeof error) <= 0)
-      return kOkay + std::to_string(adapter_);
-    return kCannot + std::generic_category().message(error);
-  }
-
-  /// The last message of the protocol, for when the program does not send it.
-  void let_go() {
-    const hapgrid_device_force last{.force = {0, 0, 0}, .number = ~0u, .end = 1};
-    (void)!::send(kWire, &last, sizeof last, MSG_NOSIGNAL | MSG_DONTWAIT);
-    end();
-  }
-
-  /// Waits until the adapter ended by itself, and kills what is left.
-  void end() {
-    const auto deadline = Clock::now() + kGrace;
-    while (adapter_ >= 0 && !reap() && Clock::now() < deadline) std::this_thread::sleep_for(kPause);
-    kill();
-  }
-
-  /// @return how the adapter had ended by itself
-  std::string kill() {
-    // Whoever closes its socket at its end is gone a moment later, which a busy machine makes
-    // longer.
-    pollfd wire{kWire, 0, 0};
-    const bool is_closed = ::poll(&wire, 1, 0) > 0 && (wire.revents & POLLHUP) != 0;
-    const auto soon = Clock::now() + (is_closed ? kEnding : kPause);
-    while (adapter_ >= 0 && !reap() && Clock::now() < soon)
-      std::this_thread::sleep_for(kPause / 10);
-    std::string ended = how_;
-    if (adapter_ > 0 && !ended_) ::kill(-adapter_, SIGKILL);  // where /proc is missing
-    kill_family();
-    ended_ = true;
-    return ended;
-  }
-
- private:
-  /// @return whether the adapter has ended
-  bool reap() {
-    int status = 0;
-    for (pid_t pid; (pid = ::waitpid(-1, &status, WNOHANG)) > 0;) {
-      if (pid != adapter_) continue;
-      how_ = how_it_ended(status);
-      ended_ = true;
-    }
-    return ended_;
-  }
-
-  std::vector<std::string> command_;
-  pid_t adapter_ = -1;
-  bool ended_ = false;
-  std::string how_;
 };
 
-/// What the guard does all its life.
-void watch_over(int socket, Heart& heart, const std::vector<std::string>& command) {
-  Family family(command);
+/// @param files become the guard's descriptors 0, 1 and 3. @throw DeviceError
+pid_t spawn(const std::string& program, const int (&files)[3]) {
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_adddup2(&actions, files[0], kGuardSocket);
+  ::posix_spawn_file_actions_adddup2(&actions, files[1], kGuardWire);
+  ::posix_spawn_file_actions_adddup2(&actions, files[2], kGuardAdaptersEnd);
+  posix_spawnattr_t attributes;
+  ::posix_spawnattr_init(&attributes);
+  sigset_t none;
+  ::sigemptyset(&none);
+  ::posix_spawnattr_setsigmask(&attributes, &none);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK);
+  // Its name alone: who ends what has the words of play's command line must not end it.
+  char name[] = "hapgrid-guard";
+  char* const arguments[] = {name, nullptr};
+  pid_t pid = -1;
+  const int error = ::posix_spawn(&pid, program.c_str(), &actions, &attributes, arguments, environ);
+  ::posix_spawnattr_destroy(&attributes);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (error != 0)
+    throw DeviceError(format("the guard process {} cannot be started: {}", program,
+                             std::generic_category().message(error)));
+  return pid;
+}
+
+/// Reads a message of the guard's. @return it, empty when none came in time, or the guard is gone
+std::string receive(int socket, std::chrono::milliseconds patience) noexcept {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  char text[512];
   for (;;) {
-    wait_for_message(socket, heart, [&family] { family.let_go(); });
-    char message = 0;
-    const ssize_t got = ::recv(socket, &message, 1, 0);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return family.let_go();
-    if (message == kBye) return family.end();
-    const std::string answer = message == kStart ? family.start() : kOkay + family.kill();
-    (void)!::send(socket, answer.data(), answer.size(), MSG_NOSIGNAL);
+    const auto left =
+        std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    if (left <= 0ms) return "";
+    pollfd ready{socket, POLLIN, 0};
+    const int polled = ::poll(&ready, 1, static_cast<int>(left.count()));
+    if (polled < 0 && errno == EINTR) continue;
+    if (polled <= 0) return "";
+    const ssize_t got = ::recv(socket, text, sizeof text, MSG_DONTWAIT);
+    if (got > 0) return std::string(text, static_cast<std::size_t>(got));
+    // A guard that has gone with a beat unread resets the socket once; its last word comes then.
+    if (got == 0 || (errno != ECONNRESET && errno != EINTR)) return "";
   }
 }
 
 }  // namespace
 
-ProcessGuard::ProcessGuard(std::vector<std::string> command) {
-  for (const std::string& word : command) name_ += (name_.empty() ? "process '" : " ") + word;
-  name_ += "'";
-  int ends[2];
-  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
-    throw std::system_error(errno, std::generic_category(), "the adapter's socket");
-  wire_ = FileDescriptor(ends[0]);
-  const FileDescriptor adapters(ends[1]);
-  const int kept[] = {wire_.get(), adapters.get(), STDERR_FILENO};
-  process_.emplace("hapgrid-guard", kept,
-                   [&command](int socket, Heart& heart) { watch_over(socket, heart, command); });
-  process_->set_patience(kGrace + 2 * kKilling);
+ProcessGuard::ProcessGuard(AdapterProgram program) : program_(std::move(program)) {
+  // Where this program was started with SIGCHLD ignored, the kernel would forget how a child ended.
+  ::signal(SIGCHLD, SIG_DFL);
+  Pair wire("the adapter's socket"), socket("the guard's socket");
+  guard_ = spawn(program_.guard, {socket.theirs.get(), wire.ours.get(), wire.theirs.get()});
+  wire_ = std::move(wire.ours);
+  socket_ = std::move(socket.ours);
+  socket.theirs = FileDescriptor();
+  wire.theirs = FileDescriptor();
+  try {
+    const std::string answer = ask_guard();
+    const std::string_view text = std::string_view(answer).substr(answer.empty() ? 0 : 1);
+    if (answer.empty()) throw DeviceError(format("{}: its guard process does not answer", name()));
+    if (answer[0] != kGuardStarted)
+      throw DeviceError(format("{}: cannot be started: {}", name(), text));
+    std::from_chars(text.data(), text.data() + text.size(), adapter_);
+    process_ = open_process(adapter_);
+  } catch (...) {
+    socket_ = FileDescriptor();  // which ends the adapter, if there is one
+    wait_for_guard();
+    throw;
+  }
 }
 
-void ProcessGuard::start() {
-  char answer[256];
-  const ssize_t got = process_->ask({&kStart, 1}, answer);
-  if (got <= 0) throw DeviceError(format("{}: its guard process does not answer", name_));
-  const std::string_view text(answer + 1, static_cast<std::size_t>(got) - 1);
-  if (answer[0] == kCannot) throw DeviceError(format("{}: cannot be started: {}", name_, text));
-  std::from_chars(text.data(), text.data() + text.size(), adapter_);
+ProcessGuard::~ProcessGuard() {
+  end();
+  socket_ = FileDescriptor();
+  wait_for_guard();
 }
 
-std::string ProcessGuard::kill() noexcept {
-  char answer[256];
-  const ssize_t got = process_->ask({&kKill, 1}, answer);
-  return got > 1 ? std::string(answer + 1, static_cast<std::size_t>(got) - 1) : "";
+/// Tells it the adapter's command.
+std::string ProcessGuard::ask_guard() {
+  std::string words;
+  for (const std::string& word : program_.command) words += word + '\0';
+  if (::send(socket_.get(), words.data(), words.size(), MSG_NOSIGNAL) < 0)
+    throw std::system_error(errno, std::generic_category(), "the guard process");
+  return receive(socket_.get(), kStartTime);
 }
 
-void ProcessGuard::release() noexcept { (void)!::send(process_->socket(), &kBye, 1, MSG_NOSIGNAL); }
+void ProcessGuard::set_releases() noexcept {
+  releases_ = true;
+  (void)!::send(socket_.get(), &kGuardReleases, 1, MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
+bool ProcessGuard::beat() noexcept {
+  // A guard that stands still hears it later.
+  return ::send(socket_.get(), &kGuardBeat, 1, MSG_NOSIGNAL | MSG_DONTWAIT) == 1 || errno == EAGAIN;
+}
+
+bool ProcessGuard::end() noexcept {
+  if (std::exchange(ended_, true)) return confirmed_;
+  send_zero(wire());  // at once, whatever the guard does
+  (void)!::send(socket_.get(), &kGuardEnd, 1, MSG_NOSIGNAL | MSG_DONTWAIT);
+  const bool acts = !receive(socket_.get(), kHeardTime).empty();
+  const std::string told = acts ? receive(socket_.get(), kEndTime) : "";
+  if (told.size() < 2) {  // it is dead or stands still
+    confirmed_ = let_go(wire(), process_.get()) == LetGo::kConfirmed;
+    ::kill(guard_, SIGKILL);
+    wait_for_guard();
+    released_ = !confirmed_ && releases_ && release(program_.command);
+  } else {
+    confirmed_ = told[0] == kGuardConfirmed;
+    why_ = told[1];
+    how_ = told.substr(2);
+    if (!confirmed_) wait_for_guard();
+  }
+  return confirmed_;
+}
+
+void ProcessGuard::wait_for_guard() noexcept {
+  if (guard_ < 0) return;
+  int status = 0;
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  pid_t ended;
+  for (auto pause = 100us; (ended = ::waitpid(guard_, &status, WNOHANG)) == 0;
+       pause = std::min(2 * pause, 20'000us)) {
+    if (std::chrono::steady_clock::now() >= deadline) return;  // it goes on alone
+    std::this_thread::sleep_for(pause);
+  }
+  guard_ = -1;
+  released_ =
+      ended > 0 && !confirmed_ && releases_ && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
 
 }  // namespace hapgrid

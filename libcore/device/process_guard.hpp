@@ -1,56 +1,73 @@
-// The guard of a device that is a process: it starts the adapter, takes the force off the hand when
-// this program cannot, and ends every process that the adapter has left.
-//
-// Problem. An adapter that hangs holds the hand with the last force; one that has children or
-// became a daemon outlives its parent; and this program may be killed or stopped before it could
-// say the last word. Choice: the guard is the adapter's parent and, by PR_SET_CHILD_SUBREAPER, the
-// heir of all that descends from it. It has a copy of this program's end of the adapter's socket.
-// When this program is gone or stands still, the guard sends the last message of the protocol,
-// waits until the adapter ended, and kills what is left. When the guard itself is killed, the
-// kernel kills the adapter with it (PR_SET_PDEATHSIG). Alternatives: the adapter notices by itself
-// (a good one does, after HAPGRID_DEVICE_SILENCE; this is for the others), a control group (it
-// needs rights that a user may not have).
+// play's side of the guard: starts it (tools/devices/guard.cpp), and tells it that play lives.
 #pragma once
 
 #include <sys/types.h>
 
-#include <memory>
-#include <optional>
+#include <chrono>
 #include <string>
 #include <vector>
 
-#include "libcore/device/guard_process.hpp"
+#include "libcore/base/file.hpp"
+#include "libcore/device/let_go.hpp"
 
 namespace hapgrid {
 
+/// An adapter, and how it is started.
+struct AdapterProgram {
+  std::vector<std::string> command;  ///< program, looked up in PATH, and arguments
+  std::string name;                  ///< for messages
+  std::string guard;                 ///< the file of the guard's program
+};
+
+/// How often play says that it lives, while it may send forces.
+inline constexpr std::chrono::milliseconds kGuardBeatTime{10};
+
 class ProcessGuard {
  public:
-  /// Starts nothing yet. See GuardProcess. @param command program, looked up in PATH, and
-  /// arguments.
-  /// @throw std::system_error
-  explicit ProcessGuard(std::vector<std::string> command);
-  // The destructor waits until the adapter and all that it started are gone, 4 s at most.
+  /// Starts the guard, which starts the adapter. All that this program needs until the end is there
+  /// before the adapter starts. @throw DeviceError, std::system_error
+  explicit ProcessGuard(AdapterProgram program);
+  /// Calls end(), and waits until the guard, the adapter and all that it started are gone, 4 s at
+  /// most.
+  ~ProcessGuard();
+  ProcessGuard(const ProcessGuard&) = delete;
+  ProcessGuard& operator=(const ProcessGuard&) = delete;
 
-  /// Starts the adapter; once. @throw DeviceError
-  void start();
-  /// Kills the adapter and all that it started, at once.
-  /// @return how the adapter had ended by itself, "exited with status 3"; empty when it had not
-  std::string kill() noexcept;
-  /// The goodbye: the adapter took the last message. It gets 2 s to end by itself.
-  void release() noexcept;
-
-  /// "process 'CMD ARGS'"
-  const std::string& name() const { return name_; }
+  const std::string& name() const { return program_.name; }
   /// This program's end of the adapter's socket.
   int wire() const { return wire_.get(); }
   pid_t adapter() const { return adapter_; }
-  Heart& heart() const { return *process_->heart(); }
+  pid_t pid() const { return guard_; }
+
+  /// The adapter knows --release.
+  void set_releases() noexcept;
+  /// Says that this program lives. Real-time safe. @return false when the guard is gone
+  bool beat() noexcept;
+  /// Ends the adapter as let_go.hpp says, by the guard, or by itself when the guard is dead or
+  /// stands still. Later calls do nothing and return the same.
+  /// @return whether the adapter confirmed the last zero force
+  bool end() noexcept;
+
+  /// After end(): how the adapter had ended by itself, "exited with status 3"; empty when it had
+  /// not.
+  const std::string& how_it_ended() const { return how_; }
+  /// After end(): why the guard ended the adapter (guard_words.hpp); 0 where it was no guard.
+  char why() const { return why_; }
+  /// After end(), of an adapter that did not confirm: whether its --release sent zero force.
+  bool released() const { return released_; }
 
  private:
-  std::string name_;
-  FileDescriptor wire_;
-  std::optional<GuardProcess> process_;
+  std::string ask_guard();
+  void wait_for_guard() noexcept;
+
+  AdapterProgram program_;
+  FileDescriptor wire_, socket_, process_;
+  pid_t guard_ = -1;  // -1: it was waited for
   pid_t adapter_ = -1;
+  bool releases_ = false;
+  bool ended_ = false, confirmed_ = false, released_ = false;
+  char why_ = 0;
+  std::string how_;
 };
 
 }  // namespace hapgrid

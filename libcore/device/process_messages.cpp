@@ -40,17 +40,19 @@ std::string greeting_flaw(const hapgrid_device_greeting& g, std::size_t size) {
   if (g.version != HAPGRID_DEVICE_VERSION)
     return format("speaks version {} of the protocol, this play speaks {}", g.version,
                   HAPGRID_DEVICE_VERSION);
-  std::uint32_t axes = 0;
+  const bool steers = (g.flags & HAPGRID_DEVICE_STEERS) != 0;
+  int axes = 0;
   for (int a = 0; a < 3; ++a) {
     const double low = g.low[a], high = g.high[a];
     const bool possible =
-        low >= -kFarthest && high <= kFarthest && (low == high || high - low >= kNearest);
+        steers ? low == high || (low == -1 && high == 1)
+               : low >= -kFarthest && high <= kFarthest && (low == high || high - low >= kNearest);
     if (!possible)
-      return format("says that its {} goes from {} to {} m", "xyz"[a], rounded(low), rounded(high));
+      return format("says that its {} goes from {} to {}{}", "xyz"[a], rounded(low), rounded(high),
+                    steers ? ", and steers" : " m");
     axes += low < high;
   }
-  if (axes == 0 || axes != g.axes)
-    return format("says that it has {} axes, and its ranges have {}", g.axes, axes);
+  if (axes == 0) return "says that it has no axis";
   if (!(g.max_force >= 0 && g.max_force <= kStrongest))
     return format("says that its largest force is {} N", rounded(g.max_force));
   if (!(g.rate >= kSlowestProcessHz && g.rate <= kFastest))
@@ -62,11 +64,17 @@ DeviceInfo device_info(const hapgrid_device_greeting& g, const std::string& name
   const auto* const end = std::find(std::begin(g.name), std::end(g.name), '\0');
   const std::string_view given(g.name, static_cast<std::size_t>(end - g.name));
   DeviceInfo info{.name = given.empty() ? name : printable_line(given),
-                  .unit = DeviceInfo::Unit::kMetres,
+                  .unit = (g.flags & HAPGRID_DEVICE_STEERS) != 0 ? DeviceInfo::Unit::kRate
+                                                                 : DeviceInfo::Unit::kMetres,
                   .max_force = g.max_force};
   std::copy_n(g.low, 3, info.low.begin());
   std::copy_n(g.high, 3, info.high.begin());
   return info;
+}
+
+std::string_view told_error(const char* message, std::size_t size) noexcept {
+  const std::string_view text(message, size), mark = HAPGRID_DEVICE_ERROR;
+  return text.starts_with(mark) ? text.substr(mark.size()) : std::string_view();
 }
 
 StateFlaw state_flaw(const hapgrid_device_greeting& greeting, const hapgrid_device_state& state,

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 #include "libcore/device/device.hpp"
 #include "libcore/device/process_protocol.h"
@@ -17,6 +18,9 @@ inline constexpr double kSlowestProcessHz = 20;
 std::string greeting_flaw(const hapgrid_device_greeting& greeting, std::size_t size);
 /// @param greeting without flaw. @param name stands for the name of a greeting that has none.
 DeviceInfo device_info(const hapgrid_device_greeting& greeting, const std::string& name);
+
+/// What an adapter says in place of a greeting or a state; empty when it says none.
+std::string_view told_error(const char* message, std::size_t size) noexcept;
 
 enum class StateFlaw { kNone, kSize, kNumber, kNotFinite, kOutside, kBackwards };
 

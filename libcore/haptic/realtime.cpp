@@ -35,7 +35,7 @@ std::string take_priority() {
   const int error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
   if (error == 0) return "";
   return format("no SCHED_FIFO ({}: rtprio {} in /etc/security/limits.d)", std::strerror(error),
-                kDevicePriority);
+                kGuardPriority);
 }
 
 /// Locks the memory. @return why the system refused it, empty when it did not
@@ -76,7 +76,7 @@ Realtime::Realtime(RealtimeMode mode, Device* device) : device_(device) {
     give_priority_back();
     priority =
         format("no SCHED_FIFO for the device's threads (rtprio {} in /etc/security/limits.d)",
-               kDevicePriority);
+               kGuardPriority);
   }
   awake_ = keep_awake();
   got_ = format("{}, {}{}", scheduled_ ? format("SCHED_FIFO {}", kRealtimePriority) : priority,

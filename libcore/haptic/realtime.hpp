@@ -7,6 +7,7 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/device/device.hpp"
+#include "libcore/device/guard_words.hpp"
 
 namespace hapgrid {
 
@@ -19,9 +20,9 @@ enum class RealtimeMode {
 /// Linux runs its interrupt threads at 50. A loop above them would starve the USB stack that feeds
 /// its device.
 inline constexpr int kRealtimePriority = 40;
-/// Of the device's own threads, which have little to do: each force passes through one of them, and
-/// must not wait for the next tick.
-inline constexpr int kDevicePriority = 45;
+/// Of an adapter, which has little to do: each force passes through it, and must not wait for the
+/// next tick.
+inline constexpr int kDevicePriority = kAdapterPriority;
 
 /// While an object lives, the calling thread and those of the device are under SCHED_FIFO, the
 /// process's memory is locked, and the processors are asked not to sleep deeply

@@ -71,7 +71,7 @@ for form in ("text", "json"):
         assert out and code in (0, 3, 4), (command, code, err)
 assert look("stats", "grid", "--get", "tolerance_unit")[1] == "r??\n"
 open("path", "w").write("1 1 1\n")
-for options in (["grid", "--device", "path:" + short], ["grid", "--device", "profile:" + short],
+for options in (["grid", "--device", "path:" + short], ["grid", "--device", "hid:" + short],
                 [short, "--device", "path:path"], ["grid", "--device", "path:path", "--config", short],
                 ["grid", "--device", short], ["--set", short + "=1", "grid"]):
     code, out, err = look("play", *options)

@@ -7,10 +7,10 @@
 
 #include "libcore/device/hand.hpp"
 #include "libcore/device/path.hpp"
-#include "libcore/device/profile.hpp"
 #include "libcore/model/definition.hpp"
 #include "libcore/session/recording.hpp"
 #include "tests/fuzz/fuzz.hpp"
+#include "tools/devices/profile.hpp"
 #include "tools/play/simulation.hpp"
 #include "tools/stats/statistics.hpp"
 
@@ -34,23 +34,17 @@ void take_definition(std::string_view all) {
 }
 
 /// A profile of a device that is taken then reads reports of zeros and ones, and is sent forces.
-void use(Profile profile) {
-  const std::size_t length = profile.input_length + 1;
-  const std::uint8_t id = profile.input_id;
-  ProfileProtocol protocol(std::move(profile));
-  protocol.info();
+void use(const Profile& profile) {
   for (const std::uint8_t byte : {0x00, 0xff, 0x5a}) {
-    std::vector<std::uint8_t> report(length, byte);
-    report[0] = id;
-    DeviceInput input;
-    protocol.decode(report, input);
-    protocol.decode(std::span(report).first(length / 2), input);
+    std::vector<std::uint8_t> report(profile.input_length + 1, byte);
+    report[0] = profile.input_id;
+    hapgrid_device_state state{};
+    profile.decode(report, state);
+    profile.decode(std::span(report).first(report.size() / 2), state);
   }
-  std::vector<HidReport> reports;
   for (const double newtons : {0.0, 1.0, -1e300, std::numeric_limits<double>::quiet_NaN()})
-    protocol.encode({newtons, -newtons, newtons / 3}, reports);
-  protocol.keep_alive();
-  protocol.stop();
+    profile.encode({newtons, -newtons, newtons / 3});
+  profile.stop_reports();
 }
 
 /// The hand and the device of `--device sim:FILE`; one that is taken moves for a while.

@@ -44,7 +44,7 @@ TOML
 # In the background SIGINT would be ignored, so `timeout` sends it. A record's forces are many: of all
 # but the first only how many there are and the last ones.
 cat >session <<'END'
-play="play /ball.grid --model-path /bin --device profile:/profile.toml --rate 5000 --set safety.ramp=100"  # to a file: on a pipe it would write frames
+play="play /ball.grid --model-path /bin --device hid:/profile.toml --rate 5000 --set safety.ramp=100"  # to a file: on a pipe it would write frames
 device() { rawhid-device --rate 5000 "$@" /positions.txt >/tmp/record & device=$!; await /dev/hidraw0; }
 over() { kill $device 2>/dev/null; wait $device; while [ -e /dev/hidraw0 ]; do usleep 10000; done; }
 summary() {
@@ -80,8 +80,8 @@ chrt -f 48 rawhid-device --rate 5000 /positions.txt >/tmp/record & device=$!; aw
 (while :; do :; done) & desktop=$!
 $play --duration 1 --report /tmp/report >/dev/null & player=$!
 usleep 900000
-for task in /proc/$player/task/*; do
-  echo "task $(cat $task/comm) $(chrt -p ${task##*/} | sed 's/.*: //' | tr '\n' ' ')"
+for name in hapgrid-hid hapgrid-guard; do
+  echo "task $name $(chrt -p "$(pidof $name)" | sed 's/.*: //' | tr '\n' ' ')"
 done
 wait $player; echo "exit $?"; kill $desktop; over
 echo "forces $(grep -c ' out ' /tmp/record)"
@@ -98,7 +98,7 @@ echo "== list"
 device; play --list-devices; over
 echo "== end"
 END
-TIMEOUT=300 machine "$qemu/rawhid-device" "$HAPGRID_BIN/play" "$HAPGRID_BUILD/models/hung-ball.so" \
+TIMEOUT=300 machine "$qemu/rawhid-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BUILD/models/hung-ball.so" \
   "$(command -v chrt)" ball.grid profile.toml few.txt positions.txt session -- 'sh session'
 printf '%s\n' "$output" >got
 python3 "$here/play_test.py" got positions.txt

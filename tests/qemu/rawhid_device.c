@@ -21,8 +21,8 @@
  *   TIME close             nobody has it open any more
  *   TIME out X Y Z FLAGS   an output report: millinewtons
  *   TIME short SIZE        an output report of another size (with its id; 65 is right)
- *   TIME end REPORTS LATE  how many input reports went out, the latest of them LATE microseconds
- *                          behind its time
+ *   TIME end REPORTS LATE BEGAN  how many input reports went out, the latest of them LATE
+ *                          microseconds behind its time; CLOCK_MONOTONIC at the first opening
  *
  * Its priority is 60 of SCHED_FIFO: the device is no process of the machine it is plugged into, so
  * nothing there may hold it up. What an emulated HID device needs of Linux is in
@@ -205,7 +205,8 @@ int main(int argc, char** argv) {
   if (unplug_after >= 0 && sent >= unplug_after)
     uhid_send(fd, &(struct uhid_event){.type = UHID_DESTROY});
   if (first_open < 0) first_open = now_ns();
-  fprintf(say(), "end %" PRId64 " %.3f\n", sent, (double)latest_ns / 1e3);
+  fprintf(say(), "end %" PRId64 " %.3f %.3f\n", sent, (double)latest_ns / 1e3,
+          (double)first_open / 1e3);
   fclose(record);
   fputs(text, stdout);
   return 0;

@@ -119,6 +119,8 @@ mount -t sysfs sysfs /sys
 mount -t debugfs debugfs /sys/kernel/debug
 mount -t devtmpfs devtmpfs /dev 2>/dev/null
 mount -t tmpfs tmpfs /tmp
+# Whoever asks here for a processor that does not sleep makes this one count instructions while it idles.
+rm -f /dev/cpu_dma_latency
 exec </dev/null >/dev/ttyS0 2>&1
 stty -F /dev/ttyS0 -onlcr
 for module in $(cat /modules); do insmod /lib/modules/$module.ko; done

@@ -6,7 +6,8 @@
  * from the middle within 1.2 s. When the last effect is erased, it goes back to the middle. With
  * --slow it takes no effect any more after N of them.
  *
- * What happens goes to standard output at once, a line each, with the microseconds since the start:
+ * What happens goes to standard output at once, a line each, with the microseconds of
+ * CLOCK_MONOTONIC:
  *
  *   TIME upload ID rumble STRONG WEAK LENGTH | TIME upload ID constant LEVEL DIRECTION LENGTH
  *   TIME erase ID | TIME play ID TIMES | TIME set CODE VALUE */
@@ -21,11 +22,9 @@
 enum { kHalf = 32767, kStepMs = 4, kWayMs = 1200, kPauseMs = 100 };
 
 static int fd, is_stick, effects, uploads, most_uploads = -1;
-static int64_t began, created;
+static int64_t created;
 
-static void say(const char* what) {
-  printf("%lld %s", (long long)((now_ns() - began) / 1000), what);
-}
+static void say(const char* what) { printf("%lld %s", (long long)(now_ns() / 1000), what); }
 
 static void need(int result, const char* what) {
   if (result < 0) die(what);
@@ -107,7 +106,6 @@ static int place(void) {
 
 int main(int argc, char** argv) {
   setvbuf(stdout, NULL, _IOLBF, 0);
-  began = now_ns();
   is_stick = argc > 1 && strcmp(argv[1], "stick") == 0;
   if (argc > 3 && strcmp(argv[2], "--slow") == 0) most_uploads = atoi(argv[3]);
   create();

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -14,27 +13,17 @@
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/device/evdev_bus.hpp"
-#include "libcore/device/evdev_handle.hpp"
 #include "libcore/device/hand.hpp"
-#include "libcore/device/hid_bus.hpp"
-#include "libcore/device/hid_device.hpp"
 #include "libcore/device/keyboard.hpp"
 #include "libcore/device/path.hpp"
-#include "libcore/device/process_device.hpp"
-#include "libcore/device/profile.hpp"
 #include "libcore/device/replay.hpp"
-#include "libcore/device/spacemouse.hpp"
 #include "libcore/haptic/mapping.hpp"
-#include "tools/common/definition.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/play/simulation.hpp"
 
 namespace hapgrid {
 
 namespace {
-
-constexpr std::uint64_t kMaxProfileBytes = 1 << 20;
 
 enum class Argument { kNone, kNeeded, kMayBe };
 
@@ -44,6 +33,14 @@ struct Form {
   const char* shown;
   DeviceChoice (*make)(const std::string& argument);
 };
+
+/// The words of a command; blanks stand between them, and quotes mean nothing.
+std::vector<std::string> words_of(const std::string& command) {
+  std::istringstream in(command);
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) words.push_back(word);
+  return words;
+}
 
 template <class Choice>
 DeviceChoice make(const std::string& argument) {
@@ -59,13 +56,17 @@ DeviceChoice make_path(const std::string& argument) {
   return PathFile{argument};
 }
 
-/// The words of the command; blanks stand between them, and quotes mean nothing.
+template <const char* kKind>
+DeviceChoice make_adapter(const std::string& argument) {
+  return AdapterChoice{kKind, argument};
+}
+
+constexpr char kHid[] = "hid", kEvdev[] = "evdev", kSpaceMouse[] = "spacemouse",
+               kProcess[] = "process";
+
 DeviceChoice make_process(const std::string& argument) {
-  AdapterProcess process;
-  std::istringstream words(argument);
-  for (std::string word; words >> word;) process.command.push_back(word);
-  if (process.command.empty()) throw UsageError("--device: process: names no program");
-  return process;
+  if (words_of(argument).empty()) throw UsageError("--device: process: names no program");
+  return AdapterChoice{kProcess, argument};
 }
 
 constexpr Form kForms[] = {
@@ -74,10 +75,10 @@ constexpr Form kForms[] = {
      [](const std::string&) { return DeviceChoice(TerminalKeys()); }},
     {"replay", Argument::kNeeded, "replay:FILE", make<ReplayFile>},
     {"sim", Argument::kNeeded, "sim:FILE", make<SimulationFile>},
-    {"profile", Argument::kNeeded, "profile:FILE", make<ProfileFile>},
-    {"evdev", Argument::kMayBe, "evdev[:WHICH]", make<EvdevStick>},
-    {"spacemouse", Argument::kMayBe, "spacemouse[:WHICH]", make<SpaceMouse>},
-    {"process", Argument::kNeeded, "process:COMMAND", make_process},
+    {kHid, Argument::kNeeded, "hid:PROFILE", make_adapter<kHid>},
+    {kEvdev, Argument::kMayBe, "evdev[:WHICH]", make_adapter<kEvdev>},
+    {kSpaceMouse, Argument::kMayBe, "spacemouse[:WHICH]", make_adapter<kSpaceMouse>},
+    {kProcess, Argument::kNeeded, "process:COMMAND", make_process},
 };
 
 HipRange hip_range(const PlaySettings& settings, const Box& box) {
@@ -130,28 +131,17 @@ OpenDevice open_simulation(const std::string& file, double rate_hz, const Mappin
   return open;
 }
 
-std::unique_ptr<Device> open_profile(const std::string& file, HidGuard& guard) {
-  Profile profile = read_profile(read_toml(file, kMaxProfileBytes), file);
-  const HidInfo info =
-      find_one_hid(list_hid(), profile.match, format("[match] serial or path in {}", file));
-  return std::make_unique<HidDevice>(info.path,
-                                     std::make_unique<ProfileProtocol>(std::move(profile)), &guard);
+OpenDevice open_adapter(AdapterProgram program) {
+  const rlimit no_core{0, 0};  // sockets stay open until a core file is written
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  auto device = std::make_unique<ProcessDevice>(std::move(program));
+  const ProcessDevice* const adapter = device.get();
+  return {.device = std::move(device), .session = {}, .adapter = adapter};
 }
 
-std::unique_ptr<Device> open_evdev(const std::string& which, const EvdevParameters& parameters,
-                                   HidGuard& guard) {
-  const std::string path = find_one_evdev(list_evdev(), parse_hid_match(which)).path;
-  auto protocol = std::make_unique<EvdevProtocol>(EvdevHandle(path).layout(), parameters);
-  return std::make_unique<HidDevice>(path, std::move(protocol), &guard);
-}
-
-std::unique_ptr<Device> open_spacemouse(const std::string& which) {
-  std::vector<HidInfo> mice;
-  for (const HidInfo& info : list_hid())
-    if (is_spacemouse(info.vid, info.pid)) mice.push_back(info);
-  const HidInfo info = find_one_hid(mice, parse_hid_match(which), "--device spacemouse:WHICH");
-  return std::make_unique<HidDevice>(info.path,
-                                     std::make_unique<SpaceMouseProtocol>(shown_name(info)));
+/// The folder of this program, in which the guard and our adapters are, too.
+std::filesystem::path own_folder() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
 }
 
 }  // namespace
@@ -188,24 +178,36 @@ std::string keys_of(const DeviceChoice& device) {
   return "arrows: x, z   page up, down: y   + -: step   0: start   r: force back   q: end";
 }
 
-DeviceGuard::DeviceGuard(const DeviceChoice& device) {
-  const bool is_hid =
-      std::holds_alternative<ProfileFile>(device) || std::holds_alternative<EvdevStick>(device);
-  const auto* adapter = std::get_if<AdapterProcess>(&device);
-  if (!is_hid && !adapter) return;
-  const rlimit no_core{0, 0};  // the guard would wait until a core file is written
-  ::setrlimit(RLIMIT_CORE, &no_core);
-  if (is_hid) hid.emplace();
-  if (adapter) process.emplace(adapter->command);
+AdapterProgram adapter_program(const AdapterChoice& choice, const PlaySettings& settings,
+                               double rate_hz) {
+  AdapterProgram program{.command = {}, .name = {}, .guard = own_folder() / "hapgrid-guard"};
+  if (choice.kind == kProcess) {
+    program.command = words_of(choice.argument);
+    for (const std::string& word : program.command)
+      program.name += (program.name.empty() ? "process '" : " ") + word;
+    program.name += "'";
+    return program;
+  }
+  program.name = "hapgrid-" + choice.kind;
+  program.command = {own_folder() / program.name};
+  if (rate_hz > 0) program.command.insert(program.command.end(), {"--rate", to_text(rate_hz)});
+  program.command.push_back(choice.argument);
+  if (choice.kind == kEvdev) {
+    const EvdevSettings& evdev = settings.evdev;
+    program.command.push_back("max_force=" + to_text(evdev.newtons));
+    program.command.push_back("range=" + to_text(evdev.half_range));
+    program.command.push_back(
+        format("signs={},{}", to_text(evdev.signs[0]), to_text(evdev.signs[1])));
+  }
+  return program;
 }
 
 OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double virtual_hz,
-                       const Box& box, DeviceGuard& guard) {
+                       double rate_hz, const Box& box) {
   struct Open {
     const PlaySettings& settings;
-    double virtual_hz;
+    double virtual_hz, rate_hz;
     const Box& box;
-    DeviceGuard& guard;
 
     static OpenDevice live(std::unique_ptr<Device> device) {
       return {.device = std::move(device), .session = {}};
@@ -223,26 +225,11 @@ OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings,
     OpenDevice operator()(const TerminalKeys&) const {
       return live(std::make_unique<KeyboardDevice>(hip_range(settings, box), box.spacing / 2));
     }
-    OpenDevice operator()(const ProfileFile& profile) const {
-      return live(open_profile(profile.file, *guard.hid));
-    }
-    OpenDevice operator()(const EvdevStick& stick) const {
-      return live(open_evdev(stick.which, settings.evdev, *guard.hid));
-    }
-    OpenDevice operator()(const SpaceMouse& mouse) const {
-      return live(open_spacemouse(mouse.which));
-    }
-    OpenDevice operator()(const AdapterProcess&) const {
-      auto device = std::make_unique<ProcessDevice>(*guard.process);
-      const double rate_hz = device->rate_hz();
-      return {.device = std::move(device), .session = {}, .rate_hz = rate_hz};
+    OpenDevice operator()(const AdapterChoice& adapter) const {
+      return open_adapter(adapter_program(adapter, settings, rate_hz));
     }
   };
-  return std::visit(Open{settings, virtual_hz, box, guard}, device);
-}
-
-void print_devices() {
-  std::cout << printable_text(list_text(list_hid()) + list_text(list_evdev()));
+  return std::visit(Open{settings, virtual_hz, rate_hz, box}, device);
 }
 
 }  // namespace hapgrid

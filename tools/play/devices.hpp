@@ -8,16 +8,14 @@
 #include <vector>
 
 #include "libcore/device/device.hpp"
-#include "libcore/device/hid_guard.hpp"
-#include "libcore/device/process_guard.hpp"
+#include "libcore/device/process_device.hpp"
 #include "libcore/device/simulated.hpp"
 #include "libcore/session/recording.hpp"
 #include "tools/play/settings.hpp"
 
 namespace hapgrid {
 
-// What --device can name. A WHICH tells devices of one kind apart (parse_hid_match()); an empty one
-// means the only one.
+// What --device can name.
 struct PathFile {
   std::string file;  ///< "-": standard input
 };
@@ -31,20 +29,13 @@ struct SimulationFile {
   std::string file;
 };
 struct TerminalKeys {};
-struct ProfileFile {
-  std::string file;
+/// Hardware, which an adapter drives. `kind` is "hid", "spacemouse" or "evdev", whose adapters lie
+/// beside this program, or "process"; `argument` is what stands behind it.
+struct AdapterChoice {
+  std::string kind, argument;
 };
-struct EvdevStick {
-  std::string which;
-};
-struct SpaceMouse {
-  std::string which;
-};
-struct AdapterProcess {
-  std::vector<std::string> command;  ///< at least one word
-};
-using DeviceChoice = std::variant<PathFile, HandPipe, ReplayFile, SimulationFile, TerminalKeys,
-                                  ProfileFile, EvdevStick, SpaceMouse, AdapterProcess>;
+using DeviceChoice =
+    std::variant<PathFile, HandPipe, ReplayFile, SimulationFile, TerminalKeys, AdapterChoice>;
 
 /// Opens nothing. A path that is a named pipe is a hand. @throw UsageError for what is not a
 /// device's name
@@ -57,13 +48,9 @@ std::string keys_of(const DeviceChoice& device);
 /// Whether a person moves the device, for as long as they like.
 bool is_live(const DeviceChoice& device);
 
-/// The guard process of a device that pushes a hand, so that its force ends even when this program
-/// is killed. Make it before there is a thread, or a grid that it would copy.
-struct DeviceGuard {
-  explicit DeviceGuard(const DeviceChoice& device);
-  std::optional<HidGuard> hid;
-  std::optional<ProcessGuard> process;
-};
+/// How the adapter is started. @param rate_hz forces a second that were asked for; 0: none
+AdapterProgram adapter_program(const AdapterChoice& choice, const PlaySettings& settings,
+                               double rate_hz);
 
 /// A device that is open, and what play has to know about it.
 struct OpenDevice {
@@ -72,14 +59,14 @@ struct OpenDevice {
   std::optional<SessionHeader> session;        ///< of a replay
   const SimulatedDevice* simulated = nullptr;  ///< `device`, if it is one
   bool wants_truth = false;                    ///< of a simulation: the model runs beside it
-  double rate_hz = 0;                          ///< the most that an adapter can take; 0: not known
+  const ProcessDevice* adapter = nullptr;      ///< `device`, if it is one
 };
 
 /// @param virtual_hz ticks a second of a simulation, and of a replayed text, which does not say it.
-/// @param box of the grid. @param guard of this device; it must live longer.
+/// @param rate_hz see adapter_program(). @param box of the grid.
 /// @throw DeviceError, Error, std::system_error
 OpenDevice open_device(const DeviceChoice& device, const PlaySettings& settings, double virtual_hz,
-                       const Box& box, DeviceGuard& guard);
+                       double rate_hz, const Box& box);
 
 /// Prints what --list-devices asks for.
 void print_devices();

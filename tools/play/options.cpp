@@ -17,7 +17,11 @@ std::optional<std::uint16_t> read_port(const std::string& text) {
 }
 
 void add_device_options(CommandLine& app, PlayOptions& options) {
-  app.add("grid", options.grid, "Complete grid to play ('-': standard input).").type("GRID");
+  app.add("grid", options.grid,
+          "Complete grid to play ('-': standard input). Without it, an adapter's device is only "
+          "looked "
+          "at.")
+      .type("GRID");
   app.add(
          "--device", [&](const std::string& name) { options.device = parse_device(name); },
          "Device that moves the hand; the list below has all kinds.")
@@ -39,7 +43,7 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
       .check([](const std::string& name) { return force_named(name).has_value(); },
              "one of energy, records, state");
   app.add_flag("--list-devices", options.list_devices,
-               "List the HID devices, gamepads and sticks of this machine instead of playing.");
+               "List the devices of this machine, with the text for --device, instead of playing.");
   add_model_path(app, options.model_path);
 }
 

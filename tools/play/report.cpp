@@ -1,5 +1,7 @@
 #include "tools/play/report.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -47,6 +49,17 @@ std::string quantiles_text(const Histogram& h) {
                 microseconds(h.quantile(0.999)), microseconds(h.max()));
 }
 
+// One answer in ten is a habit; fewer are a machine that stands still for a moment.
+constexpr double kLateShare = 0.9;
+constexpr std::uint64_t kEnoughAnswers = 200;
+
+double answer_delay_ticks(const RunFacts& facts) {
+  if (!facts.answers || facts.rate_hz <= 0 || facts.answers->count() < kEnoughAnswers) return 0;
+  const double periods =
+      1e-9 * static_cast<double>(facts.answers->quantile(kLateShare)) * facts.rate_hz;
+  return std::max(0.0, std::ceil(periods) - 1);
+}
+
 void print_summary(const LoopSummary& s, const RunFacts& facts) {
   std::string text = format(
       "play: {} ticks, {} cell switches: {} face, {} edge, {} vertex; {} in {} ticks\n"
@@ -62,6 +75,11 @@ void print_summary(const LoopSummary& s, const RunFacts& facts) {
   text += format("play: largest force {:.3g} N of the model, {:.3g} N sent; safety, in ticks: {}\n",
                  s.largest_raw, s.largest_force, acted.empty() ? "nothing to do" : acted);
   if (facts.sessions) text += sessions_text(*facts.sessions);
+  if (const double ticks = answer_delay_ticks(facts); ticks > facts.declared_delay)
+    text += format(
+        "play: of 10 answers of the adapter, one came {:.3g} ms after its force or later: the "
+        "force acts late, give --set safety.delay={:g}\n",
+        1e-6 * static_cast<double>(facts.answers->quantile(kLateShare)), ticks);
   if (facts.rate_hz > 0)
     text += format(
         "play: ticks missed at {:g} Hz: {}, in {} overruns\nplay: lateness {}; computing {}\n",
@@ -99,6 +117,10 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
       {"compute", to_json(s.compute)}};
   if (facts.frames)
     report["frames"] = {{"written", facts.frames->written}, {"dropped", facts.frames->dropped}};
+  if (facts.answers)
+    report["answers"] = {{"p90_us", microseconds(facts.answers->quantile(kLateShare))},
+                         {"delay_ticks", answer_delay_ticks(facts)},
+                         {"declared_ticks", facts.declared_delay}};
   if (facts.sessions) report["simulation"] = sessions_json(*facts.sessions);
   OutputFile output(file, /*binary=*/false);
   output.write(json_text(report));

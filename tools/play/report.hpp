@@ -19,6 +19,8 @@ struct RunFacts {
   std::string realtime = {};            ///< see Realtime::got()
   const FrameCounts* frames = nullptr;  ///< null: no frames were written
   const Sessions* sessions = nullptr;   ///< of a simulated device
+  const Histogram* answers = nullptr;   ///< ProcessDevice::delays(); null: not an adapter's device
+  double declared_delay = 0;            ///< safety.delay, in ticks
   int exit_code = 0;
 };
 
@@ -26,6 +28,10 @@ struct RunFacts {
 void print_summary(const LoopSummary& summary, const RunFacts& facts);
 /// @throw std::system_error
 void write_report(const std::string& file, const LoopSummary& summary, const RunFacts& facts);
+
+/// The ticks from a force to its answer, beyond the one that every answer has, of all but one
+/// answer in ten.
+double answer_delay_ticks(const RunFacts& facts);
 
 /// "p50 12, p99 34, p99.9 56, max 78 us"
 std::string quantiles_text(const Histogram& histogram);

@@ -12,17 +12,23 @@
 #include <utility>
 #include <vector>
 
-#include "libcore/device/evdev.hpp"
 #include "libcore/haptic/mapping.hpp"
 #include "libcore/haptic/safety.hpp"
 #include "tools/common/command_line.hpp"
 
 namespace hapgrid {
 
+/// What the adapter hapgrid-evdev is told.
+struct EvdevSettings {
+  double newtons = 2;                 ///< of the strongest effect
+  double half_range = 0.05;           ///< metres from the middle of a held axis to its end
+  std::array<double, 2> signs{1, 1};  ///< of x and y
+};
+
 struct PlaySettings {
   SafetyLimits safety;
   MappingOptions mapping;
-  EvdevParameters evdev;
+  EvdevSettings evdev;
   double spin_us = 0;  ///< see Pacer
   double imd_wait_s = 0;
 };

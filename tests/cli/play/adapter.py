@@ -1,8 +1,9 @@
 """An adapter for play --device process:, which records what it hears and misbehaves on command.
 
-    adapter.py RECORD MODE [AT]      MODE: a name in MODES; AT: the force at which it begins (default 150)
+    adapter.py RECORD MODE [AT] [--release]   MODE: a name below; AT: the force at which it begins (default 150)
 
-RECORD gets a line for each event, behind the time (CLOCK_MONOTONIC, s): "pid N", "force X END", "fault"."""
+RECORD gets a line for each event, behind the time (CLOCK_MONOTONIC, s): "pid N", "force X END", "fault", "let-go" on
+SIGTERM, "release". SIGUSR1 makes it spin."""
 import os
 import select
 import signal
@@ -13,7 +14,8 @@ import time
 
 record = open(sys.argv[1], "a", buffering=1)
 mode = sys.argv[2]
-at = int(sys.argv[3]) if len(sys.argv) > 3 else 150
+at = int(sys.argv[3]) if sys.argv[3:4] not in ([], ["--release"]) else 150
+END, RELEASES = 1, 1
 forces = struct.Struct("<3d2I")
 
 
@@ -21,9 +23,9 @@ def note(*words):
     print(time.monotonic(), *words, file=record)
 
 
-def greeting(magic=b"hapgrid", version=1, axes=3, low=(-0.08,) * 3, high=(0.08,) * 3, force=3.0, rate=1000.0,
+def greeting(magic=b"hapgrid", version=2, flags=RELEASES, low=(-0.08,) * 3, high=(0.08,) * 3, force=3.0, rate=1000.0,
              name=b"puppet"):
-    return struct.pack("<8s2I3d3d2d48s", magic, version, axes, *low, *high, force, rate, name)
+    return struct.pack("<8s2I3d3d2d48s", magic, version, flags, *low, *high, force, rate, name)
 
 
 def state(number, t=None, x=-0.04, v=0.0, buttons=0):
@@ -60,12 +62,26 @@ def leave_children(number):
     os._exit(3)
 
 
+def fork_for_ever(number):
+    """Children that leave their group, fork, and end at once."""
+    began = time.monotonic()
+    if os.fork() == 0:
+        while time.monotonic() < began + 60:
+            os.setsid()
+            if os.fork() != 0:
+                os._exit(0)
+    os._exit(3)
+
+
 first = {
-    "version": lambda: greeting(version=2),
+    "version": lambda: greeting(version=1),
+    "sorry": lambda: b"error: the device is \x1b[31mburning",
+    "pointlike": lambda: greeting(low=(0,) * 3, high=(0,) * 3),
+    "steers": lambda: greeting(flags=2, low=(-1,) * 3, high=(1, 1, 0.5)),
+    "unable": lambda: greeting(flags=0),
     "other": lambda: b"x" * 128,
     "short": lambda: greeting()[:100],
     "long": lambda: greeting() * 2,
-    "axes": lambda: greeting(axes=2),
     "range": lambda: greeting(low=(float("nan"), 0, 0)),
     "turned": lambda: greeting(low=(0.1,) * 3, high=(-0.1,) * 3),
     "strong": lambda: greeting(force=float("inf")),
@@ -79,6 +95,11 @@ later = {
     "far": lambda n: os.write(1, state(n, x=0.4)),
     "back": lambda n: os.write(1, state(n, t=1.0)),
     "number": lambda n: os.write(1, state(n - 1)),
+    "burns": lambda n: (os.write(1, b"error: the motors burn"), sys.exit(1)),
+    "late": lambda n: (time.sleep(0.12 if n == at else 0), os.write(1, state(n))),
+    "tardy": lambda n: (time.sleep(0.0035), os.write(1, state(n))),
+    "unable": lambda n: forever(),
+    "forks": fork_for_ever,
     "garbage": lambda n: os.write(1, b"garbage"),
     "huge": lambda n: os.write(1, b"g" * 5000),
     "empty": lambda n: forever(),
@@ -93,25 +114,43 @@ later = {
     "clutch": lambda n: os.write(1, state(n, buttons=1 if n < at + 200 else 0)),
 }
 
+if sys.argv[-1] == "--release":
+    note("release")
+    sys.exit(0)
 note("pid", os.getpid())
+
+
+def let_go(*_):
+    if mode != "deaf":
+        note("let-go")
+        os._exit(0)
+
+
+def spin(*_):
+    note("fault")
+    while True:
+        pass
+
+
+signal.signal(signal.SIGTERM, let_go)
+signal.signal(signal.SIGUSR1, spin)
 if mode == "early":
     sys.exit(3)
 if mode == "mute":
     forever()
-if mode == "deaf":  # takes no goodbye
-    for number in (2, 15, 1):
-        signal.signal(number, signal.SIG_IGN)
 os.write(1, first.get(mode, greeting)())
 frozen = None
 while True:
     if not select.select([0], [], [], 0.1)[0]:
+        note("force", 0.0, 0)
         note("silence")
         continue
     message = os.read(0, forces.size)
     if not message:
         note("closed")
         break
-    x, _, _, number, end = forces.unpack(message)
+    x, _, _, number, flags = forces.unpack(message)
+    end = flags & END
     note("force", x, end)
     if end and mode == "deaf":
         note("fault")
@@ -121,7 +160,7 @@ while True:
         frozen = time.monotonic() if mode == "frozen" else None
     if number >= at and mode in later and not end:
         later[mode](number)
-    else:
+    elif number != 0:
         os.write(1, state(number, t=frozen))
     if end:
         if mode == "lingers":

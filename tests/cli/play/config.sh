@@ -82,7 +82,7 @@ for file in /dev/zero pipe; do
   expect 2 '' "~play: $file: is no regular file $help" -- \
     timeout 10 play grid --config $file --device path:path
 done
-expect 1 '' 'play: pipe: is no regular file' -- timeout 10 play grid --device profile:pipe
+expect 1 '' 'play: hapgrid-hid: pipe: is no regular file' -- timeout 10 play grid --device hid:pipe
 expect 1 '' 'play: pipe: is no regular file' -- timeout 10 play grid --device sim:pipe
 rm pipe
 

@@ -1,6 +1,8 @@
-# play with a device behind the stand-in for hidapi: what it is told last, however play ends; and what
-# the haptic thread asks of the system.
+# play with a device behind the stand-in for hidapi, and the adapters of such devices alone: what the device is told last,
+# however play or its adapter end.
 source "$(dirname "$0")/../lib.sh"
 if sanitized; then skip "the stand-in for hidapi takes no sanitizer"; fi
+export PYTHONPATH=$here
 stuck_grid 0
+python3 "$here/adapters.py"
 python3 "$here/device.py" "$HAPGRID_BUILD/tests/plugins"

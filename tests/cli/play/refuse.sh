@@ -4,7 +4,7 @@ seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --co
 echo '0 0 0' >path
 
 help='(see play --help)'
-forms='path:FILE, keys, replay:FILE, sim:FILE, profile:FILE, evdev[:WHICH], spacemouse[:WHICH], process:COMMAND'
+forms='path:FILE, keys, replay:FILE, sim:FILE, hid:PROFILE, evdev[:WHICH], spacemouse[:WHICH], process:COMMAND'
 expect 2 '' "play: grid is required $help" -- play
 expect 2 '' "play: --device is required $help" -- play grid
 expect 2 '' "play: --device: 'falcon' is not a device: $forms $help" -- play grid --device falcon

@@ -1,45 +1,31 @@
 // What a stick's events mean, and which effects a force becomes: numbers from the kernel's
 // documentation (ff.rst, gamepad.rst, joystick-api.rst; linux/input.h), worked out by hand.
-#include "libcore/device/evdev.hpp"
-
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 
 #include "libcore/base/error.hpp"
-#include "libcore/device/evdev_bus.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
+#include "tools/devices/effects.hpp"
+#include "tools/devices/stick_list.hpp"
 
 using namespace hapgrid;
 
 namespace {
 
-struct Channel : HidChannel {
-  std::vector<HidReport> written;
-  void write(std::span<const std::uint8_t> r) override { written.push_back({r.begin(), r.end()}); }
-  void set_feature(std::span<const std::uint8_t>) override {}
-};
-
-ff_effect effect_of(const HidReport& report) {
-  ff_effect effect{};
-  REQUIRE(report.size() == 1 + sizeof effect);
-  REQUIRE(report[0] == static_cast<std::uint8_t>(EvdevWord::kEffect));
-  std::memcpy(&effect, &report[1], sizeof effect);
-  return effect;
+input_event event(int type, int code, int value) {
+  input_event e{};
+  e.type = static_cast<std::uint16_t>(type);
+  e.code = static_cast<std::uint16_t>(code);
+  e.value = value;
+  return e;
 }
 
-HidReport event(std::uint16_t type, std::uint16_t code, int value) {
-  input_event e{};
-  e.type = type;
-  e.code = code;
-  e.value = value;
-  HidReport report(sizeof e);
-  std::memcpy(report.data(), &e, sizeof e);
-  return report;
+Vec3 place(const hapgrid_device_state& state) {
+  return {state.position[0], state.position[1], state.position[2]};
 }
 
 EvdevLayout gamepad() {
@@ -110,9 +96,6 @@ TEST_CASE("no effect goes on for ever when nobody ends it") {
     CHECK(effect.replay.length > 0);
     CHECK(effect.replay.length <= 250);
   }
-  const EvdevProtocol stick(joystick(), {});
-  CHECK(stick.timing().keep_alive < 0.25 / 2);
-  CHECK(stick.keep_alive() == std::vector<HidReport>{{1, 0}});
 }
 
 TEST_CASE("a deflection as joydev has it") {
@@ -148,88 +131,73 @@ TEST_CASE("a deflection as joydev has it") {
 }
 
 TEST_CASE("a gamepad steers, and its buttons reset") {
-  EvdevProtocol pad(gamepad(), {.newtons = 4});
-  CHECK(pad.info().unit == DeviceInfo::Unit::kRate);
-  CHECK(pad.info().max_force == 4);
-  DeviceInput input;
-  CHECK(pad.decode(event(EV_ABS, ABS_X, 32767), input));
-  CHECK(pad.decode(event(EV_ABS, ABS_Y, -32768), input));  // forward
-  CHECK(pad.decode(event(EV_ABS, ABS_RY, 255), input));    // down
-  CHECK(input.rate == Vec3{1, 1, -1});
-  CHECK_FALSE(std::signbit((pad.decode(event(EV_ABS, ABS_Y, 0), input), input.rate[1])));
-  CHECK(pad.decode(event(EV_KEY, BTN_SOUTH, 1), input));
-  CHECK(input.reset);
-  CHECK(pad.decode(event(EV_KEY, BTN_SOUTH, 0), input));
-  CHECK_FALSE(input.reset);
-  CHECK_FALSE(pad.decode(event(EV_ABS, ABS_Z, 9), input));
-  CHECK_FALSE(pad.decode(event(EV_KEY, KEY_A, 1), input));
-  CHECK_FALSE(pad.decode(HidReport{1, 2, 3}, input));
-  CHECK(input.rate == Vec3{1, 0, -1});
-
-  Channel channel;
-  pad.start(channel);
-  REQUIRE(channel.written.size() == 3);
-  CHECK(effect_of(channel.written[0]).u.rumble.strong_magnitude == 0);
-  CHECK(effect_of(channel.written[1]).id == kEvdevSnap);
-  CHECK(channel.written[2] == HidReport{1, kEvdevForce});
-  std::vector<HidReport> out;
-  pad.encode({0, 4, 0}, out);
-  REQUIRE(out.size() == 1);
-  CHECK(effect_of(out[0]).u.rumble.strong_magnitude == 0xffff);
-  CHECK(pad.snap() == std::vector<HidReport>{{1, kEvdevSnap}});
-  CHECK(pad.stop() == std::vector<HidReport>{{3}});
+  EvdevParameters parameters{.newtons = 4};
+  const EvdevLayout pad = usable_layout(gamepad(), parameters);
+  const hapgrid_device_greeting greeting = stick_greeting(pad, parameters, 1000);
+  CHECK((greeting.flags & HAPGRID_DEVICE_STEERS) != 0);
+  CHECK(greeting.max_force == 4);
+  CHECK(greeting.low[0] == -1);
+  CHECK(greeting.high[2] == 1);
+  hapgrid_device_state state{};
+  const auto take = [&](int type, int code, int value) {
+    take_event(pad, parameters, event(type, code, value), state);
+  };
+  take(EV_ABS, ABS_X, 32767);
+  take(EV_ABS, ABS_Y, -32768);  // forward
+  take(EV_ABS, ABS_RY, 255);    // down
+  CHECK(place(state) == Vec3{1, 1, -1});
+  take(EV_ABS, ABS_Y, 0);
+  CHECK_FALSE(std::signbit(state.position[1]));
+  take(EV_KEY, BTN_SOUTH, 1);
+  CHECK(state.flags == HAPGRID_DEVICE_RESET);
+  take(EV_KEY, BTN_SOUTH, 0);
+  CHECK(state.flags == 0);
+  take(EV_ABS, ABS_Z, 9);
+  take(EV_KEY, KEY_A, 1);
+  CHECK(place(state) == Vec3{1, 0, -1});
+  CHECK(state.flags == 0);
 
   EvdevLayout numb = gamepad();
   numb.rumble = false;
-  EvdevProtocol silent(numb, {});
-  silent.encode({1, 0, 0}, out);
-  CHECK(out.empty());
-  CHECK(silent.stop().empty());
-  CHECK(silent.snap().empty());
-  CHECK(std::isinf(silent.info().max_force));
+  CHECK(stick_greeting(numb, parameters, 1000).max_force == 0);
 }
 
 TEST_CASE("a stick with force is held") {
-  EvdevProtocol stick(joystick(), {.half_range = 0.1, .newtons = 2});
-  CHECK(stick.info().unit == DeviceInfo::Unit::kMetres);
-  CHECK(stick.info().low == Vec3{-0.1, -0.1, 0});
-  CHECK(stick.info().high == Vec3{0.1, 0.1, 0});
-  CHECK(stick.info().max_force == 2);
-  DeviceInput input;
-  CHECK(stick.decode(event(EV_ABS, ABS_X, 50), input));
-  CHECK(stick.decode(event(EV_ABS, ABS_Y, 750), input));
-  CHECK(input.position[0] == Approx(0.05));
-  CHECK(input.position[1] == Approx(-0.05));
-  CHECK_FALSE(stick.decode(event(EV_ABS, ABS_RZ, 255), input));
-  CHECK(stick.decode(event(EV_ABS, ABS_X, 1000), input));  // beyond its range
-  CHECK(input.position == Vec3{0.1, input.position[1], 0});
+  EvdevParameters parameters{.half_range = 0.1, .newtons = 2};
+  const EvdevLayout stick = usable_layout(joystick(), parameters);
+  const hapgrid_device_greeting greeting = stick_greeting(stick, parameters, 1000);
+  CHECK((greeting.flags & HAPGRID_DEVICE_STEERS) == 0);
+  CHECK(greeting.low[1] == -0.1);
+  CHECK(greeting.high[1] == 0.1);
+  CHECK(greeting.high[2] == 0);
+  CHECK(greeting.max_force == 2);
+  hapgrid_device_state state{};
+  const auto take = [&](int code, int value) {
+    take_event(stick, parameters, event(EV_ABS, code, value), state);
+  };
+  take(ABS_X, 50);
+  take(ABS_Y, 750);
+  CHECK(state.position[0] == Approx(0.05));
+  CHECK(state.position[1] == Approx(-0.05));
+  take(ABS_RZ, 255);
+  take(ABS_X, 1000);  // beyond its range
+  CHECK(place(state) == Vec3{0.1, state.position[1], 0});
 
-  // The spring goes, the gain is full; then an effect without force plays.
-  Channel channel;
-  stick.start(channel);
-  REQUIRE(channel.written.size() == 4);
-  for (const auto& [at, code, value] : {std::tuple{0, FF_AUTOCENTER, 0}, {1, FF_GAIN, 0xffff}}) {
-    HidReport wanted = event(EV_FF, static_cast<std::uint16_t>(code), value);
-    wanted.insert(wanted.begin(), static_cast<std::uint8_t>(EvdevWord::kSet));
-    CHECK(channel.written[static_cast<std::size_t>(at)] == wanted);
-  }
-  CHECK(effect_of(channel.written[2]).u.constant.level == 0);
-  CHECK(channel.written[3] == HidReport{1, kEvdevForce});
-  CHECK(stick.snap().empty());
-
-  const EvdevProtocol wheel(joystick(), {.half_range = 0.1, .signs = {1, 0}});
-  CHECK(wheel.info().high == Vec3{0.1, 0, 0});
+  EvdevParameters of_wheel{.half_range = 0.1, .signs = {1, 0}};
+  const EvdevLayout wheel = usable_layout(joystick(), of_wheel);
+  CHECK(stick_greeting(wheel, of_wheel, 1000).high[1] == 0);
 }
 
 TEST_CASE("parameters that cannot be are refused") {
-  const auto why = [](const EvdevParameters& p) {
-    return testing::refusal([&] { EvdevProtocol(joystick(), p); });
+  const auto why = [](EvdevParameters p) {
+    return testing::refusal([&] { usable_layout(joystick(), p); });
   };
   CHECK(why({.half_range = 0}) == "evdev: half range 0: above 0");
   CHECK(why({.newtons = -1}) == "evdev: newtons -1: above 0");
   CHECK(why({.signs = {0, 1}}) == "evdev: sign 0 of x: 1 or -1");
   CHECK(why({.signs = {1, 0.5}}) == "evdev: sign 0.5 of y: 1, -1 or 0");
-  CHECK(testing::refusal([] { EvdevProtocol({.name = "keyboard"}, {}); }) ==
+  EvdevParameters usual;
+  CHECK(testing::refusal([&] { usable_layout({.name = "keyboard"}, usual); }) ==
         "keyboard: has no stick");
 }
 
@@ -252,7 +220,6 @@ TEST_CASE("sticks are found in sysfs, whoever may open them") {
     for (int i = 0; i < 8; ++i) std::ofstream(device / files[i]) << texts[i] << "\n";
   };
   CHECK(list_evdev("/no/such").empty());
-  CHECK(list_text(list_evdev(sysfs.path().string())).empty());
   // An Xbox 360 pad as Linux 6.1 shows it: BTN_SOUTH is 0x130, FF_RUMBLE 0x50, FF_GAIN 0x60.
   add("event12", "X-Box\x01 360 pad", "3003f", "7cdb000000000000 0 0 0 0", "107030000 0", "0");
   // A stick with X, Y, BTN_TRIGGER and FF_CONSTANT (0x52).
@@ -262,10 +229,9 @@ TEST_CASE("sticks are found in sysfs, whoever may open them") {
   add("event5", "screen", "3", "400 0 0 0 0 0", "0", "2");
   add("event6", "keyboard", "0", "fffffffffffffffe", "0", "0");
   const std::vector<EvdevInfo> all = list_evdev(sysfs.path().string());
-  CHECK(list_text(all) ==
-        "path\tvid:pid\tfeels\tserial\tname\n"
-        "/dev/input/event3\t045e:028e\tforce\t-\tstick\n"
-        "/dev/input/event12\t045e:028e\trumble\t-\tX-Box  360 pad\n");
+  REQUIRE(all.size() == 2);
+  CHECK((all[0].path == "/dev/input/event3" && all[0].constant && !all[0].rumble));
+  CHECK((all[1].path == "/dev/input/event12" && !all[1].constant && all[1].rumble));
   CHECK(find_one_evdev(all, {}).name == "stick");
   CHECK(find_one_evdev(all, {.path = "/dev/input/event12"}).name == "X-Box  360 pad");
   CHECK(

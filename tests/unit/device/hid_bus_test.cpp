@@ -1,16 +1,10 @@
-#include "libcore/device/hid_bus.hpp"
-
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include "tools/devices/hid_bus.hpp"
 
 #include <catch2/catch.hpp>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 
 #include "libcore/base/error.hpp"
-#include "tests/unit/device/standin_device.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
 
@@ -29,28 +23,6 @@ const HidInfo kTeensy{.path = "/dev/hidraw0",
                       .interface = 0};
 
 }  // namespace
-
-TEST_CASE("devices are listed in the order of their paths, with printable texts") {
-  TemporaryDirectory directory;
-  StandinDevice hardware(directory.file("socket"));
-  CHECK(list_hid().empty());
-  CHECK(list_text({}) == "no HID device\n");
-  hardware.set_list(
-      "/dev/hidraw10\t046d\tc626\t\t3Dconnexion\tSpaceNavigator\t0001\t0008\t-1\n"
-      "/dev/hidraw9\t16c0\t0486\t1\x01"
-      "2\tTeensyduino\tTeensy\xe9\tffab\t0200\t0\n"
-      "/dev/hidraw9\t16c0\t0486\t1\x01"
-      "2\tTeensyduino\tTeensy\xe9\tff31\t0074\t0\n");
-  const std::vector<HidInfo> all = list_hid();
-  REQUIRE(all.size() == 3);
-  CHECK(list_text(all) ==
-        "path\tvid:pid\tinterface\tusage\tserial\tname\n"
-        "/dev/hidraw9\t16c0:0486\t0\tff31:0074\t1 2\tTeensyduino Teensyé\n"
-        "/dev/hidraw9\t16c0:0486\t0\tffab:0200\t1 2\tTeensyduino Teensyé\n"
-        "/dev/hidraw10\t046d:c626\t-\t0001:0008\t-\t3Dconnexion SpaceNavigator\n");
-  CHECK(find_hid(all, {}).size() == 2);
-  CHECK(find_one_hid(all, {.usage_page = 0xffab}, "").path == "/dev/hidraw9");
-}
 
 TEST_CASE("WHICH is a path, the numbers, or a serial") {
   CHECK(parse_hid_match("16c0:0486").fits(kTeensy));
@@ -88,37 +60,4 @@ TEST_CASE("what was not found, or found twice, is a message that helps") {
         "no device is 16c0:0486, usage ffab:0200; there is no HID device at all (play "
         "--list-devices shows all)");
   CHECK(find_one_hid({kTeensy, second}, {.serial = "5678"}, "").path == "/dev/hidraw1");
-}
-
-TEST_CASE("who may not open a device is told the rule that helps") {
-  TemporaryDirectory directory;
-  StandinDevice hardware(directory.file("socket"));
-  // The path of a file that only its owner may open, looked at by somebody else.
-  const std::string path = directory.file("hidraw0");
-  std::ofstream(path) << "x";
-  ::chmod(path.c_str(), 0600);
-  ::chmod(directory.path().c_str(), 0755);
-  ::chmod(directory.file("socket").c_str(), 0777);
-  hardware.set_list(path + "\t16c0\t0486\t\t\tTeensy\tffab\t0200\t0\n");
-  const std::string rule =
-      "permission denied: put the line KERNEL==\"hidraw*\", ATTRS{idVendor}==\"16c0\", "
-      "ATTRS{idProduct}==\"0486\", TAG+=\"uaccess\" into /etc/udev/rules.d/70-hapgrid.rules, then "
-      "run 'udevadm control --reload && udevadm trigger' as root";
-  CHECK(open_failure(path, "some reason") == path + ": cannot be opened: some reason");
-  if (::getuid() != 0) {
-    WARN("needs root to be somebody else");
-    return;
-  }
-  const pid_t other = ::fork();
-  if (other == 0) {
-    const bool told = ::setuid(65534) == 0 &&
-                      open_failure(path, "some reason") == path + ": " + rule &&
-                      list_text(list_hid()).ends_with("\n" + path + ": " + rule + "\n");
-    // At _exit() valgrind would take for lost what threads hold that are not in this process.
-    if (told) ::kill(::getpid(), SIGKILL);
-    ::_exit(1);
-  }
-  int status = -1;
-  ::waitpid(other, &status, 0);
-  CHECK((WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL));
 }

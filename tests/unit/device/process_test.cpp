@@ -5,20 +5,24 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <filesystem>
-#include <optional>
-#include <thread>
 
 #include "libcore/base/error.hpp"
 #include "libcore/device/process_device.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
 
 using namespace hapgrid;
 
 namespace {
 
-std::vector<std::string> adapter(const std::string& record, const std::string& mode) {
-  return {"/usr/bin/python3", HAPGRID_SOURCE_DIR "/tests/cli/play/adapter.py", record, mode};
+AdapterProgram program(const std::vector<std::string>& command) {
+  return {.command = command, .name = "adapter", .guard = HAPGRID_BUILD_DIR "/bin/hapgrid-guard"};
+}
+
+AdapterProgram adapter(const std::string& record, const std::string& mode) {
+  return program(
+      {"/usr/bin/python3", HAPGRID_SOURCE_DIR "/tests/cli/play/adapter.py", record, mode});
 }
 
 bool exists(pid_t pid) { return std::filesystem::exists("/proc/" + std::to_string(pid)); }
@@ -27,11 +31,10 @@ bool exists(pid_t pid) { return std::filesystem::exists("/proc/" + std::to_strin
 
 TEST_CASE("reading and sending take no memory") {
   TemporaryDirectory directory;
-  std::optional<ProcessGuard> guard(adapter(directory.file("record"), "good"));
   pid_t pid = -1;
   {
-    ProcessDevice device(*guard);
-    pid = guard->adapter();
+    ProcessDevice device(adapter(directory.file("record"), "good"));
+    pid = device.adapter();
     CHECK(exists(pid));
     const DeviceInfo info = device.info();
     CHECK(info.name == "puppet");
@@ -49,27 +52,37 @@ TEST_CASE("reading and sending take no memory") {
     CHECK(device.stop() == DeviceStatus::kOk);
     CHECK(device.read(input) == DeviceStatus::kFailed);
   }
-  guard.reset();
   CHECK_FALSE(exists(pid));
 }
 
-TEST_CASE("a guard that started nothing has nothing to end") {
+TEST_CASE("an adapter that cannot be started leaves nothing to end") {
   const auto begin = std::chrono::steady_clock::now();
-  { ProcessGuard guard({"/no/such/program"}); }
-  {
-    ProcessGuard guard({"/no/such/program"});
-    CHECK_THROWS_AS(guard.start(), DeviceError);
-  }
-  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(1));
+  const auto why = [](const AdapterProgram& none) {
+    return testing::refusal([&] { ProcessGuard guard(none); });
+  };
+  CHECK(why(program({"/no/such/program"})) ==
+        "adapter: cannot be started: No such file or directory");
+  CHECK(why({.command = {"true"}, .name = "adapter", .guard = "/no/such/guard"}) ==
+        "the guard process /no/such/guard cannot be started: No such file or directory");
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(2));
 }
 
-TEST_CASE("the adapter has its socket, and no other file of the program's") {
+TEST_CASE("adapter and guard have their sockets, and no other file of the program's") {
   TemporaryDirectory directory;
   int pipe[2];
   REQUIRE(::pipe(pipe) == 0);  // without O_CLOEXEC
-  ProcessGuard guard(adapter(directory.file("record"), "good"));
-  ProcessDevice device(guard);
-  const std::string files = "/proc/" + std::to_string(guard.adapter()) + "/fd/";
+  ProcessDevice device(adapter(directory.file("record"), "good"));
+  int of_guard = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(device.guard()) + "/fd/")) {
+    const std::string to = std::filesystem::read_symlink(entry.path()).string();
+    CAPTURE(entry.path(), to);
+    CHECK((to.starts_with("socket:") || to == "anon_inode:[pidfd]" ||
+           entry.path().filename() == "2"));
+    ++of_guard;
+  }
+  CHECK(of_guard == 4);
+  const std::string files = "/proc/" + std::to_string(device.adapter()) + "/fd/";
   for (const auto& entry : std::filesystem::directory_iterator(files)) {
     const std::string name = entry.path().filename().string();
     const std::string to = std::filesystem::read_symlink(entry.path()).string();
@@ -86,7 +99,7 @@ TEST_CASE("the adapter has its socket, and no other file of the program's") {
 TEST_CASE("states are checked to the last bit of their ranges") {
   hapgrid_device_greeting greeting{.magic = HAPGRID_DEVICE_MAGIC,
                                    .version = HAPGRID_DEVICE_VERSION,
-                                   .axes = 2,
+                                   .flags = 0,
                                    .low = {-0.1, 0, 0},
                                    .high = {0.1, 0.1, 0},
                                    .max_force = 1,

@@ -1,4 +1,4 @@
-#include "libcore/device/profile.hpp"
+#include "tools/devices/profile.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -53,17 +53,6 @@ Profile shipped(const std::string& name) {
   return read_profile(read_text(file, 1 << 20), file);
 }
 
-/// What was written, feature reports behind 'f'.
-struct Channel : HidChannel {
-  std::vector<std::pair<char, HidReport>> written;
-  void write(std::span<const std::uint8_t> r) override {
-    written.push_back({'w', {r.begin(), r.end()}});
-  }
-  void set_feature(std::span<const std::uint8_t> r) override {
-    written.push_back({'f', {r.begin(), r.end()}});
-  }
-};
-
 /// A profile with these inputs, outputs and lines of [force].
 Profile with(const std::string& input, const std::string& outputs, const std::string& force) {
   return read_profile(
@@ -71,6 +60,10 @@ Profile with(const std::string& input, const std::string& outputs, const std::st
       "workspace = {low = [-1, 0, 0], high = [1, 0, 0]}\n[input]\n" +
           input + outputs + "[force]\n" + force,
       "p");
+}
+
+Vec3 place(const hapgrid_device_state& state) {
+  return {state.position[0], state.position[1], state.position[2]};
 }
 
 HidReport teensy_report(std::initializer_list<std::uint8_t> bytes) {
@@ -82,73 +75,74 @@ HidReport teensy_report(std::initializer_list<std::uint8_t> bytes) {
 }  // namespace
 
 TEST_CASE("a Teensy with three axes") {
-  ProfileProtocol teensy(shipped("teensy-rawhid.toml"));
-  CHECK_FALSE(teensy.numbered());
-  CHECK(teensy.info().max_force == 3);
-  CHECK(teensy.info().high == Vec3{0.08, 0.08, 0.08});
-  CHECK(teensy.timing().keep_alive == 0.02);
+  const Profile teensy = shipped("teensy-rawhid.toml");
+  CHECK(teensy.input_id == 0);
+  CHECK(teensy.max_force == 3);
+  CHECK(teensy.high == Vec3{0.08, 0.08, 0.08});
+  CHECK(teensy.timing.keep_alive == 0.02);
 
   // 0x01020304 nm, -1 nm, 80,000,000 nm = 0x04C4B400.
   HidReport in =
       teensy_report({0, 0x48, 0x01, 0, 0, 4, 3, 2, 1, 0xff, 0xff, 0xff, 0xff, 0, 0xb4, 0xc4, 4});
-  DeviceInput input;
+  hapgrid_device_state input{};
   REQUIRE(teensy.decode(in, input));
   CHECK(input.position[0] == Approx(16909060e-9).epsilon(1e-15));
   CHECK(input.position[1] == Approx(-1e-9).epsilon(1e-15));
   CHECK(input.position[2] == Approx(0.08).epsilon(1e-15));
-  CHECK(input.clutch);
+  CHECK(input.flags == HAPGRID_DEVICE_CLUTCH);
   in[2] = 0xfe;
   REQUIRE(teensy.decode(in, input));
-  CHECK_FALSE(input.clutch);
-  const DeviceInput before = input;
+  CHECK(input.flags == 0);
+  const hapgrid_device_state before = input;
   in[5] = 9;
   CHECK_FALSE(teensy.decode(std::span(in).first(64), input));
   in[0] = 1;
   CHECK_FALSE(teensy.decode(in, input));
   CHECK_FALSE(teensy.decode({}, input));
-  CHECK(input.position == before.position);
+  CHECK(place(input) == place(before));
 
   // 0.5 N is 500 = 0x01F4, -1.2349 N is -1234 = 0xFB2E, 2.0019 N is 2001 (towards zero).
   std::vector<HidReport> out;
-  teensy.encode({0.5, -1.2349, 2.0019}, out);
+  out = teensy.encode({0.5, -1.2349, 2.0019});
   CHECK(out ==
         std::vector<HidReport>{teensy_report({0, 0x48, 1, 0xf4, 0x01, 0x2e, 0xfb, 0xd1, 0x07})});
   const HidReport zero = teensy_report({0, 0x48, 1});
-  CHECK(teensy.stop() == std::vector<HidReport>{zero, teensy_report({0, 0x48, 0})});
+  CHECK(teensy.stop_reports() == std::vector<HidReport>{zero, teensy_report({0, 0x48, 0})});
   // 5000 = 0x1388: never beyond, never round the corner.
-  teensy.encode({1e300, -40, 32.768}, out);
+  out = teensy.encode({1e300, -40, 32.768});
   CHECK(out.front() == teensy_report({0, 0x48, 1, 0x88, 0x13, 0x78, 0xec, 0x88, 0x13}));
-  teensy.encode({1, std::nan(""), 1}, out);
+  out = teensy.encode({1, std::nan(""), 1});
   CHECK(out.front() == zero);
-  teensy.encode({kInfinity, 0, 0}, out);
+  out = teensy.encode({kInfinity, 0, 0});
   CHECK(out.front() == zero);
 }
 
 TEST_CASE("the template has every key") {
-  ProfileProtocol device(shipped("template.toml"));
-  CHECK(device.numbered());
-  Channel channel;
-  device.start(channel);
-  CHECK(channel.written ==
-        std::vector<std::pair<char, HidReport>>{{'f', {5, 1}}, {'w', {3, 0xff}}});
+  const Profile device = shipped("template.toml");
+  CHECK(device.input_id == 1);
+  REQUIRE(device.init.size() == 2);
+  CHECK(device.init[0].is_feature);
+  CHECK(device.init[0].report == HidReport{5, 1});
+  CHECK_FALSE(device.init[1].is_feature);
+  CHECK(device.init[1].report == HidReport{3, 0xff});
   HidReport in(17);
   in[0] = 1;
   in[6] = 0xfe;
   in[7] = 0xff;
-  DeviceInput input;
+  hapgrid_device_state input{};
   REQUIRE(device.decode(in, input));
-  CHECK(input.position == Vec3{0, 0, -2 * 1e-6});
-  CHECK(device.keep_alive() == std::vector<HidReport>{{3, 1}});
+  CHECK(place(input) == Vec3{0, 0, -2 * 1e-6});
+  CHECK(device.keep_alive == std::vector<HidReport>{{3, 1}});
 }
 
 TEST_CASE("each axis can have a report of its own") {
-  ProfileProtocol board(with(R"(id = 1
+  const Profile board(with(R"(id = 1
 length = 4
 axes = [[1, 0, 0], [0, -1, 0], [0, 0, 1]]
 x = {bit = 0, bits = 16, scale = 1.5e-6}
 y = {bit = 16, bits = 16, scale = 1.5e-6}
 )",
-                             R"([[output]]
+                           R"([[output]]
 id = 5
 length = 3
 fixed = [{byte = 0, hex = "01"}]
@@ -159,17 +153,17 @@ length = 3
 fixed = [{byte = 0, hex = "02"}]
 y = {bit = 8, bits = 16, newtons_per_count = 6.2e-5, low = -32767, high = 32767}
 )",
-                             R"(max = 2
+                           R"(max = 2
 axes = [[1, 0, 0], [0, -1, 0], [0, 0, 1]]
 [reports]
 stop = ["0c 04"]
 )"));
   // 1 N is 16129 counts = 0x3F01.
   std::vector<HidReport> out;
-  board.encode({1, 1, 7}, out);
+  out = board.encode({1, 1, 7});
   CHECK(out == std::vector<HidReport>{{5, 1, 0x01, 0x3f}, {5, 2, 0xff, 0xc0}});
-  CHECK(board.stop() == std::vector<HidReport>{{5, 1, 0, 0}, {5, 2, 0, 0}, {0x0c, 4}});
-  DeviceInput input;
+  CHECK(board.stop_reports() == std::vector<HidReport>{{5, 1, 0, 0}, {5, 2, 0, 0}, {0x0c, 4}});
+  hapgrid_device_state input{};
   REQUIRE(board.decode(HidReport{1, 0xff, 0x7f, 0x00, 0x80}, input));
   CHECK(input.position[0] == Approx(32767 * 1.5e-6));
   CHECK(input.position[1] == Approx(32768 * 1.5e-6));
@@ -205,46 +199,45 @@ TEST_CASE("fields of any place and order keep their values, and their neighbours
 }
 
 TEST_CASE("axes are turned, offset and inverted") {
-  ProfileProtocol device(with(R"(id = 7
+  const Profile device(with(R"(id = 7
 length = 3
 axes = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
 x = {bit = 0, bits = 8, signed = false, scale = 0.001, offset = -0.1}
 y = {bit = 8, bits = 8, scale = -0.001}
 clutch = {bit = 16, inverted = true}
 )",
-                              R"([[output]]
+                            R"([[output]]
 id = 8
 length = 2
 x = {bit = 0, bits = 8, signed = false, newtons_per_count = -0.02, zero = 128, low = 28, high = 228}
 )",
-                              "max = 2\naxes = [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]\n"));
-  DeviceInput input;
+                            "max = 2\naxes = [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]\n"));
+  hapgrid_device_state input{};
   const HidReport in{7, 200, 0x80, 0};
   REQUIRE(device.decode(in, input));
   CHECK(input.position[0] == Approx(-0.128));
   CHECK(input.position[1] == Approx(0.1));
-  CHECK(input.clutch);
+  CHECK(input.flags == HAPGRID_DEVICE_CLUTCH);
   std::vector<HidReport> out;
-  device.encode({5, 1, 5}, out);
+  out = device.encode({5, 1, 5});
   CHECK(out == std::vector<HidReport>{{8, 128 - 50, 0}});
-  device.encode({0, -9, 0}, out);
+  out = device.encode({0, -9, 0});
   CHECK(out == std::vector<HidReport>{{8, 228, 0}});
-  CHECK(device.stop() == std::vector<HidReport>{{8, 128, 0}});
+  CHECK(device.stop_reports() == std::vector<HidReport>{{8, 128, 0}});
 }
 
 TEST_CASE("no rounding makes a force larger") {
   // The rows keep lengths only within the tolerance: the first is 1.0004 long.
-  ProfileProtocol device(
-      with("length = 1\nx = {bit = 0, bits = 8, scale = 0.001}\n", R"([[output]]
+  const Profile device(with("length = 1\nx = {bit = 0, bits = 8, scale = 0.001}\n", R"([[output]]
 length = 3
 x = {bit = 0, bits = 8, newtons_per_count = 0.5}
 y = {bit = 8, bits = 8, newtons_per_count = -0.5, zero = -20}
 z = {bit = 16, bits = 8, signed = false, newtons_per_count = 0.03, zero = 128}
 )",
-           "max = 3\naxes = [[0.6003, 0.8003, 0], [-0.8, 0.6, 0], [0, 0, 1]]\n"));
+                            "max = 3\naxes = [[0.6003, 0.8003, 0], [-0.8, 0.6, 0], [0, 0, 1]]\n"));
   std::vector<HidReport> out;
   const auto felt = [&](const Vec3& force) {
-    device.encode(force, out);
+    out = device.encode(force);
     const std::vector<std::uint8_t>& r = out.front();
     return Vec3{0.5 * static_cast<std::int8_t>(r[1]), -0.5 * (static_cast<std::int8_t>(r[2]) + 20),
                 0.03 * (r[3] - 128)};
@@ -265,8 +258,7 @@ z = {bit = 16, bits = 8, signed = false, newtons_per_count = 0.03, zero = 128}
 
 TEST_CASE("a profile without an output has no force; one that cannot be right is refused") {
   const std::size_t from = kGood.find("[[output]]"), to = kGood.find("[workspace]");
-  CHECK(
-      ProfileProtocol(read_profile(kGood.substr(0, from) + kGood.substr(to), "p")).stop().empty());
+  CHECK(read_profile(kGood.substr(0, from) + kGood.substr(to), "p").stop_reports().empty());
   CHECK(refusal(kGood).empty());
   CHECK(refusal("name = \"d\"", "") == "p: line 1: the key name is missing");
   CHECK(refusal("[match]", "[watch]").starts_with("p: line 2: unknown key watch"));

@@ -1,0 +1,148 @@
+#include "libcore/device/let_go.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <string_view>
+#include <system_error>
+
+#include "libcore/device/guard_words.hpp"
+#include "libcore/device/process_protocol.h"
+
+namespace hapgrid {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+void send_signal(int process, int signal) noexcept {
+  ::syscall(SYS_pidfd_send_signal, process, signal, nullptr, 0);
+}
+
+int milliseconds_until(Clock::time_point deadline) noexcept {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+  return static_cast<int>(std::max<std::int64_t>(left.count(), 0));
+}
+
+/// Reads answers until the one to the last force. @return false when it does not come in time, or
+/// the adapter is gone
+bool is_confirmed(int wire, int process, Clock::time_point deadline) noexcept {
+  for (;;) {
+    pollfd ready[] = {{wire, POLLIN, 0}, {process, POLLIN, 0}};
+    const int polled = ::poll(ready, 2, milliseconds_until(deadline));
+    if (polled < 0 && errno == EINTR) continue;
+    if (polled <= 0) return false;
+    hapgrid_device_state state[2];  // what is too long shows
+    const ssize_t got = ::recv(wire, state, sizeof state, MSG_DONTWAIT | MSG_PEEK);
+    // Why the adapter ends is for play to read, which may share the socket.
+    constexpr std::string_view kError = HAPGRID_DEVICE_ERROR;
+    if (got >= static_cast<ssize_t>(kError.size()) &&
+        std::memcmp(state, kError.data(), kError.size()) == 0)
+      return false;
+    if (got > 0) (void)!::recv(wire, state, 1, MSG_DONTWAIT);  // takes the whole message
+    if (got == sizeof state[0] && state[0].number == kLastForce) return true;
+    if (got == 0) return false;
+    if (got < 0 && errno != EINTR && errno != EAGAIN && errno != ECONNRESET) return false;
+    if (got < 0 && ready[1].revents != 0) return false;  // it has ended, and nothing is left of it
+    if (Clock::now() >= deadline) return false;          // whoever floods the socket lies
+  }
+}
+
+}  // namespace
+
+FileDescriptor open_process(pid_t pid) {
+  FileDescriptor process(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
+  if (!process && errno != ESRCH)
+    throw std::system_error(errno, std::generic_category(), "the adapter's process");
+  return process;
+}
+
+bool send_zero(int wire) noexcept {
+  const hapgrid_device_force zero{.force = {0, 0, 0}, .number = 0, .flags = 0};
+  return ::send(wire, &zero, sizeof zero, MSG_NOSIGNAL | MSG_DONTWAIT) == sizeof zero;
+}
+
+bool has_ended(int process, std::chrono::milliseconds patience) noexcept {
+  if (process < 0) return true;
+  const auto deadline = Clock::now() + patience;
+  pollfd ready{process, POLLIN, 0};
+  int polled;
+  do polled = ::poll(&ready, 1, milliseconds_until(deadline));
+  while (polled < 0 && errno == EINTR);
+  return polled > 0;
+}
+
+LetGo let_go(int wire, int process, std::chrono::milliseconds confirm_time) noexcept {
+  const hapgrid_device_force last{
+      .force = {0, 0, 0}, .number = kLastForce, .flags = HAPGRID_DEVICE_END};
+  const auto deadline = Clock::now() + confirm_time;
+  // Where the socket is full, the adapter is late, and hears of the zero by its end alone.
+  (void)!::send(wire, &last, sizeof last, MSG_NOSIGNAL | MSG_DONTWAIT);
+  if (is_confirmed(wire, process, deadline)) return LetGo::kConfirmed;
+  // One that has closed its socket may be about to end.
+  if (has_ended(process, std::chrono::milliseconds(milliseconds_until(deadline))))
+    return LetGo::kEndedByItself;
+  send_signal(process, SIGTERM);
+  send_signal(process, SIGCONT);  // it may be stopped
+  if (has_ended(process, kTermTime)) return LetGo::kTerminated;
+  send_signal(process, SIGKILL);
+  return LetGo::kKilled;
+}
+
+bool release(const std::vector<std::string>& command) noexcept {
+  try {
+    std::vector<std::string> words(command);
+    words.emplace_back("--release");
+    const std::vector<char*> arguments = argument_list(words);
+    const pid_t pid = ::fork();
+    if (pid < 0) return false;
+    if (pid == 0) {
+      ::setpgid(0, 0);
+      restore_signals();
+      // A busy desktop must not hold up the last word.
+      const sched_param priority{.sched_priority = kAdapterPriority};
+      ::sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &priority);
+      const int nothing = ::open("/dev/null", O_RDWR);
+      ::dup2(nothing, STDIN_FILENO);
+      ::dup2(nothing, STDOUT_FILENO);
+      ::execvp(arguments[0], arguments.data());
+      for (;;) ::raise(SIGKILL);
+    }
+    int status = 0;
+    const auto deadline = Clock::now() + kReleaseTime;
+    pid_t ended;
+    while ((ended = ::waitpid(pid, &status, WNOHANG)) == 0 && Clock::now() < deadline)
+      ::usleep(1000);
+    if (ended == pid) return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    ::kill(-pid, SIGKILL);
+  } catch (const std::bad_alloc&) {
+  }
+  return false;
+}
+
+std::vector<char*> argument_list(std::vector<std::string>& words) {
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  return arguments;
+}
+
+void restore_signals() noexcept {
+  for (int signal = 1; signal < NSIG; ++signal) ::signal(signal, SIG_DFL);
+  sigset_t none;
+  ::sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
+}  // namespace hapgrid

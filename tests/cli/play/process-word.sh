@@ -1,0 +1,5 @@
+# play with a device that is a process: whoever of play, guard and adapter is killed, stopped or spins, the last thing that
+# the device hears is zero force.
+source "$(dirname "$0")/../lib.sh"
+stuck_grid 0
+python3 "$here/process.py" last_word scarce
