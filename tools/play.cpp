@@ -221,13 +221,11 @@ std::jthread watch(Device& device, const std::atomic<std::uint64_t>& heartbeat,
 /// What the loop plays.
 struct PlayedForce {
   PlayForce& force;
-  const Fields& fields;
   double metres;  ///< of the hand, for a unit of the model's length, times the gain
 
   Vec3 operator()(const Traversal& traversal) const { return force(traversal); }
   double stored_energy(const Traversal& traversal) const {
-    if (!fields.has_energy()) return 0;
-    return fields.energy(traversal.position(), traversal.row()) * fields.force_scale() * metres;
+    return force.stored_energy(traversal) * metres;
   }
 };
 
@@ -340,10 +338,9 @@ int play(PlayOptions options) {
   SafetyCore safety(settings.safety);
   std::optional<Sessions> sessions;
   if (open.simulated)
-    sessions.emplace(
-        *open.simulated, fields,
-        Sessions::Setup{.rate_hz = rate_hz, .gain = settings.safety.gain, .scale = mapping.scale()},
-        truth.get());
+    sessions.emplace(*open.simulated, safety, fields,
+                     Sessions::Setup{.rate_hz = rate_hz, .gain = settings.safety.gain},
+                     truth.get());
   viewers.start(spec, create, rate_hz, loop.paced(), caught_signal);
   RunFacts facts{.model = spec.model,
                  .device = device.info().name,
@@ -352,8 +349,7 @@ int play(PlayOptions options) {
                  .rate_hz = loop.rate_hz,
                  .answers = open.adapter ? &open.adapter->delays() : nullptr,
                  .declared_delay = settings.safety.delay_ticks};
-  const PlayedForce played{force, fields,
-                           mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0};
+  const PlayedForce played{force, mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0};
   viewers.wait(settings.imd_wait_s, caught_signal);
   // As late as possible: an older session of that name is lost now. A signal that came before the
   // first tick leaves it.

@@ -19,8 +19,10 @@ Check check_gradient(const Grid& grid, const RecordFields& fields) {
       {"error by energy", found.by_energy, "N", "of forces predicted from energies and forces"},
       {"error by forces", found.by_forces, "N", "of forces predicted from forces alone"}};
   if (found.by_forces > 0)
-    check.figures.push_back({"ratio", found.by_energy / found.by_forces, "",
-                             "of these errors; play takes the energy where it is below 0.4"});
+    check.figures.push_back(
+        {"ratio", found.by_energy / found.by_forces, "",
+         "of these errors; play takes the energy where it is below 0.4, or where the error by "
+         "energy is at most 5 % of the force"});
   return check;
 }
 

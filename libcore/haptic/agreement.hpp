@@ -19,10 +19,12 @@ struct Agreement {
   double by_energy = 0;  ///< newtons, root mean square of the error by energies and forces
   double by_forces = 0;  ///< newtons, the same of the mean of the forces
 
-  /// Honest grids have at most 0.36 of by_forces (17 grids, from 8 points a side on), spoilt ones
-  /// at least 0.44 (32 of 34). Where forces are linear both are exact up to rounding.
+  /// Honest models have at most 0.36 of by_forces (17 grids, from 8 points a side on), spoilt ones
+  /// at least 0.44 (32 of 34). But a table whose forces are central differences of its energies has
+  /// 0.5, whatever it holds, and where forces are linear both errors are rounding. So a small error
+  /// is good as well: an energy that is off by a fifth has 0.3 of the force.
   bool is_good() const {
-    return predictions > 0 && (by_energy < 0.4 * by_forces || by_energy <= 1e-6 * force);
+    return predictions > 0 && (by_energy < 0.4 * by_forces || by_energy <= 0.05 * force);
   }
 };
 

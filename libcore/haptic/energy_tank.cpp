@@ -70,8 +70,12 @@ void EnergyTank::move(const TankTerms& terms, const Vec3& place, double dt, bool
   if (placed_) {
     const Vec3 way = place - place_;
     double work = std::max(dot(force(terms.delay), way), dot(force(terms.delay + 1), way));
-    if (!certain || seen_ == 0) work = std::max(work, 0.0);
+    const bool sure = certain && seen_ > 0;
+    if (!sure) work = std::max(work, 0.0);
     energy_ -= work;
+    way_ = way;
+    charged_ = work;
+    damped_ = sure ? terms.damping * dot(way, way) / dt : 0;
     // A sum that cannot be computed stands for a tank that is empty for good.
     if (!std::isfinite(energy_)) energy_ = std::numeric_limits<double>::lowest();
   }
@@ -181,7 +185,18 @@ Vec3 EnergyTank::bound(const TankTerms& terms, const Vec3& wanted, const Vec3& b
   return shorter + part * way;
 }
 
+void EnergyTank::grant(double joules, double most) noexcept {
+  const double more = std::min(joules, most - energy_);
+  if (!(more > 0)) return;  // also where one of them is not a number
+  energy_ += more;
+  granted_ += more;
+}
+
 void EnergyTank::sent(const Vec3& force) noexcept {
+  const double mean = dot(0.5 * (forces_[last_force_] + force), way_);
+  // What is not a number is less than nothing here.
+  if (const double late = std::min(charged_ - mean, damped_); late > 0) energy_ += late;
+  damped_ = 0;
   last_force_ = (last_force_ + 1) % kForces;
   forces_[last_force_] = force;
 }

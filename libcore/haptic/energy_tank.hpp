@@ -5,9 +5,19 @@
 // tank holds the energy that the hand stored. Before a force is sent, the tank must cover what it
 // would cost to let go of that force at the slew limit while the hand runs along with it. So zero
 // can always be reached within the slew, and it is paid for. For any sequence of forces, the energy
-// returned is at most what the tank held at the start plus kTankSlack plus the reserve.
+// returned is at most what the tank was granted, plus kTankSlack, plus the reserve, plus what a
+// damper of TankTerms::damping takes from the hand on its way.
 //
-// That holds under these assumptions:
+// Why the damper. A force that comes late, if only by the half of a tick for which it is held,
+// gives back more than it took, on each way to and fro. The tank charges the hand for that, and for
+// one more tick. So a spring K that a trembling hand holds would cost the hand 3/2 K dx^2 in a
+// tick, and its force would fade within seconds. But a hand and a device have friction. A sampled
+// spring is passive if their damping b is at least K T / 2 (Colgate and Schenkel 1997, Passivity of
+// a class of sampled-data systems, J. Robotic Systems 14(1)). So what was charged beyond the mean
+// of the forces at both ends of a way is given back, at most b v^2 dt: as much as the damper takes.
+//
+// The bound holds under these assumptions:
+// - The damping of hand and device is at least TankTerms::damping.
 // - The hand's acceleration is at most TankTerms::acceleration.
 // - A force is in effect TankTerms::delay or one more ticks after it was sent, for whole ticks.
 // - Positions are rounded to TankTerms::encoder, and energy is counted along rounded positions.
@@ -41,6 +51,7 @@ struct TankTerms {
   double acceleration = 40;  ///< bound on the hand's, m/s^2
   double encoder = 0;        ///< step of the positions, m
   std::uint32_t delay = 0;   ///< ticks from when a force is sent until it is in effect; or one more
+  double damping = 0.5;      ///< of hand and device at least, N s/m
   double slew = 1000;        ///< N/s
   double period = 0.001;     ///< seconds from a tick to the next
 };
@@ -56,9 +67,12 @@ double letgo(double force, double speed, const TankTerms& terms) noexcept;
 /// be sent, then sent().
 class EnergyTank {
  public:
-  /// Joules that the hand may get back; a tank begins with 0.
-  void fill(double joules) noexcept { energy_ = joules; }
+  /// Adds joules that the hand may get back, as long as there are less than `most`. A tank begins
+  /// with 0.
+  void grant(double joules, double most) noexcept;
   double energy() const noexcept { return energy_; }
+  /// Joules that were granted so far.
+  double granted() const noexcept { return granted_; }
 
   /// The hand came to `place`; charges what the force has done.
   /// @param dt seconds since the move before. @param certain false when ticks were missed, so that
@@ -86,7 +100,12 @@ class EnergyTank {
   void measure_speed() noexcept;
 
   double energy_ = 0;
+  double granted_ = 0;
   Vec3 withheld_{0, 0, 0};
+  // Of the last move: what sent() may give back.
+  Vec3 way_{0, 0, 0};
+  double charged_ = 0;
+  double damped_ = 0;
   Vec3 place_{0, 0, 0};
   bool placed_ = false;
   // The last places, a ring: enough for the window at 30 kHz.

@@ -100,7 +100,7 @@ class Responder {
     const Vec3 hip = mapping_.hip(input, dt);
     const bool begins = input.begins || !begun_;
     const StepResult& step = begins ? traversal_.start(hip) : traversal_.step(hip);
-    if (begins) begin(step);
+    if (begins) begin();
     // The loop takes the press of the reset button alone: a button that was pressed before the
     // fault does not answer it. The clutch may be held: nobody wants a force meanwhile, and its
     // release starts a ramp.
@@ -121,6 +121,7 @@ class Responder {
                                            .missed = missed,
                                            .speed = unusable ? 0 : speed(hip, dt),
                                            .place = place(hip),
+                                           .stored = unusable ? 0 : stored(),
                                            .outside_cells = mapping_.outside_cells(hip),
                                            .stalled = input.stalled,
                                            .clutch = input.clutch,
@@ -129,14 +130,18 @@ class Responder {
   }
 
  private:
-  void begin(const StepResult& step) {
-    double stored = 0;
-    if constexpr (requires { force_.stored_energy(traversal_); })
-      if (step.usable()) stored = force_.stored_energy(traversal_);
-    safety_.begin(stored);
+  void begin() {
+    safety_.begin();
     has_last_hip_ = false;
     reset_held_ = false;
     begun_ = true;
+  }
+
+  /// The energy that the force can give, in joules; 0 where it is not known or needed.
+  double stored() const {
+    if constexpr (requires { force_.stored_energy(traversal_); })
+      if (safety_.is_ramping()) return force_.stored_energy(traversal_);
+    return 0;
   }
 
   /// The HIP in metres of the hand.
@@ -221,8 +226,8 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 /// @param force  Vec3 (const Traversal&): the force in newtons at the traversal's position, asked
 ///               after each usable step, of which it knows by Traversal::last_step(). Real-time
 ///               safe. It may have a member double stored_energy(const Traversal&): the energy in
-///               joules that the hand may get back, because the play begins there; without it that
-///               is 0.
+///               joules that the hand can get from the model there, asked after the force while
+///               the force is ramped in; without it that is 0.
 /// @param sink   void (const Tick&), after the force was sent; real-time safe when paced.
 /// @param heartbeat counts the ticks as they begin, for a watchdog in another thread.
 /// @throw whatever force and sink throw, after a zero force was sent.

@@ -42,11 +42,19 @@ class NodeForce {
 
   /// @param interpolate hermite_force or mean_force.
   NodeForce(std::shared_ptr<const NodeEnergies> energies, const Box& box, Interpolate interpolate)
-      : energies_(std::move(energies)), interpolate_(interpolate), offset_(3, box.spacing) {}
+      : energies_(std::move(energies)),
+        interpolate_(interpolate),
+        spacing_(box.spacing),
+        offset_(3, box.spacing) {}
 
   /// The force at the traversal's position. Called once after each step that is usable(); real-time
   /// safe. The traversal must have nodes.
   Vec3 operator()(const Traversal& traversal) noexcept;
+  /// The energy there above the lowest one of the grid, in newtons times the unit of length; for
+  /// nodes whose energies are known. Real-time safe.
+  double energy(const Traversal& traversal) const noexcept {
+    return hermite_energy(corners_of(traversal.nodes()), traversal.part()) * spacing_;
+  }
 
  private:
   NodeCorners corners_of(const std::array<RecordIndex, 8>& nodes) const noexcept;
@@ -54,6 +62,7 @@ class NodeForce {
 
   std::shared_ptr<const NodeEnergies> energies_;
   Interpolate interpolate_;
+  double spacing_;
   FadingOffset offset_;
 };
 

@@ -52,6 +52,7 @@ TankTerms tank_terms(const SafetyLimits& limits, const SafetyInput& input) {
           .acceleration = limits.acceleration,
           .encoder = limits.encoder,
           .delay = static_cast<std::uint32_t>(limits.delay_ticks),
+          .damping = limits.damping,
           .slew = limits.slew * 1000,
           .period = input.dt / (1 + static_cast<double>(input.missed))};
 }
@@ -159,13 +160,14 @@ SafeForce limit(const SafetyLimits& limits, SafetyState& state, const SafetyInpu
   if (limits.fade_cells > 0 && input.outside_cells > 0)
     scale(1 - input.outside_cells / limits.fade_cells, kFaded);
   if (state.swings > 0) scale(limits.buzz_rate * kBuzzTime / state.swings, kDamped);
-  state.ramp =
-      limits.ramp_ms > 0 ? std::min(1.0, state.ramp + input.dt * 1000 / limits.ramp_ms) : 1;
   if (input.clutch) {
     state.ramp = 0;
     scale(0, kClutched);
   } else {
+    const double before = state.ramp;
+    state.ramp = limits.ramp_ms > 0 ? std::min(1.0, before + input.dt * 1000 / limits.ramp_ms) : 1;
     scale(state.ramp, kRamped);
+    state.tank.grant((state.ramp - before) * input.stored, state.ramp * input.stored);
   }
 
   const auto spend = [&](const Vec3& affordable) {
@@ -195,11 +197,6 @@ SafeForce limit_force(const SafetyLimits& limits, SafetyState& state,
   return safe;
 }
 
-void SafetyCore::begin(double stored) noexcept {
-  state_ = {};
-  if (stored > 0 && std::isfinite(stored)) state_.tank.fill(stored);
-}
-
 void SafetyCore::reset() noexcept {
   const EnergyTank tank = state_.tank;
   const bool clutched = state_.clutched;
@@ -227,6 +224,7 @@ SafetyCore::SafetyCore(const SafetyLimits& limits) : limits_(limits) {
   check("the hand's acceleration", limits.acceleration, false);
   check("the encoder's step", limits.encoder, false);
   check("the delay", limits.delay_ticks, false);
+  check("the damping", limits.damping, false);
   if (limits.delay_ticks > kMaxTankDelay)
     throw Error(format("safety: the delay is {} ticks, the limit is {}",
                        to_text(limits.delay_ticks), kMaxTankDelay));

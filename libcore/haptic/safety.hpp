@@ -6,13 +6,19 @@
 //
 //   |F| <= limits.max_force, always;
 //   |F - F of the tick before| <= slew dt, unless F is a zero that a fault demands;
-//   the energy that the hand got back <= the energy that was stored + limits.reserve + 0.01 mJ.
+//   the energy that the hand got back <= what the hand has put in + what the model held where the
+//   ramp rose + what limits.damping takes from the motion + limits.reserve + 0.01 mJ.
 //
-// What was stored is what begin() was told, and what the hand has put in. The third promise assumes
-// that the hand's acceleration, the encoder and the delay are those of the limits, and that no tick
-// is missed; energy_tank.hpp says what happens else. It needs the hand's place in metres, so there
-// is no such promise where the scale is not known: that is so only for devices that push nobody
-// (paths, keys, and replays of them). A fault grants nothing anew.
+// The third promise assumes that the hand's acceleration, the damping of hand and device, the
+// encoder and the delay are those of the limits, and that no tick is missed; energy_tank.hpp says
+// what happens else. It needs the hand's place in metres, so there is no such promise where the
+// scale is not known: that is so only for devices that push nobody (paths, keys, and replays of
+// them).
+//
+// The ramp. A force that rises from 0 to F where the hand is gives the hand energy that it never
+// put in: without that energy a contact that is there at the start would stay without its force for
+// as long as it is held. In a tick in which the ramp rises by dr, a model that holds the energy E
+// there grants dr E, which is what r E(x) gains. A fault without a ramp grants nothing anew.
 //
 // Faults are a number that is not finite, a silent device, a hand that is too fast, missed ticks,
 // and buzzing that does not stop. A fault gives zero in the very tick in which it is seen, without
@@ -70,6 +76,7 @@ struct SafetyLimits {
   double acceleration = 40;  ///< of the hand at most, m/s^2
   double encoder = 5.5e-5;   ///< the device's positions come in such steps, m
   double delay_ticks = 0;    ///< from when a force is sent until it is in effect
+  double damping = 0.5;      ///< of hand and device at least, N s/m; 0: of a device without a hand
 };
 
 /// At this multiple of buzz_rate damping did not help, and the force becomes zero.
@@ -83,6 +90,9 @@ struct SafetyInput {
   double speed = 0;          ///< of the hand, m/s; 0 when the scale is not known
   /// The HIP in metres of the hand, in the box's axes; nothing when the scale is not known.
   std::optional<Vec3> place = std::nullopt;
+  /// Joules that the model holds there, above its lowest energy; 0 when that is not known. Only
+  /// looked at while the ramp rises, see is_ramping().
+  double stored = 0;
   double outside_cells = 0;  ///< how far the HIP is outside the box, in grid spacings
   bool stalled = false;      ///< the device is silent, so nobody knows where the hand is
   bool clutch = false;       ///< the hand moves without the HIP and must feel nothing
@@ -149,10 +159,13 @@ class SafetyCore {
   SafeForce apply(const SafetyInput& input) noexcept { return limit_force(limits_, state_, input); }
   bool faulted() const noexcept { return state_.faulted; }
   /// Another hand: nothing of the ticks before counts. Real-time safe.
-  /// @param stored the energy in joules that the hand may get back, because it was there before.
-  void begin(double stored) noexcept;
+  void begin() noexcept { state_ = {}; }
+  /// Whether the next force is one of the ramp. Real-time safe.
+  bool is_ramping() const noexcept { return state_.ramp < 1; }
   /// Ends a fault: the force comes back with the ramp. Real-time safe.
   void reset() noexcept;
+  /// Joules that the ramp has added so far to what the hand may get back. Real-time safe.
+  double granted() const noexcept { return state_.tank.granted(); }
   /// Joules that the hand may get back. Real-time safe.
   double stored() const noexcept { return state_.tank.energy(); }
 

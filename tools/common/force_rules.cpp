@@ -15,15 +15,21 @@ struct NamedForce {
 constexpr NamedForce kForces[] = {
     {ForceRule::kEnergy, "energy"}, {ForceRule::kRecords, "records"}, {ForceRule::kState, "state"}};
 
-/// Why the force cannot come from the energy; empty where it can.
-std::string objection(const Grid& grid, const RecordFields& fields) {
-  if (fields.energy.empty()) return "no energy is known";
+/// Says why the force cannot come from the energy, or what is odd about it.
+void judge(const Grid& grid, const RecordFields& fields, NodeForces& into) {
+  if (fields.energy.empty()) {
+    into.why_not = "no energy is known";
+    return;
+  }
   const Agreement found = agreement(grid, fields);
-  if (found.is_good()) return "";
-  if (found.predictions == 0) return "the grid is too small to compare force and energy";
-  return format(
-      "the force is not the gradient of the energy (off by {} N with the energy, {} N without)",
-      rounded(found.by_energy), rounded(found.by_forces));
+  const std::string errors = format("(off by {} N with the energy, {} N without)",
+                                    rounded(found.by_energy), rounded(found.by_forces));
+  if (found.predictions == 0)
+    into.why_not = "the grid is too small to compare force and energy";
+  else if (!found.is_good())
+    into.why_not = "the force is not the gradient of the energy " + errors;
+  else if (found.by_energy > found.by_forces)
+    into.remark = "the energy agrees less well with the forces than the forces' mean " + errors;
 }
 
 }  // namespace
@@ -45,8 +51,8 @@ ForceRule default_force(TraversalRule traversal) {
 }
 
 NodeForces node_forces(ForceRule wanted, const Grid& grid, const RecordFields& fields) {
-  NodeForces found{wanted, {}, std::make_shared<NodeEnergies>(grid, fields), {}};
-  if (wanted == ForceRule::kEnergy) found.why_not = objection(grid, fields);
+  NodeForces found{wanted, {}, {}, std::make_shared<NodeEnergies>(grid, fields), {}};
+  if (wanted == ForceRule::kEnergy) judge(grid, fields, found);
   if (!found.why_not.empty()) found.rule = ForceRule::kRecords;
   found.interpolate = found.rule == ForceRule::kEnergy ? hermite_force : mean_force;
   return found;

@@ -27,6 +27,7 @@ ForceRule default_force(TraversalRule traversal);
 struct NodeForces {
   ForceRule rule;
   std::string why_not;  ///< why it is not kEnergy, though that was asked; else empty
+  std::string remark;   ///< what is odd about an energy that is taken; else empty
   std::shared_ptr<NodeEnergies> nodes;  ///< of the records; add_ghosts() is the caller's
   NodeForce::Interpolate interpolate;
 };

@@ -31,6 +31,7 @@ PlayForce::PlayForce(std::optional<ForceRule> wanted, TraversalRule traversal, c
     if (wanted) throw Error(format("--force energy: {}", found.why_not));
     say("play", format("{}: the forces of the records are interpolated", found.why_not));
   }
+  if (!found.remark.empty()) say("play", found.remark);
   rule_ = found.rule;
   nodes_.emplace(found.nodes, grid.box(), found.interpolate);
 }

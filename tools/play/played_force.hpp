@@ -33,6 +33,13 @@ class PlayForce {
   Vec3 operator()(const Traversal& traversal) noexcept {
     return nodes_ ? (*nodes_)(traversal) : fields_.force(traversal.position(), traversal.row());
   }
+  /// The energy that the hand can get from the model there, in newtons times the model's unit of
+  /// length; 0 where it is not known. Real-time safe, as far as the model.
+  double stored_energy(const Traversal& traversal) const noexcept {
+    if (rule_ == ForceRule::kEnergy) return nodes_->energy(traversal);
+    if (!fields_.has_energy()) return 0;
+    return fields_.energy(traversal.position(), traversal.row()) * fields_.force_scale();
+  }
 
  private:
   const Fields& fields_;

@@ -77,17 +77,19 @@ double ForceError::mean() const { return ticks() > 0 ? sum_ / static_cast<double
 
 double ForceError::p99() const { return static_cast<double>(nanonewtons_.quantile(0.99)) / kNano; }
 
-Sessions::Sessions(const SimulatedDevice& device, const Fields& fields, const Setup& setup,
-                   Traversal* truth)
+Sessions::Sessions(const SimulatedDevice& device, const SafetyCore& safety, const Fields& fields,
+                   const Setup& setup, Traversal* truth)
     : device_(device),
+      safety_(safety),
       fields_(fields),
       setup_(setup),
       truth_(truth),
       positions_(static_cast<std::size_t>(std::max(std::round(setup.rate_hz), 1.0))) {}
 
 void Sessions::add(const Tick& tick) {
-  if (tick.input.begins) begin(tick);
+  if (tick.input.begins) begin();
   SessionFigures& now = sessions_.back();
+  now.stored_mj = safety_.granted() * kMilli;
   now.given_mj = device_.work() * kMilli;
   now.returned_mj = std::max(now.returned_mj, now.given_mj - now.stored_mj);
   now.largest_step_n = std::max(now.largest_step_n, length_of(tick.force.force - last_sent_));
@@ -100,15 +102,9 @@ void Sessions::finish() {
   if (!sessions_.empty()) end();
 }
 
-void Sessions::begin(const Tick& tick) {
+void Sessions::begin() {
   if (!sessions_.empty()) end();
-  SessionFigures fresh;
-  if (fields_.has_energy()) {
-    const double energy = fields_.energy(tick.traversal.position(), tick.traversal.row());
-    fresh.stored_mj =
-        std::max(0.0, energy * fields_.force_scale() * setup_.gain / setup_.scale * kMilli);
-  }
-  sessions_.push_back(fresh);
+  sessions_.emplace_back();
   last_sent_ = {0, 0, 0};
   last_target_ = device_.target();
   rest_ = 0;

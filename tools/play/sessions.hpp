@@ -29,7 +29,7 @@ class ForceError {
 
 /// One session. The energies are exact, of the force as it was in effect.
 struct SessionFigures {
-  double stored_mj = 0;    ///< the model's energy where the session began; 0 where it is not known
+  double stored_mj = 0;    ///< the model's energy where the ramp rose; 0 where it is not known
   double given_mj = 0;     ///< what the device gave to the hand until the end; below 0: it took it
   double returned_mj = 0;  ///< the most that it gave at any time beyond what was stored
   std::uint64_t holds = 0;
@@ -45,12 +45,11 @@ class Sessions {
  public:
   struct Setup {
     double rate_hz = 1000;
-    double gain = 1;   ///< of the safety core: what the model's newton is on the device
-    double scale = 1;  ///< model units per metre
+    double gain = 1;  ///< of the safety core: what the model's newton is on the device
   };
   /// @param truth what the model itself does along the same positions; null: no comparison.
-  Sessions(const SimulatedDevice& device, const Fields& fields, const Setup& setup,
-           Traversal* truth);
+  Sessions(const SimulatedDevice& device, const SafetyCore& safety, const Fields& fields,
+           const Setup& setup, Traversal* truth);
 
   void add(const Tick& tick);
   /// Called once, after the last tick.
@@ -62,13 +61,14 @@ class Sessions {
   bool has_truth() const { return truth_ != nullptr; }
 
  private:
-  void begin(const Tick& tick);
+  void begin();
   void end();
   void note_position();
   void judge_rest();
   void compare(const Tick& tick);
 
   const SimulatedDevice& device_;
+  const SafetyCore& safety_;
   const Fields& fields_;
   Setup setup_;
   Traversal* truth_;

@@ -7,24 +7,26 @@ encoder = 0
 delay = 1
 truth = true
 [random]
-seed = 3
+seed = 4
 sessions = 6
 seconds = 4
 speed = 0.2
 hold = 1.25
 TOML
 
-# The box is 1.9 rope lengths long, and 0.1 m reach from end to end: 19 a metre.
-play grid --device sim:sim.toml --log log --report report --sessions table 2>summary
+# The box is 1.9 rope lengths long, and 0.1 m reach from end to end: 19 a metre. Without a ramp what is stored is the
+# energy of the first tick; with --force state it is the one that the log has.
+plain=(--force state --set safety.ramp=0 --set safety.reserve=inf)
+play grid --device sim:sim.toml "${plain[@]}" --log log --report report --sessions table 2>summary
 python3 "$here/sim.py" log table report summary
-expect 0 '' "~play: 24000 ticks, .*" -- play grid --device sim:sim.toml --log a.session --sessions again
+expect 0 '' "~play: 24000 ticks, .*" -- play grid --device sim:sim.toml "${plain[@]}" --log a.session --sessions again
 cmp again table
 # A replay starts anew where the sessions did, by the same rule.
 play grid --device replay:a.session --log replayed 2>/dev/null
 cmp replayed log
 # stats counts the same energy: exactly so when a force is in effect at once, with the encoder's positions.
 sed 's/delay = 1/delay = 0/' sim.toml >prompt.toml
-play grid --device sim:prompt.toml --log prompt.session --sessions prompt 2>/dev/null
+play grid --device sim:prompt.toml "${plain[@]}" --log prompt.session --sessions prompt 2>/dev/null
 stats --log prompt.session --format json >energy
 python3 - <<'PYTHON'
 import json
@@ -37,7 +39,7 @@ assert abs(said["returned"] - returned) < 1e-9 * returned, (said, returned)
 PYTHON
 # The first sessions are the same whatever comes after them.
 sed 's/sessions = 6/sessions = 2/' sim.toml >two.toml
-play grid --device sim:two.toml --sessions - 2>/dev/null | cmp - <(head -3 table)
+play grid --device sim:two.toml "${plain[@]}" --sessions - 2>/dev/null | cmp - <(head -3 table)
 # Along the recorded positions the model gives the forces that the errors were taken against.
 play grid --device replay:a.session --traversal model --log truth 2>/dev/null
 python3 "$here/sim.py" error log truth table

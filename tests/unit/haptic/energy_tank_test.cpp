@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "libcore/device/simulated.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/haptic/limits.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
@@ -22,9 +23,10 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr Vec3 kZero{0, 0, 0};
 
 /// Every stage off but slew, clamp and tank.
-SafetyLimits only_tank() {
+SafetyLimits only_tank(double damping = 0) {
   SafetyLimits limits = testing::only_clamp(3);
   limits.slew = 1;
+  limits.damping = damping;
   return limits;
 }
 
@@ -32,10 +34,11 @@ SafetyLimits only_tank() {
 struct Hand {
   double encoder = 0;
   std::size_t delay = 0;  // in ticks
+  double damping = 0;     // N s/m, which takes energy from the hand
   Vec3 x{0, 0, 0}, v{0, 0, 0};
   std::vector<Vec3> sent = std::vector<Vec3>(40, kZero);
-  double given = 0;                           // along the true positions
-  double counted = 0;                         // along those that the encoder shows
+  double given = 0;    // along the true positions
+  double counted = 0;  // along those that the encoder shows, less the damper's
   double returned = 0, counted_returned = 0;  // the most of both at any time
 
   Vec3 shown() const {
@@ -51,7 +54,8 @@ struct Hand {
     x = x + dt * (v + dt / 2 * a);
     v = v + dt * a;
     given += dot(in_effect(), x - before);
-    counted += dot(in_effect(), shown() - shown_before);
+    const Vec3 way = shown() - shown_before;
+    counted += dot(in_effect(), way) - damping * dot(way, way) / dt;
     returned = std::max(returned, given);
     counted_returned = std::max(counted_returned, counted);
   }
@@ -117,20 +121,21 @@ TEST_CASE("no sequence of forces gives a hand more than was stored and the bound
     const double dt = run % 2 ? 0.001 : 0.0002;
     const int kind = run % 3;
     const bool unknown = run % 5 == 4;  // one more tick of delay than the core knows of
-    SafetyLimits limits = only_tank();
+    SafetyLimits limits = only_tank(run % 11 > 2 ? 0 : run % 11 * 0.5);
     limits.encoder = run % 4 ? 0 : 2e-4;
     limits.delay_ticks = static_cast<double>(run / 4 % 3);
     SafetyCore safety(limits);
     const double stored = run % 7 ? 0 : 2e-3;
-    safety.begin(stored);
     Hand hand{.encoder = limits.encoder,
-              .delay = static_cast<std::size_t>(limits.delay_ticks) + unknown};
+              .delay = static_cast<std::size_t>(limits.delay_ticks) + unknown,
+              .damping = limits.damping};
     hand.v = any_direction(random, uniform(random, 0.01, 1));
     Vec3 held = any_direction(random, 3);
     Vec3 before = kZero;
     for (int i = 0; i < 2000; ++i) {
       const Vec3 wanted = hostile_force(random, kind, hand, held);
-      const SafeForce safe = safety.apply({.force = wanted, .dt = dt, .place = hand.shown()});
+      const SafeForce safe =
+          safety.apply({.force = wanted, .dt = dt, .place = hand.shown(), .stored = stored});
       acted |= safe.acted;
       REQUIRE(length_of(safe.force) <= 3);
       REQUIRE(length_of(safe.force - before) <= 1000 * dt + 1e-15);
@@ -143,7 +148,7 @@ TEST_CASE("no sequence of forces gives a hand more than was stored and the bound
     const double bound = stored + 1.01e-3 + 1e-12;
     worst = std::max(worst, hand.counted_returned - stored);
     REQUIRE(hand.counted_returned <= bound);
-    if (limits.encoder == 0) REQUIRE(hand.returned == hand.counted_returned);
+    if (limits.encoder == 0 && limits.damping == 0) REQUIRE(hand.returned == hand.counted_returned);
   }
   CHECK((acted & kEnergy) != 0);
   CHECK(worst > 0.2e-3);  // the bound is not met by giving nothing
@@ -152,7 +157,6 @@ TEST_CASE("no sequence of forces gives a hand more than was stored and the bound
 TEST_CASE("a fault does not fill the tank again") {
   const SafetyLimits limits = only_tank();
   SafetyCore safety(limits);
-  safety.begin(0);
   Hand hand;
   hand.v = {0.05, 0, 0};
   for (int i = 0; i < 20000; ++i) {
@@ -171,7 +175,6 @@ TEST_CASE("a fault does not fill the tank again") {
 TEST_CASE("missed ticks are charged when they are over, and gain nothing") {
   const SafetyLimits limits = only_tank();
   SafetyCore safety(limits);
-  safety.begin(1);
   double x = 0;
   const auto tick = [&](double force, double moved, std::uint64_t missed) {
     x += moved;
@@ -179,7 +182,8 @@ TEST_CASE("missed ticks are charged when they are over, and gain nothing") {
         .apply({.force = {force, 0, 0},
                 .dt = 0.001 * static_cast<double>(missed + 1),
                 .missed = missed,
-                .place = Vec3{x, 0, 0}})
+                .place = Vec3{x, 0, 0},
+                .stored = 1})
         .force[0];
   };
   tick(0, 0, 0);
@@ -196,10 +200,13 @@ TEST_CASE("missed ticks are charged when they are over, and gain nothing") {
 
 TEST_CASE("what was not seen gains nothing, and the clutch is paid for") {
   SafetyCore safety(only_tank());
-  safety.begin(1);
   const auto tick = [&](double x, bool stalled, bool clutch) {
     return safety
-        .apply({.force = {2, 0, 0}, .place = Vec3{x, 0, 0}, .stalled = stalled, .clutch = clutch})
+        .apply({.force = {2, 0, 0},
+                .place = Vec3{x, 0, 0},
+                .stored = 1,
+                .stalled = stalled,
+                .clutch = clutch})
         .force[0];
   };
   for (int i = 0; i < 9; ++i) tick(0, false, false);
@@ -238,7 +245,6 @@ TEST_CASE("without a scale, and with an infinite reserve, no energy is counted")
 
 TEST_CASE("a wall that takes more than it gives back is not touched") {
   SafetyCore safety(only_tank());
-  safety.begin(0);
   for (int i = 0; i < 5000; ++i) {
     // In and out, at 0.1 m/s at most; 200 N/m, and 2 N s/m.
     const double t = i * 0.001, v = 0.1 * std::cos(10 * t), x = 0.01 * std::sin(10 * t);
@@ -246,5 +252,62 @@ TEST_CASE("a wall that takes more than it gives back is not touched") {
     const SafeForce safe = safety.apply({.force = wall, .place = Vec3{x, 0, 0}});
     REQUIRE(safe.acted == 0);
     REQUIRE(safe.force == wall);
+  }
+}
+
+TEST_CASE(
+    "a contact that a trembling hand holds keeps its force, as far as the hand's damping goes") {
+  // 250 N/m, held at 1 N for a minute. In a tick, the hand is charged K dx (dx_before + dx / 2)
+  // more than the mean force does, which is less than 2 K dx^2 but where the hand turns.
+  constexpr double kWall = 250, kDt = 0.001;
+  for (const double damping : {2 * kWall * kDt, 0.0}) {
+    SafetyCore safety(only_tank(damping));
+    std::uint32_t acted = 0;
+    double stored = 0;
+    for (int i = 0; i < 60000; ++i) {
+      const double x = -0.004 + 3e-4 * std::sin(2 * M_PI * 10 * i * kDt);
+      const double energy = kWall / 2 * x * x;
+      if (i == 0) stored = energy;
+      const Vec3 wall{-kWall * x, 0, 0};
+      const SafeForce safe =
+          safety.apply({.force = wall, .dt = kDt, .place = Vec3{x, 0, 0}, .stored = energy});
+      if (i < 3) continue;  // at the start the hand's speed is not known
+      acted |= safe.acted;
+      if (damping > 0) REQUIRE(safe.force == wall);
+    }
+    CHECK(((acted & kEnergy) == 0) == (damping > 0));
+    if (damping > 0) CHECK(safety.stored() > 0.9 * stored);
+  }
+}
+
+TEST_CASE("in a contact the full force is there a second after the start and after a fault") {
+  // A wall of 300 N/m, and a hand of as much whose point is 5 mm inside: 0.75 N. It waits there, or
+  // comes there from outside while the ramp rises.
+  constexpr double kWall = 300;
+  const double outside = GENERATE(0.0, 0.007);
+  SimulatedDevice device({}, [&](std::uint64_t, std::vector<Vec3>& targets) {
+    for (int i = 0; i < 4000; ++i)
+      targets.push_back({-0.005 + outside * std::max(0.0, 1 - i / 200.0), 0, 0});
+  });
+  SafetyCore safety;
+  DeviceInput input;
+  Vec3 before = kZero;
+  for (int i = 0; i < 4000; ++i) {
+    REQUIRE(device.read(input) == DeviceStatus::kOk);
+    const double depth = std::max(0.0, -input.position[0]);
+    const Vec3 wall{kWall * depth, 0, 0};
+    const bool silent = i >= 2000 && i < 2050;
+    const SafeForce safe = safety.apply({.force = wall,
+                                         .place = input.position,
+                                         .stored = kWall / 2 * depth * depth,
+                                         .stalled = silent});
+    if (i % 2000 >= 1050) {
+      REQUIRE(safe.force == wall);
+      REQUIRE(wall[0] == Approx(0.75).epsilon(0.02));
+    }
+    // A ramp of 500 ms, and a hand of 0.1 m/s at most into 300 N/m.
+    if (!silent) REQUIRE(length_of(safe.force - before) < 1.5 / 500 + 300 * 0.1e-3);
+    before = safe.force;
+    static_cast<void>(device.send(safe.force));
   }
 }

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Whether contacts hold that a trembling hand holds (tremor.cpp): a table.
+#
+#   tests/bench/tremor.sh [BUILD] [CONTACTS] [SECONDS] [SEED]        (default: build 20 60 1)
+#
+# The grids are computed first. A row has tremors of 0.05 to 0.3 mm, and hands of 60, 300 and 900 N/m: twelve times
+# CONTACTS, each held for SECONDS. All rows together take an hour of CPU time, with 6 contacts and 20 seconds some
+# minutes. Another SEED draws other contacts.
+contacts=${2:-20} seconds=${3:-60} seed=${4:-1}
+source "$(dirname "$0")/lib.sh"
+molecules=$HAPGRID_SOURCE/examples/molecule
+compute ball "$ball" 40
+for molecule in alanine-dipeptide butane dichloroethane; do
+  compute $molecule "$molecules/$molecule/$molecule.toml" 20 --set search.tears=false
+done
+compute leu-enkephalin "$molecules/leu-enkephalin/leu-enkephalin.toml" 16 --set search.tears=false
+
+echo '|model|gain|the hand|contacts|faded, at most of a hand'\''s|the most faded|swings more, at most|how much more|full force after|'
+echo '|---|---|---|---|---|---|---|---|---|'
+for grid in ball alanine-dipeptide butane dichloroethane leu-enkephalin; do
+  for gain in 1 3; do
+    for start in approach contact; do
+      "$HAPGRID_BUILD/bench/bench_tremor" $grid.grid "$HAPGRID_BUILD/models" 0.05,0.1,0.2,0.3 60,300,900 $gain $start \
+        "$contacts" "$seconds" "$seed" |
+        awk -F '\t' -v grid=$grid -v gain=$gain -v start=$start 'BEGIN { least = 1 }
+          { n += $5; if ($6 > faded) faded = $6; if ($7 < least) least = $7; if ($8 > swings) swings = $8
+            if ($9 > most) most = $9; if ($10 > longest) longest = $10 }
+          END { printf "|%s|%d|%s|%d|%d|%.0f %%|%d|%.2f|%.2f s|\n", grid, gain,
+            start == "contact" ? "begins in the contact" : "comes to the contact", n, faded, 100 * least, swings, most, longest }'
+    done
+  done
+done
