@@ -30,6 +30,7 @@
 #include "tools/common/signals.hpp"
 #include "tools/common/terminal_turn.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/play/beside.hpp"
 #include "tools/play/devices.hpp"
 #include "tools/play/list_devices.hpp"
 #include "tools/play/log.hpp"
@@ -113,8 +114,12 @@ void check(const PlayOptions& options) {
   if (has_adapter && options.rate_hz > 0 && options.rate_hz < kSlowestProcessHz)
     throw UsageError(
         format("--rate: an adapter lets go of the hand below {} Hz", rounded(kSlowestProcessHz)));
-  if (options.traversal && is_slow(*options.traversal) && is_live(*options.device))
-    throw UsageError("--traversal: a live device cannot wait for the model itself");
+  if (options.beside && *options.beside != kBesideOff) {
+    if (options.traversal.value_or(kDefaultRule) != TraversalRule::kBranch)
+      throw UsageError("--beside: only --traversal branch has branches between which to choose");
+    if (*options.beside != kBesideOn && is_live(*options.device))
+      throw UsageError("--beside: how late the model is for a live device cannot be chosen");
+  }
   if (options.traversal == TraversalRule::kModel && options.force &&
       options.force != ForceRule::kState)
     throw UsageError("--force: --traversal model has no records to interpolate between");
@@ -157,6 +162,7 @@ struct Settled {
   PlaySettings settings;
   TraversalRule traversal = kDefaultRule;
   std::optional<ForceRule> force;  ///< nothing: PlayForce's default
+  std::string beside = kBesideOn;
 };
 
 /// The settings of a play: those that the user gave, then those that a replay recorded, then the
@@ -164,7 +170,7 @@ struct Settled {
 Settled settle(const PlayOptions& options, const std::optional<SessionHeader>& session,
                const LoadedGrid& loaded) {
   Settled settled;
-  auto& [settings, rule, force] = settled;
+  auto& [settings, rule, force, beside] = settled;
   if (session) {
     const std::string file = input_file(*options.device);
     if (session->grid_digest != loaded.digest)
@@ -174,6 +180,7 @@ Settled settle(const PlayOptions& options, const std::optional<SessionHeader>& s
     settings.mapping.scale = with.scale;
     rule = with.traversal;
     force = with.force;
+    beside = with.beside;
   }
   settings = changed(settings, options.given);
   if (options.traversal) {
@@ -181,6 +188,7 @@ Settled settle(const PlayOptions& options, const std::optional<SessionHeader>& s
     rule = *options.traversal;
   }
   if (options.force) force = options.force;
+  if (options.beside) beside = *options.beside;
   if (options.axes) settings.mapping.axes = *options.axes;
   return settled;
 }
@@ -311,12 +319,16 @@ int play(PlayOptions options) {
   };
   std::optional<OpenDevice> opened;
   if (!is_live(*options.device)) opened.emplace(open_it());
-  auto [settings, rule, wanted_force] =
+  auto [settings, rule, wanted_force, wanted_beside] =
       settle(options, opened ? opened->session : std::nullopt, loaded);
   const auto create_exact = [&] { return exact_model(spec, options.model_path); };
   // The records are asked by all threads, and the traversal is prepared mostly by one.
   std::future<NodeForces> records = PlayForce::ask_records(wanted_force, rule, grid, create);
   const std::unique_ptr<Traversal> traversal = traversals(rule, grid, create_exact)();
+  const std::unique_ptr<Beside> beside =
+      make_beside(wanted_beside, options.beside.has_value(), is_live(*options.device), grid,
+                  traversal->branch_nodes(), create_exact);
+  traversal->walk_beside(beside.get());
   const auto truth = opened && opened->wants_truth
                          ? traversals(TraversalRule::kModel, grid, create_exact)()
                          : nullptr;
@@ -347,6 +359,7 @@ int play(PlayOptions options) {
                  .traversal = name_of(rule),
                  .force = name_of(force.rule()),
                  .rate_hz = loop.rate_hz,
+                 .beside = beside.get(),
                  .answers = open.adapter ? &open.adapter->delays() : nullptr,
                  .declared_delay = settings.safety.delay_ticks};
   const PlayedForce played{force, mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0};
@@ -357,7 +370,9 @@ int play(PlayOptions options) {
           {.limits = settings.safety,
            .scale = mapping.scale(),
            .traversal = rule,
-           .force = force.rule()});
+           .force = force.rule(),
+           .beside = beside ? wanted_beside : kBesideOff});
+  if (beside) beside->begin(rate_hz);
   const LoopSummary summary = drive(device, mapping, *traversal, safety, played, loop,
                                     options.realtime, facts, [&](const Tick& tick) {
                                       log.add(tick);

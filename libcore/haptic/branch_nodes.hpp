@@ -10,6 +10,7 @@
 // two-way links connect them, directly or by other records that end before this point.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -52,6 +53,11 @@ class BranchNodes {
   }
   /// The directions in which the branch of record r ends before the neighbour.
   DirectionMask one_way(RecordIndex r) const noexcept { return one_way_[r]; }
+  /// Whether no branch ends, and none meets another one, in any cell of the grid.
+  bool are_whole() const noexcept {
+    return ghosts() == 0 &&
+           std::all_of(mixed_.begin(), mixed_.end(), [](std::uint8_t cells) { return cells == 0; });
+  }
   /// Whether no branch ends in the cells around record r, and none of them is mixed.
   bool has_one_branch_around(RecordIndex r) const noexcept {
     return one_way_[r] == 0 && mixed_[r] == 0;

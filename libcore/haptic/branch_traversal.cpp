@@ -42,15 +42,6 @@ double disagreement(const std::array<std::uint8_t, 8>& apart,
 
 BranchMap::BranchMap(const Grid& grid) : nodes(grid), tear(tear_function(grid, nodes)) {}
 
-/// The corners that an anchor gives a cell.
-struct BranchTraversal::Branch {
-  int anchor;
-  std::array<Node, 8> nodes{};
-  bool is_torn = false;                 // a corner is a ghost
-  bool is_mixed = false;                // other corners are not of one branch themselves
-  std::array<std::uint8_t, 8> apart{};  // and which: BranchNodes::apart()
-};
-
 /// Which corners two neighbouring cells have in common. Corner k of the old cell is corner k ^
 /// moved of the new one.
 struct BranchTraversal::Common {
@@ -62,7 +53,9 @@ struct BranchTraversal::Common {
 
 BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                                  std::uint16_t max_sub_steps)
-    : Traversal(grid, max_sub_steps), map_(std::move(map)), offset_(row_.size(), box_.spacing) {}
+    : Traversal(grid, max_sub_steps), map_(std::move(map)), offset_(row_.size(), box_.spacing) {
+  candidates_.reserve(kMostCandidates);
+}
 
 bool BranchTraversal::begin(int nearest) noexcept {
   const PointIndex p = cells_.point(base(), nearest);
@@ -166,7 +159,7 @@ bool BranchTraversal::cross_within_branch(PointIndex base, int from,
                                           const Common& common) noexcept {
   const RecordIndex anchor = nodes_[from];
   const int at = from ^ common.moved;
-  Branch next{at, nodes_};
+  Branch next{.anchor = at, .nodes = nodes_};
   for (int k = 0; k < 8; ++k) {
     const int corner = cells_.distinct(k);
     if (common.has(corner ^ common.moved)) {
@@ -221,17 +214,29 @@ void BranchTraversal::keep_state(const std::array<const double*, 8>& before,
 
 bool BranchTraversal::move(const Vec3& x, StepResult& result) noexcept {
   offset_.fade(position(), x);
-  const Vec3 part = part_of_cell(x);
-  weights_ = corner_weights(part);
-  if (is_mixed_) change_anchor(result);
-  for (int i = 0; i < kMostSnaps && is_torn_; ++i) {
-    double tear = 0;
-    for (int k = 0; k < 8; ++k) tear += weights_[k] * tear_[k];
-    if (tear >= 0 || !snap(part)) break;
-    result.snapped = result.level_changed = true;
-    offset_.end();
-  }
+  part_ = part_of_cell(x);
+  weights_ = corner_weights(part_);
+  // With a model beside the grid the decision waits for settle(), unless more cells follow.
+  if (!beside_ || result.split) decide_by_grid(result);
   return true;
+}
+
+/// @returns whether the state snapped
+bool BranchTraversal::decide_by_grid(StepResult& result) noexcept {
+  if (is_mixed_) change_anchor(result);
+  int snaps = 0;
+  while (snaps < kMostSnaps && is_torn_ && tear(weights_) < 0 && snap(part_)) ++snaps;
+  if (snaps == 0) return false;
+  result.snapped = result.level_changed = true;
+  offset_.end();
+  return true;
+}
+
+/// The tear function of the branch; negative where the branch has ended. The branch is torn.
+double BranchTraversal::tear(const std::array<double, 8>& weights) const noexcept {
+  double tear = 0;
+  for (int k = 0; k < 8; ++k) tear += weights[k] * tear_[k];
+  return tear;
 }
 
 /// In a mixed cell the records differ in what the other corners are. Of the records of a branch,
@@ -272,7 +277,7 @@ void BranchTraversal::change_anchor(StepResult& result) noexcept {
   }();
   if (!find_better(base(), weights_, kAny, next)) return;
   const std::array<const double*, 8> before = rows_;
-  result.nodes_before = nodes_;
+  if (!result.corners_changed) result.nodes_before = nodes_;
   enter_branch(base(), next);
   result.corners_changed = nodes_ != result.nodes_before;
   keep_state(before, weights_, rows_);

@@ -15,6 +15,10 @@
 // is continuous, because it is interpolated. When the corners change otherwise, because a new cell
 // has another anchor, the difference at the place of the change becomes an *offset*: the state goes
 // on from where it was, and the offset fades while the hand moves on, by half a spacing.
+//
+// All this is a guess where branches end or meet. Where the model itself walks beside the grid
+// (beside.hpp), it decides in such cells, and for a spacing behind them: of all branches that the
+// cell has, the hand is on the one whose state is nearest to the model's.
 #pragma once
 
 #include <array>
@@ -22,6 +26,7 @@
 #include <memory>
 #include <vector>
 
+#include "libcore/haptic/beside.hpp"
 #include "libcore/haptic/branch_nodes.hpp"
 #include "libcore/haptic/fading_offset.hpp"
 #include "libcore/haptic/tear_function.hpp"
@@ -43,6 +48,7 @@ class BranchTraversal final : public Traversal {
   /// @param map of the same grid. @throw Error as Traversal does
   BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                   std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
+  void walk_beside(Beside* beside) override { beside_ = beside; }
   const BranchNodes* branch_nodes() const override { return &map_->nodes; }
 
  private:
@@ -50,19 +56,35 @@ class BranchTraversal final : public Traversal {
   bool begin(int nearest) noexcept override;
   bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept override;
   bool move(const Vec3& x, StepResult& result) noexcept override;
+  void settle(StepResult& result) noexcept override;
   void evaluate() noexcept override;
 
-  struct Branch;
+  /// The corners that an anchor gives a cell.
+  struct Branch {
+    int anchor = 0;
+    std::array<Node, 8> nodes{};
+    bool is_torn = false;                 // a corner is a ghost
+    bool is_mixed = false;                // other corners are not of one branch themselves
+    std::array<std::uint8_t, 8> apart{};  // and which: BranchNodes::apart()
+  };
   struct Common;
   bool derive(PointIndex base, RecordIndex anchor, int corner, Branch& branch) const noexcept;
   void enter_branch(PointIndex base, const Branch& branch) noexcept;
   bool cross_within_branch(PointIndex base, int from, const Common& common) noexcept;
   bool cross_by_snap(PointIndex base, int to, const Common& common) noexcept;
   int common_record(const Common& common, const Vec3& part) const noexcept;
+  bool decide_by_grid(StepResult& result) noexcept;
   bool snap(const Vec3& part) noexcept;
   bool find_better(PointIndex base, const std::array<double, 8>& weights,
                    const std::array<RecordIndex, 8>& kept, Branch& branch) const noexcept;
   void change_anchor(StepResult& result) noexcept;
+  bool find_weights(const Vec3& x, std::array<double, 8>& weights) const noexcept;
+  void take_nearest(const std::array<double, 8>& weights, std::span<const double> state,
+                    StepResult& result) noexcept;
+  void find_candidates() noexcept;
+  double difference(const std::array<Node, 8>& nodes, const std::array<double, 8>& weights,
+                    std::span<const double> state) const noexcept;
+  double tear(const std::array<double, 8>& weights) const noexcept;
   void keep_state(const std::array<const double*, 8>& before, const std::array<double, 8>& weights,
                   const std::array<const double*, 8>& after) noexcept;
 
@@ -70,11 +92,19 @@ class BranchTraversal final : public Traversal {
   int anchor_ = 0;  // the corner whose record names the branch
   std::array<const double*, 8> rows_{};
   std::array<double, 8> tear_{};
-  std::array<double, 8> weights_{};  // at position()
+  Vec3 part_{0, 0, 0};               // of the cell, at position()
+  std::array<double, 8> weights_{};  // there
   bool is_torn_ = false;             // a corner is a ghost
   bool is_mixed_ = false;  // corners are not of one branch, and which: BranchNodes::apart()
   std::array<std::uint8_t, 8> apart_{};
   FadingOffset offset_;  // of row()
+
+  Beside* beside_ = nullptr;
+  double doubtful_way_ = 0;         // on which the model is still asked
+  bool agreed_ = false;             // the branch is the one that the last answer named
+  std::uint64_t trusted_from_ = 0;  // an answer of an earlier Beside::tick() is passed over
+  std::vector<Branch> candidates_;  // all branches of the cell at candidates_base_, if any
+  PointIndex candidates_base_ = 0;
 };
 
 }  // namespace hapgrid

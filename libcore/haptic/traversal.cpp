@@ -69,10 +69,12 @@ const StepResult& Traversal::start(const Vec3& hip) noexcept {
   position_ = x;
   started_ = begin(nearest);
   step_.blocked = !started_;
-  if (started_)
+  if (started_) {
+    settle(step_);
     evaluate();
-  else
+  } else {
     position_ = step_.from;
+  }
   return step_;
 }
 
@@ -81,10 +83,12 @@ const StepResult& Traversal::step(const Vec3& hip) noexcept {
   if (started_ && hip[0] >= low_[0] && hip[0] <= high_[0] && hip[1] >= low_[1] &&
       hip[1] <= high_[1] && hip[2] >= low_[2] && hip[2] <= high_[2]) {
     step_ = {.from = position_};
-    if (move(hip, step_))
+    if (move(hip, step_)) {
       position_ = hip;
-    else
+      settle(step_);
+    } else {
       step_.blocked = true;
+    }
     jumps_ += step_.snapped;
     evaluate();
     return step_;
@@ -99,6 +103,7 @@ const StepResult& Traversal::step(const Vec3& hip) noexcept {
   step_.outside = clamp(x);
   const std::array<RecordIndex, 8> before = nodes_;
   travel(x);
+  if (!step_.blocked) settle(step_);
   compare_corners(before);
   jumps_ += step_.snapped;
   evaluate();
@@ -169,7 +174,11 @@ void Traversal::travel(const Vec3& x) noexcept {
       step_.lagging = true;
       return;
     }
+    const GridCoordinates cell = cell_;
+    const PointIndex base = base_;
     if ((farthest(away) > 0 && !switch_cell(away, y)) || !move(y, step_)) {
+      // Only the model can refuse to move; it has no corners. position_ must be in the cell.
+      enter(cell, base);
       step_.blocked = true;
       return;
     }

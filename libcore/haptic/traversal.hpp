@@ -38,6 +38,7 @@
 
 namespace hapgrid {
 
+class Beside;
 class BranchNodes;
 
 /// What happened in a step. When all is false and zero, the HIP stayed in its cell.
@@ -101,6 +102,9 @@ class Traversal {
   const std::array<RecordIndex, 8>& nodes() const { return nodes_; }
   /// The branches whose ghosts are among them; null where the rule has none.
   virtual const BranchNodes* branch_nodes() const { return nullptr; }
+  /// From now on the model decides between branches, where it keeps up. A rule that has no branches
+  /// ignores it. @param beside of the same grid; it is told of each step, and outlives this.
+  virtual void walk_beside(Beside*) {}
   /// Where position() is in the cell, in [0, 1] on each axis.
   Vec3 part() const noexcept { return part_of_cell(position_); }
   /// Where x is in the cell, for a point of the closed cell; exactly 0 and 1 on its faces.
@@ -130,6 +134,9 @@ class Traversal {
   virtual bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept = 0;
   /// Moves on from position() to x, which is in the closed cell. False when that cannot be.
   virtual bool move(const Vec3& x, StepResult& result) noexcept = 0;
+  /// Once in each step that is usable, when position() is settled: decides between states that the
+  /// place allows, for rules that know more of the hand than its place.
+  virtual void settle(StepResult&) noexcept {}
   /// Sets row() to what is at position().
   virtual void evaluate() noexcept = 0;
 

@@ -16,7 +16,7 @@
 #include <string>
 #include <thread>
 
-#include "libcore/session/ring.hpp"
+#include "libcore/base/spsc_ring.hpp"
 #include "libcore/session/writer.hpp"
 
 namespace hapgrid {

@@ -1,267 +1,280 @@
-// How often a rule of traversal is on the branch that the model is on, how far its force is off,
-// and what a step costs.
+// How often a rule of traversal is on the branch that the model is on, how far the force that it
+// sends is off, and what a step costs.
 //
-//   bench_branches GRID MODELS KIND RIGHT [PATHS] [SEED] [TICKS]
+//   bench_branches GRID MODELS KIND RIGHT [PATHS] [SEED] [SPEED] [DELAY] [TICKS]
 //
 // MODELS is the directory of the plug-ins. KIND is what the paths are like:
+//   touch     smooth ways from one touched place to the next
+//   back      pieces of such ways, each there, back and there again
 //   smooth    sums of sines through the inner nine tenths of the box
 //   straight  there and back along the x axis, in lines of a random place
 //   diagonal  there and back between two random places
 //   tear-off  from a point with one level along a branch to a place where it ends, and 40 times to
-//   and
-//             fro within two spacings of it
-// Each path is followed by both rules, with TICKS ticks a spacing (25), and by the model itself,
-// asked 32 times a spacing. A tick is right when the spheres that show the state are within RIGHT
-// (root mean square, the model's unit of length) of the model's. Only ticks are counted in which
-// the model pushes the hand. With RIGHT 0 the model is not asked: that leaves the cost.
+//             and fro within two spacings of it
+// Each path has TICKS ticks or more (4000), SPEED of them a spacing (20). It is followed by each
+// rule, and by the model itself, asked 32 times a spacing. A tick is right when the spheres that
+// show the state are within RIGHT (root mean square, the model's unit of length) of the model's.
+// Only ticks are counted in which the model pushes the hand. With RIGHT 0 the model is not asked:
+// that leaves the cost.
 //
-// A line for each rule: kind, rule, ticks that count, % of them right, the force's error in newtons
-// (median, 99th percentile), snaps, nanoseconds a step.
+// A line for each rule: kind, rule, ticks that count, % of them right, % in which the force is off
+// by at most 0.1 N, the force's error in newtons (median, 99th percentile), snaps, nanoseconds a
+// step, the model's conversions included. The rules:
+//   paper   with the force of the interpolated state, as play sends it then
+//   branch  the grid alone, with the gradient of the interpolated energy, as all that follow
+//   beside  the same with the model beside it, asked in the tick
+//   late    and with answers that are DELAY ticks late (5)
+//   oracle  of all branches that the cell has, the one nearest to the model's state
+//
+// For the kind `back`, the lines are: kind, rule, ways in which neither the model nor the rule
+// snaps, % of them in which the force at one place differs by more than 0.1 N.
 #include <chrono>
 #include <cstdlib>
-#include <deque>
-#include <map>
 #include <memory>
-#include <numbers>
+#include <optional>
 
-#include "libcore/base/error.hpp"
+#include "libcore/haptic/agreement.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
-#include "libcore/haptic/model_traversal.hpp"
+#include "libcore/haptic/node_force.hpp"
 #include "libcore/haptic/paper_traversal.hpp"
-#include "libcore/haptic/tear_function.hpp"
+#include "libcore/haptic/record_fields.hpp"
 #include "libcore/model/fields.hpp"
-#include "tests/bench/bench.hpp"
+#include "tests/bench/paths.hpp"
 
 namespace {
 
 using namespace hapgrid;
 using namespace hapgrid::bench;
 
-constexpr std::size_t kTicks = 4000;  // of a path
-constexpr double kContact = 1e-6;     // newtons
+constexpr double kContact = 1e-6;  // newtons
+constexpr double kClose = 0.1;     // newtons, between two forces
+constexpr double kRate_hz = 1000;
 
-class Paths {
- public:
-  Paths(const Grid& grid, std::string kind, double ticks_a_cell)
-      : grid_(grid), box_(grid.box()), kind_(std::move(kind)), ticks_a_cell_(ticks_a_cell) {
-    if (kind_ != "tear-off") return;
-    for (RecordIndex r = 0; r < grid.records(); ++r)
-      for (int q = 0; q < kDirections; ++q)
-        if (grid.is_one_way(r, q)) tears_.push_back({r, q});
-    if (tears_.empty()) throw Error("this grid has no one-way link");
-  }
-
-  std::vector<Vec3> make(std::uint64_t seed) const {
-    std::mt19937_64 random(seed);
-    if (kind_ == "smooth") return smooth(random);
-    if (kind_ == "tear-off") return to_a_tear(random);
-    Vec3 from = place(random), to = place(random);
-    if (kind_ == "straight") {
-      to = from;
-      from[0] = box_.origin[0];
-      to[0] = box_.origin[0] + box_.spacing * (box_.counts[0] - 1);
-    }
-    std::vector<Vec3> path;
-    while (path.size() < kTicks) {
-      go(path, from, to);
-      go(path, to, from);
-    }
-    return path;
-  }
-
- private:
-  Vec3 place(std::mt19937_64& random) const {
-    Vec3 x;
-    for (int a = 0; a < 3; ++a)
-      x[a] = box_.origin[a] + box_.spacing * (box_.counts[a] - 1) * uniform(random, 0.05, 0.95);
-    return x;
-  }
-
-  void go(std::vector<Vec3>& path, const Vec3& from, const Vec3& to) const {
-    const double way = distance(to, from);
-    const double ticks = std::ceil(way / box_.spacing * ticks_a_cell_);
-    for (double i = 0; i < ticks; ++i) {
-      Vec3 x;
-      for (int a = 0; a < 3; ++a) x[a] = from[a] + i / ticks * (to[a] - from[a]);
-      path.push_back(x);
-    }
-  }
-
-  std::vector<Vec3> smooth(std::mt19937_64& random) const {
-    constexpr int kSines = 3;
-    double phase[3][kSines], rate[3][kSines];
-    for (int a = 0; a < 3; ++a)
-      for (int i = 0; i < kSines; ++i) {
-        phase[a][i] = uniform(random, 0, 2 * std::numbers::pi);
-        rate[a][i] = uniform(random, 0.5, 1 + i);
-      }
-    const auto at = [&](double t) {
-      Vec3 x;
-      for (int a = 0; a < 3; ++a) {
-        double s = 0;
-        for (int i = 0; i < kSines; ++i) s += std::sin(rate[a][i] * t + phase[a][i]) / kSines;
-        x[a] = box_.origin[a] +
-               box_.spacing * (box_.counts[a] - 1) * (0.5 + 0.45 * std::clamp(1.5 * s, -1.0, 1.0));
-      }
-      return x;
-    };
-    std::vector<Vec3> path;
-    double t = 0;
-    while (path.size() < kTicks) {
-      path.push_back(at(t));
-      const Vec3 now = at(t), soon = at(t + 1e-4);
-      const double speed = distance(soon, now) / 1e-4;
-      t += std::min(0.05, box_.spacing / ticks_a_cell_ / std::max(speed, 1e-9));
-    }
-    return path;
-  }
-
-  /// The way along two-way links from a point with one level to a record, or nothing.
-  std::vector<RecordIndex> way_to(RecordIndex record) const {
-    std::map<RecordIndex, RecordIndex> before{{record, record}};
-    std::deque<RecordIndex> queue{record};
-    while (!queue.empty()) {
-      RecordIndex r = queue.front();
-      queue.pop_front();
-      if (grid_.levels(grid_.point(r)) == 1) {
-        std::vector<RecordIndex> way{r};
-        while (r != record) way.push_back(r = before[r]);
-        return way;
-      }
-      for (int q = 0; q < kDirections; ++q) {
-        const RecordIndex to = grid_.destination(r, q);
-        if (to != Grid::kNoRecord && !grid_.is_one_way(r, q) && before.try_emplace(to, r).second)
-          queue.push_back(to);
-      }
-    }
-    return {};
-  }
-
-  std::vector<Vec3> to_a_tear(std::mt19937_64& random) const {
-    std::vector<Vec3> path;
-    std::vector<RecordIndex> way;
-    Tear tear{};
-    while (way.empty()) {
-      tear = tears_[random() % tears_.size()];
-      way = way_to(tear.from);
-    }
-    Vec3 at = box_.position(grid_.point(way.front()));
-    for (const RecordIndex r : way) {
-      const Vec3 to = box_.position(grid_.point(r));
-      go(path, at, to);
-      at = to;
-    }
-    const double t = tear_fraction(grid_, tear.from, tear.q);
-    const Vec3 from = at;
-    for (int leg = 0; leg < 40; ++leg) {
-      Vec3 to;
-      for (int a = 0; a < 3; ++a) {
-        to[a] = from[a] + t * grid_.neighbourhood().shift(tear.q)[a] +
-                box_.spacing * uniform(random, -2, 2);
-        to[a] =
-            std::clamp(to[a], box_.origin[a], box_.origin[a] + box_.spacing * (box_.counts[a] - 1));
-      }
-      go(path, at, to);
-      at = to;
-    }
-    return path;
-  }
-
-  struct Tear {
-    RecordIndex from;
-    int q;
-  };
-  const Grid& grid_;
-  const Box& box_;
-  std::string kind_;
-  double ticks_a_cell_;
-  std::vector<Tear> tears_;
+/// What a tick was like.
+struct Felt {
+  std::vector<double> row;
+  Vec3 force{0, 0, 0};
+  bool snapped = false;
 };
 
 struct Figures {
-  std::uint64_t ticks = 0, right = 0, snaps = 0, steps = 0;
+  std::uint64_t ticks = 0, right = 0, close = 0, snaps = 0, steps = 0, ways = 0, ways_apart = 0;
   double nanoseconds = 0;
   std::vector<double> force_error;
 
-  void print(const char* kind, const char* rule) {
-    std::printf(
-        "%s\t%s\t%llu\t%.2f\t%.4f\t%.3f\t%llu\t%.1f\n", kind, rule,
-        static_cast<unsigned long long>(ticks),
-        100.0 * static_cast<double>(right) / static_cast<double>(std::max(ticks, std::uint64_t{1})),
-        quantile(force_error, 0.5), quantile(force_error, 0.99),
-        static_cast<unsigned long long>(snaps), nanoseconds / static_cast<double>(steps));
+  static double percent(std::uint64_t part, std::uint64_t of) {
+    return 100.0 * static_cast<double>(part) / static_cast<double>(std::max(of, std::uint64_t{1}));
+  }
+  void print(const std::string& kind, const char* rule) {
+    const auto number = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
+    if (kind == "back")
+      std::printf("%s\t%s\t%llu\t%.2f\n", kind.c_str(), rule, number(ways),
+                  percent(ways_apart, ways));
+    else
+      std::printf("%s\t%s\t%llu\t%.2f\t%.2f\t%.4f\t%.3f\t%llu\t%.1f\n", kind.c_str(), rule,
+                  number(ticks), percent(right, ticks), percent(close, ticks),
+                  quantile(force_error, 0.5), quantile(force_error, 0.99), number(snaps),
+                  nanoseconds / static_cast<double>(std::max(steps, std::uint64_t{1})));
   }
 };
 
-class Comparison {
- public:
-  Comparison(const Grid& grid, const MakeModel& make, double right)
-      : fields_(grid.spec(), make, true), right_(right), spheres_(fields_.spheres().size()) {}
+/// What all rules have of a grid.
+struct Played {
+  Played(const Grid& grid, const MakeModel& make)
+      : map(std::make_shared<const BranchMap>(grid)),
+        records(record_fields(grid, make, 1)),
+        energies(std::make_shared<const NodeEnergies>(grid, &map->nodes, records)),
+        interpolate(!records.energy.empty() && agreement(grid, records).is_good() ? hermite_force
+                                                                                  : mean_force),
+        fields(grid.spec(), make, true) {}
 
-  void add(const Traversal& truth, const Traversal& play, Figures& figures) {
-    const Vec3 f = fields_.force(truth.position(), truth.row());
-    if (!(distance(f, {0, 0, 0}) > kContact)) return;
-    const Vec3 g = fields_.force(play.position(), play.row());
-    figures.force_error.push_back(distance(f, g));
-    ++figures.ticks;
-    figures.right += rms(truth.row(), play.row()) <= right_;
+  std::shared_ptr<const BranchMap> map;
+  RecordFields records;
+  std::shared_ptr<const NodeEnergies> energies;
+  NodeForce::Interpolate interpolate;
+  Fields fields;
+};
+
+class Rule {
+ public:
+  /// @param delay_ticks of the model beside the grid; -1: the grid alone
+  Rule(const char* name, const Grid& grid, const Played& played, std::unique_ptr<Traversal> by)
+      : name_(name), grid_(grid), played_(played), traversal_(std::move(by)) {}
+  void walk_beside(const MakeModel& make, std::uint32_t delay) {
+    beside_.emplace(grid_, make(), delay);
+    beside_->begin(kRate_hz);
+    traversal_->walk_beside(&*beside_);
   }
+
+  void begin_path() {
+    force_.emplace(played_.energies, grid_.box(), played_.interpolate);
+    felt.clear();
+  }
+  /// @param path of which tick i comes
+  void follow(const std::vector<Vec3>& path, std::size_t i) {
+    const StepResult step = go(*traversal_, path, i);
+    const std::span<const double> row = traversal_->row();
+    felt.push_back({{row.begin(), row.end()}, {}, step.snapped});
+    felt.back().force = traversal_->branch_nodes()
+                            ? (*force_)(*traversal_)
+                            : played_.fields.force(traversal_->position(), row);
+  }
+  /// The whole path, timed.
+  void time(const std::vector<Vec3>& path) {
+    const auto begin = std::chrono::steady_clock::now();
+    for (std::size_t i = 0; i < path.size(); ++i) go(*traversal_, path, i);
+    const std::chrono::duration<double, std::nano> passed =
+        std::chrono::steady_clock::now() - begin;
+    figures.nanoseconds += passed.count();
+    figures.steps += path.size();
+  }
+  const char* name() const { return name_; }
+
+  Figures figures;
+  std::vector<Felt> felt;  // by tick of the present path
 
  private:
-  double rms(std::span<const double> a, std::span<const double> b) const {
-    std::vector<float> p(3 * spheres_), q(3 * spheres_);
-    fields_.shape(a, p);
-    fields_.shape(b, q);
-    double sum = 0;
-    for (std::size_t i = 0; i < p.size(); ++i) sum += (p[i] - q[i]) * (p[i] - q[i]);
-    return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, spheres_)));
-  }
-
-  Fields fields_;
-  double right_;
-  std::size_t spheres_;
+  const char* name_;
+  const Grid& grid_;
+  const Played& played_;
+  std::optional<Beside> beside_;
+  std::unique_ptr<Traversal> traversal_;
+  std::optional<NodeForce> force_;
 };
 
-/// The whole path by one rule, timed.
-void time(Traversal& play, const std::vector<Vec3>& path, Figures& figures) {
-  const auto begin = std::chrono::steady_clock::now();
-  for (std::size_t i = 0; i < path.size(); ++i) figures.snaps += go(play, path, i).snapped;
-  const std::chrono::duration<double, std::nano> passed = std::chrono::steady_clock::now() - begin;
-  figures.nanoseconds += passed.count();
-  figures.steps += path.size();
+/// Of the branches of the cell in which `truth` is, the one nearest to its state.
+Felt oracle(const Grid& grid, const Played& played, const Traversal& truth) {
+  const Cells cells(grid);
+  const BranchNodes& nodes = played.map->nodes;
+  const PointIndex base = grid.box().index(truth.cell());
+  const std::array<double, 8> weights = corner_weights(truth.part());
+  Felt best{std::vector<double>(grid.spec().row_size()), {}, false};
+  std::vector<double> row(grid.spec().row_size());
+  double least = 1e300;
+  for (int k = 0; k < 8; ++k) {
+    if (!cells.is_corner(k)) continue;
+    const PointIndex point = cells.point(base, k);
+    for (Level level = 0; level < grid.levels(point); ++level) {
+      const RecordIndex anchor = grid.first(point) + level;
+      NodeCorners corners{};
+      std::array<const double*, 8> rows{};
+      bool is_whole = true;
+      for (int j = 0; j < 8; ++j) {
+        const int q = kBetweenCorners[k][cells.distinct(j)];
+        const Node node = q < 0 ? anchor : nodes.node(anchor, q);
+        is_whole &= node != BranchNodes::kNoNode;
+        if (!is_whole) break;
+        corners[j] = &(*played.energies)[node];
+        rows[j] = nodes.row(node);
+      }
+      if (!is_whole) continue;
+      blend(weights, rows, row);
+      double far = 0;
+      for (std::size_t c = 0; c < grid.state_size(); ++c)
+        far += (row[c] - truth.row()[c]) * (row[c] - truth.row()[c]);
+      if (far >= least) continue;
+      least = far;
+      best = {row, played.interpolate(corners, truth.part()), false};
+    }
+  }
+  return best;
+}
+
+/// Root mean square of the differences of the spheres.
+double rms(const Fields& fields, std::span<const double> a, std::span<const double> b) {
+  const std::size_t spheres = fields.spheres().size();
+  std::vector<float> p(3 * spheres), q(3 * spheres);
+  fields.shape(a, p);
+  fields.shape(b, q);
+  double sum = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) sum += (p[i] - q[i]) * (p[i] - q[i]);
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, spheres)));
+}
+
+void compare(const Fields& fields, double right, const Felt& truth, const Felt& play,
+             Figures& figures) {
+  figures.snaps += play.snapped;
+  if (!(distance(truth.force, {0, 0, 0}) > kContact)) return;
+  const double off = distance(truth.force, play.force);
+  figures.force_error.push_back(off);
+  ++figures.ticks;
+  figures.close += off <= kClose;
+  figures.right += rms(fields, truth.row, play.row) <= right;
+}
+
+/// The first way there, after which the rule is on some branch, and the two that follow.
+void compare_ways(const Fields& fields, double right, const std::vector<Felt>& truth,
+                  const std::vector<Felt>& play, Figures& figures) {
+  for (std::size_t i = 0; i + 3 * kLeg <= play.size(); i += 3 * kLeg) {
+    bool is_smooth = true, is_apart = false;
+    for (std::size_t j = 0; j < kLeg && is_smooth; ++j) {
+      const std::size_t back = i + 2 * kLeg - 1 - j, again = i + 2 * kLeg + j;
+      is_smooth = !play[i + j].snapped && !play[back].snapped && !play[again].snapped &&
+                  rms(fields, truth[i + j].row, truth[back].row) <= right / 3 &&
+                  rms(fields, truth[back].row, truth[again].row) <= right / 3;
+      is_apart |= distance(play[back].force, play[again].force) > kClose ||
+                  distance(play[i + j].force, play[back].force) > kClose;
+    }
+    if (!is_smooth) continue;
+    ++figures.ways;
+    figures.ways_apart += is_apart;
+  }
 }
 
 int run(const Grid& grid, int argc, char** argv) {
   const MakeModel make = model_of(grid, argv[2]);
+  const std::string kind = argv[3];
   const double right = std::atof(argv[4]);
-  const int count = argc > 5 ? std::atoi(argv[5]) : 20;
-  const std::uint64_t seed = argc > 6 ? std::strtoull(argv[6], nullptr, 10) : 1;
-  const Paths paths(grid, argv[3], argc > 7 ? std::atof(argv[7]) : 25);
+  const auto number = [&](int i, std::uint64_t otherwise) {
+    return argc > i ? std::strtoull(argv[i], nullptr, 10) : otherwise;
+  };
+  const std::uint64_t count = number(5, 20), seed = number(6, 1), speed = number(7, 20);
+  const Played played(grid, make);
+  const Paths paths(grid, played.records.force, kind, static_cast<double>(speed), number(9, 4000));
   ModelTraversal truth(grid, make());
-  PaperTraversal paper(grid);
-  BranchTraversal branch(grid, std::make_shared<const BranchMap>(grid));
-  Comparison comparison(grid, make, right);
-  Figures of_paper, of_branch;
-  for (int i = 0; i < count; ++i) {
-    const std::vector<Vec3> path = paths.make(seed + static_cast<std::uint64_t>(i));
-    time(paper, path, of_paper);
-    time(branch, path, of_branch);
-    for (std::size_t tick = 0; right > 0 && tick < path.size(); ++tick) {
-      if (!go(truth, path, tick).usable()) throw Error("the model fails on this path");
-      go(paper, path, tick);
-      go(branch, path, tick);
-      comparison.add(truth, paper, of_paper);
-      comparison.add(truth, branch, of_branch);
+  const auto by_branch = [&] { return std::make_unique<BranchTraversal>(grid, played.map); };
+  std::vector<std::unique_ptr<Rule>> rules;
+  const auto add = [&](const char* name, std::unique_ptr<Traversal> traversal) {
+    rules.push_back(std::make_unique<Rule>(name, grid, played, std::move(traversal)));
+  };
+  add("paper", std::make_unique<PaperTraversal>(grid));
+  add("branch", by_branch());
+  add("beside", by_branch());
+  rules.back()->walk_beside(make, 0);
+  add("late", by_branch());
+  rules.back()->walk_beside(make, static_cast<std::uint32_t>(number(8, 5)));
+  Figures of_oracle;
+  for (std::uint64_t p = 0; p < count; ++p) {
+    const std::vector<Vec3> path = paths.make(seed + p);
+    std::vector<Felt> model, best;
+    for (std::size_t i = 0; right > 0 && i < path.size(); ++i) {
+      if (!go(truth, path, i).usable()) throw Error("the model fails on this path");
+      const std::span<const double> row = truth.row();
+      model.push_back(
+          {{row.begin(), row.end()}, played.fields.force(truth.position(), row), false});
+      best.push_back(oracle(grid, played, truth));
+      compare(played.fields, right, model.back(), best.back(), of_oracle);
     }
+    for (const auto& rule : rules) {
+      rule->begin_path();
+      if (right == 0) rule->time(path);
+      for (std::size_t i = 0; i < model.size(); ++i) {
+        rule->follow(path, i);
+        compare(played.fields, right, model[i], rule->felt[i], rule->figures);
+      }
+      if (kind == "back") compare_ways(played.fields, right, model, rule->felt, rule->figures);
+    }
+    if (kind == "back") compare_ways(played.fields, right, model, best, of_oracle);
   }
-  of_paper.print(argv[3], "paper");
-  of_branch.print(argv[3], "branch");
+  for (const auto& rule : rules) rule->figures.print(kind, rule->name());
+  of_oracle.print(kind, "oracle");
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return bench::main_of(argc, argv, 5,
-                        "bench_branches GRID MODELS KIND RIGHT [PATHS] [SEED] [TICKS]", run);
+  return bench::main_of(
+      argc, argv, 5, "bench_branches GRID MODELS KIND RIGHT [PATHS] [SEED] [SPEED] [DELAY] [TICKS]",
+      run);
 }

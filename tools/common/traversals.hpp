@@ -19,8 +19,6 @@ const char* name_of(TraversalRule rule);
 std::optional<TraversalRule> rule_named(const std::string& name);
 /// "paper, branch, model"
 std::string rule_names();
-/// Whether a step takes as long as the model does, which no live device can wait for.
-inline bool is_slow(TraversalRule rule) { return rule == TraversalRule::kModel; }
 
 /// Makes traversals of a grid that is loaded, all of which share what is computed of it once.
 /// @param create makes the grid's model; called only for a rule that asks it.

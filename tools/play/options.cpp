@@ -4,6 +4,7 @@
 #include <map>
 
 #include "tools/common/tool.hpp"
+#include "tools/play/beside.hpp"
 
 namespace hapgrid {
 
@@ -29,8 +30,7 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
   app.add(
          "--traversal", [&](const std::string& name) { options.traversal = rule_named(name); },
          "Rule by which states follow the hand: 'branch' snaps where the model snaps, 'paper' is "
-         "Algorithm 2, and 'model' asks the model itself, which is too slow for a live device. "
-         "Default: branch.")
+         "Algorithm 2, and 'model' waits for the model itself in each tick. Default: branch.")
       .type("RULE")
       .check([](const std::string& name) { return rule_named(name).has_value(); },
              "one of " + rule_names());
@@ -42,6 +42,14 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
       .type("RULE")
       .check([](const std::string& name) { return force_named(name).has_value(); },
              "one of energy, records, state");
+  app.add(
+         "--beside", [&](const std::string& text) { options.beside = text; },
+         "Whether the model itself follows the hand beside the grid and says on which branch the "
+         "hand is: 'on', which for a live device never makes the loop wait; 'off'; or, for any "
+         "other device, by how many TICKS its answers are late. Default: on, if the model is a "
+         "plug-in.")
+      .type("on|off|TICKS")
+      .check(is_beside, "on, off or a whole number of ticks up to 10000");
   app.add_flag("--list-devices", options.list_devices,
                "List the devices of this machine, with the text for --device, instead of playing.");
   add_model_path(app, options.model_path);

@@ -21,7 +21,8 @@ struct PlayOptions {
   double rate_hz = 0;  ///< 0: kDefaultRateHz for a live device, no pace for a scripted one
   std::optional<TraversalRule> traversal;
   std::optional<ForceRule> force;
-  double duration_s = 0;  ///< 0: until the device ends
+  std::optional<std::string> beside;  ///< is_beside()
+  double duration_s = 0;              ///< 0: until the device ends
   RealtimeMode realtime = RealtimeMode::kTry;
   std::string log;
   std::string frames;

@@ -41,6 +41,25 @@ const char* name_of(LoopExit end) {
   return "";
 }
 
+Json to_json(const Beside& beside) {
+  return {{"asked", beside.has_thread() ? "by a thread" : "in the tick"},
+          {"ticks", beside.tick()},
+          {"kept_up", beside.kept_up()},
+          {"late_ticks",
+           {{"median", beside.lateness().quantile(0.5)}, {"most", beside.lateness().max()}}}};
+}
+
+/// How often a model kept up that is asked by a thread.
+std::string beside_text(const Beside& beside) {
+  if (beside.tick() == 0) return "";
+  const double kept_up =
+      100.0 * static_cast<double>(beside.kept_up()) / static_cast<double>(beside.tick());
+  return format(
+      "play: the model beside the grid kept up in {:.4g} % of the ticks; its answers were late by "
+      "{} ticks (median), {} at most\n",
+      kept_up, beside.lateness().quantile(0.5), beside.lateness().max());
+}
+
 }  // namespace
 
 std::string quantiles_text(const Histogram& h) {
@@ -74,6 +93,7 @@ void print_summary(const LoopSummary& s, const RunFacts& facts) {
       acted += format("{}{} {}", acted.empty() ? "" : ", ", kSafetyNames[i], s.acted[i]);
   text += format("play: largest force {:.3g} N of the model, {:.3g} N sent; safety, in ticks: {}\n",
                  s.largest_raw, s.largest_force, acted.empty() ? "nothing to do" : acted);
+  if (facts.beside && facts.beside->has_thread()) text += beside_text(*facts.beside);
   if (facts.sessions) text += sessions_text(*facts.sessions);
   if (const double ticks = answer_delay_ticks(facts); ticks > facts.declared_delay)
     text += format(
@@ -96,6 +116,7 @@ void write_report(const std::string& file, const LoopSummary& s, const RunFacts&
       {"device", facts.device},
       {"traversal", facts.traversal},
       {"force", facts.force},
+      {"beside", facts.beside ? to_json(*facts.beside) : Json()},
       {"rate_hz", facts.rate_hz},
       {"realtime", facts.realtime},
       {"end", name_of(s.end)},

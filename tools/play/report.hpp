@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "libcore/haptic/beside.hpp"
 #include "libcore/haptic/loop.hpp"
 #include "libcore/scene/publisher.hpp"
 #include "tools/play/sessions.hpp"
@@ -16,6 +17,7 @@ struct RunFacts {
   std::string traversal = {};
   std::string force = {};
   double rate_hz = 0;                   ///< 0: not paced
+  const Beside* beside = nullptr;       ///< null: the grid alone decides
   std::string realtime = {};            ///< see Realtime::got()
   const FrameCounts* frames = nullptr;  ///< null: no frames were written
   const Sessions* sessions = nullptr;   ///< of a simulated device

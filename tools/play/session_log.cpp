@@ -8,6 +8,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/json.hpp"
 #include "libcore/base/json_text.hpp"
+#include "tools/play/beside.hpp"
 
 namespace hapgrid {
 
@@ -58,7 +59,8 @@ SessionHeader session_header(const GridSpec& spec, const std::string& digest, do
   header.settings = json_line({{"safety", safety},
                                {"scale_per_m", with.scale},
                                {"traversal", name_of(with.traversal)},
-                               {"force", name_of(with.force)}});
+                               {"force", name_of(with.force)},
+                               {"beside", with.beside}});
   return header;
 }
 
@@ -81,6 +83,9 @@ PlayedWith played_with(const SessionHeader& header, const std::string& name) {
     if (!force)
       throw Error(format("{}: played with a rule of forces that this program lacks", name));
     with.force = *force;
+    with.beside = settings.at("beside").get<std::string>();
+    if (!is_beside(with.beside))
+      throw Error(format("{}: played with an answer to --beside that this program lacks", name));
   } catch (const Json::exception&) {
     throw Error(format("{}: its settings are not those of play", name));
   }

@@ -21,6 +21,7 @@ struct PlayedWith {
   double scale = 0;     ///< Mapping::scale()
   TraversalRule traversal = kDefaultRule;
   ForceRule force = ForceRule::kState;
+  std::string beside;  ///< is_beside()
 };
 
 /// The header of a session. @param digest of the grid.

@@ -79,8 +79,12 @@ help='(see play --help)'
 expect 1 '' 'play: none: No such file or directory' -- play grid --device sim:none
 expect 2 '' "play: --traversal: 'best' is not one of paper, branch, model $help" -- \
   play grid --device sim:sim.toml --traversal best
-expect 2 '' "play: --traversal: a live device cannot wait for the model itself $help" -- \
-  play grid --device keys --traversal model
+expect 2 '' "play: --beside: how late the model is for a live device cannot be chosen $help" -- \
+  play grid --device keys --beside 5
+expect 2 '' "play: --beside: only --traversal branch has branches between which to choose $help" -- \
+  play grid --device sim:sim.toml --traversal paper --beside on
+expect 2 '' "play: --beside: '20ms' is not on, off or a whole number of ticks up to 10000 $help" -- \
+  play grid --device sim:sim.toml --beside 20ms
 expect 2 '' "play: --sessions: only --device sim:FILE has sessions to tell of $help" -- \
   play grid --device replay:a.session --sessions table
 [[ ! -e nothing ]] || fail "a log is left"

@@ -1,0 +1,105 @@
+#include "libcore/haptic/beside.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "libcore/base/signals.hpp"
+#include "libcore/grid/vec3.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+// Places that wait for a thread whose model is busy. Where there are more, the way between is
+// straight.
+constexpr std::size_t kPlaces = 4096;
+// The thread looks for a new place so often in a tick, but not more often than this.
+constexpr double kLooksATick = 4;
+constexpr double kShortestPause_s = 5e-5;
+
+BesideAnswer empty_answer(const Grid& grid) {
+  BesideAnswer answer;
+  answer.state.resize(grid.state_size());
+  return answer;
+}
+
+}  // namespace
+
+Beside::Beside(const Grid& grid, std::unique_ptr<Model> model,
+               std::optional<std::uint32_t> delay_ticks)
+    : model_(grid, std::move(model), kStepsACell),
+      delay_(delay_ticks),
+      near_(grid.box().spacing / kStepsACell),
+      held_back_(delay_ ? std::size_t{*delay_} + 1 : 0, empty_answer(grid)),
+      places_(delay_ ? 1 : kPlaces),
+      answers_(empty_answer(grid)) {}
+
+void Beside::begin(double rate_hz) {
+  oldest_ = static_cast<std::uint64_t>(std::llround(kOldest_s * rate_hz));
+  pause_s_ = std::max(1 / (kLooksATick * rate_hz), kShortestPause_s);
+  if (delay_) return;
+  const BlockedSignals blocked;
+  thread_ = std::jthread([this](const std::stop_token& token) { work(token); });
+}
+
+void Beside::tell(const Vec3& x, bool begins) noexcept {
+  const Place place{++tick_, x, begins || must_begin_};
+  if (begins) first_tick_ = tick_;
+  if (delay_)
+    ask(place, held_back_[tick_ % held_back_.size()]);
+  else
+    must_begin_ = !places_.push(place) && place.begins;
+  newest_ = newest();
+  kept_up_ = false;
+  if (!newest_) return;
+  const std::uint64_t age = tick_ - newest_->tick;
+  lateness_.add(static_cast<std::int64_t>(age));
+  kept_up_ = age <= oldest_;
+  ticks_kept_up_ += kept_up_;
+}
+
+/// The newest usable answer since the last start; null where there is none.
+const BesideAnswer* Beside::newest() noexcept {
+  const BesideAnswer* found = nullptr;
+  if (delay_) {
+    if (tick_ > *delay_) found = &held_back_[(tick_ - *delay_) % held_back_.size()];
+  } else {
+    answers_.update();
+    found = &answers_.front();
+  }
+  return found && found->usable && found->tick >= first_tick_ ? found : nullptr;
+}
+
+void Beside::ask(const Place& place, BesideAnswer& answer) noexcept {
+  const StepResult& step = place.begins ? model_.start(place.x) : model_.step(place.x);
+  answer.tick = place.tick;
+  answer.usable = step.usable();
+  answer.at = model_.position();
+  const std::span<const double> state = model_.state();
+  std::copy(state.begin(), state.end(), answer.state.begin());
+}
+
+void Beside::work(const std::stop_token& token) noexcept {
+  while (!token.stop_requested()) {
+    const std::span<const Place> places = places_.peek();
+    ask_all(places, token);
+    places_.pop(places.size());
+    if (places.empty()) std::this_thread::sleep_for(std::chrono::duration<double>(pause_s_));
+  }
+}
+
+/// All places along which the hand has come since the thread looked last; the answer is that of the
+/// newest.
+void Beside::ask_all(std::span<const Place> places, const std::stop_token& token) noexcept {
+  for (std::size_t i = 0; i < places.size() && !token.stop_requested(); ++i) {
+    const Place& place = places[i];
+    const bool is_last = i + 1 == places.size();
+    if (!is_last && !place.begins && length_of(place.x - model_.position()) < near_) continue;
+    ask(place, answers_.back());
+    if (is_last) answers_.publish();
+  }
+}
+
+}  // namespace hapgrid

@@ -1,0 +1,106 @@
+// The model itself, which follows the hand beside the grid and says in which state it really is.
+//
+// Problem. Where branches end or meet inside a cell, the grid guesses on which of them the hand is.
+// A wrong guess lasts until the hand happens to come back to a place where there is one branch. The
+// model knows better: one conversion for the way of a tick takes microseconds for many models. But
+// it can take a hundred times as long now and then, and a tick of the haptic loop cannot wait.
+//
+// Choice. For a live hand a thread of its own makes the conversions. The loop passes it each place
+// of the hand through a ring, and takes the newest answer from a triple buffer; neither waits for
+// the other. An answer says to which tick it belongs, and one that is too old is not given. When
+// nobody waits, as in the play of a path, the model is asked in the tick itself, and its answers
+// can be held back by a number of ticks: so the same input always gives the same output.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+#include "libcore/base/histogram.hpp"
+#include "libcore/base/spsc_ring.hpp"
+#include "libcore/base/triple_buffer.hpp"
+#include "libcore/haptic/model_traversal.hpp"
+
+namespace hapgrid {
+
+/// Where the model was in a tick, and its state there.
+struct BesideAnswer {
+  std::uint64_t tick = 0;     ///< Beside::tick() of that time
+  bool usable = false;        ///< the model could follow the hand
+  Vec3 at{0, 0, 0};           ///< in the model's unit
+  std::vector<double> state;  ///< Grid::state_size() values
+};
+
+/// For one hand. start(), follow() and answer() are called by one thread; they never wait for the
+/// other thread, and are real-time safe when there is one.
+class Beside {
+ public:
+  /// An answer that is older than this is not given.
+  static constexpr double kOldest_s = 0.02;
+  /// The model is asked at least so often on the way along one spacing. At usual speeds that is
+  /// once a tick.
+  static constexpr double kStepsACell = 16;
+
+  /// @param grid outlives this. @param model of this grid
+  /// @param delay_ticks the model is asked in the tick, and its answer is given so many ticks
+  /// later; nothing: it is asked by another thread
+  /// @throw Error as Traversal does
+  Beside(const Grid& grid, std::unique_ptr<Model> model, std::optional<std::uint32_t> delay_ticks);
+  Beside(const Beside&) = delete;
+  Beside& operator=(const Beside&) = delete;
+
+  /// Starts the thread, if there is to be one, before the first tick. @param rate_hz ticks a second
+  void begin(double rate_hz);
+
+  /// Begins a new tick, in which the hand is at x: in the state that play starts with there, or in
+  /// the one to which the model comes along the way.
+  void start(const Vec3& x) noexcept { tell(x, true); }
+  void follow(const Vec3& x) noexcept { tell(x, false); }
+  /// The newest answer that is young enough; null where there is none.
+  const BesideAnswer* answer() const noexcept { return kept_up_ ? newest_ : nullptr; }
+  /// Counts the ticks.
+  std::uint64_t tick() const { return tick_; }
+
+  /// Whether another thread asks the model.
+  bool has_thread() const { return !delay_; }
+  /// In how many ticks there was an answer that was young enough.
+  std::uint64_t kept_up() const { return ticks_kept_up_; }
+  /// How many ticks old the answers were, of all ticks in which there was one.
+  const Histogram& lateness() const { return lateness_; }
+
+ private:
+  struct Place {
+    std::uint64_t tick = 0;
+    Vec3 x{0, 0, 0};
+    bool begins = false;
+  };
+  void tell(const Vec3& x, bool begins) noexcept;
+  const BesideAnswer* newest() noexcept;
+  void ask(const Place& place, BesideAnswer& answer) noexcept;
+  void work(const std::stop_token& token) noexcept;
+  void ask_all(std::span<const Place> places, const std::stop_token& token) noexcept;
+
+  ModelTraversal model_;  // the other thread's, if there is one
+  const std::optional<std::uint32_t> delay_;
+  const double near_;         // places nearer than this are passed over by a thread that is late
+  std::uint64_t oldest_ = 0;  // ticks
+  double pause_s_ = 0;        // of the thread, when it has nothing to do
+
+  std::uint64_t tick_ = 0;
+  std::uint64_t first_tick_ = 0;  // since the last start
+  const BesideAnswer* newest_ = nullptr;
+  bool kept_up_ = false;
+  bool must_begin_ = false;  // the ring was full at the last start
+  std::uint64_t ticks_kept_up_ = 0;
+  Histogram lateness_;
+
+  std::vector<BesideAnswer> held_back_;  // without a thread: of the last ticks, a ring
+  SpscRing<Place> places_;
+  TripleBuffer<BesideAnswer> answers_;
+  std::jthread thread_;  // the last member: it ends before what it uses
+};
+
+}  // namespace hapgrid

@@ -1,0 +1,187 @@
+// The model beside the grid: whom the state follows when the grid and the model disagree, and that
+// the loop never waits.
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <thread>
+
+#include "libcore/haptic/branch_traversal.hpp"
+#include "tests/unit/check/tiny_grid.hpp"
+#include "tests/unit/haptic/count_allocations.hpp"
+#include "tests/unit/haptic/places.hpp"
+
+using namespace hapgrid;
+using namespace hapgrid::testing;
+
+namespace {
+
+// Where the model's upper branch ends, before and behind the place where the grid says so, and
+// where it comes back, before that place.
+constexpr double kEndsEarly = 4.3, kEndsLate = 4.9, kComesBack = 2.6;
+
+/// Along a line: 10 + x on the upper branch, -100 on the lower one.
+double state_at(bool upper, double x) { return upper ? 10 + x : -100; }
+
+/// The grid says that the upper branch ends at 4.5, the middle of a link, and comes back at 2.5.
+Grid line() {
+  const Box box{{0, 0, 0}, 1, {8, 1, 1}};
+  RecordColumns columns;
+  for (int i = 0; i < 8; ++i)
+    for (const bool upper : {true, false}) {
+      if (upper ? i > 4 : i < 3) continue;
+      const Level left = i == 0 ? kLeavesBox : !upper && i >= 4 && i <= 5;
+      const Level right = i == 7 ? kLeavesBox : !upper && i < 4;
+      tiny::add(columns, static_cast<PointIndex>(i), !upper && i <= 4, 0, state_at(upper, i), left,
+                right);
+    }
+  return Grid(spec_for(box, 1), 1, columns);
+}
+
+std::unique_ptr<Model> model_of_line(const GridSpec& spec, double ends, int pause_us = 0) {
+  return std::make_unique<tiny::TestModel>(
+      spec, [=](const double* s, const Vec3& x, const Vec3& d, double* row, std::string&) {
+        if (pause_us > 0) std::this_thread::sleep_for(std::chrono::microseconds(pause_us));
+        const double to = x[0] + d[0];
+        *row = state_at(*s > 0 ? to <= ends : to < kComesBack, to);
+        return true;
+      });
+}
+
+/// The places of a hand that goes there and back, 200 ticks a spacing.
+std::vector<Vec3> there_and_back() {
+  std::vector<Vec3> path;
+  for (int i = 50; i <= 1350; ++i) path.push_back({i / 200.0, 0, 0});
+  for (int i = 1350; i >= 50; --i) path.push_back({i / 200.0, 0, 0});
+  return path;
+}
+
+/// How many ticks the state is not the model's, and that it is one of a branch in all ticks.
+int ticks_apart(const Grid& grid, double ends, std::optional<std::uint32_t> delay) {
+  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  std::optional<Beside> beside;
+  if (delay) {
+    beside.emplace(grid, model_of_line(grid.spec(), ends), *delay);
+    beside->begin(1000);
+    t.walk_beside(&*beside);
+  }
+  bool upper = true;
+  int apart = 0;
+  for (const Vec3& x : there_and_back()) {
+    upper = upper ? x[0] <= ends : x[0] < kComesBack;
+    REQUIRE(t.step(x).usable());
+    const double state = t.state()[0];
+    // States are linear on a branch, so that even the ghosts are exact: some roundings of 100.
+    const bool on_upper = std::abs(state - state_at(true, x[0])) < 1e-12;
+    REQUIRE((on_upper || state == -100));
+    apart += on_upper != upper;
+  }
+  return apart;
+}
+
+}  // namespace
+
+TEST_CASE("where the grid and the model disagree on a snap, the state follows the model") {
+  const Grid grid = line();
+  // Alone the grid is wrong between 4.5 and the true end, and between 2.5 and 2.6, with 200 ticks a
+  // spacing; a tick at each end can count or not.
+  CHECK(std::abs(ticks_apart(grid, kEndsLate, std::nullopt) - (80 + 20)) <= 2);
+  CHECK(std::abs(ticks_apart(grid, kEndsEarly, std::nullopt) - (40 + 20)) <= 2);
+  CHECK(ticks_apart(grid, kEndsLate, 0) == 0);
+  CHECK(ticks_apart(grid, kEndsEarly, 0) == 0);
+  // Twice the model snaps, of which play hears 5 ticks later.
+  CHECK(std::abs(ticks_apart(grid, kEndsEarly, 5) - (5 + 5)) <= 2);
+}
+
+TEST_CASE("an answer that is older than 20 ms is not used") {
+  const Grid grid = line();
+  CHECK(ticks_apart(grid, kEndsLate, 21) == ticks_apart(grid, kEndsLate, std::nullopt));
+  Beside beside(grid, model_of_line(grid.spec(), kEndsLate), 20);
+  beside.begin(1000);
+  beside.start({1, 0, 0});
+  for (int i = 1; i <= 20; ++i) {
+    CHECK(beside.answer() == nullptr);
+    beside.follow({1 + i / 100.0, 0, 0});
+  }
+  REQUIRE(beside.answer());
+  CHECK(beside.answer()->tick == 1);
+  CHECK(beside.answer()->at == Vec3{1, 0, 0});
+  CHECK(beside.answer()->state[0] == 11);
+  CHECK(beside.kept_up() == 1);
+  CHECK(beside.lateness().max() == 20);
+  // The model starts anew with the hand, so that no older answer counts.
+  beside.start({2, 0, 0});
+  CHECK(beside.answer() == nullptr);
+}
+
+TEST_CASE("a model that cannot convert a state leaves the decision to the grid") {
+  const Grid grid = line();
+  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  Beside beside(grid,
+                std::make_unique<tiny::TestModel>(
+                    grid.spec(), [](const double*, const Vec3&, const Vec3&, double*,
+                                    std::string& error) { return error = "no", false; }),
+                0);
+  beside.begin(1000);
+  t.walk_beside(&beside);
+  BranchTraversal alone(grid, std::make_shared<const BranchMap>(grid));
+  for (const Vec3& x : there_and_back()) {
+    REQUIRE(t.step(x).usable());
+    alone.step(x);
+    REQUIRE(copy(t.state()) == copy(alone.state()));
+  }
+  CHECK(beside.kept_up() <= 2);  // at grid points, where play starts without a conversion
+}
+
+TEST_CASE("a thread follows the hand along its whole way, and nobody waits for it") {
+  const Grid grid = line();
+  Beside beside(grid, model_of_line(grid.spec(), kEndsLate, 100), std::nullopt);
+  beside.begin(1000);
+  // There and back, so that the model is on the lower branch at a place where play would start on
+  // the upper one. The ring takes more places than these, and the model needs 0.1 ms for each.
+  beside.start({0.25, 0, 0});
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 50; i <= 1350; ++i) beside.follow({i / 200.0, 0, 0});
+  for (int i = 1350; i >= 700; --i) beside.follow({i / 200.0, 0, 0});
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+  CHECK(passed.count() < 2000 * 1e-4);  // what the model needs at least
+  const std::uint64_t last = beside.tick();
+  // The next ticks are late enough for the model to keep up: the place stays the same.
+  for (int i = 0; i < 20'000 && !(beside.answer() && beside.answer()->tick >= last); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    beside.follow({3.5, 0, 0});
+  }
+  REQUIRE(beside.answer());
+  CHECK(beside.answer()->at == Vec3{3.5, 0, 0});
+  CHECK(beside.answer()->state[0] == -100);
+  CHECK(beside.kept_up() > 0);
+}
+
+TEST_CASE("with a model beside the grid no step allocates, whatever model and links say") {
+  const Box box{{0, 0, 0}, 1, {8, 7, 6}};
+  const Grid grid = random_grid(box, 3, 4, 3);
+  BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+  std::mt19937_64 random(3);
+  Beside beside(grid,
+                std::make_unique<tiny::TestModel>(
+                    grid.spec(),
+                    [&](const double*, const Vec3&, const Vec3&, double* row, std::string&) {
+                      for (int c = 0; c < 3; ++c) row[c] = uniform(random, -1, 1);
+                      return random() % 8 != 0;
+                    }),
+                2);
+  beside.begin(1000);
+  t.walk_beside(&beside);
+  std::vector<Vec3> path;
+  for (int leg = 0; leg < 100; ++leg) {
+    const Vec3 from = random_point(box, random), to = random_point(box, random);
+    for (int i = 0; i < 40; ++i) path.push_back(from + i / 40.0 * (to - from));
+  }
+  const std::uint64_t before = allocations();
+  bool usable = true;
+  for (const Vec3& x : path) usable &= t.step(x).usable();
+  CHECK(allocations() == before);
+  CHECK(usable);
+  CHECK(beside.kept_up() > 0);
+}

@@ -1,0 +1,43 @@
+#include "tools/play/beside.hpp"
+
+#include <charconv>
+#include <optional>
+
+#include "libcore/base/error.hpp"
+#include "libcore/haptic/branch_nodes.hpp"
+
+namespace hapgrid {
+
+namespace {
+
+constexpr std::uint32_t kMostDelay = 10'000;  // ticks
+
+std::optional<std::uint32_t> ticks_of(const std::string& text) {
+  std::uint32_t ticks = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, ticks);
+  const bool is_number = read.ec == std::errc() && read.ptr == end && ticks <= kMostDelay;
+  return is_number ? std::optional(ticks) : std::nullopt;
+}
+
+}  // namespace
+
+bool is_beside(const std::string& text) {
+  return text == kBesideOn || text == kBesideOff || ticks_of(text);
+}
+
+std::unique_ptr<Beside> make_beside(const std::string& wanted, bool must, bool has_thread,
+                                    const Grid& grid, const BranchNodes* branches,
+                                    const MakeModel& create) {
+  if (wanted == kBesideOff || !branches || branches->are_whole()) return nullptr;
+  std::optional<std::uint32_t> delay;
+  if (!has_thread) delay = ticks_of(wanted).value_or(0);
+  try {
+    return std::make_unique<Beside>(grid, create(), delay);
+  } catch (const ModelError&) {
+    if (must) throw;
+    return nullptr;
+  }
+}
+
+}  // namespace hapgrid

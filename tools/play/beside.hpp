@@ -1,0 +1,30 @@
+// The model that walks beside the grid, as --beside names it.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "libcore/haptic/beside.hpp"
+
+namespace hapgrid {
+
+/// --beside: the model says on which branch the hand is, if it is at hand. For a live device it is
+/// asked by a thread of its own.
+inline constexpr const char* kBesideOn = "on";
+/// The grid alone decides.
+inline constexpr const char* kBesideOff = "off";
+
+/// Whether --beside takes it: one of the two above, or a number of ticks, by which the answers are
+/// held back when the model is asked in the tick.
+bool is_beside(const std::string& text);
+
+/// @param wanted is_beside(). @param must whether the user asked for it
+/// @param has_thread for a live device
+/// @param create makes the grid's model @returns null where the grid alone decides: that is wanted,
+/// or no branch ends, or the model is not at hand
+/// @throw ModelError when it must be there and is not
+std::unique_ptr<Beside> make_beside(const std::string& wanted, bool must, bool has_thread,
+                                    const Grid& grid, const BranchNodes* branches,
+                                    const MakeModel& create);
+
+}  // namespace hapgrid
