@@ -17,11 +17,15 @@ distinct           0 pairs of levels          0  ok
 reachable         24 records                  0  ok
 generations       24 records                  0  ok
 fidelity         256 conversions              0  ok
+snaps              0 one-way links            0  note
 continuous        48 cells                    0  ok
 gradient          20 forces                   0  note
 steep             24 records                  0  note
 passive           92 links                    0  ok'
 ends='
+
+snaps: steps along which the model snaps, and which end in another state when they are made in 64 pieces: C leaps over barriers that are still there. Make its steps of the HIP smaller, and go downhill by a descent that cannot leap, such as hapgrid.relax() in Python
+  spread 0 rad: 99 % of the states that count as the same are this near; the tolerance is 1e-06 rad
 
 continuous: cells around a record in which its branch lacks a corner
   torn 0: of these cells: the branch ends in them
@@ -48,7 +52,7 @@ expect 0 "$table$ends$gradient$steep" 'verify: fine: 10 checks' -- verify --verb
 expect 0 "$table" 'verify: fine: 10 checks' -- verify grid --recompute all -j 3
 expect 0 '' 'verify: fine: 10 checks' -- verify grid -o report
 same "the report in a file" "$table" "$(cat report)"
-expect 0 "$(grep -v ^fidelity report)" 'verify: fine: 9 checks' -- verify grid --recompute none
+expect 0 "$(grep -vE '^(fidelity|snaps)' report)" 'verify: fine: 9 checks' -- verify grid --recompute none
 expect 0 '' '' -- verify grid -q
 
 # The force of other rules has no energy that could be compared.
