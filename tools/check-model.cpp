@@ -175,9 +175,9 @@ int main(int argc, char** argv) {
       "  gradient       the force is the energy's negative gradient, within 2 % of the largest\n"
       "  strong         a note where forces are beyond 100 N\n"
       "  sane           the model finds no mistake in its parameters, where it has a check\n"
-      "  halves         steps end in the same state when they are made in two halves (no fault)\n"
+      "  halves         9 of 10 steps end in the same state when they are made in two halves\n"
       "  returns        steps there and back end in the same state (no fault)\n"
-      "  snaps          where they do not, the step in 64 pieces ends in the same state\n"
+      "  snaps          where they do not, 9 of 10 end in the same state in 64 pieces\n"
       "\n"
       "Times depend on the machine, and so does the estimate. Everything else depends on the\n"
       "model alone, unless --seconds ends the walks.\n",

@@ -129,7 +129,7 @@ class ModelWalker {
     bool is_note = false;
   };
   static constexpr std::size_t kDefined = 0, kDeterministic = 1, kTogetherRow = 2, kSane = 7,
-                               kReturns = 9, kSnaps = 10, kTrials = 11;
+                               kHalves = 8, kReturns = 9, kSnaps = 10, kTrials = 11;
   static const std::array<Trial, kTrials>& trials() {
     static constexpr std::array<Trial, kTrials> all{{
         {"defined", "conversions", "conversions that C fails on", nullptr},
@@ -150,8 +150,7 @@ class ModelWalker {
         {"finite", "calls", "force or shape that is not finite", &ModelWalker::try_force},
         {"sane", "parameters", "what the model itself says against its parameters", nullptr},
         {"halves", "conversions",
-         "a step in two halves ends in another state: that is right near a tear-off; elsewhere C "
-         "walks too coarsely",
+         "a step in two halves ends in another state: that is right near a tear-off",
          &ModelWalker::try_halves, true},
         {"returns", "conversions",
          "a step there and back ends in another state: levels are there for such hysteresis",
@@ -195,8 +194,7 @@ class ModelWalker {
     if (!converted) return false;
     step.arrived.assign(step.row.begin(), step.row.begin() + spec_.state_size);
     for (std::size_t i = 0; i < kTrials; ++i)
-      if (trials()[i].try_step && !is_late())
-        (this->*trials()[i].try_step)(step, found_[i]);
+      if (trials()[i].try_step && !is_late()) (this->*trials()[i].try_step)(step, found_[i]);
     point_ = static_cast<PointIndex>(std::int64_t{point_} + around_.offset(q));
     state_ = step.arrived;
     if (steps_.size() < kTogether) steps_.push_back(std::move(step));
@@ -295,11 +293,12 @@ class ModelWalker {
         !convert(step, ", in two halves", halfway, middle, half, other_))
       return;
     ++found.counted;
-    if (!same(other_, step.arrived))
-      found.offend([&] {
-        return format("{}: at once {}, in two halves {}{}", text_of(step), state_text(step.arrived),
-                      state_of(other_), between(other_, step.arrived));
-      });
+    if (same(other_, step.arrived)) return;
+    apart_.push_back(distance_(other_, step.arrived));
+    found.offend([&] {
+      return format("{}: at once {}, in two halves {}{}", text_of(step), state_text(step.arrived),
+                    state_of(other_), between(other_, step.arrived));
+    });
   }
 
   void try_reflexive(const Step& step, Findings& found) {
@@ -335,6 +334,7 @@ class ModelWalker {
           "below the tolerance, {}; but no two runs will give the same bytes",
           rounded(largest_rounding_), rounded(spec_.tolerance));
     }
+    if (trial == kHalves) judge_halves(check, apart_, spec_);
     if (trial == kReturns) check.figures = {exactness(returned_, spec_)};
     if (trial == kSnaps) judge_snaps(check);
   }
@@ -383,6 +383,7 @@ class ModelWalker {
   State other_;  // a row
   std::array<Findings, kTrials> found_;
   std::vector<double> convert_seconds_;
+  std::vector<double> apart_;     // by how much halves differ, where they do
   std::vector<double> returned_;  // how far from where they began
   std::vector<Made> steps_;       // the first ones, to be asked again
   double largest_rounding_ = 0;   // of C, asked again

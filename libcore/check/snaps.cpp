@@ -17,9 +17,13 @@ namespace hapgrid {
 namespace {
 
 constexpr std::size_t kMostLinks = 256;  // each costs kPieces conversions
-// The share of an honest model's snaps that may meet a fork, and end elsewhere in pieces.
+// The share of an honest model's steps that may meet a fork, and end elsewhere in pieces.
 constexpr double kForks = 0.1;
 constexpr double kWide = 0.5;  // of the tolerance: a spread that leaves too little room
+
+bool are_few(const Findings& found) {
+  return static_cast<double>(found.offenders) <= kForks * static_cast<double>(found.counted);
+}
 
 struct Link {
   RecordIndex record;
@@ -67,14 +71,28 @@ bool convert_in_pieces(Model& model, std::span<const double> s, const Vec3& x, c
   return true;
 }
 
+void judge_halves(Check& check, std::vector<double> apart, const GridSpec& spec) {
+  check.is_note = are_few(check.found);
+  if (check.is_note) return;
+  const auto middle = apart.begin() + static_cast<std::ptrdiff_t>(apart.size() / 2);
+  std::nth_element(apart.begin(), middle, apart.end());
+  check.meaning = format(
+      "a step in two halves ends in another state, {} apart in the median; the tolerance is {}: C "
+      "is "
+      "less exact than that, or walks too coarsely. Let it converge (a smaller fmax, or tolerance "
+      "of "
+      "the gradient), or raise the tolerance",
+      rounded(*middle), rounded(spec.tolerance));
+}
+
 void judge_snaps(Check& check) {
-  const Findings& found = check.found;
-  check.is_note =
-      static_cast<double>(found.offenders) <= kForks * static_cast<double>(found.counted);
+  check.is_note = are_few(check.found);
   check.meaning = format(
       "steps along which the model snaps, and which end in another state when they are made in {} "
-      "pieces: C leaps over barriers that are still there. Make its steps of the HIP smaller, and "
-      "go downhill by a descent that cannot leap, such as hapgrid.relax() in Python",
+      "pieces: C leaps over barriers that are still there, or is less exact than its tolerance. "
+      "Make "
+      "its steps of the HIP smaller, and go downhill by a descent that cannot leap, such as "
+      "hapgrid.relax() in Python",
       kPieces);
 }
 
@@ -112,11 +130,14 @@ Check check_snaps(const Grid& grid, std::span<const RecordIndex> records,
     const std::span<const double> there = grid.state(grid.destination(r, q));
     const Vec3 x = grid.box().position(grid.point(r)), d = grid.neighbourhood().shift(q);
     std::vector<double> row(grid.spec().row_size());
+    // Where C does not give what is stored, `fidelity` says so.
+    if (!model->convert(grid.state(r).data(), x, d, row.data()) ||
+        !model->equal(row.data(), there.data()))
+      return;
     if (i >= snaps.size()) {
       StateDistance distance(grid.spec(),
                              [&](const double* a, const double* b) { return model->equal(a, b); });
-      if (model->convert(grid.state(r).data(), x, d, row.data()) && distance.is_same(row, there))
-        distances[i - snaps.size()] = distance(row, there);
+      distances[i - snaps.size()] = distance(row, there);
     } else if (!convert_in_pieces(*model, grid.state(r), x, d, row)) {
       elsewhere[i] = model->error();
     } else if (!model->equal(row.data(), there.data())) {

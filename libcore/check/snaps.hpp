@@ -28,11 +28,17 @@ bool convert_in_pieces(Model& model, std::span<const double> s, const Vec3& x, c
 /// end elsewhere in pieces: a note while these are few, else a fault.
 void judge_snaps(Check& check);
 
+/// Finishes the row `halves`, whose findings are steps, and those that end in another state when
+/// they are made in two halves: a note while these are few, as near a tear-off, else a fault.
+/// @param apart how far these states are apart, in the unit of the tolerance
+void judge_halves(Check& check, std::vector<double> apart, const GridSpec& spec);
+
 /// How exact C is: the spread of states that count as the same, beside the tolerance.
 /// @param distances of such states, in the unit of the tolerance
 Figure exactness(std::vector<double> distances, const GridSpec& spec);
 
-/// `snaps`: walks one-way links of `records` in pieces, at most 256 of them, evenly chosen. Its
+/// `snaps`: walks one-way links of `records` in pieces, at most 256 of them, evenly chosen. Links
+/// that C does not follow are offenders of `fidelity`. Its
 /// figure is the distance of a state that C gives, evaluated again along one two-way link of each
 /// record, from the state that is stored there.
 /// @param make_model is called once for each thread, by the calling thread.
