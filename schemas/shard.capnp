@@ -78,6 +78,10 @@ struct Header {
   forceScale @18 :Float64;
   # Newtons that one unit of energy per unit of length is; 0 where the model does not say.
 
+  modelVersion @19 :Text;
+  # The version of the model, in its own words. A model of another version does not go on with this
+  # grid. Empty where the model does not say.
+
   enum Content {
     grid @0;
     # Record chunks: all records that are known.

@@ -13,6 +13,7 @@
 #include "libcore/check/model_check.hpp"
 #include "libcore/search/converter.hpp"
 #include "libcore/search/seed.hpp"
+#include "tools/common/crash.hpp"
 #include "tools/common/definition.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/tool.hpp"
@@ -141,9 +142,12 @@ int run(const Options& options) {
       no_estimate = format("the search of a coarser grid failed: {}", e.what());
     }
   OutputFile output(options.output, /*binary=*/false);
-  output.write(options.format == "json" ? report_json(spec, model->info(), found, estimate)
-                                        : printable_text(report_text(spec, model->info(), found,
-                                                                     estimate, no_estimate)));
+  if (options.format == "json")
+    output.write(report_json(spec, model->info(), found, estimate));
+  else if (options.format == "junit")
+    output.write(report_junit("check-model", spec.model, found.checks));
+  else
+    output.write(printable_text(report_text(spec, model->info(), found, estimate, no_estimate)));
   output.commit();
   say("check-model", verdict_line(found.checks));
   return is_fine(found.checks) ? kExitDone : kExitInvalid;
@@ -161,15 +165,19 @@ int main(int argc, char** argv) {
   app.set_help(
       "check-model",
       "Checks:\n"
+      "  felt           a note where the model has no force\n"
       "  defined        C answers at every step of the grid\n"
       "  deterministic  C, asked again and asked of a second model, answers with the same bits\n"
+      "  together       the same while two threads ask two models\n"
       "  stays          C(s, x, 0) = s within the tolerance\n"
       "  reflexive, symmetric   of the tolerance function\n"
       "  finite         forces and shapes are finite numbers\n"
       "  gradient       the force is the energy's negative gradient, within 2 % of the largest\n"
+      "  strong         a note where forces are beyond 100 N\n"
       "  sane           the model finds no mistake in its parameters, where it has a check\n"
-      "  halves         steps end in the same state when they are made in two halves (no fault)\n"
+      "  halves         9 of 10 steps end in the same state when they are made in two halves\n"
       "  returns        steps there and back end in the same state (no fault)\n"
+      "  snaps          where they do not, 9 of 10 end in the same state in 64 pieces\n"
       "\n"
       "Times depend on the machine, and so does the estimate. Everything else depends on the\n"
       "model alone, unless --seconds ends the walks.\n",
@@ -184,9 +192,12 @@ int main(int argc, char** argv) {
       .positive()
       .shows_default();
   app.add("--format", options.format, "How the report is written")
-      .one_of({"text", "json"})
+      .one_of({"text", "json", "junit"})
       .shows_default();
   add_model_options(app, options.model);
   add_output(app, options.output);
-  return run_tool(app, argc, argv, [&] { return run(options); });
+  return run_tool(app, argc, argv, [&] {
+    report_crashes("check-model");
+    return run(options);
+  });
 }

@@ -41,6 +41,7 @@ constexpr const char* kChecks =
     "               links lead from the seeds to each record, as far as its generation\n"
     "  fidelity, stored, tears\n"
     "               the model, asked again, gives what the grid has\n"
+    "  snaps        the model snaps at the same links in short pieces, and does not leap\n"
     "  continuous   the state jumps nowhere but where it snaps\n"
     "  gradient, steep\n"
     "               notes: force and energy; slopes, and what the device renders stably\n"
@@ -58,7 +59,7 @@ bool parse_recompute(const std::string& text, std::uint64_t& count) {
 
 std::string report(const Grid& grid, const std::vector<Check>& checks, const Options& options) {
   if (options.format == "json") return report_json(grid, checks);
-  if (options.format == "junit") return report_junit(grid, checks);
+  if (options.format == "junit") return report_junit("verify", grid.spec().model, checks);
   return printable_text(
       report_text(grid, checks, options.is_verbose ? Details::kAll : Details::kNotFine));
 }

@@ -165,7 +165,7 @@ Found search_all(const Definition& definition, const ModelSource& source, Model&
   std::uint32_t stride = coarsest(definition.box, model.info().d_max);
   bool is_whole = true;
   Found found = search(coarser(definition, seeds, stride, model), source, model, end, is_whole);
-  while (is_whole && stride > 1) {
+  while (is_whole && stride > 1 && Clock::now() < end) {
     stride = std::min(stride - 1, static_cast<std::uint32_t>(stride * kFiner + 1));
     const Found finer =
         search(coarser(definition, seeds, stride, model), source, model, end, is_whole);

@@ -12,10 +12,14 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/check/force_check.hpp"
+#include "libcore/check/snaps.hpp"
+#include "libcore/check/together.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/grid/direction.hpp"
+#include "libcore/grid/state_distance.hpp"
 #include "libcore/grid/vec3.hpp"
-#include "libcore/model/fields.hpp"
+#include "libcore/search/converter.hpp"
 
 namespace hapgrid {
 
@@ -23,11 +27,13 @@ namespace {
 
 using State = std::vector<double>;
 
-// Of the spacing: small against what bends forces, large against rounding in energies.
-constexpr double kDifferenceStep = 1e-3;
-// Of the largest force: what a force may be off from the energy's gradient. A central difference
-// over 2e-3 of the spacing is exact to some 1e-6; iterative models leave a residue.
-constexpr double kForceTolerance = 0.02;
+// Of the tolerance: bits that differ by no more than this are rounding, which no grid shows.
+constexpr double kLastBits = 1e-3;
+// Of what is stored with a state, where it is above 1 of that: as check_stored() has it.
+constexpr double kStoredRounding = 1e-6;
+// Steps that two models are asked again side by side, and their share of the time for the walks.
+constexpr std::size_t kTogether = 256;
+constexpr double kTogetherShare = 0.1;
 
 constexpr std::uint64_t kWalkSeed = 1;
 
@@ -69,14 +75,22 @@ class ModelWalker {
         most_seconds_(most_seconds),
         model_(make_model()),
         second_(make_model()),
-        fields_(spec, *model_),
-        is_stored_(spec.row_size() > spec.state_size),
+        distance_(spec, [this](const double* a, const double* b) { return model_->equal(a, b); }),
+        forces_(spec, *model_),
         around_(spec.box),
         random_(kWalkSeed),
         other_(spec.row_size()) {}
 
   ModelCheck run() {
-    const double start = now();
+    walk();
+    ask_two_together();
+    return result();
+  }
+
+ private:
+  static constexpr int kLegs = 4;
+
+  void walk() {
     std::uint64_t steps = 0;
     while (steps < most_steps_) {
       auto seed = seeds_.begin();
@@ -90,7 +104,7 @@ class ModelWalker {
       for (int leg = 0; leg < kLegs && steps < most_steps_; ++leg) {
         const auto target = static_cast<PointIndex>(random_.below(spec_.box.points()));
         while (point_ != target && steps < most_steps_) {
-          if (steps > 0 && now() - start > most_seconds_) return result();
+          if (steps > 0 && is_late()) return;
           ++steps;
           if (!step(direction_to(spec_.box, point_, target))) leg = kLegs;
           if (leg == kLegs) break;
@@ -98,20 +112,12 @@ class ModelWalker {
       }
       if (spec_.box.points() == 1) break;
     }
-    return result();
   }
 
- private:
-  static constexpr int kLegs = 4;
-
   /// A step of a walk: C has carried on `from` at x by d.
-  struct Step {
-    PointIndex point;
-    int q;
-    Vec3 x, d, there;
-    State from;
-    State row;      ///< what C has given
-    State arrived;  ///< its state
+  struct Step : Made {
+    Vec3 there;
+    State arrived;  ///< the state of `row`
   };
   /// Counts what it tries in `found`.
   using TryStep = void (ModelWalker::*)(const Step&, Findings& found);
@@ -122,13 +128,18 @@ class ModelWalker {
     TryStep try_step;  ///< null: what is found elsewhere
     bool is_note = false;
   };
-  static constexpr std::size_t kDefined = 0, kGradient = 6, kSane = 7, kTrials = 10;
+  static constexpr std::size_t kDefined = 0, kDeterministic = 1, kTogetherRow = 2, kSane = 7,
+                               kHalves = 8, kReturns = 9, kSnaps = 10, kTrials = 11;
   static const std::array<Trial, kTrials>& trials() {
     static constexpr std::array<Trial, kTrials> all{{
-        {"defined", "conversions", "steps of the grid that C fails on", nullptr},
+        {"defined", "conversions", "conversions that C fails on", nullptr},
         {"deterministic", "conversions",
          "C, asked again, answers with other bits: no two runs will give the same grid",
          &ModelWalker::try_again},
+        {"together", "conversions",
+         "C answers otherwise while two threads ask two models: they share data, which a plug-in "
+         "must not have. expand --processes N gives each model a process of its own",
+         nullptr},
         {"stays", "states",
          "C(s, x, 0) is another state than s: a state that was reached is not at rest",
          &ModelWalker::try_to_stay},
@@ -137,24 +148,21 @@ class ModelWalker {
         {"symmetric", "pairs", "the tolerance function depends on the order of its arguments",
          &ModelWalker::try_symmetric},
         {"finite", "calls", "force or shape that is not finite", &ModelWalker::try_force},
-        {"gradient", "forces",
-         "the force is not the energy's negative gradient: a loop of the hand would gain or lose "
-         "energy",
-         nullptr},
         {"sane", "parameters", "what the model itself says against its parameters", nullptr},
         {"halves", "conversions",
-         "a step in two halves ends in another state: that is right near a tear-off; elsewhere C "
-         "walks too coarsely",
+         "a step in two halves ends in another state: that is right near a tear-off",
          &ModelWalker::try_halves, true},
         {"returns", "conversions",
-         "a step there and back ends in another state: levels are there for such hysteresis; many "
-         "of them mean that C is less exact than its tolerance",
+         "a step there and back ends in another state: levels are there for such hysteresis",
          &ModelWalker::try_to_return, true},
+        {"snaps", "steps", "", nullptr},
     }};
     return all;
   }
 
-  std::string text_of(const Step& step) const {
+  bool is_late() const { return now() - start_ > most_seconds_; }
+
+  std::string text_of(const Made& step) const {
     return format("{} direction {} from state {}", describe(spec_.box, step.point), step.q,
                   state_text(step.from));
   }
@@ -164,74 +172,133 @@ class ModelWalker {
   std::string state_of(const State& row) const {
     return state_text(std::span(row).first(spec_.state_size));
   }
+  /// How two states differ, which the first four components need not show.
+  std::string between(const State& a, const State& b) const {
+    std::size_t most = 0;
+    for (std::size_t i = 1; i < spec_.state_size; ++i)
+      if (!(std::abs(a[i] - b[i]) <= std::abs(a[most] - b[most]))) most = i;
+    const std::string by = format("by {}", rounded(std::abs(a[most] - b[most])));
+    return spec_.state_size == 1 ? ", " + by : format(", component {} differs most, {}", most, by);
+  }
 
   /// Makes one step of the walk and all trials there. Returns whether the walk can go on.
   bool step(int q) {
     const Vec3 x = spec_.box.position(point_);
     const Vec3& d = around_.shift(q);
-    Step step{point_, q, x, d, x + d, state_, {}, {}};
+    Step step{{point_, q, x, d, state_, {}}, x + d, {}};
     step.row.resize(spec_.row_size());
-    Findings& defined = found_[kDefined];
-    ++defined.counted;
+    current_conversion() = {step.point, 0, q};
     const double before = now();
-    const bool converted = convert(step.from, x, d, step.row);
+    const bool converted = convert(step, "", step.from, x, d, step.row);
     convert_seconds_.push_back(now() - before);
-    if (!converted) {
-      defined.offend([&] { return text_of(step) + ": " + model_->error(); });
-      return false;
-    }
+    if (!converted) return false;
     step.arrived.assign(step.row.begin(), step.row.begin() + spec_.state_size);
     for (std::size_t i = 0; i < kTrials; ++i)
-      if (trials()[i].try_step) (this->*trials()[i].try_step)(step, found_[i]);
+      if (trials()[i].try_step && !is_late()) (this->*trials()[i].try_step)(step, found_[i]);
     point_ = static_cast<PointIndex>(std::int64_t{point_} + around_.offset(q));
     state_ = step.arrived;
+    if (steps_.size() < kTogether) steps_.push_back(std::move(step));
+    current_conversion().q = -1;
     return true;
   }
 
-  bool convert(const State& s, const Vec3& x, const Vec3& d, State& row) {
-    return model_->convert(s.data(), x, d, row.data());
+  /// C of the first model. A failure is an offender of `defined`, whatever is tried.
+  /// @param what of the step, for its message
+  bool convert(const Step& step, const char* what, const State& s, const Vec3& x, const Vec3& d,
+               State& row) {
+    ++found_[kDefined].counted;
+    if (model_->convert(s.data(), x, d, row.data())) return true;
+    found_[kDefined].offend([&] { return text_of(step) + what + ": " + model_->error(); });
+    return false;
+  }
+
+  /// The largest distance of states that are the same but for their last bits; infinite where they
+  /// are not. What is stored with them must be the same, too.
+  double rounding(std::span<const double> a, std::span<const double> b) {
+    for (std::size_t i = spec_.state_size; i < a.size(); ++i)
+      if (!(std::abs(a[i] - b[i]) <= kStoredRounding * std::max(1.0, std::abs(a[i]))))
+        return INFINITY;
+    return std::equal(a.begin(), a.begin() + spec_.state_size, b.begin()) ? 0 : distance_(a, b);
   }
 
   /// The same bits from a second model, and from this one, whatever it did in between.
   void try_again(const Step& step, Findings& found) {
     for (Model* model : {second_.get(), model_.get()}) {
       ++found.counted;
-      if (!model->convert(step.from.data(), step.x, step.d, other_.data()) ||
-          std::memcmp(other_.data(), step.row.data(), step.row.size() * sizeof(double)) != 0)
+      if (!model->convert(step.from.data(), step.x, step.d, other_.data())) {
+        largest_rounding_ = INFINITY;
+        found.offend([&] { return text_of(step) + ", asked again: " + model->error(); });
+      } else if (std::memcmp(other_.data(), step.row.data(), step.row.size() * sizeof(double))) {
+        largest_rounding_ = std::max(largest_rounding_, rounding(step.row, other_));
         found.offend([&] {
-          return format("{}: {}, then {}", text_of(step), state_text(step.arrived),
-                        state_of(other_));
+          return format("{}: {}, then {}{}", text_of(step), state_text(step.arrived),
+                        state_of(other_), between(step.arrived, other_));
         });
+      }
     }
   }
 
+  void ask_two_together() {
+    // One that is not the same alone has its own row.
+    if (largest_rounding_ > kLastBits * spec_.tolerance) return;
+    found_[kTogetherRow] = ask_together(
+        *model_, *second_, steps_, kTogetherShare * most_seconds_,
+        [&](std::span<const double> a, std::span<const double> b) {
+          return rounding(a, b) <= kLastBits * spec_.tolerance;
+        },
+        [&](const Made& step) { return text_of(step); });
+  }
+
   void try_to_stay(const Step& step, Findings& found) {
+    if (!convert(step, ", asked to stay", step.arrived, step.there, {0, 0, 0}, other_)) return;
     ++found.counted;
-    if (!convert(step.arrived, step.there, {0, 0, 0}, other_) || !same(other_, step.arrived))
+    if (!same(other_, step.arrived))
       found.offend([&] {
-        return format("{}: from {} to {}", describe(spec_.box, step.point),
-                      state_text(step.arrived), state_of(other_));
+        return format("{}: from {} to {}{}", describe(spec_.box, step.point),
+                      state_text(step.arrived), state_of(other_), between(other_, step.arrived));
       });
   }
 
   void try_to_return(const Step& step, Findings& found) {
+    if (!convert(step, ", on the way back", step.arrived, step.there, -1 * step.d, other_)) return;
     ++found.counted;
-    const Vec3 back{-step.d[0], -step.d[1], -step.d[2]};
-    if (!convert(step.arrived, step.there, back, other_) || !same(other_, step.from))
-      found.offend([&] { return text_of(step) + ": back in " + state_of(other_); });
+    if (same(other_, step.from)) {
+      returned_.push_back(distance_(other_, step.from));
+      return;
+    }
+    found.offend([&] {
+      return text_of(step) + ": back in " + state_of(other_) + between(other_, step.from);
+    });
+    walk_in_pieces(step);
+  }
+
+  /// Where the model snaps, a C that leaps ends elsewhere when it makes shorter steps.
+  void walk_in_pieces(const Step& step) {
+    Findings& snaps = found_[kSnaps];
+    std::string why;
+    if (!convert_in_pieces(*model_, step.from, step.x, step.d, other_))
+      why = model_->error();
+    else if (!same(other_, step.arrived))
+      why = format("at once {}, in {} pieces {}{}", state_text(step.arrived), kPieces,
+                   state_of(other_), between(other_, step.arrived));
+    ++snaps.counted;
+    if (!why.empty()) snaps.offend([&] { return text_of(step) + ": " + why; });
   }
 
   void try_halves(const Step& step, Findings& found) {
-    ++found.counted;
     const Vec3 half = 0.5 * step.d;
     const Vec3 middle = step.x + half;
     State halfway(spec_.row_size());
-    if (!convert(step.from, step.x, half, halfway) || !convert(halfway, middle, half, other_) ||
-        !same(other_, step.arrived))
-      found.offend([&] {
-        return format("{}: at once {}, in two halves {}", text_of(step), state_text(step.arrived),
-                      state_of(other_));
-      });
+    if (!convert(step, ", in two halves", step.from, step.x, half, halfway) ||
+        !convert(step, ", in two halves", halfway, middle, half, other_))
+      return;
+    ++found.counted;
+    if (same(other_, step.arrived)) return;
+    apart_.push_back(distance_(other_, step.arrived));
+    found.offend([&] {
+      return format("{}: at once {}, in two halves {}{}", text_of(step), state_text(step.arrived),
+                    state_of(other_), between(other_, step.arrived));
+    });
   }
 
   void try_reflexive(const Step& step, Findings& found) {
@@ -245,54 +312,8 @@ class ModelWalker {
       found.offend([&] { return state_text(step.arrived) + " and " + state_text(step.from); });
   }
 
-  /// Force and shape in the state reached are finite. Also notes the energy's gradient there.
   void try_force(const Step& step, Findings& finite) {
-    const Vec3& x = step.there;
-    State row = step.arrived;
-    row.resize(spec_.row_size());
-    if (fields_.asks_for_shape()) {
-      std::vector<float> centres(std::size_t{3} * fields_.spheres().size());
-      const double before = now();
-      fields_.shape(row, centres);
-      shape_seconds_.push_back(now() - before);
-      ++finite.counted;
-      if (!std::all_of(centres.begin(), centres.end(), [](float c) { return std::isfinite(c); }))
-        finite.offend([&] { return "shape in state " + state_text(step.arrived); });
-    }
-    if (!fields_.has_force()) return;
-    if (is_stored_ && !model_->complete(x, row.data())) return;  // convert() has reported that
-    const double before = now();
-    const Vec3 force = fields_.force(x, row);
-    if (fields_.asks_for_force()) force_seconds_.push_back(now() - before);
-    ++finite.counted;
-    const double magnitude = std::hypot(force[0], force[1], force[2]);
-    if (!std::isfinite(magnitude))
-      return finite.offend([&] { return "force in state " + state_text(step.arrived); });
-    largest_force_ = std::max(largest_force_, magnitude);
-    if (fields_.has_energy()) add_gradient(x, row, force);
-  }
-
-  /// E of the state that the model takes on when the HIP moves a little: C of both sides, where
-  /// both come back to s (no tear-off in between).
-  void add_gradient(const Vec3& x, const State& row, const Vec3& force) {
-    const double here = fields_.energy(x, row);
-    const int axis = static_cast<int>(gradients_.size() % 3);
-    const double e = kDifferenceStep * spec_.box.spacing;
-    std::array<double, 2> slope{};  // before x and behind it
-    for (int side = 0; side < 2; ++side) {
-      Vec3 d{0, 0, 0};
-      d[axis] = side ? e : -e;
-      const Vec3 beside = x + d;
-      State moved(spec_.row_size()), back(spec_.row_size());
-      if (!convert(row, x, d, moved) || !convert(moved, beside, {-d[0], -d[1], -d[2]}, back) ||
-          !same(back, row))
-        return;
-      slope[static_cast<std::size_t>(side)] = (fields_.energy(beside, moved) - here) / d[axis];
-    }
-    // Where the force changes much within the step, as before a tear-off, it is between the two.
-    const double scale = -fields_.force_scale();
-    const auto [low, high] = std::minmax({scale * slope[0], scale * slope[1]});
-    gradients_.push_back({force[axis], std::clamp(force[axis], low, high), x, axis});
+    forces_.try_at(step.there, step.arrived, finite);
   }
 
   /// What the model itself says against its parameters.
@@ -304,68 +325,68 @@ class ModelWalker {
         std::max<std::uint64_t>(spec_.parameters.size(), found_[kSane].offenders);
   }
 
-  /// Compares forces and gradients; also gives the median of the errors.
-  Findings compare_gradients(double& median_error) {
-    Findings gradient;
-    std::vector<double> errors;
-    for (const Gradient& g : gradients_) {
-      ++gradient.counted;
-      const double error = std::abs(g.force - g.difference) / std::max(largest_force_, 1e-300);
-      if (g.force != 0) errors.push_back(error);  // where nothing is felt all is well, and common
-      if (!(error <= kForceTolerance))
-        gradient.offend([&] {
-          return format("at ({}, {}, {}): force {} {} N, the energy's gradient gives {}",
-                        to_text(g.x[0]), to_text(g.x[1]), to_text(g.x[2]), "xyz"[g.axis],
-                        to_text(g.force), to_text(g.difference));
-        });
+  /// What is to be said of a trial's row beside its offenders.
+  void complete_row(std::size_t trial, Check& check) {
+    if (trial == kDeterministic && largest_rounding_ <= kLastBits * spec_.tolerance) {
+      check.is_note = check.found.offenders > 0;
+      check.meaning = format(
+          "C, asked again, answers with other last bits, which differ by up to {}. That is far "
+          "below the tolerance, {}; but no two runs will give the same bytes",
+          rounded(largest_rounding_), rounded(spec_.tolerance));
     }
-    if (errors.empty()) return gradient;
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    median_error = *middle;
-    return gradient;
+    if (trial == kHalves) judge_halves(check, apart_, spec_);
+    if (trial == kReturns) check.figures = {exactness(returned_, spec_)};
+    if (trial == kSnaps) judge_snaps(check);
   }
 
   ModelCheck result() {
     ask_model();
     ModelCheck out;
-    found_[kGradient] = compare_gradients(out.median_force_error);
+    if (!forces_.has_force())
+      out.checks.push_back(
+          {"felt",
+           "models",
+           "a model without a force: nothing of its grid can be felt, and play refuses it. Give it "
+           "a force function; \"stored\" of a process must name it",
+           {1, 1, {}},
+           /*is_note=*/true});
     out.convert = summary(convert_seconds_);
-    out.force = summary(force_seconds_);
-    out.shape = summary(shape_seconds_);
-    out.largest_force = largest_force_;
+    out.force = summary(forces_.force_seconds);
+    out.shape = summary(forces_.shape_seconds);
+    out.largest_force = forces_.largest_force;
+    out.median_force_error = forces_.median_error();
     for (std::size_t i = 0; i < kTrials; ++i) {
       const Trial& trial = trials()[i];
-      if (found_[i].counted > 0)
-        out.checks.push_back(
-            {trial.name, trial.unit, trial.meaning, std::move(found_[i]), trial.is_note});
+      if (i == kSane)  // behind `finite`
+        for (Check& check : forces_.checks()) out.checks.push_back(std::move(check));
+      if (found_[i].counted == 0) continue;
+      Check check{trial.name, trial.unit, trial.meaning, std::move(found_[i]), trial.is_note};
+      complete_row(i, check);
+      out.checks.push_back(std::move(check));
     }
     return out;
   }
-
-  struct Gradient {
-    double force, difference;
-    Vec3 x;
-    int axis;
-  };
 
   const GridSpec& spec_;
   const std::map<PointIndex, State>& seeds_;
   const std::uint64_t most_steps_;
   const double most_seconds_;
+  const double start_ = now();
   std::unique_ptr<Model> model_;
   std::unique_ptr<Model> second_;
-  const Fields fields_;
-  const bool is_stored_;  // whether there is more in a row than the state
+  StateDistance distance_;
+  ForceCheck forces_;
   Neighbourhood around_;
   SplitMix64 random_;
   PointIndex point_ = 0;
   State state_;
   State other_;  // a row
   std::array<Findings, kTrials> found_;
-  std::vector<double> convert_seconds_, force_seconds_, shape_seconds_;
-  std::vector<Gradient> gradients_;
-  double largest_force_ = 0;
+  std::vector<double> convert_seconds_;
+  std::vector<double> apart_;     // by how much halves differ, where they do
+  std::vector<double> returned_;  // how far from where they began
+  std::vector<Made> steps_;       // the first ones, to be asked again
+  double largest_rounding_ = 0;   // of C, asked again
 };
 
 }  // namespace

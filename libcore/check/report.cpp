@@ -153,7 +153,7 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string test_case(const Check& c) {
+std::string test_case(const std::string& tool, const Check& c) {
   const std::string details = escaped(checks_text({c}, Details::kAll));
   const std::string meaning = c.not_proved.empty() ? c.meaning : c.not_proved;
   const std::string result =
@@ -161,19 +161,20 @@ std::string test_case(const Check& c) {
           ? format("<system-out>{}</system-out>", details)
           : format("<failure type=\"{}\" message=\"{} of {} {}: {}\">{}</failure>", c.verdict(),
                    c.found.offenders, c.found.counted, c.unit, escaped(meaning), details);
-  return format("  <testcase classname=\"verify\" name=\"{}\">\n    {}\n  </testcase>\n", c.name,
+  return format("  <testcase classname=\"{}\" name=\"{}\">\n    {}\n  </testcase>\n", tool, c.name,
                 result);
 }
 
 }  // namespace
 
-std::string report_junit(const Grid& grid, const std::vector<Check>& checks) {
+std::string report_junit(const std::string& tool, const std::string& model,
+                         const std::vector<Check>& checks) {
   std::string cases;
-  for (const Check& c : checks) cases += test_case(c);
+  for (const Check& c : checks) cases += test_case(tool, c);
   return format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\">\n{}</testsuite>\n",
-      escaped("verify " + grid.spec().model), checks.size(),
+      escaped(tool + " " + model), checks.size(),
       checks.size() - std::count_if(checks.begin(), checks.end(), is_good), cases);
 }
 

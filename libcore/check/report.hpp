@@ -121,6 +121,8 @@ std::string report_json(const Grid& grid, const std::vector<Check>& checks);
 
 /// As JUnit's XML, which CI systems show: a test case a check, a failure where it is broken or not
 /// proved, and notes as output.
-std::string report_junit(const Grid& grid, const std::vector<Check>& checks);
+/// @param tool the class of the cases @param model names the suite
+std::string report_junit(const std::string& tool, const std::string& model,
+                         const std::vector<Check>& checks);
 
 }  // namespace hapgrid

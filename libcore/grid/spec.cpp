@@ -13,6 +13,8 @@ std::string distance_unit(const GridSpec& spec) {
 std::string difference(const ModelDescription& a, const ModelDescription& b) {
   if (a.state_size != b.state_size)
     return format("state size {} and {}", a.state_size, b.state_size);
+  if (a.version != b.version)
+    return format("version '{}' and '{}'", printable_line(a.version), printable_line(b.version));
   if (a.tolerance != b.tolerance)
     return format("tolerance {} and {}", to_text(a.tolerance), to_text(b.tolerance));
   if (a.equality != b.equality) return "the tolerance function";

@@ -67,6 +67,7 @@ struct ModelDescription {
   Equality equality;        ///< the tolerance function of a process; a plug-in has it in its code
   std::string length_unit;  ///< for people to read, as is the next one; may be empty
   std::string energy_unit;
+  std::string version;     ///< of the model, in its own words; may be empty
   double force_scale = 0;  ///< newtons that one unit of energy per unit of length is; 0: unknown
   double hip_radius = 0;   ///< of the ball that pictures show at the HIP; 0 when there is none
   Stored stored;

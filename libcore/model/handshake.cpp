@@ -31,6 +31,13 @@ double number(const Json& in, const char* key, double default_value) {
   return in.contains(key) ? number(in, key) : default_value;
 }
 
+std::uint32_t whole_number(const Json& in, const char* key, std::uint32_t most) {
+  const double value = number(in, key);
+  if (!(value >= 1 && value <= most) || value != std::floor(value))
+    fail(format("\"{}\" must be a whole number from 1 to {}", key, most));
+  return static_cast<std::uint32_t>(value);
+}
+
 std::string text(const Json& in, const char* key, std::size_t limit) {
   const auto at = in.find(key);
   if (at == in.end()) return "";
@@ -114,17 +121,17 @@ ModelInfo read_info(const Json& in) {
                 printable_line(version->dump(-1, ' ', true)), kProtocolVersion));
   only_keys(in, "its first line",
             {"hapgrid", "state_size", "d_max", "tolerance", "tolerance_unit", "norm", "weights",
-             "length_unit", "energy_unit", "force_scale", "hip_radius", "stored", "spheres"});
+             "length_unit", "energy_unit", "force_scale", "hip_radius", "stored", "spheres",
+             "version", "in_flight"});
   ModelInfo info;
-  const double size = number(in, "state_size");
-  if (!(size >= 1 && size <= kMaxStateSize) || size != std::floor(size))
-    fail(format("\"state_size\" must be a whole number from 1 to {}", kMaxStateSize));
-  info.state_size = static_cast<std::uint32_t>(size);
+  info.state_size = whole_number(in, "state_size", kMaxStateSize);
+  info.in_flight = in.contains("in_flight") ? whole_number(in, "in_flight", kMaxInFlight) : 0;
   info.d_max = number(in, "d_max");
   info.tolerance = number(in, "tolerance");
   info.tolerance_unit = text(in, "tolerance_unit", kMaxUnit);
   info.length_unit = text(in, "length_unit", kMaxUnit);
   info.energy_unit = text(in, "energy_unit", kMaxUnit);
+  info.version = text(in, "version", kMaxWord);
   info.force_scale = number(in, "force_scale", 0);
   info.hip_radius = number(in, "hip_radius", 0);
   info.equality = read_equality(in, info.state_size);

@@ -88,7 +88,7 @@ double Model::own_energy(const double*) const {
 void Model::shape(const double*, std::span<float>) const { assert(!"this model has no shape"); }
 
 std::unique_ptr<Model> declared_model(const GridSpec& spec) {
-  ModelInfo info{spec, /*d_max=*/std::numeric_limits<double>::infinity(), {}};
+  ModelInfo info{spec, /*d_max=*/std::numeric_limits<double>::infinity(), 0, {}};
   return std::make_unique<DeclaredModel>(std::move(info));
 }
 

@@ -19,9 +19,13 @@ namespace hapgrid {
 /// name is never a path.
 bool is_valid_name(const std::string& name);
 
+/// The most questions that a process may have at a time.
+inline constexpr std::uint32_t kMaxInFlight = 1024;
+
 /// What a model says of itself.
 struct ModelInfo : ModelDescription {
   double d_max = 0;               ///< conversions are defined for |d| up to this
+  std::uint32_t in_flight = 0;    ///< questions that a process wants at a time; 0: it does not say
   std::vector<Torsion> torsions;  ///< of the spheres
 
   /// @throw ModelError when a number is out of its range.

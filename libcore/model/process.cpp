@@ -4,12 +4,15 @@
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <fstream>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -69,8 +72,8 @@ int milliseconds_until(ChildProcess::Clock::time_point deadline) {
 }  // namespace
 
 ChildProcess::ChildProcess(Launcher& launcher, const Command& command)
-    : child_(launcher.start(find_program(command).string(), command.words,
-                            command.directory.string())),
+    : program_(find_program(command).string()),
+      child_(launcher.start(program_, command.words, command.directory.string())),
       buffer_(kReadBytes, '\0') {
   for (const FileDescriptor* end : {&child_.input, &child_.output, &child_.errors})
     set_nonblocking(end->get());
@@ -193,6 +196,17 @@ void ChildProcess::write_errors(std::string_view text) {
 
 std::string ChildProcess::last_error_line() const {
   return printable_line(error_line_.empty() ? last_error_line_ : error_line_);
+}
+
+bool ChildProcess::waits_for_input() const {
+  int unread = 0;
+  if (!out_.empty() || ::ioctl(child_.input.get(), FIONREAD, &unread) != 0 || unread > 0)
+    return false;
+  // The number of the system call and its arguments: read(0, ...).
+  std::ifstream file("/proc/" + std::to_string(child_.pid) + "/syscall");
+  long call = -1;
+  std::string descriptor;
+  return file >> call >> descriptor && call == SYS_read && descriptor == "0x0";
 }
 
 ChildProcess::End ChildProcess::reap() {

@@ -64,6 +64,11 @@ class ChildProcess {
   End how_it_ended();
   /// The last line that it wrote to standard error, in printable characters; empty without any.
   std::string last_error_line() const;
+  /// The path of its program.
+  const std::string& program() const { return program_; }
+  /// Whether it has read all of its input and waits for more: the kernel says so of its first
+  /// thread, as long as this program may look at it.
+  bool waits_for_input() const;
 
  private:
   bool has_ended() const;
@@ -72,6 +77,7 @@ class ChildProcess {
   void write_errors(std::string_view text);
   End reap();
 
+  std::string program_;
   Child child_;  // pid -1: its end has been waited for
   std::string out_;
   std::size_t written_ = 0;

@@ -9,6 +9,7 @@
 #include "libcore/model/process_model.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <optional>
@@ -30,10 +31,12 @@ struct ProcessGroup {
   std::string handshake;
   std::optional<ModelInfo> info;  // what the first process said; all later ones must say the same
   Launcher launcher;
+  std::atomic<bool> has_hinted{false};
 };
 
 namespace {
 
+constexpr unsigned kInFlight = 4;     // where neither the user nor the model says another number
 constexpr unsigned kMaxAttempts = 3;  // for one question, and to start a process
 
 std::chrono::nanoseconds nanoseconds(double seconds) {
@@ -51,6 +54,8 @@ std::chrono::nanoseconds nanoseconds(double seconds) {
   if (!last_words.empty()) what += format(" (last words: '{}')", last_words);
   const std::string error_line = child.last_error_line();
   if (!error_line.empty()) what += ": " + error_line;
+  if (error_line.starts_with("ModuleNotFoundError"))
+    what += format(" (the program is {})", child.program());
   if (end.has_given_up && !error_line.empty()) throw LastingError(what);
   throw ModelError(what);
 }
@@ -59,8 +64,26 @@ std::string who(const ProcessGroup& group, const std::string& what) {
   return format("process '{}' {}", command_text(group.command.words), what);
 }
 
+constexpr const char* kUnflushed =
+    "waits for input, though it owes an answer: does it flush its output after each line (in C "
+    "fflush(stdout))?";
+
+/// Waits as child.pump() does. A process that owes an answer and waits for input has written it
+/// into a buffer of its own, as C does with a pipe: the user gets a hint, long before the deadline.
+ChildProcess::Event pump(ProcessGroup& group, ChildProcess& child,
+                         ChildProcess::Clock::time_point deadline) {
+  constexpr std::chrono::seconds kPatience{2};
+  const auto soon = ChildProcess::Clock::now() + kPatience;
+  if (group.has_hinted || !group.options.hint || deadline <= soon) return child.pump(deadline);
+  const ChildProcess::Event event = child.pump(soon);
+  if (event != ChildProcess::Event::kTimeout) return event;
+  if (child.waits_for_input() && !group.has_hinted.exchange(true))
+    group.options.hint(who(group, kUnflushed));
+  return child.pump(deadline);
+}
+
 /// Waits for the first line of a process. @throw Error
-ModelInfo hear_first_line(const ProcessGroup& group, ChildProcess& child) {
+ModelInfo hear_first_line(ProcessGroup& group, ChildProcess& child) {
   const double seconds =
       std::max(group.options.timeout_seconds, group.options.start_timeout_seconds);
   const auto deadline = ChildProcess::Clock::now() + nanoseconds(seconds);
@@ -68,7 +91,7 @@ ModelInfo hear_first_line(const ProcessGroup& group, ChildProcess& child) {
   while (!child.next_line(line)) {
     if (child.rest().size() > kMaxFirstLineBytes)
       throw ModelError("wrote a first line that does not end");
-    const ChildProcess::Event event = child.pump(deadline);
+    const ChildProcess::Event event = pump(group, child, deadline);
     if (event == ChildProcess::Event::kEnded)
       throw_how_it_ended(child, " before it had said what it is");
     if (event == ChildProcess::Event::kTimeout)
@@ -106,7 +129,10 @@ class ProcessModel final : public Model {
   /// @param child a process that has said what it is; without one, it starts with the first
   /// question.
   ProcessModel(std::shared_ptr<ProcessGroup> group, std::unique_ptr<ChildProcess> child)
-      : Model(*group->info), group_(std::move(group)), child_(std::move(child)) {}
+      : Model(*group->info), group_(std::move(group)), child_(std::move(child)) {
+    const unsigned wanted = info().in_flight > 0 ? info().in_flight : kInFlight;
+    in_flight_ = group_->options.in_flight > 0 ? group_->options.in_flight : wanted;
+  }
 
   std::vector<double> known_states(const Vec3& x) override {
     std::vector<double> states;
@@ -163,6 +189,7 @@ class ProcessModel final : public Model {
 
   std::shared_ptr<ProcessGroup> group_;  // declared first: its launcher outlives the child
   std::unique_ptr<ChildProcess> child_;
+  unsigned in_flight_;
   std::uint64_t last_id_ = 0;
   std::vector<Question> sent_;  // and not answered, ascending by id
   std::deque<Question> again_;  // lost with a process, in the order in which they were first sent
@@ -203,7 +230,7 @@ void ProcessModel::ask_all(const NextQuestion& next, const QuestionDone& done) {
 /// Whether the process may have another question: one that is asked again is asked alone.
 bool ProcessModel::has_room() const {
   const bool alone = !again_.empty() || (!sent_.empty() && sent_.front().attempts > 1);
-  return sent_.size() < (alone ? 1 : group_->options.in_flight);
+  return sent_.size() < (alone ? 1 : in_flight_);
 }
 
 /// Answers whether there is a process; dead_ says why there can be none.
@@ -240,14 +267,13 @@ bool ProcessModel::send(Question question) {
 ProcessModel::Clock::time_point ProcessModel::deadline() const {
   const auto limit = nanoseconds(group_->options.timeout_seconds);
   const Clock::time_point oldest = sent_.front().sent;
-  return std::min(std::max(oldest, last_answer_) + limit,
-                  oldest + group_->options.in_flight * limit);
+  return std::min(std::max(oldest, last_answer_) + limit, oldest + in_flight_ * limit);
 }
 
 /// Hears what comes next. Answers why the process is of no use any more, if it is not.
 ProcessModel::Fault ProcessModel::listen(const QuestionDone& done) {
   try {
-    switch (child_->pump(deadline())) {
+    switch (pump(*group_, *child_, deadline())) {
       case ChildProcess::Event::kMoved:
         read_lines(done);
         return {};

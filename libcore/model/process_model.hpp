@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,9 +13,12 @@ namespace hapgrid {
 
 struct ProcessOptions {
   double timeout_seconds = 60;  ///< for one answer
-  unsigned in_flight = 4;       ///< questions that one process has at a time
+  unsigned in_flight = 0;       ///< questions that it has at a time; 0: what it asks for, or 4
   /// For the first line. The longer of both timeouts counts.
   double start_timeout_seconds = 60;
+  /// Gets a line for the user, at most once for a source: a process that owes an answer waits for
+  /// input. May be empty; is called by any thread.
+  std::function<void(const std::string&)> hint{};
 };
 
 struct ProcessGroup;

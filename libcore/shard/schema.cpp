@@ -193,6 +193,7 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
                : spec.tears     ? schema::Header::Tears::WANTED
                                 : schema::Header::Tears::NONE);
   out.setForceScale(spec.force_scale);
+  if (!spec.version.empty()) out.setModelVersion(spec.version);
 }
 
 SectionHeader decode_header(schema::Header::Reader in) {
@@ -212,6 +213,7 @@ SectionHeader decode_header(schema::Header::Reader in) {
   spec.tolerance_unit = in.getToleranceUnit();
   spec.length_unit = in.getLengthUnit();
   spec.energy_unit = in.getEnergyUnit();
+  spec.version = in.getModelVersion();
   spec.stored = {in.getStored().getForce(), in.getStored().getEnergy(), in.getStored().getShape()};
   const auto spheres = in.getSpheres();
   if (spec.stored.shape != (spheres.size() > 0) || spheres.size() > kMaxSpheres)

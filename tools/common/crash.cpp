@@ -31,7 +31,7 @@ class Line {
   void write() const { static_cast<void>(!::write(STDERR_FILENO, line_, size_)); }
 
  private:
-  char line_[200];
+  char line_[400];
   std::size_t size_ = 0;
 };
 
@@ -55,6 +55,7 @@ extern "C" void on_crash(int signal) {
         .number(c.level)
         .text(", direction ")
         .number(static_cast<unsigned>(c.q))
+        .text(c.while_what)
         .text("\n")
         .write();
   ::signal(signal, SIG_DFL);

@@ -29,7 +29,7 @@ void offer_python_module() {
   std::error_code ignored;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
   const std::filesystem::path folder = self.parent_path().parent_path() / "python";
-  if (!std::filesystem::exists(folder / "hapgrid.py", ignored)) return;
+  if (!std::filesystem::exists(folder / "hapgrid", ignored)) return;
   const char* given = std::getenv("PYTHONPATH");
   const std::string before = given && *given ? given + std::string(":") : "";
   ::setenv("PYTHONPATH", (before + folder.string()).c_str(), 1);
@@ -40,8 +40,14 @@ std::unique_ptr<ModelSource> process_source(const ProcessDefinition& process,
                                             const std::string& file,
                                             const ProcessOptions& options) {
   offer_python_module();
+  // As many models as the user wants work side by side. More threads in each would only be in the
+  // way of the others, and their number can change the last bits of a sum.
+  for (const char* threads : {"OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"})
+    ::setenv(threads, "1", /*overwrite=*/0);
+  ProcessOptions with_hint = options;
+  with_hint.hint = [](const std::string& line) { say("hapgrid", line); };
   return std::make_unique<ProcessSource>(process.name, process.command,
-                                         std::filesystem::path(file).parent_path(), options);
+                                         std::filesystem::path(file).parent_path(), with_hint);
 }
 
 }  // namespace
@@ -52,10 +58,10 @@ void add_model_options(CommandLine& app, ModelOptions& options) {
           "Definition whose command may be run as the model, if the grid's model is a process.")
       .type("MODEL.toml");
   app.add("--in-flight", options.process.in_flight,
-          "Number of questions that one model process has at a time, from 1 to 1024.")
+          "Questions that one model process has at a time, from 1 to 1024 (default: what the model "
+          "asks for, or 4).")
       .type("N")
-      .whole(1, 1024)
-      .shows_default();
+      .whole(1, kMaxInFlight);
   add_process_timeout(app, options.process);
 }
 

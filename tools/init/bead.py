@@ -4,11 +4,10 @@ The bead slides on a rail along x and rests in one of two wells. The HIP pulls i
 HIP's distance from the rail. The state s is the bead's place, in mm. With the HIP at (x, y, z) and q = y^2 + z^2,
 
   E = b/4 (s^2 - a^2)^2 + k(q)/2 (x - s)^2      k(q) = k0 / (1 + q/R^2)
-  dE/ds = 0:  s^3 + P s - Q = 0                 P = k/b - a^2,  Q = k/b x
+  dE/ds = b s (s^2 - a^2) - k(q) (x - s)
 
-There are two stable roots, one on each side of 0, or a single one. So the bead remembers
-only its side: the sign of s.
-help(hapgrid.serve) says what each function is for.
+The bead rests where dE/ds = 0: in two places, one on each side, or in a single one.
+help(hapgrid.serve) and help(hapgrid.relax) say what each function is for.
 """
 import math
 
@@ -32,28 +31,27 @@ class Bead:
     def spring(self, x):
         return self.stiffness / (1 + (x[1] * x[1] + x[2] * x[2]) / (self.reach * self.reach))
 
-    def settle(self, x, right):
-        """The bead's place with the HIP at x when it comes from that side. Your equations go here."""
-        k = self.spring(x) / self.b
-        p, q = (k - self.wells * self.wells) / 3, k * x[0] / 2  # a third of P, half of Q
-        d = q * q + p * p * p
-        if d < 0:  # two stable roots
-            root = 2 * math.sqrt(-p) * math.cos(math.acos((q if right else -q) / math.sqrt(-p * p * p)) / 3)
-            return root if right else -root
-        u = (abs(q) + math.sqrt(d))**(1 / 3)  # Cardano's formula u - p/u, written so that nothing cancels
-        return 2 * q / (u * u + p + p / u * (p / u)) if u > 0 else 0.0
+    def settle(self, place, x):
+        """Downhill in energy from a place of the bead to the next well. Your equations go here."""
+        k = self.spring(x)
+
+        def energy_and_gradient(s):
+            well, u = s[0] * s[0] - self.wells * self.wells, x[0] - s[0]
+            return self.b / 4 * well * well + k / 2 * u * u, [self.b * s[0] * well - k * u]
+
+        return hapgrid.relax(energy_and_gradient, [place], step=self.wells / 50, tolerance=1e-9)[0]
 
     def known_states(self, x):
         """What the search starts from, in the corners of the box: a state for each side, or a single one."""
-        left, right = self.settle(x, False), self.settle(x, True)
+        left, right = self.settle(-self.wells, x), self.settle(self.wells, x)
         return [[left], [right]] if left < 0 < right else [[left]]
 
     def convert(self, s, x, d):
         """C(s, x, d): the HIP walks from x to x + d in steps that are short against the reach of the spring."""
-        place, steps = s[0], math.ceil(math.hypot(*d) / (self.reach / 64))
+        place, steps = s[0], math.ceil(math.hypot(*d) / (self.reach / 32))
         for step in range(1, steps + 1):
             hip = [a + step / steps * b for a, b in zip(x, d)]
-            place = self.settle(hip, place >= 0)
+            place = self.settle(place, hip)
             if math.dist(hip, [place, 0, 0]) > self.strength:
                 raise ValueError(f"the spring broke: it is longer than {self.strength:g} mm")
         return [place]

@@ -12,6 +12,7 @@
 #include "libcore/check/gradient.hpp"
 #include "libcore/check/invariants.hpp"
 #include "libcore/check/passive.hpp"
+#include "libcore/check/snaps.hpp"
 #include "libcore/check/tears.hpp"
 #include "libcore/model/model.hpp"
 #include "libcore/search/converter.hpp"
@@ -108,6 +109,7 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
     add(recompute_conversions(grid, sample, make_model, asked.threads));
     if (is_stored) add(check_stored(grid, sample, make_model, asked.threads));
     if (grid.has_tears()) add(recompute_tears(grid, sample, *source, asked.threads));
+    add(check_snaps(grid, sample, make_model, asked.threads));
   }
 
   // What does the hand feel?

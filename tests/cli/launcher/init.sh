@@ -30,7 +30,7 @@ made() (
   "$hapgrid" init "$folder" "$@" >said
   PATH=/usr/bin:/bin
   make -C "$folder" "${small[@]}" >made.out 2>made.err || fail "$(cat made.out made.err)"
-  for verdict in 'check-model: fine: 7 checks' 'verify: fine: 1[0-9] checks'; do
+  for verdict in 'check-model: fine: 8 checks' 'verify: fine: 1[0-9] checks'; do
     grep -qx "$verdict" made.err || fail "$folder: not '$verdict': $(cat made.err)"
   done
   cp "$folder/$folder.grid" "$folder.first"

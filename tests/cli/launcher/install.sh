@@ -14,7 +14,7 @@ for launcher in "$hapgrid" "$HAPGRID_BUILD/bin/hapgrid"; do (
   eval "$("$launcher" env)"
   same 'what seed is' "$("$launcher" bin)/seed" "$(command -v seed)"
   [[ $MANPATH == *: && $(man -w hapgrid-seed) == "${MANPATH%:}"/man1/hapgrid-seed.1* ]] || fail "no page: MANPATH is $MANPATH"
-  same 'the module' "$(readlink -f "$("$launcher" bin)/../python/hapgrid.py")" \
+  same 'the module' "$(readlink -f "$("$launcher" bin)/../python/hapgrid/__init__.py")" \
     "$(/usr/bin/python3 -c 'import hapgrid; print(hapgrid.__file__)')"
 ); done
 for tool in seed expand merge verify stats play view check-model; do

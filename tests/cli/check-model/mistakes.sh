@@ -1,0 +1,183 @@
+# The mistakes of owners of models, each made as its owner would make it: check-model names it.
+source "$(dirname "$0")/../lib.sh"
+
+cat >mistaken.py <<'PYTHON'
+import math
+import random
+import time
+import hapgrid
+
+
+class Bead:
+    """A bead on a rail, held by a spring at 0 and pulled by the HIP; what is mistaken is told by name."""
+
+    def __init__(self, mistake):
+        self.mistake, self.asked = mistake, 0
+        self.description = {"state_size": 2, "d_max": 2.0, "tolerance": 1e-6, "energy_unit": "J", "force_scale": 1}
+        if mistake == "no scale":
+            del self.description["force_scale"]
+        if mistake == "no force":
+            self.force = self.energy = None
+            self.description["stored"] = []
+
+    def known_states(self, x):
+        return [[x[0] / 2, 0.0]]
+
+    def convert(self, s, x, d):
+        self.asked += 1
+        place = (x[0] + d[0]) / 2
+        if self.mistake == "last bits":  # they depend on history
+            place += self.asked % 2 * 1e-13
+        if self.mistake == "history":
+            place += self.asked % 2 * 1e-4
+        if self.mistake == "edge" and x[0] + d[0] > 1.9:
+            raise RuntimeError("the mesh is inverted")
+        if self.mistake == "damped":  # an engine whose damping begins above a velocity: it stops before it is at rest
+            place = s[0] + (place - s[0]) * (1 - 0.01 * (abs(place - s[0]) > 0.01))
+        if self.mistake == "slow":
+            time.sleep(0.3)
+        return [place, 0.0]
+
+    def force(self, s, x):
+        force = [s[0] - x[0], -x[1], -x[2]]
+        if self.mistake == "one of three" and x[0] > 0:
+            force[1] = math.nan
+        if self.mistake == "sign":
+            force = [-f for f in force]
+        if self.mistake in ("thousand", "strong"):
+            force = [1000 * f for f in force]
+        return force
+
+    def energy(self, s, x):
+        scale = 1000 if self.mistake == "strong" else 1
+        return scale * (s[0]**2 / 2 + (x[0] - s[0])**2 / 2 + x[1]**2 / 2 + x[2]**2 / 2)
+
+
+hapgrid.serve(Bead)
+PYTHON
+define() {
+  cat <<TOML
+model = {process = ["/usr/bin/python3", "mistaken.py"], name = "mistaken", parameters = {mistake = "$1"}}
+grid = {origin = [-2, 0, 0], spacing = 0.5, counts = [9, 3, 3]}
+TOML
+}
+# finds MISTAKE CODE REGEX VERDICT
+finds() {
+  define "$1" >mistaken.toml
+  expect "$2" "~$3" "~$4" -- check-model mistaken.toml --allow-process --steps 60
+}
+any='(.|'$'\n'')*'
+finds none 0 "${any}returns +60 conversions +0  note${any}spread 0: 99 % of the states that count as the same are this near; the tolerance is 1e-06$any" \
+  'check-model: fine: 8 checks'
+# What is said first is what matters most.
+finds 'no force' 0 "check +counted +offenders +verdict"$'\n'"felt +1 models +1  note"$'\n'"${any}"$'\n\n'"felt: a model without a force: nothing of its grid can be felt.*"$'\n'"$any" \
+  'check-model: fine: [0-9]+ checks'
+finds 'no scale' 3 "${any}gradient: force_scale is 0: it says how many newtons one unit of energy per unit of length is, here 1"$'\n'"$any" \
+  'check-model: broken: gradient .*'
+finds sign 3 "${any}gradient: the sign of the force is wrong: it points up the energy"$'\n'"$any" 'check-model: broken: gradient .*'
+finds thousand 3 "${any}gradient: the force is 1,000 times the energy's negative gradient: is its unit right, or should force_scale be 1000\?"$'\n'"$any" \
+  'check-model: broken: gradient .*'
+finds strong 0 "${any}strong: forces beyond 100 N, which no device sends: is force_scale right, and the force in newtons\?"$'\n'"$any" \
+  'check-model: fine: .*'
+finds 'one of three' 3 "${any}force\(\) returned \[[-0-9.]+, nan, -0.0\]$any" 'check-model: broken: defined .*'
+finds edge 3 "${any}RuntimeError: the mesh is inverted \(mistaken\.py, line [0-9]+\)$any" 'check-model: broken: defined .*'
+# A step that failed is no other state.
+grep -qE '^returns .* 0  note$' "$work/got/out" || fail 'a step back that failed is another state'
+# Last bits are a note, with their size; more than that is a fault, with the component.
+finds 'last bits' 0 "${any}deterministic +120 conversions +[0-9]+  note$any"$'\n'"deterministic: C, asked again, answers with other last bits, which differ by up to [0-9.e-]+\. That is far below the tolerance, 1e-06;$any" \
+  'check-model: fine: .*'
+finds history 3 "${any}, component 0 differs most, by 0\.0001"$'\n'"$any" 'check-model: broken: deterministic .*'
+finds damped 3 "${any}stays: .*"$'\n'"$any, component 0 differs most, by [0-9.e-]+"$'\n'"$any" 'check-model: broken: .*stays.*'
+
+# A slow model: no conversion of the walks begins after their time, though a step takes a dozen. Each takes 0.3 s.
+define slow >slow.toml
+check-model slow.toml --allow-process --seconds 2 --format json -o slow.json 2>/dev/null || true
+python3 -c '
+import json
+rows = {row["name"]: row["counted"] for row in json.load(open("slow.json"))["checks"]}
+assert 1 <= rows["defined"] <= 8, rows
+'
+
+# A descent that leaps: the truss snaps where it meets no limit point. Steps of any length, as those of the minimisers of
+# SciPy and ASE, and of relax(), which cannot leap.
+cat >truss.py <<'PYTHON'
+import math
+import hapgrid
+
+
+class Truss:
+    """Two bars from (-1, 0) and (1, 0) to an apex, which springs tie to the HIP. The state is the apex."""
+    bars, tie, rest = 50.0, 2.0, math.hypot(1, 0.5)
+    description = {"state_size": 2, "d_max": 3.0, "tolerance": 1e-4, "force_scale": 1}
+
+    def __init__(self, leaps):
+        self.leaps = leaps
+
+    def energy_and_gradient(self, s, x):
+        energy = self.tie / 2 * ((s[0] - x[0])**2 + x[1]**2 + (s[1] - x[2])**2)
+        gradient = [self.tie * (s[0] - x[0]), self.tie * (s[1] - x[2])]
+        for end in (-1, 1):
+            length = math.hypot(s[0] - end, s[1])
+            pull = self.bars / self.rest * (length - self.rest)
+            energy += pull * (length - self.rest) / 2
+            gradient = [gradient[0] + pull * (s[0] - end) / length, gradient[1] + pull * s[1] / length]
+        return energy, gradient
+
+    def leap(self, function, s):
+        """Steepest descent whose first trial is as long as the gradient, as that of SciPy's BFGS is."""
+        energy, gradient = function(s)
+        for _ in range(5000):
+            size = math.hypot(*gradient)
+            if size < 1e-7:
+                break
+            length = min(1.0, size)
+            while length > 1e-12:
+                trial = [a - length * g / size for a, g in zip(s, gradient)]
+                there, slope = function(trial)
+                if there < energy - 1e-4 * length * size:
+                    break
+                length /= 2
+            else:
+                break
+            s, energy, gradient = trial, there, slope
+        return s
+
+    def convert(self, s, x, d):
+        steps = max(1, math.ceil(math.hypot(*d) / (0.7 if self.leaps else 0.05)))
+        for k in range(1, steps + 1):
+            there = [a + k / steps * b for a, b in zip(x, d)]
+            function = lambda p: self.energy_and_gradient(p, there)
+            s = self.leap(function, s) if self.leaps else hapgrid.relax(function, s, step=0.05, tolerance=1e-7)
+        return s
+
+    def known_states(self, x):
+        up, down = (self.convert([0.0, z], x, [0, 0, 0]) for z in (0.5, -0.5))
+        return [up, down] if math.dist(up, down) > 0.01 else [up]
+
+    def force(self, s, x):
+        return [self.tie * (s[0] - x[0]), -self.tie * x[1], self.tie * (s[1] - x[2])]
+
+    def energy(self, s, x):
+        return self.energy_and_gradient(s, x)[0]
+
+
+if __name__ == "__main__":
+    hapgrid.serve(Truss)
+PYTHON
+for leaps in 1 0; do
+  cat >truss.toml <<TOML
+model = {process = ["/usr/bin/python3", "truss.py"], name = "truss", parameters = {leaps = $leaps}}
+grid = {origin = [-0.35, 0, -1.4], spacing = 0.35, counts = [3, 2, 9]}
+TOML
+  seed truss.toml --allow-process | expand --complete --allow-process truss.toml -o "truss.$leaps.grid"
+  if ((leaps)); then
+    expect 3 "~${any}snaps: steps along which the model snaps, and which end in another state when they are made in 64 pieces: C leaps over barriers.*$any" \
+      '~check-model: broken: (.*, )?snaps .*' -- check-model truss.toml --allow-process --steps 120
+    expect 3 "~${any}snaps +[0-9]+ one-way links +[0-9]+  broken$any" '~verify: broken: (.*, )?snaps .*' -- \
+      verify "truss.$leaps.grid" --recompute 40 --allow-process truss.toml
+  else
+    expect 0 "~${any}snaps +[1-9][0-9]* steps +0  note$any" '~check-model: fine: .*' -- check-model truss.toml --allow-process --steps 120
+    expect 0 "~${any}snaps +[1-9][0-9]* one-way links +0  note$any" '~verify: fine: .*' -- \
+      verify "truss.$leaps.grid" --recompute 40 --allow-process truss.toml
+  fi
+done

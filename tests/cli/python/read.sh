@@ -1,0 +1,89 @@
+# The Python module: read() gives what the dump of a grid and the text of a session say, and search() makes a grid.
+source "$(dirname "$0")/../lib.sh"
+python=$(realpath "$HAPGRID_BIN/../python")
+
+cat >half.py <<'PYTHON'
+import types
+import hapgrid
+import numpy as np
+
+hapgrid.serve(lambda: types.SimpleNamespace(
+    description={"state_size": 2, "d_max": 2, "tolerance": 1e-6, "force_scale": 1, "spheres": [{"radius": 0.1}] * 2},
+    convert=lambda s, x, d: (np.array(x) + d)[:2] / 2, known_states=lambda x: [np.array(x[:2]) / 2],
+    force=lambda s, x: [-s[0], -s[1], np.float32(0.5)], energy=lambda s, x: s[0]**2 + s[1]**2 - x[2] / 2,
+    shape=lambda s, x: [*s, 0, *x]))
+PYTHON
+cat >half.toml <<'TOML'
+model = {process = ["/usr/bin/python3", "half.py"], name = "half"}
+grid = {origin = [-1, 0, 0], spacing = 1, counts = [3, 2, 2]}
+TOML
+seed half.toml --allow-process | expand --complete --allow-process half.toml -o grid
+
+# What read() gives is what the dump and the text of a session say.
+stats grid --dump >dump
+printf '%s\n' '-0.5 0.5 0.5' '0.5 0.5 0.5' >path
+play grid --device path:path --log a.session --frames a.frames 2>/dev/null
+play grid --device path:path --log a.log 2>/dev/null
+stats --log a.session --export text
+head -c 200 grid >cut
+head -c -20 a.session >cut.session
+touch empty
+(cat a.frames; head -c 100 /dev/zero | tr '\0' '\377') >cut.frames  # no message begins so
+sed '2s/\t/\tx/' a.log >bad.log
+PYTHONPATH=$python /usr/bin/python3 - <<'PYTHON'
+import pathlib
+import hapgrid
+import numpy as np
+
+grid = hapgrid.read("grid")
+dump = np.array([line.split("\t")[:6] for line in open("dump") if line[0] != "#"], float)
+assert len(dump) >= 12
+assert (grid["point"] == dump[:, :3]).all() and (grid["level"] == dump[:, 3]).all()
+assert (grid["state"] == dump[:, 4:]).all()
+# In closed form: the state is half of where the HIP is, and the force leads back from it.
+assert (grid["state"] == (grid["origin"] + grid["spacing"] * grid["point"])[:, :2] / 2).all()
+assert (grid["force"] == np.column_stack([-grid["state"], np.full(len(dump), 0.5)])).all()
+ticks, text = hapgrid.read(pathlib.Path("a.session"))["ticks"], np.loadtxt("text")
+assert len(ticks) == len(text) == 2 and (ticks["t"] == text[:, 0]).all() and (ticks["hip"] == text[:, 1:4]).all()
+text, log = np.loadtxt("a.log"), hapgrid.read("a.log")["ticks"]
+again = hapgrid.read("a.session", grid="grid")["ticks"]
+assert log.dtype.names == ("t", "hip", "force", "sent", "levels", "state", "energy")
+for got in log, again:
+    assert (got["t"] == text[:, 0]).all() and (got["hip"] == text[:, 1:4]).all() and (got["force"] == text[:, 4:7]).all()
+    assert (got["sent"] == text[:, 7:10]).all() and (got["levels"] == text[:, 10:18]).all()
+    assert (got["state"] == text[:, 18:20]).all() and (got["energy"] == text[:, 20]).all()
+frames = hapgrid.read("a.frames")["frames"]
+assert len(frames) >= 1 and (frames["hip"][-1] == [0.5, 0.5, 0.5]).all() and (frames["position"] == frames["hip"]).all()
+last = frames[-1]
+assert (last["state"] == log["state"][-1]).all() and last["energy"] == log["energy"][-1] and last["tick"] == len(log) - 1
+assert last["shape"].shape == (2, 3) and np.isnan(last["own_energy"]) and (last["sent"] == log["sent"][-1]).all()
+assert np.abs(last["shape"] - [[*last["state"], 0], last["hip"]]).max() < 1e-6  # floats below 1
+for name, error, words in (("gone", FileNotFoundError, "gone"), ("cut", ValueError, "cut: stats: "), ("empty", ValueError, "empty: stats: "),
+                           ("cut.session", ValueError, "a session without a tick, which ended early"), ("dump", ValueError, "dump: stats: "),
+                           ("cut.frames", ValueError, "cut.frames: damaged frames"), ("bad.log", ValueError, "bad.log: not a log of play")):
+    try:
+        hapgrid.read(name)
+    except error as why:
+        assert words in str(why) and "\n" not in str(why), why
+    else:
+        raise AssertionError(name)
+PYTHON
+
+# search() leaves the bytes of the filters, shows progress on a terminal alone, and says what a filter said.
+PYTHONPATH=$python /usr/bin/python3 - >said 2>&1 <<'PYTHON'
+import hapgrid
+
+assert hapgrid.search("half.toml", allow_process=True) == "half.grid"
+assert len(hapgrid.read(hapgrid.search("half.toml", "finer.grid", allow_process=True, processors=2,
+                                       set={"grid.spacing": 0.5, "grid.counts": [5, 3, 3]}))["level"]) == 45
+for arguments, words in (({}, "give search() allow_process=True"), ({"allow_process": True, "set": {"search.max_levels": 0}}, "max_levels"),
+                         ({"allow_process": True, "output": "/dev/null/x"}, "/dev/null/x")):
+    try:
+        hapgrid.search("half.toml", **arguments)
+    except RuntimeError as why:
+        assert words in str(why), why
+    else:
+        raise AssertionError(arguments)
+PYTHON
+same 'what search() shows' '' "$(cat said)"
+cmp grid half.grid

@@ -1,0 +1,88 @@
+"""read(): hapgrid's files as arrays of NumPy."""
+from __future__ import annotations
+
+import io
+import os
+import subprocess
+
+from hapgrid.frames import MAGIC, read_frames
+
+COLUMNS = 10  # of a text log before the levels: t, the HIP, the model's force and the one that was sent
+
+
+def program(name: str) -> str:
+    """The path of a filter: this module lies beside their folder."""
+    return os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../bin", name)
+
+
+def read(path: str | os.PathLike, grid: str | os.PathLike | None = None) -> dict:
+    """The arrays of a grid, a session, a text log or a file of frames, as a dict from their names to arrays of NumPy.
+
+    hapgrid-stats(1) lists those of a grid and of a session. A grid's have a row for each record: "point" (n x 3),
+    "level", "state" (n x m), "force" (n x 3, where it is stored) and more. What play wrote is one array with fields, a
+    row for each tick or frame:
+
+        "ticks"    of a session: t, hip, force (the model's), sent, levels, flags, lateness_us, compute_us; of a text log:
+                   t, hip, force, sent, levels, state and, where the model has them, energy and own_energy
+        "frames"   t, tick, hip, position (in the box), sent, force, energy, state, levels, shape, jumps, own_energy
+
+    A session has neither states nor energies. With `grid`, the file of the grid that was played, play replays the
+    session there by its defaults, and the ticks are those of a text log, with both.
+
+    Raises OSError when the file cannot be read, and ValueError when it is none of these or damaged.
+    """
+    path = os.fspath(path)
+    with open(path, "rb") as file:
+        start = file.read(64)
+        if start.startswith(b"# t\t"):
+            return {"ticks": _text_log(path, file)}
+        if MAGIC in start:
+            return {"frames": read_frames(path, start + file.read())}
+    if grid is not None:
+        return {"ticks": _replayed(path, os.fspath(grid))}
+    return _arrays(path)
+
+
+def _arrays(path):
+    import numpy
+
+    told = []
+    for kind in [], ["--log", "-"]:
+        with open(path, "rb") as file:
+            result = subprocess.run([program("stats"), *kind, "--npz", "-"], stdin=file, capture_output=True, check=False)
+        if result.returncode == 0:
+            with numpy.load(io.BytesIO(result.stdout)) as arrays:
+                return dict(arrays)
+        told.append(result.stderr.decode(errors="replace").strip())
+    why = told[0] if "not a session" in told[1] or "--log" in told[1] else told[1]
+    raise ValueError(f"{path}: {why}")
+
+
+def _replayed(path, grid):
+    command = [program("play"), grid, "--device", f"replay:{path}", "--log", "-"]
+    result = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
+    if result.returncode != 0:
+        raise ValueError(f"{path}: {result.stderr.decode(errors='replace').strip()}")
+    return _text_log(path, io.BytesIO(result.stdout))
+
+
+def _text_log(path, file):
+    import numpy
+
+    file.seek(0)
+    names = file.readline().decode("utf-8", "replace").lstrip("# ").split()
+    try:
+        numbers = numpy.loadtxt(file, ndmin=2).reshape(-1, len(names))
+    except ValueError as error:
+        raise ValueError(f"{path}: not a log of play: {error}") from None
+    states = sum(name[0] == "s" and name[1:].isdigit() for name in names)
+    fields = [("t", float), ("hip", float, 3), ("force", float, 3), ("sent", float, 3), ("levels", "u1", 8),
+              ("state", float, (states,))]
+    fields += [(name, float) for name in names[COLUMNS + 8 + states:]]
+    ticks, at = numpy.zeros(len(numbers), fields), 0
+    for name in ticks.dtype.names:
+        shape = ticks.dtype[name].shape
+        width = shape[0] if shape else 1
+        ticks[name] = numbers[:, at:at + width] if shape else numbers[:, at]
+        at += width
+    return ticks

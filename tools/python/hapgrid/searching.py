@@ -1,0 +1,114 @@
+"""search(): the filters seed and expand, with their progress where a notebook or a terminal can show it."""
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from hapgrid.files import program
+
+BAR = 30  # characters
+UNITS = {"": 1, " k": 1e3, " M": 1e6, " G": 1e9, " T": 1e12}  # of the filters' numbers
+
+
+def search(definition: str | os.PathLike, output: str | os.PathLike | None = None, *, allow_process: bool = False,
+           processors: int | None = None, set: Mapping[str, Any] | None = None) -> str:
+    """Searches the grid of a definition, and returns the name of its file, for read().
+
+    output          the file; by default the definition's name with .grid. What is there is replaced when the new grid is
+                    complete. After an interruption the same call goes on.
+    allow_process   whether the command that the definition names may be started: a model in Python needs it
+    processors      how many models work at a time; by default, all processors of the machine
+    set             keys of the definition that have other values than in the file: {"grid.spacing": 0.5}
+
+    Progress goes to the notebook's cell, or to standard error if that is a terminal. Raises RuntimeError with what a
+    filter said when it failed.
+    """
+    definition = os.fspath(definition)
+    grid = os.fspath(output) if output is not None else os.path.splitext(definition)[0] + ".grid"
+    overrides = [word for key, value in (set or {}).items() for word in ("--set", f"{key}={_toml(value)}")]
+    seeds = subprocess.run([program("seed"), definition, *overrides, *["--allow-process"] * allow_process],
+                           stdin=subprocess.DEVNULL, capture_output=True, check=False)
+    if seeds.returncode != 0:
+        hint = "; give search() allow_process=True" if not allow_process and b"--allow-process" in seeds.stderr else ""
+        raise RuntimeError(seeds.stderr.decode(errors="replace").strip() + hint)
+    command = [program("expand"), "--complete", "-", "-o", grid, "-j", str(processors or os.cpu_count() or 1)]
+    if allow_process:
+        command += ["--allow-process", definition]
+    _watch(command, seeds.stdout)
+    return grid
+
+
+def _watch(command, seeds):
+    """Runs expand with a terminal of its own as standard error, because it shows progress on a terminal alone."""
+    screen, terminal = os.openpty()
+    # A terminal's size of 0 is none: no line is cut.
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=terminal) as running:
+        os.close(terminal)
+        try:
+            try:
+                running.stdin.write(seeds)
+                running.stdin.close()
+            except BrokenPipeError:
+                pass  # it says why
+            said = _show(screen)
+        except BaseException:
+            running.terminate()
+            raise
+        finally:
+            os.close(screen)
+    if running.returncode != 0:
+        raise RuntimeError(said[-1] if said else f"expand ended with {running.returncode}")
+
+
+def _show(screen):
+    """Shows the lines of progress until the end. Returns all other lines."""
+    said, text, show = [], b"", _display()
+    while True:
+        try:
+            text += os.read(screen, 1 << 16)
+        except OSError:  # Linux says so when the other side is closed
+            break
+        *lines, text = re.split(rb"[\r\n]+", text)
+        for line in (line.decode(errors="replace").replace("\x1b[K", "").strip() for line in lines):
+            if not line:
+                continue
+            if part := _part(line):
+                show(f"[{'#' * round(BAR * part[0]):{BAR}}] {part[1]}")
+            else:
+                said.append(line)
+    show(None)
+    return said
+
+
+def _part(line):
+    """How much of its round a line of progress has behind it, and what it says; None for any other line."""
+    number = r"([0-9.]+)( [kMGT])?"
+    found = re.search(f"{number} of {number} (conversions|one-way links)", line)
+    if not line.startswith("expand: ") or not found:
+        return None
+    done, all_of_them = (float(found[i]) * UNITS[found[i + 1] or ""] for i in (1, 3))
+    return min(1.0, done / all_of_them if all_of_them else 1.0), line.removeprefix("expand: ")
+
+
+def _display():
+    """A function that shows one line in place of the one before, and the end for None."""
+    if "ipykernel" in sys.modules:
+        from IPython.display import display
+
+        handle = display({"text/plain": ""}, raw=True, display_id=True)
+        return lambda line: line is None or handle.update({"text/plain": line}, raw=True)
+    if not sys.stderr.isatty():
+        return lambda line: None
+    return lambda line: print("\r\033[K" + (line or ""), end="", file=sys.stderr, flush=True)
+
+
+def _toml(value) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    return str(value)
