@@ -13,9 +13,6 @@ namespace hapgrid {
 
 namespace {
 
-// The contents of all files together: they go into every shard's header.
-constexpr std::size_t kMaxFileBytes = 2 << 20;
-
 class Reader : private TomlFile {
  public:
   Reader(const std::string& text, const std::string& name,

@@ -1,6 +1,7 @@
 // MODEL.toml: the file in which a user defines a grid.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -10,6 +11,10 @@
 #include "libcore/grid/spec.hpp"
 
 namespace hapgrid {
+
+/// The most bytes of all files of [model.files] together: 64 MiB. Their contents go, compressed, into
+/// every shard's header.
+inline constexpr std::size_t kMaxFileBytes = 64 << 20;
 
 /// A seed point of the file: a position, and its states if the file gives them.
 struct SeedDefinition {

@@ -39,6 +39,12 @@ class PluginParameters {
   PluginParameters(const hapgrid_parameter* parameters, std::size_t count)
       : parameters_(parameters), count_(count) {}
 
+  /// Whether the definition gives the key, with any type.
+  bool has(const std::string& key) {
+    asked_.insert(key);
+    return std::any_of(parameters_, parameters_ + count_,
+                       [&](const hapgrid_parameter& p) { return key == p.key; });
+  }
   /// @throw std::runtime_error when the key is there with another type.
   double number(const std::string& key, double default_value) {
     const hapgrid_parameter* p = find(key, HAPGRID_NUMBER, "a number");

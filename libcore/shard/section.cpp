@@ -14,9 +14,9 @@ namespace hapgrid {
 
 namespace {
 
-// A header carries the model's parameters in full. A footer has 56 bytes a chunk, half of them
-// hashes, and so is not much larger than its zstd frame.
-constexpr std::uint64_t kMaxHeaderBytes = 64 << 20;
+// A header carries the model's parameters in full, of which files have at most 64 MiB. A footer has
+// 56 bytes a chunk, half of them hashes, and so is not much larger than its zstd frame.
+constexpr std::uint64_t kMaxHeaderBytes = 80 << 20;
 constexpr std::uint64_t kMaxFooterRatio = 16;
 
 template <class F>

@@ -40,12 +40,12 @@ bad 1,20d 'the table \[model\] is missing'
 
 # Files whose contents are parameters.
 printf '\0' >zeros
-head -c 1100000 /dev/zero | tr '\0' x >big
+head -c 33600000 /dev/zero | tr '\0' x >big
 bad '4a [model.files]\nradius = "big"' 'line 6: radius is both in \[model.parameters\] and in \[model.files\]'
 sed '4a [model.files]\nnotes = "gone"' good.toml >bad.toml
 refuses 'seed: gone: No such file or directory' -- seed bad.toml -o out
 bad '4a [model.files]\nnotes = "zeros"' 'line 6: model\.files\.notes: is no text file'
-bad '4a [model.files]\nnotes = ["big", "big"]' 'line 6: the files of \[model\.files\] have more than 2097152 bytes in all'
+bad '4a [model.files]\nnotes = ["big", "big"]' 'line 6: the files of \[model\.files\] have more than 67108864 bytes in all'
 bad '4a [model.files]\nnotes = 3' 'line 6: model\.files\.notes must be a text in quotes'
 # What has no end, or waits for one: refused at once, and the temporary directory stays empty.
 mkfifo pipe

@@ -31,7 +31,7 @@ Definition load_definition(const DefinitionOptions& options) {
   const std::filesystem::path directory = std::filesystem::path(options.file).parent_path();
   return read_definition(read_toml(options.file), name, options.overrides,
                          [&](const std::string& file) {
-                           return read_regular_text(directory / file, kMaxDefinitionBytes);
+                           return read_regular_text(directory / file, kMaxFileBytes);
                          });
 }
 

@@ -4,8 +4,10 @@
 #include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string_view>
 
+#include "libcore/base/digest.hpp"
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/json.hpp"
@@ -42,7 +44,22 @@ const char* norm_name(Equality::Norm norm) {
   return "rms";
 }
 
+// A longer text is the contents of a file, of which the report has the size and the digest.
+constexpr std::size_t kLongText = 65536;
+
+Json text_json(const std::string& text) {
+  if (text.size() <= kLongText) return text;
+  const Digest digest = digest_of(std::as_bytes(std::span(text)));
+  return {{"bytes", text.size()}, {"xxh128", format("{:016x}{:016x}", digest.high, digest.low)}};
+}
+
 Json value_json(const ParameterValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return text_json(*text);
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&value)) {
+    Json list = Json::array();
+    for (const std::string& text : *texts) list.push_back(text_json(text));
+    return list;
+  }
   return std::visit([](const auto& v) { return Json(v); }, value);
 }
 
@@ -194,7 +211,7 @@ std::string statistics_text(const GridSpec& spec, const Statistics& s, const Cos
   row("model", model + (spec.equality.is_declared() ? ", a process" : ""));
   for (const Parameter& p : spec.parameters) {
     std::string value = json_line(value_json(p.value));
-    // Contents of files; --format json has them in full.
+    // Contents of files.
     if (value.size() > kLongValue)
       value = format("{}... ({} bytes)", value.substr(0, kLongValue), value.size());
     row("parameter", format("{} = {}", printable_line(p.key), value));

@@ -50,16 +50,16 @@ def with_parts(parts):
 
 def hostile_frames():
     parts = shard.frames(SEEDS)
-    # A zstd frame that says it holds 2^62 bytes, 8 TB, 64 MiB and a word; and one that does not say.
-    for size in (1 << 62, 1 << 43, (64 << 20) + 8):
+    # A zstd frame that says it holds 2^62 bytes, 8 TB, 80 MiB and a word; and one that does not say.
+    for size in (1 << 62, 1 << 43, (80 << 20) + 8):
         claim = b"\x28\xb5\x2f\xfd\xe4" + struct.pack("<Q", size) + b"\x01\x00\x00" + b"\0\0\0\0"
         for at in range(3):
             bad = parts[:at] + [claim] + parts[at + 1 :]
             refused("a zstd frame of %d bytes" % size, "expand BAD", with_parts(bad), "a message of %d bytes, the limit is" % size)
     silent = shard.run(["zstd", "-qc", "--check"], shard.decompress(parts[0]))
     refused("a zstd frame without its size", "expand BAD", with_parts([silent, parts[1], parts[2]]), "a zstd frame without its content's size")
-    # Bombs: what 64 MiB of zeros become, in each place. A header or a footer may be so large.
-    bomb = shard.frame(bytes(64 << 20))
+    # Bombs: what 80 MiB of zeros become, in each place. A header or a footer may be so large.
+    bomb = shard.frame(bytes(80 << 20))
     for at in range(3):
         bad = with_parts(parts[:at] + [bomb] + parts[at + 1 :])
         refused("a bomb at %d" % at, "expand BAD", bad, "the limit is|bytes behind the message")

@@ -4,7 +4,10 @@ export LC_ALL=C.UTF-8
 
 tools=(hapgrid feel init seed expand merge verify stats play view check-model)
 molecule() { hapgrid molecule "$@"; }
-[[ ! -e $HAPGRID_BUILD/man/man1/hapgrid-molecule.1 ]] || tools+=(molecule)  # where its modules are
+table() { hapgrid table "$@"; }
+for command in molecule table; do
+  [[ ! -e $HAPGRID_BUILD/man/man1/hapgrid-$command.1 ]] || tools+=("$command")  # where its modules are
+done
 for tool in "${tools[@]}"; do
   lines=85 page=hapgrid-$tool
   [[ $tool != play ]] || lines=125
@@ -14,7 +17,7 @@ for tool in "${tools[@]}"; do
   (($(wc -l <help) <= lines)) || fail "$tool --help has $(wc -l <help) lines"
   # None of CLI11's own notes on types and options is left.
   ! grep -E ':(INT|FLOAT|TEXT|POSITIVE|\{)|Needs:|Excludes:|REQUIRED|\{auto\}' help || fail "$tool --help shows how it is parsed"
-  [[ $tool =~ ^(molecule|feel|init)$ ]] || for code in 'Exit codes:' '  0  done' '  1  could not' '  2  the command line is wrong'; do
+  [[ $tool =~ ^(molecule|table|feel|init)$ ]] || for code in 'Exit codes:' '  0  done' '  1  could not' '  2  the command line is wrong'; do
     grep -q "^$code" help || fail "$tool --help does not say: $code"
   done
 

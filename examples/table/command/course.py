@@ -1,0 +1,152 @@
+"""The course of a table from its file to the page."""
+
+import math
+import os
+import shlex
+
+import numpy as np
+
+from . import page, readers
+from .work import Failed, Work, digest
+
+MOST_POINTS = 2_200_000  # of a grid whose spacing nobody asked for: 130 along each side
+TICKS = 4000  # of the way there, and as many back: at 1 kHz a few seconds
+
+
+def run(o):
+    """Everything; the line for standard output."""
+    if not os.path.isfile(o.file):
+        with open(o.file, "rb"):  # says why, where it is no file at all
+            raise Failed(f"{o.file}: is no file")
+    work = Work("table", o.output, o.quiet)
+    name = os.path.basename(os.path.realpath(o.output))
+    if not all(c.isascii() and (c.isalnum() or c in "-_.") for c in name):
+        raise Failed(f"the name of the folder, {name}, has other characters than letters, digits, '.', '-' and '_'")
+    toml, grid = f"{name}.toml", f"{name}.grid"
+    if work.changed_by_hand(toml):
+        work.say(f"{toml} was changed by hand: it is kept")
+    else:
+        _define(o, work, name)
+    if o.until:
+        work.say("stopped after the definition: the same command without --until goes on")
+        return ""
+    work.compute_grid(toml, grid, o.threads)
+    work.step("page", "drawing pictures", [grid, "verify.txt"], [], lambda: _page(work, name))
+    out = o.output.rstrip("/") or "/"
+    work.say(f"done: {out}/index.html sums up")
+    return f"hapgrid feel {shlex.quote(os.path.join(out, grid))}"
+
+
+def _define(o, work, name):
+    options = [o.force, o.wall, o.factor, o.spacing, o.array, o.unit, o.length_unit]
+
+    def compute():
+        work.say(f"reading {o.file}")
+        table = readers.read(o.file, o.array)
+        if o.unit is not None:
+            table.energy_unit = o.unit
+        if o.length_unit is not None:
+            table.length_unit = o.length_unit
+        for note in table.notes:
+            work.say("  " + note)
+        os.makedirs(o.output, exist_ok=True)
+        text = definition(o, work, name, table)
+        work.write(f"{name}.table", table_text(table))
+        work.write(f"{name}.toml", text)
+        return [f"{name}.table", f"{name}.toml"]
+    work.step("definition", "", [], [digest(o.file), options], compute)
+
+
+def table_text(table):
+    """The file that the plug-in reads (lattice.hpp says how)."""
+    def row(word, numbers):
+        return word + "".join(f" {v:.10g}" for v in numbers) + "\n"
+    lines = ["hapgrid-table\n", row("counts", table.values.shape), row("origin", table.origin)]
+    lines += [row("axis", axis) for axis in table.axes]
+    lines += [row(f"atom {symbol}", x) for symbol, x in table.atoms]
+    lines.append("values\n")
+    flat = table.values.ravel(order="F").tolist()
+    width = table.values.shape[0]
+    lines += [" ".join([f"{v:.8g}" for v in flat[k:k + width]]) + "\n" for k in range(0, len(flat), width)]
+    return "".join(lines)
+
+
+def wall_of(o, table):
+    """The energy of the wall, or None when none is needed; and how many values become one."""
+    values = table.values[~np.isnan(table.values)] * o.factor
+    missing = table.values.size - values.size
+    wall = o.wall
+    if wall is None:
+        low, median = float(values.min()), float(np.median(values))
+        wall = low + 5 * (median - low) if median > low else float(values.max())
+        if not missing and values.max() <= wall:
+            return None, 0
+        wall = float(f"{wall:.3g}") if float(f"{wall:.3g}") > low else wall
+    if not wall > values.min():
+        raise Failed(f"{o.file}: no value is below the wall, {wall:g}: the lowest is {values.min():g}")
+    return wall, missing + int((values > wall).sum())
+
+
+def box_of(table, spacing):
+    """(origin, spacing, counts) of the grid. A table along the axes is the box, as far as whole cells go;
+    around any other one the box is as large as it must be."""
+    steps = np.linalg.norm(table.axes, axis=1)
+    size = np.array(table.values.shape) - 1
+    corners = np.array([table.origin + np.array([i, j, k]) * size @ table.axes
+                        for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    straight = (np.abs(table.axes) > 1e-6 * steps[:, None]).sum() == 3
+    h = spacing or float(steps.min())
+
+    def counts(h):
+        cells = (high - low) / h
+        cells = np.floor(cells + 1e-6) if straight else np.ceil(cells - 1e-6)
+        return [max(int(c), 1) + 1 for c in cells]
+    if not spacing and math.prod(counts(h)) > MOST_POINTS:
+        h = float(f"{h * (math.prod(counts(h)) / MOST_POINTS) ** (1 / 3):.3g}")
+    return low, h, counts(h)
+
+
+def definition(o, work, name, table):
+    wall, behind = wall_of(o, table)
+    low, h, counts = box_of(table, o.spacing)
+    energy, length = table.energy_unit, table.length_unit
+    work.say(f"  {' x '.join(map(str, table.values.shape))} values, {np.nanmin(table.values) * o.factor:.4g} at the "
+             f"{'lowest' if o.factor > 0 else 'highest'}; grid of {' x '.join(map(str, counts))} points, {h:g} "
+             f"{length} apart".rstrip())
+    if wall is not None:
+        work.say(f"  {behind:,} values ({100 * behind / table.values.size:.1f} %) are higher or missing: a wall of "
+                 f"{wall:g} {energy}".rstrip())
+    wall_line = "" if wall is None else (
+        f"wall = {wall:.10g}            # energy where values are higher or missing, {energy or 'in the unit of values'}\n")
+    return f"""\
+# {name}: made by `hapgrid table`, which keeps what is changed here and computes the grid anew when it is
+# run again.
+
+[model]
+plugin = "table"
+
+[model.files]
+table = "{name}.table"    # the values; the grid carries them
+
+[model.parameters]
+energy_unit = "{energy}"
+length_unit = "{length}"
+factor = {o.factor:.10g}                # all values are multiplied by it
+{wall_line}largest_force = {o.force:g}         # newtons on the device where the energy is steepest
+marker = {0.7 * h:.3g}              # radius of the balls that show the HIP and the deepest minima
+
+[grid]
+origin = [{", ".join(f"{v:.10g}" for v in low)}]
+spacing = {h:.10g}
+counts = {counts}
+
+[search]
+max_levels = 1            # a table has one energy at each place
+"""
+
+
+def _page(work, name):
+    values = page.Values(work, name)
+    work.write("path.txt", page.way_text(page.way(values), values.length_unit, TICKS))
+    return page.write(work, name, values)

@@ -1,0 +1,81 @@
+# What `hapgrid table` refuses is one line.
+source "$(dirname "$0")/../lib.sh"
+/usr/bin/python3 -c 'import numpy' || exit 77
+
+printf '%s\n' 'GRID_PARAMETER_FILE x' 'GRID_DATA_FILE x' 'MACROMOLECULE x' 'SPACING 0.5' 'NELEMENTS 4 4 4' 'CENTER 1 2 3' >good.map
+seq 125 >>good.map
+{
+  echo 'object 1 class gridpositions counts 4 4 4'
+  printf '%s\n' 'origin 0 0 0' 'delta 1 0 0' 'delta 0 1 0' 'delta 0 0 1'
+  echo 'object 3 class array type double rank 0 items 64 data follows'
+  seq 64
+} >good.dx
+{ printf '%s\n' title title '1 0 0 0' '4 1 0 0' '4 0 1 0' '4 0 0 1' '8 8 0 0 0'; seq 64; } >good.cube
+cat >good.vti <<'VTI'
+<VTKFile type="ImageData" byte_order="LittleEndian"><ImageData WholeExtent="0 3 0 3 0 3" Origin="0 0 0" Spacing="1 1 1">
+<Piece Extent="0 3 0 3 0 3"><PointData Scalars="e"><DataArray type="Float64" Name="e" format="ascii">
+VTI
+{ seq 64; echo '</DataArray></PointData></Piece></ImageData></VTKFile>'; } >>good.vti
+for kind in map dx cube vti; do
+  expect 0 '' '' -- hapgrid table good.$kind -o "$kind" --until definition -q
+  [[ -s $kind/$kind.toml && -s $kind/$kind.table ]] || fail "no definition of good.$kind"
+done
+gzip -k good.dx
+hapgrid table good.dx.gz -o packed --until definition -q
+cmp dx/dx.table packed/packed.table
+
+# bad FILE MESSAGE: FILE is refused with one line, and leaves no folder.
+bad() {
+  expect 1 '' "~table: $1: $2" -- hapgrid table "$1" -o out -q
+  [[ ! -e out ]] || fail "$1 leaves a folder"
+}
+sed '$d' good.map >short.map
+bad short.map 'its header speaks of 125 values, and it has 124'
+sed 's/NELEMENTS 4/NELEMENTS 3/' good.map >other.map
+bad other.map 'its header speaks of 100 values, and it has 125'
+sed 's/^17$/x/' good.map >word.map
+bad word.map "'x' among the values is no number"
+sed '/SPACING/s/.*/SPACING/' good.map >none.map
+bad none.map 'no AutoGrid map: SPACING is missing among its first 6 lines, or has not 1 numbers'
+sed 's/NELEMENTS.*/NELEMENTS 9999 9999 9999/' good.map >huge.map
+bad huge.map '1,000,000,000,000 values are too many: at most 16,777,216'
+sed 's/NELEMENTS.*/NELEMENTS 4 4 2/' good.map | head -n 81 >flat.map
+bad flat.map '5 x 5 x 3 values: at least 4 are needed along each axis'
+printf '\0' >zero.map
+bad zero.map 'it is no text file'
+sed 's/items 64/items 63/' good.dx >items.dx
+bad items.dx 'its positions are 64, and its array has 63 items'
+sed '/delta 0 1/d' good.dx >delta.dx
+bad delta.dx "no OpenDX table: counts, origin, three deltas or 'data follows' is missing"
+sed 's/delta 0 1 0/delta 2 0 0/' good.dx >plane.dx
+bad plane.dx 'its axes lie in one plane'
+sed 's/rank 0/rank 1 shape 3/' good.dx >vectors.dx
+bad vectors.dx 'its array has vectors: only one number a point can be felt'
+head -n 7 good.cube >cut.cube
+bad cut.cube 'its header speaks of 64 values, and it has 0'
+sed '3s/1/5/' good.cube >atoms.cube
+bad atoms.cube "its header speaks of 5 numbers of an atom, and it has 1"
+sed '4s/4/inf/' good.cube >inf.cube
+bad inf.cube 'no cube: lines 3 to 6 need a whole number and 3 others each'
+sed 's/WholeExtent="0 3/WholeExtent="0 4/' good.vti >pieces.vti
+bad pieces.vti 'only an image of one piece can be read'
+sed 's/<VTK/<!DOCTYPE x [<!ENTITY a "b">]><VTK/' good.vti >entity.vti
+bad entity.vti 'no VTK image: it defines entities of XML'
+sed 's/format="ascii"/format="binary"/' good.vti >binary.vti
+bad binary.vti '.*'
+sed 's/^17$//' good.vti >few.vti
+bad few.vti 'its header speaks of 64 values, and it has 63'
+head -c 100 good.dx.gz >cut.dx.gz
+bad cut.dx.gz 'its compressed data are .*'
+sed 's/^[0-9]*$/nan/' good.map >nothing.map
+bad nothing.map 'it has no value that is a number'
+sed '7,$s/.*/1/' good.map >same.map
+expect 1 '' '~.*the energy is the same everywhere' -- hapgrid table same.map -o same -q
+echo >x.txt
+bad x.txt 'only .map, .dx, .cube and .vti are known, and each with .gz behind it'
+bad gone.map 'No such file or directory'
+expect 1 '' 'table: good.map: no value is below the wall, -5: the lowest is 1' -- hapgrid table good.map -o out --wall -5 -q
+expect 1 '' 'table: good.vti: it has no array f at points, only e' -- hapgrid table good.vti -o out --array f -q
+expect 2 '' 'table: argument --force: must be from 0.01 to 100 (see --help)' -- hapgrid table good.map -o out --force 0
+expect 2 '' 'table: the following arguments are required: -o/--output (see --help)' -- hapgrid table good.map
+expect 2 '' '~table: argument --unit: a unit has at most 15 bytes.*' -- hapgrid table good.map -o out --unit 'a"b'
