@@ -1,9 +1,14 @@
-"""Starting the filters of hapgrid."""
+"""Starting the filters of hapgrid, and ending them: none of them outlives the command."""
 
+import ctypes
 import os
+import signal
 import subprocess
 import time
 from concurrent.futures import ThreadPoolExecutor
+
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_PDEATHSIG = 1  # of prctl
 
 
 class Failed(Exception):
@@ -12,6 +17,42 @@ class Failed(Exception):
 
 class FilterFailed(Failed):
     """A filter said no; the message is the last line that it wrote."""
+
+
+class Stopped(BaseException):
+    """A signal asks the command to end. number: of the signal."""
+
+    def __init__(self, number):
+        super().__init__(number)
+        self.number = number
+
+
+_running = set()  # of all threads
+_stopped_by = 0
+
+
+def catch_signals():
+    for number in ENDING:
+        if signal.getsignal(number) != signal.SIG_IGN:  # as nohup wants it
+            signal.signal(number, _stop)
+
+
+def _stop(number, _frame):
+    global _stopped_by
+    _stopped_by = number
+    signal.signal(number, signal.SIG_DFL)  # once more: at once
+    for process in list(_running):
+        process.terminate()
+    raise Stopped(number)
+
+
+def end_with_parent():
+    """For a process that was forked from this one: signals have their usual effect, except that Ctrl-C is left to the
+    first process; and where that is killed, the system kills this one."""
+    for number in ENDING[1:]:
+        signal.signal(number, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    ctypes.CDLL(None).prctl(_PDEATHSIG, signal.SIGKILL)
 
 
 class Filters:
@@ -28,15 +69,21 @@ class Filters:
         """What a filter writes to standard output, and its exit code. watch(seconds) is called twice
         a second while it works.
         Errors: FilterFailed, when the exit code is not among the good ones."""
-        command = [os.path.join(self.directory, name), *map(str, arguments)]
-        try:
-            process = subprocess.Popen(command, cwd=self.work, text=True, encoding="utf-8",
-                                       stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        except FileNotFoundError:
-            raise Failed(f"{name} is not in {self.directory}: build all of hapgrid") from None
+        program = os.path.join(self.directory, name)
+        if not os.access(program, os.X_OK):
+            raise Failed(f"{name} is not in {self.directory}: build all of hapgrid")
+        if _stopped_by:
+            raise Stopped(_stopped_by)
+        # Where this process is killed, the system asks the filter to end.
+        command = ["setpriv", "--pdeathsig", "TERM", "--", program, *map(str, arguments)]
+        process = subprocess.Popen(command, cwd=self.work, text=True, encoding="utf-8", errors="replace",
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        _running.add(process)
         began = time.monotonic()
         with process:
             try:
+                if _stopped_by:
+                    process.terminate()
                 while True:
                     try:
                         out, said = process.communicate(timeout=0.5)
@@ -47,6 +94,10 @@ class Filters:
             except BaseException:
                 process.terminate()
                 raise
+            finally:
+                _running.discard(process)
+        if _stopped_by:
+            raise Stopped(_stopped_by)
         lines = said.strip().splitlines()
         self.said = lines[-1] if lines else f"{name}: exit code {process.returncode}"
         if process.returncode not in good:

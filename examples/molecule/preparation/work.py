@@ -87,23 +87,30 @@ def _equal(x, y):
 
 
 class Steps:
-    """Results of steps, kept as JSON files that are named by a hash of the steps' inputs."""
+    """Results that are kept as JSON files, those of steps by a hash of the steps' inputs."""
 
     def __init__(self, directory):
         self.directory = directory
 
+    def kept(self, name):
+        """What was kept under a name, or None."""
+        try:
+            with open(os.path.join(self.directory, name + ".json"), encoding="utf-8") as file:
+                return json.load(file)
+        except (FileNotFoundError, ValueError, RecursionError):
+            return None
+
+    def keep(self, name, value):
+        os.makedirs(self.directory, exist_ok=True)
+        files.write_whole(os.path.join(self.directory, name + ".json"), json.dumps(value))
+
     def take(self, key, compute):
         text = json.dumps([VERSION, key], sort_keys=True)
-        digest = hashlib.sha256(text.encode()).hexdigest()[:20]
-        name = os.path.join(self.directory, digest + ".json")
-        try:
-            with open(name, encoding="utf-8") as file:
-                return json.load(file)
-        except (FileNotFoundError, ValueError):
-            pass
-        value = compute()
-        os.makedirs(self.directory, exist_ok=True)
-        files.write_whole(name, json.dumps(value))
+        name = hashlib.sha256(text.encode()).hexdigest()[:20]
+        value = self.kept(name)
+        if value is None:
+            value = compute()
+            self.keep(name, value)
         return value
 
 
