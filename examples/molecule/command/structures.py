@@ -10,8 +10,10 @@ import time
 from dataclasses import dataclass, field
 
 import numpy as np
-from preparation import beyond, files, work
+from preparation import beyond, files, naming, work
 from preparation.xtb import BOHR, HARTREE, SYMBOLS
+
+from . import rotors
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
@@ -78,14 +80,14 @@ def _worker():
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends the others
 
 
-def explore(molecule, rotors, options, stages):
-    """The Found of a molecule. options: Options."""
+def explore(molecule, driven, options, stages):
+    """The Found of a molecule. driven: the bonds that are turned; options: Options."""
     global _search
     keep = not options.search
     look, finish = (_beyond_all, _basins) if options.basins else (_saddles, _paths)
     restarts = 0 if options.keep_conformation else RESTARTS
     for start in range(restarts + 1):
-        _search = search = work.Work(molecule, rotors, options.work)
+        _search = search = work.Work(molecule, rotors.find(molecule)[0], driven, options.work)
         search.find_conformation(keep, lambda starts: _relaxed(starts, stages, options.threads))
         stages.say("  conformation: a minimum" + (f", {options.work.method}" if start == 0 else ""))
         tops, lower = look(search, stages, options.threads, start < restarts)
@@ -131,17 +133,25 @@ def _basins(search, ways, stages, threads):
     shape once more."""
     found, lower = [], []
     dropped = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
-    for n, way in ways.items():
-        name = search.driven[n].name
-        if "dropped" in way:
-            dropped.append((name, way["dropped"]))
-            continue
+    dropped += [(search.driven[n].name, way["dropped"]) for n, way in ways.items() if "dropped" in way]
+    ways = {n: way for n, way in ways.items() if "dropped" not in way}
+    candidates = {n: search.candidate(search.driven[n], search.driven[n].name, np.array(way["nodes"]), way["energies"],
+                                      True) for n, way in ways.items()}
+    named, other = naming.names(search.torsions, candidates, {t.name for t in search.driven if not t.rotor}, False)
+    for n, name in named.items():
+        way = ways[n]
         found.append(beyond.Beyond(name, name, [np.array(x) for x in way["nodes"]], way["energies"], way["start"],
                                    dict(way["kinds"]), way["why"]))
         below = -search.above(min(way["energies"]))
         if below > LOWER:
             lower.append((name, below))
-    return Found(search.result(found, dropped), lower)
+    return Found(search.result(found, _without(found, dropped + other)), lower)
+
+
+def _without(found, dropped):
+    """The dropped names without those that a path has, whose bond it turns though another one was driven."""
+    have = {one.name for one in found}
+    return [(name, why) for name, why in dropped if name not in have]
 
 
 def _name(search, number):
@@ -169,30 +179,30 @@ def _saddles(search, stages, threads, may_restart):
 
 
 def _paths(search, tops, stages, threads):
-    dropped, found, known, lower = [], [], {}, []
+    found, known, lower = [], {}, []
+    dropped = [(_name(search, n), ends["dropped"]) for n, (_, ends) in tops.items() if "dropped" in ends]
+    named, other = search.named({n: top for n, (top, ends) in tops.items() if "dropped" not in ends})
+    dropped += other
     wanted = []
-    for n, (top, ends) in tops.items():
-        name = _name(search, n)
-        if "dropped" in ends:
-            dropped.append((name, ends["dropped"]))
-            continue
-        other = search.one_of(top, known)
-        if other is not None:
-            dropped.append((name, f"the saddle of {other}"))
+    for n, name in named.items():
+        top = tops[n][0]
+        same = search.one_of(top, known)
+        if same is not None:
+            dropped.append((name, f"the saddle of {same}"))
             continue
         known[name] = top
         wanted.append(n)
-    for n, way in _in_processes(stages, "following paths to the barriers", _path, wanted, threads):
-        name = _name(search, n)
+    for n, way in _in_processes(stages, "following paths to the barriers", _path, sorted(wanted), threads):
+        name = named[n]
         if "dropped" in way:
             dropped.append((name, way["dropped"]))
             stages.say(f"  {name}: no path: {way['dropped']}")
             continue
-        found.append(search.found(n, way))
+        found.append(search.found(n, name, way))
         below = -search.above(way["far_energy"])
         if below > LOWER:
             lower.append((name, below))
-    return Found(search.result(found, dropped), lower)
+    return Found(search.result(found, _without(found, dropped)), lower)
 
 
 def frames(path):

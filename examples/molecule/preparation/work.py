@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import files, geometry, optimise, path, torsions
+from . import files, geometry, naming, optimise, path, torsions
 from .molecule import conformers, from_file
 from .xtb import BOHR, HARTREE, Surface, XtbError
 
-VERSION = 3  # of the algorithm; a step that another version has kept is computed anew
+VERSION = 4  # of the algorithm; a step that another version has kept is computed anew
 SAME_SHAPE = 0.1  # bohr, root mean square: minima closer than this are one
 SAME_ENERGY = 0.02  # kJ/mol
 ROUNDED = 1e-7  # angstrom; files have eight decimals
@@ -119,10 +119,12 @@ class Options:
 
 
 class Work:
-    """The steps for one molecule. driven: its torsions that turn. Each torsion in one of its directions is a job."""
+    """The steps for one molecule. torsions: all that could turn; driven: those that are turned. Each of these in one of
+    its directions is a job."""
 
-    def __init__(self, molecule, driven, options):
+    def __init__(self, molecule, torsions, driven, options):
         self.molecule = molecule
+        self.torsions = torsions
         self.driven = driven
         self.options = options
         self.jobs = [(torsion, sign) for torsion in driven for sign in torsion.signs]
@@ -230,12 +232,29 @@ class Work:
             return ends
         return self.kept("path", *self.jobs[number], lambda: self._path(top, ends))
 
-    def found(self, number, way):
-        """The Found of a job; way: of path()."""
-        torsion, sign = self.jobs[number]
+    def found(self, number, name, way):
+        """The Found of a job under a name; way: of path()."""
         nodes = [np.array(x) for x in way["nodes"]]
-        return Found(torsion.file_name(sign), torsion.name, nodes, way["energies"], self.saddle(number)[0]["nu1"],
-                     np.array(way["far"]), way["far_energy"], way["far_nu1"], way["far_is_equal"])
+        return Found(name, name.removesuffix("-plus").removesuffix("-minus"), nodes, way["energies"],
+                     self.saddle(number)[0]["nu1"], np.array(way["far"]), way["far_energy"], way["far_nu1"],
+                     way["far_is_equal"])
+
+    def candidate(self, torsion, job, nodes, energies, whole):
+        """The naming.Candidate of a path. whole: whether it goes on behind its barriers; otherwise a way from the
+        conformation to one."""
+        to_end, extent = torsions.turned(self.torsions, nodes)
+        number = next(n for n, t in enumerate(self.torsions) if t.name == torsion.name)
+        return naming.Candidate(job, number, extent if whole else to_end, max(energies))
+
+    def named(self, tops):
+        """naming.names() of saddles, by the numbers of their jobs."""
+        candidates = {}
+        for n, top in tops.items():
+            torsion, sign = self.jobs[n]
+            candidates[n] = self.candidate(torsion, torsion.file_name(sign), [self.x, np.array(top["x"])],
+                                           [top["energy"]], False)
+        allowed = {name for torsion in self.driven for name in torsion.file_names()}
+        return naming.names(self.torsions, candidates, allowed, True)
 
     def one_of(self, top, tops):
         """The name of the saddle that this one is. tops: saddles by their names."""

@@ -61,8 +61,14 @@ class Surface:
     def energy(self, positions):
         return self(positions)[0]
 
-    def hessian(self, positions, step=0.005):
-        """Second derivatives (3 atoms, 3 atoms) by central differences of the gradient."""
+    def hessian(self, positions):
+        """Second derivatives (3 atoms, 3 atoms)."""
+        rows = self.differences(positions)
+        return (rows + rows.T) / 2
+
+    def differences(self, positions, step=0.005):
+        """The rows of the Hessian by central differences of the gradient. They are symmetric to 1e-4 hartree/bohr²:
+        a gradient with which they are not is wrong."""
         flat = np.asarray(positions, float).ravel()
         rows = []
         for k in range(flat.size):
@@ -71,5 +77,4 @@ class Surface:
             ahead = self((flat + shift).reshape(-1, 3))[1]
             behind = self((flat - shift).reshape(-1, 3))[1]
             rows.append((ahead - behind).ravel() / (2 * step))
-        hessian = np.array(rows)
-        return (hessian + hessian.T) / 2
+        return np.array(rows)
