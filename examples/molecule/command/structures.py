@@ -10,8 +10,9 @@ import time
 from dataclasses import dataclass, field
 
 import numpy as np
-from preparation import beyond, files, naming, work
+from preparation import beyond, files, geometry, naming, work, xyz
 from preparation.xtb import BOHR, HARTREE, SYMBOLS
+from preparation.xyz import frames
 
 from . import rotors
 
@@ -205,33 +206,20 @@ def _paths(search, tops, stages, threads):
     return Found(search.result(found, _without(found, dropped)), lower)
 
 
-def frames(path):
-    """[(words of the comment, symbols, positions in angstrom)]"""
-    with open(path, encoding="utf-8") as file:
-        lines = file.read().splitlines()
-    out = []
-    while lines:
-        count = int(lines[0])
-        atoms = [line.split() for line in lines[2:2 + count]]
-        words = dict(w.split("=", 1) for w in lines[1].split() if "=" in w)
-        out.append((words, [a[0] for a in atoms], np.array([[float(v) for v in a[1:4]] for a in atoms])))
-        lines = lines[2 + count:]
-    return out
-
-
-def least_t(path):
-    """Of a path's file: below 0 where the conformation is inside."""
-    rises = [float(words.get("dE", "nan")) for words, _, _ in frames(path)]
-    return -rises.index(0) / (len(rises) - 1) if 0 in rises else 0.0
-
-
 class PathFile:
-    """A path as its file has it. nodes in bohr, energies in hartree above the conformation."""
+    """A path as its file has it. nodes in bohr, energies in hartree above the conformation, which is the node `start`."""
 
-    def __init__(self, name, frames):
+    def __init__(self, name, path, conformation):
+        words, _, at = conformation
+        read = frames(path)
         self.name = name
-        self.nodes = [x / BOHR for _, _, x in frames]
-        self.energies = [float(words["dE"]) / HARTREE for words, _, _ in frames]
+        self.nodes = [x / BOHR for _, _, x in read]
+        self.energies = [xyz.above(own, words, f"{path} frame {n}") / HARTREE for n, (own, _, _) in enumerate(read, 1)]
+        if len(read) == 1:  # only the transition state
+            self.nodes.insert(0, at / BOHR)
+            self.energies.insert(0, 0.0)
+        even = np.ones(len(at))
+        self.start = int(np.argmin([geometry.rms(geometry.aligned(x, at / BOHR, even), at / BOHR) for x in self.nodes]))
         self.barrier = max(self.energies)
 
 
@@ -239,11 +227,12 @@ class Structures:
     """What the files of the folder say, changed by hand or not. Energies above the conformation."""
 
     def __init__(self, stages):
-        _, symbols, x = frames(stages.path("conformation.xyz"))[0]
+        conformation = frames(stages.path("conformation.xyz"))[0]
+        _, symbols, x = conformation
         self.numbers = [SYMBOLS.index(s) for s in symbols]
         self.x, self.energy = x / BOHR, 0.0
         report = stages.path("report.tsv")
-        self.found = [PathFile(name[:-4], frames(stages.path(name))) for name in files.listed(report)]
+        self.found = [PathFile(name[:-4], stages.path(name), conformation) for name in files.listed(report)]
         with open(report, encoding="utf-8") as file:
             rows = [line.rstrip("\n").split(": ", 2) for line in file if line.startswith("# no path: ")]
         self.dropped = [(row[1], row[2]) for row in rows]
