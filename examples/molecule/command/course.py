@@ -9,8 +9,8 @@ from preparation import files, work
 from preparation import molecule as prepared
 from preparation.xtb import Surface
 
-from . import (choice, combined, crossing, definition, page, pushing, reading, resolution, room, rotors, stiffness,
-               structures)
+from . import (choice, combined, crossing, definition, page, pushing, reading, resolution, room, rotors, singles,
+               stiffness, structures)
 from .filters import Failed, FilterFailed, Filters
 from .stages import Stages, digest, digest_of, duration
 
@@ -110,21 +110,25 @@ class Course:
     def find_structures(self):
         o, stages = self.o, self.stages
 
+        points = self._single_points()
+
         def compute():
             if o.method == "auto":
                 stages.say("  energies by " + ("GFN2-xTB" if self.method == "gfn2" else
                            f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
             one = structures.explore(self.molecule, self.rotors, structures.Options(
-                work.Options(self.method, self.charge, o.uhf, o.highest, stages.path(".work")), self.search,
+                work.Options(self.method, self.charge, o.uhf, o.highest, stages.path(".work"), o.solvent), self.search,
                 o.keep_conformation, o.basins, o.threads), stages)
             for name, below in one.lower:
                 stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
             one.result.lie_as_before(stages.directory)
+            if points is not None:
+                points.replace(one.result, o.threads, stages)
             source = os.path.basename(o.file) if o.file else self.what  # the report is the same wherever the file lies
             return files.write_set(stages.directory, one.result, f"hapgrid molecule: {source}, {self.method}, "
                                    f"charge {reading.signed(self.charge)}, {o.uhf} unpaired electrons")
         stages.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
-                   [self.method, self.charge, o.uhf, self.search, o.highest, o.basins, o.keep_conformation,
+                   [self.method, o.solvent, points and points.key, self.charge, o.uhf, self.search, o.highest, o.basins, o.keep_conformation,
                     [name for t in self.rotors for name in t.file_names()]], compute)
         self.structures = structures.Structures(stages)
 
@@ -209,7 +213,7 @@ class Course:
             return ["rotors.tsv"]
         chosen = stages.run("choice", "choosing the softest paths that are sane together",
                             [*self._xyz(), "report.tsv"],
-                            [self.o.paths, self.unwanted, self.o.basins], compute)
+                            [self.o.paths, self.unwanted, self.o.basins, self.o.single_points], compute)
         with open(stages.path("rotors.tsv"), encoding="utf-8") as file:
             rows = [line.rstrip("\n").split("\t") for line in file][1:]
         for line in choice.left_out(rows) if chosen else ():
@@ -221,8 +225,20 @@ class Course:
     def _missed(self, one):
         if not self.o.basins:
             return ""
-        return combined.missed(self.filters, self.stages, one, self.structures.numbers, self.structures.x,
-                               self.method, self.charge, self.o.uhf)
+        points = self._single_points()
+        return combined.missed(self.filters, self.stages, one, self.structures.x, (points or self._surface()).energy,
+                               "single points" if points else "xtb")
+
+    def _surface(self):
+        return Surface(self.structures.numbers, self.structures.x, self.method, self.charge, unpaired=self.o.uhf,
+                       solvent=self.o.solvent)
+
+    def _single_points(self):
+        """The SinglePoints of --single-points, or None."""
+        if self.o.single_points is None:
+            return None
+        return singles.SinglePoints(self.o.single_points, self.molecule.numbers, self.charge, self.o.uhf,
+                                    work.Steps(self.stages.path(".work")))
 
     def _stiffness(self):
         stages = self.stages
@@ -230,14 +246,12 @@ class Course:
             return stiffness.Stiffness()
 
         def compute():
-            surface = Surface(self.structures.numbers, self.structures.x, self.method, self.charge,
-                              unpaired=self.o.uhf)
             found = [f for f in self.structures.found if f.name in self.taken]
-            one = stiffness.of_paths(self.molecule, surface, self.structures.x, found, definition.PENALTY).rounded()
+            one = stiffness.of_paths(self.molecule, self._surface(), self.structures.x, found, definition.PENALTY).rounded()
             files.write_whole(stages.path("stiffness.json"), json.dumps(asdict(one), indent=1) + "\n")
             return ["stiffness.json"]
         stages.run("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(
-            name + ".xyz" for name in self.taken)], [self.method, self.charge, self.o.uhf], compute)
+            name + ".xyz" for name in self.taken)], [self.method, self.charge, self.o.uhf, self.o.solvent], compute)
         known = stages.done.get("softer", {})
         self.softer = known["times"] if known.get("key") == self._taken_from() else 1
         with open(stages.path("stiffness.json"), encoding="utf-8") as file:
