@@ -86,6 +86,12 @@ def parser():
     p.add_argument("--method", choices=("auto", *xtb.METHODS), default="auto",
                    help=f"method of xtb: gfn2 is GFN2-xTB, gfnff the force field GFN-FF, and auto (default) takes gfn2 up to "
                    f"{steps.GFN2_ATOMS} atoms")
+    p.add_argument("--solvent", metavar="NAME",
+                   help="solvent around the molecule, such as water, by xtb's GBSA (default: none)")
+    p.add_argument("--single-points", metavar="COMMAND",
+                   help="program that gives the energies along the paths instead of xtb: it gets the name of an XYZ file "
+                   "after its own words, and prints hartree on its last line; 'single-point-ase CALCULATOR KEY=VALUE...' "
+                   "asks ASE")
     p.add_argument("--search", action="store_true",
                    help="look for the lowest conformer instead of keeping that of FILE")
     p.add_argument("--keep-conformation", action="store_true",

@@ -10,6 +10,7 @@ import copy
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+from preparation import xyz
 
 from . import pushing
 from .definition import CLEAR
@@ -116,7 +117,7 @@ class Crossings(pushing.Ways):
 
     def _shape(self, toml, t):
         text = self.filters.run("molecule-check", toml, "--xyz=" + ",".join(map(repr, t)))[0]
-        return np.array([[float(v) for v in line.split()[1:4]] for line in text.splitlines()[2:]])
+        return xyz.parsed(text, toml)[0][2]
 
     def _states(self, way):
         """The t at each place of a way."""

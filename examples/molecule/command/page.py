@@ -7,12 +7,11 @@ import shlex
 
 import numpy as np
 from preparation import files
-from preparation.xtb import SYMBOLS
+from preparation.xyz import frames
 
 from . import curves
 from .pieces import signed
 from .pushing import read_log
-from .structures import frames
 
 STAYS = 0.05  # of a t: less is not behind a saddle
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
@@ -78,11 +77,10 @@ def page(at, start, turned, ways, images):
     kept, o = at.stages, at.options
     name = kept.name()
     words, symbols, x = frames(kept.path("conformation.xyz"))[0]
-    method = METHODS.get(words.get("method"), words.get("method", "own energies"))
-    version = library_version()
+    method = re.sub("gfn2|gfnff", lambda found: METHODS[found[0]], words.get("method", "own energies"))
     spin = SPINS[o.uhf] if o.uhf < len(SPINS) else f"multiplicity {o.uhf + 1}"
     facts = {"Formula": formula(start.formula), "Charge": signed(start.charge), "Spin": spin, "Made from": start.source,
-             "Energies": f"{method}, of libxtb {version}" if version and method in METHODS.values() else method,
+             "Energies": f"{method}, of libxtb {library_version()}" if "GFN" in method else method,
              "Conformation": f"{words['E']} hartree" if "E" in words else "",
              "Grid": grid_in_words(at, f"{name}.grid")}
     molecule = {"symbols": symbols, "places": np.round(x, 3).tolist(),

@@ -13,8 +13,8 @@ from preparation import molecule as prepared
 from preparation.molecule import BadInput
 from preparation.xtb import Surface, XtbError
 
-from . import (choice, combined, crossing, faults, page, pushing, reading, resolution, rotors, stages, stiffness,
-               structures)
+from . import (choice, combined, crossing, faults, page, pushing, reading, resolution, rotors, singles, stages,
+               stiffness, structures)
 from .definition import PENALTY, Definition, paths_of, write
 from .filters import Failed, Filters
 from .pieces import signed
@@ -132,38 +132,54 @@ def only(turning, wanted, basins):
 
 # The structures
 
+def single_points(at, start):
+    """The SinglePoints of --single-points, or None."""
+    o = at.options
+    return o.single_points and singles.SinglePoints(o.single_points, start.molecule.numbers, start.charge, o.uhf,
+                                                    at.stages.steps)
+
+
+def surface(at, start, x):
+    """x: the conformation, bohr."""
+    return Surface(start.molecule.numbers, x, start.method, start.charge, unpaired=at.options.uhf,
+                   solvent=at.options.solvent)
+
+
 def find_structures(at, start):
     o, kept = at.options, at.stages
+    points = single_points(at, start)
 
     def compute():
         if o.method == "auto":
             kept.say("  energies by " + ("GFN2-xTB" if start.method == "gfn2" else
                      f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
-        seconds = structures_take(start, o)
+        seconds = structures_take(at, start)
         if seconds:
             kept.say(f"  about {duration(seconds)} for conformation and barriers, twice that where a lower minimum is "
                      "found")
         one = structures.explore(start.molecule, start.turning, structures.Options(
-            work.Options(start.method, start.charge, o.uhf, o.highest, kept.path(".work")), start.search,
+            work.Options(start.method, start.charge, o.uhf, o.highest, kept.path(".work"), o.solvent), start.search,
             o.keep_conformation, o.basins, o.threads), kept)
         for name, below in one.lower:
             kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
         one.result.lie_as_before(kept.directory)
+        if points is not None:
+            points.replace(one.result, o.threads, kept)
         return files.write_set(kept.directory, one.result, f"hapgrid molecule: {start.source}, {start.method}, "
                                f"charge {signed(start.charge)}, {o.uhf} unpaired electrons")
     kept.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
-             [start.method, start.charge, o.uhf, start.search, o.highest, o.basins, o.keep_conformation,
-              [name for t in start.turning for name in t.file_names()]], compute)
+             [start.method, o.solvent, points and points.key, start.charge, o.uhf, start.search, o.highest, o.basins,
+              o.keep_conformation, [name for t in start.turning for name in t.file_names()]], compute)
     return structures.Structures(kept)
 
 
-def structures_take(start, o):
+def structures_take(at, start):
     """Seconds, within a factor of 2 or so, by a gradient on this machine. None where xtb refuses the shape: the
     search itself says why."""
-    x = start.molecule.positions / work.BOHR
+    o, x = at.options, start.molecule.positions / work.BOHR
     try:
-        surface = Surface(start.molecule.numbers, x, start.method, start.charge, unpaired=o.uhf)
-        each = shortest(lambda: surface.energy(x))
+        one = surface(at, start, x)
+        each = shortest(lambda: one.energy(x))
     except XtbError:
         return None
     each += ALGEBRA * shortest(lambda: optimise.projected(np.eye(x.size), x))
@@ -243,8 +259,11 @@ def choose(at, start, shapes, unwanted):
     o, kept = at.options, at.stages
 
     def missed(one):
-        return combined.missed(at.filters, kept, one, shapes.numbers, shapes.x, start.method, start.charge,
-                               o.uhf) if o.basins else ""
+        if not o.basins:
+            return ""
+        points = single_points(at, start)
+        return combined.missed(at.filters, kept, one, shapes.x, (points or surface(at, start, shapes.x)).energy,
+                               "single points" if points else "xtb")
 
     def compute():
         taken, left = choice.choose(at.filters, kept, start.molecule, shapes, o.paths, unwanted, o.basins, missed)
@@ -254,7 +273,7 @@ def choose(at, start, shapes, unwanted):
             kept.say("  " + line)
         return ["rotors.tsv"]
     kept.run("choice", "choosing the softest paths that are sane together", [*shapes_files(shapes), "report.tsv"],
-             [o.paths, unwanted, o.basins], compute)
+             [o.paths, unwanted, o.basins, o.single_points], compute)
     taken = {row[0] for row in table(kept, "rotors.tsv") if row[3:4] == ["yes"]}
     return [f.name for f in sorted(shapes.found, key=lambda f: f.barrier) if f.name in taken]
 
@@ -275,13 +294,12 @@ def stiffness_of(at, start, shapes, paths, softer):
         return stiffness.Stiffness()
 
     def compute():
-        surface = Surface(shapes.numbers, shapes.x, start.method, start.charge, unpaired=o.uhf)
         found = [f for f in shapes.found if f.name in paths]
-        one = stiffness.of_paths(start.molecule, surface, shapes.x, found, PENALTY).rounded()
+        one = stiffness.of_paths(start.molecule, surface(at, start, shapes.x), shapes.x, found, PENALTY).rounded()
         files.write_whole(kept.path("stiffness.json"), json.dumps(asdict(one), indent=1) + "\n")
         return ["stiffness.json"]
     kept.run("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(
-        name + ".xyz" for name in paths)], [start.method, start.charge, o.uhf], compute)
+        name + ".xyz" for name in paths)], [start.method, start.charge, o.uhf, o.solvent], compute)
     try:
         with open(kept.path("stiffness.json"), encoding="utf-8") as file:
             return stiffness.Stiffness(**{name: float(v) for name, v in json.load(file).items()}).softer(softer)

@@ -9,9 +9,11 @@ import time
 from dataclasses import dataclass, field
 
 import numpy as np
-from preparation import beyond, files, work
+from preparation import beyond, files, geometry, naming, work, xyz
 from preparation.xtb import BOHR, HARTREE, SYMBOLS
+from preparation.xyz import frames
 
+from . import rotors
 from .filters import end_with_parent
 
 RESTARTS = 4
@@ -75,14 +77,14 @@ def _in_processes(stages, what, function, values, threads):
             yield values[done - 1], result
 
 
-def explore(molecule, rotors, options, stages):
-    """The Found of a molecule. options: Options."""
+def explore(molecule, driven, options, stages):
+    """The Found of a molecule. driven: the bonds that are turned; options: Options."""
     global _search
     keep = not options.search
     look, finish = (_beyond_all, _basins) if options.basins else (_saddles, _paths)
     restarts = 0 if options.keep_conformation else RESTARTS
     for start in range(restarts + 1):
-        _search = search = work.Work(molecule, rotors, options.work)
+        _search = search = work.Work(molecule, rotors.find(molecule)[0], driven, options.work)
         search.find_conformation(keep, lambda starts: _relaxed(starts, stages, options.threads))
         stages.say("  conformation: a minimum" + (f", {options.work.method}" if start == 0 else ""))
         tops, lower = look(search, stages, options.threads, start < restarts)
@@ -128,17 +130,25 @@ def _basins(search, ways, stages, threads):
     shape once more."""
     found, lower = [], []
     dropped = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
-    for n, way in ways.items():
-        name = search.driven[n].name
-        if "dropped" in way:
-            dropped.append((name, way["dropped"]))
-            continue
+    dropped += [(search.driven[n].name, way["dropped"]) for n, way in ways.items() if "dropped" in way]
+    ways = {n: way for n, way in ways.items() if "dropped" not in way}
+    candidates = {n: search.candidate(search.driven[n], search.driven[n].name, np.array(way["nodes"]), way["energies"],
+                                      True) for n, way in ways.items()}
+    named, other = naming.names(search.torsions, candidates, {t.name for t in search.driven if not t.rotor}, False)
+    for n, name in named.items():
+        way = ways[n]
         found.append(beyond.Beyond(name, name, [np.array(x) for x in way["nodes"]], way["energies"], way["start"],
                                    dict(way["kinds"]), way["why"]))
         below = -search.above(min(way["energies"]))
         if below > LOWER:
             lower.append((name, below))
-    return Found(search.result(found, dropped), lower)
+    return Found(search.result(found, _without(found, dropped + other)), lower)
+
+
+def _without(found, dropped):
+    """The dropped names without those that a path has, whose bond it turns though another one was driven."""
+    have = {one.name for one in found}
+    return [(name, why) for name, why in dropped if name not in have]
 
 
 def _name(search, number):
@@ -166,59 +176,46 @@ def _saddles(search, stages, threads, may_restart):
 
 
 def _paths(search, tops, stages, threads):
-    dropped, found, known, lower = [], [], {}, []
+    found, known, lower = [], {}, []
+    dropped = [(_name(search, n), ends["dropped"]) for n, (_, ends) in tops.items() if "dropped" in ends]
+    named, other = search.named({n: top for n, (top, ends) in tops.items() if "dropped" not in ends})
+    dropped += other
     wanted = []
-    for n, (top, ends) in tops.items():
-        name = _name(search, n)
-        if "dropped" in ends:
-            dropped.append((name, ends["dropped"]))
-            continue
-        other = search.one_of(top, known)
-        if other is not None:
-            dropped.append((name, f"the saddle of {other}"))
+    for n, name in named.items():
+        top = tops[n][0]
+        same = search.one_of(top, known)
+        if same is not None:
+            dropped.append((name, f"the saddle of {same}"))
             continue
         known[name] = top
         wanted.append(n)
-    for n, way in _in_processes(stages, "following paths to the barriers", _path, wanted, threads):
-        name = _name(search, n)
+    for n, way in _in_processes(stages, "following paths to the barriers", _path, sorted(wanted), threads):
+        name = named[n]
         if "dropped" in way:
             dropped.append((name, way["dropped"]))
             stages.say(f"  {name}: no path: {way['dropped']}")
             continue
-        found.append(search.found(n, way))
+        found.append(search.found(n, name, way))
         below = -search.above(way["far_energy"])
         if below > LOWER:
             lower.append((name, below))
-    return Found(search.result(found, dropped), lower)
-
-
-def frames(path):
-    """[(words of the comment, symbols, positions in angstrom)]"""
-    with open(path, encoding="utf-8") as file:
-        lines = file.read().splitlines()
-    out = []
-    while lines:
-        count = int(lines[0])
-        atoms = [line.split() for line in lines[2:2 + count]]
-        words = dict(w.split("=", 1) for w in lines[1].split() if "=" in w)
-        out.append((words, [a[0] for a in atoms], np.array([[float(v) for v in a[1:4]] for a in atoms])))
-        lines = lines[2 + count:]
-    return out
-
-
-def least_t(path):
-    """Of a path's file: below 0 where the conformation is inside."""
-    rises = [float(words.get("dE", "nan")) for words, _, _ in frames(path)]
-    return -rises.index(0) / (len(rises) - 1) if 0 in rises else 0.0
+    return Found(search.result(found, _without(found, dropped)), lower)
 
 
 class PathFile:
-    """A path as its file has it. nodes in bohr, energies in hartree above the conformation."""
+    """A path as its file has it. nodes in bohr, energies in hartree above the conformation, which is the node `start`."""
 
-    def __init__(self, name, frames):
+    def __init__(self, name, path, conformation):
+        words, _, at = conformation
+        read = frames(path)
         self.name = name
-        self.nodes = [x / BOHR for _, _, x in frames]
-        self.energies = [float(words["dE"]) / HARTREE for words, _, _ in frames]
+        self.nodes = [x / BOHR for _, _, x in read]
+        self.energies = [xyz.above(own, words, f"{path} frame {n}") / HARTREE for n, (own, _, _) in enumerate(read, 1)]
+        if len(read) == 1:  # only the transition state
+            self.nodes.insert(0, at / BOHR)
+            self.energies.insert(0, 0.0)
+        even = np.ones(len(at))
+        self.start = int(np.argmin([geometry.rms(geometry.aligned(x, at / BOHR, even), at / BOHR) for x in self.nodes]))
         self.barrier = max(self.energies)
 
 
@@ -226,11 +223,12 @@ class Structures:
     """What the files of the folder say, changed by hand or not. Energies above the conformation."""
 
     def __init__(self, stages):
-        _, symbols, x = frames(stages.path("conformation.xyz"))[0]
+        conformation = frames(stages.path("conformation.xyz"))[0]
+        _, symbols, x = conformation
         self.numbers = [SYMBOLS.index(s) for s in symbols]
         self.x, self.energy = x / BOHR, 0.0
         report = stages.path("report.tsv")
-        self.found = [PathFile(name[:-4], frames(stages.path(name))) for name in files.listed(report)]
+        self.found = [PathFile(name[:-4], stages.path(name), conformation) for name in files.listed(report)]
         with open(report, encoding="utf-8") as file:
             rows = [line.rstrip("\n").split(": ", 2) for line in file if line.startswith("# no path: ")]
         self.dropped = [(row[1], row[2]) for row in rows]

@@ -62,8 +62,9 @@ def path_text(result, found):
         if k == 0:
             comment += " nimag=0 " + words(result.torsions, x)
         if k == last:
-            comment += (f" nimag=1 nu1={imaginary(found.nu1)} torsion={found.torsion} "
-                        + words(result.torsions, x))
+            if found.nu1 is not None:
+                comment += f" nimag=1 nu1={imaginary(found.nu1)}"
+            comment += f" torsion={found.torsion} " + words(result.torsions, x)
         out.append(frame(result.numbers, x, comment))
     return "".join(out)
 
@@ -113,7 +114,8 @@ def report_text(result, command):
         if found.far_is_equal:
             far = "conformation, equal atoms exchanged"
         rise = (found.energies[-1] - result.energy) * HARTREE
-        rows.append((found.name, "saddle", f"{rise:.2f}", "1", imaginary(found.nu1),
+        saddle = ("1", imaginary(found.nu1)) if found.nu1 is not None else ("-", "-")
+        rows.append((found.name, "saddle", f"{rise:.2f}", *saddle,
                      "conformation and " + far, result.method, change))
         if not found.far_is_equal:
             rise = (found.far_energy - result.energy) * HARTREE

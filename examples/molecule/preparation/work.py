@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import files, geometry, optimise, path, torsions
+from . import files, geometry, naming, optimise, path, torsions
 from .molecule import conformers, from_file
 from .xtb import BOHR, HARTREE, Surface, XtbError
 
-VERSION = 3  # of the algorithm; a step that another version has kept is computed anew
+VERSION = 4  # of the algorithm; a step that another version has kept is computed anew
 SAME_SHAPE = 0.1  # bohr, root mean square: minima closer than this are one
 SAME_ENERGY = 0.02  # kJ/mol
 ROUNDED = 1e-7  # angstrom; files have eight decimals
@@ -31,7 +31,7 @@ class Dropped(Exception):
 @dataclass
 class Found:
     """A saddle and its path to the conformation. nodes: aligned to the conformation; energies:
-    hartree; far: the minimum on the other side; far_is_equal: whether that is the conformation with
+    hartree; nu1: None where the last node is no saddle of xtb, but the highest by other energies; far: the minimum on the other side; far_is_equal: whether that is the conformation with
     equal atoms exchanged."""
     name: str
     torsion: str
@@ -117,19 +117,27 @@ class Steps:
 @dataclass
 class Options:
     """method: of xtb.METHODS; charge: e; unpaired: electrons; highest: where a scan ends, kJ/mol; directory: of the
-    finished steps."""
+    finished steps; solvent: or None."""
     method: str
     charge: int
     unpaired: int
     highest: float
     directory: str
+    solvent: str = None
+
+    @property
+    def words(self):
+        """The method, as files name it."""
+        return f"{self.method}-in-{self.solvent}" if self.solvent else self.method
 
 
 class Work:
-    """The steps for one molecule. driven: its torsions that turn. Each torsion in one of its directions is a job."""
+    """The steps for one molecule. torsions: all that could turn; driven: those that are turned. Each of these in one of
+    its directions is a job."""
 
-    def __init__(self, molecule, driven, options):
+    def __init__(self, molecule, torsions, driven, options):
         self.molecule = molecule
+        self.torsions = torsions
         self.driven = driven
         self.options = options
         self.jobs = [(torsion, sign) for torsion in driven for sign in torsion.signs]
@@ -137,7 +145,7 @@ class Work:
         self.tree = geometry.Tree(molecule.neighbours, molecule.numbers)
 
     def result(self, found, dropped):
-        return Result(self.molecule.numbers, self.surface.masses, self.options.method, self.driven, self.x,
+        return Result(self.molecule.numbers, self.surface.masses, self.options.words, self.driven, self.x,
                       self.energy, self.nu1, found, dropped)
 
     # The conformation
@@ -146,7 +154,9 @@ class Work:
         """Sets x, energy, hessian and nu1. keep: relax the molecule's shape to the nearest minimum instead of looking
         for the lowest one; relaxed(starts): relax() of each."""
         o = self.options
-        key = ["conformation", self.molecule.numbers, self.molecule.positions.tolist(), o.method, o.charge,
+        if o.solvent is not None:
+            self._surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
+        key = ["conformation", self.molecule.numbers, self.molecule.positions.tolist(), o.words, o.charge,
                o.unpaired, keep, [t.atoms for t in self.driven if not t.rotor and not keep]]
         kept = self.steps.take(key, lambda: self._conformation(keep, relaxed))
         self.x = np.array(kept["x"])
@@ -157,7 +167,7 @@ class Work:
 
     def _surface(self, x):
         o = self.options
-        return Surface(self.molecule.numbers, x, o.method, o.charge, self.tree, o.unpaired)
+        return Surface(self.molecule.numbers, x, o.method, o.charge, self.tree, o.unpaired, o.solvent)
 
     def _conformation(self, keep, relaxed):
         starts = ([self.molecule.positions] if keep else
@@ -169,7 +179,7 @@ class Work:
             elif best is None or energy < best[0]:
                 best = energy, x
         if best is None:
-            raise Failed(f"no conformation: none of the start structures relaxes: {reason}{_what_to_do(self.molecule)}")
+            raise Failed(f"no conformation: none of the start structures relaxes: {reason}{self._what_to_do()}")
         # GFN-FF must read its bonds off the conformation itself, not off the shape from which it
         # was found: then one run of xtb on the conformation's file gives the same energy.
         x = best[1]
@@ -180,6 +190,13 @@ class Work:
         # Rounded as in the file, since readers compare the nodes of paths with the file.
         x = np.round(x * BOHR, 8) / BOHR
         return {"x": x.tolist(), "hessian": surface.hessian(x).tolist()}
+
+    def _what_to_do(self):
+        """About a molecule that does not relax. Without water a proton goes from one end of a zwitterion to the other."""
+        charges = self.molecule.formal_charges()
+        if self.options.solvent is None and max(charges) > 0 > min(charges):
+            return "; a zwitterion needs water: give --solvent water, or the neutral form"
+        return ""
 
     def relax(self, start):
         """(x, energy, why it is left out) of a shape in angstrom."""
@@ -218,7 +235,7 @@ class Work:
         """The result of compute(), or {"dropped": the reason why there is none}; it is computed once. what: a name of
         the step."""
         o = self.options
-        key = [what, self.molecule.numbers, self.x.tolist(), o.method, o.charge, o.unpaired, torsion.atoms, sign,
+        key = [what, self.molecule.numbers, self.x.tolist(), o.words, o.charge, o.unpaired, torsion.atoms, sign,
                o.highest]
         return self.steps.take(key, lambda: _guarded(compute))
 
@@ -237,12 +254,29 @@ class Work:
             return ends
         return self.kept("path", *self.jobs[number], lambda: self._path(top, ends))
 
-    def found(self, number, way):
-        """The Found of a job; way: of path()."""
-        torsion, sign = self.jobs[number]
+    def found(self, number, name, way):
+        """The Found of a job under a name; way: of path()."""
         nodes = [np.array(x) for x in way["nodes"]]
-        return Found(torsion.file_name(sign), torsion.name, nodes, way["energies"], self.saddle(number)[0]["nu1"],
-                     np.array(way["far"]), way["far_energy"], way["far_nu1"], way["far_is_equal"])
+        return Found(name, name.removesuffix("-plus").removesuffix("-minus"), nodes, way["energies"],
+                     self.saddle(number)[0]["nu1"], np.array(way["far"]), way["far_energy"], way["far_nu1"],
+                     way["far_is_equal"])
+
+    def candidate(self, torsion, job, nodes, energies, whole):
+        """The naming.Candidate of a path. whole: whether it goes on behind its barriers; otherwise a way from the
+        conformation to one."""
+        to_end, extent = torsions.turned(self.torsions, nodes)
+        number = next(n for n, t in enumerate(self.torsions) if t.name == torsion.name)
+        return naming.Candidate(job, number, extent if whole else to_end, max(energies))
+
+    def named(self, tops):
+        """naming.names() of saddles, by the numbers of their jobs."""
+        candidates = {}
+        for n, top in tops.items():
+            torsion, sign = self.jobs[n]
+            candidates[n] = self.candidate(torsion, torsion.file_name(sign), [self.x, np.array(top["x"])],
+                                           [top["energy"]], False)
+        allowed = {name for torsion in self.driven for name in torsion.file_names()}
+        return naming.names(self.torsions, candidates, allowed, True)
 
     def one_of(self, top, tops):
         """The name of the saddle that this one is. tops: saddles by their names."""
@@ -302,14 +336,6 @@ class Work:
                                      np.array(top["hessian"]), ends["sign"], self.x, self.energy)
         return {"nodes": [n.tolist() for n in nodes], "energies": energies, "far": ends["far"],
                 **{name: ends[name] for name in ("far_energy", "far_nu1", "far_is_equal")}}
-
-
-def _what_to_do(molecule):
-    """About a molecule that does not relax. Without water a proton goes from one end of a zwitterion to the other."""
-    charges = molecule.formal_charges()
-    if max(charges) > 0 > min(charges):
-        return "; there is no water here: give the neutral form instead of a zwitterion"
-    return ""
 
 
 def _guarded(compute):

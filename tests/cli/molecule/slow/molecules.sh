@@ -38,7 +38,7 @@ done
 verify cyanide/cyanide.grid --recompute none --accuracy 0.2 >report 2>verdict || fail "$(cat report)"
 
 # Glycine as a zwitterion has no minimum without water.
-refuses 'molecule: no conformation: .*its bonds change; there is no water here: give the neutral form instead of a zwitterion' \
+refuses 'molecule: no conformation: .*its bonds change; a zwitterion needs water: give --solvent water, or the neutral form' \
   -- hapgrid molecule --smiles '[NH3+]CC(=O)[O-]' -o zwitterion --quiet
 
 # The dipeptide's soft torsions are found by the force field, too, whose scans snap over.
