@@ -29,8 +29,8 @@ def missed(filters, stages, definition, numbers, x, method, charge, unpaired):
         worst = (0.0, "")
         for expected, t in combined:
             text = filters.run("molecule-check", name, f"--xyz={t}")[0]
-            shape = [[float(v) / BOHR for v in line.split()[1:4]] for line in text.splitlines()[2:]]
-            off = (surface.energy(shape) - rest) * HARTREE - expected
+            shape = files.frames_of(text, "molecule-check")[0][2]
+            off = (surface.energy(shape / BOHR) - rest) * HARTREE - expected
             worst = max(worst, (abs(off), f"the minima at t = {t} together are {expected + off:.1f} kJ/mol by xtb, "
                                           f"{expected:.1f} by the sum"))
     finally:

@@ -68,25 +68,23 @@ class Course:
         o, stages = self.o, self.stages
 
         def compute():
-            one, built = reading.read(o.file, o.smiles, lambda text: stages.say("  " + text), o.uhf)
-            charge = one.charge if o.charge is None else o.charge
-            reading.check_electrons(one, self.what, charge, o.uhf)
+            one, charge, unpaired, built, said = reading.read(o.file, o.smiles, o.charge, o.uhf)
+            for line in said:
+                stages.say("  " + line)
             os.makedirs(o.output, exist_ok=True)
-            one.ob.SetTitle(f"charge={charge} built={int(built)}")
-            files.write_whole(stages.path("start.sdf"), reading.sdf(one))
+            files.write_whole(stages.path("start.sdf"), reading.sdf(one, charge, unpaired, built))
             return ["start.sdf"]
         text = _digest_of_input(o.file) if o.file else o.smiles
         stages.run("molecule", "", [], [text, o.charge, o.uhf], compute)
-        self.molecule = prepared.from_file(stages.path("start.sdf"))
-        words = dict(w.split("=") for w in self.molecule.ob.GetTitle().split())
-        self.charge, self.search = int(words["charge"]), o.search or words["built"] == "1"
+        self.molecule, self.charge, o.uhf, built = reading.started(stages.path("start.sdf"))
+        self.search = o.search or built
         self.rotors, self.stay = rotors.find(self.molecule)
         self._leave_still()
         self.method = o.method
         if o.method == "auto":
             self.method = "gfn2" if len(self.molecule.numbers) <= GFN2_ATOMS else "gfnff"
         rings = sum(one.why == rotors.RING for one in self.stay)
-        stages.say(f"  {self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms, "
+        stages.say(f"  {self.molecule.formula}, {len(self.molecule.numbers)} atoms, "
                    f"charge {reading.signed(self.charge)}, {len(self.rotors)} bonds turn"
                    + (f"; {rings} rings stay as they are" if rings else ""))
 

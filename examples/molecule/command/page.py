@@ -8,7 +8,6 @@ from preparation import files
 
 from . import curves
 from .pushing import read_log
-from .structures import frames
 
 STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
 table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; text-align: left }
@@ -29,7 +28,7 @@ class Page:
             watch=lambda gone: self.stages.waiting("playing the way", gone, None))
         run("view", "played.frames", "--xyz", "played.xyz", "--pdb", "played.pdb")
         names, rows = read_log(self.stages.path("played.log"))
-        shapes = frames(self.stages.path("played.xyz"))
+        shapes = files.frames(self.stages.path("played.xyz"))
         drawn = curves.draw(self.stages, (names, rows), np.array([x for _, _, x in shapes]), self.torsions,
                             [float(words["time"]) for words, _, _ in shapes])
         at = {name: rows[:, n] for n, name in enumerate(names)}
@@ -100,7 +99,7 @@ class Page:
 {STYLE}
 </style>
 <h1>{name}</h1>
-<p>{self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms. {html.escape(said)}</p>
+<p>{self.molecule.formula}, {len(self.molecule.numbers)} atoms. {html.escape(said)}</p>
 <iframe src="played.html" title="the molecule as it is pushed"></iframe>
 <p>To feel it, in the folder that has this one:
 <p><code>hapgrid play {name}/{html.escape(self.grid)} --device path:{name}/{html.escape(self.way)} --rate 1000 --frames - |

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from preparation import beyond, files, work
-from preparation.xtb import BOHR, HARTREE, SYMBOLS
+from preparation.xtb import BOHR, HARTREE
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
@@ -195,23 +195,9 @@ def _paths(search, tops, stages, threads):
     return Found(search.result(found, dropped), lower)
 
 
-def frames(path):
-    """[(words of the comment, symbols, positions in angstrom)]"""
-    with open(path, encoding="utf-8") as file:
-        lines = file.read().splitlines()
-    out = []
-    while lines:
-        count = int(lines[0])
-        atoms = [line.split() for line in lines[2:2 + count]]
-        words = dict(w.split("=", 1) for w in lines[1].split() if "=" in w)
-        out.append((words, [a[0] for a in atoms], np.array([[float(v) for v in a[1:4]] for a in atoms])))
-        lines = lines[2 + count:]
-    return out
-
-
 def least_t(path):
     """Of a path's file: below 0 where the conformation is inside."""
-    rises = [float(words.get("dE", "nan")) for words, _, _ in frames(path)]
+    rises = [float(words.get("dE", "nan")) for words, _, _ in files.frames(path)]
     return -rises.index(0) / (len(rises) - 1) if 0 in rises else 0.0
 
 
@@ -229,11 +215,10 @@ class Structures:
     """What the files of the folder say, changed by hand or not. Energies above the conformation."""
 
     def __init__(self, stages):
-        _, symbols, x = frames(stages.path("conformation.xyz"))[0]
-        self.numbers = [SYMBOLS.index(s) for s in symbols]
+        _, self.numbers, x = files.frames(stages.path("conformation.xyz"))[0]
         self.x, self.energy = x / BOHR, 0.0
         report = stages.path("report.tsv")
-        self.found = [PathFile(name[:-4], frames(stages.path(name))) for name in files.listed(report)]
+        self.found = [PathFile(name[:-4], files.frames(stages.path(name))) for name in files.listed(report)]
         with open(report, encoding="utf-8") as file:
             rows = [line.rstrip("\n").split(": ", 2) for line in file if line.startswith("# no path: ")]
         self.dropped = [(row[1], row[2]) for row in rows]

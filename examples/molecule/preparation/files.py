@@ -6,6 +6,7 @@ import os
 import numpy as np
 
 from . import geometry
+from .molecule import BadInput
 from .xtb import BOHR, HARTREE, SYMBOLS
 
 
@@ -29,6 +30,30 @@ def frame(numbers, x, comment):
     for z, row in zip(numbers, np.asarray(x) * BOHR):
         lines.append(f"{SYMBOLS[z]:<2}" + "".join(f" {v + 0.0:13.8f}" for v in row))
     return "\n".join(lines) + "\n"
+
+
+def frames(path):
+    """frames_of() an XYZ file."""
+    with open(path, encoding="utf-8") as file:
+        return frames_of(file.read(), path)
+
+
+def frames_of(text, what):
+    """[(words of the comment, atomic numbers, positions in angstrom)] of XYZ that hapgrid wrote, perhaps changed by hand. What
+    other programs write is read by command/formats.py."""
+    lines, out = text.rstrip().splitlines(), []
+    try:
+        while lines:
+            count = int(lines[0])
+            atoms = [line.split() for line in lines[2:2 + count]]
+            words = dict(w.split("=", 1) for w in lines[1].split() if "=" in w)
+            out.append((words, [SYMBOLS.index(a[0]) for a in atoms], np.array([[float(v) for v in a[1:4]] for a in atoms])))
+            if count < 1 or out[-1][2].shape != (count, 3):
+                raise ValueError
+            lines = lines[2 + count:]
+    except (ValueError, IndexError):
+        raise BadInput(f"{what}: frame {len(out) + 1} is not as XYZ has it") from None
+    return out
 
 
 def angles(torsions, x):

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import files, geometry, optimise, path, torsions
-from .molecule import conformers, from_file
+from .molecule import conformers
 from .xtb import BOHR, HARTREE, Surface, XtbError
 
 VERSION = 3  # of the algorithm; a step that another version has kept is computed anew
@@ -76,9 +76,9 @@ class Result:
         a box that was changed by hand then fits the new shapes, too."""
         old = os.path.join(directory, "conformation.xyz")
         if os.path.exists(old):
-            before = from_file(old)
-            if before.numbers == self.numbers:
-                self.lie_like(before.positions / BOHR)
+            _, numbers, x = files.frames(old)[0]
+            if numbers == self.numbers:
+                self.lie_like(x / BOHR)
 
 
 def _equal(x, y):
