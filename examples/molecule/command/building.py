@@ -12,7 +12,7 @@ from rdkit.Chem import rdDistGeom
 
 SEED = 1
 TRIES = 10  # shapes, of which the one of lowest energy is taken: rings have several
-STEPS = 5000
+FEW_STEPS, STEPS = 300, 5000  # of the force field, to tell shapes apart, and for the one that is taken
 LEAST_DISTANCE = 0.5  # angstrom
 SMALL_RINGS = 60  # atoms, up to which a shape takes well below a second
 
@@ -54,13 +54,14 @@ def shape(mol, what):
     numbers = [a.GetAtomicNum() for a in mol.GetAtoms()]
     near = [sorted(n.GetIdx() for n in a.GetNeighbors()) for a in mol.GetAtoms()]
     for x in _embedded(mol):
-        energy, x = relaxed(mol, x, STEPS)
+        energy, x = relaxed(mol, x, FEW_STEPS)
         strained = not np.isfinite(x).all() or geometry.bonds_of(numbers, x) != near
         if best is None or (strained, energy) < best[:2]:
             best = strained, energy, x
     if best is None or not np.isfinite(best[2]).all():
-        raise BadInput(f"{what}: no shape could be built: give a file with one")
-    return best[2]
+        raise BadInput(f"{what}: no shape could be built: is its handedness possible? Otherwise give a "
+                       "file with a shape")
+    return relaxed(mol, best[2], STEPS)[1]
 
 
 def _embedded(mol):
@@ -70,9 +71,11 @@ def _embedded(mol):
     options.randomSeed = SEED
     options.useSmallRingTorsions = True
     few = one.GetNumAtoms() > SMALL_RINGS or not one.GetRingInfo().NumRings()
-    for random, ignore in ((False, False), (True, False), (True, True)):
+    # A handedness that no shape can have would be tried for hours.
+    for random, ignore, count, options.maxIterations in (
+            (False, False, 3 if few else TRIES, 20), (True, False, 3, 20), (True, True, 1, 60)):
         options.useRandomCoords, options.ignoreSmoothingFailures = random, ignore
-        found = list(rdDistGeom.EmbedMultipleConfs(one, 3 if few else TRIES, options))
+        found = list(rdDistGeom.EmbedMultipleConfs(one, count, options))
         if found:
             return [one.GetConformer(n).GetPositions() for n in found]
     return []

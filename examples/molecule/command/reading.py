@@ -255,6 +255,7 @@ def sdf(one, charge, unpaired, built):
         conformer.SetAtomPosition(n, place.tolist())
     conformer.Set3D(True)
     mol.AddConformer(conformer)
+    Chem.AssignStereochemistryFrom3D(mol)  # or its double bonds are marked as of either side
     mol.SetProp("_Name", f"charge={charge} unpaired={unpaired} built={int(built)}")
     return Chem.MolToMolBlock(mol, kekulize=True) + "$$$$\n"
 

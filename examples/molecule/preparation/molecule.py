@@ -107,7 +107,10 @@ def relaxed(rd, positions, steps, fixed=()):
     field.Initialize()
     for atom in fixed:
         field.AddFixedPoint(int(atom))
-    field.Minimize(maxIts=steps, forceTol=1e-4, energyTol=1e-7)
+    try:
+        field.Minimize(maxIts=steps, forceTol=1e-4, energyTol=1e-7)
+    except RuntimeError:  # in its minimum already it finds no direction
+        pass
     return field.CalcEnergy(), np.array(field.Positions()).reshape(-1, 3)
 
 
