@@ -8,10 +8,10 @@ for each such shape, a single point.
 from preparation import files
 from preparation.xtb import BOHR, HARTREE, Surface
 
+from . import choice
 from .definition import write
 
 MISSED = 4.0  # kJ/mol: what the sum may miss
-ROW = "minimum "
 
 
 def missed(filters, stages, definition, numbers, x, method, charge, unpaired):
@@ -19,19 +19,19 @@ def missed(filters, stages, definition, numbers, x, method, charge, unpaired):
     name = ".combined.toml"
     write(stages.path(name), definition.text())
     try:
-        rows = [line.split() for line in filters.run("molecule-check", name, good=(0, 1))[0].splitlines()
-                if line.startswith(ROW)]
-        combined = [(float(row[1]), row[2]) for row in rows if sum(float(t) != 0 for t in row[2].split(",")) > 1]
+        minima = choice.checked(filters, name)["minima"]
+        combined = [(m["energy_kJ_mol"], m["t"]) for m in minima if sum(t != 0 for t in m["t"]) > 1]
         if not combined:
             return ""
         surface = Surface(numbers, x, method, charge, unpaired=unpaired)
         rest = surface.energy(x)
         worst = (0.0, "")
         for expected, t in combined:
-            text = filters.run("molecule-check", name, f"--xyz={t}")[0]
+            text = filters.run("molecule-check", name, "--xyz=" + ",".join(map(repr, t)))[0]
             shape = files.frames_of(text, "molecule-check")[0][2]
             off = (surface.energy(shape / BOHR) - rest) * HARTREE - expected
-            worst = max(worst, (abs(off), f"the minima at t = {t} together are {expected + off:.1f} kJ/mol by xtb, "
+            at = ",".join(f"{v:.9g}" for v in t)
+            worst = max(worst, (abs(off), f"the minima at t = {at} together are {expected + off:.1f} kJ/mol by xtb, "
                                           f"{expected:.1f} by the sum"))
     finally:
         files.remove(stages.path(name))
