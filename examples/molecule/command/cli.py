@@ -81,8 +81,8 @@ def parser():
                    help="number of processes and threads, which does not change the result (default: 1)")
     p.add_argument("--charge", type=_within(int, -9, 9), metavar="E",
                    help="total charge (default: what the file says)")
-    p.add_argument("--uhf", type=_within(int, 0, 9), metavar="N", default=0,
-                   help="number of unpaired electrons of a radical (default: 0)")
+    p.add_argument("--uhf", type=_within(int, 0, 9), metavar="N",
+                   help="number of unpaired electrons of a radical (default: what the file says)")
     p.add_argument("--method", choices=("auto", *xtb.METHODS), default="auto",
                    help=f"method of xtb: gfn2 is GFN2-xTB, gfnff the force field GFN-FF, and auto (default) takes gfn2 up to "
                    f"{steps.GFN2_ATOMS} atoms")

@@ -51,7 +51,7 @@ class Definition:
         high = (x + radius).max(axis=(0, 1)) + PROBE + CLEAR
         cell = spacing or coarse_spacing(high - low)
         more = np.reshape(room or np.zeros(6), (2, 3))
-        return cls(f"{molecule.ob.GetFormula()}, {len(molecule.numbers)} atoms", paths, low - cell - more[0],
+        return cls(f"{molecule.formula}, {len(molecule.numbers)} atoms", paths, low - cell - more[0],
                    high + cell + more[1], cell, basins=basins)
 
     def with_spacing(self, spacing):

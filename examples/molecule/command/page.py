@@ -74,12 +74,12 @@ def pictures(log):
 
 def page(at, start, turned, ways, images):
     """The text of index.html."""
-    kept, o = at.stages, at.options
+    kept = at.stages
     name = kept.name()
     words, symbols, x = frames(kept.path("conformation.xyz"))[0]
     method = re.sub("gfn2|gfnff", lambda found: METHODS[found[0]], words.get("method", "own energies"))
-    spin = SPINS[o.uhf] if o.uhf < len(SPINS) else f"multiplicity {o.uhf + 1}"
-    facts = {"Formula": formula(start.formula), "Charge": signed(start.charge), "Spin": spin, "Made from": start.source,
+    spin = SPINS[start.unpaired] if start.unpaired < len(SPINS) else f"multiplicity {start.unpaired + 1}"
+    facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.charge), "Spin": spin, "Made from": start.source,
              "Energies": f"{method}, of libxtb {library_version()}" if "GFN" in method else method,
              "Conformation": f"{words['E']} hartree" if "E" in words else "",
              "Grid": grid_in_words(at, f"{name}.grid")}
@@ -87,7 +87,7 @@ def page(at, start, turned, ways, images):
                 "bonds": [[a, b] for a, near in enumerate(start.molecule.neighbours) for b in near if a < b],
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
     parts = {
-        "TITLE": html.escape(start.source), "HEAD": formula(start.formula),
+        "TITLE": html.escape(start.source), "HEAD": formula(start.molecule.formula),
         "SAID": html.escape(first_line(kept, ways[0])),
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
                          for key, value in facts.items() if value),

@@ -47,12 +47,11 @@ class Start:
     molecule: prepared.Molecule
     source: str
     charge: int
+    unpaired: int
     search: bool
     method: str
     turning: list
     still: list
-
-    formula = property(lambda self: self.molecule.ob.GetFormula())
 
     def turned_by(self, paths):
         """The torsions that these paths turn."""
@@ -88,21 +87,17 @@ def run(options):
 def read(at):
     o, kept = at.options, at.stages
     source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
-    what = o.file or f"SMILES '{o.smiles}'"
 
     def compute():
-        one, built = reading.read(o.file, o.smiles, lambda text: kept.say("  " + text), o.uhf)
-        charge = one.charge if o.charge is None else o.charge
-        reading.check_electrons(one, what, charge, o.uhf)
+        one, charge, unpaired, built, said = reading.read(o.file, o.smiles, o.charge, o.uhf)
+        for line in said:
+            kept.say("  " + line)
         kept.enter()
-        files.write_whole(kept.path("start.sdf"), reading.sdf(one))
-        kept.remember("start", kept.digest("start.sdf"), {"charge": charge, "built": built})
+        files.write_whole(kept.path("start.sdf"), reading.sdf(one, charge, unpaired, built))
         return ["start.sdf"]
     text = stages.digest_of(prepared.read_bytes(o.file)) if o.file else o.smiles
     kept.run("molecule", "", [], [text, o.charge, o.uhf], compute)
-    one = prepared.from_file(kept.path("start.sdf"))
-    # A file that was changed by hand has its charge itself.
-    known = kept.recall("start", kept.digest("start.sdf")) or {"charge": o.charge or one.charge, "built": False}
+    one, charge, unpaired, built = reading.started(kept.path("start.sdf"))
     method = o.method
     if method == "auto":
         method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
@@ -111,10 +106,9 @@ def read(at):
     if o.torsions is not None:
         turning, left = only(turning, set(o.torsions.split(",")), o.basins)
         still = still + left
-    found = Start(one, source, known["charge"], o.search or known["built"], method, turning, still)
-    kept.say(f"  {found.formula}, {len(one.numbers)} atoms, charge {signed(known['charge'])}, {len(turning)} "
-             f"bonds turn" + (f"; {rings} rings stay as they are" if rings else ""))
-    return found
+    kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(charge)}, {len(turning)} bonds turn"
+             + (f"; {rings} rings stay as they are" if rings else ""))
+    return Start(one, source, charge, unpaired, o.search or built, method, turning, still)
 
 
 def only(turning, wanted, basins):
@@ -135,13 +129,14 @@ def only(turning, wanted, basins):
 def single_points(at, start):
     """The SinglePoints of --single-points, or None."""
     o = at.options
-    return o.single_points and singles.SinglePoints(o.single_points, start.molecule.numbers, start.charge, o.uhf,
-                                                    at.stages.steps)
+    if o.single_points is None:
+        return None
+    return singles.SinglePoints(o.single_points, start.molecule.numbers, start.charge, start.unpaired, at.stages.steps)
 
 
 def surface(at, start, x):
     """x: the conformation, bohr."""
-    return Surface(start.molecule.numbers, x, start.method, start.charge, unpaired=at.options.uhf,
+    return Surface(start.molecule.numbers, x, start.method, start.charge, unpaired=start.unpaired,
                    solvent=at.options.solvent)
 
 
@@ -158,7 +153,7 @@ def find_structures(at, start):
             kept.say(f"  about {duration(seconds)} for conformation and barriers, twice that where a lower minimum is "
                      "found")
         one = structures.explore(start.molecule, start.turning, structures.Options(
-            work.Options(start.method, start.charge, o.uhf, o.highest, kept.path(".work"), o.solvent), start.search,
+            work.Options(start.method, start.charge, start.unpaired, o.highest, kept.path(".work"), o.solvent), start.search,
             o.keep_conformation, o.basins, o.threads), kept)
         for name, below in one.lower:
             kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
@@ -166,9 +161,9 @@ def find_structures(at, start):
         if points is not None:
             points.replace(one.result, o.threads, kept)
         return files.write_set(kept.directory, one.result, f"hapgrid molecule: {start.source}, {start.method}, "
-                               f"charge {signed(start.charge)}, {o.uhf} unpaired electrons")
+                               f"charge {signed(start.charge)}, {start.unpaired} unpaired electrons")
     kept.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
-             [start.method, o.solvent, points and points.key, start.charge, o.uhf, start.search, o.highest, o.basins,
+             [start.method, o.solvent, points and points.key, start.charge, start.unpaired, start.search, o.highest, o.basins,
               o.keep_conformation, [name for t in start.turning for name in t.file_names()]], compute)
     return structures.Structures(kept)
 
@@ -299,7 +294,7 @@ def stiffness_of(at, start, shapes, paths, softer):
         files.write_whole(kept.path("stiffness.json"), json.dumps(asdict(one), indent=1) + "\n")
         return ["stiffness.json"]
     kept.run("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(
-        name + ".xyz" for name in paths)], [start.method, start.charge, o.uhf, o.solvent], compute)
+        name + ".xyz" for name in paths)], [start.method, start.charge, start.unpaired, o.solvent], compute)
     try:
         with open(kept.path("stiffness.json"), encoding="utf-8") as file:
             return stiffness.Stiffness(**{name: float(v) for name, v in json.load(file).items()}).softer(softer)
@@ -396,7 +391,7 @@ def show(at, start, shapes, plan):
     kept.run("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
              lambda: ways(at.filters, kept, grid, shapes, o.threads).write())
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
-    facts = [start.source, start.charge, o.uhf, start.method]
+    facts = [start.source, start.charge, start.unpaired, start.method]
     kept.run("page", "drawing pictures", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
              lambda: page.write(at, start, start.turned_by(plan.paths), made))
     out = o.output.rstrip("/") or "/"

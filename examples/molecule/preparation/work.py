@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import files, geometry, naming, optimise, path, torsions
-from .molecule import conformers, from_file
-from .xtb import BOHR, HARTREE, Surface, XtbError
+from . import files, geometry, naming, optimise, path, torsions, xyz
+from .molecule import conformers
+from .xtb import BOHR, HARTREE, SYMBOLS, Surface, XtbError
 
 VERSION = 4  # of the algorithm; a step that another version has kept is computed anew
 SAME_SHAPE = 0.1  # bohr, root mean square: minima closer than this are one
@@ -76,9 +76,9 @@ class Result:
         a box that was changed by hand then fits the new shapes, too."""
         old = os.path.join(directory, "conformation.xyz")
         if os.path.exists(old):
-            before = from_file(old)
-            if before.numbers == self.numbers:
-                self.lie_like(before.positions / BOHR)
+            _, symbols, x = xyz.frames(old)[0]
+            if symbols == [SYMBOLS[z] for z in self.numbers]:
+                self.lie_like(x / BOHR)
 
 
 def _equal(x, y):
