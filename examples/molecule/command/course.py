@@ -5,7 +5,7 @@ import os
 import shlex
 from dataclasses import asdict
 
-from preparation import files, work
+from preparation import files, work, xyz
 from preparation import molecule as prepared
 from preparation.xtb import Surface
 
@@ -15,6 +15,7 @@ from .filters import Failed, FilterFailed, Filters
 from .stages import Stages, digest, digest_of, duration
 
 GFN2_ATOMS = 24
+ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
 # What expand says of a grid that it cannot compute, and what that means.
 HOPELESS = {"level limit": f"with it a point has more than {definition.MAX_LEVELS} states",
@@ -110,7 +111,7 @@ class Course:
     def find_structures(self):
         o, stages = self.o, self.stages
 
-        points = self._single_points()
+        points, shapes = self._single_points(), self._ensemble()
 
         def compute():
             if o.method == "auto":
@@ -118,18 +119,18 @@ class Course:
                            f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
             one = structures.explore(self.molecule, self.rotors, structures.Options(
                 work.Options(self.method, self.charge, o.uhf, o.highest, stages.path(".work"), o.solvent), self.search,
-                o.keep_conformation, o.basins, o.threads), stages)
+                o.keep_conformation, o.basins, o.threads, shapes), stages)
             for name, below in one.lower:
                 stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
             one.result.lie_as_before(stages.directory)
             if points is not None:
-                points.replace(one.result, o.threads, stages)
+                points.put_into(one.result, o.threads, stages)
             source = os.path.basename(o.file) if o.file else self.what  # the report is the same wherever the file lies
             return files.write_set(stages.directory, one.result, f"hapgrid molecule: {source}, {self.method}, "
                                    f"charge {reading.signed(self.charge)}, {o.uhf} unpaired electrons")
         stages.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
                    [self.method, o.solvent, points and points.key, self.charge, o.uhf, self.search, o.highest, o.basins, o.keep_conformation,
-                    [name for t in self.rotors for name in t.file_names()]], compute)
+                    [name for t in self.rotors for name in t.file_names()], [x.tolist() for _, x in shapes]], compute)
         self.structures = structures.Structures(stages)
 
     # The definition
@@ -228,6 +229,15 @@ class Course:
         points = self._single_points()
         return combined.missed(self.filters, self.stages, one, self.structures.x, (points or self._surface()).energy,
                                "single points" if points else "xtb")
+
+    def _ensemble(self):
+        """The frames of an XYZ file between whose minima paths are looked for."""
+        if not self.o.basins or not self.o.file or not self.o.file.lower().endswith(".xyz"):
+            return []
+        shapes = xyz.ensemble(prepared.read_text(self.o.file), self.molecule.numbers) or []
+        if len(shapes) > ENSEMBLE:
+            self.stages.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
+        return shapes[:ENSEMBLE]
 
     def _surface(self):
         return Surface(self.structures.numbers, self.structures.x, self.method, self.charge, unpaired=self.o.uhf,
