@@ -80,5 +80,11 @@ def table(result, rotors, stay, taken, left):
             barrier = "-" if one is None else f"{(one.barrier - result.energy) * HARTREE:.2f}"
             why = "" if name in taken else left.get(name) or dropped.get(name, "not found")
             rows.append((name, atoms[torsion.name], barrier, "yes" if name in taken else "no", why or "-"))
+    listed = {row[0] for row in rows}
+    for name in [*found, *dropped]:  # between minima of an ensemble, where no single bond turns
+        if name not in listed:
+            barrier = f"{(found[name].barrier - result.energy) * HARTREE:.2f}" if name in found else "-"
+            why = "" if name in taken else left.get(name) or dropped.get(name, "not found")
+            rows.append((name, "-", barrier, "yes" if name in taken else "no", why or "-"))
     rows += [(one.name, one.name, "-", "no", one.why) for one in stay]
     return "\n".join("\t".join(row) for row in rows) + "\n"

@@ -89,9 +89,8 @@ def parser():
     p.add_argument("--solvent", metavar="NAME",
                    help="solvent around the molecule, such as water, by xtb's GBSA (default: none)")
     p.add_argument("--single-points", metavar="COMMAND",
-                   help="program that gives the energies along the paths instead of xtb: it gets the name of an XYZ file "
-                   "after its own words, and prints hartree on its last line; 'single-point-ase CALCULATOR KEY=VALUE...' "
-                   "asks ASE")
+                   help="program that gives the energies along the paths instead of xtb: it gets the name of an XYZ file, "
+                   "and its last line is the energy in hartree; single-point-ase asks ASE")
     p.add_argument("--search", action="store_true",
                    help="look for the lowest conformer instead of keeping that of FILE")
     p.add_argument("--keep-conformation", action="store_true",
@@ -101,7 +100,8 @@ def parser():
     p.add_argument("--paths", type=_within(int, 0, 16), metavar="N", default=6,
                    help="largest number of paths that are taken (default: 6)")
     p.add_argument("--basins", action="store_true",
-                   help="continue paths beyond their barriers into the minima behind them")
+                   help="continue paths beyond their barriers into the minima behind them; of an ensemble in an XYZ "
+                   "file, look for paths between its minima")
     p.add_argument("--torsions", metavar="NAMES",
                    help="bonds that may turn, as rotors.tsv names them, with commas between (default: all); "
                    "NAME-plus and NAME-minus turn in one direction only")

@@ -10,10 +10,11 @@ import re
 import shlex
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
-from preparation import files
-from preparation.xtb import HARTREE
+from preparation import files, geometry
+from preparation.xtb import BOHR, HARTREE
 
 from .filters import Failed, run_program
 
@@ -65,7 +66,7 @@ class SinglePoints:
             raise Failed(f"--single-points: the last line of {self.words[0]} is '{last}', and not an energy in hartree")
         return energy
 
-    def replace(self, result, threads, stages):
+    def put_into(self, result, threads, stages):
         """Puts its own energies into a work.Result in place of xtb's. A path that does not lead from the conformation
         over a barrier by these energies is left out; one that has its highest node before its end, ends there."""
         found = result.found
@@ -76,39 +77,75 @@ class SinglePoints:
             for done, energy in enumerate(pool.map(self.energy, shapes), 1):
                 tell(done)
                 energies.append(energy)
-        result.energy, result.method = energies[0], f"{self.method}//{result.method}"
-        at, result.found = 1, []
+        rest, at = energies[0], 1
         for one in found:
             count = len(self._shapes(one))
             own, at = energies[at:at + count], at + count
-            why = _put(one, own, result.energy)
+            if hasattr(one, "kinds"):
+                own[one.start] = rest  # the same shape, turned otherwise
+            else:
+                own[0], one.far_energy = rest, own.pop()
+            one.energies = own
+        result.energy, result.method = rest, f"{self.method}//{result.method}"
+        self._root(result)
+        found, result.found = result.found, []
+        for one in found:
+            why = _fault(one, result.energy)
             if why:
                 result.dropped.append((one.name, f"by {self.method} {why}"))
             else:
                 result.found.append(one)
+
+    def _root(self, result):
+        """Where a node is lower than the conformation, that one becomes the conformation, and its path leads both ways from
+        there. Hydrogen peroxide is planar by GFN2-xTB, and not by better methods."""
+        if not result.found:
+            return
+        one = min(result.found, key=lambda f: min(f.energies))
+        k = int(np.argmin(one.energies))
+        if (result.energy - one.energies[k]) * HARTREE <= BELOW:
+            return
+        result.dropped += [(f.name, f"begins in the conformation of {result.method.split('//')[1]}, which is no minimum by "
+                            f"{self.method}") for f in result.found if f is not one]
+        result.x = np.round(geometry.centred(one.nodes[k], result.masses) * BOHR, 8) / BOHR
+        result.energy, result.nu1 = one.energies[k], None
+        one.nodes = [geometry.aligned(x, result.x, result.masses) for x in one.nodes]
+        one.nodes[k] = result.x
+        if hasattr(one, "kinds"):
+            one.start = k
+            one.kinds.pop(k, None)
+            result.found = [one]
+            return
+        back = replace(one, name=_opposite(one.name), nodes=one.nodes[k::-1], energies=one.energies[k::-1], nu1=None, far=None)
+        one.nodes, one.energies = one.nodes[k:], one.energies[k:]
+        result.found = [one, back]
+        result.dropped = [(name, why) for name, why in result.dropped if name != back.name]
 
     @staticmethod
     def _shapes(one):
         return list(one.nodes) if hasattr(one, "kinds") else [*one.nodes, one.far]
 
 
-def _put(one, energies, rest):
-    """Puts energies into a path; why it cannot be one with them, or nothing."""
+def _opposite(name):
+    for one, other in (("-plus", "-minus"), ("-minus", "-plus")):
+        if name.endswith(one):
+            return name.removesuffix(one) + other
+    return name + "-back"
+
+
+def _fault(one, rest):
+    """Why a path cannot be one with its energies, or nothing. One to a barrier is cut off behind its highest node."""
     if hasattr(one, "kinds"):
-        energies[one.start] = rest  # the same shape, turned otherwise
-        one.energies = energies
         at = one.start
-        return _fault(energies[at:], rest, True) or _fault(energies[at::-1], rest, True)
-    energies[0] = rest
-    one.far_energy = energies.pop()
-    top = int(np.argmax(energies))
-    if top < len(energies) - 1:
+        return _falls(one.energies[at:], rest, True) or _falls(one.energies[at::-1], rest, True)
+    top = int(np.argmax(one.energies))
+    if top < len(one.energies) - 1:
         one.nu1 = None  # its last node is no longer xtb's saddle
-    one.nodes, one.energies = one.nodes[:top + 1], energies[:top + 1]
-    return _fault(one.energies, rest, False)
+    one.nodes, one.energies = one.nodes[:top + 1], one.energies[:top + 1]
+    return _falls(one.energies, rest, False)
 
 
-def _fault(energies, rest, beyond):
+def _falls(energies, rest, beyond):
     rises = [(energy - rest) * HARTREE for energy in energies]
     if not beyond and (len(rises) < 3 or rises[-1] < BELOW):
         return "the energy does not climb"

@@ -8,7 +8,7 @@ import time
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from preparation import files, optimise, work
+from preparation import files, optimise, work, xyz
 from preparation import molecule as prepared
 from preparation.molecule import BadInput
 from preparation.xtb import Surface, XtbError
@@ -21,6 +21,7 @@ from .pieces import signed
 from .stages import duration
 
 GFN2_ATOMS = 24
+ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
 # Gradients of xtb in units of a Hessian, which are measured: of propan-2-ol and ethanol 9 to 16 for each way of a
 # bond, and 21 where it goes on behind its barriers; and what an optimiser's step takes besides its gradient.
@@ -142,7 +143,7 @@ def surface(at, start, x):
 
 def find_structures(at, start):
     o, kept = at.options, at.stages
-    points = single_points(at, start)
+    points, ensemble = single_points(at, start), ensemble_of(at, start)
 
     def compute():
         if o.method == "auto":
@@ -154,18 +155,30 @@ def find_structures(at, start):
                      "found")
         one = structures.explore(start.molecule, start.turning, structures.Options(
             work.Options(start.method, start.charge, start.unpaired, o.highest, kept.path(".work"), o.solvent), start.search,
-            o.keep_conformation, o.basins, o.threads), kept)
+            o.keep_conformation, o.basins, o.threads, ensemble), kept)
         for name, below in one.lower:
             kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
         one.result.lie_as_before(kept.directory)
         if points is not None:
-            points.replace(one.result, o.threads, kept)
+            points.put_into(one.result, o.threads, kept)
         return files.write_set(kept.directory, one.result, f"hapgrid molecule: {start.source}, {start.method}, "
                                f"charge {signed(start.charge)}, {start.unpaired} unpaired electrons")
     kept.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
              [start.method, o.solvent, points and points.key, start.charge, start.unpaired, start.search, o.highest, o.basins,
-              o.keep_conformation, [name for t in start.turning for name in t.file_names()]], compute)
+              o.keep_conformation, [name for t in start.turning for name in t.file_names()],
+              [x.tolist() for _, x in ensemble]], compute)
     return structures.Structures(kept)
+
+
+def ensemble_of(at, start):
+    """The frames of an XYZ file between whose minima paths are looked for."""
+    name = at.options.file
+    if not at.options.basins or not name or not name.lower().endswith(".xyz"):
+        return []
+    shapes = xyz.ensemble(prepared.read_bytes(name).decode("utf-8", "replace"), start.molecule.numbers) or []
+    if len(shapes) > ENSEMBLE:
+        at.stages.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
+    return shapes[:ENSEMBLE]
 
 
 def structures_take(at, start):

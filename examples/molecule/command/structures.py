@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass, field
 
 import numpy as np
-from preparation import beyond, files, geometry, naming, work, xyz
+from preparation import beyond, ensemble, files, geometry, naming, torsions, work, xyz
 from preparation.xtb import BOHR, HARTREE, SYMBOLS
 from preparation.xyz import frames
 
@@ -23,12 +23,14 @@ LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 @dataclass
 class Options:
     """work: work.Options; search: whether conformers are searched; keep_conformation: whether lower minima are left
-    alone; basins: whether paths go on behind their saddles."""
+    alone; basins: whether paths go on behind their saddles; ensemble: shapes in angstrom by the numbers of their frames,
+    between which paths are looked for instead, [(number, x)]."""
     work: work.Options
     search: bool
     keep_conformation: bool
     basins: bool
     threads: int
+    ensemble: list = field(default_factory=list)
 
 
 @dataclass
@@ -61,7 +63,23 @@ def _beyond(number):
         one = beyond.whole(_search, torsion)
         return {"nodes": [n.tolist() for n in one.nodes], "energies": one.energies, "start": one.start,
                 "kinds": list(one.kinds.items()), "why": one.why}
-    return _search.kept("beyond", torsion, 0, compute)
+    return _search.kept("beyond", [torsion.atoms], compute)
+
+
+def _minimum(shape):
+    def compute():
+        x, energy, hessian = ensemble.minimum(_search, shape)
+        return {"x": x.tolist(), "energy": energy, "hessian": hessian.tolist()}
+    return _search.kept("minimum", [shape.tolist()], compute)
+
+
+def _between(number):
+    one = _search.minima[number][1]
+
+    def compute():
+        nodes, energies, kinds = ensemble.way(_search, (np.array(one["x"]), one["energy"], np.array(one["hessian"])))
+        return {"nodes": [n.tolist() for n in nodes], "energies": energies, "start": 0, "kinds": list(kinds.items())}
+    return _search.kept("between", [one["x"]], compute)
 
 
 def _in_processes(stages, what, function, values, threads):
@@ -83,10 +101,16 @@ def explore(molecule, driven, options, stages):
     keep = not options.search
     look, finish = (_beyond_all, _basins) if options.basins else (_saddles, _paths)
     restarts = 0 if options.keep_conformation else RESTARTS
+    shapes = [] if options.keep_conformation else [x for _, x in options.ensemble]
     for start in range(restarts + 1):
         _search = search = work.Work(molecule, rotors.find(molecule)[0], driven, options.work)
-        search.find_conformation(keep, lambda starts: _relaxed(starts, stages, options.threads))
+        search.ensemble, search.minima = options.ensemble, []
+        search.find_conformation(keep, lambda starts: _relaxed(starts, stages, options.threads), shapes)
         stages.say("  conformation: a minimum" + (f", {options.work.method}" if start == 0 else ""))
+        if options.ensemble:
+            ways = _between_all(search, stages, options.threads)
+            if search.minima:
+                return _ensemble(search, ways, stages)
         tops, lower = look(search, stages, options.threads, start < restarts)
         if start == restarts or lower is None:
             break
@@ -149,6 +173,52 @@ def _without(found, dropped):
     """The dropped names without those that a path has, whose bond it turns though another one was driven."""
     have = {one.name for one in found}
     return [(name, why) for name, why in dropped if name not in have]
+
+
+def _between_all(search, stages, threads):
+    """{number of a minimum of the ensemble: its way}. Sets the minima that are not the conformation, each once."""
+    shapes = [x for _, x in search.ensemble]
+    frames_of = iter([number for number, _ in search.ensemble])
+    for _, one in _in_processes(stages, "relaxing the ensemble", _minimum, shapes, threads):
+        frame = next(frames_of)
+        if "dropped" in one:
+            stages.say(f"  frame {frame}: {one['dropped']}")
+            continue
+        x = np.array(one["x"])
+        if not any(search.same(x, other) for other in (search.x, *(np.array(m["x"]) for _, m in search.minima))):
+            search.minima.append((frame, one))
+            stages.say(f"  frame {frame}: a minimum, {search.above(one['energy']):.1f} kJ/mol")
+    if not search.minima:
+        stages.say("  the ensemble has no other minimum than the conformation, so the bonds are turned")
+    return dict(_in_processes(stages, "looking for paths between the minima", _between, range(len(search.minima)), threads))
+
+
+def _ensemble(search, ways, stages):
+    """The Found of paths to the other minima of an ensemble. A path that turns one bond alone has its name."""
+    found, dropped = [], []
+    for n, way in ways.items():
+        frame, one = search.minima[n]
+        name = f"to-{frame}"
+        passed = next((f.name for f in found for k, kind in f.kinds.items()
+                       if kind == "minimum" and search.same(f.nodes[k], np.array(one["x"]))), None)
+        if passed is not None:
+            dropped.append((name, f"{passed} leads there"))
+        elif "dropped" in way:
+            dropped.append((name, way["dropped"]))
+        else:
+            kinds = dict(way["kinds"])
+            nodes = [np.array(x) for x in way["nodes"]]
+            turns = torsions.turned(search.torsions, nodes)[1]
+            turning = [t.name for t, turn in zip(search.torsions, turns) if turn >= torsions.LEAST_TURN]
+            if len(turning) == 1 and turning[0] not in [f.name for f in found]:
+                name = turning[0]
+            found.append(beyond.Beyond(name, " and ".join(turning) or "no bond", nodes, way["energies"], 0, kinds,
+                                       f"the minimum of frame {frame}"))
+            points = ", ".join(f"{kind} {search.above(way['energies'][k]):.1f}" for k, kind in kinds.items())
+            stages.say(f"  frame {frame}: {name}: {points} kJ/mol")
+    for name, why in dropped:
+        stages.say(f"  {name}: no path: {why}")
+    return Found(search.result(found, dropped))
 
 
 def _name(search, number):

@@ -48,8 +48,8 @@ def imaginary(wave_number):
 
 
 def conformation_text(result):
-    comment = (f"dE=0.0000 E={result.energy:.9f} method={result.method} nimag=0 "
-               + words(result.torsions, result.x))
+    comment = (f"dE=0.0000 E={result.energy:.9f} method={result.method} "
+               + ("nimag=0 " if result.nu1 is not None else "") + words(result.torsions, result.x))
     return frame(result.numbers, result.x, comment.rstrip())
 
 
@@ -60,7 +60,7 @@ def path_text(result, found):
         rise = 0.0 if k == 0 else (energy - result.energy) * HARTREE
         comment = f"dE={rise:.4f} t={k / last:.1f} E={energy:.9f} method={result.method}"
         if k == 0:
-            comment += " nimag=0 " + words(result.torsions, x)
+            comment += (" nimag=0 " if result.nu1 is not None else " ") + words(result.torsions, x)
         if k == last:
             if found.nu1 is not None:
                 comment += f" nimag=1 nu1={imaginary(found.nu1)}"
@@ -101,8 +101,8 @@ def report_text(result, command):
     """The table of stationary points, tab-separated; lines that begin with # are remarks."""
     header = ("name", "kind", "energy_kJ_mol", "imaginary", "nu1_cm-1", "joins", "method",
               "torsions_deg")
-    rows = [("conformation", "minimum", "0.00", "0", f"{result.nu1:.0f}", "-", result.method,
-             words(result.torsions, result.x))]
+    known = ("0", f"{result.nu1:.0f}") if result.nu1 is not None else ("-", "-")
+    rows = [("conformation", "minimum", "0.00", *known, "-", result.method, words(result.torsions, result.x))]
     before = angles(result.torsions, result.x)
     for found in result.found:
         if hasattr(found, "kinds"):
@@ -116,8 +116,8 @@ def report_text(result, command):
         rise = (found.energies[-1] - result.energy) * HARTREE
         saddle = ("1", imaginary(found.nu1)) if found.nu1 is not None else ("-", "-")
         rows.append((found.name, "saddle", f"{rise:.2f}", *saddle,
-                     "conformation and " + far, result.method, change))
-        if not found.far_is_equal:
+                     "conformation and " + far if found.far is not None else "-", result.method, change))
+        if not found.far_is_equal and found.far is not None:
             rise = (found.far_energy - result.energy) * HARTREE
             rows.append((f"{found.name}:far", "minimum", f"{rise:.2f}", "0",
                          f"{found.far_nu1:.0f}", "-", result.method,

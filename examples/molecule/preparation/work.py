@@ -30,9 +30,9 @@ class Dropped(Exception):
 
 @dataclass
 class Found:
-    """A saddle and its path to the conformation. nodes: aligned to the conformation; energies:
-    hartree; nu1: None where the last node is no saddle of xtb, but the highest by other energies; far: the minimum on the other side; far_is_equal: whether that is the conformation with
-    equal atoms exchanged."""
+    """A saddle and its path to the conformation. nodes: aligned to the conformation; energies: hartree; nu1: None where the
+    last node is no saddle of xtb, but the highest by other energies; far: the minimum on the other side, None where nobody
+    has looked for it; far_is_equal: whether that is the conformation with equal atoms exchanged."""
     name: str
     torsion: str
     nodes: list
@@ -69,7 +69,7 @@ class Result:
             self.x = reference if _equal(x, reference) else x
             for found in self.found:
                 found.nodes = [geometry.aligned(y, self.x, self.masses) for y in found.nodes]
-                found.nodes[0] = self.x
+                found.nodes[getattr(found, "start", 0)] = self.x
 
     def lie_as_before(self, directory):
         """Turns everything as the conformation lies that an earlier run left in this folder, if it is the same one:
@@ -150,15 +150,15 @@ class Work:
 
     # The conformation
 
-    def find_conformation(self, keep, relaxed):
+    def find_conformation(self, keep, relaxed, ensemble=()):
         """Sets x, energy, hessian and nu1. keep: relax the molecule's shape to the nearest minimum instead of looking
-        for the lowest one; relaxed(starts): relax() of each."""
+        for the lowest one; relaxed(starts): relax() of each; ensemble: shapes in angstrom, of which the lowest is taken."""
         o = self.options
         if o.solvent is not None:
             self._surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
         key = ["conformation", self.molecule.numbers, self.molecule.positions.tolist(), o.words, o.charge,
-               o.unpaired, keep, [t.atoms for t in self.driven if not t.rotor and not keep]]
-        kept = self.steps.take(key, lambda: self._conformation(keep, relaxed))
+               o.unpaired, keep, [t.atoms for t in self.driven if not t.rotor and not keep], [x.tolist() for x in ensemble]]
+        kept = self.steps.take(key, lambda: self._conformation(keep, relaxed, ensemble))
         self.x = np.array(kept["x"])
         self.surface = self._surface(self.x)
         self.energy = self.surface.energy(self.x)
@@ -169,9 +169,9 @@ class Work:
         o = self.options
         return Surface(self.molecule.numbers, x, o.method, o.charge, self.tree, o.unpaired, o.solvent)
 
-    def _conformation(self, keep, relaxed):
-        starts = ([self.molecule.positions] if keep else
-                  conformers(self.molecule, self.driven, CONFORMERS, SEED))
+    def _conformation(self, keep, relaxed, ensemble):
+        starts = ensemble or ([self.molecule.positions] if keep else
+                              conformers(self.molecule, self.driven, CONFORMERS, SEED))
         best, reason = None, ""
         for x, energy, why in relaxed(starts):
             if why:
@@ -223,36 +223,38 @@ class Work:
 
     def _away(self, x):
         """Root mean square distance from the conformation, bohr."""
-        return self._apart(x, self.x)
+        return self.apart(x, self.x)
 
-    def _apart(self, x, y):
+    def apart(self, x, y):
+        """Root mean square distance of two shapes, bohr."""
         return geometry.rms(geometry.aligned(x, y, self.surface.masses), y)
 
     def same(self, x, y):
-        return self._apart(x, y) < SAME_SHAPE
+        return self.apart(x, y) < SAME_SHAPE
 
-    def kept(self, what, torsion, sign, compute):
+    def kept(self, what, inputs, compute):
         """The result of compute(), or {"dropped": the reason why there is none}; it is computed once. what: a name of
-        the step."""
+        the step; inputs: what it depends on besides the conformation."""
         o = self.options
-        key = [what, self.molecule.numbers, self.x.tolist(), o.words, o.charge, o.unpaired, torsion.atoms, sign,
-               o.highest]
+        key = [what, self.molecule.numbers, self.x.tolist(), o.words, o.charge, o.unpaired, inputs, o.highest]
         return self.steps.take(key, lambda: _guarded(compute))
 
     def saddle(self, number):
         """(the saddle of a job, the minima that it joins, the nearer one first)."""
         torsion, sign = self.jobs[number]
-        top = self.kept("saddle", torsion, sign, lambda: self._saddle(torsion, sign))
+        inputs = [torsion.atoms, sign]
+        top = self.kept("saddle", inputs, lambda: self._saddle(torsion, sign))
         if "dropped" in top:
             return top, top
-        return top, self.kept("ends", torsion, sign, lambda: self._ends(top))
+        return top, self.kept("ends", inputs, lambda: self._ends(top))
 
     def path(self, number):
         """The Found of a job's saddle, as far as it can be sent to another process."""
         top, ends = self.saddle(number)
         if "dropped" in ends:
             return ends
-        return self.kept("path", *self.jobs[number], lambda: self._path(top, ends))
+        torsion, sign = self.jobs[number]
+        return self.kept("path", [torsion.atoms, sign], lambda: self._path(top, ends))
 
     def found(self, number, name, way):
         """The Found of a job under a name; way: of path()."""

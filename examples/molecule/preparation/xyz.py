@@ -10,7 +10,7 @@ import re
 import numpy as np
 
 from .molecule import BadInput
-from .xtb import HARTREE
+from .xtb import HARTREE, SYMBOLS
 
 DIFFER = 0.06  # kJ/mol; dE may be rounded to one decimal
 
@@ -44,6 +44,26 @@ def frames(path):
     """parsed() of a file."""
     with open(path, encoding="utf-8") as file:
         return parsed(file.read(), path)
+
+
+def ensemble(text, numbers):
+    """[(number of the frame, positions in angstrom)] of the frames that have these atoms in this order, the lowest energy
+    first: E= or energy: of a title, or a number alone as CREST writes it. None, where it is one frame or no ensemble."""
+    try:
+        read = parsed(text, "")
+    except BadInput:
+        return None
+    titles = text.splitlines()[1::len(numbers) + 2]
+    symbols = [SYMBOLS[z] for z in numbers]
+    if len(read) < 2 or any([s.capitalize() for s in own] != symbols for _, own, _ in read):
+        return None
+
+    def energy(frame):
+        try:
+            return float(read[frame][0].get("E") or titles[frame].split()[0])
+        except (ValueError, IndexError):
+            return np.inf
+    return [(k + 1, read[k][2]) for k in sorted(range(len(read)), key=energy)]
 
 
 def number(given, key, where):

@@ -27,21 +27,25 @@ refuses "molecule: $path frame 11: dE= gives 1 kJ/mol above the conformation, E=
 refuses 'molecule-check: .*frame 11: dE= gives 1 kJ/mol above the conformation, E= gives [0-9.]*: remove one' -- \
   molecule-check one/one.toml
 
-# A program whose energies have a closed form: -1 hartree and 20 kJ/mol times the cosine of half the torsion.
+# A program whose energies have a closed form: -1 hartree and 20 kJ/mol times the cosine of half the torsion, or the square
+# of the torsion's cosine.
 cat >closed.py <<'PY'
 #!/usr/bin/python3
 import math
 import sys
 print("chatter")
 lines = open(sys.argv[2]).read().splitlines()
-assert sys.argv[1] == "--scale=1" and lines[1] == "charge=0 unpaired=0", (sys.argv, lines[1])
+assert lines[1] == "charge=0 unpaired=0", lines[1]
 o, p, h, i = ([float(v) for v in line.split()[1:]] for line in lines[2:6])
 sub = lambda a, b: [x - y for x, y in zip(a, b)]
 cross = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 dot = lambda a, b: sum(x * y for x, y in zip(a, b))
 n, m = cross(sub(o, h), sub(p, o)), cross(sub(p, o), sub(i, p))
 angle = math.degrees(math.acos(max(-1, min(1, dot(n, m) / math.sqrt(dot(n, n) * dot(m, m))))))
-print(-1 + 20 / 2625.4996394799 * math.cos(math.radians(angle / 2)))
+if sys.argv[1] == "--scale=1":
+    print(-1 + 20 / 2625.4996394799 * math.cos(math.radians(angle / 2)))
+else:
+    print(-1 + 20 / 2625.4996394799 * (math.cos(math.radians(angle)) - math.cos(math.radians(90))) ** 2)
 PY
 chmod +x closed.py
 points=(peroxide.xyz --method gfnff -o two --torsions H3-O1-O2-H4-minus --until definition --quiet)
@@ -57,6 +61,15 @@ for n in 1 4 8 11; do
 done
 same "method" closed.py_--scale_1//gfnff "$(word two/conformation.xyz 1 method)"
 within "E" "$(word two/conformation.xyz 1 E)" -1 -0.99
+
+# By the other energies the conformation is no minimum: the lowest node, near 90 degrees, takes its place, and from there
+# the path leads both ways.
+hapgrid molecule "${points[@]}" --single-points './closed.py --scale=2' >line 2>&1 || fail "$(cat line)"
+within "torsion" "$(word two/conformation.xyz 1 H3-O1-O2-H4)" 82 98
+same "paths" 'H3-O1-O2-H4-minus H3-O1-O2-H4-plus' "$(awk -F'\t' '$2 == "saddle" { print $1 }' two/report.tsv | sort | xargs)"
+molecule-check two/two.toml >sane || fail "$(cat sane)"
+within "cis" "$(awk -F'\t' '$1 == "H3-O1-O2-H4-minus" { print $3 }' two/report.tsv)" 19.5 20
+within "the old conformation" "$(awk -F'\t' '$1 == "H3-O1-O2-H4-plus" { print $3 }' two/report.tsv)" 15 16
 
 # A program that fails, or prints no energy.
 refuses 'molecule: --single-points: false ended with 1: ' -- hapgrid molecule "${points[@]}" --single-points false
@@ -75,7 +88,7 @@ fi
 
 # Glycine's zwitterion is a minimum in water, by the program xtb the same. GBSA's surface is sampled coarser there, by which
 # energies of some orientations differ by 1e-5 hartree.
-hapgrid molecule --smiles '[NH3+]CC(=O)[O-]' --method gfnff --solvent water -o wet --until structures --quiet >line 2>&1 ||
+hapgrid molecule --smiles '[NH3+]CC(=O)[O-]' --method gfnff --solvent water -o wet --until structures --quiet --torsions N1-C2-C3-O4-plus >line 2>&1 ||
   fail "$(cat line)"
 METHOD=(--gfnff --gbsa water)
 within "energy in water" "$(awk -v a="$(word wet/conformation.xyz 1 E)" -v b="$(xtb_energy wet/conformation.xyz 1)" \
