@@ -8,10 +8,10 @@ is computed, a single point, by what gave the other energies.
 from preparation import files, xyz
 from preparation.xtb import BOHR, HARTREE
 
+from . import choice
 from .definition import write
 
 MISSED = 4.0  # kJ/mol: what the sum may miss
-ROW = "minimum "
 
 
 def missed(filters, stages, definition, x, energy, method):
@@ -20,18 +20,17 @@ def missed(filters, stages, definition, x, energy, method):
     name = ".combined.toml"
     write(stages.path(name), definition.text())
     try:
-        rows = [line.split() for line in filters.run("molecule-check", name, good=(0, 1))[0].splitlines()
-                if line.startswith(ROW)]
-        combined = [(float(row[1]), row[2]) for row in rows if sum(float(t) != 0 for t in row[2].split(",")) > 1]
+        minima = choice.checked(filters, name)["minima"]
+        combined = [(m["energy_kJ_mol"], m["t"]) for m in minima if sum(t != 0 for t in m["t"]) > 1]
         if not combined:
             return ""
         rest = energy(x)
         worst = (0.0, "")
         for expected, t in combined:
-            text = filters.run("molecule-check", name, f"--xyz={t}")[0]
-            shape = xyz.parsed(text, name)[0][2] / BOHR
-            off = (energy(shape) - rest) * HARTREE - expected
-            worst = max(worst, (abs(off), f"the minima at t = {t} together are {expected + off:.1f} kJ/mol by {method}, "
+            text = filters.run("molecule-check", name, "--xyz=" + ",".join(map(repr, t)))[0]
+            off = (energy(xyz.parsed(text, name)[0][2] / BOHR) - rest) * HARTREE - expected
+            at = ",".join(f"{v:.9g}" for v in t)
+            worst = max(worst, (abs(off), f"the minima at t = {at} together are {expected + off:.1f} kJ/mol by {method}, "
                                           f"{expected:.1f} by the sum"))
     finally:
         files.remove(stages.path(name))

@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from preparation import xyz
 
-from . import pushing
+from . import choice, pushing
 from .definition import CLEAR
 
 LINES = 60  # of those along which the atoms go, at most
@@ -27,10 +27,8 @@ class Crossings(pushing.Ways):
 
     def write(self):
         toml = self.grid.removesuffix(".grid") + ".toml"
-        text = self.filters.run("molecule-check", toml, good=(0, 1))[0]
-        minima = [[float(t) for t in line.split()[2].split(",")] for line in text.splitlines()
-                  if line.startswith("minimum ")]
-        if not minima:
+        minima = [m["t"] for m in choice.checked(self.filters, toml)["minima"]]
+        if len(minima) < 2:
             return super().write()
         rest, *others = sorted(minima, key=lambda t: np.abs(t).sum())
         searches = []

@@ -62,19 +62,13 @@ def _on_a_line(molecule, atoms):
 
 
 def _rings(molecule):
-    rings = molecule.ob.GetSSSR()
-    return [Left("-".join(label(molecule.numbers, a - 1) for a in ring._path), RING)
-            for ring in rings]
+    return [Left("-".join(label(molecule.numbers, a) for a in ring), RING) for ring in molecule.rings()]
 
 
 def peptide_names(molecule):
     """{bond (j < k): (name, {an atom of the bond: the atom at which the torsion ends there})}. Angles are
     those of IUPAC: phi is C-N-CA-C, psi N-CA-C-N, omega CA-C-N-CA."""
-    from openbabel import openbabel
-    pattern = openbabel.OBSmartsPattern()
-    pattern.Init(RESIDUE)
-    pattern.Match(molecule.ob)
-    residues = sorted({tuple(a - 1 for a in match[:3]) for match in pattern.GetUMapList()})
+    residues = sorted({match[:3] for match in molecule.matches(RESIDUE)})
     residues = _in_order(molecule, residues)
     # An amino acid alone, without a peptide bond, is no peptide.
     if not any({n, c} & {a for bond in molecule.amides for a in bond} for n, _, c in residues):

@@ -8,7 +8,6 @@ import hashlib
 import os
 import re
 import shlex
-import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -17,7 +16,7 @@ import numpy as np
 from preparation import files, geometry
 from preparation.xtb import BOHR, HARTREE
 
-from .filters import Failed
+from .filters import Failed, run_program
 
 HERE = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))  # where single-point-ase is
 BELOW = 0.1  # kJ/mol that a node may lie below the conformation
@@ -52,14 +51,13 @@ class SinglePoints:
             with open(os.path.join(directory, "node.xyz"), "w", encoding="utf-8") as file:
                 file.write(text)
             try:
-                done = subprocess.run([*self.words, "node.xyz"], cwd=directory, stdin=subprocess.DEVNULL,
-                                      capture_output=True, text=True, errors="replace", check=False)
+                out, err, code = run_program([*self.words, "node.xyz"], directory)
             except OSError as why:
                 raise Failed(f"--single-points: {self.words[0]}: {why.strerror}") from None
-        said = done.stderr.strip().splitlines() or done.stdout.strip().splitlines() or [""]
-        if done.returncode:
-            raise Failed(f"--single-points: {self.words[0]} ended with {done.returncode}: {said[-1]}")
-        last = (done.stdout.strip().splitlines() or [""])[-1]
+        said = err.strip().splitlines() or out.strip().splitlines() or [""]
+        if code:
+            raise Failed(f"--single-points: {self.words[0]} ended with {code}: {said[-1]}")
+        last = (out.strip().splitlines() or [""])[-1]
         try:
             energy = float(last)
         except ValueError:

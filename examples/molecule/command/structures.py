@@ -5,7 +5,6 @@ rotors, so that they do not depend on the number of processes.
 """
 
 import multiprocessing
-import signal
 import time
 from dataclasses import dataclass, field
 
@@ -15,6 +14,7 @@ from preparation.xtb import BOHR, HARTREE, SYMBOLS
 from preparation.xyz import frames
 
 from . import rotors
+from .filters import end_with_parent
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
@@ -89,14 +89,10 @@ def _in_processes(stages, what, function, values, threads):
     began = time.monotonic()
     stages.progress(what, 0, len(values), began)
     context = multiprocessing.get_context("fork")
-    with context.Pool(min(threads, len(values)), initializer=_worker) as pool:
+    with context.Pool(min(threads, len(values)), initializer=end_with_parent) as pool:
         for done, result in enumerate(pool.imap(function, values), 1):
             stages.progress(what, done, len(values), began)
             yield values[done - 1], result
-
-
-def _worker():
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends the others
 
 
 def explore(molecule, driven, options, stages):

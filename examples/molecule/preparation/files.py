@@ -2,10 +2,12 @@
 renamed."""
 
 import os
+import re
 
 import numpy as np
 
 from . import geometry
+from .molecule import BadInput
 from .xtb import BOHR, HARTREE, SYMBOLS
 
 
@@ -128,14 +130,23 @@ def report_text(result, command):
     return "\n".join(lines) + "\n"
 
 
+def is_plain(name):
+    """Whether this can be a file beside the others, whoever made the name. It needs no quotes anywhere."""
+    return isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,199}", name) is not None
+
+
 def listed(report):
-    """The path files that a report names."""
+    """The path files that a report names. Errors: BadInput, where a name is none of a file beside it."""
     try:
         with open(report, encoding="utf-8") as file:
             rows = [line.split("\t") for line in file if not line.startswith("#")]
     except FileNotFoundError:
         return []
-    return [row[0] + ".xyz" for row in rows if len(row) > 1 and row[1] in ("saddle", "path")]
+    names = [row[0] for row in rows if len(row) > 1 and row[1] in ("saddle", "path")]
+    strange = next((name for name in names if not is_plain(name)), None)
+    if strange is not None:
+        raise BadInput(f"{report}: '{strange}' is no name of a path: remove the report, and all is computed anew")
+    return [name + ".xyz" for name in names]
 
 
 def write_set(directory, result, command):

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import files, geometry, naming, optimise, path, torsions
-from .molecule import conformers, from_file
-from .xtb import BOHR, HARTREE, Surface, XtbError
+from . import files, geometry, naming, optimise, path, torsions, xyz
+from .molecule import conformers
+from .xtb import BOHR, HARTREE, SYMBOLS, Surface, XtbError
 
 VERSION = 4  # of the algorithm; a step that another version has kept is computed anew
 SAME_SHAPE = 0.1  # bohr, root mean square: minima closer than this are one
@@ -76,9 +76,9 @@ class Result:
         a box that was changed by hand then fits the new shapes, too."""
         old = os.path.join(directory, "conformation.xyz")
         if os.path.exists(old):
-            before = from_file(old)
-            if before.numbers == self.numbers:
-                self.lie_like(before.positions / BOHR)
+            _, symbols, x = xyz.frames(old)[0]
+            if symbols == [SYMBOLS[z] for z in self.numbers]:
+                self.lie_like(x / BOHR)
 
 
 def _equal(x, y):
@@ -87,23 +87,30 @@ def _equal(x, y):
 
 
 class Steps:
-    """Results of steps, kept as JSON files that are named by a hash of the steps' inputs."""
+    """Results that are kept as JSON files, those of steps by a hash of the steps' inputs."""
 
     def __init__(self, directory):
         self.directory = directory
 
+    def kept(self, name):
+        """What was kept under a name, or None."""
+        try:
+            with open(os.path.join(self.directory, name + ".json"), encoding="utf-8") as file:
+                return json.load(file)
+        except (FileNotFoundError, ValueError, RecursionError):
+            return None
+
+    def keep(self, name, value):
+        os.makedirs(self.directory, exist_ok=True)
+        files.write_whole(os.path.join(self.directory, name + ".json"), json.dumps(value))
+
     def take(self, key, compute):
         text = json.dumps([VERSION, key], sort_keys=True)
-        digest = hashlib.sha256(text.encode()).hexdigest()[:20]
-        name = os.path.join(self.directory, digest + ".json")
-        try:
-            with open(name, encoding="utf-8") as file:
-                return json.load(file)
-        except (FileNotFoundError, ValueError):
-            pass
-        value = compute()
-        os.makedirs(self.directory, exist_ok=True)
-        files.write_whole(name, json.dumps(value))
+        name = hashlib.sha256(text.encode()).hexdigest()[:20]
+        value = self.kept(name)
+        if value is None:
+            value = compute()
+            self.keep(name, value)
         return value
 
 
