@@ -13,7 +13,7 @@ from preparation import molecule as prepared
 from preparation.molecule import BadInput
 from preparation.xtb import Surface, XtbError
 
-from . import (choice, combined, crossing, faults, page, pushing, reading, resolution, rotors, singles, stages,
+from . import (choice, combined, crossing, faults, formats, page, pushing, reading, resolution, rotors, singles, stages,
                stiffness, structures)
 from .definition import PENALTY, Definition, paths_of, write
 from .filters import Failed, Filters
@@ -143,7 +143,7 @@ def surface(at, start, x):
 
 def find_structures(at, start):
     o, kept = at.options, at.stages
-    points, ensemble = single_points(at, start), ensemble_of(at, start)
+    points, shapes = single_points(at, start), ensemble(at, start)
 
     def compute():
         if o.method == "auto":
@@ -155,7 +155,7 @@ def find_structures(at, start):
                      "found")
         one = structures.explore(start.molecule, start.turning, structures.Options(
             work.Options(start.method, start.charge, start.unpaired, o.highest, kept.path(".work"), o.solvent), start.search,
-            o.keep_conformation, o.basins, o.threads, ensemble), kept)
+            o.keep_conformation, o.basins, o.threads, shapes), kept)
         for name, below in one.lower:
             kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
         one.result.lie_as_before(kept.directory)
@@ -165,17 +165,17 @@ def find_structures(at, start):
                                f"charge {signed(start.charge)}, {start.unpaired} unpaired electrons")
     kept.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
              [start.method, o.solvent, points and points.key, start.charge, start.unpaired, start.search, o.highest, o.basins,
-              o.keep_conformation, [name for t in start.turning for name in t.file_names()],
-              [x.tolist() for _, x in ensemble]], compute)
+              o.keep_conformation, [name for t in start.turning for name in t.file_names()], [x.tolist() for _, x in shapes]],
+             compute)
     return structures.Structures(kept)
 
 
-def ensemble_of(at, start):
-    """The frames of an XYZ file between whose minima paths are looked for."""
-    name = at.options.file
-    if not at.options.basins or not name or not name.lower().endswith(".xyz"):
+def ensemble(at, start):
+    """The frames of an XYZ file between whose minima paths are looked for, as xyz.ensemble() has them."""
+    o = at.options
+    if not o.basins or not o.file or not o.file.lower().endswith(".xyz"):
         return []
-    shapes = xyz.ensemble(prepared.read_bytes(name).decode("utf-8", "replace"), start.molecule.numbers) or []
+    shapes = xyz.ensemble(formats.decoded(prepared.read_bytes(o.file), o.file), start.molecule.numbers) or []
     if len(shapes) > ENSEMBLE:
         at.stages.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
     return shapes[:ENSEMBLE]
