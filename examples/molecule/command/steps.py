@@ -377,8 +377,8 @@ def grid_fault(at, plan, may_widen):
             half = resolution.scaled(resolution.cpu_seconds(kept.path(f"{grid}.cost")) / o.threads, 1, 0.5)
             kept.say(f"  a grid twice as fine, --spacing {o.spacing / 2:.2g}, would take about {duration(half)}")
         return made
-    xyz = ["conformation.xyz", *(path + ".xyz" for path in plan.paths)]
-    fault = kept.run("grid", "", [toml, *xyz], [], compute)
+    inputs = ["conformation.xyz", *(path + ".xyz" for path in plan.paths)]
+    fault = kept.run("grid", "", [toml, *inputs], [], compute)
     if fault is not None:
         return fault
     title = "checking that the grid is whole and that its states are the model's"
