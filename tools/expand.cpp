@@ -14,6 +14,7 @@
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/search/complete.hpp"
+#include "libcore/search/levels.hpp"
 #include "libcore/search/tears.hpp"
 #include "libcore/shard/load.hpp"
 #include "libcore/shard/writer.hpp"
@@ -138,6 +139,14 @@ bool is_there(const std::string& name, const Section& grid) {
   return true;
 }
 
+/// Tells of the work in the file of --cost. `failed`: see RunCost.
+void tell_cost(const Options& options, std::uint32_t generation, Part part,
+               const Progress& progress, const char* failed = "") {
+  if (options.cost.empty()) return;
+  append_cost(options.cost, {"expand", generation, progress.conversions, progress.tear_conversions,
+                             part.number, part.of, failed});
+}
+
 int run(const Options& options) {
   const Part part = part_of(options.part);
   if (options.complete && part.of != 1) throw UsageError("--complete: works on the whole frontier");
@@ -174,12 +183,16 @@ int run(const Options& options) {
   } catch (const Stopped& e) {
     say("expand", e.what());
     return 128 + caught_signal.load();
+  } catch (const LevelLimit&) {
+    tell_cost(options, grid.header.generation, part, progress, "levels");
+    throw;
+  } catch (const ModelError&) {
+    tell_cost(options, grid.header.generation, part, progress, "model");
+    throw;
   }  // the cost counts the time of processes that have ended
   out.commit();
   if (partial) partial->remove();
-  if (!options.cost.empty())
-    append_cost(options.cost, {"expand", grid.header.generation, progress.conversions,
-                               progress.tear_conversions, part.number, part.of});
+  tell_cost(options, grid.header.generation, part, progress);
   return kExitDone;
 }
 

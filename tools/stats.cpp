@@ -156,6 +156,13 @@ std::vector<std::string> columns_of(const std::string& y) {
   return {y};
 }
 
+/// What a curve is called beside the other one of the same quantity.
+std::string curve_name(const std::string& column) {
+  if (column.starts_with("force_")) return "from the model";
+  if (column.starts_with("sent_")) return "as it was sent";
+  return column == "energy" ? "with the HIP" : "of the model alone";
+}
+
 /// What the axis of a log's column says: the quantity and its unit, which a grid tells of lengths
 /// and energies. A state's unit is known to the model alone.
 std::string column_label(const std::string& column, const GridSpec& spec) {
@@ -166,7 +173,7 @@ std::string column_label(const std::string& column, const GridSpec& spec) {
   if (column == "x" || column == "y" || column == "z")
     return axis_label(column + " of the HIP", unit(spec.length_unit, "model's unit of length"));
   if (column == "energy" || column == "own_energy")
-    return axis_label(column == "energy" ? "energy" : "energy of the model itself",
+    return axis_label(column == "energy" ? "energy" : "energy of the model alone",
                       unit(spec.energy_unit, "model's unit of energy"));
   for (const char axis : std::string("xyz"))
     if (column == std::string("force_") + axis || column == std::string("sent_") + axis)
@@ -198,7 +205,7 @@ void plot_text(const InputFile& file, const Options& options) {
   if (ticks.size() > names.size()) names.push_back(own);
   std::vector<MotionCurve> curves;
   for (std::size_t i = 0; i < names.size(); ++i)
-    curves.push_back({names[i], split_motion(ticks[i])});
+    curves.push_back({curve_name(names[i]), split_motion(ticks[i])});
   // The title needs no units, which the axes have.
   const auto quantity = [](const std::string& label) { return label.substr(0, label.find(" / ")); };
   write_picture(

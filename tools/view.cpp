@@ -156,6 +156,7 @@ class Trajectories {
       if (pdb_) {
         std::string text;
         append_pdb(text, reader.scene(), frame, hip_label_, frames_);
+        if (frames_ == 1) append_pdb_bonds(bonds_, reader.scene(), frame);
         pdb_->write(text);
       }
     } catch (const Error& e) {
@@ -165,13 +166,14 @@ class Trajectories {
   void commit() {
     if (xyz_) xyz_->commit();
     if (!pdb_) return;
-    pdb_->write("END\n");
+    pdb_->write(bonds_ + "END\n");
     pdb_->commit();
   }
 
  private:
   std::string hip_label_;
   std::optional<OutputFile> xyz_, pdb_;
+  std::string bonds_;
   std::size_t frames_ = 0;
 };
 
@@ -260,7 +262,8 @@ void add_file_options(CommandLine& app, Options& options) {
           "Trajectory to write in the XYZ format, with the spheres of all frames.")
       .type("FILE");
   app.add("--pdb", options.pdb,
-          "Trajectory to write in the PDB format, with a MODEL for each frame.")
+          "Trajectory to write in the PDB format, with a MODEL for each frame and the bonds of the "
+          "first.")
       .type("FILE");
   app.add("--hip-label", options.hip_label,
           "Symbol of an atom that shows the HIP in --xyz and --pdb (default: no atom).")

@@ -189,12 +189,19 @@ void check_same_atoms(const Frame& conformation, const Frame& frame, const std::
 
 /// The energy above the conformation, kJ/mol.
 double energy_above(const Frame& conformation, const Frame& frame, const std::string& where) {
-  if (frame.above) return *frame.above;
-  if (!frame.absolute)
-    refuse(where, "no energy: its title needs dE= (kJ/mol above the conformation) or E= (hartree)");
-  if (!conformation.absolute)
+  if (!frame.absolute || !conformation.absolute) {
+    if (frame.above) return *frame.above;
+    if (!frame.absolute)
+      refuse(where,
+             "no energy: its title needs dE= (kJ/mol above the conformation) or E= (hartree)");
     refuse(where, "its energy is absolute, but the conformation's title has no E= (hartree)");
-  return *frame.absolute - *conformation.absolute;
+  }
+  const double difference = *frame.absolute - *conformation.absolute;
+  if (frame.above && std::abs(*frame.above - difference) > kMaxEnergiesDiffer)
+    refuse(where, "dE= gives " + decimal("%.6g", *frame.above) +
+                      " kJ/mol above the conformation, E= gives " + decimal("%.6g", difference) +
+                      ": remove one");
+  return frame.above ? *frame.above : difference;
 }
 
 /// The frame that is the conformation: the first of a path to a transition state.

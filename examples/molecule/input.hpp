@@ -48,6 +48,8 @@ inline constexpr double kMaxFirstNodeRmsd = 0.02;
 inline constexpr double kMaxEnergyBelow = 0.1;
 /// A minimum behind a saddle is deeper than this, kJ/mol; a dent in a path is none.
 inline constexpr double kMinDepth = 1;
+/// How far "dE=" and "E=" of a title may differ, kJ/mol: the former may be rounded to one decimal.
+inline constexpr double kMaxEnergiesDiffer = 0.06;
 /// The least distance of two atoms in a shape, Å.
 inline constexpr double kMinDistance = 0.5;
 
@@ -55,7 +57,8 @@ inline constexpr double kMinDistance = 0.5;
 /// Open Babel perceives from distances.
 /// @param transition_states one text for each transition state, with one frame or with the nodes of
 /// the path, one of which is the conformation; may be empty. A frame's title gives its energy:
-/// "dE=" in kJ/mol above the conformation, else "E=" or "energy:" in hartree.
+/// "dE=" in kJ/mol above the conformation, or "E=" or "energy:" in hartree where the conformation's
+/// title has that, too. Where it gives both they must agree.
 /// @param energies the energies of the transition states, kJ/mol, instead of those that their last
 /// frames give; may be empty
 /// @throw std::runtime_error with one line that names the text, the frame and the atoms.

@@ -79,7 +79,12 @@ class MoleculeModel {
 
   double own_energy(const double* s) { return energy_.shape_energy(s); }
 
-  std::vector<std::string> check() { return Sanity(setup_.molecule, energy_).problems(); }
+  std::vector<std::string> check() {
+    std::vector<std::string> lines;
+    for (const Problem& problem : Sanity(setup_.molecule, energy_).problems())
+      lines.push_back(problem.line());
+    return lines;
+  }
 
   void torsions(hapgrid_torsion* torsions) const {
     std::copy(setup_.torsions.begin(), setup_.torsions.end(), torsions);

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "examples/molecule/energy.hpp"
 #include "examples/molecule/minima.hpp"
 #include "examples/molecule/sanity.hpp"
 #include "examples/molecule/setup.hpp"
 #include "libcore/base/error.hpp"
+#include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/box.hpp"
 #include "tools/common/definition.hpp"
@@ -23,6 +25,7 @@ using namespace hapgrid::molecule;
 struct Options {
   DefinitionOptions definition;
   std::vector<std::string> shape;
+  std::string format = "text";
 };
 
 /// The parameters as a plug-in gets them.
@@ -54,6 +57,9 @@ Setup setup_of(const Definition& definition) {
   PluginParameters reader(parameters.data(), parameters.size());
   return read_setup(reader);
 }
+
+constexpr char kTouches[] =
+    "the probe touches the conformation in a corner of the box: make it larger";
 
 class Checker {
  public:
@@ -92,13 +98,34 @@ class Checker {
       std::printf("all combined       %s, at t = %s\n", describe(nearest).c_str(), where.c_str());
     }
     report_minima();
-    std::vector<std::string> problems = sanity_.problems();
-    const double clearance = report_box();
-    if (!(clearance > 0))
-      problems.push_back(
-          "the probe touches the conformation in a corner of the box: make it larger");
-    for (const std::string& problem : problems) std::printf("NOT SANE: %s\n", problem.c_str());
-    return problems.empty();
+    const double clearance = this->clearance();
+    std::printf(
+        "\nbox                the probe in its corners is at least %.2f Å away from touching\n",
+        clearance);
+    const std::vector<Problem> problems = sanity_.problems();
+    for (const Problem& problem : problems) std::printf("NOT SANE: %s\n", problem.line().c_str());
+    if (!(clearance > 0)) std::printf("NOT SANE: %s\n", kTouches);
+    return problems.empty() && clearance > 0;
+  }
+
+  /// The same for programs: what they need of it.
+  bool report_json() {
+    nlohmann::ordered_json problems = nlohmann::ordered_json::array(), minima = problems;
+    for (const Problem& problem : sanity_.problems())
+      problems.push_back({{"paths", problem.paths}, {"what", problem.what}});
+    if (!(clearance() > 0))
+      problems.push_back({{"paths", nlohmann::ordered_json::array()}, {"what", kTouches}});
+    for (const std::vector<double>& t : combined_minima(molecule()))
+      minima.push_back({{"t", t}, {"energy_kJ_mol", energy_.shape_energy(t.data())}});
+    const bool is_sane = problems.empty();
+    const nlohmann::ordered_json all = {{"sane", is_sane},
+                                        {"atoms", molecule().atoms.size()},
+                                        {"paths", molecule().paths.size()},
+                                        {"clearance_angstrom", clearance()},
+                                        {"problems", problems},
+                                        {"minima", minima}};
+    std::fputs(json_text(all).c_str(), stdout);
+    return is_sane;
   }
 
   void print_xyz(const std::vector<double>& t) {
@@ -131,7 +158,8 @@ class Checker {
     }
   }
 
-  double report_box() {
+  /// Of the probe in the corners of the box from the conformation, Å.
+  double clearance() const {
     double clearance = std::numeric_limits<double>::infinity();
     for (unsigned corner = 0; corner < 8; ++corner) {
       GridCoordinates c{};
@@ -143,9 +171,6 @@ class Checker {
                              d.norm() - molecule().atoms[i]->radius - setup_.energy.probe_radius);
       }
     }
-    std::printf(
-        "\nbox                the probe in its corners is at least %.2f Å away from touching\n",
-        clearance);
     return clearance;
   }
 
@@ -159,7 +184,9 @@ int run(const Options& options) {
   const Definition definition = load_definition(options.definition);
   const Setup setup = setup_of(definition);
   Checker checker(definition, setup);
-  if (options.shape.empty()) return checker.report() ? kExitDone : kExitFailed;
+  if (options.shape.empty())
+    return (options.format == "json" ? checker.report_json() : checker.report()) ? kExitDone
+                                                                                 : kExitInvalid;
   if (options.shape.size() != setup.molecule.paths.size())
     throw Error("--xyz: " + std::to_string(options.shape.size()) + " numbers for " +
                 std::to_string(setup.molecule.paths.size()) + " transition states");
@@ -182,17 +209,19 @@ int main(int argc, char** argv) {
   Options options;
   CommandLine app{
       "Checks the molecule of a MODEL.toml: its paths, the nearest atoms on each path and where "
-      "some\n"
-      "paths are combined, and the box. The exit code is 1 when something is not sane."};
+      "some "
+      "paths are combined, and the box."};
   app.set_help(
       "molecule-check",
-      "A molecule is not sane when two atoms, at least three bonds apart, come nearer than 0.55 "
-      "of\n"
-      "the sum of their radii on a path, or 0.4 where paths are combined; when the morph "
-      "misses\n"
-      "a node by more than 1e-6 Å RMS; or when the probe touches the conformation in a corner of\n"
-      "the box.\n");
+      "A molecule is not sane when two atoms, at least three bonds apart, come nearer than 0.55 of "
+      "the sum of their radii on a path, or 0.4 where paths are combined; when the morph misses a "
+      "node by more than 1e-6 Å RMS; or when the probe touches the conformation in a corner of the "
+      "box.\n",
+      "  3  read everything, and something is not sane\n");
   add_definition(app, options.definition);
+  app.add("--format", options.format, "How the report is written")
+      .one_of({"text", "json"})
+      .shows_default();
   app.add("--xyz", options.shape,
           "Print the shape for these morphing parameters as XYZ instead, e.g. --xyz 0.5,0,0,1")
       .comma_separated();

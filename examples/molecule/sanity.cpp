@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numeric>
 #include <random>
 
 namespace hapgrid::molecule {
@@ -128,8 +129,17 @@ std::string Sanity::names(const AtomPair& pair) const {
   return name(pair.a) + " " + name(pair.b);
 }
 
-void Sanity::require(const AtomPair& pair, double least_share, const std::string& where,
-                     std::vector<std::string>& problems) const {
+std::string Problem::line() const {
+  const std::string first = std::to_string(paths.at(0));
+  const std::string where =
+      paths.size() == 1   ? "path " + first
+      : paths.size() == 2 ? "paths " + first + " and " + std::to_string(paths[1]) + " combined"
+                          : "all paths combined";
+  return where + ": " + what;
+}
+
+void Sanity::require(const AtomPair& pair, double least_share, std::vector<std::size_t> paths,
+                     std::vector<Problem>& problems) const {
   if (pair.share >= least_share) return;
   char share[100];
   std::snprintf(share, sizeof share, "nearer than %g of the sum of their radii (%.2f, %.2f Å",
@@ -140,26 +150,27 @@ void Sanity::require(const AtomPair& pair, double least_share, const std::string
     std::snprintf(number, sizeof number, "%s%.2g", at.empty() ? "" : ", ", t);
     at += number;
   }
-  problems.push_back("atoms overlap " + where + ": " + names(pair) + " are " + share +
-                     ", at t = " + at + "); leave a path out");
+  problems.push_back({std::move(paths), "atoms overlap: " + names(pair) + " are " + share +
+                                            ", at t = " + at + "); leave a path out"});
 }
 
-std::vector<std::string> Sanity::problems() {
-  std::vector<std::string> found;
+std::vector<Problem> Sanity::problems() {
+  std::vector<Problem> found;
   const std::size_t paths = molecule_.paths.size();
   for (std::size_t k = 0; k < paths; ++k) {
     if (worst_miss(k) > kMaxMiss)
-      found.push_back("path " + std::to_string(k) +
-                      " misses its nodes: the shapes in its file do not follow each other");
-    require(nearest_on(k), kMinShareOnPath, "on path " + std::to_string(k), found);
+      found.push_back(
+          {{k}, "it misses its nodes: the shapes in its file do not follow each other"});
+    require(nearest_on(k), kMinShareOnPath, {k}, found);
   }
   for (std::size_t k = 0; k < paths; ++k)
     for (std::size_t l = k + 1; l < paths; ++l)
-      require(nearest_on(k, l), kMinShareCombined,
-              "where paths " + std::to_string(k) + " and " + std::to_string(l) + " are combined",
-              found);
-  if (paths > 2)
-    require(nearest_on_all(), kMinShareCombined, "where all paths are combined", found);
+      require(nearest_on(k, l), kMinShareCombined, {k, l}, found);
+  if (paths > 2) {
+    std::vector<std::size_t> all(paths);
+    std::iota(all.begin(), all.end(), 0);
+    require(nearest_on_all(), kMinShareCombined, std::move(all), found);
+  }
   return found;
 }
 

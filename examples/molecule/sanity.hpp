@@ -20,6 +20,16 @@ struct AtomPair {
   std::vector<double> t;  ///< where they are so near
 };
 
+/// What speaks against some paths, which are counted from 0: a path that misses its nodes, or atoms
+/// that run into each other on one path, where two are combined, or where all are.
+struct Problem {
+  std::vector<std::size_t> paths;
+  std::string what;
+
+  /// "paths 1 and 2 combined: atoms overlap: ..."
+  std::string line() const;
+};
+
 class Sanity {
  public:
   /// @param molecule, energy outlive this
@@ -35,15 +45,13 @@ class Sanity {
   /// "C3 H14"
   std::string names(const AtomPair& pair) const;
 
-  /// A line for each problem: a path that misses its nodes, or atoms that run into each other.
-  /// Paths are numbered from 0.
-  std::vector<std::string> problems();
+  std::vector<Problem> problems();
 
  private:
   double place(std::size_t k, double share) const { return energy_.low(k) + share; }
   AtomPair nearest_pair(const std::vector<double>& t);
-  void require(const AtomPair& pair, double least_share, const std::string& where,
-               std::vector<std::string>& problems) const;
+  void require(const AtomPair& pair, double least_share, std::vector<std::size_t> paths,
+               std::vector<Problem>& problems) const;
 
   const Molecule& molecule_;
   HybridEnergy& energy_;

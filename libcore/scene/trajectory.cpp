@@ -7,6 +7,7 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/scene/bonds.hpp"
 
 namespace hapgrid {
 
@@ -25,6 +26,14 @@ std::string comment(const Frame& frame) {
   const std::string text = format("time={} tick={} hip={} force={}", to_text(frame.time_s),
                                   frame.tick, triple(frame.hip), triple(frame.force));
   return std::isnan(frame.energy) ? text : format("{} energy={}", text, to_text(frame.energy));
+}
+
+/// The units of a comment as one more word of it; in quotes, since it has blanks.
+std::string units(const Scene& scene, const Frame& frame) {
+  std::string names = format("time s, hip {}, force N", unit_sign(scene.length_unit));
+  if (!std::isnan(frame.energy)) names += format(", energy {}", unit_sign(scene.energy_unit));
+  std::replace(names.begin(), names.end(), '"', '\'');
+  return format(" units=\"{}\"", printable_line(names));
 }
 
 /// Fixed notation: some readers of XYZ know no exponents. Six decimals are below a float's
@@ -79,7 +88,8 @@ bool is_symbol(const std::string& label) {
 void append_xyz(std::string& text, const Scene& scene, const Frame& frame,
                 const std::string& hip_label) {
   const bool with_hip = !hip_label.empty();
-  text += format("{}\n{}\n", scene.spheres.size() + (with_hip ? 1 : 0), comment(frame));
+  text += format("{}\n{}\n", scene.spheres.size() + (with_hip ? 1 : 0),
+                 comment(frame) + units(scene, frame));
   for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
     const std::string& label = scene.spheres[i].label;
     text += is_symbol(label) ? label : "X";
@@ -102,6 +112,20 @@ void append_pdb(std::string& text, const Scene& scene, const Frame& frame,
   if (!hip_label.empty())
     append_pdb_atom(text, atoms + 1, element_of(hip_label), "HIP", 2, frame.position);
   text += "ENDMDL\n";
+}
+
+void append_pdb_bonds(std::string& text, const Scene& scene, const Frame& frame) {
+  constexpr std::size_t kBondsOfALine = 4;
+  std::vector<std::vector<std::size_t>> near(scene.spheres.size());
+  for (const auto& [i, j] : find_bonds(scene, frame)) {
+    near[i].push_back(j);
+    near[j].push_back(i);
+  }
+  for (std::size_t i = 0; i < near.size(); ++i)
+    for (std::size_t k = 0; k < near[i].size(); ++k) {
+      if (k % kBondsOfALine == 0) text += format("{}CONECT{:>5}", k == 0 ? "" : "\n", i + 1);
+      text += format("{:>5}{}", near[i][k] + 1, k + 1 == near[i].size() ? "\n" : "");
+    }
 }
 
 }  // namespace hapgrid

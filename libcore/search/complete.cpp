@@ -114,9 +114,11 @@ void tell_what_is_kept(const PartialGrid* partial, Work&& work) {
   } catch (const Stopped&) {
     throw Stopped(what_is_kept(partial, "; nothing is kept"));
   } catch (const LevelLimit& e) {
-    throw Error(e.what() +
-                what_is_kept(partial, "",
-                             ", also when the grid is seeded with a larger search.max_levels"));
+    throw LevelLimit(
+        e.what() + what_is_kept(partial, "",
+                                ", also when the grid is seeded with a larger search.max_levels"));
+  } catch (const ModelError& e) {
+    throw ModelError(e.what() + what_is_kept(partial, ""));
   } catch (const Error& e) {
     throw Error(e.what() + what_is_kept(partial, ""));
   }

@@ -7,7 +7,7 @@ ln -s /dev/zero zero.xyz
 mkfifo pipe.xyz
 mkdir folder.xyz
 head -c 8388609 /dev/zero >large.xyz
-printf '2\n\xff\xfe\n' >bytes.xyz
+printf '2\n\0\n' >bytes.xyz
 ln -s missing link.xyz
 molecule zero 'is no regular file'
 molecule pipe 'is no regular file'

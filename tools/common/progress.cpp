@@ -82,15 +82,16 @@ std::string short_number(double value) {
 void append_cost(const std::string& file, const RunCost& cost) {
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);
-  const nlohmann::ordered_json line = {{"tool", cost.tool},
-                                       {"generation", cost.generation},
-                                       {"part", cost.part},
-                                       {"parts", cost.parts},
-                                       {"conversions", cost.conversions},
-                                       {"tear_conversions", cost.tear_conversions},
-                                       {"wall_seconds", seconds_since(process_start)},
-                                       {"cpu_seconds", cpu_seconds()},
-                                       {"host", host.data()}};
+  nlohmann::ordered_json line = {{"tool", cost.tool},
+                                 {"generation", cost.generation},
+                                 {"part", cost.part},
+                                 {"parts", cost.parts},
+                                 {"conversions", cost.conversions},
+                                 {"tear_conversions", cost.tear_conversions},
+                                 {"wall_seconds", seconds_since(process_start)},
+                                 {"cpu_seconds", cpu_seconds()},
+                                 {"host", host.data()}};
+  if (!cost.failed.empty()) line["failed"] = cost.failed;
   const FileDescriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
   // Lines of processes that share the file stay whole, also when the disk takes half of one.
   struct stat before {};

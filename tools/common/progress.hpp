@@ -41,6 +41,7 @@ struct RunCost {
   std::uint64_t tear_conversions = 0;  ///< of the round of tear fractions
   std::uint64_t part = 1;
   std::uint64_t parts = 1;
+  std::string failed;  ///< "levels" or "model" where the model ended the work; or empty
 };
 
 /// Adds the wall and CPU seconds of this process and of the model processes that have ended.

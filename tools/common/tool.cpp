@@ -102,7 +102,8 @@ std::pair<std::uint64_t, std::uint64_t> parse_part(const std::string& option,
 void add_cost(CommandLine& app, std::string& file) {
   app.add("--cost", file,
           "Append one JSON line to FILE: wall and CPU seconds (those of model processes when they "
-          "have ended), conversions, host")
+          "have ended), conversions, host. Where the model ends the work, failed says why: "
+          "levels or model")
       .type("FILE");
 }
 

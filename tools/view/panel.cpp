@@ -137,7 +137,7 @@ Image draw_panel(int width, int scale, const Scene& scene, const Traces& traces,
                                [](const auto& s) { return std::isfinite(s.own_energy); });
   if (!own) return image;
   draw_line(image, place, scale, traces, &Traces::Sample::own_energy, energy, kOwnEnergy);
-  const std::string what = "of the model itself";
+  const std::string what = "of the model alone";
   write(image, place.x + place.width - scale * kLetterWidth * static_cast<int>(what.size() + 1),
         place.y, scale, what, kOwnEnergy);
   return image;

@@ -81,7 +81,7 @@ std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dr
     text += "   energy " + three_digits(frame.energy);
     if (!scene.energy_unit.empty()) text += " " + printable_line(scene.energy_unit);
   }
-  if (std::isfinite(frame.own_energy)) text += "   itself " + three_digits(frame.own_energy);
+  if (std::isfinite(frame.own_energy)) text += "   model alone " + three_digits(frame.own_energy);
   std::size_t farthest = frame.turned.size();
   for (std::size_t i = 0; i < frame.turned.size(); ++i)
     if (std::abs(frame.turned[i]) >= (farthest < i ? std::abs(frame.turned[farthest]) : kTurned))

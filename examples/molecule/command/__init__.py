@@ -8,13 +8,14 @@ choice       the softest paths that are sane together
 combined     what xtb says where minima of several paths are combined
 stiffness    how stiff the anchors are, from the Hessian
 definition   box and MODEL.toml
-room         a box that is wide enough for a molecule that yields
+faults       what can be wrong with a grid, and what is done about it
 resolution   a coarse grid, and the spacing that follows from it
 pushing      the way of the probe that turns one torsion
 crossing     its way over a barrier and back
 curves       torsions and energies over time
-page         plots, pictures and the page that sums up
-filters      starting the filters
-stages       what is there already is not computed again
+page         plots, pictures and the page that sums up; page.html is its frame
+filters      starting the filters, and ending them
+stages       the folder of the results; what is there already is not computed again
+steps        the steps one by one, from the molecule's file to the page
 cli          the command line
 """

@@ -5,13 +5,12 @@ shape, and atoms may run into each other. So paths are taken from the softest on
 out when `molecule-check` finds that it clashes with those that were taken before.
 """
 
-import re
+import json
 
 from preparation import files
 
 from .definition import Definition, write
-
-SANE = "NOT SANE: "
+from .filters import FilterFailed
 
 
 def choose(filters, stages, molecule, result, most, unwanted, basins=False, missed=lambda definition: ""):
@@ -48,14 +47,21 @@ def clash(filters, stages, definition):
     name = ".choice.toml"
     write(stages.path(name), definition.text())
     try:
-        out, code = filters.run("molecule-check", name, good=(0, 1))
+        problems = checked(filters, name)["problems"]
+    except FilterFailed as why:
+        return str(why)
     finally:
         files.remove(stages.path(name))
-    faults = [line[len(SANE):] for line in out.splitlines() if line.startswith(SANE)]
-    if not faults:
-        return filters.said if code else ""
-    return re.sub(r"paths? (\d+)(?: and (\d+))?",
-                  lambda found: " and ".join(definition.paths[int(n)] for n in found.groups() if n), faults[0])
+    if not problems:
+        return ""
+    names = [definition.paths[n] for n in problems[0]["paths"]]
+    where = {0: "", 1: f"{names[0]}: " if names else "", 2: " and ".join(names) + " combined: "}
+    return where.get(len(names), "all paths combined: ") + problems[0]["what"]
+
+
+def checked(filters, definition):
+    """What molecule-check reports of a definition's file, sane or not."""
+    return json.loads(filters.run("molecule-check", definition, "--format", "json", good=(0, 3))[0])
 
 
 def table(result, rotors, stay, taken, left):
@@ -74,5 +80,11 @@ def table(result, rotors, stay, taken, left):
             barrier = "-" if one is None else f"{(one.barrier - result.energy) * HARTREE:.2f}"
             why = "" if name in taken else left.get(name) or dropped.get(name, "not found")
             rows.append((name, atoms[torsion.name], barrier, "yes" if name in taken else "no", why or "-"))
+    listed = {row[0] for row in rows}
+    for name in [*found, *dropped]:  # between minima of an ensemble, where no single bond turns
+        if name not in listed:
+            barrier = f"{(found[name].barrier - result.energy) * HARTREE:.2f}" if name in found else "-"
+            why = "" if name in taken else left.get(name) or dropped.get(name, "not found")
+            rows.append((name, "-", barrier, "yes" if name in taken else "no", why or "-"))
     rows += [(one.name, one.name, "-", "no", one.why) for one in stay]
     return "\n".join("\t".join(row) for row in rows) + "\n"

@@ -7,14 +7,14 @@ import sys
 from preparation import optimise, texts, work, xtb
 from preparation.molecule import BadInput
 
-from . import course, resolution
-from .filters import Failed
+from . import resolution, steps
+from .filters import Failed, Stopped, catch_signals
 
 ABOUT = """\
 Makes a verified grid of a molecule, with pictures, from the molecule's file.
 Everything goes to the folder DIR. A run that was stopped continues there.
 A file in DIR that you change is kept, and the same command computes again what
-depends on it. The steps are:
+depends on it. DIR can be renamed and copied. The steps are:
 
   molecule     The file is read; hydrogens and a shape are added if missing.
   structures   xtb finds the conformation and the barriers around the bonds.
@@ -26,7 +26,7 @@ depends on it. The steps are:
 """
 
 AFTERWARDS = """\
-Files in DIR, whose name is NAME:
+Files in DIR, where NAME is the folder's name when it was new:
   index.html       summary with pictures, and the molecule as it is pushed
   rotors.tsv       the bonds that were tried, taken and left out, and why
   NAME.toml        definition of the grid; NAME.grid is the grid itself
@@ -35,7 +35,7 @@ Files in DIR, whose name is NAME:
   path-*.txt       ways of the probe
 
 Rings keep their shape. Of several molecules or records the largest is taken,
-with at most 100 atoms. The spacing is chosen by the speed of this machine.
+with at most 100 atoms. The same molecule gives the same grid on each machine.
 
 exit codes:
   0  done
@@ -81,11 +81,16 @@ def parser():
                    help="number of processes and threads, which does not change the result (default: 1)")
     p.add_argument("--charge", type=_within(int, -9, 9), metavar="E",
                    help="total charge (default: what the file says)")
-    p.add_argument("--uhf", type=_within(int, 0, 9), metavar="N", default=0,
-                   help="number of unpaired electrons of a radical (default: 0)")
+    p.add_argument("--uhf", type=_within(int, 0, 9), metavar="N",
+                   help="number of unpaired electrons of a radical (default: what the file says)")
     p.add_argument("--method", choices=("auto", *xtb.METHODS), default="auto",
                    help=f"method of xtb: gfn2 is GFN2-xTB, gfnff the force field GFN-FF, and auto (default) takes gfn2 up to "
-                   f"{course.GFN2_ATOMS} atoms")
+                   f"{steps.GFN2_ATOMS} atoms")
+    p.add_argument("--solvent", metavar="NAME",
+                   help="solvent around the molecule, such as water, by xtb's GBSA (default: none)")
+    p.add_argument("--single-points", metavar="COMMAND",
+                   help="program that gives the energies along the paths instead of xtb: it gets the name of an XYZ file, "
+                   "and its last line is the energy in hartree; single-point-ase asks ASE")
     p.add_argument("--search", action="store_true",
                    help="look for the lowest conformer instead of keeping that of FILE")
     p.add_argument("--keep-conformation", action="store_true",
@@ -95,13 +100,15 @@ def parser():
     p.add_argument("--paths", type=_within(int, 0, 16), metavar="N", default=6,
                    help="largest number of paths that are taken (default: 6)")
     p.add_argument("--basins", action="store_true",
-                   help="continue paths beyond their barriers into the minima behind them")
+                   help="continue paths beyond their barriers into the minima behind them; of an ensemble in an XYZ "
+                   "file, look for paths between its minima")
     p.add_argument("--torsions", metavar="NAMES",
                    help="bonds that may turn, as rotors.tsv names them, with commas between (default: all); "
                    "NAME-plus and NAME-minus turn in one direction only")
     p.add_argument("--spacing", type=_within(float, 0.1, 3), metavar="H",
-                   help="spacing of the grid in angstrom (default: what its accuracy needs, if that takes at most "
-                   f"{resolution.SECONDS} CPU seconds, or {resolution.BASINS_SECONDS} with --basins)")
+                   help="spacing of the grid in angstrom (default: that at which shapes are off by at most "
+                   f"{resolution.WANTED:g} in 99 of 100 places, but at most {resolution.MOST_POINTS} points; with "
+                   f"--basins {resolution.FINEST:g}, but at most {resolution.MOST_POINTS_BETWEEN_BASINS} points)")
     p.add_argument("--until", choices=("structures", "definition"),
                    help="step after which the command stops")
     p.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")
@@ -130,16 +137,17 @@ def _silence():
 
 def main(arguments):
     try:
+        catch_signals()
         o = _options(arguments)
         xtb.load()  # before all else: where it is missing, that is one line
         with _silence() as out:
-            line = course.run(o)
+            line = steps.run(o)
             if line:
                 print(texts.printable_text(line), file=out)
     except UsageError as why:
         print(f"molecule: {why}", file=sys.stderr)
         return 2
-    except course.BreaksRule as why:
+    except steps.Broken as why:
         print(f"molecule: {why}", file=sys.stderr)
         return 3
     except (BadInput, Failed, work.Failed, xtb.XtbError, optimise.NotConverged) as why:
@@ -148,7 +156,9 @@ def main(arguments):
     except OSError as why:
         print(f"molecule: {why.filename}: {why.strerror}" if why.filename else f"molecule: {why}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("\nmolecule: stopped; the same command goes on", file=sys.stderr)
-        return 130
+    except Stopped as why:
+        if sys.stderr.isatty():  # behind ^C
+            print(file=sys.stderr)
+        print("molecule: stopped; the same command goes on", file=sys.stderr)
+        return 128 + why.number
     return 0

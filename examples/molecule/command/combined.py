@@ -1,37 +1,36 @@
 """Whether the sum of paths is right where minima of several of them are combined.
 
 Along one path the energy is xtb's own. Where two torsions are both behind a saddle, the model adds
-their energies, and nobody has computed the shape: atoms may have run into each other. Xtb is asked
-for each such shape, a single point.
+their energies, and nobody has computed the shape: atoms may have run into each other. So each such shape
+is computed, a single point, by what gave the other energies.
 """
 
-from preparation import files
-from preparation.xtb import BOHR, HARTREE, Surface
+from preparation import files, xyz
+from preparation.xtb import BOHR, HARTREE
 
+from . import choice
 from .definition import write
 
 MISSED = 4.0  # kJ/mol: what the sum may miss
-ROW = "minimum "
 
 
-def missed(filters, stages, definition, numbers, x, method, charge, unpaired):
-    """What speaks against the paths of a definition, or nothing. x: the conformation, bohr."""
+def missed(filters, stages, definition, x, energy, method):
+    """What speaks against the paths of a definition, or nothing. x: the conformation, bohr; energy(x): hartree, by a
+    method."""
     name = ".combined.toml"
     write(stages.path(name), definition.text())
     try:
-        rows = [line.split() for line in filters.run("molecule-check", name, good=(0, 1))[0].splitlines()
-                if line.startswith(ROW)]
-        combined = [(float(row[1]), row[2]) for row in rows if sum(float(t) != 0 for t in row[2].split(",")) > 1]
+        minima = choice.checked(filters, name)["minima"]
+        combined = [(m["energy_kJ_mol"], m["t"]) for m in minima if sum(t != 0 for t in m["t"]) > 1]
         if not combined:
             return ""
-        surface = Surface(numbers, x, method, charge, unpaired=unpaired)
-        rest = surface.energy(x)
+        rest = energy(x)
         worst = (0.0, "")
         for expected, t in combined:
-            text = filters.run("molecule-check", name, f"--xyz={t}")[0]
-            shape = [[float(v) / BOHR for v in line.split()[1:4]] for line in text.splitlines()[2:]]
-            off = (surface.energy(shape) - rest) * HARTREE - expected
-            worst = max(worst, (abs(off), f"the minima at t = {t} together are {expected + off:.1f} kJ/mol by xtb, "
+            text = filters.run("molecule-check", name, "--xyz=" + ",".join(map(repr, t)))[0]
+            off = (energy(xyz.parsed(text, name)[0][2] / BOHR) - rest) * HARTREE - expected
+            at = ",".join(f"{v:.9g}" for v in t)
+            worst = max(worst, (abs(off), f"the minima at t = {at} together are {expected + off:.1f} kJ/mol by {method}, "
                                           f"{expected:.1f} by the sum"))
     finally:
         files.remove(stages.path(name))

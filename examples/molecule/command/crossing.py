@@ -10,8 +10,9 @@ import copy
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+from preparation import xyz
 
-from . import pushing
+from . import choice, pushing
 from .definition import CLEAR
 
 LINES = 60  # of those along which the atoms go, at most
@@ -26,10 +27,8 @@ class Crossings(pushing.Ways):
 
     def write(self):
         toml = self.grid.removesuffix(".grid") + ".toml"
-        text = self.filters.run("molecule-check", toml, good=(0, 1))[0]
-        minima = [[float(t) for t in line.split()[2].split(",")] for line in text.splitlines()
-                  if line.startswith("minimum ")]
-        if not minima:
+        minima = [m["t"] for m in choice.checked(self.filters, toml)["minima"]]
+        if len(minima) < 2:
             return super().write()
         rest, *others = sorted(minima, key=lambda t: np.abs(t).sum())
         searches = []
@@ -116,7 +115,7 @@ class Crossings(pushing.Ways):
 
     def _shape(self, toml, t):
         text = self.filters.run("molecule-check", toml, "--xyz=" + ",".join(map(repr, t)))[0]
-        return np.array([[float(v) for v in line.split()[1:4]] for line in text.splitlines()[2:]])
+        return xyz.parsed(text, toml)[0][2]
 
     def _states(self, way):
         """The t at each place of a way."""

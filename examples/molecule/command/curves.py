@@ -10,18 +10,20 @@ from .filters import Failed
 
 MOVES = 2.0  # degrees: what turns less is not drawn
 SCRIPT = """\
-set terminal pngcairo noenhanced size 900,900 font 'DejaVu Sans,11'
+set terminal pngcairo noenhanced size 900,1400 font 'DejaVu Sans,18'
 set output '{picture}'
 set datafile separator '\\t'
-set multiplot layout 2,1
+set multiplot layout 3,1
 set key outside top center horizontal
 set grid lc rgb '#dddddd'
 set xlabel 't / s'
 set ylabel 'torsion / degrees'
 plot {torsions}
 set ylabel 'energy / (kJ/mol)'
-plot 'energies.tsv' using 1:2 with lines lw 2 lc rgb '#56b4e9' title 'hybrid energy, with probe and anchors', \\
-     'energies.tsv' using 1:3 with lines lw 2 lc rgb '#d55e00' title 'the molecule itself'
+plot 'energies.tsv' using 1:2 with lines lw 3 lc rgb '#888888' title 'with probe and anchors', \\
+     'energies.tsv' using 1:3 with lines lw 3 lc rgb '#d55e00' title 'the molecule alone'
+set ylabel 'force / N'
+plot 'energies.tsv' using 1:4 with lines lw 3 lc rgb '#333333' title 'force on the hand'
 """
 
 
@@ -33,11 +35,12 @@ def draw(stages, log, shapes, torsions, times):
     moving = [k for k, values in enumerate(columns) if np.ptp(values) > MOVES] or list(range(len(torsions)))[:1]
     _table(stages, "torsions.tsv", ["t_s", *(f"{t.name}_deg" for t in torsions)], [times, *columns])
     names, rows = log
-    _table(stages, "energies.tsv", ["t_s", "hybrid_kJ_mol", "molecule_kJ_mol"],
-           [rows[:, names.index(name)] for name in ("t", "energy", "own_energy")])
+    t, hybrid, own, *sent = (rows[:, names.index(n)] for n in ("t", "energy", "own_energy", "sent_x", "sent_y", "sent_z"))
+    _table(stages, "energies.tsv", ["t_s", "hybrid_kJ_mol", "molecule_kJ_mol", "force_N"],
+           [t, hybrid, own, np.sqrt(np.square(sent).sum(axis=0))])
     if not torsions:
         return ["torsions.tsv", "energies.tsv"]
-    curves = ", ".join(f"'torsions.tsv' using 1:{k + 2} with lines lw 2 title '{torsions[k].name}'" for k in moving)
+    curves = ", ".join(f"'torsions.tsv' using 1:{k + 2} with lines lw 3 title '{torsions[k].name}'" for k in moving)
     script = SCRIPT.format(picture="course.png", torsions=curves)
     try:
         done = subprocess.run(["gnuplot"], input=script, cwd=stages.directory, text=True, capture_output=True,

@@ -1,116 +1,151 @@
-"""Plots, pictures, and the page that sums up."""
+"""Plots, pictures, and the page that sums up. Names and texts in it may come from anybody; none of them is trusted."""
 
 import html
-import urllib.parse
+import json
+import re
+import shlex
 
 import numpy as np
 from preparation import files
+from preparation.xyz import frames
 
 from . import curves
+from .pieces import signed
 from .pushing import read_log
-from .structures import frames
-
-STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
-table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; text-align: left }
-img { max-width: 48% } iframe { width: 100%; height: 34em; border: 1px solid #ccc } code { background: #eee }"""
 
 STAYS = 0.05  # of a t: less is not behind a saddle
+METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
+SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
+CAPTIONS = {"before.png": "At first.", "pushed.png": "The probe at the end of its way.",
+            "turned.png": "The probe has turned the molecule farthest.",
+            "behind.png": "Left alone behind the barrier, the molecule stays there.",
+            "after.png": "Pushed back.",
+            "course.png": "Torsions, energies and force along the way, there and back. The hand works against the energy "
+                          "with probe and anchors."}
 
 
-class Page:
-    def __init__(self, filters, stages, name, way, molecule, torsions, threads):
-        self.filters, self.stages, self.name, self.way, self.molecule = filters, stages, name, way, molecule
-        self.torsions, self.threads = torsions, threads
-        self.grid = f"{name}.grid"
+def write(at, start, turned, ways):
+    """Writes the page and returns the names of its files. at: steps.Run; start: steps.Start; turned: the torsions that
+    the grid's paths turn; ways: files of the probe's ways, the best first."""
+    run, kept = at.filters.run, at.stages
+    grid = f"{kept.name()}.grid"
+    run("play", grid, "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",
+        watch=lambda gone: kept.waiting("playing the way", gone, None))
+    run("view", "played.frames", "--xyz", "played.xyz")
+    run("view", "played.frames", "--pdb", "played.pdb", "--hip-label", "X")  # the probe is no element
+    names, rows = read_log(kept.path("played.log"))
+    shapes = frames(kept.path("played.xyz"))
+    drawn = curves.draw(kept, (names, rows), np.array([x for _, _, x in shapes]), turned,
+                        [float(words["time"]) for words, _, _ in shapes])
+    drawings = pictures({name: rows[:, n] for n, name in enumerate(names)})
+    at.filters.run_each(drawings.values(), at.options.threads, kept.counted("drawing pictures", len(drawings)))
+    text = page(at, start, turned, ways, [name for name in [*drawings, *drawn] if name.endswith(".png")])
+    files.write_whole(kept.path("index.html"), text)
+    return ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn, *drawings, "index.html"]
 
-    def write(self):
-        run = self.filters.run
-        run("play", self.grid, "--device", f"path:{self.way}", "--log", "played.log", "--frames", "played.frames",
-            watch=lambda gone: self.stages.waiting("playing the way", gone, None))
-        run("view", "played.frames", "--xyz", "played.xyz", "--pdb", "played.pdb")
-        names, rows = read_log(self.stages.path("played.log"))
-        shapes = frames(self.stages.path("played.xyz"))
-        drawn = curves.draw(self.stages, (names, rows), np.array([x for _, _, x in shapes]), self.torsions,
-                            [float(words["time"]) for words, _, _ in shapes])
-        at = {name: rows[:, n] for n, name in enumerate(names)}
-        pictures = {**self._plots(at), **self._pictures(at)}
-        self.filters.run_each(pictures.values(), self.threads, self.stages.counted("drawing pictures", len(pictures)))
-        made = [*drawn, *pictures]
-        page = self._html([n for n in made if n.endswith(".png")])
-        files.write_whole(self.stages.path("index.html"), page)
-        return ["played.log", "played.frames", "played.xyz", "played.pdb", *made, "index.html"]
 
-    @staticmethod
-    def _plots(at):
-        """{file: the command that draws it}; at: columns of the log by their names."""
-        axis = max("xyz", key=lambda a: np.ptp(at[a]))
+def moments(log):
+    """{picture: time} of what is worth a look. log: columns by their names."""
+    paths = sum(n[0] == "s" and n[1:].isdigit() for n in log) - 6
+    turns = [float(np.abs(log[f"s{k}"]).max()) for k in range(paths)]
+    when = {"before.png": 0.0}
+    if not turns:
+        return {**when, "pushed.png": float(log["t"][len(log["t"]) // 2])}
+    farthest = np.abs(log[f"s{int(np.argmax(turns))}"])
+    when["turned.png"] = float(log["t"][int(farthest.argmax())])
+    # Behind a saddle the molecule stays when nothing pushes it.
+    free = np.hypot(np.hypot(log["force_x"], log["force_y"]), log["force_z"]) == 0
+    stays = np.flatnonzero(free & (farthest > STAYS))
+    if stays.size:
+        when["behind.png"] = float(log["t"][stays[stays.size // 2]])
+        when["after.png"] = float(log["t"][-1])
+    return when
 
-        def plot(picture, y, label):
-            return ["stats", "--log", "played.log", "--plot", f"{axis},{y}", "--labels",
-                    f"{axis} of the probe / Å,{label}", "--png", picture]
-        return {"force.png": plot("force.png", f"force_{axis}", f"{axis} of the force / N"),
-                "energy.png": plot("energy.png", "energy", "energy / (kJ/mol)")}
 
-    @staticmethod
-    def _moments(at):
-        """{picture: time} of what is worth a look."""
-        paths = sum(n[0] == "s" and n[1:].isdigit() for n in at) - 6
-        turns = [float(np.abs(at[f"s{k}"]).max()) for k in range(paths)]
-        when = {"before.png": 0.0}
-        if not turns:
-            return {**when, "pushed.png": float(at["t"][len(at["t"]) // 2])}
-        farthest = np.abs(at[f"s{int(np.argmax(turns))}"])
-        when["turned.png"] = float(at["t"][int(farthest.argmax())])
-        # Behind a saddle the molecule stays when nothing pushes it.
-        free = np.hypot(np.hypot(at["force_x"], at["force_y"]), at["force_z"]) == 0
-        stays = np.flatnonzero(free & (farthest > STAYS))
-        if stays.size:
-            when["behind.png"] = float(at["t"][stays[stays.size // 2]])
-            when["after.png"] = float(at["t"][-1])
-        return when
+def pictures(log):
+    """{file: the command that draws it}. The probe comes from the left."""
+    way = [log[a][len(log[a]) // 2] - log[a][0] for a in "xyz"]
+    seen = ["--azimuth", f"{np.degrees(np.arctan2(way[1], way[0])):.0f}", "--elevation", "10"]
+    out = {picture: ["view", "played.frames", "--at", f"{t:.3f}", *seen, "--png", picture]
+           for picture, t in moments(log).items()}
+    out["played.html"] = ["view", "played.frames", *seen, "--html", "played.html"]
+    return out
 
-    def _pictures(self, at):
-        """{file: the command that draws it}. The probe comes from the left."""
-        way = [at[a][len(at[a]) // 2] - at[a][0] for a in "xyz"]
-        view = ["--azimuth", f"{np.degrees(np.arctan2(way[1], way[0])):.0f}", "--elevation", "10"]
-        out = {}
-        for picture, t in self._moments(at).items():
-            one = ["view", "played.frames", "--at", f"{t:.3f}", *view, "--png"]
-            sticks = picture.replace(".png", "-sticks.png")
-            out[picture] = [*one, picture]
-            out[sticks] = [*one, sticks, "--style", "sticks"]
-        out["played.html"] = ["view", "played.frames", *view, "--html", "played.html"]
-        return out
 
-    def _html(self, pictures):
-        def read(name):
-            with open(self.stages.path(name), encoding="utf-8") as file:
-                return file.read()
-        rows = [line.split("\t") for line in read("rotors.tsv").splitlines()]
-        heads = ["path", "atoms", "barrier / (kJ/mol)", "taken", "why not"]
-        table = "".join(f"<th>{h}" for h in heads) + "".join(
-            "<tr>" + "".join(f"<td>{html.escape(v)}" for v in row) for row in rows[1:])
-        said = read(self.way).splitlines()[0].lstrip("# ")
-        name = html.escape(self.name)
-        images = "\n".join(f'<img src="{p}" alt="{p[:-4]}">' for p in pictures)
-        return f"""<!DOCTYPE html>
-<meta charset="utf-8">
-<title>{name}</title>
-<style>
-{STYLE}
-</style>
-<h1>{name}</h1>
-<p>{self.molecule.ob.GetFormula()}, {len(self.molecule.numbers)} atoms. {html.escape(said)}</p>
-<iframe src="played.html" title="the molecule as it is pushed"></iframe>
-<p>To feel it, in the folder that has this one:
-<p><code>hapgrid play {name}/{html.escape(self.grid)} --device path:{name}/{html.escape(self.way)} --rate 1000 --frames - |
-hapgrid view --window</code>
-<p>Another device, or the mouse, goes behind <code>--device</code>: see <code>hapgrid play --help</code>.
-<h2>How it feels on this way, there and back</h2>
-{images}
-<h2>What turns</h2>
-<table><tr>{table}</table>
-<h2>The grid</h2>
-<pre>{html.escape(read("verify.txt"))}</pre>
-<p>The definition is <a href="{urllib.parse.quote(self.name)}.toml">{name}.toml</a>: change it, and the same command computes the grid anew.
-"""
+def page(at, start, turned, ways, images):
+    """The text of index.html."""
+    kept = at.stages
+    name = kept.name()
+    words, symbols, x = frames(kept.path("conformation.xyz"))[0]
+    method = re.sub("gfn2|gfnff", lambda found: METHODS[found[0]], words.get("method", "own energies"))
+    spin = SPINS[start.unpaired] if start.unpaired < len(SPINS) else f"multiplicity {start.unpaired + 1}"
+    facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.charge), "Spin": spin, "Made from": start.source,
+             "Energies": f"{method}, of libxtb {library_version()}" if "GFN" in method else method,
+             "Conformation": f"{words['E']} hartree" if "E" in words else "",
+             "Grid": grid_in_words(at, f"{name}.grid")}
+    molecule = {"symbols": symbols, "places": np.round(x, 3).tolist(),
+                "bonds": [[a, b] for a, near in enumerate(start.molecule.neighbours) for b in near if a < b],
+                "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
+    parts = {
+        "TITLE": html.escape(start.source), "HEAD": formula(start.molecule.formula),
+        "SAID": html.escape(first_line(kept, ways[0])),
+        "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
+                         for key, value in facts.items() if value),
+        "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
+        "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(kept), "METHOD": html.escape(method),
+        "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(read(kept, "verify.txt")),
+        "PICTURES": "\n".join(figure(image) for image in sorted(images, key=lambda name: name != "course.png"))}
+    return re.sub("@([A-Z]+)@", lambda found: parts[found[1]], TEMPLATE)
+
+
+def figure(image):
+    tall = ' class="tall"' if image == "course.png" else ""
+    return f'<figure{tall}><img src="{image}" alt=""><figcaption>{CAPTIONS[image]}</figcaption></figure>'
+
+
+def barriers(kept):
+    """Rows of a table: each path with its barrier and what lies behind it."""
+    lines = [line.split("\t") for line in read(kept, "report.tsv").splitlines() if not line.startswith("#")]
+    report = {row[0]: dict(zip(lines[0], row)) for row in lines[1:]}
+    rows = []
+    for path, atoms, barrier, taken, why in (line.split("\t") for line in read(kept, "rotors.tsv").splitlines()[1:]):
+        one = report.get(path, {})
+        behind = [row["energy_kJ_mol"] for name, row in report.items()
+                  if name.startswith(path + ":") and row["kind"].startswith("minimum")]
+        if "equal atoms" in one.get("joins", ""):
+            behind = ["the same shape"]
+        cells = [path, atoms, barrier, one.get("nu1_cm-1", "-"), ", ".join(behind) or "-",
+                 "in the grid" if taken == "yes" else why]
+        rows.append("<tr>" + "".join(f"<td>{html.escape(cell)}" for cell in cells))
+    return "\n".join(rows)
+
+
+def grid_in_words(at, grid):
+    header = json.loads(at.filters.run("stats", grid, "--format", "json")[0])
+    counts, spacing = header["box"]["counts"], header["box"]["spacing"]
+    return f"{' × '.join(map(str, counts))} points, {spacing:g} Å apart"
+
+
+def formula(text):
+    """C4H10O with its numbers below the line; a charge above it."""
+    return re.sub(r"(\d+)", r"<sub>\1</sub>", re.sub(r"(\d*[+-]+\d*)$", "", html.escape(text)))
+
+
+def library_version():
+    """Of the libxtb that computes here, by the file's name, since the library does not tell it."""
+    with open("/proc/self/maps", encoding="utf-8") as file:
+        found = re.search(r"/libxtb\.so\.([0-9.]+)", file.read())
+    return found[1] if found else ""
+
+
+def read(kept, name):
+    with open(kept.path(name), encoding="utf-8") as file:
+        return file.read()
+
+
+def first_line(kept, way):
+    return read(kept, way).split("\n", 1)[0].lstrip("# ")
+
+
+with open(__file__.removesuffix(".py") + ".html", encoding="utf-8") as _file:
+    TEMPLATE = _file.read()

@@ -1,166 +1,216 @@
-"""A molecule from a file or from SMILES, ready for quantum chemistry: three-dimensional, with its
-hydrogens, one piece. What Open Babel does not do is left to nobody else: what cannot be felt is
-refused here, in one line that says what to do."""
+"""A molecule from a file or from SMILES, ready for quantum chemistry: three-dimensional, with its hydrogens, one piece. What
+cannot be felt is refused here, in one line that says what to do."""
 
 import os
-import re
-from dataclasses import dataclass
 
 import numpy as np
+from preparation import geometry
 from preparation import molecule as prepared
 from preparation.molecule import BadInput, Molecule
-from preparation.xtb import MASSES, SYMBOLS
+from preparation.xtb import MASSES
+from rdkit import Chem
 
-from . import pieces
+from . import building, confined, formats, pieces, valences
 from .pieces import signed
 
-KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
 MOST_ATOMS = 100
-MOST_RECORDS = 1000
-LEAST_DISTANCE = 0.5  # angstrom
 # Elements with a van der Waals radius in the model, and with a mass.
 KNOWN = set(MASSES) & {1, 6, 7, 8, 9, 14, 15, 16, 17, 34, 35, 53}
 
 
-@dataclass
-class Input:
-    """what: the file or SMILES, as messages name it; kind: of Open Babel's formats; records: its molecules."""
-    what: str
-    kind: str
-    records: list
-    charge: int = None  # that an XYZ file's comment gives, of all that is in it
+def read(path, smiles, charge=None, unpaired=None):
+    """(Molecule, charge, unpaired electrons, whether its shape was built, what was decided: lines). charge, unpaired: what
+    the command line says, or None."""
+    what = path if smiles is None else f"SMILES '{smiles}'"
+    if smiles is None:
+        kind = formats.KINDS.get(os.path.splitext(path)[1][1:].lower())
+        if kind is None:
+            raise BadInput(f"{path}: not an .sdf, .mol, .mol2, .pdb or .xyz file")
+        content = prepared.read_bytes(path)
+
+    def work():
+        given = formats.smiles(smiles) if smiles is not None else formats.read(formats.decoded(content, path), path, kind)
+        return _one(given, charge, unpaired)
+    answer = confined.run(work, what)
+    one = Molecule(what, *answer["molecule"])
+    check_electrons(one, what, answer["charge"], answer["unpaired"])
+    return one, answer["charge"], answer["unpaired"], answer["built"], answer["said"]
 
 
-def read(path, smiles, say, unpaired=0):
-    """(molecule, whether its shape was built here). say(text) tells what was decided."""
-    openbabel = prepared.open_babel()
-    if smiles is not None:
-        given = Input(f"SMILES '{smiles}'", "smi", [prepared.parsed(smiles)])
-    else:
-        given = _from_file(openbabel, path)
-    for ob in given.records:
-        _refuse_no_coordinates(openbabel, given, ob)
-    ob = pieces.largest(given, say)
-    _refuse_elements(ob, given.what)
-    built = _completed(openbabel, ob, given, say, unpaired)
-    one = Molecule(ob, given.what)
-    if built:
-        one = prepared.repeatable(one)
-    _check(one, given.what)
-    return one, built
+def _one(given, charge, unpaired):
+    """What read() returns, as JSON can hold it."""
+    for record in given.records:
+        _refuse_no_coordinates(given, record)
+    record = pieces.largest(given)
+    charge = record.charge if charge is None else charge
+    unpaired = record.unpaired if unpaired is None else unpaired
+    mol = record.mol
+    _refuse_elements(mol, given.what)
+    mol, built = _completed(given, record, charge, unpaired)
+    if charge is None:
+        charge = Chem.GetFormalCharge(mol)
+    x = mol.GetConformer().GetPositions()
+    _check(x, given.what)
+    Chem.Kekulize(mol, clearAromaticFlags=True)
+    bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3)) for b in mol.GetBonds()]
+    atoms = list(mol.GetAtoms())
+    return {"molecule": [[a.GetAtomicNum() for a in atoms], x.tolist(), [a.GetFormalCharge() for a in atoms], bonds],
+            "charge": charge, "unpaired": unpaired or 0, "built": built, "said": given.said}
 
 
-def _from_file(openbabel, path):
-    ending = os.path.splitext(path)[1][1:].lower()
-    kind = KINDS.get(ending)
-    if kind is None:
-        raise BadInput(f"{path}: not an .sdf, .mol, .mol2, .pdb or .xyz file")
-    try:
-        text = prepared.read_text(path)
-    except UnicodeDecodeError:
-        raise BadInput(f"{path}: not a text file") from None
-    conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
-    conversion.SetInFormat(kind)
-    records, more = [], conversion.ReadString(ob, text)
-    while more and ob.NumAtoms():
-        if len(records) == MOST_RECORDS:
-            raise BadInput(f"{path}: more than {MOST_RECORDS} records: give the one to feel")
-        records.append(ob)
-        ob = openbabel.OBMol()
-        more = conversion.Read(ob)
-    if not records:
-        raise BadInput(f"{path}: not understood as {ending.upper()}")
-    charge = re.search(r"\bcharge=([+-]?\d+)\b", text.split("\n", 2)[1] if "\n" in text else "")
-    return Input(path, kind, records, int(charge[1]) if kind == "xyz" and charge else None)
+def _places(mol):
+    return mol.GetConformer().GetPositions() if mol.GetNumConformers() else np.zeros((mol.GetNumAtoms(), 3))
 
 
-def _places(openbabel, ob):
-    return np.array([[a.GetX(), a.GetY(), a.GetZ()] for a in openbabel.OBMolAtomIter(ob)])
-
-
-def _refuse_no_coordinates(openbabel, given, ob):
-    """What can be seen only before a file's atoms are sorted into molecules, by their bonds or, in XYZ,
-    by their distances."""
-    what, x = given.what, _places(openbabel, ob)
-    nameless = next((n for n, a in enumerate(openbabel.OBMolAtomIter(ob)) if a.GetAtomicNum() == 0), None)
+def _refuse_no_coordinates(given, record):
+    """What can be seen only before a file's atoms are sorted into molecules. Gives XYZ its bonds."""
+    what, mol, x = given.what, record.mol, _places(record.mol)
+    nameless = next((a.GetIdx() for a in mol.GetAtoms() if a.GetAtomicNum() == 0), None)
     if nameless is not None:
         raise BadInput(f"{what}: atom {nameless + 1} is of no known element: correct its symbol")
     if given.kind == "smi":
         return
     if not np.isfinite(x).all():
         raise BadInput(f"{what}: a coordinate is not a finite number")
-    if ob.NumBonds() == 0 and (x == 0).all():
+    if mol.GetNumBonds() == 0 and len(x) > 1 and (x == 0).all():
         raise BadInput(f"{what}: no coordinates and no bonds: give a file that has them, or --smiles")
-    if given.kind == "xyz" and _is_flat(x) and (len(ob.Separate()) > 1 or _is_bulky(openbabel, ob)):
+    if given.kind != "xyz":
+        return
+    if len(x) > MOST_ATOMS * 10:
+        raise BadInput(f"{what}: {len(x)} atoms, at most {MOST_ATOMS} are feasible: cut out the part that matters, and close "
+                       "it with hydrogen")
+    _check_distances(x, what)
+    record.mol = formats.with_bonds([a.GetAtomicNum() for a in mol.GetAtoms()], x, what)
+    if formats.is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
         raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
 
 
-def _is_flat(x):
-    return len(x) > 3 and np.ptp(x[:, 2]) < 0.01
-
-
-def _is_bulky(openbabel, ob):
+def _is_bulky(mol):
     """Whether an atom has too many neighbours to lie in a plane with them."""
-    return any(a.GetExplicitDegree() > 3 for a in openbabel.OBMolAtomIter(ob))
+    return any(a.GetDegree() > 3 for a in mol.GetAtoms())
 
 
-def _refuse_elements(ob, what):
-    for n in range(ob.NumAtoms()):
-        z = ob.GetAtom(n + 1).GetAtomicNum()
-        name = f"{pieces.symbol(z)}{n + 1}"
+def _refuse_elements(mol, what):
+    for atom in mol.GetAtoms():
+        z = atom.GetAtomicNum()
+        name = f"{pieces.symbol(z)}{atom.GetIdx() + 1}"
         if z in pieces.METALS:
             raise BadInput(f"{what}: {name} is a metal, whose bonds are no single bonds that turn: "
                            "take the part without it")
         if z not in KNOWN:
             raise BadInput(f"{what}: {name}: no radius is known for this element, only for "
-                           + " ".join(SYMBOLS[k] for k in sorted(KNOWN)))
+                           + " ".join(pieces.symbol(k) for k in sorted(KNOWN)))
 
 
-def _completed(openbabel, ob, given, say, unpaired):
-    """Adds hydrogens that a format may leave out, and builds a shape where there is none. Returns
-    whether it was built."""
-    x = _places(openbabel, ob)
+def _completed(given, record, charge, unpaired):
+    """(the molecule with all hydrogens and a shape, whether that was built)."""
+    what, mol, x = given.what, record.mol, _places(record.mol)
+    if given.kind == "xyz" and unpaired is None and charge is None:
+        _refuse_without_hydrogen(mol, what)
+    if given.kind in ("pdb", "mol2"):
+        _refuse_ions_that_lack_hydrogen(mol, what, charge)
+    if given.kind != "smi" or charge is not None:
+        valences.close(mol, what, charge, unpaired)
+    mol = _understood(mol, given, charge, unpaired)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
-    added = 0
-    if given.kind != "xyz":
-        before = ob.NumAtoms()
-        ob.AddHydrogens()
-        added = ob.NumAtoms() - before
-    _check_count(ob.NumAtoms(), given.what)
+    added = pieces.size(mol) - mol.GetNumAtoms()
+    check_count(pieces.size(mol), what)
     if given.kind == "smi":
-        _build(openbabel, ob, given.what)
-        return True
-    flat = _is_flat(x) and (added > 0 or _is_bulky(openbabel, ob))
+        if unpaired is None:
+            _refuse_even_radicals(mol, what)
+        return _built(mol, given), True
+    flat = formats.is_flat(x) and (added > 0 or record.drawing or _is_bulky(mol) or _has_no_bond_lengths(mol, x))
     if added:
-        say(f"{added} hydrogen atoms were added")
-    elif given.kind == "xyz" and not nowhere and not unpaired:
-        _refuse_without_hydrogen(openbabel, ob, given.what)
+        given.say(f"{added} hydrogen atoms were added" if added > 1 else "1 hydrogen atom was added")
     if not nowhere and not flat:
-        return False
+        return building.with_hydrogens(mol, True), False
     if given.kind == "xyz":
-        raise BadInput(f"{given.what}: no coordinates, and XYZ has no bonds to build a shape from: give an SDF file "
-                       "or --smiles")
-    _build(openbabel, ob, given.what)
-    say(f"{given.what}: {'no coordinates' if nowhere else 'flat'}: a shape was built")
-    return True
+        raise BadInput(f"{what}: no coordinates, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
+    given.say(f"{what}: {'no coordinates' if nowhere else 'flat'}: a shape was built")
+    return _built(mol, given), True
 
 
-def _build(openbabel, ob, what):
-    if not openbabel.OBBuilder().Build(ob):
-        raise BadInput(f"{what}: no shape could be built: give one with coordinates")
+def _understood(mol, given, charge, unpaired):
+    """Sanitized, with the handedness that the coordinates or wedges give it."""
+    try:
+        one = building.understood(mol, given.what)
+    except BadInput:
+        if charge is None and unpaired is None:
+            raise
+        # What was said of the molecule does not fit its bonds; it is as the command line wants it.
+        one = Chem.Mol(mol)
+        for atom in one.GetAtoms():
+            atom.SetNoImplicit(True)
+        Chem.SanitizeMol(one, Chem.SANITIZE_ALL ^ Chem.SANITIZE_PROPERTIES ^ Chem.SANITIZE_CLEANUP)
+    if one.GetNumConformers():
+        if formats.is_flat(one.GetConformer().GetPositions()):
+            Chem.DetectBondStereoChemistry(one, one.GetConformer())
+        elif one.GetConformer().Is3D():
+            Chem.AssignStereochemistryFrom3D(one)
+    Chem.AssignStereochemistry(one, cleanIt=True, force=True)
+    return one
 
 
-def _refuse_without_hydrogen(openbabel, ob, what):
+def _built(mol, given):
+    """With a shape in place of what it has."""
+    mol = building.with_hydrogens(mol, False)
+    free = building.unspecified(mol)
+    if free:
+        given.say(f"the handedness of {valences.named(mol, [n - 1 for n in free])} is not given: one is taken")
+    x = building.shape(mol, given.what)
+    mol.RemoveAllConformers()
+    conformer = Chem.Conformer(len(x))
+    for n, place in enumerate(x):
+        conformer.SetAtomPosition(n, place.tolist())
+    mol.AddConformer(conformer)
+    return mol
+
+
+def _has_no_bond_lengths(mol, x):
+    """Whether bonds are shorter or longer than any, as in a drawing that says it is none."""
+    for bond in mol.GetBonds():
+        a, b = bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()
+        radii = sum(geometry.RADII.get(mol.GetAtomWithIdx(n).GetAtomicNum(), 1.5) for n in (a, b))
+        if not 0.75 < np.linalg.norm(x[a] - x[b]) / radii < 1.35:
+            return True
+    return False
+
+
+def _refuse_without_hydrogen(mol, what):
     """XYZ cannot say which hydrogens it leaves out. A carbon with one or two neighbours and free
     valences has lost some, except in CO and isocyanides, where Open Babel gives it three."""
-    for n, atom in enumerate(openbabel.OBMolAtomIter(ob)):
-        degree, valence = atom.GetExplicitDegree(), atom.GetExplicitValence()
+    for atom in mol.GetAtoms():
+        degree, valence = atom.GetDegree(), sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())
         if atom.GetAtomicNum() == 6 and (degree == 1 and valence < 3 or degree == 2 and valence < 4):
-            raise BadInput(f"{what}: C{n + 1} lacks hydrogen, and XYZ has no bonds to add it by: give an SDF file or "
-                           "--smiles; a radical needs --uhf")
+            raise BadInput(f"{what}: C{atom.GetIdx() + 1} lacks hydrogen, and XYZ has no bonds to add it by: give an SDF file "
+                           "or --smiles; a radical needs --uhf")
 
 
-def _check_count(count, what):
+def _refuse_ions_that_lack_hydrogen(mol, what, charge):
+    """Where all carbons have their hydrogens the file has all that there are. An oxygen or nitrogen that lacks one is then an
+    ion's; it gets none."""
+    lacking = [a for a in mol.GetAtoms() if a.GetNumExplicitHs()]
+    hydrogens = any(a.GetAtomicNum() == 1 for a in mol.GetAtoms())
+    if not hydrogens or not lacking or any(a.GetAtomicNum() not in (7, 8) for a in lacking):
+        return
+    total = Chem.GetFormalCharge(mol) - sum(a.GetNumExplicitHs() for a in lacking)
+    if charge is None:
+        raise BadInput(f"{what}: {valences.named(mol, [a.GetIdx() for a in lacking])} lack hydrogen, and all other atoms have "
+                       f"theirs: give --charge {signed(total)} for the ion, or a file without hydrogens, which are then added")
+    if charge == total:
+        for atom in lacking:
+            atom.SetNumExplicitHs(0)
+
+
+def _refuse_even_radicals(mol, what):
+    """Their number of electrons does not tell them from other molecules."""
+    free = [a.GetIdx() for a in mol.GetAtoms() if a.GetNumRadicalElectrons()]
+    if free and sum(mol.GetAtomWithIdx(n).GetNumRadicalElectrons() for n in free) % 2 == 0:
+        raise BadInput(f"{what}: open valences of {valences.named(mol, free)}: write the hydrogen that is missing, or give "
+                       "--uhf: 0 for a singlet, 2 for a triplet")
+
+
+def check_count(count, what):
     if count > MOST_ATOMS:
         raise BadInput(f"{what}: {count} atoms, at most {MOST_ATOMS} are feasible: cut out the part that "
                        "matters, and close it with hydrogen")
@@ -168,12 +218,19 @@ def _check_count(count, what):
         raise BadInput(f"{what}: a single atom has no shape to feel")
 
 
-def _check(one, what):
-    count = len(one.numbers)
-    _check_count(count, what)
-    distance = np.linalg.norm(one.positions[:, None] - one.positions[None], axis=2) + 9 * np.eye(count)
-    a, b = divmod(int(distance.argmin()), count)
-    if distance[a, b] < LEAST_DISTANCE:
+def _check(x, what):
+    check_count(len(x), what)
+    if not np.isfinite(x).all():
+        raise BadInput(f"{what}: a coordinate is not a finite number")
+    _check_distances(x, what)
+
+
+def _check_distances(x, what):
+    if len(x) < 2:
+        return
+    distance = np.linalg.norm(x[:, None] - x[None], axis=2) + 9 * np.eye(len(x))
+    a, b = divmod(int(distance.argmin()), len(x))
+    if distance[a, b] < building.LEAST_DISTANCE:
         raise BadInput(f"{what}: atoms {a + 1} and {b + 1} are {distance[a, b]:.2f} angstrom apart: these are no "
                        "coordinates of a molecule")
 
@@ -189,12 +246,37 @@ def check_electrons(one, what, charge, unpaired):
                    "give the right --charge")
 
 
-def sdf(one):
+def sdf(one, charge, unpaired, built):
     """A molecule as the text of an SDF file."""
-    from openbabel import openbabel
+    mol = Chem.Mol(one.rd)
+    mol.RemoveAllConformers()
+    conformer = Chem.Conformer(len(one.positions))
     for n, place in enumerate(one.positions):
-        one.ob.GetAtom(n + 1).SetVector(*map(float, place))
-    one.ob.SetDimension(3)
-    conversion = openbabel.OBConversion()
-    conversion.SetOutFormat("sdf")
-    return conversion.WriteString(one.ob)
+        conformer.SetAtomPosition(n, place.tolist())
+    conformer.Set3D(True)
+    mol.AddConformer(conformer)
+    Chem.AssignStereochemistryFrom3D(mol)  # or its double bonds are marked as of either side
+    mol.SetProp("_Name", f"charge={charge} unpaired={unpaired} built={int(built)}")
+    return Chem.MolToMolBlock(mol, kekulize=True) + "$$$$\n"
+
+
+def started(path):
+    """(Molecule, charge, unpaired electrons, whether its shape was built) of what sdf() wrote, changed by hand or not."""
+    content = prepared.read_bytes(path)
+
+    def work():
+        text = formats.decoded(content, path)
+        record = formats.read(text, path, "sdf").records[0]
+        mol, x = record.mol, _places(record.mol)
+        Chem.Kekulize(mol, clearAromaticFlags=True)
+        _check(x, path)
+        bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3)) for b in mol.GetBonds()]
+        atoms = list(mol.GetAtoms())
+        words = dict(word.split("=", 1) for word in text.split("\n", 1)[0].split() if "=" in word)
+        return [[[a.GetAtomicNum() for a in atoms], x.tolist(), [a.GetFormalCharge() for a in atoms], bonds], words]
+    plain, words = confined.run(work, path)
+    one = Molecule(path, *plain)
+    try:
+        return one, int(words.get("charge", one.charge)), int(words.get("unpaired", 0)), words.get("built") == "1"
+    except ValueError:
+        raise BadInput(f"{path}: its title is not as it was written: remove the file") from None

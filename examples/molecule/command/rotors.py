@@ -14,6 +14,7 @@ from preparation.xtb import SYMBOLS
 # N, CA and C of a residue.
 RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"
 RING = "a ring stays as it is"
+SULPHUR = 16
 LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
 
 
@@ -61,24 +62,18 @@ def _on_a_line(molecule, atoms):
 
 
 def _rings(molecule):
-    rings = molecule.ob.GetSSSR()
-    return [Left("-".join(label(molecule.numbers, a - 1) for a in ring._path), RING)
-            for ring in rings]
+    return [Left("-".join(label(molecule.numbers, a) for a in ring), RING) for ring in molecule.rings()]
 
 
 def peptide_names(molecule):
     """{bond (j < k): (name, {an atom of the bond: the atom at which the torsion ends there})}. Angles are
     those of IUPAC: phi is C-N-CA-C, psi N-CA-C-N, omega CA-C-N-CA."""
-    from openbabel import openbabel
-    pattern = openbabel.OBSmartsPattern()
-    pattern.Init(RESIDUE)
-    pattern.Match(molecule.ob)
-    residues = sorted({tuple(a - 1 for a in match[:3]) for match in pattern.GetUMapList()})
+    residues = sorted({match[:3] for match in molecule.matches(RESIDUE)})
     residues = _in_order(molecule, residues)
     # An amino acid alone, without a peptide bond, is no peptide.
     if not any({n, c} & {a for bond in molecule.amides for a in bond} for n, _, c in residues):
         return {}
-    out = {}
+    out, backbone = {}, {a for residue in residues for a in residue}
     for r, (n, ca, c) in enumerate(residues):
         number = "" if len(residues) == 1 else str(r + 1)
         before, after = _partner(molecule, n), _partner(molecule, c)
@@ -86,9 +81,9 @@ def peptide_names(molecule):
         out[_bond(ca, c)] = f"psi{number}", _ends({ca: n, c: _single(molecule, c, ca)})
         if after is not None:
             out[_bond(c, after)] = f"omega{r + 1}", _ends({c: ca, after: _carbon(molecule, after, c)})
-        if before is not None:
+        if before is not None and f"omega{r}" not in {name for name, _ in out.values()}:  # a second chain has no omega0
             out.setdefault(_bond(before, n), (f"omega{r}", _ends({before: _carbon(molecule, before, n), n: ca})))
-        _side_chain(molecule, (n, ca, c), number, out)
+        _side_chain(molecule, ca, backbone, number, out)
     return out
 
 
@@ -128,17 +123,18 @@ def _in_order(molecule, residues):
     return out + [r for r in residues if r not in out]
 
 
-def _side_chain(molecule, residue, number, out):
-    """chi, from the alpha carbon outwards along the chain of heavy atoms."""
-    n, ca, c = residue
-    seen = {n, ca, c}
-    chain = [a for a in molecule.neighbours[ca] if molecule.numbers[a] > 1 and a not in seen]
+def _side_chain(molecule, ca, backbone, number, out):
+    """chi, from the alpha carbon outwards along the chain of heavy atoms. It ends at another residue, as that of
+    glutamate does in glutathione, and at a bridge of sulphurs, behind which the other chain has its own numbers."""
+    seen = set(backbone)
     at, depth = ca, 1
-    while chain:
+    while True:
+        chain = [a for a in molecule.neighbours[at] if molecule.numbers[a] > 1 and a not in seen]
+        if not chain or molecule.numbers[at] == molecule.numbers[chain[0]] == SULPHUR:
+            return
         to = chain[0]
         bond = _bond(at, to)
         if bond not in molecule.double:
             out.setdefault(bond, (f"chi{number}_{depth}" if number else f"chi{depth}", {}))
         seen.add(to)
         at, depth = to, depth + 1
-        chain = [a for a in molecule.neighbours[at] if molecule.numbers[a] > 1 and a not in seen]

@@ -81,5 +81,5 @@ def of_paths(molecule, surface, x, found, penalty):
     bohr."""
     hessian = surface.hessian(x) * HARTREE / BOHR**2
     tree = geometry.Tree(molecule.neighbours, molecule.numbers)
-    tangents = [tangent(tree, [node * BOHR for node in f.nodes], f.energies.index(0), surface.masses) for f in found]
+    tangents = [tangent(tree, [node * BOHR for node in f.nodes], f.start, surface.masses) for f in found]
     return rule(hessian, x * BOHR, surface.masses, tangents, penalty)

@@ -5,13 +5,16 @@ rotors, so that they do not depend on the number of processes.
 """
 
 import multiprocessing
-import signal
 import time
 from dataclasses import dataclass, field
 
 import numpy as np
-from preparation import beyond, files, work
+from preparation import beyond, ensemble, files, geometry, naming, torsions, work, xyz
 from preparation.xtb import BOHR, HARTREE, SYMBOLS
+from preparation.xyz import frames
+
+from . import rotors
+from .filters import end_with_parent
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
@@ -20,12 +23,14 @@ LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 @dataclass
 class Options:
     """work: work.Options; search: whether conformers are searched; keep_conformation: whether lower minima are left
-    alone; basins: whether paths go on behind their saddles."""
+    alone; basins: whether paths go on behind their saddles; ensemble: shapes in angstrom by the numbers of their frames,
+    between which paths are looked for instead, [(number, x)]."""
     work: work.Options
     search: bool
     keep_conformation: bool
     basins: bool
     threads: int
+    ensemble: list = field(default_factory=list)
 
 
 @dataclass
@@ -58,7 +63,23 @@ def _beyond(number):
         one = beyond.whole(_search, torsion)
         return {"nodes": [n.tolist() for n in one.nodes], "energies": one.energies, "start": one.start,
                 "kinds": list(one.kinds.items()), "why": one.why}
-    return _search.kept("beyond", torsion, 0, compute)
+    return _search.kept("beyond", [torsion.atoms], compute)
+
+
+def _minimum(shape):
+    def compute():
+        x, energy, hessian = ensemble.minimum(_search, shape)
+        return {"x": x.tolist(), "energy": energy, "hessian": hessian.tolist()}
+    return _search.kept("minimum", [shape.tolist()], compute)
+
+
+def _between(number):
+    one = _search.minima[number][1]
+
+    def compute():
+        nodes, energies, kinds = ensemble.way(_search, (np.array(one["x"]), one["energy"], np.array(one["hessian"])))
+        return {"nodes": [n.tolist() for n in nodes], "energies": energies, "start": 0, "kinds": list(kinds.items())}
+    return _search.kept("between", [one["x"]], compute)
 
 
 def _in_processes(stages, what, function, values, threads):
@@ -68,26 +89,28 @@ def _in_processes(stages, what, function, values, threads):
     began = time.monotonic()
     stages.progress(what, 0, len(values), began)
     context = multiprocessing.get_context("fork")
-    with context.Pool(min(threads, len(values)), initializer=_worker) as pool:
+    with context.Pool(min(threads, len(values)), initializer=end_with_parent) as pool:
         for done, result in enumerate(pool.imap(function, values), 1):
             stages.progress(what, done, len(values), began)
             yield values[done - 1], result
 
 
-def _worker():
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends the others
-
-
-def explore(molecule, rotors, options, stages):
-    """The Found of a molecule. options: Options."""
+def explore(molecule, driven, options, stages):
+    """The Found of a molecule. driven: the bonds that are turned; options: Options."""
     global _search
     keep = not options.search
     look, finish = (_beyond_all, _basins) if options.basins else (_saddles, _paths)
     restarts = 0 if options.keep_conformation else RESTARTS
+    shapes = [] if options.keep_conformation else [x for _, x in options.ensemble]
     for start in range(restarts + 1):
-        _search = search = work.Work(molecule, rotors, options.work)
-        search.find_conformation(keep, lambda starts: _relaxed(starts, stages, options.threads))
+        _search = search = work.Work(molecule, rotors.find(molecule)[0], driven, options.work)
+        search.ensemble, search.minima = options.ensemble, []
+        search.find_conformation(keep, lambda starts: _relaxed(starts, stages, options.threads), shapes)
         stages.say("  conformation: a minimum" + (f", {options.work.method}" if start == 0 else ""))
+        if options.ensemble:
+            ways = _between_all(search, stages, options.threads)
+            if search.minima:
+                return _ensemble(search, ways, stages)
         tops, lower = look(search, stages, options.threads, start < restarts)
         if start == restarts or lower is None:
             break
@@ -131,17 +154,71 @@ def _basins(search, ways, stages, threads):
     shape once more."""
     found, lower = [], []
     dropped = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
-    for n, way in ways.items():
-        name = search.driven[n].name
-        if "dropped" in way:
-            dropped.append((name, way["dropped"]))
-            continue
+    dropped += [(search.driven[n].name, way["dropped"]) for n, way in ways.items() if "dropped" in way]
+    ways = {n: way for n, way in ways.items() if "dropped" not in way}
+    candidates = {n: search.candidate(search.driven[n], search.driven[n].name, np.array(way["nodes"]), way["energies"],
+                                      True) for n, way in ways.items()}
+    named, other = naming.names(search.torsions, candidates, {t.name for t in search.driven if not t.rotor}, False)
+    for n, name in named.items():
+        way = ways[n]
         found.append(beyond.Beyond(name, name, [np.array(x) for x in way["nodes"]], way["energies"], way["start"],
                                    dict(way["kinds"]), way["why"]))
         below = -search.above(min(way["energies"]))
         if below > LOWER:
             lower.append((name, below))
-    return Found(search.result(found, dropped), lower)
+    return Found(search.result(found, _without(found, dropped + other)), lower)
+
+
+def _without(found, dropped):
+    """The dropped names without those that a path has, whose bond it turns though another one was driven."""
+    have = {one.name for one in found}
+    return [(name, why) for name, why in dropped if name not in have]
+
+
+def _between_all(search, stages, threads):
+    """{number of a minimum of the ensemble: its way}. Sets the minima that are not the conformation, each once."""
+    shapes = [x for _, x in search.ensemble]
+    frames_of = iter([number for number, _ in search.ensemble])
+    for _, one in _in_processes(stages, "relaxing the ensemble", _minimum, shapes, threads):
+        frame = next(frames_of)
+        if "dropped" in one:
+            stages.say(f"  frame {frame}: {one['dropped']}")
+            continue
+        x = np.array(one["x"])
+        if not any(search.same(x, other) for other in (search.x, *(np.array(m["x"]) for _, m in search.minima))):
+            search.minima.append((frame, one))
+            stages.say(f"  frame {frame}: a minimum, {search.above(one['energy']):.1f} kJ/mol")
+    if not search.minima:
+        stages.say("  the ensemble has no other minimum than the conformation, so the bonds are turned")
+    return dict(_in_processes(stages, "looking for paths between the minima", _between, range(len(search.minima)), threads))
+
+
+def _ensemble(search, ways, stages):
+    """The Found of paths to the other minima of an ensemble. A path that turns one bond alone has its name."""
+    found, dropped = [], []
+    for n, way in ways.items():
+        frame, one = search.minima[n]
+        name = f"to-{frame}"
+        passed = next((f.name for f in found for k, kind in f.kinds.items()
+                       if kind == "minimum" and search.same(f.nodes[k], np.array(one["x"]))), None)
+        if passed is not None:
+            dropped.append((name, f"{passed} leads there"))
+        elif "dropped" in way:
+            dropped.append((name, way["dropped"]))
+        else:
+            kinds = dict(way["kinds"])
+            nodes = [np.array(x) for x in way["nodes"]]
+            turns = torsions.turned(search.torsions, nodes)[1]
+            turning = [t.name for t, turn in zip(search.torsions, turns) if turn >= torsions.LEAST_TURN]
+            if len(turning) == 1 and turning[0] not in [f.name for f in found]:
+                name = turning[0]
+            found.append(beyond.Beyond(name, " and ".join(turning) or "no bond", nodes, way["energies"], 0, kinds,
+                                       f"the minimum of frame {frame}"))
+            points = ", ".join(f"{kind} {search.above(way['energies'][k]):.1f}" for k, kind in kinds.items())
+            stages.say(f"  frame {frame}: {name}: {points} kJ/mol")
+    for name, why in dropped:
+        stages.say(f"  {name}: no path: {why}")
+    return Found(search.result(found, dropped))
 
 
 def _name(search, number):
@@ -169,59 +246,46 @@ def _saddles(search, stages, threads, may_restart):
 
 
 def _paths(search, tops, stages, threads):
-    dropped, found, known, lower = [], [], {}, []
+    found, known, lower = [], {}, []
+    dropped = [(_name(search, n), ends["dropped"]) for n, (_, ends) in tops.items() if "dropped" in ends]
+    named, other = search.named({n: top for n, (top, ends) in tops.items() if "dropped" not in ends})
+    dropped += other
     wanted = []
-    for n, (top, ends) in tops.items():
-        name = _name(search, n)
-        if "dropped" in ends:
-            dropped.append((name, ends["dropped"]))
-            continue
-        other = search.one_of(top, known)
-        if other is not None:
-            dropped.append((name, f"the saddle of {other}"))
+    for n, name in named.items():
+        top = tops[n][0]
+        same = search.one_of(top, known)
+        if same is not None:
+            dropped.append((name, f"the saddle of {same}"))
             continue
         known[name] = top
         wanted.append(n)
-    for n, way in _in_processes(stages, "following paths to the barriers", _path, wanted, threads):
-        name = _name(search, n)
+    for n, way in _in_processes(stages, "following paths to the barriers", _path, sorted(wanted), threads):
+        name = named[n]
         if "dropped" in way:
             dropped.append((name, way["dropped"]))
             stages.say(f"  {name}: no path: {way['dropped']}")
             continue
-        found.append(search.found(n, way))
+        found.append(search.found(n, name, way))
         below = -search.above(way["far_energy"])
         if below > LOWER:
             lower.append((name, below))
-    return Found(search.result(found, dropped), lower)
-
-
-def frames(path):
-    """[(words of the comment, symbols, positions in angstrom)]"""
-    with open(path, encoding="utf-8") as file:
-        lines = file.read().splitlines()
-    out = []
-    while lines:
-        count = int(lines[0])
-        atoms = [line.split() for line in lines[2:2 + count]]
-        words = dict(w.split("=", 1) for w in lines[1].split() if "=" in w)
-        out.append((words, [a[0] for a in atoms], np.array([[float(v) for v in a[1:4]] for a in atoms])))
-        lines = lines[2 + count:]
-    return out
-
-
-def least_t(path):
-    """Of a path's file: below 0 where the conformation is inside."""
-    rises = [float(words.get("dE", "nan")) for words, _, _ in frames(path)]
-    return -rises.index(0) / (len(rises) - 1) if 0 in rises else 0.0
+    return Found(search.result(found, _without(found, dropped)), lower)
 
 
 class PathFile:
-    """A path as its file has it. nodes in bohr, energies in hartree above the conformation."""
+    """A path as its file has it. nodes in bohr, energies in hartree above the conformation, which is the node `start`."""
 
-    def __init__(self, name, frames):
+    def __init__(self, name, path, conformation):
+        words, _, at = conformation
+        read = frames(path)
         self.name = name
-        self.nodes = [x / BOHR for _, _, x in frames]
-        self.energies = [float(words["dE"]) / HARTREE for words, _, _ in frames]
+        self.nodes = [x / BOHR for _, _, x in read]
+        self.energies = [xyz.above(own, words, f"{path} frame {n}") / HARTREE for n, (own, _, _) in enumerate(read, 1)]
+        if len(read) == 1:  # only the transition state
+            self.nodes.insert(0, at / BOHR)
+            self.energies.insert(0, 0.0)
+        even = np.ones(len(at))
+        self.start = int(np.argmin([geometry.rms(geometry.aligned(x, at / BOHR, even), at / BOHR) for x in self.nodes]))
         self.barrier = max(self.energies)
 
 
@@ -229,11 +293,12 @@ class Structures:
     """What the files of the folder say, changed by hand or not. Energies above the conformation."""
 
     def __init__(self, stages):
-        _, symbols, x = frames(stages.path("conformation.xyz"))[0]
+        conformation = frames(stages.path("conformation.xyz"))[0]
+        _, symbols, x = conformation
         self.numbers = [SYMBOLS.index(s) for s in symbols]
         self.x, self.energy = x / BOHR, 0.0
         report = stages.path("report.tsv")
-        self.found = [PathFile(name[:-4], frames(stages.path(name))) for name in files.listed(report)]
+        self.found = [PathFile(name[:-4], stages.path(name), conformation) for name in files.listed(report)]
         with open(report, encoding="utf-8") as file:
             rows = [line.rstrip("\n").split(": ", 2) for line in file if line.startswith("# no path: ")]
         self.dropped = [(row[1], row[2]) for row in rows]

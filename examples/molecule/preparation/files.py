@@ -2,10 +2,12 @@
 renamed."""
 
 import os
+import re
 
 import numpy as np
 
 from . import geometry
+from .molecule import BadInput
 from .xtb import BOHR, HARTREE, SYMBOLS
 
 
@@ -46,8 +48,8 @@ def imaginary(wave_number):
 
 
 def conformation_text(result):
-    comment = (f"dE=0.0000 E={result.energy:.9f} method={result.method} nimag=0 "
-               + words(result.torsions, result.x))
+    comment = (f"dE=0.0000 E={result.energy:.9f} method={result.method} "
+               + ("nimag=0 " if result.nu1 is not None else "") + words(result.torsions, result.x))
     return frame(result.numbers, result.x, comment.rstrip())
 
 
@@ -58,10 +60,11 @@ def path_text(result, found):
         rise = 0.0 if k == 0 else (energy - result.energy) * HARTREE
         comment = f"dE={rise:.4f} t={k / last:.1f} E={energy:.9f} method={result.method}"
         if k == 0:
-            comment += " nimag=0 " + words(result.torsions, x)
+            comment += (" nimag=0 " if result.nu1 is not None else " ") + words(result.torsions, x)
         if k == last:
-            comment += (f" nimag=1 nu1={imaginary(found.nu1)} torsion={found.torsion} "
-                        + words(result.torsions, x))
+            if found.nu1 is not None:
+                comment += f" nimag=1 nu1={imaginary(found.nu1)}"
+            comment += f" torsion={found.torsion} " + words(result.torsions, x)
         out.append(frame(result.numbers, x, comment))
     return "".join(out)
 
@@ -98,8 +101,8 @@ def report_text(result, command):
     """The table of stationary points, tab-separated; lines that begin with # are remarks."""
     header = ("name", "kind", "energy_kJ_mol", "imaginary", "nu1_cm-1", "joins", "method",
               "torsions_deg")
-    rows = [("conformation", "minimum", "0.00", "0", f"{result.nu1:.0f}", "-", result.method,
-             words(result.torsions, result.x))]
+    known = ("0", f"{result.nu1:.0f}") if result.nu1 is not None else ("-", "-")
+    rows = [("conformation", "minimum", "0.00", *known, "-", result.method, words(result.torsions, result.x))]
     before = angles(result.torsions, result.x)
     for found in result.found:
         if hasattr(found, "kinds"):
@@ -111,9 +114,10 @@ def report_text(result, command):
         if found.far_is_equal:
             far = "conformation, equal atoms exchanged"
         rise = (found.energies[-1] - result.energy) * HARTREE
-        rows.append((found.name, "saddle", f"{rise:.2f}", "1", imaginary(found.nu1),
-                     "conformation and " + far, result.method, change))
-        if not found.far_is_equal:
+        saddle = ("1", imaginary(found.nu1)) if found.nu1 is not None else ("-", "-")
+        rows.append((found.name, "saddle", f"{rise:.2f}", *saddle,
+                     "conformation and " + far if found.far is not None else "-", result.method, change))
+        if not found.far_is_equal and found.far is not None:
             rise = (found.far_energy - result.energy) * HARTREE
             rows.append((f"{found.name}:far", "minimum", f"{rise:.2f}", "0",
                          f"{found.far_nu1:.0f}", "-", result.method,
@@ -126,14 +130,23 @@ def report_text(result, command):
     return "\n".join(lines) + "\n"
 
 
+def is_plain(name):
+    """Whether this can be a file beside the others, whoever made the name. It needs no quotes anywhere."""
+    return isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,199}", name) is not None
+
+
 def listed(report):
-    """The path files that a report names."""
+    """The path files that a report names. Errors: BadInput, where a name is none of a file beside it."""
     try:
         with open(report, encoding="utf-8") as file:
             rows = [line.split("\t") for line in file if not line.startswith("#")]
     except FileNotFoundError:
         return []
-    return [row[0] + ".xyz" for row in rows if len(row) > 1 and row[1] in ("saddle", "path")]
+    names = [row[0] for row in rows if len(row) > 1 and row[1] in ("saddle", "path")]
+    strange = next((name for name in names if not is_plain(name)), None)
+    if strange is not None:
+        raise BadInput(f"{report}: '{strange}' is no name of a path: remove the report, and all is computed anew")
+    return [name + ".xyz" for name in names]
 
 
 def write_set(directory, result, command):

@@ -1,20 +1,23 @@
-"""Reading molecules and sampling their conformers, with Open Babel."""
+"""A molecule, its force field, and sampling its conformers, with RDKit."""
 
 import errno
-import io
 import itertools
 import os
-import re
 import stat
 
 import numpy as np
+from rdkit import Chem, RDLogger
+from rdkit.Chem import rdForceFieldHelpers, rdMolDescriptors
+from rdkit.ForceField import rdForceField  # noqa: F401  the type of force fields
 
 from . import geometry
 from . import torsions as torsions_of
 
-FORCE_FIELD = "MMFF94"
+RDLogger.DisableLog("rdApp.*")  # what it says is for programmers
+
 MOST_BYTES = 8 << 20  # of a file from outside
 TRIES = 200  # combinations of torsions, at least: all of a dipeptide
+AMIDE = "[CX3](=O)-[#7]"
 
 
 class BadInput(Exception):
@@ -22,56 +25,93 @@ class BadInput(Exception):
 
 
 class Molecule:
-    """numbers: elements; positions: angstrom; neighbours: of each atom; double: pairs (j < k) of
-    the bonds that do not turn, which are double bonds and amides; charge: e; ob: Open Babel's
-    molecule."""
+    """numbers: elements; positions: angstrom; neighbours: of each atom; double: pairs (j < k) of the bonds that do not
+    turn, which are double bonds and amides; charge: e; formula: with the charge; rd: RDKit's molecule."""
 
-    def __init__(self, ob, what):
-        from openbabel import openbabel
-        self.ob = ob
-        atoms = [ob.GetAtom(n + 1) for n in range(ob.NumAtoms())]
-        self.numbers = [a.GetAtomicNum() for a in atoms]
-        self.positions = np.array([[a.GetX(), a.GetY(), a.GetZ()] for a in atoms])
-        self.charge = ob.GetTotalCharge()
-        if len(atoms) < 2 or 0 in self.numbers:
+    def __init__(self, what, numbers, positions, charges, bonds):
+        """charges: of the atoms; bonds: (atom, atom, order 1, 2 or 3)."""
+        self.numbers = [int(z) for z in numbers]
+        self.positions = np.array(positions, float).reshape(-1, 3)
+        if len(self.numbers) < 2 or 0 in self.numbers:
             raise BadInput(f"{what}: not a molecule of two atoms or more")
-        self.neighbours = [[] for _ in atoms]
-        self.double, self.amides = set(), []
-        for bond in openbabel.OBMolBondIter(ob):
-            j, k = sorted((bond.GetBeginAtomIdx() - 1, bond.GetEndAtomIdx() - 1))
+        self.rd = rdkit_molecule(self.numbers, charges, bonds)
+        self.charge = sum(charges)
+        self.formula = rdMolDescriptors.CalcMolFormula(self.rd)
+        self.neighbours = [[] for _ in self.numbers]
+        amides = [match[::2] for match in self.matches(AMIDE)]
+        self.amides = [tuple(sorted(a)) for a in amides if not self.rd.GetBondBetweenAtoms(*a).IsInRing()]
+        self.double = {tuple(sorted(a)) for a in amides}
+        for j, k, order in bonds:
             self.neighbours[j].append(k)
             self.neighbours[k].append(j)
-            if bond.GetBondOrder() != 1 or bond.IsAmide():
-                self.double.add((j, k))
-            if bond.IsAmide() and not bond.IsInRing():
-                self.amides.append((j, k))
+            if order != 1:
+                self.double.add((min(j, k), max(j, k)))
         self.neighbours = [sorted(n) for n in self.neighbours]
-        if len(_reached(self.neighbours)) < len(atoms):
+        if len(_reached(self.neighbours)) < len(self.numbers):
             raise BadInput(f"{what}: more than one molecule")
 
     def formal_charges(self):
-        from openbabel import openbabel
-        return [atom.GetFormalCharge() for atom in openbabel.OBMolAtomIter(self.ob)]
+        return [atom.GetFormalCharge() for atom in self.rd.GetAtoms()]
+
+    def matches(self, smarts):
+        """The atoms, counted from 0, of each place that a pattern matches."""
+        return [tuple(m) for m in self.rd.GetSubstructMatches(Chem.MolFromSmarts(smarts), maxMatches=10000)]
+
+    def rings(self):
+        """The atoms, counted from 0, of each of the smallest rings, in the order of its bonds."""
+        return [list(ring) for ring in Chem.GetSSSR(self.rd)]
 
     def amide_torsions(self):
         return [torsions_of.make(self.numbers, self.neighbours, None, None, j, k, None)
                 for j, k in self.amides if min(len(self.neighbours[j]), len(self.neighbours[k])) > 1]
 
     def relaxed(self, positions, steps=500):
-        """(energy, positions in angstrom) after some steps with the force field. Energies can only
-        be compared with each other."""
-        from openbabel import openbabel
-        field = openbabel.OBForceField.FindForceField(FORCE_FIELD)
-        ob = openbabel.OBMol(self.ob)
-        for n, (x, y, z) in enumerate(positions):
-            ob.GetAtom(n + 1).SetVector(float(x), float(y), float(z))
-        if not field.Setup(ob):
-            raise BadInput(f"{FORCE_FIELD} has no parameters for this molecule, so its conformers cannot be "
-                           "searched: give a file with its shape")
-        field.ConjugateGradients(steps, 1e-6)
-        field.GetCoordinates(ob)
-        atoms = [ob.GetAtom(n + 1) for n in range(ob.NumAtoms())]
-        return field.Energy(False), np.array([[a.GetX(), a.GetY(), a.GetZ()] for a in atoms])
+        """(energy, positions in angstrom) after some steps with a force field. Energies can only be compared with each
+        other."""
+        return relaxed(self.rd, positions, steps)
+
+
+def rdkit_molecule(numbers, charges, bonds):
+    """RDKit's molecule of these atoms, without coordinates. Where RDKit knows no such valences it has them all the same."""
+    rd = Chem.RWMol()
+    for z, charge in zip(numbers, charges):
+        atom = Chem.Atom(int(z))
+        atom.SetFormalCharge(int(charge))
+        atom.SetNoImplicit(True)
+        rd.AddAtom(atom)
+    for j, k, order in bonds:
+        rd.AddBond(int(j), int(k), (Chem.BondType.SINGLE, Chem.BondType.DOUBLE, Chem.BondType.TRIPLE)[order - 1])
+    for leave in (Chem.SANITIZE_NONE, Chem.SANITIZE_PROPERTIES, Chem.SANITIZE_PROPERTIES | Chem.SANITIZE_KEKULIZE):
+        one = Chem.Mol(rd)
+        if Chem.SanitizeMol(one, Chem.SANITIZE_ALL ^ Chem.SANITIZE_CLEANUP ^ leave, catchErrors=True) == Chem.SANITIZE_NONE:
+            return one
+    raise BadInput("a molecule whose bonds RDKit does not understand")
+
+
+def relaxed(rd, positions, steps, fixed=()):
+    """(energy, positions in angstrom) after some steps with MMFF94, or with UFF where that has no parameters; as they
+    are where neither has. Energies of one molecule can be compared with each other. fixed: atoms that stay."""
+    rd = Chem.Mol(rd)
+    rd.RemoveAllConformers()
+    conformer = Chem.Conformer(len(positions))
+    for n, place in enumerate(positions):
+        conformer.SetAtomPosition(n, [float(v) for v in place])
+    rd.AddConformer(conformer)
+    properties = rdForceFieldHelpers.MMFFGetMoleculeProperties(rd)
+    if properties is not None:
+        field = rdForceFieldHelpers.MMFFGetMoleculeForceField(rd, properties)
+    elif rdForceFieldHelpers.UFFHasAllMoleculeParams(rd):
+        field = rdForceFieldHelpers.UFFGetMoleculeForceField(rd)
+    else:
+        return 0.0, np.array(positions, float)
+    field.Initialize()
+    for atom in fixed:
+        field.AddFixedPoint(int(atom))
+    try:
+        field.Minimize(maxIts=steps, forceTol=1e-4, energyTol=1e-7)
+    except RuntimeError:  # in its minimum already it finds no direction
+        pass
+    return field.CalcEnergy(), np.array(field.Positions()).reshape(-1, 3)
 
 
 def _reached(neighbours):
@@ -82,43 +122,6 @@ def _reached(neighbours):
                 seen.add(n)
                 stack.append(n)
     return seen
-
-
-def open_babel():
-    """The module, which prints nothing from here on."""
-    try:
-        from openbabel import openbabel
-    except ImportError:
-        raise BadInput(
-            "Open Babel not found: install the Debian package python3-openbabel") from None
-    openbabel.obErrorLog.SetOutputLevel(-1)
-    return openbabel
-
-
-def parsed(smiles):
-    """Open Babel's molecule of SMILES, without hydrogens and coordinates."""
-    openbabel = open_babel()
-    conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
-    conversion.SetInFormat("smi")
-    what = f"SMILES '{smiles}'"
-    # Open Babel does not refuse an open bracket, a second word, or a ring that cannot be aromatic.
-    if not re.fullmatch(r"\S+", smiles) or smiles.count("(") != smiles.count(")"):
-        raise BadInput(f"{what}: not understood")
-    log = openbabel.obErrorLog
-    before = log.GetErrorMessageCount() + log.GetWarningMessageCount()
-    if (not conversion.ReadString(ob, smiles) or ob.NumAtoms() == 0
-            or log.GetErrorMessageCount() + log.GetWarningMessageCount() > before):
-        raise BadInput(f"{what}: not understood")
-    return ob
-
-
-def repeatable(molecule):
-    """Rebuilds a molecule, which Open Babel places in a random orientation, from its internal
-    coordinates without their last digits: these are the same each time. (Where Open Babel joins
-    rings to chains, a torsion is random, too; conformers() sets those that turn.)"""
-    tree = geometry.Tree(molecule.neighbours, molecule.numbers)
-    molecule.positions = tree.build(np.round(tree.read(molecule.positions), 6))
-    return molecule
 
 
 def read_bytes(path):
@@ -138,27 +141,6 @@ def read_bytes(path):
         os.close(descriptor)
 
 
-def read_text(path):
-    """The same as text; raises UnicodeDecodeError."""
-    return io.StringIO(read_bytes(path).decode("utf-8"), newline=None).getvalue()
-
-
-def from_file(path):
-    openbabel = open_babel()
-    conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
-    kind = os.path.splitext(path)[1][1:].lower()
-    if kind not in ("xyz", "sdf", "mol"):
-        raise BadInput(f"{path}: not an .xyz, .sdf or .mol file")
-    text = read_text(path)
-    conversion.SetInFormat(kind)
-    if not conversion.ReadString(ob, text) or ob.NumAtoms() == 0:
-        raise BadInput(f"{path}: not understood as {kind.upper()}")
-    molecule = Molecule(ob, path)
-    if np.ptp(molecule.positions, axis=0).max() < 0.1 or not np.isfinite(molecule.positions).all():
-        raise BadInput(f"{path}: no coordinates")
-    return molecule
-
-
 def _clash(molecule, x):
     """Whether atoms three bonds apart or more are closer than 1.5 angstrom."""
     distance = np.linalg.norm(x[:, None] - x[None], axis=2)
@@ -174,9 +156,9 @@ def conformers(molecule, torsions, number, seed):
     """Up to `number` shapes (angstrom), relaxed by the force field, lowest first, none twice.
 
     Each torsion is turned in steps of 60 degrees, and amides are cis and trans. All combinations
-    are tried when they are few, otherwise random ones. Open Babel's Confab (DiverseConfGen) finds
-    the same for the dipeptide, but it leaves hydroxyl groups as they are: its lowest ethylene glycol is
-    1.6 kcal/mol above the one that this finds.
+    are tried when they are few, otherwise random ones. Where no bond turns there is nothing to search. Open Babel's
+    Confab (DiverseConfGen) finds the same for the dipeptide, but it leaves hydroxyl groups as they are: its lowest ethylene
+    glycol is 1.6 kcal/mol above the one that this finds.
     """
     turns = [(t, np.radians(np.arange(-180, 180, 60))) for t in torsions
              if not t.rotor and tuple(sorted(t.atoms[1:3])) not in molecule.amides]

@@ -80,13 +80,13 @@ def _climbed(values, vectors, mode):
 
 
 def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust=0.2, longest=0.3,
-           renew=None, every=0, tree=None):
+           renew=None, every=0, tree=None, strict=True):
     """A stationary point near x: a minimum, or with `climb` a saddle.
 
     function(x): (energy, gradient). hessian: the first one. climb: a vector (3 atoms); the mode
     nearest to it is climbed, and then always the mode nearest to the one before. tolerance: largest
     component of the gradient (hartree/bohr). renew(x): an exact Hessian, taken every `every` steps.
-    tree: coordinates in which the steps are straight.
+    tree: coordinates in which the steps are straight. strict: whether steps that do not suffice are an error.
     Returns (x, energy, hessian as updated).
     """
     energy, gradient = function(x)
@@ -128,6 +128,8 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
         x, energy, gradient = moved, new_energy, new_gradient
         if renew and every and (count + 1) % every == 0:
             hessian = renew(x)
+    if not strict:
+        return x, energy, hessian
     left = np.abs(gradient).max()
     raise NotConverged(f"{steps} steps left a gradient of {left:.1e} hartree/bohr")
 

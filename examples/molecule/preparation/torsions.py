@@ -11,6 +11,9 @@ import numpy as np
 from . import geometry, optimise
 from .xtb import HARTREE
 
+LEAST_BARRIER = 0.1  # kJ/mol; a lower one is not told from noise, and no hand feels it
+LARGELY = 0.5  # of the farthest turn: a torsion that goes so far does turn
+LEAST_TURN = np.radians(10)  # of a torsion, or the path turns none
 STIFFNESS = 0.5  # of the restraint, hartree/rad^2: ten times that of the stiffest torsion
 
 
@@ -97,9 +100,29 @@ def scan(surface, x, hessian, torsion, sign, *, step=np.radians(10), highest=150
         top = int(np.argmax(energies))
         if energies[top] - start > highest:
             raise NoBarrier(f"still climbing at {HARTREE * highest:.0f} kJ/mol")
-        if 0 < top and (energies[top] - energies[-1]) * HARTREE > 0.1:
+        if 0 < top and (energies[top] - energies[-1]) * HARTREE > LEAST_BARRIER:
             return _on_top(surface, *shapes[top - 1:top + 2])
-    raise NoBarrier("no barrier of 0.1 kJ/mol or more within half a turn")
+    if np.ptp(energies) * HARTREE < LEAST_BARRIER:
+        raise NoBarrier(f"turns freely, without a barrier of {LEAST_BARRIER} kJ/mol: nothing would be felt, and the "
+                        "grid has it at rest")
+    raise NoBarrier(f"no barrier within half a turn, at whose end the energy is {HARTREE * (energies[-1] - start):.1f} "
+                    "kJ/mol")
+
+
+def turned(torsions, shapes):
+    """How far each torsion turns along a chain of nearby shapes, radians: (from the first shape to the last, from the
+    least angle to the largest), each an array."""
+    angles = np.unwrap([[geometry.torsion(x, *t.atoms) for t in torsions] for x in shapes], axis=0)
+    return angles[-1] - angles[0], np.ptp(angles, axis=0)
+
+
+def farthest(turns, driven):
+    """The number of the torsion that turns: the driven one (its number) where it turns largely, otherwise that which turns
+    farthest; None where none turns. turns: how far each torsion turns, radians."""
+    far = np.abs(turns)
+    if far.max() < LEAST_TURN:
+        return None
+    return driven if far[driven] >= LARGELY * far.max() else int(far.argmax())
 
 
 def torsion_hessian(x, atoms):

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import files, geometry, optimise, path, torsions
-from .molecule import conformers, from_file
-from .xtb import BOHR, HARTREE, Surface, XtbError
+from . import files, geometry, naming, optimise, path, torsions, xyz
+from .molecule import conformers
+from .xtb import BOHR, HARTREE, SYMBOLS, Surface, XtbError
 
-VERSION = 3  # of the algorithm; a step that another version has kept is computed anew
+VERSION = 4  # of the algorithm; a step that another version has kept is computed anew
 SAME_SHAPE = 0.1  # bohr, root mean square: minima closer than this are one
 SAME_ENERGY = 0.02  # kJ/mol
 ROUNDED = 1e-7  # angstrom; files have eight decimals
@@ -30,9 +30,9 @@ class Dropped(Exception):
 
 @dataclass
 class Found:
-    """A saddle and its path to the conformation. nodes: aligned to the conformation; energies:
-    hartree; far: the minimum on the other side; far_is_equal: whether that is the conformation with
-    equal atoms exchanged."""
+    """A saddle and its path to the conformation. nodes: aligned to the conformation; energies: hartree; nu1: None where the
+    last node is no saddle of xtb, but the highest by other energies; far: the minimum on the other side, None where nobody
+    has looked for it; far_is_equal: whether that is the conformation with equal atoms exchanged."""
     name: str
     torsion: str
     nodes: list
@@ -69,16 +69,16 @@ class Result:
             self.x = reference if _equal(x, reference) else x
             for found in self.found:
                 found.nodes = [geometry.aligned(y, self.x, self.masses) for y in found.nodes]
-                found.nodes[0] = self.x
+                found.nodes[getattr(found, "start", 0)] = self.x
 
     def lie_as_before(self, directory):
         """Turns everything as the conformation lies that an earlier run left in this folder, if it is the same one:
         a box that was changed by hand then fits the new shapes, too."""
         old = os.path.join(directory, "conformation.xyz")
         if os.path.exists(old):
-            before = from_file(old)
-            if before.numbers == self.numbers:
-                self.lie_like(before.positions / BOHR)
+            _, symbols, x = xyz.frames(old)[0]
+            if symbols == [SYMBOLS[z] for z in self.numbers]:
+                self.lie_like(x / BOHR)
 
 
 def _equal(x, y):
@@ -87,42 +87,57 @@ def _equal(x, y):
 
 
 class Steps:
-    """Results of steps, kept as JSON files that are named by a hash of the steps' inputs."""
+    """Results that are kept as JSON files, those of steps by a hash of the steps' inputs."""
 
     def __init__(self, directory):
         self.directory = directory
 
+    def kept(self, name):
+        """What was kept under a name, or None."""
+        try:
+            with open(os.path.join(self.directory, name + ".json"), encoding="utf-8") as file:
+                return json.load(file)
+        except (FileNotFoundError, ValueError, RecursionError):
+            return None
+
+    def keep(self, name, value):
+        os.makedirs(self.directory, exist_ok=True)
+        files.write_whole(os.path.join(self.directory, name + ".json"), json.dumps(value))
+
     def take(self, key, compute):
         text = json.dumps([VERSION, key], sort_keys=True)
-        digest = hashlib.sha256(text.encode()).hexdigest()[:20]
-        name = os.path.join(self.directory, digest + ".json")
-        try:
-            with open(name, encoding="utf-8") as file:
-                return json.load(file)
-        except (FileNotFoundError, ValueError):
-            pass
-        value = compute()
-        os.makedirs(self.directory, exist_ok=True)
-        files.write_whole(name, json.dumps(value))
+        name = hashlib.sha256(text.encode()).hexdigest()[:20]
+        value = self.kept(name)
+        if value is None:
+            value = compute()
+            self.keep(name, value)
         return value
 
 
 @dataclass
 class Options:
     """method: of xtb.METHODS; charge: e; unpaired: electrons; highest: where a scan ends, kJ/mol; directory: of the
-    finished steps."""
+    finished steps; solvent: or None."""
     method: str
     charge: int
     unpaired: int
     highest: float
     directory: str
+    solvent: str = None
+
+    @property
+    def words(self):
+        """The method, as files name it."""
+        return f"{self.method}-in-{self.solvent}" if self.solvent else self.method
 
 
 class Work:
-    """The steps for one molecule. driven: its torsions that turn. Each torsion in one of its directions is a job."""
+    """The steps for one molecule. torsions: all that could turn; driven: those that are turned. Each of these in one of
+    its directions is a job."""
 
-    def __init__(self, molecule, driven, options):
+    def __init__(self, molecule, torsions, driven, options):
         self.molecule = molecule
+        self.torsions = torsions
         self.driven = driven
         self.options = options
         self.jobs = [(torsion, sign) for torsion in driven for sign in torsion.signs]
@@ -130,18 +145,20 @@ class Work:
         self.tree = geometry.Tree(molecule.neighbours, molecule.numbers)
 
     def result(self, found, dropped):
-        return Result(self.molecule.numbers, self.surface.masses, self.options.method, self.driven, self.x,
+        return Result(self.molecule.numbers, self.surface.masses, self.options.words, self.driven, self.x,
                       self.energy, self.nu1, found, dropped)
 
     # The conformation
 
-    def find_conformation(self, keep, relaxed):
+    def find_conformation(self, keep, relaxed, ensemble=()):
         """Sets x, energy, hessian and nu1. keep: relax the molecule's shape to the nearest minimum instead of looking
-        for the lowest one; relaxed(starts): relax() of each."""
+        for the lowest one; relaxed(starts): relax() of each; ensemble: shapes in angstrom, of which the lowest is taken."""
         o = self.options
-        key = ["conformation", self.molecule.numbers, self.molecule.positions.tolist(), o.method, o.charge,
-               o.unpaired, keep, [t.atoms for t in self.driven if not t.rotor and not keep]]
-        kept = self.steps.take(key, lambda: self._conformation(keep, relaxed))
+        if o.solvent is not None:
+            self._surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
+        key = ["conformation", self.molecule.numbers, self.molecule.positions.tolist(), o.words, o.charge,
+               o.unpaired, keep, [t.atoms for t in self.driven if not t.rotor and not keep], [x.tolist() for x in ensemble]]
+        kept = self.steps.take(key, lambda: self._conformation(keep, relaxed, ensemble))
         self.x = np.array(kept["x"])
         self.surface = self._surface(self.x)
         self.energy = self.surface.energy(self.x)
@@ -150,11 +167,11 @@ class Work:
 
     def _surface(self, x):
         o = self.options
-        return Surface(self.molecule.numbers, x, o.method, o.charge, self.tree, o.unpaired)
+        return Surface(self.molecule.numbers, x, o.method, o.charge, self.tree, o.unpaired, o.solvent)
 
-    def _conformation(self, keep, relaxed):
-        starts = ([self.molecule.positions] if keep else
-                  conformers(self.molecule, self.driven, CONFORMERS, SEED))
+    def _conformation(self, keep, relaxed, ensemble):
+        starts = ensemble or ([self.molecule.positions] if keep else
+                              conformers(self.molecule, self.driven, CONFORMERS, SEED))
         best, reason = None, ""
         for x, energy, why in relaxed(starts):
             if why:
@@ -162,7 +179,7 @@ class Work:
             elif best is None or energy < best[0]:
                 best = energy, x
         if best is None:
-            raise Failed(f"no conformation: none of the start structures relaxes: {reason}{_what_to_do(self.molecule)}")
+            raise Failed(f"no conformation: none of the start structures relaxes: {reason}{self._what_to_do()}")
         # GFN-FF must read its bonds off the conformation itself, not off the shape from which it
         # was found: then one run of xtb on the conformation's file gives the same energy.
         x = best[1]
@@ -173,6 +190,13 @@ class Work:
         # Rounded as in the file, since readers compare the nodes of paths with the file.
         x = np.round(x * BOHR, 8) / BOHR
         return {"x": x.tolist(), "hessian": surface.hessian(x).tolist()}
+
+    def _what_to_do(self):
+        """About a molecule that does not relax. Without water a proton goes from one end of a zwitterion to the other."""
+        charges = self.molecule.formal_charges()
+        if self.options.solvent is None and max(charges) > 0 > min(charges):
+            return "; a zwitterion needs water: give --solvent water, or the neutral form"
+        return ""
 
     def relax(self, start):
         """(x, energy, why it is left out) of a shape in angstrom."""
@@ -199,43 +223,62 @@ class Work:
 
     def _away(self, x):
         """Root mean square distance from the conformation, bohr."""
-        return self._apart(x, self.x)
+        return self.apart(x, self.x)
 
-    def _apart(self, x, y):
+    def apart(self, x, y):
+        """Root mean square distance of two shapes, bohr."""
         return geometry.rms(geometry.aligned(x, y, self.surface.masses), y)
 
     def same(self, x, y):
-        return self._apart(x, y) < SAME_SHAPE
+        return self.apart(x, y) < SAME_SHAPE
 
-    def kept(self, what, torsion, sign, compute):
+    def kept(self, what, inputs, compute):
         """The result of compute(), or {"dropped": the reason why there is none}; it is computed once. what: a name of
-        the step."""
+        the step; inputs: what it depends on besides the conformation."""
         o = self.options
-        key = [what, self.molecule.numbers, self.x.tolist(), o.method, o.charge, o.unpaired, torsion.atoms, sign,
-               o.highest]
+        key = [what, self.molecule.numbers, self.x.tolist(), o.words, o.charge, o.unpaired, inputs, o.highest]
         return self.steps.take(key, lambda: _guarded(compute))
 
     def saddle(self, number):
         """(the saddle of a job, the minima that it joins, the nearer one first)."""
         torsion, sign = self.jobs[number]
-        top = self.kept("saddle", torsion, sign, lambda: self._saddle(torsion, sign))
+        inputs = [torsion.atoms, sign]
+        top = self.kept("saddle", inputs, lambda: self._saddle(torsion, sign))
         if "dropped" in top:
             return top, top
-        return top, self.kept("ends", torsion, sign, lambda: self._ends(top))
+        return top, self.kept("ends", inputs, lambda: self._ends(top))
 
     def path(self, number):
         """The Found of a job's saddle, as far as it can be sent to another process."""
         top, ends = self.saddle(number)
         if "dropped" in ends:
             return ends
-        return self.kept("path", *self.jobs[number], lambda: self._path(top, ends))
-
-    def found(self, number, way):
-        """The Found of a job; way: of path()."""
         torsion, sign = self.jobs[number]
+        return self.kept("path", [torsion.atoms, sign], lambda: self._path(top, ends))
+
+    def found(self, number, name, way):
+        """The Found of a job under a name; way: of path()."""
         nodes = [np.array(x) for x in way["nodes"]]
-        return Found(torsion.file_name(sign), torsion.name, nodes, way["energies"], self.saddle(number)[0]["nu1"],
-                     np.array(way["far"]), way["far_energy"], way["far_nu1"], way["far_is_equal"])
+        return Found(name, name.removesuffix("-plus").removesuffix("-minus"), nodes, way["energies"],
+                     self.saddle(number)[0]["nu1"], np.array(way["far"]), way["far_energy"], way["far_nu1"],
+                     way["far_is_equal"])
+
+    def candidate(self, torsion, job, nodes, energies, whole):
+        """The naming.Candidate of a path. whole: whether it goes on behind its barriers; otherwise a way from the
+        conformation to one."""
+        to_end, extent = torsions.turned(self.torsions, nodes)
+        number = next(n for n, t in enumerate(self.torsions) if t.name == torsion.name)
+        return naming.Candidate(job, number, extent if whole else to_end, max(energies))
+
+    def named(self, tops):
+        """naming.names() of saddles, by the numbers of their jobs."""
+        candidates = {}
+        for n, top in tops.items():
+            torsion, sign = self.jobs[n]
+            candidates[n] = self.candidate(torsion, torsion.file_name(sign), [self.x, np.array(top["x"])],
+                                           [top["energy"]], False)
+        allowed = {name for torsion in self.driven for name in torsion.file_names()}
+        return naming.names(self.torsions, candidates, allowed, True)
 
     def one_of(self, top, tops):
         """The name of the saddle that this one is. tops: saddles by their names."""
@@ -295,14 +338,6 @@ class Work:
                                      np.array(top["hessian"]), ends["sign"], self.x, self.energy)
         return {"nodes": [n.tolist() for n in nodes], "energies": energies, "far": ends["far"],
                 **{name: ends[name] for name in ("far_energy", "far_nu1", "far_is_equal")}}
-
-
-def _what_to_do(molecule):
-    """About a molecule that does not relax. Without water a proton goes from one end of a zwitterion to the other."""
-    charges = molecule.formal_charges()
-    if max(charges) > 0 > min(charges):
-        return "; there is no water here: give the neutral form instead of a zwitterion"
-    return ""
 
 
 def _guarded(compute):

@@ -33,13 +33,14 @@ class Surface:
 
     positions: where the force field GFN-FF reads off its bonds. All later points of a molecule are
     computed with these bonds; otherwise the energy would jump where two atoms come close.
-    tree: internal coordinates along which searches step, see geometry.Tree. unpaired: electrons.
+    tree: internal coordinates along which searches step, see geometry.Tree. unpaired: electrons. solvent: around the
+    molecule, or None.
     """
 
     # Steps of a search between exact Hessians: where these are cheap they are computed often.
     renewal = property(lambda self: {"gfn2": 12, "gfnff": 3}[self.method])
 
-    def __init__(self, numbers, positions, method="gfn2", charge=0, tree=None, unpaired=0):
+    def __init__(self, numbers, positions, method="gfn2", charge=0, tree=None, unpaired=0, solvent=None):
         numbers = [int(z) for z in numbers]
         self.method = method
         self.tree = tree
@@ -47,7 +48,7 @@ class Surface:
         if missing:
             raise XtbError("no mass is known for element " + missing[0])
         self.masses = np.array([MASSES[z] for z in numbers])
-        self._xtb = Xtb(numbers, np.asarray(positions, float).ravel(), method, charge, unpaired)
+        self._xtb = Xtb(numbers, np.asarray(positions, float).ravel(), method, charge, unpaired, solvent)
         self._results = self._xtb.new_results()
 
     def __call__(self, positions):
@@ -61,8 +62,14 @@ class Surface:
     def energy(self, positions):
         return self(positions)[0]
 
-    def hessian(self, positions, step=0.005):
-        """Second derivatives (3 atoms, 3 atoms) by central differences of the gradient."""
+    def hessian(self, positions):
+        """Second derivatives (3 atoms, 3 atoms)."""
+        rows = self.differences(positions)
+        return (rows + rows.T) / 2
+
+    def differences(self, positions, step=0.005):
+        """The rows of the Hessian by central differences of the gradient. They are symmetric to 1e-4 hartree/bohr²:
+        a gradient with which they are not is wrong."""
         flat = np.asarray(positions, float).ravel()
         rows = []
         for k in range(flat.size):
@@ -71,5 +78,4 @@ class Surface:
             ahead = self((flat + shift).reshape(-1, 3))[1]
             behind = self((flat - shift).reshape(-1, 3))[1]
             rows.append((ahead - behind).ravel() / (2 * step))
-        hessian = np.array(rows)
-        return (hessian + hessian.T) / 2
+        return np.array(rows)

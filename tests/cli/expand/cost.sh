@@ -24,6 +24,10 @@ END
 # A run that failed adds no line; a line that cannot be written is a failure.
 expect 1 '' '~expand: .*' -- expand nix --cost other
 [[ ! -e other ]] || fail "a cost of a run that failed"
+# Where the model ended it, there is a line that says why.
+seed "$ball" --set 'grid.counts=[40,6,6]' --set 'grid.origin=[-0.975,-0.125,-0.125]' --set search.max_levels=1 -o limited
+refuses 'expand: level limit: .*' -- expand --complete limited --cost failed -o r3
+same "why" levels "$(sed -n 's/.*"failed":"\([a-z]*\)".*/\1/p' failed)"
 refuses 'expand: missing/costs: No such file or directory' -- expand seeds --cost missing/costs -o r3
 refuses 'expand: /dev/full: No space left on device' -- expand seeds --cost /dev/full -o r3
 

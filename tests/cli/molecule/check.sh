@@ -11,14 +11,23 @@ done
 all="[\"chi1_1-minus.xyz\",\"psi2-plus.xyz\",\"$here/phi4-minus.xyz\",\"chi4_1-minus.xyz\",\"chi5_1-minus.xyz\"]"
 why='[A-Z][a-z]?[0-9]+ [A-Z][a-z]?[0-9]+ are nearer than 0\.4 of the sum of their radii \(0\.[0-9]+, [0-9.]+ Å, at t = .*\); leave a path out'
 insane=("$molecules/leu-enkephalin/leu-enkephalin.toml" --set "model.files.transition_states=$all")
-expect 1 "~.*NOT SANE: atoms overlap where paths 1 and 2 are combined: $why
-NOT SANE: atoms overlap where all paths are combined: $why" '' -- molecule-check "${insane[@]}"
+expect 3 "~.*NOT SANE: paths 1 and 2 combined: atoms overlap: $why
+NOT SANE: all paths combined: atoms overlap: $why" '' -- molecule-check "${insane[@]}"
+# For programs, the same as JSON.
+expect 3 '~.*' '' -- molecule-check "${insane[@]}" --format json
+python3 - "$work/got/out" <<'END' || fail "$(cat "$work/got/out")"
+import json, sys
+one = json.load(open(sys.argv[1]))
+assert not one["sane"] and one["paths"] == 5 and one["atoms"] == 77 and one["minima"] == [{"t": [0] * 5, "energy_kJ_mol": 0}], one
+assert [p["paths"] for p in one["problems"]] == [[1, 2], [0, 1, 2, 3, 4]], one
+assert all(p["what"].startswith("atoms overlap: ") for p in one["problems"]), one
+END
 # check-model has it from the plug-in, and gives no estimate.
 expect 3 "~.*
 sane +[0-9]+ parameters +2  broken.*
 sane: what the model itself says against its parameters
-  atoms overlap where paths 1 and 2 are combined: $why
-  atoms overlap where all paths are combined: $why
+  paths 1 and 2 combined: atoms overlap: $why
+  all paths combined: atoms overlap: $why
 .*
 whole grid +no estimate, because a check is broken" '~check-model: broken: sane \(2 of [0-9]+\)' -- \
   check-model "${insane[@]}" --steps 40

@@ -57,7 +57,7 @@ same "the line" "hapgrid play ethanol/ethanol.grid --device path:ethanol/path-" 
 awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) { if ($i == "s0") first = i; if ($i == "force_x") force = i } next }
   { for (i = first; i < first + 3; i++) if ($i > most) most = $i; at = $first + $(first + 1) + $(first + 2); last = $force }
   END { exit !(most > 0.5 && at < 0.01 && last == 0) }' log || fail "the way turns nothing, or not back"
-for file in index.html played.html turned.png turned-sticks.png course.png force.png energy.png ethanol.toml verify.txt; do
+for file in index.html played.html turned.png course.png ethanol.toml verify.txt; do
   [[ -s ethanol/$file ]] || fail "no $file"
 done
 
@@ -75,17 +75,21 @@ import MDAnalysis
 import numpy
 from MDAnalysis.lib.distances import calc_dihedrals
 one, two = MDAnalysis.Universe("ethanol/played.pdb"), MDAnalysis.Universe("ethanol/played.xyz")
+bonds = sorted(sorted(int(a.index) for a in bond) for bond in one.bonds)  # of ethanol, and none of the probe
+assert bonds == [[0, 1], [0, 3], [0, 4], [0, 5], [1, 2], [1, 6], [1, 7], [2, 8]], bonds
+probe, = one.select_atoms("resname HIP")
+assert probe.index == 9 and probe.record_type == "HETATM"
 torsions = numpy.loadtxt("ethanol/torsions.tsv")  # t, H4-C1-C2-O3, C1-C2-O3-H9
-assert list(one.atoms.elements) == ["C", "C", "O"] + 6 * ["H"] == list(two.atoms.names), one.atoms.elements
+assert list(one.atoms.elements[:9]) == ["C", "C", "O"] + 6 * ["H"] == list(two.atoms.names), one.atoms.elements
 assert len(one.trajectory) == len(two.trajectory) > 10
 for a, b, row in zip(one.trajectory, two.trajectory, torsions):
-    assert numpy.abs(a.positions - b.positions).max() < 6e-4  # three decimals
+    assert numpy.abs(a.positions[:9] - b.positions).max() < 6e-4  # three decimals
     for atoms, angle in (((3, 0, 1, 2), row[1]), ((0, 1, 2, 8), row[2])):
         off = numpy.degrees(calc_dihedrals(*(b.positions[n] for n in atoms))) - angle
         assert abs((off + 180) % 360 - 180) < 0.01, (row, off)
 start = MDAnalysis.Universe("ethanol/conformation.xyz").atoms.positions  # before the probe touches anything
 one.trajectory[0]
-assert numpy.abs(one.atoms.positions - start).max() < 6e-4
+assert numpy.abs(one.atoms.positions[:9] - start).max() < 6e-4
 END
 fi
 
@@ -109,6 +113,9 @@ same "state" 6 "$(stats cyanide/cyanide.grid --get state.size 2>/dev/null || sta
 hapgrid molecule --smiles OO -o peroxide --method gfnff --spacing 1.5 --highest 2 >line 2>log || fail "$(cat log)"
 grep -q 'left out: H3-O1-O2-H4-plus, H3-O1-O2-H4-minus: still climbing at 2 kJ/mol' log || fail "$(cat log)"
 grep -q '<td>H3-O1-O2-H4-plus<td>.*<td>still climbing at 2 kJ/mol' peroxide/index.html || fail "the page does not say why"
+# A page names the formula, the charge, the spin, the method with its version, and the energy of the conformation.
+grep -qP '<dt>Formula<dd>H<sub>2</sub>O<sub>2</sub><dt>Charge<dd>0<dt>Spin<dd>singlet<dt>Made from<dd>SMILES OO<dt>Energies<dd>GFN-FF, of libxtb 6\.[0-9.]+<dt>Conformation<dd>-[0-9.]+ hartree' \
+  peroxide/index.html || fail "the page lacks facts"
 
 # Dichloroethane's gauche lies 0.6 kJ/mol below anti by GFN-FF. The search goes on there, or stays in anti.
 anti=$HAPGRID_SOURCE/examples/molecule/dichloroethane/conformation.xyz

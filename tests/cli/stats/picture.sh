@@ -36,19 +36,19 @@ chmod +x spy/gnuplot
 for column in force_x sent_x; do
   SCRIPT=$PWD/script PATH=$PWD/spy:$PATH expect 0 '' '' -- stats --log forces --plot x,$column --png forces.png
   png_size forces.png >/dev/null
-  same "lines" "there, force_x
-back, force_x
-there, sent_x
-back, sent_x" "$(grep -o "title '[a-z_, ]*'" script | sed "s/title '//; s/'//")"
+  same "lines" "there, from the model
+back, from the model
+there, as it was sent
+back, as it was sent" "$(grep -o "title '[a-zHIP, ]*'" script | sed "s/title '//; s/'//")"
 done
 
 # The energy is drawn with the model's own, where the log has that.
 printf '# x\tenergy\town_energy\n0\t1\t0\n1\t1\t0.5\n0\t1\t1\n' >energy-log
 SCRIPT=$PWD/script PATH=$PWD/spy:$PATH expect 0 '' '' -- stats --log energy-log --plot x,energy --png energy.png
-same "lines" "there, energy
-back, energy
-there, own_energy
-back, own_energy" "$(grep -o "title '[a-z_, ]*'" script | sed "s/title '//; s/'//")"
+same "lines" "there, with the HIP
+back, with the HIP
+there, of the model alone
+back, of the model alone" "$(grep -o "title '[a-zHIP, ]*'" script | sed "s/title '//; s/'//")"
 
 # labels WORDS...: what the axes of the picture say that "stats WORDS --png" draws.
 labels() {

@@ -41,7 +41,7 @@ expect 0 '' '' -- view x.frames --xyz x.xyz
 view --xyz - <x.frames | cmp - x.xyz
 play grid --device path:path --set safety.ramp=0 --frames - 2>/dev/null | view --xyz - | cmp - x.xyz
 same "lines" $((6 * 12)) "$(wc -l <x.xyz)"
-same "first lines" $'10\ntime=0 tick=0 hip=-0.9,0.01,0 force=0,0,0 energy=0\nX 0.000000 0.000000 0.000000' \
+same "first lines" $'10\ntime=0 tick=0 hip=-0.9,0.01,0 force=0,0,0 energy=0 units="time s, hip rope lengths, force N, energy N rope lengths"\nX 0.000000 0.000000 0.000000' \
   "$(head -3 x.xyz)"
 view x.frames --xyz hip.xyz --hip-label Xx
 same "the HIP" 'Xx -0.900000 0.010000 0.000000' "$(sed -n 13p hip.xyz)"

@@ -63,7 +63,9 @@ TEST_CASE("a molecule of four atoms is read, its energy in hartree") {
   CHECK(molecule.paths[0].energies[1] == Approx(2.6255).epsilon(1e-4));
   CHECK(molecule.conformation[2].x() == 0.8);
   const auto barrier = [](const Molecule& m) { return m.paths[0].energies[1]; };
-  CHECK(barrier(read(kPeroxide, titled("dE=12.5 E=-1"))) == 12.5);
+  // Both ways may stand if they agree; without the conformation's, E= says nothing.
+  CHECK(barrier(read(kPeroxide, titled("dE=2.6 E=-150.999"))) == 2.6);
+  CHECK(barrier(read(replaced(kPeroxide, "E=-151.0", "gauche"), titled("dE=12.5 E=-1"))) == 12.5);
   // As xtb writes it.
   CHECK(barrier(read(replaced(kPeroxide, "E=-151.0", " energy: -151.0 gnorm: 0.0002 xtb: 6.5.1"),
                      titled(" energy: -150.999 xtb: 6.5.1"))) == Approx(2.6255).epsilon(1e-4));
@@ -155,12 +157,15 @@ TEST_CASE("impossible energies are refused") {
   refused(kPeroxide, titled("dE=-3"),
           "transition_states[0] frame 1: the transition state is -3 kJ/mol above the conformation, "
           "it must be above 0");
+  refused(kPeroxide, titled("dE=2.7 E=-150.999"),
+          "transition_states[0] frame 1: dE= gives 2.7 kJ/mol above the conformation, E= gives "
+          "2.6255: remove one");
   CHECK_THROWS_WITH(read(kPeroxide, kTransPeroxide, {1, 2}),
                     Equals("energies: 2 numbers for 1 transition states"));
   const std::string path = text("butane", "C1-C2-C3-C4-plus.xyz");
-  const std::size_t third = path.find("t=0.2");
-  const std::size_t title = path.rfind("dE=", third);
-  refused(kButane.conformation(), path.substr(0, title) + "dE=-0.5 " + path.substr(third),
+  const std::size_t third = path.rfind("dE=", path.find("t=0.2"));
+  refused(kButane.conformation(),
+          path.substr(0, third) + "dE=-0.5 " + path.substr(path.find("method=", third)),
           "transition_states[0] frame 3: is 0.5 kJ/mol below the conformation, which must be a "
           "minimum");
 }

@@ -33,6 +33,28 @@ TEST_CASE("a frame as PDB, by its columns") {
   }
 }
 
+TEST_CASE("the bonds of a PDB file, four in a line") {
+  Scene scene = small_scene();
+  scene.spheres.assign(7, scene.spheres[0]);
+  for (Sphere& sphere : scene.spheres) sphere.radius = 1;
+  scene.spheres[6].radius = 0.1;  // and far away
+  Frame frame = small_frame(0);
+  // The first sphere is 1 from five others, which are sqrt(2) or more from each other: bonds are
+  // below 1.2.
+  frame.centres = {0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 9, 9, 9};
+  std::string text;
+  append_pdb_bonds(text, scene, frame);
+  // wwPDB 3.3: the atom's serial 7-11, its partners 12-16, 17-21, 22-26, 27-31.
+  CHECK(text ==
+        "CONECT    1    2    3    4    5\n"
+        "CONECT    1    6\n"
+        "CONECT    2    1\n"
+        "CONECT    3    1\n"
+        "CONECT    4    1\n"
+        "CONECT    5    1\n"
+        "CONECT    6    1\n");
+}
+
 TEST_CASE("labels that XYZ cannot have become X") {
   for (const char* label : {"C", "Cl", "CA1"}) CHECK(is_symbol(label));
   for (const char* label : {"", "1", "C a", "C\n1", "-", "\xc3\xa4", "C\t"})

@@ -122,7 +122,8 @@ TEST_CASE("the numbers as a line") {
   frame.own_energy = 9.06;
   frame.turned = {-20, 66.7, kNan};
   CHECK(status_text(scene, frame, 0) ==
-        "t 3.20 s   force 0.5 N   energy 12.3 kJ/mol   itself 9.06   psi +67°   levels 0 1 253   "
+        "t 3.20 s   force 0.5 N   energy 12.3 kJ/mol   model alone 9.06   psi +67°   levels 0 1 "
+        "253   "
         "dropped 0");
   frame.own_energy = kNan;
   frame.turned = {9, -9, kNan};

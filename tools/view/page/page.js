@@ -354,7 +354,7 @@ function drawCurves() {
     });
     if (k === 1 && ownEnergies.some(Number.isFinite)) {
       c.fillStyle = "#008c64";
-      c.fillText("of the model itself", left + 4, top + 6);
+      c.fillText("of the model alone", left + 4, top + 6);
     }
     c.fillStyle = "#282c34";
     c.fillRect(at(times[shown]) - 0.5, top, 1, bottom - top);
@@ -370,7 +370,7 @@ function drawCurves() {
 function drawStatus() {
   let text = `t ${times[shown].toFixed(2)} s   force ${round(sizes[shown])} N`;
   if (Number.isFinite(energies[shown])) text += `   energy ${round(energies[shown])} ${data.energy_unit}`;
-  if (Number.isFinite(ownEnergies[shown])) text += `   itself ${round(ownEnergies[shown])}`;
+  if (Number.isFinite(ownEnergies[shown])) text += `   model alone ${round(ownEnergies[shown])}`;
   text += whatTurned().map((k) => "   " + turnedText(k)).join("");
   text += `   snaps ${data.snaps.filter((i) => i <= shown).length} of ${data.snaps.length}`;
   element("status").textContent = text;

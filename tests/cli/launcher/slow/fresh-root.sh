@@ -37,7 +37,7 @@ hapgrid stats process.grid --slice y=0 --png levels.png 2>said || status=$?
 [[ $status == 1 && $(wc -l <said) == 1 && ! -e levels.png ]]
 grep gnuplot said
 
-install python3-numpy python3-openbabel
+install python3-numpy python3-openbabel python3-rdkit
 python3 - <<'PYTHON'
 import hapgrid
 grid = hapgrid.read("process.grid")

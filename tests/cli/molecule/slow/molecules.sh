@@ -34,11 +34,11 @@ for way in plus minus; do
   within "gauche" "$(awk -F'\t' -v name="Cl1-C2-C3-Cl4-$way:far" '$1 == name { print $3 }' dichloroethane/report.tsv)" 5.6 5.9
 done
 
-# What a coarse grid told is true of the grid: 99 of 100 places are off by 0.1 Å at most.
-verify cyanide/cyanide.grid --recompute none --accuracy 0.1 >report 2>verdict || fail "$(cat report)"
+# What a coarse grid told is true of the grid: 99 of 100 places are off by 0.25 Å at most.
+verify cyanide/cyanide.grid --recompute none --accuracy 0.25 >report 2>verdict || fail "$(cat report)"
 
 # Glycine as a zwitterion has no minimum without water.
-refuses 'molecule: no conformation: .*its bonds change; there is no water here: give the neutral form instead of a zwitterion' \
+refuses 'molecule: no conformation: .*its bonds change; a zwitterion needs water: give --solvent water, or the neutral form' \
   -- hapgrid molecule --smiles '[NH3+]CC(=O)[O-]' -o zwitterion --quiet
 
 # The dipeptide's soft torsions are found by the force field, too, whose scans snap over.

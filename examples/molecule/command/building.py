@@ -1,0 +1,88 @@
+"""Hydrogens and shapes that a file does not have, by RDKit.
+
+Distance geometry with the torsions of the Cambridge Structural Database (ETKDG), relaxed by MMFF94 or UFF. Open Babel's builder is
+not used: it gives up or lets atoms overlap for 16 of 62 everyday molecules, and it is random where rings meet chains.
+"""
+
+import numpy as np
+from preparation import geometry
+from preparation.molecule import BadInput, relaxed
+from rdkit import Chem
+from rdkit.Chem import rdDistGeom
+
+SEED = 1
+TRIES = 10  # shapes, of which the one of lowest energy is taken: rings have several
+FEW_STEPS, STEPS = 300, 5000  # of the force field, to tell shapes apart, and for the one that is taken
+LEAST_DISTANCE = 0.5  # angstrom
+SMALL_RINGS = 60  # atoms, up to which a shape takes well below a second
+
+
+def understood(mol, what):
+    """The molecule with its aromatic rings and implicit hydrogens. Errors: BadInput, which names the atom."""
+    one = Chem.Mol(mol)
+    try:
+        Chem.SanitizeMol(one)
+    except Chem.AtomValenceException as why:
+        atom = one.GetAtomWithIdx(why.cause.GetAtomIdx())
+        bonds = int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetNumExplicitHs()
+        raise BadInput(f"{what}: {atom.GetSymbol()}{atom.GetIdx() + 1} has {bonds} bonds, too many for its charge of "
+                       f"{atom.GetFormalCharge()}: correct its bonds or its charge") from None
+    except (Chem.KekulizeException, Chem.AtomKekulizeException):
+        raise BadInput(f"{what}: not understood: its aromatic rings have no alternating bonds: mark the hydrogen of a nitrogen, "
+                       "as in [nH], or write single and double bonds") from None
+    except ValueError as why:
+        raise BadInput(f"{what}: not understood: {why}") from None
+    return one
+
+
+def with_hydrogens(mol, placed):
+    """All hydrogens as atoms, those that were added relaxed while the others stay."""
+    count = mol.GetNumAtoms()
+    one = Chem.AddHs(mol, addCoords=placed)
+    if placed and one.GetNumAtoms() > count:
+        _, x = relaxed(one, one.GetConformer().GetPositions(), STEPS, range(count))
+        for n in range(count, len(x)):
+            one.GetConformer().SetAtomPosition(n, x[n].tolist())
+    return one
+
+
+def shape(mol, what):
+    """Positions (atoms, 3), angstrom, of a molecule with all its hydrogens. They are the same each time."""
+    if mol.GetNumAtoms() == 1:
+        return np.zeros((1, 3))
+    best = None
+    numbers = [a.GetAtomicNum() for a in mol.GetAtoms()]
+    near = [sorted(n.GetIdx() for n in a.GetNeighbors()) for a in mol.GetAtoms()]
+    for x in _embedded(mol):
+        energy, x = relaxed(mol, x, FEW_STEPS)
+        strained = not np.isfinite(x).all() or geometry.bonds_of(numbers, x) != near
+        if best is None or (strained, energy) < best[:2]:
+            best = strained, energy, x
+    if best is None or not np.isfinite(best[2]).all():
+        raise BadInput(f"{what}: no shape could be built: is its handedness possible? Otherwise give a "
+                       "file with a shape")
+    return relaxed(mol, best[2], STEPS)[1]
+
+
+def _embedded(mol):
+    """Shapes by distance geometry, as they come."""
+    one = Chem.Mol(mol)
+    options = rdDistGeom.ETKDGv3()
+    options.randomSeed = SEED
+    options.useSmallRingTorsions = True
+    few = one.GetNumAtoms() > SMALL_RINGS or not one.GetRingInfo().NumRings()
+    # A handedness that no shape can have would be tried for hours.
+    for random, ignore, count, options.maxIterations in (
+            (False, False, 3 if few else TRIES, 20), (True, False, 3, 20), (True, True, 1, 60)):
+        options.useRandomCoords, options.ignoreSmoothingFailures = random, ignore
+        found = list(rdDistGeom.EmbedMultipleConfs(one, count, options))
+        if found:
+            return [one.GetConformer(n).GetPositions() for n in found]
+    return []
+
+
+def unspecified(mol):
+    """The numbers, from 1, of atoms whose handedness, and of double bonds whose side, nothing says."""
+    found = Chem.FindPotentialStereo(mol)
+    return [place.centeredOn + 1 for place in found if place.type == Chem.StereoType.Atom_Tetrahedral
+            and place.specified == Chem.StereoSpecified.Unspecified]

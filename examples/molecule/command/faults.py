@@ -1,0 +1,78 @@
+"""What can be wrong with a grid, and what is done about it.
+
+Room is one of these: how far the molecule can be pushed or turned before the probe slips past is measured,
+not guessed. Where a grid has a record at a side of its box in which the molecule is not in its place, the
+probe holds it there, and what lies behind is cut off. The box is then made a cell wider on that side.
+"""
+
+from dataclasses import asdict, dataclass, field, replace
+
+import numpy as np
+from preparation import files
+
+from .definition import MAX_LEVELS
+
+WIDENED = 4  # times, at most
+RIGID = 6  # the last numbers of a state: shift and rotation
+# Why expand cannot compute a grid, by the word that it writes to the file of --cost, and what that means for the
+# stiffest path of the grid.
+HOPELESS = {"levels": f"with it a point has more than {MAX_LEVELS} states",
+            "model": "with it the molecule does not come to rest"}
+ROOM, RULE = "room", "rule"
+
+
+@dataclass(frozen=True)
+class Fault:
+    """kind: one of HOPELESS, ROOM, RULE; text: for people; sides: how much more room each side of the box needs, low
+    x, y, z and high x, y, z, angstrom."""
+    kind: str
+    text: str
+    sides: tuple = ()
+
+
+@dataclass(frozen=True)
+class Remedies:
+    """What was learnt from grids that had a fault. unwanted: paths, and why; softer: how many times softer anchors are
+    than the rule has them; sides: as in Fault; widened: how often."""
+    unwanted: dict = field(default_factory=dict)
+    softer: int = 1
+    sides: tuple = (0.0,) * 6
+    widened: int = 0
+
+    def after(self, fault, stiffest, can_soften):
+        """(Remedies that also cure this fault, what is done in words), None where there is no cure. stiffest: the
+        stiffest path of the grid, or None."""
+        if fault.kind == ROOM:
+            more = tuple(a + b for a, b in zip(self.sides, fault.sides))
+            return replace(self, sides=more, widened=self.widened + 1), f"{fault.text}, which is made wider"
+        if fault.kind == RULE and can_soften:
+            # Where the molecule cannot yield, the probe goes through it, and the spacing does not resolve that.
+            return replace(self, softer=2 * self.softer), f"{fault.text}: anchors half as stiff are tried"
+        if fault.kind in HOPELESS and stiffest is not None:
+            why = HOPELESS[fault.kind]
+            return Remedies({**self.unwanted, stiffest: why}), f"{stiffest} is left out: {why}"
+        return None
+
+    def as_json(self):
+        return asdict(self)
+
+
+def short_of_room(filters, stages, grid):
+    """The Fault of a grid at whose sides the molecule is held, or None."""
+    arrays = ".room.npz"
+    try:
+        filters.run("stats", grid, "--npz", arrays)
+        with np.load(stages.path(arrays)) as of:
+            sides = touched(of["point"], of["state"], of["counts"])
+            spacing = float(of["spacing"])
+    finally:
+        files.remove(stages.path(arrays))
+    if not any(sides):
+        return None
+    return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple(spacing * one for one in sides))
+
+
+def touched(point, state, counts):
+    """Whether the molecule is held out of its place anywhere on each of the six sides."""
+    held = (state[:, -RIGID:] != 0).any(axis=1)[:, None]
+    return [*(held & (point == 0)).any(axis=0).tolist(), *(held & (point == counts - 1)).any(axis=0).tolist()]

@@ -1,0 +1,165 @@
+"""Energies of the nodes by a program of the user (--single-points).
+
+The command is run with the name of an XYZ file after its own words, in a folder of its own. The title of that file has
+charge= and unpaired=. The last line that the command prints is the energy in hartree. Structures stay those of xtb.
+"""
+
+import hashlib
+import os
+import re
+import shlex
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+from preparation import files, geometry
+from preparation.xtb import BOHR, HARTREE
+
+from .filters import Failed, run_program
+
+HERE = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))  # where single-point-ase is
+BELOW = 0.1  # kJ/mol that a node may lie below the conformation
+DENT = 1.0  # kJ/mol: a deeper one is a minimum, and the path to a barrier has none. The model has the same limits.
+
+
+class SinglePoints:
+    """text: the command; molecule: numbers, charge and unpaired electrons; steps: work.Steps, where results are kept."""
+
+    def __init__(self, text, numbers, charge, unpaired, steps):
+        try:
+            words = shlex.split(text)
+        except ValueError as why:
+            raise Failed(f"--single-points: {why}") from None
+        if not words:
+            raise Failed("--single-points: no command")
+        ours = os.path.join(HERE, words[0])
+        self.words = [ours if n == 0 and os.path.isfile(ours) else os.path.abspath(w) if os.path.isfile(w) else w
+                      for n, w in enumerate(words)]
+        self.method = re.sub(r"[^A-Za-z0-9.+-]+", "_", " ".join([os.path.basename(words[0]), *words[1:]])).strip("_")
+        self.numbers, self.steps = numbers, steps
+        self.title = f"charge={charge} unpaired={unpaired}"
+        self.key = [words, [_digest(w) for w in self.words if os.path.isfile(w)]]
+
+    def energy(self, x):
+        """Hartree, of positions in bohr. The same shape is computed once."""
+        text = files.frame(self.numbers, x, self.title)
+        return self.steps.take(["single point", self.key, text], lambda: self._compute(text))
+
+    def _compute(self, text):
+        os.makedirs(self.steps.directory, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".single-", dir=os.path.abspath(self.steps.directory)) as directory:
+            with open(os.path.join(directory, "node.xyz"), "w", encoding="utf-8") as file:
+                file.write(text)
+            try:
+                out, err, code = run_program([*self.words, "node.xyz"], directory)
+            except OSError as why:
+                raise Failed(f"--single-points: {self.words[0]}: {why.strerror}") from None
+        said = err.strip().splitlines() or out.strip().splitlines() or [""]
+        if code:
+            raise Failed(f"--single-points: {self.words[0]} ended with {code}: {said[-1]}")
+        last = (out.strip().splitlines() or [""])[-1]
+        try:
+            energy = float(last)
+        except ValueError:
+            energy = np.nan
+        if not np.isfinite(energy):
+            raise Failed(f"--single-points: the last line of {self.words[0]} is '{last}', and not an energy in hartree")
+        return energy
+
+    def put_into(self, result, threads, stages):
+        """Puts its own energies into a work.Result in place of xtb's. A path that does not lead from the conformation
+        over a barrier by these energies is left out; one that has its highest node before its end, ends there."""
+        found = result.found
+        shapes = [result.x, *(x for one in found for x in self._shapes(one))]
+        tell = stages.counted("energies by " + self.words[0], len(shapes))
+        with ThreadPoolExecutor(threads) as pool:
+            energies = []
+            for done, energy in enumerate(pool.map(self.energy, shapes), 1):
+                tell(done)
+                energies.append(energy)
+        rest, at = energies[0], 1
+        for one in found:
+            count = len(self._shapes(one))
+            own, at = energies[at:at + count], at + count
+            if hasattr(one, "kinds"):
+                own[one.start] = rest  # the same shape, turned otherwise
+            else:
+                own[0], one.far_energy = rest, own.pop()
+            one.energies = own
+        result.energy, result.method = rest, f"{self.method}//{result.method}"
+        self._root(result)
+        found, result.found = result.found, []
+        for one in found:
+            why = _fault(one, result.energy)
+            if why:
+                result.dropped.append((one.name, f"by {self.method} {why}"))
+            else:
+                result.found.append(one)
+
+    def _root(self, result):
+        """Where a node is lower than the conformation, that one becomes the conformation, and its path leads both ways from
+        there. Hydrogen peroxide is planar by GFN2-xTB, and not by better methods."""
+        if not result.found:
+            return
+        one = min(result.found, key=lambda f: min(f.energies))
+        k = int(np.argmin(one.energies))
+        if (result.energy - one.energies[k]) * HARTREE <= BELOW:
+            return
+        result.dropped += [(f.name, f"begins in the conformation of {result.method.split('//')[1]}, which is no minimum by "
+                            f"{self.method}") for f in result.found if f is not one]
+        result.x = np.round(geometry.centred(one.nodes[k], result.masses) * BOHR, 8) / BOHR
+        result.energy, result.nu1 = one.energies[k], None
+        one.nodes = [geometry.aligned(x, result.x, result.masses) for x in one.nodes]
+        one.nodes[k] = result.x
+        if hasattr(one, "kinds"):
+            one.start = k
+            one.kinds.pop(k, None)
+            result.found = [one]
+            return
+        back = replace(one, name=_opposite(one.name), nodes=one.nodes[k::-1], energies=one.energies[k::-1], nu1=None, far=None)
+        one.nodes, one.energies = one.nodes[k:], one.energies[k:]
+        result.found = [one, back]
+        result.dropped = [(name, why) for name, why in result.dropped if name != back.name]
+
+    @staticmethod
+    def _shapes(one):
+        return list(one.nodes) if hasattr(one, "kinds") else [*one.nodes, one.far]
+
+
+def _opposite(name):
+    for one, other in (("-plus", "-minus"), ("-minus", "-plus")):
+        if name.endswith(one):
+            return name.removesuffix(one) + other
+    return name + "-back"
+
+
+def _fault(one, rest):
+    """Why a path cannot be one with its energies, or nothing. One to a barrier is cut off behind its highest node."""
+    if hasattr(one, "kinds"):
+        at = one.start
+        return _falls(one.energies[at:], rest, True) or _falls(one.energies[at::-1], rest, True)
+    top = int(np.argmax(one.energies))
+    if top < len(one.energies) - 1:
+        one.nu1 = None  # its last node is no longer xtb's saddle
+    one.nodes, one.energies = one.nodes[:top + 1], one.energies[:top + 1]
+    return _falls(one.energies, rest, False)
+
+
+def _falls(energies, rest, beyond):
+    rises = [(energy - rest) * HARTREE for energy in energies]
+    if not beyond and (len(rises) < 3 or rises[-1] < BELOW):
+        return "the energy does not climb"
+    highest = 0.0
+    for rise in rises:
+        highest = max(highest, rise)
+        if highest <= DENT and rise < -BELOW:
+            return f"a node is {-rise:.1f} kJ/mol below the conformation"
+        if not beyond and highest - rise > DENT:
+            return f"the energy falls by {highest - rise:.1f} kJ/mol on the way to the barrier"
+    return ""
+
+
+def _digest(path):
+    with open(path, "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest()[:20]

@@ -1,0 +1,65 @@
+"""Which bond a path turns.
+
+Driving one bond can lead to the barrier of another: that of P-OH in methyl phosphate leads to the barrier of its methyl
+group. So a path has the name of the bond that was driven only if this turns at least half as far as any other; otherwise
+it has the name of that which turns farthest. Where several paths turn one bond the same way, that is kept for which this
+bond was driven, or else the lowest.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import torsions as torsions_of
+
+
+@dataclass
+class Candidate:
+    """A path that may be taken. job: what was driven, as messages name it; number: of the torsion that was driven; turns:
+    how far each torsion turns, radians; height: of its barrier."""
+    job: str
+    number: int
+    turns: np.ndarray
+    height: float
+
+
+def names(torsions, candidates, allowed, signed):
+    """({key: name of its path} in the order in which they are taken, [(job, why it has no path)]).
+
+    torsions: all bonds that turn; candidates: {key: Candidate}; allowed: the names that are wanted; signed: whether a
+    name says in which direction its bond turns.
+    """
+    out, left, own, others = {}, [], [], []
+    for key, one in candidates.items():
+        n = torsions_of.farthest(one.turns, one.number)
+        if n is None:
+            left.append((one.job, "no bond turns on the way to its barrier"))
+        elif n == one.number:
+            own.append((key, n))
+        else:
+            others.append((key, n))
+    # Two bonds can lead to one barrier: the one that turns farther there gives the name. Of equal ones the first does.
+    own.sort(key=lambda item: -_share(candidates[item[0]]))
+    others.sort(key=lambda item: candidates[item[0]].height)
+    for key, n in own + others:
+        one = candidates[key]
+        name = torsions[n].file_name(np.sign(one.turns[n])) if signed else torsions[n].name
+        turns = f"turns {name} instead, by {_degrees(one.turns[n])} degrees against {_degrees(one.turns[one.number])}"
+        if name in out.values():
+            left.append((one.job, turns if n != one.number else f"turns as {name} does, over another barrier"))
+        elif name not in allowed:
+            left.append((one.job, turns + ", which is not looked for"))
+        else:
+            out[key] = name
+            if n != one.number:
+                left.append((one.job, turns))
+    return out, left
+
+
+def _share(one):
+    turns = np.abs(one.turns)
+    return round(float(turns[one.number] / turns.max()), 1)
+
+
+def _degrees(turn):
+    return f"{abs(np.degrees(turn)):.0f}"

@@ -1,0 +1,111 @@
+# The folder of `hapgrid molecule` can have any name, be renamed and copied, and come from a stranger; and nothing is left of
+# a command that was ended.
+source "$(dirname "$0")/../lib.sh"
+source "$here/xtb.bash"
+printf '3\n\nH 0 0 1.0\nC 0 0 0\nN 0 0 -1.15\n' >'<img src=x>.xyz'
+feel() { hapgrid molecule '<img src=x>.xyz' --method gfnff --spacing 1.2 --quiet -o "$@"; }
+
+# The line that it prints is one for a shell, and no name is a tag of the page or an option of a filter.
+name="-x 'q\" #<b>&amp; \$HOME"
+line=$(feel "./$name") || fail "no grid in $name"
+eval "words=(${line%% | *})"
+[[ ${words[2]} == "./$name/molecule.grid" && -s ${words[2]} ]] || fail "the grid of: $line"
+[[ ${words[4]} == "path:./$name/path-past.txt" && -s ${words[4]#path:} ]] || fail "the way of: $line"
+grep -q '<dd>&lt;img src=x&gt;\.xyz' "./$name/index.html" || fail "$(grep -o 'Made from.*' "./$name/index.html")"
+! grep -q '<img src=x' "./$name/index.html" || fail "a file's name is a tag"
+mv "./$name" firstplace
+
+# Renamed and copied, nothing is computed again, and the page's commands still hold: they have no folder.
+before=$(cd firstplace && stat -c '%n %Y' -- * | md5sum)
+feel firstplace >/dev/null
+cp -a firstplace twice
+mv firstplace renamed
+for folder in renamed twice; do
+  expect 0 "~hapgrid play $folder/molecule\.grid --device path:$folder/path-past\.txt .*" '' -- feel "$folder"
+  same "files of $folder" "$before" "$(cd "$folder" && stat -c '%n %Y' -- * | md5sum)"
+done
+! grep -q 'firstplace' renamed/*.{html,toml,tsv,txt} renamed/.work/*.json || fail "the folder's name is in it"
+
+# A stranger's folder: no file in it names one outside, to be read, written or removed.
+echo precious >victim.xyz
+cp victim.xyz victim.txt
+intact() { same "$1" 'precious precious' "$(cat victim.xyz victim.txt 2>&1 | xargs)"; }
+stranger() { rm -rf bad && cp -a renamed bad; }
+for path in ../victim "$PWD/victim" .. '../victim.xyz'; do
+  stranger
+  rm bad/.work/stage-*.json
+  printf '%s\tsaddle\t1.00\t1\ti100\t-\tgfnff\t-\n' "$path" >>bad/report.tsv
+  refuses "molecule: bad/report\.tsv: '.*' is no name of a path: remove the report, and all is computed anew" -- feel bad
+  intact "report.tsv with $path"
+done
+stranger
+sed -i 's/"made": {[^}]*}/"made": {"..\/victim.txt": "0"}/' bad/.work/stage-*.json
+feel bad >/dev/null
+intact "a made file"
+! grep -q precious bad/index.html || fail "the page has what is outside"
+stranger
+echo '"../victim"' >bad/.work/name.json
+feel bad >/dev/null
+intact "the name"
+for text in 's/^conformation = .*/conformation = "..\/victim.xyz"/' 's/^plugin = .*/plugin = "other"/' 's/^plugin.*/plugin = [/'; do
+  stranger
+  sed -i "$text" bad/molecule.toml
+  refuses "molecule: bad/molecule\.toml: (names the file '\.\./victim\.xyz': only files beside it are used, with plain names|is no \
+definition of a molecule)" -- feel bad
+done
+stranger
+ln -sf ../victim.txt bad/index.html
+refuses "molecule: bad/index\.html: is a link, which a folder of results must not have: remove it" -- feel bad
+intact "a link"
+
+# What a killed command leaves is removed by the next one.
+mkdir renamed/.work/.single-x
+touch renamed/.way-3.{txt,log} renamed/.work/.single-x/node.xyz renamed/.choice.toml renamed/.room.npz renamed/verify.txt.new.123 renamed/.hapgrid.aB3x9_
+feel renamed >/dev/null
+nothing_left renamed .work $(cd twice && ls)
+[[ ! -e renamed/.work/.single-x ]] || fail "a single point's folder is left"
+
+# ended: whether no process has this folder in its environment's FOLDER any more, which the filters inherit.
+ended() { ! grep -lqsz "^FOLDER=$folder\$" /proc/[0-9]*/environ; }
+begun() { [[ -s $folder/pid ]]; }
+
+# A signal ends the command and its filters, SIGKILL as well.
+mkdir filters
+ln -s "$HAPGRID_BIN"/* filters
+rm filters/expand
+printf '#!/bin/sh\necho $$ >pid\nexec sleep 300\n' >filters/expand
+chmod +x filters/expand
+for signal in TERM HUP KILL; do
+  folder=signal-$signal
+  cp -a renamed "$folder"
+  rm "$folder"/{molecule.grid,pid} 2>/dev/null || true
+  FOLDER=$folder HAPGRID_BIN=$PWD/filters "$HAPGRID_SOURCE/examples/molecule/hapgrid-molecule" '<img src=x>.xyz' --method gfnff \
+    --spacing 1.2 -o "$folder" --quiet >line 2>said &
+  command=$!
+  wait_for 60 "expand" begun
+  kill "-$signal" "$command"
+  code=0
+  wait "$command" 2>/dev/null || code=$?
+  same "exit code after $signal" "$((128 + $(kill -l "$signal")))" "$code"
+  [[ $signal == KILL ]] || same "message" 'molecule: stopped; the same command goes on' "$(cat said)"
+  wait_for 20 "end of all processes after $signal" ended
+  rm "$folder/pid"
+  feel "$folder" >/dev/null || fail "does not go on after $signal"
+done
+
+# The processes that look for barriers end with the first one, too.
+folder=workers
+FOLDER=$folder hapgrid molecule --smiles CCO -o "$folder" -j 2 --quiet >line 2>said &
+command=$!
+searching() { (($(grep -lsz "^FOLDER=$folder\$" /proc/[0-9]*/environ | wc -l) > 2)); }
+wait_for 60 "workers" searching
+kill -KILL "$command"
+wait "$command" 2>/dev/null || true
+wait_for 20 "end of the workers" ended
+
+# Two commands in one folder do not run at once: the second waits, and finds everything done.
+rm -rf both
+feel both >one &
+feel both >two
+wait
+same "the second's line" "$(cat one)" "$(cat two)"

@@ -1,0 +1,146 @@
+"""reading.py FOLDER read: the inputs are read as read.tsv says. build: the SMILES of inputs/smiles.txt get sound shapes, whose
+configurations Open Babel, which did not build them, reads as it reads the SMILES. hostile: damaged files give one line, whatever
+they do to the libraries. FOLDER has the code."""
+
+import ctypes
+import os
+import random
+import socket
+import subprocess
+import sys
+
+sys.path.insert(0, sys.argv[1])
+import preparation  # noqa: F401
+import numpy as np
+from command import confined, reading
+from preparation.molecule import BadInput
+from openbabel import openbabel
+
+HERE = os.path.dirname(os.path.realpath(__file__))
+INPUTS = sorted(name for name in os.listdir(f"{HERE}/inputs") if name != "smiles.txt")
+
+
+def distances(x):
+    return np.linalg.norm(x[:, None] - x[None], axis=2) + 9 * np.eye(len(x))
+
+
+def is_sound(one):
+    """Bonded atoms are 0.6 to 2.3 Å apart, the longest of them carbon and iodine, others 1.2 Å or more (two hydrogens of a
+    strained carbon are 1.6 Å apart, bonds in a ring of three 1.5)."""
+    d = distances(one.positions)
+    bonded = np.zeros(d.shape, bool)
+    for a, near in enumerate(one.neighbours):
+        bonded[a, near] = True
+    return 0.6 < d[bonded].min() and d[bonded].max() < 2.4 and d[~bonded].min() > 1.2
+
+
+def read():
+    os.chdir(f"{HERE}/inputs")
+    rows = [line.rstrip("\n").split("\t") for line in open(f"{HERE}/read.tsv") if line[0] != "#"]
+    assert {row[0] for row in rows} == set(INPUTS), "read.tsv and inputs/ have other files"
+    for name, options, expected, said in rows:
+        options = {key: int(value) for key, value in (word.split("=") for word in options.split())}
+        try:
+            one, charge, unpaired, built, lines = reading.read(name, None, **options)
+        except BadInput as why:
+            assert expected == "refused" and str(why) == f"{name}: {said}", f"{name}: refused: {why}"
+            continue
+        got = f"{one.formula} {charge} {unpaired} {'built' if built else 'as-given'}"
+        assert got == expected and "; ".join(lines) == said, f"{name}: {got}: {lines}"
+        assert is_sound(one), f"{name}: no sound shape"
+        again = reading.sdf(*reading.read(name, None, **options)[:4])
+        assert again == reading.sdf(one, charge, unpaired, built), f"{name}: another time another shape"
+    # Of two alternate locations the one of 0.60 has its oxygen at y = 1.34.
+    for name, atom in (("altloc.pdb", 2), ("altloc2.pdb", 2)):
+        assert abs(reading.read(name, None)[0].positions[atom, 1] - 1.34) < 1e-6, name
+    # The same ethanol in bohr and in ångström; the file has five decimals.
+    a, b = (distances(reading.read(name, None)[0].positions) for name in ("bohr.xyz", "ethanol_bom.xyz"))
+    assert np.abs(a - b).max() < 1e-4, "bohr"
+    # What the command keeps is what it goes on with.
+    one = reading.read("en2.sdf", None)
+    open(f"{os.environ['work']}/start.sdf", "w").write(reading.sdf(*one[:4]))
+    two = reading.started(f"{os.environ['work']}/start.sdf")
+    assert two[1:] == (2, 0, False) and two[0].formal_charges() == one[0].formal_charges(), two
+
+
+def canonical(text, kind):
+    conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
+    openbabel.obErrorLog.SetOutputLevel(-1)
+    conversion.SetInAndOutFormats(kind, "can")
+    assert conversion.ReadString(ob, text)
+    return conversion.WriteString(ob).split()[0]
+
+
+def build():
+    for line in open(f"{HERE}/inputs/smiles.txt"):
+        name, smiles = line.split()
+        if len(sys.argv) < 4 and sum(c.isalpha() for c in smiles) > 18:
+            continue  # with another argument all are built, which takes minutes
+        one, charge, unpaired, built, _ = reading.read(None, smiles)
+        assert (charge, unpaired, built) == (0, 0, True) and is_sound(one), name
+        if "@" in smiles or "/" in smiles:
+            got, expected = canonical(reading.sdf(one, 0, 0, True), "sdf"), canonical(smiles, "smi")
+            assert got == expected or expected.count("@") < got.count("@"), f"{name}: {got}, not {expected}"
+    for smiles, why in (
+            ("C(C)(C)(C)(C)C", "C1 has 5 bonds, too many for its charge of 0: correct its bonds or its charge"),
+            ("c1cccc1", "not understood: its aromatic rings have no alternating bonds: mark the hydrogen of a nitrogen, as in "
+             "[nH], or write single and double bonds"),
+            ("[CH2]", "open valences of C1: write the hydrogen that is missing, or give --uhf: 0 for a singlet, 2 for a triplet"),
+            ("CC)", "not understood"), ("C C", "not understood")):
+        try:
+            reading.read(None, smiles)
+            raise AssertionError(smiles)
+        except BadInput as got:
+            assert str(got) == f"SMILES '{smiles}': {why}", got
+    assert reading.read(None, "[CH2]", unpaired=2)[2] == 2
+    # What MMFF94 has no parameters for, what has nothing to search, and five bonds.
+    for smiles in ("C[Se]C", "[H][H]", "FP(F)(F)(F)F"):
+        assert is_sound(reading.read(None, smiles)[0]), smiles
+    two = reading.read(None, "CC(O)CN")
+    assert two[4] == ["the handedness of C2 is not given: one is taken"], two[4]
+
+
+def one_line(function):
+    try:
+        confined.run(function, "file")
+    except BadInput as why:
+        return str(why)
+    raise AssertionError("not refused")
+
+
+def hostile():
+    assert confined.run(lambda: ["ä", 1.5], "file") == ["ä", 1.5]
+    assert "its reader crashed (SIGSEGV): the file is damaged" in one_line(lambda: ctypes.string_at(0))
+    assert "its reader crashed (SIGABRT)" in one_line(os.abort)
+    assert "Operation not permitted" in one_line(socket.socket)
+    assert "Operation not permitted" in one_line(lambda: subprocess.run(["/bin/true"]).returncode)
+    assert "more than 4 GiB of memory" in one_line(lambda: len(bytearray(8 << 30)))
+    assert "File too large" in one_line(lambda: os.write(os.open(f"{os.environ['work']}/new", os.O_CREAT | os.O_WRONLY), b"x"))
+    assert "not understood: maximum recursion" in one_line(lambda: (f := lambda: f())())
+    confined.CPU_SECONDS = 1
+    assert "reading it takes too long" in one_line(lambda: [None for _ in iter(int, 1)])
+    confined.CPU_SECONDS = 120
+    chance = random.Random(1)
+    outcomes = {"read": 0, "refused": 0}
+    for n in range(120):
+        name = INPUTS[n % len(INPUTS)]
+        content = bytearray(open(f"{HERE}/inputs/{name}", "rb").read())
+        for _ in range(chance.randrange(1, 6)):
+            at = chance.randrange(len(content))
+            if chance.random() < 0.5:
+                content[at] = chance.choice(b"0123456789-+. \nACHNOMV*\xff")
+            else:
+                del content[at:at + chance.randrange(1, 40)]
+        path = f"{os.environ['work']}/damaged.{name.rsplit('.', 1)[1]}"
+        open(path, "wb").write(content)
+        try:
+            one = reading.read(path, None)[0]
+            outcomes["read"] += 1
+            assert np.isfinite(one.positions).all()
+        except BadInput as why:
+            outcomes["refused"] += 1
+            assert "\n" not in str(why), why
+    assert min(outcomes.values()) > 10, outcomes
+
+
+{"read": read, "build": build, "hostile": hostile}[sys.argv[2]]()
