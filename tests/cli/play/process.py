@@ -300,10 +300,10 @@ def last_word():
     NEVER, STAYS = "never", "stays"
     # By who: KILL, TERM, SEGV, STOP, a pause of 0.12 and 0.5 s.
     table = {
-        "play":               (0, 0, 0, 0.1, 0.1, 0.1),
+        "play":               (0.1, 0, 0.1, 0.1, 0.1, 0.1),
         "guard":              (0.02, STAYS, STAYS, STAYS, STAYS, STAYS),
         "adapter":            (0.05, 0, 0.05, 0.2, 0.12, 0.2),
-        "play guard":         (0, 0, 0, 0.1, 0.1, 0.1),
+        "play guard":         (0.1, 0, 0.1, 0.1, 0.1, 0.1),
         "play adapter":       (0.05, 0, 0.05, 0.2, 0.12, 0.2),
         "guard adapter":      (0.05, 0, 0.05, 0.25, 0.12, 0.25),
         "play guard adapter": (NEVER, 0, 0.05, NEVER, 0.12, 0.5),
