@@ -2,4 +2,4 @@
 # the device hears is zero force.
 source "$(dirname "$0")/../lib.sh"
 stuck_grid 0
-python3 "$here/process.py" last_word scarce
+python3 "$here/last_word.py"
