@@ -4,6 +4,7 @@ import os
 import resource
 import signal
 import subprocess
+import sys
 import time
 
 from process import ADAPTER, BUSY, Play, at_once, numbers, plugins, running
@@ -128,5 +129,5 @@ def scarce():
     at_once(case, cells)
 
 
-last_word()
-scarce()
+for part in sys.argv[1:]:
+    globals()[part]()

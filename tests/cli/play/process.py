@@ -132,11 +132,13 @@ def in_the_loop():
         play = Play(mode)
         play.wait("for its fault", lambda: play.events("fault"))
         play.wait("for the end of all", lambda: play.process.poll() is not None or not play.alive())
-        play.end(1, f"play: device: {NAME}: {why}")
+        error = play.end(1, f"play: device: {NAME}: {why}")
+        assert (mode == "unable") == ("play: puppet: its adapter has no --release: " in error), error
         assert any(x == "0.5" for _, x, _ in play.events("force")), (mode, "there was no force")
         assert told == play.ended(), (mode, play.events("force")[-3:])
         took = play.ended_with_zero() if mode != "unable" else play.events("let-go")[0][0] - play.events("fault")[0][0]
-        assert took < 2 * SILENCE + BUSY, (mode, took)
+        # A family is first made, which takes a busy machine a while.
+        assert took < 2 * SILENCE + BUSY or mode == "family", (mode, took)
         assert mode != "family" or len(play.events("pid")) == 3, play.events("pid")
         return f"{mode}: let go after {took * 1000:.1f} ms"
 
