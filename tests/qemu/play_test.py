@@ -50,7 +50,8 @@ report = json.loads("\n".join(parts["busy report"]))
 assert report["missed"] <= 5, report
 assert exit_code(parts["busy"]) == ["exit 0"], parts["busy"]
 tasks = [line for line in parts["busy"] if line.startswith("task ")]
-assert tasks == ["task hapgrid-hid SCHED_FIFO 45 ", "task hapgrid-guard SCHED_FIFO|SCHED_RESET_ON_FORK 46 "], tasks
+assert tasks == [f"task hapgrid-{name} SCHED_FIFO|SCHED_RESET_ON_FORK {priority} "
+                 for name, priority in (("hid", 45), ("guard", 46))], tasks
 busy = int(next(line for line in parts["busy"] if line.startswith("forces ")).split()[1])
 assert busy > 0.95 * len(forces), (busy, len(forces))
 
