@@ -35,8 +35,11 @@ while True:
     if not select.select([0], [], [], SILENCE)[0]:  # play is silent: no force
         move((0, 0, 0))
         continue
-    message = os.read(0, FORCE.size) or FORCE.pack(0, 0, 0, 0, END)  # when play is gone
-    *force, number, flags = FORCE.unpack(message)
+    try:
+        message = os.read(0, FORCE.size)
+    except ConnectionResetError:
+        message = b""
+    *force, number, flags = FORCE.unpack(message or FORCE.pack(0, 0, 0, 0, END))  # play is gone: no force, and the end
     move(force)
     if number:
         os.write(1, STATE.pack(time.monotonic(), *place, *speed, 0, number))

@@ -29,7 +29,9 @@ async def serve(service, device, end, wait):
             message = await asyncio.wait_for(asyncio.get_running_loop().sock_recv(play, 32), 0.1)
         except asyncio.TimeoutError:
             message = bytes(32)  # play is silent
-        *force, number, flags = struct.unpack("<3d2I", message or struct.pack("<3d2I", 0, 0, 0, 0, END))  # or gone
+        except ConnectionResetError:
+            message = b""  # it is gone
+        *force, number, flags = struct.unpack("<3d2I", message or struct.pack("<3d2I", 0, 0, 0, 0, END))
         world = await asyncio.wait_for(exchange(service, device, force), wait)
         hand = [world["inverse3"][0]["state"][v][a] for v in ("cursor_position", "cursor_velocity") for a in "xyz"]
         grips = world.get("wireless_verse_grip") or world.get("verse_grip") or [{"state": {"buttons": {}}}]

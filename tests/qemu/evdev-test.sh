@@ -1,6 +1,6 @@
 # play with a gamepad that rumbles and a stick with force, as the kernel shows them; uinput makes both. The hand goes
 # from the middle to the left end of the box, pushes the ball there, and it snaps. What ends the play: its duration; a
-# device that takes no effect any more; SIGSTOP; SIGKILL; the cable.
+# device that takes no effect any more; SIGSTOP; SIGKILL; the end of its adapter; the cable.
 source "$(dirname "$0")/lib.sh"
 
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o ball.grid
@@ -30,12 +30,15 @@ echo "== gamepad"; played --device evdev:045e:028e --duration 1.4; kept gamepad
 echo "== stick"; played --device evdev:1209:0001 --realtime off; kept stick
 echo "== stopped"; signalled STOP; kill -CONT $player; wait $player; echo "exit $?"
 echo "== killed"; signalled KILL; wait $player; echo "exit $?"
+echo "== adapter"
+(exec $common --device evdev:045e:028e --realtime off --duration 3 >/dev/null) & player=$!
+usleep 900000; kill -KILL "$(pidof hapgrid-evdev)"; wait $player; echo "exit $?"; usleep 100000; tail -n 60 /tmp/gamepad
 echo "== unplugged"
 (exec $common --device evdev:045e:028e --realtime off >/dev/null) & player=$!
 usleep 300000; kill $gamepad; wait $player; echo "exit $?"
 echo "== end"
 END
-KERNEL=amd64 TIMEOUT=300 machine "$qemu/uinput-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-spacemouse" "$(command -v setpriv)" \
+KERNEL=amd64 TIMEOUT=${TIMEOUT:-300} machine "$qemu/uinput-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-spacemouse" "$(command -v setpriv)" \
   "$HAPGRID_BUILD/models/hung-ball.so" ball.grid session -- 'sh session'
 printf '%s\n' "$output" >got
 python3 "$here/evdev_test.py" got

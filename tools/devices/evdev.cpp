@@ -181,7 +181,8 @@ class Stick : public Hardware {
     const std::int16_t id = force_.id;
     force_ = wanted;
     force_.id = id;
-    if (force == Vec3{0, 0, 0} || Clock::now() >= rested_)
+    pushes_ = force != Vec3{0, 0, 0};
+    if (!pushes_ || Clock::now() >= rested_)
       upload();
     else
       is_waiting_ = true;
@@ -192,7 +193,7 @@ class Stick : public Hardware {
   }
 
   Clock::time_point due() const override {
-    if (!layout_.has_force()) return Clock::time_point::max();
+    if (!pushes_) return Clock::time_point::max();
     return is_waiting_ ? std::min(rested_, played_ + kRepeat) : played_ + kRepeat;
   }
 
@@ -225,6 +226,7 @@ class Stick : public Hardware {
     is_waiting_ = false;
     handle_.upload(force_);
     rested_ = Clock::now() + (layout_.constant ? kForceRest : kRumbleRest);
+    if (pushes_ && Clock::now() >= played_ + kRepeat) play();
   }
   void play() {
     played_ = Clock::now();
@@ -237,6 +239,7 @@ class Stick : public Hardware {
   double rate_;
   hapgrid_device_state events_{};  // where they have put the axes and buttons
   ff_effect force_ = snap_effect(), snap_ = snap_effect();  // with the id -1 until it is there
+  bool pushes_ = false;      // the force is not zero: its effect is started again and again
   bool is_waiting_ = false;  // the force, until the device has rested
   Clock::time_point rested_, played_;
 };

@@ -201,7 +201,7 @@ class Guard {
   bool is_well() {
     if (!armed_) return true;
     const auto silent = Clock::now() - last_beat_;
-    if (silent >= kSilence && !zeroed_) zeroed_ = send_zero(kGuardWire) || true;
+    if (silent >= kSilence && !std::exchange(zeroed_, true)) send_zero(kGuardWire);
     if (silent >= kTaken && !taken_) {
       int unread = 0;
       taken_ = ::ioctl(kGuardWire, SIOCOUTQ, &unread) != 0 || unread == 0;

@@ -20,6 +20,9 @@ for launcher in "$hapgrid" "$HAPGRID_BUILD/bin/hapgrid"; do (
 for tool in seed expand merge verify stats play view check-model; do
   expect 0 "hapgrid $tool 0.1.0" '' -- "$hapgrid" "$tool" -V
 done
+# The guard and the adapters are there as well.
+handle=$("$hapgrid" play --list-devices | grep -o 'process:python3 .*/handle.py')
+"$hapgrid" play --device "$handle" --duration 0.7 2>/dev/null | grep -q answers/s || fail "no $handle"
 "$hapgrid" seed "$ball" | "$hapgrid" expand --complete -o installed.grid
 seed "$ball" | expand --complete -o built.grid
 cmp installed.grid built.grid

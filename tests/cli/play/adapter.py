@@ -145,8 +145,12 @@ while True:
         note("force", 0.0, 0)
         note("silence")
         continue
-    message = os.read(0, forces.size)
+    try:
+        message = os.read(0, forces.size)
+    except ConnectionResetError:  # play is gone, and has not read the last state
+        message = b""
     if not message:
+        note("force", 0.0, 0)
         note("closed")
         break
     x, _, _, number, flags = forces.unpack(message)
