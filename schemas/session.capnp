@@ -90,4 +90,8 @@ struct Ticks {
   dropped @9 :UInt64;
   # Ticks of the play before the end of this chunk that are in no chunk, since the disk was too slow. The
   # last chunk counts those of the whole play.
+
+  slewTime @10 :List(UInt32);
+  # n: nanoseconds for which the slew limit let the force change, in a tick in real time in which the
+  # safety core changed the force by it; else 0. A replay needs it. Empty: 0 in all ticks.
 }

@@ -21,6 +21,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/grid/vec3.hpp"
 #include "libcore/haptic/playable.hpp"
 #include "libcore/haptic/watchdog.hpp"
 #include "libcore/model/fields.hpp"
@@ -226,14 +227,22 @@ std::jthread watch(Device& device, const std::atomic<std::uint64_t>& heartbeat,
   });
 }
 
+// A contact of a model whose energy is not known counts as one that is as deep as this, in metres
+// of the hand: so deep that a tremor does not reach its end.
+constexpr double kUnknownDepth = 1e-3;
+
 /// What the loop plays.
 struct PlayedForce {
   PlayForce& force;
-  double metres;  ///< of the hand, for a unit of the model's length, times the gain
+  double gain;
+  double scale;  ///< model units per metre; 0: not known
+  Vec3 last{0, 0, 0};
 
-  Vec3 operator()(const Traversal& traversal) const { return force(traversal); }
+  Vec3 operator()(const Traversal& traversal) { return last = force(traversal); }
   double stored_energy(const Traversal& traversal) const {
-    return force.stored_energy(traversal) * metres;
+    if (!(scale > 0)) return 0;
+    const std::optional<double> energy = force.stored_energy(traversal);
+    return gain * (energy ? *energy / scale : kUnknownDepth * length_of(last));
   }
 };
 
@@ -241,8 +250,8 @@ struct PlayedForce {
 /// start, and in `facts`, what the system gave.
 template <class Use>
 LoopSummary drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& safety,
-                  const PlayedForce& force, const LoopOptions& loop, RealtimeMode wanted,
-                  RunFacts& facts, const Use& use) {
+                  PlayedForce& force, const LoopOptions& loop, RealtimeMode wanted, RunFacts& facts,
+                  const Use& use) {
   std::atomic<std::uint64_t> heartbeat{0};
   const std::jthread watchdog = watch(device, heartbeat, loop);
   const Realtime realtime(loop.paced() ? wanted : RealtimeMode::kOff, &device);
@@ -362,7 +371,7 @@ int play(PlayOptions options) {
                  .beside = beside.get(),
                  .answers = open.adapter ? &open.adapter->delays() : nullptr,
                  .declared_delay = settings.safety.delay_ticks};
-  const PlayedForce played{force, mapping.scale() > 0 ? settings.safety.gain / mapping.scale() : 0};
+  PlayedForce played{force, settings.safety.gain, mapping.scale()};
   viewers.wait(settings.imd_wait_s, caught_signal);
   // As late as possible: an older session of that name is lost now. A signal that came before the
   // first tick leaves it.

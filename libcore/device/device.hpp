@@ -33,6 +33,9 @@ struct DeviceInput {
   bool begins = false;
   /// Only in a replay: how many ticks were missed before this one when it was recorded.
   std::uint64_t missed = 0;
+  /// Only in a replay: nanoseconds for which the slew limit let the force change when it was
+  /// recorded; 0: for the periods of the schedule.
+  std::int64_t slew_ns = 0;
 };
 
 /// The properties of a device, which do not change while it is open.

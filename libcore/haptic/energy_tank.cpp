@@ -194,8 +194,9 @@ void EnergyTank::grant(double joules, double most) noexcept {
 
 void EnergyTank::sent(const Vec3& force) noexcept {
   const double mean = dot(0.5 * (forces_[last_force_] + force), way_);
-  // What is not a number is less than nothing here.
-  if (const double late = std::min(charged_ - mean, damped_); late > 0) energy_ += late;
+  // What is not a number gives nothing back.
+  if (const double late = charged_ - mean; late > 0 && damped_ > 0)
+    energy_ += std::min(late, damped_);
   damped_ = 0;
   last_force_ = (last_force_ + 1) % kForces;
   forces_[last_force_] = force;

@@ -34,6 +34,7 @@ struct LoopOptions {
   double unpaced_hz = kUnpacedHz;           ///< ticks in a second of play when not paced
   double spin_us = 0;                       ///< see Pacer
   std::uint64_t ticks = ~std::uint64_t{0};  ///< the loop ends before the tick of this number
+  Clock* clock = nullptr;                   ///< of a test; null: the system's
 
   bool paced() const { return rate_hz > 0; }
   double tick_rate_hz() const { return paced() ? rate_hz : unpaced_hz; }
@@ -50,6 +51,7 @@ struct Tick {
   const Traversal& traversal;
   std::int64_t lateness_ns = 0;  ///< from when the tick was due to when it began
   std::int64_t compute_ns = 0;   ///< from there to when the force was sent
+  std::int64_t slew_ns = 0;      ///< since the last force was sent; 0: the schedule's periods
 };
 
 enum class LoopExit {
@@ -94,9 +96,12 @@ class Responder {
   Responder(Mapping& mapping, Traversal& traversal, SafetyCore& safety, Force& force)
       : mapping_(mapping), traversal_(traversal), safety_(safety), force_(force) {}
 
-  /// @param dt seconds since the tick before. @param missed ticks in between.
-  Tick respond(std::uint64_t number, const DeviceInput& input, double dt, std::uint64_t missed) {
+  /// @param dt seconds since the tick before, by the schedule. @param missed ticks in between.
+  /// @param slew_ns as Tick has it
+  Tick respond(std::uint64_t number, const DeviceInput& input, double dt, std::uint64_t missed,
+               std::int64_t slew_ns) {
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    const double slew_dt = slew_ns > 0 ? static_cast<double>(slew_ns) * 1e-9 : dt;
     const Vec3 hip = mapping_.hip(input, dt);
     const bool begins = input.begins || !begun_;
     const StepResult& step = begins ? traversal_.start(hip) : traversal_.step(hip);
@@ -118,6 +123,7 @@ class Responder {
     }
     const SafeForce force = safety_.apply({.force = raw_force,
                                            .dt = dt,
+                                           .slew_dt = slew_dt,
                                            .missed = missed,
                                            .speed = unusable ? 0 : speed(hip, dt),
                                            .place = place(hip),
@@ -126,7 +132,7 @@ class Responder {
                                            .stalled = input.stalled,
                                            .clutch = input.clutch,
                                            .unusable = unusable});
-    return {number, input, hip, step, raw_force, force, traversal_};
+    return {number, input, hip, step, raw_force, force, traversal_, 0, 0, slew_ns};
   }
 
  private:
@@ -179,10 +185,13 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
            Sink& sink, const std::atomic<int>& stop, std::atomic<std::uint64_t>& heartbeat,
            const LoopOptions& options, LoopSummary& summary) {
   const double period = 1 / options.tick_rate_hz();
-  Pacer pacer(options.rate_hz, options.spin_us);
+  Clock system;
+  Clock& clock = options.clock ? *options.clock : system;
+  Pacer pacer(clock, options.rate_hz, options.spin_us);
   Responder<Force> responder(mapping, traversal, safety, force);
   std::uint64_t recorded_misses = 0;
   std::uint64_t last = 0;
+  std::int64_t sent_ns = 0;
   for (;;) {
     const std::uint64_t due = pacer.wait(stop);
     heartbeat.fetch_add(1, std::memory_order_relaxed);
@@ -205,14 +214,22 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
     const std::uint64_t passed = summary.ticks > 0 ? number - last : 1;
     last = number;
 
-    Tick tick = responder.respond(number, input, static_cast<double>(passed) * period, passed - 1);
+    // After a late answer of the device the next tick is soon due. Then the force must not change
+    // by what the slew limit allows for the periods of the schedule, but for the time that really
+    // lies between two forces: from when the last one was sent to when this tick began.
+    const std::int64_t slew_ns = options.paced() && summary.ticks > 0
+                                     ? std::max<std::int64_t>(1, pacer.began_ns() - sent_ns)
+                                     : input.slew_ns;
+    Tick tick =
+        responder.respond(number, input, static_cast<double>(passed) * period, passed - 1, slew_ns);
     if (tick.step.snapped && !safety.faulted()) device.snap();
     if (device.send(mapping.to_device(tick.force.force)) != DeviceStatus::kOk) {
       summary.end = LoopExit::kDeviceFailed;
       return;
     }
     tick.lateness_ns = pacer.lateness_ns();
-    tick.compute_ns = monotonic_ns() - pacer.began_ns();
+    sent_ns = clock.now();
+    tick.compute_ns = sent_ns - pacer.began_ns();
     summary.count(tick);
     sink(tick);
     summary.missed += passed - 1;

@@ -3,7 +3,6 @@
 #include <time.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 
 namespace hapgrid {
@@ -20,8 +19,13 @@ std::int64_t monotonic_ns() noexcept {
   return t.tv_sec * kSecond + t.tv_nsec;
 }
 
-Pacer::Pacer(double rate_hz, double spin_us)
-    : rate_hz_(rate_hz), spin_ns_(static_cast<std::int64_t>(spin_us * 1000)) {}
+void Clock::sleep_until(std::int64_t nanoseconds) noexcept {
+  const timespec until{nanoseconds / kSecond, nanoseconds % kSecond};
+  ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+}
+
+Pacer::Pacer(Clock& clock, double rate_hz, double spin_us)
+    : clock_(clock), rate_hz_(rate_hz), spin_ns_(static_cast<std::int64_t>(spin_us * 1000)) {}
 
 std::uint64_t Pacer::tick_at(std::int64_t nanoseconds) const noexcept {
   return static_cast<std::uint64_t>(static_cast<double>(nanoseconds) * rate_hz_ / kSecond);
@@ -29,23 +33,21 @@ std::uint64_t Pacer::tick_at(std::int64_t nanoseconds) const noexcept {
 
 std::uint64_t Pacer::wait(const std::atomic<int>& stop) noexcept {
   if (rate_hz_ == 0 || !started_) {
-    began_ns_ = monotonic_ns();
+    began_ns_ = clock_.now();
     if (!started_) start_ns_ = began_ns_;
     started_ = true;
     return next_++;
   }
   const std::uint64_t due = next_;
   // The first deadline that is still ahead.
-  next_ = std::max(due, tick_at(monotonic_ns() - start_ns_) + 1);
+  next_ = std::max(due, tick_at(clock_.now() - start_ns_) + 1);
   const auto offset =
       static_cast<std::int64_t>(std::ceil(static_cast<double>(next_) / rate_hz_ * kSecond));
   const std::int64_t deadline = start_ns_ + offset;
   const std::int64_t wake = deadline - spin_ns_;
-  const timespec until{wake / kSecond, wake % kSecond};
-  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR)
-    if (stop.load(std::memory_order_relaxed) != 0) break;
+  while (clock_.now() < wake && stop.load(std::memory_order_relaxed) == 0) clock_.sleep_until(wake);
   do {
-    began_ns_ = monotonic_ns();
+    began_ns_ = clock_.now();
   } while (began_ns_ < deadline && stop.load(std::memory_order_relaxed) == 0);
   lateness_ns_ = std::max<std::int64_t>(0, began_ns_ - deadline);
   // A thread that woke up a period late or more is in a later tick by now.

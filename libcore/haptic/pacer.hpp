@@ -10,12 +10,22 @@ namespace hapgrid {
 /// CLOCK_MONOTONIC in nanoseconds. Real-time safe.
 std::int64_t monotonic_ns() noexcept;
 
+/// The time that a loop keeps to; a test has one of its own. Real-time safe.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  virtual std::int64_t now() noexcept { return monotonic_ns(); }
+  /// Returns at that time, or earlier because of a signal.
+  virtual void sleep_until(std::int64_t nanoseconds) noexcept;
+};
+
 class Pacer {
  public:
   /// @param rate_hz ticks a second; 0: not paced, each tick is due at once.
   /// @param spin_us the thread wakes up this long before the tick is due and waits awake: its ticks
   /// are less late, at the price of spin_us * rate_hz of a processor.
-  explicit Pacer(double rate_hz, double spin_us = 0);
+  /// @param clock outlives this.
+  Pacer(Clock& clock, double rate_hz, double spin_us = 0);
 
   /// Waits for the next tick and returns its number k; returns early when `stop` becomes nonzero
   /// through a signal's handler. Real-time safe.
@@ -30,6 +40,7 @@ class Pacer {
   /// The tick in whose period `nanoseconds` after the start lies.
   std::uint64_t tick_at(std::int64_t nanoseconds) const noexcept;
 
+  Clock& clock_;
   double rate_hz_;
   std::int64_t spin_ns_;
   bool started_ = false;

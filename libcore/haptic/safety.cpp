@@ -134,11 +134,11 @@ bool watch_energy(const SafetyLimits& limits, SafetyState& state, const SafetyIn
 
 /// From the force that is wanted to the one that keeps slew and limit, in one call because both
 /// look at the force of the tick before.
-void slew_and_clamp(const SafetyLimits& limits, const Vec3& sent, double dt, Vec3& force,
+void slew_and_clamp(const SafetyLimits& limits, const Vec3& sent, double step, Vec3& force,
                     std::uint32_t& acted) {
   // In halves, because the difference of two finite forces can be infinite.
   Vec3 half_step = 0.5 * force - 0.5 * sent;
-  if (clamp_magnitude(half_step, limits.slew * 1000 * dt / 2)) {
+  if (clamp_magnitude(half_step, step / 2)) {
     force = sent + 2 * half_step;
     acted |= kSlewed;
   }
@@ -179,9 +179,9 @@ SafeForce limit(const SafetyLimits& limits, SafetyState& state, const SafetyInpu
     if (clamp_magnitude(force, limits.max_force)) safe.acted |= kClamped;
     spend(state.tank.soften(terms, force, input.dt));
   }
-  slew_and_clamp(limits, state.sent, input.dt, force, safe.acted);
-  if (tank)
-    spend(state.tank.bound(terms, force, state.sent, limits.slew * 1000 * input.dt * kMargin));
+  const double step = limits.slew * 1000 * std::min(input.dt, input.slew_dt);
+  slew_and_clamp(limits, state.sent, step, force, safe.acted);
+  if (tank) spend(state.tank.bound(terms, force, state.sent, step * kMargin));
   safe.force = state.sent = force;
   return safe;
 }

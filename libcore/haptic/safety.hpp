@@ -5,7 +5,8 @@
 // promises for every sequence of inputs, hostile ones included:
 //
 //   |F| <= limits.max_force, always;
-//   |F - F of the tick before| <= slew dt, unless F is a zero that a fault demands;
+//   |F - F of the tick before| <= slew min(dt, slew_dt), unless F is a zero that a fault demands:
+//   so the loop keeps the slew limit in wall time (loop.hpp);
 //   the energy that the hand got back <= what the hand has put in + what the model held where the
 //   ramp rose + what limits.damping takes from the motion + limits.reserve + 0.01 mJ.
 //
@@ -84,8 +85,11 @@ inline constexpr double kBuzzStop = 2;
 
 /// What the loop knows at a tick.
 struct SafetyInput {
-  Vec3 force{0, 0, 0};       ///< newtons, as the model gave it
-  double dt = 0.001;         ///< seconds since the tick before; > 0
+  Vec3 force{0, 0, 0};  ///< newtons, as the model gave it
+  double dt = 0.001;    ///< seconds since the tick before; > 0
+  /// Seconds since the last force was sent, for which the slew limit lets the force change; more
+  /// than dt counts as dt.
+  double slew_dt = std::numeric_limits<double>::infinity();
   std::uint64_t missed = 0;  ///< ticks that were missed in between
   double speed = 0;          ///< of the hand, m/s; 0 when the scale is not known
   /// The HIP in metres of the hand, in the box's axes; nothing when the scale is not known.

@@ -102,7 +102,7 @@ SessionHeader decode_header(const Message& message) {
 
 Message encode_ticks(std::span<const TickRecord> ticks, std::uint64_t dropped) {
   const auto n = static_cast<unsigned>(ticks.size());
-  return build(13 * ticks.size() + 64, [&](session_schema::Message::Builder message) {
+  return build(14 * ticks.size() + 64, [&](session_schema::Message::Builder message) {
     auto out = message.initTicks();
     out.setFirst(ticks[0].number);
     out.setDropped(dropped);
@@ -110,12 +110,14 @@ Message encode_ticks(std::span<const TickRecord> ticks, std::uint64_t dropped) {
     auto flags = out.initFlags(n);
     auto lateness = out.initLateness(n);
     auto compute = out.initCompute(n);
+    auto slew = out.initSlewTime(n);
     auto levels = out.initLevels(8 * n);
     for (unsigned i = 0; i < n; ++i) {
       skipped.set(i, i == 0 ? 0 : ticks[i].number - ticks[i - 1].number - 1);
       flags.set(i, ticks[i].flags);
       lateness.set(i, ticks[i].lateness_ns);
       compute.set(i, ticks[i].compute_ns);
+      slew.set(i, ticks[i].slew_ns);
       for (unsigned c = 0; c < 8; ++c) levels[c * n + i] = ticks[i].levels[c];
     }
     encode_differences(ticks, &TickRecord::hip, out.initHip(24 * n).begin());
@@ -137,6 +139,8 @@ std::uint64_t decode_ticks(const Message& message, std::vector<TickRecord>& tick
         const auto flags = column<std::uint32_t>(in.getFlags(), n, "flags");
         const auto lateness = column<std::uint32_t>(in.getLateness(), n, "lateness");
         const auto compute = column<std::uint32_t>(in.getCompute(), n, "compute");
+        const bool has_slew = in.hasSlewTime();
+        const auto slew = column<std::uint32_t>(in.getSlewTime(), has_slew ? n : 0, "slewTime");
         const auto levels = column(in.getLevels(), 8 * n, "levels");
         const auto hip = column(in.getHip(), 24 * n, "hip");
         const auto raw_force = column(in.getRawForce(), 24 * n, "rawForce");
@@ -155,6 +159,7 @@ std::uint64_t decode_ticks(const Message& message, std::vector<TickRecord>& tick
           ticks[i].flags = flags[i];
           ticks[i].lateness_ns = lateness[i];
           ticks[i].compute_ns = compute[i];
+          if (has_slew) ticks[i].slew_ns = slew[i];
           for (std::size_t c = 0; c < 8; ++c) ticks[i].levels[c] = levels[c * n + i];
         }
         decode_differences(hip.data(), &TickRecord::hip, ticks);

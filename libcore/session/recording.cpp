@@ -39,7 +39,7 @@ Recording load_session(InputFile file, std::uint64_t limit) {
     for (const TickRecord& tick : chunk)
       recording.ticks.push_back({tick.number, tick.hip, (tick.flags & clutch) != 0,
                                  (tick.flags & stalled) != 0, (tick.flags & reset) != 0,
-                                 (tick.flags & begins) != 0});
+                                 (tick.flags & begins) != 0, tick.slew_ns});
   }
   recording.ended_early = reader.ended_early();
   if (recording.ticks.empty()) throw Error(without_ticks(reader));

@@ -17,6 +17,7 @@ struct RecordedTick {
   bool stalled = false;
   bool reset = false;
   bool begins = false;
+  std::uint32_t slew_ns = 0;  ///< as in TickRecord
 };
 
 struct Recording {

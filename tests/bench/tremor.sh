@@ -1,19 +1,37 @@
 #!/usr/bin/env bash
-# Whether contacts hold that a trembling hand holds (tremor.cpp): a table.
+# Whether contacts hold that a trembling hand holds (tremor.cpp): a table, and a picture of one of them.
 #
-#   tests/bench/tremor.sh [BUILD] [CONTACTS] [SECONDS] [SEED]        (default: build 20 60 1)
+#   tests/bench/tremor.sh [BUILD] [CONTACTS] [SECONDS] [SEED] [PICTURE]        (default: build 20 60 1 held.png)
 #
 # The grids are computed first. A row has tremors of 0.05 to 0.3 mm, and hands of 60, 300 and 900 N/m: twelve times
 # CONTACTS, each held for SECONDS. All rows together take an hour of CPU time, with 6 contacts and 20 seconds some
 # minutes. Another SEED draws other contacts.
-contacts=${2:-20} seconds=${3:-60} seed=${4:-1}
+picture=$(realpath "${5:-held.png}") contacts=${2:-20} seconds=${3:-60} seed=${4:-1}
 source "$(dirname "$0")/lib.sh"
 molecules=$HAPGRID_SOURCE/examples/molecule
 compute ball "$ball" 40
+
 for molecule in alanine-dipeptide butane dichloroethane; do
   compute $molecule "$molecules/$molecule/$molecule.toml" 20 --set search.tears=false
 done
 compute leu-enkephalin "$molecules/leu-enkephalin/leu-enkephalin.toml" 16 --set search.tears=false
+
+# A hand of 300 N/m presses alanine dipeptide and holds it for a minute.
+awk 'BEGIN { for (i = 0; i < 63000; ++i) print (i < 3000 ? -7 + i * 5 / 3000 : -2), 1, 1 }' >path
+printf '[hand]\npath = "path"\ntremor = 3e-4\n' >hold.toml
+for damping in 0.5 0; do
+  play alanine-dipeptide.grid --device sim:hold.toml --gain 3 --set "safety.damping=$damping" --log "$damping.log" 2>/dev/null
+done
+gnuplot <<END
+set terminal pngcairo size 900,420 font ',11'
+set output '$picture'
+set xlabel 'time / s'
+set ylabel 'force on the hand / N'
+set yrange [0:1.8]
+force(x, y, z) = sqrt(x * x + y * y + z * z)
+plot '0.log' every 20 using 1:(force(\$8, \$9, \$10)) with lines lc rgb '#d95f02' title 'no damping assumed', \
+  '0.5.log' every 20 using 1:(force(\$8, \$9, \$10)) with lines lc rgb '#1b9e77' title 'safety.damping = 0.5 N s/m'
+END
 
 echo '|model|gain|the hand|contacts|faded, at most of a hand'\''s|the most faded|swings more, at most|how much more|full force after|'
 echo '|---|---|---|---|---|---|---|---|---|'

@@ -111,7 +111,8 @@ OpenDevice open_replay(const std::string& file, double text_rate_hz) {
                      .clutch = tick.clutch,
                      .reset = tick.reset,
                      .begins = tick.begins,
-                     .missed = tick.number - next});
+                     .missed = tick.number - next,
+                     .slew_ns = tick.slew_ns});
     next = tick.number + 1;
   }
   const std::size_t count = ticks.size();

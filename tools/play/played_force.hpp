@@ -34,10 +34,10 @@ class PlayForce {
     return nodes_ ? (*nodes_)(traversal) : fields_.force(traversal.position(), traversal.row());
   }
   /// The energy that the hand can get from the model there, in newtons times the model's unit of
-  /// length; 0 where it is not known. Real-time safe, as far as the model.
-  double stored_energy(const Traversal& traversal) const noexcept {
+  /// length; nothing where it is not known. Real-time safe, as far as the model.
+  std::optional<double> stored_energy(const Traversal& traversal) const noexcept {
     if (rule_ == ForceRule::kEnergy) return nodes_->energy(traversal);
-    if (!fields_.has_energy()) return 0;
+    if (!fields_.has_energy()) return std::nullopt;
     return fields_.energy(traversal.position(), traversal.row()) * fields_.force_scale();
   }
 

@@ -103,7 +103,8 @@ TickRecord tick_record(const Tick& tick) noexcept {
                    bit(tick.input.stalled, kStalledBit) | bit(tick.input.reset, kResetBit) |
                    bit(tick.step.level_changed, kLevelBit) | bit(tick.input.begins, kBeginsBit),
           .lateness_ns = saturated_ns(tick.lateness_ns),
-          .compute_ns = saturated_ns(tick.compute_ns)};
+          .compute_ns = saturated_ns(tick.compute_ns),
+          .slew_ns = tick.force.acted & (kSlewed | kEnergy) ? saturated_ns(tick.slew_ns) : 0};
 }
 
 }  // namespace hapgrid

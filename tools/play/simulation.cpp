@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
@@ -62,10 +63,11 @@ void read_device(const TomlFile& file, Simulation& s) {
 void read_hand(const TomlFile& file, const std::string& name, Simulation& s) {
   if (!file.root().get("hand")) return;
   const toml::table& table = file.table(file.root(), "hand");
-  file.only_keys(table, "hand.", {"stiffness", "damping", "path"});
+  file.only_keys(table, "hand.", {"stiffness", "damping", "tremor", "path"});
   const Table hand(file, table, "hand.");
   hand.number("stiffness", 0, 1e6, "N/m", s.device.stiffness);
   hand.number("damping", 0, 1e4, "N s/m", s.device.hand_damping);
+  hand.number("tremor", 0, 0.1, "m", s.tremor);
   if (const toml::node* node = table.get("path")) {
     const auto path = std::filesystem::path(name).parent_path() / file.text(*node, "hand.path");
     if (file.root().get("random"))
@@ -84,6 +86,24 @@ void read_random(const TomlFile& file, Simulation& s) {
   random.number("seconds", 0.001, kMostTicks / s.device.rate_hz, "s", s.hand.seconds);
   random.number("speed", 1e-6, 1e3, "m/s", s.hand.speed);
   random.number("hold", 0, 1e6, "s", s.hand.hold);
+}
+
+/// Adds sines of 8, 10 and 12 Hz on x, y and z: what the hand of a healthy person does at rest. The
+/// sine is that of a rotation whose half angle's tangent is pi f / rate, so that the bits depend on
+/// no mathematical library; it turns slower than f by the part (pi f / rate)^2 / 3.
+void tremble(double amplitude, double rate_hz, std::vector<Vec3>& targets) {
+  if (amplitude == 0) return;
+  for (int a = 0; a < 3; ++a) {
+    const double t = std::numbers::pi * (8 + 2 * a) / rate_hz;
+    const double c = (1 - t * t) / (1 + t * t), s = 2 * t / (1 + t * t);
+    double cosine = 1, sine = 0;
+    for (Vec3& x : targets) {
+      x[a] += amplitude * sine;
+      const double turned = c * cosine - s * sine;
+      sine = s * cosine + c * sine;
+      cosine = turned;
+    }
+  }
 }
 
 }  // namespace
@@ -105,6 +125,7 @@ std::unique_ptr<SimulatedDevice> simulated_device(const Simulation& s, const Map
   if (!s.path.empty()) {
     std::vector<Vec3> path = s.path;
     for (Vec3& x : path) x = mapping.handle(x);
+    tremble(s.tremor, s.device.rate_hz, path);
     return std::make_unique<SimulatedDevice>(
         s.device, [path](std::uint64_t, std::vector<Vec3>& targets) { targets = path; });
   }
@@ -117,8 +138,10 @@ std::unique_ptr<SimulatedDevice> simulated_device(const Simulation& s, const Map
     high[a] = std::max(one[a], other[a]);
   }
   return std::make_unique<SimulatedDevice>(
-      s.device, [low, high, hand = s.hand](std::uint64_t session, std::vector<Vec3>& targets) {
+      s.device, [low, high, hand = s.hand, tremor = s.tremor](std::uint64_t session,
+                                                              std::vector<Vec3>& targets) {
         wander(hand, low, high, session, targets);
+        tremble(tremor, hand.rate_hz, targets);
       });
 }
 

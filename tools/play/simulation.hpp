@@ -13,6 +13,7 @@ namespace hapgrid {
 
 struct Simulation {
   SimulatedOptions device;
+  double tremor = 0;      ///< of the hand: amplitude on each axis, m
   WanderingOptions hand;  ///< of a hand that moves at random
   std::vector<Vec3>
       path;            ///< of a hand that follows a path, in the box's axes and unit; else empty

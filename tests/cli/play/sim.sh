@@ -61,6 +61,37 @@ play: largest step of the force in a tick: .*" -- play grid --device sim:hands/s
 awk -F '\t' -v h=2.9e-6 'NR > 1 { d = $2 - (-0.6 + (NR - 2) / 100); if (d < 0) d = -d
   if (d > 19 * h + 1e-3 || $1 != (NR - 2) * 2) { bad = 1 } } END { exit bad || NR != 42 }' log || fail "path: $(cat log)"
 
+# A hand that trembles by 2 mm behind a stiff spring, at rest in free space: 8 Hz on x, 10 on y, 12 on z, one second of
+# each. The tremor's frequency is too low by 2e-4 (x) to 5e-4 (z) of itself: 6e-3 of a turn in a second, 7e-5 m.
+for i in {1..1000}; do echo '-0.9 0.3 0.3'; done >hands/path
+printf 'encoder = 0\n[hand]\npath = "path"\nstiffness = 1e6\ndamping = 600\ntremor = 2e-3\n' >hands/sim.toml
+play grid --device sim:hands/sim.toml --log log 2>/dev/null
+python3 - <<'PYTHON'
+import math
+rows = [list(map(float, line.split("\t")[:4])) for line in open("log") if line[0] != "#"]
+for t, *x in rows[100:]:
+    for a, (place, middle) in enumerate(zip(x, (-0.9, 0.3, 0.3))):
+        want = 2e-3 * math.sin(2 * math.pi * (8 + 2 * a) * t)
+        assert abs((place - middle) / 19 - want) < 1e-4, (t, a, place, want)
+PYTHON
+
+# A hand that rests in a contact from the start feels the full force after a second, without a jump: of a model with
+# energies and of one without.
+seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' --set 'search.store=["force"]' | expand --complete -o dull
+for i in {1..2000}; do echo 0.05 0.01 0; done >hands/path
+printf '[hand]\npath = "path"\n' >hands/sim.toml
+for known in grid dull; do
+  play "$known" --device sim:hands/sim.toml --log log 2>/dev/null
+  python3 - <<'PYTHON'
+import math
+rows = [list(map(float, line.split("\t")[:10])) for line in open("log") if line[0] != "#"]
+sent = [row[7:10] for row in rows]
+assert max(math.dist(a, b) for a, b in zip([[0, 0, 0]] + sent, sent)) < 0.02
+for row in rows[1000:]:
+    assert math.hypot(*row[4:7]) > 0.1 and math.dist(row[4:7], row[7:10]) < 1e-3, row
+PYTHON
+done
+
 # What is refused.
 no() {
   printf "%b" "$1" >bad.toml
@@ -70,7 +101,7 @@ no 'weight = 1\n' 'line 1: unknown key weight (known: mass, damping, encoder, de
 no 'mass = 0\n' 'line 1: mass must be a number from 0.001 to 1000 kg, not 0'
 no 'mass = "1"\n' 'line 1: mass must be a number'
 no 'delay = 0.5\n' 'line 1: delay must be a whole number from 0 to 10000'
-no '[hand]\nspeed = 1\n' 'line 2: unknown key hand.speed (known: stiffness, damping, path)'
+no '[hand]\nspeed = 1\n' 'line 2: unknown key hand.speed (known: stiffness, damping, tremor, path)'
 no '[random]\nseconds = 1e5\n' 'line 2: random.seconds must be a number from 0.001 to 10000 s, not 1e+05'
 no 'random = 1\n' 'line 1: random must be a table'
 no '[hand]\npath = "hands/path"\n[random]\n' \

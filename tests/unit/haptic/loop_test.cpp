@@ -4,10 +4,13 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "libcore/haptic/paper_traversal.hpp"
@@ -284,6 +287,75 @@ TEST_CASE_METHOD(Fixture, "a replay's missed ticks count as time and in the numb
   CHECK(summary.overruns == 1);
   CHECK(d.sent[3][0] == Approx(0.4));
   CHECK(d.sent[4][0] == Approx(1.2));  // 8 ms at 0.1 N/ms
+}
+
+namespace {
+
+/// A time that passes while the loop waits, and as a test tells it to.
+struct VirtualClock : Clock {
+  std::int64_t ns = 1'000'000;
+  std::int64_t now() noexcept override { return ns; }
+  void sleep_until(std::int64_t until) noexcept override { ns = std::max(ns, until); }
+};
+
+/// Answers late, and writes down when it was sent which force.
+struct LateDevice : FakeDevice {
+  VirtualClock clock;
+  std::vector<std::pair<std::int64_t, Vec3>> taken;
+  std::function<std::int64_t(std::size_t)> read_late, send_late;  // by the tick
+  explicit LateDevice(std::size_t count) : FakeDevice(count) {}
+  Status read(DeviceInput& input) noexcept override {
+    clock.ns += read_late(next);
+    return FakeDevice::read(input);
+  }
+  Status send(const Vec3& force) noexcept override {
+    clock.ns += send_late(next) / 2;
+    taken.emplace_back(clock.ns, force);
+    clock.ns += send_late(next) / 2;
+    return FakeDevice::send(force);
+  }
+};
+
+}  // namespace
+
+TEST_CASE_METHOD(Fixture, "forces change by the slew limit in wall time, however late a tick is") {
+  const std::string kind = GENERATE(as<std::string>{}, "punctual", "once", "random", "long");
+  constexpr std::size_t kTicks = 20000;
+  LateDevice d(kTicks);
+  std::mt19937_64 random(kTicks);
+  const auto up_to = [&](double ms) {
+    return static_cast<std::int64_t>(uniform(random, 0, ms) * 1e6);
+  };
+  d.read_late = [&](std::size_t tick) -> std::int64_t {
+    if (kind == "once") return tick == 500 ? 8'500'000 : 10'000;
+    if (kind == "random") return random() % 4 ? up_to(0.3) : up_to(10);
+    if (kind == "long") return random() % 10 ? 20'000 : up_to(50);
+    return 10'000;
+  };
+  d.send_late = [&](std::size_t) -> std::int64_t {
+    return kind == "random" && random() % 8 == 0 ? up_to(3) : 5'000;
+  };
+  SafetyLimits limits = kClampOnly;
+  limits.max_force = 10;
+  limits.slew = 1;
+  if (kind == "long") limits.watchdog_ticks = 10;
+  safety = SafetyCore(limits);
+  // It flips every 7 ticks, so that the slew limit always acts.
+  std::size_t asked = 0;
+  const auto flips = [&](const Traversal&) { return Vec3{asked++ / 7 % 2 ? 9.0 : -9.0, 0, 0}; };
+  std::vector<bool> zero;
+  loop(d, flips, [&](const Tick& tick) { zero.push_back((tick.force.acted & kSafetyZero) != 0); },
+       {.rate_hz = 1000, .clock = &d.clock});
+  REQUIRE(zero.size() == kTicks);
+  double most = 0;
+  for (std::size_t i = 1; i < kTicks; ++i) {
+    if (zero[i]) continue;
+    const double ms = static_cast<double>(d.taken[i].first - d.taken[i - 1].first) / 1e6;
+    const double change = length_of(d.taken[i].second - d.taken[i - 1].second);
+    REQUIRE(change <= limits.slew * ms + 1e-9);
+    if (ms < 1.5) most = std::max(most, change);
+  }
+  CHECK(most > 0.9);  // a punctual loop may still use its millisecond
 }
 
 TEST_CASE_METHOD(Fixture, "where the hand begins anew, nothing of the ticks before counts") {

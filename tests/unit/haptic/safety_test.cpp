@@ -87,6 +87,7 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
     limits.watchdog_ticks = any_limit(random, 10);
     limits.reserve = any_limit(random, 1);
     limits.acceleration = std::min(any_limit(random, 40), 1e6);
+    limits.damping = std::min(any_limit(random, 1), 1e6);
     limits.encoder = std::min(any_limit(random, 1e-4), 1e-2);
     limits.delay_ticks = static_cast<double>(random() % (kMaxTankDelay + 1));
     SafetyCore safety(limits);
@@ -112,6 +113,7 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
       in.clutch = random() % 32 == 0;
       in.missed = random() % 16 == 0 ? random() % 30 : 0;  // a pause
       in.dt = 0.001 * static_cast<double>(1 + in.missed);
+      if (random() % 8 == 0) in.slew_dt = uniform(random, 0, 2) * in.dt;
       in.speed = random() % 16 == 0 ? std::abs(hostile(random)) : uniform(random, 0, 1);
       in.outside_cells = random() % 8 == 0 ? uniform(random, 0, 3) : 0;
       if (random() % 16 != 0)
@@ -135,7 +137,7 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
       } else {
         // The last roundings of three components of at most the limit.
         REQUIRE(magnitude(safe.force - before) <=
-                limits.slew * 1000 * in.dt + 4 * kEps * limits.max_force);
+                limits.slew * 1000 * std::min(in.dt, in.slew_dt) + 4 * kEps * limits.max_force);
       }
       before = safe.force;
       if (latched && random() % 4 == 0) {

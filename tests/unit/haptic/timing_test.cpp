@@ -62,7 +62,8 @@ TEST_CASE("the ends of a histogram") {
 TEST_CASE("a pacer that spins is never early, and tells how late it was") {
   const std::atomic<int> stop{0};
   for (const double spin_us : {0.0, 100.0}) {
-    Pacer pacer(2000, spin_us);
+    Clock clock;
+    Pacer pacer(clock, 2000, spin_us);
     const std::int64_t before = monotonic_ns();
     pacer.wait(stop);
     for (int i = 0; i < 100; ++i) {
