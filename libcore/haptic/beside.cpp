@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libcore/base/signals.hpp"
+#include "libcore/grid/state_distance.hpp"
 #include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
@@ -18,6 +19,8 @@ constexpr std::size_t kPlaces = 4096;
 // The thread looks for a new place so often in a tick, but not more often than this.
 constexpr double kLooksATick = 4;
 constexpr double kShortestPause_s = 5e-5;
+// Of one component, for its weight: small, so that the model is linear.
+constexpr double kChange = 1e-3;
 
 BesideAnswer empty_answer(const Grid& grid) {
   BesideAnswer answer;
@@ -25,11 +28,30 @@ BesideAnswer empty_answer(const Grid& grid) {
   return answer;
 }
 
+std::vector<double> weights_of(const Grid& grid, const Model& model) {
+  constexpr RecordIndex kSamples = 16;
+  StateDistance distance(grid.spec(),
+                         [&](const double* a, const double* b) { return model.equal(a, b); });
+  std::vector<double> weights(grid.state_size());
+  for (RecordIndex i = 0; i < kSamples; ++i) {
+    const auto record = static_cast<RecordIndex>(std::uint64_t{i} * grid.records() / kSamples);
+    const std::vector<double> state(grid.row(record).begin(),
+                                    grid.row(record).begin() + grid.state_size());
+    for (std::size_t c = 0; c < weights.size(); ++c) {
+      std::vector<double> other = state;
+      other[c] += kChange;
+      weights[c] += distance(state, other) / (kChange * kSamples);
+    }
+  }
+  return weights;
+}
+
 }  // namespace
 
 Beside::Beside(const Grid& grid, std::unique_ptr<Model> model,
                std::optional<std::uint32_t> delay_ticks)
-    : model_(grid, std::move(model), kStepsACell),
+    : weights_(weights_of(grid, *model)),
+      model_(grid, std::move(model), kStepsACell),
       delay_(delay_ticks),
       near_(grid.box().spacing / kStepsACell),
       held_back_(delay_ ? std::size_t{*delay_} + 1 : 0, empty_answer(grid)),

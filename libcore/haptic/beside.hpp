@@ -64,6 +64,11 @@ class Beside {
   /// Counts the ticks.
   std::uint64_t tick() const { return tick_; }
 
+  /// How far apart two states are that differ by 1 in one component, in the unit of the tolerance.
+  /// The components of a state can be of different kinds: angles beside places. Their weights are
+  /// those of the model's tolerance function, in the mean over some records.
+  const std::vector<double>& weights() const { return weights_; }
+
   /// Whether another thread asks the model.
   bool has_thread() const { return !delay_; }
   /// In how many ticks there was an answer that was young enough.
@@ -83,6 +88,7 @@ class Beside {
   void work(const std::stop_token& token) noexcept;
   void ask_all(std::span<const Place> places, const std::stop_token& token) noexcept;
 
+  const std::vector<double> weights_;
   ModelTraversal model_;  // the other thread's, if there is one
   const std::optional<std::uint32_t> delay_;
   const double near_;         // places nearer than this are passed over by a thread that is late

@@ -13,7 +13,7 @@ constexpr std::size_t kMostCandidates = 64;
 // How much nearer to the model's state another branch must be, squared: to be taken, and to be
 // taken as the result of a snap of the model. A branch that is within a third of the tolerance
 // stays.
-constexpr double kNearer = 0.81;
+constexpr double kNearer = 0.5;
 constexpr double kFarNearer = 0.3;
 constexpr double kSame = 1.0 / 3;
 // How far outside the cell a late answer may lie, in spacings.
@@ -115,21 +115,20 @@ void BranchTraversal::find_candidates() noexcept {
   }
 }
 
-/// Of an interpolated state and the model's: the mean square over the components.
+/// Of an interpolated state and the model's, in the unit of the tolerance, squared.
 double BranchTraversal::difference(const std::array<Node, 8>& nodes,
                                    const std::array<double, 8>& weights,
                                    std::span<const double> state) const noexcept {
   std::array<const double*, 8> rows;
   for (int k = 0; k < 8; ++k) rows[k] = map_->nodes.row(nodes[k]);
-  const std::vector<double>& unit = grid_.spec().equality.weights;
+  const std::vector<double>& unit = beside_->weights();
   double sum = 0;
   for (std::size_t c = 0; c < state.size(); ++c) {
     double d = -state[c];
     for (int k = 0; k < 8; ++k) d += weights[k] * rows[k][c];
-    if (!unit.empty()) d *= unit[c];
-    sum += d * d;
+    sum += unit[c] * unit[c] * d * d;
   }
-  return sum / static_cast<double>(state.size());
+  return sum;
 }
 
 }  // namespace hapgrid

@@ -142,6 +142,17 @@ class Rule {
   std::optional<NodeForce> force_;
 };
 
+/// Root mean square of the differences of the spheres.
+double rms(const Fields& fields, std::span<const double> a, std::span<const double> b) {
+  const std::size_t spheres = fields.spheres().size();
+  std::vector<float> p(3 * spheres), q(3 * spheres);
+  fields.shape(a, p);
+  fields.shape(b, q);
+  double sum = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) sum += (p[i] - q[i]) * (p[i] - q[i]);
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, spheres)));
+}
+
 /// Of the branches of the cell in which `truth` is, the one nearest to its state.
 Felt oracle(const Grid& grid, const Played& played, const Traversal& truth) {
   const Cells cells(grid);
@@ -169,26 +180,13 @@ Felt oracle(const Grid& grid, const Played& played, const Traversal& truth) {
       }
       if (!is_whole) continue;
       blend(weights, rows, row);
-      double far = 0;
-      for (std::size_t c = 0; c < grid.state_size(); ++c)
-        far += (row[c] - truth.row()[c]) * (row[c] - truth.row()[c]);
+      const double far = rms(played.fields, row, truth.row());
       if (far >= least) continue;
       least = far;
       best = {row, played.interpolate(corners, truth.part()), false};
     }
   }
   return best;
-}
-
-/// Root mean square of the differences of the spheres.
-double rms(const Fields& fields, std::span<const double> a, std::span<const double> b) {
-  const std::size_t spheres = fields.spheres().size();
-  std::vector<float> p(3 * spheres), q(3 * spheres);
-  fields.shape(a, p);
-  fields.shape(b, q);
-  double sum = 0;
-  for (std::size_t i = 0; i < p.size(); ++i) sum += (p[i] - q[i]) * (p[i] - q[i]);
-  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, spheres)));
 }
 
 void compare(const Fields& fields, double right, const Felt& truth, const Felt& play,

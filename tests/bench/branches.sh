@@ -1,45 +1,45 @@
 #!/usr/bin/env bash
-# Which branch the hand is on: both rules of traversal against the model itself (branches.cpp), as a table,
-# and a picture of a tear-off.
+# Which branch the hand is on: the rules of traversal against the model itself (branches.cpp), as two tables, and
+# a picture of a tear-off.
 #
-#   tests/bench/branches.sh [BUILD] [PATHS] [SEED] [PICTURE]        (default: build 100 1 tear-off.png)
+#   tests/bench/branches.sh [BUILD] [PATHS] [SEED] [PICTURE]        (default: build 8 1 tear-off.png)
 #
-# The grids are computed first: the hung ball with two spacings, alanine dipeptide with 30 and 40 points a side,
-# butane with 20, leu-enkephalin with 12, and the soft tissue with 8: some minutes of CPU time. To ask the soft
-# tissue takes long, so it gets a tenth of the paths. Another SEED draws other paths.
-picture=$(realpath "${4:-tear-off.png}") paths=${2:-100} seed=${3:-1}
+# The grids are computed first: the hung ball, alanine dipeptide and leu-enkephalin with 30 and 40 points a side,
+# and butane with 30: some ten minutes of CPU time. Another SEED draws other paths.
+picture=$(realpath "${4:-tear-off.png}") paths=${2:-8} seed=${3:-1}
 source "$(dirname "$0")/lib.sh"
 
 molecules=$HAPGRID_SOURCE/examples/molecule
 compute ball "$ball" 40
-compute ball-fine "$ball" 79
-compute alanine "$molecules/alanine-dipeptide/alanine-dipeptide.toml" 30
-compute alanine-fine "$molecules/alanine-dipeptide/alanine-dipeptide.toml" 40
-compute butane "$molecules/butane/butane.toml" 20
-compute leu-enkephalin "$molecules/leu-enkephalin/leu-enkephalin.toml" 12
-compute soft-tissue "$HAPGRID_SOURCE/examples/soft-tissue/soft-tissue.toml" 8
+for points in 30 40; do
+  compute "alanine-$points" "$molecules/alanine-dipeptide/alanine-dipeptide.toml" $points
+  compute "leu-enkephalin-$points" "$molecules/leu-enkephalin/leu-enkephalin.toml" $points
+done
+compute butane-30 "$molecules/butane/butane.toml" 30
 
-models=$HAPGRID_BUILD/models
-echo '|grid|paths|paper: right|off 99 %|branch: right|off median|off 99 %|'
-echo '|---|---|---|---|---|---|---|'
-row() { # GRID RIGHT KIND PATHS
-  "$HAPGRID_BUILD/bench/bench_branches" "$1.grid" "$models" "$3" "$2" "$4" "$seed" |
-    awk -F '\t' -v grid="$1" '{ n = $3; right[NR] = $4; median[NR] = $5; most[NR] = $6 }
-      END { if (n > 0) printf "|%s|%s|%.1f %%|%.2f|%.1f %%|%.3f|%.2f|\n", grid, $1, right[1], most[1],
-              right[2], median[2], most[2] }'
+follow() { # GRID RIGHT KIND
+  "$HAPGRID_BUILD/bench/bench_branches" "$1.grid" "$HAPGRID_BUILD/models" "$3" "$2" "$paths" "$seed" 20 5 2000
 }
-for grid in ball ball-fine; do
-  for kind in straight smooth diagonal tear-off; do row "$grid" 0.05 "$kind" "$paths"; done
+row() { # GRID RIGHT KIND: right and off of each rule
+  follow "$@" | awk -F '\t' -v what="|$1|$3|" '{ what = what sprintf("%.1f %%|%.2f|", $4, $7) } END { print what }'
+}
+echo '|grid|paths|paper: right|off 99 %, N|grid alone: right|off|with the model: right|off|5 ticks late: right|off|oracle: right|off|'
+echo '|---|---|---|---|---|---|---|---|---|---|---|---|'
+for kind in touch smooth straight diagonal tear-off; do row ball 0.05 $kind; done
+for grid in alanine-30 alanine-40 butane-30 leu-enkephalin-30 leu-enkephalin-40; do
+  for kind in touch smooth tear-off; do row $grid 0.3 $kind; done
 done
-for grid in alanine alanine-fine butane leu-enkephalin; do
-  for kind in smooth tear-off; do row "$grid" 0.3 "$kind" "$paths"; done
+echo
+echo '|grid|paper|grid alone|with the model|5 ticks late|oracle|'
+echo '|---|---|---|---|---|---|'
+for grid in alanine-30 butane-30 leu-enkephalin-30; do
+  follow $grid 0.3 back | awk -F '\t' -v what="|$grid|" '{ what = what sprintf("%.1f %%|", $4) } END { print what }'
 done
-for kind in smooth tear-off; do row soft-tissue 0.3 "$kind" $((paths / 10 + 1)); done
 
 # Straight across the hung ball, off its middle: what tears off, and where.
 awk 'BEGIN { for (x = -0.9; x <= 0.9; x += 0.001) print x, 0.07, 0.03 }' >path
 for rule in paper branch model; do
-  play ball.grid --device path:path --traversal "$rule" --log "$rule.log" 2>/dev/null
+  play ball.grid --device path:path --beside off --traversal "$rule" --log "$rule.log" 2>/dev/null
 done
 gnuplot <<END
 set terminal pngcairo size 900,420 font ',11'

@@ -15,7 +15,7 @@ namespace hapgrid {
 bool is_session_name(const std::string& file);
 
 /// What forces depend on beside the grid. A replay takes it from the session, so it has the same
-/// forces.
+/// forces, except where a thread asked the model.
 struct PlayedWith {
   SafetyLimits limits;  ///< as they were applied, with the device's own limit
   double scale = 0;     ///< Mapping::scale()

@@ -59,7 +59,8 @@ open("hand", "w").close()
 end(coming, 0)
 
 # From the left into the ball, a rest in contact, on until it snaps, a rest, and away.
-running = play("--log", "hand.session")
+# The model is asked by no thread, or the replay could not be the same.
+running = play("--log", "hand.session", "--beside", "off")
 time.sleep(0.7)  # the ramp
 hand = Hand()
 marks = {}
