@@ -19,8 +19,8 @@ PYTHON
 
 hapgrid init cluster --lang ase >/dev/null
 (($(wc -l <cluster/cluster.py) <= 90)) || fail 'the model is long'
-# A row of points from one side to the middle.
-make -C cluster SET='grid.origin=[-3.75,-0.6,-0.6] grid.counts=[4,2,2]' JOBS=2 >out 2>err ||
+# A row of points beside the cluster, from where nothing touches it to where nothing does.
+make -C cluster SET='grid.origin=[-3.75,1.25,1.25] grid.counts=[7,2,2]' JOBS=2 >out 2>err ||
   fail "$(cat out err)"
 for verdict in 'check-model: fine: [0-9]+ checks' 'verify: (fine: 1[0-9] checks|not proved: .*)'; do
   grep -Eqx "$verdict" err || fail "not '$verdict': $(cat err)"
