@@ -34,6 +34,27 @@ else
   missing snakemake
 fi
 
+# A model that is a process: in its folder the rules for Snakemake need no more, and take up what changed in the script.
+hapgrid init bead >/dev/null
+sed -i 's/^counts = .*/counts = [3, 2, 2]/; s/^spacing = .*/spacing = 20/; s/^reach = 10 /reach = 40 /' bead/bead.toml
+seed bead/bead.toml --allow-process | expand --complete --allow-process bead/bead.toml -o bead.reference
+cat >serial <<'END'
+#!/bin/bash
+for rank in 0 1 2; do PMI_RANK=$rank PMI_SIZE=3 "$@"; done
+END
+chmod +x serial
+(cd bead && ALLOW=yes "$examples/rounds.sh" bead.toml 3 ../serial) >out 2>err || fail "$(cat err)"
+cmp bead.reference bead/bead.grid
+rm -r bead/bead.grid bead/bead.rounds
+if command -v snakemake >/dev/null; then
+  (cd bead && snakemake -q --cores 2 >../out 2>&1) || fail "$(tail -n 20 out)"
+  cmp bead.reference bead/bead.grid
+  echo '# changed' >>bead/bead.py
+  (cd bead && snakemake -n --cores 2) >out 2>&1
+  grep -q 'Updated input files.*bead.py' out || fail "the script is no input: $(cat out)"
+fi
+rm -r bead bead.reference serial out err
+
 # A round that failed is said again: what is there stays, and another definition begins anew.
 cat >forgetful <<'END'
 #!/bin/bash

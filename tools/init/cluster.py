@@ -18,7 +18,7 @@ import numpy as np
 
 class Cluster:
     # The parameters of the definition, with their defaults.
-    def __init__(self, radius=2.5, push=2.0, hold=0.5, substep=0.25, tolerance=0.02):
+    def __init__(self, radius=2.5, push=2.0, hold=0.5, substep=0.4, tolerance=0.02):
         self.radius, self.push, self.hold, self.substep = radius, push, hold, substep
         self.atoms = ase.Atoms("Cu4", [[0.9, 0.9, 0.9], [0.9, -0.9, -0.9], [-0.9, 0.9, -0.9], [-0.9, -0.9, 0.9]])
         self.atoms.calc = ase.calculators.emt.EMT()

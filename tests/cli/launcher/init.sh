@@ -8,8 +8,13 @@ expect 2 '' "hapgrid: init: the name '??' may have only letters, digits, '-' and
 expect 2 '' "hapgrid: init: no option '-x' (see hapgrid init --help)" -- hapgrid init -x
 expect 2 '' "hapgrid: init: the name is empty (see hapgrid init --help)" -- hapgrid init ''
 expect 2 '' "hapgrid: init: one name, not 'a' and 'b' (see hapgrid init --help)" -- hapgrid init a b
-expect 2 '' "hapgrid: init: no template in 'cobol' (python, c, c++, fortran or node)" -- hapgrid init a --lang cobol
+expect 2 '' "hapgrid: init: no template in 'cobol' (python, ase, c, c++, fortran or node)" -- hapgrid init a --lang cobol
 expect 2 '' 'hapgrid: init: --lang: which language? (see hapgrid init --help)' -- hapgrid init a --lang
+for module in json hapgrid numpy; do
+  expect 2 '' "hapgrid: init: the name '$module' is that of a module of Python's, which $module.py would hide" -- hapgrid init $module
+done
+expect 0 'json: a model in C; cd json && make && make play' '' -- hapgrid init json --lang c
+rm -r json
 same 'help by name' "$(hapgrid init --help)" "$(hapgrid help init)"
 (($(hapgrid init --help | wc -L) <= 80)) || fail 'the help is wider than 80 columns'
 mkdir there
@@ -38,7 +43,7 @@ made() (
   make -C "$folder" -q || fail "$folder: make has something left to do"
   cmp "$folder.first" "$folder/$folder.grid"
   # At y = 12.5, k/b = 125 / (1 + y²/R²) mm², and the bead changes its side at |x| = 2 (-P/3)^(3/2) / (k/b), late;
-  # C looks every 10/64 mm.
+  # C looks every 10/64 mm, in Python every 10/32.
   python3 - "$folder/$folder.log" <<'PYTHON'
 import sys
 lines = [line.split("\t") for line in open(sys.argv[1])]
@@ -47,7 +52,7 @@ rows = [(float(line[x]), float(line[s])) for line in lines[1:]]
 snaps = [row[0] for before, row in zip(rows, rows[1:]) if before[1] * row[1] < 0]
 stiffness = 125 / (1 + 1.25**2)
 late = 2 * ((100 - stiffness) / 3)**1.5 / stiffness
-assert len(snaps) == 2 and abs(snaps[0] - late) < 10 / 64 and abs(snaps[1] + late) < 10 / 64, (snaps, late)
+assert len(snaps) == 2 and abs(snaps[0] - late) < 10 / 32 and abs(snaps[1] + late) < 10 / 32, (snaps, late)
 PYTHON
 )
 
@@ -58,15 +63,33 @@ for language in "${languages[@]}"; do
   folder=my_${language/++/xx}
   made "$folder" hapgrid --lang "$language"
   stats --dump "$folder/$folder.grid" >"$folder.dump"
-  # What is stored with a state comes after it and its links, which are the same; states differ by rounding.
+  # What is stored with a state comes after it and its links, which are the same. States differ by rounding, and by what
+  # the descent of the one in Python leaves: 1e-9 N, over a stiffness of 0.05 N/mm and more, a few 1e-8 mm.
   python3 - my_c.dump "$folder.dump" <<'PYTHON'
 import sys
 a, b = ([line.split("\t") for line in open(name) if line[0] != "#"] for name in sys.argv[1:])
 assert len(a) == len(b) > 36, (len(a), len(b))
 for x, y in zip(a, b):
-    assert x[:4] == y[:4] and x[5:31] == y[5:31] and abs(float(x[4]) - float(y[4])) < 1e-9, (x, y)
+    assert x[:4] == y[:4] and x[5:31] == y[5:31] and abs(float(x[4]) - float(y[4])) < 1e-7, (x, y)
 PYTHON
 done
+
+# On another machine, hapgrid is elsewhere: make finds it in the PATH. What it makes is none of git's business.
+cp -r my_c moved
+sed -i 's|^HAPGRID ?=.*|HAPGRID ?= /gone/hapgrid|' moved/Makefile
+make -C moved clean >/dev/null
+make -C moved "${small[@]}" >made.out 2>made.err || fail "$(cat made.out made.err)"
+cmp my_c/my_c.grid moved/my_c.grid
+touch moved/kept.c
+python3 - moved <<'PYTHON'
+import fnmatch, os, sys
+patterns = open(sys.argv[1] + "/.gitignore").read().split()
+kept = {name for name in os.listdir(sys.argv[1]) if not any(fnmatch.fnmatch(name, pattern) for pattern in patterns)}
+assert kept == {".gitignore", ".github", "Makefile", "README.md", "Snakefile", "ci.sh", "kept.c", "my_c.c", "my_c.toml",
+                "path.txt"}, kept
+PYTHON
+grep -q 'install.* git make *$' my_c/.github/workflows/grid.yml || fail 'packages of C'
+grep -q 'git make python3$' my_python/.github/workflows/grid.yml || fail 'packages of Python'
 
 # A CI gets a report, and a model that is wrong leaves no grid: here the force points the wrong way.
 HAPGRID=hapgrid expect 0 '~.*' '~.*' -- env "${small[0]}" my_c/ci.sh

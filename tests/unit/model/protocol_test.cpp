@@ -94,6 +94,7 @@ TEST_CASE("what a model says of itself") {
   const std::string good =
       R"({"hapgrid": 1, "state_size": 2, "d_max": 1, "tolerance": 0.5, "norm": "rms",
           "weights": [1, 0.5], "tolerance_unit": "rad", "stored": ["shape", "force"],
+          "version": "2.1", "in_flight": 26,
           "spheres": [{"radius": 1, "colour": [1, 0, 0.5], "label": "C"}, {"radius": 0}]})";
   const ModelInfo d = read_first_line(good);
   CHECK(d.equality == Equality{Equality::Norm::kRms, {1, 0.5}});
@@ -101,6 +102,8 @@ TEST_CASE("what a model says of itself") {
   CHECK(d.spheres.size() == 2);
   CHECK(d.spheres[0].label == "C");
   CHECK(d.row_size() == 2 + 3 + 6);
+  CHECK(d.version == "2.1");
+  CHECK(d.in_flight == 26);
   const auto refused = [&](const std::string& from, const std::string& to) {
     std::string line = good;
     const std::size_t at = line.find(from);
@@ -113,6 +116,9 @@ TEST_CASE("what a model says of itself") {
         0);
   CHECK(refused("\"state_size\": 2, ", "") == "its first line has no \"state_size\"");
   CHECK(refused("\"state_size\": 2", "\"state_size\": 0").find("\"state_size\" must be") == 0);
+  CHECK(refused("\"in_flight\": 26", "\"in_flight\": 1025") ==
+        "\"in_flight\" must be a whole number from 1 to 1024");
+  CHECK(refused("\"2.1\"", "2.1") == "\"version\" must be a text");
   CHECK(refused("\"d_max\": 1", "\"d_max\": 0") == "d_max is not positive");
   CHECK(refused("0.5, \"norm", "-1, \"norm") == "the tolerance is negative or not finite");
   CHECK(refused("rms", "mean") == "\"norm\" must be \"max\" or \"rms\"");

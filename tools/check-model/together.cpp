@@ -1,4 +1,4 @@
-#include "libcore/check/together.hpp"
+#include "tools/check-model/together.hpp"
 
 #include <array>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "libcore/check/model_check.hpp"
+#include "tools/check-model/model_check.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,14 +12,14 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/random.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/check/force_check.hpp"
 #include "libcore/check/snaps.hpp"
-#include "libcore/check/together.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/grid/direction.hpp"
 #include "libcore/grid/state_distance.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "libcore/search/converter.hpp"
+#include "tools/check-model/force_check.hpp"
+#include "tools/check-model/together.hpp"
 
 namespace hapgrid {
 

@@ -1,4 +1,4 @@
-#include "libcore/check/force_check.hpp"
+#include "tools/check-model/force_check.hpp"
 
 #include <algorithm>
 #include <array>
