@@ -1,4 +1,4 @@
-// The file of a table, as `hapgrid table` and `hapgrid dock` write it: energies on a lattice, which
+// The file of a table, as `hapgrid table` writes it: energies on a lattice, which
 // may be sheared, and atoms for pictures. It is a text:
 //
 //   hapgrid-table

@@ -12,8 +12,8 @@
 
 namespace hapgrid {
 
-/// The most bytes of all files of [model.files] together: 64 MiB. Their contents go, compressed, into
-/// every shard's header.
+/// The most bytes of all files of [model.files] together: 64 MiB. Their contents go, compressed,
+/// into every shard's header.
 inline constexpr std::size_t kMaxFileBytes = 64 << 20;
 
 /// A seed point of the file: a position, and its states if the file gives them.

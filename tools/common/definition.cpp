@@ -29,10 +29,9 @@ void add_definition(CommandLine& app, DefinitionOptions& options) {
 Definition load_definition(const DefinitionOptions& options) {
   const std::string name = options.file == "-" ? "standard input" : options.file;
   const std::filesystem::path directory = std::filesystem::path(options.file).parent_path();
-  return read_definition(read_toml(options.file), name, options.overrides,
-                         [&](const std::string& file) {
-                           return read_regular_text(directory / file, kMaxFileBytes);
-                         });
+  return read_definition(
+      read_toml(options.file), name, options.overrides,
+      [&](const std::string& file) { return read_regular_text(directory / file, kMaxFileBytes); });
 }
 
 std::string read_toml(const std::string& name, std::uint64_t limit) {

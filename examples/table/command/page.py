@@ -104,15 +104,18 @@ def slices(work, values):
     unit = f" / ({values.unit})" if values.unit else ""
     script = [SLICES.format(unit=unit, low=f"{values.energy.min():.6g}", high=f"{values.energy.max():.6g}")]
     steps = np.linalg.norm(values.axes, axis=1)
+    # A sheared table has no places along x, y and z: its pictures begin at 0.
+    begin = values.origin if np.allclose(values.axes, np.diag(steps)) else np.zeros(3)
     length = f" / {values.length_unit}" if values.length_unit else ""
     for a, b, across in ((0, 1, 2), (0, 2, 1), (1, 2, 0)):
         plane = np.take(values.energy, at[across], axis=across)
         script.append(f"$plane{across} << EOD")
         script += [" ".join(f"{v:.5g}" for v in column) for column in plane.T]
         script += ["EOD", f"set xlabel '{'xyz'[a]}{length}'", f"set ylabel '{'xyz'[b]}{length}'",
-                   f"set xrange [0:{(plane.shape[0] - 1) * steps[a]:.6g}]",
-                   f"set yrange [0:{(plane.shape[1] - 1) * steps[b]:.6g}]",
-                   f"plot $plane{across} matrix using ($1*{steps[a]:.8g}):($2*{steps[b]:.8g}):3 with image notitle"]
+                   *(f"set {name}range [{begin[n]:.6g}:{begin[n] + (plane.shape[k] - 1) * steps[n]:.6g}]"
+                     for k, (name, n) in enumerate((("x", a), ("y", b)))),
+                   f"plot $plane{across} matrix using ({begin[a]:.8g}+$1*{steps[a]:.8g}):"
+                   f"({begin[b]:.8g}+$2*{steps[b]:.8g}):3 with image notitle"]
     gnuplot(work, "\n".join(script) + "\n")
     return "slices.png"
 
