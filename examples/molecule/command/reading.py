@@ -4,18 +4,15 @@ cannot be felt is refused here, in one line that says what to do."""
 import os
 
 import numpy as np
-from preparation import geometry
 from preparation import molecule as prepared
+from preparation.elements import COVALENT, MASSES
 from preparation.molecule import BadInput, Molecule
-from preparation.xtb import MASSES
 from rdkit import Chem
 
 from . import building, confined, formats, pieces, valences
 from .pieces import signed
 
 MOST_ATOMS = 100
-# Elements with a van der Waals radius in the model, and with a mass.
-KNOWN = set(MASSES) & {1, 6, 7, 8, 9, 14, 15, 16, 17, 34, 35, 53}
 
 
 def read(path, smiles, charge=None, unpaired=None):
@@ -79,10 +76,10 @@ def _refuse_no_coordinates(given, record):
     if len(x) > MOST_ATOMS * 10:
         raise BadInput(f"{what}: {len(x)} atoms, at most {MOST_ATOMS} are feasible: cut out the part that matters, and close "
                        "it with hydrogen")
-    _check_distances(x, what)
     record.mol = formats.with_bonds([a.GetAtomicNum() for a in mol.GetAtoms()], x, what)
     if formats.is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
         raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
+    _check_distances(x, what)
 
 
 def _is_bulky(mol):
@@ -97,9 +94,9 @@ def _refuse_elements(mol, what):
         if z in pieces.METALS:
             raise BadInput(f"{what}: {name} is a metal, whose bonds are no single bonds that turn: "
                            "take the part without it")
-        if z not in KNOWN:
+        if z not in MASSES:
             raise BadInput(f"{what}: {name}: no radius is known for this element, only for "
-                           + " ".join(pieces.symbol(k) for k in sorted(KNOWN)))
+                           + " ".join(pieces.symbol(k) for k in MASSES))
 
 
 def _completed(given, record, charge, unpaired):
@@ -170,7 +167,7 @@ def _has_no_bond_lengths(mol, x):
     """Whether bonds are shorter or longer than any, as in a drawing that says it is none."""
     for bond in mol.GetBonds():
         a, b = bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()
-        radii = sum(geometry.RADII.get(mol.GetAtomWithIdx(n).GetAtomicNum(), 1.5) for n in (a, b))
+        radii = sum(COVALENT.get(mol.GetAtomWithIdx(n).GetAtomicNum(), 1.5) for n in (a, b))
         if not 0.75 < np.linalg.norm(x[a] - x[b]) / radii < 1.35:
             return True
     return False
