@@ -13,6 +13,8 @@ from . import building, confined, formats, pieces, valences
 from .pieces import signed
 
 MOST_ATOMS = 100
+# Of the sum of the covalent radii: carbon with a shorter bond has a double one (1.42 angstrom to carbon), nitrogen, too (1.33).
+SHORT = {6: 0.935, 7: 0.905}
 
 
 def read(path, smiles, charge=None, unpaired=None):
@@ -104,8 +106,10 @@ def _completed(given, record, charge, unpaired):
     what, mol, x = given.what, record.mol, _places(record.mol)
     if given.kind == "xyz" and unpaired is None and charge is None:
         _refuse_without_hydrogen(mol, what)
+    if given.kind == "xyz" and not unpaired:
+        valences.pair_up(mol, valences.lacking(mol), charge)
     if given.kind in ("pdb", "mol2"):
-        _refuse_ions_that_lack_hydrogen(mol, what, charge)
+        _add_no_hydrogen_to_the_whole(mol, what, charge)
     if given.kind != "smi" or charge is not None:
         valences.close(mol, what, charge, unpaired)
     mol = _understood(mol, given, charge, unpaired)
@@ -183,20 +187,50 @@ def _refuse_without_hydrogen(mol, what):
                            "or --smiles; a radical needs --uhf")
 
 
-def _refuse_ions_that_lack_hydrogen(mol, what, charge):
-    """Where all carbons have their hydrogens the file has all that there are. An oxygen or nitrogen that lacks one is then an
-    ion's; it gets none."""
-    lacking = [a for a in mol.GetAtoms() if a.GetNumExplicitHs()]
-    hydrogens = any(a.GetAtomicNum() == 1 for a in mol.GetAtoms())
-    if not hydrogens or not lacking or any(a.GetAtomicNum() not in (7, 8) for a in lacking):
+def _add_no_hydrogen_to_the_whole(mol, what, charge):
+    """Where most carbons have their hydrogens the file has all that there are. Atoms that seem to lack some then have double
+    bonds; an oxygen or nitrogen that still lacks one is an ion's, and gets none."""
+    lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
+    given = sum(a.GetAtomicNum() == 1 and any(n.GetAtomicNum() == 6 for n in a.GetNeighbors()) for a in mol.GetAtoms())
+    if not lack:
         return
-    total = Chem.GetFormalCharge(mol) - sum(a.GetNumExplicitHs() for a in lacking)
+    if given < len(lack):
+        _join_short_bonds(mol)
+        return
+    valences.pair_up(mol, lack, charge)
+    for n, count in lack.items():
+        mol.GetAtomWithIdx(n).SetNumExplicitHs(count)
+    mol.UpdatePropertyCache(strict=False)
+    lack = {n: count for n, count in lack.items() if count}
+    if not lack or any(mol.GetAtomWithIdx(n).GetAtomicNum() not in (7, 8) for n in lack):
+        return
+    total = Chem.GetFormalCharge(mol) - sum(lack.values())
     if charge is None:
-        raise BadInput(f"{what}: {valences.named(mol, [a.GetIdx() for a in lacking])} lack hydrogen, and all other atoms have "
-                       f"theirs: give --charge {signed(total)} for the ion, or a file without hydrogens, which are then added")
+        raise BadInput(f"{what}: {valences.named(mol, lack)} {'lacks' if len(lack) == 1 else 'lack'} hydrogen, and all other "
+                       f"atoms have theirs: give --charge {signed(total)} for the ion, or a file without hydrogens, which are "
+                       "then added")
     if charge == total:
-        for atom in lacking:
-            atom.SetNumExplicitHs(0)
+        for n in lack:
+            mol.GetAtomWithIdx(n).SetNumExplicitHs(0)
+
+
+def _join_short_bonds(mol):
+    """Atoms without hydrogens whose bonds are too short for single ones, which Open Babel took for such, get double bonds."""
+    x, lack = _places(mol), {}
+    for atom in mol.GetAtoms():
+        shortest = min((np.linalg.norm(x[atom.GetIdx()] - x[n.GetIdx()])
+                        / (COVALENT.get(atom.GetAtomicNum(), 9) + COVALENT.get(n.GetAtomicNum(), 9))
+                        for n in atom.GetNeighbors()), default=1)
+        if (shortest < SHORT.get(atom.GetAtomicNum(), 0) and atom.GetNumExplicitHs()
+                and all(b.GetBondTypeAsDouble() == 1 for b in atom.GetBonds())):
+            lack[atom.GetIdx()] = 1
+    paired = dict(lack)
+    valences.pair_up(mol, paired, 0)
+    for n in lack:
+        if not paired[n]:
+            atom = mol.GetAtomWithIdx(n)
+            atom.SetNumExplicitHs(atom.GetNumExplicitHs() - 1)
+    mol.UpdatePropertyCache(strict=False)
 
 
 def _refuse_even_radicals(mol, what):
