@@ -72,9 +72,11 @@ def _embedded(mol):
     options.useSmallRingTorsions = True
     few = one.GetNumAtoms() > SMALL_RINGS or not one.GetRingInfo().NumRings()
     # A handedness that no shape can have would be tried for hours.
-    for random, ignore, count, options.maxIterations in (
-            (False, False, 3 if few else TRIES, 20), (True, False, 3, 20), (True, True, 1, 60)):
-        options.useRandomCoords, options.ignoreSmoothingFailures = random, ignore
+    # Aromatic rings that are bent need the last way, which knows of no flat ones.
+    for random, knowing, count, options.maxIterations in (
+            (False, True, 3 if few else TRIES, 20), (True, True, 3, 20), (True, False, 3, 60)):
+        options.useRandomCoords, options.ignoreSmoothingFailures = random, not knowing
+        options.useBasicKnowledge = options.useExpTorsionAnglePrefs = knowing
         found = list(rdDistGeom.EmbedMultipleConfs(one, count, options))
         if found:
             return [one.GetConformer(n).GetPositions() for n in found]

@@ -6,21 +6,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from preparation import files
+from preparation.elements import RADII
 from preparation.molecule import BadInput
 from preparation.xtb import BOHR
 
 from .stiffness import Stiffness
 
-# Bondi's radii, as the model has them, angstrom.
-RADII = {1: 1.20, 6: 1.70, 7: 1.55, 8: 1.52, 9: 1.47, 14: 2.10, 15: 1.80, 16: 1.80, 17: 1.75, 34: 1.90,
-         35: 1.85, 53: 1.98}
 PROBE = 1.2  # angstrom
 PENALTY = 100  # kJ/(mol Å²)
 CLEAR = 0.3  # angstrom from touching, where a push begins; and a cell more, which is then at rest
 MAX_LEVELS = 64
-# Whether the grid has tear fractions, which take half of the search and more. Where the model is asked beside the
-# grid they are of no use.
-TEARS = False
+# Whether the grid has tear fractions, which take half of the search and more. Without them a snap is taken to be in
+# the middle between two points, and verify finds snaps that lead up: of 2-butanol at 0.35 angstrom 6 of 299,658 links.
+TEARS = True
 COARSE_POINTS = 14  # along the longest side of the first grid
 LEAST_POINTS = 8
 
@@ -110,7 +108,7 @@ counts = {self.counts()}
 
 [search]
 max_levels = {MAX_LEVELS}           # states that a grid point may have
-tears = {"true" if TEARS else "false"}              # whether the search also finds where the model snaps; play asks the model there
+tears = {"true" if TEARS else "false"}              # whether the search finds where between two points the model snaps
 """
 
 

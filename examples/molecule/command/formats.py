@@ -8,14 +8,13 @@ import re
 from dataclasses import dataclass, field
 
 import numpy as np
-from preparation import geometry
+from preparation.elements import COVALENT, SYMBOLS
 from preparation.molecule import BadInput
 from preparation.xtb import BOHR
 from rdkit import Chem
 
 KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
 MOST_RECORDS = 1000
-SYMBOLS = ["X", *(Chem.GetPeriodicTable().GetElementSymbol(z) for z in range(1, 104))]
 NUMBERS = {symbol.upper(): z for z, symbol in enumerate(SYMBOLS) if z} | {"D": 1, "T": 1}
 MOST_CHARGE = 9
 
@@ -259,7 +258,7 @@ def _is_in_bohr(numbers, x):
     """Whether each atom is as far from its nearest neighbour as if bohr had been written for angstrom."""
     if len(numbers) < 2:
         return False
-    radius = np.array([geometry.RADII.get(z, 1.5) for z in numbers])
+    radius = np.array([COVALENT.get(z, 1.5) for z in numbers])
     share = np.linalg.norm(x[:, None] - x[None], axis=2) / (radius[:, None] + radius[None])
     np.fill_diagonal(share, np.inf)
     nearest = share.min(axis=1)

@@ -47,7 +47,8 @@ class SinglePoints:
         return self.steps.take(["single point", self.key, text], lambda: self._compute(text))
 
     def _compute(self, text):
-        with tempfile.TemporaryDirectory() as directory:
+        os.makedirs(self.steps.directory, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".single-", dir=os.path.abspath(self.steps.directory)) as directory:
             with open(os.path.join(directory, "node.xyz"), "w", encoding="utf-8") as file:
                 file.write(text)
             try:

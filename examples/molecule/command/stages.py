@@ -13,6 +13,7 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import sys
 import time
 
@@ -20,7 +21,7 @@ from preparation import files, work
 from preparation.molecule import BadInput
 
 # What a command that was killed leaves behind, its own and its filters' files.
-UNFINISHED = re.compile(r"\.(choice|combined|room|way-|hapgrid\.).*|.*\.new\.\d+")
+UNFINISHED = re.compile(r"\.(choice|combined|room|way-|single-|hapgrid\.).*|.*\.new\.\d+")
 
 
 def digest(path):
@@ -67,8 +68,8 @@ class Stages:
             for one in os.scandir(directory) if os.path.isdir(directory) else ():
                 if one.is_symlink():
                     raise BadInput(f"{one.path}: is a link, which a folder of results must not have: remove it")
-                if UNFINISHED.fullmatch(one.name) and one.is_file():
-                    os.remove(one.path)
+                if UNFINISHED.fullmatch(one.name):
+                    shutil.rmtree(one.path) if one.is_dir() else os.remove(one.path)
 
     def name(self):
         """Of the grid and its definition: that of the folder when it was new, whatever it is called since."""

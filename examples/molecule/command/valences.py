@@ -1,4 +1,5 @@
-"""Charges that a file does not say. Formats without formal charges leave an ion with valences that no neutral atom has.
+"""Bonds and charges that a file does not say. Formats without bonds and formal charges leave atoms with valences that none has:
+of an ion, or where Open Babel did not find all double bonds of a molecule that has all its hydrogens.
 """
 
 from preparation.molecule import BadInput
@@ -15,12 +16,70 @@ CLOSED = {(5, 4): -1, (7, 4): 1, (7, 2): -1, (8, 1): -1, (8, 3): 1, (9, 0): -1, 
 MOST_NAMED = 6
 
 
+def _order(atom):
+    return int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetTotalNumHs()
+
+
+def lacking(mol):
+    """{atom: how many bonds it lacks} of atoms without a formal charge."""
+    out = {}
+    for atom in mol.GetAtoms():
+        more = [v - _order(atom) for v in VALENCES.get(atom.GetAtomicNum(), ()) if v >= _order(atom)]
+        if more and more[0] > 0 and atom.GetFormalCharge() == 0:
+            out[atom.GetIdx()] = more[0]
+    return out
+
+
+def pair_up(mol, lack, charge):
+    """Makes double bonds between the atoms that lack some: in pairs, along chains in which single and double bonds change
+    places. With a positive charge a chain may end at a nitrogen, which takes it. Changes lack, as of lacking()."""
+    left = max((charge or 0) - Chem.GetFormalCharge(mol), 0)
+    for start in sorted(lack):
+        while lack.get(start):
+            bases = {a.GetIdx() for a in mol.GetAtoms() if left and a.GetAtomicNum() == 7 and a.GetDegree() == 3
+                     and _order(a) == 3 and a.GetFormalCharge() == 0}
+            chain = _chain(mol, start, {n for n in lack if lack[n] and n != start}) or _chain(mol, start, bases)
+            if chain is None:
+                break
+            end, bonds = chain
+            for n, bond in enumerate(bonds):
+                order = int(bond.GetBondTypeAsDouble()) + (-1 if n % 2 else 1)
+                bond.SetBondType((Chem.BondType.SINGLE, Chem.BondType.DOUBLE, Chem.BondType.TRIPLE)[order - 1])
+            lack[start] -= 1
+            if lack.get(end):
+                lack[end] -= 1
+            else:
+                mol.GetAtomWithIdx(end).SetFormalCharge(1)
+                left -= 1
+
+
+def _chain(mol, start, ends):
+    """(the end, the bonds to it): the shortest chain from start to one of ends whose bonds can be raised and lowered in turn,
+    or None."""
+    seen, queue = {start}, [(start, [])]
+    for at, bonds in queue:
+        for bond in mol.GetAtomWithIdx(at).GetBonds():
+            to = bond.GetOtherAtomIdx(at)
+            if mol.GetAtomWithIdx(to).GetAtomicNum() == 1 or bond.GetBondTypeAsDouble() > 2 or bond in bonds:
+                continue
+            if to in ends:
+                return to, [*bonds, bond]
+            if bond.GetBondTypeAsDouble() > 1:
+                continue
+            for second in mol.GetAtomWithIdx(to).GetBonds():
+                beyond = second.GetOtherAtomIdx(to)
+                if second.GetBondTypeAsDouble() > 1 and beyond not in seen:
+                    seen.add(beyond)
+                    queue.append((beyond, [*bonds, bond, second]))
+    return None
+
+
 def open_atoms(mol):
     """[(atom, the charge that would close it or None)] of atoms without a formal charge."""
     found = []
     for atom in mol.GetAtoms():
         z = atom.GetAtomicNum()
-        order = int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetTotalNumHs()
+        order = _order(atom)
         if atom.GetFormalCharge() or order in VALENCES.get(z, (order,)):
             continue
         charge = CLOSED.get((z, order))

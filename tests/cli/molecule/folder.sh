@@ -59,9 +59,11 @@ refuses "molecule: bad/index\.html: is a link, which a folder of results must no
 intact "a link"
 
 # What a killed command leaves is removed by the next one.
-touch renamed/.way-3.{txt,log} renamed/.choice.toml renamed/.room.npz renamed/verify.txt.new.123 renamed/.hapgrid.aB3x9_
+mkdir renamed/.work/.single-x
+touch renamed/.way-3.{txt,log} renamed/.work/.single-x/node.xyz renamed/.choice.toml renamed/.room.npz renamed/verify.txt.new.123 renamed/.hapgrid.aB3x9_
 feel renamed >/dev/null
 nothing_left renamed .work $(cd twice && ls)
+[[ ! -e renamed/.work/.single-x ]] || fail "a single point's folder is left"
 
 # ended: whether no process has this folder in its environment's FOLDER any more, which the filters inherit.
 ended() { ! grep -lqsz "^FOLDER=$folder\$" /proc/[0-9]*/environ; }

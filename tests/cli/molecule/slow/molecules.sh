@@ -34,8 +34,8 @@ for way in plus minus; do
   within "gauche" "$(awk -F'\t' -v name="Cl1-C2-C3-Cl4-$way:far" '$1 == name { print $3 }' dichloroethane/report.tsv)" 5.6 5.9
 done
 
-# What a coarse grid told is true of the grid: 99 of 100 places are off by 0.2 Å at most.
-verify cyanide/cyanide.grid --recompute none --accuracy 0.2 >report 2>verdict || fail "$(cat report)"
+# What a coarse grid told is true of the grid: 99 of 100 places are off by 0.25 Å at most.
+verify cyanide/cyanide.grid --recompute none --accuracy 0.25 >report 2>verdict || fail "$(cat report)"
 
 # Glycine as a zwitterion has no minimum without water.
 refuses 'molecule: no conformation: .*its bonds change; a zwitterion needs water: give --solvent water, or the neutral form' \
