@@ -13,8 +13,8 @@ from . import building, confined, formats, pieces, valences
 from .pieces import signed
 
 MOST_ATOMS = 100
-# Of the sum of the covalent radii: carbon with a shorter bond has a double one (1.42 angstrom to carbon), nitrogen, too (1.33).
-SHORT = {6: 0.935, 7: 0.905}
+# Of the sum of the covalent radii: carbon with a shorter bond has a double one (1.41 angstrom to carbon), nitrogen, too (1.33).
+SHORT = {6: 0.925, 7: 0.905}
 
 
 def read(path, smiles, charge=None, unpaired=None):
@@ -108,8 +108,8 @@ def _completed(given, record, charge, unpaired):
         _refuse_without_hydrogen(mol, what)
     if given.kind == "xyz" and not unpaired:
         valences.pair_up(mol, valences.lacking(mol), charge)
-    if given.kind in ("pdb", "mol2"):
-        _add_no_hydrogen_to_the_whole(mol, what, charge)
+    if given.kind in ("pdb", "mol2") or given.kind == "sdf" and not formats.is_flat(x):
+        _add_no_hydrogen_to_the_whole(mol, given, charge)
     if given.kind != "smi" or charge is not None:
         valences.close(mol, what, charge, unpaired)
     mol = _understood(mol, given, charge, unpaired)
@@ -187,17 +187,23 @@ def _refuse_without_hydrogen(mol, what):
                            "or --smiles; a radical needs --uhf")
 
 
-def _add_no_hydrogen_to_the_whole(mol, what, charge):
+def _add_no_hydrogen_to_the_whole(mol, given, charge):
     """Where most carbons have their hydrogens the file has all that there are. Atoms that seem to lack some then have double
-    bonds; an oxygen or nitrogen that still lacks one is an ion's, and gets none."""
+    bonds, unless the file says which bonds are; an oxygen or nitrogen that still lacks one is an ion's, and gets none."""
+    what = given.what
+    for atom in mol.GetAtoms():
+        atom.SetNumExplicitHs(atom.GetTotalNumHs())
+        atom.SetNoImplicit(True)
     lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
-    given = sum(a.GetAtomicNum() == 1 and any(n.GetAtomicNum() == 6 for n in a.GetNeighbors()) for a in mol.GetAtoms())
+    hydrogens = sum(a.GetAtomicNum() == 1 and any(n.GetAtomicNum() == 6 for n in a.GetNeighbors()) for a in mol.GetAtoms())
     if not lack:
         return
-    if given < len(lack):
-        _join_short_bonds(mol)
+    if hydrogens < len(lack):
+        if given.kind != "sdf":
+            _join_short_bonds(mol)
         return
-    valences.pair_up(mol, lack, charge)
+    if given.kind != "sdf":
+        valences.pair_up(mol, lack, charge)
     for n, count in lack.items():
         mol.GetAtomWithIdx(n).SetNumExplicitHs(count)
     mol.UpdatePropertyCache(strict=False)
