@@ -10,7 +10,7 @@ from .filters import Failed
 
 MOVES = 2.0  # degrees: what turns less is not drawn
 SCRIPT = """\
-set terminal pngcairo noenhanced size 900,{height} font 'DejaVu Sans,18'
+set terminal pngcairo noenhanced size 900,1400 font 'DejaVu Sans,18'
 set output '{picture}'
 set datafile separator '\\t'
 set multiplot layout {panels},1
@@ -38,8 +38,7 @@ def draw(stages, log, shapes, torsions, times):
     _table(stages, "energies.tsv", ["t_s", "hybrid_kJ_mol", "molecule_kJ_mol", "force_N"],
            [t, hybrid, own, np.sqrt(np.square(sent).sum(axis=0))])
     curves = ", ".join(f"'torsions.tsv' using 1:{k + 2} with lines lw 3 title '{torsions[k].name}'" for k in moving)
-    panels = 3 if torsions else 2
-    script = SCRIPT.format(picture="course.png", panels=panels, height=470 * panels,
+    script = SCRIPT.format(picture="course.png", panels=3 if torsions else 2,
                            torsions=torsions and f"set ylabel 'torsion / degrees'\nplot {curves}" or "")
     try:
         done = subprocess.run(["gnuplot"], input=script, cwd=stages.directory, text=True, capture_output=True,
