@@ -110,10 +110,12 @@ def _refuse_elements(mol, what):
 def _completed(given, record, charge, unpaired):
     """(the molecule with all hydrogens and a shape, whether that was built)."""
     what, mol, x = given.what, record.mol, _places(record.mol)
-    if given.kind == "xyz" and unpaired is None and charge is None:
-        _refuse_without_hydrogen(mol, what)
     if given.kind == "xyz" and not unpaired:
-        valences.pair_up(mol, valences.lacking(mol), charge)
+        lack = valences.lacking(mol)
+        if _hydrogens_of_carbons(mol) >= len(lack):
+            valences.pair_up(mol, lack, charge)
+        if unpaired is None and charge is None:
+            _refuse_without_hydrogen(mol, what)
     if given.kind in ("pdb", "mol2") or given.kind == "sdf" and not formats.is_flat(x):
         _add_no_hydrogen_to_the_whole(mol, given, charge)
     if given.kind != "smi" or charge is not None:
@@ -187,6 +189,10 @@ def _refuse_without_hydrogen(mol, what):
                            "or --smiles; a radical needs --uhf")
 
 
+def _hydrogens_of_carbons(mol):
+    return sum(a.GetAtomicNum() == 1 and any(n.GetAtomicNum() == 6 for n in a.GetNeighbors()) for a in mol.GetAtoms())
+
+
 def _add_no_hydrogen_to_the_whole(mol, given, charge):
     """Where most carbons have their hydrogens the file has all that there are. Atoms that seem to lack some then have double
     bonds, unless the file says which bonds are; an oxygen or nitrogen that still lacks one is an ion's, and gets none."""
@@ -195,10 +201,9 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge):
         atom.SetNumExplicitHs(atom.GetTotalNumHs())
         atom.SetNoImplicit(True)
     lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
-    hydrogens = sum(a.GetAtomicNum() == 1 and any(n.GetAtomicNum() == 6 for n in a.GetNeighbors()) for a in mol.GetAtoms())
     if not lack:
         return
-    if hydrogens < len(lack):
+    if _hydrogens_of_carbons(mol) < len(lack):
         if given.kind != "sdf":
             _join_short_bonds(mol)
         return
