@@ -10,9 +10,7 @@ struct Element {
   float colour[3];  // red, green, blue in [0, 1]
 };
 
-/// The element with the given atomic number; nullptr when Bondi gives no radius for it.
-/// Sources: radii from A. Bondi, J. Phys. Chem. 68 (1964) 441, tables I and XIV; masses from IUPAC
-/// 2021, abridged; colours after Corey, Pauling and Koltun, as viewers have them.
+/// The element with the given atomic number, of those in elements.inc; nullptr for others.
 const Element* find_element(unsigned atomic_number);
 
 }  // namespace hapgrid::molecule

@@ -1,11 +1,12 @@
 """From a molecule to the paths around its conformation, for `hapgrid molecule`.
 
+elements    masses, radii, symbols
 xtb         energies, gradients, Hessians
 geometry    superposition, internal coordinates
 optimise    minima and saddles
 torsions    which torsions are driven, relaxed scans
 path        steepest descent from a saddle, the nodes on it, and checks of them
-molecule    reading molecules, conformers (Open Babel)
+molecule    a molecule and its conformers (RDKit)
 beyond      the path of a torsion on behind its saddles
 work        all steps for one molecule; each is kept
 files       the files that are written

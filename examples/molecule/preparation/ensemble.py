@@ -11,7 +11,7 @@ import numpy as np
 
 from . import geometry, optimise, path
 from .work import Dropped
-from .xtb import BOHR, HARTREE
+from .xtb import BOHR
 
 SHAPES = 11  # of a chain, with its ends
 ROUNDS = 3  # of relaxing across the chain

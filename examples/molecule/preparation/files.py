@@ -8,7 +8,8 @@ import numpy as np
 
 from . import geometry
 from .molecule import BadInput
-from .xtb import BOHR, HARTREE, SYMBOLS
+from .elements import SYMBOLS
+from .xtb import BOHR, HARTREE
 
 
 def write_whole(path, text):

@@ -5,18 +5,17 @@ Positions in bohr, arrays (atoms, 3); angles in radians.
 
 import numpy as np
 
-# Covalent radii (Cordero et al. 2008), angstrom: atoms closer than 1.25 times the sum are bonded.
-RADII = {1: 0.31, 3: 1.28, 5: 0.84, 6: 0.76, 7: 0.71, 8: 0.66, 9: 0.57, 11: 1.66, 12: 1.41,
-         14: 1.11, 15: 1.07, 16: 1.05, 17: 1.02, 19: 2.03, 20: 1.76, 30: 1.22, 34: 1.20, 35: 1.20,
-         53: 1.39}
+from .elements import COVALENT
+
+BONDED = 1.25  # times the sum of the covalent radii: nearer atoms are bonded
 
 
 def bonds_of(numbers, positions_angstrom):
     """The neighbours of each atom, ascending, by distances."""
     x = np.asarray(positions_angstrom)
-    radius = np.array([RADII.get(z, 1.5) for z in numbers])
+    radius = np.array([COVALENT.get(z, 1.5) for z in numbers])
     distance = np.linalg.norm(x[:, None] - x[None], axis=2)
-    bonded = distance < 1.25 * (radius[:, None] + radius[None])
+    bonded = distance < BONDED * (radius[:, None] + radius[None])
     np.fill_diagonal(bonded, False)
     return [[int(j) for j in np.flatnonzero(row)] for row in bonded]
 

@@ -12,20 +12,13 @@ import sys
 
 import numpy as np
 
+from .elements import MASSES, SYMBOLS
+
 sys.path.append(os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../xtb"))
 from xtb_library import BOHR, HARTREE, METHODS, Xtb, XtbError, load  # noqa: F401  other modules use them
 
 # sqrt(hartree / (bohr^2 amu)) as a wave number, cm^-1
 WAVE_NUMBER = 5140.487144
-
-SYMBOLS = (
-    "X H He Li Be B C N O F Ne Na Mg Al Si P S Cl Ar K Ca Sc Ti V Cr Mn Fe Co Ni Cu Zn Ga Ge As Se "
-    "Br Kr Rb Sr Y Zr Nb Mo Tc Ru Rh Pd Ag Cd In Sn Sb Te I Xe").split()
-# Standard atomic weights, amu, the same as in elements.cpp. Other elements are refused: a wrong mass would give wrong wave
-# numbers without a warning.
-MASSES = {1: 1.008, 3: 6.94, 5: 10.81, 6: 12.011, 7: 14.007, 8: 15.999, 9: 18.998, 11: 22.990, 12: 24.305,
-          14: 28.085, 15: 30.974, 16: 32.06, 17: 35.45, 19: 39.098, 20: 40.078, 30: 65.38, 34: 78.971,
-          35: 79.904, 53: 126.90}
 
 
 class Surface:

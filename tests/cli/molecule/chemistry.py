@@ -5,14 +5,14 @@ import sys
 sys.path.insert(0, sys.argv[1])
 import preparation  # noqa: F401  before numpy
 import numpy as np
-from command import reading, rotors
-from preparation import geometry, naming, optimise, torsions, xtb
+from hapgrid_molecule import reading, rotors, singles
+from preparation import geometry, naming, optimise, torsions, work, xtb
 from preparation.xtb import BOHR, HARTREE
 
 
 def minimum(smiles):
     """(molecule, surface, its minimum on principal axes), by GFN2-xTB."""
-    one, _ = reading.read(None, smiles, print)
+    one = reading.read(None, smiles)[0]
     tree = geometry.Tree(one.neighbours, one.numbers)
     surface = xtb.Surface(one.numbers, one.positions / BOHR, "gfn2", one.charge, tree)
     x, _, _ = optimise.minimum(surface, one.relaxed(one.positions)[1] / BOHR)
@@ -37,8 +37,7 @@ for smiles, wave in (("CN=[N+]=[N-]", 90), ("NC=O", 320), ("C#N", 777)):
 
 # The chi of cystine end at the bridge, those of glutathione's glutamate at the cysteine, and no name comes twice.
 def named(smiles):
-    reading._check = lambda *_: None  # names need no shape
-    one, _ = reading.read(None, smiles, print)
+    one = reading.read(None, smiles)[0]
     found = {t.name: "-".join(rotors.label(one.numbers, a) for a in t.atoms) for t in rotors.find(one)[0]}
     assert len(found) == len(rotors.find(one)[0]), found
     return found
@@ -115,3 +114,43 @@ for slope, why in ((0.0, "turns freely, without a barrier of 0.1 kJ/mol"), (1 / 
         raise AssertionError("a barrier on a slope")
     except torsions.NoBarrier as no:
         assert str(no).startswith(why), no
+
+
+# Other energies: nodes a little below the conformation are left out, a path ends at its highest node, and a much lower node
+# becomes the conformation, from which its path leads both ways.
+class Given(singles.SinglePoints):
+    """Energies in kJ/mol by the torsion in whole degrees."""
+
+    def __init__(self, energies):
+        self.energies, self.method, self.words = energies, "given", ["given"]
+
+    def energy(self, x):
+        return self.energies[round(np.degrees(geometry.torsion(x, 0, 1, 2, 3)))] / HARTREE - 5
+
+
+class Quiet:
+    def counted(self, *_):
+        return lambda _: None
+
+
+def energies_of(given):
+    """[(name, rises in kJ/mol)] of two paths that turn hydrogen peroxide from 100 degrees on, and what is left out."""
+    def shape(angle):
+        return geometry.rotated_about(place, 1, 2, [3], deg(angle) - geometry.torsion(place, 0, 1, 2, 3))
+    masses = np.array([1.0, 16, 16, 1])
+    found = [work.Found(f"turn-{way}", "turn", [shape(100 + sign * 10 * k) for k in range(5)], [0.0] * 5, -300.0,
+                        shape(100 + sign * 70), 0.0, 100.0, False) for way, sign in (("plus", 1), ("minus", -1))]
+    result = work.Result([1, 8, 8, 1], masses, "gfn2", [], shape(100), -3.0, 200.0, found)
+    Given(given).put_into(result, 1, Quiet())
+    assert result.method == "given//gfn2" and all(f.nodes[0] is result.x or geometry.rms(f.nodes[0], result.x) < 1e-6
+                                                 for f in result.found)
+    return [(f.name, [round((e - result.energy) * HARTREE, 6) for e in f.energies]) for f in result.found], result
+
+
+base = {100: 1, 110: 0.5, 120: 4, 130: 9, 140: 8, 170: 2, 90: 3, 80: 5, 70: 7, 60: 10, 30: 2}
+paths, result = energies_of(base)
+assert paths == [("turn-plus", [0, 3, 8]), ("turn-minus", [0, 2, 4, 6, 9])], paths
+assert result.found[0].nu1 is None and result.found[1].nu1 == -300 and result.nu1 == 200, result.found
+paths, result = energies_of({**base, 110: -1, 120: -3, 140: 10})
+assert paths == [("turn-plus", [0, 12, 13]), ("turn-minus", [0, 2, 4])], paths
+assert result.nu1 is None and result.found[1].far is None and result.dropped == [], result

@@ -1,62 +1,22 @@
-"""The steps from a molecule's file to the page. Each is a function from the results of those before it to its own;
-what it computes is kept as files (stages.py), which the user may change, so its result is what the files say."""
+"""The grid: from the paths that are chosen to one that verify finds fine, after as many trials as that takes."""
 
 import json
-import os
-import shlex
-import time
 from dataclasses import asdict, dataclass
 
-import numpy as np
-from preparation import files, optimise, work, xyz
-from preparation import molecule as prepared
+from preparation import files
 from preparation.molecule import BadInput
-from preparation.xtb import Surface, XtbError
 
-from . import (choice, combined, crossing, faults, formats, page, pushing, reading, resolution, rotors, singles, stages,
-               stiffness, structures)
+from . import choice, combined, faults, resolution, stiffness
 from .definition import PENALTY, Definition, paths_of, write
-from .filters import Failed, Filters
-from .pieces import signed
+from .filters import Failed
 from .stages import duration
+from .start import single_points, surface
 
-GFN2_ATOMS = 24
-ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
-# Gradients of xtb in units of a Hessian, which are measured: of propan-2-ol and ethanol 9 to 16 for each way of a
-# bond, and 21 where it goes on behind its barriers; and what an optimiser's step takes besides its gradient.
-HESSIANS, HESSIANS_BEHIND, HESSIANS_AT_FIRST = 15, 12, 15
-ALGEBRA = 0.3
 
 
 class Broken(Failed):
     """verify found a fault in the grid, for which there is no cure."""
-
-
-@dataclass(frozen=True)
-class Run:
-    """options: of the command line."""
-    options: object
-    stages: stages.Stages
-    filters: Filters
-
-
-@dataclass(frozen=True)
-class Start:
-    """The molecule that is felt. source: of it, in words; search: whether conformers are searched; turning: bonds
-    (torsions.Torsion); still: those and rings that keep their place (rotors.Left)."""
-    molecule: prepared.Molecule
-    source: str
-    charge: int
-    unpaired: int
-    search: bool
-    method: str
-    turning: list
-    still: list
-
-    def turned_by(self, paths):
-        """The torsions that these paths turn."""
-        return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
 
 
 @dataclass(frozen=True)
@@ -69,143 +29,6 @@ class Plan:
 
     by_hand = property(lambda self: self.definition is None)
 
-
-def run(options):
-    """Everything, or all until --until; the line for standard output."""
-    at = Run(options, stages.Stages(options.output, options.quiet), Filters(options.output))
-    start = read(at)
-    shapes = find_structures(at, start)
-    if options.until != "structures":
-        made = make_grid(at, start, shapes)
-        if options.until is None:
-            return show(at, start, shapes, made)
-    at.stages.say(f"stopped after the {options.until}: the same command without --until goes on")
-    return ""
-
-
-# The molecule
-
-def read(at):
-    o, kept = at.options, at.stages
-    source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
-
-    def compute():
-        one, charge, unpaired, built, said = reading.read(o.file, o.smiles, o.charge, o.uhf)
-        for line in said:
-            kept.say("  " + line)
-        kept.enter()
-        files.write_whole(kept.path("start.sdf"), reading.sdf(one, charge, unpaired, built))
-        return ["start.sdf"]
-    text = stages.digest_of(prepared.read_bytes(o.file)) if o.file else o.smiles
-    kept.run("molecule", "", [], [text, o.charge, o.uhf], compute)
-    one, charge, unpaired, built = reading.started(kept.path("start.sdf"))
-    method = o.method
-    if method == "auto":
-        method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
-    turning, still = rotors.find(one)
-    rings = sum(left.why == rotors.RING for left in still)
-    if o.torsions is not None:
-        turning, left = only(turning, set(o.torsions.split(",")), o.basins)
-        still = still + left
-    kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(charge)}, {len(turning)} bonds turn"
-             + (f"; {rings} rings stay as they are" if rings else ""))
-    return Start(one, source, charge, unpaired, o.search or built, method, turning, still)
-
-
-def only(turning, wanted, basins):
-    """(the torsions of --torsions, the others). With basins paths go both ways."""
-    known = {t.name for t in turning}
-    if not basins:
-        known = known.union(*(t.file_names() for t in turning))
-    unknown = sorted(wanted - known)
-    if unknown:
-        raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
-    turn = [t if t.name in wanted else t.only(wanted) for t in turning]
-    left = [rotors.Left(t.name, "not among --torsions") for t, one in zip(turning, turn) if not one.signs]
-    return [t for t in turn if t.signs], left
-
-
-# The structures
-
-def single_points(at, start):
-    """The SinglePoints of --single-points, or None."""
-    o = at.options
-    if o.single_points is None:
-        return None
-    return singles.SinglePoints(o.single_points, start.molecule.numbers, start.charge, start.unpaired, at.stages.steps)
-
-
-def surface(at, start, x):
-    """x: the conformation, bohr."""
-    return Surface(start.molecule.numbers, x, start.method, start.charge, unpaired=start.unpaired,
-                   solvent=at.options.solvent)
-
-
-def find_structures(at, start):
-    o, kept = at.options, at.stages
-    points, shapes = single_points(at, start), ensemble(at, start)
-
-    def compute():
-        if o.method == "auto":
-            kept.say("  energies by " + ("GFN2-xTB" if start.method == "gfn2" else
-                     f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
-        seconds = structures_take(at, start)
-        if seconds:
-            kept.say(f"  about {duration(seconds)} for conformation and barriers, twice that where a lower minimum is "
-                     "found")
-        one = structures.explore(start.molecule, start.turning, structures.Options(
-            work.Options(start.method, start.charge, start.unpaired, o.highest, kept.path(".work"), o.solvent), start.search,
-            o.keep_conformation, o.basins, o.threads, shapes), kept)
-        for name, below in one.lower:
-            kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
-        one.result.lie_as_before(kept.directory)
-        if points is not None:
-            points.put_into(one.result, o.threads, kept)
-        return files.write_set(kept.directory, one.result, f"hapgrid molecule: {start.source}, {start.method}, "
-                               f"charge {signed(start.charge)}, {start.unpaired} unpaired electrons")
-    kept.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
-             [start.method, o.solvent, points and points.key, start.charge, start.unpaired, start.search, o.highest, o.basins,
-              o.keep_conformation, [name for t in start.turning for name in t.file_names()], [x.tolist() for _, x in shapes]],
-             compute)
-    return structures.Structures(kept)
-
-
-def ensemble(at, start):
-    """The frames of an XYZ file between whose minima paths are looked for, as xyz.ensemble() has them."""
-    o = at.options
-    if not o.basins or not o.file or not o.file.lower().endswith(".xyz"):
-        return []
-    shapes = xyz.ensemble(formats.decoded(prepared.read_bytes(o.file), o.file), start.molecule.numbers) or []
-    if len(shapes) > ENSEMBLE:
-        at.stages.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
-    return shapes[:ENSEMBLE]
-
-
-def structures_take(at, start):
-    """Seconds, within a factor of 2 or so, by a gradient on this machine. None where xtb refuses the shape: the
-    search itself says why."""
-    o, x = at.options, start.molecule.positions / work.BOHR
-    try:
-        one = surface(at, start, x)
-        each = shortest(lambda: one.energy(x))
-    except XtbError:
-        return None
-    each += ALGEBRA * shortest(lambda: optimise.projected(np.eye(x.size), x))
-    ways = sum(len(t.signs) for t in start.turning)
-    count = HESSIANS_AT_FIRST + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0))
-    return 2 * x.size * count * each / min(o.threads, max(ways, 1))
-
-
-def shortest(compute):
-    """Seconds that it takes, without what else the machine does."""
-    times = [time.monotonic()]
-    for _ in range(5):
-        compute()
-        times.append(time.monotonic())
-    return min(after - before for before, after in zip(times, times[1:]))
-
-
-# The grid
 
 def make_grid(at, start, shapes):
     """The Plan of the grid that has no fault, after as many as that takes. With --until definition its grid is not
@@ -392,24 +215,3 @@ def grid_fault(at, plan, may_widen):
             return faults.Fault(faults.RULE, f"{grid} breaks a rule: see {kept.path('verify.txt')}")
         return ["verify.txt"]
     return kept.run("verify", title, [grid], [], verify)
-
-
-# The way of the probe, and the page
-
-def show(at, start, shapes, plan):
-    """The line that shows the grid."""
-    o, kept = at.options, at.stages
-    grid = f"{kept.name()}.grid"
-    ways = crossing.Crossings if o.basins else pushing.Ways
-    kept.run("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
-             lambda: ways(at.filters, kept, grid, shapes, o.threads).write())
-    made = [n for n in kept.made("pushing") if n.endswith(".txt")]
-    facts = [start.source, start.charge, start.unpaired, start.method]
-    kept.run("page", "drawing pictures", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
-             lambda: page.write(at, start, start.turned_by(plan.paths), made))
-    out = o.output.rstrip("/") or "/"
-    out = f"./{out}" if out.startswith("-") else out
-    kept.say(f"done: {out}/index.html sums up")
-    grid, way = (shlex.quote(os.path.join(out, name)) for name in (grid, made[0]))
-    kept.say(f"hapgrid feel {grid} is a window in which the mouse is the hand")
-    return f"hapgrid play {grid} --device path:{way} --rate 1000 --frames - | hapgrid view --window"

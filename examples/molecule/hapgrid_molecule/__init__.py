@@ -17,5 +17,7 @@ page         plots, pictures and the page that sums up; page.html is its frame
 filters      starting the filters, and ending them
 stages       the folder of the results; what is there already is not computed again
 steps        the steps one by one, from the molecule's file to the page
+start        the first of them: the molecule
+grids        and the longest: the grid
 cli          the command line
 """

@@ -7,7 +7,7 @@ import sys
 from preparation import optimise, texts, work, xtb
 from preparation.molecule import BadInput
 
-from . import resolution, steps
+from . import grids, resolution, start, steps
 from .filters import Failed, Stopped, catch_signals
 
 ABOUT = """\
@@ -85,7 +85,7 @@ def parser():
                    help="number of unpaired electrons of a radical (default: what the file says)")
     p.add_argument("--method", choices=("auto", *xtb.METHODS), default="auto",
                    help=f"method of xtb: gfn2 is GFN2-xTB, gfnff the force field GFN-FF, and auto (default) takes gfn2 up to "
-                   f"{steps.GFN2_ATOMS} atoms")
+                   f"{start.GFN2_ATOMS} atoms")
     p.add_argument("--solvent", metavar="NAME",
                    help="solvent around the molecule, such as water, by xtb's GBSA (default: none)")
     p.add_argument("--single-points", metavar="COMMAND",
@@ -147,7 +147,7 @@ def main(arguments):
     except UsageError as why:
         print(f"molecule: {why}", file=sys.stderr)
         return 2
-    except steps.Broken as why:
+    except grids.Broken as why:
         print(f"molecule: {why}", file=sys.stderr)
         return 3
     except (BadInput, Failed, work.Failed, xtb.XtbError, optimise.NotConverged) as why:

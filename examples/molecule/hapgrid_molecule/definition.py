@@ -6,14 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from preparation import files
+from preparation.elements import RADII
 from preparation.molecule import BadInput
 from preparation.xtb import BOHR
 
 from .stiffness import Stiffness
 
-# Bondi's radii, as the model has them, angstrom.
-RADII = {1: 1.20, 6: 1.70, 7: 1.55, 8: 1.52, 9: 1.47, 14: 2.10, 15: 1.80, 16: 1.80, 17: 1.75, 34: 1.90,
-         35: 1.85, 53: 1.98}
 PROBE = 1.2  # angstrom
 PENALTY = 100  # kJ/(mol Å²)
 CLEAR = 0.3  # angstrom from touching, where a push begins; and a cell more, which is then at rest

@@ -5,11 +5,11 @@ then the first. What is left out is named, with its charge."""
 from collections import Counter
 from dataclasses import replace
 
+from preparation.elements import SYMBOLS
 from preparation.molecule import BadInput
 from rdkit import Chem
 from rdkit.Chem import rdMolDescriptors
 
-from .formats import SYMBOLS
 
 METALS = {3, 4, 11, 12, 13, *range(19, 32), *range(37, 51), *range(55, 85), *range(87, 104)}
 MOST_PIECES = 8  # of a record in which no piece is half of it: more are no molecules, but noise
@@ -21,7 +21,7 @@ def signed(charge):
 
 
 def symbol(z):
-    return SYMBOLS[z] if z < len(SYMBOLS) else f"element {z}, atom "
+    return SYMBOLS[z]
 
 
 def largest(given):

@@ -4,18 +4,18 @@ cannot be felt is refused here, in one line that says what to do."""
 import os
 
 import numpy as np
-from preparation import geometry
 from preparation import molecule as prepared
+from preparation.elements import COVALENT, MASSES
 from preparation.molecule import BadInput, Molecule
-from preparation.xtb import MASSES
 from rdkit import Chem
 
-from . import building, confined, formats, pieces, valences
+from . import babel, building, confined, formats, pieces, valences
 from .pieces import signed
 
 MOST_ATOMS = 100
-# Elements with a van der Waals radius in the model, and with a mass.
-KNOWN = set(MASSES) & {1, 6, 7, 8, 9, 14, 15, 16, 17, 34, 35, 53}
+# Of the sum of the covalent radii: carbon with a shorter bond has a double one (1.41 angstrom to carbon), and nitrogen
+# (1.33).
+SHORT = {6: 0.925, 7: 0.905}
 
 
 def read(path, smiles, charge=None, unpaired=None):
@@ -51,11 +51,16 @@ def _one(given, charge, unpaired):
         charge = Chem.GetFormalCharge(mol)
     x = mol.GetConformer().GetPositions()
     _check(x, given.what)
+    return {"molecule": _plain(mol), "charge": charge, "unpaired": unpaired or 0, "built": built, "said": given.said}
+
+
+def _plain(mol):
+    """What makes a Molecule, as JSON can hold it."""
     Chem.Kekulize(mol, clearAromaticFlags=True)
-    bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3)) for b in mol.GetBonds()]
     atoms = list(mol.GetAtoms())
-    return {"molecule": [[a.GetAtomicNum() for a in atoms], x.tolist(), [a.GetFormalCharge() for a in atoms], bonds],
-            "charge": charge, "unpaired": unpaired or 0, "built": built, "said": given.said}
+    bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3))
+             for b in mol.GetBonds()]
+    return [[a.GetAtomicNum() for a in atoms], _places(mol).tolist(), [a.GetFormalCharge() for a in atoms], bonds]
 
 
 def _places(mol):
@@ -79,10 +84,10 @@ def _refuse_no_coordinates(given, record):
     if len(x) > MOST_ATOMS * 10:
         raise BadInput(f"{what}: {len(x)} atoms, at most {MOST_ATOMS} are feasible: cut out the part that matters, and close "
                        "it with hydrogen")
-    _check_distances(x, what)
-    record.mol = formats.with_bonds([a.GetAtomicNum() for a in mol.GetAtoms()], x, what)
+    record.mol = babel.with_bonds([a.GetAtomicNum() for a in mol.GetAtoms()], x, what)
     if formats.is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
         raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
+    _check_distances(x, what)
 
 
 def _is_bulky(mol):
@@ -97,18 +102,22 @@ def _refuse_elements(mol, what):
         if z in pieces.METALS:
             raise BadInput(f"{what}: {name} is a metal, whose bonds are no single bonds that turn: "
                            "take the part without it")
-        if z not in KNOWN:
+        if z not in MASSES:
             raise BadInput(f"{what}: {name}: no radius is known for this element, only for "
-                           + " ".join(pieces.symbol(k) for k in sorted(KNOWN)))
+                           + " ".join(pieces.symbol(k) for k in MASSES))
 
 
 def _completed(given, record, charge, unpaired):
     """(the molecule with all hydrogens and a shape, whether that was built)."""
     what, mol, x = given.what, record.mol, _places(record.mol)
-    if given.kind == "xyz" and unpaired is None and charge is None:
-        _refuse_without_hydrogen(mol, what)
-    if given.kind in ("pdb", "mol2"):
-        _refuse_ions_that_lack_hydrogen(mol, what, charge)
+    if given.kind == "xyz" and not unpaired:
+        lack = valences.lacking(mol)
+        if _hydrogens_of_carbons(mol) >= len(lack):
+            valences.pair_up(mol, lack, charge)
+        if unpaired is None and charge is None:
+            _refuse_without_hydrogen(mol, what)
+    if given.kind in ("pdb", "mol2") or given.kind == "sdf" and not formats.is_flat(x):
+        _add_no_hydrogen_to_the_whole(mol, given, charge)
     if given.kind != "smi" or charge is not None:
         valences.close(mol, what, charge, unpaired)
     mol = _understood(mol, given, charge, unpaired)
@@ -157,20 +166,14 @@ def _built(mol, given):
     free = building.unspecified(mol)
     if free:
         given.say(f"the handedness of {valences.named(mol, [n - 1 for n in free])} is not given: one is taken")
-    x = building.shape(mol, given.what)
-    mol.RemoveAllConformers()
-    conformer = Chem.Conformer(len(x))
-    for n, place in enumerate(x):
-        conformer.SetAtomPosition(n, place.tolist())
-    mol.AddConformer(conformer)
-    return mol
+    return prepared.placed(mol, building.shape(mol, given.what))
 
 
 def _has_no_bond_lengths(mol, x):
     """Whether bonds are shorter or longer than any, as in a drawing that says it is none."""
     for bond in mol.GetBonds():
         a, b = bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()
-        radii = sum(geometry.RADII.get(mol.GetAtomWithIdx(n).GetAtomicNum(), 1.5) for n in (a, b))
+        radii = sum(COVALENT.get(mol.GetAtomWithIdx(n).GetAtomicNum(), 1.5) for n in (a, b))
         if not 0.75 < np.linalg.norm(x[a] - x[b]) / radii < 1.35:
             return True
     return False
@@ -186,20 +189,59 @@ def _refuse_without_hydrogen(mol, what):
                            "or --smiles; a radical needs --uhf")
 
 
-def _refuse_ions_that_lack_hydrogen(mol, what, charge):
-    """Where all carbons have their hydrogens the file has all that there are. An oxygen or nitrogen that lacks one is then an
-    ion's; it gets none."""
-    lacking = [a for a in mol.GetAtoms() if a.GetNumExplicitHs()]
-    hydrogens = any(a.GetAtomicNum() == 1 for a in mol.GetAtoms())
-    if not hydrogens or not lacking or any(a.GetAtomicNum() not in (7, 8) for a in lacking):
+def _hydrogens_of_carbons(mol):
+    return sum(a.GetAtomicNum() == 1 and any(n.GetAtomicNum() == 6 for n in a.GetNeighbors()) for a in mol.GetAtoms())
+
+
+def _add_no_hydrogen_to_the_whole(mol, given, charge):
+    """Where most carbons have their hydrogens the file has all that there are. Atoms that seem to lack some then have double
+    bonds, unless the file says which bonds are; an oxygen or nitrogen that still lacks one is an ion's, and gets none."""
+    what = given.what
+    for atom in mol.GetAtoms():
+        atom.SetNumExplicitHs(atom.GetTotalNumHs())
+        atom.SetNoImplicit(True)
+    lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
+    if not lack:
         return
-    total = Chem.GetFormalCharge(mol) - sum(a.GetNumExplicitHs() for a in lacking)
+    if _hydrogens_of_carbons(mol) < len(lack):
+        if given.kind != "sdf":
+            _join_short_bonds(mol)
+        return
+    if given.kind != "sdf":
+        valences.pair_up(mol, lack, charge)
+    for n, count in lack.items():
+        mol.GetAtomWithIdx(n).SetNumExplicitHs(count)
+    mol.UpdatePropertyCache(strict=False)
+    lack = {n: count for n, count in lack.items() if count}
+    if not lack or any(mol.GetAtomWithIdx(n).GetAtomicNum() not in (7, 8) for n in lack):
+        return
+    total = Chem.GetFormalCharge(mol) - sum(lack.values())
     if charge is None:
-        raise BadInput(f"{what}: {valences.named(mol, [a.GetIdx() for a in lacking])} lack hydrogen, and all other atoms have "
-                       f"theirs: give --charge {signed(total)} for the ion, or a file without hydrogens, which are then added")
+        raise BadInput(f"{what}: {valences.named(mol, lack)} {'lacks' if len(lack) == 1 else 'lack'} hydrogen, and all other "
+                       f"atoms have theirs: give --charge {signed(total)} for the ion, or a file without hydrogens, which are "
+                       "then added")
     if charge == total:
-        for atom in lacking:
-            atom.SetNumExplicitHs(0)
+        for n in lack:
+            mol.GetAtomWithIdx(n).SetNumExplicitHs(0)
+
+
+def _join_short_bonds(mol):
+    """Atoms without hydrogens whose bonds are too short for single ones, which Open Babel took for such, get double bonds."""
+    x, lack = _places(mol), {}
+    for atom in mol.GetAtoms():
+        shortest = min((np.linalg.norm(x[atom.GetIdx()] - x[n.GetIdx()])
+                        / (COVALENT.get(atom.GetAtomicNum(), 9) + COVALENT.get(n.GetAtomicNum(), 9))
+                        for n in atom.GetNeighbors()), default=1)
+        if (shortest < SHORT.get(atom.GetAtomicNum(), 0) and atom.GetNumExplicitHs()
+                and all(b.GetBondTypeAsDouble() == 1 for b in atom.GetBonds())):
+            lack[atom.GetIdx()] = 1
+    paired = dict(lack)
+    valences.pair_up(mol, paired, 0)
+    for n in lack:
+        if not paired[n]:
+            atom = mol.GetAtomWithIdx(n)
+            atom.SetNumExplicitHs(atom.GetNumExplicitHs() - 1)
+    mol.UpdatePropertyCache(strict=False)
 
 
 def _refuse_even_radicals(mol, what):
@@ -248,13 +290,7 @@ def check_electrons(one, what, charge, unpaired):
 
 def sdf(one, charge, unpaired, built):
     """A molecule as the text of an SDF file."""
-    mol = Chem.Mol(one.rd)
-    mol.RemoveAllConformers()
-    conformer = Chem.Conformer(len(one.positions))
-    for n, place in enumerate(one.positions):
-        conformer.SetAtomPosition(n, place.tolist())
-    conformer.Set3D(True)
-    mol.AddConformer(conformer)
+    mol = prepared.placed(one.rd, one.positions)
     Chem.AssignStereochemistryFrom3D(mol)  # or its double bonds are marked as of either side
     mol.SetProp("_Name", f"charge={charge} unpaired={unpaired} built={int(built)}")
     return Chem.MolToMolBlock(mol, kekulize=True) + "$$$$\n"
@@ -268,12 +304,9 @@ def started(path):
         text = formats.decoded(content, path)
         record = formats.read(text, path, "sdf").records[0]
         mol, x = record.mol, _places(record.mol)
-        Chem.Kekulize(mol, clearAromaticFlags=True)
         _check(x, path)
-        bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3)) for b in mol.GetBonds()]
-        atoms = list(mol.GetAtoms())
         words = dict(word.split("=", 1) for word in text.split("\n", 1)[0].split() if "=" in word)
-        return [[[a.GetAtomicNum() for a in atoms], x.tolist(), [a.GetFormalCharge() for a in atoms], bonds], words]
+        return [_plain(mol), words]
     plain, words = confined.run(work, path)
     one = Molecule(path, *plain)
     try:

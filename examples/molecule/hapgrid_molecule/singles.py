@@ -88,6 +88,8 @@ class SinglePoints:
                 own[0], one.far_energy = rest, own.pop()
             one.energies = own
         result.energy, result.method = rest, f"{self.method}//{result.method}"
+        for one in result.found:
+            _without_dips(one, rest)
         self._root(result)
         found, result.found = result.found, []
         for one in found:
@@ -98,13 +100,13 @@ class SinglePoints:
                 result.found.append(one)
 
     def _root(self, result):
-        """Where a node is lower than the conformation, that one becomes the conformation, and its path leads both ways from
+        """Where a node is much lower than the conformation, that one becomes the conformation, and its path leads both ways from
         there. Hydrogen peroxide is planar by GFN2-xTB, and not by better methods."""
         if not result.found:
             return
         one = min(result.found, key=lambda f: min(f.energies))
         k = int(np.argmin(one.energies))
-        if (result.energy - one.energies[k]) * HARTREE <= BELOW:
+        if (result.energy - one.energies[k]) * HARTREE <= DENT:
             return
         result.dropped += [(f.name, f"begins in the conformation of {result.method.split('//')[1]}, which is no minimum by "
                             f"{self.method}") for f in result.found if f is not one]
@@ -125,6 +127,17 @@ class SinglePoints:
     @staticmethod
     def _shapes(one):
         return list(one.nodes) if hasattr(one, "kinds") else [*one.nodes, one.far]
+
+
+def _without_dips(one, rest):
+    """Leaves out the nodes that are a little lower than the conformation: it is a minimum, but for the shapes of xtb."""
+    start = getattr(one, "start", 0)
+    rises = [(energy - rest) * HARTREE for energy in one.energies]
+    kept = [k for k, rise in enumerate(rises) if k == start or not -DENT <= rise < -BELOW]
+    one.nodes, one.energies = [one.nodes[k] for k in kept], [one.energies[k] for k in kept]
+    if hasattr(one, "kinds"):
+        one.start = kept.index(start)
+        one.kinds = {kept.index(k): kind for k, kind in one.kinds.items() if k in kept}
 
 
 def _opposite(name):

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from preparation import geometry, torsions
-from preparation.xtb import SYMBOLS
+from preparation.elements import SYMBOLS
 
 # N, CA and C of a residue.
 RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"

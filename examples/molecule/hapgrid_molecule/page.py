@@ -25,7 +25,7 @@ CAPTIONS = {"before.png": "At first.", "pushed.png": "The probe at the end of it
 
 
 def write(at, start, turned, ways):
-    """Writes the page and returns the names of its files. at: steps.Run; start: steps.Start; turned: the torsions that
+    """Writes the page and returns the names of its files. at: start.Run; start: start.Start; turned: the torsions that
     the grid's paths turn; ways: files of the probe's ways, the best first."""
     run, kept = at.filters.run, at.stages
     grid = f"{kept.name()}.grid"

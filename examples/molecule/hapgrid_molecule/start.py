@@ -1,0 +1,94 @@
+"""The molecule that is felt, as its file or SMILES gives it, and what the steps have in common."""
+
+import os
+from dataclasses import dataclass
+
+from preparation import files
+from preparation import molecule as prepared
+from preparation.xtb import Surface
+
+from . import reading, rotors, singles, stages
+from .filters import Failed, Filters
+from .pieces import signed
+
+GFN2_ATOMS = 24
+
+
+@dataclass(frozen=True)
+class Run:
+    """options: of the command line."""
+    options: object
+    stages: stages.Stages
+    filters: Filters
+
+
+@dataclass(frozen=True)
+class Start:
+    """The molecule that is felt. source: of it, in words; search: whether conformers are searched; turning: bonds
+    (torsions.Torsion); still: those and rings that keep their place (rotors.Left)."""
+    molecule: prepared.Molecule
+    source: str
+    charge: int
+    unpaired: int
+    search: bool
+    method: str
+    turning: list
+    still: list
+
+    def turned_by(self, paths):
+        """The torsions that these paths turn."""
+        return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
+
+
+def read(at):
+    o, kept = at.options, at.stages
+    source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
+
+    def compute():
+        one, charge, unpaired, built, said = reading.read(o.file, o.smiles, o.charge, o.uhf)
+        for line in said:
+            kept.say("  " + line)
+        kept.enter()
+        files.write_whole(kept.path("start.sdf"), reading.sdf(one, charge, unpaired, built))
+        return ["start.sdf"]
+    text = stages.digest_of(prepared.read_bytes(o.file)) if o.file else o.smiles
+    kept.run("molecule", "", [], [text, o.charge, o.uhf], compute)
+    one, charge, unpaired, built = reading.started(kept.path("start.sdf"))
+    method = o.method
+    if method == "auto":
+        method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
+    turning, still = rotors.find(one)
+    rings = sum(left.why == rotors.RING for left in still)
+    if o.torsions is not None:
+        turning, left = only(turning, set(o.torsions.split(",")), o.basins)
+        still = still + left
+    kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(charge)}, {len(turning)} bonds turn"
+             + (f"; {rings} rings stay as they are" if rings else ""))
+    return Start(one, source, charge, unpaired, o.search or built, method, turning, still)
+
+
+def only(turning, wanted, basins):
+    """(the torsions of --torsions, the others). With basins paths go both ways."""
+    known = {t.name for t in turning}
+    if not basins:
+        known = known.union(*(t.file_names() for t in turning))
+    unknown = sorted(wanted - known)
+    if unknown:
+        raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
+    turn = [t if t.name in wanted else t.only(wanted) for t in turning]
+    left = [rotors.Left(t.name, "not among --torsions") for t, one in zip(turning, turn) if not one.signs]
+    return [t for t in turn if t.signs], left
+
+
+def single_points(at, start):
+    """The SinglePoints of --single-points, or None."""
+    o = at.options
+    if o.single_points is None:
+        return None
+    return singles.SinglePoints(o.single_points, start.molecule.numbers, start.charge, start.unpaired, at.stages.steps)
+
+
+def surface(at, start, x):
+    """x: the conformation, bohr."""
+    return Surface(start.molecule.numbers, x, start.method, start.charge, unpaired=start.unpaired,
+                   solvent=at.options.solvent)
