@@ -59,6 +59,9 @@ def _from_babel(openbabel, ob, hydrogens):
         order = bond.GetBondOrder()
         mol.AddBond(bond.GetBeginAtomIdx() - 1, bond.GetEndAtomIdx() - 1, orders[order - 1] if 1 <= order <= 3 else orders[0])
     for atom in mol.GetAtoms():
+        double = [b for b in atom.GetBonds() if b.GetBondTypeAsDouble() == 2]
+        if atom.GetAtomicNum() == 7 and len(double) == 2 and all(n.GetDegree() > 1 for n in atom.GetNeighbors()):
+            double[1].SetBondType(orders[0])  # a triazine's nitrogen; pair_up() gives the carbon another one
         if atom.GetDegree() == 0 and atom.GetTotalNumHs() == 0 and atom.GetFormalCharge() == 0:
             atom.SetFormalCharge(ION_CHARGES.get(atom.GetAtomicNum(), 0))
     return placed(mol, x)

@@ -201,18 +201,20 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge):
         atom.SetNumExplicitHs(atom.GetTotalNumHs())
         atom.SetNoImplicit(True)
     lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
-    if not lack:
-        return
-    if _hydrogens_of_carbons(mol) < len(lack):
-        if given.kind != "sdf":
-            _join_short_bonds(mol)
-        return
+    whole = _hydrogens_of_carbons(mol) >= len(lack)
     if given.kind != "sdf":
-        valences.pair_up(mol, lack, charge)
-    for n, count in lack.items():
-        mol.GetAtomWithIdx(n).SetNumExplicitHs(count)
-    mol.UpdatePropertyCache(strict=False)
-    lack = {n: count for n, count in lack.items() if count}
+        for n in lack if whole else ():
+            mol.GetAtomWithIdx(n).SetNumExplicitHs(0)
+        mol.UpdatePropertyCache(strict=False)
+        free = valences.lacking(mol)
+        valences.pair_up(mol, free, charge)
+        for n in lack if whole else ():
+            lack[n] = min(lack[n], free.get(n, 0))
+            mol.GetAtomWithIdx(n).SetNumExplicitHs(lack[n])
+        if not whole:
+            _join_short_bonds(mol)
+        mol.UpdatePropertyCache(strict=False)
+    lack = {n: count for n, count in lack.items() if count and whole}
     if not lack or any(mol.GetAtomWithIdx(n).GetAtomicNum() not in (7, 8) for n in lack):
         return
     total = Chem.GetFormalCharge(mol) - sum(lack.values())
