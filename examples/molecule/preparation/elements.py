@@ -14,3 +14,4 @@ MASSES = {row[0]: row[1] for row in _rows}  # amu; the elements that a molecule 
 RADII = {row[0]: row[2] for row in _rows}  # van der Waals, angstrom
 COVALENT = {row[0]: row[3] for row in _rows}  # angstrom
 SYMBOLS = ["X", *(Chem.GetPeriodicTable().GetElementSymbol(z) for z in range(1, 119))]
+NUMBERS = {symbol.upper(): z for z, symbol in enumerate(SYMBOLS) if z} | {"D": 1, "T": 1}

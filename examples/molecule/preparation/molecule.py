@@ -88,15 +88,22 @@ def rdkit_molecule(numbers, charges, bonds):
     raise BadInput("a molecule whose bonds RDKit does not understand")
 
 
-def relaxed(rd, positions, steps, fixed=()):
-    """(energy, positions in angstrom) after some steps with MMFF94, or with UFF where that has no parameters; as they
-    are where neither has. Energies of one molecule can be compared with each other. fixed: atoms that stay."""
+def placed(rd, positions):
+    """A copy of RDKit's molecule with these coordinates alone, angstrom."""
     rd = Chem.Mol(rd)
     rd.RemoveAllConformers()
-    conformer = Chem.Conformer(len(positions))
+    conformer = Chem.Conformer(rd.GetNumAtoms())
+    conformer.Set3D(True)
     for n, place in enumerate(positions):
         conformer.SetAtomPosition(n, [float(v) for v in place])
     rd.AddConformer(conformer)
+    return rd
+
+
+def relaxed(rd, positions, steps, fixed=()):
+    """(energy, positions in angstrom) after some steps with MMFF94, or with UFF where that has no parameters; as they
+    are where neither has. Energies of one molecule can be compared with each other. fixed: atoms that stay."""
+    rd = placed(rd, positions)
     properties = rdForceFieldHelpers.MMFFGetMoleculeProperties(rd)
     if properties is not None:
         field = rdForceFieldHelpers.MMFFGetMoleculeForceField(rd, properties)

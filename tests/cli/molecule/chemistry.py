@@ -5,7 +5,7 @@ import sys
 sys.path.insert(0, sys.argv[1])
 import preparation  # noqa: F401  before numpy
 import numpy as np
-from command import reading, rotors, singles
+from hapgrid_molecule import reading, rotors, singles
 from preparation import geometry, naming, optimise, torsions, work, xtb
 from preparation.xtb import BOHR, HARTREE
 

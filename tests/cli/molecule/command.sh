@@ -163,7 +163,7 @@ paste <(tail -n +3 before.xyz) <(tail -n +3 turned/conformation.xyz) |
 import sys
 sys.path.insert(0, sys.argv[1])
 import preparation  # noqa: F401
-from command import cli, definition
+from hapgrid_molecule import cli, definition
 definition.CLEAR = -2.5
 sys.exit(cli.main(["--smiles", "C#N", "-o", "narrow", "--method", "gfnff", "--spacing", "1"]))
 END

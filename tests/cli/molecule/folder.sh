@@ -82,13 +82,13 @@ for signal in TERM HUP KILL; do
   FOLDER=$folder HAPGRID_BIN=$PWD/filters "$HAPGRID_SOURCE/examples/molecule/hapgrid-molecule" '<img src=x>.xyz' --method gfnff \
     --spacing 1.2 -o "$folder" --quiet >line 2>said &
   command=$!
-  wait_for 60 "expand" begun
+  wait_for 240 "expand" begun
   kill "-$signal" "$command"
   code=0
   wait "$command" 2>/dev/null || code=$?
   same "exit code after $signal" "$((128 + $(kill -l "$signal")))" "$code"
   [[ $signal == KILL ]] || same "message" 'molecule: stopped; the same command goes on' "$(cat said)"
-  wait_for 20 "end of all processes after $signal" ended
+  wait_for 120 "end of all processes after $signal" ended
   rm "$folder/pid"
   feel "$folder" >/dev/null || fail "does not go on after $signal"
 done
@@ -98,10 +98,10 @@ folder=workers
 FOLDER=$folder hapgrid molecule --smiles CCO -o "$folder" -j 2 --quiet >line 2>said &
 command=$!
 searching() { (($(grep -lsz "^FOLDER=$folder\$" /proc/[0-9]*/environ | wc -l) > 2)); }
-wait_for 60 "workers" searching
+wait_for 240 "workers" searching
 kill -KILL "$command"
 wait "$command" 2>/dev/null || true
-wait_for 20 "end of the workers" ended
+wait_for 120 "end of the workers" ended
 
 # Two commands in one folder do not run at once: the second waits, and finds everything done.
 rm -rf both

@@ -12,7 +12,7 @@ import sys
 sys.path.insert(0, sys.argv[1])
 import preparation  # noqa: F401
 import numpy as np
-from command import confined, reading
+from hapgrid_molecule import confined, reading
 from preparation.molecule import BadInput
 from openbabel import openbabel
 

@@ -1,10 +1,10 @@
-"""stiffness.py FOLDER: checks the rule of FOLDER/command/stiffness.py with Hessians of closed form."""
+"""stiffness.py FOLDER: checks the rule of FOLDER/hapgrid_molecule/stiffness.py with Hessians of closed form."""
 
 import sys
 
 sys.path.insert(0, sys.argv[1])
 import numpy as np
-from command import stiffness
+from hapgrid_molecule import stiffness
 from preparation import geometry
 
 # A cross of four equal atoms. A torsion moves one of them, 3 Å from the centre, by 2 Å for a unit of t.

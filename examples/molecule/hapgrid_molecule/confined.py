@@ -1,8 +1,8 @@
 """A function in a process of its own, for files from strangers.
 
-Libraries that read a dozen formats crash on some damaged files. The process has limits of memory, time and size of files, and on
-Linux for x86-64 and ARM64 it cannot open a connection or start a program. What it returns are texts and numbers. A
-container or a user namespace would hide the files of this machine, too, but many machines allow neither.
+Libraries that read a dozen formats crash on some damaged files. The process has limits of memory, time and size of
+files, and on Linux for x86-64 and ARM64 it cannot open a connection or start a program. What it returns are texts and
+numbers. A container or a user namespace would hide the files of this machine, too, but many machines allow neither.
 """
 
 import ctypes
@@ -22,8 +22,8 @@ CPU_SECONDS = 120
 WAIT_SECONDS = 600  # with others on the same machine
 MOST_ANSWER = 16 << 20  # bytes
 
-# By machine: the kernel's number of the architecture, and of the calls that are refused: socket, execve, execveat, io_uring_setup
-# (which could do the same).
+# By machine: the kernel's number of the architecture, and of the calls that are refused: socket, execve, execveat,
+# io_uring_setup (which could do the same).
 _REFUSED = {"x86_64": (0xC000003E, (41, 59, 322, 425)), "aarch64": (0xC00000B7, (198, 221, 281, 425))}
 _PR_SET_PDEATHSIG, _PR_SET_NO_NEW_PRIVS, _PR_SET_SECCOMP, _FILTER = 1, 38, 22, 2
 

@@ -1,7 +1,8 @@
 """Hydrogens and shapes that a file does not have, by RDKit.
 
-Distance geometry with the torsions of the Cambridge Structural Database (ETKDG), relaxed by MMFF94 or UFF. Open Babel's builder is
-not used: it gives up or lets atoms overlap for 16 of 62 everyday molecules, and it is random where rings meet chains.
+Distance geometry with the torsions of the Cambridge Structural Database (ETKDG), relaxed by MMFF94 or UFF. Open Babel's
+builder is not used: it gives up or lets atoms overlap for 16 of 62 everyday molecules, and it is random where rings meet
+chains.
 """
 
 import numpy as np
@@ -28,8 +29,8 @@ def understood(mol, what):
         raise BadInput(f"{what}: {atom.GetSymbol()}{atom.GetIdx() + 1} has {bonds} bonds, too many for its charge of "
                        f"{atom.GetFormalCharge()}: correct its bonds or its charge") from None
     except (Chem.KekulizeException, Chem.AtomKekulizeException):
-        raise BadInput(f"{what}: not understood: its aromatic rings have no alternating bonds: mark the hydrogen of a nitrogen, "
-                       "as in [nH], or write single and double bonds") from None
+        raise BadInput(f"{what}: not understood: its aromatic rings have no alternating bonds: mark the hydrogen of a "
+                       "nitrogen, as in [nH], or write single and double bonds") from None
     except ValueError as why:
         raise BadInput(f"{what}: not understood: {why}") from None
     return one

@@ -13,12 +13,11 @@ SCRIPT = """\
 set terminal pngcairo noenhanced size 900,1400 font 'DejaVu Sans,18'
 set output '{picture}'
 set datafile separator '\\t'
-set multiplot layout 3,1
+set multiplot layout {panels},1
 set key outside top center horizontal
 set grid lc rgb '#dddddd'
 set xlabel 't / s'
-set ylabel 'torsion / degrees'
-plot {torsions}
+{torsions}
 set ylabel 'energy / (kJ/mol)'
 plot 'energies.tsv' using 1:2 with lines lw 3 lc rgb '#888888' title 'with probe and anchors', \\
      'energies.tsv' using 1:3 with lines lw 3 lc rgb '#d55e00' title 'the molecule alone'
@@ -38,10 +37,9 @@ def draw(stages, log, shapes, torsions, times):
     t, hybrid, own, *sent = (rows[:, names.index(n)] for n in ("t", "energy", "own_energy", "sent_x", "sent_y", "sent_z"))
     _table(stages, "energies.tsv", ["t_s", "hybrid_kJ_mol", "molecule_kJ_mol", "force_N"],
            [t, hybrid, own, np.sqrt(np.square(sent).sum(axis=0))])
-    if not torsions:
-        return ["torsions.tsv", "energies.tsv"]
     curves = ", ".join(f"'torsions.tsv' using 1:{k + 2} with lines lw 3 title '{torsions[k].name}'" for k in moving)
-    script = SCRIPT.format(picture="course.png", torsions=curves)
+    script = SCRIPT.format(picture="course.png", panels=3 if torsions else 2,
+                           torsions=torsions and f"set ylabel 'torsion / degrees'\nplot {curves}" or "")
     try:
         done = subprocess.run(["gnuplot"], input=script, cwd=stages.directory, text=True, capture_output=True,
                               check=False)

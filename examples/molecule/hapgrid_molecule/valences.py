@@ -1,5 +1,5 @@
-"""Bonds and charges that a file does not say. Formats without bonds and formal charges leave atoms with valences that none has:
-of an ion, or where Open Babel did not find all double bonds of a molecule that has all its hydrogens.
+"""Bonds and charges that a file does not say. Formats without bonds and formal charges leave atoms with valences that
+none has: of an ion, or where Open Babel did not find all double bonds of a molecule that has all its hydrogens.
 """
 
 from preparation.molecule import BadInput
@@ -11,8 +11,8 @@ from .pieces import signed, symbol
 VALENCES = {1: (1,), 5: (3,), 6: (4,), 7: (3, 5), 8: (2,), 9: (1,), 14: (4,), 15: (3, 5), 16: (2, 4, 6), 17: (1, 3, 5, 7),
             34: (2, 4, 6), 35: (1, 3, 5), 53: (1, 3, 5, 7)}
 # The charge with which an atom is closed, by element and the sum of its bond orders.
-CLOSED = {(5, 4): -1, (7, 4): 1, (7, 2): -1, (8, 1): -1, (8, 3): 1, (9, 0): -1, (15, 4): 1, (15, 2): -1, (15, 6): -1, (16, 1): -1,
-          (16, 3): 1, (17, 0): -1, (34, 1): -1, (34, 3): 1, (35, 0): -1, (35, 2): 1, (53, 0): -1, (53, 2): 1}
+CLOSED = {(5, 4): -1, (7, 4): 1, (7, 2): -1, (8, 1): -1, (8, 3): 1, (9, 0): -1, (15, 4): 1, (15, 2): -1, (15, 6): -1,
+          (16, 1): -1, (16, 3): 1, (17, 0): -1, (34, 1): -1, (34, 3): 1, (35, 0): -1, (35, 2): 1, (53, 0): -1, (53, 2): 1}
 MOST_NAMED = 6
 
 
@@ -106,8 +106,8 @@ def close(mol, what, charge, unpaired):
     if charge is None and unpaired is None and not (known and total == 0):
         one = len(found) == 1
         advice = f"--charge {signed(total)} closes {'it' if one else 'them'}" if known else "--charge, or --uhf for a radical"
-        raise BadInput(f"{what}: {named(mol, [n for n, _ in found])} {'has an open valence' if one else 'have open valences'}, "
-                       f"and no charge is given: {advice}")
+        have = "has an open valence" if one else "have open valences"
+        raise BadInput(f"{what}: {named(mol, [n for n, _ in found])} {have}, and no charge is given: {advice}")
     if known and (charge is None or total == charge):
         for n, q in found:
             mol.GetAtomWithIdx(n).SetFormalCharge(q)

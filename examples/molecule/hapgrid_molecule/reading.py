@@ -9,12 +9,13 @@ from preparation.elements import COVALENT, MASSES
 from preparation.molecule import BadInput, Molecule
 from rdkit import Chem
 
-from . import building, confined, formats, pieces, valences
+from . import babel, building, confined, formats, pieces, valences
 from .pieces import signed
 
 MOST_ATOMS = 100
-# Of the sum of the covalent radii: carbon with a shorter bond has a double one (1.42 angstrom to carbon), nitrogen, too (1.33).
-SHORT = {6: 0.935, 7: 0.905}
+# Of the sum of the covalent radii: carbon with a shorter bond has a double one (1.41 angstrom to carbon), and nitrogen
+# (1.33).
+SHORT = {6: 0.925, 7: 0.905}
 
 
 def read(path, smiles, charge=None, unpaired=None):
@@ -50,11 +51,16 @@ def _one(given, charge, unpaired):
         charge = Chem.GetFormalCharge(mol)
     x = mol.GetConformer().GetPositions()
     _check(x, given.what)
+    return {"molecule": _plain(mol), "charge": charge, "unpaired": unpaired or 0, "built": built, "said": given.said}
+
+
+def _plain(mol):
+    """What makes a Molecule, as JSON can hold it."""
     Chem.Kekulize(mol, clearAromaticFlags=True)
-    bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3)) for b in mol.GetBonds()]
     atoms = list(mol.GetAtoms())
-    return {"molecule": [[a.GetAtomicNum() for a in atoms], x.tolist(), [a.GetFormalCharge() for a in atoms], bonds],
-            "charge": charge, "unpaired": unpaired or 0, "built": built, "said": given.said}
+    bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3))
+             for b in mol.GetBonds()]
+    return [[a.GetAtomicNum() for a in atoms], _places(mol).tolist(), [a.GetFormalCharge() for a in atoms], bonds]
 
 
 def _places(mol):
@@ -78,7 +84,7 @@ def _refuse_no_coordinates(given, record):
     if len(x) > MOST_ATOMS * 10:
         raise BadInput(f"{what}: {len(x)} atoms, at most {MOST_ATOMS} are feasible: cut out the part that matters, and close "
                        "it with hydrogen")
-    record.mol = formats.with_bonds([a.GetAtomicNum() for a in mol.GetAtoms()], x, what)
+    record.mol = babel.with_bonds([a.GetAtomicNum() for a in mol.GetAtoms()], x, what)
     if formats.is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
         raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
     _check_distances(x, what)
@@ -104,12 +110,14 @@ def _refuse_elements(mol, what):
 def _completed(given, record, charge, unpaired):
     """(the molecule with all hydrogens and a shape, whether that was built)."""
     what, mol, x = given.what, record.mol, _places(record.mol)
-    if given.kind == "xyz" and unpaired is None and charge is None:
-        _refuse_without_hydrogen(mol, what)
     if given.kind == "xyz" and not unpaired:
-        valences.pair_up(mol, valences.lacking(mol), charge)
-    if given.kind in ("pdb", "mol2"):
-        _add_no_hydrogen_to_the_whole(mol, what, charge)
+        lack = valences.lacking(mol)
+        if _hydrogens_of_carbons(mol) >= len(lack):
+            valences.pair_up(mol, lack, charge)
+        if unpaired is None and charge is None:
+            _refuse_without_hydrogen(mol, what)
+    if given.kind in ("pdb", "mol2") or given.kind == "sdf" and not formats.is_flat(x):
+        _add_no_hydrogen_to_the_whole(mol, given, charge)
     if given.kind != "smi" or charge is not None:
         valences.close(mol, what, charge, unpaired)
     mol = _understood(mol, given, charge, unpaired)
@@ -158,13 +166,7 @@ def _built(mol, given):
     free = building.unspecified(mol)
     if free:
         given.say(f"the handedness of {valences.named(mol, [n - 1 for n in free])} is not given: one is taken")
-    x = building.shape(mol, given.what)
-    mol.RemoveAllConformers()
-    conformer = Chem.Conformer(len(x))
-    for n, place in enumerate(x):
-        conformer.SetAtomPosition(n, place.tolist())
-    mol.AddConformer(conformer)
-    return mol
+    return prepared.placed(mol, building.shape(mol, given.what))
 
 
 def _has_no_bond_lengths(mol, x):
@@ -187,17 +189,26 @@ def _refuse_without_hydrogen(mol, what):
                            "or --smiles; a radical needs --uhf")
 
 
-def _add_no_hydrogen_to_the_whole(mol, what, charge):
+def _hydrogens_of_carbons(mol):
+    return sum(a.GetAtomicNum() == 1 and any(n.GetAtomicNum() == 6 for n in a.GetNeighbors()) for a in mol.GetAtoms())
+
+
+def _add_no_hydrogen_to_the_whole(mol, given, charge):
     """Where most carbons have their hydrogens the file has all that there are. Atoms that seem to lack some then have double
-    bonds; an oxygen or nitrogen that still lacks one is an ion's, and gets none."""
+    bonds, unless the file says which bonds are; an oxygen or nitrogen that still lacks one is an ion's, and gets none."""
+    what = given.what
+    for atom in mol.GetAtoms():
+        atom.SetNumExplicitHs(atom.GetTotalNumHs())
+        atom.SetNoImplicit(True)
     lack = {a.GetIdx(): a.GetNumExplicitHs() for a in mol.GetAtoms() if a.GetNumExplicitHs()}
-    given = sum(a.GetAtomicNum() == 1 and any(n.GetAtomicNum() == 6 for n in a.GetNeighbors()) for a in mol.GetAtoms())
     if not lack:
         return
-    if given < len(lack):
-        _join_short_bonds(mol)
+    if _hydrogens_of_carbons(mol) < len(lack):
+        if given.kind != "sdf":
+            _join_short_bonds(mol)
         return
-    valences.pair_up(mol, lack, charge)
+    if given.kind != "sdf":
+        valences.pair_up(mol, lack, charge)
     for n, count in lack.items():
         mol.GetAtomWithIdx(n).SetNumExplicitHs(count)
     mol.UpdatePropertyCache(strict=False)
@@ -279,13 +290,7 @@ def check_electrons(one, what, charge, unpaired):
 
 def sdf(one, charge, unpaired, built):
     """A molecule as the text of an SDF file."""
-    mol = Chem.Mol(one.rd)
-    mol.RemoveAllConformers()
-    conformer = Chem.Conformer(len(one.positions))
-    for n, place in enumerate(one.positions):
-        conformer.SetAtomPosition(n, place.tolist())
-    conformer.Set3D(True)
-    mol.AddConformer(conformer)
+    mol = prepared.placed(one.rd, one.positions)
     Chem.AssignStereochemistryFrom3D(mol)  # or its double bonds are marked as of either side
     mol.SetProp("_Name", f"charge={charge} unpaired={unpaired} built={int(built)}")
     return Chem.MolToMolBlock(mol, kekulize=True) + "$$$$\n"
@@ -299,12 +304,9 @@ def started(path):
         text = formats.decoded(content, path)
         record = formats.read(text, path, "sdf").records[0]
         mol, x = record.mol, _places(record.mol)
-        Chem.Kekulize(mol, clearAromaticFlags=True)
         _check(x, path)
-        bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3)) for b in mol.GetBonds()]
-        atoms = list(mol.GetAtoms())
         words = dict(word.split("=", 1) for word in text.split("\n", 1)[0].split() if "=" in word)
-        return [[[a.GetAtomicNum() for a in atoms], x.tolist(), [a.GetFormalCharge() for a in atoms], bonds], words]
+        return [_plain(mol), words]
     plain, words = confined.run(work, path)
     one = Molecule(path, *plain)
     try:

@@ -1,13 +1,13 @@
 """Lines of a PDB file: which alternate location of a residue is kept, and the element of each atom.
 
-Source: the format's description 3.3. Columns are counted from 0 here. 12-15 have the atom's name, with its element right-aligned
-in 12-13 but for hydrogens whose name has four letters; 16 the alternate location, 17-19 the residue, 21-26 its place, 54-59 the
-occupancy, 76-77 the element, 78-79 the charge.
+Source: the format's description 3.3. Columns are counted from 0 here. 12-15 have the atom's name, with its element
+right-aligned in 12-13 but for hydrogens whose name has four letters; 16 the alternate location, 17-19 the residue,
+21-26 its place, 54-59 the occupancy, 76-77 the element, 78-79 the charge.
 """
 
 import re
 
-from .formats import NUMBERS
+from preparation.elements import NUMBERS
 
 AMINO_ACIDS = set("ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL ACE NME".split())
 

@@ -1,28 +1,29 @@
 """The texts of molecules' files, as records of one molecule or several pieces each.
 
-RDKit reads MDL's formats (SDF, MOL) and SMILES. Open Babel reads the others, since it finds bonds from distances. What both
-misread is put right in the text before: symbols in capitals, alternate locations, lone pairs, headers, units.
+RDKit reads MDL's formats (SDF, MOL) and SMILES, Open Babel (babel.py) the others. What both misread is put right in
+the text before: symbols in capitals, alternate locations, lone pairs, headers, units.
 """
 
 import re
 from dataclasses import dataclass, field
 
 import numpy as np
-from preparation.elements import COVALENT, SYMBOLS
+from preparation.elements import COVALENT, NUMBERS, SYMBOLS
 from preparation.molecule import BadInput
 from preparation.xtb import BOHR
 from rdkit import Chem
 
+from . import babel, pdb
+
 KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
 MOST_RECORDS = 1000
-NUMBERS = {symbol.upper(): z for z, symbol in enumerate(SYMBOLS) if z} | {"D": 1, "T": 1}
 MOST_CHARGE = 9
 
 
 @dataclass
 class Record:
-    """mol: RDKit's molecule, not sanitized, with a conformer unless it is of SMILES. drawing: whether its coordinates are said
-    to be a drawing's. charge, unpaired: what the text says of all of it, or None. energy: in whatever unit."""
+    """mol: RDKit's molecule, not sanitized, with a conformer unless it is of SMILES. drawing: whether its coordinates
+    are said to be a drawing's. charge, unpaired: what the text says of all of it, or None. energy: in whatever unit."""
     mol: Chem.Mol
     drawing: bool = False
     charge: int = None
@@ -104,7 +105,8 @@ def _sdf(text, given):
             raise BadInput(f"{given.what}: record {len(given.records) + 1} is not understood as SDF: its atoms or bonds are damaged")
         if mol.GetNumBonds() == 0 and mol.GetNumAtoms() > 1 and x is not None and np.ptp(x, axis=0).max() > 0.1:
             given.say("no bonds are in the file: they are found from the distances")
-            mol = with_bonds([a.GetAtomicNum() for a in mol.GetAtoms()], mol.GetConformer().GetPositions(), given.what)
+            numbers = [a.GetAtomicNum() for a in mol.GetAtoms()]
+            mol = babel.with_bonds(numbers, mol.GetConformer().GetPositions(), given.what)
         _add(given, Record(mol, drawing, unpaired=_radicals(lines)))
 
 
@@ -201,7 +203,7 @@ def _xyz_frame(lines, at, given):
     if _is_in_bohr(numbers, x):
         given.say("the atoms are 1.9 times too far apart: the coordinates are taken to be in bohr")
         x = x * BOHR
-    _add(given, Record(unbonded(numbers, x), False, charge, unpaired, energy_in(title)))
+    _add(given, Record(babel.unbonded(numbers, x), False, charge, unpaired, energy_in(title)))
     return first + count
 
 
@@ -282,78 +284,7 @@ def _keep_lowest(given):
         given.say(f"{count} frames of one molecule: frame {best + 1}, of lowest energy, is taken")
 
 
-# Through Open Babel
-
-def unbonded(numbers, x):
-    """RDKit's molecule without bonds."""
-    mol = Chem.RWMol()
-    for z in numbers:
-        atom = Chem.Atom(int(z))
-        atom.SetNoImplicit(True)
-        mol.AddAtom(atom)
-    return _placed(mol, x)
-
-
-def _placed(mol, x):
-    conformer = Chem.Conformer(mol.GetNumAtoms())
-    for n, place in enumerate(x):
-        conformer.SetAtomPosition(n, [float(v) for v in place])
-    mol.AddConformer(conformer)
-    return mol.GetMol()
-
-
-def with_bonds(numbers, x, what):
-    """RDKit's molecule of atoms that are all there, with bonds that Open Babel finds."""
-    rows = [f"{SYMBOLS[z]} " + " ".join(f"{v:.10f}" for v in place) for z, place in zip(numbers, x)]
-    mols = list(by_babel(f"{len(rows)}\n\n" + "\n".join(rows) + "\n", "xyz", what, hydrogens=False))
-    if len(mols) != 1 or mols[0].GetNumAtoms() != len(rows):
-        raise BadInput(f"{what}: not understood as XYZ")
-    return mols[0]
-
-
-def by_babel(text, kind, what, hydrogens=True):
-    """RDKit's molecules of the records that Open Babel reads. hydrogens: whether atoms get those that the text leaves out."""
-    try:
-        from openbabel import openbabel
-    except ImportError:
-        raise BadInput("Open Babel not found: install the Debian package python3-openbabel") from None
-    openbabel.obErrorLog.SetOutputLevel(-1)
-    conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
-    conversion.SetInFormat(kind)
-    more = conversion.ReadString(ob, text)
-    while more and ob.NumAtoms():
-        yield _from_babel(openbabel, ob, hydrogens)
-        ob = openbabel.OBMol()
-        more = conversion.Read(ob)
-
-
-def _from_babel(openbabel, ob, hydrogens):
-    mol, x = Chem.RWMol(), []
-    for from_ in openbabel.OBMolAtomIter(ob):
-        atom = Chem.Atom(from_.GetAtomicNum())
-        atom.SetFormalCharge(from_.GetFormalCharge())
-        atom.SetNoImplicit(True)
-        if hydrogens and from_.GetExplicitDegree() + from_.GetImplicitHCount() > 0 and not _is_ion(from_):
-            atom.SetNumExplicitHs(from_.GetImplicitHCount())
-        mol.AddAtom(atom)
-        x.append((from_.GetX(), from_.GetY(), from_.GetZ()))
-    orders = (Chem.BondType.SINGLE, Chem.BondType.DOUBLE, Chem.BondType.TRIPLE)
-    for bond in openbabel.OBMolBondIter(ob):
-        order = bond.GetBondOrder()
-        mol.AddBond(bond.GetBeginAtomIdx() - 1, bond.GetEndAtomIdx() - 1, orders[order - 1] if 1 <= order <= 3 else orders[0])
-    for atom in mol.GetAtoms():
-        if atom.GetDegree() == 0 and atom.GetTotalNumHs() == 0 and atom.GetFormalCharge() == 0:
-            atom.SetFormalCharge(ION_CHARGES.get(atom.GetAtomicNum(), 0))
-    return _placed(mol, x)
-
-
-# Atoms that stand alone in structures of proteins and salts.
-ION_CHARGES = {3: 1, 9: -1, 11: 1, 12: 2, 17: -1, 19: 1, 20: 2, 25: 2, 26: 2, 27: 2, 28: 2, 29: 2, 30: 2, 35: -1, 48: 2, 53: -1}
-
-
-def _is_ion(atom):
-    return atom.GetExplicitDegree() == 0 and atom.GetAtomicNum() in ION_CHARGES
-
+# Formats that Open Babel reads
 
 def _mol2(text, given):
     left, out, section, kept = 0, [], "", {}
@@ -379,7 +310,7 @@ def _mol2(text, given):
     if left:
         given.say(f"{left} lone pairs or dummy atoms are left out")
         out = _recounted(out)
-    for mol in by_babel("\n".join(out), "mol2", given.what):
+    for mol in babel.molecules("\n".join(out), "mol2", given.what):
         _add(given, Record(mol))
 
 
@@ -398,9 +329,8 @@ def _recounted(lines):
 
 
 def _pdb(text, given):
-    from . import pdb
     lines = pdb.without_alternates(text.split("\n"), given.say)
-    for mol in by_babel("\n".join(map(pdb.with_element, lines)), "pdb", given.what):
+    for mol in babel.molecules("\n".join(map(pdb.with_element, lines)), "pdb", given.what):
         _add(given, Record(mol))
 
 

@@ -1,0 +1,68 @@
+"""Molecules that Open Babel reads, since it finds bonds from distances, as RDKit's."""
+
+from preparation.elements import SYMBOLS
+from preparation.molecule import BadInput, placed
+from rdkit import Chem
+
+# Atoms that stand alone in structures of proteins and salts.
+ION_CHARGES = {3: 1, 9: -1, 11: 1, 12: 2, 17: -1, 19: 1, 20: 2, 25: 2, 26: 2, 27: 2, 28: 2, 29: 2, 30: 2, 35: -1, 48: 2,
+               53: -1}
+
+
+def unbonded(numbers, x):
+    """RDKit's molecule without bonds."""
+    mol = Chem.RWMol()
+    for z in numbers:
+        atom = Chem.Atom(int(z))
+        atom.SetNoImplicit(True)
+        mol.AddAtom(atom)
+    return placed(mol, x)
+
+
+def with_bonds(numbers, x, what):
+    """RDKit's molecule of atoms that are all there, with bonds that Open Babel finds."""
+    rows = [f"{SYMBOLS[z]} " + " ".join(f"{v:.10f}" for v in place) for z, place in zip(numbers, x)]
+    mols = list(molecules(f"{len(rows)}\n\n" + "\n".join(rows) + "\n", "xyz", what, hydrogens=False))
+    if len(mols) != 1 or mols[0].GetNumAtoms() != len(rows):
+        raise BadInput(f"{what}: not understood as XYZ")
+    return mols[0]
+
+
+def molecules(text, kind, what, hydrogens=True):
+    """RDKit's molecules of the records that Open Babel reads. hydrogens: whether atoms get those that the text leaves out."""
+    try:
+        from openbabel import openbabel
+    except ImportError:
+        raise BadInput("Open Babel not found: install the Debian package python3-openbabel") from None
+    openbabel.obErrorLog.SetOutputLevel(-1)
+    conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
+    conversion.SetInFormat(kind)
+    more = conversion.ReadString(ob, text)
+    while more and ob.NumAtoms():
+        yield _from_babel(openbabel, ob, hydrogens)
+        ob = openbabel.OBMol()
+        more = conversion.Read(ob)
+
+
+def _from_babel(openbabel, ob, hydrogens):
+    mol, x = Chem.RWMol(), []
+    for from_ in openbabel.OBMolAtomIter(ob):
+        atom = Chem.Atom(from_.GetAtomicNum())
+        atom.SetFormalCharge(from_.GetFormalCharge())
+        atom.SetNoImplicit(True)
+        if hydrogens and from_.GetExplicitDegree() + from_.GetImplicitHCount() > 0 and not _is_ion(from_):
+            atom.SetNumExplicitHs(from_.GetImplicitHCount())
+        mol.AddAtom(atom)
+        x.append((from_.GetX(), from_.GetY(), from_.GetZ()))
+    orders = (Chem.BondType.SINGLE, Chem.BondType.DOUBLE, Chem.BondType.TRIPLE)
+    for bond in openbabel.OBMolBondIter(ob):
+        order = bond.GetBondOrder()
+        mol.AddBond(bond.GetBeginAtomIdx() - 1, bond.GetEndAtomIdx() - 1, orders[order - 1] if 1 <= order <= 3 else orders[0])
+    for atom in mol.GetAtoms():
+        if atom.GetDegree() == 0 and atom.GetTotalNumHs() == 0 and atom.GetFormalCharge() == 0:
+            atom.SetFormalCharge(ION_CHARGES.get(atom.GetAtomicNum(), 0))
+    return placed(mol, x)
+
+
+def _is_ion(atom):
+    return atom.GetExplicitDegree() == 0 and atom.GetAtomicNum() in ION_CHARGES
