@@ -34,8 +34,9 @@ Files in DIR, where NAME is the folder's name when it was new:
   *.xyz            conformation and paths; report.tsv has their energies
   path-*.txt       ways of the probe
 
-Rings keep their shape. Of several molecules or records the largest is taken,
-with at most 100 atoms. The same molecule gives the same grid on each machine.
+Rings keep their shape, unless paths lead between the minima of an ensemble. Of
+several molecules or records the largest is taken, with at most 100 atoms. The
+same molecule gives the same grid on each machine.
 
 exit codes:
   0  done

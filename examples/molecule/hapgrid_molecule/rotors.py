@@ -13,7 +13,7 @@ from preparation.elements import SYMBOLS
 
 # N, CA and C of a residue.
 RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"
-RING = "a ring stays as it is"
+RING = "a ring stays as it is, unless an ensemble has its flip"
 SULPHUR = 16
 LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
 

@@ -23,11 +23,29 @@ FIRST_LEG = 10  # segments from the conformation to the first saddle; their leng
 
 def minimum(work, x):
     """(x, energy, hessian) of the minimum near a shape in angstrom, which lies as the conformation does."""
-    x, _, hessian = optimise.minimum(work.surface, x / BOHR)
+    x, _, hessian = optimise.minimum(work.surface, numbered_alike(work.molecule, x / BOHR, work.x))
     if not work.intact(x):
         raise Dropped("its bonds change")
     turned = np.round(geometry.aligned(x, work.x, work.surface.masses) * BOHR, 8) / BOHR  # as in the file
     return turned, work.surface.energy(turned), hessian
+
+
+def numbered_alike(molecule, x, reference):
+    """x with equal atoms exchanged where an atom with four neighbours is the mirror image of that in the reference: programs
+    that embed shapes number the hydrogens of a CH2 group either way. Errors: Dropped, for another stereoisomer."""
+    x = x.copy()
+    for at, near in enumerate(molecule.neighbours):
+        if len(near) != 4:
+            continue
+        here, there = (np.linalg.det(y[near[1:]] - y[near[0]]) for y in (x, reference))
+        if here * there > 0:
+            continue
+        ends = [a for a in near if len(molecule.neighbours[a]) == 1]
+        pair = next(((a, b) for a in ends for b in ends if a < b and molecule.numbers[a] == molecule.numbers[b]), None)
+        if pair is None:
+            raise Dropped(f"another stereoisomer, at atom {at + 1}")
+        x[list(pair)] = x[list(pair[::-1])]
+    return x
 
 
 def _chain(work, a, b):

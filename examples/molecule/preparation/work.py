@@ -173,10 +173,11 @@ class Work:
         starts = ensemble or ([self.molecule.positions] if keep else
                               conformers(self.molecule, self.driven, CONFORMERS, SEED))
         best, reason = None, ""
+        tie = SAME_ENERGY / HARTREE if ensemble else 0.0  # of equal minima of an ensemble the first is taken
         for x, energy, why in relaxed(starts):
             if why:
                 reason = why
-            elif best is None or energy < best[0]:
+            elif best is None or energy < best[0] - tie:
                 best = energy, x
         if best is None:
             raise Failed(f"no conformation: none of the start structures relaxes: {reason}{self._what_to_do()}")

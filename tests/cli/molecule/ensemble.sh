@@ -3,7 +3,8 @@ source "$(dirname "$0")/../lib.sh"
 source "$here/xtb.bash"
 METHOD=(--gfnff)
 
-# Cyclohexane's chair and the other chair, in which each axial hydrogen is equatorial. The ring flips on one path over two
+# Cyclohexane's chair and the other chair, in which each axial hydrogen is equatorial; two hydrogens at one carbon are
+# numbered the other way, as programs do that embed shapes. The ring flips on one path over two
 # barriers and a twist-boat, whose energies are those of the program xtb.
 cp "$here/cyclohexane.xyz" .
 hapgrid molecule cyclohexane.xyz --basins --method gfnff -o ring --until structures --quiet >line 2>&1 || fail "$(cat line)"
