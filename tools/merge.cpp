@@ -59,7 +59,10 @@ int run(const Options& options) {
   if (options.small && names.size() > 1) throw UsageError("--small: takes one grid");
   const std::uint32_t generation =
       options.small ? write_small(names.front(), options.output) : write_merged(names, options);
-  if (!options.cost.empty()) append_cost(options.cost, {.tool = "merge", .generation = generation});
+  RunCost cost;
+  cost.tool = "merge";
+  cost.generation = generation;
+  if (!options.cost.empty()) append_cost(options.cost, cost);
   return kExitDone;
 }
 

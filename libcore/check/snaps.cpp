@@ -17,12 +17,15 @@ namespace hapgrid {
 namespace {
 
 constexpr std::size_t kMostLinks = 256;  // each costs kPieces conversions
-// The share of an honest model's steps that may meet a fork, and end elsewhere in pieces.
+// The share of an honest model's steps that may meet a fork, and end elsewhere in pieces. Of a few
+// steps one or two may, whatever their share is.
 constexpr double kForks = 0.1;
+constexpr double kFewForks = 2;
 constexpr double kWide = 0.5;  // of the tolerance: a spread that leaves too little room
 
 bool are_few(const Findings& found) {
-  return static_cast<double>(found.offenders) <= kForks * static_cast<double>(found.counted);
+  return static_cast<double>(found.offenders) <=
+         std::max(kFewForks, kForks * static_cast<double>(found.counted));
 }
 
 struct Link {
@@ -77,11 +80,9 @@ void judge_halves(Check& check, std::vector<double> apart, const GridSpec& spec)
   const auto middle = apart.begin() + static_cast<std::ptrdiff_t>(apart.size() / 2);
   std::nth_element(apart.begin(), middle, apart.end());
   check.meaning = format(
-      "a step in two halves ends in another state, {} apart in the median; the tolerance is {}: C "
-      "is "
-      "less exact than that, or walks too coarsely. Let it converge (a smaller fmax, or tolerance "
-      "of "
-      "the gradient), or raise the tolerance",
+      "a step in two halves ends in another state, {} apart in the median; the tolerance is {}: "
+      "C is less exact than that, or walks too coarsely. Let it converge (a smaller fmax, or "
+      "tolerance of the gradient), or raise the tolerance",
       rounded(*middle), rounded(spec.tolerance));
 }
 
@@ -90,8 +91,7 @@ void judge_snaps(Check& check) {
   check.meaning = format(
       "steps along which the model snaps, and which end in another state when they are made in {} "
       "pieces: C leaps over barriers that are still there, or is less exact than its tolerance. "
-      "Make "
-      "its steps of the HIP smaller, and go downhill by a descent that cannot leap, such as "
+      "Make its steps of the HIP smaller, and go downhill by a descent that cannot leap, such as "
       "hapgrid.relax() in Python",
       kPieces);
 }

@@ -25,7 +25,7 @@ bool convert_in_pieces(Model& model, std::span<const double> s, const Vec3& x, c
                        std::vector<double>& row);
 
 /// Finishes the row `snaps`, whose findings are steps along which the model snaps, and those that
-/// end elsewhere in pieces: a note while these are few, else a fault.
+/// end elsewhere in pieces: a note while these are a tenth or fewer, or two, else a fault.
 void judge_snaps(Check& check);
 
 /// Finishes the row `halves`, whose findings are steps, and those that end in another state when
@@ -38,9 +38,9 @@ void judge_halves(Check& check, std::vector<double> apart, const GridSpec& spec)
 Figure exactness(std::vector<double> distances, const GridSpec& spec);
 
 /// `snaps`: walks one-way links of `records` in pieces, at most 256 of them, evenly chosen. Links
-/// that C does not follow are offenders of `fidelity`. Its
-/// figure is the distance of a state that C gives, evaluated again along one two-way link of each
-/// record, from the state that is stored there.
+/// that C does not follow are offenders of `fidelity`. Its figure is the distance of a state that C
+/// gives, evaluated again along one two-way link of each record, from the state that is stored
+/// there.
 /// @param make_model is called once for each thread, by the calling thread.
 Check check_snaps(const Grid& grid, std::span<const RecordIndex> records,
                   const MakeModel& make_model, int threads);

@@ -18,6 +18,9 @@ constexpr double kFarNearer = 0.3;
 constexpr double kSame = 1.0 / 3;
 // How far outside the cell a late answer may lie, in spacings.
 constexpr double kBeside = 0.5;
+// How far the grid may snap before the model does, in spacings: twice the resolution of the tear
+// fractions. The state would jump back, and snap once more.
+constexpr double kEarly = 1.0 / 16;
 
 }  // namespace
 
@@ -40,18 +43,23 @@ void BranchTraversal::settle(StepResult& result) noexcept {
   const BesideAnswer* const answer = beside_->answer();
   const std::uint64_t age = answer ? beside_->tick() - answer->tick : 0;
   // If the grid snaps a bit early, late answers still tell of the branch before: they are passed
-  // over until one comes that is as late after the snap as answers are.
-  if (result.snapped) trusted_from_ = beside_->tick() + age;
+  // over until one comes that is as late after the snap as answers are, and from behind it.
+  if (result.snapped) trust_after_snap(age);
   std::array<double, 8> weights{};
-  const bool is_asked =
-      answer && answer->tick >= trusted_from_ && find_weights(answer->at, weights);
+  const bool is_asked = answer && answer->tick >= trusted_from_ &&
+                        !(age > 0 && length_of(answer->at - snapped_at_) < kEarly * box_.spacing) &&
+                        find_weights(answer->at, weights);
   if (is_asked) take_nearest(weights, answer->state, result);
   agreed_ = is_asked;
   // The grid decides where the model does not. It also says whether the branch has ended since a
   // late answer, except where it already said so too early for that answer.
   const bool may_have_ended = age > 0 && is_torn_ && tear(weights) >= 0;
-  if ((!is_asked || may_have_ended) && decide_by_grid(result))
-    trusted_from_ = beside_->tick() + age;
+  if ((!is_asked || may_have_ended) && decide_by_grid(result)) trust_after_snap(age);
+}
+
+void BranchTraversal::trust_after_snap(std::uint64_t age) noexcept {
+  trusted_from_ = beside_->tick() + age;
+  snapped_at_ = position();
 }
 
 /// The weights of the corners of this cell at x, which may lie a bit outside; false where it lies

@@ -75,7 +75,7 @@ void EnergyTank::move(const TankTerms& terms, const Vec3& place, double dt, bool
     energy_ -= work;
     way_ = way;
     charged_ = work;
-    damped_ = sure ? terms.damping * dot(way, way) / dt : 0;
+    damped_ = sure ? std::min(terms.damping * dot(way, way) / dt, kMostDamped * dt) : 0;
     // A sum that cannot be computed stands for a tank that is empty for good.
     if (!std::isfinite(energy_)) energy_ = std::numeric_limits<double>::lowest();
   }

@@ -35,7 +35,8 @@ int main(int argc, char** argv) {
                         .guard = folder.parent_path() / "bin/hapgrid-guard"});
   const Realtime realtime(RealtimeMode::kTry, &device);
   const std::atomic<int> stop{0};
-  Pacer pacer(rate, 0);
+  Clock clock;
+  Pacer pacer(clock, rate);
   Histogram out, trip;
   DeviceInput input;
   for (int i = 0; i < 2 * rate; ++i) {

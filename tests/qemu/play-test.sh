@@ -44,7 +44,8 @@ TOML
 # In the background SIGINT would be ignored, so `timeout` sends it. A record's forces are many: of all
 # but the first only how many there are and the last ones.
 cat >session <<'END'
-play="play /ball.grid --model-path /bin --device hid:/profile.toml --rate 5000 --set safety.ramp=100"  # to a file: on a pipe it would write frames
+# Numbers are computed ten times slower here, which leaves no time for the model.
+play="play /ball.grid --model-path /bin --device hid:/profile.toml --rate 5000 --set safety.ramp=100 --beside off"  # to a file: on a pipe it would write frames
 device() { rawhid-device --rate 5000 "$@" /positions.txt >/tmp/record & device=$!; await /dev/hidraw0; }
 over() { kill $device 2>/dev/null; wait $device; while [ -e /dev/hidraw0 ]; do usleep 10000; done; }
 summary() {

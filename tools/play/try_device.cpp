@@ -58,7 +58,8 @@ int try_device(ProcessDevice& device, double rate_hz, double duration_s) {
                      rounded(device.rate_hz()), force));
   const bool on_screen = ::isatty(STDOUT_FILENO);
   const double every = std::max(1.0, rate * (on_screen ? kScreenSeconds : kLineSeconds));
-  Pacer pacer(rate, 0);
+  Clock clock;
+  Pacer pacer(clock, rate);
   std::uint64_t answers = 0;
   double next = every, began = 0;
   for (;;) {

@@ -10,7 +10,7 @@ for command in molecule table; do
 done
 for tool in "${tools[@]}"; do
   lines=85 page=hapgrid-$tool
-  [[ $tool != play ]] || lines=125
+  [[ $tool != play ]] || lines=130
   [[ $tool != hapgrid ]] || page=hapgrid
   "$tool" --help >help
   (($(wc -L <help) <= 80)) || fail "$tool --help is $(wc -L <help) columns wide"

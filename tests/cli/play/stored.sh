@@ -18,7 +18,8 @@ grep -q '^stored ' report || fail "no check of what is stored: $(cat report)"
 [[ $(stats stored) == *"force, energy, shape of 10 spheres"* ]] || fail "stats: $(stats stored)"
 
 path=$HAPGRID_SOURCE/examples/hung-ball/path-there-and-back.txt
-play evaluated --device "path:$path" --force state --log evaluated.log 2>/dev/null
+# Without the model beside it, as the play without plug-ins.
+play evaluated --device "path:$path" --beside off --force state --log evaluated.log 2>/dev/null
 # A directory without plug-ins beside a filter of its own.
 mkdir -p alone/bin alone/models
 cp "$HAPGRID_BUILD/bin/play" alone/bin

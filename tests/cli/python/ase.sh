@@ -60,6 +60,7 @@ class Loose(Cluster):
 hapgrid.serve(Loose)
 PYTHON
 sed 's/"cluster.py"/"loose.py"/; s/^tolerance = 0.02/tolerance = 1e-3/' cluster/cluster.toml >cluster/loose.toml
+# Which of the two rows says so first depends on the steps: a state in two halves is another one, or one in 64 pieces is.
 any='(.|'$'\n'')*'
-expect 3 "~${any}halves: a step in two halves ends in another state, [0-9.e-]+ apart in the median; the tolerance is 0.001: C is less exact than that$any" \
-  '~check-model: broken: .*halves .*' -- check-model cluster/loose.toml --allow-process --steps 40 --seconds 60
+expect 3 "~$any(halves|snaps): [^:]*: C (is less exact than that|leaps over barriers that are still there, or is less exact)$any" \
+  '~check-model: broken: .*(halves|snaps) .*' -- check-model cluster/loose.toml --allow-process --steps 12 --seconds 60

@@ -87,8 +87,11 @@ try text.vti text
 try raw.vti raw
 try sheared.dx sheared --spacing 0.5
 # The grid carries the table; the report has its size and digest.
-same 'digest' "$(xxh128sum <water/water.table | cut -d ' ' -f 1)" "$(stats water/water.grid --get parameters.table.xxh128)"
-same 'size' "$(stat -c %s water/water.table)" "$(stats water/water.grid --get parameters.table.bytes)"
+large=$(find . -name '*.table' -size +64k | sort | head -n 1)
+[[ $large ]] || fail 'no table is large'
+grid=${large%.table}.grid
+same 'digest' "$(xxh128sum <"$large" | cut -d ' ' -f 1)" "$(stats "$grid" --get parameters.table.xxh128)"
+same 'size' "$(stat -c %s "$large")" "$(stats "$grid" --get parameters.table.bytes)"
 cmp plain/plain.table packed/packed.table
 
 # The same command again does nothing; a definition that was changed is kept, and the grid made anew.

@@ -190,9 +190,9 @@ TEST_CASE("a stall, a pause, and a hand that is too fast give zero at once, then
   limits.watchdog_ticks = 5;
   SafetyCore safety(limits);
   for (int i = 0; i < 20; ++i) safety.apply(tick({1, 0, 0}));
-  const auto ramps = [](SafetyCore& safety) {
+  const auto ramps = [](SafetyCore& core) {
     for (int i = 1; i <= 10; ++i)
-      REQUIRE(safety.apply(tick({1, 0, 0})).force[0] == Approx(i / 10.0).margin(1e-12));
+      REQUIRE(core.apply(tick({1, 0, 0})).force[0] == Approx(i / 10.0).margin(1e-12));
   };
   SafetyInput in = tick({1, 0, 0});
   SECTION("stall") {
