@@ -149,7 +149,8 @@ int adapter_main(int argc, char** argv, const AdapterKind& kind) {
   if (is_wrong || what == "--help" || (what.empty() && (!is_socket || type != SOCK_SEQPACKET))) {
     std::fprintf(what == "--help" ? stdout : stderr,
                  "%s is an adapter, which play starts: play GRID --device DEVICE\n"
-                 "usage: %s [--rate HZ] %s [--release]\n"
+                 "usage: %s %s\n"
+                 "       [--rate HZ] [--release]\n"
                  "       %s --list\n",
                  name, name, kind.usage, name);
     return what == "--help" ? 0 : 2;
