@@ -47,7 +47,8 @@ using namespace hapgrid;
 namespace {
 
 // A loop that is silent for so long will not come back. Devices take their force away long before.
-constexpr std::chrono::milliseconds kHungAfter{2000};
+// The end of an adapter takes 4.2 s at most (device/let_go.hpp).
+constexpr std::chrono::milliseconds kHungAfter{5000};
 
 /// Whether a fault was left: at the end, or in any session of a simulation.
 bool is_faulted(const LoopSummary& s, const SafetyCore& safety, const RunFacts& facts) {

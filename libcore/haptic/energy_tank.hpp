@@ -16,8 +16,8 @@
 // a class of sampled-data systems, J. Robotic Systems 14(1)). So what was charged beyond the mean
 // of the forces at both ends of a way is given back, at most b v^2 dt: as much as the damper takes.
 // Nor is more given back than kMostDamped dt. A hand that trembles by 0.3 mm at 12 Hz on each axis
-// loses half of that to 0.5 N s/m. A hand that goes from place to place is faster and would be given
-// much, with which it could pay for snaps that lead up.
+// loses half of that to 0.5 N s/m. A hand that goes from place to place is faster and would be
+// given much, with which it could pay for snaps that lead up.
 //
 // The bound holds under these assumptions:
 // - The damping of hand and device is at least TankTerms::damping, or takes kMostDamped.

@@ -16,7 +16,7 @@ namespace hapgrid {
 struct CurrentConversion {
   PointIndex point = 0;
   Level level = 0;
-  int q = -1;  ///< -1: the plug-in makes no conversion
+  int q = -1;                   ///< -1: the plug-in makes no conversion
   const char* while_what = "";  ///< more for the message, with a blank before it
 };
 /// Of the calling thread. May be called in a signal's handler.

@@ -129,9 +129,9 @@ TEST_CASE("a process that does not get as far as saying what it is") {
             .starts_with(who + "binary 1' printed '?"
                                "?' to standard output, "));
   CHECK(why(puppet("import"))
-            .starts_with(who +
-                         "import 1' exited with status 1 before it had said what it is: "
-                         "ModuleNotFoundError: No module named 'no_such_module' (the program is /"));
+            .starts_with(
+                who + "import 1' exited with status 1 before it had said what it is: "
+                      "ModuleNotFoundError: No module named 'no_such_module' (the program is /"));
   CHECK(why({"./puppet.py"})
             .find("model puppet: process './puppet.py' cannot be started in " + kProcesses +
                   ": Permission denied") == 0);

@@ -1,0 +1,11 @@
+# Atoms of ASE: what hapgrid init --lang ase makes leads to a grid that is fine.
+source "$(dirname "$0")/../../lib.sh"
+/usr/bin/python3 -c 'import ase' 2>/dev/null || { missing 'python3-ase'; exit 77; }
+
+hapgrid init cluster --lang ase >/dev/null
+# A row of points beside the cluster, from where nothing touches it to where nothing does.
+make -C cluster SET='grid.origin=[-3.75,1.25,1.25] grid.counts=[7,2,2]' JOBS=2 >out 2>err ||
+  fail "$(cat out err)"
+for verdict in 'check-model: fine: [0-9]+ checks' 'verify: (fine: 1[0-9] checks|not proved: .*)'; do
+  grep -Eqx "$verdict" err || fail "not '$verdict': $(cat err)"
+done
