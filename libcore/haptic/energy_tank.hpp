@@ -16,7 +16,7 @@
 // a class of sampled-data systems, J. Robotic Systems 14(1)). So what was charged beyond the mean
 // of the forces at both ends of a way is given back, at most b v^2 dt: as much as the damper takes.
 // Nor is more given back than kMostDamped dt. A hand that trembles by 0.3 mm at 12 Hz on each axis
-// loses half of that to 0.5 N s/m. A hand that goes from place to place is faster and would be
+// loses 1.1 mW at most to 0.7 N s/m. A hand that goes from place to place is faster: it would be
 // given much, with which it could pay for snaps that lead up.
 //
 // The bound holds under these assumptions:
@@ -46,7 +46,7 @@ namespace hapgrid {
 /// Joules by which the tank may be overdrawn before forces become softer.
 inline constexpr double kTankSlack = 1e-5;
 /// The most that counts of what the damping takes, W.
-inline constexpr double kMostDamped = 1e-3;
+inline constexpr double kMostDamped = 3e-3;
 /// The largest TankTerms::delay.
 inline constexpr std::uint32_t kMaxTankDelay = 30;
 
@@ -56,7 +56,7 @@ struct TankTerms {
   double acceleration = 40;  ///< bound on the hand's, m/s^2
   double encoder = 0;        ///< step of the positions, m
   std::uint32_t delay = 0;   ///< ticks from when a force is sent until it is in effect; or one more
-  double damping = 0.5;      ///< of hand and device at least, N s/m
+  double damping = 0.7;      ///< of hand and device at least, N s/m
   double slew = 1000;        ///< N/s
   double period = 0.001;     ///< seconds from a tick to the next
 };

@@ -77,7 +77,7 @@ struct SafetyLimits {
   double acceleration = 40;  ///< of the hand at most, m/s^2
   double encoder = 5.5e-5;   ///< the device's positions come in such steps, m
   double delay_ticks = 0;    ///< from when a force is sent until it is in effect
-  double damping = 0.5;      ///< of hand and device at least, N s/m; 0: of a device without a hand
+  double damping = 0.7;      ///< of hand and device at least, N s/m; 0: of a device without a hand
 };
 
 /// At this multiple of buzz_rate damping did not help, and the force becomes zero.

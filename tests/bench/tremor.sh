@@ -19,7 +19,7 @@ compute leu-enkephalin "$molecules/leu-enkephalin/leu-enkephalin.toml" 16 --set 
 # A hand of 300 N/m presses alanine dipeptide and holds it for a minute.
 awk 'BEGIN { for (i = 0; i < 63000; ++i) print (i < 3000 ? -7 + i * 5 / 3000 : -2), 1, 1 }' >path
 printf '[hand]\npath = "path"\ntremor = 3e-4\n' >hold.toml
-for damping in 0.5 0; do
+for damping in 0.7 0; do
   play alanine-dipeptide.grid --device sim:hold.toml --gain 3 --set "safety.damping=$damping" --log "$damping.log" 2>/dev/null
 done
 gnuplot <<END
@@ -30,7 +30,7 @@ set ylabel 'force on the hand / N'
 set yrange [0:1.8]
 force(x, y, z) = sqrt(x * x + y * y + z * z)
 plot '0.log' every 20 using 1:(force(\$8, \$9, \$10)) with lines lc rgb '#d95f02' title 'no damping assumed', \
-  '0.5.log' every 20 using 1:(force(\$8, \$9, \$10)) with lines lc rgb '#1b9e77' title 'safety.damping = 0.5 N s/m'
+  '0.7.log' every 20 using 1:(force(\$8, \$9, \$10)) with lines lc rgb '#1b9e77' title 'safety.damping = 0.7 N s/m'
 END
 
 echo '|model|gain|the hand|contacts|faded, at most of a hand'\''s|the most faded|swings more, at most|how much more|full force after|'

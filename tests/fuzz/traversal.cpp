@@ -150,8 +150,9 @@ void play(const Case& made, bool is_fine, Input& input) {
   SafetyLimits limits;
   limits.ramp_ms = 0;
   limits.encoder = 0;
+  limits.damping = 0;
   SafetyCore core(limits);
-  core.begin(0);
+  core.begin();
   Vec3 x, sent{0, 0, 0};
   for (int a = 0; a < 3; ++a) x[a] = (input.number() + 1) / 2 * (grid.box().counts[a] - 1);
   double returned = 0;
