@@ -111,7 +111,7 @@ void BranchTraversal::find_candidates() noexcept {
   for (int k = 0; k < 8; ++k) {
     if (!cells_.is_corner(k)) continue;
     const PointIndex point = cells_.point(base(), k);
-    for (Level level = 0; level < grid_.levels(point); ++level) {
+    for (RecordIndex level = 0; level < grid_.levels(point); ++level) {
       Branch branch;
       if (candidates_.size() == kMostCandidates) return;
       if (!derive(base(), grid_.first(point) + level, k, branch)) continue;
