@@ -228,7 +228,8 @@ class ModelWalker {
       if (!model->convert(step.from.data(), step.x, step.d, other_.data())) {
         largest_rounding_ = INFINITY;
         found.offend([&] { return text_of(step) + ", asked again: " + model->error(); });
-      } else if (std::memcmp(other_.data(), step.row.data(), step.row.size() * sizeof(double))) {
+      } else if (std::memcmp(other_.data(), step.row.data(), step.row.size() * sizeof(double)) !=
+                 0) {
         largest_rounding_ = std::max(largest_rounding_, rounding(step.row, other_));
         found.offend([&] {
           return format("{}: {}, then {}{}", text_of(step), state_text(step.arrived),

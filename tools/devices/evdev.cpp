@@ -14,7 +14,6 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
-#include <cstring>
 #include <system_error>
 #include <thread>
 
@@ -137,6 +136,14 @@ std::optional<input_event> Handle::next() {
   }
 }
 
+/// Whether two effects feel the same.
+bool is_same(const ff_effect& a, const ff_effect& b) noexcept {
+  if (a.type != b.type || a.direction != b.direction) return false;
+  if (a.type == FF_CONSTANT) return a.u.constant.level == b.u.constant.level;
+  return a.u.rumble.strong_magnitude == b.u.rumble.strong_magnitude &&
+         a.u.rumble.weak_magnitude == b.u.rumble.weak_magnitude;
+}
+
 class Stick : public Hardware {
  public:
   Stick(const std::string& path, EvdevParameters parameters, double rate)
@@ -175,9 +182,7 @@ class Stick : public Hardware {
   void apply(const Vec3& force) override {
     if (!layout_.has_force()) return;
     const ff_effect wanted = effect_of(force);
-    if (std::memcmp(&wanted.u, &force_.u, sizeof wanted.u) == 0 &&
-        wanted.direction == force_.direction)
-      return;
+    if (is_same(wanted, force_)) return;
     const std::int16_t id = force_.id;
     force_ = wanted;
     force_.id = id;
