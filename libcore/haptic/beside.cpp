@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kPlaces = 4096;
 // The thread looks for a new place so often in a tick, but not more often than this.
 constexpr double kLooksATick = 4;
-constexpr double kShortestPause_s = 5e-5;
+constexpr double kShortestPauseSeconds = 5e-5;
 // Of one component, for its weight: small, so that the model is linear.
 constexpr double kChange = 1e-3;
 
@@ -59,8 +59,8 @@ Beside::Beside(const Grid& grid, std::unique_ptr<Model> model,
       answers_(empty_answer(grid)) {}
 
 void Beside::begin(double rate_hz) {
-  oldest_ = static_cast<std::uint64_t>(std::llround(kOldest_s * rate_hz));
-  pause_s_ = std::max(1 / (kLooksATick * rate_hz), kShortestPause_s);
+  oldest_ = static_cast<std::uint64_t>(std::llround(kOldestSeconds * rate_hz));
+  pause_s_ = std::max(1 / (kLooksATick * rate_hz), kShortestPauseSeconds);
   if (delay_) return;
   const BlockedSignals blocked;
   thread_ = std::jthread([this](const std::stop_token& token) { work(token); });

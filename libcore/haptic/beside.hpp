@@ -39,7 +39,7 @@ struct BesideAnswer {
 class Beside {
  public:
   /// An answer that is older than this is not given.
-  static constexpr double kOldest_s = 0.02;
+  static constexpr double kOldestSeconds = 0.02;
   /// The model is asked at least so often on the way along one spacing. At usual speeds that is
   /// once a tick.
   static constexpr double kStepsACell = 16;
