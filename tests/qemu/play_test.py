@@ -46,9 +46,9 @@ print("5000 ticks: %d reports of force, p99 of lateness %g us, of computing %g u
 
 
 # Under load no process that a force passes through waits for the desktop, whose turns are 15 ticks and
-# more. The device's own process runs above the loop, and can cost it a few ticks.
+# more. The device's own process runs above the loop, and can cost it a few ticks, all in all less than one turn.
 report = json.loads("\n".join(parts["busy report"]))
-assert report["missed"] <= 5, report
+assert report["missed"] < 15, report
 assert exit_code(parts["busy"]) == ["exit 0"], parts["busy"]
 tasks = [line for line in parts["busy"] if line.startswith("task ")]
 assert tasks == [f"task hapgrid-{name} SCHED_FIFO|SCHED_RESET_ON_FORK {priority} "
