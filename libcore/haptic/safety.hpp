@@ -2,13 +2,14 @@
 //
 // Every force goes through limit_force() before a device gets it, whatever computed it. The
 // function depends only on the input, the limits, and a small state of its own. It keeps three
-// promises for every sequence of inputs, hostile ones included:
+// promises, the first two for every sequence of inputs, hostile ones included:
 //
 //   |F| <= limits.max_force, always;
 //   |F - F of the tick before| <= slew min(dt, slew_dt), unless F is a zero that a fault demands:
 //   so the loop keeps the slew limit in wall time (loop.hpp);
 //   the energy that the hand got back <= what the hand has put in + what the model held where the
-//   ramp rose + what limits.damping takes from the motion + limits.reserve + 0.01 mJ.
+//   ramp rose + what limits.damping takes from the motion, at most kMostDamped + limits.reserve +
+//   0.01 mJ.
 //
 // The third promise assumes that the hand's acceleration, the damping of hand and device, the
 // encoder and the delay are those of the limits, and that no tick is missed; energy_tank.hpp says

@@ -46,7 +46,7 @@ print("5000 ticks: %d reports of force, p99 of lateness %g us, of computing %g u
 
 
 # Under load no process that a force passes through waits for the desktop, whose turns are 15 ticks and
-# more. The device's own process runs above the loop, and can cost it a few ticks, all in all less than one turn.
+# more. The device's own process runs above the loop and can cost it some ticks. Together they are fewer than one turn has.
 report = json.loads("\n".join(parts["busy report"]))
 assert report["missed"] < 15, report
 assert exit_code(parts["busy"]) == ["exit 0"], parts["busy"]
