@@ -10,7 +10,9 @@
  *
  * Threads. A model (what create() returned) is used by one thread at a time. A program that
  * computes in parallel creates one model a thread, all from the same parameters, and expects the
- * same bits from each: convert() must depend on its arguments and the parameters alone.
+ * same bits from each: convert() must depend on its arguments and the parameters alone. create()
+ * is called by one thread at a time, so that it may read files with libraries that are not
+ * thread-safe; all other functions are called while create() may run.
  *
  * Errors. A function that can fail returns 0 for success and anything else for failure, and then
  * has written one line into `error` (at most `error_size` bytes, with the final NUL). No C++

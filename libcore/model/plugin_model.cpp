@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <sstream>
 #include <utility>
 
@@ -303,8 +304,14 @@ std::unique_ptr<Model> Plugin::create(const std::vector<Parameter>& parameters,
                                       const Stored& store) const {
   const CParameters c(parameters);
   char error[kErrorSize] = "";
-  OwnedModel model(table_->create(c.list().data(), c.list().size(), error, sizeof error),
-                   table_->destroy);
+  OwnedModel model(nullptr, table_->destroy);
+  {
+    // One for the program, as the libraries that plug-ins use are: Open Babel reads one file at a
+    // time.
+    static std::mutex creating;
+    const std::scoped_lock one_at_a_time(creating);
+    model.reset(table_->create(c.list().data(), c.list().size(), error, sizeof error));
+  }
   try {
     if (!model) throw ModelError(reason(error));
     return std::make_unique<PluginModel>(library_, *table_, std::move(model), store);

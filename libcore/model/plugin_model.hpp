@@ -17,7 +17,8 @@ namespace hapgrid {
 std::vector<std::filesystem::path> model_path(const std::vector<std::string>& given);
 
 /// A loaded plug-in. Its name may come from a hostile shard, so only valid names are accepted.
-/// Models keep the plug-in loaded.
+/// Models keep the plug-in loaded. Threads may create models at the same time, by the same Plugin
+/// or by others: one waits for the other.
 class Plugin : public ModelSource {
  public:
   /// @throw ModelError when the name is not valid, no directory has NAME.so, or that file is no

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <future>
 #include <limits>
 #include <optional>
 
@@ -44,6 +45,14 @@ TEST_CASE("a plug-in in plain C works, and says what it cannot do") {
   for (const double component : reached) CHECK(component == 0.5);
   CHECK(model->equal(s, s));
   CHECK_FALSE(model->equal(s, reached));
+}
+
+// Open Babel breaks the heap when two threads read a molecule.
+TEST_CASE("a plug-in creates one model at a time, whatever the threads") {
+  std::vector<std::future<std::unique_ptr<Model>>> models;
+  for (int i = 0; i < 8; ++i)
+    models.push_back(std::async(std::launch::async, [] { return puppet({{"alone", true}}); }));
+  for (auto& model : models) CHECK(model.get()->state_size() == 1);
 }
 
 TEST_CASE("known states: none, one, more than were asked for, too many, failure") {

@@ -4,6 +4,7 @@
  *   echo        create() fails and its message lists all parameters
  *   refuse      create() fails with this text; with "" it says nothing
  *   overrun     create() fails and leaves a message without a final NUL
+ *   alone       create() takes 5 ms and fails when another thread creates a model meanwhile
  *   state_size, d_max, tolerance    what info() says (1, 1, 0)
  *   stored, hip_radius              likewise (0, 0)
  *   known       the number of states that known_states() claims (1): {0, 0, ..}, {1, 1, ..}, ...
@@ -17,6 +18,7 @@
  * HAPGRID_STUCK it has a force, of half a newton along x until the HIP is beyond x = 0.5. There
  * force() never comes back, or it aborts with `crash`, and convert() does not.
  */
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,6 +63,15 @@ static void echo(const hapgrid_parameter* list, size_t count, char* error, size_
   }
 }
 
+/* Whether no other thread was here within 5 ms. */
+static int alone(void) {
+  static atomic_int inside;
+  const int others = atomic_fetch_add(&inside, 1);
+  usleep(5000);
+  atomic_fetch_sub(&inside, 1);
+  return others == 0;
+}
+
 static hapgrid_model* create(const hapgrid_parameter* list, size_t count, char* error,
                              size_t error_size) {
   const hapgrid_parameter* refuse = find(list, count, "refuse");
@@ -74,6 +85,10 @@ static hapgrid_model* create(const hapgrid_parameter* list, size_t count, char* 
   }
   if (refuse) {
     snprintf(error, error_size, "%s", refuse->texts[0]);
+    return NULL;
+  }
+  if (find(list, count, "alone") && !alone()) {
+    snprintf(error, error_size, "another thread creates a model");
     return NULL;
   }
   hapgrid_model* model = calloc(1, sizeof *model);
