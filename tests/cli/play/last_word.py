@@ -150,7 +150,8 @@ def case(who, what, cores, limit):
             took = min(let_go()) - begin
     finally:
         # Nobody is left, once who still stands is told to go on, and who spins is killed.
-        tell(pids.values(), signal.SIGKILL if what is spin else signal.SIGCONT)
+        for name, pid in pids.items():
+            tell([pid], signal.SIGKILL if what is spin and name in who.split() else signal.SIGCONT)
         play.process.send_signal(signal.SIGINT)
     play.process.communicate(timeout=60)
     play.wait("for the end of all", lambda: not [p for p in pids.values() if running(p)])
