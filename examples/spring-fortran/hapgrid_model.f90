@@ -1,4 +1,4 @@
-! hapgrid's model interface (<hapgrid/plugin.h>, interface version 3) in Fortran 2008: the
+! hapgrid's model interface (<hapgrid/plugin.h>, interface version 4) in Fortran 2008: the
 ! structs of the header as interoperable types, and procedures that every model in Fortran needs.
 ! Copy this file beside your model; spring.f90 shows how it is used. The header explains what each
 ! function must do.
@@ -11,7 +11,7 @@ module hapgrid_model
   implicit none
   public
 
-  integer(c_int32_t), parameter :: hapgrid_model_interface = 3
+  integer(c_int32_t), parameter :: hapgrid_model_interface = 4
 
   ! hapgrid_parameter%type.
   integer(c_int32_t), parameter :: hapgrid_boolean = 0, hapgrid_number = 1, hapgrid_text = 2, &
@@ -37,6 +37,7 @@ module hapgrid_model
     character(kind=c_char) :: tolerance_unit(16)   ! write the units with put()
     character(kind=c_char) :: length_unit(16)
     character(kind=c_char) :: energy_unit(16)
+    character(kind=c_char) :: version(32)
     real(c_double) :: force_scale
     real(c_double) :: hip_radius
     integer(c_int32_t) :: spheres

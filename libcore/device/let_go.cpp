@@ -110,15 +110,16 @@ bool release(const std::vector<std::string>& command) noexcept {
     if (pid == 0) {
       ::setpgid(0, 0);
       restore_signals();
-      // A busy desktop must not hold up the last word.
-      const sched_param priority{.sched_priority = kAdapterPriority};
-      ::sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &priority);
       const int nothing = ::open("/dev/null", O_RDWR);
       ::dup2(nothing, STDIN_FILENO);
       ::dup2(nothing, STDOUT_FILENO);
       ::execvp(arguments[0], arguments.data());
       for (;;) ::raise(SIGKILL);
     }
+    // Neither a busy desktop nor a loop that spins must hold up the last word: the child itself
+    // might not come to it.
+    const sched_param priority{.sched_priority = kAdapterPriority};
+    ::sched_setscheduler(pid, SCHED_FIFO | SCHED_RESET_ON_FORK, &priority);
     int status = 0;
     const auto deadline = Clock::now() + kReleaseTime;
     pid_t ended;

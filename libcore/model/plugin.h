@@ -33,7 +33,7 @@ extern "C" {
 #endif
 
 /* Raised by every change that a compiled plug-in would notice. */
-#define HAPGRID_MODEL_INTERFACE 3
+#define HAPGRID_MODEL_INTERFACE 4
 
 enum hapgrid_parameter_type {
   HAPGRID_BOOLEAN = 0, /* numbers[0] is 0 or 1 */
@@ -70,6 +70,8 @@ typedef struct hapgrid_model_info {
   char tolerance_unit[16];
   char length_unit[16]; /* of positions, for people: "angstrom"; may be empty */
   char energy_unit[16]; /* of energy(), for people: "kJ/mol"; may be empty */
+  char version[32];     /* may be empty. The grid keeps it, and a model of another version does not
+                         * go on with the grid: change it with whatever changes an answer */
   double force_scale;   /* newtons that one energy unit per length unit is on the device: along a
                          * smooth branch, force = -force_scale * gradient of energy; with energy() */
   double hip_radius;    /* of the ball that the HIP moves, for pictures; 0 when it is none */

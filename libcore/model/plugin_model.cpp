@@ -96,6 +96,7 @@ ModelInfo info_of(const hapgrid_model_table& table, const hapgrid_model* model,
   table.info(model, &in);
   for (char* unit : {in.tolerance_unit, in.length_unit, in.energy_unit})
     unit[sizeof in.tolerance_unit - 1] = '\0';
+  in.version[sizeof in.version - 1] = '\0';
   ModelInfo info;
   info.state_size = in.state_size;
   info.d_max = in.d_max;
@@ -103,6 +104,7 @@ ModelInfo info_of(const hapgrid_model_table& table, const hapgrid_model* model,
   info.tolerance_unit = in.tolerance_unit;
   info.length_unit = in.length_unit;
   info.energy_unit = in.energy_unit;
+  info.version = in.version;
   info.force_scale = in.force_scale;
   info.hip_radius = in.hip_radius;
   info.stored = {(in.stored & HAPGRID_STORE_FORCE) != 0, (in.stored & HAPGRID_STORE_ENERGY) != 0,

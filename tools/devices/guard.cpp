@@ -17,7 +17,8 @@
 // | the adapter closes its socket            | ends what is left of it                          |
 //
 // When the guard itself is killed, play hears it by its socket and ends as let_go.hpp says; when
-// both are gone, the adapter sees the end of its socket.
+// both are gone, the adapter sees the end of its socket. At a real-time priority, the kernel ends a
+// guard or an adapter that spins (RLIMIT_RTTIME).
 // Alternatives: a thread or a fork of play (what kills play kills it, too), a control group (it
 // needs rights that a user may not have), PR_SET_PDEATHSIG (it would end an adapter before it could
 // let go).
@@ -53,11 +54,23 @@ namespace {
 
 constexpr auto kSilence = 100ms, kTaken = 200ms, kLost = 500ms;  // since the last beat
 constexpr std::size_t kLongestCommand = 1 << 16;
+/// The kernel ends who computes for so long at a real-time priority and never waits: whoever spins
+/// would keep all others from its processor.
+constexpr auto kBusyGuard = 50ms, kBusyAdapter = 100ms;
+
+/// @param longest processor time between two waits; 0: as much as the system grants
+void limit_busy_time(std::chrono::microseconds longest) {
+  rlimit limit;
+  if (::getrlimit(RLIMIT_RTTIME, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  if (longest > 0us) limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, longest / 1us);
+  ::setrlimit(RLIMIT_RTTIME, &limit);
+}
 
 /// Before anything is started: no signal, no file of play's, no lack of memory later.
 void take_precautions() {
   for (int signal = 1; signal < NSIG; ++signal)
-    if (signal != SIGCHLD) ::signal(signal, SIG_IGN);
+    if (signal != SIGCHLD && signal != SIGXCPU) ::signal(signal, SIG_IGN);
   ::syscall(SYS_close_range, kGuardAdaptersEnd + 1u, ~0u, 0u);
   ::prctl(PR_SET_CHILD_SUBREAPER, 1);
   const rlimit no_core{0, 0};
@@ -90,6 +103,7 @@ std::vector<std::string> read_command() {
 [[noreturn]] void become_adapter(char* const* arguments, int failed) {
   ::setpgid(0, 0);
   restore_signals();
+  limit_busy_time(kBusyAdapter);  // an adapter that has good reasons may raise it
   ::dup2(kGuardAdaptersEnd, STDIN_FILENO);
   ::dup2(kGuardAdaptersEnd, STDOUT_FILENO);
   ::close(kGuardAdaptersEnd);
@@ -160,6 +174,7 @@ class Guard {
 
   /// Until play says that it ends, or has to. @return the exit code
   int watch() {
+    limit_busy_time(kBusyGuard);
     for (;;) {
       pollfd ready[] = {{kGuardSocket, POLLIN, 0}, {kGuardWire, 0, 0}};
       if (::poll(ready, 2, milliseconds_to_act()) < 0) continue;
@@ -211,6 +226,7 @@ class Guard {
   }
 
   int end(char why) {
+    limit_busy_time(0us);  // the end of a large family may take longer
     say(kGuardHeard);
     const LetGo how = let_go(kGuardWire, process_.get(), why == kGuardDeaf ? 0ms : kConfirmTime);
     const bool confirmed = how == LetGo::kConfirmed;

@@ -100,84 +100,22 @@ assert 1 <= rows["defined"] <= 8, rows
 
 # A descent that leaps: the truss snaps where it meets no limit point. Steps of any length, as those of the minimisers of
 # SciPy and ASE, and of relax(), which cannot leap.
-cat >truss.py <<'PYTHON'
-import math
-import hapgrid
-
-
-class Truss:
-    """Two bars from (-1, 0) and (1, 0) to an apex, which springs tie to the HIP. The state is the apex."""
-    bars, tie, rest = 50.0, 2.0, math.hypot(1, 0.5)
-    description = {"state_size": 2, "d_max": 3.0, "tolerance": 1e-4, "force_scale": 1}
-
-    def __init__(self, leaps):
-        self.leaps = leaps
-
-    def energy_and_gradient(self, s, x):
-        energy = self.tie / 2 * ((s[0] - x[0])**2 + x[1]**2 + (s[1] - x[2])**2)
-        gradient = [self.tie * (s[0] - x[0]), self.tie * (s[1] - x[2])]
-        for end in (-1, 1):
-            length = math.hypot(s[0] - end, s[1])
-            pull = self.bars / self.rest * (length - self.rest)
-            energy += pull * (length - self.rest) / 2
-            gradient = [gradient[0] + pull * (s[0] - end) / length, gradient[1] + pull * s[1] / length]
-        return energy, gradient
-
-    def leap(self, function, s):
-        """Steepest descent whose first trial is as long as the gradient, as that of SciPy's BFGS is."""
-        energy, gradient = function(s)
-        for _ in range(5000):
-            size = math.hypot(*gradient)
-            if size < 1e-7:
-                break
-            length = min(1.0, size)
-            while length > 1e-12:
-                trial = [a - length * g / size for a, g in zip(s, gradient)]
-                there, slope = function(trial)
-                if there < energy - 1e-4 * length * size:
-                    break
-                length /= 2
-            else:
-                break
-            s, energy, gradient = trial, there, slope
-        return s
-
-    def convert(self, s, x, d):
-        steps = max(1, math.ceil(math.hypot(*d) / (0.7 if self.leaps else 0.05)))
-        for k in range(1, steps + 1):
-            there = [a + k / steps * b for a, b in zip(x, d)]
-            function = lambda p: self.energy_and_gradient(p, there)
-            s = self.leap(function, s) if self.leaps else hapgrid.relax(function, s, step=0.05, tolerance=1e-7)
-        return s
-
-    def known_states(self, x):
-        up, down = (self.convert([0.0, z], x, [0, 0, 0]) for z in (0.5, -0.5))
-        return [up, down] if math.dist(up, down) > 0.01 else [up]
-
-    def force(self, s, x):
-        return [self.tie * (s[0] - x[0]), -self.tie * x[1], self.tie * (s[1] - x[2])]
-
-    def energy(self, s, x):
-        return self.energy_and_gradient(s, x)[0]
-
-
-if __name__ == "__main__":
-    hapgrid.serve(Truss)
-PYTHON
-for leaps in 1 0; do
+cp "$here/../truss.py" .
+for minimiser in leap relax; do
+  if [[ $minimiser == leap ]]; then substep=0.7; else substep=0.05; fi
   cat >truss.toml <<TOML
-model = {process = ["/usr/bin/python3", "truss.py"], name = "truss", parameters = {leaps = $leaps}}
+model = {process = ["/usr/bin/python3", "truss.py"], name = "truss", parameters = {minimiser = "$minimiser", substep = $substep}}
 grid = {origin = [-0.35, 0, -1.4], spacing = 0.35, counts = [3, 2, 9]}
 TOML
-  seed truss.toml --allow-process | expand --complete --allow-process truss.toml -o "truss.$leaps.grid"
-  if ((leaps)); then
+  seed truss.toml --allow-process | expand --complete --allow-process truss.toml -o "truss.$minimiser.grid"
+  if [[ $minimiser == leap ]]; then
     expect 3 "~${any}snaps: steps along which the model snaps, and which end in another state when they are made in 64 pieces: C leaps over barriers.*$any" \
       '~check-model: broken: (.*, )?snaps .*' -- check-model truss.toml --allow-process --steps 120
     expect 3 "~${any}snaps +[0-9]+ one-way links +[0-9]+  broken$any" '~verify: broken: (.*, )?snaps .*' -- \
-      verify "truss.$leaps.grid" --recompute 40 --allow-process truss.toml
+      verify "truss.$minimiser.grid" --recompute 40 --allow-process truss.toml
   else
     expect 0 "~${any}snaps +[1-9][0-9]* steps +0  note$any" '~check-model: fine: .*' -- check-model truss.toml --allow-process --steps 120
     expect 0 "~${any}snaps +[1-9][0-9]* one-way links +0  note$any" '~verify: fine: .*' -- \
-      verify "truss.$leaps.grid" --recompute 40 --allow-process truss.toml
+      verify "truss.$minimiser.grid" --recompute 40 --allow-process truss.toml
   fi
 done

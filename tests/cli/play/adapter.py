@@ -3,7 +3,7 @@
     adapter.py RECORD MODE [AT] [--release]   MODE: a name below; AT: the force at which it begins (default 150)
 
 RECORD gets a line for each event, behind the time (CLOCK_MONOTONIC, s): "pid N", "force X END", "fault", "let-go" on
-SIGTERM, "release". SIGUSR1 makes it spin."""
+SIGTERM, "release"."""
 import os
 import select
 import signal
@@ -12,7 +12,7 @@ import subprocess
 import sys
 import time
 
-record = open(sys.argv[1], "a", buffering=1)
+record = os.open(sys.argv[1], os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
 mode = sys.argv[2]
 at = int(sys.argv[3]) if sys.argv[3:4] not in ([], ["--release"]) else 150
 END, RELEASES = 1, 1
@@ -20,7 +20,8 @@ forces = struct.Struct("<3d2I")
 
 
 def note(*words):
-    print(time.monotonic(), *words, file=record)
+    """A line as a whole: a signal may come between two parts of print()."""
+    os.write(record, " ".join(map(str, (time.monotonic(), *words, "\n"))).encode())
 
 
 def greeting(magic=b"hapgrid", version=2, flags=RELEASES, low=(-0.08,) * 3, high=(0.08,) * 3, force=3.0, rate=1000.0,
@@ -126,14 +127,7 @@ def let_go(*_):
         os._exit(0)
 
 
-def spin(*_):
-    note("fault")
-    while True:
-        pass
-
-
 signal.signal(signal.SIGTERM, let_go)
-signal.signal(signal.SIGUSR1, spin)
 if mode == "early":
     sys.exit(3)
 if mode == "mute":

@@ -2,7 +2,7 @@
 # the device hears is zero force.
 source "$(dirname "$0")/../lib.sh"
 stuck_grid 0
-parts=(last_word)
+parts=(two_cores)
 # Sanitizers and valgrind need more than there is then.
 sanitized || parts+=(scarce)
 python3 "$here/last_word.py" "${parts[@]}"

@@ -53,7 +53,7 @@ class Play:
         return [pid for _, pid in self.events("pid") if running(pid)]
 
     def wait(self, what, until):
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + 60
         while not until():
             assert time.monotonic() < deadline, (self.mode, "waited in vain", what)
             time.sleep(0.002)

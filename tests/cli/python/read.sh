@@ -87,3 +87,26 @@ for arguments, words in (({}, "give search() allow_process=True"), ({"allow_proc
 PYTHON
 same 'what search() shows' '' "$(cat said)"
 cmp grid half.grid
+# A notebook's cell shows one line, which is replaced; in place of Jupyter's kernel stands what search() calls of it.
+PYTHONPATH=$python /usr/bin/python3 - <<'PYTHON'
+import re
+import sys
+import types
+import hapgrid
+
+shown = []
+handle = types.SimpleNamespace(update=lambda data, raw: shown.append(data["text/plain"]))
+sys.modules["ipykernel"] = types.ModuleType("ipykernel")
+sys.modules["IPython"] = types.ModuleType("IPython")
+sys.modules["IPython.display"] = types.SimpleNamespace(display=lambda data, raw, display_id: handle)
+hapgrid.search("half.toml", "cell.grid", allow_process=True)
+bar = r"\[(#* *)\] .*[0-9] of [0-9].*(conversions|one-way links).*"
+assert shown[-1] == f"[{'#' * 30}] done" and all(len(re.fullmatch(bar, line)[1]) == 30 for line in shown[:-1]), shown
+seen = len(shown)
+try:
+    hapgrid.search("half.toml", "/dev/null/x", allow_process=True)
+except RuntimeError:
+    pass
+assert not any("done" in line for line in shown[seen:]), shown[seen:]
+PYTHON
+cmp grid cell.grid

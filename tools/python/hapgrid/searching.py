@@ -44,6 +44,7 @@ def search(definition: str | os.PathLike, output: str | os.PathLike | None = Non
 
 def _watch(command, seeds):
     """Runs expand with a terminal of its own as standard error, because it shows progress on a terminal alone."""
+    show = _display()
     screen, terminal = os.openpty()
     # A terminal's size of 0 is none: no line is cut.
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=terminal) as running:
@@ -54,19 +55,22 @@ def _watch(command, seeds):
                 running.stdin.close()
             except BrokenPipeError:
                 pass  # it says why
-            said = _show(screen)
+            said = _show(screen, show)
         except BaseException:
             running.terminate()
             raise
         finally:
             os.close(screen)
-    if running.returncode != 0:
+            show("")
+    if running.returncode == 0:
+        show(f"[{'#' * BAR}] done")
+    else:
         raise RuntimeError(said[-1] if said else f"expand ended with {running.returncode}")
 
 
-def _show(screen):
+def _show(screen, show):
     """Shows the lines of progress until the end. Returns all other lines."""
-    said, text, show = [], b"", _display()
+    said, text = [], b""
     while True:
         try:
             text += os.read(screen, 1 << 16)
@@ -80,7 +84,6 @@ def _show(screen):
                 show(f"[{'#' * round(BAR * part[0]):{BAR}}] {part[1]}")
             else:
                 said.append(line)
-    show(None)
     return said
 
 
@@ -95,15 +98,16 @@ def _part(line):
 
 
 def _display():
-    """A function that shows one line in place of the one before, and the end for None."""
+    """A function that shows one line in place of the one before. An empty one takes it away, but from a notebook, where
+    the last one stays."""
     if "ipykernel" in sys.modules:
         from IPython.display import display
 
         handle = display({"text/plain": ""}, raw=True, display_id=True)
-        return lambda line: line is None or handle.update({"text/plain": line}, raw=True)
+        return lambda line: line and handle.update({"text/plain": line}, raw=True)
     if not sys.stderr.isatty():
         return lambda line: None
-    return lambda line: print("\r\033[K" + (line or ""), end="", file=sys.stderr, flush=True)
+    return lambda line: print("\r\033[K" + line + "\n" * line.endswith("done"), end="", file=sys.stderr, flush=True)
 
 
 def _toml(value) -> str:
