@@ -80,13 +80,9 @@ bool viewer_waits(const PlayOptions& options) {
          S_ISFIFO(out.st_mode);
 }
 
-/// The model for states of the grid: one that answers as the grid's did. @throw ModelError
-std::unique_ptr<Model> exact_model(const GridSpec& spec, const std::vector<std::string>& path) {
-  if (spec.equality.is_declared())
-    throw ModelError(
-        format("model {}: is a process, and play starts none: the model itself cannot be played",
-               spec.model));
-  return create_model(Plugin(spec.model, model_path(path)), spec);
+/// The model for states of the grid: one that answers as the grid's did. @throw ModelError, Error
+std::unique_ptr<Model> exact_model(const GridSpec& spec, const ModelOptions& options) {
+  return create_model(*model_source(spec, options), spec);
 }
 
 /// What the user gave, and defaults.
@@ -252,7 +248,7 @@ int play(PlayOptions options) {
   require_playable(grid, options.grid == "-" ? "standard input" : options.grid);
   const GridSpec& spec = grid.spec();
   const auto create = [&] {
-    return Plugin(spec.model, model_path(options.model_path)).create(spec.parameters);
+    return Plugin(spec.model, model_path(options.model.path)).create(spec.parameters);
   };
   const Fields fields(spec, create, /*wants_shape=*/false);
 
@@ -267,13 +263,13 @@ int play(PlayOptions options) {
   if (!is_live(*options.device)) opened.emplace(open_it());
   auto [settings, rule, wanted_force, wanted_beside] =
       settle(options, opened ? opened->session : std::nullopt, loaded);
-  const auto create_exact = [&] { return exact_model(spec, options.model_path); };
+  const auto create_exact = [&] { return exact_model(spec, options.model); };
   // The records are asked by all threads, and the traversal is prepared mostly by one.
   std::future<NodeForces> records = PlayForce::ask_records(wanted_force, rule, grid, create);
   const std::unique_ptr<Traversal> traversal = traversals(rule, grid, create_exact)();
   const std::unique_ptr<Beside> beside =
-      make_beside(wanted_beside, options.beside.has_value(), is_live(*options.device), grid,
-                  traversal->branch_nodes(), create_exact);
+      make_beside(wanted_beside, options.beside || !options.model.allowed.empty(),
+                  is_live(*options.device), grid, traversal->branch_nodes(), create_exact);
   traversal->walk_beside(beside.get());
   const auto truth = opened && opened->wants_truth
                          ? traversals(TraversalRule::kModel, grid, create_exact)()

@@ -3,11 +3,14 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
+#include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/grid/describe.hpp"
 #include "libcore/haptic/node_force.hpp"
+#include "libcore/search/tears.hpp"
 
 namespace hapgrid {
 
@@ -21,10 +24,15 @@ constexpr double kRounding = 1e-6;
 constexpr double kFriction = 0.2;
 constexpr double kAllowedAtSnap = 2 * kFriction;  // in newtons times the spacing
 
-/// The energies at a snap, in newtons times the spacing.
-struct Snap {
-  double before, behind;
-  double allowed;  // for what is extrapolated
+Check empty_check() {
+  return {"passive", "links", "snaps that lead up, so that a closed walk gains energy", {}};
+}
+
+/// A one-way link along an axis, at both ends of which a branch ends.
+struct SnapLink {
+  RecordIndex from = 0, to = 0;
+  int q = 0, axis = 0, sign = 1;
+  Node end = 0, start = 0;  // where either branch is on the other side; start may be none
 };
 
 bool is_finite_node(const NodeEnergy& node) {
@@ -41,81 +49,153 @@ double energy_between(const NodeEnergy& from, const NodeEnergy& to, int axis, in
   return hermite_energy(corners, part);
 }
 
-/// On the one-way link of record r that leads one step along an axis, forwards or backwards.
-Snap snap_on(const Grid& grid, const BranchMap& map, const NodeEnergies& nodes, RecordIndex r,
-             int axis, int sign) {
-  std::array<int, 3> step{0, 0, 0};
-  step[axis] = sign;
-  const Direction towards = Direction::of(step[0], step[1], step[2]);
-  const RecordIndex target = grid.destination(r, towards.q());
-  // Where the branch of either record is, on the other side of the link.
-  const Node end = map.nodes.node(r, towards.q());
-  const Node start = map.nodes.node(target, towards.opposite().q());
-  const double at = map.tear[r] / (double{map.tear[r]} - map.tear[end]);
-  const NodeEnergy &from = nodes[r], &to = nodes[target];
+SnapLink snap_link(const Grid& grid, const BranchNodes& branches, RecordIndex r, int q, int axis) {
+  const Direction towards(q);
+  SnapLink link{.from = r,
+                .to = grid.destination(r, q),
+                .q = q,
+                .axis = axis,
+                .sign = towards.step()[axis],
+                .end = branches.node(r, q)};
+  link.start = branches.node(link.to, towards.opposite().q());
+  return link;
+}
 
-  Snap snap{energy_between(from, nodes[end], axis, sign, at), to.energy, 0};
+/// What a snap leads up at the part `at` of the link, and what of it is allowed because it is
+/// extrapolated, in newtons times the spacing.
+struct Rise {
+  double up, allowed;
+  bool is_up() const { return !(up <= allowed + kAllowedAtSnap); }
+};
+
+Rise rise_at(const NodeEnergies& nodes, const SnapLink& link, double at) {
+  const int axis = link.axis;
+  const NodeEnergy &from = nodes[link.from], &to = nodes[link.to], &end = nodes[link.end];
+  Rise rise{-energy_between(from, end, axis, link.sign, at), 0};
   for (int a = 0; a < 3; ++a)
-    snap.allowed += kRounding * (std::abs(from.slope[a]) + std::abs(to.slope[a]));
+    rise.allowed += kRounding * (std::abs(from.slope[a]) + std::abs(to.slope[a]));
   const auto allow = [&](const NodeEnergy& record, const NodeEnergy& beyond, int way, double part) {
-    snap.allowed +=
+    rise.allowed +=
         std::abs(beyond.energy - record.energy - way * record.slope[axis]) * part * part / 2;
   };
-  allow(from, nodes[end], sign, at);
-  if (start != BranchNodes::kNoNode) {
-    snap.behind = energy_between(nodes[start], to, axis, sign, at);
-    allow(to, nodes[start], -sign, 1 - at);
+  allow(from, end, link.sign, at);
+  if (link.start == BranchNodes::kNoNode) {
+    rise.up += to.energy;
+    return rise;
   }
-  return snap;
+  const NodeEnergy& start = nodes[link.start];
+  rise.up += energy_between(start, to, axis, link.sign, at);
+  allow(to, start, -link.sign, 1 - at);
+  return rise;
 }
+
+/// At how many of the places that a tear fraction can name the snap leads up too far.
+int places_up(const NodeEnergies& nodes, const SnapLink& link) {
+  int up = 0;
+  for (TearByte tear = 0; tear < kTearSteps; ++tear)
+    up += rise_at(nodes, link, tear_fraction(tear)).is_up();
+  return up;
+}
+
+/// The row, while it is filled.
+class Passive {
+ public:
+  Passive(const Grid& grid, const NodeEnergies& nodes) : grid_(grid), nodes_(nodes) {
+    for (Figure* figure : {&gain_, &loss_})
+      figure->unit =
+          "N " +
+          (grid.spec().length_unit.empty() ? "lengths" : printable_line(grid.spec().length_unit));
+  }
+
+  void look_at(const SnapLink& link, double at) {
+    const Rise rise = rise_at(nodes_, link, at);
+    keep_larger(gain_, rise.up - rise.allowed, link);
+    keep_larger(loss_, -rise.up, link);
+    if (!rise.is_up()) return;
+    const double h = grid_.box().spacing;
+    check.found.offend(location_of(grid_, link.from, link.q), [&] {
+      return format("{}: the snap leads up by {} {}, allowed are {}",
+                    describe_link(grid_, link.from, link.q), rounded(rise.up * h), gain_.unit,
+                    rounded((rise.allowed + kAllowedAtSnap) * h));
+    });
+  }
+
+  /// The snaps whose place decides, where the model has them.
+  void ask(const std::vector<SnapLink>& links, Converter* converter) {
+    if (links.empty()) return;
+    if (!converter) {
+      check.not_proved = format(
+          "{} of the snaps lead up or not, as the place between two points decides where the model "
+          "snaps; to find it, leave out --recompute none, or search with tears = true",
+          links.size());
+      return;
+    }
+    std::vector<OneWayLink> asked;
+    for (const SnapLink& link : links)
+      asked.push_back({link.from, static_cast<std::uint8_t>(link.q)});
+    try {
+      Progress progress;
+      const std::vector<TearByte> tears = find_tears(grid_, asked, *converter, progress);
+      for (std::size_t i = 0; i < links.size(); ++i) look_at(links[i], tear_fraction(tears[i]));
+    } catch (const ModelError& e) {
+      check.found.offend([&] { return std::string(e.what()); });
+    }
+  }
+
+  Check result() {
+    check.figures = {gain_, loss_};
+    return std::move(check);
+  }
+
+  Check check = empty_check();
+
+ private:
+  void keep_larger(Figure& largest, double value, const SnapLink& link) const {
+    const double h = grid_.box().spacing;
+    if (!(value * h > largest.value)) return;
+    largest.value = value * h;
+    largest.where = "where " + describe_link(grid_, link.from, link.q) + " snaps";
+  }
+
+  const Grid& grid_;
+  const NodeEnergies& nodes_;
+  Figure gain_{"largest gain", 0, "", ""}, loss_{"largest loss", 0, "", ""};
+};
 
 }  // namespace
 
-Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& nodes) {
-  Check check{"passive", "links", "snaps that lead up, so that a closed walk gains energy", {}};
-  const double spacing = grid.box().spacing;
-  const std::string unit =
-      "N " +
-      (grid.spec().length_unit.empty() ? "lengths" : printable_line(grid.spec().length_unit));
-  Figure gain{"largest gain", 0, unit, ""}, loss{"largest loss", 0, unit, ""};
-  const auto keep_larger = [&](Figure& largest, double value, RecordIndex r, int q) {
-    if (!(value * spacing > largest.value)) return;
-    largest.value = value * spacing;
-    largest.where = "where " + describe_link(grid, r, q) + " snaps";
-  };
+Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& nodes,
+                    Converter* converter) {
+  Passive passive(grid, nodes);
+  Findings& found = passive.check.found;
+  std::vector<SnapLink> undecided;
   for (RecordIndex r = 0; r < grid.records(); ++r)
     for (int axis = 0; axis < 3; ++axis)
-      for (const int sign : {-1, 1}) {
-        std::array<int, 3> step{0, 0, 0};
-        step[axis] = sign;
-        const int q = Direction::of(step[0], step[1], step[2]).q();
+      for (const Direction towards : {Direction::up(axis).opposite(), Direction::up(axis)}) {
+        const int q = towards.q();
         const RecordIndex target = grid.destination(r, q);
         if (target == Grid::kNoRecord) continue;
-        ++check.found.counted;
+        ++found.counted;
         if (!is_finite_node(nodes[r]) || !is_finite_node(nodes[target])) {
-          check.found.offend(location_of(grid, r, q), [&] {
+          found.offend(location_of(grid, r, q), [&] {
             return describe_link(grid, r, q) + ": its energy or its force is not finite";
           });
           continue;
         }
         if (!grid.is_one_way(r, q)) continue;
-        const Snap snap = snap_on(grid, map, nodes, r, axis, sign);
-        const double up = snap.behind - snap.before;
-        keep_larger(gain, up - snap.allowed, r, q);
-        keep_larger(loss, -up, r, q);
-        if (!(up <= snap.allowed + kAllowedAtSnap))
-          check.found.offend(location_of(grid, r, q), [&] {
-            return format("{}: the snap leads up by {} {}, allowed are {}",
-                          describe_link(grid, r, q), rounded(up * spacing), unit,
-                          rounded((snap.allowed + kAllowedAtSnap) * spacing));
-          });
+        const SnapLink link = snap_link(grid, map.nodes, r, q, axis);
+        const int up = grid.has_tears() ? 0 : places_up(nodes, link);
+        if (up > 0 && up < kTearSteps)
+          undecided.push_back(link);
+        else
+          passive.look_at(link, map.tear[r] / (double{map.tear[r]} - map.tear[link.end]));
       }
-  check.figures = {gain, loss};
-  return check;
+  passive.ask(undecided, converter);
+  return passive.result();
 }
 
 Check passive_not_proved(std::string why) {
-  Check check{"passive", "links", "snaps that lead up, so that a closed walk gains energy", {}};
+  Check check = empty_check();
   check.not_proved = std::move(why);
   return check;
 }

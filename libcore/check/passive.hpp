@@ -9,6 +9,11 @@
 // Behind its end a branch is extrapolated, up to where the tear function is 0. Half of what the
 // energies at the snap go beyond the slopes of the two records is allowed, because it was
 // extrapolated. So is what the friction of a device takes: 0.2 N along two spacings.
+//
+// In a grid without tear fractions the snap can be anywhere on its link, wherever the model beside
+// the grid says that it is. Then the energies are compared at all places that a tear fraction could
+// name. Few links have places where the snap would lead up and others where it would not: the model
+// is asked for those alone.
 #pragma once
 
 #include <string>
@@ -17,14 +22,19 @@
 #include "libcore/grid/grid.hpp"
 #include "libcore/haptic/branch_traversal.hpp"
 #include "libcore/haptic/node_energies.hpp"
+#include "libcore/search/converter.hpp"
 
 namespace hapgrid {
 
 /// `passive`: no snap leads up, and all energies and forces are finite numbers. Counts the links
 /// along the axes. Figures, in newtons times the unit of length: `largest gain`, what a snap leads
 /// up beyond what was extrapolated, and `largest loss`, what one leads down: the hysteresis.
+/// Not proved where the places of snaps decide, and nobody knows them.
 /// @param nodes with the ghosts of map.nodes
-Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& nodes);
+/// @param converter finds the places of snaps in a grid without tear fractions; may be null. A
+/// conversion that fails is an offender.
+Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& nodes,
+                    Converter* converter = nullptr);
 
 /// `passive` where play takes its force from elsewhere: not proved.
 /// @param why and what to do

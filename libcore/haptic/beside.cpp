@@ -49,14 +49,23 @@ std::vector<double> weights_of(const Grid& grid, const Model& model) {
 }  // namespace
 
 Beside::Beside(const Grid& grid, std::unique_ptr<Model> model,
-               std::optional<std::uint32_t> delay_ticks)
+               std::optional<std::uint32_t> delay_ticks,
+               std::function<void(const std::string&)> tell_failure)
     : weights_(weights_of(grid, *model)),
+      is_process_(model->is_process()),
       model_(grid, std::move(model), kStepsACell),
       delay_(delay_ticks),
       near_(grid.box().spacing / kStepsACell),
+      tell_failure_(std::move(tell_failure)),
       held_back_(delay_ ? std::size_t{*delay_} + 1 : 0, empty_answer(grid)),
       places_(delay_ ? 1 : kPlaces),
       answers_(empty_answer(grid)) {}
+
+Beside::~Beside() {
+  ends_ = true;
+  thread_.request_stop();
+  model_.abandon();
+}
 
 void Beside::begin(double rate_hz) {
   oldest_ = static_cast<std::uint64_t>(std::llround(kOldestSeconds * rate_hz));
@@ -95,12 +104,16 @@ const BesideAnswer* Beside::newest() noexcept {
 }
 
 void Beside::ask(const Place& place, BesideAnswer& answer) noexcept {
-  const StepResult& step = place.begins ? model_.start(place.x) : model_.step(place.x);
   answer.tick = place.tick;
+  answer.usable = false;
+  if (has_given_up_) return;
+  const StepResult& step = place.begins ? model_.start(place.x) : model_.step(place.x);
   answer.usable = step.usable();
   answer.at = model_.position();
   const std::span<const double> state = model_.state();
   std::copy(state.begin(), state.end(), answer.state.begin());
+  has_given_up_ = is_process_ && step.blocked;
+  if (has_given_up_ && tell_failure_ && !ends_) tell_failure_(model_.model_error());
 }
 
 void Beside::work(const std::stop_token& token) noexcept {

@@ -12,10 +12,13 @@
 // can be held back by a number of ticks: so the same input always gives the same output.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -47,8 +50,13 @@ class Beside {
   /// @param grid outlives this. @param model of this grid
   /// @param delay_ticks the model is asked in the tick, and its answer is given so many ticks
   /// later; nothing: it is asked by another thread
+  /// @param tell_failure is told why a model process fails. It is then not asked any more. Called
+  /// by the thread that asks.
   /// @throw Error as Traversal does
-  Beside(const Grid& grid, std::unique_ptr<Model> model, std::optional<std::uint32_t> delay_ticks);
+  Beside(const Grid& grid, std::unique_ptr<Model> model, std::optional<std::uint32_t> delay_ticks,
+         std::function<void(const std::string&)> tell_failure = {});
+  /// Does not wait for a process that thinks.
+  ~Beside();
   Beside(const Beside&) = delete;
   Beside& operator=(const Beside&) = delete;
 
@@ -89,11 +97,15 @@ class Beside {
   void ask_all(std::span<const Place> places, const std::stop_token& token) noexcept;
 
   const std::vector<double> weights_;
+  const bool is_process_;
   ModelTraversal model_;  // the other thread's, if there is one
   const std::optional<std::uint32_t> delay_;
   const double near_;         // places nearer than this are passed over by a thread that is late
   std::uint64_t oldest_ = 0;  // ticks
   double pause_s_ = 0;        // of the thread, when it has nothing to do
+  const std::function<void(const std::string&)> tell_failure_;
+  std::atomic<bool> ends_{false};
+  bool has_given_up_ = false;  // a process that failed, which can take its time for it
 
   std::uint64_t tick_ = 0;
   std::uint64_t first_tick_ = 0;  // since the last start

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "libcore/haptic/traversal.hpp"
@@ -17,6 +18,10 @@ class ModelTraversal final : public Traversal {
   /// @throw Error as Traversal does
   ModelTraversal(const Grid& grid, std::unique_ptr<Model> model, double steps_a_cell = 32,
                  std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
+  /// Why the last conversion that failed did.
+  const std::string& model_error() const { return model_->error(); }
+  /// Model::abandon(), which any thread may call.
+  void abandon() noexcept { model_->abandon(); }
 
  private:
   /// Level 0 of the corner nearest to the HIP, and C from there to the HIP.

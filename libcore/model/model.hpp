@@ -83,6 +83,9 @@ class Model {
   const std::string& error() const { return error_; }
   /// Tells the model that no question follows: a process can then end while others still work.
   virtual void hang_up() {}
+  /// Any thread may call it: what the model is asked now and later fails within 0.1 s, if it is a
+  /// process, however long it would think.
+  virtual void abandon() noexcept {}
 
   /// The tolerance function. Real-time safe.
   virtual bool equal(const double* a, const double* b) const = 0;

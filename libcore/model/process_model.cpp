@@ -32,6 +32,7 @@ struct ProcessGroup {
   std::optional<ModelInfo> info;  // what the first process said; all later ones must say the same
   Launcher launcher;
   std::atomic<bool> has_hinted{false};
+  std::atomic<bool> is_abandoned{false};
 };
 
 namespace {
@@ -70,16 +71,25 @@ constexpr const char* kUnflushed =
 
 /// Waits as child.pump() does. A process that owes an answer and waits for input has written it
 /// into a buffer of its own, as C does with a pipe: the user gets a hint, long before the deadline.
+/// @throw LastingError when the model is abandoned
 ChildProcess::Event pump(ProcessGroup& group, ChildProcess& child,
                          ChildProcess::Clock::time_point deadline) {
   constexpr std::chrono::seconds kPatience{2};
+  constexpr std::chrono::milliseconds kLook{100};
   const auto soon = ChildProcess::Clock::now() + kPatience;
-  if (group.has_hinted || !group.options.hint || deadline <= soon) return child.pump(deadline);
-  const ChildProcess::Event event = child.pump(soon);
-  if (event != ChildProcess::Event::kTimeout) return event;
-  if (child.waits_for_input() && !group.has_hinted.exchange(true))
-    group.options.hint(who(group, kUnflushed));
-  return child.pump(deadline);
+  bool may_hint = group.options.hint && !group.has_hinted && deadline > soon;
+  for (;;) {
+    if (group.is_abandoned) throw LastingError("is not needed any more");
+    const auto now = ChildProcess::Clock::now();
+    if (may_hint && now >= soon) {
+      may_hint = false;
+      if (child.waits_for_input() && !group.has_hinted.exchange(true))
+        group.options.hint(who(group, kUnflushed));
+    }
+    const ChildProcess::Event event = child.pump(std::min(deadline, now + kLook));
+    if (event != ChildProcess::Event::kTimeout || ChildProcess::Clock::now() >= deadline)
+      return event;
+  }
 }
 
 /// Waits for the first line of a process. @throw Error
@@ -154,6 +164,7 @@ class ProcessModel final : public Model {
   void hang_up() override {
     if (child_) child_->hang_up();
   }
+  void abandon() noexcept override { group_->is_abandoned = true; }
   bool equal(const double* a, const double* b) const override {
     return are_equal(info().equality, info().tolerance, state_size(), a, b);
   }

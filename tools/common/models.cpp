@@ -52,17 +52,21 @@ std::unique_ptr<ModelSource> process_source(const ProcessDefinition& process,
 
 }  // namespace
 
-void add_model_options(CommandLine& app, ModelOptions& options) {
+void add_asked_model_options(CommandLine& app, ModelOptions& options) {
   add_model_path(app, options.path);
   app.add("--allow-process", options.allowed,
           "Definition whose command may be run as the model, if the grid's model is a process.")
       .type("MODEL.toml");
+  add_process_timeout(app, options.process);
+}
+
+void add_model_options(CommandLine& app, ModelOptions& options) {
+  add_asked_model_options(app, options);
   app.add("--in-flight", options.process.in_flight,
           "Questions that one model process has at a time, from 1 to 1024 (default: what the model "
           "asks for, or 4).")
       .type("N")
       .whole(1, kMaxInFlight);
-  add_process_timeout(app, options.process);
 }
 
 void add_model_options(CommandLine& app, DefinedModelOptions& options) {

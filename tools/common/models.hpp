@@ -26,7 +26,10 @@ struct DefinedModelOptions {
   ProcessOptions process;
 };
 
-/// --model-path, --allow-process MODEL.toml, --in-flight, --process-timeout.
+/// --model-path, --allow-process MODEL.toml, --process-timeout: for a model that is asked one
+/// question at a time.
+void add_asked_model_options(CommandLine& app, ModelOptions& options);
+/// These, and --in-flight.
 void add_model_options(CommandLine& app, ModelOptions& options);
 /// --model-path, --allow-process, --process-timeout.
 void add_model_options(CommandLine& app, DefinedModelOptions& options);

@@ -4,7 +4,9 @@
 #include <optional>
 
 #include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
 #include "libcore/haptic/branch_nodes.hpp"
+#include "tools/common/tool.hpp"
 
 namespace hapgrid {
 
@@ -33,7 +35,10 @@ std::unique_ptr<Beside> make_beside(const std::string& wanted, bool must, bool h
   std::optional<std::uint32_t> delay;
   if (!has_thread) delay = ticks_of(wanted).value_or(0);
   try {
-    return std::make_unique<Beside>(grid, create(), delay);
+    return std::make_unique<Beside>(grid, create(), delay, [](const std::string& why) {
+      say("play",
+          format("the model beside the grid fails: {}: from here on the grid alone decides", why));
+    });
   } catch (const ModelError&) {
     if (must) throw;
     return nullptr;

@@ -20,8 +20,8 @@ bool is_beside(const std::string& text);
 
 /// @param wanted is_beside(). @param must whether the user asked for it
 /// @param has_thread for a live device
-/// @param create makes the grid's model @returns null where the grid alone decides: that is wanted,
-/// or no branch ends, or the model is not at hand
+/// @param create makes the grid's model. If it fails in play, that is said in a line. @returns null
+/// where the grid alone decides: that is wanted, or no branch ends, or the model is not at hand
 /// @throw ModelError when it must be there and is not
 std::unique_ptr<Beside> make_beside(const std::string& wanted, bool must, bool has_thread,
                                     const Grid& grid, const BranchNodes* branches,

@@ -47,12 +47,12 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
          "Whether the model itself follows the hand beside the grid and says on which branch the "
          "hand is: 'on', which for a live device never makes the loop wait; 'off'; or, for any "
          "other device, by how many TICKS its answers are late. Default: on, if the model is a "
-         "plug-in.")
+         "plug-in, or a process that --allow-process names.")
       .type("on|off|TICKS")
       .check(is_beside, "on, off or a whole number of ticks up to 10000");
   app.add_flag("--list-devices", options.list_devices,
                "List the devices of this machine, with the text for --device, instead of playing.");
-  add_model_path(app, options.model_path);
+  add_asked_model_options(app, options.model);
 }
 
 void add_time_options(CommandLine& app, PlayOptions& options) {

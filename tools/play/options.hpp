@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "libcore/haptic/realtime.hpp"
 #include "libcore/scene/imd_server.hpp"
+#include "tools/common/models.hpp"
 #include "tools/common/traversals.hpp"
 #include "tools/play/devices.hpp"
 #include "tools/play/played_force.hpp"
@@ -30,7 +30,7 @@ struct PlayOptions {
   std::string sessions;
   std::optional<std::uint16_t> imd_port;
   ImdOptions imd;
-  std::vector<std::string> model_path;
+  ModelOptions model;
   std::optional<Axes> axes;
   GivenSettings given;
   PlayFile file;  ///< of --config

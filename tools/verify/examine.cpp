@@ -46,8 +46,9 @@ Check recompute_tears(const Grid& grid, std::span<const RecordIndex> sample,
 }
 
 /// The row `passive`, for the force that play sends.
+/// @param source of a model that may be asked where it snaps; null: it may not
 Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFields& fields,
-                    ForceRule asked) {
+                    ForceRule asked, const ModelSource* source, int threads) {
   if (asked == ForceRule::kState)
     return passive_not_proved(
         "the work of the force of the interpolated state is not known between the points; "
@@ -55,7 +56,10 @@ Check prove_passive(const Grid& grid, const BranchMap& branches, const RecordFie
   const NodeForces forces = node_forces(asked, grid, fields);
   if (forces.rule == ForceRule::kEnergy) {
     forces.nodes->add_ghosts(grid, branches.nodes);
-    return check_passive(grid, branches, *forces.nodes);
+    if (!source || grid.has_tears()) return check_passive(grid, branches, *forces.nodes);
+    Progress conversions;
+    Converter converter(*source, grid.spec(), static_cast<unsigned>(threads), conversions);
+    return check_passive(grid, branches, *forces.nodes, &converter);
   }
   if (forces.why_not.empty())
     return passive_not_proved("interpolated forces have no energy; --force energy can be proved");
@@ -119,7 +123,9 @@ std::vector<Check> examine(const Grid& grid, const Examination& asked) {
   if (knows_force) fields = record_fields(grid, judge, asked.threads);
   if (!fields.energy.empty()) add(check_gradient(grid, fields));
   add(check_steep(grid, fields.force, asked.rendering));
-  if (knows_force) add(prove_passive(grid, branches, fields, asked.force));
+  if (knows_force)
+    add(prove_passive(grid, branches, fields, asked.force,
+                      asked.recompute > 0 ? source.get() : nullptr, asked.threads));
 
   // And between the points?
   if (asked.walks > 0) {

@@ -16,9 +16,9 @@ PROBE = 1.2  # angstrom
 PENALTY = 100  # kJ/(mol Å²)
 CLEAR = 0.3  # angstrom from touching, where a push begins; and a cell more, which is then at rest
 MAX_LEVELS = 64
-# Whether the grid has tear fractions, which take half of the search and more. Without them a snap is taken to be in
-# the middle between two points, and verify finds snaps that lead up: of 2-butanol at 0.35 angstrom 6 of 299,658 links.
-TEARS = True
+# Whether the grid has tear fractions, which take half of the search and more. A grid of a molecule is played with the
+# molecule's model beside it, which knows where it snaps: then they change nothing (examples/guide/feel.md).
+TEARS = False
 COARSE_POINTS = 14  # along the longest side of the first grid
 LEAST_POINTS = 8
 
@@ -108,7 +108,7 @@ counts = {self.counts()}
 
 [search]
 max_levels = {MAX_LEVELS}           # states that a grid point may have
-tears = {"true" if TEARS else "false"}              # whether the search finds where between two points the model snaps
+tears = {"true" if TEARS else "false"}              # whether the search finds where the model snaps; play asks the model itself
 """
 
 

@@ -89,7 +89,7 @@ def _(g):
         row["force"] = [-f for f in row["force"]]
 
 
-@fault("all forces and energies of the wrong sign: snaps lead up", "passive", grid="fine", arguments="--recompute none")
+@fault("all forces and energies of the wrong sign: snaps lead up", "stored", "passive", grid="fine")
 def _(g):
     for row in g.rows:
         row["force"] = [-f for f in row["force"]]

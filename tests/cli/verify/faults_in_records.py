@@ -31,7 +31,7 @@ def _(g):
     g.rows.remove(g.at(MIDDLE))
 
 
-@fault("a point's first level lost, the second in its place", "links", "generations", "fidelity", "continuous", "passive")
+@fault("a point's first level lost, the second in its place", "links", "generations", "fidelity", "continuous")
 def _(g):
     g.rows.remove(g.at(MIDDLE))
     g.at(MIDDLE, 1)["level"] = 0

@@ -5,9 +5,12 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "libcore/haptic/branch_traversal.hpp"
+#include "libcore/model/process_model.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/places.hpp"
@@ -184,4 +187,38 @@ TEST_CASE("with a model beside the grid no step allocates, whatever model and li
   CHECK(allocations() == before);
   CHECK(usable);
   CHECK(beside.kept_up() > 0);
+}
+
+TEST_CASE("a process that fails is told of once, and one that is stuck does not hold up the end") {
+  const Grid grid = line();
+  const std::string first_line =
+      R"(read -r line; echo '{"hapgrid": 1, "state_size": 1, "d_max": 9, "tolerance": 1e-6}')";
+  const auto process = [&](const std::string& then) {
+    return ProcessSource("model", {"sh", "-c", first_line + "; read -r line; " + then}, {},
+                         {.timeout_seconds = 1000, .start_timeout_seconds = 1000});
+  };
+  std::vector<std::string> told;
+  const auto tell = [&](const std::string& why) { told.push_back(why); };
+  {
+    Beside beside(grid, process("exit 3").create({}), 0, tell);
+    beside.begin(1000);
+    beside.start({0.5, 0, 0});
+    beside.follow({0.6, 0, 0});
+    CHECK_FALSE(beside.answer());
+    CHECK(beside.kept_up() == 0);
+  }
+  REQUIRE(told.size() == 1);
+  CHECK(told[0].find("exited with status 3; asked 3 times") != std::string::npos);
+  told.clear();
+  const auto begun = std::chrono::steady_clock::now();
+  {
+    Beside beside(grid, process("exec sleep 1000").create({}), std::nullopt, tell);
+    beside.begin(1000);
+    beside.start({0.5, 0, 0});
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // until the thread has asked
+    beside.follow({0.6, 0, 0});
+    CHECK_FALSE(beside.answer());
+  }
+  CHECK(std::chrono::steady_clock::now() - begun < std::chrono::seconds(60));
+  CHECK(told.empty());
 }
