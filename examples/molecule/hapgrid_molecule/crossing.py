@@ -27,7 +27,7 @@ class Crossings(pushing.Ways):
 
     def write(self):
         toml = self.grid.removesuffix(".grid") + ".toml"
-        minima = [m["t"] for m in choice.checked(self.filters, toml)["minima"]]
+        minima = [m["t"] for m in choice.checked(self.folder, toml)["minima"]]
         if len(minima) < 2:
             return super().write()
         rest, *others = sorted(minima, key=lambda t: np.abs(t).sum())
@@ -37,7 +37,7 @@ class Crossings(pushing.Ways):
             one.way = f".way-{k}"
             there = [t for t in others if t[k] != 0 and np.count_nonzero(t) == 1]
             searches.append(lambda one=one, name=name, there=there: one._over(toml, name, rest, there))
-        tell = self.stages.counted("pushing the molecule over its barriers and back", len(searches))
+        tell = self.folder.counted("pushing the molecule over its barriers and back", len(searches))
         names = []
         with ThreadPoolExecutor(self.threads) as pool:
             for done, name in enumerate(pool.map(lambda search: search(), searches), 1):
@@ -114,14 +114,14 @@ class Crossings(pushing.Ways):
         return out
 
     def _shape(self, toml, t):
-        text = self.filters.run("molecule-check", toml, "--xyz=" + ",".join(map(repr, t)))[0]
+        text = self.folder.run("molecule-check", toml, "--xyz=" + ",".join(map(repr, t))).out
         return xyz.parsed(text, toml)[0][2]
 
     def _states(self, way):
         """The t at each place of a way."""
         self._write_way(self.way + ".txt", way, "tried")
-        self.filters.run("play", self.grid, "--device", f"path:{self.way}.txt", "--log", self.way + ".log")
-        names, rows = pushing.read_log(self.stages.path(self.way + ".log"))
+        self.folder.run("play", self.grid, "--device", f"path:{self.way}.txt", "--log", self.way + ".log")
+        names, rows = pushing.read_log(self.folder.path(self.way + ".log"))
         first = names.index("s0")
         return rows[:, first:first + len(self.taken)]
 
@@ -150,7 +150,7 @@ class Crossings(pushing.Ways):
 
     def _write_way(self, name, way, title):
         rows = [" ".join(f"{v:.4f}" for v in p) for p in way]
-        pushing.files.write_whole(self.stages.path(name), "\n".join(
+        self.folder.write(name, "\n".join(
             [f"# {title}", "# x y z of the probe in angstrom, a line a tick", *rows]) + "\n")
 
 

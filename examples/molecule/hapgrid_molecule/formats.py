@@ -252,7 +252,7 @@ def energy_in(title):
     """The energy that a title gives, in whatever unit, or None: dE=, E=, energy:, SCF done, or a number alone."""
     number = r"([+-]?\d+\.?\d*(?:[eE][+-]?\d+)?)"
     found = re.search(rf"(?:\bdE\s*=|\bE\s*=|\benergy\s*[:=]?)\s*{number}", title, re.I) or \
-        re.fullmatch(rf"\s*([+-]?\d+\.\d+)\s*(?:!.*)?", title)
+        re.fullmatch(r"\s*([+-]?\d+\.\d+)\s*(?:!.*)?", title)
     return float(found[1]) if found else None
 
 

@@ -8,7 +8,7 @@ torsion farthest is kept.
 import json
 
 import numpy as np
-from preparation import files
+from hapgrid_command import files
 from preparation.xtb import BOHR
 
 from .definition import CLEAR, PROBE, RADII, paths_of
@@ -99,15 +99,15 @@ def read_log(path):
 class Ways:
     """The files path-NAME.txt of the paths in a grid, the one that turns a torsion farthest first."""
 
-    def __init__(self, filters, stages, grid, structures, threads):
-        self.filters, self.stages, self.grid, self.structures = filters, stages, grid, structures
+    def __init__(self, folder, grid, structures, threads):
+        self.folder, self.grid, self.structures = folder, grid, structures
         self.threads = threads
-        header = json.loads(filters.run("stats", grid, "--format", "json")[0])
+        header = json.loads(folder.run("stats", grid, "--format", "json").out)
         box = header["box"]
         self.low = np.array(box["origin"])
         self.high = self.low + box["spacing"] * (np.array(box["counts"]) - 1)
         self.clear = CLEAR + box["spacing"]
-        self.taken = paths_of(stages.path(grid.removesuffix(".grid") + ".toml"))
+        self.taken = paths_of(folder.path(grid.removesuffix(".grid") + ".toml"))
         self.radius = np.array([RADII[z] for z in structures.numbers])
 
     def write(self):
@@ -138,7 +138,7 @@ class Ways:
                 or lines(x, move, self.radius, self.low, self.high, CLEAR))
 
     def _write(self, name, start, end, step, title):
-        files.write_whole(self.stages.path(name), text(start, end, step, title))
+        self.folder.write(name, text(start, end, step, title))
 
     def _played(self, lines_of):
         """The largest t of path k for each (k, line)."""
@@ -148,14 +148,14 @@ class Ways:
             self._write(name + ".txt", line[0], line[1], COARSE_STEP, "tried")
             commands.append(["play", self.grid, "--device", f"path:{name}.txt", "--log", name + ".log"])
         try:
-            self.filters.run_each(commands, self.threads,
-                                  self.stages.counted("pushing the molecule to see which way turns it", len(commands)))
-            logs = [read_log(self.stages.path(name + ".log")) for name in names]
+            self.folder.run_each(commands, self.threads,
+                                  self.folder.counted("pushing the molecule to see which way turns it", len(commands)))
+            logs = [read_log(self.folder.path(name + ".log")) for name in names]
             return [float(rows[:, heads.index(f"s{k}")].max()) for (heads, rows), (k, _) in zip(logs, lines_of)]
         finally:
             self._clean(names)
 
     def _clean(self, names):
         for name in names:
-            files.remove(self.stages.path(name + ".txt"))
-            files.remove(self.stages.path(name + ".log"))
+            files.remove(self.folder.path(name + ".txt"))
+            files.remove(self.folder.path(name + ".log"))

@@ -1,30 +1,14 @@
-"""The files that are written: XYZ files and the report. Each is written beside its place, then
-renamed."""
+"""The files that are written: XYZ files and the report."""
 
 import os
-import re
 
 import numpy as np
+from hapgrid_command.files import is_plain, read_text, remove, write_whole
 
 from . import geometry
 from .molecule import BadInput
 from .elements import SYMBOLS
 from .xtb import BOHR, HARTREE
-
-
-def write_whole(path, text):
-    """Writes a file so that it is there in full, or as it was before."""
-    beside = f"{path}.new.{os.getpid()}"
-    try:
-        with open(beside, "w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(beside, path)
-    except BaseException:
-        if os.path.exists(beside):
-            os.remove(beside)
-        raise
 
 
 def frame(numbers, x, comment):
@@ -106,7 +90,7 @@ def report_text(result, command):
     rows = [("conformation", "minimum", "0.00", *known, "-", result.method, words(result.torsions, result.x))]
     before = angles(result.torsions, result.x)
     for found in result.found:
-        if hasattr(found, "kinds"):
+        if found.goes_on:
             rows += _beyond_rows(result, found)
             continue
         after = angles(result.torsions, found.nodes[-1])
@@ -131,16 +115,10 @@ def report_text(result, command):
     return "\n".join(lines) + "\n"
 
 
-def is_plain(name):
-    """Whether this can be a file beside the others, whoever made the name. It needs no quotes anywhere."""
-    return isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,199}", name) is not None
-
-
 def listed(report):
     """The path files that a report names. Errors: BadInput, where a name is none of a file beside it."""
     try:
-        with open(report, encoding="utf-8") as file:
-            rows = [line.split("\t") for line in file if not line.startswith("#")]
+        rows = [line.split("\t") for line in read_text(report).splitlines() if not line.startswith("#")]
     except FileNotFoundError:
         return []
     names = [row[0] for row in rows if len(row) > 1 and row[1] in ("saddle", "path")]
@@ -156,24 +134,14 @@ def write_set(directory, result, command):
     report = os.path.join(directory, "report.tsv")
     texts = {"conformation.xyz": conformation_text(result)}
     for found in result.found:
-        write = beyond_text if hasattr(found, "kinds") else path_text
+        write = beyond_text if found.goes_on else path_text
         texts[found.name + ".xyz"] = write(result, found)
     old = listed(report)
     os.makedirs(directory, exist_ok=True)
-    if os.path.exists(report):
-        os.remove(report)
+    remove(report)
     for name in set(old) - set(texts):  # paths from another conformation would be wrong
-        if os.path.exists(os.path.join(directory, name)):
-            os.remove(os.path.join(directory, name))
+        remove(os.path.join(directory, name))
     for name, text in texts.items():
         write_whole(os.path.join(directory, name), text)
     write_whole(report, report_text(result, command))
     return [*texts, "report.tsv"]
-
-
-def remove(path):
-    """Removes a file that may not be there."""
-    try:
-        os.remove(path)
-    except FileNotFoundError:
-        pass

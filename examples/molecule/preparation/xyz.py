@@ -8,6 +8,7 @@ Where a title gives both ways, they must agree to DIFFER: whoever changes one of
 import re
 
 import numpy as np
+from hapgrid_command.files import read_text
 
 from .molecule import BadInput
 from .xtb import HARTREE, SYMBOLS
@@ -42,8 +43,10 @@ def parsed(text, where):
 
 def frames(path):
     """parsed() of a file."""
-    with open(path, encoding="utf-8") as file:
-        return parsed(file.read(), path)
+    out = parsed(read_text(path), path)
+    if not out:
+        raise BadInput(f"{path}: is empty")
+    return out
 
 
 def ensemble(text, numbers):

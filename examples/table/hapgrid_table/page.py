@@ -3,6 +3,7 @@
 import html
 import itertools
 import json
+import shutil
 import tomllib
 import urllib.parse
 
@@ -88,12 +89,10 @@ def way_text(ends, unit, ticks):
 def gnuplot(work, script):
     name = ".gnuplot"
     work.write(name, script)
+    if shutil.which("gnuplot") is None:
+        raise Failed("gnuplot is not there: install the Debian package gnuplot-nox")
     try:
         work.run(["gnuplot"], name)
-    except Failed as why:
-        if "is not there" in str(why):
-            raise Failed("gnuplot is not there: install the Debian package gnuplot-nox") from None
-        raise
     finally:
         remove(work.path(name))
 

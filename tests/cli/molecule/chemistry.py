@@ -112,7 +112,7 @@ for slope, why in ((0.0, "turns freely, without a barrier of 0.1 kJ/mol"), (1 / 
     try:
         torsions.scan(bond, place, bond.hessian(place), turn, 1)
         raise AssertionError("a barrier on a slope")
-    except torsions.NoBarrier as no:
+    except optimise.NoPath as no:
         assert str(no).startswith(why), no
 
 
