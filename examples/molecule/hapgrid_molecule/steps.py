@@ -6,6 +6,7 @@ import shlex
 import time
 
 import numpy as np
+from hapgrid_command.files import Failed
 from hapgrid_command.work import Work, duration
 from preparation import files, optimise, work, xyz
 from preparation import molecule as prepared
@@ -107,6 +108,8 @@ def show(at, start, shapes, plan):
     kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
              lambda: ways(kept, grid, shapes, o.threads).write())
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
+    if not made:
+        raise Failed(f"{kept.path('.work/stage-pushing.json')}: is not what was written: remove it")
     facts = [start.source, start.charge, start.unpaired, start.method]
     kept.step("page", "drawing pictures", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
              lambda: page.write(at, start, start.turned_by(plan.paths), made))
