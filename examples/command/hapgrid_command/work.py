@@ -195,15 +195,17 @@ class Work:
 
     # Programs
 
-    def run(self, program, *arguments, good=(0,), watch=None):
-        """The Ran of a filter, which is given by its plain name, or of another program, as a list of its first words. It
-        runs in the folder. watch: of run_program(). Errors: Failed, when the exit code is not among the good ones."""
+    def run(self, program, *arguments, good=(0,), watch=None, package=""):
+        """The Ran of a filter, which is given by its plain name, or of another program of a Debian package, as a list of its
+        first words. It runs in the folder. watch: of run_program(). Errors: Failed, when the exit code is not among the
+        good ones."""
         words = program if isinstance(program, list) else [os.path.join(self.filters, program)]
         try:
             ran = run_program([*words, *map(str, arguments)], self.directory, watch)
         except FileNotFoundError:
-            where = "not found" if words is program else f"not in {self.filters}: build all of hapgrid"
-            raise Failed(f"{os.path.basename(words[0])} is {where}") from None
+            other = f"there: install the Debian package {package or words[0]}"
+            where = other if words is program else f"in {self.filters}: build all of hapgrid"
+            raise Failed(f"{os.path.basename(words[0])} is not {where}") from None
         if ran.code not in good:
             raise Failed(ran.fault(os.path.basename(words[0])))
         return ran

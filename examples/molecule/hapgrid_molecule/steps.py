@@ -109,7 +109,7 @@ def show(at, start, shapes, plan):
              lambda: ways(kept, grid, shapes, o.threads).write())
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
     if not made:
-        raise Failed(f"{kept.path('.work/stage-pushing.json')}: is not what was written: remove it")
+        raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
     facts = [start.source, start.charge, start.unpaired, start.method]
     kept.step("page", "drawing pictures", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
              lambda: page.write(at, start, start.turned_by(plan.paths), made))

@@ -3,13 +3,12 @@
 import html
 import itertools
 import json
-import shutil
 import tomllib
 import urllib.parse
 
 import numpy as np
 
-from .work import Failed, remove
+from .work import remove
 
 STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
 table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; text-align: left }
@@ -89,10 +88,8 @@ def way_text(ends, unit, ticks):
 def gnuplot(work, script):
     name = ".gnuplot"
     work.write(name, script)
-    if shutil.which("gnuplot") is None:
-        raise Failed("gnuplot is not there: install the Debian package gnuplot-nox")
     try:
-        work.run(["gnuplot"], name)
+        work.run(["gnuplot"], name, package="gnuplot-nox")
     finally:
         remove(work.path(name))
 
