@@ -81,12 +81,21 @@ def _inside(start, end, low, high):
     return float(min(1.0, 0.98 * limits.min()))
 
 
-def text(start, end, step, title):
-    """A path for play: there and back."""
-    count = max(int(np.ceil(np.linalg.norm(end - start) / step)), 2)
-    there = [start + (end - start) * k / count for k in range(count + 1)]
-    rows = [" ".join(f"{v:.4f}" for v in p) for p in there + there[-2::-1]]
-    return "\n".join([f"# {title}", "# x y z of the probe in angstrom, a line a tick", *rows]) + "\n"
+def straight(start, end, step, least=2):
+    """Places from start to end, in so many steps at least."""
+    count = max(int(np.ceil(np.linalg.norm(end - start) / step)), least)
+    return [start + (end - start) * k / count for k in range(count + 1)]
+
+
+def there_and_back(start, end, step):
+    there = straight(start, end, step)
+    return there + there[-2::-1]
+
+
+def write_way(folder, name, way, title):
+    """A path for play."""
+    rows = [" ".join(f"{v:.4f}" for v in p) for p in way]
+    folder.write(name, "\n".join([f"# {title}", "# x y z of the probe in angstrom, a line a tick", *rows]) + "\n")
 
 
 def read_log(path):
@@ -130,22 +139,20 @@ class Ways:
             at = label(self.structures.numbers, atom)
             names.append(f"path-{name}.txt")
             far = f": {name} goes {min(100 * turned, 100):.0f} % of the way to its barrier" if self.taken else ""
-            self._write(names[-1], start, end, STEP, f"The probe pushes at {at}{far}, and goes back on the same line.")
+            write_way(self.folder, names[-1], there_and_back(start, end, STEP),
+                      f"The probe pushes at {at}{far}, and goes back on the same line.")
         return names
 
     def _lines(self, x, move):
         return (lines(x, move, self.radius, self.low, self.high, self.clear)
                 or lines(x, move, self.radius, self.low, self.high, CLEAR))
 
-    def _write(self, name, start, end, step, title):
-        self.folder.write(name, text(start, end, step, title))
-
     def _played(self, lines_of):
         """The largest t of path k for each (k, line)."""
         names = [f".way-{n}" for n in range(len(lines_of))]
         commands = []
         for name, (_, line) in zip(names, lines_of):
-            self._write(name + ".txt", line[0], line[1], COARSE_STEP, "tried")
+            write_way(self.folder, name + ".txt", there_and_back(*line[:2], COARSE_STEP), "tried")
             commands.append(["play", self.grid, "--device", f"path:{name}.txt", "--log", name + ".log"])
         try:
             self.folder.run_each(commands, self.threads,

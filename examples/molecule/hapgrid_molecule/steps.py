@@ -8,11 +8,10 @@ import time
 import numpy as np
 from hapgrid_command.files import Failed
 from hapgrid_command.work import Work, duration
-from preparation import files, optimise, work, xyz
-from preparation import molecule as prepared
+from preparation import files, optimise, work
 from preparation.xtb import XtbError
 
-from . import crossing, formats, grids, page, pushing, structures
+from . import crossing, grids, page, pushing, reading, structures
 from .pieces import signed
 from .start import GFN2_ATOMS, Run, read, single_points, surface
 
@@ -66,11 +65,11 @@ def find_structures(at, start):
 
 
 def ensemble(at, start):
-    """The frames of an XYZ file between whose minima paths are looked for, as xyz.ensemble() has them."""
+    """The frames of an XYZ file between whose minima paths are looked for, as reading.ensemble() has them."""
     o = at.options
     if not o.basins or not o.file or not o.file.lower().endswith(".xyz"):
         return []
-    shapes = xyz.ensemble(formats.decoded(prepared.read_bytes(o.file), o.file), start.molecule.numbers) or []
+    shapes = [(n, x) for n, x in reading.ensemble(o.file) if len(x) == len(start.molecule.numbers)]
     if len(shapes) > ENSEMBLE:
         at.folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
     return shapes[:ENSEMBLE]

@@ -39,33 +39,28 @@ def conformation_text(result):
 
 
 def path_text(result, found):
-    out = []
-    last = len(found.nodes) - 1
-    for k, (x, energy) in enumerate(zip(found.nodes, found.energies)):
-        rise = 0.0 if k == 0 else (energy - result.energy) * HARTREE
-        comment = f"dE={rise:.4f} t={k / last:.1f} E={energy:.9f} method={result.method}"
-        if k == 0:
-            comment += (" nimag=0 " if result.nu1 is not None else " ") + words(result.torsions, x)
-        if k == last:
-            if found.nu1 is not None:
-                comment += f" nimag=1 nu1={imaginary(found.nu1)}"
-            comment += f" torsion={found.torsion} " + words(result.torsions, x)
-        out.append(frame(result.numbers, x, comment))
-    return "".join(out)
-
-
-def beyond_text(result, found):
-    """A path that goes on behind its saddles; found: beyond.Beyond."""
+    """A path, work.Found or beyond.Beyond."""
     out = []
     last = len(found.nodes) - 1
     for k, (x, energy) in enumerate(zip(found.nodes, found.energies)):
         rise = 0.0 if k == found.start else (energy - result.energy) * HARTREE
-        comment = f"dE={rise:.4f} t={(k - found.start) / last:.4f} E={energy:.9f} method={result.method}"
-        kind = "minimum" if k == found.start else found.kinds.get(k)
-        if kind:
-            comment += f" nimag={int(kind == 'saddle')} " + words(result.torsions, x)
-        out.append(frame(result.numbers, x, comment))
+        t = (k - found.start) / last
+        comment = f"dE={rise:.4f} t={t:.{4 if found.goes_on else 1}f} E={energy:.9f} method={result.method}"
+        out.append(frame(result.numbers, x, comment + _point(result, found, k)))
     return "".join(out)
+
+
+def _point(result, found, k):
+    """What the title of a stationary point has behind that of other nodes."""
+    angles_there = words(result.torsions, found.nodes[k])
+    if k == found.start:
+        return (" nimag=0 " if found.goes_on or result.nu1 is not None else " ") + angles_there
+    if found.goes_on:
+        return f" nimag={int(found.kinds[k] == 'saddle')} {angles_there}" if k in found.kinds else ""
+    if k < len(found.nodes) - 1:
+        return ""
+    saddle = f" nimag=1 nu1={imaginary(found.nu1)}" if found.nu1 is not None else ""
+    return f"{saddle} torsion={found.torsion} {angles_there}"
 
 
 def _beyond_rows(result, found):
@@ -134,8 +129,7 @@ def write_set(directory, result, command):
     report = os.path.join(directory, "report.tsv")
     texts = {"conformation.xyz": conformation_text(result)}
     for found in result.found:
-        write = beyond_text if found.goes_on else path_text
-        texts[found.name + ".xyz"] = write(result, found)
+        texts[found.name + ".xyz"] = path_text(result, found)
     old = listed(report)
     os.makedirs(directory, exist_ok=True)
     remove(report)
