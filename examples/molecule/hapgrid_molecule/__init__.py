@@ -14,8 +14,6 @@ pushing      the way of the probe that turns one torsion
 crossing     its way over a barrier and back
 curves       torsions and energies over time
 page         plots, pictures and the page that sums up; page.html is its frame
-filters      starting the filters, and ending them
-stages       the folder of the results; what is there already is not computed again
 steps        the steps one by one, from the molecule's file to the page
 start        the first of them: the molecule
 grids        and the longest: the grid

@@ -7,13 +7,17 @@ out when `molecule-check` finds that it clashes with those that were taken befor
 
 import json
 
-from preparation import files
+from hapgrid_command import files
+from preparation.molecule import BadInput
+from preparation.xtb import HARTREE
 
-from .definition import Definition, write
-from .filters import FilterFailed
+from .definition import Definition
+from .rotors import label
+
+ROTORS = ("path", "atoms", "barrier_kJ_mol", "taken", "why")  # the heads of rotors.tsv
 
 
-def choose(filters, stages, molecule, result, most, unwanted, basins=False, missed=lambda definition: ""):
+def choose(folder, molecule, result, most, unwanted, basins=False, missed=lambda definition: ""):
     """(names of the paths that are taken, reasons by the names of others). missed: what else may speak
     against a definition."""
     taken, left = [], {}
@@ -25,7 +29,7 @@ def choose(filters, stages, molecule, result, most, unwanted, basins=False, miss
             left[found.name] = f"stiffer than the {most} that are taken (--paths)"
             continue
         one = Definition.around(molecule, result, [*taken, found.name], basins)
-        fault = clash(filters, stages, one) or missed(one)
+        fault = clash(folder, one) or missed(one)
         if fault:
             left[found.name] = fault
         else:
@@ -33,25 +37,32 @@ def choose(filters, stages, molecule, result, most, unwanted, basins=False, miss
     return taken, left
 
 
-def left_out(rows):
+def rows(folder, name, heads):
+    """A table of the folder, [{head: cell}], without remarks. Errors: BadInput, where it lacks heads or cells."""
+    lines = [line.split("\t") for line in folder.read(name).splitlines() if not line.startswith("#")]
+    if not lines or not set(heads) <= set(lines[0]) or any(len(line) != len(lines[0]) for line in lines):
+        raise BadInput(f"{folder.path(name)}: is no table as it was written: remove it")
+    return [dict(zip(lines[0], line)) for line in lines[1:]]
+
+
+def left_out(rotors):
     """What rotors.tsv says of all that is not taken, one line for each reason."""
     names = {}
-    for name, _, _, taken, why in rows:
-        if taken == "no":
-            names.setdefault(why, []).append(name)
+    for row in rotors:
+        if row["taken"] == "no":
+            names.setdefault(row["why"], []).append(row["path"])
     return [f"left out: {', '.join(them)}: {why}" for why, them in names.items()]
 
 
-def clash(filters, stages, definition):
+def clash(folder, definition):
     """What molecule-check says against a set of paths, or nothing."""
     name = ".choice.toml"
-    write(stages.path(name), definition.text())
-    try:
-        problems = checked(filters, name)["problems"]
-    except FilterFailed as why:
-        return str(why)
-    finally:
-        files.remove(stages.path(name))
+    folder.write(name, definition.text())
+    ran = folder.run("molecule-check", name, "--format", "json", good=(0, 1, 3))
+    files.remove(folder.path(name))
+    if ran.code == 1:
+        return ran.said
+    problems = json.loads(ran.out)["problems"]
     if not problems:
         return ""
     names = [definition.paths[n] for n in problems[0]["paths"]]
@@ -59,32 +70,23 @@ def clash(filters, stages, definition):
     return where.get(len(names), "all paths combined: ") + problems[0]["what"]
 
 
-def checked(filters, definition):
+def checked(folder, definition):
     """What molecule-check reports of a definition's file, sane or not."""
-    return json.loads(filters.run("molecule-check", definition, "--format", "json", good=(0, 3))[0])
+    return json.loads(folder.run("molecule-check", definition, "--format", "json", good=(0, 3)).out)
 
 
 def table(result, rotors, stay, taken, left):
     """rotors.tsv: what was tried, taken and left out, and why."""
-    from preparation.xtb import HARTREE
-
-    from .rotors import label
-    rows = [("path", "atoms", "barrier_kJ_mol", "taken", "why")]
     atoms = {t.name: "-".join(label(result.numbers, a) for a in t.atoms) for t in rotors}
-    dropped = dict(result.dropped)
-    found = {f.name: f for f in result.found}
-    for torsion in rotors:
-        names = torsion.file_names()
-        for name in [torsion.name] if torsion.name in {**found, **dropped} else names:
-            one = found.get(name)
-            barrier = "-" if one is None else f"{(one.barrier - result.energy) * HARTREE:.2f}"
-            why = "" if name in taken else left.get(name) or dropped.get(name, "not found")
-            rows.append((name, atoms[torsion.name], barrier, "yes" if name in taken else "no", why or "-"))
-    listed = {row[0] for row in rows}
-    for name in [*found, *dropped]:  # between minima of an ensemble, where no single bond turns
-        if name not in listed:
-            barrier = f"{(found[name].barrier - result.energy) * HARTREE:.2f}" if name in found else "-"
-            why = "" if name in taken else left.get(name) or dropped.get(name, "not found")
-            rows.append((name, "-", barrier, "yes" if name in taken else "no", why or "-"))
-    rows += [(one.name, one.name, "-", "no", one.why) for one in stay]
-    return "\n".join("\t".join(row) for row in rows) + "\n"
+    found, dropped = {f.name: f for f in result.found}, dict(result.dropped)
+    known = {**found, **dropped}
+    tried = [(name, atoms[t.name]) for t in rotors for name in ([t.name] if t.name in known else t.file_names())]
+    # Between minima of an ensemble no single bond may turn.
+    tried += [(name, "-") for name in known if name not in dict(tried)]
+    lines = ["\t".join(ROTORS)]
+    for name, turns in tried:
+        barrier = f"{(found[name].barrier - result.energy) * HARTREE:.2f}" if name in found else "-"
+        why = "-" if name in taken else left.get(name) or dropped.get(name, "not found")
+        lines.append("\t".join((name, turns, barrier, "yes" if name in taken else "no", why or "-")))
+    lines += ["\t".join((one.name, one.name, "-", "no", one.why)) for one in stay]
+    return "\n".join(lines) + "\n"

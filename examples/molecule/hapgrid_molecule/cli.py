@@ -1,14 +1,9 @@
 """The command line of `hapgrid molecule`."""
 
-import argparse
-import os
-import sys
+from hapgrid_command.cli import Parser, UsageError, formatter, guarded, number
+from preparation import optimise, xtb
 
-from preparation import optimise, texts, work, xtb
-from preparation.molecule import BadInput
-
-from . import grids, resolution, start, steps
-from .filters import Failed, Stopped, catch_signals
+from . import resolution, start, steps
 
 ABOUT = """\
 Makes a verified grid of a molecule, with pictures, from the molecule's file.
@@ -51,38 +46,15 @@ examples:
 """
 
 
-class UsageError(Exception):
-    pass
-
-
-class _Parser(argparse.ArgumentParser):
-    def error(self, message):  # one line, as every other message
-        raise UsageError(message + " (see --help)")
-
-
-def _within(kind, low, high):
-    def read(text):
-        value = kind(text)
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"must be from {low} to {high}")
-        return value
-    read.__name__ = kind.__name__
-    return read
-
-
 def parser():
-    p = _Parser(prog="hapgrid molecule", description=ABOUT, epilog=AFTERWARDS,
-                formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, width=80),
-                allow_abbrev=False,
-                usage="hapgrid molecule (FILE | --smiles SMILES) -o DIR [options]")
+    p = Parser(prog="hapgrid molecule", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
+               allow_abbrev=False, usage="hapgrid molecule (FILE | --smiles SMILES) -o DIR [options]")
     p.add_argument("file", metavar="FILE", nargs="?", help="file of the molecule: .sdf, .mol, .mol2, .pdb or .xyz")
     p.add_argument("--smiles", help="molecule as SMILES, whose conformers are searched")
-    p.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for all files")
-    p.add_argument("-j", "--threads", type=_within(int, 1, 1024), metavar="N", default=1,
-                   help="number of processes and threads, which does not change the result (default: 1)")
-    p.add_argument("--charge", type=_within(int, -9, 9), metavar="E",
+    p.add_output("processes and threads")
+    p.add_argument("--charge", type=number(-9, 9, int), metavar="E",
                    help="total charge (default: what the file says)")
-    p.add_argument("--uhf", type=_within(int, 0, 9), metavar="N",
+    p.add_argument("--uhf", type=number(0, 9, int), metavar="N",
                    help="number of unpaired electrons of a radical (default: what the file says)")
     p.add_argument("--method", choices=("auto", *xtb.METHODS), default="auto",
                    help=f"method of xtb: gfn2 is GFN2-xTB, gfnff the force field GFN-FF, and auto (default) takes gfn2 up to "
@@ -96,9 +68,9 @@ def parser():
                    help="look for the lowest conformer instead of keeping that of FILE")
     p.add_argument("--keep-conformation", action="store_true",
                    help="do not restart from a lower minimum when a barrier leads to one")
-    p.add_argument("--highest", type=_within(float, 1, 1000), default=150.0, metavar="KJ_MOL",
+    p.add_argument("--highest", type=number(1, 1000), default=150.0, metavar="KJ_MOL",
                    help="highest barrier that is looked for, in kJ/mol (default: 150)")
-    p.add_argument("--paths", type=_within(int, 0, 16), metavar="N", default=6,
+    p.add_argument("--paths", type=number(0, 16, int), metavar="N", default=6,
                    help="largest number of paths that are taken (default: 6)")
     p.add_argument("--basins", action="store_true",
                    help="continue paths beyond their barriers into the minima behind them; of an ensemble in an XYZ "
@@ -106,13 +78,11 @@ def parser():
     p.add_argument("--torsions", metavar="NAMES",
                    help="bonds that may turn, as rotors.tsv names them, with commas between (default: all); "
                    "NAME-plus and NAME-minus turn in one direction only")
-    p.add_argument("--spacing", type=_within(float, 0.1, 3), metavar="H",
+    p.add_argument("--spacing", type=number(0.1, 3), metavar="H",
                    help="spacing of the grid in angstrom (default: that at which shapes are off by at most "
                    f"{resolution.WANTED:g} in 99 of 100 places, but at most {resolution.MOST_POINTS} points; with "
                    f"--basins {resolution.FINEST:g}, but at most {resolution.MOST_POINTS_BETWEEN_BASINS} points)")
-    p.add_argument("--until", choices=("structures", "definition"),
-                   help="step after which the command stops")
-    p.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")
+    p.add_until("structures", "definition")
     return p
 
 
@@ -125,41 +95,10 @@ def _options(arguments):
     return o
 
 
-def _silence():
-    """Discards what is written to standard output from here on, and returns the real one. GFN-FF
-    prints there, whatever its verbosity, some of it only when the process ends."""
-    sys.stdout.flush()
-    out = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    os.close(nowhere)
-    return out
+def _run(options):
+    xtb.load()  # before all else: where it is missing, that is one line
+    return steps.run(options)
 
 
 def main(arguments):
-    try:
-        catch_signals()
-        o = _options(arguments)
-        xtb.load()  # before all else: where it is missing, that is one line
-        with _silence() as out:
-            line = steps.run(o)
-            if line:
-                print(texts.printable_text(line), file=out)
-    except UsageError as why:
-        print(f"molecule: {why}", file=sys.stderr)
-        return 2
-    except grids.Broken as why:
-        print(f"molecule: {why}", file=sys.stderr)
-        return 3
-    except (BadInput, Failed, work.Failed, xtb.XtbError, optimise.NotConverged) as why:
-        print(f"molecule: {why}", file=sys.stderr)
-        return 1
-    except OSError as why:
-        print(f"molecule: {why.filename}: {why.strerror}" if why.filename else f"molecule: {why}", file=sys.stderr)
-        return 1
-    except Stopped as why:
-        if sys.stderr.isatty():  # behind ^C
-            print(file=sys.stderr)
-        print("molecule: stopped; the same command goes on", file=sys.stderr)
-        return 128 + why.number
-    return 0
+    return guarded("molecule", _options, _run, arguments, (xtb.XtbError, optimise.NoPath))

@@ -5,33 +5,33 @@ their energies, and nobody has computed the shape: atoms may have run into each 
 is computed, a single point, by what gave the other energies.
 """
 
-from preparation import files, xyz
+from hapgrid_command import files
+from preparation import xyz
 from preparation.xtb import BOHR, HARTREE
 
 from . import choice
-from .definition import write
 
 MISSED = 4.0  # kJ/mol: what the sum may miss
 
 
-def missed(filters, stages, definition, x, energy, method):
+def missed(folder, definition, x, energy, method):
     """What speaks against the paths of a definition, or nothing. x: the conformation, bohr; energy(x): hartree, by a
     method."""
     name = ".combined.toml"
-    write(stages.path(name), definition.text())
+    folder.write(name, definition.text())
     try:
-        minima = choice.checked(filters, name)["minima"]
+        minima = choice.checked(folder, name)["minima"]
         combined = [(m["energy_kJ_mol"], m["t"]) for m in minima if sum(t != 0 for t in m["t"]) > 1]
         if not combined:
             return ""
         rest = energy(x)
         worst = (0.0, "")
         for expected, t in combined:
-            text = filters.run("molecule-check", name, "--xyz=" + ",".join(map(repr, t)))[0]
+            text = folder.run("molecule-check", name, "--xyz=" + ",".join(map(repr, t))).out
             off = (energy(xyz.parsed(text, name)[0][2] / BOHR) - rest) * HARTREE - expected
             at = ",".join(f"{v:.9g}" for v in t)
             worst = max(worst, (abs(off), f"the minima at t = {at} together are {expected + off:.1f} kJ/mol by {method}, "
                                           f"{expected:.1f} by the sum"))
     finally:
-        files.remove(stages.path(name))
+        files.remove(folder.path(name))
     return worst[1] if worst[0] > MISSED else ""

@@ -14,6 +14,7 @@ from preparation import xyz
 
 from . import choice, pushing
 from .definition import CLEAR
+from .pushing import COARSE_STEP, there_and_back
 
 LINES = 60  # of those along which the atoms go, at most
 RANDOM = 240
@@ -27,7 +28,7 @@ class Crossings(pushing.Ways):
 
     def write(self):
         toml = self.grid.removesuffix(".grid") + ".toml"
-        minima = [m["t"] for m in choice.checked(self.filters, toml)["minima"]]
+        minima = [m["t"] for m in choice.checked(self.folder, toml)["minima"]]
         if len(minima) < 2:
             return super().write()
         rest, *others = sorted(minima, key=lambda t: np.abs(t).sum())
@@ -37,7 +38,7 @@ class Crossings(pushing.Ways):
             one.way = f".way-{k}"
             there = [t for t in others if t[k] != 0 and np.count_nonzero(t) == 1]
             searches.append(lambda one=one, name=name, there=there: one._over(toml, name, rest, there))
-        tell = self.stages.counted("pushing the molecule over its barriers and back", len(searches))
+        tell = self.folder.counted("pushing the molecule over its barriers and back", len(searches))
         names = []
         with ThreadPoolExecutor(self.threads) as pool:
             for done, name in enumerate(pool.map(lambda search: search(), searches), 1):
@@ -51,8 +52,8 @@ class Crossings(pushing.Ways):
             for there in minima:
                 way = self._there_and_back(toml, rest, there)
                 if way is not None:
-                    self._write_way(f"path-{name}.txt", way, f"The probe pushes {name} over its barrier, goes round "
-                                                             "the molecule, and pushes it back.")
+                    pushing.write_way(self.folder, f"path-{name}.txt", way, f"The probe pushes {name} over its barrier, goes "
+                                      "round the molecule, and pushes it back.")
                     return f"path-{name}.txt"
             return None
         finally:
@@ -73,12 +74,13 @@ class Crossings(pushing.Ways):
         while lines:
             way, ends = list(before), []
             for start, end in lines:
-                way += [*self._round(way[-1] if way else None, start), *_line(start, end)]
+                way += [*self._round(way[-1] if way else None, start), *there_and_back(start, end, COARSE_STEP)]
                 ends.append(len(way) - 1)
             n = self._first(way, ends, len(before))
             if n is None:
                 return None
-            way = [*before, *self._round(before[-1] if before else None, lines[n][0]), *_line(*lines[n])]
+            way = [*before, *self._round(before[-1] if before else None, lines[n][0]),
+                   *there_and_back(*lines[n], COARSE_STEP)]
             if self._is_at(self._states(way)[-1], wanted):
                 return way
             lines = lines[n + 1:]
@@ -114,14 +116,14 @@ class Crossings(pushing.Ways):
         return out
 
     def _shape(self, toml, t):
-        text = self.filters.run("molecule-check", toml, "--xyz=" + ",".join(map(repr, t)))[0]
+        text = self.folder.run("molecule-check", toml, "--xyz=" + ",".join(map(repr, t))).out
         return xyz.parsed(text, toml)[0][2]
 
     def _states(self, way):
         """The t at each place of a way."""
-        self._write_way(self.way + ".txt", way, "tried")
-        self.filters.run("play", self.grid, "--device", f"path:{self.way}.txt", "--log", self.way + ".log")
-        names, rows = pushing.read_log(self.stages.path(self.way + ".log"))
+        pushing.write_way(self.folder, self.way + ".txt", way, "tried")
+        self.folder.run("play", self.grid, "--device", f"path:{self.way}.txt", "--log", self.way + ".log")
+        names, rows = pushing.read_log(self.folder.path(self.way + ".log"))
         first = names.index("s0")
         return rows[:, first:first + len(self.taken)]
 
@@ -146,21 +148,7 @@ class Crossings(pushing.Ways):
                 c = (1 - s) * p / np.linalg.norm(p) + s * q / np.linalg.norm(q)
                 out.append(middle + c / np.abs(c / half).max())
         out.append(to)
-        return [p for one, two in zip(out, out[1:]) for p in _steps(one, two)]
-
-    def _write_way(self, name, way, title):
-        rows = [" ".join(f"{v:.4f}" for v in p) for p in way]
-        pushing.files.write_whole(self.stages.path(name), "\n".join(
-            [f"# {title}", "# x y z of the probe in angstrom, a line a tick", *rows]) + "\n")
-
-
-def _steps(a, b):
-    count = max(int(np.ceil(np.linalg.norm(b - a) / pushing.COARSE_STEP)), 1)
-    return [a + (b - a) * k / count for k in range(count)]
-
-
-def _line(start, end):
-    return [*_steps(start, end), *_steps(end, start), start]
+        return [p for one, two in zip(out, out[1:]) for p in pushing.straight(one, two, COARSE_STEP, 1)[:-1]]
 
 
 def _reach(x, u, half):

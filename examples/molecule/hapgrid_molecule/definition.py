@@ -5,7 +5,7 @@ import tomllib
 from dataclasses import dataclass, replace
 
 import numpy as np
-from preparation import files
+from hapgrid_command import files
 from preparation.elements import RADII
 from preparation.molecule import BadInput
 from preparation.xtb import BOHR
@@ -133,7 +133,3 @@ def paths_of(path):
 def coarse_spacing(size):
     """Of a grid that goes a cell farther on each side."""
     return round(math.ceil(float(max(size)) / (COARSE_POINTS - 3) / 0.05 - 1e-9) * 0.05, 2)
-
-
-def write(path, text):
-    files.write_whole(path, text)

@@ -8,7 +8,7 @@ probe holds it there, and what lies behind is cut off. The box is then made a ce
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
-from preparation import files
+from hapgrid_command import files
 
 from .definition import MAX_LEVELS
 
@@ -56,17 +56,29 @@ class Remedies:
     def as_json(self):
         return asdict(self)
 
+    @classmethod
+    def from_json(cls, value):
+        """What as_json() gave; None, if this is something else."""
+        default = asdict(cls())
+        if not isinstance(value, dict) or set(value) != set(default):
+            return None
+        sides, unwanted = value["sides"], value["unwanted"]
+        sound = (isinstance(sides, list) and len(sides) == 6 and all(type(v) in (int, float) and 0 <= v < 100 for v in sides)
+                 and isinstance(unwanted, dict) and all(isinstance(v, str) for v in unwanted.values())
+                 and all(type(value[k]) is int and 0 <= value[k] < 1 << 20 for k in ("softer", "widened")))
+        return cls(**{**value, "sides": tuple(sides)}) if sound and value["softer"] else None
 
-def short_of_room(filters, stages, grid):
+
+def short_of_room(folder, grid):
     """The Fault of a grid at whose sides the molecule is held, or None."""
     arrays = ".room.npz"
     try:
-        filters.run("stats", grid, "--npz", arrays)
-        with np.load(stages.path(arrays)) as of:
+        folder.run("stats", grid, "--npz", arrays)
+        with np.load(folder.path(arrays)) as of:
             sides = touched(of["point"], of["state"], of["counts"])
             spacing = float(of["spacing"])
     finally:
-        files.remove(stages.path(arrays))
+        files.remove(folder.path(arrays))
     if not any(sides):
         return None
     return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple(spacing * one for one in sides))

@@ -158,6 +158,18 @@ def _radicals(lines):
 # XYZ
 
 def _xyz(text, given):
+    _xyz_frames(text, given)
+    _keep_lowest(given)
+
+
+def frames(text, what):
+    """The Records of all frames of an XYZ text. Errors: BadInput."""
+    given = Input(what, "xyz")
+    _xyz_frames(text, given)
+    return given.records
+
+
+def _xyz_frames(text, given):
     lines = text.rstrip().split("\n")
     at = 0
     while at < len(lines):
@@ -165,7 +177,6 @@ def _xyz(text, given):
             at += 1
             continue
         at = _xyz_frame(lines, at, given)
-    _keep_lowest(given)
 
 
 def _xyz_frame(lines, at, given):
@@ -252,7 +263,7 @@ def energy_in(title):
     """The energy that a title gives, in whatever unit, or None: dE=, E=, energy:, SCF done, or a number alone."""
     number = r"([+-]?\d+\.?\d*(?:[eE][+-]?\d+)?)"
     found = re.search(rf"(?:\bdE\s*=|\bE\s*=|\benergy\s*[:=]?)\s*{number}", title, re.I) or \
-        re.fullmatch(rf"\s*([+-]?\d+\.\d+)\s*(?:!.*)?", title)
+        re.fullmatch(r"\s*([+-]?\d+\.\d+)\s*(?:!.*)?", title)
     return float(found[1]) if found else None
 
 
@@ -267,12 +278,17 @@ def _is_in_bohr(numbers, x):
     return nearest.min() > 1.5 and nearest.max() < 2.2
 
 
+def are_alike(records):
+    """Whether these are several, of the same atoms in the same order."""
+    numbers = [[a.GetAtomicNum() for a in r.mol.GetAtoms()] for r in records]
+    return len(numbers) > 1 and all(n == numbers[0] for n in numbers)
+
+
 def _keep_lowest(given):
     """Of frames of the same atoms in the same order only the one of lowest energy stays: an ensemble, a path, or the log of an
     optimisation."""
-    numbers = [[a.GetAtomicNum() for a in r.mol.GetAtoms()] for r in given.records]
-    count = len(numbers)
-    if count < 2 or any(n != numbers[0] for n in numbers):
+    count = len(given.records)
+    if not are_alike(given.records):
         return
     energies = [r.energy for r in given.records]
     if None in energies:

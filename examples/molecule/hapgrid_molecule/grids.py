@@ -3,20 +3,17 @@
 import json
 from dataclasses import asdict, dataclass
 
-from preparation import files
+from hapgrid_command import grid
+from hapgrid_command.cli import BreaksRule
+from hapgrid_command.files import Failed
+from hapgrid_command.work import duration
 from preparation.molecule import BadInput
 
 from . import choice, combined, faults, resolution, stiffness
-from .definition import PENALTY, Definition, paths_of, write
-from .filters import Failed
-from .stages import duration
+from .definition import PENALTY, Definition, paths_of
 from .start import single_points, surface
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
-
-
-class Broken(Failed):
-    """verify found a fault in the grid, for which there is no cure."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +30,9 @@ class Plan:
 def make_grid(at, start, shapes):
     """The Plan of the grid that has no fault, after as many as that takes. With --until definition its grid is not
     there yet."""
-    kept = at.stages
+    kept = at.folder
     name = kept.name()
-    if kept.changed_by_hand("definition", f"{name}.toml"):
+    if kept.changed_by_hand(f"{name}.toml"):
         kept.say(f"{name}.toml was changed by hand: it is kept")
         plan = Plan(paths_of(kept.path(f"{name}.toml")))
         fault = None if at.options.until else grid_fault(at, plan, False)
@@ -44,7 +41,7 @@ def make_grid(at, start, shapes):
         return plan
     key = [kept.digest("report.tsv"), at.options.paths, at.options.basins, at.options.spacing]
     known = kept.recall("remedies", key)
-    remedies = faults.Remedies(**known) if known else faults.Remedies()
+    remedies = faults.Remedies.from_json(known) or faults.Remedies()
     while True:
         plan, fault = planned(at, start, shapes, remedies)
         if fault is None and at.options.until is None:
@@ -61,12 +58,12 @@ def make_grid(at, start, shapes):
 
 
 def refusal(fault):
-    return (Broken if fault.kind == faults.RULE else Failed)(fault.text)
+    return (BreaksRule if fault.kind == faults.RULE else Failed)(fault.text)
 
 
 def planned(at, start, shapes, remedies):
     """(Plan, the Fault of its coarse grid or None)."""
-    o, kept = at.options, at.stages
+    o, kept = at.options, at.folder
     paths = choose(at, start, shapes, remedies.unwanted)
     one = Definition.around(start.molecule, shapes, paths, o.basins, o.spacing or 0.0, remedies.sides)
     one.torsions = start.turned_by(paths)
@@ -79,40 +76,34 @@ def planned(at, start, shapes, remedies):
     text = plan.definition.text()
 
     def compute():
-        write(kept.path(f"{kept.name()}.toml"), text)
+        kept.write(f"{kept.name()}.toml", text)
         return [f"{kept.name()}.toml"]
-    kept.run("definition", f"writing {kept.name()}.toml", [], [text, kept.name()], compute)
+    kept.step("definition", f"writing {kept.name()}.toml", [], [text, kept.name()], compute)
     return plan, None
 
 
 def choose(at, start, shapes, unwanted):
     """The paths of the grid, the lowest barrier first; rotors.tsv has them all."""
-    o, kept = at.options, at.stages
+    o, kept = at.options, at.folder
 
     def missed(one):
         if not o.basins:
             return ""
         points = single_points(at, start)
-        return combined.missed(at.filters, kept, one, shapes.x, (points or surface(at, start, shapes.x)).energy,
+        return combined.missed(kept, one, shapes.x, (points or surface(at, start, shapes.x)).energy,
                                "single points" if points else "xtb")
 
     def compute():
-        taken, left = choice.choose(at.filters, kept, start.molecule, shapes, o.paths, unwanted, o.basins, missed)
+        taken, left = choice.choose(kept, start.molecule, shapes, o.paths, unwanted, o.basins, missed)
         kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
-        files.write_whole(kept.path("rotors.tsv"), choice.table(shapes, start.turning, start.still, taken, left))
-        for line in choice.left_out(table(kept, "rotors.tsv")):
+        kept.write("rotors.tsv", choice.table(shapes, start.turning, start.still, taken, left))
+        for line in choice.left_out(choice.rows(kept, "rotors.tsv", choice.ROTORS)):
             kept.say("  " + line)
         return ["rotors.tsv"]
-    kept.run("choice", "choosing the softest paths that are sane together", [*shapes_files(shapes), "report.tsv"],
+    kept.step("choice", "choosing the softest paths that are sane together", [*shapes_files(shapes), "report.tsv"],
              [o.paths, unwanted, o.basins, o.single_points], compute)
-    taken = {row[0] for row in table(kept, "rotors.tsv") if row[3:4] == ["yes"]}
+    taken = {row["path"] for row in choice.rows(kept, "rotors.tsv", choice.ROTORS) if row["taken"] == "yes"}
     return [f.name for f in sorted(shapes.found, key=lambda f: f.barrier) if f.name in taken]
-
-
-def table(kept, name):
-    """The rows of a file, without its heads."""
-    with open(kept.path(name), encoding="utf-8") as file:
-        return [line.rstrip("\n").split("\t") for line in file][1:]
 
 
 def shapes_files(shapes):
@@ -120,49 +111,46 @@ def shapes_files(shapes):
 
 
 def stiffness_of(at, start, shapes, paths, softer):
-    o, kept = at.options, at.stages
+    o, kept = at.options, at.folder
     if not paths or o.basins:
         return stiffness.Stiffness()
 
     def compute():
         found = [f for f in shapes.found if f.name in paths]
         one = stiffness.of_paths(start.molecule, surface(at, start, shapes.x), shapes.x, found, PENALTY).rounded()
-        files.write_whole(kept.path("stiffness.json"), json.dumps(asdict(one), indent=1) + "\n")
+        kept.write("stiffness.json", json.dumps(asdict(one), indent=1) + "\n")
         return ["stiffness.json"]
-    kept.run("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(
+    kept.step("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(
         name + ".xyz" for name in paths)], [start.method, start.charge, start.unpaired, o.solvent], compute)
     try:
-        with open(kept.path("stiffness.json"), encoding="utf-8") as file:
-            return stiffness.Stiffness(**{name: float(v) for name, v in json.load(file).items()}).softer(softer)
+        return stiffness.Stiffness(**{k: float(v) for k, v in json.loads(kept.read("stiffness.json")).items()}).softer(softer)
     except (ValueError, TypeError, AttributeError):
         raise BadInput(f"{kept.path('stiffness.json')}: is not what was written: remove it") from None
 
 
 def resolved(at, shapes, plan, may_widen):
     """(the Plan with the spacing that a coarse grid tells, the Fault of the coarse grid or None)."""
-    o, kept = at.options, at.stages
+    o, kept = at.options, at.folder
     coarse = plan.definition
     text = coarse.text()
 
     def compute():
-        write(kept.path("coarse.toml"), text)
-        seconds = resolution.estimated(at, "coarse.toml")
+        kept.write("coarse.toml", text)
+        seconds = grid.estimated(kept, "coarse.toml", o.threads)
         what = f"computing a coarse grid, {coarse.spacing:g} Å, from which the box and the spacing follow"
         kept.say(what + (f", about {duration(seconds)}" if seconds else ""))
-        made = resolution.compute_grid(at, what, "coarse.toml", "coarse.grid", seconds)
-        if not isinstance(made, list):
-            return made
-        fault = faults.short_of_room(at.filters, kept, "coarse.grid") if may_widen else None
+        fault = computed(at, what, "coarse.toml", "coarse.grid", seconds)
+        if fault is None and may_widen:
+            fault = faults.short_of_room(kept, "coarse.grid")
         if fault is not None:
             return fault
-        files.write_whole(kept.path("coarse.json"), resolution.measure(at, "coarse.grid"))
-        return ["coarse.toml", *made, "coarse.json"]
-    fault = kept.run("resolution", "", shapes_files(shapes), [text, resolution.WANTED], compute)
+        kept.write("coarse.json", resolution.measure(at, "coarse.grid"))
+        return ["coarse.toml", "coarse.grid", "coarse.grid.cost", "coarse.json"]
+    fault = kept.step("resolution", "", shapes_files(shapes), [text, resolution.WANTED], compute)
     if fault is not None:
         return plan, fault
-    with open(kept.path("coarse.json"), encoding="utf-8") as file:
-        found = resolution.decide(file.read(), coarse)
-    took = resolution.cpu_seconds(kept.path("coarse.grid.cost")) / o.threads
+    found = resolution.decide(kept.read("coarse.json"), coarse)
+    took = grid.cpu_seconds(kept, "coarse.grid") / o.threads
 
     def takes(spacing):
         return duration(resolution.scaled(took, coarse.spacing, spacing))
@@ -178,40 +166,49 @@ def resolved(at, shapes, plan, may_widen):
                 resolution.scaled(took, coarse.spacing, found.spacing)), None
 
 
+def computed(at, what, toml, name, seconds):
+    """Computes a grid; the Fault that makes it hopeless, or None."""
+    failed = grid.compute(at.folder, what, toml, name, at.options.threads, seconds)
+    if failed is None:
+        return None
+    kind, said = failed
+    if kind not in faults.HOPELESS:
+        raise Failed(said)
+    return faults.Fault(kind, said)
+
+
 def grid_fault(at, plan, may_widen):
     """Computes and verifies the grid; its Fault, or None."""
-    o, kept = at.options, at.stages
+    o, kept = at.options, at.folder
     name = kept.name()
-    toml, grid = f"{name}.toml", f"{name}.grid"
+    toml, made = f"{name}.toml", f"{name}.grid"
+
+    def took():
+        return grid.cpu_seconds(kept, made) / o.threads
 
     def compute():
-        what = f"computing {grid}, how the molecule yields at each place of the probe"
-        seconds = plan.seconds or resolution.estimated(at, toml)
+        what = f"computing {made}, how the molecule yields at each place of the probe"
+        seconds = plan.seconds or grid.estimated(kept, toml, o.threads)
         kept.say(what + (f", about {duration(seconds)}" if seconds else ""))
-        made = resolution.compute_grid(at, what, toml, grid, seconds)
-        if not isinstance(made, list) or plan.by_hand:
-            return made
-        fault = faults.short_of_room(at.filters, kept, grid) if may_widen else None
+        fault = computed(at, what, toml, made, seconds)
+        if fault is not None:
+            return fault
+        fault = faults.short_of_room(kept, made) if may_widen and not plan.by_hand else None
         if fault is not None and o.spacing:
             return fault
         if fault is not None:
             kept.say(f"  at a side of the box the molecule is held: change origin and counts in {toml} for more room")
-        if o.spacing:
-            half = resolution.scaled(resolution.cpu_seconds(kept.path(f"{grid}.cost")) / o.threads, 1, 0.5)
-            kept.say(f"  a grid twice as fine, --spacing {o.spacing / 2:.2g}, would take about {duration(half)}")
-        return made
-    inputs = ["conformation.xyz", *(path + ".xyz" for path in plan.paths)]
-    fault = kept.run("grid", "", [toml, *inputs], [], compute)
+        if o.spacing and not plan.by_hand:
+            kept.say(f"  a grid twice as fine, --spacing {o.spacing / 2:.2g}, would take about "
+                     + duration(resolution.scaled(took(), 1, 0.5)))
+        return [made, f"{made}.cost"]
+    fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in plan.paths)], [], compute)
     if fault is not None:
         return fault
     title = "checking that the grid is whole and that its states are the model's"
 
     def verify():
-        share = resolution.cpu_seconds(kept.path(f"{grid}.cost")) * VERIFY_SHARE / o.threads
-        out, code = at.filters.run("verify", grid, "-v", "-j", o.threads, good=(0, 3, 4),
-                                   watch=lambda gone: kept.waiting(title, gone, share))
-        files.write_whole(kept.path("verify.txt"), out)
-        if code == 3:
-            return faults.Fault(faults.RULE, f"{grid} breaks a rule: see {kept.path('verify.txt')}")
+        if not grid.verify(kept, title, made, o.threads, VERIFY_SHARE * took()):
+            return faults.Fault(faults.RULE, f"{made} breaks a rule: see {kept.path('verify.txt')}")
         return ["verify.txt"]
-    return kept.run("verify", title, [grid], [], verify)
+    return kept.step("verify", title, [made], [], verify)

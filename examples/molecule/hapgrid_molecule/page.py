@@ -6,13 +6,13 @@ import re
 import shlex
 
 import numpy as np
-from preparation import files
 from preparation.xyz import frames
 
-from . import curves
+from . import choice, curves
 from .pieces import signed
 from .pushing import read_log
 
+REPORT = ("name", "kind", "energy_kJ_mol", "nu1_cm-1", "joins")  # the heads of report.tsv that the page needs
 STAYS = 0.05  # of a t: less is not behind a saddle
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
@@ -27,7 +27,8 @@ CAPTIONS = {"before.png": "At first.", "pushed.png": "The probe at the end of it
 def write(at, start, turned, ways):
     """Writes the page and returns the names of its files. at: start.Run; start: start.Start; turned: the torsions that
     the grid's paths turn; ways: files of the probe's ways, the best first."""
-    run, kept = at.filters.run, at.stages
+    kept = at.folder
+    run = kept.run
     grid = f"{kept.name()}.grid"
     run("play", grid, "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",
         watch=lambda gone: kept.waiting("playing the way", gone, None))
@@ -38,9 +39,9 @@ def write(at, start, turned, ways):
     drawn = curves.draw(kept, (names, rows), np.array([x for _, _, x in shapes]), turned,
                         [float(words["time"]) for words, _, _ in shapes])
     drawings = pictures({name: rows[:, n] for n, name in enumerate(names)})
-    at.filters.run_each(drawings.values(), at.options.threads, kept.counted("drawing pictures", len(drawings)))
+    kept.run_each(drawings.values(), at.options.threads, kept.counted("drawing pictures", len(drawings)))
     text = page(at, start, turned, ways, [name for name in [*drawings, *drawn] if name.endswith(".png")])
-    files.write_whole(kept.path("index.html"), text)
+    kept.write("index.html", text)
     return ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn, *drawings, "index.html"]
 
 
@@ -74,7 +75,7 @@ def pictures(log):
 
 def page(at, start, turned, ways, images):
     """The text of index.html."""
-    kept = at.stages
+    kept = at.folder
     name = kept.name()
     words, symbols, x = frames(kept.path("conformation.xyz"))[0]
     method = re.sub("gfn2|gfnff", lambda found: METHODS[found[0]], words.get("method", "own energies"))
@@ -93,7 +94,7 @@ def page(at, start, turned, ways, images):
                          for key, value in facts.items() if value),
         "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
         "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(kept), "METHOD": html.escape(method),
-        "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(read(kept, "verify.txt")),
+        "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(kept.read("verify.txt")),
         "PICTURES": "\n".join(figure(image) for image in sorted(images, key=lambda name: name != "course.png"))}
     return re.sub("@([A-Z]+)@", lambda found: parts[found[1]], TEMPLATE)
 
@@ -105,10 +106,9 @@ def figure(image):
 
 def barriers(kept):
     """Rows of a table: each path with its barrier and what lies behind it."""
-    lines = [line.split("\t") for line in read(kept, "report.tsv").splitlines() if not line.startswith("#")]
-    report = {row[0]: dict(zip(lines[0], row)) for row in lines[1:]}
+    report = {row["name"]: row for row in choice.rows(kept, "report.tsv", REPORT)}
     rows = []
-    for path, atoms, barrier, taken, why in (line.split("\t") for line in read(kept, "rotors.tsv").splitlines()[1:]):
+    for path, atoms, barrier, taken, why in ([row[head] for head in choice.ROTORS] for row in choice.rows(kept, "rotors.tsv", choice.ROTORS)):
         one = report.get(path, {})
         behind = [row["energy_kJ_mol"] for name, row in report.items()
                   if name.startswith(path + ":") and row["kind"].startswith("minimum")]
@@ -121,7 +121,7 @@ def barriers(kept):
 
 
 def grid_in_words(at, grid):
-    header = json.loads(at.filters.run("stats", grid, "--format", "json")[0])
+    header = json.loads(at.folder.run("stats", grid, "--format", "json").out)
     counts, spacing = header["box"]["counts"], header["box"]["spacing"]
     return f"{' × '.join(map(str, counts))} points, {spacing:g} Å apart"
 
@@ -138,13 +138,8 @@ def library_version():
     return found[1] if found else ""
 
 
-def read(kept, name):
-    with open(kept.path(name), encoding="utf-8") as file:
-        return file.read()
-
-
 def first_line(kept, way):
-    return read(kept, way).split("\n", 1)[0].lstrip("# ")
+    return kept.read(way).split("\n", 1)[0].lstrip("# ")
 
 
 with open(__file__.removesuffix(".py") + ".html", encoding="utf-8") as _file:

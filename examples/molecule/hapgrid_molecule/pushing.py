@@ -8,7 +8,7 @@ torsion farthest is kept.
 import json
 
 import numpy as np
-from preparation import files
+from hapgrid_command import files
 from preparation.xtb import BOHR
 
 from .definition import CLEAR, PROBE, RADII, paths_of
@@ -81,12 +81,21 @@ def _inside(start, end, low, high):
     return float(min(1.0, 0.98 * limits.min()))
 
 
-def text(start, end, step, title):
-    """A path for play: there and back."""
-    count = max(int(np.ceil(np.linalg.norm(end - start) / step)), 2)
-    there = [start + (end - start) * k / count for k in range(count + 1)]
-    rows = [" ".join(f"{v:.4f}" for v in p) for p in there + there[-2::-1]]
-    return "\n".join([f"# {title}", "# x y z of the probe in angstrom, a line a tick", *rows]) + "\n"
+def straight(start, end, step, least=2):
+    """Places from start to end, in so many steps at least."""
+    count = max(int(np.ceil(np.linalg.norm(end - start) / step)), least)
+    return [start + (end - start) * k / count for k in range(count + 1)]
+
+
+def there_and_back(start, end, step):
+    there = straight(start, end, step)
+    return there + there[-2::-1]
+
+
+def write_way(folder, name, way, title):
+    """A path for play."""
+    rows = [" ".join(f"{v:.4f}" for v in p) for p in way]
+    folder.write(name, "\n".join([f"# {title}", "# x y z of the probe in angstrom, a line a tick", *rows]) + "\n")
 
 
 def read_log(path):
@@ -99,15 +108,15 @@ def read_log(path):
 class Ways:
     """The files path-NAME.txt of the paths in a grid, the one that turns a torsion farthest first."""
 
-    def __init__(self, filters, stages, grid, structures, threads):
-        self.filters, self.stages, self.grid, self.structures = filters, stages, grid, structures
+    def __init__(self, folder, grid, structures, threads):
+        self.folder, self.grid, self.structures = folder, grid, structures
         self.threads = threads
-        header = json.loads(filters.run("stats", grid, "--format", "json")[0])
+        header = json.loads(folder.run("stats", grid, "--format", "json").out)
         box = header["box"]
         self.low = np.array(box["origin"])
         self.high = self.low + box["spacing"] * (np.array(box["counts"]) - 1)
         self.clear = CLEAR + box["spacing"]
-        self.taken = paths_of(stages.path(grid.removesuffix(".grid") + ".toml"))
+        self.taken = paths_of(folder.path(grid.removesuffix(".grid") + ".toml"))
         self.radius = np.array([RADII[z] for z in structures.numbers])
 
     def write(self):
@@ -130,32 +139,30 @@ class Ways:
             at = label(self.structures.numbers, atom)
             names.append(f"path-{name}.txt")
             far = f": {name} goes {min(100 * turned, 100):.0f} % of the way to its barrier" if self.taken else ""
-            self._write(names[-1], start, end, STEP, f"The probe pushes at {at}{far}, and goes back on the same line.")
+            write_way(self.folder, names[-1], there_and_back(start, end, STEP),
+                      f"The probe pushes at {at}{far}, and goes back on the same line.")
         return names
 
     def _lines(self, x, move):
         return (lines(x, move, self.radius, self.low, self.high, self.clear)
                 or lines(x, move, self.radius, self.low, self.high, CLEAR))
 
-    def _write(self, name, start, end, step, title):
-        files.write_whole(self.stages.path(name), text(start, end, step, title))
-
     def _played(self, lines_of):
         """The largest t of path k for each (k, line)."""
         names = [f".way-{n}" for n in range(len(lines_of))]
         commands = []
         for name, (_, line) in zip(names, lines_of):
-            self._write(name + ".txt", line[0], line[1], COARSE_STEP, "tried")
+            write_way(self.folder, name + ".txt", there_and_back(*line[:2], COARSE_STEP), "tried")
             commands.append(["play", self.grid, "--device", f"path:{name}.txt", "--log", name + ".log"])
         try:
-            self.filters.run_each(commands, self.threads,
-                                  self.stages.counted("pushing the molecule to see which way turns it", len(commands)))
-            logs = [read_log(self.stages.path(name + ".log")) for name in names]
+            self.folder.run_each(commands, self.threads,
+                                  self.folder.counted("pushing the molecule to see which way turns it", len(commands)))
+            logs = [read_log(self.folder.path(name + ".log")) for name in names]
             return [float(rows[:, heads.index(f"s{k}")].max()) for (heads, rows), (k, _) in zip(logs, lines_of)]
         finally:
             self._clean(names)
 
     def _clean(self, names):
         for name in names:
-            files.remove(self.stages.path(name + ".txt"))
-            files.remove(self.stages.path(name + ".log"))
+            files.remove(self.folder.path(name + ".txt"))
+            files.remove(self.folder.path(name + ".log"))

@@ -37,6 +37,17 @@ def read(path, smiles, charge=None, unpaired=None):
     return one, answer["charge"], answer["unpaired"], answer["built"], answer["said"]
 
 
+def ensemble(path):
+    """[(number of the frame, positions in angstrom)] of an XYZ file whose frames are one molecule, the lowest energy first;
+    nothing where it is one frame, or several molecules."""
+    def work():
+        records = formats.frames(formats.decoded(prepared.read_bytes(path), path), path)
+        heights = [np.inf if r.energy is None else r.energy for r in records]
+        order = sorted(range(len(records)), key=heights.__getitem__) if formats.are_alike(records) else []
+        return [(k + 1, _places(records[k].mol).tolist()) for k in order]
+    return [(number, np.array(x)) for number, x in confined.run(work, path)]
+
+
 def _one(given, charge, unpaired):
     """What read() returns, as JSON can hold it."""
     for record in given.records:

@@ -15,6 +15,7 @@ from preparation.elements import SYMBOLS
 RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"
 RING = "a ring stays as it is, unless an ensemble has its flip"
 SULPHUR = 16
+FLIPPED = np.radians(10)  # of a ring's torsion, on both sides of a plane
 LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
 
 
@@ -63,6 +64,17 @@ def _on_a_line(molecule, atoms):
 
 def _rings(molecule):
     return [Left("-".join(label(molecule.numbers, a) for a in ring), RING) for ring in molecule.rings()]
+
+
+def flipped(molecule, shapes):
+    """The rings that flip along a chain of nearby shapes: a torsion of theirs changes its sign."""
+    out = []
+    for ring in molecule.rings():
+        angles = np.array([[geometry.torsion(x, *(ring[(k + n) % len(ring)] for n in range(4))) for k in range(len(ring))]
+                           for x in (shapes[0], shapes[-1])])
+        if ((angles[0] * angles[1] < 0) & (np.abs(angles).min(axis=0) > FLIPPED)).any():
+            out.append("-".join(label(molecule.numbers, a) for a in ring))
+    return out
 
 
 def peptide_names(molecule):

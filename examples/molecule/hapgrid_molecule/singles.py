@@ -4,7 +4,6 @@ The command is run with the name of an XYZ file after its own words, in a folder
 charge= and unpaired=. The last line that the command prints is the energy in hartree. Structures stay those of xtb.
 """
 
-import hashlib
 import os
 import re
 import shlex
@@ -13,10 +12,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
+from hapgrid_command.files import Failed, digest
+from hapgrid_command.programs import run_program
 from preparation import files, geometry
 from preparation.xtb import BOHR, HARTREE
 
-from .filters import Failed, run_program
 
 HERE = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))  # where single-point-ase is
 BELOW = 0.1  # kJ/mol that a node may lie below the conformation
@@ -24,9 +24,9 @@ DENT = 1.0  # kJ/mol: a deeper one is a minimum, and the path to a barrier has n
 
 
 class SinglePoints:
-    """text: the command; molecule: numbers, charge and unpaired electrons; steps: work.Steps, where results are kept."""
+    """text: the command; molecule: numbers, charge and unpaired electrons; kept: work.Kept, where results are kept."""
 
-    def __init__(self, text, numbers, charge, unpaired, steps):
+    def __init__(self, text, numbers, charge, unpaired, kept):
         try:
             words = shlex.split(text)
         except ValueError as why:
@@ -37,28 +37,28 @@ class SinglePoints:
         self.words = [ours if n == 0 and os.path.isfile(ours) else os.path.abspath(w) if os.path.isfile(w) else w
                       for n, w in enumerate(words)]
         self.method = re.sub(r"[^A-Za-z0-9.+-]+", "_", " ".join([os.path.basename(words[0]), *words[1:]])).strip("_")
-        self.numbers, self.steps = numbers, steps
+        self.numbers, self.kept = numbers, kept
         self.title = f"charge={charge} unpaired={unpaired}"
-        self.key = [words, [_digest(w) for w in self.words if os.path.isfile(w)]]
+        self.key = [words, [digest(w) for w in self.words if os.path.isfile(w)]]
 
     def energy(self, x):
         """Hartree, of positions in bohr. The same shape is computed once."""
         text = files.frame(self.numbers, x, self.title)
-        return self.steps.take(["single point", self.key, text], lambda: self._compute(text))
+        return self.kept.take(["single point", self.key, text], lambda: self._compute(text),
+                              lambda value: isinstance(value, float) and np.isfinite(value))
 
     def _compute(self, text):
-        os.makedirs(self.steps.directory, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".single-", dir=os.path.abspath(self.steps.directory)) as directory:
+        os.makedirs(self.kept.directory, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".single-", dir=os.path.abspath(self.kept.directory)) as directory:
             with open(os.path.join(directory, "node.xyz"), "w", encoding="utf-8") as file:
                 file.write(text)
             try:
-                out, err, code = run_program([*self.words, "node.xyz"], directory)
+                ran = run_program([*self.words, "node.xyz"], directory)
             except OSError as why:
                 raise Failed(f"--single-points: {self.words[0]}: {why.strerror}") from None
-        said = err.strip().splitlines() or out.strip().splitlines() or [""]
-        if code:
-            raise Failed(f"--single-points: {self.words[0]} ended with {code}: {said[-1]}")
-        last = (out.strip().splitlines() or [""])[-1]
+        if ran.code:
+            raise Failed(f"--single-points: {self.words[0]} ended with {ran.code}: {ran.said}")
+        last = (ran.out.strip().splitlines() or [""])[-1]
         try:
             energy = float(last)
         except ValueError:
@@ -67,12 +67,12 @@ class SinglePoints:
             raise Failed(f"--single-points: the last line of {self.words[0]} is '{last}', and not an energy in hartree")
         return energy
 
-    def put_into(self, result, threads, stages):
+    def put_into(self, result, threads, folder):
         """Puts its own energies into a work.Result in place of xtb's. A path that does not lead from the conformation
         over a barrier by these energies is left out; one that has its highest node before its end, ends there."""
         found = result.found
         shapes = [result.x, *(x for one in found for x in self._shapes(one))]
-        tell = stages.counted("energies by " + self.words[0], len(shapes))
+        tell = folder.counted("energies by " + self.words[0], len(shapes))
         with ThreadPoolExecutor(threads) as pool:
             energies = []
             for done, energy in enumerate(pool.map(self.energy, shapes), 1):
@@ -82,7 +82,7 @@ class SinglePoints:
         for one in found:
             count = len(self._shapes(one))
             own, at = energies[at:at + count], at + count
-            if hasattr(one, "kinds"):
+            if one.goes_on:
                 own[one.start] = rest  # the same shape, turned otherwise
             else:
                 own[0], one.far_energy = rest, own.pop()
@@ -114,7 +114,7 @@ class SinglePoints:
         result.energy, result.nu1 = one.energies[k], None
         one.nodes = [geometry.aligned(x, result.x, result.masses) for x in one.nodes]
         one.nodes[k] = result.x
-        if hasattr(one, "kinds"):
+        if one.goes_on:
             one.start = k
             one.kinds.pop(k, None)
             result.found = [one]
@@ -126,16 +126,16 @@ class SinglePoints:
 
     @staticmethod
     def _shapes(one):
-        return list(one.nodes) if hasattr(one, "kinds") else [*one.nodes, one.far]
+        return list(one.nodes) if one.goes_on else [*one.nodes, one.far]
 
 
 def _without_dips(one, rest):
     """Leaves out the nodes that are a little lower than the conformation: it is a minimum, but for the shapes of xtb."""
-    start = getattr(one, "start", 0)
+    start = one.start
     rises = [(energy - rest) * HARTREE for energy in one.energies]
     kept = [k for k, rise in enumerate(rises) if k == start or not -DENT <= rise < -BELOW]
     one.nodes, one.energies = [one.nodes[k] for k in kept], [one.energies[k] for k in kept]
-    if hasattr(one, "kinds"):
+    if one.goes_on:
         one.start = kept.index(start)
         one.kinds = {kept.index(k): kind for k, kind in one.kinds.items() if k in kept}
 
@@ -149,7 +149,7 @@ def _opposite(name):
 
 def _fault(one, rest):
     """Why a path cannot be one with its energies, or nothing. One to a barrier is cut off behind its highest node."""
-    if hasattr(one, "kinds"):
+    if one.goes_on:
         at = one.start
         return _falls(one.energies[at:], rest, True) or _falls(one.energies[at::-1], rest, True)
     top = int(np.argmax(one.energies))
@@ -171,8 +171,3 @@ def _falls(energies, rest, beyond):
         if not beyond and highest - rise > DENT:
             return f"the energy falls by {highest - rise:.1f} kJ/mol on the way to the barrier"
     return ""
-
-
-def _digest(path):
-    with open(path, "rb") as file:
-        return hashlib.sha256(file.read()).hexdigest()[:20]

@@ -3,12 +3,12 @@
 import os
 from dataclasses import dataclass
 
-from preparation import files
+from hapgrid_command.files import Failed, digest_of
+from hapgrid_command.work import Work
 from preparation import molecule as prepared
 from preparation.xtb import Surface
 
-from . import reading, rotors, singles, stages
-from .filters import Failed, Filters
+from . import reading, rotors, singles
 from .pieces import signed
 
 GFN2_ATOMS = 24
@@ -18,8 +18,7 @@ GFN2_ATOMS = 24
 class Run:
     """options: of the command line."""
     options: object
-    stages: stages.Stages
-    filters: Filters
+    folder: Work
 
 
 @dataclass(frozen=True)
@@ -41,7 +40,7 @@ class Start:
 
 
 def read(at):
-    o, kept = at.options, at.stages
+    o, kept = at.options, at.folder
     source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
 
     def compute():
@@ -49,10 +48,10 @@ def read(at):
         for line in said:
             kept.say("  " + line)
         kept.enter()
-        files.write_whole(kept.path("start.sdf"), reading.sdf(one, charge, unpaired, built))
+        kept.write("start.sdf", reading.sdf(one, charge, unpaired, built))
         return ["start.sdf"]
-    text = stages.digest_of(prepared.read_bytes(o.file)) if o.file else o.smiles
-    kept.run("molecule", "", [], [text, o.charge, o.uhf], compute)
+    text = digest_of(prepared.read_bytes(o.file)) if o.file else o.smiles
+    kept.step("molecule", "", [], [text, o.charge, o.uhf], compute)
     one, charge, unpaired, built = reading.started(kept.path("start.sdf"))
     method = o.method
     if method == "auto":
@@ -85,7 +84,7 @@ def single_points(at, start):
     o = at.options
     if o.single_points is None:
         return None
-    return singles.SinglePoints(o.single_points, start.molecule.numbers, start.charge, start.unpaired, at.stages.steps)
+    return singles.SinglePoints(o.single_points, start.molecule.numbers, start.charge, start.unpaired, at.folder.kept)
 
 
 def surface(at, start, x):

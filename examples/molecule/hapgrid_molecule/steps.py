@@ -1,19 +1,18 @@
 """The steps from a molecule's file to the page. Each is a function from the results of those before it to its own;
-what it computes is kept as files (stages.py), which the user may change, so its result is what the files say."""
+what it computes is kept as files, which the user may change, so its result is what the files say."""
 
 import os
 import shlex
 import time
 
 import numpy as np
-from preparation import files, optimise, work, xyz
-from preparation import molecule as prepared
+from hapgrid_command.files import Failed
+from hapgrid_command.work import Work, duration
+from preparation import files, optimise, work
 from preparation.xtb import XtbError
 
-from . import crossing, formats, grids, page, pushing, stages, structures
-from .filters import Filters
+from . import crossing, grids, page, pushing, reading, structures
 from .pieces import signed
-from .stages import duration
 from .start import GFN2_ATOMS, Run, read, single_points, surface
 
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
@@ -25,19 +24,19 @@ ALGEBRA = 0.3
 
 def run(options):
     """Everything, or all until --until; the line for standard output."""
-    at = Run(options, stages.Stages(options.output, options.quiet), Filters(options.output))
+    at = Run(options, Work("molecule", options.output, options.quiet))
     start = read(at)
     shapes = find_structures(at, start)
     if options.until != "structures":
         made = grids.make_grid(at, start, shapes)
         if options.until is None:
             return show(at, start, shapes, made)
-    at.stages.say(f"stopped after the {options.until}: the same command without --until goes on")
+    at.folder.say(f"stopped after the {options.until}: the same command without --until goes on")
     return ""
 
 
 def find_structures(at, start):
-    o, kept = at.options, at.stages
+    o, kept = at.options, at.folder
     points, shapes = single_points(at, start), ensemble(at, start)
 
     def compute():
@@ -49,7 +48,7 @@ def find_structures(at, start):
             kept.say(f"  about {duration(seconds)} for conformation and barriers, twice that where a lower minimum is "
                      "found")
         one = structures.explore(start.molecule, start.turning, structures.Options(
-            work.Options(start.method, start.charge, start.unpaired, o.highest, kept.path(".work"), o.solvent), start.search,
+            work.Options(start.method, start.charge, start.unpaired, o.highest, kept.kept, o.solvent), start.search,
             o.keep_conformation, o.basins, o.threads, shapes), kept)
         for name, below in one.lower:
             kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
@@ -58,7 +57,7 @@ def find_structures(at, start):
             points.put_into(one.result, o.threads, kept)
         return files.write_set(kept.directory, one.result, f"hapgrid molecule: {start.source}, {start.method}, "
                                f"charge {signed(start.charge)}, {start.unpaired} unpaired electrons")
-    kept.run("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
+    kept.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
              [start.method, o.solvent, points and points.key, start.charge, start.unpaired, start.search, o.highest, o.basins,
               o.keep_conformation, [name for t in start.turning for name in t.file_names()], [x.tolist() for _, x in shapes]],
              compute)
@@ -66,13 +65,13 @@ def find_structures(at, start):
 
 
 def ensemble(at, start):
-    """The frames of an XYZ file between whose minima paths are looked for, as xyz.ensemble() has them."""
+    """The frames of an XYZ file between whose minima paths are looked for, as reading.ensemble() has them."""
     o = at.options
     if not o.basins or not o.file or not o.file.lower().endswith(".xyz"):
         return []
-    shapes = xyz.ensemble(formats.decoded(prepared.read_bytes(o.file), o.file), start.molecule.numbers) or []
+    shapes = [(n, x) for n, x in reading.ensemble(o.file) if len(x) == len(start.molecule.numbers)]
     if len(shapes) > ENSEMBLE:
-        at.stages.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
+        at.folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
     return shapes[:ENSEMBLE]
 
 
@@ -102,14 +101,16 @@ def shortest(compute):
 
 def show(at, start, shapes, plan):
     """The line that shows the grid."""
-    o, kept = at.options, at.stages
+    o, kept = at.options, at.folder
     grid = f"{kept.name()}.grid"
     ways = crossing.Crossings if o.basins else pushing.Ways
-    kept.run("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
-             lambda: ways(at.filters, kept, grid, shapes, o.threads).write())
+    kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
+             lambda: ways(kept, grid, shapes, o.threads).write())
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
+    if not made:
+        raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
     facts = [start.source, start.charge, start.unpaired, start.method]
-    kept.run("page", "drawing pictures", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
+    kept.step("page", "drawing pictures", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
              lambda: page.write(at, start, start.turned_by(plan.paths), made))
     out = o.output.rstrip("/") or "/"
     out = f"./{out}" if out.startswith("-") else out

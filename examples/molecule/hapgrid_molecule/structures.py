@@ -5,16 +5,18 @@ rotors, so that they do not depend on the number of processes.
 """
 
 import multiprocessing
-import time
 from dataclasses import dataclass, field
 
 import numpy as np
+from hapgrid_command.files import read_text
+from hapgrid_command.programs import end_with_parent
 from preparation import beyond, ensemble, files, geometry, naming, torsions, work, xyz
+from preparation.elements import MASSES
+from preparation.molecule import BadInput
 from preparation.xtb import BOHR, HARTREE, SYMBOLS
 from preparation.xyz import frames
 
 from . import rotors
-from .filters import end_with_parent
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
@@ -82,20 +84,19 @@ def _between(number):
     return _search.kept("between", [one["x"]], compute)
 
 
-def _in_processes(stages, what, function, values, threads):
+def _in_processes(folder, what, function, values, threads):
     """(value, function(value)) in the order of the values."""
     if not values:
         return
-    began = time.monotonic()
-    stages.progress(what, 0, len(values), began)
+    tell = folder.counted(what, len(values))
     context = multiprocessing.get_context("fork")
     with context.Pool(min(threads, len(values)), initializer=end_with_parent) as pool:
         for done, result in enumerate(pool.imap(function, values), 1):
-            stages.progress(what, done, len(values), began)
+            tell(done)
             yield values[done - 1], result
 
 
-def explore(molecule, driven, options, stages):
+def explore(molecule, driven, options, folder):
     """The Found of a molecule. driven: the bonds that are turned; options: Options."""
     global _search
     keep = not options.search
@@ -105,51 +106,51 @@ def explore(molecule, driven, options, stages):
     for start in range(restarts + 1):
         _search = search = work.Work(molecule, rotors.find(molecule)[0], driven, options.work)
         search.ensemble, search.minima = options.ensemble, []
-        search.find_conformation(keep, lambda starts: _relaxed(starts, stages, options.threads), shapes)
-        stages.say("  conformation: a minimum" + (f", {options.work.method}" if start == 0 else ""))
+        search.find_conformation(keep, lambda starts: _relaxed(starts, folder, options.threads), shapes)
+        folder.say("  conformation: a minimum" + (f", {options.work.method}" if start == 0 else ""))
         if options.ensemble:
-            ways = _between_all(search, stages, options.threads)
+            ways = _between_all(search, folder, options.threads)
             if search.minima:
-                return _ensemble(search, ways, stages)
-        tops, lower = look(search, stages, options.threads, start < restarts)
+                return _ensemble(search, ways, folder)
+        tops, lower = look(search, folder, options.threads, start < restarts)
         if start == restarts or lower is None:
             break
         name, shape, below = lower
-        stages.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower: from there once more")
+        folder.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower: from there once more")
         molecule.positions = shape * BOHR
         keep = True
-    return finish(search, tops, stages, options.threads)
+    return finish(search, tops, folder, options.threads)
 
 
-def _relaxed(starts, stages, threads):
+def _relaxed(starts, folder, threads):
     out = []
-    for _, one in _in_processes(stages, "relaxing conformers", _conformer, starts, threads):
+    for _, one in _in_processes(folder, "relaxing conformers", _conformer, starts, threads):
         out.append(one)
         if one[-1]:
-            stages.say(f"  conformer {len(out)}: left out: {one[-1]}")
+            folder.say(f"  conformer {len(out)}: left out: {one[-1]}")
     return out
 
 
-def _beyond_all(search, stages, threads, may_restart):
+def _beyond_all(search, folder, threads, may_restart):
     """({number of a torsion: its way on behind its saddles}, the first lower minimum)."""
     ways = {}
     numbers = [n for n, t in enumerate(search.driven) if not t.rotor]
-    for n, way in _in_processes(stages, "following torsions from minimum to minimum", _beyond, numbers, threads):
+    for n, way in _in_processes(folder, "following torsions from minimum to minimum", _beyond, numbers, threads):
         ways[n] = way
         name = search.driven[n].name
         if "dropped" in way:
-            stages.say(f"  {name}: {way['dropped']}")
+            folder.say(f"  {name}: {way['dropped']}")
             continue
         kinds = dict(way["kinds"])
         points = ", ".join(f"{kind} {search.above(way['energies'][k]):.1f}" for k, kind in kinds.items())
-        stages.say(f"  {name}: {points} kJ/mol")
+        folder.say(f"  {name}: {points} kJ/mol")
         below, k = max((-search.above(way["energies"][k]), k) for k, kind in kinds.items() if kind == "minimum")
         if may_restart and below > LOWER:
             return ways, (name, np.array(way["nodes"][k]), below)
     return ways, None
 
 
-def _basins(search, ways, stages, threads):
+def _basins(search, ways, folder, threads):
     """The Found of paths that go on behind their saddles. Behind the saddle of a methyl group is the same
     shape once more."""
     found, lower = [], []
@@ -175,26 +176,26 @@ def _without(found, dropped):
     return [(name, why) for name, why in dropped if name not in have]
 
 
-def _between_all(search, stages, threads):
+def _between_all(search, folder, threads):
     """{number of a minimum of the ensemble: its way}. Sets the minima that are not the conformation, each once."""
     shapes = [x for _, x in search.ensemble]
     frames_of = iter([number for number, _ in search.ensemble])
-    for _, one in _in_processes(stages, "relaxing the ensemble", _minimum, shapes, threads):
+    for _, one in _in_processes(folder, "relaxing the ensemble", _minimum, shapes, threads):
         frame = next(frames_of)
         if "dropped" in one:
-            stages.say(f"  frame {frame}: {one['dropped']}")
+            folder.say(f"  frame {frame}: {one['dropped']}")
             continue
         x = np.array(one["x"])
         if not any(search.same(x, other) for other in (search.x, *(np.array(m["x"]) for _, m in search.minima))):
             search.minima.append((frame, one))
-            stages.say(f"  frame {frame}: a minimum, {search.above(one['energy']):.1f} kJ/mol")
+            folder.say(f"  frame {frame}: a minimum, {search.above(one['energy']):.1f} kJ/mol")
     if not search.minima:
-        stages.say("  the ensemble has no other minimum than the conformation, so the bonds are turned")
-    return dict(_in_processes(stages, "looking for paths between the minima", _between, range(len(search.minima)), threads))
+        folder.say("  the ensemble has no other minimum than the conformation, so the bonds are turned")
+    return dict(_in_processes(folder, "looking for paths between the minima", _between, range(len(search.minima)), threads))
 
 
-def _ensemble(search, ways, stages):
-    """The Found of paths to the other minima of an ensemble. A path that turns one bond alone has its name."""
+def _ensemble(search, ways, folder):
+    """The Found of paths to the other minima of an ensemble. A path that turns one bond alone, and no ring, has its name."""
     found, dropped = [], []
     for n, way in ways.items():
         frame, one = search.minima[n]
@@ -210,14 +211,14 @@ def _ensemble(search, ways, stages):
             nodes = [np.array(x) for x in way["nodes"]]
             turns = torsions.turned(search.torsions, nodes)[1]
             turning = [t.name for t, turn in zip(search.torsions, turns) if turn >= torsions.LEAST_TURN]
-            if len(turning) == 1 and turning[0] not in [f.name for f in found]:
+            flips = [f"the ring {word}" for word in rotors.flipped(search.molecule, nodes)]
+            if len(turning) == 1 and not flips and turning[0] not in [f.name for f in found]:
                 name = turning[0]
-            found.append(beyond.Beyond(name, " and ".join(turning) or "no bond", nodes, way["energies"], 0, kinds,
-                                       f"the minimum of frame {frame}"))
+            found.append(beyond.Beyond(name, name, nodes, way["energies"], 0, kinds, f"the minimum of frame {frame}"))
             points = ", ".join(f"{kind} {search.above(way['energies'][k]):.1f}" for k, kind in kinds.items())
-            stages.say(f"  frame {frame}: {name}: {points} kJ/mol")
+            folder.say(f"  frame {frame}: {name}, on which {', '.join(flips + turning) or 'no bond'} turns: {points} kJ/mol")
     for name, why in dropped:
-        stages.say(f"  {name}: no path: {why}")
+        folder.say(f"  {name}: no path: {why}")
     return Found(search.result(found, dropped))
 
 
@@ -226,16 +227,16 @@ def _name(search, number):
     return torsion.file_name(sign)
 
 
-def _saddles(search, stages, threads, may_restart):
+def _saddles(search, folder, threads, may_restart):
     """({number of a job: (its saddle, the minima that it joins)}, the first lower minimum)."""
     tops = {}
-    for n, (top, ends) in _in_processes(stages, "driving torsions to their barriers", _saddle,
+    for n, (top, ends) in _in_processes(folder, "driving torsions to their barriers", _saddle,
                                         range(len(search.jobs)), threads):
         tops[n] = top, ends
         if "dropped" in ends:
-            stages.say(f"  {_name(search, n)}: {ends['dropped']}")
+            folder.say(f"  {_name(search, n)}: {ends['dropped']}")
             continue
-        stages.say(f"  {_name(search, n)}: barrier {search.above(top['energy']):.1f} kJ/mol, "
+        folder.say(f"  {_name(search, n)}: barrier {search.above(top['energy']):.1f} kJ/mol, "
                    f"behind it {search.above(ends['far_energy']):.1f}")
         for side in ("near", "far"):
             below = -search.above(ends[side + "_energy"])
@@ -245,7 +246,7 @@ def _saddles(search, stages, threads, may_restart):
     return tops, None
 
 
-def _paths(search, tops, stages, threads):
+def _paths(search, tops, folder, threads):
     found, known, lower = [], {}, []
     dropped = [(_name(search, n), ends["dropped"]) for n, (_, ends) in tops.items() if "dropped" in ends]
     named, other = search.named({n: top for n, (top, ends) in tops.items() if "dropped" not in ends})
@@ -259,11 +260,11 @@ def _paths(search, tops, stages, threads):
             continue
         known[name] = top
         wanted.append(n)
-    for n, way in _in_processes(stages, "following paths to the barriers", _path, sorted(wanted), threads):
+    for n, way in _in_processes(folder, "following paths to the barriers", _path, sorted(wanted), threads):
         name = named[n]
         if "dropped" in way:
             dropped.append((name, way["dropped"]))
-            stages.say(f"  {name}: no path: {way['dropped']}")
+            folder.say(f"  {name}: no path: {way['dropped']}")
             continue
         found.append(search.found(n, name, way))
         below = -search.above(way["far_energy"])
@@ -276,8 +277,10 @@ class PathFile:
     """A path as its file has it. nodes in bohr, energies in hartree above the conformation, which is the node `start`."""
 
     def __init__(self, name, path, conformation):
-        words, _, at = conformation
+        words, symbols, at = conformation
         read = frames(path)
+        if any(own != symbols for _, own, _ in read):
+            raise BadInput(f"{path}: has other atoms than the conformation")
         self.name = name
         self.nodes = [x / BOHR for _, _, x in read]
         self.energies = [xyz.above(own, words, f"{path} frame {n}") / HARTREE for n, (own, _, _) in enumerate(read, 1)]
@@ -292,13 +295,15 @@ class PathFile:
 class Structures:
     """What the files of the folder say, changed by hand or not. Energies above the conformation."""
 
-    def __init__(self, stages):
-        conformation = frames(stages.path("conformation.xyz"))[0]
+    def __init__(self, folder):
+        conformation = frames(folder.path("conformation.xyz"))[0]
         _, symbols, x = conformation
+        strange = sorted(set(symbols) - {SYMBOLS[z] for z in MASSES})
+        if strange:
+            raise BadInput(f"{folder.path('conformation.xyz')}: {strange[0]} is no element that can be felt")
         self.numbers = [SYMBOLS.index(s) for s in symbols]
         self.x, self.energy = x / BOHR, 0.0
-        report = stages.path("report.tsv")
-        self.found = [PathFile(name[:-4], stages.path(name), conformation) for name in files.listed(report)]
-        with open(report, encoding="utf-8") as file:
-            rows = [line.rstrip("\n").split(": ", 2) for line in file if line.startswith("# no path: ")]
-        self.dropped = [(row[1], row[2]) for row in rows]
+        report = folder.path("report.tsv")
+        self.found = [PathFile(name[:-4], folder.path(name), conformation) for name in files.listed(report)]
+        rows = [line.split(": ", 2) for line in read_text(report).splitlines() if line.startswith("# no path: ")]
+        self.dropped = [(row[1], row[2]) for row in rows if len(row) == 3]

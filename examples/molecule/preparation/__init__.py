@@ -13,8 +13,10 @@ files       the files that are written
 """
 
 import os
+import sys
 
 # One thread: these molecules are too small for more, and the order of a sum must not depend on the
 # machine. OpenBLAS and OpenMP read this when they are loaded, so it must come before numpy.
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_name] = "1"
+sys.path.append(os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../command"))

@@ -8,11 +8,11 @@ against each other that the alignment jumps. Otherwise the other direction is dr
 """
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
 from . import geometry, optimise, path, torsions
-from .work import Dropped
 from .xtb import BOHR, HARTREE, XtbError
 
 LEGS = 6  # in one direction, at most
@@ -31,6 +31,7 @@ class Beyond:
     start: int
     kinds: dict
     why: str
+    goes_on: ClassVar = True
 
     @property
     def barrier(self):
@@ -59,9 +60,9 @@ def _leg(work, torsion, sign, x, energy, hessian, apart):
     sides = work.sides(saddle, bend)
     near, far = sides if work.same(sides[0][1], x) else sides[::-1]
     if not work.same(near[1], x):
-        raise Dropped(f"the saddle at {work.above(top):.2f} kJ/mol joins other minima")
+        raise optimise.NoPath(f"the saddle at {work.above(top):.2f} kJ/mol joins other minima")
     if not work.intact(far[1]):
-        raise Dropped("bonds change")
+        raise optimise.NoPath("bonds change")
     there = np.round(far[1] * BOHR, 8) / BOHR  # as in the file
     up = path.nodes(surface, tree, saddle, bend, near[0], x, energy,
                     count=FIRST_LEG + 1, apart=apart)
@@ -79,7 +80,7 @@ def drive(work, torsion, sign, apart=None, known=()):
     for _ in range(LEGS):
         try:
             up, down, (x, energy, hessian), apart = _leg(work, torsion, sign, x, energy, hessian, apart)
-        except (Dropped, torsions.NoBarrier, path.NotSane, optimise.NotConverged, XtbError) as why:
+        except (optimise.NoPath, XtbError) as why:
             way.why = str(why)
             return way, apart
         minima = [way.nodes[k] for k, kind in way.kinds.items() if kind == "minimum"]
@@ -103,7 +104,7 @@ def drive(work, torsion, sign, apart=None, known=()):
 
 
 def whole(work, torsion):
-    """The Beyond of a torsion: both directions as one path. Raises Dropped where no minimum is behind a
+    """The Beyond of a torsion: both directions as one path. Raises optimise.NoPath where no minimum is behind a
     saddle."""
     plus, apart = drive(work, torsion, 1)
     if plus.closed:
@@ -112,10 +113,10 @@ def whole(work, torsion):
         found = [plus.nodes[k] for k, kind in plus.kinds.items() if kind == "minimum"]
         minus, _ = drive(work, torsion, -1, apart, found)
         if minus.closed:
-            raise Dropped("a whole turn comes back in one direction only")
+            raise optimise.NoPath("a whole turn comes back in one direction only")
         plus, minus = _before_jump(work, plus), _before_jump(work, minus)
     if not {"minimum"} & {*plus.kinds.values(), *minus.kinds.values()}:
-        raise Dropped(f"nothing behind its saddles: {plus.why}; {minus.why}")
+        raise optimise.NoPath(f"nothing behind its saddles: {plus.why}; {minus.why}")
     start = len(minus.nodes) - 1
     nodes = minus.nodes[:0:-1] + plus.nodes
     nodes = [n if k == start else geometry.aligned(n, work.x, work.surface.masses)

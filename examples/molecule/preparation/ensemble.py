@@ -10,7 +10,6 @@ Alternative: a nudged elastic band. Its springs need hundreds of steps; here eac
 import numpy as np
 
 from . import geometry, optimise, path
-from .work import Dropped
 from .xtb import BOHR
 
 SHAPES = 11  # of a chain, with its ends
@@ -25,14 +24,14 @@ def minimum(work, x):
     """(x, energy, hessian) of the minimum near a shape in angstrom, which lies as the conformation does."""
     x, _, hessian = optimise.minimum(work.surface, numbered_alike(work.molecule, x / BOHR, work.x))
     if not work.intact(x):
-        raise Dropped("its bonds change")
+        raise optimise.NoPath("its bonds change")
     turned = np.round(geometry.aligned(x, work.x, work.surface.masses) * BOHR, 8) / BOHR  # as in the file
     return turned, work.surface.energy(turned), hessian
 
 
 def numbered_alike(molecule, x, reference):
     """x with equal atoms exchanged where an atom with four neighbours is the mirror image of that in the reference: programs
-    that embed shapes number the hydrogens of a CH2 group either way. Errors: Dropped, for another stereoisomer."""
+    that embed shapes number the hydrogens of a CH2 group either way. Errors: optimise.NoPath, for another stereoisomer."""
     x = x.copy()
     for at, near in enumerate(molecule.neighbours):
         if len(near) != 4:
@@ -43,7 +42,7 @@ def numbered_alike(molecule, x, reference):
         ends = [a for a in near if len(molecule.neighbours[a]) == 1]
         pair = next(((a, b) for a in ends for b in ends if a < b and molecule.numbers[a] == molecule.numbers[b]), None)
         if pair is None:
-            raise Dropped(f"another stereoisomer, at atom {at + 1}")
+            raise optimise.NoPath(f"another stereoisomer, at atom {at + 1}")
         x[list(pair)] = x[list(pair[::-1])]
     return x
 
@@ -90,27 +89,27 @@ def _top(work, a, b):
     energies = [work.surface.energy(x) for x in shapes]
     k = int(np.argmax(energies))
     if k in (0, len(shapes) - 1):
-        raise Dropped("no barrier lies between the two minima")
+        raise optimise.NoPath("no barrier lies between the two minima")
     return shapes[k], (shapes[k + 1] - shapes[k - 1]).ravel()
 
 
 def legs(work, a, b, left=MOST_LEGS):
     """[(saddle, its hessian, (near side, far side))] on a way from minimum a to minimum b, in this order; each is (x, energy,
-    hessian). A side is (sign, x, energy, hessian). Errors: Dropped."""
+    hessian). A side is (sign, x, energy, hessian). Errors: optimise.NoPath."""
     if left < 1:
-        raise Dropped(f"more than {MOST_LEGS} barriers lie on the way")
+        raise optimise.NoPath(f"more than {MOST_LEGS} barriers lie on the way")
     guess, along = _top(work, a[0], b[0])
     saddle, top, bend, _ = work.climbed(guess, along)
     if work.above(top) > work.options.highest:
-        raise Dropped(f"a barrier of {work.above(top):.0f} kJ/mol lies on the way")
+        raise optimise.NoPath(f"a barrier of {work.above(top):.0f} kJ/mol lies on the way")
     one, two = work.sides(saddle, bend)
     if not (work.intact(one[1]) and work.intact(two[1])):
-        raise Dropped("bonds change")
+        raise optimise.NoPath("bonds change")
     # The side that is a comes first; otherwise the pair that leaves less to go.
     gap = work.apart(one[1], a[0]) + work.apart(two[1], b[0]) - work.apart(two[1], a[0]) - work.apart(one[1], b[0])
     near, far = (one, two) if gap <= 0 else (two, one)
     if work.same(near[1], far[1]):
-        raise Dropped("its highest barrier leads back to where it began")
+        raise optimise.NoPath("its highest barrier leads back to where it began")
     out = [(saddle, bend, (near, far))]
     if not work.same(near[1], a[0]):
         out = legs(work, a, near[1:], left - 1) + out

@@ -1,30 +1,14 @@
-"""The files that are written: XYZ files and the report. Each is written beside its place, then
-renamed."""
+"""The files that are written: XYZ files and the report."""
 
 import os
-import re
 
 import numpy as np
+from hapgrid_command.files import is_plain, read_text, remove, write_whole
 
 from . import geometry
 from .molecule import BadInput
 from .elements import SYMBOLS
 from .xtb import BOHR, HARTREE
-
-
-def write_whole(path, text):
-    """Writes a file so that it is there in full, or as it was before."""
-    beside = f"{path}.new.{os.getpid()}"
-    try:
-        with open(beside, "w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(beside, path)
-    except BaseException:
-        if os.path.exists(beside):
-            os.remove(beside)
-        raise
 
 
 def frame(numbers, x, comment):
@@ -55,33 +39,28 @@ def conformation_text(result):
 
 
 def path_text(result, found):
-    out = []
-    last = len(found.nodes) - 1
-    for k, (x, energy) in enumerate(zip(found.nodes, found.energies)):
-        rise = 0.0 if k == 0 else (energy - result.energy) * HARTREE
-        comment = f"dE={rise:.4f} t={k / last:.1f} E={energy:.9f} method={result.method}"
-        if k == 0:
-            comment += (" nimag=0 " if result.nu1 is not None else " ") + words(result.torsions, x)
-        if k == last:
-            if found.nu1 is not None:
-                comment += f" nimag=1 nu1={imaginary(found.nu1)}"
-            comment += f" torsion={found.torsion} " + words(result.torsions, x)
-        out.append(frame(result.numbers, x, comment))
-    return "".join(out)
-
-
-def beyond_text(result, found):
-    """A path that goes on behind its saddles; found: beyond.Beyond."""
+    """A path, work.Found or beyond.Beyond."""
     out = []
     last = len(found.nodes) - 1
     for k, (x, energy) in enumerate(zip(found.nodes, found.energies)):
         rise = 0.0 if k == found.start else (energy - result.energy) * HARTREE
-        comment = f"dE={rise:.4f} t={(k - found.start) / last:.4f} E={energy:.9f} method={result.method}"
-        kind = "minimum" if k == found.start else found.kinds.get(k)
-        if kind:
-            comment += f" nimag={int(kind == 'saddle')} " + words(result.torsions, x)
-        out.append(frame(result.numbers, x, comment))
+        t = (k - found.start) / last
+        comment = f"dE={rise:.4f} t={t:.{4 if found.goes_on else 1}f} E={energy:.9f} method={result.method}"
+        out.append(frame(result.numbers, x, comment + _point(result, found, k)))
     return "".join(out)
+
+
+def _point(result, found, k):
+    """What the title of a stationary point has behind that of other nodes."""
+    angles_there = words(result.torsions, found.nodes[k])
+    if k == found.start:
+        return (" nimag=0 " if found.goes_on or result.nu1 is not None else " ") + angles_there
+    if found.goes_on:
+        return f" nimag={int(found.kinds[k] == 'saddle')} {angles_there}" if k in found.kinds else ""
+    if k < len(found.nodes) - 1:
+        return ""
+    saddle = f" nimag=1 nu1={imaginary(found.nu1)}" if found.nu1 is not None else ""
+    return f"{saddle} torsion={found.torsion} {angles_there}"
 
 
 def _beyond_rows(result, found):
@@ -106,7 +85,7 @@ def report_text(result, command):
     rows = [("conformation", "minimum", "0.00", *known, "-", result.method, words(result.torsions, result.x))]
     before = angles(result.torsions, result.x)
     for found in result.found:
-        if hasattr(found, "kinds"):
+        if found.goes_on:
             rows += _beyond_rows(result, found)
             continue
         after = angles(result.torsions, found.nodes[-1])
@@ -131,16 +110,10 @@ def report_text(result, command):
     return "\n".join(lines) + "\n"
 
 
-def is_plain(name):
-    """Whether this can be a file beside the others, whoever made the name. It needs no quotes anywhere."""
-    return isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,199}", name) is not None
-
-
 def listed(report):
     """The path files that a report names. Errors: BadInput, where a name is none of a file beside it."""
     try:
-        with open(report, encoding="utf-8") as file:
-            rows = [line.split("\t") for line in file if not line.startswith("#")]
+        rows = [line.split("\t") for line in read_text(report).splitlines() if not line.startswith("#")]
     except FileNotFoundError:
         return []
     names = [row[0] for row in rows if len(row) > 1 and row[1] in ("saddle", "path")]
@@ -156,24 +129,13 @@ def write_set(directory, result, command):
     report = os.path.join(directory, "report.tsv")
     texts = {"conformation.xyz": conformation_text(result)}
     for found in result.found:
-        write = beyond_text if hasattr(found, "kinds") else path_text
-        texts[found.name + ".xyz"] = write(result, found)
+        texts[found.name + ".xyz"] = path_text(result, found)
     old = listed(report)
     os.makedirs(directory, exist_ok=True)
-    if os.path.exists(report):
-        os.remove(report)
+    remove(report)
     for name in set(old) - set(texts):  # paths from another conformation would be wrong
-        if os.path.exists(os.path.join(directory, name)):
-            os.remove(os.path.join(directory, name))
+        remove(os.path.join(directory, name))
     for name, text in texts.items():
         write_whole(os.path.join(directory, name), text)
     write_whole(report, report_text(result, command))
     return [*texts, "report.tsv"]
-
-
-def remove(path):
-    """Removes a file that may not be there."""
-    try:
-        os.remove(path)
-    except FileNotFoundError:
-        pass

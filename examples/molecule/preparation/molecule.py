@@ -6,6 +6,7 @@ import os
 import stat
 
 import numpy as np
+from hapgrid_command.files import Failed
 from rdkit import Chem, RDLogger
 from rdkit.Chem import rdForceFieldHelpers, rdMolDescriptors
 from rdkit.ForceField import rdForceField  # noqa: F401  the type of force fields
@@ -20,7 +21,7 @@ TRIES = 200  # combinations of torsions, at least: all of a dipeptide
 AMIDE = "[CX3](=O)-[#7]"
 
 
-class BadInput(Exception):
+class BadInput(Failed):
     """A molecule that cannot be read or built; the message names it."""
 
 

@@ -11,7 +11,11 @@ from . import geometry
 from .xtb import WAVE_NUMBER
 
 
-class NotConverged(Exception):
+class NoPath(Exception):
+    """There is no path, or no such point on it; the message says why."""
+
+
+class NotConverged(NoPath):
     """The steps did not suffice; the message says how far the search came."""
 
 

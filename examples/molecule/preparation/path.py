@@ -11,10 +11,6 @@ from . import geometry, optimise
 from .xtb import BOHR, HARTREE
 
 
-class NotSane(Exception):
-    """A path is of no use to the model; the message says why."""
-
-
 def _arc_step(values, f, length):
     """Components of the steepest-descent step of a given arc length on a quadratic surface, or of
     the step to the surface's lowest point when that is nearer."""
@@ -135,7 +131,7 @@ def between(surface, tree, shapes):
 
 def nodes(surface, tree, saddle, hessian, sign, x0, energy0, count=11, apart=None):
     """(shapes, energies) from the minimum x0 to the saddle, at equal distances; apart: as
-    resampled() has it. Raises NotSane when the path down ends elsewhere, or has a bump between its nodes."""
+    resampled() has it. Raises optimise.NoPath when the path down ends elsewhere, or has a bump between its nodes."""
     masses = surface.masses
 
     def there(x, energy):
@@ -145,7 +141,7 @@ def nodes(surface, tree, saddle, hessian, sign, x0, energy0, count=11, apart=Non
     shapes, _ = descend(surface, saddle, hessian, sign, there)
     away = geometry.rms(geometry.aligned(shapes[-1], x0, masses), x0)
     if away > 0.4:
-        raise NotSane(f"the path down ends {away * BOHR:.2f} angstrom from the conformation")
+        raise optimise.NoPath(f"the path down ends {away * BOHR:.2f} angstrom from the conformation")
     shapes = resampled([x0] + shapes[::-1], masses, count, apart)
     shapes = [x0] + [geometry.aligned(x, x0, masses) for x in shapes[1:]]
     # Rounded as in the file, so that the file's energies are those of its shapes.
@@ -156,14 +152,14 @@ def nodes(surface, tree, saddle, hessian, sign, x0, energy0, count=11, apart=Non
 
 
 def check(energies, halfway, energy0):
-    """Raises NotSane unless the energy climbs from the minimum to the saddle, at the nodes and,
+    """Raises optimise.NoPath unless the energy climbs from the minimum to the saddle, at the nodes and,
     nearly so, half way between them. Slack: 0.05 kJ/mol, half way another 5 % of the barrier."""
     at = [(e - energy0) * HARTREE for e in energies]
     mid = [(e - energy0) * HARTREE for e in halfway]
     slack = 0.05
     for k, (a, b) in enumerate(zip(at, at[1:])):
         if b < a - slack:
-            raise NotSane(f"the energy falls by {a - b:.2f} kJ/mol before node {k + 1}")
+            raise optimise.NoPath(f"the energy falls by {a - b:.2f} kJ/mol before node {k + 1}")
         loose = slack + 0.05 * at[-1]
         if not a - loose < mid[k] < b + loose:
-            raise NotSane(f"{mid[k]:.2f} kJ/mol between nodes of {a:.2f} and {b:.2f} kJ/mol")
+            raise optimise.NoPath(f"{mid[k]:.2f} kJ/mol between nodes of {a:.2f} and {b:.2f} kJ/mol")

@@ -17,10 +17,6 @@ LEAST_TURN = np.radians(10)  # of a torsion, or the path turns none
 STIFFNESS = 0.5  # of the restraint, hartree/rad^2: ten times that of the stiffest torsion
 
 
-class NoBarrier(Exception):
-    """The scan ended without a maximum; the message says how."""
-
-
 @dataclass(frozen=True)
 class Torsion:
     name: str
@@ -93,19 +89,19 @@ def scan(surface, x, hessian, torsion, sign, *, step=np.radians(10), highest=150
                                             steps=200, tree=surface.tree)
         except optimise.NotConverged:
             turn = np.degrees(sign * step * count)
-            raise NoBarrier(f"the scan did not relax at {turn:+.0f} degrees") from None
+            raise optimise.NoPath(f"the scan did not relax at {turn:+.0f} degrees") from None
         hessian = hessian - torsion_hessian(y, torsion.atoms)
         shapes.append(y)
         energies.append(surface.energy(y))
         top = int(np.argmax(energies))
         if energies[top] - start > highest:
-            raise NoBarrier(f"still climbing at {HARTREE * highest:.0f} kJ/mol")
+            raise optimise.NoPath(f"still climbing at {HARTREE * highest:.0f} kJ/mol")
         if 0 < top and (energies[top] - energies[-1]) * HARTREE > LEAST_BARRIER:
             return _on_top(surface, *shapes[top - 1:top + 2])
     if np.ptp(energies) * HARTREE < LEAST_BARRIER:
-        raise NoBarrier(f"turns freely, without a barrier of {LEAST_BARRIER} kJ/mol: nothing would be felt, and the "
+        raise optimise.NoPath(f"turns freely, without a barrier of {LEAST_BARRIER} kJ/mol: nothing would be felt, and the "
                         "grid has it at rest")
-    raise NoBarrier(f"no barrier within half a turn, at whose end the energy is {HARTREE * (energies[-1] - start):.1f} "
+    raise optimise.NoPath(f"no barrier within half a turn, at whose end the energy is {HARTREE * (energies[-1] - start):.1f} "
                     "kJ/mol")
 
 
@@ -142,6 +138,6 @@ def _on_top(surface, before, top, after):
     if max(back, ahead) > 3 * min(back, ahead):
         values, _ = optimise.projected(surface.hessian(top), top)
         if values[0] > 0:
-            raise NoBarrier("the molecule snaps over, far from a saddle")
+            raise optimise.NoPath("the molecule snaps over, far from a saddle")
         return top, ((after - top) if ahead < back else (top - before)).ravel()
     return top, (after - before).ravel()

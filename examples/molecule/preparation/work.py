@@ -1,14 +1,15 @@
 """The steps from a molecule to the paths around its conformation. Each is kept as a file, so that a run that was
 stopped continues where it was."""
 
-import hashlib
-import json
 import os
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
+from hapgrid_command.files import Failed
+from hapgrid_command.work import Kept
 
-from . import files, geometry, naming, optimise, path, torsions, xyz
+from . import geometry, naming, optimise, path, torsions, xyz
 from .molecule import conformers
 from .xtb import BOHR, HARTREE, SYMBOLS, Surface, XtbError
 
@@ -18,14 +19,6 @@ SAME_ENERGY = 0.02  # kJ/mol
 ROUNDED = 1e-7  # angstrom; files have eight decimals
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
 SEED = 1  # of random torsions, where there are too many combinations for all
-
-
-class Failed(Exception):
-    """The molecule has no conformation; the message says why."""
-
-
-class Dropped(Exception):
-    """A torsion in one direction gives no path; the message says why."""
 
 
 @dataclass
@@ -42,6 +35,8 @@ class Found:
     far_energy: float
     far_nu1: float
     far_is_equal: bool
+    start: int = 0  # the node that is the conformation
+    goes_on: ClassVar = False  # behind its saddle, as a beyond.Beyond does
 
 
 @dataclass
@@ -69,7 +64,7 @@ class Result:
             self.x = reference if _equal(x, reference) else x
             for found in self.found:
                 found.nodes = [geometry.aligned(y, self.x, self.masses) for y in found.nodes]
-                found.nodes[getattr(found, "start", 0)] = self.x
+                found.nodes[found.start] = self.x
 
     def lie_as_before(self, directory):
         """Turns everything as the conformation lies that an earlier run left in this folder, if it is the same one:
@@ -86,43 +81,55 @@ def _equal(x, y):
     return np.abs(x - y).max() * BOHR < ROUNDED
 
 
-class Steps:
-    """Results that are kept as JSON files, those of steps by a hash of the steps' inputs."""
+# What is kept of a step, by its name; another form, of a stranger's folder, is computed anew.
+FORMS = {"conformation": ("x", "hessian"), "minimum": ("x", "energy", "hessian"), "saddle": ("x", "energy", "hessian", "nu1"),
+         "ends": ("sign", "near", "near_energy", "far", "far_energy", "far_nu1", "far_is_equal"),
+         "path": ("nodes", "energies", "far", "far_energy", "far_nu1", "far_is_equal"),
+         "beyond": ("nodes", "energies", "start", "kinds", "why"), "between": ("nodes", "energies", "start", "kinds")}
 
-    def __init__(self, directory):
-        self.directory = directory
 
-    def kept(self, name):
-        """What was kept under a name, or None."""
-        try:
-            with open(os.path.join(self.directory, name + ".json"), encoding="utf-8") as file:
-                return json.load(file)
-        except (FileNotFoundError, ValueError, RecursionError):
-            return None
+def is_sound(step, value, atoms):
+    """Whether a value that was kept has the form of what a step of a molecule with so many atoms gives."""
+    if isinstance(value, dict) and set(value) == {"dropped"} and step != "conformation":
+        return isinstance(value["dropped"], str)
+    if not isinstance(value, dict) or set(value) != set(FORMS[step]):
+        return False
+    nodes = len(value["nodes"]) if isinstance(value.get("nodes"), list) else 0
+    shapes = {"x": (atoms, 3), "near": (atoms, 3), "far": (atoms, 3), "hessian": (3 * atoms, 3 * atoms),
+              "nodes": (nodes, atoms, 3), "energies": (nodes,), "why": str, "far_is_equal": bool}
+    for name, one in value.items():
+        form = shapes.get(name, ())
+        if name == "kinds":
+            if not (isinstance(one, list) and all(
+                    isinstance(k, list) and len(k) == 2 and type(k[0]) is int and 0 <= k[0] < nodes
+                    and k[1] in ("minimum", "saddle") for k in one)):
+                return False
+        elif isinstance(form, type):
+            if not isinstance(one, form):
+                return False
+        elif not _is_array(one, form) or name == "start" and not (type(one) is int and 0 <= one < nodes):
+            return False
+    return True
 
-    def keep(self, name, value):
-        os.makedirs(self.directory, exist_ok=True)
-        files.write_whole(os.path.join(self.directory, name + ".json"), json.dumps(value))
 
-    def take(self, key, compute):
-        text = json.dumps([VERSION, key], sort_keys=True)
-        name = hashlib.sha256(text.encode()).hexdigest()[:20]
-        value = self.kept(name)
-        if value is None:
-            value = compute()
-            self.keep(name, value)
-        return value
+def _is_array(value, shape):
+    """Whether nested lists hold finite numbers in this shape."""
+    try:
+        array = np.array(value)
+    except ValueError:
+        return False
+    return array.shape == shape and array.dtype.kind in "if" and bool(np.isfinite(array).all())
 
 
 @dataclass
 class Options:
-    """method: of xtb.METHODS; charge: e; unpaired: electrons; highest: where a scan ends, kJ/mol; directory: of the
-    finished steps; solvent: or None."""
+    """method: of xtb.METHODS; charge: e; unpaired: electrons; highest: where a scan ends, kJ/mol; kept: the finished
+    steps; solvent: or None."""
     method: str
     charge: int
     unpaired: int
     highest: float
-    directory: str
+    kept: Kept
     solvent: str = None
 
     @property
@@ -141,7 +148,6 @@ class Work:
         self.driven = driven
         self.options = options
         self.jobs = [(torsion, sign) for torsion in driven for sign in torsion.signs]
-        self.steps = Steps(options.directory)
         self.tree = geometry.Tree(molecule.neighbours, molecule.numbers)
 
     def result(self, found, dropped):
@@ -158,7 +164,7 @@ class Work:
             self._surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
         key = ["conformation", self.molecule.numbers, self.molecule.positions.tolist(), o.words, o.charge,
                o.unpaired, keep, [t.atoms for t in self.driven if not t.rotor and not keep], [x.tolist() for x in ensemble]]
-        kept = self.steps.take(key, lambda: self._conformation(keep, relaxed, ensemble))
+        kept = self._take(key, lambda: self._conformation(keep, relaxed, ensemble))
         self.x = np.array(kept["x"])
         self.surface = self._surface(self.x)
         self.energy = self.surface.energy(self.x)
@@ -238,7 +244,11 @@ class Work:
         the step; inputs: what it depends on besides the conformation."""
         o = self.options
         key = [what, self.molecule.numbers, self.x.tolist(), o.words, o.charge, o.unpaired, inputs, o.highest]
-        return self.steps.take(key, lambda: _guarded(compute))
+        return self._take(key, lambda: _guarded(compute))
+
+    def _take(self, key, compute):
+        return self.options.kept.take([VERSION, key], compute,
+                                      lambda value: is_sound(key[0], value, len(self.molecule.numbers)))
 
     def saddle(self, number):
         """(the saddle of a job, the minima that it joins, the nearer one first)."""
@@ -297,14 +307,14 @@ class Work:
 
     def climbed(self, guess, tangent):
         """(x, energy, hessian, its imaginary wave number as a negative one) of the saddle near a guess. Errors:
-        Dropped where that is none between two shapes of this molecule."""
+        optimise.NoPath where that is none between two shapes of this molecule."""
         x, energy, hessian = optimise.saddle(self.surface, guess, tangent)
         waves = optimise.wave_numbers(hessian, x, self.surface.masses)
         count = int((waves < 0).sum())
         if count != 1:
-            raise Dropped(f"{count} imaginary frequencies")
+            raise optimise.NoPath(f"{count} imaginary frequencies")
         if not self.intact(x):
-            raise Dropped("bonds change")
+            raise optimise.NoPath("bonds change")
         return x, energy, hessian, waves[0]
 
     def sides(self, x, hessian):
@@ -334,7 +344,7 @@ class Work:
         if self._away(np.array(ends["near"])) > SAME_SHAPE:
             energies = (top["energy"], ends["near_energy"], ends["far_energy"])
             at, one, two = (f"{self.above(e):.2f} kJ/mol" for e in energies)
-            raise Dropped(f"the saddle at {at} joins other minima, at {one} and {two}")
+            raise optimise.NoPath(f"the saddle at {at} joins other minima, at {one} and {two}")
         nodes, energies = path.nodes(self.surface, self.tree, np.array(top["x"]),
                                      np.array(top["hessian"]), ends["sign"], self.x, self.energy)
         return {"nodes": [n.tolist() for n in nodes], "energies": energies, "far": ends["far"],
@@ -345,9 +355,7 @@ def _guarded(compute):
     """The result of compute, or the reason why there is none, in a form that can be kept."""
     try:
         return compute()
-    except (Dropped, torsions.NoBarrier, path.NotSane) as why:
-        return {"dropped": str(why)}
     except optimise.NotConverged as why:
         return {"dropped": f"not converged: {why}"}
-    except XtbError as why:
+    except (optimise.NoPath, XtbError) as why:
         return {"dropped": str(why)}

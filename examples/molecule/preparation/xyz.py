@@ -8,9 +8,10 @@ Where a title gives both ways, they must agree to DIFFER: whoever changes one of
 import re
 
 import numpy as np
+from hapgrid_command.files import read_text
 
 from .molecule import BadInput
-from .xtb import HARTREE, SYMBOLS
+from .xtb import HARTREE
 
 DIFFER = 0.06  # kJ/mol; dE may be rounded to one decimal
 
@@ -42,28 +43,10 @@ def parsed(text, where):
 
 def frames(path):
     """parsed() of a file."""
-    with open(path, encoding="utf-8") as file:
-        return parsed(file.read(), path)
-
-
-def ensemble(text, numbers):
-    """[(number of the frame, positions in angstrom)] of the frames that have these atoms in this order, the lowest energy
-    first: E= or energy: of a title, or a number alone as CREST writes it. None, where it is one frame or no ensemble."""
-    try:
-        read = parsed(text, "")
-    except BadInput:
-        return None
-    titles = text.splitlines()[1::len(numbers) + 2]
-    symbols = [SYMBOLS[z] for z in numbers]
-    if len(read) < 2 or any([s.capitalize() for s in own] != symbols for _, own, _ in read):
-        return None
-
-    def energy(frame):
-        try:
-            return float(read[frame][0].get("E") or titles[frame].split()[0])
-        except (ValueError, IndexError):
-            return np.inf
-    return [(k + 1, read[k][2]) for k in sorted(range(len(read)), key=energy)]
+    out = parsed(read_text(path), path)
+    if not out:
+        raise BadInput(f"{path}: is empty")
+    return out
 
 
 def number(given, key, where):

@@ -1,10 +1,10 @@
 """The command line of `hapgrid table`."""
 
 import argparse
-import sys
+
+from hapgrid_command.cli import Parser, formatter, guarded, number
 
 from . import course
-from .work import BreaksRule, Failed, printable
 
 ABOUT = """\
 Makes a verified grid of a table of energies, with pictures, so that a hand can
@@ -39,42 +39,17 @@ examples:
 """
 
 
-class UsageError(Exception):
-    pass
-
-
-class Parser(argparse.ArgumentParser):
-    def error(self, message):  # one line, as every other message
-        raise UsageError(message + " (see --help)")
-
-
-def number(low, high, kind=float):
-    def read(text):
-        value = kind(text)
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"must be from {low} to {high}")
-        return value
-    read.__name__ = kind.__name__
-    return read
-
-
 def unit(text):
     if len(text.encode()) > 15 or not text.isprintable() or '"' in text or "\\" in text:
         raise argparse.ArgumentTypeError("a unit has at most 15 bytes, no quotes and no backslash")
     return text
 
 
-def formatter(prog):
-    return argparse.RawDescriptionHelpFormatter(prog, width=80)
-
-
 def parser():
     p = Parser(prog="hapgrid table", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
                allow_abbrev=False, usage="hapgrid table FILE -o DIR [options]")
     p.add_argument("file", metavar="FILE", help="table: .map, .dx, .cube or .vti")
-    p.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for all files")
-    p.add_argument("-j", "--threads", type=number(1, 1024, int), metavar="N", default=1,
-                   help="number of threads, which does not change the result (default: 1)")
+    p.add_output("threads")
     p.add_argument("--force", type=number(0.01, 100), metavar="N", default=3.0,
                    help="force on the device where the energy is steepest, in newtons (default: 3)")
     p.add_argument("--wall", type=number(-1e30, 1e30), metavar="E",
@@ -88,35 +63,8 @@ def parser():
                    help="unit of the energy (default: kcal/mol for .map, hartree for .cube, else none)")
     p.add_argument("--length-unit", type=unit, metavar="TEXT",
                    help="unit of lengths (default: angstrom, for .vti none)")
-    p.add_argument("--until", choices=("definition",), help="step after which the command stops")
-    p.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")
+    p.add_until("definition")
     return p
-
-
-def guarded(command, parse, run, arguments):
-    """Runs a command and returns its exit code. Failures become one line."""
-    try:
-        line = run(parse(arguments))
-        if line:
-            print(printable(line))
-    except UsageError as why:
-        return failed(command, why, 2)
-    except BreaksRule as why:
-        return failed(command, why, 3)
-    except Failed as why:
-        return failed(command, why, 1)
-    except OSError as why:
-        return failed(command, f"{why.filename}: {why.strerror}" if why.filename else why, 1)
-    except MemoryError:
-        return failed(command, "there is not enough memory", 1)
-    except KeyboardInterrupt:
-        return failed(command, "stopped; the same command goes on", 130)
-    return 0
-
-
-def failed(command, why, code):
-    print(printable(f"{command}: {why}"), file=sys.stderr)
-    return code
 
 
 def main(arguments):

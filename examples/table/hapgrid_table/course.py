@@ -49,7 +49,7 @@ def _define(o, work, name):
             table.length_unit = o.length_unit
         for note in table.notes:
             work.say("  " + note)
-        os.makedirs(o.output, exist_ok=True)
+        work.enter()
         text = definition(o, work, name, table)
         work.write(f"{name}.table", table_text(table))
         work.write(f"{name}.toml", text)

@@ -8,7 +8,7 @@ import urllib.parse
 
 import numpy as np
 
-from .work import Failed, remove
+from .work import remove
 
 STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
 table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; text-align: left }
@@ -89,11 +89,7 @@ def gnuplot(work, script):
     name = ".gnuplot"
     work.write(name, script)
     try:
-        work.run(["gnuplot"], name)
-    except Failed as why:
-        if "is not there" in str(why):
-            raise Failed("gnuplot is not there: install the Debian package gnuplot-nox") from None
-        raise
+        work.run(["gnuplot"], name, package="gnuplot-nox")
     finally:
         remove(work.path(name))
 

@@ -112,7 +112,7 @@ for slope, why in ((0.0, "turns freely, without a barrier of 0.1 kJ/mol"), (1 / 
     try:
         torsions.scan(bond, place, bond.hessian(place), turn, 1)
         raise AssertionError("a barrier on a slope")
-    except torsions.NoBarrier as no:
+    except optimise.NoPath as no:
         assert str(no).startswith(why), no
 
 
@@ -154,3 +154,20 @@ assert result.found[0].nu1 is None and result.found[1].nu1 == -300 and result.nu
 paths, result = energies_of({**base, 110: -1, 120: -3, 140: 10})
 assert paths == [("turn-plus", [0, 12, 13]), ("turn-minus", [0, 2, 4])], paths
 assert result.nu1 is None and result.found[1].far is None and result.dropped == [], result
+
+# What was kept of a step counts only in the form that the step gives it. Here are two atoms and, on paths, four nodes.
+pair, bend = [[0.0, 0, 0], [0.0, 0, 1.5]], [[0.5] * 6] * 6
+known = {"x": pair, "near": pair, "far": pair, "hessian": bend, "energy": -1.5, "near_energy": -1.5, "far_energy": -1.25,
+         "nu1": -20.5, "far_nu1": 30.5, "sign": -1, "far_is_equal": True, "nodes": [pair] * 4, "energies": [-1.5] * 4, "start": 3,
+         "kinds": [[1, "saddle"], [3, "minimum"]], "why": "the end"}
+for step, names in work.FORMS.items():
+    value = {name: known[name] for name in names}
+    assert work.is_sound(step, value, 2), step
+    assert not any(work.is_sound(step, other, 2) for other in (None, [], "x", 7, {}, [value], {**value, "more": 1})), step
+    assert not work.is_sound(step, value, 3), step
+    assert work.is_sound(step, {"dropped": "why"}, 2) == (step != "conformation") and not work.is_sound(step, {"dropped": 1}, 2)
+    for name in names:
+        wrong = [None, {}, 10**400, float("nan"), [[1]], [[1], [1, 2]], ["x"], [[9, "saddle"]], [[0, "hill"]]]
+        wrong += [] if name == "why" else ["x"]
+        for one in wrong:
+            assert not work.is_sound(step, {**value, name: one}, 2), (step, name, one)

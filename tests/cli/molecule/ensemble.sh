@@ -13,6 +13,24 @@ same "minima and saddles" 01010 "$seen"
 same "rows" 'path saddle minimum saddle minimum' "$(grep ^to-2 ring/report.tsv | cut -f 2 | sed 's/ on the path//' | xargs)"
 [[ $(word ring/to-2.xyz 1 dE) == 0.0000 ]] || fail "the path does not begin in the conformation"
 
+# The ring of proline flips: two puckers of one conformation, whose ring has the opposite sign at the end of the path.
+cp "$here/proline.xyz" .
+hapgrid molecule proline.xyz --basins --method gfnff -o pro --until structures >line 2>&1 || fail "$(cat line)"
+grep -q 'frame 2: to-2, on which the ring .* turns: ' line || fail "$(cat line)"
+turning_points pro/to-2.xyz pro/conformation.xyz
+same "minima and saddles" 010 "$seen"
+/usr/bin/python3 - <<'END' || fail "the ring has not flipped"
+import numpy
+lines = open("pro/to-2.xyz").read().split("\n")
+count = int(lines[0])
+frames = [numpy.array([line.split()[1:4] for line in lines[k + 2:k + 2 + count]], float) for k in range(0, len(lines) - 1, count + 2)]
+def torsion(x, a, b, c, d):
+    u, v, w = x[b] - x[a], x[c] - x[b], x[d] - x[c]
+    return numpy.degrees(numpy.arctan2(numpy.linalg.norm(v) * (u @ numpy.cross(v, w)), numpy.cross(u, v) @ numpy.cross(v, w)))
+first, last = (torsion(x, 4, 5, 6, 7) for x in (frames[0], frames[-1]))
+assert first * last < 0 and min(abs(first), abs(last)) > 20, (first, last)
+END
+
 # Anti and both gauche shapes of dichloroethane. A path that turns one bond alone has its name, the second has a number.
 turn=$HAPGRID_SOURCE/examples/molecule/dichloroethane/turn.xyz
 { frame "$turn" 11; frame "$turn" 28; frame "$turn" 45; } | sed 's/^dE=[^ ]* t=[^ ]* //' >shapes.xyz

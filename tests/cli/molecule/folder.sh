@@ -58,6 +58,24 @@ ln -sf ../victim.txt bad/index.html
 refuses "molecule: bad/index\.html: is a link, which a folder of results must not have: remove it" -- feel bad
 intact "a link"
 
+# What is kept in another form is computed again, and a file that is not as it was written gets one line.
+for form in '{"x": "no", "hessian": [[1, 2]]}' '{"key": 7, "made": ["a"], "value": {"sides": 3}}'; do
+  stranger
+  for file in bad/.work/*.json; do echo "$form" >"$file"; done
+  feel bad >/dev/null 2>said || fail "$form: $(cat said)"
+  cmp renamed/conformation.xyz bad/conformation.xyz || fail "$form: another conformation"
+done
+for file in report.tsv rotors.tsv conformation.xyz; do
+  for text in '' '\xff\n' 'name\n\t\tsaddle\n' '3\n\nH 0 0 1\nQq 0 0 0\nN 0 0 -1\n' '3\n\nH 0 0\n'; do
+    stranger
+    printf %b "$text" >"bad/$file"
+    rm -f bad/index.html  # it reads report.tsv
+    code=0
+    feel bad >/dev/null 2>said || code=$?
+    ((code < 2)) && (($(wc -l <said) == code)) || fail "$file with '$text': $code $(cat said)"
+  done
+done
+
 # What a killed command leaves is removed by the next one.
 mkdir renamed/.work/.single-x
 touch renamed/.way-3.{txt,log} renamed/.work/.single-x/node.xyz renamed/.choice.toml renamed/.room.npz renamed/verify.txt.new.123 renamed/.hapgrid.aB3x9_
@@ -73,6 +91,12 @@ begun() { [[ -s $folder/pid ]]; }
 mkdir filters
 ln -s "$HAPGRID_BIN"/* filters
 rm filters/expand
+printf '#!/bin/sh\necho free >&2\nkill -ABRT $$\n' >filters/expand
+chmod +x filters/expand
+cp -a renamed crash
+rm crash/molecule.grid
+HAPGRID_BIN=$PWD/filters refuses 'molecule: expand: ended by SIGABRT: free' -- \
+  "$HAPGRID_SOURCE/examples/molecule/hapgrid-molecule" '<img src=x>.xyz' --method gfnff --spacing 1.2 -o crash --quiet
 printf '#!/bin/sh\necho $$ >pid\nexec sleep 300\n' >filters/expand
 chmod +x filters/expand
 for signal in TERM HUP KILL; do

@@ -94,7 +94,7 @@ def build():
             assert str(got) == f"SMILES '{smiles}': {why}", got
     assert reading.read(None, "[CH2]", unpaired=2)[2] == 2
     # What MMFF94 has no parameters for, what has nothing to search, and five bonds.
-    for smiles in ("C[Se]C", "[H][H]", "FP(F)(F)(F)F"):
+    for smiles in ("C[Se]C", "OB(O)c1ccccc1", "[H][H]", "FP(F)(F)(F)F"):
         assert is_sound(reading.read(None, smiles)[0]), smiles
     two = reading.read(None, "CC(O)CN")
     assert two[4] == ["the handedness of C2 is not given: one is taken"], two[4]

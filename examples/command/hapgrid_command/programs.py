@@ -1,4 +1,4 @@
-"""Starting the filters of hapgrid, and ending them: none of them outlives the command."""
+"""Starting programs, and ending them: none of them outlives the command."""
 
 import ctypes
 import errno
@@ -7,18 +7,10 @@ import shutil
 import signal
 import subprocess
 import time
-from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _PDEATHSIG = 1  # of prctl
-
-
-class Failed(Exception):
-    """What was asked for is not possible; the message is one line."""
-
-
-class FilterFailed(Failed):
-    """A filter said no; the message is the last line that it wrote."""
 
 
 class Stopped(BaseException):
@@ -27,6 +19,20 @@ class Stopped(BaseException):
     def __init__(self, number):
         super().__init__(number)
         self.number = number
+
+
+class Ran(NamedTuple):
+    """What a program wrote to standard output, its exit code (negative: the signal that ended it), and the last line that
+    it wrote to standard error, or else to standard output."""
+    out: str
+    code: int
+    said: str
+
+    def fault(self, name):
+        """Why a program of this name failed, as one line. A crash has no message of ours."""
+        if self.code < 0:
+            return f"{name}: ended by {signal.Signals(-self.code).name}" + (f": {self.said}" if self.said else "")
+        return self.said or f"{name}: exit code {self.code}"
 
 
 _running = set()  # of all threads
@@ -58,9 +64,8 @@ def end_with_parent():
 
 
 def run_program(words, directory, watch=None):
-    """(standard output, standard error, exit code) of a program that ends when this one does. directory: where it runs;
-    watch(seconds) is called twice a second while it works.
-    Errors: FileNotFoundError"""
+    """The Ran of a program that ends when this one does. directory: where it runs; watch(seconds) is called twice a second
+    while it works. Errors: FileNotFoundError"""
     if shutil.which(words[0]) is None:
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), words[0])
     if _stopped_by:
@@ -89,35 +94,5 @@ def run_program(words, directory, watch=None):
             _running.discard(process)
     if _stopped_by:
         raise Stopped(_stopped_by)
-    return out, said, process.returncode
-
-
-class Filters:
-    """The programs of one folder, run in the folder of the results."""
-
-    def __init__(self, directory):
-        if "HAPGRID_BIN" not in os.environ:
-            raise Failed("start it as `hapgrid molecule`, which knows where the filters are")
-        self.directory = os.environ["HAPGRID_BIN"]
-        self.work = directory
-        self.said = ""  # the last line that a filter wrote to standard error
-
-    def run(self, name, *arguments, good=(0,), watch=None):
-        """What a filter writes to standard output, and its exit code. watch: of run_program().
-        Errors: FilterFailed, when the exit code is not among the good ones."""
-        try:
-            out, said, code = run_program([os.path.join(self.directory, name), *map(str, arguments)], self.work, watch)
-        except FileNotFoundError:
-            raise Failed(f"{name} is not in {self.directory}: build all of hapgrid") from None
-        lines = said.strip().splitlines()
-        self.said = lines[-1] if lines else f"{name}: exit code {code}"
-        if code not in good:
-            raise FilterFailed(self.said)
-        return out, code
-
-    def run_each(self, commands, threads, tell):
-        """Runs several commands (lists of arguments, the filter's name first), so many at a time. tell(n)
-        is called when n are done."""
-        with ThreadPoolExecutor(threads) as pool:
-            for done, _ in enumerate(pool.map(lambda words: self.run(*words), commands), 1):
-                tell(done)
+    lines = said.strip().splitlines() or out.strip().splitlines() or [""]
+    return Ran(out, process.returncode, lines[-1])

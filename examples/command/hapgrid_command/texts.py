@@ -4,10 +4,8 @@ They are shown without characters that a terminal obeys or that change how the r
 (libcore/base/text.hpp): escape sequences, marks of writing direction, characters without width, other ends of lines.
 """
 
-import sys
 import unicodedata
 
-_OURS = "\r\033[K"  # with which a line of progress begins
 # Of Unicode's Default_Ignorable_Code_Point what is in none of the categories below.
 _IGNORABLE = {0x34F, 0x115F, 0x1160, 0x17B4, 0x17B5, 0x3164, 0xFFA0, *range(0x180B, 0x1810), *range(0xFE00, 0xFE10),
               *range(0xFFF0, 0xFFF9), *range(0xE0000, 0xE1000)}
@@ -28,24 +26,3 @@ def printable_line(text):
 def printable_text(text):
     """The same for several lines."""
     return "\n".join(map(printable_line, text.split("\n")))
-
-
-class _Stream:
-    """A text stream of which each write is one line or its end."""
-
-    def __init__(self, stream):
-        self._stream = stream
-
-    def write(self, text):
-        start = _OURS if text.startswith(_OURS) else ""
-        end = "\n" if text.endswith("\n") else ""
-        line = printable_line(text[len(start):len(text) - len(end)])
-        return self._stream.write(start + line + end)
-
-    def __getattr__(self, name):
-        return getattr(self._stream, name)
-
-
-def guard():
-    """From here on, all that is written to standard error is printable."""
-    sys.stderr = _Stream(sys.stderr)

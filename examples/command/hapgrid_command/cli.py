@@ -1,0 +1,86 @@
+"""The command line of a command that makes a grid."""
+
+import argparse
+import os
+import sys
+
+from .files import Failed
+from .programs import Stopped, catch_signals
+from .texts import printable_line, printable_text
+
+class UsageError(Exception):
+    pass
+
+
+class BreaksRule(Failed):
+    """Verify found a fault in the grid, for which there is no cure."""
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):  # one line, as every other message
+        raise UsageError(message + " (see --help)")
+
+    def add_output(self, threads):
+        """threads: what -j N is a number of."""
+        self.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for all files")
+        self.add_argument("-j", "--threads", type=number(1, 1024, int), metavar="N", default=1,
+                          help=f"number of {threads}, which does not change the result (default: 1)")
+
+    def add_until(self, *steps):
+        self.add_argument("--until", choices=steps, help="step after which the command stops")
+        self.add_argument("-q", "--quiet", action="store_true", help="print no progress on standard error")
+
+
+def formatter(prog):
+    return argparse.RawDescriptionHelpFormatter(prog, width=80)
+
+
+def number(low, high, kind=float):
+    def read(text):
+        value = kind(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"must be from {low} to {high}")
+        return value
+    read.__name__ = kind.__name__
+    return read
+
+
+def guarded(command, parse, run, arguments, failures=()):
+    """Runs a command and returns its exit code. parse(arguments) gives options, run(options) the line for standard output;
+    failures: exceptions besides Failed that become one line."""
+    def failed(why, code):
+        if code > 128 and sys.stderr.isatty():  # behind ^C
+            print(file=sys.stderr)
+        print(printable_line(f"{command}: {why}"), file=sys.stderr)
+        return code
+    try:
+        catch_signals()
+        options = parse(arguments)
+        with silenced() as out:
+            line = run(options)
+            if line:
+                print(printable_text(line), file=out)
+    except UsageError as why:
+        return failed(why, 2)
+    except BreaksRule as why:
+        return failed(why, 3)
+    except (Failed, *failures) as why:
+        return failed(why, 1)
+    except OSError as why:
+        return failed(f"{why.filename}: {why.strerror}" if why.filename else why, 1)
+    except MemoryError:
+        return failed("there is not enough memory", 1)
+    except Stopped as why:
+        return failed("stopped; the same command goes on", 128 + why.number)
+    return 0
+
+
+def silenced():
+    """Discards what libraries write to standard output from here on, and returns the real one. GFN-FF prints there, whatever
+    its verbosity, some of it only when the process ends."""
+    sys.stdout.flush()
+    out = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
+    return out
