@@ -1,13 +1,11 @@
 // The options of play.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "libcore/haptic/realtime.hpp"
-#include "libcore/scene/imd_server.hpp"
 #include "tools/common/traversals.hpp"
 #include "tools/play/devices.hpp"
 #include "tools/play/played_force.hpp"
@@ -28,8 +26,6 @@ struct PlayOptions {
   std::string frames;
   std::string report;
   std::string sessions;
-  std::optional<std::uint16_t> imd_port;
-  ImdOptions imd;
   std::vector<std::string> model_path;
   std::optional<Axes> axes;
   GivenSettings given;

@@ -23,10 +23,10 @@ import matplotlib
 
 plot = hapgrid.plot
 matplotlib.rcParams.update({"font.size": 30, "lines.linewidth": 9})
-figure = plot.columns("a.log", "x", "s0", grid="grid")
+loop = lambda: plot.columns("a.log", "x", "s0", grid="grid")
 for name in "again.svg", "loop.pdf", "again.pdf", "loop.png":
-    plot.save(figure, name)
-assert figure._repr_png_() == open("loop.png", "rb").read()
+    plot.save(loop(), name)
+assert loop()._repr_png_() == open("loop.png", "rb").read()
 plot.save(plot.session("a.session"), "module.svg")
 plot.save(plot.slice("grid", "y=0"), "levels.svg")
 plot.save(plot.slice("grid", "y=0"), "module.png")
