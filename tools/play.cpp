@@ -71,8 +71,8 @@ void require_good_end(const LoopSummary& s, bool faulted, const RunFacts& facts,
                      s.count_of(kFault), s.ticks));
 }
 
-/// Whether frames go to standard output although nobody asked for them, as in `play GRID --device
-/// keys | view`. Those of a path or replay do not: a script may collect what its commands print.
+/// Whether a viewer may wait in vain at the end of a pipe, as in `play GRID --device keys | view`:
+/// frames go where they were asked for, since a pipe may as well be a log.
 bool viewer_waits(const PlayOptions& options) {
   struct stat out {};
   return options.frames.empty() && options.device && is_live(*options.device) &&
@@ -234,7 +234,8 @@ int try_it(const PlayOptions& options) {
 
 int play(PlayOptions options) {
   apply_file(options);
-  if (!options.grid.empty() && viewer_waits(options)) options.frames = "-";
+  if (!options.grid.empty() && viewer_waits(options))
+    say("play", "no frames go into the pipe; --frames - sends them to a viewer there");
   require_possible(options);
   if (options.grid.empty()) return try_it(options);
   for (const std::string& input : {options.grid, input_file(*options.device)})
@@ -305,7 +306,6 @@ int play(PlayOptions options) {
                  .answers = open.adapter ? &open.adapter->delays() : nullptr,
                  .declared_delay = settings.safety.delay_ticks};
   PlayedForce played{force, settings.safety.gain, mapping.scale()};
-  viewers.wait(settings.imd_wait_s, caught_signal);
   // As late as possible: an older session of that name is lost now. A signal that came before the
   // first tick leaves it.
   Log log(caught_signal == 0 ? options.log : "", loaded, fields, rate_hz, loop.paced(), open.ticks,

@@ -1,19 +1,14 @@
-// stats: what is in a grid, as a report, a single value, a dump or a picture; and what happened in
-// a play.
+// stats: what is in a grid, as a report, a single value, a dump, arrays or an image; and what
+// happened in a play.
 
-#include <charconv>
-#include <cmath>
-#include <istream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/base/input_stream.hpp"
 #include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/session/reader.hpp"
@@ -23,10 +18,7 @@
 #include "tools/stats/arrays.hpp"
 #include "tools/stats/branches.hpp"
 #include "tools/stats/dump.hpp"
-#include "tools/stats/gnuplot.hpp"
-#include "tools/stats/motion_log.hpp"
 #include "tools/stats/session.hpp"
-#include "tools/stats/slice.hpp"
 #include "tools/stats/statistics.hpp"
 #include "tools/stats/vti.hpp"
 
@@ -48,38 +40,10 @@ struct Options {
   std::string vti;
   unsigned level = 0;
   std::uint32_t branch = Branches::kNone;
-  std::string slice;
   std::string log;
-  std::string plot;
-  std::string labels;
   SessionOptions session;
-  std::string png;
   std::string output = "-";
 };
-
-struct Plane {
-  int axis = 2;
-  double coordinate = 0;
-};
-
-/// AXIS=VALUE; nothing when it is not that.
-std::optional<Plane> parse_plane(const std::string& text) {
-  if (text.size() < 3 || text[0] < 'x' || text[0] > 'z' || text[1] != '=') return std::nullopt;
-  Plane plane{text[0] - 'x', 0};
-  const char* end = text.data() + text.size();
-  const auto read = std::from_chars(text.data() + 2, end, plane.coordinate);
-  if (read.ec != std::errc() || read.ptr != end || !std::isfinite(plane.coordinate))
-    return std::nullopt;
-  return plane;
-}
-
-/// A,B; nothing when there is not exactly one comma between two texts.
-std::optional<std::pair<std::string, std::string>> parse_pair(const std::string& text) {
-  const std::size_t comma = text.find(',');
-  if (comma == 0 || comma >= text.size() - 1 || text.find(',', comma + 1) != text.npos)
-    return std::nullopt;
-  return std::pair(text.substr(0, comma), text.substr(comma + 1));
-}
 
 /// What is at `key` below `json`, where '.' goes one object down or is part of a key, as in
 /// "parameters.probe.radius"; nullptr when nothing is.
@@ -127,12 +91,6 @@ void write_all(const std::string& name, const std::string& text) {
   output.commit();
 }
 
-void write_picture(const std::string& name, const std::string& script) {
-  OutputFile png(name);
-  run_gnuplot(script, png);
-  png.commit();
-}
-
 void dump(const Grid& grid, const std::string& name) {
   constexpr std::size_t kBuffer = 1 << 20;
   OutputFile output(name, /*binary=*/false);
@@ -147,87 +105,11 @@ void dump(const Grid& grid, const std::string& name) {
   output.commit();
 }
 
-/// What is drawn when column `y` is asked for. A force is drawn as the model gave it and as it was
-/// sent, so that what the safety core does is not taken for a property of the model.
-std::vector<std::string> columns_of(const std::string& y) {
-  for (const char* axis : {"x", "y", "z"})
-    if (y == std::string("force_") + axis || y == std::string("sent_") + axis)
-      return {std::string("force_") + axis, std::string("sent_") + axis};
-  return {y};
-}
-
-/// What a curve is called beside the other one of the same quantity.
-std::string curve_name(const std::string& column) {
-  if (column.starts_with("force_")) return "from the model";
-  if (column.starts_with("sent_")) return "as it was sent";
-  return column == "energy" ? "with the HIP" : "of the model alone";
-}
-
-/// What the axis of a log's column says: the quantity and its unit, which a grid tells of lengths
-/// and energies. A state's unit is known to the model alone.
-std::string column_label(const std::string& column, const GridSpec& spec) {
-  const auto unit = [](const std::string& name, const char* unknown) {
-    return name.empty() ? unknown : name;
-  };
-  if (column == "t") return axis_label("t", "s");
-  if (column == "x" || column == "y" || column == "z")
-    return axis_label(column + " of the HIP", unit(spec.length_unit, "model's unit of length"));
-  if (column == "energy" || column == "own_energy")
-    return axis_label(column == "energy" ? "energy" : "energy of the model alone",
-                      unit(spec.energy_unit, "model's unit of energy"));
-  for (const char axis : std::string("xyz"))
-    if (column == std::string("force_") + axis || column == std::string("sent_") + axis)
-      return axis_label(column.substr(column.size() - 1) + " of the force", "N");
-  if (column.size() > 1 && (column[0] == 's' || column[0] == 'l') &&
-      column.find_first_not_of("0123456789", 1) == column.npos)
-    return column[0] == 'l' ? "level in corner " + column.substr(1)
-                            : axis_label("state " + column, "model's unit");
-  return column;
-}
-
-void plot_text(const InputFile& file, const Options& options) {
-  if (options.plot.empty() || options.png.empty())
-    throw UsageError("--log: a log that is text needs --plot and --png");
-  if (!options.session.export_file.empty() || !options.npz.empty())
-    throw UsageError("--export and --npz are for sessions, not text");
-  const auto [x, y] = *parse_pair(options.plot);
-  const GridSpec spec = options.grid == "-" ? GridSpec{} : open_grid(options.grid).header.spec;
-  const auto [x_label, y_label] = options.labels.empty()
-                                      ? std::pair(column_label(x, spec), column_label(y, spec))
-                                      : *parse_pair(options.labels);
-  InputBuffer buffer(file);
-  std::istream lines(&buffer);
-  std::vector<std::string> names = columns_of(y);
-  // The energy against which the hand works is drawn with the part that is the model's own.
-  const std::string own = "own_energy";
-  const std::vector<std::vector<XY>> ticks =
-      read_log(lines, file.name(), x, names, y == "energy" ? own : "");
-  if (ticks.size() > names.size()) names.push_back(own);
-  std::vector<MotionCurve> curves;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    curves.push_back({curve_name(names[i]), split_motion(ticks[i])});
-  // The title needs no units, which the axes have.
-  const auto quantity = [](const std::string& label) { return label.substr(0, label.find(" / ")); };
-  write_picture(
-      options.png,
-      motion_script(curves,
-                    format("{} over {}, there and back", quantity(y_label), quantity(x_label)),
-                    format("{}: {} ticks", file.name(), ticks[0].size()), x_label, y_label));
-}
-
-/// A session or a text, whichever the content is.
 void show_log(const Options& options) {
   InputFile file(options.log, InputFile::Content::kFramesOrText);
-  if (!starts_with_zstd_frame(file)) {
-    plot_text(file, options);
-    return;
-  }
-  if (!options.plot.empty())
-    throw UsageError(
-        "--plot draws a log that is text; the picture of a session is --png "
-        "alone");
+  if (!starts_with_zstd_frame(file))
+    throw Error(format("{}: not a session; hapgrid plot draws a log that is text", file.name()));
   SessionOptions session = options.session;
-  session.png = options.png;
   session.npz = options.npz;
   session.format = options.format;
   session.output = options.output;
@@ -237,22 +119,16 @@ void show_log(const Options& options) {
 /// Refuses options that do not go together.
 void check_options(const Options& options) {
   const bool reads_log = !options.log.empty();
-  if (!options.get.empty() + options.dump + !options.slice.empty() + !options.vti.empty() +
+  if (!options.get.empty() + options.dump + !options.vti.empty() +
           (reads_log || !options.npz.empty()) >
       1)
-    throw UsageError("--get, --dump, --slice, --npz, --vti and --log exclude each other");
+    throw UsageError("--get, --dump, --npz, --vti and --log exclude each other");
   if (options.branch != Branches::kNone && options.vti.empty())
     throw UsageError("--branch needs --vti");
-  if (!options.slice.empty() && options.png.empty()) throw UsageError("--slice needs --png");
-  if (!options.png.empty() && options.slice.empty() && !reads_log)
-    throw UsageError("--png needs --slice or --log");
-  if (!options.plot.empty() && !reads_log) throw UsageError("--plot needs --log");
-  if (!options.labels.empty() && options.plot.empty()) throw UsageError("--labels needs --plot");
   if (!options.session.export_file.empty() && !reads_log) throw UsageError("--export needs --log");
   if (!options.get.empty()) require_known_key(options.get);
-  if (reads_log && options.grid != "-" && options.plot.empty())
-    throw UsageError(
-        "--log reads a recorded play, so no grid can be given, except with --plot for its units");
+  if (reads_log && options.grid != "-")
+    throw UsageError("--log reads a recorded play, so no grid can be given");
 }
 
 /// The report on the whole grid, or one value of it.
@@ -300,10 +176,7 @@ void show_grid(const Options& options) {
   if (options.dump) return dump(loaded.grid, options.output);
   if (!options.npz.empty()) return write_grid_arrays(loaded.grid, options.npz);
   if (!options.vti.empty()) return write_image(loaded.grid, options);
-  if (options.slice.empty()) return write_all(options.output, report(options, loaded));
-  const Plane plane = *parse_plane(options.slice);
-  write_picture(options.png, slice_script(loaded.grid.spec(),
-                                          slice_levels(loaded.grid, plane.axis, plane.coordinate)));
+  write_all(options.output, report(options, loaded));
 }
 
 int run(const Options& options) {
@@ -340,27 +213,15 @@ void add_grid_options(CommandLine& app, Options& options) {
           "Branch, counted from 0, whose records --vti writes in place of --level.")
       .type("N")
       .whole(0, Branches::kNone - 1);
-  app.add("--slice", options.slice,
-          "Plane of points in which --png draws the numbers of levels, as in z=0.")
-      .type("AXIS=VALUE")
-      .check([](const std::string& text) { return parse_plane(text).has_value(); }, "like z=0.25");
 }
 
 void add_log_options(CommandLine& app, Options& options) {
   app.group("A log of play, instead of a grid");
-  app.add("--log", options.log, "Session or text that play --log wrote ('-': standard input).")
+  app.add("--log", options.log, "Session that play --log wrote ('-': standard input).")
       .type("FILE");
   app.add("--export", options.session.export_file,
           "Text to write, with a line for each tick of a session.")
       .type("FILE");
-  const auto is_pair = [](const std::string& text) { return parse_pair(text).has_value(); };
-  app.add("--plot", options.plot, "Columns of a text log that --png draws, Y over X.")
-      .type("X,Y")
-      .check(is_pair, "two texts with a comma between");
-  app.add("--labels", options.labels,
-          "Labels of the plot's axes (default: names of the columns, with the units of GRID).")
-      .type("X,Y")
-      .check(is_pair, "two texts with a comma between");
 }
 
 }  // namespace
@@ -377,7 +238,6 @@ int main(int argc, char** argv) {
   app.add("--format", options.format, "Format of the report.")
       .one_of({"text", "json"})
       .shows_default();
-  app.add("--png", options.png, "Picture to write, which the program gnuplot draws.").type("FILE");
   app.add("--npz", options.npz,
           "Arrays to write for numpy: of a grid, or of a session's ticks ('-': standard output).")
       .type("FILE");

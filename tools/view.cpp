@@ -21,6 +21,7 @@
 #include "libcore/scene/summary.hpp"
 #include "libcore/scene/trajectory.hpp"
 #include "tools/common/tool.hpp"
+#include "tools/view/imd.hpp"
 #include "tools/view/page/page.hpp"
 #include "tools/view/terminal.hpp"
 #include "tools/view/window.hpp"
@@ -51,6 +52,8 @@ struct Options {
   std::string screenshot;
   std::string hand;
   std::string terminal;  // how to draw there; empty: not asked for
+  std::string imd;       // where viewers of molecules connect; empty: nowhere
+  int imd_version = 2;
 
   bool wants_report() const { return xyz.empty() && pdb.empty() && png.empty() && html.empty(); }
 };
@@ -205,6 +208,12 @@ int run(const Options& options) {
                 options.close, options.screenshot, options.hand});
     return kExitDone;
   }
+  if (!options.imd.empty()) {
+    ImdOptions imd = *read_imd(options.imd);
+    imd.version = options.imd_version;
+    run_imd(options.frames, imd);
+    return kExitDone;
+  }
   if (!options.terminal.empty()) {
     run_terminal(options.frames, {render_options(options), options.azimuth_degrees,
                                   options.elevation_degrees, options.terminal});
@@ -303,10 +312,25 @@ void add_live_options(CommandLine& app, Options& options) {
                    "Show the frames in the terminal. Default: auto, the best that the "
                    "terminal can do.")
           .one_of({"auto", "symbols", "sixel", "kitty"});
+  Option imd =
+      app.add_flag("--imd{8888}", options.imd,
+                   "Serve VMD and MDAnalysis over TCP, as in --imd=8888, or --imd=ADDRESS:8888 for "
+                   "other machines; 0 is a free port. There is no password: whoever reaches it "
+                   "sees the play. Default: 127.0.0.1:8888.")
+          .type("[ADDRESS:]PORT")
+          .check([](const std::string& text) { return read_imd(text).has_value(); },
+                 "a port from 0 to 65535, or an address in numbers, ':' and a port");
+  app.add("--imd-version", options.imd_version,
+          "Version of the protocol IMD: 2 for VMD, 3 for MDAnalysis. Default: 2.")
+      .one_of({"2", "3"})
+      .needs(imd);
+  imd.excludes(terminal);
   window.excludes(terminal);
+  window.excludes(imd);
   for (const char* const file : {"--xyz", "--pdb", "--png", "--html"}) {
     window.excludes(app.option(file));
     terminal.excludes(app.option(file));
+    imd.excludes(app.option(file));
   }
 }
 

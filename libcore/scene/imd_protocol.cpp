@@ -159,10 +159,13 @@ void ImdListener::obey(std::int32_t type, std::int32_t length) {
   const bool three = version_ == 3;
   switch (static_cast<ImdType>(type)) {
     case ImdType::kGo:
+      return;
     case ImdType::kRate:
+      ++ignored_.rates;
       return;
     case ImdType::kForcesOnAtoms:
       if (length < 0 || static_cast<std::size_t>(length) > atoms_) break;
+      ++ignored_.forces;
       skip_ = static_cast<std::uint64_t>(length) * (sizeof(std::int32_t) + 3 * sizeof(float));
       return;
     case ImdType::kPause:  // version 2 has one message for both

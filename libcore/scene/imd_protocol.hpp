@@ -77,9 +77,9 @@ class ImdEncoder {
   std::vector<std::byte> bytes_;
 };
 
-/// The messages of a client. Clients are hostile: forces and rates are read and thrown away, and
-/// only the position in the current message is kept. A message of a type that only servers send, a
-/// negative length, or forces on more atoms than there are, close the client.
+/// The messages of a client. Clients are hostile: forces and rates are read, counted and thrown
+/// away, and only the position in the current message is kept. A message of a type that only
+/// servers send, a negative length, or forces on more atoms than there are, close the client.
 class ImdListener {
  public:
   enum class State {
@@ -95,6 +95,12 @@ class ImdListener {
   /// Reads the next bytes of the client, in pieces of any size.
   State read(std::span<const std::byte> bytes);
   State state() const { return state_; }
+  /// How many messages so far asked for what no client gets.
+  struct Ignored {
+    std::uint64_t forces = 0;  ///< forces on atoms
+    std::uint64_t rates = 0;   ///< another rate of frames
+  };
+  const Ignored& ignored() const { return ignored_; }
 
  private:
   void obey(std::int32_t type, std::int32_t length);
@@ -105,6 +111,7 @@ class ImdListener {
   std::array<std::byte, 8> header_{};
   std::size_t filled_ = 0;  // bytes of the header
   std::uint64_t skip_ = 0;  // bytes of a body that are still to come
+  Ignored ignored_;
 };
 
 }  // namespace hapgrid

@@ -141,6 +141,11 @@ void ImdServer::publish(const Frame& frame) {
   });
 }
 
+ImdCounts ImdServer::counts() {
+  const std::lock_guard lock(mutex_);
+  return counts_;
+}
+
 ImdCounts ImdServer::finish() {
   std::unique_lock lock(mutex_);
   ending_ = true;
@@ -206,7 +211,10 @@ void ImdServer::accept_clients() {
     FileDescriptor socket(::accept4(port_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     // Also where there are too many open files, or it has gone again: the next cycle looks again.
     if (!socket) return;
-    if (clients_.size() >= kMaxClients) continue;  // closed
+    if (clients_.size() >= kMaxClients) {
+      ++counts_.refused;  // closed
+      continue;
+    }
     const int on = 1;
     ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     clients_.push_back({.socket = std::move(socket),
@@ -227,7 +235,10 @@ void ImdServer::listen_to(Client& client) {
   }
   using State = ImdListener::State;
   const State before = client.listener.state();
+  const ImdListener::Ignored ignored = client.listener.ignored();
   const State after = client.listener.read(std::span(bytes).first(static_cast<std::size_t>(count)));
+  counts_.forces += client.listener.ignored().forces - ignored.forces;
+  counts_.rates += client.listener.ignored().rates - ignored.rates;
   if (count == 0 || after == State::kClosed) client.dead = true;
   if (before == State::kGreeted && after != State::kGreeted && !client.dead) ++counts_.viewers;
   if (before != State::kRunning && after == State::kRunning) {

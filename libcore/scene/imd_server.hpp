@@ -39,7 +39,10 @@ struct ImdCounts {
   std::uint64_t viewers = 0;  ///< clients that said GO
   std::uint64_t sent = 0;     ///< frames; those that were dropped are not among them
   std::uint64_t dropped = 0;
-  std::uint64_t slow = 0;  ///< clients closed because they did not read
+  std::uint64_t slow = 0;     ///< clients closed because they did not read
+  std::uint64_t refused = 0;  ///< clients closed because there were kMaxClients already
+  std::uint64_t forces = 0;   ///< messages with forces on atoms; they are ignored, as are
+  std::uint64_t rates = 0;    ///< wishes for another rate of frames
 };
 
 class ImdServer {
@@ -71,6 +74,8 @@ class ImdServer {
   /// Sends a frame to all clients. Without a pace it waits, at most kWait, for clients that still
   /// read an older frame.
   void publish(const Frame& frame);
+  /// So far.
+  ImdCounts counts();
   /// Gives the clients kLinger to read the rest and to close, then closes them.
   /// @throw what the thread threw
   ImdCounts finish();

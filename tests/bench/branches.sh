@@ -41,14 +41,5 @@ awk 'BEGIN { for (x = -0.9; x <= 0.9; x += 0.001) print x, 0.07, 0.03 }' >path
 for rule in paper branch model; do
   play ball.grid --device path:path --beside off --traversal "$rule" --log "$rule.log" 2>/dev/null
 done
-gnuplot <<END
-set terminal pngcairo size 900,420 font ',11'
-set output '$picture'
-set xlabel 'x of the HIP / rope lengths'
-set ylabel 'angle of the ball α / rad'
-set xrange [-0.2:0.9]
-set key left
-plot 'model.log' using 2:19 with lines lw 6 lc rgb '#cccccc' title 'the model', \
-  'paper.log' using 2:19 with lines lw 1.5 lc rgb '#d95f02' title 'paper', \
-  'branch.log' using 2:19 with lines lw 1.5 lc rgb '#1b9e77' title 'branch'
-END
+plot columns model.log paper.log branch.log --x x --y s0 --names 'the model,paper,branch' \
+  --labels 'x of the HIP / rope lengths,angle of the ball α / rad' -o "$picture"

@@ -51,34 +51,40 @@ loop() { # NAME OPTIONS...
     session=$(python3 -c 'import json; print(json.load(open("report"))["simulation"]["returned_mJ"]["session"])')
   awk -v from=$((5000 * session)) '/^#/ { next }
     n++ < from || n > from + 5000 { next }
-    first == "" { first = $1; stored = $NF }
+    first == "" { first = $1; stored = $(NF - 1) }
     { if ($1 > first) given += (a * ($2 - x) + b * ($3 - y) + c * ($4 - z)); x = $2; y = $3; z = $4; a = $8; b = $9; c = $10
-      print $1 - first, given + $NF - stored }' loop.log >"$1.loop"
+      print $1 - first, given + $(NF - 1) - stored }' loop.log >"$1.loop"
 }
 loop paper --traversal paper --force state "${open[@]}"
 loop energy "${open[@]}"
 loop core
 
-gnuplot <<END
-set terminal pngcairo size 900,700 font ',11'
-set output '$into/force-error.png'
-set multiplot layout 2,2
-set logscale xy
-set xlabel 'conversions'
-set ylabel 'error of the force, median / N'
-do for [model in '$models'] {
-  set title model
-  plot for [force in 'energy records state'] model.'.'.force using 1:2 with linespoints title force
-}
-unset multiplot
-set terminal pngcairo size 900,420 font ',11'
-set output '$into/closed-loop.png'
-unset logscale
-unset title
-set key left
-set xlabel 'time / s'
-set ylabel 'returned beyond what was stored / N rope lengths'
-plot 'paper.loop' with lines lw 1.5 lc rgb '#d95f02' title 'paper, no tank', \
-  'energy.loop' with lines lw 1.5 lc rgb '#7570b3' title 'branch and energy, no tank', \
-  'core.loop' with lines lw 1.5 lc rgb '#1b9e77' title 'the same with the tank'
+PYTHONPATH=$HAPGRID_BIN/../python /usr/bin/python3 - "$into" $models <<'END'
+import os
+import sys
+
+import numpy
+from hapgrid import style
+
+into, *models = sys.argv[1:]
+with style.house_style():
+    drawn = style.figure(7, 2.9 * ((len(models) + 1) // 2))
+    for number, model in enumerate(models):
+        axes = drawn.add_subplot((len(models) + 1) // 2, 2, number + 1)
+        for force, colour, marker in zip(("energy", "records", "state"), style.COLOURS, style.MARKERS):
+            if os.path.exists(f"{model}.{force}"):
+                conversions, error = numpy.loadtxt(f"{model}.{force}", ndmin=2)[:, :2].T
+                axes.plot(conversions, error, color=colour, marker=marker, label=force)
+        axes.set(xscale="log", yscale="log", title=model, xlabel="conversions", ylabel="median error of the force / N")
+        if number == 0:
+            axes.legend()
+    style.save(drawn, f"{into}/force-error.png")
+    drawn = style.figure()
+    axes = drawn.add_subplot()
+    for name, said, colour in (("paper", "paper, no tank", style.ORANGE), ("energy", "branch and energy, no tank", style.PURPLE),
+                               ("core", "the same with the tank", style.GREEN)):
+        axes.plot(*numpy.loadtxt(f"{name}.loop").T, color=colour, label=said)
+    axes.set(xlabel="time / s", ylabel="returned beyond\nwhat was stored / N rope lengths")
+    style.legend(axes)
+    style.save(drawn, f"{into}/closed-loop.png")
 END

@@ -22,16 +22,8 @@ printf '[hand]\npath = "path"\ntremor = 3e-4\n' >hold.toml
 for damping in 0.7 0; do
   play alanine-dipeptide.grid --device sim:hold.toml --gain 3 --set "safety.damping=$damping" --log "$damping.log" 2>/dev/null
 done
-gnuplot <<END
-set terminal pngcairo size 900,420 font ',11'
-set output '$picture'
-set xlabel 'time / s'
-set ylabel 'force on the hand / N'
-set yrange [0:1.8]
-force(x, y, z) = sqrt(x * x + y * y + z * z)
-plot '0.log' every 20 using 1:(force(\$8, \$9, \$10)) with lines lc rgb '#d95f02' title 'no damping assumed', \
-  '0.7.log' every 20 using 1:(force(\$8, \$9, \$10)) with lines lc rgb '#1b9e77' title 'safety.damping = 0.7 N s/m'
-END
+plot columns 0.log 0.7.log --y sent --names 'no damping assumed,safety.damping = 0.7 N s/m' --labels 'time / s,force on the hand / N' \
+  -o "$picture"
 
 echo '|model|gain|the hand|contacts|faded, at most of a hand'\''s|the most faded|swings more, at most|how much more|full force after|'
 echo '|---|---|---|---|---|---|---|---|---|'

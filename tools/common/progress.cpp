@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -27,6 +28,16 @@ using Clock = std::chrono::steady_clock;
 
 const Clock::time_point process_start = Clock::now();
 
+constexpr std::chrono::milliseconds kOften{250};     // a line that is written over
+constexpr std::chrono::milliseconds kSeldom{60000};  // a line in a log
+
+/// One less than the terminal has, so that no line is wrapped; all where its size is unknown.
+std::size_t terminal_columns() {
+  winsize size{};
+  if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col < 2) return std::string::npos;
+  return size.ws_col - 1u;
+}
+
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -47,7 +58,7 @@ double cpu_seconds() {
 }  // namespace
 
 ProgressLine::ProgressLine(std::function<std::string(double)> text) : text_(std::move(text)) {
-  if (::isatty(STDERR_FILENO)) thread_ = std::jthread([this] { show(); });
+  thread_ = std::jthread([this] { show(); });
 }
 
 ProgressLine::~ProgressLine() {
@@ -62,12 +73,18 @@ ProgressLine::~ProgressLine() {
 
 void ProgressLine::show() {
   const Clock::time_point start = Clock::now();
+  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  const std::chrono::milliseconds pause = terminal ? kOften : kSeldom;
   bool shown = false;
   std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, std::chrono::milliseconds(250), [this] { return done_; })) {
-    std::fprintf(stderr, "\r\033[K%s", text_(seconds_since(start)).c_str());
+  while (!wake_.wait_for(lock, pause, [this] { return done_; })) {
+    const std::string text = text_(seconds_since(start));
+    if (terminal)
+      std::fprintf(stderr, "\r\033[K%s", text.substr(0, terminal_columns()).c_str());
+    else
+      std::fprintf(stderr, "%s\n", text.c_str());
     std::fflush(stderr);
-    shown = true;
+    shown = terminal;
   }
   if (shown) std::fputs("\r\033[K", stderr);
 }

@@ -10,8 +10,8 @@
 
 namespace hapgrid {
 
-/// A line on standard error, written again several times a second while this object lives, when
-/// standard error is a terminal.
+/// A line on standard error while this object lives: in a terminal one that is written again
+/// several times a second and cut to the terminal's width, elsewhere a new one every minute.
 class ProgressLine {
  public:
   /// `text` makes the line from the seconds since the start; it is called from another thread.

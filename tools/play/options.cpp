@@ -1,6 +1,5 @@
 #include "tools/play/options.hpp"
 
-#include <charconv>
 #include <map>
 
 #include "tools/common/tool.hpp"
@@ -9,13 +8,6 @@
 namespace hapgrid {
 
 namespace {
-
-std::optional<std::uint16_t> read_port(const std::string& text) {
-  std::uint16_t port = 0;
-  const char* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, port);
-  return read.ec == std::errc() && read.ptr == end ? std::optional(port) : std::nullopt;
-}
 
 void add_device_options(CommandLine& app, PlayOptions& options) {
   app.add("grid", options.grid,
@@ -87,9 +79,7 @@ void add_output_options(CommandLine& app, PlayOptions& options) {
           "Log of all ticks ('-': standard output). FILE.session is compact and can be replayed; "
           "any other name gets a text, which a live device cannot write.")
       .type("FILE");
-  app.add("--frames", options.frames,
-          "Frames for view, 25 in a second ('-': standard output, which is the default for a live "
-          "device if it is a pipe).")
+  app.add("--frames", options.frames, "Frames for view, 25 in a second ('-': standard output).")
       .type("FILE");
   app.add("--report", options.report,
           "Report in JSON to write: ticks, lateness, computing time, and what the safety core did "
@@ -110,30 +100,6 @@ void add_force_options(CommandLine& app, PlayOptions& options) {
   add_settings(app, options.given, options.file);
 }
 
-void add_imd_options(CommandLine& app, PlayOptions& options) {
-  const Option imd =
-      app.add(
-             "--imd",
-             [&](const std::string& text) {
-               options.imd_port = options.imd.port = *read_port(text);
-             },
-             "TCP port on which viewers of molecules are served (usually 8888; 0: any "
-             "free port). There is no password: whoever reaches it sees the play.")
-          .type("PORT")
-          .check([](const std::string& text) { return read_port(text).has_value(); },
-                 "a port from 0 to 65535");
-  app.add("--imd-version", options.imd.version,
-          "Version of the protocol: 2 for VMD, 3 for MDAnalysis. Default: 2.")
-      .one_of({"2", "3"})
-      .needs(imd);
-  app.add("--imd-address", options.imd.address,
-          "Address in numbers on which they are served (0.0.0.0: every network of this machine). "
-          "Default: 127.0.0.1.")
-      .type("ADDR")
-      .check(ImdServer::is_address, "an address in numbers")
-      .needs(imd);
-}
-
 }  // namespace
 
 void add_play_options(CommandLine& app, PlayOptions& options) {
@@ -141,7 +107,6 @@ void add_play_options(CommandLine& app, PlayOptions& options) {
   add_time_options(app, options);
   add_output_options(app, options);
   add_force_options(app, options);
-  add_imd_options(app, options);
 }
 
 }  // namespace hapgrid

@@ -1,12 +1,10 @@
 // The options of play.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 
 #include "libcore/haptic/realtime.hpp"
-#include "libcore/scene/imd_server.hpp"
 #include "tools/common/models.hpp"
 #include "tools/common/traversals.hpp"
 #include "tools/play/devices.hpp"
@@ -28,8 +26,6 @@ struct PlayOptions {
   std::string frames;
   std::string report;
   std::string sessions;
-  std::optional<std::uint16_t> imd_port;
-  ImdOptions imd;
   ModelOptions model;
   std::optional<Axes> axes;
   GivenSettings given;

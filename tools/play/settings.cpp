@@ -74,8 +74,6 @@ constexpr Setting kSettings[] = {
      "Busy wait at the end of each tick, which makes the loop more punctual and costs processor "
      "time.",
      [](PlaySettings& s) { return std::span(&s.spin_us, 1); }},
-    {"imd.wait", "s", 0, 86400, From::kNo, "Longest wait for a viewer before the first tick.",
-     [](PlaySettings& s) { return std::span(&s.imd_wait_s, 1); }},
 };
 
 bool is_option(const Setting& setting) { return setting.name[0] == '-'; }

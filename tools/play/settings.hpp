@@ -30,7 +30,6 @@ struct PlaySettings {
   MappingOptions mapping;
   EvdevSettings evdev;
   double spin_us = 0;  ///< see Pacer
-  double imd_wait_s = 0;
 };
 
 /// Whether a file may set a number.

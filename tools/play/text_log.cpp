@@ -28,12 +28,13 @@ TextLog::TextLog(const std::string& file, const GridSpec& spec, const Fields& fi
   else if (fields.has_energy())
     positions_.resize(capacity);
   levels_.resize(capacity);
+  snaps_.resize(capacity);
   text_ = "# t\tx\ty\tz\tforce_x\tforce_y\tforce_z\tsent_x\tsent_y\tsent_z";
   for (int i = 0; i < 8; ++i) text_ += format("\tl{}", i);
   for (std::size_t i = 0; i < spec.state_size; ++i) text_ += format("\ts{}", i);
   if (fields.has_energy()) text_ += "\tenergy";
   if (fields.has_own_energy()) text_ += "\town_energy";
-  text_ += '\n';
+  text_ += "\tsnap\n";
   output_.write(text_);
 }
 
@@ -46,6 +47,7 @@ void TextLog::add(const Tick& tick) noexcept {
   for (const double s : tick.traversal.state()) *to++ = s;
   if (!energies_.empty()) energies_[size_] = tick.traversal.row()[spec_.energy_offset()];
   if (!positions_.empty()) positions_[size_] = tick.traversal.position();
+  snaps_[size_] = tick.step.snapped ? 1 : 0;
   levels_[size_++] = tick.traversal.levels();
 }
 
@@ -60,7 +62,7 @@ void TextLog::flush() {
     if (!energies_.empty()) append(energies_[row], "\t");
     if (!positions_.empty()) append(fields_.energy(positions_[row], state), "\t");
     if (fields_.has_own_energy()) append(fields_.own_energy(state), "\t");
-    text_ += '\n';
+    text_ += snaps_[row] != 0 ? "\t1\n" : "\t0\n";
     if (text_.size() < kWriteBytes) continue;
     output_.write(text_);
     text_.clear();

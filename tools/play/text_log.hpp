@@ -40,8 +40,9 @@ class TextLog {
   std::size_t size_ = 0;
   std::vector<double> numbers_;
   std::vector<std::array<Level, 8>> levels_;
-  std::vector<double> energies_;  // of a grid that stores them
-  std::vector<Vec3> positions_;   // of other grids, whose energies are computed when written
+  std::vector<unsigned char> snaps_;  // whether the model snapped
+  std::vector<double> energies_;      // of a grid that stores them
+  std::vector<Vec3> positions_;       // of other grids, whose energies are computed when written
   std::string text_;
 };
 

@@ -1,4 +1,4 @@
-// Who watches a play: a file or pipe of frames, and viewers of molecules (IMD).
+// Who watches a play: a file or pipe of frames.
 #pragma once
 
 #include <atomic>
@@ -7,7 +7,6 @@
 
 #include "libcore/haptic/loop.hpp"
 #include "libcore/model/fields.hpp"
-#include "libcore/scene/imd_server.hpp"
 #include "libcore/scene/publisher.hpp"
 #include "tools/play/options.hpp"
 
@@ -15,15 +14,12 @@ namespace hapgrid {
 
 class Viewers {
  public:
-  /// Takes the port of --imd and says so. @throw std::system_error
   explicit Viewers(const PlayOptions& options);
 
-  /// Starts the slow thread if there are frames to write or viewers to serve.
+  /// Starts the slow thread if there are frames to write.
   /// @param spec outlives this. @param create as Fields has it. @param stop see FramePublisher.
   void start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
              const std::atomic<int>& stop);
-  /// Waits for a viewer of molecules, for this long at most; not when there is no server.
-  void wait(double seconds, const std::atomic<int>& stop);
   /// Real-time safe when paced. @throw std::system_error when not.
   void show(const Tick& tick);
   /// Ends the slow thread. @throw what it threw
@@ -38,11 +34,9 @@ class Viewers {
   const PlayOptions& options_;
   bool file_;
   double rate_hz_ = kUnpacedHz;
-  std::optional<ImdServer> imd_;
   std::optional<Fields> fields_;  // of the slow thread
   std::optional<FramePublisher> publisher_;
   std::optional<FrameCounts> counts_;
-  std::optional<ImdCounts> imd_counts_;
 };
 
 }  // namespace hapgrid

@@ -7,15 +7,12 @@
 #include <vector>
 
 #include "libcore/base/error.hpp"
-#include "libcore/base/format.hpp"
 #include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/session/statistics.hpp"
 #include "libcore/session/text.hpp"
 #include "tools/stats/arrays.hpp"
-#include "tools/stats/gnuplot.hpp"
-#include "tools/stats/session_picture.hpp"
 #include "tools/stats/session_report.hpp"
 
 namespace hapgrid {
@@ -72,21 +69,10 @@ void run_session(InputFile file, const SessionOptions& options) {
   });
   if (statistics.ticks == 0) throw Error(without_ticks(session));
   if (text) text->commit();
-  if (!options.png.empty()) {
-    // Again from the beginning: what the columns are is known now.
-    SessionCurves curves(header, statistics.first, statistics.last, energy_unit(header));
-    for_ticks(session, [&](const TickRecord& tick) { curves.add(tick); });
-    OutputFile png(options.png);
-    run_gnuplot(curves.script(format("{} ticks at {} Hz, {} missed{}", statistics.ticks,
-                                     rounded(header.rate_hz), statistics.skipped,
-                                     session.dropped() > 0 ? " or dropped" : "")),
-                png);
-    png.commit();
-  }
   if (!options.npz.empty())
     write_session_arrays(
         header, statistics.ticks, [&](const auto& use) { for_ticks(session, use); }, options.npz);
-  if (text || !options.png.empty() || !options.npz.empty()) {
+  if (text || !options.npz.empty()) {
     // The report has a line on it.
     if (!session.ended_early().empty())
       std::fprintf(stderr, "stats: %s: the session ended early, at %s\n",

@@ -1,4 +1,4 @@
-// stats --log of a session: report, picture, text.
+// stats --log of a session: report, arrays, text.
 #pragma once
 
 #include <string>
@@ -8,10 +8,9 @@
 namespace hapgrid {
 
 struct SessionOptions {
-  std::string png;          ///< empty: no picture
   std::string export_file;  ///< empty: no text
   std::string npz;          ///< empty: no arrays
-  std::string format;       ///< of the report, which is written when the three above are empty
+  std::string format;       ///< of the report, which is written when the two above are empty
   std::string output;       ///< where the report goes
 };
 

@@ -172,6 +172,8 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const CostSums* 
   json["stored"] = Json::array();
   for (const std::string& name : stored_names(spec)) json["stored"].push_back(name);
   json["spheres"] = spec.spheres.size();
+  json["length_unit"] = spec.length_unit;
+  json["energy_unit"] = spec.energy_unit;
   json["box"] = {
       {"origin", spec.box.origin}, {"spacing", spec.box.spacing}, {"counts", spec.box.counts}};
   json["points"] = s.points;

@@ -1,5 +1,8 @@
 #include "tools/view/pixels.hpp"
 
+#include <langinfo.h>
+#include <locale.h>
+
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -22,6 +25,17 @@ bool says_true_colour() {
 }
 
 }  // namespace
+
+bool locale_has_blocks() {
+  static const bool has = [] {
+    const locale_t locale = ::newlocale(LC_CTYPE_MASK, "", nullptr);
+    if (!locale) return false;  // a name of which this machine knows nothing
+    const bool unicode = std::string_view(::nl_langinfo_l(CODESET, locale)) == "UTF-8";
+    ::freelocale(locale);
+    return unicode;
+  }();
+  return has;
+}
 
 TerminalPixels::TerminalPixels(const std::string& mode) : info_(detect()) {
   const auto can = [&](ChafaTermSeq sequence) {
@@ -60,10 +74,13 @@ std::vector<std::string> TerminalPixels::encode(const Image& image, int columns,
   chafa_canvas_config_set_pixel_mode(config.get(), pixel_mode_);
   chafa_canvas_config_set_canvas_mode(config.get(), canvas_mode_);
   chafa_canvas_config_set_preprocessing_enabled(config.get(), FALSE);  // keeps the colours
-  // Blocks are in every font. More kinds of symbols, and more work, make it finer but slower.
+  // Blocks are in every font, but not in every locale. More kinds of symbols, and more work, make
+  // it finer but slower.
   const ChafaPointer<ChafaSymbolMap> map(chafa_symbol_map_new());
   chafa_symbol_map_add_by_tags(
-      map.get(), static_cast<ChafaSymbolTags>(CHAFA_SYMBOL_TAG_SPACE | CHAFA_SYMBOL_TAG_BLOCK));
+      map.get(), static_cast<ChafaSymbolTags>(
+                     CHAFA_SYMBOL_TAG_SPACE |
+                     (locale_has_blocks() ? CHAFA_SYMBOL_TAG_BLOCK : CHAFA_SYMBOL_TAG_ASCII)));
   chafa_canvas_config_set_symbol_map(config.get(), map.get());
   chafa_canvas_config_set_work_factor(config.get(), 0.2F);
 

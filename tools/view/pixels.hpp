@@ -21,6 +21,9 @@ struct ChafaDeleter {
 template <class T>
 using ChafaPointer = std::unique_ptr<T, ChafaDeleter>;
 
+/// Whether the locale's letters are those of Unicode, which has blocks.
+bool locale_has_blocks();
+
 /// The terminal's abilities, as the environment (TERM and others) describes them.
 class TerminalPixels {
  public:
@@ -28,6 +31,7 @@ class TerminalPixels {
   explicit TerminalPixels(const std::string& mode);
 
   bool symbols() const { return pixel_mode_ == CHAFA_PIXEL_MODE_SYMBOLS; }
+  bool sixels() const { return pixel_mode_ == CHAFA_PIXEL_MODE_SIXELS; }
   bool kitty() const { return pixel_mode_ == CHAFA_PIXEL_MODE_KITTY; }
 
   /// The picture on columns x rows cells of cell_width x cell_height pixels, as its rows of text.

@@ -28,13 +28,14 @@ namespace hapgrid {
 
 namespace {
 
-constexpr int kLinesBelow = 3;   // status, force, energy
-constexpr int kSymbolScale = 2;  // of the legend, whose letters are the terminal's own
+constexpr int kLinesBelow = 3;     // status, force, energy
+constexpr int kMostSixels = 1000;  // in a row: xterm leaves a wider picture blank
+constexpr int kSymbolScale = 2;    // of the legend, whose letters are the terminal's own
 
 std::string at_row(int row) { return format("\033[{};1H", row); }
 
-/// "force    0.52 |..:|  ", with blocks up to the height of the value; where the state snapped
-/// the ground is yellow. `columns` wide.
+/// "force    0.52 |..:|  ", with blocks up to the height of the value, or signs where the locale
+/// has no blocks; where the state snapped the ground is yellow. `columns` wide.
 std::string curve_line(const std::string& name, const std::vector<Column>& curve,
                        double Column::*value, const Extent& extent) {
   std::string text = name;
@@ -44,7 +45,9 @@ std::string curve_line(const std::string& name, const std::vector<Column>& curve
     marked = column.snapped;
     const double at = extent(column.*value);
     // From one to eight eighths, U+2581 to U+2588.
-    if (std::isfinite(at))
+    if (std::isfinite(at) && !locale_has_blocks())
+      text += "_.,-=+*#"[std::lround(7 * std::clamp(at, 0.0, 1.0))];
+    else if (std::isfinite(at))
       text += {'\xe2', '\x96', static_cast<char>(0x81 + std::lround(7 * std::clamp(at, 0.0, 1.0)))};
     else
       text += ' ';
@@ -71,6 +74,10 @@ class Display {
     // Symbols have eight by eight pixels each, and are twice as high as wide.
     int width = pixels_.symbols() ? 8 : size_.cell_width;
     int height = pixels_.symbols() ? 16 : size_.cell_height;
+    if (pixels_.sixels() && width * size_.columns > kMostSixels) {
+      height = std::max(1, height * kMostSixels / (width * size_.columns));
+      width = std::max(1, kMostSixels / size_.columns);
+    }
     // More pixels are not worth their time: of a large terminal the picture is enlarged, by the
     // terminal itself where it can, which is sent the fewer bytes.
     const double most = kitty() ? 3e5 : 6e5;

@@ -1,28 +1,14 @@
 """What a chemist looks at while the probe goes its way: the torsions that turn, in degrees, and the
 energy of the molecule itself beside that which the hand works against, over time."""
 
-import subprocess
+import os
+import sys
 
 import numpy as np
 from hapgrid_command.files import Failed
 from preparation import geometry
 
 MOVES = 2.0  # degrees: what turns less is not drawn
-SCRIPT = """\
-set terminal pngcairo noenhanced size 900,1400 font 'DejaVu Sans,18'
-set output '{picture}'
-set datafile separator '\\t'
-set multiplot layout {panels},1
-set key outside top center horizontal
-set grid lc rgb '#dddddd'
-set xlabel 't / s'
-{torsions}
-set ylabel 'energy / (kJ/mol)'
-plot 'energies.tsv' using 1:2 with lines lw 3 lc rgb '#888888' title 'with probe and anchors', \\
-     'energies.tsv' using 1:3 with lines lw 3 lc rgb '#d55e00' title 'the molecule alone'
-set ylabel 'force / N'
-plot 'energies.tsv' using 1:4 with lines lw 3 lc rgb '#333333' title 'force on the hand'
-"""
 
 
 def draw(folder, log, shapes, torsions, times):
@@ -36,19 +22,37 @@ def draw(folder, log, shapes, torsions, times):
     t, hybrid, own, *sent = (rows[:, names.index(n)] for n in ("t", "energy", "own_energy", "sent_x", "sent_y", "sent_z"))
     _table(folder, "energies.tsv", ["t_s", "hybrid_kJ_mol", "molecule_kJ_mol", "force_N"],
            [t, hybrid, own, np.sqrt(np.square(sent).sum(axis=0))])
-    curves = ", ".join(f"'torsions.tsv' using 1:{k + 2} with lines lw 3 title '{torsions[k].name}'" for k in moving)
-    script = SCRIPT.format(picture="course.png", panels=3 if torsions else 2,
-                           torsions=torsions and f"set ylabel 'torsion / degrees'\nplot {curves}" or "")
-    try:
-        done = subprocess.run(["gnuplot"], input=script, cwd=folder.directory, text=True, capture_output=True,
-                              check=False)
-    except FileNotFoundError:
-        raise Failed("gnuplot not found: install the Debian package gnuplot-nox") from None
-    if done.returncode:
-        raise Failed(f"gnuplot: {done.stderr.strip().splitlines()[-1]}")
+    _picture(folder.path("course.png"), times, [(torsions[k].name, columns[k]) for k in moving], t, hybrid, own,
+             np.sqrt(np.square(sent).sum(axis=0)))
     return ["course.png", "torsions.tsv", "energies.tsv"]
 
 
 def _table(folder, name, heads, columns):
     lines = ["# " + "\t".join(heads), *("\t".join(f"{v:.4f}" for v in row) for row in zip(*columns))]
     folder.write(name, "\n".join(lines) + "\n")
+
+
+def _picture(name, times, torsions, t, hybrid, own, force):
+    """Torsions, energies and force over time, in the house style of hapgrid's plots."""
+    sys.path.append(os.path.join(os.environ.get("HAPGRID_BIN", ""), "../python"))
+    try:
+        from hapgrid import style
+        drawn = style.figure(5.6, 8.4)
+    except ImportError as why:
+        raise Failed(str(why)) from None
+    panels = [("torsion / degrees", [(name, times, values) for name, values in torsions])] if torsions else []
+    panels += [("energy / (kJ/mol)", [("with probe and anchors", t, hybrid), ("the molecule alone", t, own)]),
+               ("force on the hand / N", [("", t, force)])]
+    with style.house_style():
+        every = []
+        for k, (label, curves) in enumerate(panels):
+            axes = drawn.add_subplot(len(panels), 1, k + 1, sharex=every[0] if every else None)
+            every.append(axes)
+            for colour, (said, x, y) in zip(style.COLOURS * len(curves), curves):
+                axes.plot(x, y, color=colour, label=style.plain(said) or None)
+            axes.set_ylabel(label)
+            style.limits(axes, np.concatenate([y for _, _, y in curves]))
+            style.legend(axes)
+        every[-1].set_xlabel("time / s")
+        drawn.align_ylabels(every)
+    style.save(drawn, name)

@@ -3,24 +3,18 @@
 import html
 import itertools
 import json
+import os
+import sys
 import tomllib
 import urllib.parse
 
 import numpy as np
 
-from .work import remove
+from .work import Failed
 
 STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
 table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; text-align: left }
 img { max-width: 100% } iframe { width: 100%; height: 34em; border: 1px solid #ccc } code { background: #eee }"""
-
-SLICES = """\
-set terminal pngcairo noenhanced size 1300,440 font 'DejaVu Sans,11'
-set output 'slices.png'
-set multiplot layout 1,3 title 'energy{unit} in three planes through the lowest point'
-set palette defined (0 '#08306b', 0.35 '#6baed6', 0.6 '#f7f7f7', 1 '#b2182b')
-set cbrange [{low}:{high}]
-"""
 
 
 class Values:
@@ -85,34 +79,38 @@ def way_text(ends, unit, ticks):
                       *rows]) + "\n"
 
 
-def gnuplot(work, script):
-    name = ".gnuplot"
-    work.write(name, script)
+def style_of(work):
+    """The house style of hapgrid's plots, from its Python module."""
+    sys.path.append(os.path.join(work.filters, "../python"))
     try:
-        work.run(["gnuplot"], name, package="gnuplot-nox")
-    finally:
-        remove(work.path(name))
+        from hapgrid import style
+        style.matplotlib()
+    except ImportError as why:
+        raise Failed(str(why)) from None
+    return style
 
 
 def slices(work, values):
     """slices.png: the three planes of the table through its lowest point."""
+    style = style_of(work)
+    drawn = style.figure(8.2, 3)
     at = values.lowest()
-    unit = f" / ({values.unit})" if values.unit else ""
-    script = [SLICES.format(unit=unit, low=f"{values.energy.min():.6g}", high=f"{values.energy.max():.6g}")]
     steps = np.linalg.norm(values.axes, axis=1)
     # A sheared table has no places along x, y and z: its pictures begin at 0.
     begin = values.origin if np.allclose(values.axes, np.diag(steps)) else np.zeros(3)
-    length = f" / {values.length_unit}" if values.length_unit else ""
-    for a, b, across in ((0, 1, 2), (0, 2, 1), (1, 2, 0)):
-        plane = np.take(values.energy, at[across], axis=across)
-        script.append(f"$plane{across} << EOD")
-        script += [" ".join(f"{v:.5g}" for v in column) for column in plane.T]
-        script += ["EOD", f"set xlabel '{'xyz'[a]}{length}'", f"set ylabel '{'xyz'[b]}{length}'",
-                   *(f"set {name}range [{begin[n]:.6g}:{begin[n] + (plane.shape[k] - 1) * steps[n]:.6g}]"
-                     for k, (name, n) in enumerate((("x", a), ("y", b)))),
-                   f"plot $plane{across} matrix using ({begin[a]:.8g}+$1*{steps[a]:.8g}):"
-                   f"({begin[b]:.8g}+$2*{steps[b]:.8g}):3 with image notitle"]
-    gnuplot(work, "\n".join(script) + "\n")
+    with style.house_style():
+        every = [drawn.add_subplot(1, 3, k + 1) for k in range(3)]
+        for axes, (a, b, across) in zip(every, ((0, 1, 2), (0, 2, 1), (1, 2, 0))):
+            plane = np.take(values.energy, at[across], axis=across)
+            edges = [(begin[n] - steps[n] / 2, begin[n] + (plane.shape[k] - 0.5) * steps[n]) for k, n in enumerate((a, b))]
+            image = axes.imshow(plane.T, origin="lower", extent=(*edges[0], *edges[1]), aspect="equal", cmap="viridis",
+                                vmin=values.energy.min(), vmax=values.energy.max())
+            axes.grid(False)
+            axes.set(xlabel=style.label("xyz"[a], values.length_unit), ylabel=style.label("xyz"[b], values.length_unit))
+            place = style.place(begin[across] + at[across] * steps[across], steps[across])
+            axes.set_title(style.plain(f"{'xyz'[across]} = {place} {style.sign(values.length_unit)}".rstrip()))
+        drawn.colorbar(image, ax=every, label=style.label("energy", values.unit), shrink=0.85)
+    style.save(drawn, work.path("slices.png"))
     return "slices.png"
 
 
@@ -123,11 +121,12 @@ def along(work, grid, unit, length_unit, prefix=""):
     with open(work.path(f"{prefix}path.txt"), encoding="utf-8") as file:
         points = np.loadtxt(file)
     axis = "xyz"[int(np.argmax(np.ptp(points, axis=0)))]
-    where = f"{axis} of the HIP" + (f" / {length_unit}" if length_unit else "")
+    style = style_of(work)
+    where = style.label(f"{axis} of the HIP", length_unit)
     for picture, column, label in ((f"{prefix}force.png", f"force_{axis}", f"{axis} of the force / N"),
-                                   (f"{prefix}energy.png", "energy", "energy" + (f" / ({unit})" if unit else ""))):
-        work.run("stats", "--log", f"{prefix}played.log", "--plot", f"{axis},{column}", "--labels",
-                 f"{where},{label}", "--png", picture)
+                                   (f"{prefix}energy.png", "energy", style.label("energy", unit))):
+        work.run("plot", "columns", f"{prefix}played.log", "--x", axis, "--y", column, "--labels", f"{where},{label}", "-o",
+                 picture)
     work.run("view", f"{prefix}played.frames", "--html", f"{prefix}played.html")
     return [f"{prefix}{n}" for n in ("force.png", "energy.png", "played.html", "played.log", "played.frames")]
 

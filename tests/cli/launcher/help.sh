@@ -2,7 +2,7 @@
 source "$(dirname "$0")/../lib.sh"
 export LC_ALL=C.UTF-8
 
-tools=(hapgrid feel init seed expand merge verify stats play view check-model)
+tools=(hapgrid feel init seed expand merge verify stats play view plot check-model)
 molecule() { hapgrid molecule "$@"; }
 table() { hapgrid table "$@"; }
 for command in molecule table; do

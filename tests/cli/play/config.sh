@@ -53,13 +53,13 @@ wrong $'[play.safety]\nramb = 1' "--config: line 3: unknown key 'safety.ramb'; d
 # A stranger's file chooses no code, writes and listens nowhere, and raises no limit.
 cannot='cannot be set by a file, only by the command line'
 for line in 'model-path = ["."]' 'log = "log"' 'report = "report"' 'frames = "frames"' 'sessions = "table"' \
-  'imd = 8888' 'imd-address = "0.0.0.0"' 'imd-version = "2"' 'device = "keys"' 'grid = "grid"' 'rate = 1' \
+  'device = "keys"' 'grid = "grid"' 'rate = 1' \
   'duration = 1' 'realtime = "off"' 'traversal = "paper"' 'force = "state"' 'selftest = true' \
   'config = "model.toml"' 'set = "safety.ramp=1"'; do
   [[ $line == grid* ]] || wrong "$line" "--config: line 2: ${line%% *} $cannot"
   [[ $line != grid* ]] || wrong "$line" "--config: line 2: unknown key 'grid'; .*"
 done
-for key in evdev.max_force evdev.range evdev.signs loop.spin imd.wait; do
+for key in evdev.max_force evdev.range evdev.signs loop.spin; do
   wrong "$key = 0.1" "--config: line 2: $key $cannot"
 done
 only() { # KEY VALUE DEFAULT less|more: it can only be set to the default and further
@@ -101,7 +101,6 @@ wrong_set safety.reserve=true "safety.reserve must be a number from 0 to inf mJ"
 wrong_set 'safety.reserve=[1,2]' "safety.reserve must be a number from 0 to inf mJ"
 wrong_set $'safety.reserve=1\nx=2' "'safety.reserve=1 x=2' is not like KEY=VALUE"
 wrong_set mapping.offset=1 "mapping.offset must be 3 numbers in \[ \] from -1e\+15 to 1e\+15 units"
-wrong_set imd.wait=1e9 "imd.wait must be a number from 0 to 86400 s"
 wrong_set safety.reserve "'safety.reserve' is not like KEY=VALUE"
 wrong_set '=1' "unknown key ''; .*"
 expect 2 '' "~play: --scale: '-1' is not a number from 0 to 1e\+15 UNITS/M $help" \

@@ -14,8 +14,8 @@ play: largest force 1.61 N of the model, 1.09 N sent; safety, in ticks: ramped 3
   -- play grid --device path:path --log log
 
 # The log: one line that names the columns, a line a tick.
-[ "$(head -1 log)" = $'# t\tx\ty\tz\tforce_x\tforce_y\tforce_z\tsent_x\tsent_y\tsent_z\tl0\tl1\tl2\tl3\tl4\tl5\tl6\tl7\ts0\tenergy' ] || fail "header"
-awk -F '\t' 'NR > 1 && (NF != 20 || $1 != (NR - 2) / 1000) { bad = 1 } END { exit bad || NR != 363 }' log ||
+[ "$(head -1 log)" = $'# t\tx\ty\tz\tforce_x\tforce_y\tforce_z\tsent_x\tsent_y\tsent_z\tl0\tl1\tl2\tl3\tl4\tl5\tl6\tl7\ts0\tenergy\tsnap' ] || fail "header"
+awk -F '\t' 'NR > 1 && (NF != 21 || $1 != (NR - 2) / 1000) { bad = 1 } END { exit bad || NR != 363 }' log ||
   fail "lines of the log"
 [[ $(sed -n 3p log) == $'0.001\t-0.89000000000000001\t0\t0\t'* ]] || fail "17 digits: $(sed -n 3p log)"
 

@@ -85,11 +85,6 @@ for command in 'cut --device path:path' 'grid --device path:word' 'grid --device
   refuses 'play: .*' -- play $command --log old.session
   cmp old.session kept
 done
-rc=0
-timeout --preserve-status -s TERM 2 play grid --device path:path --log old.session --imd 0 \
-  --set imd.wait=60 2>stderr || rc=$?
-same "a signal while play waits" 143 "$rc"
-cmp old.session kept
 play grid --device path:path --log old.session 2>stderr
 cmp -s old.session kept && fail "the session was not written"
 rm old.session kept stderr

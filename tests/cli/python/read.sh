@@ -47,7 +47,7 @@ ticks, text = hapgrid.read(pathlib.Path("a.session"))["ticks"], np.loadtxt("text
 assert len(ticks) == len(text) == 2 and (ticks["t"] == text[:, 0]).all() and (ticks["hip"] == text[:, 1:4]).all()
 text, log = np.loadtxt("a.log"), hapgrid.read("a.log")["ticks"]
 again = hapgrid.read("a.session", grid="grid")["ticks"]
-assert log.dtype.names == ("t", "hip", "force", "sent", "levels", "state", "energy")
+assert log.dtype.names == ("t", "hip", "force", "sent", "levels", "state", "energy", "snap")
 for got in log, again:
     assert (got["t"] == text[:, 0]).all() and (got["hip"] == text[:, 1:4]).all() and (got["force"] == text[:, 4:7]).all()
     assert (got["sent"] == text[:, 7:10]).all() and (got["levels"] == text[:, 10:18]).all()

@@ -1,4 +1,4 @@
-# Sessions: the report, the text, pictures; what is cut or damaged.
+# Sessions: the report, the text; what is cut or damaged.
 source "$(dirname "$0")/../lib.sh"
 
 # A session that was made by other programs, with numbers that are known.
@@ -65,28 +65,9 @@ session bad known
 
 see='\(see stats --help\)'
 printf '# t\tx\ty\tz\n0\t1\t2\t3\n1\t1\t2\t3\n' >log
-expect 2 '' "~stats: --log: a log that is text needs --plot and --png $see" -- \
-  stats --log log --export -
-expect 2 '' "~stats: --export and --npz are for sessions, not text $see" -- \
-  stats --log log --plot t,x --png x.png --export -
-expect 2 '' "~stats: --plot draws a log that is text; the picture of a session is --png alone $see" -- \
-  stats --log known --plot t,x --png x.png
+refuses 'stats: log: not a session; hapgrid plot draws a log that is text' -- stats --log log
 expect 2 '' "~stats: --export needs --log $see" -- stats known --export x
 seed "$ball" -o seeds
 refuses 'stats: seeds: byte 0: not a session' -- stats --log seeds
 refuses 'stats: .*No space left on device' -- stats --log long --export /dev/full
 refuses 'stats: .*No space left on device' -- stats --log known -o /dev/full
-
-needs gnuplot gnuplot-nox
-is_png() { /usr/bin/python3 "$here/../view/png.py" size "$1" >/dev/null || fail "$1 is no PNG"; }
-for file in known long; do
-  expect 0 '' '' -- stats --log $file --png $file.png
-  is_png $file.png
-done
-session one one  # a single tick, without a force
-stats --log one --png - >one.png
-is_png one.png
-# A picture and a text at once.
-expect 0 '' '' -- stats --log long --png both.png --export both
-is_png both.png
-cmp both expected

@@ -134,3 +134,14 @@ shown kitty
 python3 "$here/terminal.py" kitty out one.png
 shown sixel
 python3 "$here/terminal.py" sixel out one.png
+# xterm leaves sixels that are wider than 1,000 pixels blank.
+script -qec "stty cols 260 rows 70; view one --terminal=sixel $how" /dev/null </dev/null >wide
+python3 - <<'PYTHON'
+import re
+sizes = [int(size) for size in re.findall(rb'\x1bP[0-9;]*q"\d+;\d+;(\d+);\d+', open("wide", "rb").read())]
+assert sizes and 500 < max(sizes) <= 1000, sizes
+PYTHON
+# Block letters are for locales that have them.
+LC_ALL=C script -qec "stty cols 80 rows 24; view one --terminal=symbols $how" /dev/null </dev/null >plain
+LC_ALL=C grep -q 'force' plain || fail "no picture in the locale C"
+! LC_ALL=C grep -qP '[\x80-\xff]' plain || fail "letters that the locale C does not have"

@@ -108,6 +108,7 @@ TEST_CASE("what an IMD client may say") {
   std::string body;
   for (int i = 0; i < 8; ++i) body += "00000005 00000000";
   CHECK(say(listener, "00000006 00000004" + body) == State::kRunning);
+  CHECK((listener.ignored().forces == 3 && listener.ignored().rates == 1));
   CHECK(say(listener, "00000005 00000000") == State::kClosed);
   CHECK(say(listener, kGo) == State::kClosed);
   CHECK(answer(2, "00000000 00000000") == State::kClosed);

@@ -4,6 +4,7 @@ from __future__ import annotations
 import io
 import os
 import subprocess
+import warnings
 
 from hapgrid.frames import MAGIC, read_frames
 
@@ -72,7 +73,9 @@ def _text_log(path, file):
     file.seek(0)
     names = file.readline().decode("utf-8", "replace").lstrip("# ").split()
     try:
-        numbers = numpy.loadtxt(file, ndmin=2).reshape(-1, len(names))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of a log without a tick
+            numbers = numpy.loadtxt(file, ndmin=2).reshape(-1, len(names))
     except ValueError as error:
         raise ValueError(f"{path}: not a log of play: {error}") from None
     states = sum(name[0] == "s" and name[1:].isdigit() for name in names)

@@ -33,9 +33,9 @@ hapgrid molecule --smiles CCCC -o butane 2>said || status=$?
 [[ $status == 1 && $(wc -l <said) == 1 && ! -e butane ]]
 grep 'install the Debian package python3-' said
 status=0
-hapgrid stats process.grid --slice y=0 --png levels.png 2>said || status=$?
+hapgrid plot slice process.grid -o levels.png 2>said || status=$?
 [[ $status == 1 && $(wc -l <said) == 1 && ! -e levels.png ]]
-grep gnuplot said
+grep python3-matplotlib said
 
 install python3-numpy python3-openbabel python3-rdkit
 python3 - <<'PYTHON'

@@ -1,7 +1,7 @@
-"""Clients of play --imd, written from the text of the protocol, with sockets and struct alone. What
-must come is made of the frames in play's own file, which Cap'n Proto's tool has read.
+"""Clients of view --imd, written from the text of the protocol, with sockets and struct alone. What
+must come is made of the frames of the file, which Cap'n Proto's tool has read.
 
-usage: imd.py ball|spring SCHEMA GRID PATH
+usage: imd.py ball|spring SCHEMA FRAMES [LONG]
 
 Viewers that sleep, never say GO or send nonsense are in unit/scene/imd_*_test.cpp and fuzz/.
 """
@@ -12,11 +12,10 @@ import struct
 import subprocess
 import sys
 
-MODEL, SCHEMA, GRID, PATH = sys.argv[1:]
+MODEL, SCHEMA, FRAMES = sys.argv[1:4]
 DISCONNECT, ENERGIES, FCOORDS, GO, HANDSHAKE, KILL, MDCOMM, PAUSE, TRATE, IOERROR = range(10)
 SESSIONINFO, RESUME, TIME, BOX, VELOCITIES, FORCES, WAIT = range(10, 17)
 LONG = 60  # seconds for what must happen
-WAIT_FOR_VIEWER = "--set", f"imd.wait={LONG}"
 # To angstrom: a model whose unit is not known is sent as it is.
 LENGTH = {"ball": 1, "spring": 1e7}[MODEL]
 NEWTON = 6.02214076e10  # kJ/(mol angstrom)
@@ -64,15 +63,13 @@ class Client:
         return bytes(data)
 
 
-class Play:
-    """play with --imd 0; `port` is the one that the system chose."""
+class View:
+    """view --imd of a file; `port` is the one that the system chose."""
 
-    def __init__(self, *options):
-        self.process = subprocess.Popen(
-            ["play", GRID, "--device", "path:" + PATH, "--imd", "0", *options],
-            stderr=subprocess.PIPE, text=True)
+    def __init__(self, frames, *options):
+        self.process = subprocess.Popen(["view", frames, "--imd=0", *options], stderr=subprocess.PIPE, text=True)
         line = self.process.stderr.readline()
-        match = re.fullmatch(r"play: IMD version ([23]) on 127\.0\.0\.1:(\d+)\n", line)
+        match = re.fullmatch(r"view: IMD version ([23]) on 127\.0\.0\.1:(\d+)\n", line)
         assert match, line + self.process.stderr.read()
         self.port = int(match[2])
 
@@ -84,13 +81,13 @@ class Play:
 
 
 def counts(lines):
-    match = re.fullmatch(r"play: IMD viewers (\d+), frames sent (\d+), dropped (\d+); "
+    match = re.fullmatch(r"view: IMD viewers (\d+), frames sent (\d+), dropped (\d+); "
                          r"closed because they did not read (\d+)", lines[-1])
     assert match, lines
     return [int(n) for n in match.groups()]
 
 
-def expected(name, version, rate, order):
+def expected(name, version, order):
     """The bytes of each frame in the file `name`."""
     with open(name, "rb") as file:
         text = subprocess.run(["capnp", "convert", "binary:json", "--short", SCHEMA, "Message"],
@@ -101,6 +98,8 @@ def expected(name, version, rate, order):
     pack = lambda form, *values: struct.pack(order + form, *values)
     floats = lambda values: pack(f"{len(values)}f", *values)
     result = []
+    begin, after = (frame["frame"] for frame in frames[:2])
+    tick_s = (after["time"] - begin["time"]) / (int(after["tick"]) - int(begin["tick"]))
     for frame in frames:
         f = frame["frame"]
         tick = int(f["tick"])
@@ -108,7 +107,7 @@ def expected(name, version, rate, order):
         energy = f["energy"]
         message = b""
         if version == 3:
-            message += header(TIME, 1) + pack("ddq", 1 / rate * 1e12, f["time"] * 1e12, tick)
+            message += header(TIME, 1) + pack("ddq", tick_s * 1e12, f["time"] * 1e12, tick)
         message += header(ENERGIES, 1) + pack("i9f", tick, 0, energy, energy, *[0] * 6)
         if version == 3:
             edges = [LENGTH * box["spacing"] * (box["count" + axis] - 1) for axis in "XYZ"]
@@ -124,46 +123,69 @@ def expected(name, version, rate, order):
 
 
 def exact():
-    """Without a pace: each frame of the file, byte for byte; a viewer that comes later has the end
-    of them; units that nobody knows are named."""
+    """A file waits for its first viewer, who gets each frame, byte for byte; a viewer that comes later has the end of
+    them; units that nobody knows are named, and so is what of a viewer's wishes is ignored."""
     for version in 2, 3:
-        name = f"exact{version}.frames"
-        play = Play("--imd-version", str(version), *WAIT_FOR_VIEWER, "--frames", name)
-        first = Client(play.port)
-        second = Client(play.port)
+        view = View(FRAMES, "--imd-version", str(version))
+        first = Client(view.port)
+        second = Client(view.port)
         assert first.version == second.version == version
-        first.socket.sendall(header(GO, 77))
+        first.socket.sendall(header(GO, 77) + header(TRATE, 5) + header(MDCOMM, 1) + b"x" * 16)
         try:
-            second.socket.sendall(header(GO) + header(TRATE, 5) + header(MDCOMM, 1) + b"x" * 16)
+            second.socket.sendall(header(GO))
         except OSError:
             pass  # all is over already
         got = [first.rest(), second.rest()]
-        frames = expected(name, version, 1000, first.order)
+        frames = expected(FRAMES, version, first.order)
         assert got[0] == b"".join(frames)
         assert got[1] in [b"".join(frames[i:]) for i in range(len(frames) + 1)]
-        lines = play.end()
+        lines = view.end()
         viewers, sent, dropped, slow = counts(lines)
         assert viewers in (1, 2) and dropped == slow == 0, lines
         assert sent >= len(frames) > 5, lines
-        lengths = "play: IMD: lengths go out in rope lengths, viewers take them for angstrom"
+        lengths = "view: IMD: lengths go out in rope lengths, viewers take them for angstrom"
         energies = {"ball": "N rope lengths", "spring": "N mm"}[MODEL]
         unit = {2: "kcal/mol", 3: "kJ/mol"}[version]
         assert (lengths in lines) == (MODEL == "ball"), lines
-        assert f"play: IMD: energies go out in {energies}, viewers take them for {unit}" in lines
+        assert f"view: IMD: energies go out in {energies}, viewers take them for {unit}" in lines
+        for words in "sends forces; they are ignored", "asks for another rate (TRATE)":
+            assert sum(words in line for line in lines) == 1, lines
+
+
+def ninth():
+    """Eight can watch; one more is closed, and a line says so. The file lasts long enough for them to come."""
+    view = View(sys.argv[4])
+    clients = [Client(view.port) for _ in range(8)]
+    for client in clients[1:]:
+        client.socket.sendall(header(GO))
+    other = socket.create_connection(("127.0.0.1", view.port), LONG)
+    try:
+        assert other.recv(1) == b""
+    except ConnectionResetError:
+        pass
+    for client in clients:
+        client.socket.close()
+    while line := view.process.stderr.readline():
+        if "one more viewer came and was sent away: 8 can watch" in line:
+            break
+    else:
+        raise AssertionError("no line on the ninth viewer")
+    view.process.kill()
+    view.process.wait()
 
 
 def in_use():
-    """The port is looked at before anything else, the device too."""
+    """The port is looked at before anything else."""
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        done = subprocess.run(["play", "none", "--device", "path:none", "--imd", str(port)],
-                              capture_output=True, text=True)
+        done = subprocess.run(["view", "none", f"--imd={port}"], capture_output=True, text=True)
     assert done.returncode == 1 and done.stdout == ""
-    assert done.stderr == f"play: 127.0.0.1:{port}: Address already in use\n", done.stderr
+    assert done.stderr == f"view: 127.0.0.1:{port}: Address already in use\n", done.stderr
 
 
 exact()
 if MODEL == "ball":
     in_use()
+    ninth()

@@ -1,0 +1,115 @@
+"""What can be drawn of a play: columns of logs, sessions and files of frames by name, and what each is called."""
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+
+from hapgrid.files import program, read
+from hapgrid.style import label
+
+AXES = "xyz"
+WORDS = {"t": "time", "force": "force", "sent": "force", "energy": "energy", "own_energy": "energy",
+         "lateness_us": "lateness", "compute_us": "compute time"}
+
+
+def report(*arguments: str) -> dict:
+    """What stats says as JSON. Raises ValueError with its line."""
+    result = subprocess.run([program("stats"), *arguments, "--format", "json"], stdin=subprocess.DEVNULL,
+                            capture_output=True, check=False)
+    if result.returncode != 0:
+        raise ValueError(result.stderr.decode(errors="replace").strip().removeprefix("stats: "))
+    return json.loads(result.stdout)
+
+
+class Play:
+    """A log, session or file of frames. ticks: as read() has them; units: of "length", "energy" and "state", "" where they
+    are not known."""
+
+    def __init__(self, path, grid=None):
+        self.path = os.fspath(path)
+        arrays = read(self.path, grid)
+        self.ticks = arrays.get("ticks", arrays.get("frames"))
+        if self.ticks is None:
+            raise ValueError(f"{self.path}: a grid, not a session, log or file of frames")
+        if not len(self.ticks):
+            raise ValueError(f"{self.path}: no tick in it")
+        self.report = None
+        with open(self.path, "rb") as file:
+            if file.read(4) == b"\x28\xb5\x2f\xfd":  # zstd: a session
+                self.report = report("--log", self.path)
+        self.units = {"length": (self.report or {}).get("length_unit", ""), "energy": "", "state": ""}
+        if grid is not None:
+            known = report(os.fspath(grid))
+            self.units = {"length": known["length_unit"], "energy": known["energy_unit"], "state": known["tolerance_unit"]}
+
+    def column(self, name):
+        """A value a tick. "force" and "sent" are lengths of vectors. Raises ValueError with the names that there are."""
+        import numpy
+
+        fields = self.ticks.dtype.names
+        kind, _, rest = name.rpartition("_")
+        if name in AXES and name:
+            return self.ticks["hip"][:, AXES.index(name)]
+        if kind in ("force", "sent") and rest in AXES:
+            return self.ticks[kind][:, AXES.index(rest)]
+        if name in ("force", "sent"):
+            return numpy.linalg.norm(self.ticks[name], axis=1)
+        if name[:1] in ("s", "l") and name[1:].isdigit():
+            field = "state" if name[0] == "s" else "levels"
+            if field in fields and int(name[1:]) < self.ticks[field].shape[1]:
+                return self.ticks[field][:, int(name[1:])]
+        elif name in fields and self.ticks.dtype[name].shape == ():
+            return self.ticks[name].astype(float)
+        hint = "" if "state" in fields else "; a session has states and energies together with its grid"
+        raise ValueError(f"{self.path}: no column {name}: there are {', '.join(self.names())}{hint}")
+
+    def names(self):
+        fields = self.ticks.dtype
+        states = fields["state"].shape[0] if "state" in fields.names else 0
+        several = [f"s0 ... s{states - 1}" if states > 1 else "s0"][:states]
+        return ["t", "x", "y", "z", *(f"{kind}{axis}" for kind in ("force", "sent") for axis in ("", "_x", "_y", "_z")), "l0 ... l7",
+                *several, *(name for name in fields.names if name != "t" and fields[name].shape == ())]
+
+    def snaps(self):
+        """The ticks in which the model snapped."""
+        import numpy
+
+        fields = self.ticks.dtype.names
+        if "snap" in fields:
+            return numpy.flatnonzero(self.ticks["snap"])
+        if "jumps" in fields:
+            return numpy.flatnonzero(numpy.diff(self.ticks["jumps"].astype(int))) + 1
+        bit = list((self.report or {}).get("flags", {"level_changed": 0})).index("level_changed")
+        if self.report and "flags" in fields and json.loads(self.report["settings"] or "{}").get("traversal", "branch") == "branch":
+            return numpy.flatnonzero(self.ticks["flags"] >> bit & 1)
+        return numpy.zeros(0, int)
+
+    def label(self, name):
+        """What an axis with this column says."""
+        units = self.units
+        kind, _, rest = name.rpartition("_")
+        if name in AXES:
+            return label(f"{name} of the HIP", units["length"])
+        if kind in ("force", "sent") and rest in AXES:
+            return label(f"{rest} of the force", "N")
+        if name[:1] == "s" and name[1:].isdigit():
+            return label(f"state {name}", units["state"])
+        if name[:1] == "l" and name[1:].isdigit():
+            return f"level in corner {name[1:]}"
+        unit = {"t": "s", "force": "N", "sent": "N", "energy": units["energy"], "own_energy": units["energy"],
+                "lateness_us": "µs", "compute_us": "µs"}.get(name, "")
+        return label(WORDS.get(name, name), unit)
+
+
+def beside(name):
+    """The columns that are drawn when one is asked for, and what each is called. A force is drawn as the model gave it and
+    as it was sent, so that what the safety core does is not taken for a property of the model."""
+    kind, _, axis = name.rpartition("_")
+    for each in ("force", "sent"):
+        if name == each or kind == each and axis in AXES:
+            end = name[len(each):]
+            return [("sent" + end, "as sent"), ("force" + end, "of the model")]
+    if name == "energy":
+        return [("energy", "with the hand"), ("own_energy", "of the model alone")]
+    return [(name, "")]
