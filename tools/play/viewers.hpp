@@ -20,8 +20,9 @@ class Viewers {
 
   /// Starts the slow thread if there are frames to write or viewers to serve.
   /// @param spec outlives this. @param create as Fields has it. @param stop see FramePublisher.
+  /// @param largest_force newtons that are sent at most in this grid
   void start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
-             const std::atomic<int>& stop);
+             const std::atomic<int>& stop, double largest_force);
   /// Waits for a viewer of molecules, for this long at most; not when there is no server.
   void wait(double seconds, const std::atomic<int>& stop);
   /// Real-time safe when paced. @throw std::system_error when not.
