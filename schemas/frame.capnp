@@ -1,4 +1,5 @@
-# The stream of play for viewers: what the hand feels, 25 times a second. It is a sequence of
+# The stream of play for viewers: what the hand feels, 25 times a second, or 60
+# times in real time. It is a sequence of
 # Cap'n Proto messages with the root Message in standard stream framing, uncompressed: one scene,
 # then any number of frames, ascending by tick.
 #
@@ -52,6 +53,9 @@ struct Scene {
 
   torsions @10 :List(Torsion);
   # Angles that viewers follow and name; empty where there are none.
+
+  largestForce @11 :Float64;
+  # Newtons that play sends at most in this grid; 0 is unknown.
 }
 
 struct Torsion {
@@ -109,4 +113,7 @@ struct Frame {
 
   ownEnergy @11 :Float64 = nan;
   # In energyUnit, of the model by itself, without the HIP; NaN where the model does not tell it.
+
+  hand @12 :Vector;
+  # Where the hand is that pulls the HIP by a spring (a mouse, a finger); left out where the HIP is the hand itself.
 }

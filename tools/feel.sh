@@ -1,6 +1,6 @@
 #!/bin/sh
-# hapgrid feel GRID [OPTION OF PLAY...]: a window in which the mouse is the hand. It is play and view, and the
-# pipe back through which play hears of the mouse.
+# hapgrid feel GRID [OPTION OF PLAY...]: a page in which the mouse or a finger is the hand. It is play and view, and
+# the pipe back through which play hears of the hand.
 set -eu
 
 bin=$(dirname "$(readlink -f "$0")")
@@ -10,14 +10,17 @@ case ${1-} in
     exit 2
     ;;
   -h | --help)
-    cat <<'EOF'
+    cat <<'EOT'
 Usage: hapgrid feel GRID [OPTION OF PLAY...]
 
-Plays GRID in a window. The mouse is the hand, the wheel moves it in depth, and
-the key h shows all keys. A mouse cannot push back, so the picture shows the
-force: where the model resists, the HIP lags behind the hand, and where the
-model snaps, the HIP follows.
-EOF
+Plays GRID in a page of the browser, and writes the page's address: without a
+browser here, open it in one that reaches this machine through ssh -L. A drag
+of the mouse or a finger moves the hand, the wheel moves it in depth, and the
+key h shows all keys. Nothing pushes back, so the picture shows the force: a
+thread leads from the ring, which is the hand, to the ball that it pulls. Where
+the model resists, the thread grows, and where the model snaps, it shrinks.
+Closing the page ends the play. HAPGRID_FEEL_PORT, if set, is the page's port.
+EOT
     exit 0
     ;;
 esac
@@ -26,25 +29,28 @@ test -x "$bin/view" || {
   echo 'hapgrid: feel: view is not built: make -f Makefile.example build' >&2
   exit 1
 }
-test -n "${DISPLAY-}${WAYLAND_DISPLAY-}" || {
-  echo 'hapgrid: feel: no display for the window; play --device keys | view --terminal needs none' >&2
-  exit 1
-}
 dir=$(mktemp -d "${TMPDIR:-/tmp}/hapgrid-feel.XXXXXX")
 trap 'rm -rf "$dir"' EXIT
-mkfifo -m 600 "$dir/hand"
-# In the background, so that a signal is answered at once. When the window is closed the pipe is, and
+mkfifo -m 600 "$dir/hand" "$dir/address"
+# In the background, so that a signal is answered at once. When the page is closed the pipe is, and
 # so the play ends in good order.
 exec 3<&0
 { "$bin/play" --device "path:$dir/hand" --frames - "$@" <&3 || echo $? >"$dir/failed"; } |
-  "$bin/view" --window --close --hand "$dir/hand" --size 1000x720 --azimuth 0 --elevation 10 2>"$dir/said" &
-window=$!
+  "$bin/view" --web --close --hand "$dir/hand" --azimuth 0 --elevation 10 \
+    ${HAPGRID_FEEL_PORT:+--port "$HAPGRID_FEEL_PORT"} >"$dir/address" 2>"$dir/said" &
+page=$!
 for signal in 1 2 3 15; do
   # shellcheck disable=SC2064  # the number is meant
-  trap "kill $window 2>/dev/null || :; wait; exit $((128 + signal))" "$signal"
+  trap "kill $page 2>/dev/null || :; wait; exit $((128 + signal))" "$signal"
 done
+if read -r address <"$dir/address"; then
+  echo "hapgrid: feel: $address" >&2
+  if test -n "${DISPLAY-}${WAYLAND_DISPLAY-}" && command -v xdg-open >/dev/null; then
+    xdg-open "$address" >/dev/null 2>&1 </dev/null 3<&- &
+  fi
+fi
 seen=0
-wait "$window" || seen=$?
+wait "$page" || seen=$?
 wait
 # Without a play there is nothing to see, and play has said why.
 test ! -e "$dir/failed" || exit "$(cat "$dir/failed")"

@@ -296,7 +296,8 @@ int play(PlayOptions options) {
     sessions.emplace(*open.simulated, safety, fields,
                      Sessions::Setup{.rate_hz = rate_hz, .gain = settings.safety.gain},
                      truth.get());
-  viewers.start(spec, create, rate_hz, loop.paced(), caught_signal);
+  viewers.start(spec, create, rate_hz, loop.paced(), caught_signal,
+                std::min(settings.safety.max_force, settings.safety.gain * force.largest()));
   RunFacts facts{.model = spec.model,
                  .device = device.info().name,
                  .traversal = name_of(rule),

@@ -1,5 +1,7 @@
-// view: shows the frames of play: as a report, a trajectory, a picture, or live in a window or a
-// terminal (view/).
+// view: shows the frames of play: as a report, a trajectory, a picture, a page, or live in a
+// browser or a terminal (view/).
+
+#include <arpa/inet.h>
 
 #include <charconv>
 #include <cmath>
@@ -24,7 +26,7 @@
 #include "tools/view/imd.hpp"
 #include "tools/view/page/page.hpp"
 #include "tools/view/terminal.hpp"
-#include "tools/view/window.hpp"
+#include "tools/view/web.hpp"
 
 using namespace hapgrid;
 using Json = nlohmann::ordered_json;
@@ -47,9 +49,10 @@ struct Options {
   double elevation_degrees = Camera{}.elevation_degrees;
   double hip_radius = 0;
   std::string style = "spheres";
-  bool window = false;
+  bool web = false;
+  std::string address = "127.0.0.1";
+  int port = 0;
   bool close = false;
-  std::string screenshot;
   std::string hand;
   std::string terminal;  // how to draw there; empty: not asked for
   std::string imd;       // where viewers of molecules connect; empty: nowhere
@@ -202,10 +205,10 @@ int run(const Options& options) {
                 ": a session has no shape to show; play GRID --device replay:FILE --frames - "
                 "makes frames of it");
   announce_terminal(options.frames);
-  if (options.window) {
-    run_window(options.frames,
-               {render_options(options), options.azimuth_degrees, options.elevation_degrees,
-                options.close, options.screenshot, options.hand});
+  if (options.web) {
+    run_web(options.frames,
+            {render_options(options), options.azimuth_degrees, options.elevation_degrees,
+             options.address, options.port, options.hand, options.close});
     return kExitDone;
   }
   if (!options.imd.empty()) {
@@ -233,11 +236,13 @@ int run(const Options& options) {
   const Scene& scene = reader.scene();
   SceneSummary summary;
   Chosen chosen(options.at_s);
-  Page page;
+  std::optional<Frame> first;
+  nlohmann::ordered_json shown = nlohmann::ordered_json::array();
   for (Frame frame; reader.next(frame);) {
     summary.add(scene, frame);
     if (png) chosen.offer(frame);
-    if (html) page.add(frame);
+    if (html) shown.push_back(base64(page_frame(scene, frame)));
+    if (html && !first) first = frame;
     trajectories.add(reader, frame);
   }
   if (png) {
@@ -246,10 +251,11 @@ int run(const Options& options) {
     png->commit();
   }
   if (html) {
-    if (summary.frames == 0)
-      throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
-    html->write(page.finish(scene, render_options(options), options.azimuth_degrees,
-                            options.elevation_degrees));
+    if (!first) throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
+    Json data = page_scene(scene, *first, render_options(options), options.azimuth_degrees,
+                           options.elevation_degrees);
+    data["frames"] = std::move(shown);
+    html->write(page_text(script_of(data)));
     html->commit();
   }
   trajectories.commit();
@@ -290,22 +296,34 @@ void add_file_options(CommandLine& app, Options& options) {
 
 void add_live_options(CommandLine& app, Options& options) {
   app.group("Live");
-  Option window = app.add_flag("--window", options.window,
-                               "Show a window; a recorded file plays at the speed at which it was "
-                               "recorded.");
-  app.add_flag("--close", options.close, "Close the window after the last frame.")
-      .needs(window)
-      .hidden();  // for feel
-  app.add("--screenshot", options.screenshot,
-          "Picture to write of what the window showed last, when it is closed.")
-      .type("FILE")
-      .needs(window)
-      .hidden();  // for tests
+  const Option web = app.add_flag(
+      "--web", options.web,
+      "Serve a page that shows the frames in browsers, and write its address; a recorded file "
+      "plays at the speed at which it was recorded.");
   app.add("--hand", options.hand,
-          "Named pipe into which the mouse in the window writes the hand's positions, for play "
-          "--device path:PIPE.")
+          "Named pipe into which the first page that is opened writes the hand's positions, for "
+          "play --device path:PIPE.")
       .type("PIPE")
-      .needs(window);
+      .needs(web);
+  app.add("--port", options.port, "Port of the page (default: one that is free).")
+      .type("PORT")
+      .within(1, 65535, "a port from 1 to 65535")
+      .needs(web);
+  app.add("--address", options.address,
+          "IPv4 address on which the page is served; with another one than the default, other "
+          "machines reach it.")
+      .type("ADDRESS")
+      .check(
+          [](const std::string& text) {
+            in_addr address{};
+            return ::inet_pton(AF_INET, text.c_str(), &address) == 1;
+          },
+          "an IPv4 address")
+      .needs(web)
+      .shows_default();
+  app.add_flag("--close", options.close, "End after the last frame.")
+      .needs(web)
+      .hidden();  // for feel
   // A flag, so that a file's name behind it is not taken for its value.
   Option terminal =
       app.add_flag("--terminal{auto}", options.terminal,
@@ -325,10 +343,10 @@ void add_live_options(CommandLine& app, Options& options) {
       .one_of({"2", "3"})
       .needs(imd);
   imd.excludes(terminal);
-  window.excludes(terminal);
-  window.excludes(imd);
+  app.option("--web").excludes(terminal);
+  app.option("--web").excludes(imd);
   for (const char* const file : {"--xyz", "--pdb", "--png", "--html"}) {
-    window.excludes(app.option(file));
+    app.option("--web").excludes(app.option(file));
     terminal.excludes(app.option(file));
     imd.excludes(app.option(file));
   }
@@ -339,7 +357,7 @@ void add_picture_options(CommandLine& app, Options& options) {
   app.add("--style", options.style, "Whole spheres, or balls and sticks.")
       .one_of({"spheres", "sticks"})
       .shows_default();
-  app.add("--size", options.size, "Width and height of the picture or of the window in pixels.")
+  app.add("--size", options.size, "Width and height of the picture in pixels.")
       .type("WxH")
       .check([](const std::string& text) { return parse_size(text).has_value(); },
              format("like 800x600, at most {} each", kMaxPixels))
@@ -362,13 +380,13 @@ void add_picture_options(CommandLine& app, Options& options) {
 
 /// @throw UsageError for options of a picture or a trajectory without one.
 void check_picture(const CommandLine& app) {
-  const bool picture = app.given("--png") || app.given("--window");
   if (app.given("--hip-label") && !app.given("--xyz") && !app.given("--pdb"))
     throw UsageError("--hip-label requires --xyz or --pdb");
-  if (app.given("--size") && !picture) throw UsageError("--size requires --png or --window");
+  if (app.given("--size") && !app.given("--png")) throw UsageError("--size requires --png");
   for (const char* const name : {"--style", "--azimuth", "--elevation", "--hip-radius"})
-    if (app.given(name) && !picture && !app.given("--terminal") && !app.given("--html"))
-      throw UsageError(format("{} requires --png, --html, --window or --terminal", name));
+    if (app.given(name) && !app.given("--png") && !app.given("--terminal") &&
+        !app.given("--html") && !app.given("--web"))
+      throw UsageError(format("{} requires --png, --html, --web or --terminal", name));
 }
 
 }  // namespace
@@ -376,7 +394,7 @@ void check_picture(const CommandLine& app) {
 int main(int argc, char** argv) {
   CommandLine app(
       "Shows the frames that play --frames wrote: as a report, a trajectory, a picture or a web "
-      "page; or live, in a window or a terminal, from play --frames - through a pipe.");
+      "page; or live, in a browser or a terminal, from play --frames - through a pipe.");
   Options options;
   app.add("frames", options.frames, "Frames to show (default: standard input).").type("FRAMES");
   add_file_options(app, options);
@@ -385,13 +403,12 @@ int main(int argc, char** argv) {
   app.set_help("view",
                "A file named '-' is standard output. Lengths are in the model's unit.\n"
                "\n"
-               "In the window:\n"
-               "  mouse    drag: turn; right drag: move; wheel: zoom\n"
-               "  keys     h, ?: help; space: pause; b: balls and sticks, or spheres;\n"
-               "           r: the first view; s: write hapgrid-TICK.png into the working\n"
-               "           directory; q, Escape: close\n"
-               "With --hand the mouse moves the HIP in the plane of the picture, and the wheel\n"
-               "moves it in depth. The key t lets the mouse turn the view instead, and back.\n");
+               "In the page:\n"
+               "  drag     turn; right drag, two fingers: move; wheel, pinch: zoom\n"
+               "  keys     h, ?: help; space: stop, go on; b: balls and sticks, or spheres;\n"
+               "           r: the first view; s: save the picture\n"
+               "With --hand a drag moves the hand in the plane of the picture, and the wheel\n"
+               "moves it in depth; a right drag turns. The key t lets every drag turn.\n");
   return run_tool(app, argc, argv, [&] {
     check_picture(app);
     return run(options);

@@ -127,7 +127,7 @@ DeviceStatus HandDevice::read(DeviceInput& input) noexcept {
   const double dt = std::chrono::duration<double>(now - last_.value_or(now)).count();
   last_ = now;
   hand_.update();
-  input = {.position = hip_.next(hand_.front(), force_, dt)};
+  input = {.position = hip_.next(hand_.front(), force_, dt), .hand = hand_.front()};
   return DeviceStatus::kOk;
 }
 

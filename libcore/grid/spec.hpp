@@ -53,7 +53,7 @@ struct Torsion {
 };
 inline constexpr std::uint32_t kMaxTorsions = 4096;
 
-/// The most spheres; viewers get them 25 times a second.
+/// The most spheres; viewers get them in each frame.
 inline constexpr std::uint32_t kMaxSpheres = 1u << 20;
 
 /// What a model says of itself, and a grid repeats in its header.

@@ -2,10 +2,16 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "libcore/grid/box.hpp"
 
 namespace hapgrid {
+
+/// What stands for a place that there is not: no component is a number.
+inline constexpr Vec3 kNowhere{std::numeric_limits<double>::quiet_NaN(),
+                               std::numeric_limits<double>::quiet_NaN(),
+                               std::numeric_limits<double>::quiet_NaN()};
 
 /// Whether all three components are finite: a NaN or infinity in one makes the vector useless.
 inline bool finite(const Vec3& v) noexcept {

@@ -1,6 +1,7 @@
 #include "libcore/haptic/node_energies.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace hapgrid {
@@ -52,6 +53,16 @@ void NodeEnergies::add_ghosts(const Grid& grid, const BranchNodes& branches) {
   nodes_.reserve(nodes_.size() + branches.ghosts());
   for (Node i = 0; i < branches.ghosts(); ++i)
     nodes_.push_back(of_ghost(grid, branches, grid.records() + i));
+}
+
+double NodeEnergies::largest_force() const {
+  double largest = 0;
+  for (const NodeEnergy& node : nodes_) {
+    const auto [x, y, z] = node.slope;
+    const double force = std::sqrt(static_cast<double>(x * x + y * y + z * z));
+    if (std::isfinite(force)) largest = std::max(largest, force);
+  }
+  return largest;
 }
 
 /// Means over the records whose links lead to the ghost.

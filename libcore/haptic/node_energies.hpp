@@ -37,6 +37,8 @@ class NodeEnergies {
   void add_ghosts(const Grid& grid, const BranchNodes& branches);
 
   const NodeEnergy& operator[](Node node) const noexcept { return nodes_[node]; }
+  /// The largest force of a node, in newtons.
+  double largest_force() const;
 
  private:
   void add_mixed(const Grid& grid, RecordIndex r);

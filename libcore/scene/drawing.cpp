@@ -19,9 +19,6 @@ constexpr Colour kHipColour{0.15F, 0.35F, 0.95F};
 constexpr Colour kForceColour{0.85F, 0.1F, 0.1F};
 constexpr double kLinePixels = 0.6;  // half the width of the box's edges
 constexpr double kAround = 1.06;     // around what fills a picture
-// Of the radius of a sphere, and of the smaller of two, in the style of balls and sticks.
-constexpr double kBallPart = 0.25;
-constexpr double kStickPart = 0.12;
 
 Vec3 along(const Vec3& a, const Vec3& b, double t) { return a + t * (b - a); }
 
@@ -60,18 +57,6 @@ Vec3 corner(const Box& box, int c) {
 
 Vec3 sphere_centre(const Frame& frame, std::size_t i) {
   return {frame.centres[3 * i], frame.centres[3 * i + 1], frame.centres[3 * i + 2]};
-}
-
-/// How wide a picture around the camera's centre must be to show a ball, whole and with a margin; 0
-/// for a ball without a finite centre.
-double width_for(const Vec3& v, double radius, const PictureAxes& axes, const Camera& camera,
-                 const RenderOptions& options) {
-  if (!finite(v)) return 0;
-  const Vec3 p = axes(v) - axes(camera.centre);
-  const double nearer = std::min(options.width, options.height);
-  const double half = kAround * std::max((std::abs(p[0]) + radius) * (nearer / options.width),
-                                         (std::abs(p[1]) + radius) * (nearer / options.height));
-  return std::isfinite(half) ? half : 0;
 }
 
 // The arrow of the force, from the HIP.
@@ -145,17 +130,8 @@ PictureAxes::PictureAxes(const Camera& camera) {
   up = {-std::sin(a) * std::sin(e), std::cos(a) * std::sin(e), std::cos(e)};
 }
 
-Camera panned(const Camera& camera, const RenderOptions& options, double right, double down) {
-  const PictureAxes axes(camera);
-  const double unit = 2 * camera.half_width / std::min(options.width, options.height);
-  Camera moved = camera;
-  moved.centre = moved.centre + unit * (down * axes.up - right * axes.right);
-  return moved;
-}
-
-Camera fit_model(const Scene& scene, const Frame& frame, const RenderOptions& options,
-                 double azimuth_degrees, double elevation_degrees) {
-  Camera camera{azimuth_degrees, elevation_degrees, {0, 0, 0}, 1};
+std::array<double, 2> fit_extent(const Scene& scene, const Frame& frame,
+                                 const RenderOptions& options, Camera& camera) {
   const PictureAxes axes(camera);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec3 low{kInfinity, kInfinity, kInfinity};
@@ -168,47 +144,22 @@ Camera fit_model(const Scene& scene, const Frame& frame, const RenderOptions& op
       high[a] = std::max(high[a], p[a] + radius);
     }
   };
-  const double room = options.hip ? hip_radius(scene, options) : 0;
   for (std::size_t i = 0; i < scene.spheres.size(); ++i)
-    see(sphere_centre(frame, i), scene.spheres[i].radius + room);
-  if (options.box && !(low[0] <= high[0]))
-    for (int c = 0; c < 8; ++c) see(corner(scene.box, c), 0);
-  if (options.hip && !(low[0] <= high[0])) see(frame.position, room);
-  if (!(low[0] <= high[0])) return camera;  // nothing to see
-  const double nearer = std::min(options.width, options.height);
-  camera.half_width = 0.5 * kAround *
-                      std::max((high[0] - low[0]) * nearer / options.width,
-                               (high[1] - low[1]) * nearer / options.height);
-  if (!(camera.half_width > 0)) camera.half_width = 1;
+    see(sphere_centre(frame, i), scene.spheres[i].radius);
+  const double room = options.hip ? hip_radius(scene, options) : 0;
+  for (int c = 0; c < 8; ++c) see(corner(scene.box, c), room);
   const Vec3 middle{0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
   camera.centre = middle[0] * axes.right + middle[1] * axes.up + middle[2] * axes.near;
-  return camera;
-}
-
-double needed_half_width(const Scene& scene, const Frame& frame, const Camera& camera,
-                         const RenderOptions& options) {
-  const PictureAxes axes(camera);
-  double half = 0;
-  for (std::size_t i = 0; i < scene.spheres.size(); ++i)
-    half = std::max(
-        half, width_for(sphere_centre(frame, i), scene.spheres[i].radius, axes, camera, options));
-  if (!options.hip) return half;
-  return std::max(half,
-                  width_for(frame.position, hip_radius(scene, options), axes, camera, options));
-}
-
-double needed_for_arrow(const Scene& scene, const Frame& frame, const Camera& camera,
-                        const RenderOptions& options) {
-  if (!options.hip) return 0;
-  return width_for(arrow_tip(scene, frame, options), 2.5 * shaft_radius(scene, options),
-                   PictureAxes(camera), camera, options);
+  return {0.5 * kAround * (high[0] - low[0]), 0.5 * kAround * (high[1] - low[1])};
 }
 
 Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
                   double azimuth_degrees, double elevation_degrees) {
-  Camera camera = fit_model(scene, frame, options, azimuth_degrees, elevation_degrees);
-  camera.half_width = std::max({camera.half_width, needed_half_width(scene, frame, camera, options),
-                                needed_for_arrow(scene, frame, camera, options)});
+  Camera camera{azimuth_degrees, elevation_degrees, {0, 0, 0}, 1};
+  const auto [right, up] = fit_extent(scene, frame, options, camera);
+  const double nearer = std::min(options.width, options.height);
+  camera.half_width = std::max(right * nearer / options.width, up * nearer / options.height);
+  if (!(camera.half_width > 0)) camera.half_width = 1;
   return camera;
 }
 

@@ -1,5 +1,5 @@
 // The shapes in a picture of one frame: the spheres, the HIP, the force and the box, seen along
-// parallel rays. render() draws them without a display, and a window draws the same with OpenGL.
+// parallel rays. render() draws them without a display; view's page draws the same in a browser.
 #pragma once
 
 #include <array>
@@ -45,6 +45,10 @@ struct RenderOptions {
   bool sticks = false;  ///< smaller balls, and sticks between those that are joined (bonds.hpp)
 };
 
+/// Parts of the radius of a sphere, and of the smaller of two, in the style of balls and sticks.
+inline constexpr double kBallPart = 0.25;
+inline constexpr double kStickPart = 0.12;
+
 /// The radius of the ball at the HIP, and the length of the arrow for a newton.
 double hip_radius(const Scene& scene, const RenderOptions& options);
 double newton_length(const Scene& scene, const RenderOptions& options);
@@ -83,22 +87,14 @@ struct Drawing {
   std::vector<Line> overlay;      ///< drawn over everything else, in this order
 };
 
-/// The camera after the picture was moved by so many pixels to the right and down.
-Camera panned(const Camera& camera, const RenderOptions& options, double right, double down);
+/// The lengths, to the right and up from the middle of the picture, that the whole box and all
+/// spheres of the frame need at the camera's angles, with a margin and room for the HIP. Sets the
+/// camera's centre to that middle. The HIP is held in the box, so that no picture has to grow while
+/// a hand pushes.
+std::array<double, 2> fit_extent(const Scene& scene, const Frame& frame,
+                                 const RenderOptions& options, Camera& camera);
 
-/// The camera at these angles whose picture the model fills, with room for the HIP where it touches
-/// the model. Without spheres the box fills the picture.
-Camera fit_model(const Scene& scene, const Frame& frame, const RenderOptions& options,
-                 double azimuth_degrees, double elevation_degrees);
-
-/// The half width with which a picture around the camera's centre has room for all spheres and the
-/// HIP of a frame, or for the arrow of its force.
-double needed_half_width(const Scene& scene, const Frame& frame, const Camera& camera,
-                         const RenderOptions& options);
-double needed_for_arrow(const Scene& scene, const Frame& frame, const Camera& camera,
-                        const RenderOptions& options);
-
-/// fit_model(), as wide as the HIP and the arrow of this frame need.
+/// The camera at these angles that shows all of that.
 Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
                   double azimuth_degrees, double elevation_degrees);
 

@@ -34,10 +34,7 @@ void add_axes(Legend& legend, const Scene& scene, const Camera& camera,
   const double most = std::min(scale * kAxis, 0.16 * std::min(options.width, options.height));
   const double length = round_length(most / pixels);
   const PictureAxes axes(camera);
-  const std::string unit = unit_sign(scene.length_unit);
-  // A long unit stands at the bar alone.
-  const std::string says =
-      " " + rounded(length) + (letters_of(unit).size() > kShortUnit ? "" : " " + unit);
+  const std::string says = " " + legend_texts(scene, length)[1];
   const double letters = scale * kLetterWidth * static_cast<double>(letters_of("x" + says).size());
   const double left = scale * kMargin, bottom = options.height - scale * kMargin - 0.5;
   const std::array<double, 2> middle{left + most + scale * kBeside, bottom - most - scale * 24};
@@ -83,6 +80,13 @@ void add_letter(std::vector<Line>& lines, char letter, double x, double y, doubl
 
 }  // namespace
 
+std::array<std::string, 2> legend_texts(const Scene& scene, double length) {
+  const std::string unit = unit_sign(scene.length_unit);
+  const std::string with_unit = rounded(length) + " " + unit;
+  // A long unit stands at the bar alone.
+  return {with_unit, letters_of(unit).size() > kShortUnit ? rounded(length) : with_unit};
+}
+
 Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions& options) {
   Legend legend;
   const double scale = options.letter_scale;
@@ -95,8 +99,7 @@ Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions
   legend.lines.push_back({{{left, bottom}, {left + bar, bottom}}});
   for (const double x : {left, left + bar})
     legend.lines.push_back({{{x, bottom - 3 * scale}, {x, bottom + 3 * scale}}});
-  legend.labels.push_back(
-      {rounded(length) + " " + unit_sign(scene.length_unit), {left + bar + 5 * scale, bottom}});
+  legend.labels.push_back({legend_texts(scene, length)[0], {left + bar + 5 * scale, bottom}});
 
   add_axes(legend, scene, camera, options, pixels);
   return legend;

@@ -23,6 +23,10 @@ struct Legend {
       labels;  ///< how long the bar is, "2 Å", and the axes: "x 1 Å", "y 1 Å", "z 1 Å"
 };
 
+/// The texts of a length: beside the scale bar, "2 Å", and behind an axis's name, where a long unit
+/// is left out.
+std::array<std::string, 2> legend_texts(const Scene& scene, double length);
+
 /// The legend of a picture; empty if the picture is too small for one. The bar is 1, 2 or 5
 /// times a power of ten long, and at most a quarter of the width. So are the axes, all of one
 /// length in the model's space; the picture shortens those that do not lie in its plane.

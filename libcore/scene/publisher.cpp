@@ -21,7 +21,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::nanoseconds kPeriod{1'000'000'000 / kFramesPerSecond};
+constexpr std::chrono::nanoseconds kPeriod{1'000'000'000 / kLiveFramesPerSecond};
 constexpr std::chrono::seconds kLinger{1};
 constexpr int kAskEvery_ms = 20;
 

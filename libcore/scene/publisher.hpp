@@ -2,7 +2,7 @@
 //
 // Problem. The loop must never wait for a viewer, nor for the shape of a state, for which a model
 // may need milliseconds. In a paced play the loop leaves each tick in a triple buffer. A slow
-// thread takes the newest tick 25 times a second, completes it once for all viewers, and writes it.
+// thread takes the newest tick 60 times a second, completes it once for all viewers, and writes it.
 // Frames that a viewer is too slow for are dropped and counted. A play without a pace has no
 // deadlines: it writes each due tick of scripted time itself, so that the same play gives the same
 // bytes.

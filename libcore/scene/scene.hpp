@@ -1,5 +1,5 @@
-// The stream that viewers get of a running play (schemas/frame.capnp): a scene once, and a frame 25
-// times a second. Lengths and positions are in the model's unit of length.
+// The stream that viewers get of a running play (schemas/frame.capnp): a scene once, and frames.
+// Lengths and positions are in the model's unit of length.
 #pragma once
 
 #include <array>
@@ -9,11 +9,14 @@
 #include <vector>
 
 #include "libcore/grid/spec.hpp"
+#include "libcore/grid/vec3.hpp"
 
 namespace hapgrid {
 
 /// Frames a second of play's time: an eye takes so many for motion (Sect. 2.4).
 inline constexpr int kFramesPerSecond = 25;
+/// Frames a second in real time: the hand and what it sees are a screen's picture apart.
+inline constexpr int kLiveFramesPerSecond = 60;
 
 /// The facts that are the same in all frames.
 struct Scene {
@@ -26,6 +29,7 @@ struct Scene {
   std::vector<Sphere> spheres;
   std::vector<Torsion> torsions;  ///< of the spheres, which viewers follow
   std::string keys;               ///< for people: what the keys do that play reads; may be empty
+  double largest_force = 0;       ///< newtons that are sent at most in this grid; 0 if unknown
   friend bool operator==(const Scene&, const Scene&) = default;
 };
 
@@ -33,10 +37,11 @@ struct Scene {
 struct Snapshot {
   std::uint64_t tick = 0;
   double time_s = 0;
-  Vec3 hip{};        ///< as the device gave it; may be outside the box or not finite
-  Vec3 position{};   ///< the HIP held in the box, to which state, energy and force belong
-  Vec3 force{};      ///< newtons, as sent
-  Vec3 raw_force{};  ///< newtons, before the safety core; NaN if it was not computed
+  Vec3 hip{};            ///< as the device gave it; may be outside the box or not finite
+  Vec3 position{};       ///< the HIP held in the box, to which state, energy and force belong
+  Vec3 hand = kNowhere;  ///< that pulls the HIP by a spring; NaN without one
+  Vec3 force{};          ///< newtons, as sent
+  Vec3 raw_force{};      ///< newtons, before the safety core; NaN if it was not computed
   std::array<std::uint8_t, 8> levels{};  ///< in the corners i + 2j + 4k of the cell
   std::uint64_t jumps = 0;  ///< ticks in which the state jumped, because it started or snapped
   std::vector<double> row;  ///< the state; then the grid's stored values, which no stream has

@@ -97,6 +97,7 @@ Scene decode_scene(scene_schema::Scene::Reader in) {
     throw FormatError(
         format("a state of {} components; 1 to {} are possible", scene.state_size, kMaxStateSize));
   scene.hip_radius = in.getHipRadius();
+  scene.largest_force = in.getLargestForce();
   if (!std::isfinite(scene.hip_radius) || scene.hip_radius < 0)
     throw FormatError("the radius of the HIP is negative or not finite");
   const auto spheres = in.getSpheres();
@@ -130,6 +131,7 @@ void decode_frame(scene_schema::Frame::Reader in, const Scene& scene, Frame& fra
   if (!std::isfinite(frame.time_s)) throw FormatError("the time is not finite");
   frame.tick = in.getTick();
   frame.hip = get_vector(in.getHip());
+  frame.hand = in.hasHand() ? get_vector(in.getHand()) : kNowhere;
   frame.position = get_vector(in.getPosition());
   frame.force = get_vector(in.getForce());
   frame.raw_force = get_vector(in.getRawForce());
@@ -167,6 +169,7 @@ std::span<const std::byte> SceneEncoder::encode(const Scene& scene) {
     set_box(out.initBox(), scene.box);
     out.setStateSize(scene.state_size);
     out.setHipRadius(scene.hip_radius);
+    out.setLargestForce(scene.largest_force);
     auto spheres = out.initSpheres(static_cast<unsigned>(scene.spheres.size()));
     for (unsigned i = 0; i < spheres.size(); ++i) {
       const Sphere& sphere = scene.spheres[i];
@@ -184,6 +187,7 @@ std::span<const std::byte> SceneEncoder::encode(const Frame& frame, std::size_t 
     out.setTime(frame.time_s);
     out.setTick(frame.tick);
     set_vector(out.initHip(), frame.hip);
+    if (finite(frame.hand)) set_vector(out.initHand(), frame.hand);
     set_vector(out.initPosition(), frame.position);
     set_vector(out.initForce(), frame.force);
     set_vector(out.initRawForce(), frame.raw_force);

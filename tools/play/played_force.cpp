@@ -33,6 +33,7 @@ PlayForce::PlayForce(std::optional<ForceRule> wanted, TraversalRule traversal, c
   }
   if (!found.remark.empty()) say("play", found.remark);
   rule_ = found.rule;
+  largest_ = found.nodes->largest_force();
   nodes_.emplace(found.nodes, grid.box(), found.interpolate);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <future>
+#include <limits>
 #include <optional>
 
 #include "libcore/model/fields.hpp"
@@ -28,6 +29,8 @@ class PlayForce {
             const BranchNodes* branches, const Fields& fields, std::future<NodeForces> records);
 
   ForceRule rule() const { return rule_; }
+  /// The largest force of the grid's records, in newtons; infinite where it is not known.
+  double largest() const { return largest_; }
 
   /// The force at the traversal's position, once in each tick. Real-time safe, as far as the model.
   Vec3 operator()(const Traversal& traversal) noexcept {
@@ -44,6 +47,7 @@ class PlayForce {
  private:
   const Fields& fields_;
   ForceRule rule_;
+  double largest_ = std::numeric_limits<double>::infinity();
   std::optional<NodeForce> nodes_;
 };
 

@@ -40,6 +40,7 @@ void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
   snapshot.tick = tick.number;
   snapshot.time_s = static_cast<double>(tick.number) / rate_hz;
   snapshot.hip = tick.hip;
+  snapshot.hand = tick.input.hand;
   snapshot.position = tick.traversal.position();
   snapshot.force = tick.force.force;
   snapshot.raw_force = tick.raw_force;
@@ -54,11 +55,12 @@ void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
 Viewers::Viewers(const PlayOptions& options) : options_(options), file_(!options.frames.empty()) {}
 
 void Viewers::start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
-                    const std::atomic<int>& stop) {
+                    const std::atomic<int>& stop, double largest_force) {
   if (!file_) return;
   rate_hz_ = rate_hz;
   fields_.emplace(spec, create, /*wants_shape=*/true);
-  const Scene scene = describe_scene(spec, *fields_, options_);
+  Scene scene = describe_scene(spec, *fields_, options_);
+  scene.largest_force = largest_force;
   publisher_.emplace(
       OutputFile(options_.frames, /*binary=*/false), scene, spec.row_size(),
       [this](Frame& frame) { complete(*fields_, frame); }, paced, rate_hz, stop);

@@ -18,8 +18,9 @@ class Viewers {
 
   /// Starts the slow thread if there are frames to write.
   /// @param spec outlives this. @param create as Fields has it. @param stop see FramePublisher.
+  /// @param largest_force newtons that are sent at most in this grid
   void start(const GridSpec& spec, const MakeModel& create, double rate_hz, bool paced,
-             const std::atomic<int>& stop);
+             const std::atomic<int>& stop, double largest_force);
   /// Real-time safe when paced. @throw std::system_error when not.
   void show(const Tick& tick);
   /// Ends the slow thread. @throw what it threw

@@ -53,7 +53,7 @@ class Feed {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// At 25 frames a second this is 0.12 s, which no hand feels as a delay.
+  /// At 60 frames a second this is 0.05 s, which no hand feels as a delay.
   static constexpr std::size_t kMostWaiting = 3;
 
   void run();

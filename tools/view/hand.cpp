@@ -18,8 +18,6 @@ namespace hapgrid {
 
 namespace {
 
-constexpr double kStepsOfBox = 40;
-
 FileDescriptor open_for_play(const std::string& name) {
   const auto fail = [&] { throw std::system_error(errno, std::generic_category(), name); };
   struct stat status {};
@@ -34,48 +32,33 @@ FileDescriptor open_for_play(const std::string& name) {
 
 }  // namespace
 
+std::pair<Vec3, Vec3> hand_range(const Box& box) {
+  Vec3 low = box.position({0, 0, 0});
+  Vec3 high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
+  const double margin =
+      kHandReach * std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+  for (int a = 0; a < 3; ++a) {
+    low[a] -= margin;
+    high[a] += margin;
+  }
+  return {low, high};
+}
+
 Hand::Hand(const std::string& pipe, const Box& box)
-    : name_(pipe),
-      pipe_(open_for_play(pipe)),
-      low_(box.position({0, 0, 0})),
-      high_(box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1})),
-      longest_(std::max({high_[0] - low_[0], high_[1] - low_[1], high_[2] - low_[2]})) {
+    : name_(pipe), pipe_(open_for_play(pipe)), range_(hand_range(box)) {
   ::signal(SIGPIPE, SIG_IGN);  // play may end first
 }
 
-void Hand::begin(const Vec3& place) { place_ = place; }
-
-void Hand::move(const Camera& camera, const RenderOptions& options, double right, double down) {
-  // The picture's middle goes the other way when the picture is moved.
-  const Camera moved = panned(camera, options, right, down);
-  go({camera.centre[0] - moved.centre[0], camera.centre[1] - moved.centre[1],
-      camera.centre[2] - moved.centre[2]});
-}
-
-void Hand::push(const Camera& camera, double steps) {
-  const Vec3 near = PictureAxes(camera).near;
-  const double away = -steps * longest_ / kStepsOfBox;
-  go({away * near[0], away * near[1], away * near[2]});
-}
-
-void Hand::go(const Vec3& way) {
-  if (!place_) return;
-  const double margin = kHandReach * longest_;
+void Hand::move_to(const Vec3& place) {
+  place_ = place;
   for (int a = 0; a < 3; ++a)
-    (*place_)[a] = std::clamp((*place_)[a] + way[a], low_[a] - margin, high_[a] + margin);
-  changed_ = true;
-}
-
-void Hand::send() {
-  if (!changed_ || closed_) return;
+    (*place_)[a] = std::clamp(place[a], range_.first[a], range_.second[a]);
   const Vec3& x = *place_;
   const std::string line = format("{} {} {}\n", to_text(x[0]), to_text(x[1]), to_text(x[2]));
-  // A line is far shorter than PIPE_BUF: all of it is written, or nothing.
-  if (::write(pipe_.get(), line.data(), line.size()) >= 0)
-    changed_ = false;
-  else if (errno == EPIPE)
-    closed_ = true;
-  else if (errno != EAGAIN && errno != EINTR)
+  // A line is far shorter than PIPE_BUF: all of it is written, or nothing. Of a full pipe play
+  // reads places that are newer than what it had, and the next move brings the newest one.
+  if (::write(pipe_.get(), line.data(), line.size()) < 0 && errno != EPIPE && errno != EAGAIN &&
+      errno != EINTR)
     throw std::system_error(errno, std::generic_category(), name_);
 }
 

@@ -1,14 +1,18 @@
-// The mouse of the window as a hand: the position to which it moves the HIP, and the pipe through
-// which play learns that position (libcore/device/hand.hpp).
+// The hand of the live page: the position to which it moves the HIP, and the pipe through which
+// play learns that position (libcore/device/hand.hpp).
 #pragma once
 
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "libcore/base/file.hpp"
-#include "libcore/scene/drawing.hpp"
+#include "libcore/grid/box.hpp"
 
 namespace hapgrid {
+
+/// The lowest and the highest place of a hand: as far outside the box as the HIP can lag behind it.
+std::pair<Vec3, Vec3> hand_range(const Box& box);
 
 class Hand {
  public:
@@ -16,32 +20,18 @@ class Hand {
   /// @throw Error, std::system_error
   Hand(const std::string& pipe, const Box& box);
 
-  /// Starts the hand at `place`; before that nothing moves.
-  void begin(const Vec3& place);
-  bool begun() const { return place_.has_value(); }
-  /// Where the hand is: in the box, or outside by at most as much as the HIP can lag behind it.
-  const Vec3& place() const { return *place_; }
-
-  /// Moves the hand by so many pixels to the right and down in the plane of the picture.
-  void move(const Camera& camera, const RenderOptions& options, double right, double down);
-  /// Moves it away from the viewer by so many steps of the wheel; 40 are the box's longest side.
-  void push(const Camera& camera, double steps);
-
-  /// Writes the hand's place as a line if it is a new one. It never waits: while the pipe is full,
-  /// and after the other end was closed, nothing is written.
+  /// Puts the hand to a place, or to the nearest one that it can reach. It never waits: while the
+  /// pipe is full, and after the other end was closed, nothing is written.
   /// @throw std::system_error
-  void send();
+  void move_to(const Vec3& place);
+  /// Where the hand was put last; nothing before.
+  const std::optional<Vec3>& place() const { return place_; }
 
  private:
-  void go(const Vec3& way);
-
   std::string name_;
   FileDescriptor pipe_;
-  Vec3 low_, high_;
-  double longest_;
+  std::pair<Vec3, Vec3> range_;
   std::optional<Vec3> place_;
-  bool changed_ = false;
-  bool closed_ = false;
 };
 
 }  // namespace hapgrid

@@ -96,9 +96,6 @@ class Display {
     if (!fitted_)
       camera_ =
           fit_camera(scene_, frame, how, options_.azimuth_degrees, options_.elevation_degrees);
-    // It makes room for what comes, and does not take it back: each frame is sent as a whole.
-    camera_.half_width =
-        std::max(camera_.half_width, needed_half_width(scene_, frame, camera_, how));
     fitted_ = true;
     if (pixels_.symbols()) write_legend(how, rows);
     return pixels_.encode(render(scene_, frame, camera_, how), size_.columns, rows, width, height);

@@ -116,5 +116,5 @@ def show(at, start, shapes, plan):
     out = f"./{out}" if out.startswith("-") else out
     kept.say(f"done: {out}/index.html sums up")
     grid, way = (shlex.quote(os.path.join(out, name)) for name in (grid, made[0]))
-    kept.say(f"hapgrid feel {grid} is a window in which the mouse is the hand")
-    return f"hapgrid play {grid} --device path:{way} --rate 1000 --frames - | hapgrid view --window"
+    kept.say(f"hapgrid feel {grid} is a page in which the mouse is the hand")
+    return f"hapgrid play {grid} --device path:{way} --rate 1000 --frames - | hapgrid view --web"

@@ -34,7 +34,7 @@ nothing_left .
 
 # A flat SDF of a salt: the larger ion is taken, without hydrogens and coordinates as it is.
 obabel -:'CC[O-].[Na+]' -osdf -O salt.sdf 2>obabel.log
-play='hapgrid play salt/salt\.grid --device path:salt/path-H4-C1-C2-O3\.txt --rate 1000 --frames - | hapgrid view --window'
+play='hapgrid play salt/salt\.grid --device path:salt/path-H4-C1-C2-O3\.txt --rate 1000 --frames - | hapgrid view --web'
 expect 0 "~${play//|/\\|}" '~.*salt\.sdf: 2 molecules or shapes: the largest is taken, C2H5O- with charge -1; left out: Na\+ with charge \+1; Na is a metal and is not felt
 .*--spacing 0\.6, would take about .*' -- \
   hapgrid molecule salt.sdf -o salt --method gfnff --spacing 1.2
@@ -51,7 +51,7 @@ done
 verify ethanol/ethanol.grid --recompute 30 >report 2>verdict || fail "$(cat verdict)"
 
 # The way that it prints turns what it says, and back: the last state is at rest.
-read -r -a words <<<"${line% | hapgrid view --window}"
+read -r -a words <<<"${line% | hapgrid view --web}"
 same "the line" "hapgrid play ethanol/ethanol.grid --device path:ethanol/path-" "${line%%path-*}path-"
 "${words[@]:0:5}" --log log
 awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) { if ($i == "s0") first = i; if ($i == "force_x") force = i } next }

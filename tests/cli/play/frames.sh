@@ -76,7 +76,7 @@ assert [int(f["tick"]) for f in frames] == wanted, (frames, wanted)
 assert all(f["time"] == int(f["tick"]) / 5000 for f in frames)
 PYTHON
 
-# Paced: the newest tick 25 times a second, and the last one; a viewer that reads misses nothing
+# Paced: the newest tick 60 times a second, and the last one; a viewer that reads misses nothing
 # that can be asserted on a machine which may stall, but it gets whole frames in their order.
 head -301 path | tail -300 >short
 play grid --device path:short --rate 1000 --frames - --log paced.log 2>err | view --format json >json
@@ -85,8 +85,8 @@ import json
 report = json.load(open("json"))
 last = open("paced.log").readlines()[-1].split("\t")
 assert report["last_s"] == float(last[0]), (report, last[0])
-# At 0, 40, ..., at the latest with the last tick, and that one itself.
-assert 1 <= report["frames"] <= report["last_s"] * 25 + 3, report
+# At 0, 17, ..., at the latest with the last tick, and that one itself.
+assert 1 <= report["frames"] <= report["last_s"] * 60 + 3, report
 PYTHON
 same "paced frames" "$(sed -nE 's/.*"frames": ([0-9]+),.*/\1/p' json)" \
   "$(sed -nE 's/play: frames written ([0-9]+), dropped [0-9]+/\1/p' err)"

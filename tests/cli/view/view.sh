@@ -111,7 +111,7 @@ nothing_left empty
 
 expect 2 '' "view: only one of --xyz, --pdb, --png and --html can be standard output $see" \
   -- view x.frames --xyz - --png -
-expect 2 '' "view: --style requires --png, --html, --window or --terminal $see" -- view x.frames --style sticks
+expect 2 '' "view: --style requires --png, --html, --web or --terminal $see" -- view x.frames --style sticks
 expect 2 '' "view: --style: balls not in {spheres,sticks} $see" -- view x.frames --png x --style balls
 expect 2 '' "view: --at requires --png $see" -- view x.frames --at 1
 expect 2 '' "view: --hip-label requires --xyz or --pdb $see" -- view x.frames --hip-label Xx

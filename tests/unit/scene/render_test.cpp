@@ -195,28 +195,28 @@ TEST_CASE("a torsion that has turned is named at its bond") {
   CHECK(y / dark == Approx(100).margin(3));
 }
 
-TEST_CASE("the model fills the picture, and a HIP far away makes it wider") {
+TEST_CASE("the box and the model fill the picture, wherever the HIP is") {
   Stage stage;
   stage.scene.box = {{-9, -9, -9}, 1, {19, 19, 19}};
-  stage.options = {.width = 200, .height = 100, .hip_radius = 0.1};
+  stage.options = {.width = 200, .height = 100, .hip_radius = 0.5};
   stage.add(2, 0, 0, 0.4F, {1, 0, 0});
-  stage.frame.position = {2, -0.5, 0};
   const auto fitted = [&] { return fit_camera(stage.scene, stage.frame, stage.options, 0, 0); };
-  CHECK(fitted().centre[0] == Approx(2));
-  CHECK(fitted().half_width == Approx(1.06 * 0.5));
-  stage.frame.position = {-2, 0, 0};  // 4 and the radius, of twice the width
-  CHECK(fitted().half_width == Approx(1.06 * 4.1 / 2));
-  CHECK(needed_half_width(stage.scene, stage.frame, fitted(), stage.options) ==
-        Approx(fitted().half_width));
-  // Without a model the box does.
-  stage.scene.spheres.clear();
-  CHECK(fitted().half_width == Approx(1.06 * 9));
+  for (const Vec3& place : {Vec3{2, -0.5, 0}, Vec3{-9, 9, 9}}) {
+    stage.frame.position = place;
+    stage.frame.force = place;
+    CHECK(fitted().centre[0] == Approx(0).margin(1e-12));
+    CHECK(fitted().half_width == Approx(1.06 * 9.5));
+  }
+  // A sphere outside: from -9.5 to 49.5, on twice the width.
+  stage.add(49, 0, 0, 0.5F, {1, 0, 0});
+  CHECK(fitted().centre[0] == Approx(20));
+  CHECK(fitted().half_width == Approx(1.06 * 59 / 4));
 }
 
 TEST_CASE("the whole of it is in the picture, from every side") {
   const Scene scene = testing::small_scene();
   Frame frame = testing::small_frame(0);
-  frame.force = {3, -3, 8};
+  frame.force = {-0.3, 0.3, -0.8};
   RenderOptions options{.width = 150, .height = 90, .supersampling = 1, .box = false};
   for (const double azimuth : {-200.0, -45.0, 0.0, 30.0, 90.0})
     for (const double elevation : {-90.0, -20.0, 0.0, 70.0, 90.0}) {

@@ -1,4 +1,4 @@
-"""What play tells a viewer 25 times a second, as an array of NumPy.
+"""What play tells a viewer in each frame, as an array of NumPy.
 
 Frames are messages of Cap'n Proto in standard framing (capnproto.org/encoding.html). Where each field lies is what
 `capnp compile -ocapnp schemas/frame.capnp` prints.

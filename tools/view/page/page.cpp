@@ -2,33 +2,113 @@
 
 #include <glib.h>
 
+#include <bit>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
+#include "libcore/device/hand.hpp"
 #include "libcore/grid/box.hpp"
+#include "libcore/scene/bonds.hpp"
+#include "libcore/scene/legend.hpp"
 #include "libcore/scene/torsion.hpp"
+#include "tools/view/hand.hpp"
 #include "tools/view/page/parts.hpp"
 
 namespace hapgrid {
 
 namespace {
 
-/// Numbers as a browser's typed arrays hold them, in base 64.
+static_assert(std::endian::native == std::endian::little);
+
 template <class T>
-std::string encoded(const std::vector<T>& values) {
-  gchar* const text =
-      g_base64_encode(reinterpret_cast<const guchar*>(values.data()), values.size() * sizeof(T));
-  std::string result(text);
-  g_free(text);
-  return result;
+void append(std::string& bytes, T value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-void append(std::vector<float>& values, const Vec3& v) {
-  for (const double x : v) values.push_back(static_cast<float>(x));
+void append(std::string& bytes, const Vec3& v) {
+  for (const double x : v) append(bytes, static_cast<float>(x));
 }
 
-/// JSON that can stand in a script: a stream's strings cannot end it.
+}  // namespace
+
+nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
+                                  const RenderOptions& options, double azimuth_degrees,
+                                  double elevation_degrees) {
+  const Box& box = scene.box;
+  Camera camera{azimuth_degrees, elevation_degrees};
+  const auto extent = fit_extent(scene, frame, options, camera);
+  const auto [hand_low, hand_high] = hand_range(box);
+  nlohmann::ordered_json data = {
+      {"model", printable_line(scene.model)},
+      {"energy_unit", printable_line(scene.energy_unit)},
+      {"energy_label",
+       axis_label("energy", scene.energy_unit.empty() ? "model's unit" : scene.energy_unit)},
+      {"keys", printable_line(scene.keys)},
+      {"sticks", options.sticks},
+      {"ball_part", kBallPart},
+      {"stick_part", kStickPart},
+      {"low", box.origin},
+      {"high",
+       box.position(GridCoordinates{box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1})},
+      {"hand_low", hand_low},
+      {"hand_high", hand_high},
+      {"hip_radius", hip_radius(scene, options)},
+      {"newton", newton_length(scene, options)},
+      {"full_force", scene.largest_force},
+      {"force_colour", "#d91a1a"},
+      {"energy_colour", "#1e5abe"},
+      {"own_colour", "#008c64"},
+      {"snap_colour", "#f0961e"},
+      {"hand_colour", "#2659f2"},
+      {"azimuth", azimuth_degrees},
+      {"elevation", elevation_degrees},
+      {"centre", camera.centre},
+      {"extent", extent},
+      {"least_turn", kTurned},
+      {"lengths", nlohmann::ordered_json::array()},
+      {"spheres", nlohmann::ordered_json::array()},
+      {"torsions", nlohmann::ordered_json::array()}};
+  const double decade = std::floor(std::log10(std::max(extent[0], extent[1])));
+  for (double power = decade - 4; power <= decade + 2; ++power)
+    for (const double digit : {1.0, 2.0, 5.0}) {
+      const double length = digit * std::pow(10, power);
+      const auto [at_bar, at_axis] = legend_texts(scene, length);
+      data["lengths"].push_back({length, at_axis, at_bar});
+    }
+  for (const Sphere& sphere : scene.spheres)
+    data["spheres"].push_back(
+        {sphere.radius, sphere.colour[0], sphere.colour[1], sphere.colour[2]});
+  for (const Torsion& torsion : scene.torsions)
+    data["torsions"].push_back(
+        {printable_line(torsion.name), torsion.spheres[1], torsion.spheres[2]});
+  return data;
+}
+
+std::string page_frame(const Scene& scene, const Frame& frame) {
+  std::string bytes;
+  append(bytes, frame.time_s);
+  append(bytes, static_cast<double>(frame.jumps));
+  append(bytes, frame.position);
+  append(bytes, frame.force);
+  append(bytes, frame.hand);
+  append(bytes, static_cast<float>(frame.energy));
+  append(bytes, static_cast<float>(frame.own_energy));
+  for (std::size_t i = 0; i < scene.torsions.size(); ++i)
+    append(bytes, static_cast<float>(i < frame.turned.size() ? frame.turned[i] : NAN));
+  for (const float x : frame.centres) append(bytes, x);
+  for (const auto& bond : find_bonds(scene, frame))
+    for (const std::uint32_t end : bond) append(bytes, static_cast<std::uint16_t>(end));
+  return bytes;
+}
+
+std::string page_text(const std::string& data) {
+  return std::string(kPageHead) + kPageThree + "\n</script>\n<script>\nlet data = " + data + ";\n" +
+         kPageScript + "</script>\n</body>\n</html>\n";
+}
+
 std::string script_of(const nlohmann::ordered_json& json) {
   std::string text;
   for (const char c : json_line(json))
@@ -39,57 +119,11 @@ std::string script_of(const nlohmann::ordered_json& json) {
   return text;
 }
 
-}  // namespace
-
-void Page::add(const Frame& frame) {
-  if (!times_.empty() && frame.jumps != jumps_) snaps_.push_back(times_.size());
-  jumps_ = frame.jumps;
-  times_.push_back(frame.time_s);
-  append(hips_, frame.position);
-  append(forces_, frame.force);
-  energies_.push_back(static_cast<float>(frame.energy));
-  own_energies_.push_back(static_cast<float>(frame.own_energy));
-  for (const double degrees : frame.turned) turned_.push_back(static_cast<float>(degrees));
-  centres_.insert(centres_.end(), frame.centres.begin(), frame.centres.end());
-}
-
-std::string Page::finish(const Scene& scene, const RenderOptions& options, double azimuth_degrees,
-                         double elevation_degrees) const {
-  const Box& box = scene.box;
-  nlohmann::ordered_json data = {
-      {"model", printable_line(scene.model)},
-      {"length_unit", unit_sign(scene.length_unit)},
-      {"energy_unit", printable_line(scene.energy_unit)},
-      {"energy_label",
-       axis_label("energy", scene.energy_unit.empty() ? "model's unit" : scene.energy_unit)},
-      {"sticks", options.sticks},
-      {"low", box.origin},
-      {"high",
-       box.position(GridCoordinates{box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1})},
-      {"hip_radius", hip_radius(scene, options)},
-      {"newton", newton_length(scene, options)},
-      {"azimuth", azimuth_degrees},
-      {"elevation", elevation_degrees},
-      {"snaps", snaps_},
-      {"spheres", nlohmann::ordered_json::array()}};
-  for (const Sphere& sphere : scene.spheres)
-    data["spheres"].push_back(
-        {sphere.radius, sphere.colour[0], sphere.colour[1], sphere.colour[2]});
-  data["torsions"] = nlohmann::ordered_json::array();
-  for (const Torsion& torsion : scene.torsions)
-    data["torsions"].push_back(
-        {printable_line(torsion.name), torsion.spheres[1], torsion.spheres[2]});
-  data["least_turn"] = kTurned;
-  data["turned"] = encoded(turned_);
-  data["own_energies"] = encoded(own_energies_);
-  data["times"] = encoded(times_);
-  data["hips"] = encoded(hips_);
-  data["forces"] = encoded(forces_);
-  data["energies"] = encoded(energies_);
-  data["centres"] = encoded(centres_);
-  return std::string(kPageHead) + kPageThree +
-         "\n</script>\n<script>\nconst data = " + script_of(data) + ";\n" + kPageScript +
-         "</script>\n</body>\n</html>\n";
+std::string base64(const std::string& bytes) {
+  gchar* const text = g_base64_encode(reinterpret_cast<const guchar*>(bytes.data()), bytes.size());
+  std::string result(text);
+  g_free(text);
+  return result;
 }
 
 }  // namespace hapgrid

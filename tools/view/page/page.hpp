@@ -1,37 +1,35 @@
-// A play as one web page that can be sent: the scene in 3-D, which one can turn, a slider for the
-// time, the curves of force and energy, and marks where the state snapped. Nothing is loaded from
-// elsewhere: three.js and the numbers are in the page.
+// What view's page is made of. The page shows the scene in 3-D, which one can turn, the curves of
+// force and energy, marks where the state snapped, and a slider for the time. In the file of --html
+// the frames are in the page; the live page of --web gets the same bytes as messages. Nothing is
+// loaded from elsewhere: three.js and the numbers are in the page.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
 #include "libcore/scene/drawing.hpp"
 #include "libcore/scene/scene.hpp"
 
 namespace hapgrid {
 
-class Page {
- public:
-  /// Takes a frame of the scene. Some 12 bytes a sphere and 50 more are kept, and four thirds of
-  /// them written.
-  void add(const Frame& frame);
-  /// The page. @param options give the lengths of the arrow and of the HIP's radius.
-  std::string finish(const Scene& scene, const RenderOptions& options, double azimuth_degrees,
-                     double elevation_degrees) const;
+/// All that page.js has to know of a scene: its names, colours, limits, the camera and the lengths
+/// that a legend can have. @param frame the first, which the camera shows.
+nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
+                                  const RenderOptions& options, double azimuth_degrees,
+                                  double elevation_degrees);
 
- private:
-  std::vector<double> times_;  // seconds of play
-  std::vector<float> hips_;    // held in the box, x y z by frame
-  std::vector<float> forces_;
-  std::vector<float> energies_;
-  std::vector<float> own_energies_;  // of the model itself
-  std::vector<float> turned_;        // degrees, by torsion and frame
-  std::vector<float> centres_;
-  std::vector<std::size_t> snaps_;  // the first frames after a snap
-  std::uint64_t jumps_ = 0;
-};
+/// A frame in little endian: the time and the jumps as doubles; then floats: the HIP held in the
+/// box, the force, the hand (NaN where there is none), the energies, the torsions, the spheres'
+/// centres; then the bonds as pairs of 16 bits.
+std::string page_frame(const Scene& scene, const Frame& frame);
+
+/// The page before and after the text of its data.
+std::string page_text(const std::string& data);
+
+/// JSON that can stand in a script: a stream's strings cannot end it.
+std::string script_of(const nlohmann::ordered_json& json);
+
+/// Bytes as an ASCII text, which JSON can hold.
+std::string base64(const std::string& bytes);
 
 }  // namespace hapgrid

@@ -1,39 +1,45 @@
-// The page of view --html. `data` is the play; what it holds is in tools/view/page.cpp. The picture is that of
-// the other viewers: the light is that of shade() in libcore/scene/render.cpp, the fit that of fit_camera().
+// The page of view: `data` is the scene, and what it and a frame hold is in tools/view/page/page.cpp. In the file of
+// view --html the frames are in it; the live page of view --web gets both by a WebSocket. The picture is that of
+// view --png: what is computed of a scene comes from there, and here it is only drawn.
 "use strict";
 
-const numbers = (text, type) => new type(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
-const times = numbers(data.times, Float64Array);
-const hips = numbers(data.hips, Float32Array);
-const forces = numbers(data.forces, Float32Array);
-const energies = numbers(data.energies, Float32Array);
-const ownEnergies = numbers(data.own_energies, Float32Array);
-const turned = numbers(data.turned, Float32Array);
-const centres = numbers(data.centres, Float32Array);
-const last = times.length - 1;
-const sizes = Array.from(times, (_, i) => Math.hypot(forces[3 * i], forces[3 * i + 1], forces[3 * i + 2]));
 const element = (id) => document.getElementById(id);
-const vector = (list, i) => new THREE.Vector3(list[3 * i], list[3 * i + 1], list[3 * i + 2]);
+const number3 = (list) => new THREE.Vector3(list[0], list[1], list[2]);
+const centre = (frame, k) => new THREE.Vector3(frame.centres[3 * k], frame.centres[3 * k + 1], frame.centres[3 * k + 2]);
 const finite = (v) => Number.isFinite(v.x + v.y + v.z);
+const clamp = (x, low, high) => Math.max(low, Math.min(high, x));
 
-document.title = data.model + " - hapgrid";
+const frames = [];       // of a live page those of the last seconds
+const kLiveSeconds = 20;
+const kLiveBytes = 64e6;
+const kCurveSeconds = 10;  // of a live page
+let live = false;
+let socket = null;
+let ended = false;
+let snaps = 0;           // of a live page, since it was opened
 let shown = 0;           // the frame
-let playing = null;      // since when, and from which time of play on
-let view = null;         // azimuth, elevation in degrees; centre; half: units from the middle to the nearer edges; free:
-                         // whether the reader chose that size
-let sticks = data.sticks;
+let playing = null;      // of a file: since when, and from which time of play on; of a live page: whether it goes on
+let view = null;         // azimuth, elevation in degrees; centre; half: units from the middle to the nearer edges
+let sticks = false;
+let turning = false;     // a drag turns the picture although there is a hand
+let hand = null;         // where this page's hand is
+let scene, camera, renderer, low, high, spheres = [], hip, shaft, head;
+let halves = [];         // of sticks, each from an end to the middle, in the colour of that end
+
+/// A frame of bytes: see append_frame() in page.cpp.
+function decode(buffer) {
+  const [time, jumps] = new Float64Array(buffer, 0, 2);
+  const rest = new Float32Array(buffer, 16, 11);
+  const turned = new Float32Array(buffer, 60, data.torsions.length);
+  const centres = new Float32Array(buffer, 60 + 4 * turned.length, 3 * data.spheres.length);
+  const bonds = new Uint16Array(buffer, 60 + 4 * (turned.length + centres.length));
+  const before = frames[frames.length - 1];
+  return { time, jumps, hip: rest.slice(0, 3), force: rest.slice(3, 6), size: Math.hypot(rest[3], rest[4], rest[5]),
+           hand: rest.slice(6, 9), energy: rest[9], own: rest[10], turned, centres, bonds,
+           snapped: before !== undefined && before.jumps !== jumps, bytes: buffer.byteLength };
+}
 
 // --- The scene ----------------------------------------------------------------------------------------------
-
-const scene = new THREE.Scene();
-const camera = new THREE.OrthographicCamera();
-const renderer = new THREE.WebGLRenderer({ antialias: true });
-renderer.setPixelRatio(window.devicePixelRatio);
-renderer.setClearColor(0xffffff);
-element("scene").appendChild(renderer.domElement);
-const legend = document.createElement("canvas");
-legend.id = "legend";
-element("scene").appendChild(legend);
 
 function paint(colour, opacity, depths = {}) {
   return new THREE.ShaderMaterial({
@@ -66,27 +72,45 @@ function add(shape, material) {
   return mesh;
 }
 
-const ball = new THREE.SphereBufferGeometry(1, 40, 24);
-const spheres = data.spheres.map(([, ...colour]) => add(ball, paint(colour, 1)));
-const stick = new THREE.CylinderBufferGeometry(1, 1, 1, 24);
-let halves = [];  // of sticks, each from an end to the middle, in the colour of that end
-const blue = [0.15, 0.35, 0.95];
-// The second is what stands behind the molecule, which fades before it.
-const hip = [add(ball, paint(blue, 0.6)),
-             add(ball, paint(blue, 0.5, { depthFunc: THREE.GreaterDepth, depthWrite: false }))];
-hip[1].renderOrder = -1;
-for (const mesh of hip) mesh.scale.setScalar(data.hip_radius);
-const red = paint([0.85, 0.1, 0.1], 1);
-const shaft = add(new THREE.CylinderBufferGeometry(1, 1, 1, 24), red);
-const head = add(new THREE.CylinderBufferGeometry(0, 1, 1, 24), red);
-const low = new THREE.Vector3(...data.low);
-const high = new THREE.Vector3(...data.high);
-const box = new THREE.Box3Helper(new THREE.Box3(low, high), new THREE.Color(0.62, 0.65, 0.7));
-scene.add(box);
+let ball, stick;
 
-function placeArrow(i) {
-  const from = vector(hips, i);
-  const way = vector(forces, i).multiplyScalar(data.newton);
+function build() {
+  document.title = data.model + " - hapgrid";
+  sticks = data.sticks;
+  scene = new THREE.Scene();
+  camera = new THREE.OrthographicCamera();
+  try {
+    renderer = new THREE.WebGLRenderer({ antialias: true });
+    renderer.setPixelRatio(window.devicePixelRatio);
+    renderer.setClearColor(0xffffff);
+    element("scene").appendChild(renderer.domElement);
+  } catch (e) {
+    renderer = null;
+    say("This browser has no WebGL, so that there is no picture here: only the curves and the numbers.");
+  }
+  const legend = document.createElement("canvas");
+  legend.id = "legend";
+  element("scene").appendChild(legend);
+  ball = new THREE.SphereBufferGeometry(1, 40, 24);
+  stick = new THREE.CylinderBufferGeometry(1, 1, 1, 24);
+  spheres = data.spheres.map(([, ...colour]) => add(ball, paint(colour, 1)));
+  const blue = [0.15, 0.35, 0.95];
+  // The second is what stands behind the molecule, which fades before it.
+  hip = [add(ball, paint(blue, 0.6)),
+         add(ball, paint(blue, 0.5, { depthFunc: THREE.GreaterDepth, depthWrite: false }))];
+  hip[1].renderOrder = -1;
+  for (const mesh of hip) mesh.scale.setScalar(data.hip_radius);
+  const red = paint([0.85, 0.1, 0.1], 1);
+  shaft = add(new THREE.CylinderBufferGeometry(1, 1, 1, 24), red);
+  head = add(new THREE.CylinderBufferGeometry(0, 1, 1, 24), red);
+  low = number3(data.low);
+  high = number3(data.high);
+  scene.add(new THREE.Box3Helper(new THREE.Box3(low, high), new THREE.Color(0.62, 0.65, 0.7)));
+}
+
+function placeArrow(frame) {
+  const from = number3(frame.hip);
+  const way = number3(frame.force).multiplyScalar(data.newton);
   const length = way.length();
   const radius = data.hip_radius / 5;
   shaft.visible = head.visible = finite(from) && length > 0 && Number.isFinite(length);
@@ -110,37 +134,37 @@ function placeRod(mesh, from, to, radius) {
   mesh.scale.set(radius, Math.max(length, 1e-9), radius);
 }
 
-function placeSticks(i) {  // the sizes are those of libcore/scene/drawing.cpp, the bonds those of bonds.cpp
+function placeSticks(frame) {
   for (const mesh of halves) scene.remove(mesh);
   halves = [];
-  if (!sticks || spheres.length > 4096) return;
-  const at = spheres.map((_, k) => vector(centres, i * spheres.length + k));
-  for (let a = 0; a < at.length; ++a)
-    for (let b = a + 1; b < at.length; ++b) {
-      const [ra, rb] = [data.spheres[a][0], data.spheres[b][0]];
-      if (!(at[a].distanceTo(at[b]) < 0.6 * (ra + rb))) continue;
-      const middle = at[a].clone().add(at[b]).multiplyScalar(0.5);
-      for (const end of [a, b]) {
-        const mesh = add(stick, spheres[end].material);
-        placeRod(mesh, at[end], middle, 0.12 * Math.min(ra, rb));
-        halves.push(mesh);
-      }
-    }
+  if (!sticks) return;
+  for (let k = 0; k < frame.bonds.length; k += 2) {
+    const pair = [frame.bonds[k], frame.bonds[k + 1]];
+    const [from, to] = pair.map((end) => centre(frame, end));
+    const middle = from.clone().add(to).multiplyScalar(0.5);
+    const radius = data.stick_part * Math.min(data.spheres[pair[0]][0], data.spheres[pair[1]][0]);
+    [from, to].forEach((at, n) => {
+      const mesh = add(stick, spheres[pair[n]].material);
+      placeRod(mesh, at, middle, radius);
+      halves.push(mesh);
+    });
+  }
 }
 
-function place(i) {
+function place(frame) {
   spheres.forEach((mesh, k) => {
-    const at = vector(centres, i * spheres.length + k);
+    const at = centre(frame, k);
     mesh.visible = finite(at);
-    mesh.scale.setScalar(Math.max((sticks ? 0.25 : 1) * data.spheres[k][0], 1e-9));
+    mesh.scale.setScalar(Math.max((sticks ? data.ball_part : 1) * data.spheres[k][0], 1e-9));
     if (mesh.visible) mesh.position.copy(at);
   });
-  placeSticks(i);
+  placeSticks(frame);
+  const at = number3(frame.hip);
   for (const mesh of hip) {
-    mesh.visible = finite(vector(hips, i));
-    if (mesh.visible) mesh.position.copy(vector(hips, i));
+    mesh.visible = finite(at);
+    if (mesh.visible) mesh.position.copy(at);
   }
-  placeArrow(i);
+  placeArrow(frame);
 }
 
 // --- The camera ---------------------------------------------------------------------------------------------
@@ -154,65 +178,27 @@ function axes() {  // of the picture, in the model's space
   };
 }
 
-/// What is seen of a frame: the spheres, each larger by `room`.
-function seeSpheres(see, i, room) {
-  data.spheres.forEach(([radius], k) => see(vector(centres, i * spheres.length + k), radius + room));
+function fit() {
+  view = { azimuth: data.azimuth, elevation: data.elevation, centre: number3(data.centre), zoom: 1 };
 }
 
-function fit() {  // as fit_model() does
-  view = { azimuth: data.azimuth, elevation: data.elevation, centre: new THREE.Vector3(), half: 1, free: false };
-  const { right, up, near } = axes();
-  const seen = new THREE.Box3();
-  const see = (v, radius) => {
-    if (!finite(v)) return;
-    const at = new THREE.Vector3(right.dot(v), up.dot(v), near.dot(v));
-    for (const r of [-radius, radius]) seen.expandByPoint(at.clone().addScalar(r));
-  };
-  seeSpheres(see, shown, data.hip_radius);
-  if (seen.isEmpty())
-    for (let c = 0; c < 8; ++c)
-      see(new THREE.Vector3(c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z), 0);
-  const [width, height] = [element("scene").clientWidth, element("scene").clientHeight];
-  const size = seen.getSize(new THREE.Vector3());
-  const shorter = Math.min(width, height);
-  view.half = 0.53 * Math.max(size.x * shorter / width, size.y * shorter / height) || 1;
-  const middle = seen.getCenter(new THREE.Vector3());
-  view.centre.addScaledVector(right, middle.x).addScaledVector(up, middle.y).addScaledVector(near, middle.z);
-}
-
-/// The half width with room for the HIP and the model as they are now, and for the longest arrow since fit().
+/// From the middle to the nearer edges, in the model's unit.
 function halfWidth() {
-  if (view.free) return view.half;
-  const { right, up } = axes();
   const [width, height] = [element("scene").clientWidth, element("scene").clientHeight];
   const shorter = Math.min(width, height);
-  let most = 0;
-  const see = (v, radius) => {
-    if (!finite(v)) return;
-    const from = v.clone().sub(view.centre);
-    most = Math.max(most, (Math.abs(right.dot(from)) + radius) * shorter / width,
-                    (Math.abs(up.dot(from)) + radius) * shorter / height);
-  };
-  see(vector(hips, shown).addScaledVector(vector(forces, shown), data.newton), data.hip_radius / 2);
-  view.half = Math.max(view.half, 1.06 * most);
-  most = 0;
-  seeSpheres(see, shown, 0);
-  see(vector(hips, shown), data.hip_radius);
-  return Math.max(view.half, 1.06 * most);
+  return Math.max(data.extent[0] * shorter / width, data.extent[1] * shorter / height) / view.zoom;
 }
 
-/// The reader moves or sizes the picture: from now on it keeps its size.
-function free() {
-  view.half = halfWidth();
-  view.free = true;
+/// The size of a pixel in the model's unit.
+function pixel() {
+  return 2 * halfWidth() / Math.min(element("scene").clientWidth, element("scene").clientHeight);
 }
 
 function aim() {
   const [width, height] = [element("scene").clientWidth, element("scene").clientHeight];
   const { up, near } = axes();
-  const half = halfWidth();
-  const unit = 2 * half / Math.min(width, height);  // of a pixel
-  const far = 4 * (half + high.distanceTo(low)) + view.centre.distanceTo(low);
+  const unit = pixel();
+  const far = 4 * (halfWidth() + high.distanceTo(low)) + view.centre.distanceTo(low);
   camera.left = -(camera.right = unit * width / 2);
   camera.bottom = -(camera.top = unit * height / 2);
   camera.near = 0;
@@ -221,7 +207,7 @@ function aim() {
   camera.position.copy(view.centre).addScaledVector(near, far);
   camera.lookAt(view.centre);
   camera.updateProjectionMatrix();
-  renderer.setSize(width, height);
+  if (renderer) renderer.setSize(width, height);
   drawLegend(width, height, unit);
 }
 
@@ -238,18 +224,13 @@ function context(canvas, width, height) {  // where a unit is a pixel of the pag
   return c;
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is not above `most`.
-function roundLength(most) {
-  const power = Math.pow(10, Math.floor(Math.log10(most)));
-  return power * [5, 2, 1].find((digit) => digit * power <= most || digit === 1);
-}
-
-function withUnit(length) {
-  return parseFloat(length.toPrecision(3)) + " " + data.length_unit;
+/// The longest of the lengths that the legend can have, with its text, or the shortest.
+function legendLength(most) {
+  return data.lengths.reduce((best, next) => (next[0] <= most ? next : best));
 }
 
 /// From a place of the picture, each with its name and how long it is.
-function drawAxes(c, x, y, length, unit) {
+function drawAxes(c, x, y, [length, says], unit) {
   const { right, up } = axes();
   for (const axis of ["x", "y", "z"]) {
     const shown = Math.max(Math.hypot(right[axis], up[axis]), 1e-9);
@@ -258,14 +239,14 @@ function drawAxes(c, x, y, length, unit) {
     c.lineTo(x + end * along, y + end * down);
     c.moveTo(x + end * along + 2 * down, y + end * down - 2 * along);
     c.lineTo(x + end * along - 2 * down, y + end * down + 2 * along);
-    const text = axis + " " + (data.length_unit.length > 2 ? parseFloat(length.toPrecision(3)) : withUnit(length));
+    const text = axis + " " + says;
     c.fillText(text, x + (end + 6) * along - (0.5 - 0.5 * along) * c.measureText(text).width, y + (end + 6) * down + 4 * Math.sign(down) * down * down);
   }
 }
 
 function drawLegend(width, height, unit) {  // as libcore/scene/legend.cpp does
-  const c = context(legend, width, height);
-  const length = roundLength(0.25 * width * unit);
+  const c = context(element("legend"), width, height);
+  const [length, , says] = legendLength(0.25 * width * unit);
   const bar = length / unit, left = 10, bottom = height - 10;
   c.strokeStyle = c.fillStyle = "#292b33";
   c.lineWidth = 1.2;
@@ -273,32 +254,39 @@ function drawLegend(width, height, unit) {  // as libcore/scene/legend.cpp does
   c.moveTo(left, bottom - 3); c.lineTo(left, bottom + 3);
   c.moveTo(left, bottom); c.lineTo(left + bar, bottom);
   c.moveTo(left + bar, bottom - 3); c.lineTo(left + bar, bottom + 3);
-  c.fillText(withUnit(length), left + bar + 5, bottom);
+  c.fillText(says, left + bar + 5, bottom);
   const longest = Math.min(60, 0.16 * Math.min(width, height));
-  drawAxes(c, left + longest + 16, bottom - longest - 24, roundLength(longest * unit), unit);
+  drawAxes(c, left + longest + 16, bottom - longest - 24, legendLength(longest * unit), unit);
   c.stroke();
+  if (frames.length === 0) return;
   nameTurned(c, width, height, unit);
+  drawHand(c, width, height, unit);
+  if (data.full_force > 0) drawForceBar(c, width, height);
+}
+
+/// Where a place of the model's space is in the picture.
+function onScreen(v, width, height, unit) {
+  const { right, up } = axes();
+  const at = v.clone().sub(view.centre);
+  return [width / 2 + right.dot(at) / unit, height / 2 - up.dot(at) / unit];
 }
 
 function turnedText(k) {
-  const degrees = turned[shown * data.torsions.length + k];
+  const degrees = frames[shown].turned[k];
   return `${data.torsions[k][0]} ${degrees < 0 ? "" : "+"}${degrees.toFixed(0)}°`;
 }
 
 /// The torsions that have turned since the beginning.
 function whatTurned() {
-  return data.torsions.map((_, k) => k)
-    .filter((k) => Math.abs(turned[shown * data.torsions.length + k]) >= data.least_turn);
+  return data.torsions.map((_, k) => k).filter((k) => Math.abs(frames[shown].turned[k]) >= data.least_turn);
 }
 
 function nameTurned(c, width, height, unit) {  // each at the middle of its bond
-  const { right, up } = axes();
   c.textAlign = "center";
   for (const k of whatTurned()) {
     const [, a, b] = data.torsions[k];
-    const at = vector(centres, shown * spheres.length + a).add(vector(centres, shown * spheres.length + b))
-      .multiplyScalar(0.5).sub(view.centre);
-    const [x, y] = [width / 2 + right.dot(at) / unit, height / 2 - up.dot(at) / unit];
+    const middle = centre(frames[shown], a).add(centre(frames[shown], b)).multiplyScalar(0.5);
+    const [x, y] = onScreen(middle, width, height, unit);
     const wide = c.measureText(turnedText(k)).width + 8;
     c.fillStyle = "#fff";
     c.fillRect(x - wide / 2, y - 8, wide, 16);
@@ -308,163 +296,389 @@ function nameTurned(c, width, height, unit) {  // each at the middle of its bond
   c.textAlign = "left";
 }
 
+/// A ring where the hand is, and a thread from there to the HIP: the longer, the more the model resists.
+function drawHand(c, width, height, unit) {
+  const at = hand && following() ? hand : number3(frames[shown].hand);
+  if (!finite(at)) return;
+  const [x, y] = onScreen(at, width, height, unit);
+  const [hx, hy] = onScreen(number3(frames[shown].hip), width, height, unit);
+  c.strokeStyle = data.hand_colour;
+  c.lineWidth = 2;
+  c.beginPath();
+  const away = Math.hypot(hx - x, hy - y);
+  if (away > 9) {
+    c.moveTo(x + 9 * (hx - x) / away, y + 9 * (hy - y) / away);
+    c.lineTo(hx, hy);
+  }
+  c.moveTo(x + 9, y);
+  c.arc(x, y, 9, 0, 2 * Math.PI);
+  c.stroke();
+}
+
+function drawForceBar(c, width, height) {
+  const x = width - 26, top = 0.4 * height, bottom = height - 26;
+  if (Math.min(width, height) < 150) return;
+  c.fillStyle = "#dee0e6";
+  c.fillRect(x - 7, top, 14, bottom - top);
+  c.fillStyle = data.force_colour;
+  const part = clamp(frames[shown].size / data.full_force, 0, 1);
+  c.fillRect(x - 7, bottom - part * (bottom - top), 14, part * (bottom - top));
+  c.fillStyle = "#292b33";
+  c.textAlign = "right";
+  c.fillText(`${round(data.full_force)} N`, width - 8, top - 10);
+  c.textAlign = "left";
+}
+
 // --- Force and energy ---------------------------------------------------------------------------------------
 
 const round = (x) => (Number.isFinite(x) ? parseFloat(x.toPrecision(3)) : "");
 
-function drawCurves() {
-  const width = element("below").clientWidth - 16, height = 126, left = 64, bottomRow = 12;
-  const c = context(element("curves"), width, height);
-  const at = (t) => left + (width - left - 1) * (t - times[0]) / (times[last] - times[0] || 1);
-  const energy = energies.some(Number.isFinite);
-  const curves = [["force / N", "#d91a1a", sizes]];
-  if (energy) curves.push([data.energy_label, "#1e5abe", energies]);
-  const each = (height - bottomRow) / curves.length;
-  curves.forEach(([name, colour, values], k) => {
-    const top = k * each + 4, bottom = (k + 1) * each - 4;
-    const both = k === 0 ? [values] : [values, ownEnergies];
-    const real = both.flatMap((list) => Array.from(list)).filter(Number.isFinite);
-    const least = k === 0 ? 0 : real.reduce((a, b) => Math.min(a, b));
-    const most = real.reduce((a, b) => Math.max(a, b), least);
-    const y = (v) => bottom - 1 - (bottom - top - 2) * (v - least) / (most - least || 1);
-    c.fillStyle = "#fff";
-    c.fillRect(left, top, width - left, bottom - top);
-    c.fillStyle = "#f0961e";
-    for (const i of data.snaps) c.fillRect(at(times[i]) - 1, top, 2, bottom - top);
-    c.fillStyle = colour;
-    // On two lines where it is long: the quantity, and its unit.
-    const [quantity, ...unit] = name.split(" / ");
-    const lines = name.length > 10 ? [quantity, "/ " + unit.join(" / ")] : [name];
-    lines.forEach((line, n) => c.fillText(line, 0, (top + bottom) / 2 + 13 * (n - (lines.length - 1) / 2), left - 4));
-    c.fillStyle = "#282c34";
-    c.textAlign = "right";
-    c.fillText(round(most), left - 4, top + 5);
-    c.fillText(round(least), left - 4, bottom - 5);
-    c.textAlign = "left";
-    c.lineWidth = 1.2;
-    both.forEach((list, n) => {
-      c.strokeStyle = n === 0 ? colour : "#008c64";
-      c.beginPath();
-      let drawn = false;  // a point that the next one is joined with
-      list.forEach((v, i) => {
-        if (Number.isFinite(v)) drawn ? c.lineTo(at(times[i]), y(v)) : c.moveTo(at(times[i]), y(v));
-        drawn = Number.isFinite(v);
-      });
-      c.stroke();
-    });
-    if (k === 1 && ownEnergies.some(Number.isFinite)) {
-      c.fillStyle = "#008c64";
-      c.fillText("of the model alone", left + 4, top + 6);
+/// The frames of the curves: all of a file, the last seconds of a live page; and the times at both ends.
+function curveFrames() {
+  if (!live) return [frames, frames[0].time, frames[frames.length - 1].time];
+  const end = frames[frames.length - 1].time;
+  return [frames.filter((frame) => frame.time >= end - kCurveSeconds), end - kCurveSeconds, end];
+}
+
+function drawCurve(c, place, list, at, values, name, colours) {
+  const { left, right, top, bottom } = place;
+  const real = values.flatMap((value) => list.map(value)).filter(Number.isFinite);
+  const least = place.fromZero ? 0 : real.reduce((a, b) => Math.min(a, b), Infinity);
+  let most = real.reduce((a, b) => Math.max(a, b), least);
+  if (!(most > least)) most = least + (Math.abs(least) / 1000 || 1);
+  const y = (v) => bottom - 1 - (bottom - top - 2) * (v - least) / (most - least);
+  c.fillStyle = "#fff";
+  c.fillRect(left, top, right - left, bottom - top);
+  c.fillStyle = data.snap_colour;
+  for (const frame of list) if (frame.snapped) c.fillRect(at(frame.time) - 1, top, 2, bottom - top);
+  c.fillStyle = colours[0];
+  // On two lines where it is long: the quantity, and its unit.
+  const [quantity, ...unit] = name.split(" / ");
+  const lines = name.length > 10 ? [quantity, "/ " + unit.join(" / ")] : [name];
+  lines.forEach((line, n) => c.fillText(line, 0, (top + bottom) / 2 + 13 * (n - (lines.length - 1) / 2), left - 4));
+  c.fillStyle = "#282c34";
+  c.textAlign = "right";
+  c.fillText(round(most), left - 4, top + 5);
+  c.fillText(round(least), left - 4, bottom - 5);
+  c.textAlign = "left";
+  c.lineWidth = 1.5;
+  c.lineJoin = "round";
+  values.forEach((value, n) => {
+    c.strokeStyle = colours[n];
+    c.beginPath();
+    let drawn = false;  // a point that the next one is joined with
+    for (const frame of list) {
+      const v = value(frame);
+      if (Number.isFinite(v)) drawn ? c.lineTo(at(frame.time), y(v)) : c.moveTo(at(frame.time), y(v));
+      drawn = Number.isFinite(v);
     }
-    c.fillStyle = "#282c34";
-    c.fillRect(at(times[shown]) - 0.5, top, 1, bottom - top);
+    c.stroke();
   });
+  if (values.length > 1 && list.some((frame) => Number.isFinite(frame.own))) {
+    c.fillStyle = colours[1];
+    c.fillText("of the model alone", left + 4, top + 6);
+  }
+  c.fillStyle = "#282c34";
+  c.fillRect(at(frames[shown].time) - 0.5, top, 1, bottom - top);
+}
+
+function drawCurves() {
+  const width = element("below").clientWidth - 16, height = 134, left = 64, bottomRow = 14;
+  const c = context(element("curves"), width, height);
+  const [list, from, to] = curveFrames();
+  const at = (t) => left + (width - left - 1) * (t - from) / (to - from || 1);
+  const curves = [[[(frame) => frame.size], "force / N", [data.force_colour]]];
+  if (list.some((frame) => Number.isFinite(frame.energy)))
+    curves.push([[(frame) => frame.energy, (frame) => frame.own], data.energy_label,
+                 [data.energy_colour, data.own_colour]]);
+  const each = (height - bottomRow) / curves.length;
+  curves.forEach(([values, name, colours], k) =>
+    drawCurve(c, { left, right: width, top: k * each + 4, bottom: (k + 1) * each - 4, fromZero: k === 0 },
+              list, at, values, name, colours));
   const row = height - bottomRow / 2;
-  c.fillText(times[0].toFixed(2), left, row);
+  c.fillText(Math.max(from, 0).toFixed(2), left, row);
   c.textAlign = "center";
   c.fillText("t / s", (left + width) / 2, row);
   c.textAlign = "right";
-  c.fillText(times[last].toFixed(2), width, row);
+  c.fillText(to.toFixed(2), width, row);
 }
 
 function drawStatus() {
-  let text = `t ${times[shown].toFixed(2)} s   force ${round(sizes[shown])} N`;
-  if (Number.isFinite(energies[shown])) text += `   energy ${round(energies[shown])} ${data.energy_unit}`;
-  if (Number.isFinite(ownEnergies[shown])) text += `   model alone ${round(ownEnergies[shown])}`;
+  const frame = frames[shown];
+  let text = `t ${frame.time.toFixed(2)} s   force ${round(frame.size)} N`;
+  if (Number.isFinite(frame.energy)) text += `   energy ${round(frame.energy)} ${data.energy_unit}`;
+  if (Number.isFinite(frame.own)) text += `   model alone ${round(frame.own)}`;
   text += whatTurned().map((k) => "   " + turnedText(k)).join("");
-  text += `   snaps ${data.snaps.filter((i) => i <= shown).length} of ${data.snaps.length}`;
+  if (live) text += `   snaps ${snaps}`;
+  else text += `   snaps ${frames.filter((f, i) => f.snapped && i <= shown).length} of ${frames.filter((f) => f.snapped).length}`;
+  if (ended) text += "   ended";
   element("status").textContent = text;
 }
 
 // --- What the reader does -----------------------------------------------------------------------------------
 
+function say(text, plate) {
+  element("say").textContent = text;
+  element("say").className = plate ? "plate" : "";
+}
+
 function draw() {
-  if (last < 0) return;
-  place(shown);
   aim();
-  renderer.render(scene, camera);
+  if (frames.length === 0) return;
+  place(frames[shown]);
+  if (renderer) renderer.render(scene, camera);
+  element("time").max = frames.length - 1;
   element("time").value = shown;
   drawCurves();
   drawStatus();
 }
 
+let due = false;
+
+/// Draws before the screen's next picture, once however often it is asked.
+function drawSoon() {
+  if (due) return;
+  due = true;
+  requestAnimationFrame(() => {
+    due = false;
+    draw();
+  });
+}
+
+/// Whether a live page shows the newest frame.
+function following() {
+  return live && playing !== null;
+}
+
 /// The frame nearest to a time, the earlier of two.
 function nearest(t) {
-  let from = 0, to = last;
+  let from = 0, to = frames.length - 1;
   while (from < to) {
     const middle = (from + to) >> 1;
-    if (times[middle + 1] - t < t - times[middle]) from = middle + 1;
+    if (frames[middle + 1].time - t < t - frames[middle].time) from = middle + 1;
     else to = middle;
   }
   return from;
 }
 
 function setPlaying(yes) {
-  if (yes && shown === last) shown = 0;
-  playing = yes ? { since: performance.now(), from: times[shown] } : null;
+  if (live && yes) shown = frames.length - 1;
+  else if (yes && shown === frames.length - 1) shown = 0;
+  playing = yes ? { since: performance.now(), from: frames.length ? frames[shown].time : 0 } : null;
   element("play").textContent = yes ? "pause" : "play";
-  if (yes) requestAnimationFrame(step);
+  if (yes && !live) requestAnimationFrame(step);
+  drawSoon();
 }
 
 function step(now) {
   if (!playing) return;
   shown = nearest(playing.from + (now - playing.since) / 1000);
   draw();
-  if (shown === last) setPlaying(false);
+  if (shown === frames.length - 1) setPlaying(false);
   else requestAnimationFrame(step);
+}
+
+/// Moves the hand by so many pixels to the right and down, and by a length towards the viewer.
+function moveHand(right, down, nearer) {
+  if (!hand || !socket || socket.readyState !== WebSocket.OPEN) return;
+  const of = axes(), unit = pixel();
+  hand.addScaledVector(of.right, unit * right).addScaledVector(of.up, -unit * down).addScaledVector(of.near, nearer);
+  hand.max(number3(data.hand_low)).min(number3(data.hand_high));
+  socket.send(`${hand.x} ${hand.y} ${hand.z}`);
+  drawSoon();
+}
+
+const depthStep = () => low.clone().sub(high).toArray().reduce((a, b) => Math.max(a, Math.abs(b)), 0) / 40;
+
+function turnView(right, down) {
+  view.azimuth -= 0.4 * right;
+  view.elevation = clamp(view.elevation + 0.4 * down, -90, 90);
+  drawSoon();
+}
+
+function moveView(right, down) {
+  const of = axes(), unit = pixel();
+  view.centre.addScaledVector(of.up, unit * down).addScaledVector(of.right, -unit * right);
+  drawSoon();
+}
+
+function zoomView(by) {
+  view.zoom = clamp(view.zoom * by, 0.01, 1000);
+  drawSoon();
+}
+
+const pointers = new Map();  // those that are down, with where they were
+
+/// Two fingers: their distance zooms; together they turn the picture where one finger is the hand, and move it elsewhere.
+function moveTwo(e) {
+  const other = [...pointers].find(([id]) => id !== e.pointerId)[1];
+  const was = pointers.get(e.pointerId);
+  const span = ([x, y]) => Math.max(1, Math.hypot(x - other[0], y - other[1]));
+  zoomView(span([e.clientX, e.clientY]) / span(was));
+  const way = [(e.clientX - was[0]) / 2, (e.clientY - was[1]) / 2];
+  if (hand && !turning) turnView(...way);
+  else moveView(...way);
+}
+
+function onMove(e) {
+  const was = pointers.get(e.pointerId);
+  if (!was) return;
+  const way = [e.clientX - was[0], e.clientY - was[1]];
+  if (pointers.size === 2) moveTwo(e);
+  else if (e.buttons === 1 && !e.shiftKey && hand && !turning) moveHand(...way, 0);
+  else if (e.shiftKey || (e.buttons !== 1 && (!hand || turning))) moveView(...way);
+  else turnView(...way);
+  pointers.set(e.pointerId, [e.clientX, e.clientY]);
+}
+
+function showHelp() {
+  const lines = hand
+    ? ["drag, one finger: the hand. Wheel, near, far: nearer or away.", "right drag, two fingers: turn. Pinch, ctrl + wheel: zoom.",
+       "shift + drag: move the picture. t: a drag turns it.",
+       "The ring is the hand. The ball follows it; where the model resists, the thread grows, and where the model snaps, it shrinks."]
+    : ["drag, one finger: turn. Right drag, two fingers: move. Wheel, pinch: zoom."];
+  lines.push("space: stop, go on.   b: balls and sticks.   r: the first view.   s: save the picture.   h: this help.");
+  if (data.keys) lines.push("In the terminal of play: " + data.keys);
+  say(element("say").className ? "" : lines.join("\n"), !element("say").className);
+}
+
+function save() {
+  draw();
+  const picture = document.createElement("canvas");
+  const legend = element("legend");
+  [picture.width, picture.height] = [legend.width, legend.height];
+  const c = picture.getContext("2d");
+  if (renderer) c.drawImage(renderer.domElement, 0, 0, picture.width, picture.height);
+  c.drawImage(legend, 0, 0);
+  const link = document.createElement("a");
+  link.download = `hapgrid-${frames.length ? frames[shown].time.toFixed(2) : 0}.png`;
+  link.href = picture.toDataURL("image/png");
+  link.click();
+}
+
+function setTurning(yes) {
+  turning = yes;
+  element("turn").className = yes ? "on" : "";
+}
+
+const actions = {
+  play: () => setPlaying(!playing),
+  turn: () => setTurning(!turning),
+  sticks: () => { sticks = !sticks; drawSoon(); },
+  fit: () => { fit(); drawSoon(); },
+  save, help: showHelp,
+};
+const keys = { " ": "play", t: "turn", b: "sticks", r: "fit", s: "save", h: "help", "?": "help" };
+
+/// A button that acts again while it is held.
+function hold(id, act) {
+  let timer = null;
+  const stop = () => clearInterval(timer);
+  element(id).addEventListener("pointerdown", () => { act(); stop(); timer = setInterval(act, 60); });
+  for (const end of ["pointerup", "pointerleave", "pointercancel"]) element(id).addEventListener(end, stop);
 }
 
 function listen() {
   const area = element("scene");
-  area.addEventListener("pointerdown", (e) => area.setPointerCapture(e.pointerId));
-  area.addEventListener("contextmenu", (e) => e.preventDefault());
-  area.addEventListener("pointermove", (e) => {
-    if (!e.buttons) return;
-    if (e.buttons === 1 && !e.shiftKey) {
-      view.azimuth -= 0.4 * e.movementX;
-      view.elevation = Math.max(-90, Math.min(90, view.elevation + 0.4 * e.movementY));
-    } else {
-      free();
-      const { right, up } = axes();
-      const unit = 2 * view.half / Math.min(area.clientWidth, area.clientHeight);
-      view.centre.addScaledVector(up, unit * e.movementY).addScaledVector(right, -unit * e.movementX);
-    }
-    draw();
+  area.addEventListener("pointerdown", (e) => {
+    area.setPointerCapture(e.pointerId);
+    pointers.set(e.pointerId, [e.clientX, e.clientY]);
+    e.preventDefault();
   });
+  for (const end of ["pointerup", "pointercancel", "lostpointercapture"])
+    area.addEventListener(end, (e) => pointers.delete(e.pointerId));
+  area.addEventListener("contextmenu", (e) => e.preventDefault());
+  area.addEventListener("pointermove", onMove);
   area.addEventListener("wheel", (e) => {
-    free();
-    view.half *= Math.pow(1.1, Math.sign(e.deltaY));
-    draw();
+    if (hand && !turning && !e.ctrlKey) moveHand(0, 0, Math.sign(e.deltaY) * depthStep());
+    else zoomView(Math.pow(1.1, -Math.sign(e.deltaY)));
     e.preventDefault();
   }, { passive: false });
   element("time").addEventListener("input", (e) => {
     setPlaying(false);
     shown = Number(e.target.value);
-    draw();
+    drawSoon();
   });
-  element("play").addEventListener("click", () => setPlaying(!playing));
+  for (const id in actions) element(id).addEventListener("click", actions[id]);
+  hold("nearer", () => moveHand(0, 0, depthStep()));
+  hold("farther", () => moveHand(0, 0, -depthStep()));
   window.addEventListener("keydown", (e) => {
-    if (e.key === "r") fit();
-    else if (e.key === "b") sticks = !sticks;
-    else if (e.key === " ") setPlaying(!playing);
-    else return;
+    if (!(e.key in keys) || e.ctrlKey || e.altKey || e.metaKey) return;
+    actions[keys[e.key]]();
     e.preventDefault();
-    draw();
   });
-  window.addEventListener("resize", draw);
+  window.addEventListener("resize", drawSoon);
   window.addEventListener("hashchange", goToHash);
 }
 
 /// page.html#t=2.5 shows that time of play.
 function goToHash() {
   const t = parseFloat(location.hash.replace("#t=", ""));
-  if (Number.isFinite(t)) shown = nearest(t);
+  if (Number.isFinite(t) && frames.length) shown = nearest(t);
   draw();
 }
 
-element("time").max = Math.max(0, last);
-listen();
-const wanted = parseFloat(location.hash.replace("#t=", ""));
-if (Number.isFinite(wanted)) shown = nearest(wanted);
-fit();
-draw();
+// --- The live page ------------------------------------------------------------------------------------------
+
+/// A frame came: those that are too old go.
+function take(frame) {
+  frames.push(frame);
+  if (frame.snapped) ++snaps;
+  while (frames.length > 2 && (frames[0].time < frame.time - kLiveSeconds || frames.length * frame.bytes > kLiveBytes)) {
+    frames.shift();
+    shown = Math.max(0, shown - 1);
+  }
+  if (following()) shown = frames.length - 1;
+  drawSoon();
+}
+
+function onText(message) {
+  if (message.scene) {
+    data = message.scene;
+    build();
+    fit();
+    listen();
+    setPlaying(true);
+  } else if (message.hand) {
+    hand = number3(message.hand);
+    for (const id of ["nearer", "farther", "turn"]) element(id).hidden = false;
+    say("Drag: the hand.   ?: help");
+  } else if (message.ended) {
+    ended = true;
+    drawSoon();
+  }
+}
+
+function connect() {
+  live = true;
+  say("waiting for frames");
+  const address = new URL("ws", location.href);
+  address.protocol = "ws:";
+  address.hash = "";
+  socket = new WebSocket(address, "hapgrid");
+  socket.binaryType = "arraybuffer";
+  socket.onmessage = (e) => {
+    if (typeof e.data === "string") {
+      onText(JSON.parse(e.data));
+    } else {
+      socket.send(".");  // so that view sends no more than arrives
+      take(decode(e.data));
+    }
+  };
+  socket.onclose = () => {
+    hand = null;
+    ended = true;
+    if (!element("say").className) say(data ? "" : "view has no frames for this page any more");
+    if (data) drawSoon();
+  };
+}
+
+if (data) {
+  for (const text of data.frames) frames.push(decode(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer));
+  build();
+  fit();
+  listen();
+  goToHash();
+} else {
+  connect();
+}

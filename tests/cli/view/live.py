@@ -1,0 +1,95 @@
+"""Drives the live page of hapgrid feel in Chromium.
+
+usage: live.py mouse|finger ADDRESS
+"""
+import asyncio
+import sys
+import tempfile
+import urllib.error
+import urllib.request
+
+import websockets
+from browser import Browser
+
+
+def status(address):
+    try:
+        with urllib.request.urlopen(address) as answer:
+            return answer.status
+    except urllib.error.HTTPError as e:
+        return e.code
+
+
+async def comes_in(address, origin):
+    try:
+        async with websockets.connect(address, subprotocols=["hapgrid"], origin=origin):
+            return True
+    except (websockets.exceptions.WebSocketException, OSError):
+        return False
+
+
+def strangers_are_refused(address):
+    here = address.split("/")[2]
+    wrong = f"http://{here}/{'0' * 32}/"
+    assert status(wrong) == 403 and status(f"http://{here}/") == 403
+    socket = address.replace("http:", "ws:") + "ws"
+    assert not asyncio.run(comes_in(wrong.replace("http:", "ws:") + "ws", f"http://{here}"))
+    assert not asyncio.run(comes_in(socket, "http://elsewhere.example"))
+    assert not asyncio.run(comes_in(socket, None))
+
+
+def line(from_x, to_x, y, steps):
+    return [(from_x + (to_x - from_x) * i / steps, y) for i in range(steps + 1)]
+
+
+def main():
+    how, address = sys.argv[1:]
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, Browser(folder) as browser:
+        touch = how == "finger"
+        width, height = (390, 844) if touch else (1000, 720)
+        page = browser.open(address, width, height, touch)
+        page.wait("hand && frames.length > 2")
+        strangers_are_refused(address)
+        watcher = browser.open(address, 600, 500)
+        watcher.wait("frames.length > 2")
+        # How many pixels the hand has to go: to x = -0.7 and then to 0.9.
+        pixel = page.value("pixel()")
+        x, y = width / 2, 200
+        there = x - (page.value("hand.x") + 0.7) / pixel
+        back = there + 1.6 / pixel
+
+        def push(start, end, steps):
+            if touch:
+                page.fingers([line(start, end, y, steps)])
+            else:
+                page.drag(line(start, end, y, steps))
+        push(x, there, 20)
+        page.wait("frames[frames.length - 1].hip[0] < -0.55")
+        if touch:
+            page.value("element('farther').dispatchEvent(new PointerEvent('pointerdown')),"
+                       "element('farther').dispatchEvent(new PointerEvent('pointerup'))")
+        else:
+            page.wheel(x, y, -100)
+        assert page.value("snaps") == 0
+        push(there, back, 60)
+        page.wait("snaps === 1 && frames[frames.length - 1].hip[0] > 0.6")
+        watcher.wait("snaps === 1 && frames[frames.length - 1].hip[0] > 0.6")
+        # It sees the other's hand, and has none.
+        assert watcher.value("hand") is None
+        assert watcher.value("Math.abs(frames[frames.length - 1].hand[0] - 0.9) < 0.05")
+        # Two fingers, or the other button, turn the picture and leave the hand.
+        before = page.value("[hand.x, view.azimuth, view.zoom]")
+        if touch:
+            page.fingers([line(100, 160, 300, 10), line(200, 320, 300, 10)])
+            assert page.value("view.zoom") > 1.1 * before[2]
+        else:
+            page.drag(line(300, 350, 300, 10), button="right")
+        assert page.value("view.azimuth") != before[1] and page.value("hand.x") == before[0]
+        # The page keeps the last seconds alone.
+        assert page.value("frames[frames.length - 1].time - frames[0].time") <= page.value("kLiveSeconds")
+        assert not browser.complaints, browser.complaints
+        page.close()  # ends the play
+        watcher.wait("ended")
+
+
+main()
