@@ -1,4 +1,4 @@
-! hapgrid's model interface (<hapgrid/plugin.h>, interface version 3) in Fortran 2008: the
+! hapgrid's model interface (<hapgrid/plugin.h>, interface version 4) in Fortran 2008: the
 ! structs of the header as interoperable types, and procedures that every model in Fortran needs.
 ! Copy this file beside your model; spring.f90 shows how it is used. The header explains what each
 ! function must do.
@@ -11,7 +11,7 @@ module hapgrid_model
   implicit none
   public
 
-  integer(c_int32_t), parameter :: hapgrid_model_interface = 3
+  integer(c_int32_t), parameter :: hapgrid_model_interface = 4
 
   ! hapgrid_parameter%type.
   integer(c_int32_t), parameter :: hapgrid_boolean = 0, hapgrid_number = 1, hapgrid_text = 2, &
@@ -71,6 +71,7 @@ module hapgrid_model
     type(c_funptr) :: own_energy = c_null_funptr
     type(c_funptr) :: torsions = c_null_funptr
     type(c_funptr) :: check = c_null_funptr
+    type(c_funptr) :: periods = c_null_funptr
   end type
 
 contains

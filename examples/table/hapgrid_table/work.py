@@ -1,5 +1,5 @@
 """What a command that makes a grid needs: steps that are not done twice, the filters, files that are whole,
-and lines of progress."""
+and lines of progress. `hapgrid table` and `hapgrid dock` share it."""
 
 import hashlib
 import json
