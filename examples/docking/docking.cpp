@@ -30,7 +30,7 @@ class DockingModel {
         host_(maps_[0].atoms),
         tolerance_(parameters.positive("tolerance", 0.1)),
         substep_(parameters.positive("substep", 0.1)),
-        force_scale_(parameters.positive("force_scale", 0.025)) {
+        force_scale_(parameters.positive("force_scale", 0.02)) {
     maps_.clear();
     parameters.finish();
   }
@@ -50,17 +50,19 @@ class DockingModel {
 
   void periods(double* periods) const { std::fill_n(periods, 6, HAPGRID_ROTATION); }
 
-  /// Comes to rest from many orientations, and takes what differs.
+  /// Comes to rest from the orientation in the ligand's file and many others, and takes what
+  /// differs.
   std::vector<double> known_states(const double* x) const {
     std::vector<double> known;
-    for (int n = 0; n < kStarts; ++n) {
+    for (int n = -1; n < kStarts; ++n) {
       double s[6] = {1, 0, 0, 0, 1, 0};
       // Axes and angles that are spread evenly enough over all turns.
-      const double z = 1 - (2 * n + 1.0) / kStarts, r = std::sqrt(1 - z * z), turned = 2.39996 * n;
+      const double z = 1 - (2 * n + 1.0) / kStarts, r = std::sqrt(std::max(0.0, 1 - z * z)),
+                   turned = 2.39996 * n;
       const double angle = 3.14159 * ((n * 7) % kStarts + 0.5) / kStarts;
       const double turn[3] = {angle * r * std::cos(turned), angle * r * std::sin(turned),
                               angle * z};
-      hapgrid::orientation::turn(s, turn);
+      if (n >= 0) hapgrid::orientation::turn(s, turn);
       poses_.relax(x, s);
       poses_.choose(s);
       bool is_new = true;

@@ -14,6 +14,8 @@ from . import maps
 LARGEST = 10.0  # angstrom: the sides of a box that nobody asked for
 MAX_LEVELS = 64
 TICKS = 4000  # of the way in, and as many back
+# By the number of a link's direction.
+STEPS = [np.array((i, j, k)) for k in (-1, 0, 1) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j, k) != (0, 0, 0)]
 
 
 def run(o):
@@ -80,7 +82,7 @@ types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms,
 soft = 10                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
 substep = 0.1             # of the HIP between two minimisations of the orientation, Å
 tolerance = 0.1           # orientations whose atoms are no farther apart, RMS, are one; Å
-force_scale = 0.025       # newtons on the device for 1 kJ/(mol Å)
+force_scale = 0.02        # newtons on the device for 1 kJ/(mol Å)
 
 [grid]
 origin = {[round(float(v), 6) for v in low]}
@@ -95,11 +97,11 @@ store = ["energy", "force"]
 
 
 def _records(work, grid):
-    """(indices of points, energies, states) of all records."""
+    """(indices of points, energies, states, records where the links lead) of all records."""
     work.run("stats", grid, "--npz", ".records.npz")
     try:
         with np.load(work.path(".records.npz")) as arrays:
-            return arrays["point"].astype(int), arrays["energy"].ravel(), arrays["state"]
+            return arrays["point"].astype(int), arrays["energy"].ravel(), arrays["state"], arrays["destination"]
     finally:
         os.remove(work.path(".records.npz"))
 
@@ -109,14 +111,12 @@ def _page(work, name):
     report = json.loads(work.run("stats", grid, "--format", "json")[0])
     origin, spacing = np.array(report["box"]["origin"]), report["box"]["spacing"]
     counts = np.array(report["box"]["counts"])
-    points, energy, state = _records(work, grid)
+    points, energy, state, links = _records(work, grid)
     if energy.min() > 0:
         raise Failed(f"the ligand overlaps with the host everywhere in the box: its best energy is {energy.min():.1f} "
                      "kJ/mol: give another --centre or --size")
-    lowest = np.full(counts, np.inf)
-    np.minimum.at(lowest, tuple(points.T), energy)
-    deepest = points[energy.argmin()]
-    work.write("path.txt", page.way_text(_way(lowest, deepest, origin, spacing), "angstrom", TICKS))
+    ends = [origin + spacing * end for end in _way(points, energy, links, counts)]
+    work.write("path.txt", page.way_text(ends, "angstrom", TICKS))
     poses = _poses(points, energy, state)
     rows = [(energy[n], *(origin + spacing * points[n]), *state[n]) for n in poses]
     heads = ["energy / (kJ/mol)", "x / angstrom", "y / angstrom", "z / angstrom",
@@ -145,17 +145,29 @@ average, {len(report["levels_histogram"]) - 1} at most.
     return [*made, "index.html"]
 
 
-def _way(lowest, deepest, origin, spacing):
-    """(start, end): from the box's edge straight to the deepest record, by the direction that climbs least."""
-    best, start = np.inf, deepest
-    for step in ((i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1) if (i, j, k) != (0, 0, 0)):
-        at, most = deepest.copy(), -np.inf
-        while ((at + step >= 0) & (at + step < lowest.shape)).all():
-            at = at + step
-            most = max(most, lowest[tuple(at)])
-        if most < best:
-            best, start = most, at
-    return origin + spacing * start, origin + spacing * deepest
+def _way(points, energy, links, counts):
+    """(start, end): from the box's edge straight to the point of the deepest record. Of the directions in which the links
+    from the start's first level lead about as deep, it is the one that climbs least."""
+    first = {}
+    for n, point in enumerate(map(tuple, points)):
+        first.setdefault(point, n)
+    deepest = points[energy.argmin()]
+    ways = []
+    for q, step in enumerate(STEPS):
+        at = deepest
+        while ((at - step >= 0) & (at - step < counts)).all():
+            at = at - step
+        if tuple(at) not in first or (at == deepest).all():
+            continue
+        record, most, edge = first[tuple(at)], -np.inf, at
+        while (at != deepest).any():
+            most = max(most, energy[record])
+            record, at = int(links[record][q]), at + step
+        ways.append((energy[record], most, edge))
+    if not ways:  # the deepest point is a corner, and no other is on a line with it
+        return deepest, deepest
+    deep = min(way[0] for way in ways)
+    return min((way for way in ways if way[0] <= deep + abs(deep) / 4), key=lambda way: way[1])[2], deepest
 
 
 def _poses(points, energy, state, most=10, apart=1.0):

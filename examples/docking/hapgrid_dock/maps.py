@@ -96,7 +96,7 @@ def compute(work, host, ligand, low, high, spacing):
             raise
         with open(work.path("host.glg"), encoding="utf-8", errors="replace") as file:
             wrong = [line.strip() for line in file if "ERROR" in line]
-        raise Failed(wrong[0] if wrong else f"autogrid4: {why}") from None
+        raise Failed("autogrid4: " + (wrong[0].removeprefix("autogrid4: ") if wrong else str(why))) from None
     names, tables = [*kinds, "e", "d"], []
     for name in names:
         with open(work.path(f"host.{name}.map"), encoding="ascii") as file:
