@@ -106,6 +106,10 @@ struct Equality {
   weights @1 :List(Float64);
   # Each component of the state has one, finite and not negative. Empty: all are 1.
 
+  periods @2 :List(Float64);
+  # Each component has one: 0 of a plain number, the period of an angle, or -1 of six components in a
+  # row that are the first two columns of a rotation matrix. Empty: all are plain numbers.
+
   enum Norm {
     plugin @0;
     # The model is a plug-in, and its own function decides.

@@ -163,7 +163,8 @@ static void spheres(const hapgrid_model* m, hapgrid_sphere* spheres) {
   spheres[0] = bead, spheres[1] = well, spheres[2] = well;
 }
 
-static void shape(hapgrid_model* m, const double* s, float* centres) {
+static void shape(hapgrid_model* m, const double* x, const double* s, float* centres) {
+  (void)x;
   memset(centres, 0, 3 * kBeads * sizeof *centres);
   centres[0] = (float)*s;
   centres[3] = (float)-m->wells;

@@ -72,6 +72,7 @@ module hapgrid_model
     type(c_funptr) :: own_energy = c_null_funptr
     type(c_funptr) :: torsions = c_null_funptr
     type(c_funptr) :: check = c_null_funptr
+    type(c_funptr) :: periods = c_null_funptr
   end type
 
 contains

@@ -245,9 +245,9 @@ contains
     end do
   end subroutine
 
-  subroutine shape(handle, s, centres) bind(c, name='')
+  subroutine shape(handle, x, s, centres) bind(c, name='')
     type(c_ptr), value :: handle
-    real(dp), intent(in) :: s
+    real(dp), intent(in) :: x(3), s
     real(c_float), intent(out) :: centres(3, beads)
     type(spring_model), pointer :: m
     m => model_of(handle)

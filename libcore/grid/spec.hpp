@@ -64,7 +64,9 @@ struct ModelDescription {
   std::uint32_t state_size = 1;  ///< n, the number of components of a state
   double tolerance = 0;          ///< the bound that the model's tolerance function applies
   std::string tolerance_unit;
-  Equality equality;        ///< the tolerance function of a process; a plug-in has it in its code
+  /// The tolerance function of a process, while a plug-in has it in its code; and of both which
+  /// components are angles.
+  Equality equality;
   std::string length_unit;  ///< for people to read, as is the next one; may be empty
   std::string energy_unit;
   std::string version;     ///< of the model, in its own words; may be empty

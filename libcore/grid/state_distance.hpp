@@ -55,7 +55,9 @@ class StateDistance {
   static constexpr double kMost = 0x1p40;
 
   bool same_at(std::span<const double> a, std::span<const double> b, double part) {
-    for (std::size_t c = 0; c < between_.size(); ++c) between_[c] = a[c] + part * (b[c] - a[c]);
+    for (std::size_t c = 0; c < between_.size(); ++c)
+      between_[c] = a[c] + part * (nearest(spec_.equality, c, b[c], a[c]) - a[c]);
+    orthonormalise_rotations(spec_.equality, between_);
     return same_(a.data(), between_.data());
   }
 

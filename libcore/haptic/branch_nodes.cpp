@@ -97,8 +97,14 @@ void BranchNodes::add_ghost(std::span<const OneWayLink> links) {
     const auto d = Direction(link.q).step();
     const double weight = has_two ? 1.0 / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) : 0;
     for (std::size_t c = 0; c < row_size_; ++c) {
-      mean[c] += r0[c];
-      if (has_two) row[c] += weight * (has_three ? 3 * (r0[c] - r1[c]) + r2[c] : 2 * r0[c] - r1[c]);
+      const auto near = [&](double value) {  // with an angle, on the same turn in all records
+        return nearest(grid_.spec().equality, c, value, grid_.row(links.front().from)[c]);
+      };
+      const double s0 = near(r0[c]);
+      mean[c] += s0;
+      if (!has_two) continue;
+      const double s1 = near(r1[c]);
+      row[c] += weight * (has_three ? 3 * (s0 - s1) + near(r2[c]) : 2 * s0 - s1);
     }
     weights += weight;
   }

@@ -208,7 +208,8 @@ void BranchTraversal::keep_state(const std::array<const double*, 8>& before,
   for (int k = 0; k < 8; ++k) {
     if (before[k] == after[k] || weights[k] == 0) continue;
     for (std::size_t c = 0; c < offset.size(); ++c)
-      offset[c] += weights[k] * (before[k][c] - after[k][c]);
+      offset[c] +=
+          weights[k] * (nearest(grid_.spec().equality, c, before[k][c], after[k][c]) - after[k][c]);
   }
 }
 
@@ -316,6 +317,7 @@ bool BranchTraversal::snap(const Vec3& part) noexcept {
 void BranchTraversal::evaluate() noexcept {
   blend(weights_, rows_, row_);
   offset_.add_to(row_);
+  blend_angles(grid_.spec().equality, weights_, rows_, row_);
 }
 
 }  // namespace hapgrid

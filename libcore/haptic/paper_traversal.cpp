@@ -33,7 +33,9 @@ void PaperTraversal::set_corners(const Corners& corners) noexcept {
 }
 
 void PaperTraversal::evaluate() noexcept {
-  blend(corner_weights(part_of_cell(position())), rows_, row_);
+  const std::array<double, 8> weights = corner_weights(part_of_cell(position()));
+  blend(weights, rows_, row_);
+  blend_angles(grid_.spec().equality, weights, rows_, row_);
 }
 
 }  // namespace hapgrid

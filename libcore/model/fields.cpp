@@ -46,11 +46,12 @@ double Fields::energy(const Vec3& x, std::span<const double> row) const noexcept
   return spec_.stored.energy ? row[spec_.energy_offset()] : model_->energy(x, row.data());
 }
 
-void Fields::shape(std::span<const double> row, std::span<float> centres) const noexcept {
+void Fields::shape(const Vec3& x, std::span<const double> row,
+                   std::span<float> centres) const noexcept {
   if (spec_.stored.shape)
     std::copy_n(row.data() + spec_.shape_offset(), centres.size(), centres.begin());
   else if (!spheres_.empty())
-    model_->shape(row.data(), centres);
+    model_->shape(x, row.data(), centres);
 }
 
 }  // namespace hapgrid

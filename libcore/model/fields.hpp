@@ -45,8 +45,9 @@ class Fields {
   double own_energy(std::span<const double> row) const noexcept {
     return model_->own_energy(row.data());
   }
-  /// Centres of the spheres, x y z by sphere. Real-time safe, as far as the model is.
-  void shape(std::span<const double> row, std::span<float> centres) const noexcept;
+  /// Centres of the spheres with the HIP at x, x y z by sphere. Real-time safe, as far as the model
+  /// is.
+  void shape(const Vec3& x, std::span<const double> row, std::span<float> centres) const noexcept;
 
  private:
   const GridSpec& spec_;

@@ -92,6 +92,15 @@ Equality read_equality(const Json& in, std::uint32_t state_size) {
     if (!weight.is_number()) fail("\"weights\" must be an array of numbers");
     equality.weights.push_back(weight.get<double>());
   }
+  for (const Json& period : array(in, "period")) {
+    if (!period.is_number()) fail("\"period\" must be an array of numbers");
+    equality.periods.push_back(period.get<double>());
+  }
+  if (!equality.fits_periods(state_size))
+    fail(format(
+        "\"period\" must be {} numbers, one for each component of the state: 0, the period of "
+        "an angle, or six times -1 for two columns of a rotation matrix",
+        state_size));
   if (!equality.fits(state_size))
     fail(
         format("\"weights\" must be {} numbers, one for each component of the state, none of them "
@@ -121,7 +130,7 @@ ModelInfo read_info(const Json& in) {
                 printable_line(version->dump(-1, ' ', true)), kProtocolVersion));
   only_keys(in, "its first line",
             {"hapgrid", "state_size", "d_max", "tolerance", "tolerance_unit", "norm", "weights",
-             "length_unit", "energy_unit", "force_scale", "hip_radius", "stored", "spheres",
+             "period", "length_unit", "energy_unit", "force_scale", "hip_radius", "stored", "spheres",
              "version", "in_flight"});
   ModelInfo info;
   info.state_size = whole_number(in, "state_size", kMaxStateSize);

@@ -85,7 +85,9 @@ double Model::own_energy(const double*) const {
   return 0;
 }
 
-void Model::shape(const double*, std::span<float>) const { assert(!"this model has no shape"); }
+void Model::shape(const Vec3&, const double*, std::span<float>) const {
+  assert(!"this model has no shape");
+}
 
 std::unique_ptr<Model> declared_model(const GridSpec& spec) {
   ModelInfo info{spec, /*d_max=*/std::numeric_limits<double>::infinity(), 0, {}};

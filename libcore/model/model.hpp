@@ -104,8 +104,9 @@ class Model {
   virtual double energy(const Vec3& x, const double* s) const;
   /// The energy of state s alone, without the HIP; needs has_own_energy().
   virtual double own_energy(const double* s) const;
-  /// The centres of info().spheres in state s, x y z by sphere; needs has_shape().
-  virtual void shape(const double* s, std::span<float> centres) const;
+  /// The centres of info().spheres in state s with the HIP at x, x y z by sphere; needs
+  /// has_shape().
+  virtual void shape(const Vec3& x, const double* s, std::span<float> centres) const;
 
  protected:
   explicit Model(ModelInfo info) : info_(std::move(info)), row_size_(info_.row_size()) {}

@@ -61,6 +61,9 @@ enum hapgrid_stored {
   HAPGRID_STORE_ENERGY = 4
 };
 
+/* What hapgrid_model_table.periods() writes for the components of an orientation. */
+#define HAPGRID_ROTATION (-1.0)
+
 /* Texts are NUL-terminated UTF-8. The table's caller has set everything to zero before info(). */
 typedef struct hapgrid_model_info {
   uint32_t state_size; /* n >= 1 */
@@ -126,10 +129,10 @@ typedef struct hapgrid_model_table {
   double (*energy)(hapgrid_model* model, const double* x, const double* s);
 
   /* Optional (NULL, both or none): the info.spheres spheres that show a state. spheres() writes
-   * what stays the same, shape() the centres in state s: float[3 * info.spheres], x y z by
-   * sphere, in the model's unit of length. */
+   * what stays the same, shape() the centres in state s with the HIP at x:
+   * float[3 * info.spheres], x y z by sphere, in the model's unit of length. */
   void (*spheres)(const hapgrid_model* model, hapgrid_sphere* spheres);
-  void (*shape)(hapgrid_model* model, const double* s, float* centres);
+  void (*shape)(hapgrid_model* model, const double* x, const double* s, float* centres);
 
   /* Optional (NULL): the energy of state s by itself, in info.energy_unit: without the HIP, and
    * without what only holds the model in its place. */
@@ -142,6 +145,12 @@ typedef struct hapgrid_model_table {
    * it may take seconds. Calls tell() with `context` once for each problem, which is a plain line
    * that says what to do. */
   void (*check)(hapgrid_model* model, void (*tell)(void* context, const char* line), void* context);
+
+  /* Optional (NULL): what the components of a state are, periods[info.state_size], all 0 before: 0
+   * for a plain number; the period of an angle; HAPGRID_ROTATION for each of six components in a
+   * row that are the first two columns of a rotation matrix. Between two records play turns an
+   * angle on the shorter way, and makes the columns orthonormal. */
+  void (*periods)(const hapgrid_model* model, double* periods);
 } hapgrid_model_table;
 
 /* The one symbol that a plug-in exports. */

@@ -11,15 +11,17 @@
 //     void force(const double* x, const double* s, double* f);  // each may be left out
 //     double energy(const double* x, const double* s);
 //     void spheres(hapgrid_sphere* spheres) const;                // both or none
-//     void shape(const double* s, float* centres);
+//     void shape(const double* s, float* centres);                // or shape(x, s, centres)
 //     double own_energy(const double* s);
 //     void torsions(hapgrid_torsion* torsions) const;
 //     std::vector<std::string> check();
+//     void periods(double* periods) const;  // angles and orientations among the components of s
 //   };
 //   HAPGRID_MODEL_PLUGIN(Spring, "a mass on a spring")
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -100,6 +102,50 @@ class PluginParameters {
   std::set<std::string> asked_;
 };
 
+/// Orientations. In a state, an orientation is the first two columns of its rotation matrix R, six
+/// numbers that periods() marks with HAPGRID_ROTATION. A place b of the body lies at R b.
+/// Quaternions would have two signs for each orientation, and angles of rotations have seams;
+/// columns have neither.
+namespace orientation {
+
+/// Makes six numbers orthonormal: the first column keeps its direction. The columns must not be
+/// parallel or zero.
+inline void normalise(double* columns) {
+  double* const p = columns;
+  double* const q = columns + 3;
+  const double first = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+  for (int k = 0; k < 3; ++k) p[k] /= first;
+  const double along = p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+  for (int k = 0; k < 3; ++k) q[k] -= along * p[k];
+  const double second = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+  for (int k = 0; k < 3; ++k) q[k] /= second;
+}
+
+/// R b, for the body's place b.
+inline void apply(const double* columns, const double* b, double* out) {
+  const double *p = columns, *q = columns + 3;
+  const double r[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2],
+                       p[0] * q[1] - p[1] * q[0]};
+  for (int k = 0; k < 3; ++k) out[k] = p[k] * b[0] + q[k] * b[1] + r[k] * b[2];
+}
+
+/// Turns the body by the rotation vector `turn`: around its direction, by its length in radians.
+inline void turn(double* columns, const double* turn) {
+  const double angle = std::sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
+  if (angle == 0) return;
+  const double n[3] = {turn[0] / angle, turn[1] / angle, turn[2] / angle};
+  const double c = std::cos(angle), s = std::sin(angle);
+  for (double* v = columns; v < columns + 6; v += 3) {  // Rodrigues' formula
+    const double along = (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]) * (1 - c);
+    const double across[3] = {n[1] * v[2] - n[2] * v[1], n[2] * v[0] - n[0] * v[2],
+                              n[0] * v[1] - n[1] * v[0]};
+    for (int k = 0; k < 3; ++k) v[k] = c * v[k] + s * across[k] + along * n[k];
+  }
+  normalise(columns);
+}
+
+}  // namespace orientation
+
 namespace plugin_detail {
 
 template <class F>
@@ -159,12 +205,22 @@ hapgrid_model_table table(const char* summary) {
     t.energy = [](hapgrid_model* m, const double* x, const double* s) -> double {
       return reinterpret_cast<Model*>(m)->energy(x, s);
     };
-  if constexpr (requires(Model & m, const double* s, float* centres) { m.shape(s, centres); }) {
+  constexpr bool shaped_by_state = requires(Model & m, const double* s, float* centres) {
+    m.shape(s, centres);
+  };
+  constexpr bool shaped_by_place = requires(Model & m, const double* x, float* centres) {
+    m.shape(x, x, centres);
+  };
+  if constexpr (shaped_by_state || shaped_by_place) {
     t.spheres = [](const hapgrid_model* m, hapgrid_sphere* spheres) {
       reinterpret_cast<const Model*>(m)->spheres(spheres);
     };
-    t.shape = [](hapgrid_model* m, const double* s, float* centres) {
-      reinterpret_cast<Model*>(m)->shape(s, centres);
+    t.shape = [](hapgrid_model* m, [[maybe_unused]] const double* x, const double* s,
+                 float* centres) {
+      if constexpr (shaped_by_place)
+        reinterpret_cast<Model*>(m)->shape(x, s, centres);
+      else
+        reinterpret_cast<Model*>(m)->shape(s, centres);
     };
   }
   if constexpr (requires(Model & m, const double* s) { m.own_energy(s); })
@@ -174,6 +230,10 @@ hapgrid_model_table table(const char* summary) {
   if constexpr (requires(const Model& m, hapgrid_torsion* t) { m.torsions(t); })
     t.torsions = [](const hapgrid_model* m, hapgrid_torsion* torsions) {
       reinterpret_cast<const Model*>(m)->torsions(torsions);
+    };
+  if constexpr (requires(const Model& m, double* p) { m.periods(p); })
+    t.periods = [](const hapgrid_model* m, double* periods) {
+      reinterpret_cast<const Model*>(m)->periods(periods);
     };
   if constexpr (requires(Model & m) { m.check(); })
     t.check = [](hapgrid_model* m, void (*tell)(void*, const char*), void* context) {

@@ -114,6 +114,12 @@ ModelInfo info_of(const hapgrid_model_table& table, const hapgrid_model* model,
   if ((info.stored.force && !table.force) || (info.stored.energy && !table.energy) ||
       (info.stored.shape && !table.shape))
     throw ModelError("info.stored names a function that is NULL");
+  if (table.periods && in.state_size > 0 && in.state_size <= kMaxStateSize) {
+    info.equality.periods.resize(in.state_size);
+    table.periods(model, info.equality.periods.data());
+    if (!info.equality.fits_periods(in.state_size))
+      throw ModelError("a period is negative, or an orientation has not six components");
+  }
   if (table.shape) {
     require_possible_shape(in.spheres);
     std::vector<hapgrid_sphere> spheres(in.spheres);
@@ -181,8 +187,8 @@ class PluginModel final : public Model {
         &problems);
     return problems;
   }
-  void shape(const double* s, std::span<float> centres) const override {
-    table_.shape(model_.get(), s, centres.data());
+  void shape(const Vec3& x, const double* s, std::span<float> centres) const override {
+    table_.shape(model_.get(), x.data(), s, centres.data());
   }
 
  private:
@@ -237,7 +243,7 @@ bool PluginModel::complete(const Vec3& x, double* row) {
     for (const double f : force(x, row)) append(f, "force");
   if (kept.energy) append(energy(x, row), "energy");
   if (kept.shape) {
-    shape(row, centres_);
+    shape(x, row, centres_);
     for (const float c : centres_) append(c, "shape");
   }
   if (what) error_ = format("the {} is not finite", what);

@@ -146,6 +146,9 @@ void decode_limits(schema::Header::Reader in, GridSpec& spec) {
         format("a level limit of {}; 1 to {} are possible", spec.max_levels, kMaxLevels));
   spec.equality.norm = decode_norm(in.getEquality().getNorm());
   for (const double weight : in.getEquality().getWeights()) spec.equality.weights.push_back(weight);
+  for (const double period : in.getEquality().getPeriods()) spec.equality.periods.push_back(period);
+  if (!spec.equality.fits_periods(spec.state_size))
+    throw FormatError("impossible periods of the state's components");
   if (!spec.equality.fits(spec.state_size))
     throw FormatError("impossible weights of the tolerance function");
   spec.hip_radius = in.getHipRadius();
@@ -186,6 +189,7 @@ void encode_header(const SectionHeader& header, schema::Header::Builder out) {
   auto equality = out.initEquality();
   equality.setNorm(encode_norm(spec.equality.norm));
   equality.setWeights(kj::arrayPtr(spec.equality.weights.data(), spec.equality.weights.size()));
+  equality.setPeriods(kj::arrayPtr(spec.equality.periods.data(), spec.equality.periods.size()));
   out.setLengthUnit(spec.length_unit);
   out.setEnergyUnit(spec.energy_unit);
   out.setHipRadius(spec.hip_radius);

@@ -94,8 +94,9 @@ class Patient {
 void add(Content& content, const GridSpec& spec) {
   content.add_all(spec.box.origin, spec.box.spacing, spec.box.counts, spec.model, spec.state_size,
                   spec.tolerance, spec.tolerance_unit, spec.equality.norm, spec.equality.weights,
-                  spec.max_levels, spec.length_unit, spec.energy_unit, spec.hip_radius,
-                  spec.force_scale, spec.stored.force, spec.stored.energy, spec.stored.shape);
+                  spec.equality.periods, spec.max_levels, spec.length_unit, spec.energy_unit,
+                  spec.hip_radius, spec.force_scale, spec.stored.force, spec.stored.energy,
+                  spec.stored.shape);
   for (const Parameter& parameter : spec.parameters) {
     content.add_all(parameter.key, parameter.value.index());
     std::visit([&](const auto& value) { content.add(value); }, parameter.value);

@@ -38,7 +38,7 @@ class Pushes {
     known_ = model.known_states(low_);
     if (known_.size() < 2 * model.state_size()) throw Error("the model knows one state at rest");
     centres_.resize(3 * model.info().spheres.size());
-    model.shape(known_.data(), centres_);
+    model.shape(low_, known_.data(), centres_);
   }
 
   std::vector<Vec3> next() {

@@ -146,8 +146,8 @@ class Rule {
 double rms(const Fields& fields, std::span<const double> a, std::span<const double> b) {
   const std::size_t spheres = fields.spheres().size();
   std::vector<float> p(3 * spheres), q(3 * spheres);
-  fields.shape(a, p);
-  fields.shape(b, q);
+  fields.shape({}, a, p);  // of molecules, which do not need the HIP
+  fields.shape({}, b, q);
   double sum = 0;
   for (std::size_t i = 0; i < p.size(); ++i) sum += (p[i] - q[i]) * (p[i] - q[i]);
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, spheres)));

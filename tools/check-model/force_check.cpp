@@ -57,7 +57,7 @@ void ForceCheck::try_at(const Vec3& x, std::span<const double> state, Findings& 
   row.resize(spec_.row_size());
   if (fields_.asks_for_shape()) {
     std::vector<float> centres(std::size_t{3} * fields_.spheres().size());
-    shape_seconds.push_back(seconds_of([&] { fields_.shape(row, centres); }));
+    shape_seconds.push_back(seconds_of([&] { fields_.shape(x, row, centres); }));
     ++finite.counted;
     if (!std::all_of(centres.begin(), centres.end(), [](float c) { return std::isfinite(c); }))
       finite.offend([&] { return "shape in state " + state_text(state); });

@@ -32,7 +32,7 @@ Scene describe_scene(const GridSpec& spec, const Fields& fields, const PlayOptio
 void complete(const Fields& fields, Frame& frame) {
   if (fields.has_energy()) frame.energy = fields.energy(frame.position, frame.row);
   if (fields.has_own_energy()) frame.own_energy = fields.own_energy(frame.row);
-  fields.shape(frame.row, frame.centres);
+  fields.shape(frame.position, frame.row, frame.centres);
 }
 
 /// Real-time safe: the snapshot's vectors have their sizes already.

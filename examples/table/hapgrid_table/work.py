@@ -1,4 +1,4 @@
-"""A folder with the one grid that follows from a definition."""
+"""A folder with the one grid that follows from a definition, of `hapgrid table` or `hapgrid dock`."""
 
 import sys
 import tomllib

@@ -5,7 +5,8 @@ export LC_ALL=C.UTF-8
 tools=(hapgrid feel init seed expand merge verify stats play view plot check-model)
 molecule() { hapgrid molecule "$@"; }
 table() { hapgrid table "$@"; }
-for command in molecule table; do
+dock() { hapgrid dock "$@"; }
+for command in molecule table dock; do
   [[ ! -e $HAPGRID_BUILD/man/man1/hapgrid-$command.1 ]] || tools+=("$command")  # where its modules are
 done
 for tool in "${tools[@]}"; do
@@ -17,7 +18,7 @@ for tool in "${tools[@]}"; do
   (($(wc -l <help) <= lines)) || fail "$tool --help has $(wc -l <help) lines"
   # None of CLI11's own notes on types and options is left.
   ! grep -E ':(INT|FLOAT|TEXT|POSITIVE|\{)|Needs:|Excludes:|REQUIRED|\{auto\}' help || fail "$tool --help shows how it is parsed"
-  [[ $tool =~ ^(molecule|table|feel|init)$ ]] || for code in 'Exit codes:' '  0  done' '  1  could not' '  2  the command line is wrong'; do
+  [[ $tool =~ ^(molecule|table|dock|feel|init)$ ]] || for code in 'Exit codes:' '  0  done' '  1  could not' '  2  the command line is wrong'; do
     grep -q "^$code" help || fail "$tool --help does not say: $code"
   done
 

@@ -89,7 +89,7 @@ TEST_CASE("the shape is the ball where the state has it, and its rope") {
   CHECK(spheres[0].radius == 0.1F);
   std::vector<float> centres(30);
   for (const double alpha : {0.0, 0.3, -0.7, 2.0}) {
-    model->shape(&alpha, centres);
+    model->shape({}, &alpha, centres);
     // float has 2^-24; all coordinates are below 2.
     const double bound = 2 * 0x1p-24;
     CHECK(std::abs(centres[0] - std::sin(alpha)) <= bound);

@@ -97,7 +97,7 @@ TEST_CASE("what a model says of itself") {
           "version": "2.1", "in_flight": 26,
           "spheres": [{"radius": 1, "colour": [1, 0, 0.5], "label": "C"}, {"radius": 0}]})";
   const ModelInfo d = read_first_line(good);
-  CHECK(d.equality == Equality{Equality::Norm::kRms, {1, 0.5}});
+  CHECK(d.equality == Equality{Equality::Norm::kRms, {1, 0.5}, {}});
   CHECK(d.stored == Stored{true, false, true});
   CHECK(d.spheres.size() == 2);
   CHECK(d.spheres[0].label == "C");

@@ -108,7 +108,7 @@ TEST_CASE("a molecule without paths is pushed as a whole, also when it lies on a
   for (std::size_t i = 0; i < 6; ++i) CHECK(pushed[i] == Approx(i == 2 ? -shift : 0).margin(2e-5));
   CHECK(model->force({0, 0, 3.5}, pushed.data())[2] == Approx(0.025 * 20 * shift).epsilon(1e-4));
   std::vector<float> centres(9);
-  model->shape(pushed.data(), centres);
+  model->shape({0, 0, 3.5}, pushed.data(), centres);
   CHECK(centres[5] == Approx(1.16 - shift).epsilon(1e-4));
 }
 

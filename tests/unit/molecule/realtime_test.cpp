@@ -18,7 +18,7 @@ TEST_CASE("force, energy, shape and equal do not allocate") {
     const double* s = states[i].data();
     const hapgrid::Vec3 x{random.between(-5, 5), random.between(-3, 3), random.between(-3, 3)};
     total += model->force(x, s)[0] + model->energy(x, s);
-    model->shape(s, centres);
+    model->shape(x, s, centres);
     total += centres[0] + model->equal(s, states[(i + 1) % states.size()].data());
   }
   CHECK(hapgrid::testing::allocations() == before);

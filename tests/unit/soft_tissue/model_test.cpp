@@ -44,7 +44,7 @@ TEST_CASE("a state, and what a grid stores with it") {
   CHECK(std::abs(f[2]) > 0.01);
   CHECK(std::abs(f[0]) < 1e-6);
   std::vector<float> centres(3 * spheres);
-  model->shape(pushed.data(), centres);
+  model->shape({0, 0, 18}, pushed.data(), centres);
   double lowest = 12;
   for (std::size_t i = 0; i < centres.size(); ++i) CHECK(centres[i] == pushed[154 + i]);
   // The top's middle node has gone down.

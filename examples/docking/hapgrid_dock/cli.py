@@ -1,0 +1,70 @@
+"""The command line of `hapgrid dock`."""
+
+import argparse
+
+from hapgrid_command.cli import Parser, formatter, guarded, number
+
+from . import course
+
+ABOUT = """\
+Makes a verified grid of a rigid ligand in a host, with pictures, so that a hand
+can feel how it fits. The hand holds the ligand's centre, and the ligand turns
+by itself. Energies are AutoDock 4's, by AutoGrid's maps. Everything goes to the
+folder DIR. A run that was stopped continues there. A file in DIR that you
+change is kept, and the same command computes again what depends on it.
+"""
+
+AFTERWARDS = """\
+HOST and LIGAND are files that Open Babel reads, as .mol2, .sdf or .pdb, with
+hydrogens and coordinates; a .pdbqt is taken as it is.
+
+Files in DIR, whose name is NAME:
+  index.html       summary with pictures, and the ligand on its way in
+  NAME.toml        definition of the grid; NAME.grid is the grid itself
+  host.pdbqt, ligand.pdbqt, host.*.map   what AutoGrid read and wrote
+  poses.tsv        the deepest poses, as energies and places
+  path.txt         a way to the deepest pose and back
+
+exit codes:
+  0  done
+  1  could not: input, I/O, a model or another program
+  2  the command line is wrong
+  3  the grid breaks a rule: see verify.txt
+
+examples:
+  hapgrid dock calix.mol2 formamide.mol2 -o calix --centre 0,0,3 -j 2
+  hapgrid dock host.pdbqt ligand.sdf -o pocket --centre 15,53,16 --size 8,8,8
+"""
+
+
+def three(low, high):
+    def read(text):
+        words = text.split(",")
+        values = [float(word) for word in words]
+        if len(values) != 3 or not all(low <= v <= high for v in values):
+            raise argparse.ArgumentTypeError(f"must be three numbers from {low:g} to {high:g} with commas between")
+        return values
+    read.__name__ = "three numbers"
+    return read
+
+
+def parser():
+    p = Parser(prog="hapgrid dock", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
+               allow_abbrev=False, usage="hapgrid dock HOST LIGAND -o DIR [options]")
+    p.add_argument("host", metavar="HOST", help="file of the host")
+    p.add_argument("ligand", metavar="LIGAND", help="file of the ligand, of 2 to 200 atoms")
+    p.add_output("threads")
+    p.add_argument("--centre", type=three(-1e4, 1e4), metavar="X,Y,Z",
+                   help="centre of the box in which the ligand's centre moves, in angstrom (default: the host's)")
+    p.add_argument("--size", type=three(0.5, 60), metavar="X,Y,Z",
+                   help="lengths of the box in angstrom (default: the host's, but at most 10)")
+    p.add_argument("--spacing", type=number(0.1, 2), metavar="H", default=0.5,
+                   help="spacing of the grid in angstrom (default: 0.5)")
+    p.add_argument("--map-spacing", type=number(0.05, 1), metavar="H", default=0.25,
+                   help="spacing of AutoGrid's maps in angstrom (default: 0.25)")
+    p.add_until("definition")
+    return p
+
+
+def main(arguments):
+    return guarded("dock", parser().parse_args, course.run, arguments)

@@ -1,0 +1,181 @@
+"""The course of a host and a ligand from their files to the page."""
+
+import html
+import json
+import os
+import shlex
+
+import numpy as np
+from hapgrid_table import page
+from hapgrid_table.work import BreaksRule, Failed, Work, digest
+
+from . import maps
+
+LARGEST = 10.0  # angstrom: the sides of a box that nobody asked for
+MAX_LEVELS = 64
+TICKS = 4000  # of the way in, and as many back
+# By the number of a link's direction.
+STEPS = [np.array((i, j, k)) for k in (-1, 0, 1) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j, k) != (0, 0, 0)]
+
+
+def run(o):
+    """Everything; the line for standard output."""
+    for given in (o.host, o.ligand):
+        with open(given, "rb"):  # says why, where it cannot be read
+            pass
+    work = Work("dock", o.output, o.quiet)
+    name = os.path.basename(os.path.realpath(o.output))
+    if not all(c.isascii() and (c.isalnum() or c in "-_.") for c in name):
+        raise Failed(f"the name of the folder, {name}, has other characters than letters, digits, '.', '-' and '_'")
+    work.enter()
+    toml, grid = f"{name}.toml", f"{name}.grid"
+    if work.changed_by_hand(toml):
+        work.say(f"{toml} was changed by hand: it is kept")
+    else:
+        options = [o.centre, o.size, o.spacing, o.map_spacing]
+        work.step("definition", "computing AutoGrid's maps", [], [digest(o.host), digest(o.ligand), options],
+                  lambda: _define(o, work, name))
+    if o.until:
+        work.say("stopped after the definition: the same command without --until goes on")
+        return ""
+    broken = None
+    try:
+        work.compute_grid(toml, grid, o.threads)
+    except BreaksRule as why:  # the pictures show where
+        broken = why
+    work.step("page", "drawing pictures", [grid, "verify.txt"], [], lambda: _page(work, name))
+    if broken:
+        raise broken
+    out = o.output.rstrip("/") or "/"
+    work.say(f"done: {out}/index.html sums up")
+    return f"hapgrid feel {shlex.quote(os.path.join(out, grid))}"
+
+
+def _define(o, work, name):
+    host = maps.pdbqt(work, o.host, "host", maps.MOST_HOST)
+    ligand = maps.pdbqt(work, o.ligand, "ligand", maps.MOST_LIGAND)
+    if len(ligand) < 2:
+        raise Failed(f"{o.ligand}: one atom cannot turn: `hapgrid table` makes a grid of a map")
+    places = np.array([place for _, place, _ in host])
+    low, high = places.min(axis=0), places.max(axis=0)
+    centre = np.array(o.centre) if o.centre else (low + high) / 2
+    size = np.array(o.size) if o.size else np.minimum(high - low, LARGEST)
+    counts = [max(int(np.floor(s / o.spacing + 1e-6)) + 1, 2) for s in size]
+    size = (np.array(counts) - 1) * o.spacing
+    low, high = centre - size / 2, centre + size / 2
+    names, tables, made = maps.compute(work, host, ligand, low, high, o.map_spacing)
+    work.say(f"  host of {len(host)} atoms, ligand of {len(ligand)} atoms; grid of {' x '.join(map(str, counts))} points, "
+             f"{o.spacing:g} angstrom apart; maps {', '.join(names)}")
+    work.write(f"{name}.toml", f"""\
+# {name}: made by `hapgrid dock`, which keeps what is changed here and computes the grid anew when it is run
+# again. Lengths in Å.
+
+[model]
+plugin = "docking"
+
+[model.files]             # the grid carries their contents
+ligand = "ligand.pdbqt"
+maps = {json.dumps(tables)}
+
+[model.parameters]
+types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d
+soft = 10                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
+substep = 0.1             # of the HIP between two minimisations of the orientation, Å
+tolerance = 0.1           # orientations whose atoms are no farther apart, RMS, are one; Å
+force_scale = 0.02        # newtons on the device for 1 kJ/(mol Å)
+
+[grid]
+origin = {[round(float(v), 6) for v in low]}
+spacing = {o.spacing:g}
+counts = {counts}
+
+[search]
+max_levels = {MAX_LEVELS}           # orientations that a place may have
+store = ["energy", "force"]
+""")
+    return ["host.pdbqt", "ligand.pdbqt", f"{name}.toml", *tables, *made]
+
+
+def _records(work, grid):
+    """(indices of points, energies, states, records where the links lead) of all records."""
+    work.run("stats", grid, "--npz", ".records.npz")
+    try:
+        with np.load(work.path(".records.npz")) as arrays:
+            return arrays["point"].astype(int), arrays["energy"].ravel(), arrays["state"], arrays["destination"]
+    finally:
+        os.remove(work.path(".records.npz"))
+
+
+def _page(work, name):
+    grid = f"{name}.grid"
+    report = json.loads(work.run("stats", grid, "--format", "json")[0])
+    origin, spacing = np.array(report["box"]["origin"]), report["box"]["spacing"]
+    counts = np.array(report["box"]["counts"])
+    points, energy, state, links = _records(work, grid)
+    if energy.min() > 0:
+        raise Failed(f"the ligand overlaps with the host everywhere in the box: its best energy is {energy.min():.1f} "
+                     "kJ/mol: give another --centre or --size")
+    ends = [origin + spacing * end for end in _way(points, energy, links, counts)]
+    work.write("path.txt", page.way_text(ends, "angstrom", TICKS))
+    poses = _poses(points, energy, state)
+    rows = [(energy[n], *(origin + spacing * points[n]), *state[n]) for n in poses]
+    heads = ["energy / (kJ/mol)", "x / angstrom", "y / angstrom", "z / angstrom",
+             *(f"R{r}{c}" for c in (1, 2) for r in (1, 2, 3))]
+    work.write("poses.tsv", "\t".join(heads) + "\n" + "".join("\t".join(f"{v:.4f}" for v in row) + "\n" for row in rows))
+    made = ["path.txt", "poses.tsv", *page.along(work, grid, "kJ/mol", "angstrom")]
+    for picture, at in (("outside.png", 0.0), ("inside.png", TICKS / 1000)):
+        work.run("view", "played.frames", "--at", at, "--png", picture)
+        made.append(picture)
+    levels = report["average_levels"]
+    table = "".join("<tr>" + "".join(f"<td>{v:.2f}" for v in row[:4]) for row in rows)
+    work.write("index.html", page.frame(name, f"""
+<p>The hand holds the ligand's centre, and the ligand turns by itself. A place has {levels:.2f} orientations on
+average, {len(report["levels_histogram"]) - 1} at most.
+<p>To feel it, in the folder that has this one:
+<p><code>hapgrid feel {name}/{grid}</code>
+<iframe src="played.html" title="the ligand on its way"></iframe>
+<h2>The way to the deepest pose and back</h2>
+<img src="outside.png" alt="outside"> <img src="inside.png" alt="inside">
+<img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">
+<h2>The deepest poses</h2>
+<table><tr><th>energy / (kJ/mol)<th>x / Å<th>y / Å<th>z / Å{table}</table>
+<h2>The grid</h2>
+<pre>{html.escape(work.read("verify.txt"))}</pre>
+"""))
+    return [*made, "index.html"]
+
+
+def _way(points, energy, links, counts):
+    """(start, end): from the box's edge straight to the point of the deepest record. Of the directions in which the links
+    from the start's first level lead about as deep, it is the one that climbs least."""
+    first = {}
+    for n, point in enumerate(map(tuple, points)):
+        first.setdefault(point, n)
+    deepest = points[energy.argmin()]
+    ways = []
+    for q, step in enumerate(STEPS):
+        at = deepest
+        while ((at - step >= 0) & (at - step < counts)).all():
+            at = at - step
+        if tuple(at) not in first or (at == deepest).all():
+            continue
+        record, most, edge = first[tuple(at)], -np.inf, at
+        while (at != deepest).any():
+            most = max(most, energy[record])
+            record, at = int(links[record][q]), at + step
+        ways.append((energy[record], most, edge))
+    if not ways:  # the deepest point is a corner, and no other is on a line with it
+        return deepest, deepest
+    deep = min(way[0] for way in ways)
+    return min((way for way in ways if way[0] <= deep + abs(deep) / 4), key=lambda way: way[1])[2], deepest
+
+
+def _poses(points, energy, state, most=10, apart=1.0):
+    """Numbers of the deepest records, no two of which are neighbours with about the same orientation."""
+    taken = []
+    for n in np.argsort(energy)[:5000]:
+        if all(np.abs(points[n] - points[k]).max() > 2 or np.linalg.norm(state[n] - state[k]) > apart for k in taken):
+            taken.append(n)
+        if len(taken) == most:
+            break
+    return taken

@@ -1,0 +1,160 @@
+#include "examples/docking/ligand.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace hapgrid::docking {
+
+namespace {
+
+// Places and charges that are this close are the same for the symmetry: force fields and
+// Gasteiger's charges are not exactly symmetric.
+constexpr double kSamePlace = 0.1;    // angstrom
+constexpr double kSameCharge = 0.02;  // elementary charges
+
+double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double length(const Vector& a) { return std::sqrt(dot(a, a)); }
+Vector minus(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+Vector times(const Matrix& m, const Vector& v) {
+  return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
+}
+
+double number(const std::string& line, std::size_t at, std::size_t size) {
+  std::string word = line.size() > at ? line.substr(at, size) : "";
+  word.erase(0, word.find_first_not_of(" +"));
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || !std::isfinite(value))
+    throw std::runtime_error("ligand: no PDBQT: a coordinate or charge is missing in: " +
+                             line.substr(0, 80));
+  return value;
+}
+
+bool same(const LigandAtom& a, const LigandAtom& b) {
+  return a.type == b.type && std::abs(a.charge - b.charge) < kSameCharge;
+}
+
+/// Orthonormal axes from two places, as rows; false when they lie on one line.
+bool frame(const Vector& a, const Vector& b, Matrix& axes) {
+  axes[0] = a;
+  for (double& c : axes[0]) c /= length(a);
+  axes[2] = cross(a, b);
+  const double size = length(axes[2]);
+  if (!(size > 1e-3 * (1 + length(a) * length(b)))) return false;
+  for (double& c : axes[2]) c /= size;
+  axes[1] = cross(axes[2], axes[0]);
+  return true;
+}
+
+bool carries(const Matrix& turn, const std::vector<LigandAtom>& atoms) {
+  return std::all_of(atoms.begin(), atoms.end(), [&](const LigandAtom& atom) {
+    const Vector to = times(turn, atom.place);
+    return std::any_of(atoms.begin(), atoms.end(), [&](const LigandAtom& other) {
+      return same(atom, other) && length(minus(to, other.place)) < kSamePlace;
+    });
+  });
+}
+
+/// A turn is fixed by where it brings two atoms. A ligand on one line has no finite set of them.
+void find_symmetry(Ligand& ligand) {
+  ligand.symmetry = {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+  const auto& atoms = ligand.atoms;
+  std::size_t first = 0, second = 0;
+  double most = 0;
+  for (std::size_t i = 0; i < atoms.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const double area = length(cross(atoms[i].place, atoms[j].place));
+      if (area > most) most = area, first = i, second = j;
+    }
+  Matrix from, to;
+  if (!(most > 0) || !frame(atoms[first].place, atoms[second].place, from)) return;
+  const auto fits = [&](std::size_t from_atom, std::size_t to_atom) {
+    return same(atoms[from_atom], atoms[to_atom]) &&
+           std::abs(length(atoms[from_atom].place) - length(atoms[to_atom].place)) < kSamePlace;
+  };
+  for (std::size_t i = 0; i < atoms.size(); ++i) {
+    if (!fits(first, i)) continue;
+    for (std::size_t j = 0; j < atoms.size(); ++j) {
+      if (j == i || !fits(second, j) || (i == first && j == second) ||
+          !frame(atoms[i].place, atoms[j].place, to))
+        continue;
+      Matrix turn{};
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c)
+          for (int k = 0; k < 3; ++k) turn[r][c] += to[k][r] * from[k][c];
+      if (carries(turn, atoms)) ligand.symmetry.push_back(turn);
+    }
+  }
+}
+
+}  // namespace
+
+double Ligand::distance(const double* a, const double* b) const {
+  const auto third = [](const double* c) {
+    return Vector{c[1] * c[5] - c[2] * c[4], c[2] * c[3] - c[0] * c[5], c[0] * c[4] - c[1] * c[3]};
+  };
+  const Vector a3 = third(a), b3 = third(b);
+  Matrix turn;  // A^T B
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) {
+      turn[r][c] = 0;
+      for (int k = 0; k < 3; ++k)
+        turn[r][c] += (r < 2 ? a[3 * r + k] : a3[k]) * (c < 2 ? b[3 * c + k] : b3[k]);
+    }
+  // The sum of |A b - B S b|² is 2 (the trace of M - the trace of A^T B S M), M = spread.
+  double best = -1e300;
+  for (const Matrix& s : symmetry) {
+    double trace = 0;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) trace += turn[i][j] * s[j][k] * spread[k][i];
+    best = std::max(best, trace);
+  }
+  const double sum = 2 * (spread[0][0] + spread[1][1] + spread[2][2] - best);
+  return std::sqrt(std::max(0.0, sum) / static_cast<double>(atoms.size()));
+}
+
+Ligand read_ligand(const std::string& pdbqt) {
+  Ligand ligand;
+  std::istringstream lines(pdbqt);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.compare(0, 4, "ATOM") != 0 && line.compare(0, 6, "HETATM") != 0) continue;
+    LigandAtom atom;
+    for (int a = 0; a < 3; ++a)
+      atom.place[a] = number(line, 30 + 8 * static_cast<std::size_t>(a), 8);
+    atom.charge = number(line, 70, 6);
+    std::istringstream(line.size() > 77 ? line.substr(77) : "") >> atom.type;
+    if (atom.type.empty()) throw std::runtime_error("ligand: an atom of the PDBQT has no type");
+    ligand.atoms.push_back(atom);
+    if (ligand.atoms.size() > kMostAtoms)
+      throw std::runtime_error("ligand: it has more than 200 atoms");
+  }
+  const double n = static_cast<double>(ligand.atoms.size());
+  if (n < 2) throw std::runtime_error("ligand: it has fewer than two atoms: nothing can turn");
+  ligand.centre = {};
+  for (const LigandAtom& atom : ligand.atoms)
+    for (int a = 0; a < 3; ++a) ligand.centre[a] += atom.place[a] / n;
+  for (LigandAtom& atom : ligand.atoms) {
+    atom.place = minus(atom.place, ligand.centre);
+    ligand.radius = std::max(ligand.radius, length(atom.place));
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) ligand.spread[r][c] += atom.place[r] * atom.place[c];
+  }
+  find_symmetry(ligand);
+  return ligand;
+}
+
+std::string element_of(const std::string& type) {
+  if (type == "A" || type == "G" || type == "J" || type == "Q" || type[0] == 'C')
+    return type == "Cl" || type == "Ca" ? type : "C";
+  if (type == "Br" || type == "Zn" || type == "Mg" || type == "Mn" || type == "Fe") return type;
+  return type.substr(0, 1);
+}
+
+}  // namespace hapgrid::docking

@@ -1,0 +1,57 @@
+// The energy of a ligand among AutoGrid's maps, and how its orientation comes to rest.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "examples/docking/ligand.hpp"
+#include "examples/table/lattice.hpp"
+#include "examples/table/spline.hpp"
+
+namespace hapgrid::docking {
+
+/// The energy of an atom of type t and charge q at a place is map t + q map e + |q| map d, as
+/// AutoDock 4 has it (Huey et al., J. Comput. Chem. 28, 1145, 2007). Between the maps' points it is
+/// a tricubic spline. Inside the host it grows to 1e5 kcal/mol, over which a spline would swing: an
+/// energy E above `soft` becomes soft (1 + ln(E / soft)). So does the sum over the atoms.
+class Poses {
+ public:
+  /// @param maps one for each name; `names` are the atoms' types, and e and d.
+  /// @param soft in kJ/mol, positive
+  /// @throw std::runtime_error with one line
+  Poses(Ligand ligand, const std::vector<std::string>& names,
+        const std::vector<table::Lattice>& maps, double soft);
+
+  static constexpr double kJoule = 4.184;  ///< kJ in a kcal, the unit of maps
+
+  const Ligand& ligand() const { return ligand_; }
+
+  /// kJ/mol, with the ligand's centre at x in the orientation s (two columns of a rotation matrix).
+  /// `gradient`, when it is not null, gets the derivative by x. Real-time safe.
+  double energy(const double* x, const double* s, double* gradient) const;
+
+  /// Turns s downhill to the next minimum, in steps that cannot jump over a barrier.
+  /// @throw std::runtime_error when it does not come to rest
+  void relax(const double* x, double* s) const;
+
+  /// Of the orientations that the symmetry makes the same, writes that into s which is nearest to
+  /// the ligand's in its file, so that the same pose mostly has the same numbers.
+  void choose(double* s) const;
+
+ private:
+  struct Torque {
+    double energy = 0;
+    std::array<double, 3> slope{};  // by a turn of the ligand, kJ/(mol rad)
+    std::array<double, 6> bend{};   // xx yy zz xy xz yz
+  };
+  Torque torque(const double* x, const double* s) const;
+
+  Ligand ligand_;
+  table::Lattice lattice_;              // without values
+  std::vector<table::Spline> splines_;  // of each kind of atom
+  std::vector<std::size_t> kind_;       // of each atom
+  double soft_;
+};
+
+}  // namespace hapgrid::docking
