@@ -7,12 +7,14 @@
 #include <limits>
 
 #include "libcore/base/error.hpp"
+#include "tests/unit/device/place.hpp"
 #include "tests/unit/refusal.hpp"
 #include "tests/unit/temporary.hpp"
 #include "tools/devices/effects.hpp"
 #include "tools/devices/stick_list.hpp"
 
 using namespace hapgrid;
+using hapgrid::testing::place;
 
 namespace {
 
@@ -22,10 +24,6 @@ input_event event(int type, int code, int value) {
   e.code = static_cast<std::uint16_t>(code);
   e.value = value;
   return e;
-}
-
-Vec3 place(const hapgrid_device_state& state) {
-  return {state.position[0], state.position[1], state.position[2]};
 }
 
 EvdevLayout gamepad() {

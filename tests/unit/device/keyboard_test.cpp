@@ -19,11 +19,11 @@ using namespace hapgrid;
 
 namespace {
 
-const HipRange kRange{.start = {0, 0, 0}, .low = {-1, -1, -1}, .high = {1, 1, 1}};
+const HipRange kKeyRange{.start = {0, 0, 0}, .low = {-1, -1, -1}, .high = {1, 1, 1}};
 constexpr double kStep = 0.25;
 
 Vec3 after(std::string_view bytes) {
-  KeyReader reader(kRange, kStep);
+  KeyReader reader(kKeyRange, kStep);
   for (const char c : bytes) reader.read(static_cast<unsigned char>(c));
   return reader.target();
 }
@@ -50,7 +50,7 @@ TEST_CASE("other keys") {
   CHECK(after("\x1b[C\x1b[A0") == Vec3{0, 0, 0});
   CHECK(after("\x1b[H\x1b[3~xyz\x1bx") == Vec3{0, 0, 0});
   CHECK(after("\x1b[C\x1b[C\x1b[C\x1b[C\x1b[C\x1b[C")[0] == 1);  // not out of the box
-  KeyReader reader(kRange, kStep);
+  KeyReader reader(kKeyRange, kStep);
   reader.read('r');
   CHECK(reader.resets() == 1);
   CHECK_FALSE(reader.quit());
@@ -60,7 +60,7 @@ TEST_CASE("other keys") {
 
 TEST_CASE("whatever bytes come, the HIP stays in the box") {
   std::mt19937_64 random(1);
-  KeyReader reader(kRange, kStep);
+  KeyReader reader(kKeyRange, kStep);
   for (int i = 0; i < 200000; ++i) {
     const char* likely = "\x1b[O;~ABCD56+-=0";
     reader.read(random() % 2 ? static_cast<unsigned char>(likely[random() % 15])
@@ -78,7 +78,7 @@ bool follows_without_allocating() {
   const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
   if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) return false;
   if (::open(::ptsname(terminal), O_RDWR) < 0) return false;  // now the session's own
-  KeyboardDevice keys(kRange, kStep);
+  KeyboardDevice keys(kKeyRange, kStep);
   if (::write(terminal, "\x1b[C", 3) != 3) return false;
   DeviceInput input;
   const auto begin = std::chrono::steady_clock::now();

@@ -7,9 +7,11 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/grid/vec3.hpp"
+#include "tests/unit/device/place.hpp"
 #include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
+using hapgrid::testing::place;
 
 namespace {
 
@@ -60,10 +62,6 @@ Profile with(const std::string& input, const std::string& outputs, const std::st
       "workspace = {low = [-1, 0, 0], high = [1, 0, 0]}\n[input]\n" +
           input + outputs + "[force]\n" + force,
       "p");
-}
-
-Vec3 place(const hapgrid_device_state& state) {
-  return {state.position[0], state.position[1], state.position[2]};
 }
 
 HidReport teensy_report(std::initializer_list<std::uint8_t> bytes) {

@@ -2,18 +2,12 @@
 #include <vector>
 
 #include "libcore/grid/box.hpp"
+#include "tests/unit/device/place.hpp"
 #include "tools/devices/spacemouse_reports.hpp"
 
 using namespace hapgrid;
+using hapgrid::testing::place;
 using Bytes = std::vector<std::uint8_t>;
-
-namespace {
-
-Vec3 place(const hapgrid_device_state& state) {
-  return {state.position[0], state.position[1], state.position[2]};
-}
-
-}  // namespace
 
 TEST_CASE("SpaceMouse: a push is a deflection in the box's axes") {
   hapgrid_device_state input{};

@@ -11,16 +11,13 @@
 #include "libcore/device/simulated.hpp"
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/haptic/limits.hpp"
+#include "tests/unit/haptic/numbers.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 using namespace hapgrid;
-using hapgrid::testing::uniform;
+using namespace hapgrid::testing;
 
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr Vec3 kZero{0, 0, 0};
 
 /// Every stage off but slew, clamp and tank.
 SafetyLimits only_tank(double damping = 0) {

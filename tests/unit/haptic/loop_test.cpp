@@ -16,6 +16,7 @@
 #include "libcore/haptic/paper_traversal.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/haptic/limits.hpp"
+#include "tests/unit/haptic/numbers.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 using namespace hapgrid;
@@ -80,7 +81,6 @@ struct Fixture {
 
 constexpr auto kConstant = [](const Traversal&) { return Vec3{1, 2, 0.5}; };
 constexpr auto kIgnore = [](const Tick&) {};
-constexpr Vec3 kZero{0, 0, 0};
 
 }  // namespace
 

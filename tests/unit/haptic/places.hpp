@@ -11,12 +11,10 @@
 #include <vector>
 
 #include "libcore/haptic/paper_traversal.hpp"
+#include "tests/unit/haptic/numbers.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 
 namespace hapgrid::testing {
-
-inline constexpr double kInf = std::numeric_limits<double>::infinity();
-inline constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 using Cell = std::array<int, 3>;
 

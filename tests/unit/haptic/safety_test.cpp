@@ -8,20 +8,16 @@
 
 #include "libcore/grid/vec3.hpp"
 #include "tests/unit/haptic/limits.hpp"
+#include "tests/unit/haptic/numbers.hpp"
 #include "tests/unit/haptic/random_grid.hpp"
 #include "tests/unit/refusal.hpp"
 
 using namespace hapgrid;
-using hapgrid::testing::only_clamp;
-using hapgrid::testing::uniform;
+using namespace hapgrid::testing;
 
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMax = std::numeric_limits<double>::max();
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr Vec3 kZero{0, 0, 0};
 
 // Of any size, which sums of squares are not.
 double magnitude(const Vec3& f) { return std::hypot(f[0], f[1], f[2]); }

@@ -79,7 +79,6 @@ class Viewer {
   FileDescriptor socket_;
 };
 
-const Scene kScene = small_scene();
 /// A scene of which no socket has room for two frames, and one of these.
 constexpr std::size_t kMany = 100000;
 const Scene kLarge = [] {

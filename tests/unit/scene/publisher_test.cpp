@@ -26,7 +26,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-const Scene kScene = small_scene();
 std::atomic<int> stop{0};
 
 /// Completes with what a snapshot says, so that a torn one shows.

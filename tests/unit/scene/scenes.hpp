@@ -29,6 +29,8 @@ inline Scene small_scene() {
   return scene;
 }
 
+inline const Scene kScene = small_scene();
+
 inline Frame small_frame(std::uint64_t tick) {
   const auto t = static_cast<double>(tick);
   Frame frame;

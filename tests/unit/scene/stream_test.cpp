@@ -56,7 +56,6 @@ bool same(const Frame& a, const Frame& b) {
   return all(a) == all(b);
 }
 
-const Scene kScene = small_scene();
 const Bytes kStart = scene_bytes(kScene);
 
 }  // namespace
