@@ -16,31 +16,7 @@ cat >few.txt <<'END'
 100000 -200000 300000
 -2147483648 2147483647 0
 END
-cat >profile.toml <<'TOML'
-name = "test device"
-[match]
-vid = 0x16c0
-pid = 0x0486
-[input]
-length = 64
-x = {bit = 0, bits = 32, scale = 1e-6}
-y = {bit = 32, bits = 32, scale = 1e-6}
-z = {bit = 64, bits = 32, scale = 1e-6}
-clutch = {bit = 128}
-[[output]]
-length = 64
-x = {bit = 0, bits = 16, newtons_per_count = 0.001}
-y = {bit = 16, bits = 16, newtons_per_count = 0.001}
-z = {bit = 32, bits = 16, newtons_per_count = 0.001}
-[force]
-max = 3.0
-[timing]
-stall_ms = 50
-watchdog_ms = 50
-[workspace]
-low = [-0.1, -0.1, -0.1]
-high = [0.1, 0.1, 0.1]
-TOML
+hid_profile '-0.1, -0.1, -0.1' '0.1, 0.1, 0.1' >profile.toml
 # In the background SIGINT would be ignored, so `timeout` sends it. A record's forces are many: of all
 # but the first only how many there are and the last ones.
 cat >session <<'END'
