@@ -10,7 +10,7 @@ if sanitized; then skip "the emulated machine's programs are static: no sanitize
 # be had skips the test.
 machine() {
   local code=0
-  output=$(bash "$(dirname "${BASH_SOURCE[0]}")/run.sh" "$@") || code=$?
+  output=$(bash "$HAPGRID_SOURCE/tests/qemu/run.sh" "$@") || code=$?
   [[ $code != 77 ]] || { missing "$output"; exit 77; }
   [[ $code == 0 ]] || fail "exit code $code of the machine:"$'\n'"$output"
 }

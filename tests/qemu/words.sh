@@ -46,5 +46,5 @@ END
     "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BUILD/tests/plugins/stuck.so" "$(command -v chrt)" \
     stuck.0 ./*.toml place.txt session -- 'sh session'
   printf '%s\n' "$output" >got
-  python3 "$(dirname "${BASH_SOURCE[0]}")/word_test.py" got "$device" "$@"
+  python3 "$HAPGRID_SOURCE/tests/qemu/word_test.py" got "$device" "$@"
 }
