@@ -37,7 +37,7 @@ z = {bit = 32, bits = 16, newtons_per_count = 0.001}
 max = 3.0
 [timing]
 stall_ms = 50
-watchdog_ms = ${3-50}
+watchdog_ms = 50
 [workspace]
 low = [$1]
 high = [$2]

@@ -75,7 +75,7 @@ echo "== list"
 device; play --list-devices; over
 echo "== end"
 END
-TIMEOUT=${TIMEOUT:-300} machine "$qemu/rawhid-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-spacemouse" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BUILD/models/hung-ball.so" \
+TIMEOUT=${TIMEOUT:-900} machine "$qemu/rawhid-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-spacemouse" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BUILD/models/hung-ball.so" \
   "$(command -v chrt)" ball.grid profile.toml few.txt positions.txt session -- 'sh session'
 printf '%s\n' "$output" >got
 python3 "$here/play_test.py" got positions.txt
