@@ -27,6 +27,8 @@ using Json = nlohmann::ordered_json;
 // Force and shape together may take this part of the 200 microseconds of a tick at 5 kHz.
 constexpr double kLoopBudget = 100e-6;
 
+constexpr double kEstimateShare = 0.25;  // of the time
+
 struct Options {
   DefinitionOptions definition;
   DefinedModelOptions model;
@@ -132,12 +134,14 @@ int run(const Options& options) {
   const Seeds seeds = seed_states(definition, *model);
 
   const ModelCheck found = check_model(
-      spec, seeds, [&] { return create_model(*source, spec); }, options.steps, options.seconds);
+      spec, seeds, [&] { return create_model(*source, spec); }, options.steps,
+      (1 - kEstimateShare) * options.seconds);
   // The time that a broken model takes for a conversion says nothing.
   std::optional<GridEstimate> estimate;
   std::string no_estimate = "a check is broken";
   if (!is_broken(found.checks)) try {
-      estimate = estimate_grid(definition, *source, options.seconds / 4, found.convert.mean);
+      estimate =
+          estimate_grid(definition, *source, kEstimateShare * options.seconds, found.convert.mean);
     } catch (const Error& e) {
       no_estimate = format("the search of a coarser grid failed: {}", e.what());
     }
@@ -187,7 +191,7 @@ int main(int argc, char** argv) {
       .type("N")
       .whole(1, std::int64_t{1} << 40)
       .shows_default();
-  app.add("--seconds", options.seconds, "Time for the walks; the estimate takes a quarter of it")
+  app.add("--seconds", options.seconds, "Time for all; the estimate takes a quarter of it")
       .type("S")
       .positive()
       .shows_default();

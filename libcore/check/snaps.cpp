@@ -61,12 +61,14 @@ std::vector<Link> thinned(const std::vector<Link>& links, std::size_t most) {
 
 }  // namespace
 
-bool convert_in_pieces(Model& model, std::span<const double> s, const Vec3& x, const Vec3& d,
-                       std::vector<double>& row) {
+std::optional<bool> convert_in_pieces(Model& model, std::span<const double> s, const Vec3& x,
+                                      const Vec3& d, std::vector<double>& row,
+                                      const std::function<bool()>& is_late) {
   row.assign(s.begin(), s.begin() + model.state_size());
   row.resize(model.row_size());
   std::vector<double> next(row.size());
   for (int k = 0; k < kPieces; ++k) {
+    if (is_late && is_late()) return std::nullopt;
     const double part = 1.0 / kPieces;
     if (!model.convert(row.data(), x + (k * part) * d, part * d, next.data())) return false;
     row.swap(next);
@@ -139,7 +141,7 @@ Check check_snaps(const Grid& grid, std::span<const RecordIndex> records,
       StateDistance distance(grid.spec(),
                              [&](const double* a, const double* b) { return model->equal(a, b); });
       distances[i - snaps.size()] = distance(row, there);
-    } else if (!convert_in_pieces(*model, grid.state(r), x, d, row)) {
+    } else if (!*convert_in_pieces(*model, grid.state(r), x, d, row)) {
       elsewhere[i] = model->error();
     } else if (!model->equal(row.data(), there.data())) {
       elsewhere[i] = format("at once {}, in {} pieces {}", state_text(there), kPieces,

@@ -8,6 +8,8 @@
 // walked, and few of an honest model's end elsewhere: those that meet a fork.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,9 +22,10 @@ namespace hapgrid {
 inline constexpr int kPieces = 64;
 
 /// C from s at x by d, in kPieces equal steps, into `row`. Answers whether the model has made all
-/// of them; model.error() says why not.
-bool convert_in_pieces(Model& model, std::span<const double> s, const Vec3& x, const Vec3& d,
-                       std::vector<double>& row);
+/// of them; model.error() says why not. No answer when it is late before one of them.
+std::optional<bool> convert_in_pieces(Model& model, std::span<const double> s, const Vec3& x,
+                                      const Vec3& d, std::vector<double>& row,
+                                      const std::function<bool()>& is_late = {});
 
 /// Finishes the row `snaps`, whose findings are steps along which the model snaps, and those that
 /// end elsewhere in pieces: a note while these are a tenth or fewer, or two, else a fault.

@@ -38,7 +38,7 @@ echo "== unplugged"
 usleep 300000; kill $gamepad; wait $player; echo "exit $?"
 echo "== end"
 END
-KERNEL=amd64 TIMEOUT=${TIMEOUT:-300} machine "$qemu/uinput-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-spacemouse" "$(command -v setpriv)" \
+KERNEL=amd64 TIMEOUT=${TIMEOUT:-900} machine "$qemu/uinput-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-spacemouse" "$(command -v setpriv)" \
   "$HAPGRID_BUILD/models/hung-ball.so" ball.grid session -- 'sh session'
 printf '%s\n' "$output" >got
 python3 "$here/evdev_test.py" got

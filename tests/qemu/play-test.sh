@@ -16,31 +16,7 @@ cat >few.txt <<'END'
 100000 -200000 300000
 -2147483648 2147483647 0
 END
-cat >profile.toml <<'TOML'
-name = "test device"
-[match]
-vid = 0x16c0
-pid = 0x0486
-[input]
-length = 64
-x = {bit = 0, bits = 32, scale = 1e-6}
-y = {bit = 32, bits = 32, scale = 1e-6}
-z = {bit = 64, bits = 32, scale = 1e-6}
-clutch = {bit = 128}
-[[output]]
-length = 64
-x = {bit = 0, bits = 16, newtons_per_count = 0.001}
-y = {bit = 16, bits = 16, newtons_per_count = 0.001}
-z = {bit = 32, bits = 16, newtons_per_count = 0.001}
-[force]
-max = 3.0
-[timing]
-stall_ms = 50
-watchdog_ms = 50
-[workspace]
-low = [-0.1, -0.1, -0.1]
-high = [0.1, 0.1, 0.1]
-TOML
+hid_profile '-0.1, -0.1, -0.1' '0.1, 0.1, 0.1' >profile.toml
 # In the background SIGINT would be ignored, so `timeout` sends it. A record's forces are many: of all
 # but the first only how many there are and the last ones.
 cat >session <<'END'
@@ -99,7 +75,7 @@ echo "== list"
 device; play --list-devices; over
 echo "== end"
 END
-TIMEOUT=${TIMEOUT:-300} machine "$qemu/rawhid-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-spacemouse" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BUILD/models/hung-ball.so" \
+TIMEOUT=${TIMEOUT:-900} machine "$qemu/rawhid-device" "$HAPGRID_BIN/play" "$HAPGRID_BIN/hapgrid-guard" "$HAPGRID_BIN/hapgrid-hid" "$HAPGRID_BIN/hapgrid-spacemouse" "$HAPGRID_BIN/hapgrid-evdev" "$HAPGRID_BUILD/models/hung-ball.so" \
   "$(command -v chrt)" ball.grid profile.toml few.txt positions.txt session -- 'sh session'
 printf '%s\n' "$output" >got
 python3 "$here/play_test.py" got positions.txt

@@ -277,7 +277,10 @@ class ModelWalker {
   void walk_in_pieces(const Step& step) {
     Findings& snaps = found_[kSnaps];
     std::string why;
-    if (!convert_in_pieces(*model_, step.from, step.x, step.d, other_))
+    const auto converted =
+        convert_in_pieces(*model_, step.from, step.x, step.d, other_, [this] { return is_late(); });
+    if (!converted) return;
+    if (!*converted)
       why = model_->error();
     else if (!same(other_, step.arrived))
       why = format("at once {}, in {} pieces {}{}", state_text(step.arrived), kPieces,

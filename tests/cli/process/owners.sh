@@ -65,3 +65,12 @@ refuses "expand: model versions: $differ" -- expand seeds --allow-process versio
 seed versions.toml --allow-process -o newer
 refuses "merge: requests: another grid than newer: version '1\.0' and '1\.1'" -- merge newer requests
 same 'the version in the header' 1.1 "$(header newer modelVersion)"
+
+# Copies of a model use all processors: the linear algebra of each gets one thread, unless its owner wants more.
+sed 's/open("version").read()/"-".join(os.environ[f"{which}_NUM_THREADS"] for which in ("OMP", "OPENBLAS", "MKL"))/; 1i import os' \
+  versions.py >threads.py
+sed 's/versions\.py/threads.py/' versions.toml >threads.toml
+env -u OMP_NUM_THREADS -u OPENBLAS_NUM_THREADS -u MKL_NUM_THREADS "$HAPGRID_BIN/seed" threads.toml --allow-process -o pinned
+same 'the threads of each copy' 1-1-1 "$(header pinned modelVersion)"
+env -u OPENBLAS_NUM_THREADS -u MKL_NUM_THREADS OMP_NUM_THREADS=3 "$HAPGRID_BIN/seed" threads.toml --allow-process -o three
+same 'the threads that the owner wants' 3-1-1 "$(header three modelVersion)"
