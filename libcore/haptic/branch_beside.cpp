@@ -18,6 +18,9 @@ constexpr double kFarNearer = 0.3;
 constexpr double kSame = 1.0 / 3;
 // How far outside the cell a late answer may lie, in spacings.
 constexpr double kBeside = 0.5;
+// How far behind the hand an answer must lie for the grid to be asked what has happened since, in
+// spacings. What it says of the ends of branches is less exact than that.
+constexpr double kFarBehind = 0.125;
 // How far the grid may snap before the model does, in spacings: twice the resolution of the tear
 // fractions. The state would jump back, and snap once more.
 constexpr double kEarly = 1.0 / 16;
@@ -51,9 +54,12 @@ void BranchTraversal::settle(StepResult& result) noexcept {
                         find_weights(answer->at, weights);
   if (is_asked) take_nearest(weights, answer->state, result);
   agreed_ = is_asked;
-  // The grid decides where the model does not. It also says whether the branch has ended since a
-  // late answer, except where it already said so too early for that answer.
-  const bool may_have_ended = age > 0 && is_torn_ && tear(weights) >= 0;
+  // The grid decides where the model does not. If it has tear fractions, it also says whether the
+  // branch has ended on the way since a late answer, except where it already said so too early for
+  // that answer.
+  const bool is_far =
+      grid_.has_tears() && answer && length_of(position() - answer->at) > kFarBehind * box_.spacing;
+  const bool may_have_ended = is_far && is_torn_ && tear(weights) >= 0;
   if ((!is_asked || may_have_ended) && decide_by_grid(result)) trust_after_snap(age);
 }
 

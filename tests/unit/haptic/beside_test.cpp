@@ -95,6 +95,8 @@ TEST_CASE("where the grid and the model disagree on a snap, the state follows th
   CHECK(ticks_apart(grid, kEndsEarly, 0) == 0);
   // Twice the model snaps, of which play hears 5 ticks later.
   CHECK(std::abs(ticks_apart(grid, kEndsEarly, 5) - (5 + 5)) <= 2);
+  // A grid without tear fractions does not know better.
+  CHECK(std::abs(ticks_apart(grid, kEndsLate, 5) - (5 + 5)) <= 2);
 }
 
 TEST_CASE("an answer that is older than 20 ms is not used") {
