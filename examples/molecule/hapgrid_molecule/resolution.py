@@ -21,7 +21,7 @@ from .definition import TEARS
 # 96.5 % at 0.5 Å, without tear fractions; 102 and 96.5 % at 0.5 Å with them.
 WANTED = 0.25  # angstrom, root mean square over the atoms
 FINEST = 0.2  # angstrom
-MOST_POINTS = 12000 if TEARS else 30000
+MOST_POINTS = 11000 if TEARS else 28000
 # Where a push tips over a barrier the grid is as fine as that: of 150 random pushes of 1,2-dichloroethane 142 end where
 # the model does at 0.35, and 147 or 148 at 0.2; of butane 143 to 149 at 0.25, and 147 to 150 at 0.2 (bench_basins,
 # seeds 1 to 5). The others only just tip, or only just do not.
