@@ -80,7 +80,7 @@ def parser():
                    "NAME-plus and NAME-minus turn in one direction only")
     p.add_argument("--spacing", type=number(0.1, 3), metavar="H",
                    help="spacing of the grid in angstrom (default: that at which shapes are off by at most "
-                   f"{resolution.WANTED:g} in 99 of 100 places, but at most {resolution.MOST_POINTS} points; with "
+                   f"{resolution.WANTED:g} in 99 of 100 places, {resolution.COARSEST:g} at most, but at most {resolution.MOST_POINTS} points; with "
                    f"--basins {resolution.FINEST:g}, but at most {resolution.MOST_POINTS_BETWEEN_BASINS} points)")
     p.add_until("structures", "definition")
     return p
