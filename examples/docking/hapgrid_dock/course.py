@@ -12,7 +12,7 @@ from hapgrid_table.work import BreaksRule, Failed, Work, digest
 from . import maps
 
 LARGEST = 10.0  # angstrom: the sides of a box that nobody asked for
-MAX_LEVELS = 64
+MAX_LEVELS = 254
 TICKS = 4000  # of the way in, and as many back
 # By the number of a link's direction.
 STEPS = [np.array((i, j, k)) for k in (-1, 0, 1) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j, k) != (0, 0, 0)]
