@@ -169,7 +169,7 @@ def _way(points, energy, links, counts):
         end = int(np.argmin(along))
         most = max(along[:end + 1])
         if end > 0:
-            ways.append((along[end], (round(most / 5), np.abs(step).sum(), most), start, start + end * step))
+            ways.append((along[end], (round((most - along[0]) / 5), np.abs(step).sum(), most), start, start + end * step))
     if not ways:  # the energy rises on all of them
         return deepest, deepest
     deep = min(way[0] for way in ways)
