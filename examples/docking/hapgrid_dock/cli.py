@@ -23,7 +23,7 @@ Files in DIR, whose name is NAME:
   NAME.toml        definition of the grid; NAME.grid is the grid itself
   host.pdbqt, ligand.pdbqt, host.*.map   what AutoGrid read and wrote
   poses.tsv        the deepest poses, as energies and places
-  path.txt         a way to the deepest pose and back
+  path.txt         a way in and back
 
 exit codes:
   0  done

@@ -12,7 +12,7 @@ from hapgrid_table.work import BreaksRule, Failed, Work, digest
 from . import maps
 
 LARGEST = 10.0  # angstrom: the sides of a box that nobody asked for
-MAX_LEVELS = 64
+MAX_LEVELS = 254
 TICKS = 4000  # of the way in, and as many back
 # By the number of a link's direction.
 STEPS = [np.array((i, j, k)) for k in (-1, 0, 1) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j, k) != (0, 0, 0)]
@@ -134,7 +134,7 @@ average, {len(report["levels_histogram"]) - 1} at most.
 <p>To feel it, in the folder that has this one:
 <p><code>hapgrid feel {name}/{grid}</code>
 <iframe src="played.html" title="the ligand on its way"></iframe>
-<h2>The way to the deepest pose and back</h2>
+<h2>The way in and back</h2>
 <img src="outside.png" alt="outside"> <img src="inside.png" alt="inside">
 <img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">
 <h2>The deepest poses</h2>
@@ -146,8 +146,9 @@ average, {len(report["levels_histogram"]) - 1} at most.
 
 
 def _way(points, energy, links, counts):
-    """(start, end): from the box's edge straight to the point of the deepest record. Of the directions in which the links
-    from the start's first level lead about as deep, it is the one that climbs least."""
+    """(start, end): from the box's edge straight towards the point of the deepest record, as far as the energy falls. Of the
+    directions in which the links from the start's first level lead about as deep, it is one that climbs little, and
+    along an axis rather than not, since the grid knows the energy best along its edges."""
     first = {}
     for n, point in enumerate(map(tuple, points)):
         first.setdefault(point, n)
@@ -159,15 +160,20 @@ def _way(points, energy, links, counts):
             at = at - step
         if tuple(at) not in first or (at == deepest).all():
             continue
-        record, most, edge = first[tuple(at)], -np.inf, at
-        while (at != deepest).any():
-            most = max(most, energy[record])
+        start, record, along = at, first[tuple(at)], []
+        while True:
+            along.append(energy[record])
+            if (at == deepest).all():
+                break
             record, at = int(links[record][q]), at + step
-        ways.append((energy[record], most, edge))
-    if not ways:  # the deepest point is a corner, and no other is on a line with it
+        end = int(np.argmin(along))
+        most = max(along[:end + 1])
+        if end > 0:
+            ways.append((along[end], (round((most - along[0]) / 5), np.abs(step).sum(), most), start, start + end * step))
+    if not ways:  # the energy rises on all of them
         return deepest, deepest
     deep = min(way[0] for way in ways)
-    return min((way for way in ways if way[0] <= deep + abs(deep) / 4), key=lambda way: way[1])[2], deepest
+    return min((way for way in ways if way[0] <= deep + abs(deep) / 4), key=lambda way: way[1])[2:]
 
 
 def _poses(points, energy, state, most=10, apart=1.0):

@@ -34,7 +34,7 @@ for ((n = 0; n < 201; ++n)); do grep '^ATOM      1' small/ligand.pdbqt; done >ma
 refuses 'dock: many.pdbqt: 201 atoms, at most 200 are possible' -- hapgrid dock "$host" many.pdbqt -o out -q
 sed 's/ OA$/ Xx/' small/ligand.pdbqt >strange.pdbqt
 refuses 'dock: autogrid4: ERROR:  unknown ligand atom type Xx' -- hapgrid dock "$host" strange.pdbqt -o out -q
-{ sed '/ATOM>/q' "$host"; yes '1 C 0 0 0 C.3 1 UNL1 0.1' | head -n 200000; } >huge.mol2
+{ sed '/ATOM>/q' "$host"; seq 200000 | sed 's/$/ C 0 0 0 C.3 1 UNL1 0.1/'; } >huge.mol2
 refuses 'dock: huge.mol2: it has more than 20,000 atoms' -- hapgrid dock huge.mol2 "$ligand" -o out -q
 refuses 'dock: box and ligand need maps of [0-9]+ cells .*' -- hapgrid dock "$host" "$ligand" -o out --size 40,4,4 -q
 refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \

@@ -123,6 +123,8 @@ TEST_CASE("what a model says of itself") {
   CHECK(refused("0.5, \"norm", "-1, \"norm") == "the tolerance is negative or not finite");
   CHECK(refused("rms", "mean") == "\"norm\" must be \"max\" or \"rms\"");
   CHECK(refused("[1, 0.5]", "[1]").find("\"weights\" must be 2 numbers") == 0);
+  CHECK(refused("[1, 0.5]", "[1, 0.5], \"period\": [0, -2]").find("\"period\" must be 2 numbers") ==
+        0);
   CHECK(refused("\"rad\"", "\"0123456789abcdef\"") == "\"tolerance_unit\" has more than 15 bytes");
   CHECK(refused("\"shape\", ", "") == "\"spheres\" and the \"shape\" in \"stored\" go together");
   CHECK(refused("\"shape\", ", "\"colour\", ").find("\"stored\" must be an array of") == 0);
