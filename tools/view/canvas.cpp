@@ -34,7 +34,9 @@ void write(Image& image, int x, int y, int scale, std::string_view text, Rgb col
     const LetterRows rows = letter_rows(letter);
     for (int row = 0; row < kLetterHeight; ++row)
       for (int column = 0; column < kLetterWidth; ++column)
-        if (rows[static_cast<std::size_t>(row)] >> (kLetterWidth - 1 - column) & 1)
+        if (rows[static_cast<std::size_t>(kFine * row + kFine / 2)] >>
+                (kFine * (kLetterWidth - 1 - column) + kFine / 2) &
+            1)
           fill(image, x + scale * column, y + scale * row, scale, scale, colour);
     x += scale * kLetterWidth;
   }

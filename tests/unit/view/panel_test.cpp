@@ -46,8 +46,8 @@ TEST_CASE("a curve rises to the right when the force does") {
     const Image image = draw_panel(600, scale, scene, traces, "status");
     REQUIRE(image.width == 600);
     REQUIRE(image.height == scale * kPanelHeight);
-    double last = red_row(image, 210);
-    for (int x = 230; x < 590; x += 20) {
+    double last = red_row(image, 250);
+    for (int x = 270; x < 590; x += 20) {
       const double row = red_row(image, x);
       CHECK(row < last);
       last = row;
