@@ -57,22 +57,22 @@ void add_axes(Legend& legend, const Scene& scene, const Camera& camera,
   }
 }
 
-/// Each row of a letter's pixels as lines.
-void add_letter(std::vector<Line>& lines, char letter, double x, double y, double pixel) {
+/// Each row of a letter's fine pixels, which are `fine` wide, as lines.
+void add_letter(std::vector<Line>& lines, char letter, double x, double y, double fine) {
+  constexpr int kColumns = kFine * kLetterWidth;
   const LetterRows rows = letter_rows(letter);
-  for (int row = 0; row < kLetterHeight; ++row)
-    for (int column = 0; column < kLetterWidth; ++column) {
+  for (int row = 0; row < kFine * kLetterHeight; ++row)
+    for (int column = 0; column < kColumns; ++column) {
       const auto set = [&](int i) {
-        return i < kLetterWidth &&
-               rows[static_cast<std::size_t>(row)] >> (kLetterWidth - 1 - i) & 1;
+        return i < kColumns && (rows[static_cast<std::size_t>(row)] >> (kColumns - 1 - i) & 1) != 0;
       };
       if (!set(column)) continue;
       int last = column;
       while (set(last + 1)) ++last;
-      const double middle = y + pixel * (row + 0.5);
-      lines.push_back({{x + pixel * (column + 0.5), middle, 0},
-                       {x + pixel * (last + 0.5), middle, 0},
-                       0.55 * pixel,
+      const double middle = y + fine * (row + 0.5);
+      lines.push_back({{x + fine * (column + 0.5), middle, 0},
+                       {x + fine * (last + 0.5), middle, 0},
+                       0.55 * fine,
                        kInk});
       column = last;
     }
@@ -112,7 +112,7 @@ void add_label(Drawing& drawing, const Label& label, const RenderOptions& option
   for (std::size_t i = 0; i < letters.size(); ++i)
     add_letter(drawing.overlay, letters[i],
                rays * label.left[0] + pixel * kLetterWidth * static_cast<double>(i),
-               rays * label.left[1] - pixel * kLetterHeight / 2, pixel);
+               rays * label.left[1] - pixel * kLetterHeight / 2, pixel / kFine);
 }
 
 void add_plate(Drawing& drawing, const std::string& text, double x, double y,

@@ -1,112 +1,57 @@
 #include "libcore/scene/letters.hpp"
 
+#include <ft2build.h>
+#include FT_FREETYPE_H
+
+#include <array>
+#include <memory>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
+
 namespace hapgrid {
 
 namespace {
 
-/// Rows of the letters from space to '~', bit 5 on the left: "fixed" 6x13 of the X Window System
-/// (font-misc-misc), which is in the public domain.
-// clang-format off
-constexpr std::uint8_t kLetters['~' - ' ' + 1][kLetterHeight] = {
-    {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},  // space
-    {0, 0, 8, 8, 8, 8, 8, 8, 8, 0, 8, 0, 0},  // !
-    {0, 0, 20, 20, 20, 0, 0, 0, 0, 0, 0, 0, 0},  // "
-    {0, 0, 0, 20, 20, 62, 20, 62, 20, 20, 0, 0, 0},  // #
-    {0, 0, 8, 30, 40, 40, 28, 10, 10, 60, 8, 0, 0},  // $
-    {0, 0, 18, 42, 20, 4, 8, 16, 20, 42, 36, 0, 0},  // %
-    {0, 0, 0, 16, 40, 40, 16, 40, 38, 36, 26, 0, 0},  // &
-    {0, 0, 8, 8, 8, 0, 0, 0, 0, 0, 0, 0, 0},  // '
-    {0, 4, 8, 8, 16, 16, 16, 16, 16, 8, 8, 4, 0},  // (
-    {0, 16, 8, 8, 4, 4, 4, 4, 4, 8, 8, 16, 0},  // )
-    {0, 0, 8, 42, 28, 42, 8, 0, 0, 0, 0, 0, 0},  // *
-    {0, 0, 0, 0, 8, 8, 62, 8, 8, 0, 0, 0, 0},  // +
-    {0, 0, 0, 0, 0, 0, 0, 0, 0, 12, 8, 16, 0},  // ,
-    {0, 0, 0, 0, 0, 0, 62, 0, 0, 0, 0, 0, 0},  // -
-    {0, 0, 0, 0, 0, 0, 0, 0, 0, 8, 28, 8, 0},  // .
-    {0, 0, 2, 2, 4, 4, 8, 16, 16, 32, 32, 0, 0},  // /
-    {0, 0, 8, 20, 34, 34, 34, 34, 34, 20, 8, 0, 0},  // 0
-    {0, 0, 8, 24, 40, 8, 8, 8, 8, 8, 62, 0, 0},  // 1
-    {0, 0, 28, 34, 34, 2, 4, 8, 16, 32, 62, 0, 0},  // 2
-    {0, 0, 62, 2, 4, 8, 28, 2, 2, 34, 28, 0, 0},  // 3
-    {0, 0, 4, 4, 12, 20, 20, 36, 62, 4, 4, 0, 0},  // 4
-    {0, 0, 62, 32, 32, 44, 50, 2, 2, 34, 28, 0, 0},  // 5
-    {0, 0, 28, 34, 32, 32, 60, 34, 34, 34, 28, 0, 0},  // 6
-    {0, 0, 62, 2, 4, 4, 8, 8, 16, 16, 16, 0, 0},  // 7
-    {0, 0, 28, 34, 34, 34, 28, 34, 34, 34, 28, 0, 0},  // 8
-    {0, 0, 28, 34, 34, 34, 30, 2, 2, 34, 28, 0, 0},  // 9
-    {0, 0, 0, 0, 8, 28, 8, 0, 0, 8, 28, 8, 0},  // :
-    {0, 0, 0, 0, 8, 28, 8, 0, 0, 12, 8, 16, 0},  // ;
-    {0, 0, 2, 4, 8, 16, 32, 16, 8, 4, 2, 0, 0},  // <
-    {0, 0, 0, 0, 0, 62, 0, 0, 62, 0, 0, 0, 0},  // =
-    {0, 0, 32, 16, 8, 4, 2, 4, 8, 16, 32, 0, 0},  // >
-    {0, 0, 28, 34, 34, 2, 4, 8, 8, 0, 8, 0, 0},  // ?
-    {0, 0, 28, 34, 34, 38, 42, 42, 44, 32, 30, 0, 0},  // @
-    {0, 0, 8, 20, 34, 34, 34, 62, 34, 34, 34, 0, 0},  // A
-    {0, 0, 60, 18, 18, 18, 28, 18, 18, 18, 60, 0, 0},  // B
-    {0, 0, 28, 34, 32, 32, 32, 32, 32, 34, 28, 0, 0},  // C
-    {0, 0, 60, 18, 18, 18, 18, 18, 18, 18, 60, 0, 0},  // D
-    {0, 0, 62, 32, 32, 32, 60, 32, 32, 32, 62, 0, 0},  // E
-    {0, 0, 62, 32, 32, 32, 60, 32, 32, 32, 32, 0, 0},  // F
-    {0, 0, 28, 34, 32, 32, 32, 38, 34, 34, 28, 0, 0},  // G
-    {0, 0, 34, 34, 34, 34, 62, 34, 34, 34, 34, 0, 0},  // H
-    {0, 0, 28, 8, 8, 8, 8, 8, 8, 8, 28, 0, 0},  // I
-    {0, 0, 14, 4, 4, 4, 4, 4, 4, 36, 24, 0, 0},  // J
-    {0, 0, 34, 34, 36, 40, 48, 40, 36, 34, 34, 0, 0},  // K
-    {0, 0, 32, 32, 32, 32, 32, 32, 32, 32, 62, 0, 0},  // L
-    {0, 0, 34, 34, 54, 42, 42, 34, 34, 34, 34, 0, 0},  // M
-    {0, 0, 34, 50, 50, 42, 42, 38, 38, 34, 34, 0, 0},  // N
-    {0, 0, 28, 34, 34, 34, 34, 34, 34, 34, 28, 0, 0},  // O
-    {0, 0, 60, 34, 34, 34, 60, 32, 32, 32, 32, 0, 0},  // P
-    {0, 0, 28, 34, 34, 34, 34, 34, 34, 42, 28, 2, 0},  // Q
-    {0, 0, 60, 34, 34, 34, 60, 40, 36, 34, 34, 0, 0},  // R
-    {0, 0, 28, 34, 32, 32, 28, 2, 2, 34, 28, 0, 0},  // S
-    {0, 0, 62, 8, 8, 8, 8, 8, 8, 8, 8, 0, 0},  // T
-    {0, 0, 34, 34, 34, 34, 34, 34, 34, 34, 28, 0, 0},  // U
-    {0, 0, 34, 34, 34, 34, 20, 20, 20, 8, 8, 0, 0},  // V
-    {0, 0, 34, 34, 34, 34, 42, 42, 42, 42, 20, 0, 0},  // W
-    {0, 0, 34, 34, 20, 20, 8, 20, 20, 34, 34, 0, 0},  // X
-    {0, 0, 34, 34, 20, 20, 8, 8, 8, 8, 8, 0, 0},  // Y
-    {0, 0, 62, 2, 4, 4, 8, 16, 16, 32, 62, 0, 0},  // Z
-    {0, 28, 16, 16, 16, 16, 16, 16, 16, 16, 16, 28, 0},  // [
-    {0, 0, 32, 32, 16, 16, 8, 4, 4, 2, 2, 0, 0},  // backslash
-    {0, 28, 4, 4, 4, 4, 4, 4, 4, 4, 4, 28, 0},  // ]
-    {0, 0, 8, 20, 34, 0, 0, 0, 0, 0, 0, 0, 0},  // ^
-    {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 62, 0},  // _
-    {0, 8, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},  // `
-    {0, 0, 0, 0, 0, 28, 2, 30, 34, 38, 26, 0, 0},  // a
-    {0, 0, 32, 32, 32, 60, 34, 34, 34, 34, 60, 0, 0},  // b
-    {0, 0, 0, 0, 0, 28, 34, 32, 32, 34, 28, 0, 0},  // c
-    {0, 0, 2, 2, 2, 30, 34, 34, 34, 34, 30, 0, 0},  // d
-    {0, 0, 0, 0, 0, 28, 34, 62, 32, 34, 28, 0, 0},  // e
-    {0, 0, 12, 18, 16, 16, 60, 16, 16, 16, 16, 0, 0},  // f
-    {0, 0, 0, 0, 0, 28, 34, 34, 34, 30, 2, 34, 28},  // g
-    {0, 0, 32, 32, 32, 44, 50, 34, 34, 34, 34, 0, 0},  // h
-    {0, 0, 0, 8, 0, 24, 8, 8, 8, 8, 28, 0, 0},  // i
-    {0, 0, 0, 4, 0, 12, 4, 4, 4, 4, 36, 36, 24},  // j
-    {0, 0, 32, 32, 32, 36, 40, 48, 40, 36, 34, 0, 0},  // k
-    {0, 0, 24, 8, 8, 8, 8, 8, 8, 8, 28, 0, 0},  // l
-    {0, 0, 0, 0, 0, 52, 42, 42, 42, 42, 34, 0, 0},  // m
-    {0, 0, 0, 0, 0, 44, 50, 34, 34, 34, 34, 0, 0},  // n
-    {0, 0, 0, 0, 0, 28, 34, 34, 34, 34, 28, 0, 0},  // o
-    {0, 0, 0, 0, 0, 60, 34, 34, 34, 60, 32, 32, 32},  // p
-    {0, 0, 0, 0, 0, 30, 34, 34, 34, 30, 2, 2, 2},  // q
-    {0, 0, 0, 0, 0, 44, 50, 32, 32, 32, 32, 0, 0},  // r
-    {0, 0, 0, 0, 0, 28, 34, 24, 4, 34, 28, 0, 0},  // s
-    {0, 0, 0, 16, 16, 60, 16, 16, 16, 18, 12, 0, 0},  // t
-    {0, 0, 0, 0, 0, 34, 34, 34, 34, 38, 26, 0, 0},  // u
-    {0, 0, 0, 0, 0, 34, 34, 34, 20, 20, 8, 0, 0},  // v
-    {0, 0, 0, 0, 0, 34, 34, 42, 42, 42, 20, 0, 0},  // w
-    {0, 0, 0, 0, 0, 34, 20, 8, 8, 20, 34, 0, 0},  // x
-    {0, 0, 0, 0, 0, 34, 34, 34, 38, 26, 2, 34, 28},  // y
-    {0, 0, 0, 0, 0, 62, 4, 8, 16, 32, 62, 0, 0},  // z
-    {0, 6, 8, 8, 8, 8, 48, 8, 8, 8, 8, 6, 0},  // {
-    {0, 0, 8, 8, 8, 8, 8, 8, 8, 8, 8, 0, 0},  // |
-    {0, 48, 8, 8, 8, 8, 6, 8, 8, 8, 8, 48, 0},  // }
-    {0, 0, 18, 42, 36, 0, 0, 0, 0, 0, 0, 0, 0},  // ~
-};
-// clang-format on
-constexpr std::uint8_t kAngstrom[kLetterHeight] = {8, 20, 8, 0, 8, 20, 34, 34, 62, 34, 34, 0, 0};
-constexpr std::uint8_t kDegree[kLetterHeight] = {0, 0, 24, 36, 36, 24, 0, 0, 0, 0, 0, 0, 0};
+constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf";
+constexpr int kBaseline = 11;  // pixels below the upper edge
+constexpr double kEm = 11.6;   // in pixels; an advance of 0.602 em is then kLetterWidth
+constexpr int kInkFrom = 112;  // of 255: coverage from which a fine pixel is ink
+
+/// By code of Latin-1.
+using Letters = std::array<std::array<std::uint32_t, kFine * kLetterHeight>, 256>;
+
+/// The ink of the letter in the face's slot.
+void copy_ink(const FT_GlyphSlot slot, std::array<std::uint32_t, kFine * kLetterHeight>& rows) {
+  const FT_Bitmap& ink = slot->bitmap;
+  for (unsigned y = 0; y < ink.rows; ++y)
+    for (unsigned x = 0; x < ink.width; ++x) {
+      const int row = kFine * kBaseline - slot->bitmap_top + static_cast<int>(y);
+      const int column = slot->bitmap_left + static_cast<int>(x);
+      const bool inside =
+          row >= 0 && row < kFine * kLetterHeight && column >= 0 && column < kFine * kLetterWidth;
+      if (inside && ink.buffer[static_cast<int>(y) * ink.pitch + static_cast<int>(x)] >= kInkFrom)
+        rows[static_cast<std::size_t>(row)] |= 1u << (kFine * kLetterWidth - 1 - column);
+    }
+}
+
+/// @throw Error
+Letters draw_letters() {
+  FT_Library opened = nullptr;
+  if (FT_Init_FreeType(&opened) != 0) throw Error("FreeType: cannot begin");
+  const std::unique_ptr<FT_LibraryRec_, FT_Error (*)(FT_Library)> library(opened, FT_Done_FreeType);
+  FT_Face found = nullptr;
+  if (FT_New_Face(library.get(), kFont, 0, &found) != 0)
+    throw Error(format("{}: not there: install the Debian package fonts-dejavu-core", kFont));
+  const std::unique_ptr<FT_FaceRec_, FT_Error (*)(FT_Face)> face(found, FT_Done_Face);
+  // In 64ths of a pixel, at 72 dots an inch.
+  FT_Set_Char_Size(face.get(), 0, static_cast<FT_F26Dot6>(64 * kFine * kEm), 72, 72);
+  Letters letters{};
+  for (std::size_t code = ' '; code < letters.size(); ++code)
+    if (FT_Load_Char(face.get(), code, FT_LOAD_RENDER | FT_LOAD_NO_HINTING) == 0)
+      copy_ink(face->glyph, letters[code]);
+  return letters;
+}
 
 }  // namespace
 
@@ -125,9 +70,9 @@ std::string letters_of(std::string_view text) {
 }
 
 LetterRows letter_rows(char letter) {
-  if (letter == '\xc5') return kAngstrom;
-  if (letter == '\xb0') return kDegree;
-  return kLetters[(letter >= ' ' && letter <= '~' ? letter : '?') - ' '];
+  static const Letters letters = draw_letters();
+  const bool known = (letter >= ' ' && letter <= '~') || letter == '\xc5' || letter == '\xb0';
+  return letters[static_cast<unsigned char>(known ? letter : '?')];
 }
 
 }  // namespace hapgrid

@@ -83,7 +83,7 @@ with style.house_style():
     axes = drawn.add_subplot()
     for name, said, colour in (("paper", "paper, no tank", style.ORANGE), ("energy", "branch and energy, no tank", style.PURPLE),
                                ("core", "the same with the tank", style.GREEN)):
-        axes.plot(*numpy.loadtxt(f"{name}.loop").T, color=colour, label=said)
+        axes.plot(*numpy.loadtxt(f"{name}.loop").T, color=colour, label=said, linestyle=(0, (4, 3)) if name == "core" else "-")
     axes.set(xlabel="time / s", ylabel="returned beyond\nwhat was stored / N rope lengths")
     style.legend(axes)
     style.save(drawn, f"{into}/closed-loop.png")
