@@ -23,7 +23,7 @@ from .programs import run_program
 from .texts import printable_line
 
 # What a command that was killed leaves behind, its own and its filters' files.
-UNFINISHED = re.compile(r"\.(choice|combined|room|way-|single-|records\.|gnuplot|hapgrid\.).*|.*\.new\.\d+")
+UNFINISHED = re.compile(r"\.(choice|combined|room|way-|single-|records\.|hapgrid\.).*|.*\.new\.\d+")
 
 
 class Kept:
