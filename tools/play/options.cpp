@@ -17,29 +17,27 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
       .type("GRID");
   app.add(
          "--device", [&](const std::string& name) { options.device = parse_device(name); },
-         "Device that moves the hand; the list below has all kinds.")
+         "Device that moves the hand; the list below has all.")
       .type("DEVICE");
   app.add(
          "--traversal", [&](const std::string& name) { options.traversal = rule_named(name); },
-         "Rule by which states follow the hand: 'branch' snaps where the model snaps, 'paper' is "
-         "Algorithm 2, and 'model' waits for the model itself in each tick. Default: branch.")
+         "Rule for the states: 'branch' snaps where the model snaps, 'paper' is Algorithm 2, and "
+         "'model' waits for the model in each tick. Default: branch.")
       .type("RULE")
       .check([](const std::string& name) { return rule_named(name).has_value(); },
              "one of " + rule_names());
   app.add(
          "--force", [&](const std::string& name) { options.force = force_named(name); },
-         "What is interpolated: 'energy' of the records, whose gradient is the force; 'records' "
-         "for their forces; or 'state', of which the model gives the force. Default: energy with "
-         "branch, state with paper and model.")
+         "What is interpolated: 'energy', whose gradient is the force; 'records': their forces; "
+         "'state': the model gives its force. Default: energy with branch, else state.")
       .type("RULE")
       .check([](const std::string& name) { return force_named(name).has_value(); },
              "one of energy, records, state");
   app.add(
          "--beside", [&](const std::string& text) { options.beside = text; },
-         "Whether the model itself follows the hand beside the grid and says on which branch the "
-         "hand is: 'on', which for a live device never makes the loop wait; 'off'; or, for any "
-         "other device, by how many TICKS its answers are late. Default: on, if the model is a "
-         "plug-in, or a process that --allow-process names.")
+         "Whether the model says on which branch the hand is: 'on', which never makes a live "
+         "device wait; 'off'; or, for other devices, by how many TICKS it is late. Default: on, if "
+         "it is a plug-in or allowed.")
       .type("on|off|TICKS")
       .check(is_beside, "on, off or a whole number of ticks up to 10000");
   app.add_flag("--list-devices", options.list_devices,
@@ -82,8 +80,8 @@ void add_output_options(CommandLine& app, PlayOptions& options) {
   app.add("--frames", options.frames, "Frames for view, 25 in a second ('-': standard output).")
       .type("FILE");
   app.add("--report", options.report,
-          "Report in JSON to write: ticks, lateness, computing time, and what the safety core did "
-          "('-': standard output).")
+          "Report in JSON: ticks, lateness, computing time, and what the safety core did ('-': "
+          "standard output).")
       .type("FILE");
   app.add("--sessions", options.sessions,
           "Table to write of the sessions of 'sim:', with a line for each.")
