@@ -22,7 +22,7 @@ from .definition import TEARS
 # with them.
 WANTED = 0.25  # angstrom, root mean square over the atoms
 FINEST = 0.2  # angstrom
-# Of 14 molecules of up to 8 atoms (tried.tsv) play is right in 95 to 99 % of such ticks at 0.3 to 0.45 Å, and in 82 to
+# Of 14 molecules of up to 8 atoms play is right in 94 to 99 % of such ticks at 0.3 to 0.45 Å (tried.tsv), and in 82 to
 # 95 % at 0.5 to 0.85 Å, which would be enough for WANTED.
 COARSEST = 0.45  # angstrom, where MOST_POINTS allows it
 MOST_POINTS = 11000 if TEARS else 28000
