@@ -61,7 +61,26 @@ bool carries(const Matrix& turn, const std::vector<LigandAtom>& atoms) {
   });
 }
 
-/// A turn is fixed by where it brings two atoms. A ligand on one line has no finite set of them.
+/// A ligand on one line can only be carried into itself, but for turns around it, by half a turn
+/// around an axis across it.
+void find_symmetry_of_line(Ligand& ligand) {
+  const auto farthest = std::max_element(
+      ligand.atoms.begin(), ligand.atoms.end(),
+      [](const LigandAtom& a, const LigandAtom& b) { return length(a.place) < length(b.place); });
+  const double size = length(farthest->place);
+  if (!(size > 0)) return;
+  for (int a = 0; a < 3; ++a) ligand.axis[a] = farthest->place[a] / size;
+  const Vector& u = ligand.axis;
+  Vector across = std::abs(u[0]) < 0.8 ? cross(u, {1, 0, 0}) : cross(u, {0, 1, 0});
+  const double scale = length(across);
+  Matrix half{};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c)
+      half[r][c] = 2 * across[r] * across[c] / (scale * scale) - (r == c ? 1 : 0);
+  if (carries(half, ligand.atoms)) ligand.symmetry.push_back(half);
+}
+
+/// A turn is fixed by where it brings two atoms that are not on one line with the centre.
 void find_symmetry(Ligand& ligand) {
   ligand.symmetry = {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
   const auto& atoms = ligand.atoms;
@@ -73,7 +92,8 @@ void find_symmetry(Ligand& ligand) {
       if (area > most) most = area, first = i, second = j;
     }
   Matrix from, to;
-  if (!(most > 0) || !frame(atoms[first].place, atoms[second].place, from)) return;
+  if (!(most > 0) || !frame(atoms[first].place, atoms[second].place, from))
+    return find_symmetry_of_line(ligand);
   const auto fits = [&](std::size_t from_atom, std::size_t to_atom) {
     return same(atoms[from_atom], atoms[to_atom]) &&
            std::abs(length(atoms[from_atom].place) - length(atoms[to_atom].place)) < kSamePlace;

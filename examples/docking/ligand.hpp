@@ -25,6 +25,7 @@ struct Ligand {
   /// The turns that bring each atom to one of its type, charge and place; the first leaves all as
   /// they are.
   std::vector<Matrix> symmetry;
+  Vector axis{};  ///< of length 1, when all atoms lie on one line, around which nothing turns
 
   /// The RMS distance of the atoms between two orientations (two columns of a rotation matrix
   /// each), the smallest over the symmetry.

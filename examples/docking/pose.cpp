@@ -178,6 +178,20 @@ void Poses::choose(double* s) const {
     }
   }
   std::copy_n(best, 6, s);
+  // On a line, all turns around it are the same: the shortest turn that brings the axis there.
+  const Vector& u = ligand_.axis;
+  double v[3], w[3];
+  orientation::apply(s, u.data(), v);
+  if (ligand_.symmetry.size() > 1 && u[0] * v[0] + u[1] * v[1] + u[2] * v[2] < 0)
+    for (double& c : v) c = -c;
+  for (int a = 0; a < 3; ++a)
+    w[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+  const double sine = length(w), cosine = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+  if (!(sine > 1e-9)) return;  // no line, or none of the turns is the shortest
+  for (double& c : w) c *= std::atan2(sine, cosine) / sine;
+  const double file[6] = {1, 0, 0, 0, 1, 0};
+  std::copy_n(file, 6, s);
+  orientation::turn(s, w);
 }
 
 }  // namespace hapgrid::docking

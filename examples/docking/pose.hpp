@@ -36,7 +36,8 @@ class Poses {
   void relax(const double* x, double* s) const;
 
   /// Of the orientations that the symmetry makes the same, writes that into s which is nearest to
-  /// the ligand's in its file, so that the same pose mostly has the same numbers.
+  /// the ligand's in its file, so that the same pose mostly has the same numbers. A ligand on one
+  /// line gets the shortest turn.
   void choose(double* s) const;
 
  private:

@@ -130,8 +130,8 @@ ModelInfo read_info(const Json& in) {
                 printable_line(version->dump(-1, ' ', true)), kProtocolVersion));
   only_keys(in, "its first line",
             {"hapgrid", "state_size", "d_max", "tolerance", "tolerance_unit", "norm", "weights",
-             "period", "length_unit", "energy_unit", "force_scale", "hip_radius", "stored", "spheres",
-             "version", "in_flight"});
+             "period", "length_unit", "energy_unit", "force_scale", "hip_radius", "stored",
+             "spheres", "version", "in_flight"});
   ModelInfo info;
   info.state_size = whole_number(in, "state_size", kMaxStateSize);
   info.in_flight = in.contains("in_flight") ? whole_number(in, "in_flight", kMaxInFlight) : 0;

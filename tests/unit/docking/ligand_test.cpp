@@ -60,6 +60,18 @@ TEST_CASE("turns that carry a ligand into itself are no distance") {
   CHECK(other.symmetry.size() == 1);
 }
 
+TEST_CASE("around a ligand on one line nothing turns") {
+  const docking::Ligand ligand = docking::read_ligand(
+      atom("OA", 1.2, 0, 0, -0.4) + atom("C", 0, 0, 0, 0.8) + atom("OA", -1.2, 0, 0, -0.4));
+  CHECK(std::abs(ligand.axis[0]) == Approx(1));
+  CHECK(ligand.symmetry.size() == 2);
+  const double still[6] = {1, 0, 0, 0, 1, 0}, around[6] = {1, 0, 0, 0, 0, 1};
+  const double over[6] = {-1, 0, 0, 0, 1, 0}, across[6] = {0, 1, 0, -1, 0, 0};
+  CHECK(ligand.distance(still, around) == Approx(0).margin(1e-7));
+  CHECK(ligand.distance(still, over) == Approx(0).margin(1e-7));
+  CHECK(ligand.distance(still, across) == Approx(std::sqrt(2.0 / 3) * 1.2 * std::sqrt(2.0)));
+}
+
 TEST_CASE("what is no ligand is refused") {
   CHECK_THROWS_WITH(docking::read_ligand(atom("C", 0, 0, 0, 0)), Catch::Contains("fewer than two"));
   CHECK_THROWS_WITH(docking::read_ligand(atom("", 0, 0, 0, 0) + atom("C", 1, 0, 0, 0)),
