@@ -77,7 +77,8 @@ def _plane(text, origin, spacing, counts):
     a = AXES.index(axis)
     step, last = (at - origin[a]) / spacing, int(counts[a]) - 1
     if not -1e-9 <= step <= last + 1e-9:
-        raise ValueError(f"the plane {plain(text)} is outside the box: {axis} goes from {origin[a]:g} to {origin[a] + last * spacing:g}")
+        ends = f"{origin[a]:g} to {origin[a] + last * spacing:g}"
+        raise ValueError(f"the plane {plain(text)} is outside the box: {axis} goes from {ends}")
     return a, min(max(int(-(-(step - 0.5) // 1)), 0), last)  # the lower of two that are equally near
 
 
@@ -325,7 +326,6 @@ def _flags(play):
 def _strip(axes, t, rows):
     """A row for each flag, the first on top."""
     import numpy
-
     tick = numpy.median(numpy.diff(t)) if len(t) > 1 else 1
     for row, (_, values) in enumerate(rows):
         edges = numpy.flatnonzero(numpy.diff(numpy.concatenate([[0], values, [0]])))

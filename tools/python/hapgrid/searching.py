@@ -43,7 +43,7 @@ def search(definition: str | os.PathLike, output: str | os.PathLike | None = Non
 
 
 def _watch(command, seeds):
-    """Runs expand with a terminal of its own as standard error, because it shows progress on a terminal alone."""
+    """Runs expand with a terminal of its own as standard error, because it shows progress often on a terminal alone."""
     show = _display()
     screen, terminal = os.openpty()
     # A terminal's size of 0 is none: no line is cut.
