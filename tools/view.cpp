@@ -82,15 +82,22 @@ class Chosen {
   void offer(const Frame& frame) {
     // Frames come in the order of ticks; at infinity each one is nearer than those before.
     const double distance = std::abs(frame.time_s - at_s_);
+    const bool snapped = jumps_ && *jumps_ != frame.jumps;
+    jumps_ = frame.jumps;
     if (frame_ && std::isfinite(at_s_) && distance >= distance_) return;
     frame_ = frame;
+    snapped_ = snapped;
     distance_ = distance;
   }
   const std::optional<Frame>& frame() const { return frame_; }
+  /// Whether the state snapped after the frame before.
+  bool snapped() const { return snapped_; }
 
  private:
   double at_s_;
   double distance_ = 0;
+  std::optional<std::uint64_t> jumps_;  // of the newest frame
+  bool snapped_ = false;
   std::optional<Frame> frame_;
 };
 
@@ -192,8 +199,9 @@ RenderOptions render_options(const Options& options) {
 }
 
 /// A picture of `frame` as --size, the angles and the sizes want it.
-Image picture(const Options& options, const Scene& scene, const Frame& frame) {
-  const RenderOptions how = render_options(options);
+Image picture(const Options& options, const Scene& scene, const Frame& frame, bool snapped) {
+  RenderOptions how = render_options(options);
+  how.flash = snapped;
   return render(scene, frame,
                 fit_camera(scene, frame, how, options.azimuth_degrees, options.elevation_degrees),
                 how);
@@ -247,7 +255,7 @@ int run(const Options& options) {
   }
   if (png) {
     if (!chosen.frame()) throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
-    png->write(encode_png(picture(options, scene, *chosen.frame())));
+    png->write(encode_png(picture(options, scene, *chosen.frame(), chosen.snapped())));
     png->commit();
   }
   if (html) {

@@ -15,8 +15,6 @@ namespace hapgrid {
 namespace {
 
 constexpr Colour kBoxColour{0.62F, 0.65F, 0.7F};
-constexpr Colour kHipColour{0.15F, 0.35F, 0.95F};
-constexpr Colour kForceColour{0.85F, 0.1F, 0.1F};
 constexpr double kLinePixels = 0.6;  // half the width of the box's edges
 constexpr double kAround = 1.06;     // around what fills a picture
 
@@ -59,28 +57,82 @@ Vec3 sphere_centre(const Frame& frame, std::size_t i) {
   return {frame.centres[3 * i], frame.centres[3 * i + 1], frame.centres[3 * i + 2]};
 }
 
-// The arrow of the force, from the HIP.
-Vec3 arrow_tip(const Scene& scene, const Frame& frame, const RenderOptions& options) {
-  return frame.position + newton_length(scene, options) * frame.force;
-}
-double shaft_radius(const Scene& scene, const RenderOptions& options) {
-  return hip_radius(scene, options) / 5;
-}
-
-/// A shaft and a head, as many balls that stand close together.
-void add_arrow(const Vec3& from, const Vec3& to, double shaft, const Projection& project,
-               std::vector<Ball>& balls) {
-  const double length = std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+/// The force as an arrow that begins outside the HIP: a shaft and a head, as many balls that stand
+/// close together. Those of the head are half balls, so that its back is flat.
+void add_arrow(const Scene& scene, const Frame& frame, const RenderOptions& options,
+               const Projection& project, std::vector<Ball>& balls) {
+  const double newtons = length_of(frame.force);
+  const double length = newton_length(scene, options) * newtons;
   if (!(length > 0) || !std::isfinite(length)) return;
-  const double head = std::min(6 * shaft, length);
+  const double hip = hip_radius(scene, options);
+  const auto part = [&](std::size_t i) {
+    return std::min(kArrowParts[i] * length, kArrowMost[i] * hip);
+  };
+  const double shaft = part(0), wide = part(1), head = part(2);
+  const Vec3 way = (1 / newtons) * frame.force;
+  const Vec3 from = frame.position + hip * way;
+  const Vec3 seen = project(from + way) - project(from);  // of the length project.scale
+  const Vec3 cut = (1 / project.scale) * seen;
   // Half a ray apart they look like one thing; the bound is for absurd lengths.
   const int steps = static_cast<int>(std::clamp(length * project.scale / 0.5, 8.0, 4000.0));
   for (int i = 0; i <= steps; ++i) {
-    const double t = static_cast<double>(i) / steps;
-    const double left = length * (1 - t);  // to the tip
-    const double radius = left < head ? 2.5 * shaft * left / head : shaft;
-    balls.push_back({project(along(from, to, t)), radius * project.scale, kForceColour});
+    const double at = length * i / steps;
+    const double left = length - at;  // to the tip
+    const bool in_head = left < head;
+    balls.push_back({project(from + at * way),
+                     (in_head ? wide * left / head : shaft) * project.scale, kForceColour,
+                     in_head ? cut : Vec3{0, 0, 0}});
   }
+}
+
+/// A ring around a place of the picture, in pixels.
+void add_ring(const Vec3& middle, double radius, const Colour& colour, const RenderOptions& options,
+              std::vector<Line>& lines) {
+  constexpr int kSides = 40;
+  const double rays = options.supersampling * options.letter_scale;
+  const auto at = [&](int i) {
+    const double angle = 2 * std::numbers::pi * i / kSides;
+    return Vec3{middle[0] + radius * rays * std::cos(angle),
+                middle[1] + radius * rays * std::sin(angle), 0};
+  };
+  for (int i = 0; i < kSides; ++i) lines.push_back({at(i), at(i + 1), rays, colour});
+}
+
+/// The ring at the hand, and the thread by which the hand holds the HIP.
+void add_hand(const Vec3& hand, const Vec3& hip, const RenderOptions& options,
+              std::vector<Line>& lines) {
+  add_ring(hand, kRingPixels, kHipColour, options, lines);
+  const double rays = options.supersampling * options.letter_scale;
+  const double away = std::hypot(hip[0] - hand[0], hip[1] - hand[1]);
+  if (!(away > kRingPixels * rays) || !std::isfinite(away)) return;
+  const Vec3 from = along(hand, hip, kRingPixels * rays / away);
+  lines.push_back({{from[0], from[1], 0}, {hip[0], hip[1], 0}, rays, kHipColour});
+}
+
+/// What the floor has of a ball that is somewhere above it.
+void add_shadow(const Scene& scene, const Vec3& centre, double radius, const Projection& project,
+                std::vector<Shadow>& shadows) {
+  if (!(centre[2] > scene.box.origin[2])) return;
+  const Vec3 at = project({centre[0], centre[1], scene.box.origin[2]});
+  const double half = kShadowRadii * radius * project.scale;
+  if (finite(at) && half > 0)
+    shadows.push_back({{at[0], at[1]}, {half, half * project.axes.near[2]}});
+}
+
+/// The floor, if it is seen from above, and how far the box and the balls reach in depth.
+void add_depths(const Scene& scene, const Projection& project, Drawing& all) {
+  const Vec3 from = project(corner(scene.box, 0));
+  all.nearest = all.farthest = from[2];
+  const auto see = [&](double z) {
+    all.nearest = std::max(all.nearest, z);
+    all.farthest = std::min(all.farthest, z);
+  };
+  for (int c = 1; c < 8; ++c) see(project(corner(scene.box, c))[2]);
+  for (const Ball& ball : all.balls) see(ball.centre[2]);
+  if (!(project.axes.near[2] > 0)) return;
+  const Vec3 right = project(corner(scene.box, 1)) - from,
+             back = project(corner(scene.box, 2)) - from;
+  all.floor = {{{from[0], from[1]}, {right[0], right[1]}, {back[0], back[1]}}};
 }
 
 /// As many balls that stand close together, each half in the colour of its end.
@@ -101,13 +153,24 @@ void add_stick(const Scene& scene, const Frame& frame, const std::array<std::uin
 /// The torsions that have turned, each at the middle of its bond.
 void name_turned(const Scene& scene, const Frame& frame, const Projection& project,
                  const RenderOptions& options, Drawing& all) {
+  constexpr double kHigh = 16, kWide = 7;       // pixels of a plate, and of each of its letters
+  std::vector<std::pair<Vec3, double>> plates;  // middles and widths: one does not cover another
+  const double pixel = options.supersampling * options.letter_scale;
   for (std::size_t i = 0; i < frame.turned.size(); ++i) {
     if (!(std::abs(frame.turned[i]) >= kTurned)) continue;
     const Torsion& torsion = scene.torsions[i];
-    const Vec3 middle = project(along(sphere_centre(frame, torsion.spheres[1]),
-                                      sphere_centre(frame, torsion.spheres[2]), 0.5));
-    if (finite(middle))
-      add_plate(all, turned_text(torsion, frame.turned[i]), middle[0], middle[1], options);
+    Vec3 middle = project(along(sphere_centre(frame, torsion.spheres[1]),
+                                sphere_centre(frame, torsion.spheres[2]), 0.5));
+    if (!finite(middle)) continue;
+    const std::string text = turned_text(torsion, frame.turned[i]);
+    const double wide = kWide * static_cast<double>(text.size());
+    const auto covers = [&](const std::pair<Vec3, double>& plate) {
+      const Vec3 away = (1 / pixel) * (middle - plate.first);
+      return std::abs(away[0]) < 0.5 * (wide + plate.second) && std::abs(away[1]) < kHigh;
+    };
+    while (std::any_of(plates.begin(), plates.end(), covers)) middle[1] += kHigh * pixel;
+    plates.emplace_back(middle, wide);
+    add_plate(all, text, middle[0], middle[1], options);
   }
 }
 
@@ -119,7 +182,9 @@ double hip_radius(const Scene& scene, const RenderOptions& options) {
 }
 
 double newton_length(const Scene& scene, const RenderOptions& options) {
-  return options.arrow > 0 ? options.arrow : longest_side(scene.box) / 6;
+  if (options.arrow > 0) return options.arrow;
+  const double longest = longest_side(scene.box);
+  return scene.largest_force > 0 ? longest / 4 / scene.largest_force : longest / 6;
 }
 
 PictureAxes::PictureAxes(const Camera& camera) {
@@ -171,9 +236,12 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
   for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
     const Vec3 centre = sphere_centre(frame, i);
     if (!finite(centre)) continue;
-    all.balls.push_back(
-        {project(centre), part * scene.spheres[i].radius * project.scale, scene.spheres[i].colour});
+    const double radius = part * scene.spheres[i].radius;
+    all.balls.push_back({project(centre), radius * project.scale, scene.spheres[i].colour});
+    if (options.box) add_shadow(scene, centre, radius, project, all.shadows);
   }
+  all.spheres = all.balls.size();
+  if (options.box) add_depths(scene, project, all);
   if (options.sticks)
     for (const auto& bond : find_bonds(scene, frame))
       add_stick(scene, frame, bond, project, all.balls);
@@ -185,10 +253,16 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
                                project(corner(scene.box, c | 1 << axis)),
                                kLinePixels * options.supersampling, kBoxColour});
   if (options.hip && finite(frame.position)) {
-    add_arrow(frame.position, arrow_tip(scene, frame, options), shaft_radius(scene, options),
-              project, all.balls);
-    all.translucent.push_back(
-        {project(frame.position), hip_radius(scene, options) * project.scale, kHipColour});
+    const Vec3 hip = project(frame.position);
+    const double radius = hip_radius(scene, options);
+    add_arrow(scene, frame, options, project, all.balls);
+    all.translucent.push_back({hip, radius * project.scale, kHipColour});
+    if (options.box) add_shadow(scene, frame.position, radius, project, all.shadows);
+    if (finite(frame.hand)) add_hand(project(frame.hand), hip, options, all.overlay);
+    const double pixels = radius * project.scale / options.supersampling / options.letter_scale;
+    if (options.flash)
+      for (const double wider : {4.0, 10.0})
+        add_ring(hip, pixels + wider, kSnapColour, options, all.overlay);
   }
   if (options.letters) name_turned(scene, frame, project, options, all);
   if (options.legend) add_legend(all, scene, camera, options);

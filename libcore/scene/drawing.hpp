@@ -36,25 +36,42 @@ struct RenderOptions {
   int height = 600;
   int supersampling = 3;  ///< rays a pixel and axis
   double hip_radius = 0;  ///< 0: the scene's own, or a 40th of the box's longest side
-  double arrow = 0;       ///< length of a newton; 0: a sixth of the box's longest side
+  double arrow = 0;       ///< length of a newton; 0: see newton_length()
   bool box = true;
   bool hip = true;      ///< with the force
   bool legend = true;   ///< the axes and a scale bar
   bool letters = true;  ///< the texts of the legend, and the names of torsions that have turned
   int letter_scale = 1;
   bool sticks = false;  ///< smaller balls, and sticks between those that are joined (bonds.hpp)
+  bool flash = false;   ///< rings at the HIP, because the model snapped
 };
 
 /// Parts of the radius of a sphere, and of the smaller of two, in the style of balls and sticks.
 inline constexpr double kBallPart = 0.25;
 inline constexpr double kStickPart = 0.12;
 
-/// The radius of the ball at the HIP, and the length of the arrow for a newton.
+/// The radius of the ball at the HIP, and the length of the arrow for a newton: that of the grid's
+/// largest force is a quarter of the box's longest side; where it is not known, a newton's is a
+/// sixth.
 double hip_radius(const Scene& scene, const RenderOptions& options);
 double newton_length(const Scene& scene, const RenderOptions& options);
 
 /// Red, green, blue in [0, 1].
 using Colour = std::array<float, 3>;
+
+// No element has these colours in the usual schemes.
+inline constexpr Colour kHipColour{0.85F, 0.1F, 0.55F};
+inline constexpr Colour kForceColour{0, 0.5F, 0.45F};
+inline constexpr Colour kSnapColour{0.76F, 0.38F, 0.04F};
+
+/// Parts of the arrow's length that are its shaft's radius, its head's radius and length, and how
+/// many radii of the HIP these are at most: the head grows with the force.
+inline constexpr std::array<double, 3> kArrowParts{0.035, 0.12, 0.35};
+inline constexpr std::array<double, 3> kArrowMost{0.2, 0.6, 1.7};
+/// Pixels of the ring around the hand.
+inline constexpr double kRingPixels = 9;
+/// How many radii of a ball its shadow on the floor has.
+inline constexpr double kShadowRadii = 1.6;
 
 inline constexpr Colour kBackground{1, 1, 1};
 inline constexpr float kHipOpacity = 0.6F;
@@ -69,6 +86,13 @@ struct Ball {
   Vec3 centre;
   double radius;
   Colour colour;
+  Vec3 cut{0, 0, 0};  ///< a direction: only the half ball on that side of the centre is drawn
+};
+
+/// What a ball darkens of the box's floor: an ellipse, which fades to its rim.
+struct Shadow {
+  std::array<double, 2> centre;
+  std::array<double, 2> half_axes;
 };
 
 /// A band around a line: all points nearer to it than half_width in x and y. The depth of such a
@@ -83,8 +107,14 @@ struct Line {
 struct Drawing {
   std::vector<Line> lines;        ///< the box
   std::vector<Ball> balls;        ///< the spheres; sticks and the arrow are rows of balls
+  std::size_t spheres = 0;        ///< the first of the balls: they darken each other
   std::vector<Ball> translucent;  ///< the HIP, with kHipOpacity, or kHiddenOpacity behind the rest
   std::vector<Line> overlay;      ///< drawn over everything else, in this order
+  std::vector<Shadow> shadows;    ///< on the floor
+  /// A corner of the floor in x and y, and its two sides; all zero where it is seen from below.
+  std::array<std::array<double, 2>, 3> floor{};
+  double nearest = 0;  ///< z of the nearest and the farthest corner of the box or centre of a ball
+  double farthest = 0;
 };
 
 /// The lengths, to the right and up from the middle of the picture, that the whole box and all

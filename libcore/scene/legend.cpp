@@ -12,11 +12,11 @@ namespace {
 
 constexpr Colour kInk{0.16F, 0.17F, 0.2F};
 // In pixels at scale 1.
-constexpr double kAxis = 60;  // at most
+constexpr double kAxis = 45;  // at most
 constexpr double kMargin = 10;
-constexpr double kGap = 6;      // between an axis and what it says
-constexpr double kBeside = 16;  // from the picture's edge, for the text at an axis to the left
-constexpr std::size_t kShortUnit = 2;
+constexpr double kGap = 9;         // between an axis's end and the middle of its name
+constexpr double kBeside = 16;     // from the picture's edge, for the text at an axis to the left
+constexpr double kShortest = 0.3;  // part of an axis's length that is seen
 constexpr double kSmallest = 150;  // of a picture's sides, for a legend
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above `most`.
@@ -27,33 +27,25 @@ double round_length(double most) {
   return power;
 }
 
-/// The three axes, each with its name and how long it is, from one place.
-void add_axes(Legend& legend, const Scene& scene, const Camera& camera,
-              const RenderOptions& options, double pixels) {
+/// The axes and their names, from one place; those that point at the viewer are left out.
+void add_axes(Legend& legend, const Camera& camera, const RenderOptions& options) {
   const double scale = options.letter_scale;
-  const double most = std::min(scale * kAxis, 0.16 * std::min(options.width, options.height));
-  const double length = round_length(most / pixels);
+  const double length = std::min(scale * kAxis, 0.12 * std::min(options.width, options.height));
   const PictureAxes axes(camera);
-  const std::string says = " " + legend_texts(scene, length)[1];
-  const double letters = scale * kLetterWidth * static_cast<double>(letters_of("x" + says).size());
   const double left = scale * kMargin, bottom = options.height - scale * kMargin - 0.5;
-  const std::array<double, 2> middle{left + most + scale * kBeside, bottom - most - scale * 24};
+  const std::array<double, 2> middle{left + length + scale * kBeside, bottom - length - scale * 30};
   for (std::size_t a = 0; a < 3; ++a) {
     const std::array<double, 2> way{axes.right[a], -axes.up[a]};
-    const double shown = std::max(std::hypot(way[0], way[1]), 1e-9);
-    const auto at = [&](double distance, double beside = 0) {
-      return std::array{middle[0] + (distance * way[0] - beside * way[1]) / shown,
-                        middle[1] + (distance * way[1] + beside * way[0]) / shown};
+    const double shown = std::hypot(way[0], way[1]);
+    if (shown < kShortest) continue;
+    const auto at = [&](double distance) {
+      return std::array{middle[0] + distance * way[0] / shown,
+                        middle[1] + distance * way[1] / shown};
     };
-    const double end = length * pixels * shown;
-    legend.lines.push_back({{middle, at(end)}});
-    legend.lines.push_back({{at(end, -2 * scale), at(end, 2 * scale)}});
-    // The text lies outside of its end: right of an axis that points to the right, and so on.
-    const double half_height = 0.5 * kLetterHeight * std::abs(way[1]) / shown;
-    const auto name = at(end + scale * (kGap + half_height));
-    const double share = 0.5 - 0.5 * way[0] / shown;
+    legend.lines.push_back({{middle, at(length * shown)}});
+    const auto name = at(length * shown + scale * kGap);
     legend.labels.push_back(
-        {std::string(1, "xyz"[a]) + says, {name[0] - share * letters, name[1]}});
+        {std::string(1, "xyz"[a]), {name[0] - 0.5 * scale * kLetterWidth, name[1]}});
   }
 }
 
@@ -80,11 +72,8 @@ void add_letter(std::vector<Line>& lines, char letter, double x, double y, doubl
 
 }  // namespace
 
-std::array<std::string, 2> legend_texts(const Scene& scene, double length) {
-  const std::string unit = unit_sign(scene.length_unit);
-  const std::string with_unit = rounded(length) + " " + unit;
-  // A long unit stands at the bar alone.
-  return {with_unit, letters_of(unit).size() > kShortUnit ? rounded(length) : with_unit};
+std::string length_text(const Scene& scene, double length) {
+  return rounded(length) + " " + unit_sign(scene.length_unit);
 }
 
 Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions& options) {
@@ -99,9 +88,9 @@ Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions
   legend.lines.push_back({{{left, bottom}, {left + bar, bottom}}});
   for (const double x : {left, left + bar})
     legend.lines.push_back({{{x, bottom - 3 * scale}, {x, bottom + 3 * scale}}});
-  legend.labels.push_back({legend_texts(scene, length)[0], {left + bar + 5 * scale, bottom}});
+  legend.labels.push_back({length_text(scene, length), {left + bar + 5 * scale, bottom}});
 
-  add_axes(legend, scene, camera, options, pixels);
+  add_axes(legend, camera, options);
   return legend;
 }
 

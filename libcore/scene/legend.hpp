@@ -1,5 +1,5 @@
-// The legend in the lower left corner of a picture: the axes x, y and z, each with its length, and
-// a scale bar.
+// The legend in the lower left corner of a picture: the axes x, y and z, and a scale
+// bar.
 #pragma once
 
 #include <array>
@@ -19,17 +19,15 @@ struct Label {
 struct Legend {
   /// Lines from one point to another, in pixels.
   std::vector<std::array<std::array<double, 2>, 2>> lines;
-  std::vector<Label>
-      labels;  ///< how long the bar is, "2 Å", and the axes: "x 1 Å", "y 1 Å", "z 1 Å"
+  std::vector<Label> labels;  ///< how long the bar is, "2 Å", and the names of the axes
 };
 
-/// The texts of a length: beside the scale bar, "2 Å", and behind an axis's name, where a long unit
-/// is left out.
-std::array<std::string, 2> legend_texts(const Scene& scene, double length);
+/// A length with its unit: "2 Å".
+std::string length_text(const Scene& scene, double length);
 
 /// The legend of a picture; empty if the picture is too small for one. The bar is 1, 2 or 5
-/// times a power of ten long, and at most a quarter of the width. So are the axes, all of one
-/// length in the model's space; the picture shortens those that do not lie in its plane.
+/// times a power of ten long, and at most a quarter of the width. The axes have one length in the
+/// model's space; the picture shortens those that do not lie in its plane.
 Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions& options);
 
 /// Draws the legend over everything, with its letters if the options want them.

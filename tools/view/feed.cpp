@@ -58,7 +58,7 @@ void Feed::run() {
     for (Frame frame; reader_.next(frame);) {
       if (std::exchange(first, false)) {
         const std::lock_guard lock(mutex_);
-        start_ = paused_since_ = Clock::now();
+        start_ = Clock::now();
         first_s_ = frame.time_s;
       }
       if (recorded_ && !wait_until_due(frame.time_s)) break;
@@ -66,10 +66,7 @@ void Feed::run() {
         const std::lock_guard lock(mutex_);
         traces_.add(frame);
         late_ = late_ || waiting_.size() == kMostWaiting;
-        if (late_) {
-          if (any_given_out_) dropped_ += waiting_.size();
-          waiting_.clear();
-        }
+        if (late_) waiting_.clear();
         waiting_.push_back(frame);
       }
       changed_();
@@ -89,10 +86,6 @@ void Feed::run() {
 bool Feed::wait_until_due(double time_s) {
   std::unique_lock lock(mutex_);
   while (!stopped_) {
-    if (paused_) {
-      wake_.wait(lock);
-      continue;
-    }
     const double played = std::chrono::duration<double>(Clock::now() - start_).count();
     const double left = time_s - first_s_ - played;
     if (!(left > 0)) return true;
@@ -108,23 +101,9 @@ Feed::State Feed::update(Frame& frame, Traces& traces) {
     frame = std::move(waiting_.front());
     waiting_.pop_front();
     late_ = false;
-    any_given_out_ = true;
     traces = traces_;
   }
-  return {fresh, !waiting_.empty(), ended_ && waiting_.empty(), dropped_};
-}
-
-void Feed::pause(bool paused) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (paused == paused_) return;
-    paused_ = paused;
-    if (paused)
-      paused_since_ = Clock::now();
-    else
-      start_ += Clock::now() - paused_since_;
-  }
-  wake_.notify_all();
+  return {fresh, !waiting_.empty(), ended_ && waiting_.empty()};
 }
 
 void Feed::check() const {

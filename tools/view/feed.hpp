@@ -40,13 +40,10 @@ class Feed {
   /// The state of the stream. `frame` and `traces` are written only when there is a new frame.
   struct State {
     bool fresh = false;
-    bool more = false;          ///< whether a newer frame waits already
-    bool ended = false;         ///< whether this frame is the last one
-    std::uint64_t dropped = 0;  ///< frames since the first given-out one that were never given out
+    bool more = false;   ///< whether a newer frame waits already
+    bool ended = false;  ///< whether this frame is the last one
   };
   State update(Frame& frame, Traces& traces);
-  /// Stops and starts the clock of a file; a live stream goes on.
-  void pause(bool paused);
   /// Called when the stream has ended. @throw the error that ended it, if there was one.
   void check() const;
 
@@ -67,15 +64,11 @@ class Feed {
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable wake_;
   bool stopped_ = false;
-  bool paused_ = false;
-  double first_s_ = 0;       // the time of the recording's first frame
-  Clock::time_point start_;  // when that frame was due; pauses move it on
-  Clock::time_point paused_since_;
+  double first_s_ = 0;         // the time of the recording's first frame
+  Clock::time_point start_;    // when that frame was due
   std::deque<Frame> waiting_;  // the oldest first
   Traces traces_;
   bool late_ = false;  // too many waited: only the newest one is kept
-  bool any_given_out_ = false;
-  std::uint64_t dropped_ = 0;
   bool ended_ = false;
   std::exception_ptr error_;
 

@@ -101,7 +101,7 @@ class Display {
     return pixels_.encode(render(scene_, frame, camera_, how), size_.columns, rows, width, height);
   }
 
-  std::string draw(const Frame& frame, const Traces& traces, std::uint64_t dropped) {
+  std::string draw(const Frame& frame, const Traces& traces) {
     std::string text = "\033[?2026h";  // what comes until ...l appears at once
     if (kitty()) text += "\033_Ga=d\033\\";
     int row = 1;
@@ -111,7 +111,7 @@ class Display {
     const auto below = [&](const std::string& line) {
       if (row <= size_.rows) text += at_row(row++) + "\033[0m" + line + "\033[K";
     };
-    below(status(frame, dropped));
+    below(status(frame));
     const Extent energy = energy_extent(traces);
     const int room = size_.columns - static_cast<int>(label("", 0).size());
     const auto curve = columns(traces, std::max(0, room));
@@ -125,10 +125,10 @@ class Display {
   }
 
   /// As it stands on the terminal when all is over.
-  std::string last(const Frame& frame, std::uint64_t dropped) {
+  std::string last(const Frame& frame) {
     std::string text;
     for (const std::string& line : picture(frame)) text += line + "\033[0m\r\n";
-    return text + status(frame, dropped) + "\r\n";
+    return text + status(frame) + "\r\n";
   }
 
  private:
@@ -151,9 +151,7 @@ class Display {
   static std::string label(const std::string& name, double high) {
     return left(name, 7) + right(three_digits(high), 9) + " ";
   }
-  std::string status(const Frame& frame, std::uint64_t dropped) const {
-    return fitting(status_text(scene_, frame, dropped));
-  }
+  std::string status(const Frame& frame) const { return fitting(status_text(scene_, frame)); }
   std::string fitting(const std::string& text) const {
     return printable_line(text, static_cast<std::size_t>(size_.columns));
   }
@@ -205,13 +203,13 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
       }
       state = feed.update(frame, traces);
       any = any || state.fresh;
-      if (any) screen.write(display.draw(frame, traces, state.dropped));
+      if (any) screen.write(display.draw(frame, traces));
     }
   }
   if (ending_signal()) die_of(ending_signal());
   if (any) {
     OutputFile output("-", /*binary=*/false);
-    output.write(display.last(frame, state.dropped));
+    output.write(display.last(frame));
     output.commit();
   }
   feed.check();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include "libcore/base/format.hpp"
 #include "libcore/base/table.hpp"
@@ -47,8 +46,9 @@ Extent energy_extent(const Traces& traces) {
     }
   }
   // As much as three digits show: what changes less is a straight line.
-  const double least = std::max(1e-3 * std::abs(extent.low), std::numeric_limits<double>::min());
+  const double least = 1e-3 * std::abs(extent.low);
   if (extent.high - extent.low < least) extent.high = extent.low + least;
+  if (extent.high == extent.low) extent.high = extent.low + 1;
   return extent;
 }
 
@@ -72,7 +72,7 @@ std::vector<Column> columns(const Traces& traces, int count) {
   return result;
 }
 
-std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dropped) {
+std::string status_text(const Scene& scene, const Frame& frame) {
   std::string text =
       format("t {} s   force {} N",
              std::abs(frame.time_s) < 1e9 ? fixed(frame.time_s, 2) : three_digits(frame.time_s),
@@ -88,10 +88,7 @@ std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dr
       farthest = i;
   if (farthest < frame.turned.size())
     text += "   " + turned_text(scene.torsions[farthest], frame.turned[farthest]);
-  text += "   levels";
-  for (const int level : std::set<int>(frame.levels.begin(), frame.levels.end()))
-    text += format(" {}", level);
-  return format("{}   dropped {}", text, dropped);
+  return text;
 }
 
 }  // namespace hapgrid

@@ -62,10 +62,9 @@ struct Column {
 /// values of the part before.
 std::vector<Column> columns(const Traces& traces, int count);
 
-/// "t 3.24 s   force 0.513 N   energy 12.3 kJ/mol   model alone 9.1   psi +67°   levels 0 1
-/// dropped 2": the energy, with that of the model itself, if the model has one; the torsion that
-/// has turned farthest, if one has; the levels in the cell's corners, and the number of frames that
-/// were never drawn.
-std::string status_text(const Scene& scene, const Frame& frame, std::uint64_t dropped);
+/// "t 3.24 s   force 0.513 N   energy 12.3 kJ/mol   model alone 9.1   psi +67°": the energy, with
+/// that of the model itself, if the model has one; the torsion that has turned farthest, if one
+/// has.
+std::string status_text(const Scene& scene, const Frame& frame);
 
 }  // namespace hapgrid

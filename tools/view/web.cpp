@@ -83,6 +83,7 @@ class Server {
     bool told_end = false;
     std::deque<Message> frames;  // to be sent, the oldest first
     std::vector<std::string> texts;
+    std::string heard;  // the beginning of a line
   };
 
   static int call(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t size);
@@ -196,7 +197,6 @@ int Server::answer(lws* wsi, lws_callback_reasons reason, void* in, size_t size)
       end(wsi);
       return 0;
     case LWS_CALLBACK_RECEIVE:
-      if (!::lws_is_first_fragment(wsi) || !::lws_is_final_fragment(wsi)) return -1;
       return hear(wsi, text);
     case LWS_CALLBACK_SERVER_WRITEABLE:
       return speak(wsi);
@@ -292,23 +292,29 @@ void Server::end(lws* wsi) {
       kGrace);
 }
 
-/// A confirmation, which is a dot, or where the hand is.
+/// Lines: a confirmation, which is a dot, or where the hand is.
 int Server::hear(lws* wsi, std::string_view text) {
   Client& client = clients_[wsi];
-  if (text == ".") {
-    client.on_the_way = std::max(0, client.on_the_way - 1);
-    ::lws_callback_on_writable(wsi);
-    return 0;
-  }
-  if (text.size() > kLongestMove) return -1;
-  if (wsi != holder_ || !hand_) return 0;
+  client.heard += text;
+  std::size_t begin = 0;
   std::optional<Vec3> place;
-  try {
-    place = parse_position(text);
-  } catch (const Error&) {
-    return -1;
+  for (std::size_t end; (end = client.heard.find('\n', begin)) != std::string::npos;
+       begin = end + 1) {
+    const std::string line = client.heard.substr(begin, end - begin);
+    if (line == ".") {
+      client.on_the_way = std::max(0, client.on_the_way - 1);
+      ::lws_callback_on_writable(wsi);
+    } else {
+      try {
+        place = parse_position(line);
+      } catch (const Error&) {
+        return -1;
+      }
+    }
   }
-  if (place) hand_->move_to(*place);
+  client.heard.erase(0, begin);
+  if (client.heard.size() > kLongestMove) return -1;
+  if (place && wsi == holder_ && hand_) hand_->move_to(*place);
   return 0;
 }
 

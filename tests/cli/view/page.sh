@@ -58,5 +58,5 @@ view x.frames --at 0.12 --size 400x300 --png drawn.png
 # At the end, with the hostile name: the last frame's numbers, and every snap that play counted.
 browse --dump-dom "file://$PWD/hostile.html#t=99" >dom
 last=$(view x.frames --format json | python3 -c 'import json, sys; print("%.2f" % json.load(sys.stdin)["last_s"])')
-same "status" "~t $last s   force [0-9.e-]+ N   energy [0-9.e-]+ N rope lengths   snaps $snaps of $snaps" \
+same "status" "~t $last s   force [0-9.e-]+ N   snaps $snaps of $snaps   energy [0-9.e-]+ N rope lengths" \
   "$(sed -nE 's/.*<div id="status">([^<]*)<.*/\1/p' dom)"

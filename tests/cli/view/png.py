@@ -22,8 +22,8 @@ def decode(name):
 
 
 COLOURS = {
-    "red": lambda r, g, b: r > g + 60 and r > b + 60,
-    "blue": lambda r, g, b: b > r + 40 and b > g + 20,
+    "magenta": lambda r, g, b: r > g + 60 and b > g + 30,
+    "teal": lambda r, g, b: g > r + 40 and b > r + 40,
     "yellow": lambda r, g, b: r > b + 40 and g > b + 40,
 }
 

@@ -52,7 +52,7 @@ wait_line '^energy '
 shows one.png 80 21
 grep -q '38;2;' capture || fail "no true colour"
 lines=$(on capture-pane -p | tail -3)
-force='force [0-9.]+ N   energy [0-9.]+ N rope lengths   levels [0-9 ]+   dropped 0'
+force='force [0-9.]+ N   energy [0-9.]+ N rope lengths'
 same "numbers" "~t [0-9.]+ s   $force" "$(sed -n 1p <<<"$lines")"
 same "force" '~force +[0-9.]+ .*[▁▂▃▄▅▆▇█]' "$(sed -n 2p <<<"$lines")"
 same "energy" '~energy +[0-9.]+ .*[▁▂▃▄▅▆▇█]' "$(sed -n 3p <<<"$lines")"

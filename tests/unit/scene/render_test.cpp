@@ -37,7 +37,9 @@ struct Stage {
 
 bool reddish(const Rgb& p) { return p[0] > p[1] + 40 && p[0] > p[2] + 40; }
 bool greenish(const Rgb& p) { return p[1] > p[0] + 40 && p[1] > p[2] + 40; }
-bool bluish(const Rgb& p) { return p[2] > p[0] + 20 && p[2] > p[1] + 20; }
+// The colours of the HIP and of the force.
+bool pinkish(const Rgb& p) { return p[0] > p[1] + 60 && p[2] > p[1] + 30; }
+bool tealish(const Rgb& p) { return p[1] > p[0] + 40 && p[2] > p[0] + 40; }
 
 }  // namespace
 
@@ -82,26 +84,27 @@ TEST_CASE("HIP, force and box are there, and can be left out") {
   stage.frame.force = {0, 0, 1};
   stage.options = {.width = 300, .height = 300, .hip_radius = 0.2, .arrow = 0.5};
   stage.camera = fit_camera(stage.scene, stage.frame, stage.options, 0, 0);
-  CHECK(stage.camera.half_width == Approx(1.06));
-  const auto pixel = [&](double u) { return static_cast<int>(150 + u * 150 / 1.06); };
+  CHECK(stage.camera.half_width == Approx(1.06 * 1.2));
+  const auto pixel = [&](double u) { return static_cast<int>(150 + u * 150 / (1.06 * 1.2)); };
   Image image = stage.render();
-  CHECK(bluish(image.at(pixel(0.15), 150)));
-  CHECK(reddish(image.at(150, pixel(-0.35))));   // the shaft, up
-  CHECK(image.at(150, pixel(-0.55)) == kWhite);  // beyond the tip
+  CHECK(pinkish(image.at(pixel(0.15), 150)));
+  CHECK(pinkish(image.at(150, pixel(-0.15))));   // the force is outside of it
+  CHECK(tealish(image.at(150, pixel(-0.35))));   // the shaft, up
+  CHECK(image.at(150, pixel(-0.75)) == kWhite);  // beyond the tip
   CHECK(image.at(150, pixel(1)) != kWhite);      // the box's edge
   CHECK(image.at(pixel(-1), 150) != kWhite);
   CHECK(image.at(pixel(0.6), pixel(0.6)) == kWhite);
   // What is behind the HIP shines through, and what is in front fades before it.
   stage.add(0, 0.5F, 0, 0.3F, {0, 1, 0});
   image = stage.render();
-  CHECK(image.at(pixel(0.12), 150)[1] > image.at(pixel(0.12), 150)[0] + 40);
-  CHECK(bluish(Rgb{image.at(pixel(0.12), 150)[0], 0, image.at(pixel(0.12), 150)[2]}));
-  CHECK(reddish(image.at(150, pixel(-0.35))));
+  CHECK(image.at(pixel(0.12), 150)[0] > 90);
+  CHECK(image.at(pixel(0.12), 150)[1] > 70);
+  CHECK(tealish(image.at(150, pixel(-0.35))));
   stage.frame.centres[1] = -0.5F;
   image = stage.render();
   const Rgb faded = image.at(pixel(0.12), 150), whole = image.at(pixel(0.25), 150);
-  CHECK(faded[2] > whole[2] + 60);  // the HIP's blue is seen
-  CHECK(faded[1] > faded[0] + 40);  // and the sphere's green
+  CHECK(faded[0] > whole[0] + 60);  // the HIP's red is seen
+  CHECK(faded[1] > 90);             // and the sphere's green
   CHECK(greenish(whole));           // beside the HIP nothing fades
   stage.scene.spheres.clear();
   stage.options.box = stage.options.hip = false;
@@ -124,23 +127,19 @@ TEST_CASE("the legend says where the axes point and how long things are, in fron
   for (int x = 12; x < 58; ++x) REQUIRE((dark(x, 289) || dark(x, 290)));
   CHECK_FALSE((dark(65, 289) || dark(65, 290)));
   const Legend legend = make_legend(stage.scene, stage.camera, stage.options);
-  REQUIRE(legend.labels.size() == 4);
+  REQUIRE(legend.labels.size() == 3);
   CHECK(legend.labels[0].text == "0.5 nm");
-  // From the front x points right and z up; y points away from the viewer.
-  const auto at = [&](int label) { return legend.labels[static_cast<std::size_t>(label)].left; };
-  for (int a = 0; a < 3; ++a)
-    CHECK(legend.labels[static_cast<std::size_t>(a) + 1].text ==
-          std::string(1, "xyz"[a]) + " 0.2 nm");
-  CHECK(at(1)[0] > at(2)[0] + 20);
-  CHECK(at(3)[1] < at(2)[1] - 20);
-  // The bar with its ends, then each axis: 0.2 units are 20 pixels, and y is seen as a point.
-  const auto length = [&](std::size_t line) {
+  // From the front x points right and z up; y points away from the viewer, and is left out.
+  CHECK(legend.labels[1].text == "x");
+  CHECK(legend.labels[2].text == "z");
+  CHECK(legend.labels[1].left[0] > legend.labels[2].left[0] + 20);
+  CHECK(legend.labels[2].left[1] < legend.labels[1].left[1] - 20);
+  // The bar with its ends, then each axis: a part of 0.12 of the picture.
+  REQUIRE(legend.lines.size() == 5);
+  for (const std::size_t line : {3, 4}) {
     const auto& [from, to] = legend.lines[line];
-    return std::hypot(to[0] - from[0], to[1] - from[1]);
-  };
-  CHECK(length(3) == Approx(20));
-  CHECK(length(5) == Approx(0).margin(1e-9));
-  CHECK(length(7) == Approx(20));
+    CHECK(std::hypot(to[0] - from[0], to[1] - from[1]) == Approx(36));
+  }
   stage.scene.length_unit = "angstrom";
   CHECK(make_legend(stage.scene, stage.camera, stage.options).labels[0].text == "0.5 Å");
   CHECK(letters_of("5 Å, 7°, \u03b1") == "5 \xc5, 7\xb0, ?");
@@ -150,6 +149,68 @@ TEST_CASE("the legend says where the axes point and how long things are, in fron
   CHECK(stage.render().pixels != image.pixels);
   stage.options.height = 100;
   CHECK(make_legend(stage.scene, stage.camera, stage.options).labels.empty());
+}
+
+TEST_CASE("neighbours darken each other, as far as the closed form says") {
+  // A ball of radius 1 at the origin, another one of radius 1 on top of it: at the point that is
+  // nearest to it, size and angle are 1.
+  Stage stage;
+  stage.options = {
+      .width = 200, .height = 200, .supersampling = 1, .box = false, .hip = false, .legend = false};
+  stage.camera = {.azimuth_degrees = 0, .elevation_degrees = 0, .half_width = 2};
+  stage.add(0, 0, 0, 1, {0.5F, 0.5F, 0.5F});
+  const Image alone = stage.render();
+  stage.add(0, 0, 2, 1, {0.5F, 0.5F, 0.5F});
+  const Image both = stage.render();
+  const auto light = [](const Image& image, int x, int y) { return image.at(x, y)[0]; };
+  CHECK(light(alone, 100, 52) > light(both, 100, 52) + 10);  // near the other
+  // On the side that faces the viewer, the other is at the distance sqrt(5) and at a right angle
+  // and more: the normal is (0, -1, 0), the way (0, 1, 2), so that the cosine is -1/sqrt(5).
+  const double above = 0.5 - 0.5 / std::sqrt(5.0);
+  const double sum = std::pow(above, 1.5) * (1 / 5.0 - 1 / 16.0);
+  const double part = std::min(1.1, 1.45 * std::exp(-0.33 * sum)) / 1.1;
+  // exp() is replaced by a power that is off by 1e-3 at most here; a colour has steps of 1/255.
+  CHECK(light(both, 100, 100) == Approx(part * light(alone, 100, 100)).margin(2));
+}
+
+TEST_CASE("what lies deeper is paler, and a ball before another has a dark rim") {
+  Stage stage;
+  stage.scene.box = {{-1, -3, -1}, 1, {3, 7, 3}};
+  stage.options = {.width = 200, .height = 200, .supersampling = 1, .hip = false, .legend = false};
+  stage.camera = {.azimuth_degrees = 0, .elevation_degrees = 0, .half_width = 2};
+  stage.add(0, -3, 0, 0.5F, {0.4F, 0.4F, 0.4F});
+  stage.add(0, 3, 0, 0.9F, {0.4F, 0.4F, 0.4F});
+  const Image image = stage.render();
+  // At x = 0.7, 35 pixels from the middle, the farther one is seen: 35 % of white, of what is dark.
+  CHECK(image.at(100 + 35, 100)[0] > image.at(100, 100)[0] + 20);
+  CHECK(image.at(100 + 25, 100)[0] < 60);  // the rim: a quarter of the colour
+}
+
+TEST_CASE("the floor has the shadows of what is above it, seen from above") {
+  Stage stage;
+  stage.scene.box = {{-1, -1, -1}, 1, {3, 3, 3}};
+  stage.options = {.width = 200, .height = 200, .supersampling = 1, .hip = false, .legend = false};
+  stage.camera = {.azimuth_degrees = 0, .elevation_degrees = 60, .half_width = 2};
+  const Image empty = stage.render();
+  CHECK(empty.at(100, 100 + 25)[0] == 247);  // the middle of the floor is cos(60) below: 0.5 units
+  stage.add(0, 0, 1, 0.2F, {1, 0, 0});
+  CHECK(stage.render().at(100, 100 + 25)[0] == Approx(247 * 0.7).margin(2));
+  stage.camera.elevation_degrees = -60;
+  CHECK(stage.render().at(100, 100 + 25) == kWhite);
+}
+
+TEST_CASE("a hand is a ring, and a thread to the HIP") {
+  Stage stage;
+  stage.scene.box = {{-1, -1, -1}, 1, {3, 3, 3}};
+  stage.options = {.width = 200, .height = 200, .hip_radius = 0.1, .box = false, .legend = false};
+  stage.camera = {.azimuth_degrees = 0, .elevation_degrees = 0, .half_width = 2};
+  stage.frame.position = {0, 0, 0};
+  CHECK(stage.render().at(130, 100) == kWhite);
+  stage.frame.hand = {1, 0, 0};
+  const Image image = stage.render();
+  CHECK(pinkish(image.at(130, 100)));      // the thread
+  CHECK(pinkish(image.at(150, 100 - 9)));  // the ring
+  CHECK(image.at(150, 100) == kWhite);     // its inside
 }
 
 TEST_CASE("balls and sticks") {
@@ -168,7 +229,7 @@ TEST_CASE("balls and sticks") {
   CHECK(greenish(image.at(102, 50)));
   CHECK(image.at(100, 54) == kWhite);
   CHECK(image.at(110, 36) == kWhite);  // no stick upwards
-  CHECK(bluish(image.at(110, 24)));
+  CHECK(image.at(110, 24)[2] > image.at(110, 24)[0] + 20);
   stage.frame.centres[0] = std::numeric_limits<float>::quiet_NaN();
   CHECK(find_bonds(stage.scene, stage.frame).empty());
 }

@@ -72,8 +72,7 @@ TEST_CASE("a writer is never behind a reader that draws nothing, who gets the ne
   CHECK(state.fresh);
   CHECK_FALSE(state.ended);
   CHECK(frame.tick == kFrames - 1);
-  CHECK(state.dropped == 0);                  // a window opens, nobody looks yet
-  CHECK(traces.samples().size() == kFrames);  // 2 s; curves have them all
+  CHECK(traces.samples().size() == kFrames);  // 2 s; nobody looks yet, and curves have them all
   state = feed.update(frame, traces);
   CHECK_FALSE(state.fresh);
   // A few frames wait for a drawing that is late; of more there is the newest.
@@ -84,7 +83,6 @@ TEST_CASE("a writer is never behind a reader that draws nothing, who gets the ne
       state = feed.update(frame, traces);
       CHECK(frame.tick == 5000u + 10 * waiting + i);
       CHECK(state.more == (i + 1 < waiting));
-      CHECK(state.dropped == (waiting == 3 ? 0 : 3));
     }
   }
   // Its thread waits for more, which never comes: the test ends all the same.
@@ -129,7 +127,7 @@ TEST_CASE("the end of a stream is told, and what ended it") {
   CHECK_THROWS_AS(feed.check(), FormatError);
 }
 
-TEST_CASE("a file is played in its own time, and its clock can be stopped") {
+TEST_CASE("a file is played in its own time") {
   const TemporaryDirectory directory;
   const auto name = directory.path() / "frames";
   std::vector<std::byte> bytes;
@@ -154,16 +152,8 @@ TEST_CASE("a file is played in its own time, and its clock can be stopped") {
   Frame frame;
   Traces traces;
   CHECK(feed.update(frame, traces).fresh);
-  feed.pause(true);
-  const bool paused_in_time = since() < 0.2;  // else the second one may be out already
-  std::this_thread::sleep_for(std::chrono::milliseconds(400));
-  if (paused_in_time) {
-    CHECK(frame.time_s == 7);
-    CHECK_FALSE(feed.update(frame, traces).fresh);
-  }
-  feed.pause(false);
   bell.wait_for(2);
-  CHECK(since() >= 0.2 + (paused_in_time ? 0.4 : 0));
+  CHECK(since() >= 0.2);
   feed.update(frame, traces);
   CHECK(frame.time_s == 7.2);
   CHECK_FALSE(feed.update(frame, traces).ended);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "libcore/base/format.hpp"
 #include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
 #include "libcore/device/hand.hpp"
@@ -30,6 +31,12 @@ void append(std::string& bytes, T value) {
 
 void append(std::string& bytes, const Vec3& v) {
   for (const double x : v) append(bytes, static_cast<float>(x));
+}
+
+/// As CSS has it.
+std::string css(const Colour& colour) {
+  const auto part = [&](std::size_t i) { return static_cast<int>(std::lround(255 * colour[i])); };
+  return format("#{:02x}{:02x}{:02x}", part(0), part(1), part(2));
 }
 
 }  // namespace
@@ -58,11 +65,15 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
       {"hip_radius", hip_radius(scene, options)},
       {"newton", newton_length(scene, options)},
       {"full_force", scene.largest_force},
-      {"force_colour", "#d91a1a"},
+      {"hip_rgb", kHipColour},
+      {"force_rgb", kForceColour},
+      {"hand_colour", css(kHipColour)},
+      {"force_colour", css(kForceColour)},
+      {"snap_colour", css(kSnapColour)},
       {"energy_colour", "#1e5abe"},
-      {"own_colour", "#008c64"},
-      {"snap_colour", "#f0961e"},
-      {"hand_colour", "#2659f2"},
+      {"own_colour", "#7c3aed"},
+      {"arrow_parts", kArrowParts},
+      {"arrow_most", kArrowMost},
       {"azimuth", azimuth_degrees},
       {"elevation", elevation_degrees},
       {"centre", camera.centre},
@@ -75,8 +86,7 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
   for (double power = decade - 4; power <= decade + 2; ++power)
     for (const double digit : {1.0, 2.0, 5.0}) {
       const double length = digit * std::pow(10, power);
-      const auto [at_bar, at_axis] = legend_texts(scene, length);
-      data["lengths"].push_back({length, at_axis, at_bar});
+      data["lengths"].push_back({length, length_text(scene, length)});
     }
   for (const Sphere& sphere : scene.spheres)
     data["spheres"].push_back(

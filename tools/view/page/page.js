@@ -4,14 +4,16 @@
 "use strict";
 
 const element = (id) => document.getElementById(id);
-const number3 = (list) => new THREE.Vector3(list[0], list[1], list[2]);
-const centre = (frame, k) => new THREE.Vector3(frame.centres[3 * k], frame.centres[3 * k + 1], frame.centres[3 * k + 2]);
+// By set(), because the constructor takes NaN for 0.
+const number3 = (list, k = 0) => new THREE.Vector3().set(list[3 * k], list[3 * k + 1], list[3 * k + 2]);
+const centre = (frame, k) => number3(frame.centres, k);
 const finite = (v) => Number.isFinite(v.x + v.y + v.z);
 const clamp = (x, low, high) => Math.max(low, Math.min(high, x));
 
 const frames = [];       // of a live page those of the last seconds
 const kLiveSeconds = 20;
 const kLiveBytes = 64e6;
+const kFlashSeconds = 0.3;
 const kCurveSeconds = 10;  // of a live page
 let live = false;
 let socket = null;
@@ -41,27 +43,88 @@ function decode(buffer) {
 
 // --- The scene ----------------------------------------------------------------------------------------------
 
-function paint(colour, opacity, depths = {}) {
+const kMostOccluders = 16;
+const depths = { value: null };  // of what is nearest and farthest to the camera, in its space
+
+/// The light of render.cpp, whose formulas these are.
+function paint(colour, opacity, { fog = true, ...more } = {}) {
   return new THREE.ShaderMaterial({
-    ...depths,
+    ...more,
     transparent: opacity < 1,
-    uniforms: { colour: { value: new THREE.Vector3(...colour) }, opacity: { value: opacity } },
+    uniforms: {
+      colour: { value: new THREE.Vector3(...colour) }, opacity: { value: opacity }, count: { value: 0 },
+      others: { value: Array.from({ length: kMostOccluders }, () => new THREE.Vector4()) },
+      depths: fog ? depths : { value: new THREE.Vector2() },
+    },
     vertexShader: `
-      varying vec3 n;
+      varying vec3 n, world, at;
+      varying float z;
       void main() {
         n = normalMatrix * normal;
-        gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+        world = mat3(modelMatrix) * normal;
+        at = (modelMatrix * vec4(position, 1.0)).xyz;
+        vec4 seen = modelViewMatrix * vec4(position, 1.0);
+        z = seen.z;
+        gl_Position = projectionMatrix * seen;
       }`,
     fragmentShader: `
       uniform vec3 colour;
       uniform float opacity;
-      varying vec3 n;
+      uniform int count;
+      uniform vec4 others[${kMostOccluders}];
+      uniform vec2 depths;
+      varying vec3 n, world, at;
+      varying float z;
+      float openLight() {
+        float sum = 0.0;
+        vec3 normal = normalize(world);
+        for (int i = 0; i < ${kMostOccluders}; ++i) {
+          if (i >= count) break;
+          vec3 way = others[i].xyz - at;
+          float away2 = dot(way, way);
+          float size = min(1.0, others[i].w * others[i].w / away2) - 1.0 / 16.0;
+          float above = max(0.0, 0.5 + 0.5 * dot(normal, way) / sqrt(away2));
+          if (size > 0.0) sum += above * sqrt(above) * size;
+        }
+        return clamp(1.45 * pow(1.0 + 0.33 * sum / 16.0, -16.0), 0.12, 1.1);
+      }
       void main() {
         vec3 normal = normalize(n);
         float diffuse = max(0.0, dot(normal, vec3(-0.4243, 0.5657, 0.7071)));
-        float shine = 0.25 * pow(max(0.0, dot(normal, vec3(-0.2297, 0.3062, 0.9239))), 40.0);
-        float rim = min(1.0, 0.45 + 1.6 * normal.z);
-        gl_FragColor = vec4(min(vec3(1.0), (0.4 + 0.6 * diffuse) * rim * colour + shine), opacity);
+        float shine = 0.45 * pow(max(0.0, dot(normal, vec3(-0.2297, 0.3062, 0.9239))), 40.0);
+        float light = count < 0 ? 1.0 : openLight();
+        float deep = depths.x - depths.y;
+        float fog = deep > 0.0 ? 0.35 * clamp((depths.x - z) / deep, 0.0, 1.0) : 0.0;
+        gl_FragColor = vec4(mix(min(vec3(1.0), (0.62 + 0.42 * diffuse) * light * colour + shine), vec3(1.0), fog), opacity);
+      }`,
+  });
+}
+
+/// What lies behind a ball and is seen around it as a dark rim, where the next thing is much deeper.
+function rim(colour, side) {
+  const material = paint(colour.map((c) => 0.25 * c), 1, { side });
+  material.fragmentShader = material.fragmentShader.replace(/gl_FragColor = .*;/, "gl_FragColor = vec4(mix(colour, vec3(1.0), fog), 1.0);");
+  return material;
+}
+
+/// The floor, or a shadow on it.
+function floorPaint(fragment, blending = {}) {
+  return new THREE.ShaderMaterial({
+    ...blending, depthTest: false, depthWrite: false, side: THREE.DoubleSide,
+    uniforms: { low: { value: low }, high: { value: high } },
+    vertexShader: `
+      varying vec3 at, inside;
+      void main() {
+        inside = position;
+        at = (modelMatrix * vec4(position, 1.0)).xyz;
+        gl_Position = projectionMatrix * viewMatrix * vec4(at, 1.0);
+      }`,
+    fragmentShader: `
+      uniform vec3 low, high;
+      varying vec3 at, inside;
+      void main() {
+        if (at.x < low.x || at.y < low.y || at.x > high.x || at.y > high.y) discard;
+        ${fragment}
       }`,
   });
 }
@@ -72,7 +135,7 @@ function add(shape, material) {
   return mesh;
 }
 
-let ball, stick;
+let ball, stick, disc, floor, shadows = [], rims = [], box;
 
 function build() {
   document.title = data.model + " - hapgrid";
@@ -93,36 +156,50 @@ function build() {
   element("scene").appendChild(legend);
   ball = new THREE.SphereBufferGeometry(1, 40, 24);
   stick = new THREE.CylinderBufferGeometry(1, 1, 1, 24);
-  spheres = data.spheres.map(([, ...colour]) => add(ball, paint(colour, 1)));
-  const blue = [0.15, 0.35, 0.95];
-  // The second is what stands behind the molecule, which fades before it.
-  hip = [add(ball, paint(blue, 0.6)),
-         add(ball, paint(blue, 0.5, { depthFunc: THREE.GreaterDepth, depthWrite: false }))];
-  hip[1].renderOrder = -1;
-  for (const mesh of hip) mesh.scale.setScalar(data.hip_radius);
-  const red = paint([0.85, 0.1, 0.1], 1);
-  shaft = add(new THREE.CylinderBufferGeometry(1, 1, 1, 24), red);
-  head = add(new THREE.CylinderBufferGeometry(0, 1, 1, 24), red);
+  disc = new THREE.CircleBufferGeometry(1, 40);
   low = number3(data.low);
   high = number3(data.high);
-  scene.add(new THREE.Box3Helper(new THREE.Box3(low, high), new THREE.Color(0.62, 0.65, 0.7)));
+  depths.value = new THREE.Vector2();
+  spheres = data.spheres.map(([, ...colour]) => add(ball, paint(colour, 1)));
+  rims = data.spheres.map(([, ...colour]) => add(disc, rim(colour, THREE.FrontSide)));
+  // The second is what stands behind the molecule, which fades before it.
+  hip = [add(ball, paint(data.hip_rgb, 0.6, { fog: false })),
+         add(ball, paint(data.hip_rgb, 0.5, { fog: false, depthFunc: THREE.GreaterDepth, depthWrite: false }))];
+  hip[1].renderOrder = -1;
+  for (const mesh of hip) {
+    mesh.scale.setScalar(data.hip_radius);
+    mesh.material.uniforms.count.value = -1;
+  }
+  const force = paint(data.force_rgb, 1);
+  force.uniforms.count.value = -1;
+  shaft = add(new THREE.CylinderBufferGeometry(1, 1, 1, 24), force);
+  head = add(new THREE.CylinderBufferGeometry(0, 1, 1, 24), force);
+  box = new THREE.Box3Helper(new THREE.Box3(low, high), new THREE.Color(0.62, 0.65, 0.7));
+  scene.add(box);
+  floor = add(new THREE.PlaneBufferGeometry(high.x - low.x, high.y - low.y), floorPaint("gl_FragColor = vec4(vec3(0.97), 1.0);"));
+  floor.position.set((low.x + high.x) / 2, (low.y + high.y) / 2, low.z);
+  floor.renderOrder = -3;
+  // Where shadows overlap there is the darkest.
+  const shade = floorPaint("float u = 1.0 - dot(inside, inside); gl_FragColor = vec4(vec3(0.97 * (1.0 - 0.3 * u * u)), 1.0);",
+    { blending: THREE.CustomBlending, blendEquation: THREE.MinEquation, blendSrc: THREE.OneFactor, blendDst: THREE.OneFactor });
+  shadows = [...data.spheres, 0].map(() => add(disc, shade));  // the last is that of the HIP
+  for (const mesh of shadows) mesh.renderOrder = -2;
 }
 
+/// The force begins outside the HIP.
 function placeArrow(frame) {
   const from = number3(frame.hip);
-  const way = number3(frame.force).multiplyScalar(data.newton);
-  const length = way.length();
-  const radius = data.hip_radius / 5;
+  const length = frame.size * data.newton;
   shaft.visible = head.visible = finite(from) && length > 0 && Number.isFinite(length);
   if (!shaft.visible) return;
-  way.normalize();
-  const tip = Math.min(6 * radius, length);
+  const way = number3(frame.force).normalize();
+  const [thin, wide, long] = data.arrow_parts.map((part, i) => Math.min(part * length, data.arrow_most[i] * data.hip_radius));
   const turn = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 1, 0), way);
-  for (const [mesh, at, wide, long] of [[shaft, (length - tip) / 2, radius, length - tip],
-                                        [head, length - tip / 2, 2.5 * radius, tip]]) {
-    mesh.position.copy(from).addScaledVector(way, at);
+  for (const [mesh, at, radius, size] of [[shaft, (length - long) / 2, thin, length - long],
+                                          [head, length - long / 2, wide, long]]) {
+    mesh.position.copy(from).addScaledVector(way, data.hip_radius + at);
     mesh.quaternion.copy(turn);
-    mesh.scale.set(wide, Math.max(long, 1e-9), wide);
+    mesh.scale.set(radius, Math.max(size, 1e-9), radius);
   }
 }
 
@@ -138,32 +215,79 @@ function placeSticks(frame) {
   for (const mesh of halves) scene.remove(mesh);
   halves = [];
   if (!sticks) return;
+  const { near } = axes(), unit = pixel();
   for (let k = 0; k < frame.bonds.length; k += 2) {
     const pair = [frame.bonds[k], frame.bonds[k + 1]];
     const [from, to] = pair.map((end) => centre(frame, end));
     const middle = from.clone().add(to).multiplyScalar(0.5);
     const radius = data.stick_part * Math.min(data.spheres[pair[0]][0], data.spheres[pair[1]][0]);
     [from, to].forEach((at, n) => {
-      const mesh = add(stick, spheres[pair[n]].material);
-      placeRod(mesh, at, middle, radius);
-      halves.push(mesh);
+      const colour = data.spheres[pair[n]].slice(1);
+      const plain = paint(colour, 1);
+      plain.uniforms.count.value = -1;
+      const meshes = [add(stick, plain), add(stick, rim(colour, THREE.BackSide))];
+      placeRod(meshes[0], at, middle, radius);
+      placeRod(meshes[1], at, middle, radius + unit);
+      meshes[1].position.addScaledVector(near, -0.35 * radius);
+      halves.push(...meshes);
     });
   }
 }
 
-function place(frame) {
-  spheres.forEach((mesh, k) => {
-    const at = centre(frame, k);
-    mesh.visible = finite(at);
-    mesh.scale.setScalar(Math.max((sticks ? data.ball_part : 1) * data.spheres[k][0], 1e-9));
-    if (mesh.visible) mesh.position.copy(at);
+const drawnRadius = (k) => (sticks ? data.ball_part : 1) * data.spheres[k][0];
+
+/// For each sphere the others that darken it most: as find_occluders() in render.cpp.
+function placeOccluders(frame) {
+  const at = data.spheres.map((_, k) => centre(frame, k));
+  data.spheres.forEach((_, i) => {
+    const near = [];
+    for (let k = 0; k < at.length; ++k) {
+      const away = at[i].distanceTo(at[k]);
+      if (k !== i && away > 0 && away < 4 * drawnRadius(k) + drawnRadius(i)) near.push([-drawnRadius(k) / away, k]);
+    }
+    near.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+    const { count, others } = spheres[i].material.uniforms;
+    count.value = Math.min(near.length, kMostOccluders);
+    for (let n = 0; n < count.value; ++n) others.value[n].set(...at[near[n][1]].toArray(), drawnRadius(near[n][1]));
   });
+}
+
+function placeShadow(mesh, at, radius, fromAbove) {
+  mesh.visible = fromAbove && finite(at) && at.z > low.z;
+  if (!mesh.visible) return;
+  mesh.position.set(at.x, at.y, low.z);
+  mesh.scale.set(1.6 * radius, 1.6 * radius, 1);
+}
+
+function place(frame) {
+  const { near } = axes(), unit = pixel();
+  const fromAbove = near.z > 0;
+  const seen = [];  // depths
+  for (let c = 0; c < 8; ++c)
+    seen.push(near.dot(new THREE.Vector3(c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z)));
+  spheres.forEach((mesh, k) => {
+    const at = centre(frame, k), radius = Math.max(drawnRadius(k), 1e-9);
+    mesh.visible = rims[k].visible = finite(at);
+    mesh.scale.setScalar(radius);
+    placeShadow(shadows[k], at, radius, fromAbove);
+    if (!mesh.visible) return;
+    seen.push(near.dot(at));
+    mesh.position.copy(at);
+    rims[k].position.copy(at).addScaledVector(near, -0.35 * radius);
+    rims[k].quaternion.copy(camera.quaternion);
+    rims[k].scale.setScalar(radius + unit);
+  });
+  const far = near.dot(camera.position);
+  depths.value.set(Math.max(...seen) - far, Math.min(...seen) - far);
+  if (spheres.length <= 4096) placeOccluders(frame);
   placeSticks(frame);
   const at = number3(frame.hip);
   for (const mesh of hip) {
     mesh.visible = finite(at);
     if (mesh.visible) mesh.position.copy(at);
   }
+  placeShadow(shadows[spheres.length], at, data.hip_radius, fromAbove);
+  floor.visible = fromAbove;
   placeArrow(frame);
 }
 
@@ -186,7 +310,8 @@ function fit() {
 function halfWidth() {
   const [width, height] = [element("scene").clientWidth, element("scene").clientHeight];
   const shorter = Math.min(width, height);
-  return Math.max(data.extent[0] * shorter / width, data.extent[1] * shorter / height) / view.zoom;
+  const beside = hasForceBar() ? 80 : 0;  // pixels, half of them for the bar
+  return Math.max(data.extent[0] * shorter / Math.max(width - beside, 40), data.extent[1] * shorter / height) / view.zoom;
 }
 
 /// The size of a pixel in the model's unit.
@@ -229,24 +354,24 @@ function legendLength(most) {
   return data.lengths.reduce((best, next) => (next[0] <= most ? next : best));
 }
 
-/// From a place of the picture, each with its name and how long it is.
-function drawAxes(c, x, y, [length, says], unit) {
+/// From a place of the picture; those that point at the viewer are left out.
+function drawAxes(c, x, y, length) {
   const { right, up } = axes();
   for (const axis of ["x", "y", "z"]) {
-    const shown = Math.max(Math.hypot(right[axis], up[axis]), 1e-9);
-    const along = right[axis] / shown, down = -up[axis] / shown, end = length / unit * shown;
+    const shown = Math.hypot(right[axis], up[axis]);
+    if (shown < 0.3) continue;
+    const along = right[axis] / shown, down = -up[axis] / shown, end = length * shown;
     c.moveTo(x, y);
     c.lineTo(x + end * along, y + end * down);
-    c.moveTo(x + end * along + 2 * down, y + end * down - 2 * along);
-    c.lineTo(x + end * along - 2 * down, y + end * down + 2 * along);
-    const text = axis + " " + says;
-    c.fillText(text, x + (end + 6) * along - (0.5 - 0.5 * along) * c.measureText(text).width, y + (end + 6) * down + 4 * Math.sign(down) * down * down);
+    c.textAlign = "center";
+    c.fillText(axis, x + (end + 9) * along, y + (end + 9) * down);
+    c.textAlign = "left";
   }
 }
 
 function drawLegend(width, height, unit) {  // as libcore/scene/legend.cpp does
   const c = context(element("legend"), width, height);
-  const [length, , says] = legendLength(0.25 * width * unit);
+  const [length, says] = legendLength(0.25 * width * unit);
   const bar = length / unit, left = 10, bottom = height - 10;
   c.strokeStyle = c.fillStyle = "#292b33";
   c.lineWidth = 1.2;
@@ -255,13 +380,14 @@ function drawLegend(width, height, unit) {  // as libcore/scene/legend.cpp does
   c.moveTo(left, bottom); c.lineTo(left + bar, bottom);
   c.moveTo(left + bar, bottom - 3); c.lineTo(left + bar, bottom + 3);
   c.fillText(says, left + bar + 5, bottom);
-  const longest = Math.min(60, 0.16 * Math.min(width, height));
-  drawAxes(c, left + longest + 16, bottom - longest - 24, legendLength(longest * unit), unit);
+  const longest = Math.min(45, 0.12 * Math.min(width, height));
+  drawAxes(c, left + longest + 16, bottom - longest - 30, longest);
   c.stroke();
   if (frames.length === 0) return;
   nameTurned(c, width, height, unit);
   drawHand(c, width, height, unit);
-  if (data.full_force > 0) drawForceBar(c, width, height);
+  drawFlash(c, width, height, unit);
+  if (hasForceBar()) drawForceBar(c, width, height);
 }
 
 /// Where a place of the model's space is in the picture.
@@ -283,11 +409,15 @@ function whatTurned() {
 
 function nameTurned(c, width, height, unit) {  // each at the middle of its bond
   c.textAlign = "center";
+  const plates = [];
   for (const k of whatTurned()) {
     const [, a, b] = data.torsions[k];
     const middle = centre(frames[shown], a).add(centre(frames[shown], b)).multiplyScalar(0.5);
-    const [x, y] = onScreen(middle, width, height, unit);
     const wide = c.measureText(turnedText(k)).width + 8;
+    const [x, ...rest] = onScreen(middle, width, height, unit);
+    let [y] = rest;
+    while (plates.some(([px, py, pw]) => Math.abs(x - px) < (wide + pw) / 2 && Math.abs(y - py) < 16)) y += 16;
+    plates.push([x, y, wide]);
     c.fillStyle = "#fff";
     c.fillRect(x - wide / 2, y - 8, wide, 16);
     c.fillStyle = "#292b33";
@@ -314,6 +444,24 @@ function drawHand(c, width, height, unit) {
   c.arc(x, y, 9, 0, 2 * Math.PI);
   c.stroke();
 }
+
+/// Rings around the HIP for a moment after the model snapped.
+function drawFlash(c, width, height, unit) {
+  const frame = frames[shown];
+  let i = shown;
+  while (i > 0 && !frames[i].snapped && frames[i].time > frame.time - kFlashSeconds) --i;
+  if (!frames[i].snapped || frames[i].time < frame.time - kFlashSeconds) return;
+  const [x, y] = onScreen(number3(frame.hip), width, height, unit);
+  c.strokeStyle = data.snap_colour;
+  c.lineWidth = 2;
+  for (const wider of [4, 10]) {
+    c.beginPath();
+    c.arc(x, y, data.hip_radius / unit + wider, 0, 2 * Math.PI);
+    c.stroke();
+  }
+}
+
+const hasForceBar = () => live && data.full_force > 0;
 
 function drawForceBar(c, width, height) {
   const x = width - 26, top = 0.4 * height, bottom = height - 26;
@@ -406,11 +554,11 @@ function drawCurves() {
 function drawStatus() {
   const frame = frames[shown];
   let text = `t ${frame.time.toFixed(2)} s   force ${round(frame.size)} N`;
+  if (live) text += `   snaps ${snaps}`;
+  else text += `   snaps ${frames.filter((f, i) => f.snapped && i <= shown).length} of ${frames.filter((f) => f.snapped).length}`;
   if (Number.isFinite(frame.energy)) text += `   energy ${round(frame.energy)} ${data.energy_unit}`;
   if (Number.isFinite(frame.own)) text += `   model alone ${round(frame.own)}`;
   text += whatTurned().map((k) => "   " + turnedText(k)).join("");
-  if (live) text += `   snaps ${snaps}`;
-  else text += `   snaps ${frames.filter((f, i) => f.snapped && i <= shown).length} of ${frames.filter((f) => f.snapped).length}`;
   if (ended) text += "   ended";
   element("status").textContent = text;
 }
@@ -484,7 +632,7 @@ function moveHand(right, down, nearer) {
   const of = axes(), unit = pixel();
   hand.addScaledVector(of.right, unit * right).addScaledVector(of.up, -unit * down).addScaledVector(of.near, nearer);
   hand.max(number3(data.hand_low)).min(number3(data.hand_high));
-  socket.send(`${hand.x} ${hand.y} ${hand.z}`);
+  socket.send(`${hand.x} ${hand.y} ${hand.z}\n`);
   drawSoon();
 }
 
@@ -661,7 +809,7 @@ function connect() {
     if (typeof e.data === "string") {
       onText(JSON.parse(e.data));
     } else {
-      socket.send(".");  // so that view sends no more than arrives
+      socket.send(".\n");  // so that view sends no more than arrives
       take(decode(e.data));
     }
   };
