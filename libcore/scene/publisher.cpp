@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -33,28 +34,25 @@ Snapshot empty_snapshot(std::size_t row_size) {
 
 }  // namespace
 
-FramePublisher::FramePublisher(std::optional<OutputFile> output, const Scene& scene,
-                               std::size_t row_size, Complete complete, bool paced,
-                               double ticks_per_second, const std::atomic<int>& stop, Show show)
+FramePublisher::FramePublisher(OutputFile output, const Scene& scene, std::size_t row_size,
+                               Complete complete, bool paced, double ticks_per_second,
+                               const std::atomic<int>& stop)
     : output_(std::move(output)),
       scene_(scene),
       complete_(std::move(complete)),
-      show_(std::move(show)),
       paced_(paced),
       ticks_per_frame_(static_cast<std::uint64_t>(
           std::max(1.0, std::round(ticks_per_second / kFramesPerSecond)))),
       stopped_([&stop] { return stop.load(std::memory_order_relaxed) != 0; }),
       buffer_(empty_snapshot(row_size)) {
-  if (output_) {
-    // A pipe that poll() calls writable takes PIPE_BUF bytes. O_NONBLOCK would work for any number,
-    // but it belongs to the pipe: other writers would see it too.
-    struct stat status {};
-    const bool regular = ::fstat(output_->fd(), &status) == 0 && S_ISREG(status.st_mode);
-    piece_ = regular ? std::numeric_limits<std::size_t>::max() : PIPE_BUF;
-  }
+  // A pipe that poll() calls writable takes PIPE_BUF bytes. O_NONBLOCK would work for any number,
+  // but it belongs to the pipe: other writers would see it too.
+  struct stat status {};
+  const bool regular = ::fstat(output_.fd(), &status) == 0 && S_ISREG(status.st_mode);
+  piece_ = regular ? std::numeric_limits<std::size_t>::max() : PIPE_BUF;
   static_cast<Snapshot&>(frame_) = buffer_.front();
   frame_.centres.resize(3 * scene.spheres.size());
-  if (output_) encoder_.encode(frame_, scene_.state_size);  // takes the memory for all of them
+  encoder_.encode(frame_, scene_.state_size);  // takes the memory for all of them
   if (!paced_) {
     write_scene(stopped_);
     return;
@@ -92,7 +90,7 @@ FrameCounts FramePublisher::finish() {
     buffer_.publish();
     write_newest(stopped_);
   }
-  if (output_) output_->commit();
+  output_.commit();
   return counts_;
 }
 
@@ -100,14 +98,7 @@ FrameCounts FramePublisher::finish() {
 void FramePublisher::run(const std::stop_token& token) {
   const auto start = Clock::now();
   std::optional<Clock::time_point> patience;
-  std::uint64_t shown = 0;  // periods
   const GiveUp give_up = [&] {
-    // The other viewers get frames even while the file's viewer sleeps.
-    const auto period = static_cast<std::uint64_t>((Clock::now() - start) / kPeriod);
-    if (show_ && period > shown) {
-      shown = period;
-      complete_newest();
-    }
     if (!token.stop_requested()) return false;
     if (!patience) patience = Clock::now() + kLinger;
     return Clock::now() >= *patience;
@@ -119,25 +110,22 @@ void FramePublisher::run(const std::stop_token& token) {
     write_newest(give_up);
     const auto late = static_cast<std::uint64_t>((Clock::now() - start) / kPeriod);
     if (was_open && late > due) counts_.dropped += late - due;
-    if (last || (!open() && !show_)) return;
+    if (last || !open()) return;
     due = std::max(due, late) + 1;
-    shown = std::max(shown, due);
     std::this_thread::sleep_until(start + due * kPeriod);
   }
 }
 
-void FramePublisher::write_scene(const GiveUp& give_up) {
-  if (output_) write(encoder_.encode(scene_), give_up);
-}
+void FramePublisher::write_scene(const GiveUp& give_up) { write(encoder_.encode(scene_), give_up); }
 
 bool FramePublisher::write(std::span<const std::byte> message, const GiveUp& give_up) {
   const NoSigpipe
       no_sigpipe;  // a closed pipe is an outcome here, whatever the process does with it
   const auto fail = [&] {
-    throw std::system_error(errno, std::generic_category(), output_->name());
+    throw std::system_error(errno, std::generic_category(), output_.name());
   };
   while (!message.empty()) {
-    pollfd viewer{output_->fd(), POLLOUT, 0};
+    pollfd viewer{output_.fd(), POLLOUT, 0};
     const int ready = ::poll(&viewer, 1, kAskEvery_ms);
     if (ready < 0 && errno != EINTR) fail();
     if (ready <= 0) {
@@ -145,7 +133,7 @@ bool FramePublisher::write(std::span<const std::byte> message, const GiveUp& giv
       if (counts_.cut) return false;
       continue;
     }
-    const ssize_t count = ::write(output_->fd(), message.data(), std::min(message.size(), piece_));
+    const ssize_t count = ::write(output_.fd(), message.data(), std::min(message.size(), piece_));
     if (count < 0 && errno == EPIPE) {
       counts_.closed = true;
       return false;
@@ -156,21 +144,11 @@ bool FramePublisher::write(std::span<const std::byte> message, const GiveUp& giv
   return true;
 }
 
-/// Completes and shows the newest snapshot, if there is a new one.
-void FramePublisher::complete_newest() {
-  if (!buffer_.update()) return;
+/// Completes and writes the newest snapshot, if there is a new one.
+void FramePublisher::write_newest(const GiveUp& give_up) {
+  if (!open() || !buffer_.update()) return;
   static_cast<Snapshot&>(frame_) = buffer_.front();  // vectors keep their sizes: no allocation
   complete_(frame_);
-  unwritten_ = true;
-  if (show_) show_(frame_);
-}
-
-/// Also writes it, or the frame that was only shown while the file's viewer slept.
-void FramePublisher::write_newest(const GiveUp& give_up) {
-  if (!open() && !show_) return;
-  complete_newest();
-  if (!open() || !unwritten_) return;
-  unwritten_ = false;
   if (write(encoder_.encode(frame_, scene_.state_size), give_up)) ++counts_.written;
 }
 

@@ -2,7 +2,7 @@
 //
 // Problem. The loop must never wait for a viewer, nor for the shape of a state, for which a model
 // may need milliseconds. In a paced play the loop leaves each tick in a triple buffer. A slow
-// thread takes the newest tick 60 times a second, completes it once for all viewers, and writes it.
+// thread takes the newest tick 60 times a second, completes it, and writes it.
 // Frames that a viewer is too slow for are dropped and counted. A play without a pace has no
 // deadlines: it writes each due tick of scripted time itself, so that the same play gives the same
 // bytes.
@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
-#include <optional>
 #include <span>
 #include <thread>
 
@@ -36,21 +35,16 @@ class FramePublisher {
  public:
   /// Sets the energy and the centres of a frame, which have their sizes, from the rest of it.
   using Complete = std::function<void(Frame&)>;
-  /// Gets each completed frame before it is written, and also the frames that a slow viewer of the
-  /// file misses. May throw.
-  using Show = std::function<void(const Frame&)>;
 
-  /// @param output the file or pipe for frames, if any.
+  /// @param output the file or pipe for frames.
   /// @param row_size numbers in each snapshot's row; the scene's state_size or more.
   /// @param complete called from the slow thread when paced.
   /// @param ticks_per_second how much scripted time a tick is, for a play without a pace.
   /// @param stop becomes nonzero in a signal's handler: then a play without a pace no longer waits
   /// for its viewer.
-  /// @param show called where `complete` is; should not take long.
   /// @throw std::system_error
-  FramePublisher(std::optional<OutputFile> output, const Scene& scene, std::size_t row_size,
-                 Complete complete, bool paced, double ticks_per_second,
-                 const std::atomic<int>& stop, Show show = {});
+  FramePublisher(OutputFile output, const Scene& scene, std::size_t row_size, Complete complete,
+                 bool paced, double ticks_per_second, const std::atomic<int>& stop);
   /// Without finish() no file appears.
   ~FramePublisher();
   FramePublisher(const FramePublisher&) = delete;
@@ -77,15 +71,13 @@ class FramePublisher {
   bool write(std::span<const std::byte> message, const GiveUp& give_up);
   void write_scene(const GiveUp& give_up);
   void write_newest(const GiveUp& give_up);
-  void complete_newest();
   /// Whether more can be written to the file.
-  bool open() const { return output_ && !counts_.closed && !counts_.cut; }
+  bool open() const { return !counts_.closed && !counts_.cut; }
 
-  std::optional<OutputFile> output_;  // a file, or a viewer behind a pipe: slow, asleep or dead
+  OutputFile output_;      // a file, or a viewer behind a pipe: slow, asleep or dead
   std::size_t piece_ = 0;  // bytes that can be written without waiting, once poll() has said so
   const Scene scene_;
   const Complete complete_;
-  const Show show_;
   const bool paced_;
   const std::uint64_t ticks_per_frame_;  // without a pace
   const GiveUp stopped_;
@@ -93,7 +85,6 @@ class FramePublisher {
   // While the slow thread runs, the members from here on belong to it.
   SceneEncoder encoder_;
   Frame frame_;
-  bool unwritten_ = false;  // frame_ is newer than the last frame in the file
   FrameCounts counts_;
   std::exception_ptr failure_;
   // Without a pace.
