@@ -129,8 +129,8 @@ Server::Server(const WebOptions& options) : options_(options) {
   static const std::array<lws_protocols, 3> kProtocols{{{"http", call, 0, 0, 0, nullptr, 0},
                                                         {"hapgrid", call, 0, 4096, 0, nullptr, 0},
                                                         {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};
-  // Who is silent is asked after 3 s, and given up after 8 s.
-  static const lws_retry_bo_t kPatience{nullptr, 0, 0, 3, 8, 0};
+  // Who is silent is asked after 5 s, and given up after 20 s.
+  static const lws_retry_bo_t kPatience{nullptr, 0, 0, 5, 20, 0};
   lws_context_creation_info info{};
   info.port = options.port;
   info.iface = options.address.c_str();

@@ -5,7 +5,7 @@ import os
 import subprocess
 import time
 
-PATIENCE_S = 60
+PATIENCE_S = 180  # Chromium takes a minute to start on a busy machine
 
 
 class Browser:
