@@ -75,7 +75,7 @@ def way_text(ends, unit, ticks):
     start, end = ends
     there = [start + (end - start) * k / ticks for k in range(ticks + 1)]
     rows = [" ".join(f"{v:.8g}" for v in p) for p in there + there[-2::-1]]
-    return "\n".join([f"# x y z of the HIP{', ' + unit if unit else ''}, a line a tick: through the lowest point and back",
+    return "\n".join([f"# x y z of the HIP{', ' + unit if unit else ''}, a line a tick: there and back",
                       *rows]) + "\n"
 
 
