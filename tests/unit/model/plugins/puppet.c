@@ -22,6 +22,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <threads.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "libcore/model/plugin.h"
@@ -67,7 +69,7 @@ static void echo(const hapgrid_parameter* list, size_t count, char* error, size_
 static int alone(void) {
   static atomic_int inside;
   const int others = atomic_fetch_add(&inside, 1);
-  usleep(5000);
+  thrd_sleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
   atomic_fetch_sub(&inside, 1);
   return others == 0;
 }
