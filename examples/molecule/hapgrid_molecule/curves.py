@@ -1,11 +1,8 @@
 """What a chemist looks at while the probe goes its way: the torsions that turn, in degrees, and the
 energy of the molecule itself beside that which the hand works against, over time."""
 
-import os
-import sys
-
 import numpy as np
-from hapgrid_command.files import Failed
+from hapgrid_command import plots
 from preparation import geometry
 
 MOVES = 2.0  # degrees: what turns less is not drawn
@@ -22,8 +19,8 @@ def draw(folder, log, shapes, torsions, times):
     t, hybrid, own, *sent = (rows[:, names.index(n)] for n in ("t", "energy", "own_energy", "sent_x", "sent_y", "sent_z"))
     _table(folder, "energies.tsv", ["t_s", "hybrid_kJ_mol", "molecule_kJ_mol", "force_N"],
            [t, hybrid, own, np.sqrt(np.square(sent).sum(axis=0))])
-    _picture(folder.path("course.png"), times, [(torsions[k].name, columns[k]) for k in moving], t, hybrid, own,
-             np.sqrt(np.square(sent).sum(axis=0)))
+    _picture(plots.style(folder), folder.path("course.png"), times,
+             [(torsions[k].name, columns[k]) for k in moving], t, hybrid, own, np.sqrt(np.square(sent).sum(axis=0)))
     return ["course.png", "torsions.tsv", "energies.tsv"]
 
 
@@ -32,14 +29,9 @@ def _table(folder, name, heads, columns):
     folder.write(name, "\n".join(lines) + "\n")
 
 
-def _picture(name, times, torsions, t, hybrid, own, force):
+def _picture(style, name, times, torsions, t, hybrid, own, force):
     """Torsions, energies and force over time, in the house style of hapgrid's plots."""
-    sys.path.append(os.path.join(os.environ.get("HAPGRID_BIN", ""), "../python"))
-    try:
-        from hapgrid import style
-        drawn = style.figure(5.6, 8.4)
-    except ImportError as why:
-        raise Failed(str(why)) from None
+    drawn = style.figure(5.6, 8.4)
     panels = [("torsion / degrees", [(name, times, values) for name, values in torsions])] if torsions else []
     panels += [("energy / (kJ/mol)", [("with probe and anchors", t, hybrid), ("the molecule alone", t, own)]),
                ("force on the hand / N", [("", t, force)])]

@@ -3,14 +3,11 @@
 import html
 import itertools
 import json
-import os
-import sys
 import tomllib
 import urllib.parse
 
 import numpy as np
-
-from .work import Failed
+from hapgrid_command import plots
 
 STYLE = """body { font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }
 table { border-collapse: collapse } td, th { padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; text-align: left }
@@ -79,20 +76,9 @@ def way_text(ends, unit, ticks):
                       *rows]) + "\n"
 
 
-def style_of(work):
-    """The house style of hapgrid's plots, from its Python module."""
-    sys.path.append(os.path.join(work.filters, "../python"))
-    try:
-        from hapgrid import style
-        style.matplotlib()
-    except ImportError as why:
-        raise Failed(str(why)) from None
-    return style
-
-
 def slices(work, values):
     """slices.png: the three planes of the table through its lowest point."""
-    style = style_of(work)
+    style = plots.style(work)
     drawn = style.figure(8.2, 3)
     at = values.lowest()
     steps = np.linalg.norm(values.axes, axis=1)
@@ -121,7 +107,7 @@ def along(work, grid, unit, length_unit, prefix=""):
     with open(work.path(f"{prefix}path.txt"), encoding="utf-8") as file:
         points = np.loadtxt(file)
     axis = "xyz"[int(np.argmax(np.ptp(points, axis=0)))]
-    style = style_of(work)
+    style = plots.style(work)
     where = style.label(f"{axis} of the HIP", length_unit)
     for picture, column, label in ((f"{prefix}force.png", f"force_{axis}", f"{axis} of the force / N"),
                                    (f"{prefix}energy.png", "energy", style.label("energy", unit))):

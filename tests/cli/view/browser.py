@@ -80,6 +80,10 @@ class Page:
     def ask(self, method, **parameters):
         return self.browser.ask(method, self.session, **parameters)
 
+    def to_front(self):
+        """A page that another one hides draws nothing and takes no mouse."""
+        self.ask("Page.bringToFront")
+
     def close(self):
         self.browser.ask("Target.closeTarget", targetId=self.target)
 

@@ -55,7 +55,7 @@ expect 0 '~.*' '~verify: fine: .*' -- verify grid --recompute 10 $allow
 # The grid is played without the process: force, energy and shape are stored.
 awk 'BEGIN { for (i = 0; i <= 60; ++i) print -1.4 + 0.03 * i, 0.9 - 0.03 * i, 1.6 }' >path
 expect 0 '' '~play: .*' -- play grid --device path:path --log log --frames frames
-[[ $(grep -vc '^#' log) == 61 && $(head -1 log) == *$'\tenergy' ]] || fail "the log: $(head -c 500 log)"
+[[ $(grep -vc '^#' log) == 61 && $(head -1 log) == *$'\tenergy\tsnap' ]] || fail "the log: $(head -c 500 log)"
 same "the atoms" "$(printf 'S\nS\nH\nH')" "$(view frames --xyz - | sed -n '3,6s/ .*//p')"
 
 # Parameters that are refused.
