@@ -49,7 +49,8 @@ attempt() {
   hapgrid feel grid --log hand.session 2>>err &
   feel=$!
   wait_for 60 "address" grep -q http err
-  HOME=$PWD /usr/bin/python3 "$here/live.py" "$@" "$(sed -nE 's/^hapgrid: feel: //p' err)"
+  mkdir -p browser  # where Chromium leaves what it does not remove
+  HOME=$PWD TMPDIR=$PWD/browser /usr/bin/python3 "$here/live.py" "$@" "$(sed -nE 's/^hapgrid: feel: //p' err)"
   wait $feel || fail "$(cat err)"
   nothing_left tmp
   grep -q '^play: [0-9]* ticks' err || fail "the play did not end in good order: $(cat err)"
