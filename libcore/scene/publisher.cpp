@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::nanoseconds kPeriod{1'000'000'000 / kLiveFramesPerSecond};
 constexpr std::chrono::seconds kLinger{1};
-constexpr int kAskEvery_ms = 20;
+constexpr int kAskEveryMs = 20;
 
 Snapshot empty_snapshot(std::size_t row_size) {
   Snapshot snapshot;
@@ -126,7 +126,7 @@ bool FramePublisher::write(std::span<const std::byte> message, const GiveUp& giv
   };
   while (!message.empty()) {
     pollfd viewer{output_.fd(), POLLOUT, 0};
-    const int ready = ::poll(&viewer, 1, kAskEvery_ms);
+    const int ready = ::poll(&viewer, 1, kAskEveryMs);
     if (ready < 0 && errno != EINTR) fail();
     if (ready <= 0) {
       counts_.cut = give_up();

@@ -164,12 +164,12 @@ TEST_CASE("the tolerance function in words") {
     return declared_model(spec)->equal(x, y);
   };
   using enum Equality::Norm;
-  CHECK(equal({kMax, {}}, 0.4, a, b));
-  CHECK_FALSE(equal({kMax, {}}, 0.39, a, b));
-  CHECK(equal({kMax, {1, 0.5}}, 0.3, a, b));
-  CHECK(equal({kRms, {}}, 0.3536, a, b));
-  CHECK_FALSE(equal({kRms, {}}, 0.3535, a, b));
-  CHECK(equal({kRms, {0, 1}}, 0.2829, a, b));
-  CHECK_FALSE(equal({kMax, {}}, 1e300, a, c));
-  CHECK_FALSE(equal({kRms, {}}, 1e300, a, c));
+  CHECK(equal({kMax, {}, {}}, 0.4, a, b));
+  CHECK_FALSE(equal({kMax, {}, {}}, 0.39, a, b));
+  CHECK(equal({kMax, {1, 0.5}, {}}, 0.3, a, b));
+  CHECK(equal({kRms, {}, {}}, 0.3536, a, b));
+  CHECK_FALSE(equal({kRms, {}, {}}, 0.3535, a, b));
+  CHECK(equal({kRms, {0, 1}, {}}, 0.2829, a, b));
+  CHECK_FALSE(equal({kMax, {}, {}}, 1e300, a, c));
+  CHECK_FALSE(equal({kRms, {}, {}}, 1e300, a, c));
 }
