@@ -8,8 +8,6 @@ namespace hapgrid {
 
 namespace {
 
-// How many branches of a cell are compared with the model's state.
-constexpr std::size_t kMostCandidates = 64;
 // How much nearer to the model's state another branch must be, squared: to be taken, and to be
 // taken as the result of a snap of the model. A branch that is within a third of the tolerance
 // stays.

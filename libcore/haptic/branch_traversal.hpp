@@ -106,6 +106,8 @@ class BranchTraversal final : public Traversal {
   bool agreed_ = false;             // the branch is the one that the last answer named
   std::uint64_t trusted_from_ = 0;  // an answer of an earlier Beside::tick() is passed over
   Vec3 snapped_at_{std::numeric_limits<double>::infinity(), 0, 0};  // where the grid did last
+  // How many branches of a cell are compared with the model's state.
+  static constexpr std::size_t kMostCandidates = 64;
   std::vector<Branch> candidates_;  // all branches of the cell at candidates_base_, if any
   PointIndex candidates_base_ = 0;
 };

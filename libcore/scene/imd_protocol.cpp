@@ -14,24 +14,24 @@ namespace {
 
 // CODATA 2018; those of the SI are exact.
 constexpr double kAvogadro = 6.02214076e23;
-constexpr double kBohr_angstrom = 0.529177210903;
+constexpr double kBohrInAngstrom = 0.529177210903;
 constexpr double kElementaryCharge = 1.602176634e-19;
-constexpr double kHartree_joule = 4.3597447222071e-18;
-constexpr double kCalorie_joule = 4.184;
-constexpr double kJoule_kJmol = kAvogadro / 1000;
-constexpr double kNewton_kJmolAngstrom = 6.02214076e10;
-constexpr double kSecond_ps = 1e12;
+constexpr double kHartreeInJoule = 4.3597447222071e-18;
+constexpr double kCalorieInJoule = 4.184;
+constexpr double kJouleInKJmol = kAvogadro / 1000;
+constexpr double kNewtonInKJmolAngstrom = 6.02214076e10;
+constexpr double kSecondInPs = 1e12;
 
 constexpr int kSessionInfoSize = 7;
 
 using Unit = std::pair<std::string_view, double>;  // its name, and its factor
 constexpr Unit kLengths[] = {{"angstrom", 1}, {"m", 1e10},  {"mm", 1e7},
-                             {"nm", 10},      {"pm", 0.01}, {"bohr", kBohr_angstrom}};
+                             {"nm", 10},      {"pm", 0.01}, {"bohr", kBohrInAngstrom}};
 constexpr Unit kEnergies[] = {{"kJ/mol", 1},
-                              {"kcal/mol", kCalorie_joule},
-                              {"J", kJoule_kJmol},
-                              {"eV", kElementaryCharge* kJoule_kJmol},
-                              {"hartree", kHartree_joule* kJoule_kJmol}};
+                              {"kcal/mol", kCalorieInJoule},
+                              {"J", kJouleInKJmol},
+                              {"eV", kElementaryCharge* kJouleInKJmol},
+                              {"hartree", kHartreeInJoule* kJouleInKJmol}};
 
 /// Sets `value`, and says whether the unit is known.
 bool find_unit(std::span<const Unit> units, const std::string& name, double& value) {
@@ -73,14 +73,14 @@ void append_vector(std::vector<std::byte>& to, const Vec3& v, double factor) {
 ImdUnits::ImdUnits(int version, const std::string& length_unit, const std::string& energy_unit) {
   length_known = find_unit(kLengths, length_unit, length);
   energy_known = find_unit(kEnergies, energy_unit, energy);
-  if (energy_known && version == 2) energy /= kCalorie_joule;
+  if (energy_known && version == 2) energy /= kCalorieInJoule;
 }
 
 ImdEncoder::ImdEncoder(int version, const Scene& scene, bool has_energy, double tick_s)
     : version_(version),
       has_energy_(has_energy),
       units_(version, scene.length_unit, scene.energy_unit),
-      tick_ps_(tick_s * kSecond_ps),
+      tick_ps_(tick_s * kSecondInPs),
       spheres_(scene.spheres.size()) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     box_[4 * axis] = static_cast<float>(units_.length * scene.box.spacing *
@@ -105,7 +105,7 @@ std::span<const std::byte> ImdEncoder::encode(const Frame& frame) {
   if (version_ == 3) {
     append_header(bytes_, ImdType::kTime, 1);
     append(bytes_, tick_ps_);
-    append(bytes_, frame.time_s * kSecond_ps);
+    append(bytes_, frame.time_s * kSecondInPs);
     append(bytes_, static_cast<std::int64_t>(frame.tick));
   }
   if (has_energy_) {
@@ -126,7 +126,7 @@ std::span<const std::byte> ImdEncoder::encode(const Frame& frame) {
   if (version_ == 3) {
     append_header(bytes_, ImdType::kForces, atoms);
     bytes_.resize(bytes_.size() + spheres_ * 3 * sizeof(float));  // zeros
-    append_vector(bytes_, frame.force, kNewton_kJmolAngstrom);
+    append_vector(bytes_, frame.force, kNewtonInKJmolAngstrom);
   }
   return bytes_;
 }

@@ -31,7 +31,7 @@ constexpr int kSendBuffer = 1 << 16;  // bytes; small, so that nobody sees what 
 constexpr int kBacklog = 128;
 constexpr std::size_t kClientBytes = 4096;  // of a client, a cycle
 constexpr auto kCycle = 1ms;                // at least, between two looks at what clients sent
-constexpr int kLook_ms = 50;                // at most, between two looks at the clock
+constexpr int kLookMs = 50;                 // at most, between two looks at the clock
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -183,7 +183,7 @@ void ImdServer::run() {
     for (const Client& client : clients_)
       polled.push_back({client.socket.get(),
                         static_cast<short>(client.message.empty() ? POLLIN : POLLIN | POLLOUT), 0});
-    const int timeout = clients_.empty() ? -1 : kLook_ms;
+    const int timeout = clients_.empty() ? -1 : kLookMs;
     lock.unlock();
     const int ready = ::poll(polled.data(), polled.size(), timeout);
     if (ready < 0 && errno != EINTR) fail("IMD: poll");

@@ -48,7 +48,7 @@ using namespace hapgrid::bench;
 
 constexpr double kContact = 1e-6;  // newtons
 constexpr double kClose = 0.1;     // newtons, between two forces
-constexpr double kRate_hz = 1000;
+constexpr double kRateHz = 1000;
 
 /// What a tick was like.
 struct Felt {
@@ -102,7 +102,7 @@ class Rule {
       : name_(name), grid_(grid), played_(played), traversal_(std::move(by)) {}
   void walk_beside(const MakeModel& make, std::uint32_t delay) {
     beside_.emplace(grid_, make(), delay);
-    beside_->begin(kRate_hz);
+    beside_->begin(kRateHz);
     traversal_->walk_beside(&*beside_);
   }
 
@@ -165,7 +165,7 @@ Felt oracle(const Grid& grid, const Played& played, const Traversal& truth) {
   for (int k = 0; k < 8; ++k) {
     if (!cells.is_corner(k)) continue;
     const PointIndex point = cells.point(base, k);
-    for (Level level = 0; level < grid.levels(point); ++level) {
+    for (RecordIndex level = 0; level < grid.levels(point); ++level) {
       const RecordIndex anchor = grid.first(point) + level;
       NodeCorners corners{};
       std::array<const double*, 8> rows{};

@@ -26,7 +26,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-const Clock::time_point process_start = Clock::now();
+const Clock::time_point kProcessStart = Clock::now();
 
 constexpr std::chrono::milliseconds kOften{250};     // a line that is written over
 constexpr std::chrono::milliseconds kSeldom{60000};  // a line in a log
@@ -105,7 +105,7 @@ void append_cost(const std::string& file, const RunCost& cost) {
                                  {"parts", cost.parts},
                                  {"conversions", cost.conversions},
                                  {"tear_conversions", cost.tear_conversions},
-                                 {"wall_seconds", seconds_since(process_start)},
+                                 {"wall_seconds", seconds_since(kProcessStart)},
                                  {"cpu_seconds", cpu_seconds()},
                                  {"host", host.data()}};
   if (!cost.failed.empty()) line["failed"] = cost.failed;

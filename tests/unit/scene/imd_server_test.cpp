@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 using Bytes = std::vector<std::byte>;
 
 constexpr auto kLong = 20s;  // for what must happen, however slow the machine is
-const std::atomic<int> never{0};
+const std::atomic<int> kNever{0};
 
 Bytes header(unsigned type, unsigned length) {
   Bytes bytes;
@@ -220,7 +220,7 @@ TEST_CASE("without a pace a viewer that does not read is waited for, so long and
   Viewer asleep(served.server, 4096);
   REQUIRE(asleep.take(8).size() == 8);
   REQUIRE(asleep.say(header(3, 0)));
-  REQUIRE(served.server.wait_for_viewer(kLong, never));
+  REQUIRE(served.server.wait_for_viewer(kLong, kNever));
   const auto begin = Clock::now();
   for (frame.tick = 0; frame.tick < 5; ++frame.tick) served.server.publish(frame);
   CHECK(Clock::now() - begin >= 4 * ImdServer::kWait);  // the first one is on its way at once
@@ -234,7 +234,7 @@ TEST_CASE("a viewer that reads late gets the frame that was on its way, and the 
   Viewer late(served.server, 4096);
   REQUIRE(late.take(8).size() == 8);
   REQUIRE(late.say(header(3, 0)));
-  REQUIRE(served.server.wait_for_viewer(kLong, never));
+  REQUIRE(served.server.wait_for_viewer(kLong, kNever));
   frame.tick = 1;
   served.server.publish(frame);
   REQUIRE(late.gets());
