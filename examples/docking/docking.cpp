@@ -11,7 +11,8 @@ namespace {
 using namespace hapgrid::docking;
 namespace table = hapgrid::table;
 
-constexpr double kMaxShift = 8;  // angstrom
+constexpr double kMaxShift = 8;                                // angstrom
+constexpr double kGoldenAngle = 2.39996, kHalfTurn = 3.14159;  // rad
 
 std::vector<table::Lattice> read_maps(const std::vector<std::string>& texts) {
   std::vector<table::Lattice> maps;
@@ -24,17 +25,20 @@ std::vector<table::Lattice> read_maps(const std::vector<std::string>& texts) {
 class DockingModel {
  public:
   explicit DockingModel(hapgrid::PluginParameters& parameters)
-      : maps_(read_maps(parameters.texts("maps"))),
-        poses_(read_ligand(parameters.text("ligand", "")), parameters.texts("types"), maps_,
+      : DockingModel(parameters, read_maps(parameters.texts("maps"))) {}
+
+ private:
+  DockingModel(hapgrid::PluginParameters& parameters, const std::vector<table::Lattice>& maps)
+      : poses_(read_ligand(parameters.text("ligand", "")), parameters.texts("types"), maps,
                parameters.positive("soft", 10)),
-        host_(maps_[0].atoms),
+        host_(maps[0].atoms),
         tolerance_(parameters.positive("tolerance", 0.1)),
         substep_(parameters.positive("substep", 0.1)),
         force_scale_(parameters.positive("force_scale", 0.02)) {
-    maps_.clear();
     parameters.finish();
   }
 
+ public:
   hapgrid_model_info info() const {
     hapgrid_model_info info{};
     info.state_size = 6;
@@ -56,10 +60,11 @@ class DockingModel {
     std::vector<double> known;
     for (int n = -1; n < kStarts; ++n) {
       double s[6] = {1, 0, 0, 0, 1, 0};
-      // Axes and angles that are spread evenly enough over all turns.
+      // Axes on a spiral around the sphere by the golden angle, which spreads them evenly, and
+      // angles up to pi in another order: 7 and kStarts have no common factor.
       const double z = 1 - (2 * n + 1.0) / kStarts, r = std::sqrt(std::max(0.0, 1 - z * z)),
-                   turned = 2.39996 * n;
-      const double angle = 3.14159 * ((n * 7) % kStarts + 0.5) / kStarts;
+                   turned = kGoldenAngle * n;
+      const double angle = kHalfTurn * ((n * 7) % kStarts + 0.5) / kStarts;
       const double turn[3] = {angle * r * std::cos(turned), angle * r * std::sin(turned),
                               angle * z};
       if (n >= 0) hapgrid::orientation::turn(s, turn);
@@ -121,7 +126,6 @@ class DockingModel {
  private:
   static constexpr int kStarts = 60;
 
-  std::vector<table::Lattice> maps_;
   Poses poses_;
   std::vector<table::Atom> host_;
   double tolerance_, substep_, force_scale_;

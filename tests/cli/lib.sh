@@ -181,3 +181,6 @@ missing() {
 
 # needs PROGRAM PACKAGE: ends the test as skipped, or as failed in check-all, where the program is not installed.
 needs() { PATH=$PATH:/usr/sbin command -v "$1" >/dev/null || { missing "$1 (Debian: $2)"; exit 77; }; }
+
+# needs_python MODULES PACKAGES: the same for modules of the system's Python, as in "numpy, scipy".
+needs_python() { /usr/bin/python3 -c "import $1" 2>/dev/null || { missing "$1 for Python (Debian: $2)"; exit 77; }; }

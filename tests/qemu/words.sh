@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154
-# What the two tests of last words share: `words DEVICE CELL...`, and the profile of the emulated HID device.
+# What the tests of last words share.
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 # words hid|stick WHO.WHAT...: plays with the device, and disturbs WHO (play, guard and adapter, joined by +) by WHAT; checks
@@ -47,4 +47,14 @@ END
     stuck.0 ./*.toml place.txt session -- 'sh session'
   printf '%s\n' "$output" >got
   python3 "$HAPGRID_SOURCE/tests/qemu/word_test.py" got "$device" "$@"
+}
+
+# all_words hid|stick: all cells of the table of examples/devices/README.md.
+all_words() {
+  local who what cells=()
+  for who in play guard adapter play+guard play+adapter guard+adapter play+guard+adapter; do
+    for what in KILL TERM SEGV STOP 120 500 SPIN; do cells+=("$who.$what"); done
+  done
+  stuck_grid 0
+  words "$1" "${cells[@]}"
 }

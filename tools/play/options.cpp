@@ -77,7 +77,8 @@ void add_output_options(CommandLine& app, PlayOptions& options) {
           "Log of all ticks ('-': standard output). FILE.session is compact and can be replayed; "
           "any other name gets a text, which a live device cannot write.")
       .type("FILE");
-  app.add("--frames", options.frames, "Frames for view, 25 in a second ('-': standard output).")
+  app.add("--frames", options.frames,
+          "Frames for view, 25 for each second of play, or 60 in real time ('-': standard output).")
       .type("FILE");
   app.add("--report", options.report,
           "Report in JSON: ticks, lateness, computing time, and what the safety core did ('-': "

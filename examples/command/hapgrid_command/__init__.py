@@ -1,9 +1,10 @@
-"""What the commands share that make a grid, `hapgrid molecule` and `hapgrid table`.
+"""What the commands share that make a grid: `hapgrid molecule`, `hapgrid table` and `hapgrid dock`.
 
 cli       the command line, and failures as one line and an exit code
 work      the folder of the results; what is there already is not computed again
 grid      computing and verifying a grid in it
 programs  starting programs, and ending them with the command
 files     files that are whole
+plots     the house style of pictures
 texts     texts from outside on their way to a terminal
 """

@@ -2,10 +2,11 @@
 # refused.
 source "$(dirname "$0")/../lib.sh"
 
-for program in autodock4 autogrid4 obabel vina; do
-  command -v "$program" >/dev/null || { echo "$program is missing" >&2; exit 77; }
-done
-/usr/bin/python3 -c 'import numpy' || exit 77
+needs autodock4 autodock
+needs autogrid4 autogrid
+needs obabel openbabel
+needs vina autodock-vina
+needs_python numpy python3-numpy
 host=$HAPGRID_SOURCE/examples/docking/calix.mol2 ligand=$HAPGRID_SOURCE/examples/docking/formamide.mol2
 
 hapgrid dock "$host" "$ligand" -o usual --centre 0,0,3 --size 2,2,3 --until definition -q

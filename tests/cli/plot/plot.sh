@@ -2,7 +2,7 @@
 # what each format's files begin with. The same data give the same bytes.
 source "$(dirname "$0")/../lib.sh"
 python3=/usr/bin/python3
-$python3 -c 'import matplotlib' 2>/dev/null || { missing 'matplotlib (Debian: python3-matplotlib)'; exit 77; }
+needs_python matplotlib python3-matplotlib
 
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' | expand --complete -o grid
 $python3 -c 'for k in range(-90, 91): print(k / 100, 0, 0)

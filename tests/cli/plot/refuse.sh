@@ -1,7 +1,7 @@
 # What plot refuses: one line, the right exit code, and no picture; an old one stays as it was.
 source "$(dirname "$0")/../lib.sh"
 python3=/usr/bin/python3
-$python3 -c 'import matplotlib' 2>/dev/null || { missing 'matplotlib (Debian: python3-matplotlib)'; exit 77; }
+needs_python matplotlib python3-matplotlib
 
 see='\(see plot --help\)'
 wrong() { # REGEX WORDS...

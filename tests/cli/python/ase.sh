@@ -1,7 +1,7 @@
 # Atoms of ASE: hapgrid init --lang ase makes a grid, and a cluster that ASE's BFGS relaxes to fmax = 0.05 is less exact
 # than a tolerance of 1e-3, which check-model says.
 source "$(dirname "$0")/../lib.sh"
-/usr/bin/python3 -c 'import ase' 2>/dev/null || { missing 'python3-ase'; exit 77; }
+needs_python ase python3-ase
 python=$(realpath "$HAPGRID_BIN/../python")
 
 # relax() moves atoms to the minimum, which is known: two atoms of Lennard-Jones rest at 2^(1/6) σ. Constraints hold.

@@ -2,7 +2,7 @@
 # check-model says so. With relax() it snaps at the limit point of the closed form, whatever the steps, and is fine
 # (check-model/mistakes.sh).
 source "$(dirname "$0")/../lib.sh"
-/usr/bin/python3 -c 'import scipy' 2>/dev/null || { missing 'python3-scipy'; exit 77; }
+needs_python scipy python3-scipy
 
 cp "$here/../truss.py" .
 PYTHONPATH=$(realpath "$HAPGRID_BIN/../python") /usr/bin/python3 - <<'PYTHON'

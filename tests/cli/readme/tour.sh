@@ -1,6 +1,6 @@
 # The commands of the README, and those of the guide's page about the pipeline, line by line as a reader would type them.
 source "$(dirname "$0")/../lib.sh"
-/usr/bin/python3 -c 'import matplotlib' 2>/dev/null || { missing 'matplotlib (Debian: python3-matplotlib)'; exit 77; }
+needs_python matplotlib python3-matplotlib
 
 # commands PAGE: what stands in its block of shell commands.
 commands() { sed -n '/^```sh$/,/^```$/p' "$HAPGRID_SOURCE/$1" | sed '1d;$d'; }

@@ -12,7 +12,7 @@ read -r _ _ _ count _ <<<"$(stats grid --vti branch1.vti --branch 1)"
 count=${count%:}
 refuses "stats: --branch $count: this grid has the branches 0 to $((count - 1))" -- stats grid --vti x.vti --branch "$count"
 expect 2 '' '~stats: --branch needs --vti .*' -- stats grid --branch 0
-/usr/bin/python3 -c "import vtk" 2>/dev/null || { missing python3-vtk9; exit 77; }
+needs_python vtk python3-vtk9
 /usr/bin/python3 - <<'PYTHON'
 import numpy as np
 import vtk

@@ -1,6 +1,6 @@
 # What `hapgrid table` refuses is one line.
 source "$(dirname "$0")/../lib.sh"
-/usr/bin/python3 -c 'import numpy' || exit 77
+needs_python numpy python3-numpy
 
 printf '%s\n' 'GRID_PARAMETER_FILE x' 'GRID_DATA_FILE x' 'MACROMOLECULE x' 'SPACING 0.5' 'NELEMENTS 4 4 4' 'CENTER 1 2 3' >good.map
 seq 125 >>good.map

@@ -2,10 +2,10 @@
 # with what readers and splines of others make of the same file.
 source "$(dirname "$0")/../lib.sh"
 
-for program in autogrid4 apbs obabel; do
-  command -v "$program" >/dev/null || { echo "$program is missing" >&2; exit 77; }
-done
-/usr/bin/python3 -c 'import ase, gridData, scipy, vtkmodules' || exit 77
+needs autogrid4 autogrid
+needs apbs apbs
+needs obabel openbabel
+needs_python "ase, gridData, scipy, vtkmodules" "python3-ase, python3-mdanalysis, python3-scipy, python3-vtk9"
 
 # AutoGrid's maps of formaldehyde.
 cat >host.pdb <<'PDB'

@@ -1,6 +1,6 @@
 # Atoms of ASE: what hapgrid init --lang ase makes leads to a grid that is fine.
 source "$(dirname "$0")/../../lib.sh"
-/usr/bin/python3 -c 'import ase' 2>/dev/null || { missing 'python3-ase'; exit 77; }
+needs_python ase python3-ase
 
 hapgrid init cluster --lang ase >/dev/null
 # A row of points beside the cluster, from where nothing touches it to where nothing does.
