@@ -5,7 +5,8 @@ needs ssh openssh-client
 needs parallel parallel
 [[ $(id -u) == 0 ]] || skip "an sshd of one's own is started as root"
 
-# An sshd with a key and a port of its own, which knows nobody but this test.
+# An sshd with a key and a port of its own, which knows nobody but this test. Its logins have an empty home: what this
+# machine's .bashrc writes at a login is none of the command's.
 mkdir -p -m 700 ssh home
 [[ -d /run/sshd ]] || mkdir -p /run/sshd
 ssh-keygen -q -t ed25519 -N '' -f ssh/host
@@ -22,6 +23,7 @@ UsePAM no
 PasswordAuthentication no
 PermitRootLogin prohibit-password
 MaxStartups 100
+SetEnv HOME=$PWD/home
 END
 for host in one two; do
   cat <<END
