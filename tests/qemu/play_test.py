@@ -42,8 +42,8 @@ forces = [tuple(map(int, line.split())) for line in parts["record"]]
 assert len(forces) > 2500 and forces[-1] == (0, 0, 0), (len(forces), forces[-3:])
 strongest = max(abs(f[0]) for f in forces)
 assert strongest > 100, ("no contact was felt", strongest)
-print("5000 ticks: %d reports of force, p99 of lateness %g us, of computing %g us" % (
-    len(forces), report["lateness"]["p99_us"], report["compute"]["p99_us"]))
+print(f"5000 ticks: {report['missed']} missed, {len(forces)} reports of force, "
+      f"p99 of lateness {report['lateness']['p99_us']:g} us, of computing {report['compute']['p99_us']:g} us")
 
 
 # Under load no process that a force passes through waits for the desktop, whose turns are 15 ticks and
@@ -56,6 +56,7 @@ assert tasks == [f"task hapgrid-{name} SCHED_FIFO|SCHED_RESET_ON_FORK {priority}
                  for name, priority in (("hid", 45), ("guard", 46))], tasks
 busy = int(next(line for line in parts["busy"] if line.startswith("forces ")).split()[1])
 assert busy > 0.95 * len(forces), (busy, len(forces))
+print(f"under load: {report['missed']} missed, {busy} reports of force")
 
 
 def felt(lines):
