@@ -24,7 +24,8 @@ struct DeviceInput {
   /// For a device that steers the HIP: its speed on each axis, in [-1, 1] of full deflection. The
   /// mapping adds it up over time. 0 for a handle that is held.
   Vec3 rate{0, 0, 0};
-  /// In the model's space, where the hand is that pulls the HIP by a spring; NaN without one.
+  /// Where the hand is that pulls the handle or the HIP by a spring, in the same unit; NaN without
+  /// one.
   Vec3 hand = kNowhere;
   bool stalled = false;  ///< the hardware has been silent for too long
   bool clutch = false;   ///< the handle is moved without the HIP

@@ -71,7 +71,7 @@ DeviceStatus SimulatedDevice::read(DeviceInput& input) noexcept {
     begin();
   else
     advance();
-  input = {.begins = begins};
+  input = {.hand = target(), .begins = begins};
   for (int a = 0; a < 3; ++a)
     input.position[a] = options_.encoder > 0
                             ? std::floor(x_[a] / options_.encoder + 0.5) * options_.encoder

@@ -44,7 +44,8 @@ struct LoopOptions {
 struct Tick {
   std::uint64_t number;  ///< ticks that were skipped are counted, too
   const DeviceInput& input;
-  Vec3 hip;  ///< in the box's axes and the model's unit; may be outside the box
+  Vec3 hip;   ///< in the box's axes and the model's unit; may be outside the box
+  Vec3 hand;  ///< the same of DeviceInput::hand; NaN without one
   const StepResult& step;
   Vec3 raw_force;   ///< newtons, as the model gave it; NaN where there was none or in a fault
   SafeForce force;  ///< as it was sent, in the box's axes
@@ -132,7 +133,8 @@ class Responder {
                                            .stalled = input.stalled,
                                            .clutch = input.clutch,
                                            .unusable = unusable});
-    return {number, input, hip, step, raw_force, force, traversal_, 0, 0, slew_ns};
+    return {number, input, hip,    mapping_.place(input.hand), step, raw_force, force, traversal_,
+            0,      0,     slew_ns};
   }
 
  private:

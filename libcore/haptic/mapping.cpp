@@ -100,6 +100,11 @@ Vec3 Mapping::hip(const DeviceInput& input, double dt) noexcept {
   return input.position;
 }
 
+Vec3 Mapping::place(const Vec3& device) const noexcept {
+  if (unit_ == DeviceInfo::Unit::kModel) return device;
+  return scale_ * turned(device) + shift_;
+}
+
 Vec3 Mapping::to_device(const Vec3& force) const noexcept {
   if (unit_ == DeviceInfo::Unit::kModel) return force;
   Vec3 out{0, 0, 0};

@@ -38,6 +38,8 @@ class Mapping {
   Vec3 hip(const DeviceInput& input, double dt) noexcept;
   /// Turns a force in newtons from the box's axes to the device's.
   Vec3 to_device(const Vec3& force) const noexcept;
+  /// Where in the box a place is that the device gives in its own unit. NaN stays NaN.
+  Vec3 place(const Vec3& device) const noexcept;
   /// Where a held device puts the HIP there, as long as no clutch was used; needs a scale.
   Vec3 handle(const Vec3& hip) const noexcept;
   /// How far a HIP is outside the box, in grid spacings; 0 inside. Real-time safe.

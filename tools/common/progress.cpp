@@ -10,8 +10,6 @@
 
 #include <array>
 #include <cerrno>
-#include <chrono>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <system_error>
@@ -32,9 +30,10 @@ constexpr std::chrono::milliseconds kOften{250};     // a line that is written o
 constexpr std::chrono::milliseconds kSeldom{60000};  // a line in a log
 
 /// One less than the terminal has, so that no line is wrapped; all where its size is unknown.
-std::size_t terminal_columns() {
+std::size_t columns_of(std::FILE* terminal) {
   winsize size{};
-  if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col < 2) return std::string::npos;
+  if (::ioctl(::fileno(terminal), TIOCGWINSZ, &size) != 0 || size.ws_col < 2)
+    return std::string::npos;
   return size.ws_col - 1u;
 }
 
@@ -73,20 +72,27 @@ ProgressLine::~ProgressLine() {
 
 void ProgressLine::show() {
   const Clock::time_point start = Clock::now();
-  const bool terminal = ::isatty(STDERR_FILENO) == 1;
-  const std::chrono::milliseconds pause = terminal ? kOften : kSeldom;
-  bool shown = false;
   std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, pause, [this] { return done_; })) {
-    const std::string text = text_(seconds_since(start));
+  write_progress(
+      stderr, [&] { return text_(seconds_since(start)); },
+      [&](std::chrono::milliseconds pause) {
+        return wake_.wait_for(lock, pause, [this] { return done_; });
+      });
+}
+
+void write_progress(std::FILE* out, const std::function<std::string()>& text,
+                    const std::function<bool(std::chrono::milliseconds)>& over) {
+  const bool terminal = ::isatty(::fileno(out)) == 1;
+  bool shown = false;
+  while (!over(terminal ? kOften : kSeldom)) {
     if (terminal)
-      std::fprintf(stderr, "\r\033[K%s", text.substr(0, terminal_columns()).c_str());
+      std::fprintf(out, "\r\033[K%s", text().substr(0, columns_of(out)).c_str());
     else
-      std::fprintf(stderr, "%s\n", text.c_str());
-    std::fflush(stderr);
+      std::fprintf(out, "%s\n", text().c_str());
+    std::fflush(out);
     shown = terminal;
   }
-  if (shown) std::fputs("\r\033[K", stderr);
+  if (shown) std::fputs("\r\033[K", out);
 }
 
 std::string short_number(double value) {

@@ -1,8 +1,10 @@
 // What long work tells while it goes on, and what it reports when it is done.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <cstdio>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -28,6 +30,10 @@ class ProgressLine {
   bool done_ = false;
   std::jthread thread_;
 };
+
+/// What ProgressLine does, until over() says after a pause that the work is done.
+void write_progress(std::FILE* out, const std::function<std::string()>& text,
+                    const std::function<bool(std::chrono::milliseconds pause)>& over);
 
 /// 1234567 as "1.23 M".
 std::string short_number(double value);

@@ -40,7 +40,7 @@ void fill(Snapshot& snapshot, const Tick& tick, double rate_hz) noexcept {
   snapshot.tick = tick.number;
   snapshot.time_s = static_cast<double>(tick.number) / rate_hz;
   snapshot.hip = tick.hip;
-  snapshot.hand = tick.input.hand;
+  snapshot.hand = tick.hand;
   snapshot.position = tick.traversal.position();
   snapshot.force = tick.force.force;
   snapshot.raw_force = tick.raw_force;

@@ -44,6 +44,10 @@ capnp decode "$frames" Message <x.frames | grep 'tick = 361' >/dev/null || fail 
 play grid --device path:path --frames - "${bare[@]}" 2>/dev/null | cmp - x.frames
 play grid --device path:path --frames again --log - "${bare[@]}" 2>/dev/null | cmp - log
 cmp again x.frames
+# Frames go into a pipe only when they are asked for: all that play says goes into a log.
+play grid --device path:path 2>&1 | cat >said
+same "lines in a log" 3 "$(grep -c '^play: [[:print:]]*$' said)"
+same "other lines" 0 "$(LC_ALL=C grep -acv '^play: [[:print:]]*$' said)"
 # A single tick is one frame, held in the box; a force that is limited is there as it was, too.
 echo '-9 0 0' >one
 play grid --device path:one --frames one.frames 2>/dev/null

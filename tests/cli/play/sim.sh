@@ -57,9 +57,16 @@ mkdir hands
 for i in {-60..-20}; do echo "$(printf '%de-2' "$i") 0.01 0"; done >hands/path
 printf '[hand]\npath = "path"\nstiffness = 1e6\ndamping = 600\n' >hands/sim.toml
 expect 0 '' "~play: 41 ticks, .*in session 0
-play: largest step of the force in a tick: .*" -- play grid --device sim:hands/sim.toml --rate 0.5 --log log
+play: largest step of the force in a tick: .*" -- play grid --device sim:hands/sim.toml --rate 0.5 --log log --frames frames
 awk -F '\t' -v h=2.9e-6 'NR > 1 { d = $2 - (-0.6 + (NR - 2) / 100); if (d < 0) d = -d
   if (d > 19 * h + 1e-3 || $1 != (NR - 2) * 2) { bad = 1 } } END { exit bad || NR != 42 }' log || fail "path: $(cat log)"
+# Frames tell where the hand is. From the box to metres and back, numbers below 1 are rounded a few times.
+PYTHONPATH=$(realpath "$HAPGRID_BIN/../python") /usr/bin/python3 - <<'PYTHON'
+import hapgrid
+import numpy
+frames, way = hapgrid.read("frames")["frames"], numpy.loadtxt("hands/path")
+assert len(frames) == 41 and abs(frames["hand"] - way[frames["tick"]]).max() < 1e-15, frames["hand"]
+PYTHON
 
 # A hand that trembles by 2 mm behind a stiff spring, at rest in free space: 8 Hz on x, 10 on y, 12 on z, one second of
 # each. The tremor's frequency is too low by 2e-4 (x) to 5e-4 (z) of itself: 6e-3 of a turn in a second, 7e-5 m.

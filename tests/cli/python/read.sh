@@ -56,7 +56,7 @@ frames = hapgrid.read("a.frames")["frames"]
 assert len(frames) >= 1 and (frames["hip"][-1] == [0.5, 0.5, 0.5]).all() and (frames["position"] == frames["hip"]).all()
 last = frames[-1]
 assert (last["state"] == log["state"][-1]).all() and last["energy"] == log["energy"][-1] and last["tick"] == len(log) - 1
-assert last["shape"].shape == (2, 3) and np.isnan(last["own_energy"]) and (last["sent"] == log["sent"][-1]).all()
+assert last["shape"].shape == (2, 3) and np.isnan(last["own_energy"]) and np.isnan(last["hand"]).all() and (last["sent"] == log["sent"][-1]).all()
 assert np.abs(last["shape"] - [[*last["state"], 0], last["hip"]]).max() < 1e-6  # floats below 1
 for name, error, words in (("gone", FileNotFoundError, "gone"), ("cut", ValueError, "cut: stats: "), ("empty", ValueError, "empty: stats: "),
                            ("cut.session", ValueError, "a session without a tick, which ended early"), ("dump", ValueError, "dump: stats: "),

@@ -126,6 +126,7 @@ TEST_CASE("each session begins anew, and its number and the seed alone decide it
         CHECK(wanderer.session() == all.size());
         all.emplace_back();
       }
+      CHECK(input.hand == wanderer.target());
       all.back().push_back(input.position);
       REQUIRE(wanderer.send({force, 0, 0}) == DeviceStatus::kOk);
     }

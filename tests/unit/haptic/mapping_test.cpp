@@ -69,8 +69,12 @@ TEST_CASE("where the handle is for a HIP") {
       {.scale = 8, .axes = {Vec3{0, -1, 0}, {0, 0, 1}, {1, 0, 0}}, .offset = {1, 0, 0}},
       held({-1, 0, 0}, {1, 2, 3}), kBox);
   Mapping back = there;
-  for (const Vec3& x : {Vec3{0, 0, 0}, Vec3{0.5, -0.25, 11}, Vec3{-3, 7, 10}})
+  for (const Vec3& x : {Vec3{0, 0, 0}, Vec3{0.5, -0.25, 11}, Vec3{-3, 7, 10}}) {
     CHECK(back.hip({.position = there.handle(x)}, 1) == x);  // exact: all numbers are dyadic
+    CHECK(there.place(there.handle(x)) == x);
+  }
+  CHECK(!finite(there.place(kNowhere)));
+  CHECK(Mapping({}, {.name = "path"}, kBox).place({5, 6, 7}) == Vec3{5, 6, 7});
 }
 
 TEST_CASE("a HIP that is steered moves with its speed and stays in the box") {

@@ -28,7 +28,7 @@ def read_frames(path: str, data: bytes):
     array = numpy.zeros(len(frames), [
         ("t", float), ("tick", "u8"), ("hip", float, 3), ("position", float, 3), ("sent", float, 3), ("force", float, 3),
         ("energy", float), ("state", float, (states,)), ("levels", "u1", 8), ("shape", "f4", (centres // 3, 3)),
-        ("jumps", "u8"), ("own_energy", float)])
+        ("jumps", "u8"), ("own_energy", float), ("hand", float, 3)])
     for row, frame in zip(array, frames):
         for name in array.dtype.names:
             row[name] = frame[name].reshape(-1, 3) if name == "shape" else frame[name]
@@ -39,7 +39,10 @@ def _frame(message, at):
     import numpy
 
     def vector(pointer):
-        segment, start, _, _ = message.struct(*message.pointer_of(at, pointer))
+        place = message.pointer_of(at, pointer)
+        if message.word(*place) == 0:
+            return numpy.full(3, numpy.nan)
+        segment, start, _, _ = message.struct(*place)
         return numpy.frombuffer(message.segments[segment], "<f8", 3, start)
 
     def double(offset, default=0):
@@ -48,7 +51,7 @@ def _frame(message, at):
     return {"t": double(0), "tick": message.number(at, 8, 8), "hip": vector(0), "position": vector(1), "sent": vector(2),
             "force": vector(3), "energy": double(16), "state": message.list(*message.pointer_of(at, 4)),
             "levels": message.list(*message.pointer_of(at, 5)), "shape": message.list(*message.pointer_of(at, 6)),
-            "jumps": message.number(at, 24, 8), "own_energy": double(32, NAN)}
+            "jumps": message.number(at, 24, 8), "own_energy": double(32, NAN), "hand": vector(7)}
 
 
 class _Message:
