@@ -6,8 +6,9 @@ chains.
 """
 
 import numpy as np
-from preparation import geometry
-from preparation.molecule import BadInput, relaxed
+
+from . import geometry
+from .molecule import BadInput, relaxed
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
 

@@ -10,10 +10,9 @@ import subprocess
 import sys
 
 sys.path.insert(0, sys.argv[1])
-import preparation  # noqa: F401
-import numpy as np
 from hapgrid_molecule import confined, reading
-from preparation.molecule import BadInput
+from hapgrid_molecule.molecule import BadInput
+import numpy as np
 from openbabel import openbabel
 
 HERE = os.path.dirname(os.path.realpath(__file__))
