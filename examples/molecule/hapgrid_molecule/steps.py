@@ -47,7 +47,7 @@ def find_structures(at, start):
             kept.say(f"  about {duration(seconds)} for conformation and barriers, twice that where a lower minimum is "
                      "found")
         one = structures.explore(start.molecule, start.turning, structures.Options(
-            work.Options(start.method, start.charge, start.unpaired, o.highest, kept.kept, o.solvent), start.search,
+            work.Options(start.method, start.charge, start.unpaired, o.highest, kept.kept, kept.version, o.solvent), start.search,
             o.keep_conformation, o.basins, o.threads, shapes), kept)
         for name, below in one.lower:
             kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
