@@ -1,7 +1,7 @@
 """Energies and gradients of xtb (GFN2-xTB, GFN-FF) through its C library and ctypes.
 
 Positions are flat: 3 numbers for each atom. Lengths are in bohr and energies in hartree.
-examples/molecule/preparation uses this file, too.
+examples/molecule/hapgrid_molecule uses this file, too.
 """
 import ctypes
 import os

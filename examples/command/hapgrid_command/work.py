@@ -1,14 +1,14 @@
 """The folder of the results. What is there already is not computed again.
 
-A step makes files from files. It is passed over when what it reads, its options, and the files it
-made are as they were. A file that was changed by hand since is kept, and what depends on it is
-computed anew.
+A step makes files from files. It is passed over when what it reads, its options, the files it made, and hapgrid itself
+are as they were. A file that was changed by hand since is kept, and what depends on it is computed anew.
 
 The folder can be renamed and copied: nothing in it has its name, and it may come from somebody else. So
 no file in it can name one outside of it, and what is kept in .work counts only if it has the right form.
 """
 
 import fcntl
+import functools
 import json
 import os
 import re
@@ -154,13 +154,22 @@ class Work:
 
     # What was computed
 
+    @functools.cached_property
+    def version(self):
+        """Of hapgrid: that of the filters, and the sources of this command. Another one computes anew."""
+        packages = [m for name, m in sys.modules.items() if name.startswith("hapgrid_") and hasattr(m, "__path__")]
+        names = [os.path.join(package.__path__[0], name) for package in packages for name in os.listdir(package.__path__[0])]
+        sources = sorted(digest(name) for name in names if os.path.isfile(name))
+        return [self.run("seed", "--version").out, digest_of(json.dumps(sources).encode())]
+
     def recall(self, name, key):
         """What was remembered for this key, or None."""
         kept = self.kept.get(name)
-        return kept["value"] if isinstance(kept, dict) and kept.get("key") == key and "value" in kept else None
+        sound = isinstance(kept, dict) and kept.get("key") == [self.version, key] and "value" in kept
+        return kept["value"] if sound else None
 
     def remember(self, name, key, value):
-        self.kept.put(name, {"key": key, "value": value})
+        self.kept.put(name, {"key": [self.version, key], "value": value})
 
     def _record(self, step):
         """(key, {file that was made: its digest})"""
@@ -178,7 +187,8 @@ class Work:
     def step(self, step, title, inputs, options, compute):
         """Makes files by compute(), which returns their names, unless they are there. What else compute() returns is
         returned, and nothing is kept. inputs: names of files; options: what else decides the result."""
-        key = digest_of(json.dumps([{name: self.digest(name) for name in inputs}, options], sort_keys=True).encode())
+        read = {name: self.digest(name) for name in inputs}
+        key = digest_of(json.dumps([self.version, read, options], sort_keys=True).encode())
         old, made = self._record(step)
         if old == key and all(os.path.exists(self.path(n)) for n in made):
             return None
@@ -201,7 +211,8 @@ class Work:
         good ones."""
         words = program if isinstance(program, list) else [os.path.join(self.filters, program)]
         try:
-            ran = run_program([*words, *map(str, arguments)], self.directory, watch)
+            there = self.directory if os.path.isdir(self.directory) else None  # --version needs no folder
+            ran = run_program([*words, *map(str, arguments)], there, watch)
         except FileNotFoundError:
             other = f"there: install the Debian package {package or words[0]}"
             where = other if words is program else f"in {self.filters}: build all of hapgrid"

@@ -1,21 +1,27 @@
 """The modules of `hapgrid molecule`; its --help says what it is for.
 
-reading      a molecule from a file or SMILES; what cannot be felt is refused with what to do
-pieces       which of several molecules is felt
-rotors       which bonds turn, and their names
-structures   the conformation, the saddles around it and the paths to them, in several processes
-choice       the softest paths that are sane together
-combined     what xtb says where minima of several paths are combined
-stiffness    how stiff the anchors are, from the Hessian
-definition   box and MODEL.toml
-faults       what can be wrong with a grid, and what is done about it
-resolution   a coarse grid, and the spacing that follows from it
-pushing      the way of the probe that turns one torsion
-crossing     its way over a barrier and back
-curves       torsions and energies over time
-page         plots, pictures and the page that sums up; page.html is its frame
-steps        the steps one by one, from the molecule's file to the page
-start        the first of them: the molecule
-grids        and the longest: the grid
-cli          the command line
+The command: cli, steps (one by one, from the molecule's file to the page), start (the molecule), grids (the grid).
+
+A molecule is read: reading, with formats, pdb, babel (Open Babel), valences (bonds and charges that no file says),
+pieces (which of several molecules), building (hydrogens and shapes), confined (in a process with limits),
+molecule (what is read, and its conformers), elements.
+
+Structures are found: structures (in several processes), work (each step, which is kept), xtb (energies), geometry,
+optimise (minima and saddles), rotors (which bonds turn, and their names), torsions (scans), path (from a saddle down),
+beyond (paths on behind saddles), ensemble (paths between given minima), naming (of paths), singles (energies by other
+programs), xyz and files (what is written).
+
+A grid is made: choice (the softest paths that are sane together), combined (xtb's word on combined minima), stiffness (of
+the anchors), definition (box and MODEL.toml), resolution (the spacing), faults (of a grid, and their cures).
+
+The probe's way: pushing (turns a torsion), crossing (over a barrier and back), curves, page (page.html is its frame).
 """
+
+import os
+import sys
+
+# One thread: these molecules are too small for more, and the order of a sum must not depend on the
+# machine. OpenBLAS and OpenMP read this when they are loaded, so it must come before numpy.
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[_name] = "1"
+sys.path.append(os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../command"))

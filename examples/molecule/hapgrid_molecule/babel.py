@@ -1,7 +1,7 @@
 """Molecules that Open Babel reads, since it finds bonds from distances, as RDKit's."""
 
-from preparation.elements import SYMBOLS
-from preparation.molecule import BadInput, placed
+from .elements import SYMBOLS
+from .molecule import BadInput, placed
 from rdkit import Chem
 
 # Atoms that stand alone in structures of proteins and salts.

@@ -6,8 +6,9 @@ chains.
 """
 
 import numpy as np
-from preparation import geometry
-from preparation.molecule import BadInput, relaxed
+
+from . import geometry
+from .molecule import BadInput, relaxed
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
 
@@ -60,6 +61,10 @@ def shape(mol, what):
         if best is None or (strained, energy) < best[:2]:
             best = strained, energy, x
     if best is None or not np.isfinite(best[2]).all():
+        crowded = next((a for a in mol.GetAtoms() if a.GetDegree() > 5), None)
+        if crowded is not None:
+            raise BadInput(f"{what}: no shape can be built around {crowded.GetSymbol()}{crowded.GetIdx() + 1}, which has "
+                           f"{crowded.GetDegree()} neighbours: give a file with a shape")
         raise BadInput(f"{what}: no shape could be built: is its handedness possible? Otherwise give a "
                        "file with a shape")
     return relaxed(mol, best[2], STEPS)[1]

@@ -8,11 +8,11 @@ out when `molecule-check` finds that it clashes with those that were taken befor
 import json
 
 from hapgrid_command import files
-from preparation.molecule import BadInput
-from preparation.xtb import HARTREE
 
 from .definition import Definition
+from .molecule import BadInput
 from .rotors import label
+from .xtb import HARTREE
 
 ROTORS = ("path", "atoms", "barrier_kJ_mol", "taken", "why")  # the heads of rotors.tsv
 

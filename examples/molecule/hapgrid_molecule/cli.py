@@ -1,9 +1,8 @@
 """The command line of `hapgrid molecule`."""
 
 from hapgrid_command.cli import Parser, UsageError, formatter, guarded, number
-from preparation import optimise, xtb
 
-from . import resolution, start, steps
+from . import optimise, resolution, start, steps, xtb
 
 ABOUT = """\
 Makes a verified grid of a molecule, with pictures, from the molecule's file.

@@ -6,10 +6,9 @@ is computed, a single point, by what gave the other energies.
 """
 
 from hapgrid_command import files
-from preparation import xyz
-from preparation.xtb import BOHR, HARTREE
 
-from . import choice
+from . import choice, xyz
+from .xtb import BOHR, HARTREE
 
 MISSED = 4.0  # kJ/mol: what the sum may miss
 

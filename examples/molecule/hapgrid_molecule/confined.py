@@ -15,7 +15,7 @@ import signal
 import struct
 import time
 
-from preparation.molecule import BadInput
+from .molecule import BadInput
 
 MEMORY = 4 << 30  # bytes of address space, with the libraries
 CPU_SECONDS = 120

@@ -10,9 +10,8 @@ import copy
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from preparation import xyz
 
-from . import choice, pushing
+from . import choice, pushing, xyz
 from .definition import CLEAR
 from .pushing import COARSE_STEP, there_and_back
 

@@ -3,7 +3,8 @@ energy of the molecule itself beside that which the hand works against, over tim
 
 import numpy as np
 from hapgrid_command import plots
-from preparation import geometry
+
+from . import geometry
 
 MOVES = 2.0  # degrees: what turns less is not drawn
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from hapgrid_command import files
-from preparation.elements import RADII
-from preparation.molecule import BadInput
-from preparation.xtb import BOHR
 
+from .elements import RADII
+from .molecule import BadInput
 from .stiffness import Stiffness
+from .xtb import BOHR
 
 PROBE = 1.2  # angstrom
 PENALTY = 100  # kJ/(mol Å²)

@@ -8,12 +8,12 @@ import re
 from dataclasses import dataclass, field
 
 import numpy as np
-from preparation.elements import COVALENT, NUMBERS, SYMBOLS
-from preparation.molecule import BadInput
-from preparation.xtb import BOHR
 from rdkit import Chem
 
 from . import babel, pdb
+from .elements import COVALENT, NUMBERS, SYMBOLS
+from .molecule import BadInput
+from .xtb import BOHR
 
 KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
 MOST_RECORDS = 1000

@@ -7,10 +7,10 @@ from hapgrid_command import grid
 from hapgrid_command.cli import BreaksRule
 from hapgrid_command.files import Failed
 from hapgrid_command.work import duration
-from preparation.molecule import BadInput
 
 from . import choice, combined, faults, resolution, stiffness
-from .definition import PENALTY, Definition, paths_of
+from .definition import Definition, PENALTY, paths_of
+from .molecule import BadInput
 from .start import single_points, surface
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about

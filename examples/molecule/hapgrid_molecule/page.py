@@ -6,11 +6,11 @@ import re
 import shlex
 
 import numpy as np
-from preparation.xyz import frames
 
 from . import choice, curves
 from .pieces import signed
 from .pushing import read_log
+from .xyz import frames
 
 REPORT = ("name", "kind", "energy_kJ_mol", "nu1_cm-1", "joins")  # the heads of report.tsv that the page needs
 STAYS = 0.05  # of a t: less is not behind a saddle

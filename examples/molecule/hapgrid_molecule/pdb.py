@@ -7,7 +7,7 @@ right-aligned in 12-13 but for hydrogens whose name has four letters; 16 the alt
 
 import re
 
-from preparation.elements import NUMBERS
+from .elements import NUMBERS
 
 AMINO_ACIDS = set("ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL ACE NME".split())
 

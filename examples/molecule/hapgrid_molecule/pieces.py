@@ -5,8 +5,8 @@ then the first. What is left out is named, with its charge."""
 from collections import Counter
 from dataclasses import replace
 
-from preparation.elements import SYMBOLS
-from preparation.molecule import BadInput
+from .elements import SYMBOLS
+from .molecule import BadInput
 from rdkit import Chem
 from rdkit.Chem import rdMolDescriptors
 

@@ -9,10 +9,10 @@ import json
 
 import numpy as np
 from hapgrid_command import files
-from preparation.xtb import BOHR
 
 from .definition import CLEAR, PROBE, RADII, paths_of
 from .rotors import label
+from .xtb import BOHR
 
 TRIED = 5
 STEP, COARSE_STEP = 0.002, 0.02  # angstrom a tick

@@ -4,12 +4,12 @@ cannot be felt is refused here, in one line that says what to do."""
 import os
 
 import numpy as np
-from preparation import molecule as prepared
-from preparation.elements import COVALENT, MASSES
-from preparation.molecule import BadInput, Molecule
 from rdkit import Chem
 
+from . import molecule as prepared
 from . import babel, building, confined, formats, pieces, valences
+from .elements import COVALENT, MASSES
+from .molecule import BadInput, Molecule
 from .pieces import signed
 
 MOST_ATOMS = 100

@@ -8,8 +8,9 @@ hydroxyl), and those are among the softest here. What it does otherwise is one l
 from dataclasses import dataclass, replace
 
 import numpy as np
-from preparation import geometry, torsions
-from preparation.elements import SYMBOLS
+
+from . import geometry, torsions
+from .elements import SYMBOLS
 
 # N, CA and C of a residue.
 RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"

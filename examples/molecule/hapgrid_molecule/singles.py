@@ -14,8 +14,9 @@ from dataclasses import replace
 import numpy as np
 from hapgrid_command.files import Failed, digest
 from hapgrid_command.programs import run_program
-from preparation import files, geometry
-from preparation.xtb import BOHR, HARTREE
+
+from . import files, geometry
+from .xtb import BOHR, HARTREE
 
 
 HERE = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))  # where single-point-ase is

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 from hapgrid_command.files import Failed, digest_of
 from hapgrid_command.work import Work
-from preparation import molecule as prepared
-from preparation.xtb import Surface
 
+from . import molecule as prepared
 from . import reading, rotors, singles
 from .pieces import signed
+from .xtb import Surface
 
 GFN2_ATOMS = 24
 

@@ -8,12 +8,11 @@ import time
 import numpy as np
 from hapgrid_command.files import Failed
 from hapgrid_command.work import Work, duration
-from preparation import files, optimise, work
-from preparation.xtb import XtbError
 
-from . import crossing, grids, page, pushing, reading, structures
+from . import crossing, files, grids, optimise, page, pushing, reading, structures, work
 from .pieces import signed
 from .start import GFN2_ATOMS, Run, read, single_points, surface
+from .xtb import XtbError
 
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
 # Gradients of xtb in units of a Hessian, which are measured: of propan-2-ol and ethanol 9 to 16 for each way of a
@@ -48,7 +47,7 @@ def find_structures(at, start):
             kept.say(f"  about {duration(seconds)} for conformation and barriers, twice that where a lower minimum is "
                      "found")
         one = structures.explore(start.molecule, start.turning, structures.Options(
-            work.Options(start.method, start.charge, start.unpaired, o.highest, kept.kept, o.solvent), start.search,
+            work.Options(start.method, start.charge, start.unpaired, o.highest, kept.kept, kept.version, o.solvent), start.search,
             o.keep_conformation, o.basins, o.threads, shapes), kept)
         for name, below in one.lower:
             kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")

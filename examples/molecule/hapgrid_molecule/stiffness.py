@@ -21,8 +21,9 @@ are, and anchors that yield let a push tip over a barrier gently. There the defa
 from dataclasses import dataclass
 
 import numpy as np
-from preparation import geometry, path
-from preparation.xtb import BOHR, HARTREE
+
+from . import geometry, path
+from .xtb import BOHR, HARTREE
 
 RIGID = 0.5
 # For the RMS displacement of the atoms. With less curvature a shape could be off by more than a tenth of

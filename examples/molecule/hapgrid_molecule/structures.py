@@ -10,13 +10,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from hapgrid_command.files import read_text
 from hapgrid_command.programs import end_with_parent
-from preparation import beyond, ensemble, files, geometry, naming, torsions, work, xyz
-from preparation.elements import MASSES
-from preparation.molecule import BadInput
-from preparation.xtb import BOHR, HARTREE, SYMBOLS
-from preparation.xyz import frames
 
-from . import rotors
+from . import beyond, ensemble, files, geometry, naming, rotors, torsions, work, xyz
+from .elements import MASSES
+from .molecule import BadInput
+from .xtb import BOHR, HARTREE, SYMBOLS
+from .xyz import frames
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one

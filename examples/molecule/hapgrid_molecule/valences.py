@@ -2,9 +2,9 @@
 none has: of an ion, or where Open Babel did not find all double bonds of a molecule that has all its hydrogens.
 """
 
-from preparation.molecule import BadInput
 from rdkit import Chem
 
+from .molecule import BadInput
 from .pieces import signed, symbol
 
 # Sums of bond orders that an atom without a charge has. Nitrogen with five is a nitro group, as many programs write it.

@@ -1,13 +1,11 @@
-"""chemistry.py FOLDER: checks of FOLDER's preparation that need no grid: wave numbers, names of bonds and of paths."""
+"""chemistry.py FOLDER: checks of FOLDER/hapgrid_molecule that need no grid: wave numbers, names of bonds and of paths."""
 
 import sys
 
 sys.path.insert(0, sys.argv[1])
-import preparation  # noqa: F401  before numpy
+from hapgrid_molecule import geometry, naming, optimise, reading, rotors, singles, torsions, work, xtb
+from hapgrid_molecule.xtb import BOHR, HARTREE
 import numpy as np
-from hapgrid_molecule import reading, rotors, singles
-from preparation import geometry, naming, optimise, torsions, work, xtb
-from preparation.xtb import BOHR, HARTREE
 
 
 def minimum(smiles):

@@ -162,7 +162,6 @@ paste <(tail -n +3 before.xyz) <(tail -n +3 turned/conformation.xyz) |
 /usr/bin/python3 - "$HAPGRID_SOURCE/examples/molecule" >line 2>log <<'END' || fail "$(cat log)"
 import sys
 sys.path.insert(0, sys.argv[1])
-import preparation  # noqa: F401
 from hapgrid_molecule import cli, definition
 definition.CLEAR = -2.5
 sys.exit(cli.main(["--smiles", "C#N", "-o", "narrow", "--method", "gfnff", "--spacing", "1"]))

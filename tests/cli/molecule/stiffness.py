@@ -3,9 +3,8 @@
 import sys
 
 sys.path.insert(0, sys.argv[1])
+from hapgrid_molecule import geometry, stiffness
 import numpy as np
-from hapgrid_molecule import stiffness
-from preparation import geometry
 
 # A cross of four equal atoms. A torsion moves one of them, 3 Å from the centre, by 2 Å for a unit of t.
 X = np.array([[3.0, 0, 0], [-3, 0, 0], [0, 3, 0], [0, -3, 0]])

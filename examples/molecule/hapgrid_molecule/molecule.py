@@ -11,8 +11,8 @@ from rdkit import Chem, RDLogger
 from rdkit.Chem import rdForceFieldHelpers, rdMolDescriptors
 from rdkit.ForceField import rdForceField  # noqa: F401  the type of force fields
 
-from . import geometry
 from . import torsions as torsions_of
+from . import geometry
 
 RDLogger.DisableLog("rdApp.*")  # what it says is for programmers
 

@@ -13,7 +13,6 @@ from . import geometry, naming, optimise, path, torsions, xyz
 from .molecule import conformers
 from .xtb import BOHR, HARTREE, SYMBOLS, Surface, XtbError
 
-VERSION = 4  # of the algorithm; a step that another version has kept is computed anew
 SAME_SHAPE = 0.1  # bohr, root mean square: minima closer than this are one
 SAME_ENERGY = 0.02  # kJ/mol
 ROUNDED = 1e-7  # angstrom; files have eight decimals
@@ -124,12 +123,13 @@ def _is_array(value, shape):
 @dataclass
 class Options:
     """method: of xtb.METHODS; charge: e; unpaired: electrons; highest: where a scan ends, kJ/mol; kept: the finished
-    steps; solvent: or None."""
+    steps; version: of hapgrid, since what another one has kept is computed anew; solvent: or None."""
     method: str
     charge: int
     unpaired: int
     highest: float
     kept: Kept
+    version: list
     solvent: str = None
 
     @property
@@ -247,7 +247,7 @@ class Work:
         return self._take(key, lambda: _guarded(compute))
 
     def _take(self, key, compute):
-        return self.options.kept.take([VERSION, key], compute,
+        return self.options.kept.take([self.options.version, key], compute,
                                       lambda value: is_sound(key[0], value, len(self.molecule.numbers)))
 
     def saddle(self, number):

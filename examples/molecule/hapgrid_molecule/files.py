@@ -6,8 +6,8 @@ import numpy as np
 from hapgrid_command.files import is_plain, read_text, remove, write_whole
 
 from . import geometry
-from .molecule import BadInput
 from .elements import SYMBOLS
+from .molecule import BadInput
 from .xtb import BOHR, HARTREE
 
 
