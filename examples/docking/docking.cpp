@@ -1,6 +1,9 @@
-// A rigid ligand in a host (docking): the HIP is the ligand's centre, its orientation is the state.
+// A ligand in a host (docking): the HIP is the ligand's centre, its orientation is the state, and
+// so are the angles of its softest bonds.
+#include <array>
 #include <cstdio>
 #include <hapgrid/plugin.hpp>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,6 +15,7 @@ using namespace hapgrid::docking;
 namespace table = hapgrid::table;
 
 constexpr double kMaxShift = 8;                                // angstrom
+constexpr double kNodes = 0.5;                                 // angstrom
 constexpr double kGoldenAngle = 2.39996, kHalfTurn = 3.14159;  // rad
 
 std::vector<table::Lattice> read_maps(const std::vector<std::string>& texts) {
@@ -22,6 +26,18 @@ std::vector<table::Lattice> read_maps(const std::vector<std::string>& texts) {
   return maps;
 }
 
+/// With its softest bonds.
+Ligand soft_ligand(const std::string& pdbqt, double torsions, double soft) {
+  if (!(torsions >= 0 && torsions <= kMostTorsions && torsions == std::floor(torsions)))
+    throw std::runtime_error("parameter torsions must be a whole number from 0 to " +
+                             std::to_string(kMostTorsions));
+  Ligand ligand = read_ligand(pdbqt);
+  const std::vector<std::size_t> kept =
+      softest_torsions(ligand, static_cast<std::size_t>(torsions), soft);
+  keep_torsions(ligand, kept);
+  return ligand;
+}
+
 class DockingModel {
  public:
   explicit DockingModel(hapgrid::PluginParameters& parameters)
@@ -29,9 +45,12 @@ class DockingModel {
 
  private:
   DockingModel(hapgrid::PluginParameters& parameters, const std::vector<table::Lattice>& maps)
-      : poses_(read_ligand(parameters.text("ligand", "")), parameters.texts("types"), maps,
-               parameters.positive("soft", 10)),
+      : soft_(parameters.positive("soft", 10)),
+        poses_(soft_ligand(parameters.text("ligand", ""), parameters.number("torsions", 0), soft_),
+               parameters.texts("types"), maps, soft_),
+        size_(poses_.ligand().state_size()),
         host_(maps[0].atoms),
+        highest_(parameters.number("highest", 0)),
         tolerance_(parameters.positive("tolerance", 0.1)),
         substep_(parameters.positive("substep", 0.1)),
         force_scale_(parameters.positive("force_scale", 0.02)) {
@@ -41,7 +60,7 @@ class DockingModel {
  public:
   hapgrid_model_info info() const {
     hapgrid_model_info info{};
-    info.state_size = 6;
+    info.state_size = static_cast<std::uint32_t>(size_);
     info.d_max = kMaxShift;
     info.tolerance = tolerance_;
     std::snprintf(info.tolerance_unit, sizeof info.tolerance_unit, "angstrom RMSD");
@@ -52,45 +71,40 @@ class DockingModel {
     return info;
   }
 
-  void periods(double* periods) const { std::fill_n(periods, 6, HAPGRID_ROTATION); }
+  void periods(double* periods) const {
+    std::fill_n(periods, 6, HAPGRID_ROTATION);
+    for (const Torsion& torsion : poses_.ligand().torsions)
+      periods[6 + (&torsion - &poses_.ligand().torsions[0])] = torsion.period;
+  }
 
-  /// Comes to rest from the orientation in the ligand's file and many others, and takes what
-  /// differs.
+  /// Those of the minima at x that are levels.
   std::vector<double> known_states(const double* x) const {
-    std::vector<double> known;
-    for (int n = -1; n < kStarts; ++n) {
-      double s[6] = {1, 0, 0, 0, 1, 0};
-      // Axes on a spiral around the sphere by the golden angle, which spreads them evenly, and
-      // angles up to pi in another order: 7 and kStarts have no common factor.
-      const double z = 1 - (2 * n + 1.0) / kStarts, r = std::sqrt(std::max(0.0, 1 - z * z)),
-                   turned = kGoldenAngle * n;
-      const double angle = kHalfTurn * ((n * 7) % kStarts + 0.5) / kStarts;
-      const double turn[3] = {angle * r * std::cos(turned), angle * r * std::sin(turned),
-                              angle * z};
-      if (n >= 0) hapgrid::orientation::turn(s, turn);
-      poses_.relax(x, s);
-      poses_.choose(s);
-      bool is_new = true;
-      for (std::size_t k = 0; k < known.size(); k += 6) is_new = is_new && !equal(&known[k], s);
-      if (is_new) known.insert(known.end(), s, s + 6);
+    std::vector<double> known = minima(x), levels;
+    for (std::size_t k = 0; k < known.size(); k += size_)
+      if (poses_.energy(x, &known[k], nullptr) <= highest_)
+        levels.insert(levels.end(), &known[k], &known[k] + size_);
+    if (levels.empty()) {
+      levels.assign(&known[0], &known[0] + size_);
+      if (give_way(x, levels.data())) poses_.choose(levels.data());
     }
-    return known;
+    return levels;
   }
 
   void convert(const double* s, const double* x, const double* d, double* result) const {
-    std::copy_n(s, 6, result);
+    std::copy_n(s, size_, result);
     const double way = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     const int steps = static_cast<int>(std::ceil(way / substep_ - 1e-9));
     for (int k = 1; k <= steps; ++k) {
       const double part = static_cast<double>(k) / steps;
       const double at[3] = {x[0] + part * d[0], x[1] + part * d[1], x[2] + part * d[2]};
       poses_.relax(at, result);
+      if (poses_.energy(at, result, nullptr) > highest_) give_way(at, result);
     }
     if (steps > 0) poses_.choose(result);
   }
 
   bool equal(const double* a, const double* b) const {
-    return std::equal(a, a + 6, b) || poses_.ligand().distance(a, b) <= tolerance_;
+    return std::equal(a, a + size_, b) || poses_.ligand().distance(a, b) <= tolerance_;
   }
 
   /// At a minimum the energy does not change with the orientation, so its slope by x alone is the
@@ -114,21 +128,76 @@ class DockingModel {
   }
 
   void shape(const double* x, const double* s, float* centres) const {
-    for (const LigandAtom& atom : poses_.ligand().atoms) {
-      double place[3];
-      hapgrid::orientation::apply(s, atom.place.data(), place);
-      for (int a = 0; a < 3; ++a) *centres++ = static_cast<float>(x[a] + place[a]);
-    }
+    std::array<Vector, kMostAtoms> places;
+    poses_.places(x, s, places.data());
+    for (std::size_t i = 0; i < poses_.ligand().atoms.size(); ++i)
+      for (const double c : places[i]) *centres++ = static_cast<float>(c);
     for (const table::Atom& atom : host_)
       for (const double c : atom.position) *centres++ = static_cast<float>(c);
   }
 
  private:
   static constexpr int kStarts = 60;
+  using State = std::array<double, 6 + kMostTorsions>;
 
+  /// Comes to rest from the orientation in the ligand's file and many others, and takes what
+  /// differs.
+  std::vector<double> minima(const double* x) const {
+    std::vector<double> known;
+    const int turns = static_cast<int>(size_) - 6, starts = kStarts * (1 + turns);
+    for (int n = -1; n < starts; ++n) {
+      double s[6 + kMostTorsions] = {1, 0, 0, 0, 1, 0};
+      // Axes on a spiral around the sphere by the golden angle, which spreads them evenly, and
+      // angles up to pi in another order: 11 and their number have no common factor.
+      const double z = 1 - (2 * n + 1.0) / starts, r = std::sqrt(std::max(0.0, 1 - z * z)),
+                   turned = kGoldenAngle * n;
+      const double angle = kHalfTurn * ((n * 11) % starts + 0.5) / starts;
+      const double turn[3] = {angle * r * std::cos(turned), angle * r * std::sin(turned),
+                              angle * z};
+      if (n >= 0) hapgrid::orientation::turn(s, turn);
+      for (int t = 0; t < turns && n >= 0; ++t)  // multiples of irrational numbers spread evenly
+        s[6 + t] = std::fmod(n * kGoldenAngle * std::sqrt(2.0 + t), 2 * kHalfTurn);
+      poses_.relax(x, s);
+      poses_.choose(s);
+      bool is_new = true;
+      for (std::size_t k = 0; k < known.size(); k += size_) is_new = is_new && !equal(&known[k], s);
+      if (is_new) known.insert(known.end(), s, s + size_);
+    }
+    return known;
+  }
+
+  /// Turns s over to the deepest orientation around x, if that lies deeper at x. Inside the host a
+  /// ligand has hundreds of minima, which mean nothing, since no ligand goes there: one is enough.
+  bool give_way(const double* x, double* s) const {
+    std::array<int, 3> node{};
+    double at[3];
+    for (int a = 0; a < 3; ++a) {
+      node[a] = static_cast<int>(std::lround(x[a] / kNodes));
+      at[a] = kNodes * node[a];
+    }
+    const auto [found, is_new] = deepest_.try_emplace(node);
+    if (is_new) {
+      const std::vector<double> known = minima(at);
+      double best = 1e300;
+      for (std::size_t k = 0; k < known.size(); k += size_) {
+        const double energy = poses_.energy(at, &known[k], nullptr);
+        if (energy < best) best = energy, std::copy_n(&known[k], size_, found->second.data());
+      }
+    }
+    State other = found->second;
+    poses_.relax(x, other.data());
+    if (!(poses_.energy(x, other.data(), nullptr) < poses_.energy(x, s, nullptr))) return false;
+    std::copy_n(other.data(), size_, s);
+    return true;
+  }
+
+  double soft_;
   Poses poses_;
+  std::size_t size_;
   std::vector<table::Atom> host_;
-  double tolerance_, substep_, force_scale_;
+  double highest_, tolerance_, substep_, force_scale_;
+  /// At points kNodes apart, whose numbers are the keys: found when they are needed.
+  mutable std::map<std::array<int, 3>, State> deepest_;
 };
 
 }  // namespace

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <hapgrid/plugin.hpp>
+#include <map>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace hapgrid::docking {
 
@@ -14,13 +17,8 @@ namespace {
 // Gasteiger's charges are not exactly symmetric.
 constexpr double kSamePlace = 0.1;    // angstrom
 constexpr double kSameCharge = 0.02;  // elementary charges
+constexpr double kPi = 3.14159265358979323846;
 
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double length(const Vector& a) { return std::sqrt(dot(a, a)); }
-Vector minus(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 Vector times(const Matrix& m, const Vector& v) {
   return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
 }
@@ -59,6 +57,35 @@ bool carries(const Matrix& turn, const std::vector<LigandAtom>& atoms) {
       return same(atom, other) && length(minus(to, other.place)) < kSamePlace;
     });
   });
+}
+
+/// A bond's angle by which all atoms beyond it come to lie where others of their kind lay, as those
+/// of a carboxylate after half a turn. Only such that no torsion beyond tells apart.
+void find_period(const Ligand& ligand, Torsion& torsion) {
+  torsion.period = 2 * kPi;
+  for (const Torsion& other : ligand.torsions)
+    if (&other != &torsion &&
+        std::find(torsion.moved.begin(), torsion.moved.end(), other.to) != torsion.moved.end())
+      return;
+  Ligand part = ligand;  // which turns alone; the centre of all its atoms stays where it is
+  for (const int n : {3, 2}) {
+    part.torsions = {torsion};
+    const double angle = 2 * kPi / n;
+    std::vector<Vector> before(ligand.atoms.size()), after(ligand.atoms.size());
+    const double still = 0;
+    part.bend(&still, before.data());
+    part.bend(&angle, after.data());
+    const bool carried =
+        std::all_of(torsion.moved.begin(), torsion.moved.end(), [&](std::size_t i) {
+          return std::any_of(torsion.moved.begin(), torsion.moved.end(), [&](std::size_t j) {
+            return same(ligand.atoms[i], ligand.atoms[j]) &&
+                   length(minus(after[i], before[j])) < kSamePlace;
+          });
+        });
+    if (!carried) continue;
+    torsion.period = angle;
+    return;
+  }
 }
 
 /// A ligand on one line can only be carried into itself, but for turns around it, by half a turn
@@ -116,6 +143,22 @@ void find_symmetry(Ligand& ligand) {
 }  // namespace
 
 double Ligand::distance(const double* a, const double* b) const {
+  if (!torsions.empty()) {
+    std::array<Vector, kMostAtoms> at_a, at_b;
+    double angles[kMostTorsions];  // of b, as near to those of a as the periods allow
+    for (std::size_t t = 0; t < torsions.size(); ++t)
+      angles[t] = a[6 + t] + std::remainder(b[6 + t] - a[6 + t], torsions[t].period);
+    bend(a + 6, at_a.data());
+    bend(angles, at_b.data());
+    double sum = 0;
+    for (std::size_t i = 0; i < atoms.size(); ++i) {
+      Vector p, q;
+      orientation::apply(a, at_a[i].data(), p.data());
+      orientation::apply(b, at_b[i].data(), q.data());
+      sum += dot(minus(p, q), minus(p, q));
+    }
+    return std::sqrt(sum / static_cast<double>(atoms.size()));
+  }
   const auto third = [](const double* c) {
     return Vector{c[1] * c[5] - c[2] * c[4], c[2] * c[3] - c[0] * c[5], c[0] * c[4] - c[1] * c[3]};
   };
@@ -140,10 +183,45 @@ double Ligand::distance(const double* a, const double* b) const {
   return std::sqrt(std::max(0.0, sum) / static_cast<double>(atoms.size()));
 }
 
+void Ligand::bend(const double* angles, Vector* places) const {
+  for (std::size_t i = 0; i < atoms.size(); ++i) places[i] = atoms[i].place;
+  if (torsions.empty()) return;
+  for (std::size_t t = 0; t < torsions.size(); ++t) {
+    const Torsion& torsion = torsions[t];
+    const Vector begin = places[torsion.from];
+    Vector u = minus(places[torsion.to], begin);
+    const double size = length(u), c = std::cos(angles[t]), s = std::sin(angles[t]);
+    for (double& component : u) component /= size;
+    for (const std::size_t i : torsion.moved) {  // Rodrigues' formula
+      const Vector r = minus(places[i], begin), across = cross(u, r);
+      const double along = dot(u, r) * (1 - c);
+      for (int a = 0; a < 3; ++a) places[i][a] = begin[a] + c * r[a] + s * across[a] + along * u[a];
+    }
+  }
+  Vector centre{};
+  for (std::size_t i = 0; i < atoms.size(); ++i)
+    for (int a = 0; a < 3; ++a) centre[a] += places[i][a] / static_cast<double>(atoms.size());
+  for (std::size_t i = 0; i < atoms.size(); ++i) places[i] = minus(places[i], centre);
+}
+
 Ligand read_ligand(const std::string& pdbqt) {
   Ligand ligand;
+  std::map<std::string, std::size_t> numbers;  // of the atoms, by those in the file
+  std::vector<std::size_t> open;               // torsions beyond which the next atom lies
+  std::vector<std::pair<std::string, std::string>> bonds;
   std::istringstream lines(pdbqt);
   for (std::string line; std::getline(lines, line);) {
+    if (line.compare(0, 6, "BRANCH") == 0) {
+      std::istringstream words(line.substr(6));
+      auto& bond = bonds.emplace_back();
+      words >> bond.first >> bond.second;
+      open.push_back(ligand.torsions.size());
+      ligand.torsions.emplace_back();
+    } else if (line.compare(0, 9, "ENDBRANCH") == 0) {
+      if (open.empty())
+        throw std::runtime_error("ligand: no PDBQT: a branch ends that never began");
+      open.pop_back();
+    }
     if (line.compare(0, 4, "ATOM") != 0 && line.compare(0, 6, "HETATM") != 0) continue;
     LigandAtom atom;
     for (int a = 0; a < 3; ++a)
@@ -151,23 +229,47 @@ Ligand read_ligand(const std::string& pdbqt) {
     atom.charge = number(line, 70, 6);
     std::istringstream(line.size() > 77 ? line.substr(77) : "") >> atom.type;
     if (atom.type.empty()) throw std::runtime_error("ligand: an atom of the PDBQT has no type");
+    std::string name;
+    std::istringstream(line.substr(6, 5)) >> name;
+    numbers[name] = ligand.atoms.size();
+    for (const std::size_t t : open)
+      if (name != bonds[t].second) ligand.torsions[t].moved.push_back(ligand.atoms.size());
     ligand.atoms.push_back(atom);
     if (ligand.atoms.size() > kMostAtoms)
       throw std::runtime_error("ligand: it has more than 200 atoms");
   }
-  const double n = static_cast<double>(ligand.atoms.size());
-  if (n < 2) throw std::runtime_error("ligand: it has fewer than two atoms: nothing can turn");
-  ligand.centre = {};
+  if (ligand.atoms.size() < 2)
+    throw std::runtime_error("ligand: it has fewer than two atoms: nothing can turn");
+  for (std::size_t t = 0; t < bonds.size(); ++t) {
+    const auto from = numbers.find(bonds[t].first), to = numbers.find(bonds[t].second);
+    if (from == numbers.end() || to == numbers.end() || from == to)
+      throw std::runtime_error("ligand: no PDBQT: an atom of a branch is missing");
+    ligand.torsions[t].from = from->second;
+    ligand.torsions[t].to = to->second;
+  }
+  return ligand;
+}
+
+void keep_torsions(Ligand& ligand, const std::vector<std::size_t>& kept) {
+  std::vector<Torsion> torsions;
+  for (const std::size_t t : kept) torsions.push_back(ligand.torsions[t]);
+  ligand.torsions = std::move(torsions);
+  Vector centre{};
   for (const LigandAtom& atom : ligand.atoms)
-    for (int a = 0; a < 3; ++a) ligand.centre[a] += atom.place[a] / n;
+    for (int a = 0; a < 3; ++a)
+      centre[a] += atom.place[a] / static_cast<double>(ligand.atoms.size());
+  ligand.spread = {};
   for (LigandAtom& atom : ligand.atoms) {
-    atom.place = minus(atom.place, ligand.centre);
+    atom.place = minus(atom.place, centre);
     ligand.radius = std::max(ligand.radius, length(atom.place));
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) ligand.spread[r][c] += atom.place[r] * atom.place[c];
   }
-  find_symmetry(ligand);
-  return ligand;
+  for (Torsion& torsion : ligand.torsions) find_period(ligand, torsion);
+  if (ligand.torsions.empty())
+    find_symmetry(ligand);
+  else
+    ligand.symmetry = {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
 }
 
 std::string element_of(const std::string& type) {

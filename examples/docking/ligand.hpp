@@ -1,8 +1,10 @@
-// A rigid ligand: the atoms of a PDBQT file around their centre, and the turns that carry it into
-// itself.
+// A ligand: the atoms of a PDBQT file around their centre, the bonds that turn, and the turns that
+// carry it into itself.
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -11,31 +13,65 @@ namespace hapgrid::docking {
 using Vector = std::array<double, 3>;
 using Matrix = std::array<Vector, 3>;  ///< rows
 
+inline double dot(const Vector& a, const Vector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+inline double length(const Vector& a) { return std::sqrt(dot(a, a)); }
+inline Vector minus(const Vector& a, const Vector& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+inline Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
 struct LigandAtom {
   std::string type;  ///< AutoDock's: "C", "A", "OA", "HD", ...
   double charge = 0;
-  Vector place;  ///< from the centre, angstrom
+  Vector place;  ///< in the file, from the centre, angstrom
 };
+
+/// A bond around which some of the atoms turn.
+struct Torsion {
+  std::size_t from = 0, to = 0;    ///< the atoms of the bond, the first one nearer to the root
+  std::vector<std::size_t> moved;  ///< the atoms beyond `to`
+  /// The angle in radians after which atoms of the same type and charge lie where they lay.
+  double period = 0;
+};
+
+inline constexpr double kJoule = 4.184;  ///< kJ in a kcal, the unit of maps and of AutoDock
+inline constexpr std::size_t kMostAtoms = 200, kMostTorsions = 6;
 
 struct Ligand {
   std::vector<LigandAtom> atoms;
-  Vector centre;      ///< of the atoms in the file, angstrom
-  double radius = 0;  ///< of the farthest atom from the centre
+  double radius = 0;  ///< of the farthest atom from the centre, in the file
   Matrix spread{};    ///< the sum of b b^T over the atoms' places b
+  /// The bonds that turn. The atoms beyond one of them are beyond an earlier one as well, or none
+  /// of them is.
+  std::vector<Torsion> torsions;
   /// The turns that bring each atom to one of its type, charge and place; the first leaves all as
-  /// they are.
+  /// they are. With torsions there is no other: a turn that carries one shape of the ligand into
+  /// itself does not carry the next.
   std::vector<Matrix> symmetry;
   Vector axis{};  ///< of length 1, when all atoms lie on one line, around which nothing turns
 
-  /// The RMS distance of the atoms between two orientations (two columns of a rotation matrix
-  /// each), the smallest over the symmetry.
+  std::size_t state_size() const { return 6 + torsions.size(); }
+
+  /// The places of all atoms around their centre with the torsions at these angles in radians, 0
+  /// being the file's. Real-time safe.
+  void bend(const double* angles, Vector* places) const;
+
+  /// The RMS distance of the atoms between two states (two columns of a rotation matrix, and the
+  /// angles of the torsions), the smallest over the symmetry.
   double distance(const double* a, const double* b) const;
 };
 
-inline constexpr std::size_t kMostAtoms = 200;
-
-/// The atoms of a PDBQT text. @throw std::runtime_error with one line
+/// The atoms of a PDBQT text, and all bonds that it says turn.
+/// @throw std::runtime_error with one line
 Ligand read_ligand(const std::string& pdbqt);
+
+/// Leaves the ligand those of its torsions whose numbers these are, in ascending order, and finds
+/// what is the same then.
+void keep_torsions(Ligand& ligand, const std::vector<std::size_t>& numbers);
 
 /// The symbol of the element of one of AutoDock's types.
 std::string element_of(const std::string& type);

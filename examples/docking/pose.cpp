@@ -19,31 +19,44 @@ double softened(double e, double above) {
   return e > above ? above * (1 + std::log(e / above)) : e;
 }
 
-/// w with (H + λ) w = -g, where H + λ is positive definite; false when it is not.
-bool solve(const std::array<double, 6>& h, double lambda, const std::array<double, 3>& g,
-           double* w) {
-  const double a = h[0] + lambda;
-  if (!(a > 0)) return false;
-  const double b = h[3] / a, c = h[4] / a;
-  const double d = h[1] + lambda - b * h[3];
-  if (!(d > 1e-12 * a)) return false;
-  const double e = (h[5] - b * h[4]) / d;
-  const double f = h[2] + lambda - c * h[4] - e * e * d;
-  if (!(f > 1e-12 * a)) return false;
-  const double y0 = -g[0], y1 = -g[1] - b * y0, y2 = -g[2] - c * y0 - e * y1;
-  w[2] = y2 / f;
-  w[1] = y1 / d - e * w[2];
-  w[0] = y0 / a - b * w[1] - c * w[2];
+/// w with (H + λ) w = -g by Cholesky's method, where H + λ is positive definite; false when it is
+/// not. H: n rows, the lower half.
+template <class Rows, class Row>
+bool solve(const Rows& h, double lambda, const Row& g, std::size_t n, Row& w) {
+  Rows l{};
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = h[i][j] + (i == j ? lambda : 0);
+      for (std::size_t k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
+      if (i != j)
+        l[i][j] = sum / l[j][j];
+      else if (sum > 1e-12 * (h[i][i] + lambda) && sum > 0)
+        l[i][i] = std::sqrt(sum);
+      else
+        return false;
+    }
+    w[i] = -g[i];
+    for (std::size_t k = 0; k < i; ++k) w[i] -= l[i][k] * w[k];
+    w[i] /= l[i][i];
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t k = i + 1; k < n; ++k) w[i] -= l[k][i] * w[k];
+    w[i] /= l[i][i];
+  }
   return true;
 }
 
-double length(const double* w) { return std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]); }
+double length(const double* w, std::size_t n) {
+  double sum = 0;
+  for (std::size_t k = 0; k < n; ++k) sum += w[k] * w[k];
+  return std::sqrt(sum);
+}
 
 }  // namespace
 
 Poses::Poses(Ligand ligand, const std::vector<std::string>& names,
              const std::vector<table::Lattice>& maps, double soft)
-    : ligand_(std::move(ligand)), soft_(soft) {
+    : ligand_(std::move(ligand)), pairs_(pairs_of(ligand_)), soft_(soft) {
   const auto map_of = [&](const std::string& name) -> const std::vector<double>& {
     for (std::size_t m = 0; m < names.size(); ++m)
       if (names[m] == name) return maps[m].values;
@@ -74,16 +87,28 @@ Poses::Poses(Ligand ligand, const std::vector<std::string>& names,
   }
 }
 
+void Poses::places(const double* x, const double* s, Vector* places) const {
+  ligand_.bend(s + 6, places);
+  for (std::size_t i = 0; i < ligand_.atoms.size(); ++i) {
+    const Vector place = places[i];
+    orientation::apply(s, place.data(), places[i].data());
+    for (int a = 0; a < 3; ++a) places[i][a] += x[a];
+  }
+}
+
 double Poses::energy(const double* x, const double* s, double* gradient) const {
+  std::array<Vector, kMostAtoms> at;
+  places(x, s, at.data());
   double sum = 0, g[3] = {0, 0, 0};
   for (std::size_t i = 0; i < ligand_.atoms.size(); ++i) {
-    double place[3];
-    orientation::apply(s, ligand_.atoms[i].place.data(), place);
-    for (int a = 0; a < 3; ++a) place[a] += x[a];
-    const table::Spline::Value v = splines_[kind_[i]].at(lattice_.coordinates(place));
+    const table::Spline::Value v = splines_[kind_[i]].at(lattice_.coordinates(at[i].data()));
     sum += v.value;
     for (int c = 0; c < 3; ++c)
       for (int a = 0; a < 3; ++a) g[c] += lattice_.inverse[a][c] * v.gradient[a];
+  }
+  for (const Pair& pair : pairs_) {
+    const Vector r = minus(at[pair.i], at[pair.j]);
+    sum += pair.energy(length(r), soft_)[0];
   }
   const double slope = sum > soft_ ? soft_ / sum : 1;
   if (gradient)
@@ -91,70 +116,145 @@ double Poses::energy(const double* x, const double* s, double* gradient) const {
   return softened(sum, soft_);
 }
 
-/// With r the place of an atom from the centre and a turn by w, the atom goes to r + w × r +
-/// w × (w × r) / 2, which gives the derivatives below. The softened energy has its minima where the
-/// energy has them, so it is not needed here.
+void Poses::find_motions(const Vector* arms, std::array<Vector, kMost>* motions,
+                         Vector* axes) const {
+  const std::size_t n = ligand_.atoms.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector& r = arms[i];
+    motions[i] = {{{0, -r[2], r[1]}, {r[2], 0, -r[0]}, {-r[1], r[0], 0}}};
+  }
+  for (std::size_t t = 0; t < ligand_.torsions.size(); ++t) {
+    const Torsion& torsion = ligand_.torsions[t];
+    axes[t] = minus(arms[torsion.to], arms[torsion.from]);
+    const double size = length(axes[t]);
+    for (double& c : axes[t]) c /= size;
+    // The centre of all atoms stays where it is, so all of them give way a little.
+    Vector mean{};
+    for (const std::size_t i : torsion.moved) {
+      motions[i][3 + t] = cross(axes[t], minus(arms[i], arms[torsion.from]));
+      for (int a = 0; a < 3; ++a) mean[a] += motions[i][3 + t][a] / static_cast<double>(n);
+    }
+    for (std::size_t i = 0; i < n; ++i) motions[i][3 + t] = minus(motions[i][3 + t], mean);
+  }
+}
+
+/// What the second derivatives of the places by the turns add, with g the slope of the energy at
+/// each atom. With r the place of an atom from the centre and a turn by w, the atom goes to
+/// r + w × r + w × (w × r) / 2; and likewise around the axis of a torsion.
+void Poses::add_curvature(const Vector* arms, const std::array<Vector, kMost>* motions,
+                          const Vector* axes, const Vector* g, Torque& out) const {
+  const std::size_t n = ligand_.atoms.size(), turns = ligand_.torsions.size();
+  Vector mean{};
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector& r = arms[i];
+    const double along = dot(g[i], r);
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t l = 0; l <= k; ++l)
+        out.bend[k][l] += (g[i][k] * r[l] + g[i][l] * r[k]) / 2 - (k == l ? along : 0);
+      mean[k] += g[i][k] / static_cast<double>(n);
+    }
+    for (std::size_t t = 0; t < turns; ++t) {
+      const Vector mixed = cross(motions[i][3 + t], g[i]);
+      for (std::size_t k = 0; k < 3; ++k) out.bend[3 + t][k] += mixed[k];
+    }
+  }
+  for (std::size_t t = 0; t < turns; ++t)
+    for (std::size_t u = 0; u <= t; ++u) {  // u is nearer to the root
+      const Torsion &outer = ligand_.torsions[t], &inner = ligand_.torsions[u];
+      if (t != u &&
+          std::find(inner.moved.begin(), inner.moved.end(), outer.to) == inner.moved.end())
+        continue;
+      for (const std::size_t i : outer.moved) {
+        const Vector once = cross(axes[t], minus(arms[i], arms[outer.from]));
+        out.bend[3 + t][3 + u] += dot(minus(g[i], mean), cross(axes[u], once));
+      }
+    }
+}
+
+/// The softened energy has its minima where the energy has them, so it is not needed here.
 Poses::Torque Poses::torque(const double* x, const double* s) const {
   Torque out;
-  for (std::size_t i = 0; i < ligand_.atoms.size(); ++i) {
-    double r[3], place[3];
-    orientation::apply(s, ligand_.atoms[i].place.data(), r);
-    for (int a = 0; a < 3; ++a) place[a] = x[a] + r[a];
+  const std::size_t n = ligand_.atoms.size(), turns = ligand_.state_size() - 3;
+  std::array<Vector, kMostAtoms> arms, g{};
+  std::array<std::array<Vector, kMost>, kMostAtoms> motions;
+  std::array<Vector, kMostTorsions> axes;
+  const double centre[3] = {0, 0, 0};
+  places(centre, s, arms.data());
+  find_motions(arms.data(), motions.data(), axes.data());
+  const auto& m = lattice_.inverse;
+  for (std::size_t i = 0; i < n; ++i) {
+    double place[3];
+    for (int a = 0; a < 3; ++a) place[a] = x[a] + arms[i][a];
     const table::Spline::Value v = splines_[kind_[i]].at(lattice_.coordinates(place), true);
-    const auto& m = lattice_.inverse;
     const double u[3][3] = {{v.hessian[0], v.hessian[3], v.hessian[4]},
                             {v.hessian[3], v.hessian[1], v.hessian[5]},
                             {v.hessian[4], v.hessian[5], v.hessian[2]}};
-    double g[3] = {0, 0, 0}, h[3][3] = {};
+    Matrix h{};
     for (int c = 0; c < 3; ++c)
       for (int a = 0; a < 3; ++a) {
-        g[c] += m[a][c] * v.gradient[a];
+        g[i][c] += m[a][c] * v.gradient[a];
         for (int d = 0; d < 3; ++d)
           for (int b = 0; b < 3; ++b) h[c][d] += m[a][c] * u[a][b] * m[b][d];
       }
     out.energy += v.value;
-    out.slope[0] += r[1] * g[2] - r[2] * g[1];
-    out.slope[1] += r[2] * g[0] - r[0] * g[2];
-    out.slope[2] += r[0] * g[1] - r[1] * g[0];
-    // Column k of j is what a turn around axis k does to the atom: e_k × r.
-    const double j[3][3] = {{0, r[2], -r[1]}, {-r[2], 0, r[0]}, {r[1], -r[0], 0}};
-    const double gr = g[0] * r[0] + g[1] * r[1] + g[2] * r[2];
-    static constexpr int kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-    for (int p = 0; p < 6; ++p) {
-      const auto [k, l] = kPairs[p];
-      double bend = (g[k] * r[l] + g[l] * r[k]) / 2 - (k == l ? gr : 0);
-      for (int c = 0; c < 3; ++c)
-        for (int d = 0; d < 3; ++d) bend += j[k][c] * h[c][d] * j[l][d];
-      out.bend[p] += bend;
+    for (std::size_t k = 0; k < turns; ++k) {
+      const Vector& j = motions[i][k];
+      const Vector bent = {dot(h[0], j), dot(h[1], j), dot(h[2], j)};
+      for (std::size_t l = 0; l <= k; ++l) out.bend[k][l] += dot(bent, motions[i][l]);
     }
   }
+  for (const Pair& pair : pairs_) {
+    Vector r = minus(arms[pair.i], arms[pair.j]);
+    const double away = length(r);
+    const auto [energy, slope, bend] = pair.energy(away, soft_);
+    out.energy += energy;
+    for (int a = 0; a < 3; ++a) {
+      r[a] /= away;
+      g[pair.i][a] += slope * r[a];
+      g[pair.j][a] -= slope * r[a];
+    }
+    for (std::size_t k = 0; k < turns; ++k) {
+      const Vector by_k = minus(motions[pair.i][k], motions[pair.j][k]);
+      for (std::size_t l = 0; l <= k; ++l) {
+        const Vector by_l = minus(motions[pair.i][l], motions[pair.j][l]);
+        out.bend[k][l] +=
+            slope / away * dot(by_k, by_l) + (bend - slope / away) * dot(by_k, r) * dot(by_l, r);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < turns; ++k) out.slope[k] += dot(g[i], motions[i][k]);
+  add_curvature(arms.data(), motions.data(), axes.data(), g.data(), out);
   return out;
 }
 
 void Poses::relax(const double* x, double* s) const {
+  const std::size_t size = ligand_.state_size(), turns = size - 3;
   Torque at = torque(x, s);
   double longest = kLongestTurn;
   for (int step = 0; step < kMostSteps; ++step) {
-    const auto& h = at.bend;
-    const double size = std::abs(h[0]) + std::abs(h[1]) + std::abs(h[2]) + std::abs(h[3]) +
-                        std::abs(h[4]) + std::abs(h[5]) + 1e-9;
-    double w[3], lambda = 0;
-    while (!solve(h, lambda, at.slope, w) || length(w) > longest)
-      lambda = lambda == 0 ? 1e-3 * size : 2 * lambda;
-    if (length(w) < kShortestTurn) return;
-    double next[6];
-    std::copy_n(s, 6, next);
-    orientation::turn(next, w);
-    const Torque there = torque(x, next);
+    double scale = 1e-9, lambda = 0;
+    for (std::size_t k = 0; k < turns; ++k)
+      for (std::size_t l = 0; l <= k; ++l) scale += std::abs(at.bend[k][l]);
+    std::array<double, kMost> w{};
+    while (!solve(at.bend, lambda, at.slope, turns, w) || length(w.data(), turns) > longest)
+      lambda = lambda == 0 ? 1e-3 * scale : 2 * lambda;
+    const double way = length(w.data(), turns);
+    if (way < kShortestTurn) return;
+    std::array<double, 6 + kMostTorsions> next{};
+    std::copy_n(s, size, next.data());
+    orientation::turn(next.data(), w.data());
+    for (std::size_t k = 3; k < turns; ++k) next[3 + k] += w[k];
+    const Torque there = torque(x, next.data());
     // Only downhill: a path that climbs would give energy away. What rounding hides ends the
     // search.
     if (there.energy < at.energy) {
-      std::copy_n(next, 6, s);
+      std::copy_n(next.data(), size, s);
       at = there;
       longest = std::min(kLongestTurn, 2 * longest);
     } else {
-      if (there.energy - at.energy < 1e-11 * (1 + std::abs(at.energy)) && length(w) < 1e-5) return;
-      longest = length(w) / 4;
+      if (there.energy - at.energy < 1e-11 * (1 + std::abs(at.energy)) && way < 1e-5) return;
+      longest = way / 4;
       if (longest < kShortestTurn) return;
     }
   }
@@ -162,6 +262,8 @@ void Poses::relax(const double* x, double* s) const {
 }
 
 void Poses::choose(double* s) const {
+  for (std::size_t t = 0; t < ligand_.torsions.size(); ++t)
+    s[6 + t] = std::remainder(s[6 + t], ligand_.torsions[t].period);
   double best[6], most = -1e300;
   for (const Matrix& turn : ligand_.symmetry) {
     double columns[6];
@@ -186,7 +288,7 @@ void Poses::choose(double* s) const {
     for (double& c : v) c = -c;
   for (int a = 0; a < 3; ++a)
     w[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-  const double sine = length(w), cosine = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+  const double sine = length(w, 3), cosine = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
   if (!(sine > 1e-9)) return;  // no line, or none of the turns is the shortest
   for (double& c : w) c *= std::atan2(sine, cosine) / sine;
   const double file[6] = {1, 0, 0, 0, 1, 0};

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "examples/docking/internal.hpp"
 #include "examples/docking/ligand.hpp"
 #include "examples/table/lattice.hpp"
 #include "examples/table/spline.hpp"
@@ -14,7 +15,8 @@ namespace hapgrid::docking {
 /// The energy of an atom of type t and charge q at a place is map t + q map e + |q| map d, as
 /// AutoDock 4 has it (Huey et al., J. Comput. Chem. 28, 1145, 2007). Between the maps' points it is
 /// a tricubic spline. Inside the host it grows to 1e5 kcal/mol, over which a spline would swing: an
-/// energy E above `soft` becomes soft (1 + ln(E / soft)). So does the sum over the atoms.
+/// energy E above `soft` becomes soft (1 + ln(E / soft)). So does the sum over the atoms, to which
+/// the energies of the ligand's pairs belong when it has torsions.
 class Poses {
  public:
   /// @param maps one for each name; `names` are the atoms' types, and e and d.
@@ -23,32 +25,41 @@ class Poses {
   Poses(Ligand ligand, const std::vector<std::string>& names,
         const std::vector<table::Lattice>& maps, double soft);
 
-  static constexpr double kJoule = 4.184;  ///< kJ in a kcal, the unit of maps
-
   const Ligand& ligand() const { return ligand_; }
 
-  /// kJ/mol, with the ligand's centre at x in the orientation s (two columns of a rotation matrix).
-  /// `gradient`, when it is not null, gets the derivative by x. Real-time safe.
+  /// kJ/mol, with the ligand's centre at x in the state s: two columns of a rotation matrix, then
+  /// the angles of the torsions. `gradient`, when it is not null, gets the derivative by x.
+  /// Real-time safe.
   double energy(const double* x, const double* s, double* gradient) const;
 
-  /// Turns s downhill to the next minimum, in steps that cannot jump over a barrier.
+  /// Turns s and its torsions downhill to the next minimum, in steps that cannot jump over a
+  /// barrier.
   /// @throw std::runtime_error when it does not come to rest
   void relax(const double* x, double* s) const;
 
   /// Of the orientations that the symmetry makes the same, writes that into s which is nearest to
   /// the ligand's in its file, so that the same pose mostly has the same numbers. A ligand on one
-  /// line gets the shortest turn.
+  /// line gets the shortest turn. Angles are brought within half a period of 0.
   void choose(double* s) const;
 
+  /// The places of the atoms. Real-time safe.
+  void places(const double* x, const double* s, Vector* places) const;
+
  private:
+  static constexpr std::size_t kMost = 3 + kMostTorsions;
   struct Torque {
     double energy = 0;
-    std::array<double, 3> slope{};  // by a turn of the ligand, kJ/(mol rad)
-    std::array<double, 6> bend{};   // xx yy zz xy xz yz
+    std::array<double, kMost> slope{};  // by a turn of the ligand and of its torsions, kJ/(mol rad)
+    std::array<std::array<double, kMost>, kMost> bend{};  // the lower half
   };
   Torque torque(const double* x, const double* s) const;
+  /// How the turns move the atoms: the derivatives of their places. arms: from the centre to them.
+  void find_motions(const Vector* arms, std::array<Vector, kMost>* motions, Vector* axes) const;
+  void add_curvature(const Vector* arms, const std::array<Vector, kMost>* motions,
+                     const Vector* axes, const Vector* g, Torque& out) const;
 
   Ligand ligand_;
+  std::vector<Pair> pairs_;
   table::Lattice lattice_;              // without values
   std::vector<table::Spline> splines_;  // of each kind of atom
   std::vector<std::size_t> kind_;       // of each atom

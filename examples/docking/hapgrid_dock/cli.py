@@ -7,16 +7,19 @@ from hapgrid_command.cli import Parser, formatter, guarded, number
 from . import course
 
 ABOUT = """\
-Makes a verified grid of a rigid ligand in a host, with pictures, so that a hand
+Makes a verified grid of a ligand in a rigid host, with pictures, so that a hand
 can feel how it fits. The hand holds the ligand's centre, and the ligand turns
-by itself. Energies are AutoDock 4's, by AutoGrid's maps. Everything goes to the
-folder DIR. A run that was stopped continues there. A file in DIR that you
-change is kept, and the same command computes again what depends on it.
+by itself, as do the bonds that --torsions frees. Energies are AutoDock 4's, by
+AutoGrid's maps. Everything goes to the folder DIR. A run that was stopped
+continues there. A file in DIR that you change is kept, and the same command
+computes again what depends on it.
 """
 
 AFTERWARDS = """\
 HOST and LIGAND are files that Open Babel reads, as .mol2, .sdf or .pdb, with
-hydrogens and coordinates; a .pdbqt is taken as it is.
+hydrogens and coordinates; a .pdbqt is taken as it is. HOST can also be a .pqr
+of PDB2PQR, which is best for proteins, or the .maps.fld of AutoGrid's maps that
+you have already.
 
 Files in DIR, whose name is NAME:
   index.html       summary with pictures, and the ligand on its way in
@@ -34,6 +37,7 @@ exit codes:
 examples:
   hapgrid dock calix.mol2 formamide.mol2 -o calix --centre 0,0,3 -j 2
   hapgrid dock host.pdbqt ligand.sdf -o pocket --centre 15,53,16 --size 8,8,8
+  hapgrid dock host.maps.fld ligand.pdbqt -o maps
 """
 
 
@@ -51,7 +55,7 @@ def three(low, high):
 def parser():
     p = Parser(prog="hapgrid dock", description=ABOUT, epilog=AFTERWARDS, formatter_class=formatter,
                allow_abbrev=False, usage="hapgrid dock HOST LIGAND -o DIR [options]")
-    p.add_argument("host", metavar="HOST", help="file of the host")
+    p.add_argument("host", metavar="HOST", help="file of the host, or .fld of its maps")
     p.add_argument("ligand", metavar="LIGAND", help="file of the ligand, of 2 to 200 atoms")
     p.add_output("threads")
     p.add_argument("--centre", type=three(-1e4, 1e4), metavar="X,Y,Z",
@@ -60,6 +64,8 @@ def parser():
                    help="lengths of the box in angstrom (default: the host's, but at most 10)")
     p.add_argument("--spacing", type=number(0.1, 2), metavar="H", default=0.5,
                    help="spacing of the grid in angstrom (default: 0.5)")
+    p.add_argument("--torsions", type=number(0, 6, int), metavar="K", default=0,
+                   help="number of the ligand's bonds that turn, the softest ones (default: 0)")
     p.add_argument("--map-spacing", type=number(0.05, 1), metavar="H", default=0.25,
                    help="spacing of AutoGrid's maps in angstrom (default: 0.25)")
     p.add_until("definition")

@@ -9,10 +9,11 @@ import numpy as np
 from hapgrid_table import page
 from hapgrid_table.work import BreaksRule, Failed, Work, digest
 
-from . import maps
+from . import field, maps
 
 LARGEST = 10.0  # angstrom: the sides of a box that nobody asked for
 MAX_LEVELS = 254
+LOOKED = 200  # places, of those where the ligand fits best
 TICKS = 4000  # of the way in, and as many back
 # By the number of a link's direction.
 STEPS = [np.array((i, j, k)) for k in (-1, 0, 1) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j, k) != (0, 0, 0)]
@@ -32,8 +33,9 @@ def run(o):
     if work.changed_by_hand(toml):
         work.say(f"{toml} was changed by hand: it is kept")
     else:
-        options = [o.centre, o.size, o.spacing, o.map_spacing]
-        work.step("definition", "computing AutoGrid's maps", [], [digest(o.host), digest(o.ligand), options],
+        options = [o.centre, o.size, o.spacing, o.map_spacing, o.torsions]
+        given = [o.host, o.ligand, *(field.files(o.host).values() if _is_field(o.host) else ())]
+        work.step("definition", "computing the maps", [], [*map(digest, given), options],
                   lambda: _define(o, work, name))
     if o.until:
         work.say("stopped after the definition: the same command without --until goes on")
@@ -51,19 +53,39 @@ def run(o):
     return f"hapgrid feel {shlex.quote(os.path.join(out, grid))}"
 
 
+def _is_field(path):
+    return path.lower().endswith(".fld")
+
+
 def _define(o, work, name):
-    host = maps.pdbqt(work, o.host, "host", maps.MOST_HOST)
+    own = _is_field(o.host)
+    host = field.host(o.host) if own else maps.pdbqt(work, o.host, "host", maps.MOST_HOST)
     ligand = maps.pdbqt(work, o.ligand, "ligand", maps.MOST_LIGAND)
     if len(ligand) < 2:
         raise Failed(f"{o.ligand}: one atom cannot turn: `hapgrid table` makes a grid of a map")
-    places = np.array([place for _, place, _ in host])
-    low, high = places.min(axis=0), places.max(axis=0)
+    reach = maps.reach(ligand, work.read("ligand.pdbqt"), o.torsions > 0)
+    if own:
+        names, tables = field.read(o.host, ligand)
+        low = tables[0].origin
+        high = low + tables[0].axes[0, 0] * (np.array(tables[0].values.shape) - 1)
+    else:
+        places = np.array([place for _, place, _ in host])
+        low, high = places.min(axis=0), places.max(axis=0)
     centre = np.array(o.centre) if o.centre else (low + high) / 2
     size = np.array(o.size) if o.size else np.minimum(high - low, LARGEST)
     counts = [max(int(np.floor(s / o.spacing + 1e-6)) + 1, 2) for s in size]
     size = (np.array(counts) - 1) * o.spacing
+    if own and not ((centre - size / 2 >= low - 1e-6) & (centre + size / 2 <= high + 1e-6)).all():
+        raise Failed(f"the box is not inside the maps, which go from {_point(low)} to {_point(high)}")
     low, high = centre - size / 2, centre + size / 2
-    names, tables, made = maps.compute(work, host, ligand, low, high, o.map_spacing)
+    made = []
+    if own:
+        tables = [field.fitted(table, low - reach, high + reach) for table in tables]
+    else:
+        margin = reach + o.map_spacing
+        made = maps.compute(work, host, ligand, low - margin, high + margin, o.map_spacing)
+        names, tables = field.read(work.path("host.maps.fld"), ligand)
+    files = maps.write(work, names, tables, host, low - reach, high + reach)
     work.say(f"  host of {len(host)} atoms, ligand of {len(ligand)} atoms; grid of {' x '.join(map(str, counts))} points, "
              f"{o.spacing:g} angstrom apart; maps {', '.join(names)}")
     work.write(f"{name}.toml", f"""\
@@ -75,12 +97,14 @@ plugin = "docking"
 
 [model.files]             # the grid carries their contents
 ligand = "ligand.pdbqt"
-maps = {json.dumps(tables)}
+maps = {json.dumps(files)}
 
 [model.parameters]
 types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d
 soft = 10                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
-substep = 0.1             # of the HIP between two minimisations of the orientation, Å
+highest = 0               # kJ/mol: where all orientations are higher, a place has only the deepest one
+torsions = {o.torsions}              # so many of the ligand's bonds turn, those around which its own energy changes least
+substep = 0.1             # of the HIP between two minimisations, Å
 tolerance = 0.1           # orientations whose atoms are no farther apart, RMS, are one; Å
 force_scale = 0.02        # newtons on the device for 1 kJ/(mol Å)
 
@@ -93,7 +117,28 @@ counts = {counts}
 max_levels = {MAX_LEVELS}           # orientations that a place may have
 store = ["energy", "force"]
 """)
-    return ["host.pdbqt", "ligand.pdbqt", f"{name}.toml", *tables, *made]
+    _look(work, name, names, tables, ligand, low, o.spacing, counts)
+    return [*([] if own else ["host.pdbqt"]), "ligand.pdbqt", f"{name}.toml", *files, *made]
+
+
+def _point(place):
+    return ",".join(f"{v:g}" for v in place.round(2))
+
+
+def _look(work, name, names, tables, ligand, low, spacing, counts):
+    """Refuses a box in which the ligand overlaps with the host everywhere, before the search does its work in vain."""
+    places = low + spacing * np.array([(i, j, k) for k in range(counts[2]) for j in range(counts[1]) for i in range(counts[0])])
+    energies = maps.look(names, tables, ligand, places)
+    if energies.min() <= 0:
+        return
+    # Turned at random it overlaps. The model knows whether it can come to rest somewhere.
+    likely = places[np.argsort(energies)[:LOOKED]].round(6).tolist()
+    work.run("seed", f"{name}.toml", "--set", f"seeds.points={likely}", "-o", ".records.look")
+    lowest = _records(work, ".records.look")[1].min()
+    os.remove(work.path(".records.look"))
+    if lowest > 0:
+        raise Failed(f"the ligand overlaps with the host everywhere in the box: its best energy is {lowest:.1f} kJ/mol: "
+                     "give another --centre or --size")
 
 
 def _records(work, grid):
@@ -112,15 +157,13 @@ def _page(work, name):
     origin, spacing = np.array(report["box"]["origin"]), report["box"]["spacing"]
     counts = np.array(report["box"]["counts"])
     points, energy, state, links = _records(work, grid)
-    if energy.min() > 0:
-        raise Failed(f"the ligand overlaps with the host everywhere in the box: its best energy is {energy.min():.1f} "
-                     "kJ/mol: give another --centre or --size")
     ends = [origin + spacing * end for end in _way(points, energy, links, counts)]
     work.write("path.txt", page.way_text(ends, "angstrom", TICKS))
     poses = _poses(points, energy, state)
     rows = [(energy[n], *(origin + spacing * points[n]), *state[n]) for n in poses]
     heads = ["energy / (kJ/mol)", "x / angstrom", "y / angstrom", "z / angstrom",
-             *(f"R{r}{c}" for c in (1, 2) for r in (1, 2, 3))]
+             *(f"R{r}{c}" for c in (1, 2) for r in (1, 2, 3)),
+             *(f"torsion {t + 1} / rad" for t in range(state.shape[1] - 6))]
     work.write("poses.tsv", "\t".join(heads) + "\n" + "".join("\t".join(f"{v:.4f}" for v in row) + "\n" for row in rows))
     made = ["path.txt", "poses.tsv", *page.along(work, grid, "kJ/mol", "angstrom")]
     for picture, at in (("outside.png", 0.0), ("inside.png", TICKS / 1000)):

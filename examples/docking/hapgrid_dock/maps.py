@@ -3,8 +3,10 @@
 import os
 
 import numpy as np
-from hapgrid_table import course, readers
+from hapgrid_table import course
 from hapgrid_table.work import Failed
+
+from . import pqr
 
 MOST_HOST, MOST_LIGAND = 20_000, 200  # atoms
 MOST_REMARKS = 2000  # lines
@@ -20,6 +22,8 @@ def pdbqt(work, given, name, most):
         text = file.read()
     if given.lower().endswith(".pdbqt"):
         work.write(f"{name}.pdbqt", text)
+    elif given.lower().endswith(".pqr"):
+        work.write(f"{name}.pdbqt", pqr.pdbqt(text, given))
     else:
         lines = text.splitlines()
         counted = sum(line.startswith(("ATOM", "HETATM")) for line in lines) or len(lines) - MOST_REMARKS
@@ -72,21 +76,50 @@ def element(kind):
     return "C" if kind in ("A", "G", "J", "Q") else kind[0]
 
 
+def kinds_of(ligand):
+    return sorted({kind for kind, _, _ in ligand})
+
+
+def reach(ligand, text, bends):
+    """How far an atom can be from the ligand's centre, at most, in angstrom. text: of the ligand's PDBQT; bends: whether
+    its bonds turn."""
+    places = np.array([place for _, place, _ in ligand])
+    if not bends:
+        return np.linalg.norm(places - places.mean(axis=0), axis=1).max()
+    # A piece in which nothing turns begins with the bond that carries it. Between pieces an atom is no farther than along
+    # the bonds that carry them, whatever their angles.
+    pieces, opened, numbers = [[]], [0], {}
+    for line in text.splitlines():
+        if line.startswith("BRANCH"):
+            pieces.append([numbers.get(line.split()[1], 0)])
+            opened.append(len(pieces) - 1)
+        elif line.startswith("ENDBRANCH") and len(opened) > 1:
+            opened.pop()
+        elif line.startswith(("ATOM", "HETATM")):
+            if len(pieces[opened[-1]]) == 1 and len(opened) > 1:  # the bond's other end belongs to both
+                pieces[opened[-2]].append(len(numbers))
+            numbers[line[6:11].strip()] = len(numbers)
+            pieces[opened[-1]].append(len(numbers) - 1)
+    away = np.full((len(places), len(places)), np.inf)
+    for piece in pieces:
+        part = places[piece]
+        away[np.ix_(piece, piece)] = np.linalg.norm(part[:, None] - part, axis=2)
+    for via in range(len(places)):  # Floyd and Warshall
+        away = np.minimum(away, away[:, via, None] + away[via])
+    return away.mean(axis=1).max()
+
+
 def compute(work, host, ligand, low, high, spacing):
-    """Runs autogrid4 for a box with room for the ligand around low … high, and writes a table of each map.
-    Returns the maps' names, and those of the tables."""
-    centre = np.mean([place for _, place, _ in ligand], axis=0)
-    reach = max(np.linalg.norm(place - centre) for _, place, _ in ligand) + spacing
-    cells = np.ceil((high - low + 2 * reach) / spacing / 2).astype(int) * 2
+    """Runs autogrid4 for a box from `low` to `high`. Returns the files that it made."""
+    cells = np.ceil((high - low) / spacing / 2).astype(int) * 2
     if cells.max() > MOST_CELLS:
         raise Failed(f"box and ligand need maps of {cells.max()} cells {spacing:g} angstrom wide, AutoGrid has at most "
                      f"{MOST_CELLS}: make --size smaller or --map-spacing larger")
-    kinds = sorted({kind for kind, _, _ in ligand})
-    middle = (low + high) / 2
+    kinds = kinds_of(ligand)
     work.write("host.gpf", "\n".join([
         f"npts {cells[0]} {cells[1]} {cells[2]}", "gridfld host.maps.fld", f"spacing {spacing:g}",
         "receptor_types " + " ".join(sorted({kind for kind, _, _ in host})), "ligand_types " + " ".join(kinds),
-        "receptor host.pdbqt", "gridcenter " + " ".join(f"{c:.3f}" for c in middle), "smooth 0.5",
+        "receptor host.pdbqt", "gridcenter " + " ".join(f"{c:.3f}" for c in (low + high) / 2), "smooth 0.5",
         *(f"map host.{kind}.map" for kind in kinds), "elecmap host.e.map", "dsolvmap host.d.map",
         "dielectric -0.1465"]) + "\n")
     try:
@@ -97,14 +130,36 @@ def compute(work, host, ligand, low, high, spacing):
         with open(work.path("host.glg"), encoding="utf-8", errors="replace") as file:
             wrong = [line.strip() for line in file if "ERROR" in line]
         raise Failed("autogrid4: " + (wrong[0].removeprefix("autogrid4: ") if wrong else str(why))) from None
-    names, tables = [*kinds, "e", "d"], []
-    for name in names:
-        with open(work.path(f"host.{name}.map"), encoding="ascii") as file:
-            table = readers.read_map(file.read())
-        table.values = np.nan_to_num(table.values, nan=readers.CAPPED)
-        if not tables:  # the first map carries the host's atoms for pictures
-            table.atoms = [(element(kind), place) for kind, place, _ in host
-                           if (np.abs(place - middle) < (high - low) / 2 + reach + 4).all()]
-        tables.append(f"host.{name}.table")
-        work.write(tables[-1], course.table_text(table))
-    return names, tables, ["host.gpf", "host.glg", *(f"host.{name}.map" for name in names)]
+    return ["host.gpf", "host.glg", "host.maps.fld", *(f"host.{name}.map" for name in [*kinds, "e", "d"])]
+
+
+def write(work, names, tables, host, low, high):
+    """Writes the tables for the plug-in. The first one carries the host's atoms near the box, for pictures."""
+    tables[0].atoms = [(element(kind), place) for kind, place, _ in host
+                       if (place > low - 4).all() and (place < high + 4).all()]
+    files = [f"host.{name}.table" for name in names]
+    for file, table in zip(files, tables):
+        work.write(file, course.table_text(table))
+    return files
+
+
+def look(names, tables, ligand, places, orientations=60):
+    """The energies in kJ/mol of the best of some orientations at each place, by the nearest points of the maps, without
+    letting the ligand come to rest."""
+    random = np.random.default_rng(1)
+    bodies = np.array([place for _, place, _ in ligand])
+    bodies = bodies - bodies.mean(axis=0)
+    e, d = tables[-2].values, tables[-1].values
+    known = {}
+    for kind, _, charge in ligand:
+        known[kind, charge] = tables[names.index(kind)].values + charge * e + abs(charge) * d
+    best = np.full(len(places), np.inf)
+    for _ in range(orientations):
+        turn, _ = np.linalg.qr(random.standard_normal((3, 3)))
+        energy = np.zeros(len(places))
+        for (kind, _, charge), body in zip(ligand, bodies @ (turn * np.linalg.det(turn))):
+            at = np.rint((places + body - tables[0].origin) / tables[0].axes[0, 0]).astype(int)
+            at = np.clip(at, 0, np.array(e.shape) - 1)
+            energy += known[kind, charge][tuple(at.T)]
+        best = np.minimum(best, energy)
+    return 4.184 * best

@@ -26,6 +26,37 @@ before=$(stat -c %Y.%i small/small.grid)
 hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line
 same 'the same grid' "$before" "$(stat -c %Y.%i small/small.grid)"
 
+# The maps that autogrid4 made for `usual`, as maps that a user has: the same energies at its places. The second box
+# reaches beyond them, where a wall keeps the atoms inside.
+hapgrid dock usual/host.maps.fld usual/ligand.pdbqt -o own --centre 0,0,3 --size 2,2,3 --until definition -q
+/usr/bin/python3 "$here/energies.py" own on usual
+refuses 'dock: the box is not inside the maps, which go from .*' -- \
+  hapgrid dock usual/host.maps.fld usual/ligand.pdbqt -o out --centre 0,0,9 --size 2,2,3 -q
+sed 's/OA-affinity/F-affinity/' usual/host.maps.fld >usual/less.fld
+refuses 'dock: usual/less.fld: there is no map OA, which an atom of the ligand needs' -- \
+  hapgrid dock usual/less.fld usual/ligand.pdbqt -o out -q
+sed '/^label/d' usual/host.maps.fld >usual/none.fld
+refuses 'dock: usual/none.fld: no .fld file of AutoGrid: .*' -- hapgrid dock usual/none.fld usual/ligand.pdbqt -o out -q
+
+# An aspartate and a histidine as PDB2PQR has them, with the types and charges of AutoDock.
+cat >pair.pqr <<'END'
+ATOM 1 CB ASP 1 0.000 0.000 0.000 -0.0303 1.9080
+ATOM 2 HB2 ASP 1 0.600 0.900 0.000 -0.0122 1.4870
+ATOM 3 CG ASP 1 1.500 0.000 0.000 0.7994 1.9080
+ATOM 4 OD1 ASP 1 2.100 1.100 0.000 -0.8014 1.6612
+ATOM 5 CE1 HIE A 2 0.000 0.000 6.000 0.1635 1.9080
+ATOM 6 ND1 HIE A 2 1.300 0.000 6.000 -0.5432 1.8240
+ATOM 7 NE2 HIE A 2 0.000 1.300 6.000 -0.2795 1.8240
+ATOM 8 HE2 HIE A 2 0.000 2.300 6.000 0.3339 0.6000
+END
+hapgrid dock pair.pqr "$ligand" -o pair --centre 0,0,3 --size 1,1,1 --until definition -q
+same 'types and charges' '-0.043 C +0.799 C -0.801 OA +0.164 A -0.543 NA -0.280 N +0.334 HD' \
+  "$(cut -c 71-79 pair/host.pdbqt | xargs)"
+sed 's/^ATOM 8 HE2 HIE A 2 0.000 2.300/ATOM 8 HE2 HIE A 2 0.000 9.000/' pair.pqr >far.pqr
+refuses 'dock: far.pqr: a hydrogen has no neighbour within 1.45 angstrom' -- hapgrid dock far.pqr "$ligand" -o out -q
+sed 's/0.6000/x/' pair.pqr >word.pqr
+refuses 'dock: word.pqr: no PQR: an atom has no place or charge' -- hapgrid dock word.pqr "$ligand" -o out -q
+
 refuses 'dock: gone.mol2: No such file or directory' -- hapgrid dock gone.mol2 "$ligand" -o out -q
 echo nothing >nothing.pdbqt
 refuses 'dock: nothing.pdbqt: Open Babel finds no atoms in it' -- hapgrid dock nothing.pdbqt "$ligand" -o out -q
@@ -40,4 +71,5 @@ refuses 'dock: huge.mol2: it has more than 20,000 atoms' -- hapgrid dock huge.mo
 refuses 'dock: box and ligand need maps of [0-9]+ cells .*' -- hapgrid dock "$host" "$ligand" -o out --size 40,4,4 -q
 refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \
   hapgrid dock "$host" "$ligand" -o inside --centre 0.17,-2.29,-1.97 --size 0.5,0.5,0.5 --spacing 0.5 --map-spacing 0.375 -q
+[[ ! -e inside/inside.grid ]] || fail 'the search ran before the box was refused'
 expect 2 '' '~dock: argument --size: must be three numbers from 0.5 to 60 .*' -- hapgrid dock a b -o out --size 1,2

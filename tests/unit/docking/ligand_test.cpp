@@ -24,6 +24,12 @@ std::string water() {
   return atom("OA", 0, 0, 0.8, -0.4) + atom("HD", 1, 0, -0.4, 0.2) + atom("HD", -1, 0, -0.4, 0.2);
 }
 
+docking::Ligand rigid(const std::string& pdbqt) {
+  docking::Ligand ligand = docking::read_ligand(pdbqt);
+  docking::keep_torsions(ligand, {});
+  return ligand;
+}
+
 }  // namespace
 
 TEST_CASE("an orientation turns, and brings the places of a body along") {
@@ -41,7 +47,7 @@ TEST_CASE("an orientation turns, and brings the places of a body along") {
 }
 
 TEST_CASE("turns that carry a ligand into itself are no distance") {
-  const docking::Ligand ligand = docking::read_ligand(water());
+  const docking::Ligand ligand = rigid(water());
   CHECK(ligand.atoms.size() == 3);
   CHECK(ligand.symmetry.size() == 2);
   const double still[6] = {1, 0, 0, 0, 1, 0}, over[6] = {-1, 0, 0, 0, -1, 0};
@@ -55,14 +61,14 @@ TEST_CASE("turns that carry a ligand into itself are no distance") {
     CHECK(ligand.distance(still, turned) == Approx(expected).epsilon(1e-6));
     CHECK(ligand.distance(over, turned) == Approx(expected).epsilon(1e-6));
   }
-  const docking::Ligand other = docking::read_ligand(
-      atom("OA", 0, 0, 0.8, -0.4) + atom("HD", 1, 0, -0.4, 0.2) + atom("HD", -1, 0, -0.4, 0.1));
+  const docking::Ligand other = rigid(atom("OA", 0, 0, 0.8, -0.4) + atom("HD", 1, 0, -0.4, 0.2) +
+                                      atom("HD", -1, 0, -0.4, 0.1));
   CHECK(other.symmetry.size() == 1);
 }
 
 TEST_CASE("around a ligand on one line nothing turns") {
-  const docking::Ligand ligand = docking::read_ligand(
-      atom("OA", 1.2, 0, 0, -0.4) + atom("C", 0, 0, 0, 0.8) + atom("OA", -1.2, 0, 0, -0.4));
+  const docking::Ligand ligand =
+      rigid(atom("OA", 1.2, 0, 0, -0.4) + atom("C", 0, 0, 0, 0.8) + atom("OA", -1.2, 0, 0, -0.4));
   CHECK(std::abs(ligand.axis[0]) == Approx(1));
   CHECK(ligand.symmetry.size() == 2);
   const double still[6] = {1, 0, 0, 0, 1, 0}, around[6] = {1, 0, 0, 0, 0, 1};
@@ -77,6 +83,10 @@ TEST_CASE("what is no ligand is refused") {
   CHECK_THROWS_WITH(docking::read_ligand(atom("", 0, 0, 0, 0) + atom("C", 1, 0, 0, 0)),
                     Catch::Contains("has no type"));
   CHECK_THROWS_WITH(docking::read_ligand("ATOM      1  X\n"), Catch::Contains("is missing"));
+  CHECK_THROWS_WITH(docking::read_ligand(water() + "BRANCH 1 7\nENDBRANCH 1 7\n"),
+                    Catch::Contains("an atom of a branch is missing"));
+  CHECK_THROWS_WITH(docking::read_ligand("ENDBRANCH 1 2\n" + water()),
+                    Catch::Contains("never began"));
   std::string many;
   for (int n = 0; n < 201; ++n) many += atom("C", n, 0, 0, 0);
   CHECK_THROWS_WITH(docking::read_ligand(many), Catch::Contains("more than 200"));

@@ -1,0 +1,152 @@
+// A ligand whose bonds turn, against closed forms and differences.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdio>
+#include <hapgrid/plugin.hpp>
+#include <random>
+#include <string>
+
+#include "examples/docking/pose.hpp"
+
+using namespace hapgrid;
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+std::string atom(int number, const char* type, double x, double y, double z, double charge) {
+  char line[100];
+  std::snprintf(line, sizeof line,
+                "ATOM  %5d  X   LIG A   1    %8.3f%8.3f%8.3f  0.00  0.00    %+6.3f %s\n", number, x,
+                y, z, charge, type);
+  return line;
+}
+
+/// A carboxylate, whose bond lies along x.
+std::string carboxylate() {
+  return "ROOT\n" + atom(1, "C", 0, 1.5, 0, 0) + atom(2, "C", 0, 0, 0, 0) +
+         "ENDROOT\nBRANCH 2 3\n" + atom(3, "C", 1.5, 0, 0, 0.4) + atom(4, "OA", 2.1, 1.1, 0, -0.7) +
+         atom(5, "OA", 2.1, -1.1, 0, -0.7) + "ENDBRANCH 2 3\n";
+}
+
+/// Like butanol: one bond beyond another.
+std::string chain() {
+  return "ROOT\n" + atom(1, "C", -0.5, 1.4, 0.3, 0.1) + atom(2, "C", 0, 0, 0, 0.1) +
+         "ENDROOT\nBRANCH 2 3\n" + atom(3, "C", 1.5, 0, 0, 0.1) + atom(4, "A", 2, 1.4, 0, 0.1) +
+         "BRANCH 4 5\n" + atom(5, "OA", 3.4, 1.4, 0.1, -0.5) + atom(6, "HD", 3.8, 1.9, 0.8, 0.3) +
+         "ENDBRANCH 4 5\nENDBRANCH 2 3\n";
+}
+
+docking::Ligand with(const std::string& text, const std::vector<std::size_t>& torsions) {
+  docking::Ligand ligand = docking::read_ligand(text);
+  docking::keep_torsions(ligand, torsions);
+  return ligand;
+}
+
+/// A smooth landscape without symmetry.
+table::Lattice landscape(double phase) {
+  table::Lattice map;
+  map.counts = {17, 17, 17};
+  map.origin = {-8, -8, -8};
+  for (int a = 0; a < 3; ++a) map.axes[a][a] = map.inverse[a][a] = 1;
+  for (int k = 0; k < 17; ++k)
+    for (int j = 0; j < 17; ++j)
+      for (int i = 0; i < 17; ++i)
+        map.values.push_back(std::sin(0.5 * i + phase) * std::cos(0.4 * j) +
+                             std::sin(0.3 * k + 0.2 * i * phase));
+  return map;
+}
+
+}  // namespace
+
+TEST_CASE("a bond that turns carries what lies beyond it, and the centre stays") {
+  const docking::Ligand ligand = with(chain(), {0});
+  REQUIRE(ligand.torsions.size() == 1);
+  CHECK(ligand.torsions[0].moved == std::vector<std::size_t>{3, 4, 5});
+  docking::Vector still[6], turned[6], sum{};
+  const double zero = 0, angle = 0.8;
+  ligand.bend(&zero, still);
+  ligand.bend(&angle, turned);
+  for (const docking::Vector& place : turned)
+    for (int a = 0; a < 3; ++a) sum[a] += place[a];
+  for (int a = 0; a < 3; ++a) CHECK(sum[a] == Approx(0).margin(1e-12));
+  const auto away = [](const docking::Vector& a, const docking::Vector& b) {
+    return docking::length(docking::minus(a, b));
+  };
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < i; ++j)
+      if ((i > 2) == (j > 2) || i == 2 || j == 1 || j == 2)  // in one piece, or on the axis
+        CHECK(away(turned[i], turned[j]) == Approx(away(still[i], still[j])));
+  // Atoms 0 and 3 lie at (-0.5, 1.4, 0.3) and 2 along x, at 1.4 from it in the direction of the
+  // angle.
+  CHECK(away(turned[0], turned[3]) ==
+        Approx(std::sqrt(2.5 * 2.5 + std::pow(1.4 - 1.4 * std::cos(angle), 2) +
+                         std::pow(0.3 - 1.4 * std::sin(angle), 2))));
+}
+
+TEST_CASE("half a turn of a carboxylate is none") {
+  const docking::Ligand ligand = with(carboxylate(), {0});
+  CHECK(ligand.torsions[0].period == Approx(kPi));
+  CHECK(with(chain(), {1}).torsions[0].period == Approx(2 * kPi));
+  const double still[7] = {1, 0, 0, 0, 1, 0, 0.2}, half[7] = {1, 0, 0, 0, 1, 0, 0.2 - kPi};
+  const double quarter[7] = {1, 0, 0, 0, 1, 0, 0.2 + kPi / 2};
+  CHECK(ligand.distance(still, half) == Approx(0).margin(1e-7));
+  CHECK(ligand.distance(still, quarter) == Approx(std::sqrt(2.0 / 5) * 1.1 * std::sqrt(2.0)));
+}
+
+TEST_CASE("the derivatives of a pair's energy are its differences") {
+  const docking::Ligand ligand = with(chain(), {0, 1});
+  const std::vector<docking::Pair> pairs = docking::pairs_of(ligand);
+  // More than three bonds lie between 1 and 5, 1 and 6, 2 and 6 alone.
+  REQUIRE(pairs.size() == 3);
+  for (const docking::Pair& pair : pairs)
+    for (const double r : {0.8, 1.5, 2.4, 3.3, 4.4, 6.0}) {
+      const double h = 1e-4;  // the error is about h^2 times the next derivative but one
+      const auto low = pair.energy(r - h, 20), here = pair.energy(r, 20),
+                 high = pair.energy(r + h, 20);
+      const double scale = 1 + std::abs(here[1]) + std::abs(here[2]);
+      CHECK(here[1] == Approx((high[0] - low[0]) / (2 * h)).margin(1e-5 * scale));
+      CHECK(here[2] == Approx((high[1] - low[1]) / (2 * h)).margin(1e-5 * scale));
+    }
+}
+
+TEST_CASE("at rest neither the ligand nor its bonds can turn downhill") {
+  std::vector<table::Lattice> maps;
+  std::vector<std::string> names = {"A", "C", "HD", "OA", "e", "d"};
+  for (std::size_t n = 0; n < names.size(); ++n)
+    maps.push_back(landscape(0.3 * static_cast<double>(n)));
+  const docking::Poses poses(with(chain(), {0, 1}), names, maps, 10);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int n = 0; n < 20; ++n) {
+    const double x[3] = {uniform(random), uniform(random), uniform(random)};
+    double s[8] = {1, 0, 0, 0, 1, 0, kPi * uniform(random), kPi * uniform(random)};
+    const double turn[3] = {2 * uniform(random), 2 * uniform(random), 2 * uniform(random)};
+    orientation::turn(s, turn);
+    const double before = poses.energy(x, s, nullptr);
+    poses.relax(x, s);
+    const double rest = poses.energy(x, s, nullptr);
+    CHECK(rest <= before);
+    for (int k = 0; k < 5; ++k)
+      for (const double way : {-1e-3, 1e-3}) {
+        double other[8], w[3] = {0, 0, 0};
+        std::copy_n(s, 8, other);
+        if (k < 3)
+          w[k] = way, orientation::turn(other, w);
+        else
+          other[3 + k] += way;
+        // At a minimum the energy grows with the square of the turn: all but nothing, but never
+        // falls.
+        CHECK(poses.energy(x, other, nullptr) > rest - 1e-9 * (1 + std::abs(rest)));
+      }
+  }
+}
+
+TEST_CASE("bonds are chosen by how little the energy changes around them") {
+  const docking::Ligand ligand = docking::read_ligand(chain());
+  // The hydrogen of the outer bond moves little; around the inner one two atoms meet the first one.
+  CHECK(docking::softest_torsions(ligand, 1, 10) == std::vector<std::size_t>{1});
+  CHECK(docking::softest_torsions(ligand, 2, 10) == std::vector<std::size_t>{0, 1});
+  CHECK_THROWS_WITH(docking::softest_torsions(ligand, 3, 10),
+                    Catch::Contains("2 of its bonds turn"));
+}
