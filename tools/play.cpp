@@ -1,5 +1,6 @@
 // play: drives a device through a complete grid (Algorithm 2).
 #include <malloc.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -49,6 +50,18 @@ namespace {
 // A loop that is silent for so long will not come back. Devices take their force away long before.
 // The end of an adapter takes 4.2 s at most (device/let_go.hpp).
 constexpr std::chrono::milliseconds kHungAfter{5000};
+
+constexpr char kHangs[] =
+    "play: the haptic loop hangs, in the model or the machine: zero force was sent\n";
+
+// The device of a loop that may compute for ever; null where its guard has sent zero force by then.
+Device* without_guard = nullptr;
+
+extern "C" void end_busy_loop(int) {
+  if (without_guard) without_guard->stop();  // takes no lock and no memory
+  static_cast<void>(!::write(STDERR_FILENO, kHangs, sizeof kHangs - 1));
+  ::_exit(kExitFailed);
+}
 
 /// Whether a fault was left: at the end, or in any session of a simulation.
 bool is_faulted(const LoopSummary& s, const SafetyCore& safety, const RunFacts& facts) {
@@ -154,8 +167,7 @@ std::jthread watch(Device& device, const std::atomic<std::uint64_t>& heartbeat,
   const std::chrono::milliseconds of_rate(static_cast<int>(4000 / loop.rate_hz));
   return start_watchdog(heartbeat, std::max(kHungAfter, of_rate), [&device] {
     device.stop();
-    static_cast<void>(std::fputs(
-        "play: the haptic loop hangs, in the model or the machine: zero force was sent\n", stderr));
+    static_cast<void>(std::fputs(kHangs, stderr));
     ::_exit(kExitFailed);
   });
 }
@@ -187,6 +199,8 @@ LoopSummary drive(Device& device, Mapping& mapping, Traversal& traversal, Safety
                   const Use& use) {
   std::atomic<std::uint64_t> heartbeat{0};
   const std::jthread watchdog = watch(device, heartbeat, loop);
+  without_guard = facts.answers ? nullptr : &device;
+  ::signal(SIGXCPU, end_busy_loop);  // of Realtime's limit
   const Realtime realtime(loop.paced() ? wanted : RealtimeMode::kOff, &device);
   facts.realtime = realtime.got();
   if (loop.paced())
@@ -356,28 +370,29 @@ int main(int argc, char** argv) {
       "Drives a device through a complete grid: reads the HIP, follows the levels of the grid's "
       "cells, interpolates energy or state, and sends the force through the safety core to the "
       "device.");
-  app.set_help("play",
-               "Devices:\n"
-               "  path:FILE         positions in a file; 'path:-' reads standard input\n"
-               "  keys              this terminal's keyboard\n"
-               "  replay:FILE       what a log has\n"
-               "  sim:FILE          a simulated device and hand, described by a TOML file\n"
-               "  hid:PROFILE       a HID device that a text file describes\n"
-               "  evdev[:WHICH]     a gamepad, stick or wheel\n"
-               "  spacemouse[:WHICH]  a SpaceMouse, which moves the HIP but cannot show forces\n"
-               "  process:COMMAND   an adapter program, for a device with its maker's library\n"
-               "WHICH is a path, VID:PID, VID:PID:SERIAL or serial number; --list-devices has the\n"
-               "text for each device. Without GRID, play shows where one of the last four is, and\n"
-               "sends no force.\n"
-               "\n"
-               "Settings for --set and for the table [play] of --config:\n" +
-                   settings_help() +
-                   "\n"
-                   "Keyboard: the arrows move the HIP along x and z, page up and down along y.\n"
-                   "+ and - change the step, 0 goes back to the start, r lets the force come back\n"
-                   "after a fault, and q ends the play.\n",
-               "  129, 130, 131, 143, 148  ended by SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP:\n"
-               "     zero force was sent, and the log so far is complete\n");
+  app.set_help(
+      "play",
+      "Devices:\n"
+      "  path:FILE         positions in a file; 'path:-' reads standard input\n"
+      "  keys              this terminal's keyboard\n"
+      "  replay:FILE       what a log has\n"
+      "  sim:FILE          a simulated device and hand, described by a TOML file\n"
+      "  hid:PROFILE       a HID device that a text file describes\n"
+      "  evdev[:WHICH]     a gamepad, stick or wheel\n"
+      "  spacemouse[:WHICH]  a SpaceMouse, which moves the HIP but cannot show forces\n"
+      "  process:COMMAND   an adapter program, for a device with its maker's library\n"
+      "WHICH is a path, VID:PID, VID:PID:SERIAL or serial number; --list-devices has the\n"
+      "text for each device. Without GRID, play shows where one of the last four is, and\n"
+      "sends no force.\n"
+      "\n"
+      "Settings for --set and for the table [play] of --config:\n" +
+          settings_help() +
+          "\n"
+          "Keyboard: the arrows move the HIP along x and z, page up and down along y.\n"
+          "+ and - change the step, 0 goes back to the start, n goes on to the next level\n"
+          "at this place, r lets the force come back after a fault, and q ends the play.\n",
+      "  129, 130, 131, 143, 148  ended by SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP:\n"
+      "     zero force was sent, and the log so far is complete\n");
   add_play_options(app, options);
   return run_tool(app, argc, argv, [&] { return run(options); });
 }

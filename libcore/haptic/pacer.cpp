@@ -10,6 +10,8 @@ namespace hapgrid {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kLongestAwake = kSecond / 2;
+constexpr std::int64_t kNap = 50'000;
 
 }  // namespace
 
@@ -34,9 +36,13 @@ std::uint64_t Pacer::tick_at(std::int64_t nanoseconds) const noexcept {
 std::uint64_t Pacer::wait(const std::atomic<int>& stop) noexcept {
   if (rate_hz_ == 0 || !started_) {
     began_ns_ = clock_.now();
-    if (!started_) start_ns_ = began_ns_;
+    if (!started_) start_ns_ = slept_ns_ = began_ns_;
     started_ = true;
     return next_++;
+  }
+  if (const std::int64_t now = clock_.now(); now - slept_ns_ > kLongestAwake) {
+    clock_.sleep_until(now + kNap);
+    slept_ns_ = clock_.now();
   }
   const std::uint64_t due = next_;
   // The first deadline that is still ahead.
@@ -45,7 +51,10 @@ std::uint64_t Pacer::wait(const std::atomic<int>& stop) noexcept {
       static_cast<std::int64_t>(std::ceil(static_cast<double>(next_) / rate_hz_ * kSecond));
   const std::int64_t deadline = start_ns_ + offset;
   const std::int64_t wake = deadline - spin_ns_;
-  while (clock_.now() < wake && stop.load(std::memory_order_relaxed) == 0) clock_.sleep_until(wake);
+  while (clock_.now() < wake && stop.load(std::memory_order_relaxed) == 0) {
+    clock_.sleep_until(wake);
+    slept_ns_ = wake;
+  }
   do {
     began_ns_ = clock_.now();
   } while (began_ns_ < deadline && stop.load(std::memory_order_relaxed) == 0);

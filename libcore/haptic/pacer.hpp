@@ -28,7 +28,8 @@ class Pacer {
   Pacer(Clock& clock, double rate_hz, double spin_us = 0);
 
   /// Waits for the next tick and returns its number k; returns early when `stop` becomes nonzero
-  /// through a signal's handler. Real-time safe.
+  /// through a signal's handler. A thread that always waits awake, or is always late, sleeps for a
+  /// moment each half second all the same: see kLongestBusy in realtime.hpp. Real-time safe.
   std::uint64_t wait(const std::atomic<int>& stop) noexcept;
 
   /// How long after its due time the last tick began, in nanoseconds; 0 when not paced.
@@ -46,6 +47,7 @@ class Pacer {
   bool started_ = false;
   std::int64_t start_ns_ = 0;  // CLOCK_MONOTONIC
   std::int64_t began_ns_ = 0;
+  std::int64_t slept_ns_ = 0;  // until when
   std::int64_t lateness_ns_ = 0;
   std::uint64_t next_ = 0;
 };

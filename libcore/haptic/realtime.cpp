@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
@@ -31,6 +32,11 @@ std::uint64_t megabytes(std::uint64_t bytes) { return (bytes + 999'999) / 1'000'
 
 /// Takes the priority. @return why the system refused it, empty when it did not
 std::string take_priority() {
+  rlimit busy{};
+  if (::getrlimit(RLIMIT_RTTIME, &busy) == 0) {
+    busy.rlim_cur = std::min<rlim_t>(busy.rlim_max, kLongestBusy / std::chrono::microseconds(1));
+    ::setrlimit(RLIMIT_RTTIME, &busy);
+  }
   const sched_param priority{.sched_priority = kRealtimePriority};
   const int error = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
   if (error == 0) return "";

@@ -3,6 +3,7 @@
 // what it got, because a user feels a force that stutters and does not know why.
 #pragma once
 
+#include <chrono>
 #include <string>
 
 #include "libcore/base/file.hpp"
@@ -23,6 +24,10 @@ inline constexpr int kRealtimePriority = 40;
 /// Of an adapter, which has little to do: each force passes through it, and must not wait for the
 /// next tick.
 inline constexpr int kDevicePriority = kAdapterPriority;
+
+/// The kernel sends SIGXCPU to a process with a thread that computes for so long at its real-time
+/// priority and never waits: it would keep all others from its processor.
+inline constexpr std::chrono::seconds kLongestBusy{1};
 
 /// While an object lives, the calling thread and those of the device are under SCHED_FIFO, the
 /// process's memory is locked, and the processors are asked not to sleep deeply

@@ -54,12 +54,13 @@ def stick_forces(lines):
     return found + [(until, False)] * (plays and level > 0)
 
 
-def until_zero(lines):
+def until_zero(lines, what):
     """Milliseconds from the disturbance to the first zero force behind the last force; NEVER, or STAYS."""
     (disturbed,) = [float(line.split()[1]) for line in lines if line.startswith("disturbed ")]
     assert [is_force for time, is_force in forces(lines) if time < disturbed][-1], lines[-20:]
-    # What comes after 0.45 s is the end of the play, or what was told to go on.
-    within = [(time, is_force) for time, is_force in forces(lines) if time < disturbed + 430e3]
+    # What comes 0.45 s after the disturbance is the end of the play, or what was told to go on.
+    pause = 1e3 * int(what) if what.isdigit() else 0
+    within = [(time, is_force) for time, is_force in forces(lines) if time < disturbed + pause + 430e3]
     zeros = [time for time, is_force in within if time >= disturbed and not is_force]
     if zeros:
         # A play that goes on after a pause may get its force back.
@@ -83,7 +84,7 @@ for who, promised in PROMISED.items():
             row.append("")
             continue
         assert "left alive" not in lines, (who, what, lines[:10])
-        took = until_zero(lines)
+        took = until_zero(lines, what)
         cells.add(f"{who}.{what}")
         if not is_kept(took, limit):
             bad.append((who, what, took, limit))

@@ -77,13 +77,13 @@ assert re.match(r"(x  -40.00 mm  y    0.00 mm  z    0.00 mm  +\d+ answers/s\n){1
 assert {force(w) for w in device.written} == {0, "stop"}, device.written
 device.end()
 
-# A SpaceMouse: pushed half way to the left, the HIP goes half of mapping.speed that way, and nowhere else; a
-# button is in the log. When its reports stay out, the HIP stops after 0.2 s.
+# A SpaceMouse: pushed half way to the left, the HIP goes half of mapping.speed that way, and nowhere else;
+# two buttons are in the log. When its reports stay out, the HIP stops after 0.2 s.
 device = Device(SPACEMOUSE, struct.pack("<B3h", 1, -175, 0, 0))
 process = play("--rate", "500", "--duration", "1.5", "--set", "mapping.speed=0.4", "--log", "mouse.session",
                device="spacemouse")
 wait(lambda: os.path.exists("mouse.session"), "no log")  # the device is open
-device.messages.append(b"i" + struct.pack("<BH", 3, 2))
+device.messages.append(b"i" + struct.pack("<BH", 3, 3))
 time.sleep(0.4)
 device.is_silent = True
 error = process.communicate(timeout=60)[1]
@@ -99,5 +99,6 @@ assert end > 10 and len(ticks) - end > 10 and all(y == z == 0 for _, _, y, z in 
 for (t0, x0, *_), (t1, x1, *_) in zip(ticks[:end], ticks[1:end]):
     assert abs(x1 - x0 + 0.2 * (t1 - t0)) < 1e-9, (t0, x0, t1, x1)  # texts have 17 digits
 flags = subprocess.run(["stats", "--log", "mouse.session"], check=True, capture_output=True, text=True)
-assert re.search(r"^flag reset +[1-9]", flags.stdout, re.M), flags.stdout
+for flag in "reset", "next":
+    assert re.search(rf"^flag {flag} +[1-9]", flags.stdout, re.M), flags.stdout
 print("SpaceMouse:", end, "ticks, to x =", ticks[-1][1], "then", len(ticks) - end, "at rest")

@@ -149,9 +149,9 @@ def case(who, what, cores, limit):
             play.wait("for zero force", let_go)
             took = min(let_go()) - begin
     finally:
-        # Nobody is left, once who still stands is told to go on, and who spins is killed.
+        # Nobody is left, once who still stands is told to go on. Who spins is ended by the kernel.
         for name, pid in pids.items():
-            tell([pid], signal.SIGKILL if what is spin and name in who.split() else signal.SIGCONT)
+            tell([pid], signal.SIGKILL if what is spin and name in who.split() and not REAL_TIME else signal.SIGCONT)
         play.process.send_signal(signal.SIGINT)
     play.process.communicate(timeout=60)
     play.wait("for the end of all", lambda: not [p for p in pids.values() if running(p)])

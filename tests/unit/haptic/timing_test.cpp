@@ -75,6 +75,28 @@ TEST_CASE("a pacer that spins is never early, and tells how late it was") {
   }
 }
 
+TEST_CASE("a pacer that is always late, or always waits awake, sleeps twice a second") {
+  /// Each look at it takes its time.
+  struct SlowClock : Clock {
+    std::int64_t ns = 0, sleeps = 0, look_ns = 100;
+    std::int64_t now() noexcept override { return ns += look_ns; }
+    void sleep_until(std::int64_t until) noexcept override {
+      ns = std::max(ns, until);
+      ++sleeps;
+    }
+  };
+  const std::atomic<int> stop{0};
+  for (const bool late : {false, true}) {
+    SlowClock clock;
+    Pacer pacer(clock, 1000, late ? 0 : 1000);
+    if (late) clock.look_ns = 1'500'000;
+    pacer.wait(stop);
+    while (clock.ns < 10'000'000'000) pacer.wait(stop);
+    CHECK(clock.sleeps >= 19);
+    CHECK(clock.sleeps <= 20);
+  }
+}
+
 TEST_CASE("a watchdog barks once when the heart stops, and not while it beats") {
   std::atomic<std::uint64_t> heart{0};
   std::atomic<int> barks{0};
