@@ -6,6 +6,7 @@ Positions in bohr, arrays (atoms, 3); angles in radians.
 import numpy as np
 
 from .elements import COVALENT
+from .xtb import BOHR
 
 BONDED = 1.25  # times the sum of the covalent radii: nearer atoms are bonded
 
@@ -45,6 +46,15 @@ def aligned(x, reference, masses):
     u, _, vt = np.linalg.svd(a.T @ (masses[:, None] * (reference - centre)))
     u[:, -1] *= np.sign(np.linalg.det(u @ vt))  # no reflection
     return a @ (u @ vt) + centre
+
+
+def as_in_file(x):
+    """Rounded as files have it, to 1e-8 angstrom, since readers compare the nodes of paths with a file."""
+    return np.round(x * BOHR, 8) / BOHR
+
+
+def equal_in_file(x, y):
+    return np.abs(x - y).max() * BOHR < 1e-7
 
 
 def rms(x, y):
