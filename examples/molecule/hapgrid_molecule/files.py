@@ -104,9 +104,9 @@ def _listed(folder):
 def lie_as_before(folder, result):
     """Turns a Result as the conformation lies that an earlier run left in this folder, if it is the same one."""
     if os.path.exists(folder.path("conformation.xyz")):
-        _, symbols, x = xyz.frames(folder.path("conformation.xyz"))[0]
-        if symbols == [SYMBOLS[z] for z in result.numbers]:
-            result.lie_like(x / BOHR)
+        before = xyz.frames(folder.path("conformation.xyz"))[0]
+        if before.numbers == result.numbers:
+            result.lie_like(before.x / BOHR)
 
 
 def write_set(folder, result, command):
@@ -128,27 +128,24 @@ def read_set(folder):
     """The Result that the files of the folder have, changed by hand or not. Energies are above the conformation."""
     first = folder.path("conformation.xyz")
     conformation = xyz.frames(first)[0]
-    _, symbols, x = conformation
-    strange = sorted(set(symbols) - {SYMBOLS[z] for z in MASSES})
+    strange = set(conformation.numbers) - set(MASSES)
     if strange:
-        raise BadInput(f"{first}: {strange[0]} is no element that can be felt")
+        raise BadInput(f"{first}: {SYMBOLS[min(strange)]} is no element that can be felt")
     found = [_path(name, folder.path(name + ".xyz"), conformation) for name in _listed(folder)]
     rows = [line.removeprefix(NO_PATH).split(": ", 1) for line in folder.read("report.tsv").splitlines()
             if line.startswith(NO_PATH)]
-    numbers = [SYMBOLS.index(s) for s in symbols]
-    return Result(numbers, np.array([MASSES[z] for z in numbers]), "", [], x / BOHR, 0.0, None, found,
-                  [tuple(row) for row in rows if len(row) == 2])
+    return Result(conformation.numbers, np.array([MASSES[z] for z in conformation.numbers]), "", [], conformation.x / BOHR, 0.0,
+                  None, found, [tuple(row) for row in rows if len(row) == 2])
 
 
 def _path(name, path, conformation):
-    words_of, symbols, at = conformation
-    read = xyz.frames(path)
-    if any(own != symbols for _, own, _ in read):
+    read, at = xyz.frames(path), conformation.x / BOHR
+    if any(one.numbers != conformation.numbers for one in read):
         raise BadInput(f"{path}: has other atoms than the conformation")
-    nodes = [x / BOHR for _, _, x in read]
-    energies = [xyz.above(own, words_of, f"{path} frame {n}") / HARTREE for n, (own, _, _) in enumerate(read, 1)]
+    nodes = [one.x / BOHR for one in read]
+    energies = [xyz.above(one.words, conformation.words, f"{path} frame {n}") / HARTREE for n, one in enumerate(read, 1)]
     if len(read) == 1:  # only the transition state
-        nodes, energies = [at / BOHR, *nodes], [0.0, *energies]
+        nodes, energies = [at, *nodes], [0.0, *energies]
     even = np.ones(len(at))
-    away = [geometry.rms(geometry.aligned(x, at / BOHR, even), at / BOHR) for x in nodes]
+    away = [geometry.rms(geometry.aligned(x, at, even), at) for x in nodes]
     return Path(nodes, energies, int(np.argmin(away)), name=name)

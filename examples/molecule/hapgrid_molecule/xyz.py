@@ -33,6 +33,8 @@ class Frame:
     numbers: list
     x: np.ndarray
 
+    words = property(lambda self: words(self.title))
+
 
 def frames_of(text, what, say=lambda _: None):
     """The Frames of a text, of whichever program. what: it is called in errors; say(line): tells what was put right. Errors:
@@ -117,14 +119,9 @@ def _is_in_bohr(numbers, x):
     return nearest.min() > 1.5 and nearest.max() < 2.2
 
 
-def parsed(text, where):
-    """[(words of the title, symbols, positions (atoms, 3) in angstrom)]. where: what the text is called in errors."""
-    return [(words(one.title), [SYMBOLS[z] for z in one.numbers], one.x) for one in frames_of(text, where)]
-
-
 def frames(path):
-    """parsed() of a file."""
-    out = parsed(read_text(path), path)
+    """frames_of() a file."""
+    out = frames_of(read_text(path), path)
     if not out:
         raise BadInput(f"{path}: is empty")
     return out
