@@ -6,8 +6,8 @@ A molecule is read: reading, with formats, pdb, babel (Open Babel), valences (bo
 pieces (which of several molecules), building (hydrogens and shapes), confined (in a process with limits),
 molecule (what is read, and its conformers), elements.
 
-Structures are found: structures (in several processes), work (each step, which is kept), xtb (energies), geometry,
-optimise (minima and saddles), rotors (which bonds turn, and their names), torsions (scans), path (from a saddle down),
+Structures are found: structures (in several processes), search (each step), results (what they find, and how
+that is kept), xtb (energies), geometry, optimise (minima and saddles), rotors (which bonds turn, and their names), torsions (scans), path (from a saddle down),
 beyond (paths on behind saddles), ensemble (paths between given minima), naming (of paths), singles (energies by other
 programs), xyz and files (what is written).
 

@@ -28,8 +28,9 @@ def with_bonds(numbers, x, what):
     return mols[0]
 
 
-def molecules(text, kind, what, hydrogens=True):
-    """RDKit's molecules of the records that Open Babel reads. hydrogens: whether atoms get those that the text leaves out."""
+def molecules(text, kind, what, hydrogens=True, say=None):
+    """RDKit's molecules of the records that Open Babel reads. hydrogens: whether atoms get those that the text leaves out;
+    say: what tells that lone pairs were left out."""
     try:
         from openbabel import openbabel
     except ImportError:
@@ -39,9 +40,22 @@ def molecules(text, kind, what, hydrogens=True):
     conversion.SetInFormat(kind)
     more = conversion.ReadString(ob, text)
     while more and ob.NumAtoms():
+        if kind == "mol2":
+            _without_dummies(openbabel, ob, say)
         yield _from_babel(openbabel, ob, hydrogens)
         ob = openbabel.OBMol()
         more = conversion.Read(ob)
+
+
+def _without_dummies(openbabel, ob, say):
+    dummies = [atom for atom in openbabel.OBMolAtomIter(ob) if atom.GetType().upper() in ("LP", "DU")]
+    if dummies:
+        say(f"{len(dummies)} lone pairs or dummy atoms are left out")
+    for dummy in dummies:
+        near = list(openbabel.OBAtomAtomIter(dummy))
+        ob.DeleteAtom(dummy)
+        for atom in near:
+            openbabel.OBAtomAssignTypicalImplicitHydrogens(atom)
 
 
 def _from_babel(openbabel, ob, hydrogens):

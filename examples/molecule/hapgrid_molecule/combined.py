@@ -27,7 +27,7 @@ def missed(folder, definition, x, energy, method):
         worst = (0.0, "")
         for expected, t in combined:
             text = folder.run("molecule-check", name, "--xyz=" + ",".join(map(repr, t))).out
-            off = (energy(xyz.parsed(text, name)[0][2] / BOHR) - rest) * HARTREE - expected
+            off = (energy(xyz.frames_of(text, name)[0].x / BOHR) - rest) * HARTREE - expected
             at = ",".join(f"{v:.9g}" for v in t)
             worst = max(worst, (abs(off), f"the minima at t = {at} together are {expected + off:.1f} kJ/mol by {method}, "
                                           f"{expected:.1f} by the sum"))

@@ -7,13 +7,13 @@ numbers. A container or a user namespace would hide the files of this machine, t
 
 import ctypes
 import json
+import multiprocessing
 import os
 import platform
 import resource
-import select
 import signal
 import struct
-import time
+import threading
 
 from .molecule import BadInput
 
@@ -31,50 +31,33 @@ _PR_SET_PDEATHSIG, _PR_SET_NO_NEW_PRIVS, _PR_SET_SECCOMP, _FILTER = 1, 38, 22, 2
 def run(function, what):
     """function(), whose result JSON can hold, in a child process. what: the file, as messages name it. Errors: BadInput, also
     where the process crashes or comes to a limit."""
-    ours, its = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(ours)
-        _answer(function, what, its)
-    os.close(its)
+    fork = multiprocessing.get_context("fork")
+    ours, its = fork.Pipe(duplex=False)
+    child = fork.Process(target=_answer, args=(function, what, its))
+    child.start()
+    its.close()
+    too_long = threading.Timer(WAIT_SECONDS, child.kill)
+    too_long.start()
     try:
-        text, in_time = _all_of(ours)
-    finally:
-        os.close(ours)
-        # It is ours and not yet waited for, so its number cannot be another process's.
-        os.kill(child, signal.SIGKILL)
-        _, status = os.waitpid(child, 0)
-    try:
-        answer = json.loads(text)
-    except ValueError:
-        raise BadInput(f"{what}: {_ended(status, in_time)}: the file is damaged or too complicated: give it in another "
-                       "format, or --smiles") from None
+        answer = json.loads(ours.recv_bytes(MOST_ANSWER))
+        child.kill()
+    except (EOFError, OSError, ValueError):  # it crashed, or wrote what is no answer
+        answer = None
+    ours.close()
+    child.join()
+    too_long.cancel()
+    if answer is None:
+        raise BadInput(f"{what}: {_ended(child.exitcode)}: the file is damaged or too complicated: give it in another format, or "
+                       "--smiles")
     if "refused" in answer:
         raise BadInput(answer["refused"])
     return answer["value"]
 
 
-def _all_of(pipe):
-    """(what comes through the pipe until its end, whether that was in time)."""
-    chunks, size, deadline = [], 0, time.monotonic() + WAIT_SECONDS
-    while size <= MOST_ANSWER:
-        left = deadline - time.monotonic()
-        if left <= 0 or not select.select([pipe], [], [], left)[0]:
-            return "", False
-        chunk = os.read(pipe, 1 << 16)
-        if not chunk:
-            break
-        chunks.append(chunk)
-        size += len(chunk)
-    return b"".join(chunks).decode("utf-8", "replace"), True
-
-
-def _ended(status, in_time):
-    number = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
-    if not in_time or number == signal.SIGXCPU:
+def _ended(code):
+    if -code in (signal.SIGXCPU, signal.SIGKILL):
         return "reading it takes too long"
-    # SIGKILL is ours, after an answer that was none.
-    return "its reader crashed" + (f" ({signal.Signals(number).name})" if number not in (0, signal.SIGKILL) else "")
+    return "its reader crashed" + (f" ({signal.Signals(-code).name})" if code < 0 else "")
 
 
 def _answer(function, what, pipe):
@@ -92,8 +75,7 @@ def _answer(function, what, pipe):
             answer = {"refused": f"{what}: reading it takes more than {MEMORY >> 30} GiB of memory"}
         except (Exception, RecursionError) as why:  # of a library: whatever it is, nothing was read
             answer = {"refused": f"{what}: not understood: {why}".split("\n", 1)[0]}
-        with os.fdopen(pipe, "w", encoding="utf-8") as file:
-            json.dump(answer, file)
+        pipe.send_bytes(json.dumps(answer).encode())
     finally:
         os._exit(0)
 

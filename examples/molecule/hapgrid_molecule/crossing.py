@@ -116,7 +116,7 @@ class Crossings(pushing.Ways):
 
     def _shape(self, toml, t):
         text = self.folder.run("molecule-check", toml, "--xyz=" + ",".join(map(repr, t))).out
-        return xyz.parsed(text, toml)[0][2]
+        return xyz.frames_of(text, toml)[0].x
 
     def _states(self, way):
         """The t at each place of a way."""

@@ -7,9 +7,12 @@ legs, each from a minimum over a saddle to the next. Rings flip along such paths
 Alternative: a nudged elastic band. Its springs need hundreds of steps; here each shape takes quasi-Newton steps of its own.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from . import geometry, optimise, path
+from .results import Way
 from .xtb import BOHR
 
 SHAPES = 11  # of a chain, with its ends
@@ -17,16 +20,15 @@ ROUNDS = 3  # of relaxing across the chain
 STEPS = 6  # of each shape in a round
 HELD = 1.0  # hartree/bohr²: what holds a shape in its place along the chain
 MOST_LEGS = 6
-FIRST_LEG = 10  # segments from the conformation to the first saddle; their length holds for all
 
 
-def minimum(work, x):
-    """(x, energy, hessian) of the minimum near a shape in angstrom, which lies as the conformation does."""
-    x, _, hessian = optimise.minimum(work.surface, numbered_alike(work.molecule, x / BOHR, work.x))
-    if not work.intact(x):
+def minimum(search, x):
+    """The minimum near a shape in angstrom, which lies as the conformation does."""
+    one = optimise.minimum(search.surface, numbered_alike(search.molecule, x / BOHR, search.x))
+    if not search.intact(one.x):
         raise optimise.NoPath("its bonds change")
-    turned = np.round(geometry.aligned(x, work.x, work.surface.masses) * BOHR, 8) / BOHR  # as in the file
-    return turned, work.surface.energy(turned), hessian
+    turned = geometry.as_in_file(geometry.aligned(one.x, search.x, search.surface.masses))
+    return replace(one, x=turned, energy=search.surface.energy(turned))
 
 
 def numbered_alike(molecule, x, reference):
@@ -47,23 +49,23 @@ def numbered_alike(molecule, x, reference):
     return x
 
 
-def _chain(work, a, b):
+def _chain(search, a, b):
     """Shapes from a to b, straight in internal coordinates: torsions turn the short way."""
-    tree = work.tree
+    tree = search.tree
     q = tree.read(a)
     change = tree.read(b) - q
     change[2] = geometry.wrapped(change[2])
     shapes = [tree.build(q + t * change) for t in np.linspace(0, 1, SHAPES)]
     # Where a tree of bonds cuts rings open, the straight line is in space.
-    straight = geometry.aligned(b, a, work.surface.masses)
-    if any(not work.intact(x) for x in shapes):
+    straight = geometry.aligned(b, a, search.surface.masses)
+    if any(not search.intact(x) for x in shapes):
         shapes = [a + t * (straight - a) for t in np.linspace(0, 1, SHAPES)]
-    return path.resampled([a, *shapes[1:-1], straight], work.surface.masses, SHAPES)
+    return path.resampled([a, *shapes[1:-1], straight], search.surface.masses, SHAPES)
 
 
-def _across(work, shapes, hessians):
+def _across(search, shapes, hessians):
     """The shapes of a chain, each relaxed but for its place along the chain, which it keeps."""
-    surface, out = work.surface, [shapes[0]]
+    surface, out = search.surface, [shapes[0]]
     for k in range(1, len(shapes) - 1):
         x = shapes[k]
         along = (shapes[k + 1] - shapes[k - 1]).ravel()
@@ -80,58 +82,51 @@ def _across(work, shapes, hessians):
     return [*out, geometry.aligned(shapes[-1], out[-1], surface.masses)]
 
 
-def _top(work, a, b):
+def _top(search, a, b):
     """(guess of the highest saddle between two minima, the chain's direction there)."""
-    shapes = _chain(work, a, b)
-    hessians = [work.surface.hessian(x) for x in shapes]
+    shapes = _chain(search, a, b)
+    hessians = [search.surface.hessian(x) for x in shapes]
     for _ in range(ROUNDS):
-        shapes = path.resampled(_across(work, shapes, hessians), work.surface.masses, SHAPES)
-    energies = [work.surface.energy(x) for x in shapes]
+        shapes = path.resampled(_across(search, shapes, hessians), search.surface.masses, SHAPES)
+    energies = [search.surface.energy(x) for x in shapes]
     k = int(np.argmax(energies))
     if k in (0, len(shapes) - 1):
         raise optimise.NoPath("no barrier lies between the two minima")
     return shapes[k], (shapes[k + 1] - shapes[k - 1]).ravel()
 
 
-def legs(work, a, b, left=MOST_LEGS):
-    """[(saddle, its hessian, (near side, far side))] on a way from minimum a to minimum b, in this order; each is (x, energy,
-    hessian). A side is (sign, x, energy, hessian). Errors: optimise.NoPath."""
+def legs(search, a, b, left=MOST_LEGS):
+    """[(saddle, (sign, minimum) on its near side, the same on its far side)] on a way from minimum a to minimum b, in this
+    order. Errors: optimise.NoPath."""
     if left < 1:
         raise optimise.NoPath(f"more than {MOST_LEGS} barriers lie on the way")
-    guess, along = _top(work, a[0], b[0])
-    saddle, top, bend, _ = work.climbed(guess, along)
-    if work.above(top) > work.options.highest:
-        raise optimise.NoPath(f"a barrier of {work.above(top):.0f} kJ/mol lies on the way")
-    one, two = work.sides(saddle, bend)
-    if not (work.intact(one[1]) and work.intact(two[1])):
+    saddle = search.climbed(*_top(search, a.x, b.x))
+    height = search.above(saddle.energy)
+    if height > search.options.highest:
+        raise optimise.NoPath(f"a barrier of {height:.0f} kJ/mol lies on the way")
+    near, far = search.sides(saddle)
+    if not (search.intact(near[1].x) and search.intact(far[1].x)):
         raise optimise.NoPath("bonds change")
     # The side that is a comes first; otherwise the pair that leaves less to go.
-    gap = work.apart(one[1], a[0]) + work.apart(two[1], b[0]) - work.apart(two[1], a[0]) - work.apart(one[1], b[0])
-    near, far = (one, two) if gap <= 0 else (two, one)
-    if work.same(near[1], far[1]):
+    if (search.apart(near[1].x, a.x) + search.apart(far[1].x, b.x)
+            > search.apart(far[1].x, a.x) + search.apart(near[1].x, b.x)):
+        near, far = far, near
+    if search.same(near[1].x, far[1].x):
         raise optimise.NoPath("its highest barrier leads back to where it began")
-    out = [(saddle, bend, (near, far))]
-    if not work.same(near[1], a[0]):
-        out = legs(work, a, near[1:], left - 1) + out
-    if not work.same(far[1], b[0]):
-        out = out + legs(work, far[1:], b, left - len(out))
+    out = [(saddle, near, far)]
+    if not search.same(near[1].x, a.x):
+        out = legs(search, a, near[1], left - 1) + out
+    if not search.same(far[1].x, b.x):
+        out = out + legs(search, far[1], b, left - len(out))
     return out
 
 
-def way(work, b):
-    """(nodes, energies, {node: "minimum" or "saddle"}) from the conformation to minimum b, as beyond.Way has them."""
-    nodes, energies, kinds, apart = [work.x], [work.energy], {}, None
-    x, energy = work.x, work.energy
-    for saddle, bend, (near, far) in legs(work, (work.x, work.energy, work.hessian), b):
-        up, rise = path.nodes(work.surface, work.tree, saddle, bend, near[0], x, energy, FIRST_LEG + 1, apart)
-        if apart is None:
-            apart = path.length(up, work.surface.masses) / FIRST_LEG
-        x = np.round(far[1] * BOHR, 8) / BOHR
-        energy = work.surface.energy(x)
-        down, fall = path.nodes(work.surface, work.tree, saddle, bend, far[0], x, energy, apart=apart)
-        for more, heights, kind in ((up, rise, "saddle"), (down[::-1], fall[::-1], "minimum")):
-            nodes += more[1:]
-            energies += heights[1:]
-            kinds[len(nodes) - 1] = kind
-    nodes = [nodes[0], *(geometry.aligned(n, work.x, work.surface.masses) for n in nodes[1:])]
-    return nodes, energies, kinds
+def way(search, b):
+    """The Way from the conformation to minimum b."""
+    out, at, apart = Way([search.x], [search.energy]), search.here(), None
+    for saddle, (near_sign, _), (far_sign, far) in legs(search, at, b):
+        up, down, at, apart = path.over(search, saddle, near_sign, far_sign, at, far, apart)
+        out.add(*up, "saddle")
+        out.add(*down, "minimum")
+    out.nodes[1:] = [geometry.aligned(n, search.x, search.surface.masses) for n in out.nodes[1:]]
+    return out

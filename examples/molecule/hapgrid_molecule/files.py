@@ -1,18 +1,21 @@
-"""The files that are written: XYZ files and the report."""
+"""The files of structures: XYZ files and the report, written and read."""
 
 import os
 
 import numpy as np
-from hapgrid_command.files import is_plain, read_text, remove, write_whole
+from hapgrid_command.files import is_plain, remove
 
-from . import geometry
-from .elements import SYMBOLS
+from . import geometry, xyz
+from .elements import MASSES, SYMBOLS
 from .molecule import BadInput
+from .results import Path, Result
 from .xtb import BOHR, HARTREE
+
+NO_PATH = "# no path: "
 
 
 def frame(numbers, x, comment):
-    lines = [str(len(numbers)), comment]
+    lines = [str(len(numbers)), comment.rstrip()]
     for z, row in zip(numbers, np.asarray(x) * BOHR):
         lines.append(f"{SYMBOLS[z]:<2}" + "".join(f" {v + 0.0:13.8f}" for v in row))
     return "\n".join(lines) + "\n"
@@ -28,20 +31,14 @@ def words(torsions, x):
     return " ".join(f"{name}={value}" for name, value in angles(torsions, x).items())
 
 
-def imaginary(wave_number):
-    return f"i{-wave_number:.0f}"
+def _conformation_text(result):
+    known = "nimag=0 " if result.nu1 is not None else ""
+    comment = f"dE=0.0000 E={result.energy:.9f} method={result.method} {known}{words(result.torsions, result.x)}"
+    return frame(result.numbers, result.x, comment)
 
 
-def conformation_text(result):
-    comment = (f"dE=0.0000 E={result.energy:.9f} method={result.method} "
-               + ("nimag=0 " if result.nu1 is not None else "") + words(result.torsions, result.x))
-    return frame(result.numbers, result.x, comment.rstrip())
-
-
-def path_text(result, found):
-    """A path, work.Found or beyond.Beyond."""
-    out = []
-    last = len(found.nodes) - 1
+def _path_text(result, found):
+    out, last = [], len(found.nodes) - 1
     for k, (x, energy) in enumerate(zip(found.nodes, found.energies)):
         rise = 0.0 if k == found.start else (energy - result.energy) * HARTREE
         t = (k - found.start) / last
@@ -52,90 +49,103 @@ def path_text(result, found):
 
 def _point(result, found, k):
     """What the title of a stationary point has behind that of other nodes."""
-    angles_there = words(result.torsions, found.nodes[k])
+    there = words(result.torsions, found.nodes[k])
     if k == found.start:
-        return (" nimag=0 " if found.goes_on or result.nu1 is not None else " ") + angles_there
+        return (" nimag=0 " if found.goes_on or result.nu1 is not None else " ") + there
     if found.goes_on:
-        return f" nimag={int(found.kinds[k] == 'saddle')} {angles_there}" if k in found.kinds else ""
+        return f" nimag={int(found.kinds[k] == 'saddle')} {there}" if k in found.kinds else ""
     if k < len(found.nodes) - 1:
         return ""
-    saddle = f" nimag=1 nu1={imaginary(found.nu1)}" if found.nu1 is not None else ""
-    return f"{saddle} torsion={found.torsion} {angles_there}"
-
-
-def _beyond_rows(result, found):
-    """The path, which is as high as its highest node, and its stationary points."""
-    def row(name, kind, node, imaginary, joins):
-        rise = (found.energies[node] - result.energy) * HARTREE
-        return (name, kind, f"{rise:.2f}", imaginary, "-", joins, result.method,
-                words(result.torsions, found.nodes[node]))
-    ends = f"ends: {found.why}"
-    rows = [row(found.name, "path", int(np.argmax(found.energies)), "-", ends)]
-    for n, (node, kind) in enumerate(found.kinds.items(), 1):
-        rows.append(row(f"{found.name}:{n}", f"{kind} on the path", node,
-                        str(int(kind == "saddle")), "-"))
-    return rows
+    saddle = f" nimag=1 nu1=i{-found.nu1:.0f}" if found.nu1 is not None else ""
+    return f"{saddle} torsion={found.torsion} {there}"
 
 
 def report_text(result, command):
     """The table of stationary points, tab-separated; lines that begin with # are remarks."""
-    header = ("name", "kind", "energy_kJ_mol", "imaginary", "nu1_cm-1", "joins", "method",
-              "torsions_deg")
-    known = ("0", f"{result.nu1:.0f}") if result.nu1 is not None else ("-", "-")
-    rows = [("conformation", "minimum", "0.00", *known, "-", result.method, words(result.torsions, result.x))]
+    rows = [("name", "kind", "energy_kJ_mol", "imaginary", "nu1_cm-1", "joins", "method", "torsions_deg")]
+
+    def add(name, kind, energy, imaginary, nu1, joins, torsions):
+        nu1 = "-" if nu1 is None else f"{nu1:.0f}".replace("-", "i")
+        rows.append((name, kind, f"{(energy - result.energy) * HARTREE:.2f}", imaginary, nu1, joins, result.method, torsions))
+    add("conformation", "minimum", result.energy, "0" if result.nu1 is not None else "-", result.nu1, "-",
+        words(result.torsions, result.x))
     before = angles(result.torsions, result.x)
     for found in result.found:
-        if found.goes_on:
-            rows += _beyond_rows(result, found)
+        if found.goes_on:  # as high as its highest node
+            top = int(np.argmax(found.energies))
+            add(found.name, "path", found.barrier, "-", None, f"ends: {found.why}", words(result.torsions, found.nodes[top]))
+            for n, (node, kind) in enumerate(found.kinds.items(), 1):
+                add(f"{found.name}:{n}", f"{kind} on the path", found.energies[node], str(int(kind == "saddle")), None, "-",
+                    words(result.torsions, found.nodes[node]))
             continue
         after = angles(result.torsions, found.nodes[-1])
-        change = " ".join(f"{n}={before[n]}>{after[n]}" for n in before)
-        far = f"{found.name}:far"
-        if found.far_is_equal:
-            far = "conformation, equal atoms exchanged"
-        rise = (found.energies[-1] - result.energy) * HARTREE
-        saddle = ("1", imaginary(found.nu1)) if found.nu1 is not None else ("-", "-")
-        rows.append((found.name, "saddle", f"{rise:.2f}", *saddle,
-                     "conformation and " + far if found.far is not None else "-", result.method, change))
-        if not found.far_is_equal and found.far is not None:
-            rise = (found.far_energy - result.energy) * HARTREE
-            rows.append((f"{found.name}:far", "minimum", f"{rise:.2f}", "0",
-                         f"{found.far_nu1:.0f}", "-", result.method,
-                         words(result.torsions, found.far)))
-    lines = ["# " + command,
-             "# energies above the conformation; torsions in degrees, of a saddle before>after",
-             "\t".join(header)]
-    lines += ["\t".join(row) for row in rows]
-    lines += [f"# no path: {name}: {why}" for name, why in result.dropped]
-    return "\n".join(lines) + "\n"
+        far = f"{found.name}:far" if not found.equal else "conformation, equal atoms exchanged"
+        add(found.name, "saddle", found.energies[-1], "1" if found.nu1 is not None else "-", found.nu1,
+            "conformation and " + far if found.far is not None else "-", " ".join(f"{n}={before[n]}>{after[n]}" for n in before))
+        if not found.equal and found.far is not None:
+            add(far, "minimum", found.far.energy, "0", found.far.nu1, "-", words(result.torsions, found.far.x))
+    return "\n".join(["# " + command, "# energies above the conformation; torsions in degrees, of a saddle before>after",
+                      *("\t".join(row) for row in rows), *(f"{NO_PATH}{name}: {why}" for name, why in result.dropped)]) + "\n"
 
 
-def listed(report):
-    """The path files that a report names. Errors: BadInput, where a name is none of a file beside it."""
-    try:
-        rows = [line.split("\t") for line in read_text(report).splitlines() if not line.startswith("#")]
-    except FileNotFoundError:
+def _listed(folder):
+    """The paths that the report names. Errors: BadInput, where a name is none of a file beside it."""
+    if not os.path.exists(folder.path("report.tsv")):
         return []
+    rows = [line.split("\t") for line in folder.read("report.tsv").splitlines() if not line.startswith("#")]
     names = [row[0] for row in rows if len(row) > 1 and row[1] in ("saddle", "path")]
     strange = next((name for name in names if not is_plain(name)), None)
     if strange is not None:
-        raise BadInput(f"{report}: '{strange}' is no name of a path: remove the report, and all is computed anew")
-    return [name + ".xyz" for name in names]
+        raise BadInput(f"{folder.path('report.tsv')}: '{strange}' is no name of a path: remove the report, and all is "
+                       "computed anew")
+    return names
 
 
-def write_set(directory, result, command):
-    """Writes all files of a molecule and returns their names. The report is written last: where
-    there is one, the set is whole."""
-    report = os.path.join(directory, "report.tsv")
-    texts = {"conformation.xyz": conformation_text(result)}
-    for found in result.found:
-        texts[found.name + ".xyz"] = path_text(result, found)
-    old = listed(report)
-    os.makedirs(directory, exist_ok=True)
-    remove(report)
-    for name in set(old) - set(texts):  # paths from another conformation would be wrong
-        remove(os.path.join(directory, name))
+def lie_as_before(folder, result):
+    """Turns a Result as the conformation lies that an earlier run left in this folder, if it is the same one."""
+    if os.path.exists(folder.path("conformation.xyz")):
+        before = xyz.frames(folder.path("conformation.xyz"))[0]
+        if before.numbers == result.numbers:
+            result.lie_like(before.x / BOHR)
+
+
+def write_set(folder, result, command):
+    """Writes all files of a molecule and returns their names. The report is written last: where there is one, the set is
+    whole."""
+    texts = {"conformation.xyz": _conformation_text(result)}
+    texts.update((found.name + ".xyz", _path_text(result, found)) for found in result.found)
+    old = {name + ".xyz" for name in _listed(folder)}
+    remove(folder.path("report.tsv"))
+    for name in old - set(texts):  # paths from another conformation would be wrong
+        remove(folder.path(name))
+    texts["report.tsv"] = report_text(result, command)
     for name, text in texts.items():
-        write_whole(os.path.join(directory, name), text)
-    write_whole(report, report_text(result, command))
-    return [*texts, "report.tsv"]
+        folder.write(name, text)
+    return list(texts)
+
+
+def read_set(folder):
+    """The Result that the files of the folder have, changed by hand or not. Energies are above the conformation."""
+    first = folder.path("conformation.xyz")
+    conformation = xyz.frames(first)[0]
+    strange = set(conformation.numbers) - set(MASSES)
+    if strange:
+        raise BadInput(f"{first}: {SYMBOLS[min(strange)]} is no element that can be felt")
+    found = [_path(name, folder.path(name + ".xyz"), conformation) for name in _listed(folder)]
+    rows = [line.removeprefix(NO_PATH).split(": ", 1) for line in folder.read("report.tsv").splitlines()
+            if line.startswith(NO_PATH)]
+    return Result(conformation.numbers, np.array([MASSES[z] for z in conformation.numbers]), "", [], conformation.x / BOHR, 0.0,
+                  None, found, [tuple(row) for row in rows if len(row) == 2])
+
+
+def _path(name, path, conformation):
+    read, at = xyz.frames(path), conformation.x / BOHR
+    if any(one.numbers != conformation.numbers for one in read):
+        raise BadInput(f"{path}: has other atoms than the conformation")
+    nodes = [one.x / BOHR for one in read]
+    energies = [xyz.above(one.words, conformation.words, f"{path} frame {n}") / HARTREE for n, one in enumerate(read, 1)]
+    if len(read) == 1:  # only the transition state
+        nodes, energies = [at, *nodes], [0.0, *energies]
+    even = np.ones(len(at))
+    away = [geometry.rms(geometry.aligned(x, at, even), at) for x in nodes]
+    return Path(nodes, energies, int(np.argmin(away)), name=name)

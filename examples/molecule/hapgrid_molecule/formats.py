@@ -10,10 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from rdkit import Chem
 
-from . import babel, pdb
-from .elements import COVALENT, NUMBERS, SYMBOLS
+from . import babel, pdb, xyz
 from .molecule import BadInput
-from .xtb import BOHR
 
 KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
 MOST_RECORDS = 1000
@@ -158,89 +156,16 @@ def _radicals(lines):
 # XYZ
 
 def _xyz(text, given):
-    _xyz_frames(text, given)
+    given.records = frames(text, given.what, given.say)
     _keep_lowest(given)
 
 
-def frames(text, what):
+def frames(text, what, say=lambda _: None):
     """The Records of all frames of an XYZ text. Errors: BadInput."""
-    given = Input(what, "xyz")
-    _xyz_frames(text, given)
-    return given.records
-
-
-def _xyz_frames(text, given):
-    lines = text.rstrip().split("\n")
-    at = 0
-    while at < len(lines):
-        if not lines[at].strip():
-            at += 1
-            continue
-        at = _xyz_frame(lines, at, given)
-
-
-def _xyz_frame(lines, at, given):
-    """Adds the record that begins in line `at`, and returns the line after it."""
-    what, title = given.what, ""
-    if re.fullmatch(r"\s*\d+\s*", lines[at]):
-        count, first = int(lines[at]), at + 2
-        title = lines[at + 1] if at + 1 < len(lines) else ""
-        if _atom(title, given) and (at + 1 + count == len(lines) or not _atom(_line(lines, at + 1 + count), given)):
-            given.say("the line of the title is missing: the atoms are taken from the line after their number on")
-            first, title = at + 1, ""
-    else:
-        title = "" if _atom(lines[at], given) else lines[at]
-        first = at + bool(title)
-        count = next((n for n in range(first, len(lines)) if not _atom(lines[n], given)), len(lines)) - first
-        if count:
-            given.say("the line with the number of atoms is missing: all lines of atoms are taken")
-    if count == 0:
-        raise BadInput(f"{what}: line {at + 1} has no atoms: not understood as XYZ")
-    atoms = []
-    for n in range(first, first + count):
-        atoms.append(_atom(_line(lines, n), given))
-        if atoms[-1] is None:
-            raise BadInput(f"{what}: line {n + 1} is no atom, but line {at + 1} says that {count} follow")
-    if first > at + 1 or title == "":
-        after = _line(lines, first + count)
-        if _atom(after, given):
-            raise BadInput(f"{what}: line {at + 1} says that {count} atoms follow, but there are more")
-    charge, unpaired = _charge_in(title, what)
-    numbers, x = [a[0] for a in atoms], np.array([a[1:] for a in atoms])
-    if 0 in numbers:
-        raise BadInput(f"{what}: atom {numbers.index(0) + 1} is of no known element: correct its symbol")
-    if not np.isfinite(x).all():
-        raise BadInput(f"{what}: a coordinate is not a finite number")
-    if _is_in_bohr(numbers, x):
-        given.say("the atoms are 1.9 times too far apart: the coordinates are taken to be in bohr")
-        x = x * BOHR
-    _add(given, Record(babel.unbonded(numbers, x), False, charge, unpaired, energy_in(title)))
-    return first + count
-
-
-def _line(lines, at):
-    return lines[at] if at < len(lines) else ""
-
-
-def _atom(line, given):
-    """(atomic number, x, y, z) of a line, or None."""
-    words = line.split()
-    if any(re.fullmatch(r"[+-]?\d+,\d+", w) for w in words[1:4]):
-        given.say("decimal commas are read as points")
-        words = [w.replace(",", ".") for w in words]
-    elif "," in line:
-        words = line.replace(",", " ").split()
-    try:
-        x = [float(re.sub("[dD]", "e", w)) for w in words[1:4]]
-    except ValueError:
-        return None
-    if len(x) < 3:
-        return None
-    symbol = re.fullmatch(r"([A-Za-z]{1,2})\d*|(\d{1,3})", words[0])
-    if symbol is None:
-        return None
-    number = int(symbol[2]) if symbol[2] else NUMBERS.get(symbol[1].upper(), 0)
-    return (number if number < len(SYMBOLS) else 0, *x)
+    read = xyz.frames_of(text, what, say)
+    if len(read) > MOST_RECORDS:
+        raise BadInput(f"{what}: more than {MOST_RECORDS} records: give the one to feel")
+    return [Record(babel.unbonded(one.numbers, one.x), False, *_charge_in(one.title, what), energy_in(one.title)) for one in read]
 
 
 def _charge_in(title, what):
@@ -265,17 +190,6 @@ def energy_in(title):
     found = re.search(rf"(?:\bdE\s*=|\bE\s*=|\benergy\s*[:=]?)\s*{number}", title, re.I) or \
         re.fullmatch(r"\s*([+-]?\d+\.\d+)\s*(?:!.*)?", title)
     return float(found[1]) if found else None
-
-
-def _is_in_bohr(numbers, x):
-    """Whether each atom is as far from its nearest neighbour as if bohr had been written for angstrom."""
-    if len(numbers) < 2:
-        return False
-    radius = np.array([COVALENT.get(z, 1.5) for z in numbers])
-    share = np.linalg.norm(x[:, None] - x[None], axis=2) / (radius[:, None] + radius[None])
-    np.fill_diagonal(share, np.inf)
-    nearest = share.min(axis=1)
-    return nearest.min() > 1.5 and nearest.max() < 2.2
 
 
 def are_alike(records):
@@ -303,45 +217,8 @@ def _keep_lowest(given):
 # Formats that Open Babel reads
 
 def _mol2(text, given):
-    left, out, section, kept = 0, [], "", {}
-    for line in text.split("\n"):
-        words = line.split()
-        if line.startswith("@<TRIPOS>"):
-            section = line[9:].strip().upper()
-            if section == "MOLECULE":
-                kept = {}
-        elif section == "ATOM" and len(words) >= 6:
-            element, *kind = words[5].split(".")
-            if element.upper() in ("LP", "DU"):
-                left += 1
-                continue
-            kept[words[0]] = words[0] = str(len(kept) + 1)
-            words[5] = ".".join([element.capitalize(), *kind])
-            line = " ".join(words)
-        elif section == "BOND" and len(words) >= 4:
-            if not (words[1] in kept and words[2] in kept):
-                continue
-            line = " ".join([words[0], kept[words[1]], kept[words[2]], *words[3:]])
-        out.append(line)
-    if left:
-        given.say(f"{left} lone pairs or dummy atoms are left out")
-        out = _recounted(out)
-    for mol in babel.molecules("\n".join(out), "mol2", given.what):
+    for mol in babel.molecules(text, "mol2", given.what, say=given.say):
         _add(given, Record(mol))
-
-
-def _recounted(lines):
-    """With the numbers of atoms and bonds that are left."""
-    counts, section, at = {}, "", 0
-    for n, line in enumerate(lines):
-        if line.startswith("@<TRIPOS>"):
-            section = line[9:].strip().upper()
-            at = n if section == "MOLECULE" else at
-        elif section in ("ATOM", "BOND") and line.strip():
-            counts.setdefault(at, {"ATOM": 0, "BOND": 0})[section] += 1
-    for n, count in counts.items():
-        lines[n + 2] = f"{count['ATOM']} {count['BOND']} " + " ".join(lines[n + 2].split()[2:])
-    return lines
 
 
 def _pdb(text, given):

@@ -6,6 +6,7 @@ Positions in bohr, arrays (atoms, 3); angles in radians.
 import numpy as np
 
 from .elements import COVALENT
+from .xtb import BOHR
 
 BONDED = 1.25  # times the sum of the covalent radii: nearer atoms are bonded
 
@@ -45,6 +46,15 @@ def aligned(x, reference, masses):
     u, _, vt = np.linalg.svd(a.T @ (masses[:, None] * (reference - centre)))
     u[:, -1] *= np.sign(np.linalg.det(u @ vt))  # no reflection
     return a @ (u @ vt) + centre
+
+
+def as_in_file(x):
+    """Rounded as files have it, to 1e-8 angstrom, since readers compare the nodes of paths with a file."""
+    return np.round(x * BOHR, 8) / BOHR
+
+
+def equal_in_file(x, y):
+    return np.abs(x - y).max() * BOHR < 1e-7
 
 
 def rms(x, y):
@@ -132,51 +142,37 @@ class Tree:
     def __init__(self, neighbours, numbers):
         heavy = [a for a in range(len(numbers)) if len(neighbours[a]) > 1]
         self.root = heavy[0] if heavy else 0
-        self.rows = []  # (atom, a, b, c, first child or None)
         parent, order = {self.root: None}, [self.root]
         for at in order:
             for n in sorted(neighbours[at], key=lambda n: (numbers[n] == 1, n)):
                 if n not in parent:
                     parent[n] = at
                     order.append(n)
-        first = {}
+        # (atom, the three atoms to which its coordinates refer, the first child that its torsion is relative to); None for
+        # what the first atoms lack.
+        self.order, self.rows, first = order, [], {}
+        children = [n for n in order if parent[n] == self.root]
         for atom in order[1:]:
             a = parent[atom]
             b = parent[a]
-            c = parent[b] if b is not None else None
-            self.rows.append((atom, a, b, c, first.get(a)))
-            first.setdefault(a, atom)
-        self.order = order
-
-    def _frame(self, row):
-        """The three atoms to which an atom's coordinates refer; None for those that the first atoms
-        lack."""
-        atom, a, b, c, sibling = row
-        if b is None:  # children of the root: the first child, then torsions about nothing
-            others = [r[0] for r in self.rows if r[1] == self.root]
-            place = others.index(atom)
-            if place == 0:
-                return a, None, None
-            if place == 1:
-                return a, others[0], None
-            return a, others[0], others[1]
-        if c is None:
-            others = [r[0] for r in self.rows if r[1] == self.root and r[0] != a]
-            c = others[0] if others else None
-        return a, b, c
+            if b is None:  # a child of the root: the first ones have each other
+                b, c = [*children[:min(children.index(atom), 2)], None, None][:2]
+                sibling = None
+            else:
+                c = next((n for n in children if n != a), None) if parent[b] is None else parent[b]
+                sibling = first.setdefault(a, atom)
+            self.rows.append((atom, a, b, c, None if sibling == atom else sibling))
 
     def read(self, x):
         """Internal coordinates (3, atoms - 1) of a shape: bonds, angles, torsions."""
         out = np.zeros((3, len(self.rows)))
-        for n, row in enumerate(self.rows):
-            a, b, c = self._frame(row)
-            atom, sibling = row[0], row[4]
+        for n, (atom, a, b, c, sibling) in enumerate(self.rows):
             out[0, n] = np.linalg.norm(x[atom] - x[a])
             if b is not None:
                 out[1, n] = angle(x, atom, a, b)
             if c is not None:
                 out[2, n] = torsion(x, atom, a, b, c)
-                if row[2] is not None and sibling is not None:
+                if sibling is not None:
                     out[2, n] -= torsion(x, sibling, a, b, c)
         out[2] = wrapped(out[2])
         return out
@@ -185,20 +181,15 @@ class Tree:
         """A shape with these internal coordinates, anywhere in space."""
         x = np.zeros((len(self.order), 3))
         turn = {}
-        for n, row in enumerate(self.rows):
-            a, b, c = self._frame(row)
-            atom, sibling = row[0], row[4]
+        for n, (atom, a, b, c, sibling) in enumerate(self.rows):
             r, theta, tau = q[:, n]
             if b is None:
                 x[atom] = x[a] + [r, 0, 0]
-                continue
-            if c is None:
+            elif c is None:
                 x[atom] = x[a] + _placed(r, theta, 0.0, x[b] - x[a], np.array([0.0, 1.0, 0.0]))
-                continue
-            if row[2] is not None and sibling is not None:
-                tau = tau + turn[sibling]
-            turn[atom] = tau
-            x[atom] = x[a] + _placed(r, theta, tau, x[b] - x[a], x[c] - x[b])
+            else:
+                turn[atom] = tau if sibling is None else tau + turn[sibling]
+                x[atom] = x[a] + _placed(r, theta, turn[atom], x[b] - x[a], x[c] - x[b])
         return x
 
     def moved(self, x, step):

@@ -48,7 +48,7 @@ class Molecule:
             if order != 1:
                 self.double.add((min(j, k), max(j, k)))
         self.neighbours = [sorted(n) for n in self.neighbours]
-        if len(_reached(self.neighbours)) < len(self.numbers):
+        if len(Chem.GetMolFrags(self.rd)) > 1:
             raise BadInput(f"{what}: more than one molecule")
 
     def formal_charges(self):
@@ -122,16 +122,6 @@ def relaxed(rd, positions, steps, fixed=()):
     return field.CalcEnergy(), np.array(field.Positions()).reshape(-1, 3)
 
 
-def _reached(neighbours):
-    seen, stack = {0}, [0]
-    while stack:
-        for n in neighbours[stack.pop()]:
-            if n not in seen:
-                seen.add(n)
-                stack.append(n)
-    return seen
-
-
 def read_bytes(path):
     """The content of a file from outside. A device or a pipe, which might never end, is refused."""
     descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
@@ -152,12 +142,7 @@ def read_bytes(path):
 def _clash(molecule, x):
     """Whether atoms three bonds apart or more are closer than 1.5 angstrom."""
     distance = np.linalg.norm(x[:, None] - x[None], axis=2)
-    for a, near in enumerate(molecule.neighbours):
-        distance[a, a] = 9
-        for n in near:
-            distance[a, n] = 9
-            distance[a, molecule.neighbours[n]] = 9
-    return distance.min() < 1.5
+    return bool((distance[Chem.GetDistanceMatrix(molecule.rd) > 2] < 1.5).any())
 
 
 def conformers(molecule, torsions, number, seed):

@@ -23,6 +23,15 @@ class Candidate:
     height: float
 
 
+def candidate(torsions, torsion, job, way, free):
+    """The Candidate of a Way on behind barriers, or from the conformation to one. free: names of torsions that turn freely,
+    so that it says nothing how far they do on the way."""
+    to_end, extent = torsions_of.turned(torsions, way.nodes)
+    number = next(n for n, t in enumerate(torsions) if t.name == torsion.name)
+    held = [n == number or t.name not in free for n, t in enumerate(torsions)]
+    return Candidate(job, number, np.where(held, extent if way.goes_on else to_end, 0.0), way.barrier)
+
+
 def names(torsions, candidates, allowed, signed):
     """({key: name of its path} in the order in which they are taken, [(job, why it has no path)]).
 

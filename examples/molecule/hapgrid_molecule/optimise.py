@@ -8,11 +8,16 @@ search for a saddle is the same, but it climbs along one eigenvector (P-RFO, Ban
 import numpy as np
 
 from . import geometry
+from .results import Point
 from .xtb import WAVE_NUMBER
 
 
 class NoPath(Exception):
     """There is no path, or no such point on it; the message says why."""
+
+
+class TurnsFreely(NoPath):
+    """Nothing holds the bond."""
 
 
 class NotConverged(NoPath):
@@ -35,6 +40,10 @@ def wave_numbers(hessian, x, masses):
     """Normal modes in cm^-1, ascending; imaginary ones negative."""
     values, _ = projected(hessian, x, masses)
     return np.sign(values) * np.sqrt(np.abs(values)) * WAVE_NUMBER
+
+
+def point(surface, x, energy, hessian):
+    return Point(x, energy, hessian, float(wave_numbers(hessian, x, surface.masses)[0]))
 
 
 def bfgs(hessian, s, y):
@@ -139,8 +148,8 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
 
 
 def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
-    """The minimum downhill of x, with its exact Hessian: (x, energy, hessian). longest: the longest
-    step, bohr; short steps stay in the valley where they start."""
+    """The minimum downhill of x, with its exact Hessian. longest: the longest step, bohr; short steps stay in the valley
+    where they start."""
     renew = surface.hessian
     if hessian is None:
         hessian = renew(x)
@@ -154,15 +163,14 @@ def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
         exact = renew(x)
         values, vectors = projected(exact, x)
         if values[0] > 0:
-            return x, energy, exact
+            return point(surface, x, energy, exact)
         # A saddle, kept by symmetry: leave it along the mode that falls.
         x = x + 0.1 * vectors[:, 0].reshape(-1, 3)
     raise NotConverged("no minimum near a point of symmetry")
 
 
 def saddle(surface, x, direction, tolerance=3e-6):
-    """The first-order saddle uphill along the mode nearest to `direction` (3 atoms), with its exact
-    Hessian: (x, energy, hessian).
+    """The saddle uphill along the mode nearest to `direction` (3 atoms), with its exact Hessian.
 
     Where a soft torsion's scan snaps over, long steps on an updated Hessian leave the ridge. Then the
     search begins anew with short steps and a fresh Hessian at nearly each: all four of phi and psi of the
@@ -176,7 +184,7 @@ def saddle(surface, x, direction, tolerance=3e-6):
         try:
             x, energy, _ = search(surface, x, first, climb=direction, tolerance=tolerance, renew=renew,
                                   tree=surface.tree, **how)
-            return x, energy, renew(x)
+            return point(surface, x, energy, renew(x))
         except NotConverged:
             if n == len(tries):
                 raise

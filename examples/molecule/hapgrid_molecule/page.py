@@ -8,6 +8,7 @@ import shlex
 import numpy as np
 
 from . import choice, curves
+from .elements import SYMBOLS
 from .pieces import signed
 from .pushing import read_log
 from .xyz import frames
@@ -36,8 +37,8 @@ def write(at, start, turned, ways):
     run("view", "played.frames", "--pdb", "played.pdb", "--hip-label", "X")  # the probe is no element
     names, rows = read_log(kept.path("played.log"))
     shapes = frames(kept.path("played.xyz"))
-    drawn = curves.draw(kept, (names, rows), np.array([x for _, _, x in shapes]), turned,
-                        [float(words["time"]) for words, _, _ in shapes])
+    drawn = curves.draw(kept, (names, rows), np.array([one.x for one in shapes]), turned,
+                        [float(one.words["time"]) for one in shapes])
     drawings = pictures({name: rows[:, n] for n, name in enumerate(names)})
     kept.run_each(drawings.values(), at.options.threads, kept.counted("drawing pictures", len(drawings)))
     text = page(at, start, turned, ways, [name for name in [*drawings, *drawn] if name.endswith(".png")])
@@ -77,14 +78,15 @@ def page(at, start, turned, ways, images):
     """The text of index.html."""
     kept = at.folder
     name = kept.name()
-    words, symbols, x = frames(kept.path("conformation.xyz"))[0]
+    one = frames(kept.path("conformation.xyz"))[0]
+    words = one.words
     method = re.sub("gfn2|gfnff", lambda found: METHODS[found[0]], words.get("method", "own energies"))
     spin = SPINS[start.unpaired] if start.unpaired < len(SPINS) else f"multiplicity {start.unpaired + 1}"
     facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.charge), "Spin": spin, "Made from": start.source,
              "Energies": f"{method}, of libxtb {library_version()}" if "GFN" in method else method,
              "Conformation": f"{words['E']} hartree" if "E" in words else "",
              "Grid": grid_in_words(at, f"{name}.grid")}
-    molecule = {"symbols": symbols, "places": np.round(x, 3).tolist(),
+    molecule = {"symbols": [SYMBOLS[z] for z in one.numbers], "places": np.round(one.x, 3).tolist(),
                 "bonds": [[a, b] for a, near in enumerate(start.molecule.neighbours) for b in near if a < b],
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
     parts = {

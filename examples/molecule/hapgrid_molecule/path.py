@@ -5,10 +5,14 @@ quadratic steps (Page and McIver 1988): a plain gradient step would zigzag acros
 whose walls are a thousand times steeper than its floor.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from . import geometry, optimise
 from .xtb import BOHR, HARTREE
+
+FIRST_LEG = 10  # segments from the conformation to its first saddle; their length holds for all
 
 
 def _arc_step(values, f, length):
@@ -30,21 +34,18 @@ def _arc_step(values, f, length):
     return at(high)
 
 
-def descend(surface, x, hessian, sign, stop, step=0.2, steps=1200, every=12):
-    """Shapes downhill from the saddle x, which is the first. sign: which way along the falling
-    mode. stop(shape, energy): true where the path may end. step: sqrt(amu) bohr. every: steps
-    between exact Hessians; with updates alone the path would leave the floor of the valley."""
-    root = np.repeat(np.sqrt(surface.masses), 3)
-    values, vectors = optimise.projected(hessian, x, surface.masses)
-    shapes = [x]
-    energy = surface.energy(x)
-    x = x + (sign * step * vectors[:, 0] / root).reshape(-1, 3)
-    new, gradient = surface(x)
-    shapes.append(x)
-    energies = [energy, new]
-    trial = step
+def descend(surface, saddle, sign, stop, step=0.2, steps=1200, every=12):
+    """Shapes downhill from the saddle, which is the first. sign: which way along the falling mode. stop(shape, energy): true
+    where the path may end. step: sqrt(amu) bohr. every: steps between exact Hessians; with updates alone the path would leave
+    the floor of the valley."""
+    root, hessian = np.repeat(np.sqrt(surface.masses), 3), saddle.hessian
+    _, vectors = optimise.projected(hessian, saddle.x, surface.masses)
+    surface(saddle.x)  # an SCF starts from the one before
+    x = saddle.x + (sign * step * vectors[:, 0] / root).reshape(-1, 3)
+    energy, gradient = surface(x)
+    shapes, trial = [saddle.x, x], step
     for count in range(steps):
-        if stop(x, energies[-1]) or np.abs(gradient).max() < 1e-6:
+        if stop(x, energy) or np.abs(gradient).max() < 1e-6:
             break
         if count % every == 0:
             hessian = surface.hessian(x)
@@ -52,16 +53,15 @@ def descend(surface, x, hessian, sign, stop, step=0.2, steps=1200, every=12):
         f = vectors.T @ (gradient.ravel() / root)
         moved = x + ((vectors @ _arc_step(values, f, trial)) / root).reshape(-1, 3)
         new, new_gradient = surface(moved)
-        if new > energies[-1] + 1e-8 and trial > 0.01:
+        if new > energy + 1e-8 and trial > 0.01:
             trial /= 2
             hessian = surface.hessian(x)
             continue
         trial = min(step, trial * 1.5)
         hessian = optimise.bofill(hessian, (moved - x).ravel(), (new_gradient - gradient).ravel())
-        x, gradient = moved, new_gradient
+        x, energy, gradient = moved, new, new_gradient
         shapes.append(x)
-        energies.append(new)
-    return shapes, energies
+    return shapes
 
 
 def aligned_chain(shapes, masses):
@@ -129,26 +129,39 @@ def between(surface, tree, shapes):
     return [surface.energy(tree.build(spline((k + 0.5) / n))) for k in range(n)]
 
 
-def nodes(surface, tree, saddle, hessian, sign, x0, energy0, count=11, apart=None):
-    """(shapes, energies) from the minimum x0 to the saddle, at equal distances; apart: as
-    resampled() has it. Raises optimise.NoPath when the path down ends elsewhere, or has a bump between its nodes."""
+def nodes(surface, tree, saddle, sign, start, count=11, apart=None):
+    """(shapes, energies) from the minimum `start` to the saddle, at equal distances; apart: as resampled() has it. Errors:
+    optimise.NoPath, when the path down ends elsewhere, or has a bump between its nodes."""
     masses = surface.masses
+
+    def away(x):
+        return geometry.rms(geometry.aligned(x, start.x, masses), start.x)
 
     def there(x, energy):
         # From here the path goes straight on: near a minimum a straight line to it never rises.
-        return ((energy - energy0) * HARTREE < 0.02
-                and geometry.rms(geometry.aligned(x, x0, masses), x0) < 0.1)
-    shapes, _ = descend(surface, saddle, hessian, sign, there)
-    away = geometry.rms(geometry.aligned(shapes[-1], x0, masses), x0)
-    if away > 0.4:
-        raise optimise.NoPath(f"the path down ends {away * BOHR:.2f} angstrom from the conformation")
-    shapes = resampled([x0] + shapes[::-1], masses, count, apart)
-    shapes = [x0] + [geometry.aligned(x, x0, masses) for x in shapes[1:]]
+        return (energy - start.energy) * HARTREE < 0.02 and away(x) < 0.1
+    shapes = descend(surface, saddle, sign, there)
+    if away(shapes[-1]) > 0.4:
+        raise optimise.NoPath(f"the path down ends {away(shapes[-1]) * BOHR:.2f} angstrom from the conformation")
+    shapes = resampled([start.x] + shapes[::-1], masses, count, apart)
     # Rounded as in the file, so that the file's energies are those of its shapes.
-    shapes = [np.round(x * BOHR, 8) / BOHR for x in shapes]
-    energies = [energy0] + [surface.energy(x) for x in shapes[1:]]
-    check(energies, between(surface, tree, shapes), energy0)
+    shapes = [geometry.as_in_file(x) for x in [start.x, *(geometry.aligned(x, start.x, masses) for x in shapes[1:])]]
+    energies = [start.energy] + [surface.energy(x) for x in shapes[1:]]
+    check(energies, between(surface, tree, shapes), start.energy)
     return shapes, energies
+
+
+def over(search, saddle, near_sign, far_sign, start, far, apart):
+    """(nodes() from the minimum `start` up to a saddle, the same from it down to the minimum `far`, that minimum as in a file,
+    the distance of nodes). apart: that of the first leg, None for the first leg itself."""
+    surface, tree = search.surface, search.tree
+    up = nodes(surface, tree, saddle, near_sign, start, FIRST_LEG + 1, apart)
+    if apart is None:
+        apart = length(up[0], surface.masses) / FIRST_LEG
+    x = geometry.as_in_file(far.x)
+    there = replace(far, x=x, energy=surface.energy(x))
+    down = nodes(surface, tree, saddle, far_sign, there, apart=apart)
+    return up, (down[0][::-1], down[1][::-1]), there, apart
 
 
 def check(energies, halfway, energy0):

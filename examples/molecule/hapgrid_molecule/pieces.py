@@ -5,7 +5,6 @@ then the first. What is left out is named, with its charge."""
 from collections import Counter
 from dataclasses import replace
 
-from .elements import SYMBOLS
 from .molecule import BadInput
 from rdkit import Chem
 from rdkit.Chem import rdMolDescriptors
@@ -18,10 +17,6 @@ NAMED = 4
 
 def signed(charge):
     return f"{charge:+d}" if charge else "0"
-
-
-def symbol(z):
-    return SYMBOLS[z]
 
 
 def largest(given):
@@ -43,8 +38,8 @@ def largest(given):
         raise BadInput(f"{given.what}: only single atoms or ions, {_named(parts)}: none has a shape to feel: "
                        "give a molecule with bonds")
     if others:
-        metals = sorted({symbol(z) for p in others for z in _elements(p.mol) if z in METALS})
-        given.say(f"{given.what}: {len(parts)} molecules or shapes: the largest is taken, {_formula(one.mol)} with charge "
+        metals = sorted({a.GetSymbol() for p in others for a in p.mol.GetAtoms() if a.GetAtomicNum() in METALS})
+        given.say(f"{given.what}: {len(parts)} molecules or shapes: the largest is taken, {rdMolDescriptors.CalcMolFormula(one.mol)} with charge "
                   f"{signed(Chem.GetFormalCharge(one.mol))}; left out: {_named(others)}"
                   + ("".join(f"; {m} is a metal and is not felt" for m in metals))
                   + ("; the file's charge is of all pieces: --charge gives that of the one"
@@ -52,22 +47,14 @@ def largest(given):
     return one
 
 
-def _elements(mol):
-    return [a.GetAtomicNum() for a in mol.GetAtoms()]
-
-
 def size(mol):
     """Atoms, with the hydrogens that are not written."""
     return sum(1 + a.GetTotalNumHs() for a in mol.GetAtoms())
 
 
-def _formula(mol):
-    return rdMolDescriptors.CalcMolFormula(mol)
-
-
 def _named(parts):
     """C2H6O, 2 of Na+ with charge +1"""
-    counts = Counter((_formula(p.mol), Chem.GetFormalCharge(p.mol)) for p in parts)
+    counts = Counter((rdMolDescriptors.CalcMolFormula(p.mol), Chem.GetFormalCharge(p.mol)) for p in parts)
     words = [(f"{n} of " if n > 1 else "") + formula + (f" with charge {charge:+d}" if charge else "")
              for (formula, charge), n in counts.items()]
     return ", ".join(words[:NAMED]) + (f" and {len(words) - NAMED} more" if len(words) > NAMED else "")

@@ -2,13 +2,14 @@
 cannot be felt is refused here, in one line that says what to do."""
 
 import os
+from dataclasses import dataclass, field
 
 import numpy as np
 from rdkit import Chem
 
 from . import molecule as prepared
 from . import babel, building, confined, formats, pieces, valences
-from .elements import COVALENT, MASSES
+from .elements import COVALENT, MASSES, SYMBOLS
 from .molecule import BadInput, Molecule
 from .pieces import signed
 
@@ -18,9 +19,35 @@ MOST_ATOMS = 100
 SHORT = {6: 0.925, 7: 0.905}
 
 
+@dataclass
+class Read:
+    """What was read. charge, unpaired: electrons; built: whether the shape was; said: what was decided, in lines."""
+    molecule: Molecule
+    charge: int
+    unpaired: int
+    built: bool
+    said: list = field(default_factory=list)
+
+    def check_electrons(self, what):
+        """Refuses a number of unpaired electrons that does not fit."""
+        electrons = sum(self.molecule.numbers) - self.charge
+        if electrons % 2 == self.unpaired % 2 and self.unpaired <= electrons:
+            return
+        if self.unpaired:
+            raise BadInput(f"{what}: {electrons} electrons, of which {self.unpaired} cannot be the unpaired ones (--uhf)")
+        raise BadInput(f"{what}: {electrons} electrons with charge {signed(self.charge)}: a radical needs --uhf 1; otherwise "
+                       "give the right --charge")
+
+    def sdf(self):
+        """The text of an SDF file."""
+        mol = prepared.placed(self.molecule.rd, self.molecule.positions)
+        Chem.AssignStereochemistryFrom3D(mol)  # or its double bonds are marked as of either side
+        mol.SetProp("_Name", f"charge={self.charge} unpaired={self.unpaired} built={int(self.built)}")
+        return Chem.MolToMolBlock(mol, kekulize=True) + "$$$$\n"
+
+
 def read(path, smiles, charge=None, unpaired=None):
-    """(Molecule, charge, unpaired electrons, whether its shape was built, what was decided: lines). charge, unpaired: what
-    the command line says, or None."""
+    """The molecule of a file or SMILES. charge, unpaired: what the command line says, or None."""
     what = path if smiles is None else f"SMILES '{smiles}'"
     if smiles is None:
         kind = formats.KINDS.get(os.path.splitext(path)[1][1:].lower())
@@ -32,9 +59,9 @@ def read(path, smiles, charge=None, unpaired=None):
         given = formats.smiles(smiles) if smiles is not None else formats.read(formats.decoded(content, path), path, kind)
         return _one(given, charge, unpaired)
     answer = confined.run(work, what)
-    one = Molecule(what, *answer["molecule"])
-    check_electrons(one, what, answer["charge"], answer["unpaired"])
-    return one, answer["charge"], answer["unpaired"], answer["built"], answer["said"]
+    one = Read(**{**answer, "molecule": Molecule(what, *answer["molecule"])})
+    one.check_electrons(what)
+    return one
 
 
 def ensemble(path):
@@ -49,7 +76,7 @@ def ensemble(path):
 
 
 def _one(given, charge, unpaired):
-    """What read() returns, as JSON can hold it."""
+    """What makes a Read, as JSON can hold it."""
     for record in given.records:
         _refuse_no_coordinates(given, record)
     record = pieces.largest(given)
@@ -108,14 +135,13 @@ def _is_bulky(mol):
 
 def _refuse_elements(mol, what):
     for atom in mol.GetAtoms():
-        z = atom.GetAtomicNum()
-        name = f"{pieces.symbol(z)}{atom.GetIdx() + 1}"
+        z, name = atom.GetAtomicNum(), f"{atom.GetSymbol()}{atom.GetIdx() + 1}"
         if z in pieces.METALS:
             raise BadInput(f"{what}: {name} is a metal, whose bonds are no single bonds that turn: "
                            "take the part without it")
         if z not in MASSES:
             raise BadInput(f"{what}: {name}: no radius is known for this element, only for "
-                           + " ".join(pieces.symbol(k) for k in MASSES))
+                           + " ".join(SYMBOLS[k] for k in MASSES))
 
 
 def _completed(given, record, charge, unpaired):
@@ -290,27 +316,8 @@ def _check_distances(x, what):
                        "coordinates of a molecule")
 
 
-def check_electrons(one, what, charge, unpaired):
-    """Refuses a number of unpaired electrons that does not fit."""
-    electrons = sum(one.numbers) - charge
-    if electrons % 2 == unpaired % 2 and unpaired <= electrons:
-        return
-    if unpaired:
-        raise BadInput(f"{what}: {electrons} electrons, of which {unpaired} cannot be the unpaired ones (--uhf)")
-    raise BadInput(f"{what}: {electrons} electrons with charge {signed(charge)}: a radical needs --uhf 1; otherwise "
-                   "give the right --charge")
-
-
-def sdf(one, charge, unpaired, built):
-    """A molecule as the text of an SDF file."""
-    mol = prepared.placed(one.rd, one.positions)
-    Chem.AssignStereochemistryFrom3D(mol)  # or its double bonds are marked as of either side
-    mol.SetProp("_Name", f"charge={charge} unpaired={unpaired} built={int(built)}")
-    return Chem.MolToMolBlock(mol, kekulize=True) + "$$$$\n"
-
-
 def started(path):
-    """(Molecule, charge, unpaired electrons, whether its shape was built) of what sdf() wrote, changed by hand or not."""
+    """The molecule of what sdf() wrote, changed by hand or not."""
     content = prepared.read_bytes(path)
 
     def work():
@@ -323,6 +330,6 @@ def started(path):
     plain, words = confined.run(work, path)
     one = Molecule(path, *plain)
     try:
-        return one, int(words.get("charge", one.charge)), int(words.get("unpaired", 0)), words.get("built") == "1"
+        return Read(one, int(words.get("charge", one.charge)), int(words.get("unpaired", 0)), words.get("built") == "1")
     except ValueError:
         raise BadInput(f"{path}: its title is not as it was written: remove the file") from None

@@ -16,8 +16,7 @@ from hapgrid_command.files import Failed, digest
 from hapgrid_command.programs import run_program
 
 from . import files, geometry
-from .xtb import BOHR, HARTREE
-
+from .xtb import HARTREE
 
 HERE = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))  # where single-point-ase is
 BELOW = 0.1  # kJ/mol that a node may lie below the conformation
@@ -25,7 +24,7 @@ DENT = 1.0  # kJ/mol: a deeper one is a minimum, and the path to a barrier has n
 
 
 class SinglePoints:
-    """text: the command; molecule: numbers, charge and unpaired electrons; kept: work.Kept, where results are kept."""
+    """text: the command; molecule: numbers, charge and unpaired electrons; kept: of a hapgrid_command.work.Work, where results are kept."""
 
     def __init__(self, text, numbers, charge, unpaired, kept):
         try:
@@ -69,7 +68,7 @@ class SinglePoints:
         return energy
 
     def put_into(self, result, threads, folder):
-        """Puts its own energies into a work.Result in place of xtb's. A path that does not lead from the conformation
+        """Puts its own energies into a results.Result in place of xtb's. A path that does not lead from the conformation
         over a barrier by these energies is left out; one that has its highest node before its end, ends there."""
         found = result.found
         shapes = [result.x, *(x for one in found for x in self._shapes(one))]
@@ -83,10 +82,9 @@ class SinglePoints:
         for one in found:
             count = len(self._shapes(one))
             own, at = energies[at:at + count], at + count
-            if one.goes_on:
-                own[one.start] = rest  # the same shape, turned otherwise
-            else:
-                own[0], one.far_energy = rest, own.pop()
+            if not one.goes_on:
+                one.far = replace(one.far, energy=own.pop())
+            own[one.start] = rest  # the same shape, turned otherwise
             one.energies = own
         result.energy, result.method = rest, f"{self.method}//{result.method}"
         for one in result.found:
@@ -111,7 +109,7 @@ class SinglePoints:
             return
         result.dropped += [(f.name, f"begins in the conformation of {result.method.split('//')[1]}, which is no minimum by "
                             f"{self.method}") for f in result.found if f is not one]
-        result.x = np.round(geometry.centred(one.nodes[k], result.masses) * BOHR, 8) / BOHR
+        result.x = geometry.as_in_file(geometry.centred(one.nodes[k], result.masses))
         result.energy, result.nu1 = one.energies[k], None
         one.nodes = [geometry.aligned(x, result.x, result.masses) for x in one.nodes]
         one.nodes[k] = result.x
@@ -127,7 +125,7 @@ class SinglePoints:
 
     @staticmethod
     def _shapes(one):
-        return list(one.nodes) if one.goes_on else [*one.nodes, one.far]
+        return list(one.nodes) if one.goes_on else [*one.nodes, one.far.x]
 
 
 def _without_dips(one, rest):

@@ -44,16 +44,16 @@ def read(at):
     source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
 
     def compute():
-        one, charge, unpaired, built, said = reading.read(o.file, o.smiles, o.charge, o.uhf)
-        for line in said:
+        one = reading.read(o.file, o.smiles, o.charge, o.uhf)
+        for line in one.said:
             kept.say("  " + line)
         kept.enter()
-        kept.write("start.sdf", reading.sdf(one, charge, unpaired, built))
+        kept.write("start.sdf", one.sdf())
         return ["start.sdf"]
     text = digest_of(prepared.read_bytes(o.file)) if o.file else o.smiles
     kept.step("molecule", "", [], [text, o.charge, o.uhf], compute)
-    one, charge, unpaired, built = reading.started(kept.path("start.sdf"))
-    method = o.method
+    given = reading.started(kept.path("start.sdf"))
+    one, method = given.molecule, o.method
     if method == "auto":
         method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
     turning, still = rotors.find(one)
@@ -61,9 +61,9 @@ def read(at):
     if o.torsions is not None:
         turning, left = only(turning, set(o.torsions.split(",")), o.basins)
         still = still + left
-    kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(charge)}, {len(turning)} bonds turn"
+    kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(given.charge)}, {len(turning)} bonds turn"
              + (f"; {rings} rings stay as they are" if rings else ""))
-    return Start(one, source, charge, unpaired, o.search or built, method, turning, still)
+    return Start(one, source, given.charge, given.unpaired, o.search or given.built, method, turning, still)
 
 
 def only(turning, wanted, basins):

@@ -9,10 +9,11 @@ import numpy as np
 from hapgrid_command.files import Failed
 from hapgrid_command.work import Work, duration
 
-from . import crossing, files, grids, optimise, page, pushing, reading, structures, work
+from . import crossing, files, grids, optimise, page, pushing, reading, structures
 from .pieces import signed
+from .search import Options
 from .start import GFN2_ATOMS, Run, read, single_points, surface
-from .xtb import XtbError
+from .xtb import BOHR, XtbError
 
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
 # Gradients of xtb in units of a Hessian, which are measured: of propan-2-ol and ethanol 9 to 16 for each way of a
@@ -46,21 +47,21 @@ def find_structures(at, start):
         if seconds:
             kept.say(f"  about {duration(seconds)} for conformation and barriers, twice that where a lower minimum is "
                      "found")
-        one = structures.explore(start.molecule, start.turning, structures.Options(
-            work.Options(start.method, start.charge, start.unpaired, o.highest, kept.kept, kept.version, o.solvent), start.search,
-            o.keep_conformation, o.basins, o.threads, shapes), kept)
+        one = structures.explore(start.molecule, start.turning, Options(
+            kept, start.method, start.charge, start.unpaired, o.solvent, o.highest, start.search, o.keep_conformation, o.basins,
+            o.threads, shapes))
         for name, below in one.lower:
             kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
-        one.result.lie_as_before(kept.directory)
+        files.lie_as_before(kept, one)
         if points is not None:
-            points.put_into(one.result, o.threads, kept)
-        return files.write_set(kept.directory, one.result, f"hapgrid molecule: {start.source}, {start.method}, "
+            points.put_into(one, o.threads, kept)
+        return files.write_set(kept, one, f"hapgrid molecule: {start.source}, {start.method}, "
                                f"charge {signed(start.charge)}, {start.unpaired} unpaired electrons")
     kept.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
              [start.method, o.solvent, points and points.key, start.charge, start.unpaired, start.search, o.highest, o.basins,
               o.keep_conformation, [name for t in start.turning for name in t.file_names()], [x.tolist() for _, x in shapes]],
              compute)
-    return structures.Structures(kept)
+    return files.read_set(kept)
 
 
 def ensemble(at, start):
@@ -77,7 +78,7 @@ def ensemble(at, start):
 def structures_take(at, start):
     """Seconds, within a factor of 2 or so, by a gradient on this machine. None where xtb refuses the shape: the
     search itself says why."""
-    o, x = at.options, start.molecule.positions / work.BOHR
+    o, x = at.options, start.molecule.positions / BOHR
     try:
         one = surface(at, start, x)
         each = shortest(lambda: one.energy(x))

@@ -78,7 +78,7 @@ def rule(hessian, x, masses, tangents, penalty):
 
 
 def of_paths(molecule, surface, x, found, penalty):
-    """The Stiffness for the paths `found` (structures.PathFile). surface: of xtb; x: the conformation,
+    """The Stiffness for the paths `found` (Paths). surface: of xtb; x: the conformation,
     bohr."""
     hessian = surface.hessian(x) * HARTREE / BOHR**2
     tree = geometry.Tree(molecule.neighbours, molecule.numbers)

@@ -1,224 +1,98 @@
 """The conformation, the saddles around it and the paths to them, in several processes.
 
-What one process finds is kept as a file (work.Steps); the results are taken in the order of the
-rotors, so that they do not depend on the number of processes.
+What one process finds is kept as a file (search.Search); the results are taken in the order of the rotors, so that they do
+not depend on the number of processes.
 """
 
 import multiprocessing
-from dataclasses import dataclass, field
 
-import numpy as np
-from hapgrid_command.files import read_text
 from hapgrid_command.programs import end_with_parent
 
-from . import beyond, ensemble, files, geometry, naming, rotors, torsions, work, xyz
-from .elements import MASSES
-from .molecule import BadInput
-from .xtb import BOHR, HARTREE, SYMBOLS
-from .xyz import frames
+from . import naming, rotors, torsions
+from .results import Dropped, Path, Way
+from .search import SAME_ENERGY, Search
+from .xtb import BOHR, HARTREE
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
 
-
-@dataclass
-class Options:
-    """work: work.Options; search: whether conformers are searched; keep_conformation: whether lower minima are left
-    alone; basins: whether paths go on behind their saddles; ensemble: shapes in angstrom by the numbers of their frames,
-    between which paths are looked for instead, [(number, x)]."""
-    work: work.Options
-    search: bool
-    keep_conformation: bool
-    basins: bool
-    threads: int
-    ensemble: list = field(default_factory=list)
+_search = None  # of this process and of those that it starts
 
 
-@dataclass
-class Found:
-    """result: work.Result; lower: (path, kJ/mol below the conformation) of the minima from which there was no new
-    start."""
-    result: work.Result
-    lower: list = field(default_factory=list)
+def _ask(question):
+    method, value = question
+    return method(_search, value)
 
 
-_search = None  # the work.Work of this process and of those that it starts
-
-
-def _conformer(shape):
-    return _search.relax(shape)
-
-
-def _saddle(number):
-    return _search.saddle(number)
-
-
-def _path(number):
-    return _search.path(number)
-
-
-def _beyond(number):
-    torsion = _search.driven[number]
-
-    def compute():
-        one = beyond.whole(_search, torsion)
-        return {"nodes": [n.tolist() for n in one.nodes], "energies": one.energies, "start": one.start,
-                "kinds": list(one.kinds.items()), "why": one.why}
-    return _search.kept("beyond", [torsion.atoms], compute)
-
-
-def _minimum(shape):
-    def compute():
-        x, energy, hessian = ensemble.minimum(_search, shape)
-        return {"x": x.tolist(), "energy": energy, "hessian": hessian.tolist()}
-    return _search.kept("minimum", [shape.tolist()], compute)
-
-
-def _between(number):
-    one = _search.minima[number][1]
-
-    def compute():
-        nodes, energies, kinds = ensemble.way(_search, (np.array(one["x"]), one["energy"], np.array(one["hessian"])))
-        return {"nodes": [n.tolist() for n in nodes], "energies": energies, "start": 0, "kinds": list(kinds.items())}
-    return _search.kept("between", [one["x"]], compute)
-
-
-def _in_processes(folder, what, function, values, threads):
-    """(value, function(value)) in the order of the values."""
+def _each(search, what, method, values):
+    """(value, method(search, value)) in the order of the values."""
+    global _search
+    _search, values = search, list(values)
     if not values:
         return
-    tell = folder.counted(what, len(values))
-    context = multiprocessing.get_context("fork")
-    with context.Pool(min(threads, len(values)), initializer=end_with_parent) as pool:
-        for done, result in enumerate(pool.imap(function, values), 1):
+    tell = search.options.folder.counted(what, len(values))
+    with multiprocessing.get_context("fork").Pool(min(search.options.threads, len(values)), end_with_parent) as pool:
+        for done, result in enumerate(pool.imap(_ask, [(method, value) for value in values]), 1):
             tell(done)
             yield values[done - 1], result
 
 
-def explore(molecule, driven, options, folder):
-    """The Found of a molecule. driven: the bonds that are turned; options: Options."""
-    global _search
+def explore(molecule, driven, options):
+    """The Result of a molecule. driven: the bonds that are turned; options: search.Options."""
     keep = not options.search
-    look, finish = (_beyond_all, _basins) if options.basins else (_saddles, _paths)
+    look, finish = (_beyond, _basins) if options.basins else (_saddles, _paths)
     restarts = 0 if options.keep_conformation else RESTARTS
-    shapes = [] if options.keep_conformation else [x for _, x in options.ensemble]
     for start in range(restarts + 1):
-        _search = search = work.Work(molecule, rotors.find(molecule)[0], driven, options.work)
-        search.ensemble, search.minima = options.ensemble, []
-        search.find_conformation(keep, lambda starts: _relaxed(starts, folder, options.threads), shapes)
-        folder.say("  conformation: a minimum" + (f", {options.work.method}" if start == 0 else ""))
-        if options.ensemble:
-            ways = _between_all(search, folder, options.threads)
-            if search.minima:
-                return _ensemble(search, ways, folder)
-        tops, lower = look(search, folder, options.threads, start < restarts)
+        search = Search(molecule, rotors.find(molecule)[0], driven, options)
+        search.find_conformation(keep, lambda starts: _relaxed(search, starts))
+        options.folder.say("  conformation: a minimum" + (f", {options.method}" if start == 0 else ""))
+        minima = _minima(search) if options.ensemble else []
+        if minima:
+            return _ensemble(search, minima)
+        found, lower = look(search, start < restarts)
         if start == restarts or lower is None:
             break
         name, shape, below = lower
-        folder.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower: from there once more")
+        options.folder.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower: from there once more")
         molecule.positions = shape * BOHR
         keep = True
-    return finish(search, tops, folder, options.threads)
+    return finish(search, found)
 
 
-def _relaxed(starts, folder, threads):
+def _relaxed(search, starts):
     out = []
-    for _, one in _in_processes(folder, "relaxing conformers", _conformer, starts, threads):
+    for _, one in _each(search, "relaxing conformers", Search.relax, starts):
         out.append(one)
         if one[-1]:
-            folder.say(f"  conformer {len(out)}: left out: {one[-1]}")
+            search.options.folder.say(f"  conformer {len(out)}: left out: {one[-1]}")
     return out
 
 
-def _beyond_all(search, folder, threads, may_restart):
-    """({number of a torsion: its way on behind its saddles}, the first lower minimum)."""
-    ways = {}
-    numbers = [n for n, t in enumerate(search.driven) if not t.rotor]
-    for n, way in _in_processes(folder, "following torsions from minimum to minimum", _beyond, numbers, threads):
-        ways[n] = way
-        name = search.driven[n].name
-        if "dropped" in way:
-            folder.say(f"  {name}: {way['dropped']}")
+def _points(search, way):
+    return ", ".join(f"{kind} {search.above(way.energies[k]):.1f}" for k, kind in way.kinds.items()) + " kJ/mol"
+
+
+def _path(name, way, **more):
+    return Path(**{**vars(way), "name": name, "torsion": name, **more})
+
+
+# Paths to barriers
+
+def _saddles(search, may_restart):
+    """({number of a job: (its saddle, its Ends)}, (name, shape, kJ/mol below) of the first lower minimum or None)."""
+    tops, say = {}, search.options.folder.say
+    for n, (top, ends) in _each(search, "driving torsions to their barriers", Search.saddle, range(len(search.jobs))):
+        tops[n] = top, ends
+        if isinstance(ends, Dropped):
+            say(f"  {_name(search, n)}: {ends.why}")
             continue
-        kinds = dict(way["kinds"])
-        points = ", ".join(f"{kind} {search.above(way['energies'][k]):.1f}" for k, kind in kinds.items())
-        folder.say(f"  {name}: {points} kJ/mol")
-        below, k = max((-search.above(way["energies"][k]), k) for k, kind in kinds.items() if kind == "minimum")
-        if may_restart and below > LOWER:
-            return ways, (name, np.array(way["nodes"][k]), below)
-    return ways, None
-
-
-def _basins(search, ways, folder, threads):
-    """The Found of paths that go on behind their saddles. Behind the saddle of a methyl group is the same
-    shape once more."""
-    found, lower = [], []
-    dropped = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
-    dropped += [(search.driven[n].name, way["dropped"]) for n, way in ways.items() if "dropped" in way]
-    ways = {n: way for n, way in ways.items() if "dropped" not in way}
-    candidates = {n: search.candidate(search.driven[n], search.driven[n].name, np.array(way["nodes"]), way["energies"],
-                                      True) for n, way in ways.items()}
-    named, other = naming.names(search.torsions, candidates, {t.name for t in search.driven if not t.rotor}, False)
-    for n, name in named.items():
-        way = ways[n]
-        found.append(beyond.Beyond(name, name, [np.array(x) for x in way["nodes"]], way["energies"], way["start"],
-                                   dict(way["kinds"]), way["why"]))
-        below = -search.above(min(way["energies"]))
-        if below > LOWER:
-            lower.append((name, below))
-    return Found(search.result(found, _without(found, dropped + other)), lower)
-
-
-def _without(found, dropped):
-    """The dropped names without those that a path has, whose bond it turns though another one was driven."""
-    have = {one.name for one in found}
-    return [(name, why) for name, why in dropped if name not in have]
-
-
-def _between_all(search, folder, threads):
-    """{number of a minimum of the ensemble: its way}. Sets the minima that are not the conformation, each once."""
-    shapes = [x for _, x in search.ensemble]
-    frames_of = iter([number for number, _ in search.ensemble])
-    for _, one in _in_processes(folder, "relaxing the ensemble", _minimum, shapes, threads):
-        frame = next(frames_of)
-        if "dropped" in one:
-            folder.say(f"  frame {frame}: {one['dropped']}")
-            continue
-        x = np.array(one["x"])
-        if not any(search.same(x, other) for other in (search.x, *(np.array(m["x"]) for _, m in search.minima))):
-            search.minima.append((frame, one))
-            folder.say(f"  frame {frame}: a minimum, {search.above(one['energy']):.1f} kJ/mol")
-    if not search.minima:
-        folder.say("  the ensemble has no other minimum than the conformation, so the bonds are turned")
-    return dict(_in_processes(folder, "looking for paths between the minima", _between, range(len(search.minima)), threads))
-
-
-def _ensemble(search, ways, folder):
-    """The Found of paths to the other minima of an ensemble. A path that turns one bond alone, and no ring, has its name."""
-    found, dropped = [], []
-    for n, way in ways.items():
-        frame, one = search.minima[n]
-        name = f"to-{frame}"
-        passed = next((f.name for f in found for k, kind in f.kinds.items()
-                       if kind == "minimum" and search.same(f.nodes[k], np.array(one["x"]))), None)
-        if passed is not None:
-            dropped.append((name, f"{passed} leads there"))
-        elif "dropped" in way:
-            dropped.append((name, way["dropped"]))
-        else:
-            kinds = dict(way["kinds"])
-            nodes = [np.array(x) for x in way["nodes"]]
-            turns = torsions.turned(search.torsions, nodes)[1]
-            turning = [t.name for t, turn in zip(search.torsions, turns) if turn >= torsions.LEAST_TURN]
-            flips = [f"the ring {word}" for word in rotors.flipped(search.molecule, nodes)]
-            if len(turning) == 1 and not flips and turning[0] not in [f.name for f in found]:
-                name = turning[0]
-            found.append(beyond.Beyond(name, name, nodes, way["energies"], 0, kinds, f"the minimum of frame {frame}"))
-            points = ", ".join(f"{kind} {search.above(way['energies'][k]):.1f}" for k, kind in kinds.items())
-            folder.say(f"  frame {frame}: {name}, on which {', '.join(flips + turning) or 'no bond'} turns: {points} kJ/mol")
-    for name, why in dropped:
-        folder.say(f"  {name}: no path: {why}")
-    return Found(search.result(found, dropped))
+        say(f"  {_name(search, n)}: barrier {search.above(top.energy):.1f} kJ/mol, "
+            f"behind it {search.above(ends.far.energy):.1f}")
+        for side in (ends.near, ends.far):
+            below = -search.above(side.energy)
+            if may_restart and below > LOWER and search.intact(side.x):
+                return tops, (_name(search, n), side.x, below)
+    return tops, None
 
 
 def _name(search, number):
@@ -226,83 +100,103 @@ def _name(search, number):
     return torsion.file_name(sign)
 
 
-def _saddles(search, folder, threads, may_restart):
-    """({number of a job: (its saddle, the minima that it joins)}, the first lower minimum)."""
-    tops = {}
-    for n, (top, ends) in _in_processes(folder, "driving torsions to their barriers", _saddle,
-                                        range(len(search.jobs)), threads):
-        tops[n] = top, ends
-        if "dropped" in ends:
-            folder.say(f"  {_name(search, n)}: {ends['dropped']}")
-            continue
-        folder.say(f"  {_name(search, n)}: barrier {search.above(top['energy']):.1f} kJ/mol, "
-                   f"behind it {search.above(ends['far_energy']):.1f}")
-        for side in ("near", "far"):
-            below = -search.above(ends[side + "_energy"])
-            shape = np.array(ends[side])
-            if may_restart and below > LOWER and search.intact(shape):
-                return tops, (_name(search, n), shape, below)
-    return tops, None
-
-
-def _paths(search, tops, folder, threads):
-    found, known, lower = [], {}, []
-    dropped = [(_name(search, n), ends["dropped"]) for n, (_, ends) in tops.items() if "dropped" in ends]
-    named, other = search.named({n: top for n, (top, ends) in tops.items() if "dropped" not in ends})
+def _paths(search, tops):
+    """The Result of paths to the saddles, each saddle once."""
+    found, wanted, lower = [], {}, []
+    dropped = [(_name(search, n), ends.why) for n, (_, ends) in tops.items() if isinstance(ends, Dropped)]
+    free = {search.jobs[n][0].name for n, (top, _) in tops.items() if isinstance(top, Dropped) and top.free}
+    candidates = {n: naming.candidate(search.torsions, search.jobs[n][0], _name(search, n),
+                                      Way([search.x, top.x], [top.energy]), free)
+                  for n, (top, ends) in tops.items() if not isinstance(ends, Dropped)}
+    allowed = {name for torsion in search.driven for name in torsion.file_names()}
+    named, other = naming.names(search.torsions, candidates, allowed, True)
     dropped += other
-    wanted = []
     for n, name in named.items():
         top = tops[n][0]
-        same = search.one_of(top, known)
+        same = next((known for m, known in wanted.items()
+                     if abs(top.energy - tops[m][0].energy) * HARTREE <= SAME_ENERGY and search.same(top.x, tops[m][0].x)), None)
         if same is not None:
             dropped.append((name, f"the saddle of {same}"))
+        else:
+            wanted[n] = name
+    for n, way in _each(search, "following paths to the barriers", Search.path, sorted(wanted)):
+        name, (top, ends) = wanted[n], tops[n]
+        if isinstance(way, Dropped):
+            dropped.append((name, way.why))
+            search.options.folder.say(f"  {name}: no path: {way.why}")
             continue
-        known[name] = top
-        wanted.append(n)
-    for n, way in _in_processes(folder, "following paths to the barriers", _path, sorted(wanted), threads):
-        name = named[n]
-        if "dropped" in way:
-            dropped.append((name, way["dropped"]))
-            folder.say(f"  {name}: no path: {way['dropped']}")
+        bond = name.removesuffix("-plus").removesuffix("-minus")
+        found.append(_path(name, way, torsion=bond, nu1=top.nu1, far=ends.far, equal=ends.equal))
+        if -search.above(ends.far.energy) > LOWER:
+            lower.append((name, -search.above(ends.far.energy)))
+    return search.result(found, dropped, lower)
+
+
+# Paths that go on behind their saddles
+
+def _beyond(search, may_restart):
+    """({number of a torsion: its way on behind its saddles}, the first lower minimum as of _saddles())."""
+    ways = {}
+    numbers = [n for n, t in enumerate(search.driven) if not t.rotor]
+    for n, way in _each(search, "following torsions from minimum to minimum", Search.beyond, numbers):
+        ways[n] = way
+        name = search.driven[n].name
+        search.options.folder.say(f"  {name}: " + (way.why if isinstance(way, Dropped) else _points(search, way)))
+        if isinstance(way, Dropped):
             continue
-        found.append(search.found(n, name, way))
-        below = -search.above(way["far_energy"])
-        if below > LOWER:
-            lower.append((name, below))
-    return Found(search.result(found, _without(found, dropped)), lower)
+        below, k = max((-search.above(way.energies[k]), k) for k in way.minima())
+        if may_restart and below > LOWER:
+            return ways, (name, way.nodes[k], below)
+    return ways, None
 
 
-class PathFile:
-    """A path as its file has it. nodes in bohr, energies in hartree above the conformation, which is the node `start`."""
-
-    def __init__(self, name, path, conformation):
-        words, symbols, at = conformation
-        read = frames(path)
-        if any(own != symbols for _, own, _ in read):
-            raise BadInput(f"{path}: has other atoms than the conformation")
-        self.name = name
-        self.nodes = [x / BOHR for _, _, x in read]
-        self.energies = [xyz.above(own, words, f"{path} frame {n}") / HARTREE for n, (own, _, _) in enumerate(read, 1)]
-        if len(read) == 1:  # only the transition state
-            self.nodes.insert(0, at / BOHR)
-            self.energies.insert(0, 0.0)
-        even = np.ones(len(at))
-        self.start = int(np.argmin([geometry.rms(geometry.aligned(x, at / BOHR, even), at / BOHR) for x in self.nodes]))
-        self.barrier = max(self.energies)
+def _basins(search, ways):
+    """The Result of these. Behind the saddle of a methyl group is the same shape once more."""
+    dropped = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
+    dropped += [(search.driven[n].name, way.why) for n, way in ways.items() if isinstance(way, Dropped)]
+    free = {search.driven[n].name for n, way in ways.items() if isinstance(way, Dropped) and way.free}
+    candidates = {n: naming.candidate(search.torsions, search.driven[n], search.driven[n].name, way, free)
+                  for n, way in ways.items() if not isinstance(way, Dropped)}
+    named, other = naming.names(search.torsions, candidates, {t.name for t in search.driven if not t.rotor}, False)
+    found = [_path(name, ways[n]) for n, name in named.items()]
+    lower = [(one.name, -search.above(min(one.energies))) for one in found]
+    return search.result(found, dropped + other, [one for one in lower if one[1] > LOWER])
 
 
-class Structures:
-    """What the files of the folder say, changed by hand or not. Energies above the conformation."""
+# Paths between the minima of an ensemble
 
-    def __init__(self, folder):
-        conformation = frames(folder.path("conformation.xyz"))[0]
-        _, symbols, x = conformation
-        strange = sorted(set(symbols) - {SYMBOLS[z] for z in MASSES})
-        if strange:
-            raise BadInput(f"{folder.path('conformation.xyz')}: {strange[0]} is no element that can be felt")
-        self.numbers = [SYMBOLS.index(s) for s in symbols]
-        self.x, self.energy = x / BOHR, 0.0
-        report = folder.path("report.tsv")
-        self.found = [PathFile(name[:-4], folder.path(name), conformation) for name in files.listed(report)]
-        rows = [line.split(": ", 2) for line in read_text(report).splitlines() if line.startswith("# no path: ")]
-        self.dropped = [(row[1], row[2]) for row in rows if len(row) == 3]
+def _minima(search):
+    """[(frame, minimum)] of the ensemble that are not the conformation, each once."""
+    out, say = [], search.options.folder.say
+    shapes = [x for _, x in search.options.ensemble]
+    for (frame, _), (_, one) in zip(search.options.ensemble, _each(search, "relaxing the ensemble", Search.minimum, shapes)):
+        if isinstance(one, Dropped):
+            say(f"  frame {frame}: {one.why}")
+        elif not any(search.same(one.x, x) for x in (search.x, *(other.x for _, other in out))):
+            out.append((frame, one))
+            say(f"  frame {frame}: a minimum, {search.above(one.energy):.1f} kJ/mol")
+    if not out:
+        say("  the ensemble has no other minimum than the conformation, so the bonds are turned")
+    return out
+
+
+def _ensemble(search, minima):
+    """The Result of paths to these minima. A path that turns one bond alone, and no ring, has its name."""
+    found, dropped, say = [], [], search.options.folder.say
+    ways = _each(search, "looking for paths between the minima", Search.between, [one for _, one in minima])
+    for (frame, one), (_, way) in zip(minima, list(ways)):
+        name = f"to-{frame}"
+        passed = next((f.name for f in found for k in f.minima() if search.same(f.nodes[k], one.x)), None)
+        if passed is not None or isinstance(way, Dropped):
+            dropped.append((name, way.why if passed is None else f"{passed} leads there"))
+            continue
+        turns = torsions.turned(search.torsions, way.nodes)[1]
+        turning = [t.name for t, turn in zip(search.torsions, turns) if turn >= torsions.LEAST_TURN]
+        flips = [f"the ring {word}" for word in rotors.flipped(search.molecule, way.nodes)]
+        if len(turning) == 1 and not flips and turning[0] not in [f.name for f in found]:
+            name = turning[0]
+        found.append(_path(name, way, why=f"the minimum of frame {frame}"))
+        say(f"  frame {frame}: {name}, on which {', '.join(flips + turning) or 'no bond'} turns: {_points(search, way)}")
+    for name, why in dropped:
+        say(f"  {name}: no path: {why}")
+    return search.result(found, dropped)

@@ -68,13 +68,13 @@ def _restrained(surface, atoms, target):
     return function
 
 
-def scan(surface, x, hessian, torsion, sign, *, step=np.radians(10), highest=150 / HARTREE):
+def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / HARTREE):
     """The first barrier as a guess of a saddle: (shape, tangent).
 
-    The torsion is turned in steps from the minimum x, which has the given Hessian, while all else
-    relaxes. The highest shape is taken when the energy has fallen after it. step: radians; highest:
-    hartree above x.
+    The torsion is turned in steps from the minimum while all else relaxes. The highest shape is taken when the energy has
+    fallen after it. step: radians; highest: hartree above the minimum.
     """
+    x, hessian = minimum.x, minimum.hessian
     start = surface.energy(x)
     shapes, energies = [x], [start]
     angle = geometry.torsion(x, *torsion.atoms)
@@ -99,8 +99,8 @@ def scan(surface, x, hessian, torsion, sign, *, step=np.radians(10), highest=150
         if 0 < top and (energies[top] - energies[-1]) * HARTREE > LEAST_BARRIER:
             return _on_top(surface, *shapes[top - 1:top + 2])
     if np.ptp(energies) * HARTREE < LEAST_BARRIER:
-        raise optimise.NoPath(f"turns freely, without a barrier of {LEAST_BARRIER} kJ/mol: nothing would be felt, and the "
-                        "grid has it at rest")
+        raise optimise.TurnsFreely(f"turns freely, without a barrier of {LEAST_BARRIER} kJ/mol: nothing would be felt, and "
+                                   "the grid has it at rest")
     raise optimise.NoPath(f"no barrier within half a turn, at whose end the energy is {HARTREE * (energies[-1] - start):.1f} "
                     "kJ/mol")
 

@@ -6,12 +6,14 @@ Where a title gives both ways, they must agree to DIFFER: whoever changes one of
 """
 
 import re
+from dataclasses import dataclass
 
 import numpy as np
 from hapgrid_command.files import read_text
 
+from .elements import COVALENT, NUMBERS, SYMBOLS
 from .molecule import BadInput
-from .xtb import HARTREE
+from .xtb import BOHR, HARTREE
 
 DIFFER = 0.06  # kJ/mol; dE may be rounded to one decimal
 
@@ -24,26 +26,102 @@ def words(title):
     return out
 
 
-def parsed(text, where):
-    """[(words of the title, symbols, positions (atoms, 3) in angstrom)]. where: what the text is called in errors."""
-    lines, out = text.rstrip().splitlines(), []
-    while lines:
-        try:
-            count = int(lines[0])
-            rows = [line.split() for line in lines[2:2 + count]]
-            x = np.array([[float(v) for v in row[1:4]] for row in rows])
-            if count < 1 or x.shape != (count, 3) or not np.isfinite(x).all():
-                raise ValueError
-        except ValueError:
-            raise BadInput(f"{where} frame {len(out) + 1}: not understood as XYZ") from None
-        out.append((words(lines[1]), [row[0] for row in rows], x))
-        lines = lines[2 + count:]
+@dataclass
+class Frame:
+    """x: positions (atoms, 3) in angstrom."""
+    title: str
+    numbers: list
+    x: np.ndarray
+
+    words = property(lambda self: words(self.title))
+
+
+def frames_of(text, what, say=lambda _: None):
+    """The Frames of a text, of whichever program. what: it is called in errors; say(line): tells what was put right. Errors:
+    BadInput."""
+    lines, at, out = text.rstrip().split("\n"), 0, []
+    while at < len(lines):
+        at = _frame(lines, at, what, say, out) if lines[at].strip() else at + 1
     return out
 
 
+def _frame(lines, at, what, say, out):
+    """Adds the Frame that begins in line `at`, and returns the line after it."""
+    title = ""
+    if re.fullmatch(r"\s*\d+\s*", lines[at]):
+        count, first = int(lines[at]), at + 2
+        title = lines[at + 1] if at + 1 < len(lines) else ""
+        if _atom(title, say) and (at + 1 + count == len(lines) or not _atom(_line(lines, at + 1 + count), say)):
+            say("the line of the title is missing: the atoms are taken from the line after their number on")
+            first, title = at + 1, ""
+    else:
+        title = "" if _atom(lines[at], say) else lines[at]
+        first = at + bool(title)
+        count = next((n for n in range(first, len(lines)) if not _atom(lines[n], say)), len(lines)) - first
+        if count:
+            say("the line with the number of atoms is missing: all lines of atoms are taken")
+    if count == 0:
+        raise BadInput(f"{what}: line {at + 1} has no atoms: not understood as XYZ")
+    atoms = []
+    for n in range(first, first + count):
+        atoms.append(_atom(_line(lines, n), say))
+        if atoms[-1] is None:
+            raise BadInput(f"{what}: line {n + 1} is no atom, but line {at + 1} says that {count} follow")
+    if first > at + 1 or title == "":
+        after = _line(lines, first + count)
+        if _atom(after, say):
+            raise BadInput(f"{what}: line {at + 1} says that {count} atoms follow, but there are more")
+    numbers, x = [a[0] for a in atoms], np.array([a[1:] for a in atoms])
+    if 0 in numbers:
+        raise BadInput(f"{what}: atom {numbers.index(0) + 1} is of no known element: correct its symbol")
+    if not np.isfinite(x).all():
+        raise BadInput(f"{what}: a coordinate is not a finite number")
+    if _is_in_bohr(numbers, x):
+        say("the atoms are 1.9 times too far apart: the coordinates are taken to be in bohr")
+        x = x * BOHR
+    out.append(Frame(title, numbers, x))
+    return first + count
+
+
+def _line(lines, at):
+    return lines[at] if at < len(lines) else ""
+
+
+def _atom(line, say):
+    """(atomic number, x, y, z) of a line, or None."""
+    words = line.split()
+    if any(re.fullmatch(r"[+-]?\d+,\d+", w) for w in words[1:4]):
+        say("decimal commas are read as points")
+        words = [w.replace(",", ".") for w in words]
+    elif "," in line:
+        words = line.replace(",", " ").split()
+    try:
+        x = [float(re.sub("[dD]", "e", w)) for w in words[1:4]]
+    except ValueError:
+        return None
+    if len(x) < 3:
+        return None
+    symbol = re.fullmatch(r"([A-Za-z]{1,2})\d*|(\d{1,3})", words[0])
+    if symbol is None:
+        return None
+    number = int(symbol[2]) if symbol[2] else NUMBERS.get(symbol[1].upper(), 0)
+    return (number if number < len(SYMBOLS) else 0, *x)
+
+
+def _is_in_bohr(numbers, x):
+    """Whether each atom is as far from its nearest neighbour as if bohr had been written for angstrom."""
+    if len(numbers) < 2:
+        return False
+    radius = np.array([COVALENT.get(z, 1.5) for z in numbers])
+    share = np.linalg.norm(x[:, None] - x[None], axis=2) / (radius[:, None] + radius[None])
+    np.fill_diagonal(share, np.inf)
+    nearest = share.min(axis=1)
+    return nearest.min() > 1.5 and nearest.max() < 2.2
+
+
 def frames(path):
-    """parsed() of a file."""
-    out = parsed(read_text(path), path)
+    """frames_of() a file."""
+    out = frames_of(read_text(path), path)
     if not out:
         raise BadInput(f"{path}: is empty")
     return out

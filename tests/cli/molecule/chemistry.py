@@ -1,19 +1,21 @@
 """chemistry.py FOLDER: checks of FOLDER/hapgrid_molecule that need no grid: wave numbers, names of bonds and of paths."""
 
+import json
 import sys
 
 sys.path.insert(0, sys.argv[1])
-from hapgrid_molecule import geometry, naming, optimise, reading, rotors, singles, torsions, work, xtb
+from hapgrid_molecule import geometry, naming, optimise, reading, results, rotors, singles, torsions, xtb
+from hapgrid_molecule.results import Dropped, Ends, Path, Point, Way
 from hapgrid_molecule.xtb import BOHR, HARTREE
 import numpy as np
 
 
 def minimum(smiles):
     """(molecule, surface, its minimum on principal axes), by GFN2-xTB."""
-    one = reading.read(None, smiles)[0]
+    one = reading.read(None, smiles).molecule
     tree = geometry.Tree(one.neighbours, one.numbers)
     surface = xtb.Surface(one.numbers, one.positions / BOHR, "gfn2", one.charge, tree)
-    x, _, _ = optimise.minimum(surface, one.relaxed(one.positions)[1] / BOHR)
+    x = optimise.minimum(surface, one.relaxed(one.positions)[1] / BOHR).x
     return one, surface, geometry.on_principal_axes(x, surface.masses)
 
 
@@ -35,7 +37,7 @@ for smiles, wave in (("CN=[N+]=[N-]", 90), ("NC=O", 320), ("C#N", 777)):
 
 # The chi of cystine end at the bridge, those of glutathione's glutamate at the cysteine, and no name comes twice.
 def named(smiles):
-    one = reading.read(None, smiles)[0]
+    one = reading.read(None, smiles).molecule
     found = {t.name: "-".join(rotors.label(one.numbers, a) for a in t.atoms) for t in rotors.find(one)[0]}
     assert len(found) == len(rotors.find(one)[0]), found
     return found
@@ -74,6 +76,16 @@ names, _ = naming.names([a, b], {0: of(1, [59, 3], 2.0, "b-plus"), 1: of(0, [60,
 assert names == {1: "a"}, names
 
 
+# Where a turns freely it does not matter how far it does on the way: the path is of b, which turns less.
+chain = np.array([[0, 1, -0.5], [0, 0, 0], [0, 0, 1.5], [0, 1.4, 2], [0.5, 1.5, 3.5]])
+a, b = (torsions.Torsion(name, atoms, (), (1, -1), False) for name, atoms in (("a", (0, 1, 2, 3)), ("b", (1, 2, 3, 4))))
+turned = geometry.rotated_about(geometry.rotated_about(chain, 1, 2, [3, 4], deg(70)), 2, 3, [4], deg(20))
+for free, name in ((set(), "a-plus"), ({"a"}, "b-plus"), ({"a", "b"}, "b-plus")):
+    one = naming.candidate([a, b], b, "b-plus", Way([chain, turned], [1.0]), free)
+    names, _ = naming.names([a, b], {0: one}, {"a-plus", "b-plus"}, True)
+    assert names == {0: name}, (free, names)
+
+
 # A rotor turns freely on a surface that is flat, and does not where the energy only climbs.
 class Bond:
     """Hydrogen peroxide, held by springs, whose torsion has the energy slope times its angle."""
@@ -108,7 +120,7 @@ turn = torsions.Torsion("turn", (0, 1, 2, 3), (3,), (1,), True)
 for slope, why in ((0.0, "turns freely, without a barrier of 0.1 kJ/mol"), (1 / HARTREE, "no barrier within half a turn")):
     bond = Bond(place, slope)
     try:
-        torsions.scan(bond, place, bond.hessian(place), turn, 1)
+        torsions.scan(bond, Point(place, bond.energy(place), bond.hessian(place), 0.0), turn, 1)
         raise AssertionError("a barrier on a slope")
     except optimise.NoPath as no:
         assert str(no).startswith(why), no
@@ -136,9 +148,9 @@ def energies_of(given):
     def shape(angle):
         return geometry.rotated_about(place, 1, 2, [3], deg(angle) - geometry.torsion(place, 0, 1, 2, 3))
     masses = np.array([1.0, 16, 16, 1])
-    found = [work.Found(f"turn-{way}", "turn", [shape(100 + sign * 10 * k) for k in range(5)], [0.0] * 5, -300.0,
-                        shape(100 + sign * 70), 0.0, 100.0, False) for way, sign in (("plus", 1), ("minus", -1))]
-    result = work.Result([1, 8, 8, 1], masses, "gfn2", [], shape(100), -3.0, 200.0, found)
+    found = [Path([shape(100 + sign * 10 * k) for k in range(5)], [0.0] * 5, name=f"turn-{way}", torsion="turn", nu1=-300.0,
+                  far=Point(shape(100 + sign * 70), 0.0, None, 100.0)) for way, sign in (("plus", 1), ("minus", -1))]
+    result = results.Result([1, 8, 8, 1], masses, "gfn2", [], shape(100), -3.0, 200.0, found)
     Given(given).put_into(result, 1, Quiet())
     assert result.method == "given//gfn2" and all(f.nodes[0] is result.x or geometry.rms(f.nodes[0], result.x) < 1e-6
                                                  for f in result.found)
@@ -153,19 +165,24 @@ paths, result = energies_of({**base, 110: -1, 120: -3, 140: 10})
 assert paths == [("turn-plus", [0, 12, 13]), ("turn-minus", [0, 2, 4])], paths
 assert result.nu1 is None and result.found[1].far is None and result.dropped == [], result
 
-# What was kept of a step counts only in the form that the step gives it. Here are two atoms and, on paths, four nodes.
-pair, bend = [[0.0, 0, 0], [0.0, 0, 1.5]], [[0.5] * 6] * 6
-known = {"x": pair, "near": pair, "far": pair, "hessian": bend, "energy": -1.5, "near_energy": -1.5, "far_energy": -1.25,
-         "nu1": -20.5, "far_nu1": 30.5, "sign": -1, "far_is_equal": True, "nodes": [pair] * 4, "energies": [-1.5] * 4, "start": 3,
-         "kinds": [[1, "saddle"], [3, "minimum"]], "why": "the end"}
-for step, names in work.FORMS.items():
-    value = {name: known[name] for name in names}
-    assert work.is_sound(step, value, 2), step
-    assert not any(work.is_sound(step, other, 2) for other in (None, [], "x", 7, {}, [value], {**value, "more": 1})), step
-    assert not work.is_sound(step, value, 3), step
-    assert work.is_sound(step, {"dropped": "why"}, 2) == (step != "conformation") and not work.is_sound(step, {"dropped": 1}, 2)
-    for name in names:
-        wrong = [None, {}, 10**400, float("nan"), [[1]], [[1], [1, 2]], ["x"], [[9, "saddle"]], [[0, "hill"]]]
+# What was kept of a step counts only in the form that the step gives it. Here are two atoms and, on a way, four nodes.
+pair, bend = np.array([[0.0, 0, 0], [0.0, 0, 1.5]]), np.full((6, 6), 0.5)
+low, top = Point(pair, -1.5, bend, 30.5), Point(pair, -1.25, bend, -20.5)
+for one in (low, Ends(-1, low, top, True), Way([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "the end"), Dropped("why")):
+    kept = json.loads(json.dumps(results.plain(one)))
+    again = results.restored([type(one)], kept, 2)
+    assert type(again) is type(one) and results.plain(again) == kept, one
+    assert not isinstance(one, Way) or again.kinds == one.kinds and again.minima() == [3], again
+
+    def refused(value, atoms=2, types=(type(one),)):
+        try:
+            return results.restored(types, value, atoms) is None
+        except ValueError:
+            return True
+    assert all(refused(other) for other in (None, [], "x", 7, {}, [kept], {**kept, "more": 1})), one
+    assert isinstance(one, Dropped) or refused(kept, 3) and refused(kept, types=[Dropped]), one
+    for name in kept:
+        wrong = [None, {}, 10**400, float("nan"), [[1]], [[1], [1, 2]], ["x"], [[9, "saddle"]], [[0, "hill"]], {"why": "x"}]
         wrong += [] if name == "why" else ["x"]
-        for one in wrong:
-            assert not work.is_sound(step, {**value, name: one}, 2), (step, name, one)
+        for value in wrong:
+            assert refused({**kept, name: value}), (one, name, value)

@@ -40,26 +40,26 @@ def read():
     for name, options, expected, said in rows:
         options = {key: int(value) for key, value in (word.split("=") for word in options.split())}
         try:
-            one, charge, unpaired, built, lines = reading.read(name, None, **options)
+            one = reading.read(name, None, **options)
         except BadInput as why:
             assert expected == "refused" and str(why) == f"{name}: {said}", f"{name}: refused: {why}"
             continue
-        got = f"{one.formula} {charge} {unpaired} {'built' if built else 'as-given'}"
-        assert got == expected and "; ".join(lines) == said, f"{name}: {got}: {lines}"
-        assert is_sound(one), f"{name}: no sound shape"
-        again = reading.sdf(*reading.read(name, None, **options)[:4])
-        assert again == reading.sdf(one, charge, unpaired, built), f"{name}: another time another shape"
+        got = f"{one.molecule.formula} {one.charge} {one.unpaired} {'built' if one.built else 'as-given'}"
+        assert got == expected and "; ".join(one.said) == said, f"{name}: {got}: {one.said}"
+        assert is_sound(one.molecule), f"{name}: no sound shape"
+        assert reading.read(name, None, **options).sdf() == one.sdf(), f"{name}: another time another shape"
     # Of two alternate locations the one of 0.60 has its oxygen at y = 1.34.
     for name, atom in (("altloc.pdb", 2), ("altloc2.pdb", 2)):
-        assert abs(reading.read(name, None)[0].positions[atom, 1] - 1.34) < 1e-6, name
+        assert abs(reading.read(name, None).molecule.positions[atom, 1] - 1.34) < 1e-6, name
     # The same ethanol in bohr and in ångström; the file has five decimals.
-    a, b = (distances(reading.read(name, None)[0].positions) for name in ("bohr.xyz", "ethanol_bom.xyz"))
+    a, b = (distances(reading.read(name, None).molecule.positions) for name in ("bohr.xyz", "ethanol_bom.xyz"))
     assert np.abs(a - b).max() < 1e-4, "bohr"
     # What the command keeps is what it goes on with.
     one = reading.read("en2.sdf", None)
-    open(f"{os.environ['work']}/start.sdf", "w").write(reading.sdf(*one[:4]))
+    open(f"{os.environ['work']}/start.sdf", "w").write(one.sdf())
     two = reading.started(f"{os.environ['work']}/start.sdf")
-    assert two[1:] == (2, 0, False) and two[0].formal_charges() == one[0].formal_charges(), two
+    assert (two.charge, two.unpaired, two.built) == (2, 0, False), two
+    assert two.molecule.formal_charges() == one.molecule.formal_charges(), two
 
 
 def canonical(text, kind):
@@ -75,10 +75,10 @@ def build():
         name, smiles = line.split()
         if len(sys.argv) < 4 and sum(c.isalpha() for c in smiles) > 18:
             continue  # with another argument all are built, which takes minutes
-        one, charge, unpaired, built, _ = reading.read(None, smiles)
-        assert (charge, unpaired, built) == (0, 0, True) and is_sound(one), name
+        one = reading.read(None, smiles)
+        assert (one.charge, one.unpaired, one.built) == (0, 0, True) and is_sound(one.molecule), name
         if "@" in smiles or "/" in smiles:
-            got, expected = canonical(reading.sdf(one, 0, 0, True), "sdf"), canonical(smiles, "smi")
+            got, expected = canonical(one.sdf(), "sdf"), canonical(smiles, "smi")
             assert got == expected or expected.count("@") < got.count("@"), f"{name}: {got}, not {expected}"
     for smiles, why in (
             ("C(C)(C)(C)(C)C", "C1 has 5 bonds, too many for its charge of 0: correct its bonds or its charge"),
@@ -92,12 +92,12 @@ def build():
             raise AssertionError(smiles)
         except BadInput as got:
             assert str(got) == f"SMILES '{smiles}': {why}", got
-    assert reading.read(None, "[CH2]", unpaired=2)[2] == 2
+    assert reading.read(None, "[CH2]", unpaired=2).unpaired == 2
     # What MMFF94 has no parameters for, what has nothing to search, and five bonds.
     for smiles in ("C[Se]C", "OB(O)c1ccccc1", "[H][H]", "FP(F)(F)(F)F"):
-        assert is_sound(reading.read(None, smiles)[0]), smiles
+        assert is_sound(reading.read(None, smiles).molecule), smiles
     two = reading.read(None, "CC(O)CN")
-    assert two[4] == ["the handedness of C2 is not given: one is taken"], two[4]
+    assert two.said == ["the handedness of C2 is not given: one is taken"], two.said
 
 
 def one_line(function):
@@ -134,7 +134,7 @@ def hostile():
         path = f"{os.environ['work']}/damaged.{name.rsplit('.', 1)[1]}"
         open(path, "wb").write(content)
         try:
-            one = reading.read(path, None)[0]
+            one = reading.read(path, None).molecule
             outcomes["read"] += 1
             assert np.isfinite(one.positions).all()
         except BadInput as why:

@@ -1,0 +1,223 @@
+"""The steps from a molecule to the paths around its conformation. Each is kept, so that a run that was stopped goes on."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from hapgrid_command.files import Failed
+from hapgrid_command.work import Work
+
+from . import beyond, ensemble, geometry, optimise, path, torsions
+from .molecule import conformers
+from .results import Dropped, Ends, Point, Result, SAME_SHAPE, Way, plain, restored
+from .xtb import BOHR, HARTREE, Surface, XtbError
+
+SAME_ENERGY = 0.02  # kJ/mol
+CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
+SEED = 1  # of random torsions, where there are too many combinations for all
+
+
+@dataclass
+class Options:
+    """method: of xtb.METHODS; charge: e; solvent: or None; highest: where a scan ends, kJ/mol; search: whether conformers
+    are searched; keep_conformation: whether lower minima are left alone; basins: whether paths go on behind their saddles;
+    ensemble: [(number of a frame, shape in angstrom)], between whose minima paths are looked for instead."""
+    folder: Work
+    method: str
+    charge: int
+    unpaired: int
+    solvent: str
+    highest: float
+    search: bool
+    keep_conformation: bool
+    basins: bool
+    threads: int
+    ensemble: list = field(default_factory=list)
+
+    @property
+    def words(self):
+        """The method, as files name it."""
+        return f"{self.method}-in-{self.solvent}" if self.solvent else self.method
+
+
+class Search:
+    """torsions: all that could turn; driven: those that are turned. Each of these in one of its directions is a job."""
+
+    def __init__(self, molecule, torsions, driven, options):
+        self.molecule, self.torsions, self.driven, self.options = molecule, torsions, driven, options
+        self.jobs = [(torsion, sign) for torsion in driven for sign in torsion.signs]
+        self.tree = geometry.Tree(molecule.neighbours, molecule.numbers)
+
+    def result(self, found, dropped, lower=()):
+        """dropped: without those that a path has, whose bond it turns though another one was driven."""
+        have = {one.name for one in found}
+        left = [(name, why) for name, why in dropped if name not in have]
+        return Result(self.molecule.numbers, self.surface.masses, self.options.words, self.driven, self.x, self.energy,
+                      self.nu1, found, left, list(lower))
+
+    # The conformation
+
+    def find_conformation(self, keep, relaxed):
+        """Sets surface, x, energy, hessian and nu1. keep: relax the molecule's shape to the nearest minimum instead of
+        looking for the lowest one; relaxed(starts): relax() of each."""
+        o = self.options
+        if o.solvent is not None:
+            self._surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
+        shapes = [] if o.keep_conformation else [x for _, x in o.ensemble]
+        turning = [t.atoms for t in self.driven if not t.rotor and not keep]
+        one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, turning, plain(shapes)],
+                         lambda: self._conformation(keep, relaxed, shapes))
+        self.x, self.hessian, self.nu1 = one.x, one.hessian, one.nu1
+        self.surface = self._surface(self.x)
+        self.energy = self.surface.energy(self.x)
+
+    def here(self):
+        return Point(self.x, self.energy, self.hessian, self.nu1)
+
+    def _surface(self, x):
+        o = self.options
+        return Surface(self.molecule.numbers, x, o.method, o.charge, self.tree, o.unpaired, o.solvent)
+
+    def _conformation(self, keep, relaxed, shapes):
+        starts = shapes or ([self.molecule.positions] if keep else
+                            conformers(self.molecule, self.driven, CONFORMERS, SEED))
+        best, reason = None, ""
+        tie = SAME_ENERGY / HARTREE if shapes else 0.0  # of equal minima of an ensemble the first is taken
+        for x, energy, why in relaxed(starts):
+            if why:
+                reason = why
+            elif best is None or energy < best[0] - tie:
+                best = energy, x
+        if best is None:
+            raise Failed(f"no conformation: none of the start structures relaxes: {reason}{self._what_to_do()}")
+        # GFN-FF must read its bonds off the conformation itself, not off the shape from which it
+        # was found: then one run of xtb on the conformation's file gives the same energy.
+        x = best[1]
+        for _ in range(2):
+            surface = self._surface(x)
+            x = optimise.minimum(surface, x).x
+        x = geometry.as_in_file(geometry.on_principal_axes(x, surface.masses))
+        hessian = surface.hessian(x)
+        return optimise.point(surface, x, surface.energy(x), hessian)
+
+    def _what_to_do(self):
+        """About a molecule that does not relax. Without water a proton goes from one end of a zwitterion to the other."""
+        charges = self.molecule.formal_charges()
+        if self.options.solvent is None and max(charges) > 0 > min(charges):
+            return "; a zwitterion needs water: give --solvent water, or the neutral form"
+        return ""
+
+    def relax(self, start):
+        """(x, energy, why it is left out) of a shape in angstrom."""
+        try:
+            surface = self._surface(start / BOHR)
+            x, energy, _ = optimise.search(surface, start / BOHR, surface.hessian(start / BOHR), tolerance=1e-4, steps=400,
+                                           renew=surface.hessian, every=50, tree=surface.tree)
+        except (optimise.NotConverged, XtbError) as why:
+            return None, None, str(why)
+        return x, energy, "" if self.intact(x) else "its bonds change"
+
+    # Shapes
+
+    def intact(self, x):
+        return geometry.bonds_of(self.molecule.numbers, x * BOHR) == self.molecule.neighbours
+
+    def above(self, energy):
+        """kJ/mol above the conformation."""
+        return (energy - self.energy) * HARTREE
+
+    def apart(self, x, y):
+        """Root mean square distance of two shapes."""
+        return geometry.rms(geometry.aligned(x, y, self.surface.masses), y)
+
+    def same(self, x, y):
+        return self.apart(x, y) < SAME_SHAPE
+
+    # Steps that are kept
+
+    def kept(self, kind, inputs, compute):
+        """The result of compute(), of this type, or a Dropped; it is computed once. inputs: the step's name, and what it
+        depends on besides the conformation."""
+        return self._take([kind, Dropped], [self.x.tolist(), self.options.highest, *inputs], lambda: _guarded(compute))
+
+    def _take(self, types, inputs, compute):
+        o, numbers = self.options, self.molecule.numbers
+
+        def is_sound(value):
+            try:
+                return restored(types, value, len(numbers)) is not None
+            except ValueError:
+                return False
+        key = [o.folder.version, numbers, o.words, o.charge, o.unpaired, *inputs]
+        return restored(types, o.folder.kept.take(key, lambda: plain(compute()), is_sound), len(numbers))
+
+    def saddle(self, job):
+        """(the saddle of a job by its number, its Ends)."""
+        torsion, sign = self.jobs[job]
+
+        def compute():
+            guess, tangent = torsions.scan(self.surface, self.here(), torsion, sign, highest=self.options.highest / HARTREE)
+            return self.climbed(guess, tangent)
+        top = self.kept(Point, ["saddle", torsion.atoms, sign], compute)
+        if isinstance(top, Dropped):
+            return top, top
+        return top, self.kept(Ends, ["ends", torsion.atoms, sign], lambda: self._ends(top))
+
+    def path(self, job):
+        """The Way to a job's saddle."""
+        top, ends = self.saddle(job)
+        torsion, sign = self.jobs[job]
+        return self.kept(Way, ["path", torsion.atoms, sign], lambda: self._path(top, ends))
+
+    def beyond(self, number):
+        """The Way on behind the saddles of a driven torsion."""
+        torsion = self.driven[number]
+        return self.kept(Way, ["beyond", torsion.atoms], lambda: beyond.whole(self, torsion))
+
+    def minimum(self, shape):
+        """The minimum near a shape in angstrom."""
+        return self.kept(Point, ["minimum", shape.tolist()], lambda: ensemble.minimum(self, shape))
+
+    def between(self, minimum):
+        """The Way from the conformation to a minimum."""
+        return self.kept(Way, ["between", minimum.x.tolist()], lambda: ensemble.way(self, minimum))
+
+    def climbed(self, guess, tangent):
+        """The saddle near a guess. Errors: optimise.NoPath where that is none between two shapes of this molecule."""
+        one = optimise.saddle(self.surface, guess, tangent)
+        count = int((optimise.wave_numbers(one.hessian, one.x, self.surface.masses) < 0).sum())
+        if count != 1:
+            raise optimise.NoPath(f"{count} imaginary frequencies")
+        if not self.intact(one.x):
+            raise optimise.NoPath("bonds change")
+        return one
+
+    def sides(self, saddle):
+        """[(sign, minimum)] of the two minima that a saddle joins."""
+        masses = self.surface.masses
+        _, vectors = optimise.projected(saddle.hessian, saddle.x, masses)
+        mode = vectors[:, 0] / np.repeat(np.sqrt(masses), 3)
+        mode = 0.15 * mode / np.linalg.norm(mode)
+        return [(sign, optimise.minimum(self.surface, saddle.x + sign * mode.reshape(-1, 3), saddle.hessian, longest=0.15))
+                for sign in (1, -1)]
+
+    def _ends(self, top):
+        (sign, near), (_, far) = sorted(self.sides(top), key=lambda side: self.apart(side[1].x, self.x))
+        far.x = geometry.aligned(far.x, self.x, self.surface.masses)
+        a, b = (geometry.fingerprint(self.molecule.numbers, x) for x in (far.x, self.x))
+        return Ends(sign, near, far, bool(abs(self.above(far.energy)) < SAME_ENERGY and np.abs(a - b).max() < SAME_SHAPE))
+
+    def _path(self, top, ends):
+        if self.apart(ends.near.x, self.x) > SAME_SHAPE:
+            at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (top, ends.near, ends.far))
+            raise optimise.NoPath(f"the saddle at {at} joins other minima, at {one} and {two}")
+        return Way(*path.nodes(self.surface, self.tree, top, ends.sign, self.here()))
+
+
+def _guarded(compute):
+    """The result of compute, or the reason why there is none."""
+    try:
+        return compute()
+    except optimise.NotConverged as why:
+        return Dropped(f"not converged: {why}")
+    except (optimise.NoPath, XtbError) as why:
+        return Dropped(str(why), isinstance(why, optimise.TurnsFreely))
