@@ -43,8 +43,8 @@ struct Header {
   # Ticks a second, above 0: the time of a tick is its number divided by this.
 
   flagNames @7 :List(Text);
-  # What the bits of a tick's flags mean, bit 0 first; 32 at most. "clutch" and "stalled" are what
-  # the device said, "begins" is where a simulated hand began anew, "level_changed" is a switch of
+  # What the bits of a tick's flags mean, bit 0 first; 32 at most. "clutch", "stalled", "reset" and
+  # "next" are what the device said, "begins" is where a simulated hand began anew, "level_changed" is a switch of
   # levels, and "safety_..." is what the safety core did to the force. Other names are for people.
 
   settings @8 :Text;

@@ -71,6 +71,12 @@ static inline int next_force(hapgrid_device_force* force) {
   return 0;
 }
 
+/* Flags of a state, from a mask of pressed buttons: the first is the clutch, the second takes the
+ * next level. */
+static inline uint32_t flags_of(unsigned long buttons) {
+  return (buttons & 1 ? HAPGRID_DEVICE_CLUTCH : 0) | (buttons & 2 ? HAPGRID_DEVICE_NEXT : 0);
+}
+
 /* Seconds on a clock that is never set. */
 static inline double now(void) {
   struct timespec t;

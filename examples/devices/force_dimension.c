@@ -46,7 +46,7 @@ int main(int count, char** words) {
     const hapgrid_device_state state = {.time = now(),
                                         .position = {y, -x, z},
                                         .velocity = {vy, -vx, vz},
-                                        .flags = dhdGetButtonMask(-1) & 3,
+                                        .flags = flags_of(dhdGetButtonMask(-1)),
                                         .number = f.number};
     if (answer) say(&state, sizeof state);
   } while (!(f.flags & HAPGRID_DEVICE_END));

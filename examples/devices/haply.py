@@ -35,7 +35,7 @@ async def serve(service, device, end, wait):
         world = await asyncio.wait_for(exchange(service, device, force), wait)
         hand = [world["inverse3"][0]["state"][v][a] for v in ("cursor_position", "cursor_velocity") for a in "xyz"]
         grips = world.get("wireless_verse_grip") or world.get("verse_grip") or [{"state": {"buttons": {}}}]
-        pressed = sum(bit for key, bit in (("a", 1), ("b", 2)) if grips[0]["state"]["buttons"].get(key))
+        pressed = sum(bit for key, bit in (("a", 1), ("b", 8)) if grips[0]["state"]["buttons"].get(key))
         if number:
             play.send(struct.pack("<7d2I", time.monotonic(), *hand, pressed, number))
         if flags & END:

@@ -41,7 +41,7 @@ static HDCallbackCode HDCALLBACK serve(void* unused) {
   shared.state = (hapgrid_device_state){.time = now(),
                                         .position = {p[0] / 1000, -p[2] / 1000, p[1] / 1000},
                                         .velocity = {v[0] / 1000, -v[2] / 1000, v[1] / 1000},
-                                        .flags = (uint32_t)buttons & 3};
+                                        .flags = flags_of((unsigned long)buttons)};
   if (HD_DEVICE_ERROR(error)) shared.error = error;
   ++shared.served;
   pthread_mutex_unlock(&shared.mutex);

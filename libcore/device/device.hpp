@@ -31,6 +31,8 @@ struct DeviceInput {
   /// The user wants the force back after a fault. The loop acts when the button is pressed, not
   /// while it is held, so that no fault ends before the user has felt it.
   bool reset = false;
+  /// The user wants another state at this place: that of the grid's next level. The press counts.
+  bool next = false;
   /// Another hand begins here, or the hand was put elsewhere: no tick before counts.
   bool begins = false;
   /// Only in a replay: how many ticks were missed before this one when it was recorded.

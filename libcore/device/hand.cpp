@@ -9,6 +9,7 @@
 #include <cmath>
 #include <exception>
 #include <system_error>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
@@ -68,7 +69,9 @@ std::optional<Vec3> HandLines::finish() { return read_line(); }
 
 std::optional<Vec3> HandLines::read_line() {
   try {
-    const auto x = parse_position(line_);
+    const bool next = line_ == kHandNext;
+    nexts_ += next;
+    const auto x = next ? std::nullopt : parse_position(line_);
     line_.clear();
     ++number_;
     return x;
@@ -113,6 +116,7 @@ bool HandDevice::listen_once(HandLines& lines) {
     throw std::system_error(errno, std::generic_category());
   }
   const auto x = count > 0 ? lines.read({bytes, static_cast<std::size_t>(count)}) : lines.finish();
+  nexts_.store(lines.nexts(), std::memory_order_relaxed);
   if (x) {
     hand_.back() = *x;
     hand_.publish();
@@ -127,7 +131,10 @@ DeviceStatus HandDevice::read(DeviceInput& input) noexcept {
   const double dt = std::chrono::duration<double>(now - last_.value_or(now)).count();
   last_ = now;
   hand_.update();
-  input = {.position = hip_.next(hand_.front(), force_, dt), .hand = hand_.front()};
+  const unsigned nexts = nexts_.load(std::memory_order_relaxed);
+  input = {.position = hip_.next(hand_.front(), force_, dt),
+           .hand = hand_.front(),
+           .next = nexts != std::exchange(seen_nexts_, nexts)};
   return DeviceStatus::kOk;
 }
 

@@ -42,6 +42,9 @@ inline constexpr double kHandSpeed = 4;
 /// Time constant with which the HIP follows the hand, in seconds.
 inline constexpr double kHandSeconds = 0.03;
 
+/// The line of a pipe that wants the next level.
+inline constexpr std::string_view kHandNext = "next";
+
 /// The HIP on its spring. Real-time safe.
 class CoupledHip {
  public:
@@ -59,7 +62,8 @@ class CoupledHip {
   Vec3 x_;
 };
 
-/// Reads positions, in the lines of a path, from a stream of bytes.
+/// Reads positions, in the lines of a path, from a stream of bytes. A line `next` wants the next
+/// level at the place of the hand.
 class HandLines {
  public:
   /// The newest position of the lines that end in `bytes`, if there is one.
@@ -67,11 +71,13 @@ class HandLines {
   std::optional<Vec3> read(std::string_view bytes);
   /// Reads the last line of the stream, which may have no end. @throw Error
   std::optional<Vec3> finish();
+  unsigned nexts() const { return nexts_; }
 
  private:
   std::optional<Vec3> read_line();
 
   std::string line_;
+  unsigned nexts_ = 0;
   std::size_t number_ = 1;
 };
 
@@ -96,11 +102,13 @@ class HandDevice : public Device {
   std::string name_;
   FileDescriptor pipe_;
   TripleBuffer<Vec3> hand_;
+  std::atomic<unsigned> nexts_{0};
   std::string error_;  // the listener's until kFailed
   std::atomic<DeviceStatus> status_{DeviceStatus::kOk};
   // The haptic thread's.
   CoupledHip hip_;
   Vec3 force_{0, 0, 0};
+  unsigned seen_nexts_ = 0;
   std::optional<std::chrono::steady_clock::time_point> last_;
   std::jthread listener_;
 };

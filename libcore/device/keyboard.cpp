@@ -93,6 +93,9 @@ void KeyReader::read(unsigned char byte) {
     case 'r':
       ++resets_;
       return;
+    case 'n':
+      ++nexts_;
+      return;
     case '0':
       target_ = range_.start;
       return;
@@ -144,6 +147,7 @@ void KeyboardDevice::listen(const std::stop_token& token) {
     for (ssize_t i = 0; i < count; ++i) keys_.read(bytes[i]);
     for (int a = 0; a < 3; ++a) target_[a].store(keys_.target()[a], std::memory_order_relaxed);
     resets_.store(keys_.resets(), std::memory_order_relaxed);
+    nexts_.store(keys_.nexts(), std::memory_order_relaxed);
     quit_.store(keys_.quit(), std::memory_order_relaxed);
   }
 }
@@ -158,8 +162,10 @@ DeviceStatus KeyboardDevice::read(DeviceInput& input) noexcept {
   for (int a = 0; a < 3; ++a)
     position_[a] += part * (target_[a].load(std::memory_order_relaxed) - position_[a]);
   const unsigned resets = resets_.load(std::memory_order_relaxed);
-  input = {.position = position_, .reset = resets != seen_resets_};
+  const unsigned nexts = nexts_.load(std::memory_order_relaxed);
+  input = {.position = position_, .reset = resets != seen_resets_, .next = nexts != seen_nexts_};
   seen_resets_ = resets;
+  seen_nexts_ = nexts;
   return DeviceStatus::kOk;
 }
 

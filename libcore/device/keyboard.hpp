@@ -25,6 +25,7 @@ class KeyReader {
   const Vec3& target() const { return target_; }
   bool quit() const { return quit_; }
   unsigned resets() const { return resets_; }
+  unsigned nexts() const { return nexts_; }
 
  private:
   void obey(unsigned char final_byte, int parameter);
@@ -36,6 +37,7 @@ class KeyReader {
   double step_;
   bool quit_ = false;
   unsigned resets_ = 0;
+  unsigned nexts_ = 0;
   enum class Expect { kKey, kAfterEscape, kSequence } expect_ = Expect::kKey;
   int parameter_ = 0;
 };
@@ -61,14 +63,14 @@ class KeyboardDevice : public Device {
   termios before_{};
   KeyReader keys_;  // the listener's
   std::array<std::atomic<double>, 3> target_;
-  std::atomic<unsigned> resets_{0};
+  std::atomic<unsigned> resets_{0}, nexts_{0};
   std::atomic<bool> quit_{false};
   std::atomic<bool> lost_{false};
   std::atomic<bool> restored_{false};  // the terminal
   // The haptic thread's.
   Vec3 position_;
   std::optional<std::chrono::steady_clock::time_point> last_;
-  unsigned seen_resets_ = 0;
+  unsigned seen_resets_ = 0, seen_nexts_ = 0;
   std::jthread listener_;
 };
 

@@ -138,7 +138,8 @@ DeviceStatus ProcessDevice::read(DeviceInput& input) noexcept {
   if (!read_answer()) return DeviceStatus::kFailed;
   input = {.stalled = (state_.flags & HAPGRID_DEVICE_STALLED) != 0,
            .clutch = (state_.flags & HAPGRID_DEVICE_CLUTCH) != 0,
-           .reset = (state_.flags & HAPGRID_DEVICE_RESET) != 0};
+           .reset = (state_.flags & HAPGRID_DEVICE_RESET) != 0,
+           .next = (state_.flags & HAPGRID_DEVICE_NEXT) != 0};
   const bool steers = (greeting_.flags & HAPGRID_DEVICE_STEERS) != 0;
   std::copy_n(state_.position, 3, (steers ? input.rate : input.position).begin());
   return DeviceStatus::kOk;

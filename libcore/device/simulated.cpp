@@ -71,7 +71,8 @@ DeviceStatus SimulatedDevice::read(DeviceInput& input) noexcept {
     begin();
   else
     advance();
-  input = {.begins = begins};
+  const std::uint64_t every = options_.next_ticks;
+  input = {.next = every > 0 && at_ > 0 && at_ % every == 0, .begins = begins};
   for (int a = 0; a < 3; ++a)
     input.position[a] = options_.encoder > 0
                             ? std::floor(x_[a] / options_.encoder + 0.5) * options_.encoder

@@ -32,6 +32,8 @@ struct SimulatedOptions {
   std::uint32_t delay = 0;    ///< ticks from when a force is sent until it is in effect
   double reach = 0.1;         ///< side of the cube around 0 that the handle reaches, m
   double rate_hz = 1000;      ///< ticks a second
+  /// The hand wants the next level whenever so many ticks of a session have passed; 0: never.
+  std::uint64_t next_ticks = 0;
   std::uint64_t sessions = 1;
 };
 

@@ -75,13 +75,13 @@ void Beside::begin(double rate_hz) {
   thread_ = std::jthread([this](const std::stop_token& token) { work(token); });
 }
 
-void Beside::tell(const Vec3& x, bool begins) noexcept {
-  const Place place{++tick_, x, begins || must_begin_};
+void Beside::tell(const Vec3& x, std::optional<Level> begins) noexcept {
+  const Place place{++tick_, x, begins ? begins : must_begin_};
   if (begins) first_tick_ = tick_;
   if (delay_)
     ask(place, held_back_[tick_ % held_back_.size()]);
   else
-    must_begin_ = !places_.push(place) && place.begins;
+    must_begin_ = places_.push(place) ? std::nullopt : place.begins;
   newest_ = newest();
   kept_up_ = false;
   if (!newest_) return;
@@ -107,7 +107,8 @@ void Beside::ask(const Place& place, BesideAnswer& answer) noexcept {
   answer.tick = place.tick;
   answer.usable = false;
   if (has_given_up_) return;
-  const StepResult& step = place.begins ? model_.start(place.x) : model_.step(place.x);
+  const StepResult& step =
+      place.begins ? model_.start(place.x, *place.begins) : model_.step(place.x);
   answer.usable = step.usable();
   answer.at = model_.position();
   const std::span<const double> state = model_.state();

@@ -64,10 +64,10 @@ class Beside {
   /// Starts the thread, if there is to be one, before the first tick. @param rate_hz ticks a second
   void begin(double rate_hz);
 
-  /// Begins a new tick, in which the hand is at x: in the state that play starts with there, or in
-  /// the one to which the model comes along the way.
-  void start(const Vec3& x) noexcept { tell(x, true); }
-  void follow(const Vec3& x) noexcept { tell(x, false); }
+  /// Begins a new tick, in which the hand is at x: in the state that has this level at the nearest
+  /// grid point, or in the one to which the model comes along the way.
+  void start(const Vec3& x, Level level = 0) noexcept { tell(x, level); }
+  void follow(const Vec3& x) noexcept { tell(x, std::nullopt); }
   /// The newest answer that is young enough; null where there is none.
   const BesideAnswer* answer() const noexcept { return kept_up_ ? newest_ : nullptr; }
   /// Counts the ticks.
@@ -89,9 +89,9 @@ class Beside {
   struct Place {
     std::uint64_t tick = 0;
     Vec3 x{0, 0, 0};
-    bool begins = false;
+    std::optional<Level> begins{};  // with this level
   };
-  void tell(const Vec3& x, bool begins) noexcept;
+  void tell(const Vec3& x, std::optional<Level> begins) noexcept;
   const BesideAnswer* newest() noexcept;
   void ask(const Place& place, BesideAnswer& answer) noexcept;
   void work(const std::stop_token& token) noexcept;
@@ -112,7 +112,7 @@ class Beside {
   std::uint64_t first_tick_ = 0;  // since the last start
   const BesideAnswer* newest_ = nullptr;
   bool kept_up_ = false;
-  bool must_begin_ = false;  // the ring was full at the last start
+  std::optional<Level> must_begin_;  // the ring was full at the last start
   std::uint64_t ticks_kept_up_ = 0;
   Histogram lateness_;
 

@@ -30,6 +30,8 @@ void BranchTraversal::settle(StepResult& result) noexcept {
   if (result.started) {
     beside_->start(position());
     doubtful_way_ = 0;
+  } else if (result.chosen != kNoLevel) {
+    beside_->start(position(), result.chosen);
   } else {
     beside_->follow(position());
   }

@@ -57,10 +57,12 @@ BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchM
   candidates_.reserve(kMostCandidates);
 }
 
-bool BranchTraversal::begin(int nearest) noexcept {
+bool BranchTraversal::begin(int nearest, Level level) noexcept {
   const PointIndex p = cells_.point(base(), nearest);
   Branch branch;
-  if (grid_.levels(p) == 0 || !derive(base(), grid_.first(p), nearest, branch)) return false;
+  if (level >= grid_.levels(p) || !derive(base(), grid_.first(p) + level, nearest, branch))
+    return false;
+  if (!last_step().started && has_ended(branch)) return false;
   enter_branch(base(), branch);
   offset_.end();
   StepResult ignored;
@@ -231,6 +233,14 @@ bool BranchTraversal::decide_by_grid(StepResult& result) noexcept {
   result.snapped = result.level_changed = true;
   offset_.end();
   return true;
+}
+
+/// Whether the branch ends before the HIP.
+bool BranchTraversal::has_ended(const Branch& branch) const noexcept {
+  const std::array<double, 8> weights = corner_weights(part());
+  double tear = 0;
+  for (int k = 0; branch.is_torn && k < 8; ++k) tear += weights[k] * map_->tear[branch.nodes[k]];
+  return tear < 0;
 }
 
 /// The tear function of the branch; negative where the branch has ended. The branch is torn.

@@ -53,8 +53,8 @@ class BranchTraversal final : public Traversal {
   const BranchNodes* branch_nodes() const override { return &map_->nodes; }
 
  private:
-  /// The corner nearest to the HIP has level 0, as in the paper's rule.
-  bool begin(int nearest) noexcept override;
+  /// The corner nearest to the HIP has the level, as in the paper's rule.
+  bool begin(int nearest, Level level) noexcept override;
   bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept override;
   bool move(const Vec3& x, StepResult& result) noexcept override;
   void settle(StepResult& result) noexcept override;
@@ -86,6 +86,7 @@ class BranchTraversal final : public Traversal {
   void find_candidates() noexcept;
   double difference(const std::array<Node, 8>& nodes, const std::array<double, 8>& weights,
                     std::span<const double> state) const noexcept;
+  bool has_ended(const Branch& branch) const noexcept;
   double tear(const std::array<double, 8>& weights) const noexcept;
   void keep_state(const std::array<const double*, 8>& before, const std::array<double, 8>& weights,
                   const std::array<const double*, 8>& after) noexcept;

@@ -104,8 +104,11 @@ class Responder {
     const double slew_dt = slew_ns > 0 ? static_cast<double>(slew_ns) * 1e-9 : dt;
     const Vec3 hip = mapping_.hip(input, dt);
     const bool begins = input.begins || !begun_;
-    const StepResult& step = begins ? traversal_.start(hip) : traversal_.step(hip);
     if (begins) begin();
+    // Like that of the reset button, the press alone counts.
+    const bool next = input.next && !next_held_;
+    next_held_ = input.next;
+    const StepResult& step = begins ? traversal_.start(hip) : traversal_.step(hip, next);
     // The loop takes the press of the reset button alone: a button that was pressed before the
     // fault does not answer it. The clutch may be held: nobody wants a force meanwhile, and its
     // release starts a ramp.
@@ -115,6 +118,7 @@ class Responder {
     // After a HIP of NaN, or a link that leads nowhere, the state is that of an earlier HIP, and so
     // is its force: that is a fault like a force that is not finite.
     const bool unusable = !step.usable();
+    const bool chosen = step.chosen != kNoLevel;
     Vec3 raw_force{kNaN, kNaN, kNaN};
     if (!unusable) {
       // Also in a fault, because a force may depend on the steps before.
@@ -127,7 +131,8 @@ class Responder {
                                            .missed = missed,
                                            .speed = unusable ? 0 : speed(hip, dt),
                                            .place = place(hip),
-                                           .stored = unusable ? 0 : stored(),
+                                           .stored = unusable ? 0 : stored(chosen),
+                                           .chosen = chosen,
                                            .outside_cells = mapping_.outside_cells(hip),
                                            .stalled = input.stalled,
                                            .clutch = input.clutch,
@@ -139,14 +144,14 @@ class Responder {
   void begin() {
     safety_.begin();
     has_last_hip_ = false;
-    reset_held_ = false;
+    reset_held_ = next_held_ = false;
     begun_ = true;
   }
 
   /// The energy that the force can give, in joules; 0 where it is not known or needed.
-  double stored() const {
+  double stored(bool chosen) const {
     if constexpr (requires { force_.stored_energy(traversal_); })
-      if (safety_.is_ramping()) return force_.stored_energy(traversal_);
+      if (chosen || safety_.is_ramping()) return force_.stored_energy(traversal_);
     return 0;
   }
 
@@ -178,6 +183,7 @@ class Responder {
   bool has_last_hip_ = false;
   bool begun_ = false;
   bool reset_held_ = false;
+  bool next_held_ = false;
 };
 
 template <class Force, class Sink>

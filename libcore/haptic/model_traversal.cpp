@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "libcore/grid/vec3.hpp"
@@ -19,24 +20,41 @@ ModelTraversal::ModelTraversal(const Grid& grid, std::unique_ptr<Model> model, d
   levels_.fill(kNoLevel);
 }
 
-bool ModelTraversal::begin(int nearest) noexcept {
+bool ModelTraversal::begin(int nearest, Level level) noexcept {
   const PointIndex p = cells_.point(base(), nearest);
-  if (grid_.levels(p) == 0) return false;
-  const std::span<const double> row = grid_.row(grid_.first(p));
+  if (level >= grid_.levels(p)) return false;
+  before_ = row_;
+  const std::span<const double> row = grid_.row(grid_.first(p) + level);
   std::copy(row.begin(), row.end(), row_.begin());
   return follow(box_.position(p), position());
 }
 
-bool ModelTraversal::move(const Vec3& x, StepResult&) noexcept { return follow(position(), x); }
+Level ModelTraversal::level_at(int corner) const noexcept {
+  const PointIndex p = cells_.point(base(), corner);
+  Level nearest = kNoLevel;
+  double least = std::numeric_limits<double>::infinity();
+  for (Level level = 0; level < grid_.levels(p); ++level) {
+    const double away = distance(grid_.spec().equality, grid_.state_size(), row_.data(),
+                                 grid_.row(grid_.first(p) + level).data());
+    if (away >= least) continue;
+    least = away;
+    nearest = level;
+  }
+  return nearest;
+}
 
-/// Whole or not at all: when a conversion fails, the state before the first one stays.
+bool ModelTraversal::move(const Vec3& x, StepResult&) noexcept {
+  before_ = row_;
+  return follow(position(), x);
+}
+
+/// Whole or not at all: when a conversion fails, the state is before_ again.
 bool ModelTraversal::follow(Vec3 from, const Vec3& to) noexcept {
   const Vec3 way = to - from;
   const double length = std::hypot(way[0], way[1], way[2]);
   if (length == 0) return true;
   const double steps = std::ceil(length / longest_);
   const Vec3 d{way[0] / steps, way[1] / steps, way[2] / steps};
-  before_ = row_;
   for (double i = 0; i < steps; ++i) {
     for (int a = 0; a < 3; ++a) from[a] = to[a] - (steps - i) * d[a];
     if (!model_->convert(row_.data(), from, d, next_.data())) {

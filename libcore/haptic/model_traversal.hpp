@@ -24,8 +24,10 @@ class ModelTraversal final : public Traversal {
   void abandon() noexcept { model_->abandon(); }
 
  private:
-  /// Level 0 of the corner nearest to the HIP, and C from there to the HIP.
-  bool begin(int nearest) noexcept override;
+  /// The level of the corner nearest to the HIP, and C from there to the HIP.
+  bool begin(int nearest, Level level) noexcept override;
+  /// The level whose state is nearest to the present one.
+  Level level_at(int corner) const noexcept override;
   bool cross(int, PointIndex, const Vec3&, StepResult&) noexcept override { return true; }
   /// `blocked`, by its return value, when a conversion fails: the state is held.
   bool move(const Vec3& x, StepResult& result) noexcept override;

@@ -2,9 +2,9 @@
 
 namespace hapgrid {
 
-bool PaperTraversal::begin(int nearest) noexcept {
+bool PaperTraversal::begin(int nearest, Level level) noexcept {
   Corners corners;
-  if (!cells_.start(base(), nearest, corners)) return false;
+  if (!cells_.start(base(), nearest, corners, level)) return false;
   set_corners(corners);
   return true;
 }

@@ -20,10 +20,10 @@ class PaperTraversal final : public Traversal {
       : Traversal(grid, max_sub_steps) {}
 
  private:
-  /// The corner nearest to the HIP (the lower one of two) gets level 0, the other seven its
+  /// The corner nearest to the HIP (the lower one of two) gets the level, the other seven its
   /// destination levels. Source: Sect. 2.4. Deviation: level 0 in all corners, as printed, can mix
   /// branches.
-  bool begin(int nearest) noexcept override;
+  bool begin(int nearest, Level level) noexcept override;
   bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept override;
   bool move(const Vec3&, StepResult&) noexcept override { return true; }
   void evaluate() noexcept override;

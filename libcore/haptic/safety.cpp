@@ -164,7 +164,7 @@ SafeForce limit(const SafetyLimits& limits, SafetyState& state, const SafetyInpu
     state.ramp = 0;
     scale(0, kClutched);
   } else {
-    const double before = state.ramp;
+    const double before = input.chosen ? 0 : state.ramp;
     state.ramp = limits.ramp_ms > 0 ? std::min(1.0, before + input.dt * 1000 / limits.ramp_ms) : 1;
     scale(state.ramp, kRamped);
     state.tank.grant((state.ramp - before) * input.stored, state.ramp * input.stored);

@@ -96,8 +96,10 @@ struct SafetyInput {
   /// The HIP in metres of the hand, in the box's axes; nothing when the scale is not known.
   std::optional<Vec3> place = std::nullopt;
   /// Joules that the model holds there, above its lowest energy; 0 when that is not known. Only
-  /// looked at while the ramp rises, see is_ramping().
+  /// looked at while the ramp rises, see is_ramping(), and with `chosen`.
   double stored = 0;
+  /// The hand chose this state, and did not come to it: the force comes in by the ramp.
+  bool chosen = false;
   double outside_cells = 0;  ///< how far the HIP is outside the box, in grid spacings
   bool stalled = false;      ///< the device is silent, so nobody knows where the hand is
   bool clutch = false;       ///< the hand moves without the HIP and must feel nothing

@@ -42,7 +42,7 @@ Traversal::Traversal(const Grid& grid, std::uint16_t max_sub_steps)
   }
 }
 
-const StepResult& Traversal::start(const Vec3& hip) noexcept {
+const StepResult& Traversal::start(const Vec3& hip, Level level) noexcept {
   step_ = {.started = true, .from = position_};
   started_ = false;
   ++jumps_;
@@ -67,7 +67,7 @@ const StepResult& Traversal::start(const Vec3& hip) noexcept {
 
   enter(cell, box_.index(cell));
   position_ = x;
-  started_ = begin(nearest);
+  started_ = begin(nearest, level);
   step_.blocked = !started_;
   if (started_) {
     settle(step_);
@@ -78,13 +78,14 @@ const StepResult& Traversal::start(const Vec3& hip) noexcept {
   return step_;
 }
 
-const StepResult& Traversal::step(const Vec3& hip) noexcept {
+const StepResult& Traversal::step(const Vec3& hip, bool next) noexcept {
   // The most frequent case comes first: a HIP in the closed cell is finite and in the box.
   if (started_ && hip[0] >= low_[0] && hip[0] <= high_[0] && hip[1] >= low_[1] &&
       hip[1] <= high_[1] && hip[2] >= low_[2] && hip[2] <= high_[2]) {
     step_ = {.from = position_};
     if (move(hip, step_)) {
       position_ = hip;
+      if (next) choose_next();
       settle(step_);
     } else {
       step_.blocked = true;
@@ -103,6 +104,7 @@ const StepResult& Traversal::step(const Vec3& hip) noexcept {
   step_.outside = clamp(x);
   const std::array<RecordIndex, 8> before = nodes_;
   travel(x);
+  if (next && !step_.blocked) choose_next();
   if (!step_.blocked) settle(step_);
   compare_corners(before);
   jumps_ += step_.snapped;
@@ -202,6 +204,23 @@ bool Traversal::switch_cell(const std::array<std::int64_t, 3>& move, const Vec3&
   ++(axes == 1 ? step_.face_switches : axes == 2 ? step_.edge_switches : step_.vertex_switches);
   step_.direction = static_cast<std::int8_t>(q);
   return true;
+}
+
+/// Takes the next other level of the grid point nearest to position().
+void Traversal::choose_next() noexcept {
+  const Vec3 in_cell = part();
+  int nearest = 0;
+  for (int a = 0; a < 3; ++a)
+    if (in_cell[a] > 0.5) nearest |= 1 << a;
+  const int levels = grid_.levels(cells_.point(base_, nearest));
+  const Level present = level_at(nearest);
+  for (int i = 1; i <= levels; ++i) {
+    const auto level = static_cast<Level>((present == kNoLevel ? i - 1 : present + i) % levels);
+    if (level == present || !begin(nearest, level)) continue;
+    step_.chosen = level;
+    step_.snapped = step_.level_changed = true;
+    return;
+  }
 }
 
 /// Whether corners changed in a step that ended outside the cell where it began. Without `split`

@@ -41,6 +41,9 @@ namespace hapgrid {
 class Beside;
 class BranchNodes;
 
+/// In Traversal::levels(): no record of the grid.
+inline constexpr Level kNoLevel = 255;
+
 /// What happened in a step. When all is false and zero, the HIP stayed in its cell.
 struct StepResult {
   bool started = false;     ///< the traversal began, so nothing before the step counts
@@ -53,6 +56,9 @@ struct StepResult {
   /// that stays on a branch: `snapped`.
   bool level_changed = false;
   bool snapped = false;  ///< the state jumped to another branch, as the model does there
+  /// The level, at the grid point nearest to position(), whose state the hand chose and got; the
+  /// step has then snapped, too.
+  Level chosen = kNoLevel;
   std::uint16_t face_switches = 0;
   std::uint16_t edge_switches = 0;
   std::uint16_t vertex_switches = 0;
@@ -78,10 +84,13 @@ class Traversal {
 
   virtual ~Traversal() = default;
 
-  /// Starts in the cell of the HIP. @returns last_step()
-  const StepResult& start(const Vec3& hip) noexcept;
-  /// Follows the HIP. Until a start has succeeded it does the same as start(). @returns last_step()
-  const StepResult& step(const Vec3& hip) noexcept;
+  /// Starts in the cell of the HIP, in the state that has this level at the grid point nearest to
+  /// it. @returns last_step()
+  const StepResult& start(const Vec3& hip, Level level = 0) noexcept;
+  /// Follows the HIP. Until a start has succeeded it does the same as start().
+  /// @param next the hand wants another state: that of the next level, in their order, at the grid
+  /// point nearest to the HIP. Where there is no other, nothing happens. @returns last_step()
+  const StepResult& step(const Vec3& hip, bool next = false) noexcept;
   const StepResult& last_step() const { return step_; }
 
   /// The state there, n values in the model's units; zeros before the first start.
@@ -125,9 +134,12 @@ class Traversal {
 
   // What a rule answers. Each of these is real-time safe.
 
-  /// Begins at position(), which is nearest to the corner `nearest` of the cell. False when a link
-  /// is missing.
-  virtual bool begin(int nearest) noexcept = 0;
+  /// Begins at position(), which is nearest to the corner `nearest` of the cell, in the state that
+  /// has this level there. False when a link or the level is missing, or when the hand chose this
+  /// level (last_step() is no start) and its branch ends before position(): then nothing changes.
+  virtual bool begin(int nearest, Level level) noexcept = 0;
+  /// Of the present state in a corner of the cell; kNoLevel where it has none.
+  virtual Level level_at(int corner) const noexcept { return levels_[corner]; }
   /// Changes to the neighbouring cell at `base`, in direction q, on the way to y in that cell.
   /// Until it returns, the cell is the one before. False when a link is missing: then nothing
   /// changes.
@@ -164,6 +176,7 @@ class Traversal {
   std::array<std::int64_t, 3> cells_away(const Vec3& x) const noexcept;
   void travel(const Vec3& x) noexcept;
   bool switch_cell(const std::array<std::int64_t, 3>& move, const Vec3& y) noexcept;
+  void choose_next() noexcept;
   void compare_corners(const std::array<RecordIndex, 8>& before) noexcept;
   void enter(const GridCoordinates& cell, PointIndex base) noexcept;
 
@@ -180,9 +193,6 @@ class Traversal {
   Vec3 high_{0, 0, 0};
   Vec3 scale_{1, 1, 1};  // 1 / (high_ - low_), rounded so that high_ gives at least 1
 };
-
-/// In Traversal::levels(): no record of the grid.
-inline constexpr Level kNoLevel = 255;
 
 /// Weights of the corners i + 2j + 4k at xbar, dimensionless in [0,1]^3; they are >= 0, sum to 1
 /// within 4 epsilon, and at a corner one is exactly 1 and the others exactly 0.

@@ -33,13 +33,15 @@ Recording load_session(InputFile file, std::uint64_t limit) {
   const std::uint32_t clutch = bit(kClutchFlag);
   const std::uint32_t stalled = bit(kStalledFlag);
   const std::uint32_t reset = bit(kResetFlag);
+  const std::uint32_t next = bit(kNextFlag);
   const std::uint32_t begins = bit(kBeginsFlag);
   for (std::vector<TickRecord> chunk; reader.next(chunk);) {
     require_room(reader.name(), recording.ticks.size() + chunk.size(), limit);
     for (const TickRecord& tick : chunk)
       recording.ticks.push_back({tick.number, tick.hip, (tick.flags & clutch) != 0,
                                  (tick.flags & stalled) != 0, (tick.flags & reset) != 0,
-                                 (tick.flags & begins) != 0, tick.slew_ns});
+                                 (tick.flags & next) != 0, (tick.flags & begins) != 0,
+                                 tick.slew_ns});
   }
   recording.ended_early = reader.ended_early();
   if (recording.ticks.empty()) throw Error(without_ticks(reader));

@@ -16,6 +16,7 @@ struct RecordedTick {
   bool clutch = false;
   bool stalled = false;
   bool reset = false;
+  bool next = false;
   bool begins = false;
   std::uint32_t slew_ns = 0;  ///< as in TickRecord
 };
@@ -33,7 +34,8 @@ inline constexpr std::uint64_t kRecordingLimit = 1'000'000'000;
 ///
 /// A text has a first line "# t x y z ...", as play --log and stats --export write it: names of
 /// columns, separated by tabs. Only t (seconds) and x, y, z are read. A tick's number is
-/// t * text_rate_hz, rounded. A text has no clutch, stalled, reset and begins: they are false.
+/// t * text_rate_hz, rounded. A text has no clutch, stalled, reset, next and begins: they are
+/// false.
 /// @throw std::system_error; FormatError "NAME: byte N: ..." for a session; Error "NAME: line N:
 /// ..." for a text; Error when there is no tick, or when the ticks need more than `limit` bytes.
 Recording load_recording(const std::string& name, double text_rate_hz,

@@ -17,6 +17,7 @@ namespace hapgrid {
 inline constexpr const char* kClutchFlag = "clutch";        ///< DeviceInput::clutch
 inline constexpr const char* kStalledFlag = "stalled";      ///< DeviceInput::stalled
 inline constexpr const char* kResetFlag = "reset";          ///< DeviceInput::reset
+inline constexpr const char* kNextFlag = "next";            ///< DeviceInput::next
 inline constexpr const char* kBeginsFlag = "begins";        ///< DeviceInput::begins
 inline constexpr const char* kLevelFlag = "level_changed";  ///< a switch of levels
 inline constexpr const char* kSafetyFlag = "safety_";       ///< "safety_clamped"

@@ -218,7 +218,8 @@ Session read_recording(const std::string& name) {
   session.head = head.bytes();
   for (const RecordedTick& tick : recording.ticks) {
     Content content;
-    content.add_all(tick.number, tick.hip, tick.clutch, tick.stalled, tick.reset, tick.begins);
+    content.add_all(tick.number, tick.hip, tick.clutch, tick.stalled, tick.reset, tick.next,
+                    tick.begins);
     session.ticks.push_back(content.bytes());
   }
   return session;

@@ -65,7 +65,7 @@ int dhdGetLinearVelocity(double* x, double* y, double* z, char id) {
 
 uint dhdGetButtonMask(char id) {
   (void)id;
-  return 0;
+  return 2;  // the second button is held
 }
 
 const char* dhdGetSystemName(char id) {

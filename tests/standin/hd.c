@@ -73,7 +73,7 @@ void hdGetDoublev(HDenum what, HDdouble* values) {
 
 void hdGetIntegerv(HDenum what, HDint* values) {
   (void)what;
-  *values = 0;
+  *values = 2;  // the second button is held
 }
 
 void hdSetDoublev(HDenum what, const HDdouble* values) {

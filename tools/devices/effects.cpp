@@ -107,8 +107,11 @@ hapgrid_device_greeting stick_greeting(const EvdevLayout& layout, const EvdevPar
 
 void take_event(const EvdevLayout& layout, const EvdevParameters& parameters,
                 const input_event& event, hapgrid_device_state& state) noexcept {
-  if (event.type == EV_KEY && event.code >= BTN_MISC)
-    state.flags = event.value != 0 ? std::uint32_t{HAPGRID_DEVICE_RESET} : 0;
+  if (event.type == EV_KEY && event.code >= BTN_MISC) {
+    const std::uint32_t flag =
+        event.code == layout.second_button ? HAPGRID_DEVICE_NEXT : HAPGRID_DEVICE_RESET;
+    state.flags = event.value != 0 ? state.flags | flag : state.flags & ~flag;
+  }
   if (event.type != EV_ABS) return;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto& axis = layout.axes[a];

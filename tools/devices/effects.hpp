@@ -51,6 +51,7 @@ struct EvdevLayout {
   bool constant = false, rumble = false, gain = false, autocenter = false;
   /// To the right; towards the user; and, of the second stick, downwards.
   std::array<std::optional<EvdevAxis>, 3> axes{};
+  std::uint16_t second_button = 0;  ///< BTN_THUMB, BTN_EAST, ...; 0: there is none
 
   bool has_force() const { return constant || rumble; }
 };
@@ -80,7 +81,8 @@ EvdevLayout usable_layout(EvdevLayout layout, EvdevParameters& parameters);
 hapgrid_device_greeting stick_greeting(const EvdevLayout& layout, const EvdevParameters& parameters,
                                        double rate);
 
-/// Takes the event of an axis or a button; any button is HAPGRID_DEVICE_RESET.
+/// Takes the event of an axis or a button; the second button is HAPGRID_DEVICE_NEXT, any
+/// other HAPGRID_DEVICE_RESET.
 void take_event(const EvdevLayout& layout, const EvdevParameters& parameters,
                 const input_event& event, hapgrid_device_state& state) noexcept;
 

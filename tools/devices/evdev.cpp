@@ -97,6 +97,9 @@ EvdevLayout Handle::layout() const {
                      .gain = has(EV_FF, FF_GAIN),
                      .autocenter = has(EV_FF, FF_AUTOCENTER),
                      .axes = {}};
+  int buttons = 0;
+  for (std::uint16_t code = BTN_MISC; code < KEY_OK && buttons < 2; ++code)
+    if (has(EV_KEY, code) && ++buttons == 2) layout.second_button = code;
   // The second stick is Rx, Ry for drivers of gamepads, and Z, Rz for a gamepad of HID.
   const std::array<std::array<std::uint16_t, 2>, 3> codes{
       {{ABS_X, ABS_WHEEL}, {ABS_Y, ABS_Y}, {ABS_RY, ABS_RZ}}};

@@ -146,7 +146,7 @@ class Reader : private TomlFile {
   }
 
   void input(const toml::table& in, Profile& p) const {
-    only_keys(in, "input.", {"id", "length", "axes", "x", "y", "z", "clutch"});
+    only_keys(in, "input.", {"id", "length", "axes", "x", "y", "z", "clutch", "next"});
     p.input_id = report_id(in, "input.");
     p.input_length = length(in, "input.");
     p.input_axes = axes(&in, "input.");
@@ -163,12 +163,18 @@ class Reader : private TomlFile {
     }
     if (!p.inputs[0] && !p.inputs[1] && !p.inputs[2])
       fail(in, "input has none of the axes x, y, z");
-    if (in.contains("clutch")) {
-      const toml::table& t = table(in, "clutch");
-      only_keys(t, "input.clutch.", {"bit", "inverted"});
-      p.clutch = Profile::Clutch{.field = field(t, "input.clutch.", p.input_length, true),
-                                 .inverted = flag(t, "input.clutch.", "inverted", false)};
-    }
+    p.clutch = button(in, "clutch", p);
+    p.next = button(in, "next", p);
+  }
+
+  std::optional<Profile::Button> button(const toml::table& in, const std::string& key,
+                                        const Profile& p) const {
+    if (!in.contains(key)) return std::nullopt;
+    const std::string prefix = "input." + key + ".";
+    const toml::table& t = table(in, key);
+    only_keys(t, prefix, {"bit", "inverted"});
+    return Profile::Button{.field = field(t, prefix, p.input_length, true),
+                           .inverted = flag(t, prefix, "inverted", false)};
   }
 
   void outputs(Profile& p) const {

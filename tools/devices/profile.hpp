@@ -53,7 +53,7 @@ struct Profile {
     double scale = 0;   ///< metres a count
     double offset = 0;  ///< metres at count 0
   };
-  struct Clutch {
+  struct Button {
     BitField field;  ///< one bit
     bool inverted = false;
   };
@@ -78,7 +78,7 @@ struct Profile {
   std::uint8_t input_id = 0;
   std::size_t input_length = 0;  ///< bytes after the id
   std::array<std::optional<InputAxis>, 3> inputs;
-  std::optional<Clutch> clutch;
+  std::optional<Button> clutch, next;
   Matrix3 input_axes{};  ///< position = input_axes * what the axes say
   std::vector<Output> outputs;
   double max_force = 0;  ///< newtons that the device can hold for long; 0: no force
@@ -88,7 +88,7 @@ struct Profile {
   ProfileTiming timing;
   Vec3 low{}, high{};  ///< metres
 
-  /// Reads an input report, its id first (0 for a device without ids), into position and clutch.
+  /// Reads an input report, its id first (0 for a device without ids), into position and buttons.
   /// @return false, and `state` is unchanged, for a report that has another id or is too short
   bool decode(std::span<const std::uint8_t> report, hapgrid_device_state& state) const noexcept;
   /// Makes the output reports for a force, in newtons, in their order. Forces are rounded towards

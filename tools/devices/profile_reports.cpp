@@ -98,9 +98,11 @@ bool Profile::decode(std::span<const std::uint8_t> report,
       metres[a] = axis->scale * static_cast<double>(axis->field.get(data)) + axis->offset;
   const Vec3 position = times(input_axes, metres);
   std::copy(position.begin(), position.end(), state.position);
-  state.flags = 0;
-  if (clutch && (clutch->field.get(data) != 0) != clutch->inverted)
-    state.flags = HAPGRID_DEVICE_CLUTCH;
+  const auto is_pressed = [&](const std::optional<Button>& button) {
+    return button && (button->field.get(data) != 0) != button->inverted;
+  };
+  state.flags = (is_pressed(clutch) ? std::uint32_t{HAPGRID_DEVICE_CLUTCH} : 0) |
+                (is_pressed(next) ? std::uint32_t{HAPGRID_DEVICE_NEXT} : 0);
   return true;
 }
 

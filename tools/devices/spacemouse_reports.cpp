@@ -6,6 +6,12 @@
 
 namespace hapgrid {
 
+namespace {
+
+constexpr unsigned kSecondButton = 2;
+
+}  // namespace
+
 bool is_spacemouse(std::uint16_t vendor, std::uint16_t product) {
   if (vendor == 0x046d) {  // Logitech sold them until 2013, among its mice
     constexpr std::uint16_t kProducts[] = {0xc603, 0xc605, 0xc606, 0xc621, 0xc623, 0xc625,
@@ -19,9 +25,12 @@ bool is_spacemouse(std::uint16_t vendor, std::uint16_t product) {
 bool decode_spacemouse(std::span<const std::uint8_t> report, hapgrid_device_state& state) noexcept {
   if (report.size() >= 2 && report[0] == 3) {
     const auto buttons = report.subspan(1);
-    const bool pressed =
-        std::any_of(buttons.begin(), buttons.end(), [](auto byte) { return byte != 0; });
-    state.flags = pressed ? std::uint32_t{HAPGRID_DEVICE_RESET} : 0;
+    const bool next = (buttons[0] & kSecondButton) != 0;
+    const bool other =
+        (buttons[0] & ~kSecondButton) != 0 ||
+        std::any_of(buttons.begin() + 1, buttons.end(), [](auto b) { return b != 0; });
+    state.flags = (next ? std::uint32_t{HAPGRID_DEVICE_NEXT} : 0) |
+                  (other ? std::uint32_t{HAPGRID_DEVICE_RESET} : 0);
     return true;
   }
   if (report.size() < 7 || report[0] != 1) return false;

@@ -110,6 +110,7 @@ OpenDevice open_replay(const std::string& file, double text_rate_hz) {
                      .stalled = tick.stalled,
                      .clutch = tick.clutch,
                      .reset = tick.reset,
+                     .next = tick.next,
                      .begins = tick.begins,
                      .missed = tick.number - next,
                      .slew_ns = tick.slew_ns});
@@ -176,7 +177,8 @@ bool is_live(const DeviceChoice& device) {
 
 std::string keys_of(const DeviceChoice& device) {
   if (!std::holds_alternative<TerminalKeys>(device)) return "";
-  return "arrows: x, z   page up, down: y   + -: step   0: start   r: force back   q: end";
+  return "arrows: x, z   page up, down: y   + -: step   0: start   n: next level   r: force back   "
+         "q: end";
 }
 
 AdapterProgram adapter_program(const AdapterChoice& choice, const PlaySettings& settings,

@@ -17,7 +17,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // The flags of a tick: first the bits of the safety core, then these.
-enum : std::uint32_t { kClutchBit = kSafetyActions, kStalledBit, kResetBit, kLevelBit, kBeginsBit };
+enum : std::uint32_t {
+  kClutchBit = kSafetyActions,
+  kStalledBit,
+  kResetBit,
+  kNextBit,
+  kLevelBit,
+  kBeginsBit
+};
 
 /// Calls f(name, value) for each limit.
 template <class Limits, class F>
@@ -52,7 +59,7 @@ SessionHeader session_header(const GridSpec& spec, const std::string& digest, do
   header.rate_hz = rate_hz;
   for (const char* name : kSafetyNames) header.flags.push_back(kSafetyFlag + std::string(name));
   header.flags.insert(header.flags.end(),
-                      {kClutchFlag, kStalledFlag, kResetFlag, kLevelFlag, kBeginsFlag});
+                      {kClutchFlag, kStalledFlag, kResetFlag, kNextFlag, kLevelFlag, kBeginsFlag});
   Json safety;
   // JSON has no infinity; null stands for it.
   each_limit(with.limits, [&](const char* name, double value) { safety[name] = value; });
@@ -101,7 +108,8 @@ TickRecord tick_record(const Tick& tick) noexcept {
           .levels = tick.traversal.levels(),
           .flags = tick.force.acted | bit(tick.input.clutch, kClutchBit) |
                    bit(tick.input.stalled, kStalledBit) | bit(tick.input.reset, kResetBit) |
-                   bit(tick.step.level_changed, kLevelBit) | bit(tick.input.begins, kBeginsBit),
+                   bit(tick.input.next, kNextBit) | bit(tick.step.level_changed, kLevelBit) |
+                   bit(tick.input.begins, kBeginsBit),
           .lateness_ns = saturated_ns(tick.lateness_ns),
           .compute_ns = saturated_ns(tick.compute_ns),
           .slew_ns = tick.force.acted & (kSlewed | kEnergy) ? saturated_ns(tick.slew_ns) : 0};

@@ -150,7 +150,10 @@ void Sessions::judge_rest() {
 }
 
 void Sessions::compare(const Tick& tick) {
-  const StepResult step = tick.input.begins ? truth_->start(tick.hip) : truth_->step(tick.hip);
+  const Level chosen = tick.step.chosen;
+  const StepResult step = tick.input.begins    ? truth_->start(tick.hip)
+                          : chosen != kNoLevel ? truth_->start(tick.hip, chosen)
+                                               : truth_->step(tick.hip);
   if (!step.usable() || !finite(tick.raw_force)) return;
   const Vec3 model = fields_.force(truth_->position(), truth_->row());
   if (std::max(length_of(model), length_of(tick.raw_force)) < kContact) return;

@@ -1,6 +1,7 @@
 #include "tools/play/simulation.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -63,11 +64,14 @@ void read_device(const TomlFile& file, Simulation& s) {
 void read_hand(const TomlFile& file, const std::string& name, Simulation& s) {
   if (!file.root().get("hand")) return;
   const toml::table& table = file.table(file.root(), "hand");
-  file.only_keys(table, "hand.", {"stiffness", "damping", "tremor", "path"});
+  file.only_keys(table, "hand.", {"stiffness", "damping", "tremor", "next", "path"});
   const Table hand(file, table, "hand.");
   hand.number("stiffness", 0, 1e6, "N/m", s.device.stiffness);
   hand.number("damping", 0, 1e4, "N s/m", s.device.hand_damping);
   hand.number("tremor", 0, 0.1, "m", s.tremor);
+  double next = 0;
+  hand.number("next", 1 / s.device.rate_hz, 1e6, "s", next);
+  s.device.next_ticks = static_cast<std::uint64_t>(std::llround(next * s.device.rate_hz));
   if (const toml::node* node = table.get("path")) {
     const auto path = std::filesystem::path(name).parent_path() / file.text(*node, "hand.path");
     if (file.root().get("random"))

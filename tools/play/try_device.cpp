@@ -42,6 +42,7 @@ std::string input_text(const DeviceInfo& info, const DeviceInput& input, double 
   text += format("{:5.0f} answers/s", answers_hz);
   if (input.clutch) text += "  clutch";
   if (input.reset) text += "  button";
+  if (input.next) text += "  next level";
   if (input.stalled) text += "  silent";
   return text;
 }

@@ -54,7 +54,12 @@ void Hand::move_to(const Vec3& place) {
   for (int a = 0; a < 3; ++a)
     (*place_)[a] = std::clamp(place[a], range_.first[a], range_.second[a]);
   const Vec3& x = *place_;
-  const std::string line = format("{} {} {}\n", to_text(x[0]), to_text(x[1]), to_text(x[2]));
+  write(format("{} {} {}\n", to_text(x[0]), to_text(x[1]), to_text(x[2])));
+}
+
+void Hand::next_level() { write(std::string(kHandNext) + "\n"); }
+
+void Hand::write(const std::string& line) {
   // A line is far shorter than PIPE_BUF: all of it is written, or nothing. Of a full pipe play
   // reads places that are newer than what it had, and the next move brings the newest one.
   if (::write(pipe_.get(), line.data(), line.size()) < 0 && errno != EPIPE && errno != EAGAIN &&

@@ -24,10 +24,14 @@ class Hand {
   /// pipe is full, and after the other end was closed, nothing is written.
   /// @throw std::system_error
   void move_to(const Vec3& place);
+  /// Wants the next level at the hand's place. As move_to().
+  void next_level();
   /// Where the hand was put last; nothing before.
   const std::optional<Vec3>& place() const { return place_; }
 
  private:
+  void write(const std::string& line);
+
   std::string name_;
   FileDescriptor pipe_;
   std::pair<Vec3, Vec3> range_;

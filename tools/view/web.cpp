@@ -26,6 +26,7 @@
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
+#include "libcore/device/hand.hpp"
 #include "libcore/device/path.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/view/feed.hpp"
@@ -292,7 +293,7 @@ void Server::end(lws* wsi) {
       kGrace);
 }
 
-/// Lines: a confirmation, which is a dot, or where the hand is.
+/// Lines: a confirmation, which is a dot, where the hand is, or that it wants the next level.
 int Server::hear(lws* wsi, std::string_view text) {
   Client& client = clients_[wsi];
   client.heard += text;
@@ -304,6 +305,8 @@ int Server::hear(lws* wsi, std::string_view text) {
     if (line == ".") {
       client.on_the_way = std::max(0, client.on_the_way - 1);
       ::lws_callback_on_writable(wsi);
+    } else if (line == kHandNext) {
+      if (wsi == holder_ && hand_) hand_->next_level();
     } else {
       try {
         place = parse_position(line);

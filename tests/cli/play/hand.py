@@ -66,6 +66,8 @@ hand = Hand()
 marks = {}
 for name, x, seconds in (("left", -0.6, 0.8), ("contact", 0.1, 0.8), ("snapped", 0.9, 0.8)):
     hand.go(x)
+    if name == "left":  # where there is no other level
+        print("next", file=hand.pipe)
     hand.rest(seconds)
     marks[name] = time.monotonic()
 hand.pipe.close()
@@ -74,6 +76,8 @@ end(running, 0)
 subprocess.run(["play", "grid", "--device", "replay:hand.session", "--log", "again"], check=True,
                stderr=subprocess.DEVNULL)
 subprocess.run(["stats", "--log", "hand.session", "--export", "felt"], check=True, stdout=subprocess.DEVNULL)
+said = subprocess.run(["stats", "--log", "hand.session"], check=True, capture_output=True, text=True).stdout
+assert "flag next            1 " in said, said
 log = rows("again")
 same = ["t", "x", "y", "z", "sent_x", "sent_y", "sent_z", *(f"l{i}" for i in range(8))]
 assert [[row[n] for n in same] for row in log] == [[row[n] for n in same] for row in rows("felt")]

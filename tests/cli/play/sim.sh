@@ -92,6 +92,25 @@ for row in rows[1000:]:
 PYTHON
 done
 
+# Where the grid has two levels, the hand goes on to the other one each half second: a snap, whose force comes in by the
+# ramp. A replay presses where the hand did.
+for i in {1..2000}; do echo 0.025 0.025 0.025; done >hands/path
+printf 'encoder = 0\n[hand]\npath = "path"\nnext = 0.5\nstiffness = 1e6\ndamping = 600\n' >hands/sim.toml
+play grid --device sim:hands/sim.toml --log log 2>/dev/null
+play grid --device sim:hands/sim.toml --log next.session 2>/dev/null
+play grid --device replay:next.session --log replayed 2>/dev/null
+cmp replayed log
+python3 - <<'PYTHON'
+rows = [dict(zip("t x y z fx fy fz sx sy sz".split(), map(float, line.split("\t"))), snap=line.split()[-1],
+             state=float(line.split("\t")[18])) for line in open("log") if line[0] != "#"]
+assert [row["t"] for row in rows if row["snap"] == "1"] == [0.5, 1.0, 1.5]
+for i, row in enumerate(rows):
+    # The body hangs on the one side of the probe or on the other.
+    assert (row["state"] < -0.1) == (i // 500 % 2 == 0) and abs(row["state"]) > 0.1, (i, row)
+    # The ramp's 500 ms; the ball gives the hand what it holds there, so that nothing else acts behind the first tick.
+    assert i < 2 or abs(row["sx"] - row["fx"] * (i % 500 + 1) / 500) < 1e-9, (i, row)
+PYTHON
+
 # What is refused.
 no() {
   printf "%b" "$1" >bad.toml
@@ -101,7 +120,7 @@ no 'weight = 1\n' 'line 1: unknown key weight (known: mass, damping, encoder, de
 no 'mass = 0\n' 'line 1: mass must be a number from 0.001 to 1000 kg, not 0'
 no 'mass = "1"\n' 'line 1: mass must be a number'
 no 'delay = 0.5\n' 'line 1: delay must be a whole number from 0 to 10000'
-no '[hand]\nspeed = 1\n' 'line 2: unknown key hand.speed (known: stiffness, damping, tremor, path)'
+no '[hand]\nspeed = 1\n' 'line 2: unknown key hand.speed (known: stiffness, damping, tremor, next, path)'
 no '[random]\nseconds = 1e5\n' 'line 2: random.seconds must be a number from 0.001 to 10000 s, not 1e+05'
 no 'random = 1\n' 'line 1: random must be a table'
 no '[hand]\npath = "hands/path"\n[random]\n' \

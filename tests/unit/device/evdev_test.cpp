@@ -128,9 +128,10 @@ TEST_CASE("a deflection as joydev has it") {
   CHECK(EvdevAxis{ABS_X, kLeast, kMost, 0}.place(kLeast) == -1);
 }
 
-TEST_CASE("a gamepad steers, and its buttons reset") {
+TEST_CASE("a gamepad steers, and has two buttons") {
   EvdevParameters parameters{.newtons = 4};
-  const EvdevLayout pad = usable_layout(gamepad(), parameters);
+  EvdevLayout pad = usable_layout(gamepad(), parameters);
+  pad.second_button = BTN_EAST;
   const hapgrid_device_greeting greeting = stick_greeting(pad, parameters, 1000);
   CHECK((greeting.flags & HAPGRID_DEVICE_STEERS) != 0);
   CHECK(greeting.max_force == 4);
@@ -148,7 +149,11 @@ TEST_CASE("a gamepad steers, and its buttons reset") {
   CHECK_FALSE(std::signbit(state.position[1]));
   take(EV_KEY, BTN_SOUTH, 1);
   CHECK(state.flags == HAPGRID_DEVICE_RESET);
+  take(EV_KEY, BTN_EAST, 1);
+  CHECK(state.flags == (HAPGRID_DEVICE_RESET | HAPGRID_DEVICE_NEXT));
   take(EV_KEY, BTN_SOUTH, 0);
+  CHECK(state.flags == HAPGRID_DEVICE_NEXT);
+  take(EV_KEY, BTN_EAST, 0);
   CHECK(state.flags == 0);
   take(EV_ABS, ABS_Z, 9);
   take(EV_KEY, KEY_A, 1);

@@ -139,6 +139,10 @@ TEST_CASE("positions come in pieces; what is none is named with its line") {
   CHECK_FALSE(lines.read(" 3"));
   CHECK(lines.read("\n# a comment\n\n4 5") == Vec3{1, 2, 3});
   CHECK(lines.read(" 6\r\n7 8 9\n1 1 1") == Vec3{7, 8, 9});
+  CHECK(lines.nexts() == 0);
+  CHECK(lines.read("\n2 2 2\nnext\nnext\n3 ") == Vec3{2, 2, 2});
+  CHECK(lines.nexts() == 2);
+  CHECK(lines.read("3 3\n1 1 1") == Vec3{3, 3, 3});
   CHECK(lines.finish() == Vec3{1, 1, 1});
   const auto refusal = [](std::string_view bytes) {
     return testing::refusal([&] {

@@ -53,6 +53,8 @@ TEST_CASE("other keys") {
   KeyReader reader(kKeyRange, kStep);
   reader.read('r');
   CHECK(reader.resets() == 1);
+  reader.read('n');
+  CHECK(reader.nexts() == 1);
   CHECK_FALSE(reader.quit());
   reader.read('q');
   CHECK(reader.quit());

@@ -203,6 +203,7 @@ axes = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
 x = {bit = 0, bits = 8, signed = false, scale = 0.001, offset = -0.1}
 y = {bit = 8, bits = 8, scale = -0.001}
 clutch = {bit = 16, inverted = true}
+next = {bit = 17}
 )",
                             R"([[output]]
 id = 8
@@ -213,6 +214,9 @@ x = {bit = 0, bits = 8, signed = false, newtons_per_count = -0.02, zero = 128, l
   hapgrid_device_state input{};
   const HidReport in{7, 200, 0x80, 0};
   REQUIRE(device.decode(in, input));
+  hapgrid_device_state pressed{};
+  REQUIRE(device.decode(HidReport{7, 200, 0x80, 3}, pressed));
+  CHECK(pressed.flags == HAPGRID_DEVICE_NEXT);
   CHECK(input.position[0] == Approx(-0.128));
   CHECK(input.position[1] == Approx(0.1));
   CHECK(input.flags == HAPGRID_DEVICE_CLUTCH);

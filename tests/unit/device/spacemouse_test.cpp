@@ -24,10 +24,14 @@ TEST_CASE("SpaceMouse: a push is a deflection in the box's axes") {
   CHECK(place(input) == Vec3{0, 0, -9 / 350.0});
 }
 
-TEST_CASE("SpaceMouse: a button lets the force come back, and leaves the rate") {
+TEST_CASE("SpaceMouse: a button lets the force come back, the second takes the next level") {
   hapgrid_device_state input{};
   input.position[0] = 0.1;
   CHECK(decode_spacemouse(Bytes{3, 2, 0}, input));
+  CHECK(input.flags == HAPGRID_DEVICE_NEXT);
+  CHECK(decode_spacemouse(Bytes{3, 3, 0}, input));
+  CHECK(input.flags == (HAPGRID_DEVICE_NEXT | HAPGRID_DEVICE_RESET));
+  CHECK(decode_spacemouse(Bytes{3, 1, 0}, input));
   CHECK(input.flags == HAPGRID_DEVICE_RESET);
   CHECK(decode_spacemouse(Bytes{1, 0xaf, 0, 0, 0, 0, 0}, input));
   CHECK(input.flags == HAPGRID_DEVICE_RESET);  // still held

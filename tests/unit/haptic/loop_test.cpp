@@ -273,6 +273,33 @@ TEST_CASE_METHOD(Fixture, "a fault ends with the user's reset, a press after it"
   }
 }
 
+TEST_CASE_METHOD(Fixture,
+                 "a press of the button takes the next level, whose force comes by the ramp") {
+  HeldDevice d;
+  PointIndex two = 0;  // a point with two levels
+  while (grid.levels(two) < 2) ++two;
+  const Vec3 at = grid.box().position(two);
+  const Vec3 place{(at[0] - 1.5) / 15, (at[1] - 1.5) / 15, (at[2] - 1.5) / 15};
+  for (int i = 0; i < 60; ++i)
+    d.inputs.push_back({.position = place, .next = (i >= 20 && i < 25) || i == 40});
+  safety =
+      SafetyCore({.slew = kInf, .ramp_ms = 10, .reserve = std::numeric_limits<double>::infinity()});
+  std::vector<std::uint64_t> chosen;
+  loop(
+      d,
+      [](const Traversal&) {
+        return Vec3{1, 0, 0};
+      },
+      [&](const Tick& tick) {
+        if (tick.step.chosen != kNoLevel) chosen.push_back(tick.number);
+        CHECK(tick.step.snapped == (tick.step.chosen != kNoLevel));
+      });
+  CHECK(chosen == std::vector<std::uint64_t>{20, 40});
+  // A ramp of ten ticks from each of them on.
+  for (int i = 0; i < 60; ++i)
+    CHECK(d.sent[i][0] == Approx(std::min(1.0, (i % 20 + 1) / 10.0)).epsilon(1e-9));
+}
+
 TEST_CASE_METHOD(Fixture, "a replay's missed ticks count as time and in the numbers") {
   HeldDevice d;
   for (int i = 0; i < 10; ++i) d.inputs.push_back({.missed = i == 4 ? 7U : 0U});

@@ -107,6 +107,7 @@ TEST_CASE("|F| and |dF| keep their limits whatever comes, and a fault is zero in
       }
       in.stalled = random() % 32 == 0;
       in.clutch = random() % 32 == 0;
+      in.chosen = random() % 32 == 0;
       in.missed = random() % 16 == 0 ? random() % 30 : 0;  // a pause
       in.dt = 0.001 * static_cast<double>(1 + in.missed);
       if (random() % 8 == 0) in.slew_dt = uniform(random, 0, 2) * in.dt;
@@ -159,6 +160,28 @@ TEST_CASE("what is not finite holds zero until reset, and then comes back by the
   for (int i = 1; i <= 100; ++i)
     REQUIRE(safety.apply(tick({1, 0, 0})).force[0] == Approx(i / 100.0).margin(1e-12));
   CHECK(safety.apply(tick({1, 0, 0})).acted == 0);
+}
+
+TEST_CASE("a state that the hand chose gives its force by the ramp, and its energy") {
+  SafetyCore safety({.slew = 0.5, .ramp_ms = 100, .reserve = 0});
+  SafetyInput in = tick({1, 0, 0});
+  in.place = {0, 0, 0};
+  in.stored = 0.002;
+  for (int i = 0; i < 200; ++i) safety.apply(in);
+  CHECK(safety.granted() == Approx(0.002));
+  in.force = {-3, 0, 0};
+  in.stored = 0.005;
+  in.chosen = true;
+  Vec3 before{1, 0, 0};
+  for (int i = 1; i <= 100; ++i, in.chosen = false) {
+    const SafeForce safe = safety.apply(in);
+    REQUIRE(magnitude(safe.force - before) < 0.5 + 1e-9);
+    // Softly to zero, then by the ramp: 0.03 N in a tick.
+    if (i > 3) REQUIRE(safe.force[0] == Approx(-0.03 * i).margin(1e-9));
+    before = safe.force;
+  }
+  CHECK(before[0] == Approx(-3));
+  CHECK(safety.stored() == Approx(0.005));
 }
 
 TEST_CASE("the slew limit is a line to the wanted force, in its direction") {
