@@ -198,7 +198,7 @@ int run(const Options& options) {
   for (Frame frame; reader.next(frame);) {
     summary.add(scene, frame);
     if (png) chosen.offer(frame);
-    if (html) shown.push_back(base64(page_frame(scene, frame)));
+    if (html) shown.push_back(base64(page_frame(scene, frame, render_options(options))));
     if (html && !first) first = frame;
     trajectories.add(reader, frame);
   }

@@ -14,9 +14,7 @@ namespace hapgrid {
 
 namespace {
 
-constexpr Colour kBoxColour{0.62F, 0.65F, 0.7F};
-constexpr double kLinePixels = 0.6;  // half the width of the box's edges
-constexpr double kAround = 1.06;     // around what fills a picture
+constexpr double kAround = 1.06;  // around what fills a picture
 
 Vec3 along(const Vec3& a, const Vec3& b, double t) { return a + t * (b - a); }
 
@@ -61,16 +59,10 @@ Vec3 sphere_centre(const Frame& frame, std::size_t i) {
 /// close together. Those of the head are half balls, so that its back is flat.
 void add_arrow(const Scene& scene, const Frame& frame, const RenderOptions& options,
                const Projection& project, std::vector<Ball>& balls) {
-  const double newtons = length_of(frame.force);
-  const double length = newton_length(scene, options) * newtons;
-  if (!(length > 0) || !std::isfinite(length)) return;
-  const double hip = hip_radius(scene, options);
-  const auto part = [&](std::size_t i) {
-    return std::min(kArrowParts[i] * length, kArrowMost[i] * hip);
-  };
-  const double shaft = part(0), wide = part(1), head = part(2);
-  const Vec3 way = (1 / newtons) * frame.force;
-  const Vec3 from = frame.position + hip * way;
+  const auto [length, shaft, wide, head] = arrow_sizes(scene, frame, options);
+  if (!(length > 0)) return;
+  const Vec3 way = (1 / length_of(frame.force)) * frame.force;
+  const Vec3 from = frame.position + hip_radius(scene, options) * way;
   const Vec3 seen = project(from + way) - project(from);  // of the length project.scale
   const Vec3 cut = (1 / project.scale) * seen;
   // Half a ray apart they look like one thing; the bound is for absurd lengths.
@@ -187,6 +179,15 @@ double newton_length(const Scene& scene, const RenderOptions& options) {
   return scene.largest_force > 0 ? longest / 4 / scene.largest_force : longest / 6;
 }
 
+std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame,
+                                  const RenderOptions& options) {
+  const double length = newton_length(scene, options) * length_of(frame.force);
+  if (!(length > 0) || !std::isfinite(length)) return {};
+  const double hip = hip_radius(scene, options);
+  return {length, std::min(0.035 * length, 0.2 * hip), std::min(0.12 * length, 0.6 * hip),
+          std::min(0.35 * length, 1.7 * hip)};
+}
+
 PictureAxes::PictureAxes(const Camera& camera) {
   const double a = camera.azimuth_degrees * std::numbers::pi / 180;
   const double e = camera.elevation_degrees * std::numbers::pi / 180;
@@ -249,9 +250,9 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
     for (int c = 0; c < 8; ++c)
       for (int axis = 0; axis < 3; ++axis)
         if ((c >> axis & 1) == 0)
-          all.lines.push_back({project(corner(scene.box, c)),
-                               project(corner(scene.box, c | 1 << axis)),
-                               kLinePixels * options.supersampling, kBoxColour});
+          all.lines.push_back(
+              {project(corner(scene.box, c)), project(corner(scene.box, c | 1 << axis)),
+               kLinePixels * options.supersampling * options.letter_scale, kBoxColour});
   if (options.hip && finite(frame.position)) {
     const Vec3 hip = project(frame.position);
     const double radius = hip_radius(scene, options);
@@ -261,7 +262,7 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
     if (finite(frame.hand)) add_hand(project(frame.hand), hip, options, all.overlay);
     const double pixels = radius * project.scale / options.supersampling / options.letter_scale;
     if (options.flash)
-      for (const double wider : {4.0, 10.0})
+      for (const double wider : kFlashPixels)
         add_ring(hip, pixels + wider, kSnapColour, options, all.overlay);
   }
   if (options.letters) name_turned(scene, frame, project, options, all);

@@ -55,6 +55,10 @@ inline constexpr double kStickPart = 0.12;
 /// sixth.
 double hip_radius(const Scene& scene, const RenderOptions& options);
 double newton_length(const Scene& scene, const RenderOptions& options);
+/// Of the arrow that shows the frame's force, from the HIP's surface on: its length, the radius of
+/// its shaft, and radius and length of its head, which grows with the force. All zero without one.
+std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame,
+                                  const RenderOptions& options);
 
 /// Red, green, blue in [0, 1].
 using Colour = std::array<float, 3>;
@@ -62,14 +66,15 @@ using Colour = std::array<float, 3>;
 // No element has these colours in the usual schemes.
 inline constexpr Colour kHipColour{0.85F, 0.1F, 0.55F};
 inline constexpr Colour kForceColour{0, 0.5F, 0.45F};
-inline constexpr Colour kSnapColour{0.76F, 0.38F, 0.04F};
+inline constexpr Colour kSnapColour{0.69F, 0.33F, 0.02F};
 
-/// Parts of the arrow's length that are its shaft's radius, its head's radius and length, and how
-/// many radii of the HIP these are at most: the head grows with the force.
-inline constexpr std::array<double, 3> kArrowParts{0.035, 0.12, 0.35};
-inline constexpr std::array<double, 3> kArrowMost{0.2, 0.6, 1.7};
-/// Pixels of the ring around the hand.
+inline constexpr Colour kBoxColour{0.52F, 0.55F, 0.6F};
+
+/// Half the width of the box's edges, in pixels.
+inline constexpr double kLinePixels = 0.6;
+/// Pixels of the ring around the hand, and how far outside the HIP the rings of a snap are.
 inline constexpr double kRingPixels = 9;
+inline constexpr std::array<double, 2> kFlashPixels{4, 10};
 /// How many radii of a ball its shadow on the floor has.
 inline constexpr double kShadowRadii = 1.6;
 

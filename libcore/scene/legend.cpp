@@ -12,11 +12,8 @@ namespace {
 
 constexpr Colour kInk{0.16F, 0.17F, 0.2F};
 // In pixels at scale 1.
-constexpr double kAxis = 45;  // at most
 constexpr double kMargin = 10;
-constexpr double kGap = 9;         // between an axis's end and the middle of its name
 constexpr double kBeside = 16;     // from the picture's edge, for the text at an axis to the left
-constexpr double kShortest = 0.3;  // part of an axis's length that is seen
 constexpr double kSmallest = 150;  // of a picture's sides, for a legend
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above `most`.
@@ -30,20 +27,21 @@ double round_length(double most) {
 /// The axes and their names, from one place; those that point at the viewer are left out.
 void add_axes(Legend& legend, const Camera& camera, const RenderOptions& options) {
   const double scale = options.letter_scale;
-  const double length = std::min(scale * kAxis, 0.12 * std::min(options.width, options.height));
+  const double length =
+      std::min(scale * kAxis, kAxisPart * std::min(options.width, options.height));
   const PictureAxes axes(camera);
   const double left = scale * kMargin, bottom = options.height - scale * kMargin - 0.5;
   const std::array<double, 2> middle{left + length + scale * kBeside, bottom - length - scale * 30};
   for (std::size_t a = 0; a < 3; ++a) {
     const std::array<double, 2> way{axes.right[a], -axes.up[a]};
     const double shown = std::hypot(way[0], way[1]);
-    if (shown < kShortest) continue;
+    if (shown < kShortestAxis) continue;
     const auto at = [&](double distance) {
       return std::array{middle[0] + distance * way[0] / shown,
                         middle[1] + distance * way[1] / shown};
     };
     legend.lines.push_back({{middle, at(length * shown)}});
-    const auto name = at(length * shown + scale * kGap);
+    const auto name = at(length * shown + scale * kAxisGap);
     legend.labels.push_back(
         {std::string(1, "xyz"[a]), {name[0] - 0.5 * scale * kLetterWidth, name[1]}});
   }

@@ -10,6 +10,12 @@
 
 namespace hapgrid {
 
+// The axes, in pixels at scale 1.
+inline constexpr double kAxis = 45;           ///< an axis's length at most,
+inline constexpr double kAxisPart = 0.12;     ///< and as a part of the picture's shorter side
+inline constexpr double kAxisGap = 9;         ///< between an axis's end and the middle of its name
+inline constexpr double kShortestAxis = 0.3;  ///< part of an axis's length that is seen at least
+
 /// A text in a picture, in pixels from the picture's upper left corner.
 struct Label {
   std::string text;

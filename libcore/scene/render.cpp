@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libcore/grid/vec3.hpp"
+#include "libcore/scene/light.hpp"
 
 namespace hapgrid {
 
@@ -13,17 +14,7 @@ namespace {
 
 constexpr int kBandRows = 32;  // pixels; the memory for rays is that of a band
 
-// The light. page.js has the same formulas.
-constexpr Vec3 kLight{-0.4243, -0.5657, 0.7071};  // from the upper left and the viewer's side
-constexpr Vec3 kHalf{-0.2297, -0.3062, 0.9239};   // between the light and the viewer
-constexpr double kAmbient = 0.62, kDiffuse = 0.42, kShine = 0.45;
-constexpr double kFog = 0.35;           // of white, at the back
-constexpr double kOutlineDepth = 0.35;  // of a radius: so much deeper lies what an outline covers
-constexpr double kOutlineLight = 0.25;
-constexpr double kFloorLight = 0.97;
-constexpr double kShadow = 0.3;
-constexpr double kReach = 4;  // radii within which a sphere darkens others
-constexpr std::size_t kMostOccluders = 16;
+using namespace light;
 
 /// exp(-x) for x >= 0, nearly, by operations that every machine rounds alike.
 double fading(double x) {
@@ -37,8 +28,7 @@ using Occluders = std::vector<std::vector<Ball>>;
 
 Occluders find_occluders(const Drawing& all) {
   Occluders found(all.spheres);
-  // Each pair is looked at: with more spheres the picture goes without.
-  if (all.spheres > 4096) return found;
+  if (all.spheres > kMostShaded) return found;
   for (std::size_t i = 0; i < all.spheres; ++i) {
     std::vector<std::pair<double, std::size_t>> near;
     for (std::size_t k = 0; k < all.spheres; ++k) {
@@ -66,15 +56,15 @@ double open_light(const std::vector<Ball>& occluders, const Vec3& point, const V
     const double above = std::max(0.0, 0.5 + 0.5 * dot(normal, way) / std::sqrt(away2));
     sum += above * std::sqrt(above) * size;
   }
-  return std::clamp(1.45 * fading(0.33 * sum), 0.12, 1.1);
+  return std::clamp(kOpen * fading(kFading * sum), kLeastOpen, kMostOpen);
 }
 
 /// @param n the normal, x right, y down, z near. @param light see open_light()
 /// @param fog the part of white
 Colour shade(const Colour& colour, const Vec3& n, double light, double fog) {
-  const double diffuse = std::max(0.0, dot(n, kLight));
+  const double diffuse = std::max(0.0, dot(n, kFrom));
   // To the power of 40, which std::pow() takes as long for as for all the rest.
-  const double half = std::max(0.0, dot(n, kHalf));
+  const double half = std::max(0.0, dot(n, kHalfWay));
   const double half2 = half * half;
   const double half8 = half2 * half2 * half2 * half2;
   const double shine = kShine * half8 * (half8 * half8) * (half8 * half8);
@@ -126,8 +116,7 @@ class Band {
         const double x = column + 0.5 - from[0], y = row + 0.5 - from[1];
         const double a = (x * back[1] - y * back[0]) / area;
         const double b = (right[0] * y - right[1] * x) / area;
-        if (a >= 0 && a <= 1 && b >= 0 && b <= 1)
-          colour_[index(column, row)] = {kFloorLight, kFloorLight, kFloorLight};
+        if (a >= 0 && a <= 1 && b >= 0 && b <= 1) colour_[index(column, row)].fill(kFloor);
       }
     for (const Shadow& shadow : all.shadows) draw_shadow(shadow);
   }
@@ -268,7 +257,7 @@ class Band {
         Colour& colour = colour_[index(column, row)];
         if (!(inside > 0) || colour == kBackground) continue;  // beside the floor
         // Where shadows overlap there is the darkest.
-        const auto light = static_cast<float>(kFloorLight * (1 - kShadow * inside * inside));
+        const auto light = static_cast<float>(kFloor * (1 - kShadow * inside * inside));
         for (float& c : colour) c = std::min(c, light);
       }
   }

@@ -361,7 +361,8 @@ void Server::take_frames() {
     state = feed_->update(frame_, traces_);
     if (!state.fresh) break;
     has_frame_ = true;
-    const auto message = std::make_shared<const std::string>(page_frame(feed_->scene(), frame_));
+    const auto message =
+        std::make_shared<const std::string>(page_frame(feed_->scene(), frame_, options_.render));
     for (auto& [wsi, client] : clients_) {
       client.frames.push_back(message);
       if (client.frames.size() > kMostWaiting) client.frames.pop_front();

@@ -56,7 +56,7 @@ def main():
         # How many pixels the hand has to go: to x = -0.7 and then to 0.9.
         pixel = page.value("pixel()")
         x, y = width / 2, 200
-        there = x - (page.value("hand.x") + 0.7) / pixel
+        there = x - (page.value("hand[0]") + 0.7) / pixel
         back = there + 1.6 / pixel
 
         def push(start, end, steps):
@@ -79,13 +79,13 @@ def main():
         assert watcher.value("hand") is None
         assert watcher.value("Math.abs(frames[frames.length - 1].hand[0] - 0.9) < 0.05")
         # Two fingers, or the other button, turn the picture and leave the hand.
-        before = page.value("[hand.x, view.azimuth, view.zoom]")
+        before = page.value("[hand[0], view.azimuth, view.zoom]")
         if touch:
             page.fingers([line(100, 160, 300, 10), line(200, 320, 300, 10)])
             assert page.value("view.zoom") > 1.1 * before[2]
         else:
             page.drag(line(300, 350, 300, 10), button="right")
-        assert page.value("view.azimuth") != before[1] and page.value("hand.x") == before[0]
+        assert page.value("view.azimuth") != before[1] and page.value("hand[0]") == before[0]
         # The page keeps the last seconds alone.
         assert page.value("frames[frames.length - 1].time - frames[0].time") <= page.value("kLiveSeconds")
         assert not browser.complaints, browser.complaints

@@ -38,7 +38,9 @@ struct Stage {
 bool reddish(const Rgb& p) { return p[0] > p[1] + 40 && p[0] > p[2] + 40; }
 bool greenish(const Rgb& p) { return p[1] > p[0] + 40 && p[1] > p[2] + 40; }
 // The colours of the HIP and of the force.
-bool pinkish(const Rgb& p) { return p[0] > p[1] + 60 && p[2] > p[1] + 30; }
+// The HIP is translucent, and its darkest side has 0.44 of the light: 50 more red than green, and
+// 30 more blue.
+bool pinkish(const Rgb& p) { return p[0] > p[1] + 45 && p[2] > p[1] + 25; }
 bool tealish(const Rgb& p) { return p[1] > p[0] + 40 && p[2] > p[0] + 40; }
 
 }  // namespace
@@ -103,7 +105,7 @@ TEST_CASE("HIP, force and box are there, and can be left out") {
   stage.frame.centres[1] = -0.5F;
   image = stage.render();
   const Rgb faded = image.at(pixel(0.12), 150), whole = image.at(pixel(0.25), 150);
-  CHECK(faded[0] > whole[0] + 60);  // the HIP's red is seen
+  CHECK(faded[0] > whole[0] + 45);  // the HIP's red is seen
   CHECK(faded[1] > 90);             // and the sphere's green
   CHECK(greenish(whole));           // beside the HIP nothing fades
   stage.scene.spheres.clear();
@@ -166,7 +168,7 @@ TEST_CASE("neighbours darken each other, as far as the closed form says") {
   const double away = std::hypot(x, y, 2 - z);
   const double above = 0.5 + 0.5 * (-x * x - y * y + z * (2 - z)) / away;
   const double sum = 5 * std::pow(above, 1.5) * (std::min(1.0, 1 / (away * away)) - 1 / 16.0);
-  const double part = 1.45 * std::exp(-0.33 * sum) / 1.1;
+  const double part = 1.45 * std::exp(-0.33 * sum) / 1.05;
   REQUIRE(part < 0.7);
   // exp() is replaced by a power that is off by 4 % here, of at most 131.
   CHECK(int{both.at(100, 52)[0]} == Approx(part * alone.at(100, 52)[0]).margin(5));

@@ -14,11 +14,15 @@
 #include "libcore/grid/box.hpp"
 #include "libcore/scene/bonds.hpp"
 #include "libcore/scene/legend.hpp"
+#include "libcore/scene/light.hpp"
 #include "libcore/scene/torsion.hpp"
 #include "tools/view/hand.hpp"
 #include "tools/view/page/parts.hpp"
+#include "tools/view/traces.hpp"
 
 namespace hapgrid {
+
+using Json = nlohmann::ordered_json;
 
 namespace {
 
@@ -39,6 +43,27 @@ std::string css(const Colour& colour) {
   return format("#{:02x}{:02x}{:02x}", part(0), part(1), part(2));
 }
 
+/// By the names that the shaders have for them.
+Json light_numbers() {
+  using namespace light;
+  return {{"ambient", kAmbient},
+          {"diffuse", kDiffuse},
+          {"shine", kShine},
+          {"light_from", kFrom},
+          {"half_way", kHalfWay},
+          {"fog", kFog},
+          {"reach", kReach},
+          {"open", kOpen},
+          {"fading", kFading},
+          {"least_open", kLeastOpen},
+          {"most_open", kMostOpen},
+          {"outline_depth", kOutlineDepth},
+          {"outline_light", kOutlineLight},
+          {"floor_light", kFloor},
+          {"shadow", kShadow},
+          {"box_rgb", kBoxColour}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
@@ -48,9 +73,8 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
   Camera camera{azimuth_degrees, elevation_degrees};
   const auto extent = fit_extent(scene, frame, options, camera);
   const auto [hand_low, hand_high] = hand_range(box);
-  nlohmann::ordered_json data = {
+  Json data = {
       {"model", printable_line(scene.model)},
-      {"energy_unit", printable_line(scene.energy_unit)},
       {"energy_label",
        axis_label("energy", scene.energy_unit.empty() ? "model's unit" : scene.energy_unit)},
       {"keys", printable_line(scene.keys)},
@@ -63,25 +87,31 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
       {"hand_low", hand_low},
       {"hand_high", hand_high},
       {"hip_radius", hip_radius(scene, options)},
-      {"newton", newton_length(scene, options)},
       {"full_force", scene.largest_force},
       {"hip_rgb", kHipColour},
+      {"hip_opacity", kHipOpacity},
+      {"hidden_opacity", kHiddenOpacity},
       {"force_rgb", kForceColour},
       {"hand_colour", css(kHipColour)},
       {"force_colour", css(kForceColour)},
       {"snap_colour", css(kSnapColour)},
       {"energy_colour", "#1e5abe"},
       {"own_colour", "#7c3aed"},
-      {"arrow_parts", kArrowParts},
-      {"arrow_most", kArrowMost},
+      {"line_pixels", 2 * kLinePixels},
+      {"ring_pixels", kRingPixels},
+      {"flash_pixels", kFlashPixels},
+      {"shadow_radii", kShadowRadii},
+      {"most_occluders", light::kMostOccluders},
+      {"most_shaded", light::kMostShaded},
+      {"light", light_numbers()},
+      {"axes",
+       {{"longest", kAxis}, {"part", kAxisPart}, {"gap", kAxisGap}, {"shortest", kShortestAxis}}},
       {"azimuth", azimuth_degrees},
       {"elevation", elevation_degrees},
       {"centre", camera.centre},
       {"extent", extent},
-      {"least_turn", kTurned},
-      {"lengths", nlohmann::ordered_json::array()},
-      {"spheres", nlohmann::ordered_json::array()},
-      {"torsions", nlohmann::ordered_json::array()}};
+      {"lengths", Json::array()},
+      {"spheres", Json::array()}};
   const double decade = std::floor(std::log10(std::max(extent[0], extent[1])));
   for (double power = decade - 4; power <= decade + 2; ++power)
     for (const double digit : {1.0, 2.0, 5.0}) {
@@ -91,32 +121,38 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
   for (const Sphere& sphere : scene.spheres)
     data["spheres"].push_back(
         {sphere.radius, sphere.colour[0], sphere.colour[1], sphere.colour[2]});
-  for (const Torsion& torsion : scene.torsions)
-    data["torsions"].push_back(
-        {printable_line(torsion.name), torsion.spheres[1], torsion.spheres[2]});
   return data;
 }
 
-std::string page_frame(const Scene& scene, const Frame& frame) {
+std::string page_frame(const Scene& scene, const Frame& frame, const RenderOptions& options) {
+  const auto bonds = find_bonds(scene, frame);
   std::string bytes;
   append(bytes, frame.time_s);
   append(bytes, static_cast<double>(frame.jumps));
+  append(bytes, static_cast<std::uint32_t>(bonds.size()));
   append(bytes, frame.position);
   append(bytes, frame.force);
   append(bytes, frame.hand);
   append(bytes, static_cast<float>(frame.energy));
   append(bytes, static_cast<float>(frame.own_energy));
-  for (std::size_t i = 0; i < scene.torsions.size(); ++i)
-    append(bytes, static_cast<float>(i < frame.turned.size() ? frame.turned[i] : NAN));
+  for (const double size : arrow_sizes(scene, frame, options))
+    append(bytes, static_cast<float>(size));
   for (const float x : frame.centres) append(bytes, x);
-  for (const auto& bond : find_bonds(scene, frame))
+  for (const auto& bond : bonds)
     for (const std::uint32_t end : bond) append(bytes, static_cast<std::uint16_t>(end));
+  bytes += status_text(scene, frame);
+  for (std::size_t i = 0; i < frame.turned.size(); ++i)
+    if (std::abs(frame.turned[i]) >= kTurned) {
+      const Torsion& torsion = scene.torsions[i];
+      bytes += format("\n{} {} {}", torsion.spheres[1], torsion.spheres[2],
+                      turned_text(torsion, frame.turned[i]));
+    }
   return bytes;
 }
 
 std::string page_text(const std::string& data) {
-  return std::string(kPageHead) + kPageThree + "\n</script>\n<script>\nlet data = " + data + ";\n" +
-         kPageScript + "</script>\n</body>\n</html>\n";
+  return std::string(kPageHead) + "\"use strict\";\nlet data = " + data + ";\n" + kPageScript +
+         "</script>\n</body>\n</html>\n";
 }
 
 std::string script_of(const nlohmann::ordered_json& json) {

@@ -1,10 +1,9 @@
-// The parts of the page that view --html writes; embed.cmake makes their source.
+// The parts of view's page; embed.cmake makes their source.
 #pragma once
 
 namespace hapgrid {
 
-extern const char* const kPageHead;    ///< page.html: until the first script begins
-extern const char* const kPageThree;   ///< three.js
-extern const char* const kPageScript;  ///< page.js
+extern const char* const kPageHead;    ///< page.html: until the script begins
+extern const char* const kPageScript;  ///< the scripts
 
 }  // namespace hapgrid

@@ -1,0 +1,103 @@
+// The curves of force and energy below the picture, and the line of numbers.
+
+const kCurveSeconds = 10;  // of a live page
+const kGrid = "#e1e4ea";
+
+const threeDigits = (x) => parseFloat(x.toPrecision(3)).toString();
+
+/// The frames of the curves: all of a file, the last seconds of a live page; and the times at both ends.
+function curveFrames() {
+  const end = frames[frames.length - 1].time;
+  if (!live) return [frames, frames[0].time, end];
+  return [frames.filter((frame) => frame.time >= end - kCurveSeconds), end - kCurveSeconds, end];
+}
+
+/// Multiples of 1, 2 or 5 times a power of ten from low to high, at most so many.
+function ticks(low, high, most) {
+  const least = (high - low) / most, power = Math.pow(10, Math.floor(Math.log10(least)));
+  const step = [1, 2, 5, 10].map((digit) => digit * power).find((s) => s >= least) || 1;
+  const found = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step && found.length <= most; ++k)
+    found.push([k * step, (k * step).toFixed(clamp(-Math.floor(Math.log10(step) + 1e-9), 0, 12))]);
+  return found;
+}
+
+/// From the lowest to the highest value; as wide as three digits show, and from 0 on for what has no sign.
+function extent(values, fromZero) {
+  const low = fromZero ? 0 : values.reduce((a, b) => Math.min(a, b), Infinity);
+  const high = values.reduce((a, b) => Math.max(a, b), low);
+  return [low, high > low ? high : low + (Math.abs(low) / 1000 || 1)];
+}
+
+/// The names above a plot, each in its colour.
+function drawNames(c, x, y, names) {
+  for (const [text, colour] of names) {
+    c.fillStyle = colour;
+    c.fillText(text, x, y);
+    x += c.measureText(text).width + 16;
+  }
+}
+
+/// @param lines of each its value in a frame, and its colour
+function drawPlot(c, { left, right, top, bottom }, list, at, lines, fromZero) {
+  const real = lines.flatMap(([value]) => list.map(value)).filter(Number.isFinite);
+  const [low, high] = extent(real, fromZero);
+  const y = (v) => bottom - 1 - (bottom - top - 2) * (v - low) / (high - low);
+  c.fillStyle = "#fff";
+  c.fillRect(left, top, right - left, bottom - top);
+  c.textAlign = "right";
+  for (const [v, text] of ticks(low, high, 3)) {
+    strokeLines(c, [[[left, y(v)], [right, y(v)]]], kGrid, 1);
+    c.fillStyle = kInk;
+    c.fillText(text.length > 6 ? threeDigits(v) : text, left - 5, clamp(y(v), top + 4, bottom - 4));
+  }
+  c.textAlign = "left";
+  strokeLines(c, list.filter((frame) => frame.snapped).map(({ time }) => [[at(time), top], [at(time), bottom]]), data.snap_colour, 1);
+  c.lineJoin = "round";
+  for (const [value, colour] of lines) {
+    const pieces = [[]];
+    for (const frame of list) {
+      const v = value(frame);
+      if (Number.isFinite(v)) pieces[pieces.length - 1].push([at(frame.time), y(v)]);
+      else if (pieces[pieces.length - 1].length > 0) pieces.push([]);
+    }
+    strokeLines(c, pieces.filter((piece) => piece.length > 0), colour, 1.5);
+  }
+  const now = at(frames[shown].time);
+  strokeLines(c, [[[now, top], [now, bottom]]], kInk, 1);
+}
+
+function drawCurves() {
+  const { clientWidth, clientHeight } = element("curves").parentElement;
+  const [c, width, height] = context(element("curves"), clientWidth, clientHeight);
+  const [list, from, to] = curveFrames();
+  const left = 46, right = width - 1, bottomRow = 16, nameRow = 15;
+  const at = (t) => left + (right - left) * (t - from) / (to - from || 1);
+  const snap = list.some((frame) => frame.snapped) ? [["| snap", data.snap_colour]] : [];
+  const plots = [{ names: [["force / N", data.force_colour], ...snap], lines: [[(frame) => frame.size, data.force_colour]] }];
+  if (list.some((frame) => Number.isFinite(frame.energy))) {
+    plots.push({ names: [[data.energy_label, data.energy_colour]], lines: [[(frame) => frame.energy, data.energy_colour]] });
+    if (list.some((frame) => Number.isFinite(frame.own))) {
+      plots[1].names.push(["of the model alone", data.own_colour]);
+      plots[1].lines.push([(frame) => frame.own, data.own_colour]);
+    }
+  }
+  const each = (height - bottomRow) / plots.length;
+  plots.forEach(({ names, lines }, k) => {
+    drawPlot(c, { left, right, top: k * each + nameRow, bottom: (k + 1) * each - 3 }, list, at, lines, k === 0);
+    drawNames(c, left, k * each + nameRow / 2, names);
+  });
+  c.fillStyle = kInk;
+  for (const [t, text] of ticks(Math.max(from, 0), to, width / 90)) {
+    c.textAlign = at(t) > right - 20 ? "right" : "center";
+    c.fillText(at(t) > right - 20 ? "" : text, at(t), height - bottomRow / 2);
+  }
+  c.textAlign = "right";
+  c.fillText("t / s", right, height - bottomRow / 2);
+}
+
+function drawStatus() {
+  const snapped = (to) => frames.slice(0, to).filter((frame) => frame.snapped).length;
+  const count = live ? snaps : `${snapped(shown + 1)} of ${snapped()}`;
+  element("status").textContent = `${frames[shown].status}   snaps ${count}${ended ? "   ended" : ""}`;
+}

@@ -1,0 +1,162 @@
+// The page of view: `data` is the scene, and what it and a frame hold is in tools/view/page/page.cpp. In the file of
+// view --html the frames are in it; the live page of view --web gets both by a WebSocket. The picture is that of
+// view --png: texts, colours, sizes and the first camera come from there.
+
+const frames = [];       // of a live page those of the last seconds
+const kLiveSeconds = 20;
+const kLiveBytes = 64e6;
+let live = false;
+let socket = null;
+let ended = false;
+let hand = null;         // where this page's hand is
+let snaps = 0;           // of a live page, since it was opened
+let shown = 0;           // the frame
+let playing = null;      // of a file: since when, and from which time of play on; of a live page: whether it goes on
+
+/// A frame of bytes: see page_frame() in page.cpp.
+function decode(buffer) {
+  const [time, jumps] = new Float64Array(buffer, 0, 2);
+  const [bonds] = new Uint32Array(buffer, 16, 1);
+  const rest = new Float32Array(buffer, 20, 15);
+  const centres = new Float32Array(buffer, 80, 3 * data.spheres.length);
+  const text = new Uint8Array(buffer, 80 + 4 * (centres.length + bonds));
+  const [status, ...turned] = new TextDecoder().decode(text).split("\n");
+  const before = frames[frames.length - 1];
+  return {
+    time, jumps, hip: [...rest.slice(0, 3)], force: [...rest.slice(3, 6)], size: Math.hypot(...rest.slice(3, 6)),
+    hand: [...rest.slice(6, 9)], energy: rest[9], own: rest[10], arrow: [...rest.slice(11)], centres,
+    bonds: new Uint16Array(buffer, 80 + 4 * centres.length, 2 * bonds),
+    status, turned: turned.map((line) => line.match(/^(\d+) (\d+) (.*)$/).slice(1)),
+    snapped: before !== undefined && before.jumps !== jumps, bytes: buffer.byteLength,
+  };
+}
+
+function build() {
+  document.title = data.model + " - hapgrid";
+  sticks = data.sticks;
+  fit();
+  buildPicture();
+  listen();
+}
+
+function draw() {
+  if (frames.length > 0) {
+    if (gl) drawPicture(frames[shown]);
+    element("time").max = frames.length - 1;
+    element("time").value = shown;
+    drawCurves();
+    drawStatus();
+  }
+  drawLegend();
+}
+
+let due = false;
+
+/// Draws before the screen's next picture, once however often it is asked.
+function drawSoon() {
+  if (due) return;
+  due = true;
+  requestAnimationFrame(() => {
+    due = false;
+    draw();
+  });
+}
+
+/// Whether a live page shows the newest frame.
+function following() {
+  return live && playing !== null;
+}
+
+/// The frame nearest to a time, the earlier of two.
+function nearest(t) {
+  let from = 0, to = frames.length - 1;
+  while (from < to) {
+    const middle = (from + to) >> 1;
+    if (frames[middle + 1].time - t < t - frames[middle].time) from = middle + 1;
+    else to = middle;
+  }
+  return from;
+}
+
+function setPlaying(yes) {
+  if (live && yes) shown = frames.length - 1;
+  else if (yes && shown === frames.length - 1) shown = 0;
+  playing = yes ? { since: performance.now(), from: frames.length ? frames[shown].time : 0 } : null;
+  element("play").textContent = yes ? "pause" : "play";
+  if (yes && !live) requestAnimationFrame(step);
+  drawSoon();
+}
+
+function step(now) {
+  if (!playing) return;
+  shown = nearest(playing.from + (now - playing.since) / 1000);
+  draw();
+  if (shown === frames.length - 1) setPlaying(false);
+  else requestAnimationFrame(step);
+}
+
+/// page.html#t=2.5 shows that time of play.
+function goToHash() {
+  const t = parseFloat(location.hash.replace("#t=", ""));
+  if (Number.isFinite(t) && frames.length) shown = nearest(t);
+  draw();
+}
+
+/// A frame came: those that are too old go.
+function take(frame) {
+  frames.push(frame);
+  if (frame.snapped) ++snaps;
+  while (frames.length > 2 && (frames[0].time < frame.time - kLiveSeconds || frames.length * frame.bytes > kLiveBytes)) {
+    frames.shift();
+    shown = Math.max(0, shown - 1);
+  }
+  if (following()) shown = frames.length - 1;
+  drawSoon();
+}
+
+function onText(message) {
+  if (message.scene) {
+    data = message.scene;
+    build();
+    setPlaying(true);
+  } else if (message.hand) {
+    hand = message.hand;
+    for (const id of ["nearer", "farther", "turn"]) element(id).hidden = false;
+    if (gl) say("Drag: the hand.   ?: help");
+  } else if (message.ended) {
+    ended = true;
+    drawSoon();
+  }
+}
+
+function connect() {
+  live = true;
+  say("waiting for frames");
+  const address = new URL("ws", location.href);
+  address.protocol = "ws:";
+  address.hash = "";
+  socket = new WebSocket(address, "hapgrid");
+  socket.binaryType = "arraybuffer";
+  socket.onmessage = (e) => {
+    if (typeof e.data === "string") {
+      onText(JSON.parse(e.data));
+    } else {
+      socket.send(".\n");  // so that view sends no more than arrives
+      take(decode(e.data));
+    }
+  };
+  socket.onclose = () => {
+    hand = null;
+    ended = true;
+    if (!element("say").className) say(data ? "" : "view has no frames for this page any more");
+    if (data) drawSoon();
+  };
+}
+
+if (data) {
+  for (const text of data.frames) frames.push(decode(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer));
+  build();
+  goToHash();
+} else {
+  connect();
+}

@@ -1,0 +1,142 @@
+// The picture of a frame: the shapes of libcore/scene/drawing.cpp, drawn by WebGL.
+
+let gl = null;       // null without WebGL
+let shapes = null;
+let sticks = false;
+
+/// Makes the canvas, if the browser has WebGL, and says so if not.
+function buildPicture() {
+  const canvas = document.createElement("canvas");
+  gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
+  if (!gl) {
+    say("This browser has no WebGL, so that there is no picture here: only the curves and the numbers.");
+    return;
+  }
+  element("scene").prepend(canvas);
+  canvas.addEventListener("webglcontextlost", (e) => e.preventDefault());
+  canvas.addEventListener("webglcontextrestored", () => { makeShapes(); drawSoon(); });
+  makeShapes();
+}
+
+function makeShapes() {
+  const solid = { ball: 4, tint: 3 }, rod = { from: 4, to: 4, tint: 3 };
+  shapes = {
+    balls: makeShape(gl, ballMesh(48), kBallVertex, kSolidFragment, solid),
+    beads: makeShape(gl, ballMesh(16), kBallVertex, kSolidFragment, solid),
+    discs: makeShape(gl, discMesh(), kBallVertex, kSolidFragment, solid),
+    rods: makeShape(gl, rodMesh(), kRodVertex, kSolidFragment, rod),
+    lines: makeShape(gl, squareMesh(), kLineVertex, kLineFragment, { from: 3, to: 3 }),
+    floor: makeShape(gl, squareMesh(), kFloorVertex, kFloorFragment, { place: 4, dark: 1 }),
+  };
+  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+}
+
+const sphere = (frame, k) => Array.from(frame.centres.subarray(3 * k, 3 * k + 3));
+const drawnRadius = (k) => (sticks ? data.ball_part : 1) * data.spheres[k][0];
+const boxCorner = (c) => [0, 1, 2].map((a) => (c >> a & 1 ? data.high : data.low)[a]);
+
+function boxEdges() {
+  const edges = [];
+  for (let c = 0; c < 8; ++c)
+    for (const a of [1, 2, 4])
+      if (!(c & a)) edges.push(...boxCorner(c), ...boxCorner(c | a));
+  return edges;
+}
+
+/// The halves of the sticks, each in the colour of its end, and the arrow, which begins outside the HIP.
+function rodsOf(frame) {
+  const rods = [];
+  for (let b = 0; sticks && b < frame.bonds.length; b += 2) {
+    const ends = [frame.bonds[b], frame.bonds[b + 1]];
+    const [from, to] = ends.map((k) => sphere(frame, k));
+    const middle = plus(from, plus(to, from, -1), 0.5);
+    const radius = data.stick_part * Math.min(...ends.map((k) => data.spheres[k][0]));
+    [from, to].forEach((end, n) => rods.push(...end, radius, ...middle, radius, ...data.spheres[ends[n]].slice(1)));
+  }
+  const [length, shaft, wide, head] = frame.arrow;
+  if (!(length > 0) || !finite(frame.hip)) return rods;
+  const at = (t) => plus(frame.hip, frame.force, (data.hip_radius + t) / frame.size);
+  const neck = at(length - head);
+  rods.push(...at(0), shaft, ...neck, shaft, ...data.force_rgb, ...neck, wide, ...at(length), 0, ...data.force_rgb);
+  return rods;
+}
+
+/// For each ball the others that darken it most, as find_occluders() in render.cpp finds them, in a texture.
+function placeOccluders(places) {
+  const most = data.most_occluders, texels = new Float32Array(4 * most * Math.max(places.length, 1));
+  places.forEach(([k, at], i) => {
+    const near = [];
+    for (const [n, other] of places) {
+      const away = distance(at, other), radius = drawnRadius(n);
+      if (n !== k && away > 0 && away < data.light.reach * radius + drawnRadius(k)) near.push([-radius / away, n, ...other, radius]);
+    }
+    near.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+    near.slice(0, most).forEach((one, n) => texels.set(one.slice(2), 4 * (most * i + n)));
+  });
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, most, Math.max(places.length, 1), 0, gl.RGBA, gl.FLOAT, texels);
+}
+
+function floorOf(balls) {
+  const [x, y] = [0, 1].map((a) => (data.low[a] + data.high[a]) / 2);
+  const floor = [x, y, data.high[0] - x, data.high[1] - y, 0];
+  for (const [at, radius] of balls)
+    if (at[2] > data.low[2]) floor.push(at[0], at[1], ...Array(2).fill(data.shadow_radii * radius), data.light.shadow);
+  return floor;
+}
+
+function drawPicture(frame) {
+  const { right, up, near } = axes(), [width, height] = pictureSize(), unit = pixel();
+  const ratio = window.devicePixelRatio, size = setSize(gl.canvas, width, height);
+  gl.viewport(0, 0, ...size);
+  gl.clearColor(1, 1, 1, 1);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+
+  // Of a small ball nobody sees the corners: the large ones come first, because they have more.
+  const isLarge = ([k]) => drawnRadius(k) > 10 * unit && data.spheres.length <= 500;
+  const all = data.spheres.map((_, k) => [k, sphere(frame, k)]).filter(([, at]) => finite(at));
+  const places = [...all.filter(isLarge), ...all.filter((place) => !isLarge(place))];
+  const deep = [...places.map(([, at]) => at), ...[0, 1, 2, 3, 4, 5, 6, 7].map(boxCorner)].map((at) => dot(near, plus(at, view.centre, -1)));
+  const farthest = deep.reduce((a, b) => Math.max(a, Math.abs(b)), 0) + 4 * data.extent[0] + 4 * data.extent[1];
+  const uniforms = {
+    axes: [...right, ...up, ...near], centre: view.centre, low: data.low, high: data.high, window: size,
+    scale: [2 / (unit * width), 2 / (unit * height), -1 / farthest],
+    depths: [deep.reduce((a, b) => Math.max(a, b)), deep.reduce((a, b) => Math.min(a, b))],
+    opacity: 1, rim: 0, first: 0, occluded: false,
+  };
+  const balls = places.flatMap(([k, at]) => [...at, drawnRadius(k), ...data.spheres[k].slice(1)]), rods = rodsOf(frame);
+  const shaded = places.length <= data.most_shaded;
+  if (shaded) placeOccluders(places);
+
+  const rim = unit * letterScale();
+  gl.disable(gl.DEPTH_TEST);
+  gl.enable(gl.BLEND);
+  gl.blendEquation(gl.MIN);  // where shadows overlap there is the darkest
+  const hasHip = finite(frame.hip);
+  const shadows = places.map(([k, at]) => [at, drawnRadius(k)]);
+  if (hasHip) shadows.push([frame.hip, data.hip_radius]);
+  if (near[2] > 0) shapes.floor(floorOf(shadows), uniforms);
+  gl.blendEquation(gl.FUNC_ADD);
+  gl.disable(gl.BLEND);
+  gl.enable(gl.DEPTH_TEST);
+  gl.depthFunc(gl.LESS);
+  gl.enable(gl.CULL_FACE);
+  shapes.discs(balls, { ...uniforms, rim });
+  shapes.rods(rods, { ...uniforms, rim });
+  const large = places.filter(isLarge).length;
+  shapes.balls(balls.slice(0, 7 * large), { ...uniforms, occluded: shaded });
+  shapes.beads(balls.slice(7 * large), { ...uniforms, occluded: shaded, first: large });
+  shapes.rods(rods, uniforms);
+  gl.disable(gl.CULL_FACE);
+  shapes.lines(boxEdges(), { ...uniforms, rim: data.line_pixels * ratio * letterScale() });
+  if (!hasHip) return;
+  // The HIP, and fainter what of it is behind something.
+  gl.enable(gl.BLEND);
+  gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+  for (const [test, opacity] of [[gl.GREATER, data.hidden_opacity], [gl.LESS, data.hip_opacity]]) {
+    gl.depthFunc(test);
+    gl.depthMask(false);
+    shapes.balls([...frame.hip, data.hip_radius, ...data.hip_rgb], { ...uniforms, opacity, depths: [0, 0] });
+  }
+  gl.depthMask(true);
+}
