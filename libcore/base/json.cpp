@@ -1,5 +1,7 @@
 #include "libcore/base/json.hpp"
 
+#include <nlohmann/json.hpp>
+
 namespace hapgrid {
 
 bool nests_too_deep(std::string_view json) {
@@ -20,5 +22,7 @@ bool nests_too_deep(std::string_view json) {
   }
   return false;
 }
+
+nlohmann::json parse_json(std::string_view text) { return nlohmann::json::parse(text); }
 
 }  // namespace hapgrid

@@ -200,7 +200,7 @@ ModelInfo read_first_line(std::string_view line) {
     fail(format("its first line nests deeper than {} levels", kMaxJsonDepth));
   Json in;
   try {
-    in = Json::parse(line);
+    in = parse_json(line);
   } catch (const Json::exception& e) {
     fail("its first line is no JSON: " + json_reason(e));
   }

@@ -116,7 +116,7 @@ Answer read_answer(std::string_view line) {
   std::string why;
   try {
     if (nests_too_deep(line)) wrong_answer(format("nested deeper than {} levels", kMaxJsonDepth));
-    return read_tree(Json::parse(line));
+    return read_tree(parse_json(line));
   } catch (const Json::exception& e) {
     why = "no JSON: " + json_reason(e);
   } catch (const ModelError& e) {

@@ -135,12 +135,15 @@ void add_costs(CostSums& sums, const std::string& name, const std::string& text)
     const std::string_view line(text.data() + begin, end - begin);
     begin = end + 1;
     ++number;
-    const auto json = nests_too_deep(line)
-                          ? nlohmann::json()
-                          : nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
     const auto fail = [&](const std::string& what) {
       throw Error(format("{}: line {}: {}", name, number, what));
     };
+    nlohmann::json json;
+    try {
+      if (!nests_too_deep(line)) json = parse_json(line);
+    } catch (const nlohmann::json::parse_error&) {
+      // It stays null.
+    }
     if (!json.is_object()) fail("no JSON object");
     const auto seconds = json.find("cpu_seconds");
     if (seconds == json.end() || !seconds->is_number() || !(seconds->get<double>() >= 0))
