@@ -56,10 +56,10 @@ typedef struct hapgrid_device_greeting {
 
 /* Bits of hapgrid_device_state.flags. */
 enum hapgrid_device_button {
-  HAPGRID_DEVICE_CLUTCH = 1, /* held: the handle moves without the HIP, and without a force */
-  HAPGRID_DEVICE_RESET = 2,  /* pressed: the force may come back after a fault */
+  HAPGRID_DEVICE_CLUTCH = 1,  /* held: the handle moves without the HIP, and without a force */
+  HAPGRID_DEVICE_RESET = 2,   /* pressed: the force may come back after a fault */
   HAPGRID_DEVICE_STALLED = 4, /* the device has been silent for too long: the position is old */
-  HAPGRID_DEVICE_NEXT = 8 /* pressed: the model goes on to the next level at this place */
+  HAPGRID_DEVICE_NEXT = 8     /* pressed: the model goes on to the next level at this place */
 };
 
 /* From the adapter. */

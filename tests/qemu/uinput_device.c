@@ -6,8 +6,6 @@
  * from the middle within 1.2 s. When the last effect is erased, it goes back to the middle. With
  * --slow it takes no effect any more after N of them.
  *
- * Its priority is 60 of SCHED_FIFO, as that of rawhid-device.
- *
  * What happens goes to standard output at once, a line each, with the microseconds of
  * CLOCK_MONOTONIC:
  *
@@ -17,7 +15,6 @@
 #include <linux/input.h>
 #include <linux/uinput.h>
 #include <poll.h>
-#include <sched.h>
 #include <sys/ioctl.h>
 
 #include "tests/qemu/device.h"
@@ -111,8 +108,6 @@ int main(int argc, char** argv) {
   setvbuf(stdout, NULL, _IOLBF, 0);
   is_stick = argc > 1 && strcmp(argv[1], "stick") == 0;
   if (argc > 3 && strcmp(argv[2], "--slow") == 0) most_uploads = atoi(argv[3]);
-  const struct sched_param scheduling = {.sched_priority = 60};
-  need(sched_setscheduler(0, SCHED_FIFO, &scheduling), "SCHED_FIFO");
   create();
   for (int last = 0;;) {
     struct pollfd ready = {.fd = fd, .events = POLLIN};

@@ -11,7 +11,8 @@ words() {
   echo '-40000 0 0' >place.txt
   cat >session <<'END'
 hid() { rawhid-device --rate 250 /place.txt >/tmp/record & device=$!; await /dev/hidraw0; there=/dev/hidraw0; name=hid:/profile.toml; }
-stick() { uinput-device stick >/tmp/record & device=$!; await /dev/input/event1; there=/dev/input/event1; name=evdev:1209:0001; }
+# The device is no process of its machine: one that spins there must not keep it from taking effects.
+stick() { chrt -f 60 uinput-device stick >/tmp/record & device=$!; await /dev/input/event1; there=/dev/input/event1; name=evdev:1209:0001; }
 child() { cut -d' ' -f1 /proc/$1/task/$1/children; }
 # cell DEVICE WHO WHAT: what the device records, from the play's begin to its end.
 cell() {

@@ -55,6 +55,8 @@ TEST_CASE("the hand goes where it is put, but not farther out than the HIP can l
 TEST_CASE("the hand writes each new place as a line of a path") {
   Ends ends;
   CHECK(ends.text().empty());
+  ends.hand.next_level();
+  CHECK(ends.text() == std::string(kHandNext) + "\n");
   for (int i = 0; i < 3; ++i) {
     ends.hand.move_to({0.1 * i, 0.2, 1.0 / 3});
     CHECK(parse_path(ends.text(), "line") == std::vector<Vec3>{*ends.hand.place()});
