@@ -168,8 +168,7 @@ def conformers(molecule, torsions, number, seed):
     for choice in choices:
         x = first
         for (t, _), wanted in zip(turns, choice):
-            turn = wanted - geometry.torsion(x, *t.atoms)
-            x = geometry.rotated_about(x, *t.atoms[1:3], list(t.moved), turn)
+            x = t.turned(x, wanted - geometry.torsion(x, *t.atoms))
         if _clash(molecule, x):
             continue
         energy, x = molecule.relaxed(x)

@@ -129,21 +129,24 @@ def between(surface, tree, shapes):
     return [surface.energy(tree.build(spline((k + 0.5) / n))) for k in range(n)]
 
 
-def nodes(surface, tree, saddle, sign, start, count=11, apart=None):
-    """(shapes, energies) from the minimum `start` to the saddle, at equal distances; apart: as resampled() has it. Errors:
-    optimise.NoPath, when the path down ends elsewhere, or has a bump between its nodes."""
-    masses = surface.masses
+def nodes(surface, tree, saddle, sign, start, count=11, apart=None, near=None, turns=()):
+    """(shapes, energies) from the minimum `start` to the saddle, at equal distances; apart: as resampled() has it. near: the
+    minimum to which the path down leads, where that is `start` but for turns, [(Torsion, angle)], which the path has less and
+    less. Errors: optimise.NoPath, when the path down ends elsewhere, or has a bump between its nodes."""
+    masses, near = surface.masses, near or start
 
     def away(x):
-        return geometry.rms(geometry.aligned(x, start.x, masses), start.x)
+        return geometry.rms(geometry.aligned(x, near.x, masses), near.x)
 
     def there(x, energy):
         # From here the path goes straight on: near a minimum a straight line to it never rises.
-        return (energy - start.energy) * HARTREE < 0.02 and away(x) < 0.1
+        return (energy - near.energy) * HARTREE < 0.02 and away(x) < 0.1
     shapes = descend(surface, saddle, sign, there)
     if away(shapes[-1]) > 0.4:
         raise optimise.NoPath(f"the path down ends {away(shapes[-1]) * BOHR:.2f} angstrom from the conformation")
-    shapes = resampled([start.x] + shapes[::-1], masses, count, apart)
+    shapes = resampled([near.x] + shapes[::-1], masses, count, apart)
+    for torsion, turn in turns:
+        shapes = [torsion.turned(x, turn * (1 - k / (len(shapes) - 1))) for k, x in enumerate(shapes)]
     # Rounded as in the file, so that the file's energies are those of its shapes.
     shapes = [geometry.as_in_file(x) for x in [start.x, *(geometry.aligned(x, start.x, masses) for x in shapes[1:])]]
     energies = [start.energy] + [surface.energy(x) for x in shapes[1:]]

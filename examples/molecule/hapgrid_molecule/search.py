@@ -207,10 +207,24 @@ class Search:
         return Ends(sign, near, far, bool(abs(self.above(far.energy)) < SAME_ENERGY and np.abs(a - b).max() < SAME_SHAPE))
 
     def _path(self, top, ends):
-        if self.apart(ends.near.x, self.x) > SAME_SHAPE:
+        turns = self.turns_back(ends.near)
+        if turns is None:
             at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (top, ends.near, ends.far))
             raise optimise.NoPath(f"the saddle at {at} joins other minima, at {one} and {two}")
-        return Way(*path.nodes(self.surface, self.tree, top, ends.sign, self.here()))
+        return Way(*path.nodes(self.surface, self.tree, top, ends.sign, self.here(), near=ends.near if turns else None,
+                               turns=turns))
+
+    def turns_back(self, near):
+        """[(methyl group, angle)] that make the conformation of the near side of a saddle, since such groups may turn freely;
+        None where that is another minimum."""
+        out, x = [], near.x
+        if self.same(x, self.x):
+            return out
+        for t in self.torsions:
+            if t.rotor:
+                out.append((t, geometry.torsion(self.x, *t.atoms) - geometry.torsion(x, *t.atoms)))
+                x = t.turned(x, out[-1][1])
+        return out if abs(self.above(near.energy)) < torsions.LEAST_BARRIER and self.same(x, self.x) else None
 
 
 def _guarded(compute):

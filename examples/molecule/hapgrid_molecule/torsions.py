@@ -31,6 +31,9 @@ class Torsion:
     def file_names(self):
         return [self.file_name(sign) for sign in self.signs]
 
+    def turned(self, x, turn):
+        return geometry.rotated_about(x, *self.atoms[1:3], list(self.moved), turn)
+
     def only(self, names):
         """With those directions alone whose file names are among `names`."""
         return replace(self, signs=tuple(sign for sign in self.signs if self.file_name(sign) in names))
@@ -80,8 +83,7 @@ def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / 
     angle = geometry.torsion(x, *torsion.atoms)
     # Two steps more than half a turn: from trans the barrier can be exactly at cis.
     for count in range(1, round(np.pi / step) + 3):
-        turned = geometry.rotated_about(shapes[-1], *torsion.atoms[1:3], list(torsion.moved),
-                                        sign * step)
+        turned = torsion.turned(shapes[-1], sign * step)
         function = _restrained(surface, torsion.atoms, angle + sign * step * count)
         bend = torsion_hessian(turned, torsion.atoms)
         try:

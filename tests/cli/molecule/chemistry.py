@@ -2,9 +2,11 @@
 
 import json
 import sys
+from dataclasses import replace
+from types import SimpleNamespace
 
 sys.path.insert(0, sys.argv[1])
-from hapgrid_molecule import geometry, naming, optimise, reading, results, rotors, singles, torsions, xtb
+from hapgrid_molecule import geometry, naming, optimise, reading, results, rotors, search, singles, torsions, xtb
 from hapgrid_molecule.results import Dropped, Ends, Path, Point, Way
 from hapgrid_molecule.xtb import BOHR, HARTREE
 import numpy as np
@@ -84,6 +86,21 @@ for free, name in ((set(), "a-plus"), ({"a"}, "b-plus"), ({"a", "b"}, "b-plus"))
     one = naming.candidate([a, b], b, "b-plus", Way([chain, turned], [1.0]), free)
     names, _ = naming.names([a, b], {0: one}, {"a-plus", "b-plus"}, True)
     assert names == {0: name}, (free, names)
+
+
+# A saddle's near side is the conformation where that needs a methyl group, a, turned back; not where b has turned, too, or where
+# it is no equal minimum.
+methyl = replace(a, rotor=True, moved=(3, 4))
+rest = SimpleNamespace(x=chain, torsions=[methyl, b], above=lambda energy: energy,
+                       same=lambda x, y: geometry.rms(geometry.aligned(x, y, np.ones(5)), y) < 0.1)
+for turn, other, energy, expected in ((70, 0, 0.05, -70), (70, 90, 0.05, None), (70, 0, 0.2, None), (0, 0, 0.0, 0)):
+    near = geometry.rotated_about(methyl.turned(chain, deg(turn)), 2, 3, [4], deg(other))
+    turns = search.Search.turns_back(rest, Point(near, energy, None, 0.0))
+    if turns:
+        (bond, angle), = turns
+        assert bond is methyl and abs(np.degrees(angle) - expected) < 1e-9, (turn, turns)
+    else:
+        assert turns is None if expected is None else turns == [] and expected == 0, (turn, other, turns)
 
 
 # A rotor turns freely on a surface that is flat, and does not where the energy only climbs.
