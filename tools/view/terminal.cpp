@@ -34,8 +34,9 @@ constexpr int kSymbolScale = 2;    // of the legend, whose letters are the termi
 
 std::string at_row(int row) { return format("\033[{};1H", row); }
 
-/// "force    0.52 |..:|  ", with blocks up to the height of the value, or signs where the locale
-/// has no blocks; where the state snapped the ground is yellow. `columns` wide.
+/// A curve in one row of text, which is all the room there is: a library draws axes and needs more
+/// rows. "force    0.52 |..:|  ", with blocks up to the height of the value, or signs where the
+/// locale has no blocks; where the state snapped the ground is yellow. `columns` wide.
 std::string curve_line(const std::string& name, const std::vector<Column>& curve,
                        double Column::*value, const Extent& extent) {
   std::string text = name;
