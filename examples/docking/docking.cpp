@@ -15,7 +15,6 @@ using namespace hapgrid::docking;
 namespace table = hapgrid::table;
 
 constexpr double kMaxShift = 8;                                // angstrom
-constexpr double kNodes = 0.5;                                 // angstrom
 constexpr double kGoldenAngle = 2.39996, kHalfTurn = 3.14159;  // rad
 
 std::vector<table::Lattice> read_maps(const std::vector<std::string>& texts) {
@@ -45,7 +44,7 @@ class DockingModel {
 
  private:
   DockingModel(hapgrid::PluginParameters& parameters, const std::vector<table::Lattice>& maps)
-      : soft_(parameters.positive("soft", 10)),
+      : soft_(parameters.positive("soft", 20)),
         poses_(soft_ligand(parameters.text("ligand", ""), parameters.number("torsions", 0), soft_),
                parameters.texts("types"), maps, soft_),
         size_(poses_.ligand().state_size()),
@@ -53,7 +52,11 @@ class DockingModel {
         highest_(parameters.number("highest", 0)),
         tolerance_(parameters.positive("tolerance", 0.1)),
         substep_(parameters.positive("substep", 0.1)),
-        force_scale_(parameters.positive("force_scale", 0.02)) {
+        force_scale_(parameters.positive("force_scale", 0.02)),
+        nodes_(parameters.numbers("nodes")) {
+    if (nodes_.empty()) nodes_ = {0, 0, 0, 0.5};
+    if (nodes_.size() != 4 || !(nodes_[3] > 0.05))
+      throw std::runtime_error("parameter nodes must be three coordinates and a spacing");
     parameters.finish();
   }
 
@@ -124,7 +127,7 @@ class DockingModel {
       std::snprintf(sphere.label, sizeof sphere.label, "%s", element.c_str());
     };
     for (const LigandAtom& atom : poses_.ligand().atoms) show(element_of(atom.type), 0.5F);
-    for (const table::Atom& atom : host_) show(atom.label, 0.25F);
+    for (const table::Atom& atom : host_) show(atom.label, 0.2F);
   }
 
   void shape(const double* x, const double* s, float* centres) const {
@@ -172,8 +175,8 @@ class DockingModel {
     std::array<int, 3> node{};
     double at[3];
     for (int a = 0; a < 3; ++a) {
-      node[a] = static_cast<int>(std::lround(x[a] / kNodes));
-      at[a] = kNodes * node[a];
+      node[a] = static_cast<int>(std::lround((x[a] - nodes_[a]) / nodes_[3]));
+      at[a] = nodes_[a] + nodes_[3] * node[a];
     }
     const auto [found, is_new] = deepest_.try_emplace(node);
     if (is_new) {
@@ -196,10 +199,11 @@ class DockingModel {
   std::size_t size_;
   std::vector<table::Atom> host_;
   double highest_, tolerance_, substep_, force_scale_;
-  /// At points kNodes apart, whose numbers are the keys: found when they are needed.
+  std::vector<double> nodes_;  // origin and spacing of points, best those of the grid
+  /// At these points, whose numbers are the keys: found when they are needed.
   mutable std::map<std::array<int, 3>, State> deepest_;
 };
 
 }  // namespace
 
-HAPGRID_MODEL_PLUGIN(DockingModel, "a rigid ligand that turns in a host, by AutoGrid's maps")
+HAPGRID_MODEL_PLUGIN(DockingModel, "a ligand that turns and bends in a host, by AutoGrid's maps")

@@ -246,6 +246,8 @@ Ligand read_ligand(const std::string& pdbqt) {
       throw std::runtime_error("ligand: no PDBQT: an atom of a branch is missing");
     ligand.torsions[t].from = from->second;
     ligand.torsions[t].to = to->second;
+    if (!(length(minus(ligand.atoms[from->second].place, ligand.atoms[to->second].place)) > 0.1))
+      throw std::runtime_error("ligand: the two atoms of a branch lie at one place");
   }
   return ligand;
 }

@@ -85,7 +85,7 @@ def _define(o, work, name):
         margin = reach + o.map_spacing
         made = maps.compute(work, host, ligand, low - margin, high + margin, o.map_spacing)
         names, tables = field.read(work.path("host.maps.fld"), ligand)
-    files = maps.write(work, names, tables, host, low - reach, high + reach)
+    files = maps.write(work, names, tables, host, low, high)
     work.say(f"  host of {len(host)} atoms, ligand of {len(ligand)} atoms; grid of {' x '.join(map(str, counts))} points, "
              f"{o.spacing:g} angstrom apart; maps {', '.join(names)}")
     work.write(f"{name}.toml", f"""\
@@ -101,8 +101,9 @@ maps = {json.dumps(files)}
 
 [model.parameters]
 types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d
-soft = 10                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
-highest = 0               # kJ/mol: where all orientations are higher, a place has only the deepest one
+soft = 20                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
+highest = 0               # kJ/mol: a pose that is higher turns over to the deepest one at the nearest node
+nodes = {[*(round(float(v), 6) for v in low), o.spacing]}   # origin and spacing, in Å, of the nodes: those of the grid
 torsions = {o.torsions}              # so many of the ligand's bonds turn, those around which its own energy changes least
 substep = 0.1             # of the HIP between two minimisations, Å
 tolerance = 0.1           # orientations whose atoms are no farther apart, RMS, are one; Å
@@ -190,8 +191,8 @@ average, {len(report["levels_histogram"]) - 1} at most.
 
 def _way(points, energy, links, counts):
     """(start, end): from the box's edge straight towards the point of the deepest record, as far as the energy falls. Of the
-    directions in which the links from the start's first level lead about as deep, it is one that climbs little, and
-    along an axis rather than not, since the grid knows the energy best along its edges."""
+    directions in which the links from the start's first level lead about as deep, it is one that climbs little and falls
+    far, and along an axis rather than not, since the grid knows the energy best along its edges."""
     first = {}
     for n, point in enumerate(map(tuple, points)):
         first.setdefault(point, n)
@@ -212,7 +213,8 @@ def _way(points, energy, links, counts):
         end = int(np.argmin(along))
         most = max(along[:end + 1])
         if end > 0:
-            ways.append((along[end], (round((most - along[0]) / 5), np.abs(step).sum(), most), start, start + end * step))
+            climbs, falls = most - min(along[0], 0), along[end] - min(along[0], 0)
+            ways.append((along[end], (round(climbs / 5), round(falls / 5), np.abs(step).sum(), most), start, start + end * step))
     if not ways:  # the energy rises on all of them
         return deepest, deepest
     deep = min(way[0] for way in ways)

@@ -21,6 +21,16 @@ for made in index.html poses.tsv path.txt inside.png outside.png energy.png forc
   [[ -s small/$made ]] || fail "small/$made is not there"
 done
 check-model small/small.toml --steps 50 >report || fail "$(cat report)"
+# Butanediol, all of whose bonds turn: AutoDock's energy between its own atoms. Ethylene glycol with its softest bond.
+obabel -:OCCCCO --gen3d -O diol.mol2 >/dev/null 2>&1
+hapgrid dock "$host" diol.mol2 -o within --centre 0,0,3 --size 0.5,0.5,0.5 --map-spacing 0.375 --until definition -q
+/usr/bin/python3 "$here/energies.py" within within
+obabel -:OCCO --gen3d -O glycol.mol2 >/dev/null 2>&1
+hapgrid dock "$host" glycol.mol2 -o bends --torsions 1 --centre 0,0,4.4 --size 0.8,0.8,0.8 --spacing 0.8 --map-spacing 0.375 -q >line
+same 'a state of six numbers and an angle' 'torsion 1 / rad' "$(head -n 1 bends/poses.tsv | cut -f 11)"
+refuses 'dock: .*4 torsions are asked for, and 3 of its bonds turn.*' -- \
+  hapgrid dock "$host" glycol.mol2 -o out --torsions 4 --centre 0,0,4.4 --size 0.8,0.8,0.8 --map-spacing 0.375 -q
+
 # The same command again does nothing.
 before=$(stat -c %Y.%i small/small.grid)
 hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line

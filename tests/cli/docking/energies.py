@@ -42,6 +42,8 @@ def model(plugin, given):
         entry.key, entry.count = key.encode(), 1
         if isinstance(value, (int, float)):
             entry.type, entry.numbers = 1, (ctypes.c_double * 1)(value)
+        elif isinstance(value, list) and isinstance(value[0], (int, float)):
+            entry.type, entry.count, entry.numbers = 3, len(value), (ctypes.c_double * len(value))(*value)
         else:
             texts = [value] if isinstance(value, str) else value
             entry.type, entry.count = (2, 1) if isinstance(value, str) else (4, len(texts))

@@ -85,6 +85,11 @@ TEST_CASE("what is no ligand is refused") {
   CHECK_THROWS_WITH(docking::read_ligand("ATOM      1  X\n"), Catch::Contains("is missing"));
   CHECK_THROWS_WITH(docking::read_ligand(water() + "BRANCH 1 7\nENDBRANCH 1 7\n"),
                     Catch::Contains("an atom of a branch is missing"));
+  CHECK_THROWS_WITH(
+      docking::read_ligand("ATOM      2  X   LIG A   1       1.000   0.000  -0.400  0.00  "
+                           "0.00    +0.200 HD\nBRANCH 2 1\n" +
+                           atom("HD", 1, 0, -0.4, 0.2) + "ENDBRANCH 2 1\n"),
+      Catch::Contains("lie at one place"));
   CHECK_THROWS_WITH(docking::read_ligand("ENDBRANCH 1 2\n" + water()),
                     Catch::Contains("never began"));
   std::string many;
