@@ -10,7 +10,7 @@ using namespace hapgrid;
 TEST_CASE("rounds of expand and merge are Algorithm 1, generation by generation") {
   Random random(20031);
   std::size_t most_levels = 0;
-  for (int i = 0; i < 80; ++i) {
+  for (int i = 0; i < 41; ++i) {
     CAPTURE(i);
     const TemporaryDirectory dir;
     Case c(random);
