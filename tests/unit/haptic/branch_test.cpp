@@ -177,14 +177,16 @@ TEST_CASE("whatever the links are, the state jumps only where it snaps") {
       std::mt19937_64 random(seed);
       Vec3 x = random_point(box, random);
       REQUIRE(t.start(x).usable());
-      for (int leg = 0; leg < 20; ++leg) {
+      for (int leg = 0; leg < 6; ++leg) {
         x = t.position();  // a leg can end outside the box
         const Vec3 beyond = x + 3 * (random_point_in(box, cell_of(t), random) - x);
+        double largest_step = 0;
+        bool is_usable = true;
         for (int i = 0; i < kSteps; ++i) {
           const Vec3 next = x + 1.0 / (kSteps - i) * (beyond - x);
           const auto before = copy(t.row());
           const auto r = t.step(next);
-          REQUIRE(r.usable());
+          is_usable &= r.usable();
           x = next;
           snaps += r.snapped;
           if (r.snapped) continue;
@@ -192,8 +194,10 @@ TEST_CASE("whatever the links are, the state jumps only where it snaps") {
           // axis: so the blend moves by 3 x 14 x 1.5e-4 at most. An offset of 70, from five changes
           // of all corners within half a spacing, fades by 70 x 2 x sqrt(3) x 1.5e-4.
           for (std::size_t c = 0; c < before.size(); ++c)
-            REQUIRE(std::abs(t.row()[c] - before[c]) < 0.0063 + 0.0364);
+            largest_step = std::max(largest_step, std::abs(t.row()[c] - before[c]));
         }
+        REQUIRE(is_usable);
+        REQUIRE(largest_step < 0.0063 + 0.0364);
       }
     }
   }

@@ -114,7 +114,7 @@ TEST_CASE("no sequence of forces gives a hand more than was stored and the bound
   std::mt19937_64 random(2);
   double worst = 0;
   std::uint32_t acted = 0;
-  for (int run = 0; run < 600; ++run) {
+  for (int run = 0; run < 300; ++run) {
     const double dt = run % 2 ? 0.001 : 0.0002;
     const int kind = run % 3;
     const bool unknown = run % 5 == 4;  // one more tick of delay than the core knows of
@@ -129,18 +129,21 @@ TEST_CASE("no sequence of forces gives a hand more than was stored and the bound
     hand.v = any_direction(random, uniform(random, 0.01, 1));
     Vec3 held = any_direction(random, 3);
     Vec3 before = kZero;
+    double largest = 0, largest_change = 0;
     for (int i = 0; i < 2000; ++i) {
       const Vec3 wanted = hostile_force(random, kind, hand, held);
       const SafeForce safe =
           safety.apply({.force = wanted, .dt = dt, .place = hand.shown(), .stored = stored});
       acted |= safe.acted;
-      REQUIRE(length_of(safe.force) <= 3);
-      REQUIRE(length_of(safe.force - before) <= 1000 * dt + 1e-15);
+      largest = std::max(largest, length_of(safe.force));
+      largest_change = std::max(largest_change, length_of(safe.force - before));
       before = safe.force;
       hand.sent.erase(hand.sent.begin());
       hand.sent.push_back(safe.force);
       hand.advance(hostile_acceleration(random, hand, limits.acceleration), dt);
     }
+    REQUIRE(largest <= 3);
+    REQUIRE(largest_change <= 1000 * dt + 1e-15);
     // Rounding: 2,000 sums of work below 1 J.
     const double bound = stored + 1.01e-3 + 1e-12;
     worst = std::max(worst, hand.counted_returned - stored);

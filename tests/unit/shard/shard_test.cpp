@@ -45,7 +45,9 @@ std::vector<Row> read_any(const Section& section) {
 
 std::string bytes_of(const std::string& name) {
   std::ifstream file(name, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+  std::string bytes(std::filesystem::file_size(name), '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return bytes;
 }
 
 }  // namespace
@@ -56,7 +58,7 @@ TEST_CASE("rows come back from a shard as they were") {
     for (const std::uint32_t n : {1u, 2u, 1500u}) {
       // Nothing, one row, and several chunks.
       for (const std::size_t wanted :
-           {std::size_t{0}, std::size_t{1}, n == 1500 ? std::size_t{300} : 150000}) {
+           {std::size_t{0}, std::size_t{1}, n == 1500 ? std::size_t{300} : 15000}) {
         CAPTURE(to_string(content), n, wanted);
         const TemporaryDirectory dir;
         GridSpec spec = make_spec(n, {60, 50, 20});
@@ -93,14 +95,13 @@ TEST_CASE("chunks of a grid stay below 64 KiB, or 1 MiB, and keep to their point
   Random random(2004);
   for (const Packing packing : {Packing::kFast, Packing::kSmall}) {
     const std::uint64_t most = packing == Packing::kFast ? 1 << 16 : 1 << 20;
-    for (const std::uint32_t n : {1u, 9u, 1500u, 200000u}) {
+    for (const std::uint32_t n : {1u, 9u, 1500u, 140000u}) {
       CAPTURE(n, most);
       const TemporaryDirectory dir;
-      const SectionHeader header{Content::kGrid, 0, make_spec(n, {40, 40, 40})};
-      const std::vector<Row> rows = random_rows(random, header,
-                                                n > 1500 ? 5
-                                                : n > 9  ? 1000
-                                                         : 40000);
+      const SectionHeader header{
+          Content::kGrid, 0,
+          make_spec(n, n > 9 ? GridCoordinates{8, 8, 8} : GridCoordinates{40, 40, 40})};
+      const std::vector<Row> rows = random_rows(random, header, n > 1500 ? 2 : n > 9 ? 300 : 20000);
       write(dir.file("shard"), header, rows, packing);
       const Section section = open_grid(dir.file("shard"));
       const std::uint32_t points = chunk_points(n, most);
@@ -126,7 +127,7 @@ TEST_CASE("sections that are concatenated are found again, from any number of fi
     std::vector<std::string> names;
     std::uint64_t bytes = 0;
     for (std::vector<Row>& rows : written) {
-      rows = random_rows(random, header, i % 10 ? draw(random, 0, 60) : 30000);
+      rows = random_rows(random, header, i % 10 ? draw(random, 0, 60) : 5000);
       if (names.empty() || random() % 2) names.push_back(dir.file(std::to_string(names.size())));
       write(names.back(), header, rows);
     }
