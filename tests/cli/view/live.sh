@@ -50,7 +50,8 @@ attempt() {
   feel=$!
   wait_for 60 "address" grep -q http err
   mkdir -p browser  # where Chromium leaves what it does not remove
-  HOME=$PWD TMPDIR=$PWD/browser /usr/bin/python3 "$here/live.py" "$@" "$(sed -nE 's/^hapgrid: feel: //p' err)"
+  HOME=$PWD TMPDIR=$PWD/browser /usr/bin/python3 "$here/live.py" "$@" "$(sed -nE 's/^hapgrid: feel: //p' err)" 2>>err ||
+    fail "$(cat err)"
   wait $feel || fail "$(cat err)"
   nothing_left tmp
   grep -q '^play: [0-9]* ticks' err || fail "the play did not end in good order: $(cat err)"
