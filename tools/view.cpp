@@ -365,7 +365,8 @@ int main(int argc, char** argv) {
                "  keys     h, ?: help; space: stop, go on; b: balls and sticks, or spheres;\n"
                "           r: the first view; s: save the picture\n"
                "With --hand a drag moves the hand in the plane of the picture, and the wheel\n"
-               "moves it in depth; a right drag turns. The key t lets every drag turn.\n");
+               "moves it in depth; a right drag turns. The key t lets every drag turn, and n\n"
+               "goes on to the next level of the grid at this place.\n");
   return run_tool(app, argc, argv, [&] {
     check_picture(app);
     return run(options);

@@ -2,7 +2,9 @@
 import base64
 import json
 import os
+import select
 import subprocess
+import sys
 import time
 
 PATIENCE_S = 180  # Chromium takes a minute to start on a busy machine
@@ -40,6 +42,8 @@ class Browser:
 
     def read(self):
         while b"\0" not in self.pending:
+            if not select.select([self.answers], [], [], PATIENCE_S)[0]:
+                sys.exit("Chromium hangs")  # as it sometimes does on a busy machine: in_time() knows these words
             more = self.answers.read(1 << 20)
             assert more, "Chromium has ended"
             self.pending += more

@@ -1,6 +1,6 @@
 """Drives the live page of hapgrid feel in Chromium.
 
-usage: live.py mouse|finger ADDRESS
+usage: live.py mouse|finger|next ADDRESS
 """
 import asyncio
 import sys
@@ -42,8 +42,28 @@ def line(from_x, to_x, y, steps):
     return [(from_x + (to_x - from_x) * i / steps, y) for i in range(steps + 1)]
 
 
+def goes_to_the_next_level(browser, address):
+    """Without WebGL, where the page has no picture. The HIP begins beside the ball, which can hang on either side of it."""
+    page = browser.open(address)
+    page.wait("hand && frames.length > 2")
+    assert page.value("gl === null && element('say').textContent.includes('WebGL')")
+    place = "Math.sign(frames[frames.length - 1].centres[0] - frames[frames.length - 1].hip[0])"
+    for press in ("window.dispatchEvent(new KeyboardEvent('keydown', {key: 'n'}))", "element('next').click()"):
+        side, snaps = page.value(f"[{place}, snaps]")
+        page.value(press)
+        page.wait(f"{place} === {-side} && snaps === {snaps + 1}")
+        page.wait(f"element('status').textContent.includes('snaps {snaps + 1}')")
+    assert not browser.complaints, browser.complaints
+    page.close()
+
+
 def main():
     how, address = sys.argv[1:]
+    if how == "next":
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            with Browser(folder, "--disable-gpu", "--disable-3d-apis") as browser:
+                goes_to_the_next_level(browser, address)
+        return
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, Browser(folder) as browser:
         touch = how == "finger"
         width, height = (390, 844) if touch else (1000, 720)

@@ -1,6 +1,6 @@
 # hapgrid feel and view --web: in a browser without a screen the mouse, and then a finger, pushes the hung ball until it
-# snaps; another page watches; strangers are refused; a closed page ends the play. The law of the hand is in
-# cli/play/hand.sh.
+# snaps; another page watches; without WebGL the key n and a button go on to the next level; strangers are refused; a
+# closed page ends the play. The law of the hand is in cli/play/hand.sh.
 source "$(dirname "$0")/../lib.sh"
 unset DISPLAY WAYLAND_DISPLAY
 export ASAN_OPTIONS=detect_leaks=0 VALGRIND_OPTS=--leak-check=no # what libwebsockets keeps at the end is its own
@@ -50,7 +50,8 @@ attempt() {
   feel=$!
   wait_for 60 "address" grep -q http err
   mkdir -p browser  # where Chromium leaves what it does not remove
-  HOME=$PWD TMPDIR=$PWD/browser /usr/bin/python3 "$here/live.py" "$@" "$(sed -nE 's/^hapgrid: feel: //p' err)"
+  HOME=$PWD TMPDIR=$PWD/browser /usr/bin/python3 "$here/live.py" "$@" "$(sed -nE 's/^hapgrid: feel: //p' err)" 2>>err ||
+    fail "$(cat err)"
   wait $feel || fail "$(cat err)"
   nothing_left tmp
   grep -q '^play: [0-9]* ticks' err || fail "the play did not end in good order: $(cat err)"
@@ -76,6 +77,7 @@ in_time err attempt mouse
 pushed
 in_time err attempt finger
 pushed
+in_time err attempt next
 
 # A signal closes all of it.
 stop() {

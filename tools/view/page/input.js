@@ -13,6 +13,11 @@ function moveHand(right, down, nearer) {
   drawSoon();
 }
 
+/// Another state at this place, if the grid has one: play goes there, and marks a snap.
+function nextLevel() {
+  if (hand && socket.readyState === WebSocket.OPEN) socket.send("next\n");
+}
+
 const depthStep = () => Math.max(...plus(data.high, data.low, -1)) / 40;
 
 /// Two fingers: their distance zooms; together they turn the picture where one finger is the hand, and move it elsewhere.
@@ -48,6 +53,7 @@ function showHelp() {
        "shift + drag: move the picture. t: a drag turns it.",
        "The ring is the hand. The ball follows it; where the model resists, the thread grows, and where the model snaps, it shrinks."]
     : ["drag, one finger: turn. Right drag, two fingers: move. Wheel, pinch: zoom."];
+  if (hand) lines.push("n: the next level of the grid at this place.");
   lines.push("space: stop, go on.   b: balls and sticks.   r: the first view.   s: save the picture.   h: this help.");
   if (data.keys) lines.push("In the terminal of play: " + data.keys);
   say(element("say").className ? "" : lines.join("\n"), !element("say").className);
@@ -70,11 +76,12 @@ function save() {
 const actions = {
   play: () => setPlaying(!playing),
   turn: () => { turning = !turning; element("turn").className = turning ? "on" : ""; },
+  next: nextLevel,
   sticks: () => { sticks = !sticks; drawSoon(); },
   fit: () => { fit(); drawSoon(); },
   save, help: showHelp,
 };
-const keys = { " ": "play", t: "turn", b: "sticks", r: "fit", s: "save", h: "help", "?": "help" };
+const keys = { " ": "play", t: "turn", n: "next", b: "sticks", r: "fit", s: "save", h: "help", "?": "help" };
 
 /// A button that acts again while it is held.
 function hold(id, act) {

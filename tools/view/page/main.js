@@ -121,7 +121,7 @@ function onText(message) {
     setPlaying(true);
   } else if (message.hand) {
     hand = message.hand;
-    for (const id of ["nearer", "farther", "turn"]) element(id).hidden = false;
+    for (const id of ["nearer", "farther", "turn", "next"]) element(id).hidden = false;
     if (gl) say("Drag: the hand.   ?: help");
   } else if (message.ended) {
     ended = true;

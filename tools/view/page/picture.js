@@ -19,14 +19,14 @@ function buildPicture() {
 }
 
 function makeShapes() {
-  const solid = { ball: 4, tint: 3 }, rod = { from: 4, to: 4, tint: 3 };
+  const solid = { ball: 4, tint: 3 }, round = makeProgram(gl, kBallVertex, kSolidFragment);
   shapes = {
-    balls: makeShape(gl, ballMesh(48), kBallVertex, kSolidFragment, solid),
-    beads: makeShape(gl, ballMesh(16), kBallVertex, kSolidFragment, solid),
-    discs: makeShape(gl, discMesh(), kBallVertex, kSolidFragment, solid),
-    rods: makeShape(gl, rodMesh(), kRodVertex, kSolidFragment, rod),
-    lines: makeShape(gl, squareMesh(), kLineVertex, kLineFragment, { from: 3, to: 3 }),
-    floor: makeShape(gl, squareMesh(), kFloorVertex, kFloorFragment, { place: 4, dark: 1 }),
+    balls: makeShape(gl, round, ballMesh(48), solid),
+    beads: makeShape(gl, round, ballMesh(16), solid),
+    discs: makeShape(gl, round, discMesh(), solid),
+    rods: makeShape(gl, makeProgram(gl, kRodVertex, kSolidFragment), rodMesh(), { from: 4, to: 4, tint: 3 }),
+    lines: makeShape(gl, makeProgram(gl, kLineVertex, kLineFragment), squareMesh(), { from: 3, to: 3 }),
+    floor: makeShape(gl, makeProgram(gl, kFloorVertex, kFloorFragment), squareMesh(), { place: 4, dark: 1 }),
   };
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);

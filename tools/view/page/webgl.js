@@ -140,9 +140,7 @@ function ballMesh(columns) {
   return mesh(columns, columns / 2, (u, v) => [...circle(u).map((x) => x * Math.sin(Math.PI * v)), -Math.cos(Math.PI * v)]);
 }
 
-/// @param layout what of an instance is how many numbers
-/// @return a function that draws instances, whose numbers are in one list
-function makeShape(gl, { vertices, corners }, vertexText, fragmentText, layout) {
+function makeProgram(gl, vertexText, fragmentText) {
   const program = gl.createProgram();
   for (const [kind, text] of [[gl.VERTEX_SHADER, vertexText], [gl.FRAGMENT_SHADER, fragmentText]]) {
     const shader = gl.createShader(kind);
@@ -153,6 +151,12 @@ function makeShape(gl, { vertices, corners }, vertexText, fragmentText, layout) 
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
     throw new Error(gl.getProgramInfoLog(program) + gl.getAttachedShaders(program).map((s) => gl.getShaderInfoLog(s)).join(""));
+  return program;
+}
+
+/// @param layout what of an instance is how many numbers
+/// @return a function that draws instances, whose numbers are in one list
+function makeShape(gl, program, { vertices, corners }, layout) {
   const array = gl.createVertexArray(), instances = gl.createBuffer();
   const attribute = (name, size, stride, offset, divisor) => {
     const at = gl.getAttribLocation(program, name);
