@@ -40,8 +40,8 @@ std::string details_of(const Check& c) {
   if (!c.not_proved.empty()) text += format("  not proved: {}\n", c.not_proved);
   for (const Figure& figure : c.figures)
     text += format("  {} {}{}{}\n", figure.name, rounded(figure.value),
-                   figure.unit.empty() ? "" : " " + printable_line(figure.unit),
-                   figure.where.empty() ? "" : ": " + figure.where);
+                   figure.unit.empty() ? "" : format(" {}", printable_line(figure.unit)),
+                   figure.where.empty() ? "" : format(": {}", figure.where));
   for (const Offender& offender : c.found.first) text += format("  {}\n", offender.text);
   if (c.found.offenders > c.found.first.size())
     text += format("  and {} more\n", c.found.offenders - c.found.first.size());
@@ -78,7 +78,8 @@ std::string checks_text(const std::vector<Check>& checks, Details details) {
   std::string text = table_of(checks);
   for (const Check& c : checks) {
     const bool has_details = c.found.offenders > 0 || !c.figures.empty() || !c.not_proved.empty();
-    if (has_details && (details == Details::kAll || !is_good(c))) text += "\n" + details_of(c);
+    if (has_details && (details == Details::kAll || !is_good(c)))
+      text += format("\n{}", details_of(c));
   }
   return text;
 }

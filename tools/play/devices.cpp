@@ -177,8 +177,8 @@ bool is_live(const DeviceChoice& device) {
 
 std::string keys_of(const DeviceChoice& device) {
   if (!std::holds_alternative<TerminalKeys>(device)) return "";
-  return "arrows: x, z   page up, down: y   + -: step   0: start   n: next level   r: force back   "
-         "q: end";
+  // A terminal has 80 columns.
+  return "arrows: x, z  page up, down: y  + -: step  0: start  n: level  r: force  q: end";
 }
 
 AdapterProgram adapter_program(const AdapterChoice& choice, const PlaySettings& settings,

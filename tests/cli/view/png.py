@@ -23,7 +23,7 @@ def decode(name):
 
 COLOURS = {
     "magenta": lambda r, g, b: r > g + 60 and b > g + 30,
-    "teal": lambda r, g, b: g > r + 40 and b > r + 40,
+    "teal": lambda r, g, b: g > r + 25 and b > r + 20,
     "yellow": lambda r, g, b: r > b + 40 and g > b + 40,
 }
 
