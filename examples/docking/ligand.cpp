@@ -254,6 +254,7 @@ Ligand read_ligand(const std::string& pdbqt) {
 
 void keep_torsions(Ligand& ligand, const std::vector<std::size_t>& kept) {
   std::vector<Torsion> torsions;
+  torsions.reserve(kept.size());
   for (const std::size_t t : kept) torsions.push_back(ligand.torsions[t]);
   ligand.torsions = std::move(torsions);
   Vector centre{};
