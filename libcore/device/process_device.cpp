@@ -81,26 +81,40 @@ bool ProcessDevice::ask(const Vec3& force) noexcept {
   asked_ = true;
   sent_ = Clock::now();
   const ssize_t sent = ::send(guard_.wire(), &message, sizeof message, MSG_NOSIGNAL | MSG_DONTWAIT);
-  return sent == sizeof message || fail(errno == EAGAIN ? Fault::kSilent : Fault::kGone);
+  return sent == sizeof message || (errno == EAGAIN ? fail(Fault::kSilent) : end(Fault::kGone));
+}
+
+/// The next message goes to message_. @return what recv() does
+ssize_t ProcessDevice::take(int flags) noexcept {
+  // An adapter that ends with a force unread resets the socket once; its last word comes then.
+  ssize_t got;
+  do got = ::recv(guard_.wire(), message_.data(), message_.size(), MSG_TRUNC | flags);
+  while (got < 0 && (errno == EINTR || errno == ECONNRESET));
+  size_ = got > 0 ? static_cast<std::size_t>(got) : 0;
+  return got;
+}
+
+/// Whether the message is one of an error.
+bool ProcessDevice::is_told() const noexcept {
+  return !told_error(message_.data(), std::min(size_, message_.size())).empty();
+}
+
+/// The end of adapter or guard was seen. What the adapter told before it lies behind an answer at
+/// most, and is the fault then. @return false
+bool ProcessDevice::end(Fault fault) noexcept {
+  for (int messages = 0; messages < 2 && take(MSG_DONTWAIT) > 0; ++messages)
+    if (is_told()) return fail(Fault::kTold);
+  return fail(fault);
 }
 
 /// Waits for a message that is not an error. @return whether there is one
 bool ProcessDevice::receive() noexcept {
-  // An adapter that ends with a force unread resets the socket once; its last word comes then.
-  const auto take = [this](int flags) {
-    ssize_t got;
-    do got = ::recv(guard_.wire(), message_.data(), message_.size(), MSG_TRUNC | flags);
-    while (got < 0 && (errno == EINTR || errno == ECONNRESET));
-    return got;
-  };
   ssize_t got = take(MSG_DONTWAIT);
   const bool waits = got < 0 && errno == EAGAIN;
   if (waits) got = take(0);
   if (got < 0 && errno == EAGAIN) return fail(Fault::kSilent);
   if (got <= 0) return fail(Fault::kGone);
-  size_ = static_cast<std::size_t>(got);
-  if (!told_error(message_.data(), std::min(size_, message_.size())).empty())
-    return fail(Fault::kTold);
+  if (is_told()) return fail(Fault::kTold);
   delays_.add(waits ? (Clock::now() - sent_) / 1ns : 0);
   return true;
 }
@@ -124,7 +138,7 @@ bool ProcessDevice::read_answer() noexcept {
 bool ProcessDevice::beat(Clock::time_point now) noexcept {
   if (now - beat_ < kGuardBeatTime) return true;
   beat_ = now;
-  return guard_.beat() || fail(Fault::kGuardGone);
+  return guard_.beat() || end(Fault::kGuardGone);
 }
 
 DeviceStatus ProcessDevice::read(DeviceInput& input) noexcept {

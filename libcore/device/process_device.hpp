@@ -77,6 +77,9 @@ class ProcessDevice : public Device {
   std::string what_flaw() const;
   bool fail(Fault fault) noexcept;
   bool ask(const Vec3& force) noexcept;
+  ssize_t take(int flags) noexcept;
+  bool is_told() const noexcept;
+  bool end(Fault fault) noexcept;
   bool receive() noexcept;
   bool read_answer() noexcept;
   bool beat(Clock::time_point now) noexcept;

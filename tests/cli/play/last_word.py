@@ -24,7 +24,8 @@ def tell(pids, number):
 
 
 class Busy(Exception):
-    """The machine stood still for 100 ms, so that play gave the adapter up, as it should, or a zero came late."""
+    """The machine stood still for 100 ms, so that play gave the adapter up, as it should, or a zero came late, or the
+    loop was busy when it was to spin."""
 
 
 def resting_place(pid, thread):
@@ -153,7 +154,14 @@ def case(who, what, cores, limit):
         for name, pid in pids.items():
             tell([pid], signal.SIGKILL if what is spin and name in who.split() and not REAL_TIME else signal.SIGCONT)
         play.process.send_signal(signal.SIGINT)
-    play.process.communicate(timeout=60)
+    try:
+        play.process.communicate(timeout=10 if what is spin else 60)
+    except subprocess.TimeoutExpired:
+        tell(pids.values(), signal.SIGKILL)
+        play.process.communicate(timeout=60)
+        if what is spin:  # not the loop, which was not caught at rest, but another thread, which the kernel does not end
+            raise Busy
+        raise
     play.wait("for the end of all", lambda: not [p for p in pids.values() if running(p)])
     if limit == NEVER:
         return f"{cell}: never"
