@@ -144,8 +144,7 @@ def case(who, what, cores, limit):
             begin = time.monotonic()
             play.process.send_signal(signal.SIGINT)
         if limit == NEVER:
-            time.sleep(0.5)
-            assert what is spin or not let_go(), (cell, let_go())  # who is disturbed when may be luck
+            time.sleep(0.5)  # no zero is promised, but one may come: of the three, one is disturbed first
         else:
             play.wait("for zero force", let_go)
             took = min(let_go()) - begin
@@ -163,10 +162,12 @@ def case(who, what, cores, limit):
             raise Busy
         raise
     play.wait("for the end of all", lambda: not [p for p in pids.values() if running(p)])
-    if limit == NEVER:
+    if not let_go() and limit == NEVER:
         return f"{cell}: never"
     last = max(let_go())
     assert not [t for t, x, *_ in play.events("force") if t > last and float(x) != 0], cell
+    if limit == NEVER:
+        return f"{cell}: a zero, by luck"
     if took >= (0 if limit == STAYS else limit) + BUSY:
         raise Busy
     return f"{cell}: {'stays' if limit == STAYS else f'{1000 * took:.0f} ms'}"
