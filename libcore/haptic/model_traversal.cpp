@@ -33,12 +33,12 @@ Level ModelTraversal::level_at(int corner) const noexcept {
   const PointIndex p = cells_.point(base(), corner);
   Level nearest = kNoLevel;
   double least = std::numeric_limits<double>::infinity();
-  for (Level level = 0; level < grid_.levels(p); ++level) {
+  for (RecordIndex level = 0; level < grid_.levels(p); ++level) {
     const double away = distance(grid_.spec().equality, grid_.state_size(), row_.data(),
                                  grid_.row(grid_.first(p) + level).data());
     if (away >= least) continue;
     least = away;
-    nearest = level;
+    nearest = static_cast<Level>(level);
   }
   return nearest;
 }
