@@ -14,9 +14,19 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // Seconds over which the hand's speed is measured: shorter, and an encoder's step looks fast.
 constexpr double kWindow = 0.002;
-// Seconds in which a force that was withheld comes back: while the tank is overdrawn, and else.
+// Seconds in which a force that was withheld comes back: at rest, while the tank is overdrawn, and
+// else.
+constexpr double kRestReturn = 10;
 constexpr double kSlowReturn = 0.3;
 constexpr double kReturn = 0.03;
+// A hand rests that has been for kRestTime (s) within kRestRadius (m) of the mean of its places
+// over kRestMean (s), which is long against a tremor.
+constexpr double kRestTime = 1;
+constexpr double kRestRadius = 2e-3;
+constexpr double kRestMean = 0.25;
+// Joules above what the model holds, up to which the tank is filled: the model holds less
+// than nothing where its interpolated energy dips below the lowest one of the records.
+constexpr double kAbove = 1e-4;
 // Newtons: less is not withheld at all, so that withholding ends.
 constexpr double kNothing = 1e-6;
 // The part of the way to the wanted force is found to 2^-20.
@@ -81,6 +91,9 @@ void EnergyTank::move(const TankTerms& terms, const Vec3& place, double dt, bool
   }
   place_ = place;
   placed_ = true;
+  if (rested_ == 0) rest_ = place;
+  rest_ = rest_ + dt / (kRestMean + dt) * (place - rest_);
+  rested_ = length_of(place - rest_) <= kRestRadius ? rested_ + dt : 0;
 
   time_ += dt;
   newest_ = (newest_ + 1) % kSeen;
@@ -154,7 +167,7 @@ void EnergyTank::let_go_unseen(const TankTerms& terms) noexcept {
 Vec3 EnergyTank::soften(const TankTerms& terms, const Vec3& wanted, double dt) noexcept {
   Vec3 force = wanted;
   const double affords = energy_ + kTankSlack;
-  const double time = affords < 0 ? kSlowReturn : kReturn;
+  const double time = rests() ? kRestReturn : affords < 0 ? kSlowReturn : kReturn;
   for (double& w : withheld_) w *= time / (time + dt);
   if (const double kept = length_of(withheld_); kept > kNothing) {
     const double along = dot(force, withheld_) / kept;
@@ -190,6 +203,15 @@ void EnergyTank::grant(double joules, double most) noexcept {
   if (!(more > 0)) return;  // also where one of them is not a number
   energy_ += more;
   granted_ += more;
+}
+
+bool EnergyTank::rests() const noexcept { return rested_ >= kRestTime; }
+
+void EnergyTank::refill(const TankTerms& terms, double held, double dt) noexcept {
+  if (!rests() || terms.damping == 0 || length_of(withheld_) <= kNothing) return;
+  // What is not a number adds nothing.
+  if (const double lacks = std::max(0.0, held) + kAbove - energy_; lacks > 0)
+    energy_ += std::min(lacks, kRefill * dt);
 }
 
 void EnergyTank::sent(const Vec3& force) noexcept {

@@ -6,7 +6,8 @@
 // would cost to let go of that force at the slew limit while the hand runs along with it. So zero
 // can always be reached within the slew, and it is paid for. For any sequence of forces, the energy
 // returned is at most what the tank was granted, plus kTankSlack, plus the reserve, plus what a
-// damper of TankTerms::damping takes from the hand on its way.
+// damper of TankTerms::damping takes from the hand on its way, plus kRefill W while a hand rests
+// whose force is weakened.
 //
 // Why the damper. A force that comes late, if only by the half of a tick for which it is held,
 // gives back more than it took, on each way to and fro. The tank charges the hand for that, and for
@@ -18,6 +19,15 @@
 // Nor is more given back than kMostDamped dt. A hand that trembles by 0.3 mm at 12 Hz on each axis
 // loses 1.1 mW at most to 0.7 N s/m. A hand that goes from place to place is faster: it would be
 // given much, with which it could pay for snaps that lead up.
+//
+// Why the refill. Where a hand comes to a contact, the interpolated energy dips below the lowest
+// one of the records, or jumps where corners change. Then the tank has less than the model holds,
+// and a hand that trembles there is weakened for good: it stores less with the weakened force, and
+// gets less back. So the tank of a resting hand whose force is weakened is filled slowly, until it
+// has what the model holds. Meanwhile the weakening is nearly constant: a force that came back
+// within a tremble would give out on each way out what was filled in. A hand that goes from place
+// to place gets none of it, and a hand at rest no more than kRefill W, which is little against what
+// fingers damp.
 //
 // The bound holds under these assumptions:
 // - The damping of hand and device is at least TankTerms::damping, or takes kMostDamped.
@@ -47,6 +57,8 @@ namespace hapgrid {
 inline constexpr double kTankSlack = 1e-5;
 /// The most that counts of what the damping takes, W.
 inline constexpr double kMostDamped = 3e-3;
+/// W with which the tank of a resting hand is filled whose force is weakened.
+inline constexpr double kRefill = 1e-3;
 /// The largest TankTerms::delay.
 inline constexpr std::uint32_t kMaxTankDelay = 30;
 
@@ -56,7 +68,7 @@ struct TankTerms {
   double acceleration = 40;  ///< bound on the hand's, m/s^2
   double encoder = 0;        ///< step of the positions, m
   std::uint32_t delay = 0;   ///< ticks from when a force is sent until it is in effect; or one more
-  double damping = 0.7;      ///< of hand and device at least, N s/m
+  double damping = 0.7;      ///< of hand and device at least, N s/m; 0: nobody holds the device
   double slew = 1000;        ///< N/s
   double period = 0.001;     ///< seconds from a tick to the next
 };
@@ -68,13 +80,19 @@ struct TankTerms {
 /// In closed form. Infinite when it cannot be computed.
 double letgo(double force, double speed, const TankTerms& terms) noexcept;
 
-/// For one thread; real-time safe. In each tick: move(), then soften() and bound() if a force is to
-/// be sent, then sent().
+/// For one thread; real-time safe. In each tick: move(), then perhaps refill(), then soften() and
+/// bound() if a force is to be sent, then sent().
 class EnergyTank {
  public:
   /// Adds joules that the hand may get back, as long as there are less than `most`. A tank begins
   /// with 0.
   void grant(double joules, double most) noexcept;
+  /// Whether the hand has rested for a second: it trembles by 2 mm at most.
+  bool rests() const noexcept;
+  /// Fills the tank where the hand rests, with damping, and its force is weakened, for `dt`
+  /// seconds.
+  /// @param held joules that the model holds above its lowest energy
+  void refill(const TankTerms& terms, double held, double dt) noexcept;
   double energy() const noexcept { return energy_; }
   /// Joules that were granted so far.
   double granted() const noexcept { return granted_; }
@@ -84,7 +102,7 @@ class EnergyTank {
   /// nobody knows which force was in effect in between: then nothing is gained.
   void move(const TankTerms& terms, const Vec3& place, double dt, bool certain) noexcept;
   /// Nobody knows where the hand is. The next move() is uncertain, and its speed is not known.
-  void lose_sight() noexcept { seen_ = 0; }
+  void lose_sight() noexcept { seen_ = 0, rested_ = 0; }
   /// The handle will move unseen, and the force goes to zero: charges what that may cost.
   void let_go_unseen(const TankTerms& terms) noexcept;
 
@@ -113,6 +131,9 @@ class EnergyTank {
   double damped_ = 0;
   Vec3 place_{0, 0, 0};
   bool placed_ = false;
+  // The mean of the last places, and for how many seconds the hand has been near it.
+  Vec3 rest_{0, 0, 0};
+  double rested_ = 0;
   // The last places, a ring: enough for the window at 30 kHz.
   static constexpr std::uint32_t kSeen = 64;
   std::array<Vec3, kSeen> places_{};

@@ -132,7 +132,7 @@ class Responder {
                                            .missed = missed,
                                            .speed = unusable ? 0 : speed(hip, dt),
                                            .place = place(hip),
-                                           .stored = unusable ? 0 : stored(chosen),
+                                           .stored = unusable ? std::nullopt : stored(chosen),
                                            .chosen = chosen,
                                            .outside_cells = mapping_.outside_cells(hip),
                                            .stalled = input.stalled,
@@ -150,11 +150,11 @@ class Responder {
     begun_ = true;
   }
 
-  /// The energy that the force can give, in joules; 0 where it is not known or needed.
-  double stored(bool chosen) const {
+  /// The energy that the force can give, in joules, where it is known and needed.
+  std::optional<double> stored(bool chosen) const {
     if constexpr (requires { force_.stored_energy(traversal_); })
-      if (chosen || safety_.is_ramping()) return force_.stored_energy(traversal_);
-    return 0;
+      if (chosen || safety_.asks_for_stored()) return force_.stored_energy(traversal_);
+    return std::nullopt;
   }
 
   /// The HIP in metres of the hand.
@@ -251,8 +251,8 @@ void drive(Device& device, Mapping& mapping, Traversal& traversal, SafetyCore& s
 /// @param force  Vec3 (const Traversal&): the force in newtons at the traversal's position, asked
 ///               after each usable step, of which it knows by Traversal::last_step(). Real-time
 ///               safe. It may have a member double stored_energy(const Traversal&): the energy in
-///               joules that the hand can get from the model there, asked after the force while
-///               the force is ramped in; without it that is 0.
+///               joules that the hand can get from the model there, asked after the force where
+///               the safety core needs it.
 /// @param sink   void (const Tick&), after the force was sent; real-time safe when paced.
 /// @param heartbeat counts the ticks as they begin, for a watchdog in another thread.
 /// @throw whatever force and sink throw, after a zero force was sent.

@@ -167,7 +167,9 @@ SafeForce limit(const SafetyLimits& limits, SafetyState& state, const SafetyInpu
     const double before = input.chosen ? 0 : state.ramp;
     state.ramp = limits.ramp_ms > 0 ? std::min(1.0, before + input.dt * 1000 / limits.ramp_ms) : 1;
     scale(state.ramp, kRamped);
-    state.tank.grant((state.ramp - before) * input.stored, state.ramp * input.stored);
+    const double stored = input.stored.value_or(0);
+    state.tank.grant((state.ramp - before) * stored, state.ramp * stored);
+    if (tank && input.stored && state.ramp == 1) state.tank.refill(terms, stored, input.dt);
   }
 
   const auto spend = [&](const Vec3& affordable) {

@@ -95,9 +95,9 @@ struct SafetyInput {
   double speed = 0;          ///< of the hand, m/s; 0 when the scale is not known
   /// The HIP in metres of the hand, in the box's axes; nothing when the scale is not known.
   std::optional<Vec3> place = std::nullopt;
-  /// Joules that the model holds there, above its lowest energy; 0 when that is not known. Only
-  /// looked at while the ramp rises, see is_ramping(), and with `chosen`.
-  double stored = 0;
+  /// Joules that the model holds there, above its lowest energy, where that is known. Only looked
+  /// at where asks_for_stored() says so, and with `chosen`.
+  std::optional<double> stored = std::nullopt;
   /// The hand chose this state, and did not come to it: the force comes in by the ramp.
   bool chosen = false;
   double outside_cells = 0;  ///< how far the HIP is outside the box, in grid spacings
@@ -167,8 +167,8 @@ class SafetyCore {
   bool faulted() const noexcept { return state_.faulted; }
   /// Another hand: nothing of the ticks before counts. Real-time safe.
   void begin() noexcept { state_ = {}; }
-  /// Whether the next force is one of the ramp. Real-time safe.
-  bool is_ramping() const noexcept { return state_.ramp < 1; }
+  /// Whether the next force is one of the ramp, or the hand rests. Real-time safe.
+  bool asks_for_stored() const noexcept { return state_.ramp < 1 || state_.tank.rests(); }
   /// Ends a fault: the force comes back with the ramp. Real-time safe.
   void reset() noexcept;
   /// Joules that the ramp has added so far to what the hand may get back. Real-time safe.

@@ -280,6 +280,60 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a resting hand gets back the force of a contact that was weakened") {
+  // 250 N/m, held at 1 N for a minute with a tremor; then the hand goes out of the wall. The tank
+  // begins with nothing, since the energy of the model is not known at first.
+  constexpr double kWall = 250, kDt = 0.001, kTremor = 3e-4, kDepth = 4e-3;
+  for (const double damping : {2 * kWall * kDt, 0.0}) {
+    SafetyCore safety(only_tank(damping));
+    double weakest = kInf, weakest_at_last = kInf, given = 0, before = -kDepth, sent = 0;
+    for (int i = 0; i < 62000; ++i) {
+      const double out = std::clamp((i - 60000) * 5e-6, 0.0, 5e-3);
+      const double x = -kDepth + kTremor * std::sin(2 * M_PI * 10 * i * kDt) + out;
+      const Vec3 wall{std::max(0.0, -kWall * x), 0, 0};
+      given += sent * (x - before);
+      before = x;
+      const double energy = kWall / 2 * std::pow(std::min(0.0, x), 2);
+      sent = safety
+                 .apply({.force = wall,
+                         .dt = kDt,
+                         .place = Vec3{x, 0, 0},
+                         .stored = i == 0 ? std::nullopt : std::optional(energy)})
+                 .force[0];
+      if (i >= 3 && i < 60000) weakest = std::min(weakest, sent / wall[0]);
+      if (i >= 50000 && i < 60000) weakest_at_last = std::min(weakest_at_last, sent / wall[0]);
+    }
+    CHECK(weakest < 0.5);
+    // Of what was withheld at the beginning, e^-4 is left after 40 s.
+    CHECK((weakest_at_last > 0.98) == (damping > 0));
+    // No more than the spring held at its deepest, and what the tank has beyond: its slack, the
+    // reserve, and the 0.1 mJ above the model.
+    const double deepest = kDepth + kTremor;
+    CHECK(given <= (damping > 0 ? kWall / 2 * deepest * deepest + 1e-4 : 0) + kTankSlack + 1e-3);
+  }
+}
+
+TEST_CASE("a force that goes with a resting hand for ever gives it a milliwatt and no more") {
+  // The model claims to hold a joule. The damping of the hand takes 3 mW at most.
+  constexpr double kDt = 0.001;
+  SafetyCore safety(only_tank(0.7));
+  double given = 0, before = 0, sent = 0;
+  for (int i = 0; i < 60000; ++i) {
+    const double phase = 2 * M_PI * 10 * i * kDt;
+    const double x = 3e-4 * std::sin(phase);
+    given += sent * (x - before);
+    before = x;
+    sent = safety
+               .apply({.force = {std::cos(phase) > 0 ? 1.0 : -1.0, 0, 0},
+                       .dt = kDt,
+                       .place = Vec3{x, 0, 0},
+                       .stored = i == 0 ? std::nullopt : std::optional(1.0)})
+               .force[0];
+  }
+  CHECK(given <= 60 * (kRefill + kMostDamped) + kTankSlack + 1e-3);
+  CHECK(given > 30 * kRefill);
+}
+
 TEST_CASE("in a contact the full force is there a second after the start and after a fault") {
   // A wall of 300 N/m, and a hand of as much whose point is 5 mm inside: 0.75 N. It waits there, or
   // comes there from outside while the ramp rises.
