@@ -19,6 +19,8 @@ constexpr std::size_t kPlaces = 4096;
 // The thread looks for a new place so often in a tick, but not more often than this.
 constexpr double kLooksATick = 4;
 constexpr double kShortestPauseSeconds = 5e-5;
+// Of the way ahead, in spacings: a hand that moves so far until an answer comes is too fast for it.
+constexpr double kFarthest = 0.5;
 // Of one component, for its weight: small, so that the model is linear.
 constexpr double kChange = 1e-3;
 
@@ -55,6 +57,7 @@ Beside::Beside(const Grid& grid, std::unique_ptr<Model> model,
       is_process_(model->is_process()),
       model_(grid, std::move(model), kStepsACell),
       delay_(delay_ticks),
+      box_(grid.box()),
       near_(grid.box().spacing / kStepsACell),
       tell_failure_(std::move(tell_failure)),
       held_back_(delay_ ? std::size_t{*delay_} + 1 : 0, empty_answer(grid)),
@@ -76,8 +79,9 @@ void Beside::begin(double rate_hz) {
 }
 
 void Beside::tell(const Vec3& x, std::optional<Level> begins) noexcept {
-  const Place place{++tick_, x, begins ? begins : must_begin_};
+  ++tick_;
   if (begins) first_tick_ = tick_;
+  const Place place{tick_, x, look_ahead(x), begins ? begins : must_begin_};
   if (delay_)
     ask(place, held_back_[tick_ % held_back_.size()]);
   else
@@ -89,6 +93,22 @@ void Beside::tell(const Vec3& x, std::optional<Level> begins) noexcept {
   lateness_.add(static_cast<std::int64_t>(age));
   kept_up_ = age <= oldest_;
   ticks_kept_up_ += kept_up_;
+}
+
+/// Where the hand will be when the answer comes, if it is as late as the last one. It is not asked
+/// for more than kFarthest, and not outside the box.
+Vec3 Beside::look_ahead(const Vec3& x) noexcept {
+  last_places_[tick_ % kFarthestAhead] = x;
+  const std::uint64_t late = delay_ ? *delay_ : newest_ ? tick_ - 1 - newest_->tick : 0;
+  if (late >= kFarthestAhead || tick_ - first_tick_ < late) return x;
+  Vec3 way = x - last_places_[(tick_ - late) % kFarthestAhead];
+  const double length = length_of(way), most = kFarthest * box_.spacing;
+  if (length > most) way = most / length * way;
+  Vec3 ahead = x + way;
+  for (int a = 0; a < 3; ++a)
+    ahead[a] =
+        std::clamp(ahead[a], box_.origin[a], box_.origin[a] + box_.spacing * (box_.counts[a] - 1));
+  return ahead;
 }
 
 /// The newest usable answer since the last start; null where there is none.
@@ -109,10 +129,8 @@ void Beside::ask(const Place& place, BesideAnswer& answer) noexcept {
   if (has_given_up_) return;
   const StepResult& step =
       place.begins ? model_.start(place.x, *place.begins) : model_.step(place.x);
-  answer.usable = step.usable();
-  answer.at = model_.position();
-  const std::span<const double> state = model_.state();
-  std::copy(state.begin(), state.end(), answer.state.begin());
+  answer.at = place.ahead == place.x ? model_.position() : place.ahead;
+  answer.usable = step.usable() && model_.look_ahead(answer.at, answer.state);
   has_given_up_ = is_process_ && step.blocked;
   if (has_given_up_ && tell_failure_ && !ends_) tell_failure_(model_.model_error());
 }

@@ -16,12 +16,6 @@ constexpr double kFarNearer = 0.3;
 constexpr double kSame = 1.0 / 3;
 // How far outside the cell a late answer may lie, in spacings.
 constexpr double kBeside = 0.5;
-// How far behind the hand an answer must lie for the grid to be asked what has happened since, in
-// spacings. What it says of the ends of branches is less exact than that.
-constexpr double kFarBehind = 0.125;
-// How far the grid may snap before the model does, in spacings: twice the resolution of the tear
-// fractions. The state would jump back, and snap once more.
-constexpr double kEarly = 1.0 / 16;
 
 }  // namespace
 
@@ -45,27 +39,17 @@ void BranchTraversal::settle(StepResult& result) noexcept {
   }
   const BesideAnswer* const answer = beside_->answer();
   const std::uint64_t age = answer ? beside_->tick() - answer->tick : 0;
-  // If the grid snaps a bit early, late answers still tell of the branch before: they are passed
-  // over until one comes that is as late after the snap as answers are, and from behind it.
-  if (result.snapped) trust_after_snap(age);
+  // The grid decides where the model does not. If the grid has snapped, late answers still tell of
+  // the branch before: they are passed over until one comes that is as late after the snap.
+  if (result.snapped) trusted_from_ = beside_->tick() + age;
   std::array<double, 8> weights{};
-  const bool is_asked = answer && answer->tick >= trusted_from_ &&
-                        !(age > 0 && length_of(answer->at - snapped_at_) < kEarly * box_.spacing) &&
-                        find_weights(answer->at, weights);
-  if (is_asked) take_nearest(weights, answer->state, result);
+  const bool is_asked =
+      answer && answer->tick >= trusted_from_ && find_weights(answer->at, weights);
+  if (is_asked)
+    take_nearest(weights, answer->state, result);
+  else if (decide_by_grid(result))
+    trusted_from_ = beside_->tick() + age;
   agreed_ = is_asked;
-  // The grid decides where the model does not. If it has tear fractions, it also says whether the
-  // branch has ended on the way since a late answer, except where it already said so too early for
-  // that answer.
-  const bool is_far =
-      grid_.has_tears() && answer && length_of(position() - answer->at) > kFarBehind * box_.spacing;
-  const bool may_have_ended = is_far && is_torn_ && tear(weights) >= 0;
-  if ((!is_asked || may_have_ended) && decide_by_grid(result)) trust_after_snap(age);
-}
-
-void BranchTraversal::trust_after_snap(std::uint64_t age) noexcept {
-  trusted_from_ = beside_->tick() + age;
-  snapped_at_ = position();
 }
 
 /// The weights of the corners of this cell at x, which may lie a bit outside; false where it lies

@@ -23,7 +23,6 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -58,7 +57,6 @@ class BranchTraversal final : public Traversal {
   bool cross(int q, PointIndex base, const Vec3& y, StepResult& result) noexcept override;
   bool move(const Vec3& x, StepResult& result) noexcept override;
   void settle(StepResult& result) noexcept override;
-  void trust_after_snap(std::uint64_t age) noexcept;
   void evaluate() noexcept override;
 
   /// The corners that an anchor gives a cell.
@@ -106,7 +104,6 @@ class BranchTraversal final : public Traversal {
   double doubtful_way_ = 0;         // on which the model is still asked
   bool agreed_ = false;             // the branch is the one that the last answer named
   std::uint64_t trusted_from_ = 0;  // an answer of an earlier Beside::tick() is passed over
-  Vec3 snapped_at_{std::numeric_limits<double>::infinity(), 0, 0};  // where the grid did last
   // How many branches of a cell are compared with the model's state.
   static constexpr std::size_t kMostCandidates = 64;
   std::vector<Branch> candidates_;  // all branches of the cell at candidates_base_, if any

@@ -48,6 +48,14 @@ bool ModelTraversal::move(const Vec3& x, StepResult&) noexcept {
   return follow(position(), x);
 }
 
+bool ModelTraversal::look_ahead(const Vec3& x, std::span<double> state) noexcept {
+  before_ = row_;
+  if (!follow(position(), x)) return false;
+  std::copy_n(row_.begin(), state.size(), state.begin());
+  row_ = before_;
+  return true;
+}
+
 /// Whole or not at all: when a conversion fails, the state is before_ again.
 bool ModelTraversal::follow(Vec3 from, const Vec3& to) noexcept {
   const Vec3 way = to - from;
