@@ -207,8 +207,12 @@ void EnergyTank::grant(double joules, double most) noexcept {
 
 bool EnergyTank::rests() const noexcept { return rested_ >= kRestTime; }
 
+bool EnergyTank::is_weak_at_rest() const noexcept {
+  return rests() && length_of(withheld_) > kNothing;
+}
+
 void EnergyTank::refill(const TankTerms& terms, double held, double dt) noexcept {
-  if (!rests() || terms.damping == 0 || length_of(withheld_) <= kNothing) return;
+  if (!is_weak_at_rest() || terms.damping == 0) return;
   // What is not a number adds nothing.
   if (const double lacks = std::max(0.0, held) + kAbove - energy_; lacks > 0)
     energy_ += std::min(lacks, kRefill * dt);

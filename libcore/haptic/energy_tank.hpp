@@ -87,10 +87,10 @@ class EnergyTank {
   /// Adds joules that the hand may get back, as long as there are less than `most`. A tank begins
   /// with 0.
   void grant(double joules, double most) noexcept;
-  /// Whether the hand has rested for a second: it trembles by 2 mm at most.
-  bool rests() const noexcept;
-  /// Fills the tank where the hand rests, with damping, and its force is weakened, for `dt`
-  /// seconds.
+  /// Whether the hand has rested for a second, trembling by 2 mm at most, and its force is
+  /// weakened.
+  bool is_weak_at_rest() const noexcept;
+  /// Fills the tank for `dt` seconds, if it is weak at rest and there is damping.
   /// @param held joules that the model holds above its lowest energy
   void refill(const TankTerms& terms, double held, double dt) noexcept;
   double energy() const noexcept { return energy_; }
@@ -116,6 +116,7 @@ class EnergyTank {
   void sent(const Vec3& force) noexcept;
 
  private:
+  bool rests() const noexcept;
   const Vec3& force(std::uint32_t ticks_ago) const noexcept;
   double cost(const TankTerms& terms, const Vec3& force) const noexcept;
   double under_way(const TankTerms& terms) const noexcept;
