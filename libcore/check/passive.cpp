@@ -101,10 +101,10 @@ std::string unit_of_rises(const GridSpec& spec) {
   return "N " + (spec.length_unit.empty() ? "lengths" : printable_line(spec.length_unit));
 }
 
-/// Looks at a snap at the part `at` of its link. The figures of the check are the largest gain and
-/// the largest loss.
-void look_at(Check& check, const Grid& grid, const NodeEnergies& nodes, const SnapLink& link,
-             double at) {
+/// Adds what a snap leads up at the part `at` of its link. The figures of the check are the largest
+/// gain and the largest loss.
+void add_rise(Check& check, const Grid& grid, const NodeEnergies& nodes, const SnapLink& link,
+              double at) {
   const Rise rise = rise_at(nodes, link, at);
   const double h = grid.box().spacing;
   const auto keep_larger = [&](Figure& largest, double value) {
@@ -140,7 +140,7 @@ void ask(Check& check, const Grid& grid, const NodeEnergies& nodes,
     Progress progress;
     const std::vector<TearByte> tears = find_tears(grid, asked, *converter, progress);
     for (std::size_t i = 0; i < links.size(); ++i)
-      look_at(check, grid, nodes, links[i], tear_fraction(tears[i]));
+      add_rise(check, grid, nodes, links[i], tear_fraction(tears[i]));
   } catch (const ModelError& e) {
     check.found.offend([&] { return std::string(e.what()); });
   }
@@ -174,8 +174,8 @@ Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& 
         if (up > 0 && up < kTearSteps)
           undecided.push_back(link);
         else
-          look_at(check, grid, nodes, link,
-                  map.tear[r] / (double{map.tear[r]} - map.tear[link.end]));
+          add_rise(check, grid, nodes, link,
+                   map.tear[r] / (double{map.tear[r]} - map.tear[link.end]));
       }
   ask(check, grid, nodes, undecided, converter);
   return check;
