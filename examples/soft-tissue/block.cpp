@@ -1,6 +1,6 @@
 #include "examples/soft-tissue/block.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

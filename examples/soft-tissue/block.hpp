@@ -30,7 +30,6 @@
 // Units: mm, N, N/mm^2 (1 kPa = 1e-3 N/mm^2), energies in N mm.
 #pragma once
 
-#include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>
 #include <array>
 #include <cstddef>

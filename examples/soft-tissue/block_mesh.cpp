@@ -1,6 +1,7 @@
 // The block's mesh: the tetrahedra, the triangles of the free surface, and the pattern that they
 // give the second derivative.
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -37,21 +37,16 @@ constexpr double kFiner = 0.7;              // the stride of the next box, for t
 // A conversion of a bisection goes half a step or less.
 constexpr double kBisectionStep = 0.5;
 
-/// Sets `stop` after a time, unless it is destroyed before.
-class Alarm {
- public:
-  Alarm(std::atomic<int>& stop, Clock::time_point when)
-      : thread_([this, &stop, when](const std::stop_token& cancelled) {
-          std::unique_lock lock(mutex_);
-          wake_.wait_until(lock, cancelled, when, [] { return false; });
-          if (!cancelled.stop_requested()) stop = 1;
-        }) {}
-
- private:
-  std::mutex mutex_;
-  std::condition_variable_any wake_;
-  std::jthread thread_;  // declared last: it uses the others
-};
+/// A thread that sets `stop` after a time, unless it is destroyed before.
+std::jthread set_alarm(std::atomic<int>& stop, Clock::time_point when) {
+  return std::jthread([&stop, when](const std::stop_token& cancelled) {
+    std::mutex mutex;
+    std::condition_variable_any wake;
+    std::unique_lock lock(mutex);
+    wake.wait_until(lock, cancelled, when, [] { return false; });
+    if (!cancelled.stop_requested()) stop = 1;
+  });
+}
 
 /// The stride with kFewestPoints, or a shorter one whose steps the model can convert.
 std::uint32_t coarsest(const Box& box, double d_max) {
@@ -111,31 +106,23 @@ Definition coarser(const Definition& fine, const Seeds& seeds, std::uint32_t str
   return coarse;
 }
 
-/// A file in memory that has a name.
-class MemoryFile {
- public:
-  MemoryFile() : fd_(::memfd_create("grid", MFD_CLOEXEC)) {
-    if (!fd_) throw std::system_error(errno, std::generic_category(), "memory for an estimate");
-  }
-  int fd() const { return fd_.get(); }
-  std::string name() const { return format("/proc/self/fd/{}", fd_.get()); }
+FileDescriptor memory_file() {
+  FileDescriptor file(::memfd_create("grid", MFD_CLOEXEC));
+  if (!file) throw std::system_error(errno, std::generic_category(), "memory for an estimate");
+  return file;
+}
+std::string name_of(const FileDescriptor& file) { return format("/proc/self/fd/{}", file.get()); }
 
- private:
-  FileDescriptor fd_;
-};
-
-/// What the search of a coarse grid has found.
-struct Found {
-  double levels = 1;
-  double tear_share = 0;  ///< conversions for tear fractions, for one of the others
-};
+/// The levels of a point, and how many conversions for tear fractions there are for one of the
+/// others.
+using Found = std::pair<double, double>;
 
 /// Searches a grid from its seeds until its end, or until `end`; sets `is_whole` to which of them.
 Found search(const Definition& definition, const ModelSource& source, Model& model,
              Clock::time_point end, bool& is_whole) {
   const GridSpec spec = spec_of(definition, model);
-  const MemoryFile seeds, grid;
-  SectionWriter seed_writer(seeds.fd(), seeds.name(), {Content::kGrid, 0, spec});
+  const FileDescriptor seeds = memory_file(), grid = memory_file();
+  SectionWriter seed_writer(seeds.get(), name_of(seeds), {Content::kGrid, 0, spec});
   write_seeds(definition, spec, model, seed_writer);
   std::atomic<int> stop{0};
   Progress progress;
@@ -143,9 +130,9 @@ Found search(const Definition& definition, const ModelSource& source, Model& mod
   Converter converter(source, spec, 1, progress);
   is_whole = true;
   try {
-    const Alarm alarm(stop, end);
-    complete(open_grid(seeds.name()), converter, progress, [&](const SectionHeader& header) {
-      return SectionWriter(grid.fd(), grid.name(), header);
+    const std::jthread timer = set_alarm(stop, end);
+    complete(open_grid(name_of(seeds)), converter, progress, [&](const SectionHeader& header) {
+      return SectionWriter(grid.get(), name_of(grid), header);
     });
   } catch (const Stopped&) {
     is_whole = false;
@@ -179,24 +166,23 @@ Found search_all(const Definition& definition, const ModelSource& source, Model&
 GridEstimate estimate_grid(const Definition& definition, const ModelSource& source, double seconds,
                            double seconds_a_conversion) {
   const auto model = source.create(definition.parameters, definition.store);
-  const Found found = search_all(definition, source, *model, seconds);
+  const auto [levels, tear_share] = search_all(definition, source, *model, seconds);
   const Box& box = definition.box;
   GridEstimate estimate;
-  estimate.levels = found.levels;
+  estimate.levels = levels;
   // Pairs of neighbours: along each axis n - 1 to each side and n in place, less the points.
   std::uint64_t pairs = 1;
   for (const std::uint32_t count : box.counts) pairs *= 3 * std::uint64_t{count} - 2;
-  const double conversions = found.levels * static_cast<double>(pairs - box.points());
-  const double tear_conversions = found.tear_share * conversions;
+  const double conversions = levels * static_cast<double>(pairs - box.points());
+  const double tear_conversions = tear_share * conversions;
   const auto whole = [](double x) { return static_cast<std::uint64_t>(std::llround(x)); };
   estimate.conversions = whole(conversions);
   estimate.tear_conversions = whole(tear_conversions);
   estimate.cpu_seconds = conversions * (seconds_a_conversion + kRequestSeconds) +
                          tear_conversions * kBisectionStep * seconds_a_conversion;
   const std::uint32_t width = model->row_size();
-  estimate.play_bytes =
-      whole(found.levels * static_cast<double>(box.points() * record_bytes(width)) +
-            static_cast<double>(box.points() * sizeof(RecordIndex)));
+  estimate.play_bytes = whole(levels * static_cast<double>(box.points() * record_bytes(width)) +
+                              static_cast<double>(box.points() * sizeof(RecordIndex)));
   const auto slices = static_cast<std::uint64_t>(2 * Neighbourhood(box).reach());
   estimate.expand_bytes =
       std::min(box.points(), slices) * kDirections * sizeof(double) * std::uint64_t{width};

@@ -97,77 +97,63 @@ int places_up(const NodeEnergies& nodes, const SnapLink& link) {
   return up;
 }
 
-/// The row, while it is filled.
-class Passive {
- public:
-  Passive(const Grid& grid, const NodeEnergies& nodes) : grid_(grid), nodes_(nodes) {
-    for (Figure* figure : {&gain_, &loss_})
-      figure->unit =
-          "N " +
-          (grid.spec().length_unit.empty() ? "lengths" : printable_line(grid.spec().length_unit));
-  }
+std::string unit_of_rises(const GridSpec& spec) {
+  return "N " + (spec.length_unit.empty() ? "lengths" : printable_line(spec.length_unit));
+}
 
-  void look_at(const SnapLink& link, double at) {
-    const Rise rise = rise_at(nodes_, link, at);
-    keep_larger(gain_, rise.up - rise.allowed, link);
-    keep_larger(loss_, -rise.up, link);
-    if (!rise.is_up()) return;
-    const double h = grid_.box().spacing;
-    check.found.offend(location_of(grid_, link.from, link.q), [&] {
-      return format("{}: the snap leads up by {} {}, allowed are {}",
-                    describe_link(grid_, link.from, link.q), rounded(rise.up * h), gain_.unit,
-                    rounded((rise.allowed + kAllowedAtSnap) * h));
-    });
-  }
-
-  /// The snaps whose place decides, where the model has them.
-  void ask(const std::vector<SnapLink>& links, Converter* converter) {
-    if (links.empty()) return;
-    if (!converter) {
-      check.not_proved = format(
-          "{} of the snaps lead up or not, as the place between two points decides where the model "
-          "snaps; to find it, leave out --recompute none, or search with tears = true",
-          links.size());
-      return;
-    }
-    std::vector<OneWayLink> asked;
-    for (const SnapLink& link : links)
-      asked.push_back({link.from, static_cast<std::uint8_t>(link.q)});
-    try {
-      Progress progress;
-      const std::vector<TearByte> tears = find_tears(grid_, asked, *converter, progress);
-      for (std::size_t i = 0; i < links.size(); ++i) look_at(links[i], tear_fraction(tears[i]));
-    } catch (const ModelError& e) {
-      check.found.offend([&] { return std::string(e.what()); });
-    }
-  }
-
-  Check result() {
-    check.figures = {gain_, loss_};
-    return std::move(check);
-  }
-
-  Check check = empty_check();
-
- private:
-  void keep_larger(Figure& largest, double value, const SnapLink& link) const {
-    const double h = grid_.box().spacing;
+/// Adds what a snap leads up at the part `at` of its link. The figures of the check are the largest
+/// gain and the largest loss.
+void add_rise(Check& check, const Grid& grid, const NodeEnergies& nodes, const SnapLink& link,
+              double at) {
+  const Rise rise = rise_at(nodes, link, at);
+  const double h = grid.box().spacing;
+  const auto keep_larger = [&](Figure& largest, double value) {
     if (!(value * h > largest.value)) return;
     largest.value = value * h;
-    largest.where = "where " + describe_link(grid_, link.from, link.q) + " snaps";
-  }
+    largest.where = "where " + describe_link(grid, link.from, link.q) + " snaps";
+  };
+  keep_larger(check.figures[0], rise.up - rise.allowed);
+  keep_larger(check.figures[1], -rise.up);
+  if (!rise.is_up()) return;
+  check.found.offend(location_of(grid, link.from, link.q), [&] {
+    return format("{}: the snap leads up by {} {}, allowed are {}",
+                  describe_link(grid, link.from, link.q), rounded(rise.up * h),
+                  check.figures[0].unit, rounded((rise.allowed + kAllowedAtSnap) * h));
+  });
+}
 
-  const Grid& grid_;
-  const NodeEnergies& nodes_;
-  Figure gain_{"largest gain", 0, "", ""}, loss_{"largest loss", 0, "", ""};
-};
+/// The snaps whose place decides, where the model has them.
+void ask(Check& check, const Grid& grid, const NodeEnergies& nodes,
+         const std::vector<SnapLink>& links, Converter* converter) {
+  if (links.empty()) return;
+  if (!converter) {
+    check.not_proved = format(
+        "{} of the snaps lead up or not, as the place between two points decides where the model "
+        "snaps; to find it, leave out --recompute none, or search with tears = true",
+        links.size());
+    return;
+  }
+  std::vector<OneWayLink> asked;
+  for (const SnapLink& link : links)
+    asked.push_back({link.from, static_cast<std::uint8_t>(link.q)});
+  try {
+    Progress progress;
+    const std::vector<TearByte> tears = find_tears(grid, asked, *converter, progress);
+    for (std::size_t i = 0; i < links.size(); ++i)
+      add_rise(check, grid, nodes, links[i], tear_fraction(tears[i]));
+  } catch (const ModelError& e) {
+    check.found.offend([&] { return std::string(e.what()); });
+  }
+}
 
 }  // namespace
 
 Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& nodes,
                     Converter* converter) {
-  Passive passive(grid, nodes);
-  Findings& found = passive.check.found;
+  Check check = empty_check();
+  for (const char* name : {"largest gain", "largest loss"})
+    check.figures.push_back({name, 0, unit_of_rises(grid.spec()), ""});
+  Findings& found = check.found;
   std::vector<SnapLink> undecided;
   for (RecordIndex r = 0; r < grid.records(); ++r)
     for (int axis = 0; axis < 3; ++axis)
@@ -188,10 +174,11 @@ Check check_passive(const Grid& grid, const BranchMap& map, const NodeEnergies& 
         if (up > 0 && up < kTearSteps)
           undecided.push_back(link);
         else
-          passive.look_at(link, map.tear[r] / (double{map.tear[r]} - map.tear[link.end]));
+          add_rise(check, grid, nodes, link,
+                   map.tear[r] / (double{map.tear[r]} - map.tear[link.end]));
       }
-  passive.ask(undecided, converter);
-  return passive.result();
+  ask(check, grid, nodes, undecided, converter);
+  return check;
 }
 
 Check passive_not_proved(std::string why) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "libcore/base/format.hpp"
 #include "libcore/base/parallel.hpp"
@@ -28,10 +29,7 @@ bool are_few(const Findings& found) {
          std::max(kFewForks, kForks * static_cast<double>(found.counted));
 }
 
-struct Link {
-  RecordIndex record;
-  int q;
-};
+using Link = std::pair<RecordIndex, int>;  ///< a record and a direction
 
 /// @param is_wanted says of a link whether it is one
 template <class IsWanted>
@@ -45,7 +43,7 @@ std::vector<Link> links_of(const Grid& grid, std::span<const RecordIndex> record
       if (to == Grid::kNoRecord || !is_wanted(r, q) || !is_finite(grid.state(r)) ||
           !is_finite(grid.state(to)))
         continue;
-      links.push_back({r, q});
+      links.emplace_back(r, q);
       if (one_each) break;
     }
   return links;
@@ -150,11 +148,12 @@ Check check_snaps(const Grid& grid, std::span<const RecordIndex> records,
   });
   Check check{"snaps", "one-way links", "", {}};
   check.found.counted = snaps.size();
-  for (std::size_t i = 0; i < snaps.size(); ++i)
-    if (!elsewhere[i].empty())
-      check.found.offend(location_of(grid, snaps[i].record, snaps[i].q), [&] {
-        return describe_link(grid, snaps[i].record, snaps[i].q) + ": " + elsewhere[i];
-      });
+  for (std::size_t i = 0; i < snaps.size(); ++i) {
+    if (elsewhere[i].empty()) continue;
+    const auto& [record, q] = snaps[i];
+    const std::string what = describe_link(grid, record, q) + ": " + elsewhere[i];
+    check.found.offend(location_of(grid, record, q), [&] { return what; });
+  }
   std::erase(distances, -1);
   judge_snaps(check);
   check.figures = {exactness(std::move(distances), grid.spec())};

@@ -172,11 +172,12 @@ class Walker {
     return std::isnan(off) ? std::numeric_limits<double>::infinity() : off;
   }
 
-  void note(WorstError& worst, double value, const Vec3& x) const {
+  void note(Figure& worst, double value, const Vec3& x) const {
     if (!(value > worst.value)) return;
     const GridCoordinates& c = play_->cell();
-    worst = {value, format("at ({}, {}, {}), in cell ({}, {}, {})", rounded(x[0]), rounded(x[1]),
-                           rounded(x[2]), c[0], c[1], c[2])};
+    worst.value = value;
+    worst.where = format("at ({}, {}, {}), in cell ({}, {}, {})", rounded(x[0]), rounded(x[1]),
+                         rounded(x[2]), c[0], c[1], c[2]);
   }
 
   /// Interpolates coarse_ in a cell of twice the size that contains play's cell. Each of its
@@ -239,9 +240,8 @@ void Walked::add(Walked&& later) {
   mixed += later.mixed;
   parted += later.parted;
   one_branch.insert(one_branch.end(), later.one_branch.begin(), later.one_branch.end());
-  state.add(std::move(later.state));
-  force.add(std::move(later.force));
-  mixed_state.add(std::move(later.mixed_state));
+  for (Figure Walked::*worst : {&Walked::state, &Walked::force, &Walked::mixed_state})
+    if ((later.*worst).value > (this->*worst).value) this->*worst = std::move(later.*worst);
   failed.add(std::move(later.failed));
 }
 

@@ -54,23 +54,15 @@ struct PlayError {
   double coarse_force = 0;
 };
 
-/// The largest error, and where it was found first.
-struct WorstError {
-  double value = 0;
-  std::string where;
-  void add(WorstError&& later) {
-    if (later.value > value) *this = std::move(later);
-  }
-};
-
 struct Walked {
   std::uint64_t places = 0;
   std::uint64_t empty = 0;            ///< of these: all corners, and the model, in one state
   std::uint64_t mixed = 0;            ///< of these: a branch ends in the cell
   std::uint64_t parted = 0;           ///< of these: play and the model are in different branches
   std::vector<PlayError> one_branch;  ///< all others, in the order of the walks
-  WorstError state, force;            ///< in one branch
-  WorstError mixed_state;
+  /// The largest errors, each with the place where it was found first: in one branch, and of the
+  /// state where a branch ends. They have neither name nor unit.
+  Figure state, force, mixed_state;
   Findings failed;  ///< counts conversions; offenders are those that failed
 
   void add(Walked&& later);

@@ -35,8 +35,8 @@ Frontier load(const Section& grid, Levels& levels) {
 void show(const Frontier& frontier, const Neighbourhood& neighbourhood, const Levels& levels,
           std::uint32_t generation, Progress& progress) {
   std::uint64_t conversions = 0;
-  for (const Levels::Stored& record : frontier)
-    conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood.inside(record.point)));
+  for (const auto& [point, level] : frontier)
+    conversions += static_cast<std::uint64_t>(std::popcount(neighbourhood.inside(point)));
   progress.generation = generation;
   progress.frontier_records = frontier.size();
   progress.frontier_done = 0;

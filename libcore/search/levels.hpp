@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libcore/base/error.hpp"
@@ -31,12 +32,8 @@ class Levels {
   struct Block;
 
  public:
-  /// A record that settle() stored.
-  struct Stored {
-    PointIndex point;
-    Level level;
-    auto operator<=>(const Stored&) const = default;
-  };
+  /// A record that settle() stored: its point and its level.
+  using Stored = std::pair<PointIndex, Level>;
 
   /// Where a record is, until its block is released.
   class RecordHandle {

@@ -129,8 +129,8 @@ class GridBlocks {
       const bool touched = levels.is_loaded(written_);
       for (; next_ < chunks_.size() && block_of(chunks_[next_]) == written_; ++next_) {
         if (touched) continue;
-        reader_.read_stored(next_, stored_);
-        out.copy(stored_);
+        reader_.read_stored(next_, frame_);
+        out.copy(chunks_[next_], frame_);
       }
       levels.visit(written_, [&](const RecordRows& rows, std::size_t begin, std::size_t end) {
         completeness.count(rows, begin, end);
@@ -147,9 +147,9 @@ class GridBlocks {
   std::uint64_t block_points_;
   SectionReader reader_;
   RecordRows rows_;
-  StoredChunk stored_;
-  std::uint64_t written_ = 0;  // blocks
-  std::size_t next_ = 0;       // chunk that was not passed yet
+  std::vector<std::byte> frame_;  // of a chunk that is copied
+  std::uint64_t written_ = 0;     // blocks
+  std::size_t next_ = 0;          // chunk that was not passed yet
 };
 
 [[noreturn]] void fail_unasked(const GridSpec& spec, const SourceRequests& source) {
@@ -161,10 +161,10 @@ class GridBlocks {
 /// Its chunks can be small or large ones.
 void copy_chunks(const Section& grid, SectionWriter& out) {
   SectionReader reader(grid);
-  StoredChunk stored;
+  std::vector<std::byte> frame;
   for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
-    reader.read_stored(i, stored);
-    out.copy(stored);
+    reader.read_stored(i, frame);
+    out.copy(grid.footer.chunks[i], frame);
   }
 }
 

@@ -51,12 +51,6 @@ struct SectionFooter {
 /// The digest of a section, from that of its header's message and those of its chunks.
 Digest section_digest(const Digest& header, std::span<const ChunkInfo> chunks);
 
-/// One chunk as it is stored.
-struct StoredChunk {
-  ChunkInfo info;
-  std::vector<std::byte> bytes;  ///< its zstd frame
-};
-
 /// One chunk of a section, decoded. The columns look into the message.
 struct Chunk {
   std::vector<std::uint64_t> message;

@@ -101,14 +101,10 @@ void SectionReader::read(std::size_t chunk, RecordRows& rows) { decode(chunk, ro
 void SectionReader::read(std::size_t chunk, RequestRows& rows) { decode(chunk, rows); }
 void SectionReader::read(std::size_t chunk, TearRows& rows) { decode(chunk, rows); }
 
-void SectionReader::read_stored(std::size_t chunk, StoredChunk& stored) {
-  stored.info = section_->footer.chunks[chunk];
-  read_bytes(stored.info, stored.bytes);
-}
-
-void SectionReader::read_bytes(const ChunkInfo& info, std::vector<std::byte>& bytes) {
-  bytes.resize(info.size);
-  if (section_->file->read(info.offset, bytes) != info.size || hash_of(bytes) != info.stored)
+void SectionReader::read_stored(std::size_t chunk, std::vector<std::byte>& frame) {
+  const ChunkInfo& info = section_->footer.chunks[chunk];
+  frame.resize(info.size);
+  if (section_->file->read(info.offset, frame) != info.size || hash_of(frame) != info.stored)
     throw FormatError(format("{}: damaged: a chunk does not fit the footer's hash of it",
                              at(*section_->file, info.offset)));
 }
@@ -116,7 +112,7 @@ void SectionReader::read_bytes(const ChunkInfo& info, std::vector<std::byte>& by
 template <class Rows>
 void SectionReader::decode(std::size_t chunk, Rows& rows) {
   const ChunkInfo& info = section_->footer.chunks[chunk];
-  read_bytes(info, bytes_);
+  read_stored(chunk, bytes_);
   try {
     decoder_.decode(bytes_, chunk_limit(section_->header), rows.message);
     if (digest_of(std::as_bytes(std::span(rows.message))) != info.digest)
@@ -125,10 +121,10 @@ void SectionReader::decode(std::size_t chunk, Rows& rows) {
       read_columns(message, section_->header, rows);
       if (rows.size() == 0) throw FormatError("damaged: a chunk without rows");
       check_order(rows);
-      const Counts counts = check(rows);
+      const auto [frontier, conversions] = check(rows);
       if (rows.size() != info.rows || rows.point.front() != info.first_point ||
-          rows.point.back() != info.last_point || counts.frontier != info.frontier ||
-          counts.conversions != info.conversions)
+          rows.point.back() != info.last_point || frontier != info.frontier ||
+          conversions != info.conversions)
         throw FormatError("damaged: a chunk does not fit what the footer says of it");
     });
   } catch (const FormatError& e) {
@@ -151,8 +147,8 @@ void SectionReader::check_order(const Chunk& rows) const {
   }
 }
 
-SectionReader::Counts SectionReader::check(const RecordRows& rows) const {
-  Counts counts;
+std::pair<std::uint32_t, std::uint32_t> SectionReader::check(const RecordRows& rows) const {
+  std::uint32_t frontier = 0, conversions = 0;
   // Where nothing is wrong these two loops decide nothing, and the compiler makes them fast.
   std::uint8_t is_wrong = 0;
   for (const TearByte tear : rows.tears)
@@ -162,19 +158,18 @@ SectionReader::Counts SectionReader::check(const RecordRows& rows) const {
       throw FormatError(format("damaged: a tear fraction of {}", tear));
   std::uint32_t youngest = 0;
   for (const std::uint32_t generation : rows.generation) youngest = std::max(youngest, generation);
-  if (youngest < section_->header.generation) return counts;
+  if (youngest < section_->header.generation) return {0, 0};
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (rows.generation[r] > section_->header.generation)
       throw FormatError(format("damaged: a record of generation {}", rows.generation[r]));
     if (rows.generation[r] != section_->header.generation) continue;
-    ++counts.frontier;
-    counts.conversions +=
-        static_cast<std::uint32_t>(std::popcount(neighbourhood_.inside(rows.point[r])));
+    ++frontier;
+    conversions += static_cast<std::uint32_t>(std::popcount(neighbourhood_.inside(rows.point[r])));
   }
-  return counts;
+  return {frontier, conversions};
 }
 
-SectionReader::Counts SectionReader::check(const TearRows& rows) const {
+std::pair<std::uint32_t, std::uint32_t> SectionReader::check(const TearRows& rows) const {
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (rows.directions[r] == 0) throw FormatError("damaged: a record without tear fractions");
     if (rows.directions[r] & ~neighbourhood_.inside(rows.point[r]))
@@ -185,20 +180,20 @@ SectionReader::Counts SectionReader::check(const TearRows& rows) const {
   return {0, static_cast<std::uint32_t>(rows.tears.size())};
 }
 
-SectionReader::Counts SectionReader::check(RequestRows& rows) const {
-  Counts counts;
+std::pair<std::uint32_t, std::uint32_t> SectionReader::check(RequestRows& rows) const {
+  std::uint32_t conversions = 0;
   rows.first.resize(rows.size());
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const DirectionMask directions = rows.directions[r];
     if (directions == 0) throw FormatError("damaged: a record without requests");
     if (directions & ~neighbourhood_.inside(rows.point[r]))
       throw FormatError("damaged: a request that leaves the box");
-    rows.first[r] = counts.conversions;
-    counts.conversions += static_cast<std::uint32_t>(std::popcount(directions));
+    rows.first[r] = conversions;
+    conversions += static_cast<std::uint32_t>(std::popcount(directions));
   }
   for (const double number : rows.numbers)
     if (!std::isfinite(number)) throw FormatError("damaged: a request's state is not finite");
-  return counts;
+  return {0, conversions};
 }
 
 }  // namespace hapgrid

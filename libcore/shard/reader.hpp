@@ -4,6 +4,7 @@
 
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libcore/base/zstd_frame.hpp"
@@ -23,22 +24,17 @@ class SectionReader {
   void read(std::size_t chunk, RequestRows& rows);
   void read(std::size_t chunk, TearRows& rows);
 
-  /// A chunk as it is stored: its zstd frame is checked against the footer's hash, and its content
-  /// is not looked at. @throw FormatError, std::system_error
-  void read_stored(std::size_t chunk, StoredChunk& stored);
+  /// A chunk as it is stored: its zstd frame, which is checked against the footer's hash. Its
+  /// content is not looked at. @throw FormatError, std::system_error
+  void read_stored(std::size_t chunk, std::vector<std::byte>& frame);
 
  private:
   template <class Rows>
   void decode(std::size_t chunk, Rows& rows);
-  void read_bytes(const ChunkInfo& info, std::vector<std::byte>& bytes);
   /// Of the rows: how many are in the frontier, and the conversions.
-  struct Counts {
-    std::uint32_t frontier = 0;
-    std::uint32_t conversions = 0;
-  };
-  Counts check(const RecordRows& rows) const;
-  Counts check(RequestRows& rows) const;
-  Counts check(const TearRows& rows) const;
+  std::pair<std::uint32_t, std::uint32_t> check(const RecordRows& rows) const;
+  std::pair<std::uint32_t, std::uint32_t> check(RequestRows& rows) const;
+  std::pair<std::uint32_t, std::uint32_t> check(const TearRows& rows) const;
   void check_order(const Chunk& rows) const;
 
   const Section* section_;

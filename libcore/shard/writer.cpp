@@ -229,10 +229,10 @@ void SectionWriter::tears(PointIndex point, Level level, DirectionMask direction
   conversions_ += count;
 }
 
-void SectionWriter::copy(const StoredChunk& chunk) {
+void SectionWriter::copy(const ChunkInfo& info, const std::vector<std::byte>& frame) {
   flush();
-  footer_.chunks.push_back(chunk.info);
-  encoder_->put(chunk.bytes);
+  footer_.chunks.push_back(info);
+  encoder_->put(frame);
 }
 
 void SectionWriter::flush() {

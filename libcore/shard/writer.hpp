@@ -40,9 +40,9 @@ class SectionWriter {
   /// @throw std::system_error
   void tears(PointIndex point, Level level, DirectionMask directions, const TearByte* tears);
 
-  /// A whole chunk of a grid as it is stored: no record of it is in the new frontier, and no other
-  /// record of its range of points is written. @throw std::system_error
-  void copy(const StoredChunk& chunk);
+  /// A whole chunk of a grid as it is stored, by its zstd frame: no record of it is in the new
+  /// frontier, and no other record of its range of points is written. @throw std::system_error
+  void copy(const ChunkInfo& info, const std::vector<std::byte>& frame);
 
   /// Writes what is left, the footer and the locator. @throw std::system_error
   void finish();

@@ -154,11 +154,11 @@ std::string copy_grid(const std::string& name) {
   Content content;
   const Section grid = open_grid(name);
   SectionReader reader(grid);
-  StoredChunk chunk;
+  std::vector<std::byte> frame;
   for (std::size_t i = 0; i < grid.footer.chunks.size(); ++i) {
-    reader.read_stored(i, chunk);
-    content.add(chunk.bytes.size());
-    for (const std::byte byte : chunk.bytes) content.add(std::to_integer<unsigned>(byte));
+    reader.read_stored(i, frame);
+    content.add(frame.size());
+    for (const std::byte byte : frame) content.add(std::to_integer<unsigned>(byte));
   }
   return content.bytes();
 }

@@ -23,7 +23,7 @@ END
 seed toy.toml --set search.max_levels=8 -o toy.seeds
 expand toy.seeds -o toy.requests
 # Several chunks, which merge copies without decoding them.
-seed toy.toml --set model.parameters.state_size=3000 --set search.max_levels=25 --set 'grid.counts=[5,5,5]' \
+seed toy.toml --set model.parameters.state_size=3000 --set search.max_levels=25 --set search.tears=false --set 'grid.counts=[5,5,5]' \
   --set 'seeds={points = [[0, 0, 0]]}' | expand --complete -o toy.grid
 
 which=${STREAMS:-some}

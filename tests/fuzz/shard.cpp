@@ -30,9 +30,9 @@ void read_rows(const Section& section) {
 /// A grid as it is copied.
 void read_stored(const Section& section) {
   SectionReader reader(section);
-  StoredChunk chunk;
+  std::vector<std::byte> frame;
   for (std::size_t i = 0; i < section.footer.chunks.size(); ++i)
-    refusable([&] { reader.read_stored(i, chunk); });
+    refusable([&] { reader.read_stored(i, frame); });
 }
 
 /// The grid as play takes it, whatever its links are: along a diagonal of its box and back, a jump,

@@ -64,23 +64,32 @@ ion=$(ls ion*.dx)
 
 /usr/bin/python3 "$here/formats.py" images  # writes *.vti with VTK, and a sheared .dx
 
-# try FILE DIR OPTION...: the grid stores energy and force, for formats.py.
-try() {
+# try FILE DIR OPTION...: a grid that stores energy and force, for formats.py.
+define() {
   local file=$1 dir=$2
-  shift 2
-  hapgrid table "$file" -o "$dir" "$@" --until definition --quiet
+  hapgrid table "$file" -o "$dir" "${@:3}" --until definition --quiet
   sed -i '/^max_levels/a store = ["energy", "force"]' "$dir/$dir.toml"
-  hapgrid table "$file" -o "$dir" "$@" --quiet >line 2>said || fail "$(cat said)"
+}
+try() {
+  define "$@"
+  seed "$2/$2.toml" | expand --complete -o "$2/$2.grid"
+  /usr/bin/python3 "$here/formats.py" compare "$1" "$2"
+}
+# The same by the command alone, with its report, which is the same for all formats.
+try_all() {
+  local file=$1 dir=$2
+  define "$@"
+  hapgrid table "$file" -o "$dir" "${@:3}" --quiet >line 2>said || fail "$(cat said)"
   same "the line to feel $dir" "hapgrid feel $dir/$dir.grid" "$(cat line)"
   for made in index.html slices.png force.png energy.png played.html path.txt verify.txt; do
     [[ -s $dir/$made ]] || fail "$dir/$made is not there"
   done
   /usr/bin/python3 "$here/formats.py" compare "$file" "$dir"
 }
-try host.OA.map map --spacing 0.31
+try_all host.OA.map map --spacing 0.31
 try host.e.map charge --factor -0.4 --wall 1
 try "$ion" ion --spacing 0.37 --wall 30
-try "$here/water-esp.cube" water --spacing 0.3 --wall 0.3
+try_all "$here/water-esp.cube" water --spacing 0.3 --wall 0.3
 try plain.vti plain
 try packed.vti packed --array energy
 try text.vti text

@@ -62,7 +62,7 @@ bool no_children() { return ::waitpid(-1, nullptr, WNOHANG) < 0 && errno == ECHI
 
 TEST_CASE("what is reached depends on no fault that passes, and no order of answers") {
   auto good = create(puppet(""), 1);
-  const Run expected = convert(*good, 200);
+  const Run expected = convert(*good, 110);
   REQUIRE(expected.failures == 0);
   CHECK(expected.rows[2 * 7] == 7);
   CHECK(expected.rows[2 * 7 + 1] == 1.5);
@@ -70,18 +70,18 @@ TEST_CASE("what is reached depends on no fault that passes, and no order of answ
   for (const char* fault : {"", "reverse", "chatty"})
     for (const unsigned in_flight : {1u, 4u, 64u}) {
       auto model = create(puppet(fault), in_flight);
-      CHECK(convert(*model, 200).rows == expected.rows);
+      CHECK(convert(*model, 110).rows == expected.rows);
     }
   for (const char* fault : {"die", "crash", "id", "number", "short", "long", "nan"}) {
     CAPTURE(fault);
     auto model = create(puppet(fault, "50"));
-    const Run run = convert(*model, 200);
+    const Run run = convert(*model, 110);
     CHECK(run.failures == 0);
     CHECK(run.rows == expected.rows);
   }
   for (const char* fault : {"hang", "close"}) {
     auto model = create(puppet(fault, "90"), 4, 0.5);
-    CHECK(convert(*model, 200).rows == expected.rows);
+    CHECK(convert(*model, 110).rows == expected.rows);
   }
 }
 

@@ -132,7 +132,7 @@ std::string torn_grid(Random& random, const TemporaryDirectory& dir) {
 TEST_CASE("tear fractions are those of the definition, whatever the parts, threads and order") {
   Random random(20071);
   std::array<int, kTearSteps> found{};
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 15; ++i) {
     CAPTURE(i);
     const TemporaryDirectory dir;
     Case c(random);

@@ -58,7 +58,7 @@ TEST_CASE("rows come back from a shard as they were") {
     for (const std::uint32_t n : {1u, 2u, 1500u}) {
       // Nothing, one row, and several chunks.
       for (const std::size_t wanted :
-           {std::size_t{0}, std::size_t{1}, n == 1500 ? std::size_t{300} : 15000}) {
+           {std::size_t{0}, std::size_t{1}, n == 1500 ? std::size_t{150} : 6000}) {
         CAPTURE(to_string(content), n, wanted);
         const TemporaryDirectory dir;
         GridSpec spec = make_spec(n, {60, 50, 20});
@@ -101,7 +101,7 @@ TEST_CASE("chunks of a grid stay below 64 KiB, or 1 MiB, and keep to their point
       const SectionHeader header{
           Content::kGrid, 0,
           make_spec(n, n > 9 ? GridCoordinates{8, 8, 8} : GridCoordinates{40, 40, 40})};
-      const std::vector<Row> rows = random_rows(random, header, n > 1500 ? 2 : n > 9 ? 300 : 20000);
+      const std::vector<Row> rows = random_rows(random, header, n > 1500 ? 2 : n > 9 ? 150 : 8000);
       write(dir.file("shard"), header, rows, packing);
       const Section section = open_grid(dir.file("shard"));
       const std::uint32_t points = chunk_points(n, most);
@@ -116,7 +116,7 @@ TEST_CASE("chunks of a grid stay below 64 KiB, or 1 MiB, and keep to their point
 
 TEST_CASE("sections that are concatenated are found again, from any number of files") {
   Random random(2005);
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 25; ++i) {
     CAPTURE(i);
     const TemporaryDirectory dir;
     SectionHeader header{i % 2 ? Content::kGrid : Content::kRequests, 2,
@@ -127,7 +127,7 @@ TEST_CASE("sections that are concatenated are found again, from any number of fi
     std::vector<std::string> names;
     std::uint64_t bytes = 0;
     for (std::vector<Row>& rows : written) {
-      rows = random_rows(random, header, i % 10 ? draw(random, 0, 60) : 5000);
+      rows = random_rows(random, header, i % 10 ? draw(random, 0, 60) : 3000);
       if (names.empty() || random() % 2) names.push_back(dir.file(std::to_string(names.size())));
       write(names.back(), header, rows);
     }
