@@ -202,6 +202,29 @@ def one_core():
     table_on(1)
 
 
+def processor():
+    """At a real-time priority, the loop and an adapter that can share a processor have one, and the guard has the others;
+    else, and for all other threads, nothing changes."""
+    allowed = os.sched_getaffinity(0)
+
+    def case(mode, realtime):
+        play = Play(mode, "1000000000", options=["--set", "safety.ramp=20", "--realtime", realtime])
+        play.await_force()
+        (_, adapter), = play.events("pid")
+        loop = play.process.pid
+        got = [os.sched_getaffinity(pid) for pid in (loop, int(adapter), parent(adapter))]
+        others = [os.sched_getaffinity(int(thread)) for thread in os.listdir(f"/proc/{loop}/task") if int(thread) != loop]
+        play.process.send_signal(signal.SIGINT)
+        play.end(130, ".*")
+        shares = mode == "good" and realtime == "try" and REAL_TIME and len(allowed) > 1
+        assert len(got[0]) == 1 or not shares, (mode, got)
+        assert got == ([got[0], got[0], allowed - got[0]] if shares else [allowed] * 3), (mode, realtime, got, allowed)
+        assert others and all(one == allowed for one in others), (mode, realtime, others, allowed)
+        return f"{mode}, real time {realtime}: loop, adapter and guard on {got}"
+
+    at_once(case, [("good", "try"), ("good", "off"), ("unable", "try")])
+
+
 def left(tag):
     """Processes with this word in their environment."""
     found = []
