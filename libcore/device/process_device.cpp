@@ -155,6 +155,8 @@ DeviceStatus ProcessDevice::read(DeviceInput& input) noexcept {
            .reset = (state_.flags & HAPGRID_DEVICE_RESET) != 0,
            .next = (state_.flags & HAPGRID_DEVICE_NEXT) != 0};
   const bool steers = (greeting_.flags & HAPGRID_DEVICE_STEERS) != 0;
+  // An old deflection would leave the HIP under way for ever.
+  if (steers && input.stalled) return DeviceStatus::kOk;
   std::copy_n(state_.position, 3, (steers ? input.rate : input.position).begin());
   return DeviceStatus::kOk;
 }

@@ -80,6 +80,7 @@ first = {
     "pointlike": lambda: greeting(low=(0,) * 3, high=(0,) * 3),
     "steers": lambda: greeting(flags=2, low=(-1,) * 3, high=(1, 1, 0.5)),
     "unable": lambda: greeting(flags=0),
+    "silent": lambda: greeting(flags=2, low=(-1,) * 3, high=(1,) * 3),
     "other": lambda: b"x" * 128,
     "short": lambda: greeting()[:100],
     "long": lambda: greeting() * 2,
@@ -112,6 +113,7 @@ later = {
     "flood": flood,
     "family": leave_children,
     "move": lambda n: os.write(1, state(n, x=0.06)),
+    "silent": lambda n: os.write(1, state(n, x=-0.5, buttons=4)),
     "clutch": lambda n: os.write(1, state(n, buttons=1 if n < at + 200 else 0)),
 }
 
