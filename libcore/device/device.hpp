@@ -99,6 +99,9 @@ class Device {
   /// they do not wait; 0 takes it back. Not real-time safe.
   /// @return whether all of them took it
   virtual bool set_priority(int) noexcept { return true; }
+  /// Binds the device's process to this processor, where the caller will stay: a force then reaches
+  /// it without another processor being woken up. Not real-time safe. @return whether it is bound
+  virtual bool share_processor(int) noexcept { return false; }
   /// The first failure, in words. Not real-time safe.
   virtual std::string error() const = 0;
 

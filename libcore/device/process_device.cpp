@@ -155,6 +155,8 @@ DeviceStatus ProcessDevice::read(DeviceInput& input) noexcept {
            .reset = (state_.flags & HAPGRID_DEVICE_RESET) != 0,
            .next = (state_.flags & HAPGRID_DEVICE_NEXT) != 0};
   const bool steers = (greeting_.flags & HAPGRID_DEVICE_STEERS) != 0;
+  // An old deflection would leave the HIP under way for ever.
+  if (steers && input.stalled) return DeviceStatus::kOk;
   std::copy_n(state_.position, 3, (steers ? input.rate : input.position).begin());
   return DeviceStatus::kOk;
 }
@@ -195,6 +197,19 @@ bool ProcessDevice::set_priority(int priority) noexcept {
   }
   priority_ = priority;
   return took;
+}
+
+bool ProcessDevice::share_processor(int processor) noexcept {
+  if (stopped_ || (greeting_.flags & HAPGRID_DEVICE_SHARES) == 0) return false;
+  cpu_set_t one, others;
+  CPU_ZERO(&one);
+  CPU_SET(processor, &one);
+  if (::sched_getaffinity(guard_.pid(), sizeof others, &others) != 0) return false;
+  CPU_CLR(processor, &others);
+  // The guard is first: the kernel refuses a set without a processor. What the guard starts later,
+  // as --release, stays off this processor, too.
+  return ::sched_setaffinity(guard_.pid(), sizeof others, &others) == 0 &&
+         ::sched_setaffinity(guard_.adapter(), sizeof one, &one) == 0;
 }
 
 std::string ProcessDevice::error() const {

@@ -56,6 +56,9 @@ class ProcessDevice : public Device {
   /// Sets the priority of those threads of the adapter that have no real-time priority. Threads
   /// that the adapter starts later do not inherit it.
   bool set_priority(int priority) noexcept override;
+  /// Only for an adapter that says that it can share a processor, and where there is another one
+  /// for the guard, which must not depend on what loop and adapter do.
+  bool share_processor(int processor) noexcept override;
   std::string error() const override;
 
   /// Forces a second that the adapter can take.

@@ -38,7 +38,9 @@ extern "C" {
 /* Bits of hapgrid_device_greeting.flags. */
 enum hapgrid_device_ability {
   HAPGRID_DEVICE_RELEASES = 1, /* the argument --release is known */
-  HAPGRID_DEVICE_STEERS = 2    /* no positions: a deflection sets the speed of the probe */
+  HAPGRID_DEVICE_STEERS = 2,   /* no positions: a deflection sets the speed of the probe */
+  HAPGRID_DEVICE_SHARES = 4    /* the adapter sleeps until a force comes, so that it can share the
+                                  processor of play's loop: a force then reaches it sooner */
 };
 
 /* Axes: x to the right, y away from the user, z up. */

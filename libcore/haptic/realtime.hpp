@@ -3,6 +3,8 @@
 // what it got, because a user feels a force that stutters and does not know why.
 #pragma once
 
+#include <sched.h>
+
 #include <chrono>
 #include <string>
 
@@ -31,29 +33,33 @@ inline constexpr std::chrono::seconds kLongestBusy{1};
 
 /// While an object lives, the calling thread and those of the device are under SCHED_FIFO, the
 /// process's memory is locked, and the processors are asked not to sleep deeply
-/// (/dev/cpu_dma_latency), because waking up makes ticks late. Other threads that exist already
-/// keep their policy.
+/// (/dev/cpu_dma_latency), because waking up makes ticks late. A device that can share a processor
+/// is bound to that of the calling thread, which stays there. Other threads that exist already keep
+/// their policy and processors.
 class Realtime {
  public:
   /// @throw Error with kRequire when something was refused: what it is, its limit, and how to raise
   /// the limit.
   /// @param device it must live longer than this object; null: none.
   explicit Realtime(RealtimeMode mode, Device* device = nullptr);
-  /// Gives both back.
+  /// Gives back what the calling thread got.
   ~Realtime();
   Realtime(const Realtime&) = delete;
   Realtime& operator=(const Realtime&) = delete;
 
   /// What the system gave, and why it gave no more, in one line: "SCHED_FIFO 40, memory locked,
-  /// processors awake".
+  /// processors awake, loop and adapter on processor 1".
   const std::string& got() const { return got_; }
 
  private:
   void give_priority_back() noexcept;
+  void share_processor();
 
   Device* device_;
   bool scheduled_ = false;
   bool locked_ = false;
+  bool bound_ = false;
+  cpu_set_t allowed_{};   // before it was bound
   FileDescriptor awake_;  // the wish holds as long as it is open
   std::string got_;
 };

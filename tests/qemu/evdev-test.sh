@@ -1,5 +1,6 @@
 # play with a gamepad that rumbles and a stick with force, as the kernel shows them; uinput makes both. The hand goes
-# from the middle to the left end of the box, pushes the ball there, and it snaps. What ends the play: its duration; a
+# from the middle to the left end of the box, pushes the ball there, and it snaps; or the second button takes it to its
+# other level. What ends the play: its duration; a
 # device that takes no effect any more; SIGSTOP; SIGKILL; the end of its adapter; the cable.
 source "$(dirname "$0")/lib.sh"
 
@@ -14,7 +15,7 @@ event() {
   for name in /sys/class/input/event*/device/name; do grep -qx "$1" $name && basename ${name%/device/name}; done
 }
 played() { $common --log /tmp/log.session "$@" >/dev/null; echo "exit $?"; }
-kept() { cat "/tmp/$1"; echo "== $1 session"; base64 /tmp/log.session; rm /tmp/log.session; }
+kept() { cat "/tmp/$1"; echo "== ${2:-$1} session"; base64 /tmp/log.session; rm /tmp/log.session; }
 # signalled SIGNAL: a play with the gamepad gets it while it pushes the ball; the last that the device hears.
 signalled() {
   (exec $common --device evdev:045e:028e --realtime off --duration 3 >/dev/null) & player=$!
@@ -27,6 +28,9 @@ nobody="/bin/setpriv --reuid 65534 --regid 65534 --clear-groups"
 $nobody play --list-devices | tail -n 1
 $nobody $common --device "evdev:/dev/input/$(event 'emulated stick')" >/dev/null; echo "exit $?"
 echo "== gamepad"; played --device evdev:045e:028e --duration 1.4; kept gamepad
+echo "== next"
+(exec $common --log /tmp/log.session --device evdev:045e:028e --duration 1.4 >/dev/null) & player=$!
+usleep 900000; kill -USR1 $gamepad; wait $player; echo "exit $?"; kept gamepad next
 echo "== stick"; played --device evdev:1209:0001 --realtime off; kept stick
 echo "== stopped"; signalled STOP; kill -CONT $player; wait $player; echo "exit $?"
 echo "== killed"; signalled KILL; wait $player; echo "exit $?"

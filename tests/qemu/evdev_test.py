@@ -2,6 +2,7 @@
 sessions, by the units of linux/input.h: levels to 0x7fff, motors to 0xffff, and the direction into which a
 force pulls, 0 towards the user, clockwise in 1/0x10000 of a circle. Full is 2 N, the default."""
 import base64
+import itertools
 import math
 import re
 import subprocess
@@ -18,11 +19,11 @@ for line in open(sys.argv[1]):
 
 
 def ticks(name):
-    """(HIP, force that was sent) of each tick of a session, through stats."""
+    """(HIP, force that was sent, state) of each tick of a session, through stats."""
     open("log.session", "wb").write(base64.b64decode("".join(parts[f"{name} session"])))
     subprocess.run(["stats", "--log", "log.session", "--export", "log.txt"], check=True, stdout=subprocess.DEVNULL)
-    rows = [list(map(float, line.split("\t")[:10])) for line in open("log.txt") if line[0] != "#"]
-    return [(row[1:4], row[7:10]) for row in rows]
+    rows = [list(map(float, line.split("\t")[:19])) for line in open("log.txt") if line[0] != "#"]
+    return [(row[1:4], row[7:10], row[18]) for row in rows]
 
 
 def constant(force):
@@ -69,14 +70,14 @@ ended("gamepad", 0)
 for said in ("1400 ticks", "missed at 1000 Hz: 0,"):
     assert any(said in line for line in parts["gamepad"]), said
 played = ticks("gamepad")
-hips = [hip[0] for hip, _ in played]
+hips = [hip[0] for hip, _, _ in played]
 steps = {round((b - a) * 1e9) for a, b in zip(hips, hips[1:])}
 assert steps == {0, -800000} or steps == {-800000}, steps
 assert abs(hips[0] - 0.175) < 1e-3 and hips[-1] < -0.8, (hips[0], hips[-1])
 # The strong motor is the force, and the weak one says the one snap, before the force is gone.
 words, times = record("gamepad")
 strong = [int(w[3]) for w in words if w[:3] == ["upload", "0", "rumble"]]
-follows(strong[1:], [rumble(force) for _, force in played], "strong motor")
+follows(strong[1:], [rumble(force) for _, force, _ in played], "strong motor")
 assert len(strong) > 80 and max(strong) > 39000, (len(strong), max(strong))
 assert words[:4] == [["set", "96", "65535"], "upload 0 rumble 0 0 250".split(), "upload 1 rumble 0 65535 60".split(),
                      ["play", "0", "1"]], words[:4]
@@ -100,6 +101,14 @@ for t, w in zip(times, words):
 end = ("play 0 0", "play 1 0", "play 0 0", "erase 0", "play 1 0", "erase 1")
 assert words[-6:] == [line.split() for line in end], words[-6:]
 
+# The second button, held for 50 ms while the ball is pushed, takes it to its other level there, once: from then on, until the
+# other play's ball snaps, the states differ, and nowhere else but where a snap is a tick later.
+ended("next", 0)
+pushed = {round(hip[0], 6): state for hip, _, state in played}
+differs = [abs(state - pushed[round(hip[0], 6)]) > 0.1 for hip, _, state in ticks("next") if round(hip[0], 6) in pushed]
+lengths = [len(list(run)) for is_other, run in itertools.groupby(differs) if is_other]
+assert lengths[0] > 60 and sum(lengths[1:]) <= 5 and not differs[0], (lengths, len(differs))
+
 # The stick is held: its place is a position, and it gets each force as level and direction.
 ended("stick", 1, "hapgrid-evdev: did not answer within 100 ms")
 words, times = record("stick")
@@ -107,11 +116,11 @@ assert words[:2] == [["set", "97", "0"], ["set", "96", "65535"]], words[:2]
 played = ticks("stick")
 got = [tuple(map(int, w[3:5])) for w in words if w[:3] == ["upload", "0", "constant"]]
 assert len(got) == 150 and max(level for level, _ in got) > 5000, (len(got), max(got))
-follows(got[1:], [constant(force) for _, force in played], "constant force")
+follows(got[1:], [constant(force) for _, force, _ in played], "constant force")
 # The ball is to the left and below: the force on the hand points to the right, 0xC000.
 assert all(abs(direction - 0xc000) < 0x1000 for level, direction in got if level > 1000), got
 # From the middle, 19 units a metre, at 0.05 m in 1.2 s.
-for hip, _ in played:
+for hip, _, _ in played:
     assert -0.775 - 1e-9 < hip[0] < 0.175 + 1e-9 and abs(hip[1] + 0.025) < 1e-9, hip
 
 # The guard stops what plays when play stands still, and the kernel does when play was killed; no force comes after that.

@@ -1,10 +1,11 @@
 /* uinput-device gamepad|stick [--slow N]: an event device with effects, made by the kernel's
  * uinput.
  *
- * gamepad has X, Y, Rx, Ry, buttons and FF_RUMBLE; stick X, Y, a button and FF_CONSTANT. When an
- * effect is created, the gamepad's X goes to its left end after 0.1 s; the stick's X goes there
- * from the middle within 1.2 s. When the last effect is erased, it goes back to the middle. With
- * --slow it takes no effect any more after N of them.
+ * gamepad has X, Y, Rx, Ry, two buttons and FF_RUMBLE; stick X, Y, two buttons and FF_CONSTANT.
+ * When an effect is created, the gamepad's X goes to its left end after 0.1 s; the stick's X goes
+ * there from the middle within 1.2 s. When the last effect is erased, it goes back to the middle.
+ * SIGUSR1 holds the second button for 50 ms. With --slow it takes no effect any more after N of
+ * them.
  *
  * What happens goes to standard output at once, a line each, with the microseconds of
  * CLOCK_MONOTONIC:
@@ -15,14 +16,16 @@
 #include <linux/input.h>
 #include <linux/uinput.h>
 #include <poll.h>
+#include <signal.h>
 #include <sys/ioctl.h>
 
 #include "tests/qemu/device.h"
 
-enum { kHalf = 32767, kStepMs = 4, kWayMs = 1200, kPauseMs = 100 };
+enum { kHalf = 32767, kStepMs = 4, kWayMs = 1200, kPauseMs = 100, kHoldMs = 50 };
 
 static int fd, is_stick, effects, uploads, most_uploads = -1;
-static int64_t created;
+static int64_t created, pressed;
+static volatile sig_atomic_t to_press;
 
 static void say(const char* what) { printf("%lld %s", (long long)(now_ns() / 1000), what); }
 
@@ -41,6 +44,8 @@ static void axis(int code, int flat) {
   need(ioctl(fd, UI_ABS_SETUP, &setup), "axis");
 }
 
+static int second_button(void) { return is_stick ? BTN_THUMB : BTN_EAST; }
+
 static void create(void) {
   struct uinput_setup setup = {
       .id = {BUS_USB, is_stick ? 0x1209 : 0x045e, is_stick ? 0x0001 : 0x028e, 1},
@@ -51,6 +56,7 @@ static void create(void) {
   const int types[] = {EV_ABS, EV_KEY, EV_FF};
   for (unsigned i = 0; i < 3; ++i) need(ioctl(fd, UI_SET_EVBIT, types[i]), "types");
   need(ioctl(fd, UI_SET_KEYBIT, is_stick ? BTN_TRIGGER : BTN_SOUTH), "button");
+  need(ioctl(fd, UI_SET_KEYBIT, second_button()), "button");
   need(ioctl(fd, UI_SET_FFBIT, is_stick ? FF_CONSTANT : FF_RUMBLE), "effect");
   need(ioctl(fd, UI_SET_FFBIT, FF_GAIN), "gain");
   if (is_stick) need(ioctl(fd, UI_SET_FFBIT, FF_AUTOCENTER), "autocentre");
@@ -104,14 +110,31 @@ static int place(void) {
   return ms < kWayMs ? (int)(-kHalf * ms / kWayMs) : -kHalf;
 }
 
+static void on_signal(int number) {
+  (void)number;
+  to_press = 1;
+}
+
+/* Presses the second button where that is wanted, and lets it go when it was held. */
+static void press(void) {
+  const int is_over = pressed != 0 && now_ns() - pressed > kHoldMs * 1000000LL;
+  if (!to_press && !is_over) return;
+  emit(EV_KEY, second_button(), to_press);
+  emit(EV_SYN, SYN_REPORT, 0);
+  pressed = to_press ? now_ns() : 0;
+  to_press = 0;
+}
+
 int main(int argc, char** argv) {
   setvbuf(stdout, NULL, _IOLBF, 0);
   is_stick = argc > 1 && strcmp(argv[1], "stick") == 0;
   if (argc > 3 && strcmp(argv[2], "--slow") == 0) most_uploads = atoi(argv[3]);
+  signal(SIGUSR1, on_signal);
   create();
   for (int last = 0;;) {
     struct pollfd ready = {.fd = fd, .events = POLLIN};
     if (poll(&ready, 1, kStepMs) > 0) handle();
+    press();
     const int now = place();
     if (now == last) continue;
     emit(EV_ABS, ABS_X, last = now);

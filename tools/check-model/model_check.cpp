@@ -103,11 +103,10 @@ class ModelWalker {
       // A walk has several targets: the next leg starts where the last one ended.
       for (int leg = 0; leg < kLegs && steps < most_steps_; ++leg) {
         const auto target = static_cast<PointIndex>(random_.below(spec_.box.points()));
-        while (point_ != target && steps < most_steps_) {
+        while (leg < kLegs && point_ != target && steps < most_steps_) {
           if (steps > 0 && is_late()) return;
           ++steps;
           if (!step(direction_to(spec_.box, point_, target))) leg = kLegs;
-          if (leg == kLegs) break;
         }
       }
       if (spec_.box.points() == 1) break;
@@ -263,10 +262,7 @@ class ModelWalker {
   void try_to_return(const Step& step, Findings& found) {
     if (!convert(step, ", on the way back", step.arrived, step.there, -1 * step.d, other_)) return;
     ++found.counted;
-    if (same(other_, step.from)) {
-      returned_.push_back(distance_(other_, step.from));
-      return;
-    }
+    if (same(other_, step.from)) return returned_.push_back(distance_(other_, step.from));
     found.offend([&] {
       return text_of(step) + ": back in " + state_of(other_) + between(other_, step.from);
     });

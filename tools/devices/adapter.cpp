@@ -179,7 +179,7 @@ hapgrid_device_greeting made_greeting(const std::string& name, const Vec3& low, 
                                       double max_force, double rate, std::uint32_t flags) {
   hapgrid_device_greeting greeting{.magic = HAPGRID_DEVICE_MAGIC,
                                    .version = HAPGRID_DEVICE_VERSION,
-                                   .flags = flags,
+                                   .flags = flags | HAPGRID_DEVICE_SHARES,
                                    .low = {low[0], low[1], low[2]},
                                    .high = {high[0], high[1], high[2]},
                                    .max_force = max_force,

@@ -291,8 +291,7 @@ std::vector<ListedDevice> list() {
                       info.constant ? "force"
                       : info.rumble ? "rumble"
                                     : "-",
-                      info.name + " (" + hex4(info.vid) + ":" + hex4(info.pid) + ")",
-                      may_open(info.path) ? "" : stick_permission(info)});
+                      shown_name(info), may_open(info.path) ? "" : stick_permission(info)});
   return listed;
 }
 

@@ -8,8 +8,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/text.hpp"
@@ -53,13 +55,10 @@ std::uint16_t number(const fs::path& file) {
   return static_cast<std::uint16_t>(std::strtoul(first_line(file).c_str(), nullptr, 16));
 }
 
-HidMatch numbers_of(const EvdevInfo& info) { return {.vid = info.vid, .pid = info.pid}; }
-
 std::string names(const std::vector<EvdevInfo>& devices) {
   std::string text;
   for (const EvdevInfo& info : devices)
-    text += (text.empty() ? "" : ", ") + info.name + " (" + to_text(numbers_of(info)) + ") at " +
-            info.path;
+    text += (text.empty() ? "" : ", ") + shown_name(info) + " at " + info.path;
   return text;
 }
 
@@ -85,13 +84,15 @@ std::vector<EvdevInfo> list_evdev(const std::string& sysfs) {
     const bool force = effects.has(FF_CONSTANT) && (axes.has(ABS_X) || axes.has(ABS_WHEEL));
     const bool stick = axes.has(ABS_X) && axes.has(ABS_Y) && keys.any(BTN_JOYSTICK, BTN_DIGI - 1);
     if (!force && !stick) continue;
-    devices.push_back({.path = "/dev/input/" + name,
-                       .vid = number(device / "id" / "vendor"),
-                       .pid = number(device / "id" / "product"),
-                       .serial = printable_line(first_line(device / "uniq")),
-                       .name = printable_line(first_line(device / "name")),
-                       .constant = effects.has(FF_CONSTANT),
-                       .rumble = effects.has(FF_RUMBLE)});
+    EvdevInfo info;
+    info.path = "/dev/input/" + name;
+    info.vid = number(device / "id" / "vendor");
+    info.pid = number(device / "id" / "product");
+    info.serial = printable_line(first_line(device / "uniq"));
+    info.product = printable_line(first_line(device / "name"));
+    info.constant = effects.has(FF_CONSTANT);
+    info.rumble = effects.has(FF_RUMBLE);
+    devices.push_back(std::move(info));
   }
   std::sort(devices.begin(), devices.end(), [](const EvdevInfo& a, const EvdevInfo& b) {
     return std::pair(a.path.size(), a.path) < std::pair(b.path.size(), b.path);
@@ -101,14 +102,8 @@ std::vector<EvdevInfo> list_evdev(const std::string& sysfs) {
 
 EvdevInfo find_one_evdev(const std::vector<EvdevInfo>& devices, const HidMatch& match) {
   std::vector<EvdevInfo> found;
-  for (const EvdevInfo& info : devices) {
-    HidInfo shown;
-    shown.path = info.path;
-    shown.vid = info.vid;
-    shown.pid = info.pid;
-    shown.serial = info.serial;
-    if (match.fits(shown)) found.push_back(info);
-  }
+  std::copy_if(devices.begin(), devices.end(), std::back_inserter(found),
+               [&](const EvdevInfo& info) { return match.fits(info); });
   const bool any = to_text(match) == to_text(HidMatch());
   const auto keep = [&](bool EvdevInfo::*effect) {
     if (any && std::any_of(found.begin(), found.end(), [&](const auto& i) { return i.*effect; }))

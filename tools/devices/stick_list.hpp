@@ -1,7 +1,6 @@
 // Lists the event devices that have a stick, and finds the one that the user means.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,11 +8,8 @@
 
 namespace hapgrid {
 
-/// An event device with a stick. Its texts come from the device and were made printable.
-struct EvdevInfo {
-  std::string path;  ///< "/dev/input/event7"
-  std::uint16_t vid = 0, pid = 0;
-  std::string serial, name;
+/// An event device with a stick, at "/dev/input/event7"; its name is the product.
+struct EvdevInfo : HidInfo {
   bool constant = false, rumble = false;  ///< the effects that it has
 };
 

@@ -15,7 +15,7 @@ import time
 record = os.open(sys.argv[1], os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
 mode = sys.argv[2]
 at = int(sys.argv[3]) if sys.argv[3:4] not in ([], ["--release"]) else 150
-END, RELEASES = 1, 1
+END, RELEASES, SHARES = 1, 1, 4
 forces = struct.Struct("<3d2I")
 
 
@@ -24,7 +24,7 @@ def note(*words):
     os.write(record, " ".join(map(str, (time.monotonic(), *words, "\n"))).encode())
 
 
-def greeting(magic=b"hapgrid", version=2, flags=RELEASES, low=(-0.08,) * 3, high=(0.08,) * 3, force=3.0, rate=1000.0,
+def greeting(magic=b"hapgrid", version=2, flags=RELEASES | SHARES, low=(-0.08,) * 3, high=(0.08,) * 3, force=3.0, rate=1000.0,
              name=b"puppet"):
     return struct.pack("<8s2I3d3d2d48s", magic, version, flags, *low, *high, force, rate, name)
 
@@ -80,6 +80,7 @@ first = {
     "pointlike": lambda: greeting(low=(0,) * 3, high=(0,) * 3),
     "steers": lambda: greeting(flags=2, low=(-1,) * 3, high=(1, 1, 0.5)),
     "unable": lambda: greeting(flags=0),
+    "silent": lambda: greeting(flags=2, low=(-1,) * 3, high=(1,) * 3),
     "other": lambda: b"x" * 128,
     "short": lambda: greeting()[:100],
     "long": lambda: greeting() * 2,
@@ -112,6 +113,7 @@ later = {
     "flood": flood,
     "family": leave_children,
     "move": lambda n: os.write(1, state(n, x=0.06)),
+    "silent": lambda n: os.write(1, state(n, x=-0.5, buttons=4)),
     "clutch": lambda n: os.write(1, state(n, buttons=1 if n < at + 200 else 0)),
 }
 

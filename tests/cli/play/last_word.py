@@ -87,9 +87,10 @@ if not REAL_TIME:  # the kernel ends nobody who spins; a processor is shared
     TABLE = {who: (*row[:6], STAYS if who == "guard" else NEVER if row[6] == NEVER else 0.5) for who, row in TABLE.items()}
 
 
-def started(cores):
+def started(cores, mode="good", options=()):
     """A play that pushes, and the process ids of the three."""
-    play = Play("good", options=["--set", "safety.ramp=20"], wrapper=["taskset", "-c", "0"] if cores == 1 else [])
+    play = Play(mode, "1000000000", options=["--set", "safety.ramp=20", *options],
+                wrapper=["taskset", "-c", "0"] if cores == 1 else [])
     try:
         play.await_force()
     except AssertionError as error:
@@ -97,7 +98,10 @@ def started(cores):
             raise Busy from error
         raise
     (_, adapter), = play.events("pid")
-    return play, {"play": play.process.pid, "guard": parent(adapter), "adapter": int(adapter)}
+    try:
+        return play, {"play": play.process.pid, "guard": parent(adapter), "adapter": int(adapter)}
+    except FileNotFoundError as error:  # play has given it up
+        raise Busy from error
 
 
 def disturb(victims, what):
@@ -173,7 +177,7 @@ def case(who, what, cores, limit):
     return f"{cell}: {'stays' if limit == STAYS else f'{1000 * took:.0f} ms'}"
 
 
-def patient_case(*cell):
+def patiently(case, *cell):
     """A rule that is broken is broken each time."""
     for attempt in 1, 2, 3, 4, 5:
         try:
@@ -185,13 +189,13 @@ def patient_case(*cell):
 
 def table_on(cores):
     cells = [(who, what, cores, limit) for who, row in TABLE.items() for what, limit in zip(WHATS, row)]
-    at_once(patient_case, [cell for cell in cells if cell[1] is not spin])
+    at_once(patiently, [(case, *cell) for cell in cells if cell[1] is not spin])
     # Who spins at a real-time priority disturbs all others, but not who watches.
     if REAL_TIME:
         os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(48))
     for cell in cells:
         if cell[1] is spin and platform.machine() == "x86_64":
-            print(patient_case(*cell))
+            print(patiently(case, *cell))
 
 
 def two_cores():
@@ -200,6 +204,33 @@ def two_cores():
 
 def one_core():
     table_on(1)
+
+
+def processor():
+    """At a real-time priority, the loop and an adapter that can share a processor have one, and the guard has the others;
+    else, and for all other threads, nothing changes."""
+    allowed = os.sched_getaffinity(0)
+
+    def case(mode, realtime):
+        play, pids = started(2, mode, ["--realtime", realtime])
+        loop = pids["play"]
+        try:
+            got = [os.sched_getaffinity(pids[who]) for who in ("play", "adapter", "guard")]
+            others = [os.sched_getaffinity(int(thread)) for thread in os.listdir(f"/proc/{loop}/task") if int(thread) != loop]
+        except (FileNotFoundError, ProcessLookupError):
+            got = others = []
+        finally:
+            play.process.send_signal(signal.SIGINT)
+            play.process.communicate(timeout=60)
+        if play.process.returncode != 130:  # it gave the adapter up
+            raise Busy
+        shares = mode == "good" and realtime == "try" and REAL_TIME and len(allowed) > 1
+        assert len(got[0]) == 1 or not shares, (mode, got)
+        assert got == ([got[0], got[0], allowed - got[0]] if shares else [allowed] * 3), (mode, realtime, got, allowed)
+        assert others and all(one == allowed for one in others), (mode, realtime, others, allowed)
+        return f"{mode}, real time {realtime}: loop, adapter and guard on {got}"
+
+    at_once(patiently, [(case, "good", "try"), (case, "good", "off"), (case, "unable", "try")])
 
 
 def left(tag):

@@ -194,6 +194,15 @@ def at_the_end():
         assert 0 in after[:150] and 0.5 in after, after  # with the clutch, and when it is released
         return "clutch: done"
 
+    def silent():
+        """A device that steers, and says while it is pushed that it is silent."""
+        play = Play("silent", "50", options=["--duration", "0.6", "--log", "silent.session"])
+        play.end(0, "play: lateness .*")
+        text = subprocess.run(["stats", "--log", "silent.session", "--export", "-"], check=True, capture_output=True, text=True)
+        x = [line.split("\t")[1] for line in text.stdout.splitlines() if line[0] != "#"]
+        assert len(x) > 100 and len(set(x[:50])) > 20 and len(set(x[60:])) == 1, x
+        return "silent: at rest"
+
     def slow():
         """Answers come 3.5 ms after their force, at 1 kHz."""
         play = Play("tardy", "0", options=["--duration", "2", "--report", "slow.json"])
@@ -216,7 +225,7 @@ def at_the_end():
         Play("escape", options=["--duration", "0.05"]).end(0, "play: lateness [^\x1b]*")
         return "escape: done"
 
-    at_once(lambda case: case(), [[lingers], [slow], [deaf], [recorded], [clutch], [escape]])
+    at_once(lambda case: case(), [[lingers], [silent], [slow], [deaf], [recorded], [clutch], [escape]])
 
 
 def play_ends():

@@ -235,8 +235,8 @@ TEST_CASE("sticks are found in sysfs, whoever may open them") {
   REQUIRE(all.size() == 2);
   CHECK((all[0].path == "/dev/input/event3" && all[0].constant && !all[0].rumble));
   CHECK((all[1].path == "/dev/input/event12" && !all[1].constant && all[1].rumble));
-  CHECK(find_one_evdev(all, {}).name == "stick");
-  CHECK(find_one_evdev(all, {.path = "/dev/input/event12"}).name == "X-Box  360 pad");
+  CHECK(find_one_evdev(all, {}).product == "stick");
+  CHECK(find_one_evdev(all, {.path = "/dev/input/event12"}).product == "X-Box  360 pad");
   CHECK(
       testing::refusal([&] { find_one_evdev(all, {.vid = 0x45e, .pid = 0x28e}); }) ==
       "2 gamepads or sticks are 045e:028e: stick (045e:028e) at /dev/input/event3, X-Box  360 pad "
