@@ -33,9 +33,9 @@ def run(o):
     if work.changed_by_hand(toml):
         work.say(f"{toml} was changed by hand: it is kept")
     else:
-        options = [o.centre, o.size, o.spacing, o.map_spacing, o.torsions]
+        options = [o.centre, o.size, o.spacing, o.map_spacing, o.torsions, o.atoms]
         given = [o.host, o.ligand, *(field.files(o.host).values() if _is_field(o.host) else ())]
-        work.step("definition", "computing the maps", [], [*map(digest, given), options],
+        work.step("definition", "reading host and ligand" if o.atoms else "computing the maps", [], [*map(digest, given), options],
                   lambda: _define(o, work, name))
     if o.until:
         work.say("stopped after the definition: the same command without --until goes on")
@@ -59,7 +59,9 @@ def _is_field(path):
 
 def _define(o, work, name):
     own = _is_field(o.host)
-    host = field.host(o.host) if own else maps.pdbqt(work, o.host, "host", maps.MOST_HOST)
+    if own and o.atoms:
+        raise Failed(f"{o.host}: --atoms needs the file of the host's atoms, not of its maps")
+    host = field.host(o.host) if own else maps.pdbqt(work, o.host, "host", maps.MOST_BY_ATOMS if o.atoms else maps.MOST_HOST)
     ligand = maps.pdbqt(work, o.ligand, "ligand", maps.MOST_LIGAND)
     if len(ligand) < 2:
         raise Failed(f"{o.ligand}: one atom cannot turn: `hapgrid table` makes a grid of a map")
@@ -79,15 +81,19 @@ def _define(o, work, name):
         raise Failed(f"the box is not inside the maps, which go from {_point(low)} to {_point(high)}")
     low, high = centre - size / 2, centre + size / 2
     made = []
-    if own:
+    if o.atoms:
+        names, tables = maps.clearance(host, ligand, low - reach, high + reach)
+    elif own:
         tables = [field.fitted(table, low - reach, high + reach) for table in tables]
     else:
         margin = reach + o.map_spacing
         made = maps.compute(work, host, ligand, low - margin, high + margin, o.map_spacing)
         names, tables = field.read(work.path("host.maps.fld"), ligand)
-    files = maps.write(work, names, tables, host, low, high)
+    files = [] if o.atoms else maps.write(work, names, tables, host, low, high)
+    by = "atom by atom" if o.atoms else f"maps {', '.join(names)}"
     work.say(f"  host of {len(host)} atoms, ligand of {len(ligand)} atoms; grid of {' x '.join(map(str, counts))} points, "
-             f"{o.spacing:g} angstrom apart; maps {', '.join(names)}")
+             f"{o.spacing:g} angstrom apart; {by}")
+    types = "" if o.atoms else f"types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d\n"
     work.write(f"{name}.toml", f"""\
 # {name}: made by `hapgrid dock`, which keeps what is changed here and computes the grid anew when it is run
 # again. Lengths in Å.
@@ -97,11 +103,10 @@ plugin = "docking"
 
 [model.files]             # the grid carries their contents
 ligand = "ligand.pdbqt"
-maps = {json.dumps(files)}
+{'host = "host.pdbqt"' if o.atoms else f"maps = {json.dumps(files)}"}
 
 [model.parameters]
-types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d
-soft = 20                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
+{types}soft = 20                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
 highest = 0               # kJ/mol: a pose that is higher turns over to the deepest one at the nearest node
 nodes = {[*(round(float(v), 6) for v in low), o.spacing]}   # origin and spacing, in Å, of the nodes: those of the grid
 torsions = {o.torsions}              # so many of the ligand's bonds turn, those around which its own energy changes least

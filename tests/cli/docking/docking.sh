@@ -48,6 +48,25 @@ refuses 'dock: usual/less.fld: there is no map OA, which an atom of the ligand n
 sed '/^label/d' usual/host.maps.fld >usual/none.fld
 refuses 'dock: usual/none.fld: no .fld file of AutoGrid: .*' -- hapgrid dock usual/none.fld usual/ligand.pdbqt -o out -q
 
+# A host atom by atom. Where it can make no hydrogen bond, whose direction only maps know, its energies are AutoDock's.
+sed 's/ OA$/ N /; s/ HD$/ H /' usual/host.pdbqt >plain.pdbqt
+small_box=(--centre 0,0,2.5 --size 0.5,0.5,0.5)
+hapgrid dock plain.pdbqt "$ligand" -o plain "${small_box[@]}" --map-spacing 0.05 --until definition -q
+hapgrid dock plain.pdbqt "$ligand" -o atoms "${small_box[@]}" --atoms --until definition -q
+[[ ! -e atoms/host.gpf ]] || fail 'AutoGrid was called'
+/usr/bin/python3 "$here/energies.py" atoms atoms plain
+hapgrid dock "$host" "$ligand" -o byatoms --centre 0,0,4 --size 0.8,0.8,0.8 --spacing 0.8 --atoms -q >line
+same 'the line to feel it' 'hapgrid feel byatoms/byatoms.grid' "$(cat line)"
+refuses 'dock: usual/host.maps.fld: --atoms needs the file of the .*' -- \
+  hapgrid dock usual/host.maps.fld "$ligand" -o out --atoms -q
+refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \
+  hapgrid dock "$host" "$ligand" -o out --centre 0.17,-2.29,-1.97 --size 0.5,0.5,0.5 --atoms -q
+sed 's/ HD$/ Zn/' usual/host.pdbqt >zinc.pdbqt
+refuses 'dock: .*there are no parameters for atoms of type Zn' -- \
+  hapgrid dock zinc.pdbqt "$ligand" -o out "${small_box[@]}" --atoms -q
+for ((n = 0; n < 501; ++n)); do grep '^ATOM      1' small/ligand.pdbqt; done >crowd.pdbqt
+refuses 'dock: crowd.pdbqt: 501 atoms, at most 500 are possible' -- hapgrid dock crowd.pdbqt "$ligand" -o out --atoms -q
+
 # An aspartate and a histidine as PDB2PQR has them, with the types and charges of AutoDock.
 cat >pair.pqr <<'END'
 ATOM 1 CB ASP 1 0.000 0.000 0.000 -0.0303 1.9080
