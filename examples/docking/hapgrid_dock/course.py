@@ -70,6 +70,8 @@ def _define(o, work, name):
         names, tables = field.read(o.host, ligand)
         low = tables[0].origin
         high = low + tables[0].axes[0, 0] * (np.array(tables[0].values.shape) - 1)
+        if reach > np.linalg.norm(high - low) / 2:
+            raise Failed(f"{o.ligand}: atoms {reach:.1f} angstrom from the ligand's centre: it is larger than the maps")
     else:
         places = np.array([place for _, place, _ in host])
         low, high = places.min(axis=0), places.max(axis=0)

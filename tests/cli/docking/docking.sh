@@ -42,6 +42,12 @@ hapgrid dock usual/host.maps.fld usual/ligand.pdbqt -o own --centre 0,0,3 --size
 /usr/bin/python3 "$here/energies.py" own on usual
 refuses 'dock: the box is not inside the maps, which go from .*' -- \
   hapgrid dock usual/host.maps.fld usual/ligand.pdbqt -o out --centre 0,0,9 --size 2,2,3 -q
+mkdir cut && cp usual/host.* cut && head -n 100 usual/host.C.map >cut/host.C.map
+refuses 'dock: cut/host.C.map: its header speaks of [0-9,]+ values, and it has 94' -- \
+  hapgrid dock cut/host.maps.fld usual/ligand.pdbqt -o out -q
+sed -E '/^ATOM      1/s/(.{30}).{24}/\1 -30.000 -30.000 -30.000/' usual/ligand.pdbqt >long.pdbqt
+refuses 'dock: long.pdbqt: atoms [0-9.]+ angstrom from the .* it is larger than the maps' -- \
+  hapgrid dock usual/host.maps.fld long.pdbqt -o out -q
 sed 's/OA-affinity/F-affinity/' usual/host.maps.fld >usual/less.fld
 refuses 'dock: usual/less.fld: there is no map OA, which an atom of the ligand needs' -- \
   hapgrid dock usual/less.fld usual/ligand.pdbqt -o out -q
