@@ -56,7 +56,7 @@ refuses 'dock: usual/none.fld: no .fld file of AutoGrid: .*' -- hapgrid dock usu
 
 # A host atom by atom. Where it can make no hydrogen bond, whose direction only maps know, its energies are AutoDock's.
 sed 's/ OA$/ N /; s/ HD$/ H /' usual/host.pdbqt >plain.pdbqt
-small_box=(--centre 0,0,2.5 --size 0.5,0.5,0.5)
+small_box=(--centre '0,0,2.5' --size '0.5,0.5,0.5')
 hapgrid dock plain.pdbqt "$ligand" -o plain "${small_box[@]}" --map-spacing 0.05 --until definition -q
 hapgrid dock plain.pdbqt "$ligand" -o atoms "${small_box[@]}" --atoms --until definition -q
 [[ ! -e atoms/host.gpf ]] || fail 'AutoGrid was called'
