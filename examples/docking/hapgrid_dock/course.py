@@ -7,7 +7,7 @@ import shlex
 
 import numpy as np
 from hapgrid_table import page
-from hapgrid_table.work import BreaksRule, Failed, Work, digest
+from hapgrid_table.work import BreaksRule, Failed, Work, digest, remove
 
 from . import field, maps
 
@@ -58,6 +58,7 @@ def _is_field(path):
 
 
 def _define(o, work, name):
+    remove(work.path(f"{name}.toml"))  # where this run is refused, the next one must not take its files for good
     own = _is_field(o.host)
     if own and o.atoms:
         raise Failed(f"{o.host}: --atoms needs the file of the host's atoms, not of its maps")
@@ -96,7 +97,7 @@ def _define(o, work, name):
     work.say(f"  host of {len(host)} atoms, ligand of {len(ligand)} atoms; grid of {' x '.join(map(str, counts))} points, "
              f"{o.spacing:g} angstrom apart; {by}")
     types = "" if o.atoms else f"types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d\n"
-    work.write(f"{name}.toml", f"""\
+    definition = f"""\
 # {name}: made by `hapgrid dock`, which keeps what is changed here and computes the grid anew when it is run
 # again. Lengths in Å.
 
@@ -124,8 +125,11 @@ counts = {counts}
 [search]
 max_levels = {MAX_LEVELS}           # orientations that a place may have
 store = ["energy", "force"]
-""")
-    _look(work, name, names, tables, ligand, low, o.spacing, counts)
+"""
+    work.write(".records.toml", definition)
+    _look(work, ".records.toml", names, tables, ligand, low, o.spacing, counts)
+    remove(work.path(".records.toml"))
+    work.write(f"{name}.toml", definition)
     return [*([] if own else ["host.pdbqt"]), "ligand.pdbqt", f"{name}.toml", *files, *made]
 
 
@@ -133,7 +137,7 @@ def _point(place):
     return ",".join(f"{v:g}" for v in place.round(2))
 
 
-def _look(work, name, names, tables, ligand, low, spacing, counts):
+def _look(work, toml, names, tables, ligand, low, spacing, counts):
     """Refuses a box in which the ligand overlaps with the host everywhere, before the search does its work in vain."""
     places = low + spacing * np.array([(i, j, k) for k in range(counts[2]) for j in range(counts[1]) for i in range(counts[0])])
     energies = maps.look(names, tables, ligand, places)
@@ -141,7 +145,7 @@ def _look(work, name, names, tables, ligand, low, spacing, counts):
         return
     # Turned at random it overlaps. The model knows whether it can come to rest somewhere.
     likely = places[np.argsort(energies)[:LOOKED]].round(6).tolist()
-    work.run("seed", f"{name}.toml", "--set", f"seeds.points={likely}", "-o", ".records.look")
+    work.run("seed", toml, "--set", f"seeds.points={likely}", "-o", ".records.look")
     lowest = _records(work, ".records.look")[1].min()
     os.remove(work.path(".records.look"))
     if lowest > 0:

@@ -67,6 +67,7 @@ refuses 'dock: usual/host.maps.fld: --atoms needs the file of the .*' -- \
   hapgrid dock usual/host.maps.fld "$ligand" -o out --atoms -q
 refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \
   hapgrid dock "$host" "$ligand" -o out --centre 0.17,-2.29,-1.97 --size 0.5,0.5,0.5 --atoms -q
+[[ ! -e out/out.toml ]] || fail 'the definition of a refused run stays'
 sed 's/ HD$/ Zn/' usual/host.pdbqt >zinc.pdbqt
 refuses 'dock: .*there are no parameters for atoms of type Zn' -- \
   hapgrid dock zinc.pdbqt "$ligand" -o out "${small_box[@]}" --atoms -q
