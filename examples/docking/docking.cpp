@@ -2,9 +2,13 @@
 // so are the angles of its softest bonds.
 #include <array>
 #include <cstdio>
+#include <functional>
 #include <hapgrid/plugin.hpp>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "examples/docking/pose.hpp"
@@ -37,30 +41,66 @@ Ligand soft_ligand(const std::string& pdbqt, double torsions, double soft) {
   return ligand;
 }
 
+using State = std::array<double, 6 + kMostTorsions>;
+
+/// What all models of a program share that have the same ligand in the same host. Each thread has a
+/// model, and `verify` makes them several times: reading the maps and seeking the deepest
+/// orientations takes longer than the rest of what it does.
+struct Site {
+  Poses poses;
+  std::vector<table::Atom> atoms;  // of the host, for pictures
+  std::vector<double> nodes;       // origin and spacing of points, best those of the grid
+  std::mutex lock{};
+  /// At these points, whose numbers are the keys: found when they are needed.
+  std::map<std::array<int, 3>, State> deepest{};
+};
+
+std::shared_ptr<Site> site_of(hapgrid::PluginParameters& parameters) {
+  const double soft = parameters.positive("soft", 20), torsions = parameters.number("torsions", 0);
+  std::vector<double> nodes = parameters.numbers("nodes");
+  if (nodes.empty()) nodes = {0, 0, 0, 0.5};
+  if (nodes.size() != 4 || !(nodes[3] > 0.05))
+    throw std::runtime_error("parameter nodes must be three coordinates and a spacing");
+  const bool by_atoms = parameters.has("host");
+  const std::string ligand = parameters.text("ligand", ""), host = parameters.text("host", "");
+  std::vector<std::string> types, texts;
+  if (!by_atoms) types = parameters.texts("types"), texts = parameters.texts("maps");
+
+  std::vector<std::size_t> key{std::hash<double>()(soft), std::hash<double>()(torsions)};
+  for (const double number : nodes) key.push_back(std::hash<double>()(number));
+  for (const auto& some : {std::vector<std::string>{ligand, host}, types, texts})
+    for (const std::string& text : some) key.push_back(std::hash<std::string>()(text));
+  static std::mutex lock;
+  static std::shared_ptr<Site> last;
+  static std::vector<std::size_t> last_key;
+  const std::lock_guard<std::mutex> guard(lock);
+  if (last && key == last_key) return last;
+  Ligand body = soft_ligand(ligand, torsions, soft);
+  if (by_atoms) {
+    const std::vector<Atom> atoms = read_host(host);
+    last.reset(new Site{Poses(std::move(body), atoms, soft), {}, nodes});
+    for (const Atom& atom : atoms) last->atoms.push_back({element_of(atom.type), atom.place});
+  } else {
+    const std::vector<table::Lattice> maps = read_maps(texts);
+    last.reset(new Site{Poses(std::move(body), types, maps, soft), maps[0].atoms, nodes});
+  }
+  last_key = key;
+  return last;
+}
+
 class DockingModel {
  public:
   explicit DockingModel(hapgrid::PluginParameters& parameters)
-      : DockingModel(parameters, read_maps(parameters.texts("maps"))) {}
-
- private:
-  DockingModel(hapgrid::PluginParameters& parameters, const std::vector<table::Lattice>& maps)
-      : soft_(parameters.positive("soft", 20)),
-        poses_(soft_ligand(parameters.text("ligand", ""), parameters.number("torsions", 0), soft_),
-               parameters.texts("types"), maps, soft_),
+      : site_(site_of(parameters)),
+        poses_(site_->poses),
         size_(poses_.ligand().state_size()),
-        host_(maps[0].atoms),
         highest_(parameters.number("highest", 0)),
         tolerance_(parameters.positive("tolerance", 0.1)),
         substep_(parameters.positive("substep", 0.1)),
-        force_scale_(parameters.positive("force_scale", 0.02)),
-        nodes_(parameters.numbers("nodes")) {
-    if (nodes_.empty()) nodes_ = {0, 0, 0, 0.5};
-    if (nodes_.size() != 4 || !(nodes_[3] > 0.05))
-      throw std::runtime_error("parameter nodes must be three coordinates and a spacing");
+        force_scale_(parameters.positive("force_scale", 0.02)) {
     parameters.finish();
   }
 
- public:
   hapgrid_model_info info() const {
     hapgrid_model_info info{};
     info.state_size = static_cast<std::uint32_t>(size_);
@@ -70,7 +110,7 @@ class DockingModel {
     std::snprintf(info.length_unit, sizeof info.length_unit, "angstrom");
     std::snprintf(info.energy_unit, sizeof info.energy_unit, "kJ/mol");
     info.force_scale = force_scale_;
-    info.spheres = static_cast<std::uint32_t>(poses_.ligand().atoms.size() + host_.size());
+    info.spheres = static_cast<std::uint32_t>(poses_.ligand().atoms.size() + site_->atoms.size());
     return info;
   }
 
@@ -126,8 +166,8 @@ class DockingModel {
       sphere.radius *= size;
       std::snprintf(sphere.label, sizeof sphere.label, "%s", element.c_str());
     };
-    for (const LigandAtom& atom : poses_.ligand().atoms) show(element_of(atom.type), 0.5F);
-    for (const table::Atom& atom : host_) show(atom.label, 0.2F);
+    for (const Atom& atom : poses_.ligand().atoms) show(element_of(atom.type), 0.5F);
+    for (const table::Atom& atom : site_->atoms) show(atom.label, 0.2F);
   }
 
   void shape(const double* x, const double* s, float* centres) const {
@@ -135,13 +175,12 @@ class DockingModel {
     poses_.places(x, s, places.data());
     for (std::size_t i = 0; i < poses_.ligand().atoms.size(); ++i)
       for (const double c : places[i]) *centres++ = static_cast<float>(c);
-    for (const table::Atom& atom : host_)
+    for (const table::Atom& atom : site_->atoms)
       for (const double c : atom.position) *centres++ = static_cast<float>(c);
   }
 
  private:
   static constexpr int kStarts = 60;
-  using State = std::array<double, 6 + kMostTorsions>;
 
   /// Comes to rest from the orientation in the ligand's file and many others, and takes what
   /// differs.
@@ -172,38 +211,43 @@ class DockingModel {
   /// Turns s over to the deepest orientation around x, if that lies deeper at x. Inside the host a
   /// ligand has hundreds of minima, which mean nothing, since no ligand goes there: one is enough.
   bool give_way(const double* x, double* s) const {
+    const std::vector<double>& nodes = site_->nodes;
     std::array<int, 3> node{};
-    double at[3];
-    for (int a = 0; a < 3; ++a) {
-      node[a] = static_cast<int>(std::lround((x[a] - nodes_[a]) / nodes_[3]));
-      at[a] = nodes_[a] + nodes_[3] * node[a];
-    }
-    const auto [found, is_new] = deepest_.try_emplace(node);
-    if (is_new) {
-      const std::vector<double> known = minima(at);
-      double best = 1e300;
-      for (std::size_t k = 0; k < known.size(); k += size_) {
-        const double energy = poses_.energy(at, &known[k], nullptr);
-        if (energy < best) best = energy, std::copy_n(&known[k], size_, found->second.data());
-      }
-    }
-    State other = found->second;
+    for (int a = 0; a < 3; ++a)
+      node[a] = static_cast<int>(std::lround((x[a] - nodes[a]) / nodes[3]));
+    State other = deepest(node);
     poses_.relax(x, other.data());
     if (!(poses_.energy(x, other.data(), nullptr) < poses_.energy(x, s, nullptr))) return false;
     std::copy_n(other.data(), size_, s);
     return true;
   }
 
-  double soft_;
-  Poses poses_;
+  State deepest(const std::array<int, 3>& node) const {
+    {
+      const std::lock_guard<std::mutex> guard(site_->lock);
+      const auto found = site_->deepest.find(node);
+      if (found != site_->deepest.end()) return found->second;
+    }
+    double at[3], best = 1e300;
+    for (int a = 0; a < 3; ++a) at[a] = site_->nodes[a] + site_->nodes[3] * node[a];
+    const std::vector<double> known = minima(at);
+    State state{};
+    for (std::size_t k = 0; k < known.size(); k += size_) {
+      const double energy = poses_.energy(at, &known[k], nullptr);
+      if (energy < best) best = energy, std::copy_n(&known[k], size_, state.data());
+    }
+    const std::lock_guard<std::mutex> guard(site_->lock);
+    site_->deepest.emplace(node, state);
+    return state;
+  }
+
+  std::shared_ptr<Site> site_;
+  const Poses& poses_;
   std::size_t size_;
-  std::vector<table::Atom> host_;
   double highest_, tolerance_, substep_, force_scale_;
-  std::vector<double> nodes_;  // origin and spacing of points, best those of the grid
-  /// At these points, whose numbers are the keys: found when they are needed.
-  mutable std::map<std::array<int, 3>, State> deepest_;
 };
 
 }  // namespace
 
-HAPGRID_MODEL_PLUGIN(DockingModel, "a ligand that turns and bends in a host, by AutoGrid's maps")
+HAPGRID_MODEL_PLUGIN(DockingModel,
+                     "a ligand that turns and bends in a host, by AutoDock's energies")

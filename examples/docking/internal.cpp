@@ -50,7 +50,7 @@ constexpr Type kTypes[] = {
 const Type& type_of(const std::string& name) {
   for (const Type& type : kTypes)
     if (name == type.name) return type;
-  throw std::runtime_error("ligand: no torsion can turn with atoms of type " + name);
+  throw std::runtime_error("there are no parameters for atoms of type " + name);
 }
 
 /// Value and derivatives of the dielectric function of Mehler and Solmajer (Protein Eng. 4, 903,
@@ -98,8 +98,8 @@ bool changes(const Torsion& torsion, std::size_t i, std::size_t j) {
 
 }  // namespace
 
-Pair::Pair(const Ligand& ligand, std::size_t first, std::size_t second) : i(first), j(second) {
-  const LigandAtom &a = ligand.atoms[i], &b = ligand.atoms[j];
+Pair::Pair(const Atom& a, const Atom& b, std::size_t first, std::size_t second)
+    : i(first), j(second) {
   const Type &s = type_of(a.type), &t = type_of(b.type);
   const bool bond =
       (s.bond == kDonor && t.bond == kAcceptor) || (s.bond == kAcceptor && t.bond == kDonor);
@@ -120,7 +120,9 @@ std::array<double, 3> Pair::energy(double r, double soft) const {
   r = std::max(r, 0.1);
   const double near = r < best_ - kSmooth ? r + kSmooth : r > best_ + kSmooth ? r - kSmooth : best_;
   const double ratio = best_ / near, p = power_;
-  const double up = repulsion_ * std::pow(ratio, 12), down = attraction_ * std::pow(ratio, p);
+  const double second = ratio * ratio, sixth = second * second * second;
+  const double up = repulsion_ * sixth * sixth,
+               down = attraction_ * (power_ == 6 ? sixth : sixth * second * second);
   double e = up - down, d1 = 0, d2 = 0;
   if (near != best_) {
     d1 = (-12 * up + p * down) / near;
@@ -150,7 +152,7 @@ std::vector<Pair> pairs_of(const Ligand& ligand) {
       if (between[i * ligand.atoms.size() + j] > 3 &&
           std::any_of(ligand.torsions.begin(), ligand.torsions.end(),
                       [&](const Torsion& torsion) { return changes(torsion, i, j); }))
-        pairs.emplace_back(ligand, i, j);
+        pairs.emplace_back(ligand.atoms[i], ligand.atoms[j], i, j);
   return pairs;
 }
 

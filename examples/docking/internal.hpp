@@ -1,4 +1,5 @@
-// The energy between the atoms of a ligand whose bonds turn, as AutoDock 4 has it.
+// The energy between two atoms, as AutoDock 4 has it: of a ligand whose bonds turn, or of a ligand
+// and its host.
 #pragma once
 
 #include <array>
@@ -8,16 +9,15 @@
 
 namespace hapgrid::docking {
 
-/// Two atoms of the ligand whose distance changes with a torsion. More than three bonds lie between
-/// them.
 class Pair {
  public:
+  /// @param i, j their numbers.
   /// @throw std::runtime_error when AutoDock has no parameters for a type.
-  Pair(const Ligand& ligand, std::size_t i, std::size_t j);
+  Pair(const Atom& a, const Atom& b, std::size_t i, std::size_t j);
 
   /// Energy in kJ/mol and its first and second derivative by the distance r in angstrom. An energy
   /// E above `soft` is soft (1 + ln(E / soft)). Real-time safe.
-  std::array<double, 3> energy(double r, double soft) const;
+  std::array<double, 3> energy(double r, double soft = 1e300) const;
 
   std::size_t i, j;
 
@@ -26,7 +26,8 @@ class Pair {
   int power_;  // of the attraction: 6, or 10 for a hydrogen bond
 };
 
-/// All such pairs with the torsions that the ligand has.
+/// The pairs of the ligand's atoms whose distance changes with one of its torsions, and between
+/// which more than three bonds lie.
 /// @throw std::runtime_error with one line
 std::vector<Pair> pairs_of(const Ligand& ligand);
 

@@ -23,18 +23,33 @@ Vector times(const Matrix& m, const Vector& v) {
   return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
 }
 
-double number(const std::string& line, std::size_t at, std::size_t size) {
+/// Errors begin with `whose`: of the ligand or the host.
+double number(const std::string& whose, const std::string& line, std::size_t at, std::size_t size) {
   std::string word = line.size() > at ? line.substr(at, size) : "";
   word.erase(0, word.find_first_not_of(" +"));
   double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || !std::isfinite(value))
-    throw std::runtime_error("ligand: no PDBQT: a coordinate or charge is missing in: " +
-                             line.substr(0, 80));
+    throw std::runtime_error(
+        whose + ": no PDBQT: a coordinate or charge is missing in: " + line.substr(0, 80));
   return value;
 }
 
-bool same(const LigandAtom& a, const LigandAtom& b) {
+bool is_atom(const std::string& line) {
+  return line.compare(0, 4, "ATOM") == 0 || line.compare(0, 6, "HETATM") == 0;
+}
+
+Atom read_atom(const std::string& whose, const std::string& line) {
+  Atom atom;
+  for (int a = 0; a < 3; ++a)
+    atom.place[a] = number(whose, line, 30 + 8 * static_cast<std::size_t>(a), 8);
+  atom.charge = number(whose, line, 70, 6);
+  std::istringstream(line.size() > 77 ? line.substr(77) : "") >> atom.type;
+  if (atom.type.empty()) throw std::runtime_error(whose + ": an atom of the PDBQT has no type");
+  return atom;
+}
+
+bool same(const Atom& a, const Atom& b) {
   return a.type == b.type && std::abs(a.charge - b.charge) < kSameCharge;
 }
 
@@ -50,10 +65,10 @@ bool frame(const Vector& a, const Vector& b, Matrix& axes) {
   return true;
 }
 
-bool carries(const Matrix& turn, const std::vector<LigandAtom>& atoms) {
-  return std::all_of(atoms.begin(), atoms.end(), [&](const LigandAtom& atom) {
+bool carries(const Matrix& turn, const std::vector<Atom>& atoms) {
+  return std::all_of(atoms.begin(), atoms.end(), [&](const Atom& atom) {
     const Vector to = times(turn, atom.place);
-    return std::any_of(atoms.begin(), atoms.end(), [&](const LigandAtom& other) {
+    return std::any_of(atoms.begin(), atoms.end(), [&](const Atom& other) {
       return same(atom, other) && length(minus(to, other.place)) < kSamePlace;
     });
   });
@@ -93,7 +108,7 @@ void find_period(const Ligand& ligand, Torsion& torsion) {
 void find_symmetry_of_line(Ligand& ligand) {
   const auto farthest = std::max_element(
       ligand.atoms.begin(), ligand.atoms.end(),
-      [](const LigandAtom& a, const LigandAtom& b) { return length(a.place) < length(b.place); });
+      [](const Atom& a, const Atom& b) { return length(a.place) < length(b.place); });
   const double size = length(farthest->place);
   if (!(size > 0)) return;
   for (int a = 0; a < 3; ++a) ligand.axis[a] = farthest->place[a] / size;
@@ -222,13 +237,8 @@ Ligand read_ligand(const std::string& pdbqt) {
         throw std::runtime_error("ligand: no PDBQT: a branch ends that never began");
       open.pop_back();
     }
-    if (line.compare(0, 4, "ATOM") != 0 && line.compare(0, 6, "HETATM") != 0) continue;
-    LigandAtom atom;
-    for (int a = 0; a < 3; ++a)
-      atom.place[a] = number(line, 30 + 8 * static_cast<std::size_t>(a), 8);
-    atom.charge = number(line, 70, 6);
-    std::istringstream(line.size() > 77 ? line.substr(77) : "") >> atom.type;
-    if (atom.type.empty()) throw std::runtime_error("ligand: an atom of the PDBQT has no type");
+    if (!is_atom(line)) continue;
+    const Atom atom = read_atom("ligand", line);
     std::string name;
     std::istringstream(line.substr(6, 5)) >> name;
     numbers[name] = ligand.atoms.size();
@@ -252,17 +262,31 @@ Ligand read_ligand(const std::string& pdbqt) {
   return ligand;
 }
 
+std::vector<Atom> read_host(const std::string& pdbqt) {
+  std::vector<Atom> host;
+  std::istringstream lines(pdbqt);
+  for (std::string line; std::getline(lines, line);) {
+    if (!is_atom(line)) continue;
+    host.push_back(read_atom("host", line));
+    if (host.size() > kMostHostAtoms)
+      throw std::runtime_error("host: it has more than " + std::to_string(kMostHostAtoms) +
+                               " atoms");
+  }
+  if (host.empty()) throw std::runtime_error("host: it has no atoms");
+  return host;
+}
+
 void keep_torsions(Ligand& ligand, const std::vector<std::size_t>& kept) {
   std::vector<Torsion> torsions;
   torsions.reserve(kept.size());
   for (const std::size_t t : kept) torsions.push_back(ligand.torsions[t]);
   ligand.torsions = std::move(torsions);
   Vector centre{};
-  for (const LigandAtom& atom : ligand.atoms)
+  for (const Atom& atom : ligand.atoms)
     for (int a = 0; a < 3; ++a)
       centre[a] += atom.place[a] / static_cast<double>(ligand.atoms.size());
   ligand.spread = {};
-  for (LigandAtom& atom : ligand.atoms) {
+  for (Atom& atom : ligand.atoms) {
     atom.place = minus(atom.place, centre);
     ligand.radius = std::max(ligand.radius, length(atom.place));
     for (int r = 0; r < 3; ++r)

@@ -24,10 +24,10 @@ inline Vector cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-struct LigandAtom {
+struct Atom {
   std::string type;  ///< AutoDock's: "C", "A", "OA", "HD", ...
   double charge = 0;
-  Vector place;  ///< in the file, from the centre, angstrom
+  Vector place;  ///< angstrom; of a ligand's atom in the file, from the centre
 };
 
 /// A bond around which some of the atoms turn.
@@ -39,10 +39,11 @@ struct Torsion {
 };
 
 inline constexpr double kJoule = 4.184;  ///< kJ in a kcal, the unit of maps and of AutoDock
-inline constexpr std::size_t kMostAtoms = 200, kMostTorsions = 6;
+inline constexpr std::size_t kMostAtoms = 200, kMostTorsions = 6;  // of a ligand
+inline constexpr std::size_t kMostHostAtoms = 500;                 // of a host without maps
 
 struct Ligand {
-  std::vector<LigandAtom> atoms;
+  std::vector<Atom> atoms;
   double radius = 0;  ///< of the farthest atom from the centre, in the file
   Matrix spread{};    ///< the sum of b b^T over the atoms' places b
   /// The bonds that turn. The atoms beyond one of them are beyond an earlier one as well, or none
@@ -68,6 +69,10 @@ struct Ligand {
 /// The atoms of a PDBQT text, and all bonds that it says turn.
 /// @throw std::runtime_error with one line
 Ligand read_ligand(const std::string& pdbqt);
+
+/// The atoms of a host's PDBQT text.
+/// @throw std::runtime_error with one line
+std::vector<Atom> read_host(const std::string& pdbqt);
 
 /// Leaves the ligand those of its torsions whose numbers these are, in ascending order, and finds
 /// what is the same then.

@@ -72,7 +72,7 @@ Poses::Poses(Ligand ligand, const std::vector<std::string>& names,
     if (map.counts != lattice_.counts || map.origin != lattice_.origin || map.axes != lattice_.axes)
       throw std::runtime_error("maps: they have different points");
   std::map<std::pair<std::string, double>, std::size_t> kinds;
-  for (const LigandAtom& atom : ligand_.atoms) {
+  for (const Atom& atom : ligand_.atoms) {
     const auto [kind, added] = kinds.try_emplace({atom.type, atom.charge}, splines_.size());
     kind_.push_back(kind->second);
     if (!added) continue;
@@ -85,6 +85,64 @@ Poses::Poses(Ligand ligand, const std::vector<std::string>& names,
     }
     splines_.emplace_back(lattice_.counts, values);
   }
+}
+
+Poses::Poses(Ligand ligand, std::vector<Atom> host, double soft)
+    : ligand_(std::move(ligand)),
+      pairs_(pairs_of(ligand_)),
+      host_(std::move(host)),
+      host_pairs_(ligand_.atoms.size()),
+      soft_(soft) {
+  for (std::size_t i = 0; i < ligand_.atoms.size(); ++i)
+    for (std::size_t j = 0; j < host_.size(); ++j)
+      host_pairs_[i].emplace_back(ligand_.atoms[i], host_[j], i, j);
+}
+
+table::Spline::Value Poses::among_atoms(std::size_t atom, const Vector& place) const {
+  table::Spline::Value v;
+  auto& h = v.hessian;
+  for (const Pair& pair : host_pairs_[atom]) {
+    const Vector r = minus(place, host_[pair.j].place);
+    const double away = std::max(length(r), 1e-3);
+    const auto [energy, first, second] = pair.energy(away);
+    v.value += energy;
+    const double slope = first / away, bend = (second - slope) / (away * away);
+    for (int a = 0; a < 3; ++a) {
+      v.gradient[a] += slope * r[a];
+      h[a] += slope + bend * r[a] * r[a];
+    }
+    h[3] += bend * r[0] * r[1];
+    h[4] += bend * r[0] * r[2];
+    h[5] += bend * r[1] * r[2];
+  }
+  if (v.value <= soft_) return v;
+  const double part = soft_ / v.value, less = part / v.value;
+  auto& g = v.gradient;
+  const double outer[6] = {g[0] * g[0], g[1] * g[1], g[2] * g[2],
+                           g[0] * g[1], g[0] * g[2], g[1] * g[2]};
+  for (int k = 0; k < 6; ++k) h[k] = part * h[k] - less * outer[k];
+  for (double& slope : g) slope *= part;
+  v.value = softened(v.value, soft_);
+  return v;
+}
+
+table::Spline::Value Poses::alone(std::size_t atom, const Vector& place, bool with_hessian) const {
+  if (!host_.empty()) return among_atoms(atom, place);
+  const auto& m = lattice_.inverse;
+  const table::Spline::Value v =
+      splines_[kind_[atom]].at(lattice_.coordinates(place.data()), with_hessian);
+  table::Spline::Value out;
+  out.value = v.value;
+  for (int c = 0; c < 3; ++c)
+    for (int a = 0; a < 3; ++a) out.gradient[c] += m[a][c] * v.gradient[a];
+  if (!with_hessian) return out;
+  constexpr int kOf[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+  for (int c = 0; c < 3; ++c)
+    for (int d = c; d < 3; ++d)
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+          out.hessian[kOf[c][d]] += m[a][c] * v.hessian[kOf[a][b]] * m[b][d];
+  return out;
 }
 
 void Poses::places(const double* x, const double* s, Vector* places) const {
@@ -101,10 +159,9 @@ double Poses::energy(const double* x, const double* s, double* gradient) const {
   places(x, s, at.data());
   double sum = 0, g[3] = {0, 0, 0};
   for (std::size_t i = 0; i < ligand_.atoms.size(); ++i) {
-    const table::Spline::Value v = splines_[kind_[i]].at(lattice_.coordinates(at[i].data()));
+    const table::Spline::Value v = alone(i, at[i], false);
     sum += v.value;
-    for (int c = 0; c < 3; ++c)
-      for (int a = 0; a < 3; ++a) g[c] += lattice_.inverse[a][c] * v.gradient[a];
+    for (int c = 0; c < 3; ++c) g[c] += v.gradient[c];
   }
   for (const Pair& pair : pairs_) {
     const Vector r = minus(at[pair.i], at[pair.j]);
@@ -181,21 +238,12 @@ Poses::Torque Poses::torque(const double* x, const double* s) const {
   const double centre[3] = {0, 0, 0};
   places(centre, s, arms.data());
   find_motions(arms.data(), motions.data(), axes.data());
-  const auto& m = lattice_.inverse;
   for (std::size_t i = 0; i < n; ++i) {
-    double place[3];
-    for (int a = 0; a < 3; ++a) place[a] = x[a] + arms[i][a];
-    const table::Spline::Value v = splines_[kind_[i]].at(lattice_.coordinates(place), true);
-    const double u[3][3] = {{v.hessian[0], v.hessian[3], v.hessian[4]},
-                            {v.hessian[3], v.hessian[1], v.hessian[5]},
-                            {v.hessian[4], v.hessian[5], v.hessian[2]}};
-    Matrix h{};
-    for (int c = 0; c < 3; ++c)
-      for (int a = 0; a < 3; ++a) {
-        g[i][c] += m[a][c] * v.gradient[a];
-        for (int d = 0; d < 3; ++d)
-          for (int b = 0; b < 3; ++b) h[c][d] += m[a][c] * u[a][b] * m[b][d];
-      }
+    const table::Spline::Value v =
+        alone(i, {x[0] + arms[i][0], x[1] + arms[i][1], x[2] + arms[i][2]}, true);
+    const auto& u = v.hessian;
+    const Matrix h = {{{u[0], u[3], u[4]}, {u[3], u[1], u[5]}, {u[4], u[5], u[2]}}};
+    g[i] = v.gradient;
     out.energy += v.value;
     for (std::size_t k = 0; k < turns; ++k) {
       const Vector& j = motions[i][k];

@@ -1,4 +1,4 @@
-// The energy of a ligand among AutoGrid's maps, and how its orientation comes to rest.
+// The energy of a ligand in its host, and how its orientation comes to rest.
 #pragma once
 
 #include <array>
@@ -12,11 +12,12 @@
 
 namespace hapgrid::docking {
 
-/// The energy of an atom of type t and charge q at a place is map t + q map e + |q| map d, as
-/// AutoDock 4 has it (Huey et al., J. Comput. Chem. 28, 1145, 2007). Between the maps' points it is
-/// a tricubic spline. Inside the host it grows to 1e5 kcal/mol, over which a spline would swing: an
-/// energy E above `soft` becomes soft (1 + ln(E / soft)). So does the sum over the atoms, to which
-/// the energies of the ligand's pairs belong when it has torsions.
+/// The energy of an atom is AutoDock 4's (Huey et al., J. Comput. Chem. 28, 1145, 2007). By maps,
+/// that of an atom of type t and charge q is map t + q map e + |q| map d, between whose points it
+/// is a tricubic spline. Without maps it is the sum over the host's atoms. Inside the host it grows
+/// to 1e5 kcal/mol and more, over which a spline would swing: an energy E above `soft` becomes soft
+/// (1 + ln(E / soft)). So does the sum over the atoms, to which the energies of the ligand's pairs
+/// belong when it has torsions.
 class Poses {
  public:
   /// @param maps one for each name; `names` are the atoms' types, and e and d.
@@ -24,6 +25,8 @@ class Poses {
   /// @throw std::runtime_error with one line
   Poses(Ligand ligand, const std::vector<std::string>& names,
         const std::vector<table::Lattice>& maps, double soft);
+  /// @param host its atoms
+  Poses(Ligand ligand, std::vector<Atom> host, double soft);
 
   const Ligand& ligand() const { return ligand_; }
 
@@ -53,6 +56,9 @@ class Poses {
     std::array<std::array<double, kMost>, kMost> bend{};  // the lower half
   };
   Torque torque(const double* x, const double* s) const;
+  /// Of one atom of the ligand in the host. Derivatives are by x, y and z.
+  table::Spline::Value alone(std::size_t atom, const Vector& place, bool with_hessian) const;
+  table::Spline::Value among_atoms(std::size_t atom, const Vector& place) const;
   /// How the turns move the atoms: the derivatives of their places. arms: from the centre to them.
   void find_motions(const Vector* arms, std::array<Vector, kMost>* motions, Vector* axes) const;
   void add_curvature(const Vector* arms, const std::array<Vector, kMost>* motions,
@@ -60,9 +66,11 @@ class Poses {
 
   Ligand ligand_;
   std::vector<Pair> pairs_;
-  table::Lattice lattice_;              // without values
-  std::vector<table::Spline> splines_;  // of each kind of atom
-  std::vector<std::size_t> kind_;       // of each atom
+  std::vector<Atom> host_;                     // none where there are maps
+  std::vector<std::vector<Pair>> host_pairs_;  // of each atom of the ligand with those of the host
+  table::Lattice lattice_;                     // without values
+  std::vector<table::Spline> splines_;         // of each kind of atom
+  std::vector<std::size_t> kind_;              // of each atom
   double soft_;
 };
 

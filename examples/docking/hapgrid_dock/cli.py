@@ -10,9 +10,9 @@ ABOUT = """\
 Makes a verified grid of a ligand in a rigid host, with pictures, so that a hand
 can feel how it fits. The hand holds the ligand's centre, and the ligand turns
 by itself, as do the bonds that --torsions frees. Energies are AutoDock 4's, by
-AutoGrid's maps. Everything goes to the folder DIR. A run that was stopped
-continues there. A file in DIR that you change is kept, and the same command
-computes again what depends on it.
+AutoGrid's maps or atom by atom. Everything goes to the folder DIR. A run that
+was stopped continues there. A file in DIR that you change is kept, and the same
+command computes again what depends on it.
 """
 
 AFTERWARDS = """\
@@ -24,7 +24,8 @@ you have already.
 Files in DIR, whose name is NAME:
   index.html       summary with pictures, and the ligand on its way in
   NAME.toml        definition of the grid; NAME.grid is the grid itself
-  host.pdbqt, ligand.pdbqt, host.*.map   what AutoGrid read and wrote
+  host.pdbqt, ligand.pdbqt   types and charges of the atoms
+  host.*.map       what AutoGrid made of them, without --atoms
   poses.tsv        the deepest poses, as energies and places
   path.txt         a way in and back
 
@@ -66,6 +67,9 @@ def parser():
                    help="spacing of the grid in angstrom (default: 0.5)")
     p.add_argument("--torsions", type=number(0, 6, int), metavar="K", default=0,
                    help="number of the ligand's bonds that turn, the softest ones (default: 0)")
+    p.add_argument("--atoms", action="store_true",
+                   help="no maps, but the sum over the atoms of a host of at most 500; hydrogen bonds have no direction "
+                        "then, and AutoGrid is not needed")
     p.add_argument("--map-spacing", type=number(0.05, 1), metavar="H", default=0.25,
                    help="spacing of AutoGrid's maps in angstrom (default: 0.25)")
     p.add_until("definition")

@@ -7,7 +7,7 @@ import shlex
 
 import numpy as np
 from hapgrid_table import page
-from hapgrid_table.work import BreaksRule, Failed, Work, digest
+from hapgrid_table.work import BreaksRule, Failed, Work, digest, remove
 
 from . import field, maps
 
@@ -33,9 +33,9 @@ def run(o):
     if work.changed_by_hand(toml):
         work.say(f"{toml} was changed by hand: it is kept")
     else:
-        options = [o.centre, o.size, o.spacing, o.map_spacing, o.torsions]
+        options = [o.centre, o.size, o.spacing, o.map_spacing, o.torsions, o.atoms]
         given = [o.host, o.ligand, *(field.files(o.host).values() if _is_field(o.host) else ())]
-        work.step("definition", "computing the maps", [], [*map(digest, given), options],
+        work.step("definition", "reading host and ligand" if o.atoms else "computing the maps", [], [*map(digest, given), options],
                   lambda: _define(o, work, name))
     if o.until:
         work.say("stopped after the definition: the same command without --until goes on")
@@ -58,8 +58,11 @@ def _is_field(path):
 
 
 def _define(o, work, name):
+    remove(work.path(f"{name}.toml"))  # where this run is refused, the next one must not take its files for good
     own = _is_field(o.host)
-    host = field.host(o.host) if own else maps.pdbqt(work, o.host, "host", maps.MOST_HOST)
+    if own and o.atoms:
+        raise Failed(f"{o.host}: --atoms needs the file of the host's atoms, not of its maps")
+    host = field.host(o.host) if own else maps.pdbqt(work, o.host, "host", maps.MOST_BY_ATOMS if o.atoms else maps.MOST_HOST)
     ligand = maps.pdbqt(work, o.ligand, "ligand", maps.MOST_LIGAND)
     if len(ligand) < 2:
         raise Failed(f"{o.ligand}: one atom cannot turn: `hapgrid table` makes a grid of a map")
@@ -68,6 +71,8 @@ def _define(o, work, name):
         names, tables = field.read(o.host, ligand)
         low = tables[0].origin
         high = low + tables[0].axes[0, 0] * (np.array(tables[0].values.shape) - 1)
+        if reach > np.linalg.norm(high - low) / 2:
+            raise Failed(f"{o.ligand}: atoms {reach:.1f} angstrom from the ligand's centre: it is larger than the maps")
     else:
         places = np.array([place for _, place, _ in host])
         low, high = places.min(axis=0), places.max(axis=0)
@@ -79,16 +84,20 @@ def _define(o, work, name):
         raise Failed(f"the box is not inside the maps, which go from {_point(low)} to {_point(high)}")
     low, high = centre - size / 2, centre + size / 2
     made = []
-    if own:
+    if o.atoms:
+        names, tables = maps.clearance(host, ligand, low - reach, high + reach)
+    elif own:
         tables = [field.fitted(table, low - reach, high + reach) for table in tables]
     else:
         margin = reach + o.map_spacing
         made = maps.compute(work, host, ligand, low - margin, high + margin, o.map_spacing)
         names, tables = field.read(work.path("host.maps.fld"), ligand)
-    files = maps.write(work, names, tables, host, low, high)
+    files = [] if o.atoms else maps.write(work, names, tables, host, low, high)
+    by = "atom by atom" if o.atoms else f"maps {', '.join(names)}"
     work.say(f"  host of {len(host)} atoms, ligand of {len(ligand)} atoms; grid of {' x '.join(map(str, counts))} points, "
-             f"{o.spacing:g} angstrom apart; maps {', '.join(names)}")
-    work.write(f"{name}.toml", f"""\
+             f"{o.spacing:g} angstrom apart; {by}")
+    types = "" if o.atoms else f"types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d\n"
+    definition = f"""\
 # {name}: made by `hapgrid dock`, which keeps what is changed here and computes the grid anew when it is run
 # again. Lengths in Å.
 
@@ -97,11 +106,10 @@ plugin = "docking"
 
 [model.files]             # the grid carries their contents
 ligand = "ligand.pdbqt"
-maps = {json.dumps(files)}
+{'host = "host.pdbqt"' if o.atoms else f"maps = {json.dumps(files)}"}
 
 [model.parameters]
-types = {json.dumps(names)}   # what the maps are of: AutoDock's types of atoms, charge e, desolvation d
-soft = 20                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
+{types}soft = 20                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
 highest = 0               # kJ/mol: a pose that is higher turns over to the deepest one at the nearest node
 nodes = {[*(round(float(v), 6) for v in low), o.spacing]}   # origin and spacing, in Å, of the nodes: those of the grid
 torsions = {o.torsions}              # so many of the ligand's bonds turn, those around which its own energy changes least
@@ -117,8 +125,11 @@ counts = {counts}
 [search]
 max_levels = {MAX_LEVELS}           # orientations that a place may have
 store = ["energy", "force"]
-""")
-    _look(work, name, names, tables, ligand, low, o.spacing, counts)
+"""
+    work.write(".records.toml", definition)
+    _look(work, ".records.toml", names, tables, ligand, low, o.spacing, counts)
+    remove(work.path(".records.toml"))
+    work.write(f"{name}.toml", definition)
     return [*([] if own else ["host.pdbqt"]), "ligand.pdbqt", f"{name}.toml", *files, *made]
 
 
@@ -126,7 +137,7 @@ def _point(place):
     return ",".join(f"{v:g}" for v in place.round(2))
 
 
-def _look(work, name, names, tables, ligand, low, spacing, counts):
+def _look(work, toml, names, tables, ligand, low, spacing, counts):
     """Refuses a box in which the ligand overlaps with the host everywhere, before the search does its work in vain."""
     places = low + spacing * np.array([(i, j, k) for k in range(counts[2]) for j in range(counts[1]) for i in range(counts[0])])
     energies = maps.look(names, tables, ligand, places)
@@ -134,7 +145,7 @@ def _look(work, name, names, tables, ligand, low, spacing, counts):
         return
     # Turned at random it overlaps. The model knows whether it can come to rest somewhere.
     likely = places[np.argsort(energies)[:LOOKED]].round(6).tolist()
-    work.run("seed", f"{name}.toml", "--set", f"seeds.points={likely}", "-o", ".records.look")
+    work.run("seed", toml, "--set", f"seeds.points={likely}", "-o", ".records.look")
     lowest = _records(work, ".records.look")[1].min()
     os.remove(work.path(".records.look"))
     if lowest > 0:

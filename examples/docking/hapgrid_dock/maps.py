@@ -1,14 +1,16 @@
-"""What AutoGrid makes of a host and a ligand, by Debian's obabel and autogrid4."""
+"""What Open Babel and AutoGrid, both of Debian, make of a host and a ligand."""
 
 import os
 
 import numpy as np
-from hapgrid_table import course
+from hapgrid_table import course, readers
 from hapgrid_table.work import Failed
 
 from . import pqr
 
 MOST_HOST, MOST_LIGAND = 20_000, 200  # atoms
+MOST_BY_ATOMS = 500  # of a host without maps (ligand.hpp)
+TOUCH = 2.5  # angstrom: atoms that are nearer overlap, but for a hydrogen bond
 MOST_REMARKS = 2000  # lines
 MOST_BYTES = 64 << 20
 MOST_CELLS = 126  # of a map along an axis: AutoGrid has no more
@@ -48,7 +50,8 @@ def _run(work, program, package, *arguments):
         work.run([program], *arguments)
     except Failed as why:
         if "is not there" in str(why):
-            raise Failed(f"{program} is not there: install the Debian package {package}") from None
+            other = ", or give --atoms, for a small host" if program == "autogrid4" else ""
+            raise Failed(f"{program} is not there: install the Debian package {package}{other}") from None
         raise
 
 
@@ -141,6 +144,19 @@ def write(work, names, tables, host, low, high):
     for file, table in zip(files, tables):
         work.write(file, course.table_text(table))
     return files
+
+
+def clearance(host, ligand, low, high):
+    """(names, tables) for look() of a host without maps: an atom of the ligand is fine, or too near to one of the host."""
+    spacing = max(0.5, (high - low).max() / 60)
+    counts = np.ceil((high - low) / spacing).astype(int) + 1
+    places = low + spacing * np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1)
+    away = np.full(counts, np.inf)
+    for _, place, _ in host:
+        away = np.minimum(away, ((places - place)**2).sum(axis=-1))
+    names = [*kinds_of(ligand), "e", "d"]
+    values = [np.where(away < TOUCH**2, 1.0, 0.0)] * (len(names) - 2) + [np.zeros(counts)] * 2
+    return names, [readers.Table(v, low, spacing * np.eye(3)) for v in values]
 
 
 def look(names, tables, ligand, places, orientations=60):

@@ -42,11 +42,37 @@ hapgrid dock usual/host.maps.fld usual/ligand.pdbqt -o own --centre 0,0,3 --size
 /usr/bin/python3 "$here/energies.py" own on usual
 refuses 'dock: the box is not inside the maps, which go from .*' -- \
   hapgrid dock usual/host.maps.fld usual/ligand.pdbqt -o out --centre 0,0,9 --size 2,2,3 -q
+mkdir cut && cp usual/host.* cut && head -n 100 usual/host.C.map >cut/host.C.map
+refuses 'dock: cut/host.C.map: its header speaks of [0-9,]+ values, and it has 94' -- \
+  hapgrid dock cut/host.maps.fld usual/ligand.pdbqt -o out -q
+sed -E '/^ATOM      1/s/(.{30}).{24}/\1 -30.000 -30.000 -30.000/' usual/ligand.pdbqt >long.pdbqt
+refuses 'dock: long.pdbqt: atoms [0-9.]+ angstrom from the .* it is larger than the maps' -- \
+  hapgrid dock usual/host.maps.fld long.pdbqt -o out -q
 sed 's/OA-affinity/F-affinity/' usual/host.maps.fld >usual/less.fld
 refuses 'dock: usual/less.fld: there is no map OA, which an atom of the ligand needs' -- \
   hapgrid dock usual/less.fld usual/ligand.pdbqt -o out -q
 sed '/^label/d' usual/host.maps.fld >usual/none.fld
 refuses 'dock: usual/none.fld: no .fld file of AutoGrid: .*' -- hapgrid dock usual/none.fld usual/ligand.pdbqt -o out -q
+
+# A host atom by atom. Where it can make no hydrogen bond, whose direction only maps know, its energies are AutoDock's.
+sed 's/ OA$/ N /; s/ HD$/ H /' usual/host.pdbqt >plain.pdbqt
+small_box=(--centre '0,0,2.5' --size '0.5,0.5,0.5')
+hapgrid dock plain.pdbqt "$ligand" -o plain "${small_box[@]}" --map-spacing 0.05 --until definition -q
+hapgrid dock plain.pdbqt "$ligand" -o atoms "${small_box[@]}" --atoms --until definition -q
+[[ ! -e atoms/host.gpf ]] || fail 'AutoGrid was called'
+/usr/bin/python3 "$here/energies.py" atoms atoms plain
+hapgrid dock "$host" "$ligand" -o byatoms --centre 0,0,4 --size 0.8,0.8,0.8 --spacing 0.8 --atoms -q >line
+same 'the line to feel it' 'hapgrid feel byatoms/byatoms.grid' "$(cat line)"
+refuses 'dock: usual/host.maps.fld: --atoms needs the file of the .*' -- \
+  hapgrid dock usual/host.maps.fld "$ligand" -o out --atoms -q
+refuses 'dock: the ligand overlaps with the host everywhere in the box: .*' -- \
+  hapgrid dock "$host" "$ligand" -o out --centre 0.17,-2.29,-1.97 --size 0.5,0.5,0.5 --atoms -q
+[[ ! -e out/out.toml ]] || fail 'the definition of a refused run stays'
+sed 's/ HD$/ Zn/' usual/host.pdbqt >zinc.pdbqt
+refuses 'dock: .*there are no parameters for atoms of type Zn' -- \
+  hapgrid dock zinc.pdbqt "$ligand" -o out "${small_box[@]}" --atoms -q
+for ((n = 0; n < 501; ++n)); do grep '^ATOM      1' small/ligand.pdbqt; done >crowd.pdbqt
+refuses 'dock: crowd.pdbqt: 501 atoms, at most 500 are possible' -- hapgrid dock crowd.pdbqt "$ligand" -o out --atoms -q
 
 # An aspartate and a histidine as PDB2PQR has them, with the types and charges of AutoDock.
 cat >pair.pqr <<'END'

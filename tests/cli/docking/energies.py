@@ -1,9 +1,10 @@
-"""Energies of the plug-in against autodock4's and vina's: energies.py DIR on|between|within [MAPS]
+"""Energies of the plug-in against autodock4's and vina's: energies.py DIR on|between|atoms|within [MAPS]
 
 on: 50 poses of a ligand whose atoms all lie on points of the maps, where the linear rule of autodock4 and vina and the
 splines of the plug-in must agree to the last digit that is printed.
 between: 50 random poses of DIR's ligand that no atom of the host repels. Between the points the linear rule is off by up
 to h^2/8 times the second derivative, so DIR needs fine maps.
+atoms: the same for a host without maps, all of whose types are in WELLS, with MAPS for autodock4.
 within: 50 shapes of DIR's ligand, whose bonds turn: the energy between its own atoms.
 MAPS: the folder with AutoGrid's maps, when it is not DIR."""
 
@@ -18,6 +19,10 @@ import numpy as np
 
 
 POSES = 50
+# Of AutoDock's types that make no hydrogen bond with a host of C, A, N and H: distance and depth of the well, volume and
+# solvation (AD4.1_bound.dat).
+WELLS = {"H": (2, 0.02, 0, 0.00051), "HD": (2, 0.02, 0, 0.00051), "C": (4, 0.15, 33.5103, -0.00143),
+         "A": (4, 0.15, 33.5103, -0.00052), "N": (3.5, 0.16, 22.4493, -0.00162), "OA": (3.2, 0.2, 17.1573, -0.00251)}
 
 
 class Parameter(ctypes.Structure):
@@ -150,6 +155,29 @@ def between_points(folder, random):
         yield energy(x, turn), "\n".join(text)
 
 
+def atoms_of(text):
+    """(types, charges, places) of a PDBQT."""
+    lines = [line for line in text.splitlines() if line.startswith("ATOM")]
+    return ([line[77:79].strip() for line in lines], np.array([float(line[70:76]) for line in lines]),
+            np.array([[float(line[c:c + 8]) for c in (30, 38, 46)] for line in lines]))
+
+
+def by_formula(host, ligand, step=0.0):
+    """AutoDock 4's energy in kcal/mol (Huey et al. 2007). step: of the distances in its tables; 0: no tables."""
+    (kinds, charges, places), (others, q, at) = atoms_of(host), atoms_of(ligand)
+    exact = np.linalg.norm(places[:, None] - at, axis=2)
+    r = np.floor(exact / step) * step if step else exact
+    a, b = (np.array([WELLS[kind] for kind in some]) for some in (kinds, others))
+    best = (a[:, None, 0] + b[:, 0]) / 2
+    smooth = np.where(r < best, np.minimum(r + 0.25, best), np.maximum(r - 0.25, best))
+    well = 0.1662 * np.sqrt(a[:, None, 1] * b[:, 1]) * ((best / smooth)**12 - 2 * (best / smooth)**6)
+    dielectric = -8.5525 + 86.9525 / (1 + 7.7839 * np.exp(-0.003627 * 86.9525 * r))
+    charge = 0.1406 * 332.06363 * charges[:, None] * q / (exact * dielectric)
+    solvation = 0.1322 * np.exp(-r**2 / (2 * 3.6**2)) * (
+        (a[:, 3] + 0.01097 * abs(charges))[:, None] * b[:, 2] + (b[:, 3] + 0.01097 * abs(q)) * a[:, None, 2])
+    return (well + charge + solvation).sum()
+
+
 def bent(lines, places, angles):
     """Places of a PDBQT's atoms with its branches turned by the angles."""
     places, number, moved, bonds, opened = places.copy(), 0, [], [], []
@@ -216,22 +244,32 @@ def main():
         return
     made = there[0] if there else folder
     ours, poses = [], []
-    for energy, text in {"on": on_points, "between": between_points}[where](folder, np.random.default_rng(7)):
+    if where == "atoms":
+        with open(f"{folder}/host.pdbqt", encoding="ascii") as file:
+            host = file.read()
+    for energy, text in {"on": on_points, "between": between_points, "atoms": between_points}[where](
+            folder, np.random.default_rng(7)):
         if energy > -0.8:  # kcal/mol: vina prints three decimals, and atoms that the host repels are soft here
             continue
+        if where == "atoms":
+            # Places of three decimals: up to 0.0005 angstrom of a slope of a few kcal/mol.
+            assert abs(energy - by_formula(host, text)) < 0.003, (energy, by_formula(host, text))
+            # AutoGrid takes most distances at the multiple of 0.01 angstrom below them.
+            energy = by_formula(host, text, 0.01)
         ours.append(energy)
         poses.append(f"pose{len(poses)}.pdbqt")
         with open(f"{made}/{poses[-1]}", "w", encoding="ascii") as file:
             file.write(f"ROOT\n{text}\nENDROOT\nTORSDOF 0\n")
         if len(ours) == POSES:
             break
-    kinds = [kind for kind in definition(folder)["model"]["parameters"]["types"] if kind not in ("e", "d")]
+    kinds = [kind for kind in definition(made)["model"]["parameters"]["types"] if kind not in ("e", "d")]
     theirs = energies(made, kinds, poses)
     assert len(theirs) == POSES, len(theirs)
     off = [abs(a - b) / abs(b) for a, b in zip(ours, theirs)]
     print(f"{where}: {min(ours):.2f} to {max(ours):.2f} kcal/mol, off from autodock4 by {100 * max(off):.3f} % at most")
     # Four decimals are printed of 0.8, and places have three; between the points, what the rules differ by.
-    most = 0.0005 if where == "on" else 0.01
+    # The host for atoms has sharper walls: its hydrogens attract none of the ligand's oxygens.
+    most = {"on": 0.0005, "between": 0.01, "atoms": 0.015}[where]
     assert max(off) < most, sorted(zip(off, ours, theirs))[-5:]
     for n in range(0, POSES, POSES // 3):
         said = vina(made, poses[n])

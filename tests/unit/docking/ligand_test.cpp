@@ -1,11 +1,11 @@
 // A ligand that turns, against closed forms.
-#include "examples/docking/ligand.hpp"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdio>
 #include <hapgrid/plugin.hpp>
 #include <string>
+
+#include "examples/docking/pose.hpp"
 
 using namespace hapgrid;
 
@@ -95,4 +95,15 @@ TEST_CASE("what is no ligand is refused") {
   std::string many;
   for (int n = 0; n < 201; ++n) many += atom("C", n, 0, 0, 0);
   CHECK_THROWS_WITH(docking::read_ligand(many), Catch::Contains("more than 200"));
+}
+
+TEST_CASE("what is no host is refused") {
+  CHECK(docking::read_host("REMARK\n" + water()).size() == 3);
+  CHECK_THROWS_WITH(docking::read_host("nothing\n"), Catch::Contains("host: it has no atoms"));
+  CHECK_THROWS_WITH(docking::read_host(atom("", 0, 0, 0, 0)), Catch::Contains("host: an atom"));
+  std::string many;
+  for (int n = 0; n < 501; ++n) many += atom("C", n, 0, 0, 0);
+  CHECK_THROWS_WITH(docking::read_host(many), Catch::Contains("host: it has more than 500"));
+  CHECK_THROWS_WITH(docking::Poses(rigid(water()), {{"Zn", 2, {0, 0, 5}}}, 20),
+                    Catch::Contains("no parameters for atoms of type Zn"));
 }

@@ -57,6 +57,42 @@ table::Lattice landscape(double phase) {
   return map;
 }
 
+/// That a ligand with two torsions, which comes to rest somewhere near the origin, cannot go on.
+void check_rest(const docking::Poses& poses) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int n = 0; n < 20; ++n) {
+    const double x[3] = {uniform(random), uniform(random), uniform(random)};
+    double s[8] = {1, 0, 0, 0, 1, 0, kPi * uniform(random), kPi * uniform(random)};
+    const double turn[3] = {2 * uniform(random), 2 * uniform(random), 2 * uniform(random)};
+    orientation::turn(s, turn);
+    const double before = poses.energy(x, s, nullptr);
+    poses.relax(x, s);
+    const double rest = poses.energy(x, s, nullptr);
+    CHECK(rest <= before);
+    for (int k = 0; k < 5; ++k)
+      for (const double way : {-1e-3, 1e-3}) {
+        double other[8], w[3] = {0, 0, 0};
+        std::copy_n(s, 8, other);
+        if (k < 3)
+          w[k] = way, orientation::turn(other, w);
+        else
+          other[3 + k] += way;
+        // At a minimum the energy grows with the square of the turn: all but nothing, but never
+        // falls.
+        CHECK(poses.energy(x, other, nullptr) > rest - 1e-9 * (1 + std::abs(rest)));
+      }
+  }
+}
+
+/// Four atoms around the origin, at different distances.
+std::vector<docking::Atom> cage() {
+  return {{"OA", -0.4, {5.5, 0.3, 0}},
+          {"C", 0.2, {-3, 5, 0.5}},
+          {"HD", 0.3, {-2, -4.5, 3}},
+          {"N", -0.2, {0.5, -1, -6}}};
+}
+
 }  // namespace
 
 TEST_CASE("a bond that turns carries what lies beyond it, and the centre stays") {
@@ -115,30 +151,49 @@ TEST_CASE("at rest neither the ligand nor its bonds can turn downhill") {
   std::vector<std::string> names = {"A", "C", "HD", "OA", "e", "d"};
   for (std::size_t n = 0; n < names.size(); ++n)
     maps.push_back(landscape(0.3 * static_cast<double>(n)));
-  const docking::Poses poses(with(chain(), {0, 1}), names, maps, 10);
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  for (int n = 0; n < 20; ++n) {
-    const double x[3] = {uniform(random), uniform(random), uniform(random)};
-    double s[8] = {1, 0, 0, 0, 1, 0, kPi * uniform(random), kPi * uniform(random)};
-    const double turn[3] = {2 * uniform(random), 2 * uniform(random), 2 * uniform(random)};
-    orientation::turn(s, turn);
-    const double before = poses.energy(x, s, nullptr);
-    poses.relax(x, s);
-    const double rest = poses.energy(x, s, nullptr);
-    CHECK(rest <= before);
-    for (int k = 0; k < 5; ++k)
-      for (const double way : {-1e-3, 1e-3}) {
-        double other[8], w[3] = {0, 0, 0};
-        std::copy_n(s, 8, other);
-        if (k < 3)
-          w[k] = way, orientation::turn(other, w);
-        else
-          other[3 + k] += way;
-        // At a minimum the energy grows with the square of the turn: all but nothing, but never
-        // falls.
-        CHECK(poses.energy(x, other, nullptr) > rest - 1e-9 * (1 + std::abs(rest)));
-      }
+  check_rest(docking::Poses(with(chain(), {0, 1}), names, maps, 10));
+  check_rest(docking::Poses(with(chain(), {0, 1}), cage(), 10));
+}
+
+TEST_CASE("two atoms at one of the host have the energy of both pairs") {
+  // AutoDock 4 in kcal/mol, for atoms without charge: a well of 12-6 at 4 angstrom, and what water
+  // loses, beyond 4.25 angstrom with the distance less 0.25.
+  const auto energy = [](double r) {
+    const double ratio = std::pow(4 / (r - 0.25), 6);
+    return 0.1662 * 0.150 * (ratio * ratio - 2 * ratio) -
+           0.1322 * 2 * 0.00143 * 33.5103 * std::exp(-r * r / (2 * 3.6 * 3.6));
+  };
+  const docking::Poses poses(with(atom(1, "C", 0, 0, 0.5, 0) + atom(2, "C", 0, 0, -0.5, 0), {}),
+                             {{"C", 0, {0, 0, 7}}}, 20);
+  const double x[3] = {0, 0, 1}, s[6] = {1, 0, 0, 0, 1, 0};
+  double slope[3];
+  CHECK(poses.energy(x, s, slope) == Approx(4.184 * (energy(5.5) + energy(6.5))).epsilon(1e-12));
+  CHECK(slope[0] == 0);
+  // Nearer to the host by dz; the differences are exact to 1e-8 of the third derivative.
+  const double dz = 1e-4;
+  const double difference =
+      energy(5.5 - dz) + energy(6.5 - dz) - energy(5.5 + dz) - energy(6.5 + dz);
+  CHECK(slope[2] == Approx(4.184 * difference / (2 * dz)).epsilon(1e-6));
+}
+
+TEST_CASE("the slope among the host's atoms is that of the energy, also where they overlap") {
+  const docking::Poses poses(with(chain(), {0}), cage(), 20);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-6, 6);
+  for (int n = 0; n < 50; ++n) {
+    const double s[7] = {1, 0, 0, 0, 1, 0, uniform(random)};
+    double x[3] = {uniform(random), uniform(random), uniform(random)}, slope[3];
+    poses.energy(x, s, slope);
+    for (int a = 0; a < 3; ++a) {
+      const double h = 1e-5, here = x[a];
+      x[a] = here + h;
+      const double high = poses.energy(x, s, nullptr);
+      x[a] = here - h;
+      const double low = poses.energy(x, s, nullptr);
+      x[a] = here;
+      // An error of h^2 / 6 times the third derivative, and rounding of 1e-16 / h of the energy.
+      CHECK(slope[a] == Approx((high - low) / (2 * h)).margin(1e-5 * (1 + std::abs(slope[a]))));
+    }
   }
 }
 
