@@ -55,7 +55,6 @@ struct Options {
   std::string hand;
   std::string terminal;  // how to draw there; empty: not asked for
   std::string imd;       // where viewers of molecules connect; empty: nowhere
-  int imd_version = 2;
 
   bool wants_report() const { return xyz.empty() && pdb.empty() && png.empty() && html.empty(); }
 };
@@ -169,9 +168,7 @@ int run(const Options& options) {
     return kExitDone;
   }
   if (!options.imd.empty()) {
-    ImdOptions imd = *read_imd(options.imd);
-    imd.version = options.imd_version;
-    run_imd(options.frames, imd);
+    run_imd(options.frames, options.imd);
     return kExitDone;
   }
   if (!options.terminal.empty()) {
@@ -289,16 +286,12 @@ void add_live_options(CommandLine& app, Options& options) {
           .one_of({"auto", "symbols", "sixel", "kitty"});
   Option imd =
       app.add_flag("--imd{8888}", options.imd,
-                   "Serve VMD and MDAnalysis over TCP, as in --imd=8888, or --imd=ADDRESS:8888 for "
+                   "Serve VMD over TCP, as in --imd=8888, or --imd=ADDRESS:8888 for "
                    "other machines; 0 is a free port. There is no password: whoever reaches it "
                    "sees the play. Default: 127.0.0.1:8888.")
           .type("[ADDRESS:]PORT")
           .check([](const std::string& text) { return read_imd(text).has_value(); },
                  "a port from 0 to 65535, or an address in numbers, ':' and a port");
-  app.add("--imd-version", options.imd_version,
-          "Version of the protocol IMD: 2 for VMD, 3 for MDAnalysis. Default: 2.")
-      .one_of({"2", "3"})
-      .needs(imd);
   imd.excludes(terminal);
   app.option("--web").excludes(terminal);
   app.option("--web").excludes(imd);

@@ -69,10 +69,10 @@ void run_session(InputFile file, const SessionOptions& options) {
   });
   if (statistics.ticks == 0) throw Error(without_ticks(session));
   if (text) text->commit();
-  if (!options.npz.empty())
-    write_session_arrays(
-        header, statistics.ticks, [&](const auto& use) { for_ticks(session, use); }, options.npz);
-  if (text || !options.npz.empty()) {
+  if (!options.npy.empty())
+    write_session_array(
+        header, statistics.ticks, [&](const auto& use) { for_ticks(session, use); }, options.npy);
+  if (text || !options.npy.empty()) {
     // The report has a line on it.
     if (!session.ended_early().empty())
       std::fprintf(stderr, "stats: %s: the session ended early, at %s\n",

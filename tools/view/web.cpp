@@ -110,7 +110,6 @@ class Server {
   std::map<lws*, std::size_t> page_sent_;  // bytes, by connections that load it
   std::map<lws*, Client> clients_;
   Frame frame_;
-  Traces traces_;
   bool has_frame_ = false;
   bool ended_ = false;
   bool done_ = false;
@@ -358,7 +357,7 @@ int Server::speak(lws* wsi) {
 void Server::take_frames() {
   Feed::State state;
   do {
-    state = feed_->update(frame_, traces_);
+    state = feed_->update(frame_);
     if (!state.fresh) break;
     has_frame_ = true;
     const auto message =
