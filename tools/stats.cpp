@@ -16,7 +16,6 @@
 #include "libcore/shard/section.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/stats/arrays.hpp"
-#include "tools/stats/dump.hpp"
 #include "tools/stats/session.hpp"
 #include "tools/stats/statistics.hpp"
 
@@ -86,12 +85,26 @@ void write_all(const std::string& name, const std::string& text) {
   output.commit();
 }
 
+/// A line for each record: i j k level state... and the 26 destination levels, q ascending,
+/// separated by tabs; '-' where the direction leaves the box, and '?' where it is not settled.
+/// States have 17 significant digits, in every locale.
 void dump(const Grid& grid, const std::string& name) {
   constexpr std::size_t kBuffer = 1 << 20;
   OutputFile output(name, /*binary=*/false);
-  std::string text = dump_header(grid);
+  std::string text = "# i\tj\tk\tlevel";
+  for (std::uint32_t c = 0; c < grid.state_size(); ++c) text += "\ts" + std::to_string(c);
+  for (int q = 0; q < kDirections; ++q) text += "\td" + std::to_string(q);
+  text += '\n';
   for (RecordIndex r = 0; r < grid.records(); ++r) {
-    append_record(text, grid, r);
+    for (const std::uint32_t c : grid.box().coordinates(grid.point(r)))
+      text += std::to_string(c) + '\t';
+    text += std::to_string(grid.level(r));
+    for (const double value : grid.state(r)) append_digits17(text += '\t', value);
+    for (const Level level : grid.links(r))
+      text += '\t' + (level == kLeavesBox   ? "-"
+                      : level == kUnsettled ? "?"
+                                            : std::to_string(level));
+    text += '\n';
     if (text.size() < kBuffer) continue;
     output.write(text);
     text.clear();

@@ -18,7 +18,6 @@
 #include "libcore/base/text.hpp"
 #include "libcore/scene/render.hpp"
 #include "libcore/scene/stream.hpp"
-#include "libcore/scene/summary.hpp"
 #include "libcore/scene/trajectory.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/view/imd.hpp"
@@ -188,12 +187,12 @@ int run(const Options& options) {
 
   SceneReader reader(options.frames);
   const Scene& scene = reader.scene();
-  SceneSummary summary;
+  SceneReport report;
   Chosen chosen(options.at_s);
   std::optional<Frame> first;
   nlohmann::ordered_json shown = nlohmann::ordered_json::array();
   for (Frame frame; reader.next(frame);) {
-    summary.add(scene, frame);
+    report.add(scene, frame);
     if (png) chosen.offer(frame);
     if (html) shown.push_back(base64(page_frame(scene, frame, render_options(options))));
     if (html && !first) first = frame;
@@ -215,8 +214,8 @@ int run(const Options& options) {
   trajectories.commit();
   if (options.wants_report()) {
     OutputFile output("-", /*binary=*/false);
-    output.write(options.format == "json" ? report_json(scene, summary)
-                                          : printable_text(report_text(scene, summary)));
+    output.write(options.format == "json" ? report.json(scene)
+                                          : printable_text(report.text(scene)));
     output.commit();
   }
   return kExitDone;

@@ -76,7 +76,7 @@ inline constexpr double kLinePixels = 0.6;
 inline constexpr double kRingPixels = 9;
 inline constexpr std::array<double, 2> kFlashPixels{4, 10};
 /// How many radii of a ball its shadow on the floor has.
-inline constexpr double kShadowRadii = 1.6;
+inline constexpr double kShadowRadii = 2;
 
 inline constexpr Colour kBackground{1, 1, 1};
 inline constexpr float kHipOpacity = 0.6F;

@@ -81,7 +81,6 @@ class Server {
   struct Client {
     bool told = false;   // knows the scene
     int on_the_way = 0;  // frames that it has not confirmed
-    bool told_end = false;
     std::deque<Message> frames;  // to be sent, the oldest first
     std::vector<std::string> texts;
     std::string heard;  // the beginning of a line
@@ -91,7 +90,6 @@ class Server {
   int answer(lws* wsi, lws_callback_reasons reason, void* in, size_t size);
   int send_page(lws* wsi, const std::string& path);
   int send_more(lws* wsi);
-  int refuse(lws* wsi) const;
   bool admits(lws* wsi) const;
   void begin(lws* wsi);
   void end(lws* wsi);
@@ -189,7 +187,9 @@ int Server::answer(lws* wsi, lws_callback_reasons reason, void* in, size_t size)
       page_sent_.erase(wsi);
       return 0;
     case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
-      return admits(wsi) ? 0 : refuse(wsi);
+      if (admits(wsi)) return 0;
+      ::lws_return_http_status(wsi, HTTP_STATUS_FORBIDDEN, nullptr);
+      return 1;
     case LWS_CALLBACK_ESTABLISHED:
       begin(wsi);
       return 0;
@@ -206,11 +206,6 @@ int Server::answer(lws* wsi, lws_callback_reasons reason, void* in, size_t size)
     default:
       return ::lws_callback_http_dummy(wsi, reason, nullptr, in, size);
   }
-}
-
-int Server::refuse(lws* wsi) const {
-  ::lws_return_http_status(wsi, HTTP_STATUS_FORBIDDEN, nullptr);
-  return 1;
 }
 
 int Server::send_page(lws* wsi, const std::string& path) {

@@ -195,7 +195,14 @@ TEST_CASE("the floor has the shadows of what is above it, seen from above") {
   const Image empty = stage.render();
   CHECK(empty.at(100, 100 + 25)[0] == 247);  // the middle of the floor is cos(60) below: 0.5 units
   stage.add(0, 0, 1, 0.2F, {1, 0, 0});
-  CHECK(stage.render().at(100, 100 + 25)[0] == Approx(247 * 0.7).margin(2));
+  CHECK(stage.render().at(100, 100 + 25)[0] == Approx(247 * 0.76).margin(2));
+  // Two shadows are one, which is nowhere darker: between two balls there is no lighter lump. At u
+  // radii from a middle, of which a shadow has two, a ball leaves 1 - (1 - u^2 / 4)^2 of the light.
+  stage.scene.spheres.clear();
+  stage.frame.centres.clear();
+  for (const float x : {-0.1F, 0.1F}) stage.add(x, 0, 1, 0.2F, {1, 0, 0});
+  const double left = std::pow(1 - std::pow(1 - 0.25 * 0.25, 2), 2);
+  CHECK(stage.render().at(100, 100 + 25)[0] == Approx(247 * (1 - 0.24 * (1 - left))).margin(2));
   stage.camera.elevation_degrees = -60;
   CHECK(stage.render().at(100, 100 + 25) == kWhite);
 }
