@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libcore/grid/vec3.hpp"
+#include "libcore/scene/letters.hpp"
 #include "libcore/scene/light.hpp"
 
 namespace hapgrid {
@@ -321,6 +322,7 @@ Image render(const Scene& scene, const Frame& frame, const Camera& camera,
         image.pixels.push_back(pixel);
       }
   }
+  draw_labels(image, all.labels, options.letter_scale);
   return image;
 }
 

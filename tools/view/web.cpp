@@ -79,8 +79,8 @@ class Server {
   using Message = std::shared_ptr<const std::string>;  // behind LWS_PRE bytes of room
 
   struct Client {
-    bool told = false;   // knows the scene
-    int on_the_way = 0;  // frames that it has not confirmed
+    bool told = false;           // knows the scene
+    int on_the_way = 0;          // frames that it has not confirmed
     std::deque<Message> frames;  // to be sent, the oldest first
     std::vector<std::string> texts;
     std::string heard;  // the beginning of a line
