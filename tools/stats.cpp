@@ -1,5 +1,5 @@
-// stats: what is in a grid, as a report, a single value, a dump, arrays or an image; and what
-// happened in a play.
+// stats: what is in a grid, as a report, a single value, a dump or an array; and what happened in a
+// play.
 
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -16,11 +16,8 @@
 #include "libcore/shard/section.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/stats/arrays.hpp"
-#include "tools/stats/branches.hpp"
-#include "tools/stats/dump.hpp"
 #include "tools/stats/session.hpp"
 #include "tools/stats/statistics.hpp"
-#include "tools/stats/vti.hpp"
 
 using namespace hapgrid;
 using Json = nlohmann::ordered_json;
@@ -36,10 +33,7 @@ struct Options {
   std::string format = "text";
   std::string get;
   bool dump = false;
-  std::string npz;
-  std::string vti;
-  unsigned level = 0;
-  std::uint32_t branch = Branches::kNone;
+  std::string npy;
   std::string log;
   SessionOptions session;
   std::string output = "-";
@@ -91,12 +85,26 @@ void write_all(const std::string& name, const std::string& text) {
   output.commit();
 }
 
+/// A line for each record: i j k level state... and the 26 destination levels, q ascending,
+/// separated by tabs; '-' where the direction leaves the box, and '?' where it is not settled.
+/// States have 17 significant digits, in every locale.
 void dump(const Grid& grid, const std::string& name) {
   constexpr std::size_t kBuffer = 1 << 20;
   OutputFile output(name, /*binary=*/false);
-  std::string text = dump_header(grid);
+  std::string text = "# i\tj\tk\tlevel";
+  for (std::uint32_t c = 0; c < grid.state_size(); ++c) text += "\ts" + std::to_string(c);
+  for (int q = 0; q < kDirections; ++q) text += "\td" + std::to_string(q);
+  text += '\n';
   for (RecordIndex r = 0; r < grid.records(); ++r) {
-    append_record(text, grid, r);
+    for (const std::uint32_t c : grid.box().coordinates(grid.point(r)))
+      text += std::to_string(c) + '\t';
+    text += std::to_string(grid.level(r));
+    for (const double value : grid.state(r)) append_digits17(text += '\t', value);
+    for (const Level level : grid.links(r))
+      text += '\t' + (level == kLeavesBox   ? "-"
+                      : level == kUnsettled ? "?"
+                                            : std::to_string(level));
+    text += '\n';
     if (text.size() < kBuffer) continue;
     output.write(text);
     text.clear();
@@ -110,7 +118,7 @@ void show_log(const Options& options) {
   if (!starts_with_zstd_frame(file))
     throw Error(format("{}: not a session; hapgrid plot draws a log that is text", file.name()));
   SessionOptions session = options.session;
-  session.npz = options.npz;
+  session.npy = options.npy;
   session.format = options.format;
   session.output = options.output;
   run_session(std::move(file), session);
@@ -119,12 +127,8 @@ void show_log(const Options& options) {
 /// Refuses options that do not go together.
 void check_options(const Options& options) {
   const bool reads_log = !options.log.empty();
-  if (!options.get.empty() + options.dump + !options.vti.empty() +
-          (reads_log || !options.npz.empty()) >
-      1)
-    throw UsageError("--get, --dump, --npz, --vti and --log exclude each other");
-  if (options.branch != Branches::kNone && options.vti.empty())
-    throw UsageError("--branch needs --vti");
+  if (!options.get.empty() + options.dump + (reads_log || !options.npy.empty()) > 1)
+    throw UsageError("--get, --dump, --npy and --log exclude each other");
   if (!options.session.export_file.empty() && !reads_log) throw UsageError("--export needs --log");
   if (!options.get.empty()) require_known_key(options.get);
   if (reads_log && options.grid != "-")
@@ -150,32 +154,13 @@ std::string report(const Options& options, const LoadedGrid& loaded) {
   return value_line(*value);
 }
 
-void write_image(const Grid& grid, const Options& options) {
-  if (options.branch == Branches::kNone)
-    return write_vti(
-        grid,
-        [&](PointIndex p) {
-          return options.level < grid.levels(p) ? grid.first(p) + options.level : Grid::kNoRecord;
-        },
-        options.vti);
-  const Branches branches = find_branches(grid);
-  const std::size_t count = branches.sizes.size();
-  if (options.branch >= count)
-    throw Error(format("--branch {}: this grid has {}", options.branch,
-                       count == 0 ? "no branches" : format("the branches 0 to {}", count - 1)));
-  write_vti(
-      grid, [&](PointIndex p) { return branches.record(grid, options.branch, p); }, options.vti);
-  write_all(options.output, branch_text(branches, options.branch));
-}
-
 void show_grid(const Options& options) {
   if (!options.get.empty())
     if (const auto value = value_from_footer(options.get, options.grid))
       return write_all(options.output, value_line(*value));
   const LoadedGrid loaded = load_grid(options.grid);
   if (options.dump) return dump(loaded.grid, options.output);
-  if (!options.npz.empty()) return write_grid_arrays(loaded.grid, options.npz);
-  if (!options.vti.empty()) return write_image(loaded.grid, options);
+  if (!options.npy.empty()) return write_grid_array(loaded.grid, options.npy);
   write_all(options.output, report(options, loaded));
 }
 
@@ -201,18 +186,6 @@ void add_grid_options(CommandLine& app, Options& options) {
       .type("KEY");
   app.add_flag("--dump", options.dump,
                "Print a line for each record: i j k level state..., and the levels of 26 links.");
-  app.add("--vti", options.vti,
-          "Image to write for ParaView and VTK: the number of levels, and state, force and energy "
-          "at --level or on --branch.")
-      .type("FILE");
-  app.add("--level", options.level, "Level whose state, force and energy --vti writes.")
-      .type("N")
-      .whole(0, kMaxLevels - 1)
-      .shows_default();
-  app.add("--branch", options.branch,
-          "Branch, counted from 0, whose records --vti writes in place of --level.")
-      .type("N")
-      .whole(0, Branches::kNone - 1);
 }
 
 void add_log_options(CommandLine& app, Options& options) {
@@ -238,8 +211,9 @@ int main(int argc, char** argv) {
   app.add("--format", options.format, "Format of the report.")
       .one_of({"text", "json"})
       .shows_default();
-  app.add("--npz", options.npz,
-          "Arrays to write for numpy: of a grid, or of a session's ticks ('-': standard output).")
+  app.add("--npy", options.npy,
+          "Array to write for numpy, of a grid's records or a session's ticks ('-': standard "
+          "output).")
       .type("FILE");
   add_output(app, options.output);
   app.set_help("stats", "hapgrid-stats(1) explains the numbers.\n");

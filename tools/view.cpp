@@ -18,7 +18,6 @@
 #include "libcore/base/text.hpp"
 #include "libcore/scene/render.hpp"
 #include "libcore/scene/stream.hpp"
-#include "libcore/scene/summary.hpp"
 #include "libcore/scene/trajectory.hpp"
 #include "tools/common/tool.hpp"
 #include "tools/view/imd.hpp"
@@ -55,7 +54,6 @@ struct Options {
   std::string hand;
   std::string terminal;  // how to draw there; empty: not asked for
   std::string imd;       // where viewers of molecules connect; empty: nowhere
-  int imd_version = 2;
 
   bool wants_report() const { return xyz.empty() && pdb.empty() && png.empty() && html.empty(); }
 };
@@ -169,9 +167,7 @@ int run(const Options& options) {
     return kExitDone;
   }
   if (!options.imd.empty()) {
-    ImdOptions imd = *read_imd(options.imd);
-    imd.version = options.imd_version;
-    run_imd(options.frames, imd);
+    run_imd(options.frames, options.imd);
     return kExitDone;
   }
   if (!options.terminal.empty()) {
@@ -191,12 +187,12 @@ int run(const Options& options) {
 
   SceneReader reader(options.frames);
   const Scene& scene = reader.scene();
-  SceneSummary summary;
+  SceneReport report;
   Chosen chosen(options.at_s);
   std::optional<Frame> first;
   nlohmann::ordered_json shown = nlohmann::ordered_json::array();
   for (Frame frame; reader.next(frame);) {
-    summary.add(scene, frame);
+    report.add(scene, frame);
     if (png) chosen.offer(frame);
     if (html) shown.push_back(base64(page_frame(scene, frame, render_options(options))));
     if (html && !first) first = frame;
@@ -218,8 +214,8 @@ int run(const Options& options) {
   trajectories.commit();
   if (options.wants_report()) {
     OutputFile output("-", /*binary=*/false);
-    output.write(options.format == "json" ? report_json(scene, summary)
-                                          : printable_text(report_text(scene, summary)));
+    output.write(options.format == "json" ? report.json(scene)
+                                          : printable_text(report.text(scene)));
     output.commit();
   }
   return kExitDone;
@@ -289,16 +285,12 @@ void add_live_options(CommandLine& app, Options& options) {
           .one_of({"auto", "symbols", "sixel", "kitty"});
   Option imd =
       app.add_flag("--imd{8888}", options.imd,
-                   "Serve VMD and MDAnalysis over TCP, as in --imd=8888, or --imd=ADDRESS:8888 for "
+                   "Serve VMD over TCP, as in --imd=8888, or --imd=ADDRESS:8888 for "
                    "other machines; 0 is a free port. There is no password: whoever reaches it "
                    "sees the play. Default: 127.0.0.1:8888.")
           .type("[ADDRESS:]PORT")
           .check([](const std::string& text) { return read_imd(text).has_value(); },
                  "a port from 0 to 65535, or an address in numbers, ':' and a port");
-  app.add("--imd-version", options.imd_version,
-          "Version of the protocol IMD: 2 for VMD, 3 for MDAnalysis. Default: 2.")
-      .one_of({"2", "3"})
-      .needs(imd);
   imd.excludes(terminal);
   app.option("--web").excludes(terminal);
   app.option("--web").excludes(imd);

@@ -150,7 +150,7 @@ class HungBall {
   }
 
  private:
-  static constexpr unsigned kBeads = 9;
+  static constexpr unsigned kBeads = 48;  // so close that they touch
 
   /// The direction of the rope from the hinge: sin α and cos α times any positive factor.
   struct Rope {

@@ -173,15 +173,10 @@ double hip_radius(const Scene& scene, const RenderOptions& options) {
   return scene.hip_radius > 0 ? scene.hip_radius : longest_side(scene.box) / 40;
 }
 
-double newton_length(const Scene& scene, const RenderOptions& options) {
-  if (options.arrow > 0) return options.arrow;
-  const double longest = longest_side(scene.box);
-  return scene.largest_force > 0 ? longest / 4 / scene.largest_force : longest / 6;
-}
-
 std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame,
                                   const RenderOptions& options) {
-  const double length = newton_length(scene, options) * length_of(frame.force);
+  const double newton = scene.largest_force > 0 ? 0.25 / scene.largest_force : 1.0 / 6;
+  const double length = newton * longest_side(scene.box) * length_of(frame.force);
   if (!(length > 0) || !std::isfinite(length)) return {};
   const double hip = hip_radius(scene, options);
   return {length, std::min(0.035 * length, 0.2 * hip), std::min(0.12 * length, 0.6 * hip),

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "libcore/grid/vec3.hpp"
@@ -36,7 +37,6 @@ struct RenderOptions {
   int height = 600;
   int supersampling = 3;  ///< rays a pixel and axis
   double hip_radius = 0;  ///< 0: the scene's own, or a 40th of the box's longest side
-  double arrow = 0;       ///< length of a newton; 0: see newton_length()
   bool box = true;
   bool hip = true;      ///< with the force
   bool legend = true;   ///< the axes and a scale bar
@@ -50,13 +50,12 @@ struct RenderOptions {
 inline constexpr double kBallPart = 0.25;
 inline constexpr double kStickPart = 0.12;
 
-/// The radius of the ball at the HIP, and the length of the arrow for a newton: that of the grid's
-/// largest force is a quarter of the box's longest side; where it is not known, a newton's is a
-/// sixth.
+/// The radius of the ball at the HIP.
 double hip_radius(const Scene& scene, const RenderOptions& options);
-double newton_length(const Scene& scene, const RenderOptions& options);
 /// Of the arrow that shows the frame's force, from the HIP's surface on: its length, the radius of
 /// its shaft, and radius and length of its head, which grows with the force. All zero without one.
+/// The grid's largest force is a quarter of the box's longest side long; where it is not known, a
+/// newton is a sixth.
 std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame,
                                   const RenderOptions& options);
 
@@ -76,9 +75,10 @@ inline constexpr double kLinePixels = 0.6;
 inline constexpr double kRingPixels = 9;
 inline constexpr std::array<double, 2> kFlashPixels{4, 10};
 /// How many radii of a ball its shadow on the floor has.
-inline constexpr double kShadowRadii = 1.6;
+inline constexpr double kShadowRadii = 2;
 
 inline constexpr Colour kBackground{1, 1, 1};
+inline constexpr Colour kInk{0.16F, 0.17F, 0.2F};
 inline constexpr float kHipOpacity = 0.6F;
 /// Opacity of the HIP where something stands before it, so that the HIP is never hidden.
 inline constexpr float kHiddenOpacity = 0.5F;
@@ -109,12 +109,19 @@ struct Line {
   Colour colour;
 };
 
+/// A text in a picture, in pixels from the picture's upper left corner.
+struct Label {
+  std::string text;
+  std::array<double, 2> left;  ///< the text's left end, at the middle of its height
+};
+
 struct Drawing {
   std::vector<Line> lines;        ///< the box
   std::vector<Ball> balls;        ///< the spheres; sticks and the arrow are rows of balls
   std::size_t spheres = 0;        ///< the first of the balls: they darken each other
   std::vector<Ball> translucent;  ///< the HIP, with kHipOpacity, or kHiddenOpacity behind the rest
   std::vector<Line> overlay;      ///< drawn over everything else, in this order
+  std::vector<Label> labels;      ///< over all of that
   std::vector<Shadow> shadows;    ///< on the floor
   /// A corner of the floor in x and y, and its two sides; all zero where it is seen from below.
   std::array<std::array<double, 2>, 3> floor{};

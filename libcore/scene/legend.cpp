@@ -10,7 +10,6 @@ namespace hapgrid {
 
 namespace {
 
-constexpr Colour kInk{0.16F, 0.17F, 0.2F};
 // In pixels at scale 1.
 constexpr double kMargin = 10;
 constexpr double kBeside = 16;     // from the picture's edge, for the text at an axis to the left
@@ -47,27 +46,6 @@ void add_axes(Legend& legend, const Camera& camera, const RenderOptions& options
   }
 }
 
-/// Each row of a letter's fine pixels, which are `fine` wide, as lines.
-void add_letter(std::vector<Line>& lines, char letter, double x, double y, double fine) {
-  constexpr int kColumns = kFine * kLetterWidth;
-  const LetterRows rows = letter_rows(letter);
-  for (int row = 0; row < kFine * kLetterHeight; ++row)
-    for (int column = 0; column < kColumns; ++column) {
-      const auto set = [&](int i) {
-        return i < kColumns && (rows[static_cast<std::size_t>(row)] >> (kColumns - 1 - i) & 1) != 0;
-      };
-      if (!set(column)) continue;
-      int last = column;
-      while (set(last + 1)) ++last;
-      const double middle = y + fine * (row + 0.5);
-      lines.push_back({{x + fine * (column + 0.5), middle, 0},
-                       {x + fine * (last + 0.5), middle, 0},
-                       0.55 * fine,
-                       kInk});
-      column = last;
-    }
-}
-
 }  // namespace
 
 std::string length_text(const Scene& scene, double length) {
@@ -92,26 +70,15 @@ Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions
   return legend;
 }
 
-void add_label(Drawing& drawing, const Label& label, const RenderOptions& options) {
-  const double rays = options.supersampling;
-  const double pixel = rays * options.letter_scale;
-  const std::string letters = letters_of(label.text);
-  for (std::size_t i = 0; i < letters.size(); ++i)
-    add_letter(drawing.overlay, letters[i],
-               rays * label.left[0] + pixel * kLetterWidth * static_cast<double>(i),
-               rays * label.left[1] - pixel * kLetterHeight / 2, pixel / kFine);
-}
-
 void add_plate(Drawing& drawing, const std::string& text, double x, double y,
                const RenderOptions& options) {
   const double rays = options.supersampling;
-  const double half =
-      0.5 * options.letter_scale * kLetterWidth * static_cast<double>(letters_of(text).size());
+  const double half = 0.5 * options.letter_scale * letters_width(text);
   drawing.overlay.push_back({{x - rays * half, y, 0},
                              {x + rays * half, y, 0},
                              0.6 * rays * options.letter_scale * kLetterHeight,
                              kBackground});
-  add_label(drawing, {text, {x / rays - half, y / rays}}, options);
+  drawing.labels.push_back({text, {x / rays - half, y / rays}});
 }
 
 void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
@@ -123,8 +90,8 @@ void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
                                {rays * to[0], rays * to[1], 0},
                                0.6 * rays * options.letter_scale,
                                kInk});
-  if (!options.letters) return;
-  for (const Label& label : legend.labels) add_label(drawing, label, options);
+  if (options.letters)
+    drawing.labels.insert(drawing.labels.end(), legend.labels.begin(), legend.labels.end());
 }
 
 }  // namespace hapgrid

@@ -16,12 +16,6 @@ inline constexpr double kAxisPart = 0.12;     ///< and as a part of the picture'
 inline constexpr double kAxisGap = 9;         ///< between an axis's end and the middle of its name
 inline constexpr double kShortestAxis = 0.3;  ///< part of an axis's length that is seen at least
 
-/// A text in a picture, in pixels from the picture's upper left corner.
-struct Label {
-  std::string text;
-  std::array<double, 2> left;  ///< the text's left end, at the middle of its height
-};
-
 struct Legend {
   /// Lines from one point to another, in pixels.
   std::vector<std::array<std::array<double, 2>, 2>> lines;
@@ -43,7 +37,5 @@ void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
 /// Draws a text on a white plate over everything, with its middle at x, y of the drawing.
 void add_plate(Drawing& drawing, const std::string& text, double x, double y,
                const RenderOptions& options);
-/// Draws a text over everything.
-void add_label(Drawing& drawing, const Label& label, const RenderOptions& options);
 
 }  // namespace hapgrid

@@ -2,8 +2,10 @@
 
 #include <ft2build.h>
 #include FT_FREETYPE_H
+#include <utf8proc.h>
 
-#include <array>
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "libcore/base/error.hpp"
@@ -14,29 +16,35 @@ namespace hapgrid {
 namespace {
 
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf";
-constexpr int kBaseline = 11;  // pixels below the upper edge
-constexpr double kEm = 11.6;   // in pixels; an advance of 0.602 em is then kLetterWidth
-constexpr int kInkFrom = 112;  // of 255: coverage from which a fine pixel is ink
+constexpr int kBaseline = 4;  // pixels below the middle of a letter's height
+constexpr double kEm = 11.6;  // in pixels; an advance of 0.602 em is then kLetterWidth
 
-/// By code of Latin-1.
-using Letters = std::array<std::array<std::uint32_t, kFine * kLetterHeight>, 256>;
-
-/// The ink of the letter in the face's slot.
-void copy_ink(const FT_GlyphSlot slot, std::array<std::uint32_t, kFine * kLetterHeight>& rows) {
+/// The ink of the letter in the face's slot, whose left end is at x on the baseline y.
+void draw_ink(Image& image, const FT_GlyphSlot slot, int x, int y) {
   const FT_Bitmap& ink = slot->bitmap;
-  for (unsigned y = 0; y < ink.rows; ++y)
-    for (unsigned x = 0; x < ink.width; ++x) {
-      const int row = kFine * kBaseline - slot->bitmap_top + static_cast<int>(y);
-      const int column = slot->bitmap_left + static_cast<int>(x);
-      const bool inside =
-          row >= 0 && row < kFine * kLetterHeight && column >= 0 && column < kFine * kLetterWidth;
-      if (inside && ink.buffer[static_cast<int>(y) * ink.pitch + static_cast<int>(x)] >= kInkFrom)
-        rows[static_cast<std::size_t>(row)] |= 1u << (kFine * kLetterWidth - 1 - column);
+  for (int row = 0; row < static_cast<int>(ink.rows); ++row)
+    for (int column = 0; column < static_cast<int>(ink.width); ++column) {
+      const int px = x + slot->bitmap_left + column, py = y - slot->bitmap_top + row;
+      if (px < 0 || px >= image.width || py < 0 || py >= image.height) continue;
+      const float part = static_cast<float>(ink.buffer[row * ink.pitch + column]) / 255;
+      Rgb& pixel =
+          image.pixels[static_cast<std::size_t>(py) * static_cast<std::size_t>(image.width) +
+                       static_cast<std::size_t>(px)];
+      for (std::size_t c = 0; c < 3; ++c)
+        pixel[c] = static_cast<std::uint8_t>(
+            std::lround((1 - part) * static_cast<float>(pixel[c]) + 255 * part * kInk[c]));
     }
 }
 
-/// @throw Error
-Letters draw_letters() {
+}  // namespace
+
+double letters_width(std::string_view text) {
+  return kLetterWidth * static_cast<double>(std::count_if(
+                            text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+void draw_labels(Image& image, const std::vector<Label>& labels, int scale) {
+  if (labels.empty()) return;
   FT_Library opened = nullptr;
   if (FT_Init_FreeType(&opened) != 0) throw Error("FreeType: cannot begin");
   const std::unique_ptr<FT_LibraryRec_, FT_Error (*)(FT_Library)> library(opened, FT_Done_FreeType);
@@ -45,34 +53,24 @@ Letters draw_letters() {
     throw Error(format("{}: not there: install the Debian package fonts-dejavu-core", kFont));
   const std::unique_ptr<FT_FaceRec_, FT_Error (*)(FT_Face)> face(found, FT_Done_Face);
   // In 64ths of a pixel, at 72 dots an inch.
-  FT_Set_Char_Size(face.get(), 0, static_cast<FT_F26Dot6>(64 * kFine * kEm), 72, 72);
-  Letters letters{};
-  for (std::size_t code = ' '; code < letters.size(); ++code)
-    if (FT_Load_Char(face.get(), code, FT_LOAD_RENDER | FT_LOAD_NO_HINTING) == 0)
-      copy_ink(face->glyph, letters[code]);
-  return letters;
-}
-
-}  // namespace
-
-std::string letters_of(std::string_view text) {
-  std::string letters;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const std::string_view rest = text.substr(i);
-    if (rest.starts_with("Å"))
-      letters += '\xc5';
-    else if (rest.starts_with("°"))
-      letters += '\xb0';
-    else if ((text[i] & 0xc0) != 0x80)  // the first byte of a character
-      letters += static_cast<unsigned char>(text[i]) < 0x80 ? text[i] : '?';
+  FT_Set_Char_Size(face.get(), 0, static_cast<FT_F26Dot6>(64 * kEm * scale), 72, 72);
+  for (const auto& [text, left] : labels) {
+    const auto* at = reinterpret_cast<const utf8proc_uint8_t*>(text.data());
+    auto rest = static_cast<utf8proc_ssize_t>(text.size());
+    double x = left[0];
+    utf8proc_int32_t code = 0;
+    for (utf8proc_ssize_t bytes; (bytes = utf8proc_iterate(at, rest, &code)) > 0;) {
+      // An absurd place is far outside of the picture.
+      if (std::abs(x) < 1e6 && std::abs(left[1]) < 1e6 &&
+          FT_Load_Char(face.get(), static_cast<FT_ULong>(code),
+                       FT_LOAD_RENDER | FT_LOAD_TARGET_LIGHT) == 0)
+        draw_ink(image, face->glyph, static_cast<int>(std::lround(x)),
+                 static_cast<int>(std::lround(left[1])) + kBaseline * scale);
+      at += bytes;
+      rest -= bytes;
+      x += kLetterWidth * scale;
+    }
   }
-  return letters;
-}
-
-LetterRows letter_rows(char letter) {
-  static const Letters letters = draw_letters();
-  const bool known = (letter >= ' ' && letter <= '~') || letter == '\xc5' || letter == '\xb0';
-  return letters[static_cast<unsigned char>(known ? letter : '?')];
 }
 
 }  // namespace hapgrid

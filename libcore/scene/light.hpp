@@ -18,8 +18,8 @@ inline constexpr double kFog = 0.35;           ///< of white, at the back
 inline constexpr double kOutlineDepth = 0.35;  ///< of a radius: what lies deeper gets a dark rim
 inline constexpr double kOutlineLight = 0.25;
 inline constexpr double kFloor = 0.97;
-inline constexpr double kShadow = 0.3;
-inline constexpr double kReach = 4;  ///< radii within which a sphere darkens others
+inline constexpr double kShadow = 0.24;  ///< what the darkest shadow takes of the floor's light
+inline constexpr double kReach = 4;      ///< radii within which a sphere darkens others
 inline constexpr std::size_t kMostOccluders = 16;
 /// Each pair of spheres is looked at: with more of them none darkens another.
 inline constexpr std::size_t kMostShaded = 4096;

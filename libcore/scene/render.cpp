@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "libcore/grid/vec3.hpp"
+#include "libcore/scene/letters.hpp"
 #include "libcore/scene/light.hpp"
 
 namespace hapgrid {
@@ -106,19 +107,24 @@ class Band {
 
   const Colour& at(int x, int y) const { return colour_[index(x, y)]; }
 
-  /// The floor with its shadows, behind everything.
+  /// The floor with its shadows, behind everything. Shadows that overlap run into one: each leaves
+  /// its part of what the others leave.
   void draw_floor(const Drawing& all) {
     const auto& [from, right, back] = all.floor;
     const double area = right[0] * back[1] - right[1] * back[0];
     if (area == 0 || !std::isfinite(area)) return;
+    for (const Shadow& shadow : all.shadows) draw_shadow(shadow);
     for (int row = first_; row < first_ + rows_; ++row)
       for (int column = 0; column < width_; ++column) {
         const double x = column + 0.5 - from[0], y = row + 0.5 - from[1];
         const double a = (x * back[1] - y * back[0]) / area;
         const double b = (right[0] * y - right[1] * x) / area;
-        if (a >= 0 && a <= 1 && b >= 0 && b <= 1) colour_[index(column, row)].fill(kFloor);
+        Colour& colour = colour_[index(column, row)];
+        const double dark = kShadow * (1 - static_cast<double>(colour[0]));
+        colour = kBackground;
+        if (a >= 0 && a <= 1 && b >= 0 && b <= 1)
+          colour.fill(static_cast<float>(kFloor * (1 - dark)));
       }
-    for (const Shadow& shadow : all.shadows) draw_shadow(shadow);
   }
 
   /// Takes the rays that meet the ball first; light() colours them.
@@ -254,11 +260,8 @@ class Band {
       for (int column = left; column < right; ++column) {
         const double dx = (column + 0.5 - x) / wide, dy = (row + 0.5 - y) / high;
         const double inside = 1 - dx * dx - dy * dy;
-        Colour& colour = colour_[index(column, row)];
-        if (!(inside > 0) || colour == kBackground) continue;  // beside the floor
-        // Where shadows overlap there is the darkest.
-        const auto light = static_cast<float>(kFloor * (1 - kShadow * inside * inside));
-        for (float& c : colour) c = std::min(c, light);
+        if (!(inside > 0)) continue;
+        for (float& c : colour_[index(column, row)]) c *= static_cast<float>(1 - inside * inside);
       }
   }
   std::size_t index(int x, int y) const {
@@ -319,6 +322,7 @@ Image render(const Scene& scene, const Frame& frame, const Camera& camera,
         image.pixels.push_back(pixel);
       }
   }
+  draw_labels(image, all.labels, options.letter_scale);
   return image;
 }
 

@@ -107,7 +107,7 @@ sys.stdout.buffer.write(said)
 PYTHON
 
 # What viewers and terminals send.
-# GO, TRATE 3, PAUSE; GO, MDCOMM of one atom, DISCONNECT.
+# GO, TRATE 3, PAUSE; GO, MDCOMM of one atom, DISCONNECT. The first byte is the length of a piece less one.
 printf '\x04\0\0\0\3\0\0\0\0\0\0\0\x08\0\0\0\3\0\0\0\7\0\0\0\0' | put streams imd-pause
 printf '\x0d\0\0\0\3\0\0\0\0\0\0\0\6\0\0\0\1\0\0\0\2abcdefghijkl\0\0\0\0\0\0\0\0' | put streams imd-forces
 printf '\x1b[C\x1b[D\x1bOA\x1b[5~\x1b[6~\x1b[1;5B++--0r\x1b[Cq' | put streams keys-keys

@@ -46,15 +46,14 @@ void take_adapter(Bytes bytes) {
   }
 }
 
-/// What an IMD client says. The first byte: the version, and how long the pieces are in which the
-/// rest comes; where the pieces are cut must not matter.
+/// What an IMD client says. The first byte: how long the pieces are in which the rest comes; where
+/// they are cut must not matter.
 void take_imd(Bytes all) {
-  const int version = all[0] & 1 ? 3 : 2;
-  const std::size_t piece = 1 + (all[0] >> 1);
+  const std::size_t piece = 1 + all[0];
   const auto bytes = std::as_bytes(all.subspan(1));
-  ImdListener whole(version, 5);
+  ImdListener whole(5);
   whole.read(bytes);
-  ImdListener listener(version, 5);
+  ImdListener listener(5);
   for (std::size_t i = 0; i < bytes.size(); i += piece)
     listener.read(bytes.subspan(i, std::min(piece, bytes.size() - i)));
   if (listener.state() != whole.state()) throw std::logic_error("the pieces matter");

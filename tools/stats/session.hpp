@@ -1,4 +1,4 @@
-// stats --log of a session: report, arrays, text.
+// stats --log of a session: report, array, text.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace hapgrid {
 
 struct SessionOptions {
   std::string export_file;  ///< empty: no text
-  std::string npz;          ///< empty: no arrays
+  std::string npy;          ///< empty: no array
   std::string format;       ///< of the report, which is written when the two above are empty
   std::string output;       ///< where the report goes
 };

@@ -1,7 +1,5 @@
 #include "tools/view/feed.hpp"
 
-#include <pthread.h>
-#include <signal.h>
 #include <sys/eventfd.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -10,6 +8,8 @@
 #include <cerrno>
 #include <system_error>
 #include <utility>
+
+#include "libcore/base/signals.hpp"
 
 namespace hapgrid {
 
@@ -43,12 +43,8 @@ Feed::~Feed() {
 }
 
 void Feed::start() {
-  // Signals are the drawing thread's.
-  sigset_t all, before;
-  ::sigfillset(&all);
-  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  const BlockedSignals blocked;  // they are the drawing thread's
   thread_ = std::jthread([this] { run(); });
-  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
 void Feed::run() {
@@ -64,7 +60,6 @@ void Feed::run() {
       if (recorded_ && !wait_until_due(frame.time_s)) break;
       {
         const std::lock_guard lock(mutex_);
-        traces_.add(frame);
         late_ = late_ || waiting_.size() == kMostWaiting;
         if (late_) waiting_.clear();
         waiting_.push_back(frame);
@@ -94,14 +89,13 @@ bool Feed::wait_until_due(double time_s) {
   return false;
 }
 
-Feed::State Feed::update(Frame& frame, Traces& traces) {
+Feed::State Feed::update(Frame& frame) {
   const std::lock_guard lock(mutex_);
   const bool fresh = !waiting_.empty();
   if (fresh) {
     frame = std::move(waiting_.front());
     waiting_.pop_front();
     late_ = false;
-    traces = traces_;
   }
   return {fresh, !waiting_.empty(), ended_ && waiting_.empty()};
 }

@@ -15,7 +15,6 @@
 
 #include "libcore/base/file.hpp"
 #include "libcore/scene/stream.hpp"
-#include "tools/view/traces.hpp"
 
 namespace hapgrid {
 
@@ -37,13 +36,15 @@ class Feed {
 
   /// Starts reading.
   void start();
-  /// The state of the stream. `frame` and `traces` are written only when there is a new frame.
+  /// Whether the frames are those of a regular file.
+  bool recorded() const { return recorded_; }
+  /// The state of the stream. `frame` is written only when there is a new one.
   struct State {
     bool fresh = false;
     bool more = false;   ///< whether a newer frame waits already
     bool ended = false;  ///< whether this frame is the last one
   };
-  State update(Frame& frame, Traces& traces);
+  State update(Frame& frame);
   /// Called when the stream has ended. @throw the error that ended it, if there was one.
   void check() const;
 
@@ -67,8 +68,7 @@ class Feed {
   double first_s_ = 0;         // the time of the recording's first frame
   Clock::time_point start_;    // when that frame was due
   std::deque<Frame> waiting_;  // the oldest first
-  Traces traces_;
-  bool late_ = false;  // too many waited: only the newest one is kept
+  bool late_ = false;          // too many waited: only the newest one is kept
   bool ended_ = false;
   std::exception_ptr error_;
 

@@ -1,5 +1,7 @@
 #include "tools/view/report.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "libcore/base/format.hpp"
@@ -9,9 +11,15 @@
 
 namespace hapgrid {
 
-using Json = nlohmann::ordered_json;
-
 namespace {
+
+void widen(SceneReport::Range& range, double low, double high) {
+  range = {std::min(range.first, low), std::max(range.second, high)};
+}
+
+std::string range_text(const SceneReport::Range& r) {
+  return format("{} .. {}", rounded(r.first), rounded(r.second));
+}
 
 std::string with_unit(const std::string& text, const std::string& unit) {
   return unit.empty() ? text : format("{} {}", text, printable_line(unit));
@@ -19,32 +27,54 @@ std::string with_unit(const std::string& text, const std::string& unit) {
 
 }  // namespace
 
-std::string report_text(const Scene& scene, const SceneSummary& s) {
+void SceneReport::add(const Scene& scene, const Frame& frame) {
+  if (frames++ == 0) first_s = frame.time_s;
+  last_s = frame.time_s;
+  for (std::size_t i = 0; i < scene.spheres.size(); ++i) {
+    const float* centre = frame.centres.data() + 3 * i;
+    if (!std::all_of(centre, centre + 3, [](float x) { return std::isfinite(x); })) continue;
+    const double r = scene.spheres[i].radius;
+    const bool first = !bounds;
+    if (first) bounds.emplace();
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (first) (*bounds)[a] = {centre[a], centre[a]};
+      widen((*bounds)[a], centre[a] - r, centre[a] + r);
+    }
+  }
+  const double force = length_of(frame.force);
+  if (force > largest_force) {
+    largest_force = force;
+    largest_force_s = frame.time_s;
+  }
+  if (!std::isfinite(frame.energy)) return;
+  if (!energy) energy = Range{frame.energy, frame.energy};
+  widen(*energy, frame.energy, frame.energy);
+}
+
+std::string SceneReport::text(const Scene& scene) const {
   std::string text;
   const auto row = [&](const std::string& name, const std::string& value) {
     text += format("{}{}\n", left(name, 9), value);
   };
   row("model", printable_line(scene.model));
-  row("frames", s.frames == 0 ? "0"
-                              : format("{}, from {} s to {} s", s.frames, rounded(s.first_s),
-                                       rounded(s.last_s)));
-  const auto range = [](const SceneSummary::Range& r) {
-    return format("{} .. {}", rounded(r.first), rounded(r.second));
-  };
-  const std::string count = format("{}", scene.spheres.size());
-  row("spheres", !s.bounds
-                     ? count
-                     : with_unit(format("{}, in x {}, y {}, z {}", count, range((*s.bounds)[0]),
-                                        range((*s.bounds)[1]), range((*s.bounds)[2])),
-                                 scene.length_unit));
-  row("force", s.largest_force > 0 ? format("at most {} N, at {} s", rounded(s.largest_force),
-                                            rounded(s.largest_force_s))
-                                   : "none");
-  if (s.energy) row("energy", with_unit(range(*s.energy), scene.energy_unit));
+  row("frames", frames == 0
+                    ? "0"
+                    : format("{}, from {} s to {} s", frames, rounded(first_s), rounded(last_s)));
+  std::string spheres = format("{}", scene.spheres.size());
+  if (bounds)
+    spheres = with_unit(format("{}, in x {}, y {}, z {}", spheres, range_text((*bounds)[0]),
+                               range_text((*bounds)[1]), range_text((*bounds)[2])),
+                        scene.length_unit);
+  row("spheres", spheres);
+  row("force", largest_force > 0 ? format("at most {} N, at {} s", rounded(largest_force),
+                                          rounded(largest_force_s))
+                                 : "none");
+  if (energy) row("energy", with_unit(range_text(*energy), scene.energy_unit));
   return text;
 }
 
-std::string report_json(const Scene& scene, const SceneSummary& s) {
+std::string SceneReport::json(const Scene& scene) const {
+  using Json = nlohmann::ordered_json;
   const Box& box = scene.box;
   Json json = {{"version", 1},
                {"model", scene.model},
@@ -53,15 +83,15 @@ std::string report_json(const Scene& scene, const SceneSummary& s) {
                {"box", {{"origin", box.origin}, {"spacing", box.spacing}, {"counts", box.counts}}},
                {"state_size", scene.state_size},
                {"spheres", scene.spheres.size()},
-               {"frames", s.frames}};
-  json["first_s"] = s.frames > 0 ? Json(s.first_s) : Json();
-  json["last_s"] = s.frames > 0 ? Json(s.last_s) : Json();
+               {"frames", frames}};
+  json["first_s"] = frames > 0 ? Json(first_s) : Json();
+  json["last_s"] = frames > 0 ? Json(last_s) : Json();
   json["bounds"] = Json();
-  if (s.bounds)
-    for (const auto& [low, high] : *s.bounds) json["bounds"].push_back({low, high});
-  json["largest_force"] = s.largest_force;
-  json["largest_force_s"] = s.largest_force > 0 ? Json(s.largest_force_s) : Json();
-  json["energy"] = s.energy ? Json({s.energy->first, s.energy->second}) : Json();
+  if (bounds)
+    for (const auto& [low, high] : *bounds) json["bounds"].push_back({low, high});
+  json["largest_force"] = largest_force;
+  json["largest_force_s"] = largest_force > 0 ? Json(largest_force_s) : Json();
+  json["energy"] = energy ? Json({energy->first, energy->second}) : Json();
   return json_text(json);
 }
 

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <system_error>
 #include <vector>
 
@@ -23,28 +24,41 @@
 #include "tools/view/feed.hpp"
 #include "tools/view/pixels.hpp"
 #include "tools/view/screen.hpp"
+#include "tools/view/traces.hpp"
 
 namespace hapgrid {
 
 namespace {
 
 constexpr int kLinesBelow = 3;     // status, force, energy
+constexpr int kNameColumns = 17;   // of a curve: its name and its largest value
 constexpr int kMostSixels = 1000;  // in a row: xterm leaves a wider picture blank
 constexpr int kSymbolScale = 2;    // of the legend, whose letters are the terminal's own
 
 std::string at_row(int row) { return format("\033[{};1H", row); }
 
 /// A curve in one row of text, which is all the room there is: a library draws axes and needs more
-/// rows. "force    0.52 |..:|  ", with blocks up to the height of the value, or signs where the
-/// locale has no blocks; where the state snapped the ground is yellow. `columns` wide.
-std::string curve_line(const std::string& name, const std::vector<Column>& curve,
-                       double Column::*value, const Extent& extent) {
-  std::string text = name;
+/// rows. "force    0.52 |..:|  ": the largest value, and blocks up to the height of each, or signs
+/// where the locale has no blocks; where the state snapped the ground is yellow. Empty when no
+/// value is finite.
+std::string curve_line(const std::string& name, const std::vector<Traces::Sample>& curve,
+                       double Traces::Sample::*value, bool from_zero) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double low = from_zero ? 0 : kInfinity, high = from_zero ? 0 : -kInfinity;
+  for (const Traces::Sample& sample : curve)
+    if (std::isfinite(sample.*value)) {
+      low = std::min(low, sample.*value);
+      high = std::max(high, sample.*value);
+    }
+  if (!(low <= high)) return "";
+  std::string text = left(name, 7) + right(three_digits(high), 9) + " ";
+  // As much as three digits show: what changes less is a straight line.
+  high = std::max(high, low + 1e-3 * std::abs(low));
   bool marked = false;
-  for (const Column& column : curve) {
-    if (column.snapped != marked) text += column.snapped ? "\033[43m" : "\033[49m";
-    marked = column.snapped;
-    const double at = extent(column.*value);
+  for (const Traces::Sample& sample : curve) {
+    if (sample.snapped != marked) text += sample.snapped ? "\033[43m" : "\033[49m";
+    marked = sample.snapped;
+    const double at = high > low ? (sample.*value - low) / (high - low) : sample.*value - low;
     // From one to eight eighths, U+2581 to U+2588.
     if (std::isfinite(at) && !locale_has_blocks())
       text += "_.,-=+*#"[std::lround(7 * std::clamp(at, 0.0, 1.0))];
@@ -113,14 +127,9 @@ class Display {
       if (row <= size_.rows) text += at_row(row++) + "\033[0m" + line + "\033[K";
     };
     below(status(frame));
-    const Extent energy = energy_extent(traces);
-    const int room = size_.columns - static_cast<int>(label("", 0).size());
-    const auto curve = columns(traces, std::max(0, room));
-    const Extent force = force_extent(traces);
-    below(curve_line(label("force", force.high), curve, &Column::force, force));
-    below(std::isfinite(energy.low)
-              ? curve_line(label("energy", energy.high), curve, &Column::energy, energy)
-              : "");
+    const auto curve = traces.columns(std::max(0, size_.columns - kNameColumns));
+    below(curve_line("force", curve, &Traces::Sample::force, /*from_zero=*/true));
+    below(curve_line("energy", curve, &Traces::Sample::energy, /*from_zero=*/false));
     if (!scene_.keys.empty()) below(fitting(scene_.keys));
     return text + "\033[?2026l";
   }
@@ -147,10 +156,6 @@ class Display {
       legend_ += format("\033[{};{}H", row + 1, column + 1) +
                  label.text.substr(0, static_cast<std::size_t>(room));
     }
-  }
-  /// The name of a curve, and what its highest block stands for.
-  static std::string label(const std::string& name, double high) {
-    return left(name, 7) + right(three_digits(high), 9) + " ";
   }
   std::string status(const Frame& frame) const { return fitting(status_text(scene_, frame)); }
   std::string fitting(const std::string& text) const {
@@ -202,8 +207,9 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
         display.resize();
         screen.write("\033[0m\033[2J");
       }
-      state = feed.update(frame, traces);
+      state = feed.update(frame);
       any = any || state.fresh;
+      if (state.fresh) traces.add(frame);
       if (any) screen.write(display.draw(frame, traces));
     }
   }

@@ -13,8 +13,6 @@ namespace hapgrid {
 
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 double magnitude(const Vec3& v) { return std::hypot(v[0], v[1], v[2]); }
 
 }  // namespace
@@ -23,52 +21,29 @@ void Traces::add(const Frame& frame) {
   if (!samples_.empty() && frame.time_s < samples_.back().time_s) samples_.clear();
   const bool snapped = !samples_.empty() && frame.jumps != jumps_;
   jumps_ = frame.jumps;
-  samples_.push_back(
-      {frame.time_s, magnitude(frame.force), frame.energy, snapped, frame.own_energy});
+  samples_.push_back({frame.time_s, magnitude(frame.force), frame.energy, snapped});
   while (samples_.size() > kMaxSamples || samples_.front().time_s < frame.time_s - kSeconds)
     samples_.pop_front();
 }
 
-Extent force_extent(const Traces& traces) {
-  double high = 0;
-  for (const auto& s : traces.samples())
-    if (std::isfinite(s.force)) high = std::max(high, s.force);
-  return {0, high > 0 ? high : 1};
-}
-
-Extent energy_extent(const Traces& traces) {
-  Extent extent{kNan, kNan};
-  for (const auto& s : traces.samples()) {
-    for (const double energy : {s.energy, s.own_energy}) {
-      if (!std::isfinite(energy)) continue;
-      extent.low = std::fmin(extent.low, energy);
-      extent.high = std::fmax(extent.high, energy);
-    }
-  }
-  // As much as three digits show: what changes less is a straight line.
-  const double least = 1e-3 * std::abs(extent.low);
-  if (extent.high - extent.low < least) extent.high = extent.low + least;
-  if (extent.high == extent.low) extent.high = extent.low + 1;
-  return extent;
-}
-
-std::vector<Column> columns(const Traces& traces, int count) {
-  std::vector<Column> result(static_cast<std::size_t>(count), Column{kNan, kNan});
-  if (result.empty() || traces.samples().empty()) return result;
-  const double end = traces.samples().back().time_s;
+std::vector<Traces::Sample> Traces::columns(int count) const {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Sample> result(static_cast<std::size_t>(count), Sample{0, kNan, kNan});
+  if (result.empty() || samples_.empty()) return result;
+  const double end = samples_.back().time_s;
   std::vector<bool> any(result.size());
-  for (const auto& s : traces.samples()) {
-    const double from_left = (1 - (end - s.time_s) / Traces::kSeconds) * count;
+  for (const Sample& s : samples_) {
+    const double from_left = (1 - (end - s.time_s) / kSeconds) * count;
     // The newest sample belongs to the last column, which ends there.
     const auto i = static_cast<std::size_t>(std::clamp<double>(from_left, 0, count - 1));
-    Column& column = result[i];
-    column.force = any[i] ? std::fmax(column.force, s.force) : s.force;
-    column.energy = s.energy;
-    column.snapped = column.snapped || s.snapped;
+    const Sample before = result[i];
+    result[i] = s;
+    if (any[i]) result[i].force = std::fmax(before.force, s.force);
+    result[i].snapped = before.snapped || s.snapped;
     any[i] = true;
   }
   for (std::size_t i = 1; i < result.size(); ++i)
-    if (!any[i]) result[i] = {result[i - 1].force, result[i - 1].energy, false};
+    if (!any[i]) result[i] = {0, result[i - 1].force, result[i - 1].energy};
   return result;
 }
 

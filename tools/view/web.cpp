@@ -79,9 +79,8 @@ class Server {
   using Message = std::shared_ptr<const std::string>;  // behind LWS_PRE bytes of room
 
   struct Client {
-    bool told = false;   // knows the scene
-    int on_the_way = 0;  // frames that it has not confirmed
-    bool told_end = false;
+    bool told = false;           // knows the scene
+    int on_the_way = 0;          // frames that it has not confirmed
     std::deque<Message> frames;  // to be sent, the oldest first
     std::vector<std::string> texts;
     std::string heard;  // the beginning of a line
@@ -91,7 +90,6 @@ class Server {
   int answer(lws* wsi, lws_callback_reasons reason, void* in, size_t size);
   int send_page(lws* wsi, const std::string& path);
   int send_more(lws* wsi);
-  int refuse(lws* wsi) const;
   bool admits(lws* wsi) const;
   void begin(lws* wsi);
   void end(lws* wsi);
@@ -110,7 +108,6 @@ class Server {
   std::map<lws*, std::size_t> page_sent_;  // bytes, by connections that load it
   std::map<lws*, Client> clients_;
   Frame frame_;
-  Traces traces_;
   bool has_frame_ = false;
   bool ended_ = false;
   bool done_ = false;
@@ -190,7 +187,9 @@ int Server::answer(lws* wsi, lws_callback_reasons reason, void* in, size_t size)
       page_sent_.erase(wsi);
       return 0;
     case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
-      return admits(wsi) ? 0 : refuse(wsi);
+      if (admits(wsi)) return 0;
+      ::lws_return_http_status(wsi, HTTP_STATUS_FORBIDDEN, nullptr);
+      return 1;
     case LWS_CALLBACK_ESTABLISHED:
       begin(wsi);
       return 0;
@@ -207,11 +206,6 @@ int Server::answer(lws* wsi, lws_callback_reasons reason, void* in, size_t size)
     default:
       return ::lws_callback_http_dummy(wsi, reason, nullptr, in, size);
   }
-}
-
-int Server::refuse(lws* wsi) const {
-  ::lws_return_http_status(wsi, HTTP_STATUS_FORBIDDEN, nullptr);
-  return 1;
 }
 
 int Server::send_page(lws* wsi, const std::string& path) {
@@ -358,7 +352,7 @@ int Server::speak(lws* wsi) {
 void Server::take_frames() {
   Feed::State state;
   do {
-    state = feed_->update(frame_, traces_);
+    state = feed_->update(frame_);
     if (!state.fresh) break;
     has_frame_ = true;
     const auto message =

@@ -155,12 +155,12 @@ def _look(work, toml, names, tables, ligand, low, spacing, counts):
 
 def _records(work, grid):
     """(indices of points, energies, states, records where the links lead) of all records."""
-    work.run("stats", grid, "--npz", ".records.npz")
+    work.run("stats", grid, "--npy", ".records.npy")
     try:
-        with np.load(work.path(".records.npz")) as arrays:
-            return arrays["point"].astype(int), arrays["energy"].ravel(), arrays["state"], arrays["destination"]
+        records = np.load(work.path(".records.npy"))
     finally:
-        os.remove(work.path(".records.npz"))
+        os.remove(work.path(".records.npy"))
+    return records["point"].astype(int), records["energy"], records["state"], records["destination"]
 
 
 def _page(work, name):

@@ -5,6 +5,7 @@ not guessed. Where a grid has a record at a side of its box in which the molecul
 probe holds it there, and what lies behind is cut off. The box is then made a cell wider on that side.
 """
 
+import json
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
@@ -71,14 +72,14 @@ class Remedies:
 
 def short_of_room(folder, grid):
     """The Fault of a grid at whose sides the molecule is held, or None."""
-    arrays = ".room.npz"
+    array = ".room.npy"
     try:
-        folder.run("stats", grid, "--npz", arrays)
-        with np.load(folder.path(arrays)) as of:
-            sides = touched(of["point"], of["state"], of["counts"])
-            spacing = float(of["spacing"])
+        folder.run("stats", grid, "--npy", array)
+        records = np.load(folder.path(array))
     finally:
-        files.remove(folder.path(arrays))
+        files.remove(folder.path(array))
+    box = json.loads(folder.run("stats", grid, "--get", "box").out)
+    sides, spacing = touched(records["point"], records["state"], np.array(box["counts"])), box["spacing"]
     if not any(sides):
         return None
     return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple(spacing * one for one in sides))

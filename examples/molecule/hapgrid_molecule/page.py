@@ -8,7 +8,7 @@ import shlex
 import numpy as np
 
 from . import choice, curves
-from .elements import SYMBOLS
+from .elements import COLOURS, SYMBOLS
 from .pieces import signed
 from .pushing import read_log
 from .xyz import frames
@@ -86,7 +86,7 @@ def page(at, start, turned, ways, images):
              "Energies": f"{method}, of libxtb {library_version()}" if "GFN" in method else method,
              "Conformation": f"{words['E']} hartree" if "E" in words else "",
              "Grid": grid_in_words(at, f"{name}.grid")}
-    molecule = {"symbols": [SYMBOLS[z] for z in one.numbers], "places": np.round(one.x, 3).tolist(),
+    molecule = {"symbols": [SYMBOLS[z] for z in one.numbers], "colours": [COLOURS[z] for z in one.numbers], "places": np.round(one.x, 3).tolist(),
                 "bonds": [[a, b] for a, near in enumerate(start.molecule.neighbours) for b in near if a < b],
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
     parts = {

@@ -3,7 +3,7 @@ source "$(dirname "$0")/../lib.sh"
 coarse=(--set grid.spacing=0.1 --set 'grid.counts=[20,10,10]')
 seed "$ball" "${coarse[@]}" | expand --complete -o grid
 seed "$ball" "${coarse[@]}" --set 'search.store=["energy","force","shape"]' | expand --complete -o stored
-[[ $(stats stored) == *"force, energy, shape of 10 spheres"* ]] || fail "stats: $(stats stored)"
+[[ $(stats stored) == *"force, energy, shape of 49 spheres"* ]] || fail "stats: $(stats stored)"
 for i in {-60..40}; do echo "$(printf '%de-2' "$i") 0.012 0.03"; done >path
 summary='~play: 101 ticks, [^:]*: .*
 play: ticks outside the box 0, .*

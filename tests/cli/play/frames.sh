@@ -18,7 +18,7 @@ scene, *frames = [json.loads(line) for line in open("json")]
 scene, frames = scene["scene"], [f["frame"] for f in frames]
 assert scene["model"] == "hung-ball" and scene["lengthUnit"] == "rope lengths", scene
 assert scene["box"]["countX"] == 20 and scene["stateSize"] == 1 and scene["hipRadius"] == 0.1
-assert len(scene["spheres"]) == 10 and abs(scene["spheres"][0]["radius"] - 0.1) < 1e-8
+assert len(scene["spheres"]) == 49 and abs(scene["spheres"][0]["radius"] - 0.1) < 1e-8
 assert [int(f["tick"]) for f in frames] == [*range(0, 361, 40), 361], frames
 log = [line.rstrip("\n").split("\t") for line in open("log")]
 names = {name: i for i, name in enumerate(["t", *log[0][1:]])}
@@ -32,7 +32,7 @@ for f in frames:
     assert triple("force") == triple("rawForce") == [at(f"sent_{a}") for a in "xyz"]
     assert f["levels"] == [int(row[names[f"l{i}"]]) for i in range(8)]
     assert f["state"] == [at("s0")] and f["energy"] == at("energy")
-    assert len(f["centres"]) == 30
+    assert len(f["centres"]) == 3 * 49
     assert abs(f["centres"][0] - math.sin(at("s0"))) < 1e-7
     assert abs(f["energy"] - (1 - math.cos(at("s0")))) < 1e-15
     touched += f["energy"] > 0
@@ -99,7 +99,7 @@ same "paced frames" "$(sed -nE 's/.*"frames": ([0-9]+),.*/\1/p' json)" \
 for _ in {1..100}; do cat path; done >long
 for rate in '' '--rate 20000'; do
   # shellcheck disable=SC2086  # two words or none
-  (set +o pipefail; play grid --device path:long --frames - $rate 2>err | head -c 1000 >part)
+  (set +o pipefail; play grid --device path:long --frames - $rate 2>err | head -c 8000 >part)
   grep -q '^play: 36200 ticks, ' err || fail "$(cat err)"
   same "last line" "~play: frames written [1-9][0-9]*, dropped [0-9]+; the viewer closed its end before the last one" \
     "$(tail -n 1 err)"

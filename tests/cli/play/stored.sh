@@ -15,7 +15,7 @@ cmp rounds stored
 
 verify stored --recompute all >report 2>verdict
 grep -q '^stored ' report || fail "no check of what is stored: $(cat report)"
-[[ $(stats stored) == *"force, energy, shape of 10 spheres"* ]] || fail "stats: $(stats stored)"
+[[ $(stats stored) == *"force, energy, shape of 49 spheres"* ]] || fail "stats: $(stats stored)"
 
 path=$HAPGRID_SOURCE/examples/hung-ball/path-there-and-back.txt
 # Without the model beside it, as the play without plug-ins.

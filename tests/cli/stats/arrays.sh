@@ -1,18 +1,18 @@
-# A grid and a session as arrays: numpy reads what the dump and the text log say.
+# A grid and a session as arrays, and a grid as an image for ParaView: numpy reads what the dump and the text log say.
 source "$(dirname "$0")/../lib.sh"
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' --set model.parameters.stored=true |
   expand --complete -o grid
 stats grid --dump >dump
-stats grid --npz grid.npz
-stats --npz - <grid | cmp - grid.npz
+stats grid --npy grid.npy
+stats --npy - <grid | cmp - grid.npy
 /usr/bin/python3 - <<'PYTHON'
 import numpy as np
 with open("dump") as file:
     names = file.readline()[2:].split()
 lines = [line.rstrip("\n").split("\t") for line in open("dump")][1:]
-grid = np.load("grid.npz")
-assert sorted(grid) == sorted(["point", "level", "generation", "state", "destination", "force", "energy", "shape",
-                               "tear", "origin", "spacing", "counts"]), sorted(grid)
+grid = np.load("grid.npy")
+assert grid.dtype.names == ("point", "level", "generation", "destination", "state", "force", "energy", "shape", "tear")
+assert grid.flags.c_contiguous and grid.dtype.isnative
 n = len(lines)
 assert names[:5] == ["i", "j", "k", "level", "s0"] and len(names) == len(lines[0]) == 31, names
 assert (grid["point"] == [[int(c) for c in line[:3]] for line in lines]).all()
@@ -26,7 +26,6 @@ for line, to in zip(lines, grid["destination"]):
     for (dx, dy, dz), level, r in zip(steps, line[5:], to):
         assert r == (-1 if level == "-" else record[i + dx, j + dy, k + dz, int(level)]), (line, r)
 assert grid["force"].shape == (n, 3) and grid["energy"].shape == (n,) and grid["shape"].shape[::2] == (n, 3)
-assert grid["spacing"] == 0.1 and list(grid["counts"]) == [20, 10, 10]
 assert (grid["tear"] < 32).any() and grid["tear"].max() == 255
 PYTHON
 
@@ -34,10 +33,10 @@ PYTHON
 printf '%s\n' '-0.7 0.1 0' '-0.5 0.1 0.1' '-0.3 0.1 0.1' >path
 play grid --device path:path --log a.session 2>/dev/null
 stats --log a.session --export text
-stats --log a.session --npz ticks.npz
+stats --log a.session --npy ticks.npy
 /usr/bin/python3 - <<'PYTHON'
 import numpy as np
-ticks = np.load("ticks.npz")["ticks"]
+ticks = np.load("ticks.npy")
 text = np.loadtxt("text")
 columns = ["t", "hip", "force", "sent", "levels", "flags", "lateness_us", "compute_us"]
 assert list(ticks.dtype.names) == columns, ticks.dtype
@@ -45,10 +44,34 @@ assert np.array_equal(np.column_stack([ticks[name] for name in columns]), text, 
 PYTHON
 
 see='\(see stats --help\)'
-expect 2 '' "~stats: --get, --dump, .* exclude each other $see" -- stats grid --npz a --vti b
-expect 2 '' "~stats: --level: .*" -- stats grid --vti a --level 255
-refuses 'stats: .*No space left on device' -- stats grid --npz /dev/full
-refuses 'stats: .*No space left on device' -- stats grid --vti /dev/full
+expect 2 '' "~stats: --get, --dump, .* exclude each other $see" -- stats grid --npy a --dump
+refuses 'stats: .*No space left on device' -- stats grid --npy /dev/full
 head -c 300 grid >cut
-refuses 'stats: cut: .*' -- stats cut --npz cut.npz
-[[ ! -e cut.npz && ! -e a && ! -e b ]] || fail "a file was left"
+refuses 'stats: cut: .*' -- stats cut --npy cut.npy
+[[ ! -e cut.npy && ! -e a ]] || fail "a file was left"
+
+# An image for ParaView: its library reads it.
+/usr/bin/python3 -c 'import vtk' 2>/dev/null || { missing python3-vtk9; exit 0; }
+PYTHONPATH=$(realpath "$HAPGRID_BIN/../python") /usr/bin/python3 - <<'PYTHON'
+import hapgrid
+import numpy as np
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+known = np.load("grid.npy")
+levels = np.bincount(np.ravel_multi_index(known["point"].T[::-1], (10, 10, 20)), minlength=2000)
+for level in 0, 1:
+    hapgrid.write_vti("grid", "grid.vti", level)
+    reader = vtk.vtkXMLImageDataReader()
+    reader.SetFileName("grid.vti")
+    reader.Update()
+    image = reader.GetOutput()
+    assert image.GetDimensions() == (20, 10, 10) and image.GetSpacing() == (0.1,) * 3
+    data = image.GetPointData()
+    assert (vtk_to_numpy(data.GetArray("levels")) == levels).all()
+    here = known["level"] == level
+    i, j, k = known["point"][here].T
+    for name in "state", "force", "energy":
+        values = vtk_to_numpy(data.GetArray(name)).reshape(10, 10, 20, -1)
+        assert (values[k, j, i] == known[name][here].reshape(here.sum(), -1)).all(), name
+        assert np.isnan(values).any(axis=3).sum() == 2000 - here.sum(), name
+PYTHON

@@ -81,7 +81,7 @@ refuses 'stats: q1: .*' -- stats q1 --get records
 see='\(see stats --help\)'
 expect 2 '' "~stats: --get: no value mass \(there are: version, model, .*, costs\) $see" -- \
   stats grid --get mass
-expect 2 '' "~stats: --get, --dump, --npz, --vti and --log exclude each other $see" -- \
+expect 2 '' "~stats: --get, --dump, --npy and --log exclude each other $see" -- \
   stats grid --dump --get records
 expect 2 '' "~stats: .* $see" -- stats - - <grid
 expect 2 '' "~stats: --format: xml not in .*$see" -- stats grid --format xml

@@ -8,7 +8,7 @@ play grid --device path:path --set safety.ramp=0 --frames x.frames 2>/dev/null #
 # The report.
 report='model    hung-ball
 frames   6, from 0 s to 0\.18 s
-spheres  10, in x -0\.1 \.\. 0\.[0-9]+, y -0\.1 \.\. 0\.1, z -0\.1 \.\. 1\.0125 rope lengths
+spheres  49, in x -0\.1 \.\. 0\.[0-9]+, y -0\.1 \.\. 0\.1, z -0\.1 \.\. 1\.0125 rope lengths
 force    at most 0\.[0-9]+ N, at 0\.[0-9]+ s
 energy   0 \.\. 0\.[0-9]+ N rope lengths'
 expect 0 "~$report" '' -- view x.frames
@@ -27,7 +27,7 @@ assert len(r["bounds"]) == 3 and r["energy"][0] == 0'
 size=$(capnp decode --short "$frames" Message <x.frames | sed -n 1p |
   capnp encode "$frames" Message | wc -c)
 head -c "$size" x.frames >scene
-expect 0 $'model    hung-ball\nframes   0\nspheres  10\nforce    none' '' -- view scene
+expect 0 $'model    hung-ball\nframes   0\nspheres  49\nforce    none' '' -- view scene
 expect 0 '' '' -- view scene --xyz -
 view --format json <scene | grep -q '"last_s": null' || fail "nulls"
 
@@ -40,20 +40,20 @@ view segments | cmp - <(view x.frames)
 expect 0 '' '' -- view x.frames --xyz x.xyz
 view --xyz - <x.frames | cmp - x.xyz
 play grid --device path:path --set safety.ramp=0 --frames - 2>/dev/null | view --xyz - | cmp - x.xyz
-same "lines" $((6 * 12)) "$(wc -l <x.xyz)"
-same "first lines" $'10\ntime=0 tick=0 hip=-0.9,0.01,0 force=0,0,0 energy=0 units="time s, hip rope lengths, force N, energy N rope lengths"\nX 0.000000 0.000000 0.000000' \
+same "lines" $((6 * 51)) "$(wc -l <x.xyz)"
+same "first lines" $'49\ntime=0 tick=0 hip=-0.9,0.01,0 force=0,0,0 energy=0 units="time s, hip rope lengths, force N, energy N rope lengths"\nX 0.000000 0.000000 0.000000' \
   "$(head -3 x.xyz)"
 view x.frames --xyz hip.xyz --hip-label Xx
-same "the HIP" 'Xx -0.900000 0.010000 0.000000' "$(sed -n 13p hip.xyz)"
+same "the HIP" 'Xx -0.900000 0.010000 0.000000' "$(sed -n 52p hip.xyz)"
 view x.frames --pdb x.pdb --hip-label Xx
 same "models" 6 "$(grep -c '^MODEL' x.pdb)"
 same "the first of them" 'MODEL        1
 REMARK   3 time=0 tick=0 hip=-0.9,0.01,0 force=0,0,0 energy=0
 HETATM    1  X1  MOL A   1       0.000   0.000   0.000  1.00  0.00           X' "$(head -3 x.pdb)"
-same "the HIP" 'HETATM   11 XX11 HIP A   2      -0.900   0.010   0.000  1.00  0.00          XX' "$(sed -n 13p x.pdb)"
-same "its end" $'ENDMDL\nEND' "$(tail -2 x.pdb)"
+same "the HIP" 'HETATM   50 XX50 HIP A   2      -0.900   0.010   0.000  1.00  0.00          XX' "$(sed -n 52p x.pdb)"
+same "its end" $'CONECT   49    1\nEND' "$(tail -2 x.pdb)"
 if command -v obabel >/dev/null; then
-  for file in "x.xyz 10" "hip.xyz 11"; do
+  for file in "x.xyz 49" "hip.xyz 50"; do
     # A molecule a frame; the fourth line of a MOL block starts with the number of its atoms.
     obabel -ixyz "${file% *}" -omol -m -O mol.mol 2>err || fail "$(cat err)"
     grep -q '^6 molecules converted' err || fail "Open Babel: $(cat err)"

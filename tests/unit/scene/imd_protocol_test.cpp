@@ -55,52 +55,52 @@ const std::string kGo = "00000003 00000000";
 State say(ImdListener& listener, const std::string& hex) { return listener.read(bytes(hex)); }
 
 /// After GO.
-State answer(int version, const std::string& hex) {
-  ImdListener listener(version, 4);
+State answer(const std::string& hex) {
+  ImdListener listener(4);
   say(listener, kGo);
   return say(listener, hex);
 }
 
 }  // namespace
 
-TEST_CASE("a step beyond 32 bits is the largest one in ENERGIES, and itself in TIME") {
+TEST_CASE("a step beyond 32 bits is the largest one") {
   Frame frame = one_frame();
   frame.tick = 0x123456789a;
-  ImdEncoder two(2, one_sphere(), true, 1e-3);
-  CHECK(copy(two.encode(frame).subspan(8, 4)) == bytes("ffffff7f"));
-  ImdEncoder three(3, one_sphere(), true, 1e-3);
-  CHECK(copy(three.encode(frame).subspan(24, 8)) == bytes("9a78563412000000"));
+  const auto message = imd_frame(frame, ImdUnits(one_sphere()));
+  CHECK(copy(std::span(message).subspan(8, 4)) == bytes("ffffff7f"));
 }
 
 TEST_CASE("units of IMD") {
+  const auto units = [](const char* length, const char* energy) {
+    Scene scene = one_sphere();
+    scene.length_unit = length;
+    scene.energy_unit = energy;
+    return ImdUnits(scene);
+  };
   const std::pair<const char*, double> lengths[] = {
       {"m", 1e10}, {"mm", 1e7}, {"nm", 10}, {"angstrom", 1}, {"pm", 0.01}, {"bohr", 0.529177}};
   for (const auto& [unit, length] : lengths)
-    CHECK(ImdUnits(3, unit, "").length == Approx(length).epsilon(1e-6));
-  // One of each is so many kJ/mol, in the tables of textbooks; version 2 has kcal/mol.
+    CHECK(units(unit, "").length == Approx(length).epsilon(1e-6));
+  // One of each is so many kJ/mol, in the tables of textbooks.
   const std::pair<const char*, double> energies[] = {
       {"kJ/mol", 1}, {"kcal/mol", 4.184}, {"eV", 96.485}, {"hartree", 2625.5}, {"J", 6.02214e20}};
-  for (const auto& [unit, energy] : energies) {
-    CHECK(ImdUnits(3, "", unit).energy == Approx(energy).epsilon(1e-5));
-    CHECK(ImdUnits(2, "", unit).energy == Approx(energy / 4.184).epsilon(1e-5));
-  }
-  for (const int version : {2, 3}) {
-    const ImdUnits unknown(version, "rope lengths", "N rope lengths");
-    CHECK(unknown.length == 1);
-    CHECK(unknown.energy == 1);
-    CHECK_FALSE(unknown.length_known);
-    CHECK_FALSE(unknown.energy_known);
-    CHECK_FALSE(ImdUnits(version, "", "").length_known);
-  }
+  for (const auto& [unit, energy] : energies)
+    CHECK(units("", unit).energy == Approx(energy / 4.184).epsilon(1e-5));
+  const ImdUnits unknown = units("rope lengths", "N rope lengths");
+  CHECK(unknown.length == 1);
+  CHECK(unknown.energy == 1);
+  CHECK_FALSE(unknown.length_known);
+  CHECK_FALSE(unknown.energy_known);
+  CHECK_FALSE(units("", "").length_known);
 }
 
 TEST_CASE("what an IMD client may say") {
-  ImdListener listener(2, 4);
+  ImdListener listener(4);
   CHECK(listener.state() == State::kGreeted);
   CHECK(say(listener, "000000") == State::kGreeted);
   CHECK(say(listener, "03 12345678") == State::kRunning);  // any value will do
   CHECK(say(listener, "00000007 00000000") == State::kPaused);
-  CHECK(say(listener, "00000007 00000000") == State::kRunning);  // version 2: a toggle
+  CHECK(say(listener, "00000007 00000000") == State::kRunning);  // a toggle
   CHECK(say(listener, "00000008 ffffffff") == State::kRunning);  // TRATE
   // MDCOMM of no, one and four atoms; what looks like KILL in their bodies is none.
   CHECK(say(listener, "00000006 00000000") == State::kRunning);
@@ -108,37 +108,26 @@ TEST_CASE("what an IMD client may say") {
   std::string body;
   for (int i = 0; i < 8; ++i) body += "00000005 00000000";
   CHECK(say(listener, "00000006 00000004" + body) == State::kRunning);
-  CHECK((listener.ignored().forces == 3 && listener.ignored().rates == 1));
+  CHECK((listener.sent_forces() && listener.sent_rate()));
   CHECK(say(listener, "00000005 00000000") == State::kClosed);
   CHECK(say(listener, kGo) == State::kClosed);
-  CHECK(answer(2, "00000000 00000000") == State::kClosed);
-
-  // Version 3: PAUSE and RESUME are idempotent.
-  ImdListener three(3, 4);
-  CHECK(say(three, kGo + "00000010 00000001") == State::kRunning);  // WAIT
-  CHECK(say(three, "00000007 00000000 00000007 00000000") == State::kPaused);
-  CHECK(say(three, "0000000b 00000000 0000000b 00000000") == State::kRunning);
+  CHECK(answer("00000000 00000000") == State::kClosed);
 }
 
 TEST_CASE("what closes an IMD client") {
-  for (const int version : {2, 3}) {
-    // Before GO all else, also HTTP.
-    for (const std::string first : {"00000005 00000000", "00000000 00000000", "03000000 00000000",
-                                    "47455420 2f204854", "ffffffff ffffffff"}) {
-      ImdListener listener(version, 4);
-      CHECK(say(listener, first) == State::kClosed);
-    }
-    // After it: types of the server's, unknown ones, forces on too many atoms or on -1.
-    for (const std::string later :
-         {"00000001 00000001", "00000002 00000001", "00000004 02000000", "00000009 00000000",
-          "0000000a 00000007", "0000000f 00000001", "00000011 00000000", "ffffffff 00000000",
-          "80000000 00000000", "00000006 00000005", "00000006 7fffffff", "00000006 ffffffff",
-          "00000006 80000000"})
-      CHECK(answer(version, later) == State::kClosed);
+  // Before GO all else, also HTTP.
+  for (const std::string first : {"00000005 00000000", "00000000 00000000", "03000000 00000000",
+                                  "47455420 2f204854", "ffffffff ffffffff"}) {
+    ImdListener listener(4);
+    CHECK(say(listener, first) == State::kClosed);
   }
-  // Version 3's own, said in version 2.
-  CHECK(answer(2, "0000000b 00000000") == State::kClosed);
-  CHECK(answer(2, "00000010 00000000") == State::kClosed);
+  // After it: types of the server's, of version 3, unknown ones, forces on too many atoms or on -1.
+  for (const std::string later :
+       {"00000001 00000001", "00000002 00000001", "00000004 02000000", "00000009 00000000",
+        "0000000b 00000000", "00000010 00000000", "00000011 00000000", "ffffffff 00000000",
+        "80000000 00000000", "00000006 00000005", "00000006 7fffffff", "00000006 ffffffff",
+        "00000006 80000000"})
+    CHECK(answer(later) == State::kClosed);
 }
 
 TEST_CASE("an IMD client's bytes mean the same in pieces of any size; random ones break nothing") {
@@ -146,7 +135,6 @@ TEST_CASE("an IMD client's bytes mean the same in pieces of any size; random one
   const auto below = [&](unsigned n) { return static_cast<unsigned>(random()) % n; };
   std::array<int, 4> states{};
   for (int round = 0; round < 20000; ++round) {
-    const int version = 2 + round % 2;
     // Mostly headers that mean something, so that it gets somewhere.
     std::vector<std::byte> stream = bytes(below(8) ? kGo : "");
     for (unsigned i = below(12); i > 0; --i) {
@@ -154,16 +142,16 @@ TEST_CASE("an IMD client's bytes mean the same in pieces of any size; random one
         for (unsigned k = below(40); k > 0; --k) stream.push_back(static_cast<std::byte>(random()));
         continue;
       }
-      constexpr std::array<unsigned char, 6> kTypes{3, 6, 6, 7, 8, 11};
+      constexpr std::array<unsigned char, 5> kTypes{3, 6, 6, 7, 8};
       const unsigned type = kTypes[below(kTypes.size())];
       const unsigned length = below(6);
       for (const unsigned b : {0u, 0u, 0u, type, 0u, 0u, 0u, length})
         stream.push_back(static_cast<std::byte>(b));
       if (type == 6) stream.resize(stream.size() + 16 * length, static_cast<std::byte>(below(9)));
     }
-    ImdListener whole(version, 4);
+    ImdListener whole(4);
     whole.read(stream);
-    ImdListener pieces(version, 4);
+    ImdListener pieces(4);
     for (std::size_t at = 0; at < stream.size();) {
       const std::size_t part = std::min<std::size_t>(1 + below(20), stream.size() - at);
       pieces.read(std::span(stream).subspan(at, part));

@@ -61,26 +61,25 @@ TEST_CASE("a writer is never behind a reader that draws nothing, who gets the ne
   Bell bell;
   Feed feed(pipe.name, [&] { bell.ring(); });
   CHECK(feed.scene() == small_scene());
+  CHECK_FALSE(feed.recorded());
   feed.start();
   // Far more than fits into a pipe: this ends only if somebody reads.
   constexpr int kFrames = 2000;
   for (int i = 0; i < kFrames; ++i) pipe.write(small_frame(i));
   bell.wait_for(kFrames);
   Frame frame;
-  Traces traces;
-  Feed::State state = feed.update(frame, traces);
+  Feed::State state = feed.update(frame);
   CHECK(state.fresh);
   CHECK_FALSE(state.ended);
   CHECK(frame.tick == kFrames - 1);
-  CHECK(traces.samples().size() == kFrames);  // 2 s; nobody looks yet, and curves have them all
-  state = feed.update(frame, traces);
+  state = feed.update(frame);
   CHECK_FALSE(state.fresh);
   // A few frames wait for a drawing that is late; of more there is the newest.
   for (const int waiting : {3, 4}) {
     for (int i = 0; i < waiting; ++i) pipe.write(small_frame(5000 + 10 * waiting + i));
     bell.wait_for(kFrames + (waiting == 3 ? 3 : 7));
     for (int i = waiting == 3 ? 0 : 3; i < waiting; ++i) {
-      state = feed.update(frame, traces);
+      state = feed.update(frame);
       CHECK(frame.tick == 5000u + 10 * waiting + i);
       CHECK(state.more == (i + 1 < waiting));
     }
@@ -101,7 +100,6 @@ TEST_CASE("the end of a stream is told, and what ended it") {
                static_cast<std::streamsize>(bytes.size() - left_out));
   };
   Frame frame;
-  Traces traces;
   {
     play(0);
     Bell bell;
@@ -109,7 +107,7 @@ TEST_CASE("the end of a stream is told, and what ended it") {
     feed.start();
     bell.wait_for(4);
     for (const std::uint64_t tick : {0, 1, 2}) {
-      const Feed::State state = feed.update(frame, traces);
+      const Feed::State state = feed.update(frame);
       CHECK(state.fresh);
       CHECK(state.ended == (tick == 2));
       CHECK(frame.tick == tick);
@@ -121,8 +119,8 @@ TEST_CASE("the end of a stream is told, and what ended it") {
   Feed feed(name, [&] { bell.ring(); });
   feed.start();
   bell.wait_for(3);
-  CHECK_FALSE(feed.update(frame, traces).ended);
-  CHECK(feed.update(frame, traces).ended);
+  CHECK_FALSE(feed.update(frame).ended);
+  CHECK(feed.update(frame).ended);
   CHECK(frame.tick == 1);
   CHECK_THROWS_AS(feed.check(), FormatError);
 }
@@ -147,15 +145,15 @@ TEST_CASE("a file is played in its own time") {
   const auto since = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   Bell bell;
   Feed feed(name, [&] { bell.ring(); });
+  CHECK(feed.recorded());
   feed.start();
   bell.wait_for(1);
   Frame frame;
-  Traces traces;
-  CHECK(feed.update(frame, traces).fresh);
+  CHECK(feed.update(frame).fresh);
   bell.wait_for(2);
   CHECK(since() >= 0.2);
-  feed.update(frame, traces);
+  feed.update(frame);
   CHECK(frame.time_s == 7.2);
-  CHECK_FALSE(feed.update(frame, traces).ended);
+  CHECK_FALSE(feed.update(frame).ended);
   // The third one is not waited for.
 }

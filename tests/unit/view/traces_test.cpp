@@ -54,37 +54,17 @@ TEST_CASE("more jumps than in the frame before are a snap, other levels are none
   CHECK(snapped == std::vector<bool>{false, false, true, false});
 }
 
-TEST_CASE("energies span their axis, and none is none") {
-  Traces traces;
-  traces.add(frame_at(0));
-  CHECK(std::isnan(energy_extent(traces).low));
-  CHECK(std::isnan(energy_extent(traces).high));
-  traces.add(frame_at(1, {}, -5));
-  Extent extent = energy_extent(traces);
-  CHECK(extent.low == -5);
-  CHECK(extent.high > extent.low);  // a curve that is straight can be drawn
-  CHECK(extent(-5) == 0);
-  traces.add(frame_at(2, {}, std::numeric_limits<double>::infinity()));
-  traces.add(frame_at(3, {}, 15));
-  extent = energy_extent(traces);
-  CHECK(extent.low == -5);
-  CHECK(extent.high == 15);
-  CHECK(extent(0) == 0.25);
-  traces.add(frame_at(20, {}, 0));  // alone
-  CHECK(energy_extent(traces)(0) == 0);
-}
-
 TEST_CASE("columns are equal parts of ten seconds") {
   Traces traces;
-  CHECK(columns(traces, 3).size() == 3);
-  CHECK(columns(traces, 0).empty());
+  CHECK(traces.columns(3).size() == 3);
+  CHECK(traces.columns(0).empty());
   // From 95 s to 100 s: of ten columns the left five are before the first sample.
   for (int i = 0; i <= 50; ++i) {
     Frame frame = frame_at(95 + 0.1 * i, {static_cast<double>(i % 10), 0, 0}, i);
     frame.jumps = i >= 25;  // at 97.5 s
     traces.add(frame);
   }
-  const auto curve = columns(traces, 10);
+  const auto curve = traces.columns(10);
   REQUIRE(curve.size() == 10);
   for (int c = 0; c < 5; ++c) {
     CHECK(std::isnan(curve[c].force));
@@ -96,14 +76,14 @@ TEST_CASE("columns are equal parts of ten seconds") {
   }
   CHECK(curve[9].energy == 50);  // the newest
   // More columns than samples: a value holds until the next one.
-  const auto fine = columns(traces, 1000);
+  const auto fine = traces.columns(1000);
   REQUIRE(fine.size() == 1000);
   CHECK(fine[999].energy == 50);
   CHECK(fine[995].energy == 49);
   CHECK(std::isnan(fine[490].force));
   for (int c = 510; c < 1000; ++c) CHECK(std::isfinite(fine[c].force));
   int marks = 0;
-  for (const Column& column : fine) marks += column.snapped;
+  for (const Traces::Sample& column : fine) marks += column.snapped;
   CHECK(marks == 1);
 }
 

@@ -1,7 +1,8 @@
-"""read(): hapgrid's files as arrays of NumPy."""
+"""hapgrid's files as arrays of NumPy, and a grid as an image for ParaView and VTK."""
 from __future__ import annotations
 
 import io
+import json
 import os
 import subprocess
 import warnings
@@ -20,8 +21,8 @@ def read(path: str | os.PathLike, grid: str | os.PathLike | None = None) -> dict
     """The arrays of a grid, a session, a text log or a file of frames, as a dict from their names to arrays of NumPy.
 
     hapgrid-stats(1) lists those of a grid and of a session. A grid's have a row for each record: "point" (n x 3),
-    "level", "state" (n x m), "force" (n x 3, where it is stored) and more. What play wrote is one array with fields, a
-    row for each tick or frame:
+    "level", "state" (n x m), "force" (n x 3, where it is stored) and more; "origin", "spacing" and "counts" are those of
+    the box. What play wrote is one array with fields, a row for each tick or frame:
 
         "ticks"    of a session: t, hip, force (the model's), sent, levels, flags, lateness_us, compute_us; of a text log:
                    t, hip, force, sent, levels, state and, where the model has them, energy and own_energy
@@ -45,16 +46,47 @@ def read(path: str | os.PathLike, grid: str | os.PathLike | None = None) -> dict
     return _arrays(path)
 
 
+def write_vti(grid: str | os.PathLike, path: str | os.PathLike, level: int = 0) -> None:
+    """Writes an image of a grid that ParaView and VTK open: "levels", how many a point has, and the state, the force and
+    the energy of the records at `level`, where the grid stores them; not a number where a point has no such record."""
+    import numpy
+
+    arrays = read(grid)
+    points = arrays["point"] @ numpy.cumprod([1, *arrays["counts"][:2]])  # x is the fastest
+    here, size = arrays["level"] == level, int(numpy.prod(arrays["counts"]))
+    data = {"levels": numpy.bincount(points, minlength=size).astype("<u2")}
+    for name in [name for name in ("state", "force", "energy") if name in arrays]:
+        data[name] = numpy.full((size, arrays[name][0].size), numpy.nan)
+        data[name][points[here]] = arrays[name][here].reshape(here.sum(), -1)
+    extent = " ".join(f"0 {n - 1}" for n in arrays["counts"])
+    names, offset = "", 0
+    for name, values in data.items():
+        names += (f'<DataArray type="{"UInt16" if name == "levels" else "Float64"}" Name="{name}" '
+                  f'NumberOfComponents="{values.size // size}" format="appended" offset="{offset}"/>')
+        offset += 8 + values.nbytes
+    with open(path, "wb") as file:
+        file.write(f'<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64"><ImageData '
+                   f'WholeExtent="{extent}" Origin="{" ".join(map(repr, arrays["origin"].tolist()))}" '
+                   f'Spacing="{" ".join([repr(float(arrays["spacing"]))] * 3)}"><Piece Extent="{extent}"><PointData '
+                   f'Scalars="levels">{names}</PointData></Piece></ImageData><AppendedData encoding="raw">_'.encode())
+        for values in data.values():
+            file.write(values.nbytes.to_bytes(8, "little") + values.tobytes())
+        file.write(b"</AppendedData></VTKFile>")
+
+
 def _arrays(path):
     import numpy
 
     told = []
     for kind in [], ["--log", "-"]:
         with open(path, "rb") as file:
-            result = subprocess.run([program("stats"), *kind, "--npz", "-"], stdin=file, capture_output=True, check=False)
+            result = subprocess.run([program("stats"), *kind, "--npy", "-"], stdin=file, capture_output=True, check=False)
         if result.returncode == 0:
-            with numpy.load(io.BytesIO(result.stdout)) as arrays:
-                return dict(arrays)
+            rows = numpy.load(io.BytesIO(result.stdout))
+            if kind:
+                return {"ticks": rows}
+            box = json.loads(subprocess.run([program("stats"), os.path.abspath(path), "--get", "box"], capture_output=True, check=True).stdout)
+            return {name: rows[name] for name in rows.dtype.names} | {name: numpy.array(value) for name, value in box.items()}
         told.append(result.stderr.decode(errors="replace").strip())
     why = told[0] if "not a session" in told[1] or "--log" in told[1] else told[1]
     raise ValueError(f"{path}: {why}")

@@ -69,13 +69,8 @@ function following() {
 
 /// The frame nearest to a time, the earlier of two.
 function nearest(t) {
-  let from = 0, to = frames.length - 1;
-  while (from < to) {
-    const middle = (from + to) >> 1;
-    if (frames[middle + 1].time - t < t - frames[middle].time) from = middle + 1;
-    else to = middle;
-  }
-  return from;
+  const away = (k) => Math.abs(frames[k].time - t);
+  return frames.reduce((best, _, k) => (away(k) < away(best) ? k : best), 0);
 }
 
 function setPlaying(yes) {

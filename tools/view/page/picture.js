@@ -79,10 +79,9 @@ function placeOccluders(places) {
 
 function floorOf(balls) {
   const [x, y] = [0, 1].map((a) => (data.low[a] + data.high[a]) / 2);
-  const floor = [x, y, data.high[0] - x, data.high[1] - y, 0];
-  for (const [at, radius] of balls)
-    if (at[2] > data.low[2]) floor.push(at[0], at[1], ...Array(2).fill(data.shadow_radii * radius), data.light.shadow);
-  return floor;
+  const shadows = balls.filter(([at]) => at[2] > data.low[2])
+    .flatMap(([at, radius]) => [at[0], at[1], ...Array(2).fill(data.shadow_radii * radius), 1]);
+  return [shadows, [x, y, data.high[0] - x, data.high[1] - y, 0]];
 }
 
 function drawPicture(frame) {
@@ -111,12 +110,17 @@ function drawPicture(frame) {
   const rim = unit * letterScale();
   gl.disable(gl.DEPTH_TEST);
   gl.enable(gl.BLEND);
-  gl.blendEquation(gl.MIN);  // where shadows overlap there is the darkest
   const hasHip = finite(frame.hip);
   const shadows = places.map(([k, at]) => [at, drawnRadius(k)]);
   if (hasHip) shadows.push([frame.hip, data.hip_radius]);
-  if (near[2] > 0) shapes.floor(floorOf(shadows), uniforms);
-  gl.blendEquation(gl.FUNC_ADD);
+  if (near[2] > 0) {  // first what all shadows leave, then the floor's light with its part of that
+    const [dark, floor] = floorOf(shadows), part = data.light.floor_light * data.light.shadow;
+    gl.blendFunc(gl.DST_COLOR, gl.ZERO);
+    shapes.floor(dark, uniforms);
+    gl.blendColor(part, part, part, 1);
+    gl.blendFunc(gl.ONE, gl.CONSTANT_COLOR);
+    shapes.floor(floor, uniforms);
+  }
   gl.disable(gl.BLEND);
   gl.enable(gl.DEPTH_TEST);
   gl.depthFunc(gl.LESS);
@@ -128,11 +132,11 @@ function drawPicture(frame) {
   shapes.beads(balls.slice(7 * large), { ...uniforms, occluded: shaded, first: large });
   shapes.rods(rods, uniforms);
   gl.disable(gl.CULL_FACE);
+  gl.enable(gl.BLEND);
+  gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   shapes.lines(boxEdges(), { ...uniforms, rim: data.line_pixels * ratio * letterScale() });
   if (!hasHip) return;
   // The HIP, and fainter what of it is behind something.
-  gl.enable(gl.BLEND);
-  gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   for (const [test, opacity] of [[gl.GREATER, data.hidden_opacity], [gl.LESS, data.hip_opacity]]) {
     gl.depthFunc(test);
     gl.depthMask(false);

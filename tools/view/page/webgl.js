@@ -88,35 +88,38 @@ const kSolidFragment = `
   }`;
 const kLineVertex = `
   in vec3 unit, from, to;
+  out float beside;  // of its middle, in pixels
   void main() {
     vec4 a = onScreen(seen(from)), b = onScreen(seen(to));
     vec2 way = normalize((b - a).xy * window);
-    gl_Position = mix(a, b, unit.x) + vec4((2.0 * unit.y - 1.0) * rim * vec2(-way.y, way.x) / window, 0, 0);
+    beside = (unit.y - 0.5) * (rim + 2.0);
+    gl_Position = mix(a, b, unit.x) + vec4(2.0 * beside * vec2(-way.y, way.x) / window, 0, 0);
   }`;
 const kLineFragment = `
+  in float beside;
   out vec4 colour;
-  void main() { colour = vec4(box_rgb, 1); }`;
-// The floor itself is not dark; a shadow is darkest in its middle.
+  void main() { colour = vec4(box_rgb, clamp(0.5 * rim + 0.5 - abs(beside), 0.0, 1.0)); }`;
+// What a ball leaves of the light on the floor, least in its middle; or the floor, with what the darkest shadow leaves.
 const kFloorVertex = `
   in vec3 unit;
   in vec4 place;  // its middle, and half its sides
   in float dark;
   out vec2 inside, at;
-  flat out float most;
+  flat out float is_shadow;
   void main() {
     inside = 2.0 * unit.xy - 1.0;
     at = place.xy + place.zw * inside;
-    most = dark;
+    is_shadow = dark;
     gl_Position = onScreen(seen(vec3(at, low.z)));
   }`;
 const kFloorFragment = `
   in vec2 inside, at;
-  flat in float most;
+  flat in float is_shadow;
   out vec4 colour;
   void main() {
     if (any(lessThan(at, low.xy)) || any(greaterThan(at, high.xy))) discard;
     float u = max(0.0, 1.0 - dot(inside, inside));
-    colour = vec4(vec3(floor_light * (1.0 - most * u * u)), 1);
+    colour = vec4(vec3(is_shadow > 0.0 ? 1.0 - u * u : floor_light * (1.0 - shadow)), 1);
   }`;
 
 /// A grid of (columns + 1) x (rows + 1) vertices, which place(u, v) puts somewhere, and its triangles,
