@@ -23,7 +23,7 @@ from .programs import run_program
 from .texts import printable_line
 
 # What a command that was killed leaves behind, its own and its filters' files.
-UNFINISHED = re.compile(r"\.(choice|combined|room|way-|single-|records\.|hapgrid\.).*|.*\.new\.\d+")
+UNFINISHED = re.compile(r"\.(choice|room|way-|single-|records\.|hapgrid\.).*|.*\.new\.\d+")
 
 
 class Kept:
@@ -227,6 +227,11 @@ class Work:
         with ThreadPoolExecutor(threads) as pool:
             for done, _ in enumerate(pool.map(lambda words: self.run(*words), commands), 1):
                 tell(done)
+
+
+def about(seconds, cores):
+    """What a computation of so many seconds takes, in words. Nobody knows what else the machine will do."""
+    return f"about {duration(seconds)} on " + ("a free core" if cores == 1 else f"{cores} free cores")
 
 
 def duration(seconds):

@@ -11,7 +11,7 @@ that is kept), xtb (energies), geometry, optimise (minima and saddles), rotors (
 beyond (paths on behind saddles), ensemble (paths between given minima), naming (of paths), singles (energies by other
 programs), xyz and files (what is written).
 
-A grid is made: choice (the softest paths that are sane together), combined (xtb's word on combined minima), stiffness (of
+A grid is made: choice (the softest paths that are sane together), stiffness (of
 the anchors), definition (box and MODEL.toml), resolution (the spacing), faults (of a grid, and their cures).
 
 The probe's way: pushing (turns a torsion), crossing (over a barrier and back), curves, page (page.html is its frame).

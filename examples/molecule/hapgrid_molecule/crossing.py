@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from . import choice, pushing, xyz
+from . import choice, pushing
 from .definition import CLEAR
 from .pushing import COARSE_STEP, there_and_back
 
@@ -60,7 +60,7 @@ class Crossings(pushing.Ways):
 
     def _there_and_back(self, toml, rest, there):
         """The places of the probe, or None."""
-        a, b = self._shape(toml, rest), self._shape(toml, there)
+        a, b = (choice.shape(self.folder, toml, t) for t in (rest, there))
         first = self._crossing(a, b, [], there)
         if first is None:
             return None
@@ -113,10 +113,6 @@ class Crossings(pushing.Ways):
             end = aim + u * min(draw.uniform(-1, DEEPEST), _reach(aim - middle, u, half))
             out.append((start, end))
         return out
-
-    def _shape(self, toml, t):
-        text = self.folder.run("molecule-check", toml, "--xyz=" + ",".join(map(repr, t))).out
-        return xyz.frames_of(text, toml)[0].x
 
     def _states(self, way):
         """The t at each place of a way."""

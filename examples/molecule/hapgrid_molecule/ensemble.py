@@ -102,7 +102,7 @@ def legs(search, a, b, left=MOST_LEGS):
         raise optimise.NoPath(f"more than {MOST_LEGS} barriers lie on the way")
     saddle = search.climbed(*_top(search, a.x, b.x))
     height = search.above(saddle.energy)
-    if height > search.options.highest:
+    if height > search.start.options.highest:
         raise optimise.NoPath(f"a barrier of {height:.0f} kJ/mol lies on the way")
     near, far = search.sides(saddle)
     if not (search.intact(near[1].x) and search.intact(far[1].x)):

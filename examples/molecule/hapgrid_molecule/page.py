@@ -25,10 +25,10 @@ CAPTIONS = {"before.png": "At first.", "pushed.png": "The probe at the end of it
                           "with probe and anchors."}
 
 
-def write(at, start, turned, ways):
-    """Writes the page and returns the names of its files. at: start.Run; start: start.Start; turned: the torsions that
+def write(start, turned, ways):
+    """Writes the page and returns the names of its files. start: start.Start; turned: the torsions that
     the grid's paths turn; ways: files of the probe's ways, the best first."""
-    kept = at.folder
+    kept = start.folder
     run = kept.run
     grid = f"{kept.name()}.grid"
     run("play", grid, "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",
@@ -40,8 +40,8 @@ def write(at, start, turned, ways):
     drawn = curves.draw(kept, (names, rows), np.array([one.x for one in shapes]), turned,
                         [float(one.words["time"]) for one in shapes])
     drawings = pictures({name: rows[:, n] for n, name in enumerate(names)})
-    kept.run_each(drawings.values(), at.options.threads, kept.counted("drawing pictures", len(drawings)))
-    text = page(at, start, turned, ways, [name for name in [*drawings, *drawn] if name.endswith(".png")])
+    kept.run_each(drawings.values(), start.options.threads, kept.counted("drawing pictures", len(drawings)))
+    text = page(start, turned, ways, [name for name in [*drawings, *drawn] if name.endswith(".png")])
     kept.write("index.html", text)
     return ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn, *drawings, "index.html"]
 
@@ -74,9 +74,9 @@ def pictures(log):
     return out
 
 
-def page(at, start, turned, ways, images):
+def page(start, turned, ways, images):
     """The text of index.html."""
-    kept = at.folder
+    kept = start.folder
     name = kept.name()
     one = frames(kept.path("conformation.xyz"))[0]
     words = one.words
@@ -85,7 +85,7 @@ def page(at, start, turned, ways, images):
     facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.charge), "Spin": spin, "Made from": start.source,
              "Energies": f"{method}, of libxtb {library_version()}" if "GFN" in method else method,
              "Conformation": f"{words['E']} hartree" if "E" in words else "",
-             "Grid": grid_in_words(at, f"{name}.grid")}
+             "Grid": grid_in_words(start, f"{name}.grid")}
     molecule = {"symbols": [SYMBOLS[z] for z in one.numbers], "places": np.round(one.x, 3).tolist(),
                 "bonds": [[a, b] for a, near in enumerate(start.molecule.neighbours) for b in near if a < b],
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
@@ -122,8 +122,8 @@ def barriers(kept):
     return "\n".join(rows)
 
 
-def grid_in_words(at, grid):
-    header = json.loads(at.folder.run("stats", grid, "--format", "json").out)
+def grid_in_words(start, grid):
+    header = json.loads(start.folder.run("stats", grid, "--format", "json").out)
     counts, spacing = header["box"]["counts"], header["box"]["spacing"]
     return f"{' × '.join(map(str, counts))} points, {spacing:g} Å apart"
 

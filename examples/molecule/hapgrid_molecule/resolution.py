@@ -7,7 +7,6 @@ each goes a shorter way, in fewer substeps; measured for propanols from 1.1 to 0
 
 import json
 import math
-from dataclasses import dataclass
 
 from hapgrid_command.files import Failed
 
@@ -37,17 +36,9 @@ MORE_WALKS = 120  # where the law by which errors fall cannot be told from these
 COST_ORDER = 2.4
 
 
-@dataclass(frozen=True)
-class Resolution:
-    """spacing: of the grid; enough: for WANTED, None where it cannot be told; error: in 99 of 100 places of the coarse
-    grid. All in angstrom."""
-    spacing: float
-    enough: float
-    error: float
-
-
 def decide(report, definition):
-    """The Resolution. report: of verify about the coarse grid, whose definition is given."""
+    """(spacing of the grid, that which is enough for WANTED or None where it cannot be told), angstrom. report: of verify
+    about the coarse grid, whose definition is given."""
     enough, error = enough_by(report)
     coarse = definition.spacing
     if enough is None and error <= WANTED:
@@ -58,7 +49,7 @@ def decide(report, definition):
     most = MOST_POINTS_BETWEEN_BASINS if definition.basins else MOST_POINTS
     while spacing < coarse and math.prod(definition.with_spacing(spacing).counts()) > most:
         spacing += STEP
-    return Resolution(round(min(spacing, coarse), 4), enough, error)
+    return round(min(spacing, coarse), 4), enough
 
 
 def enough_by(report):
@@ -76,12 +67,12 @@ def scaled(seconds, before, spacing):
     return seconds * (before / spacing) ** COST_ORDER
 
 
-def measure(at, grid):
+def measure(start, grid):
     """The report of verify, as text."""
     def walk(count):
         what = "measuring how far the grid is off between its points"
-        return at.folder.run("verify", grid, "--accuracy", WANTED, "--walks", count, "--recompute", "none", "-j",
-                             at.options.threads, "--format", "json", good=(0, 3, 4),
-                             watch=lambda gone: at.folder.waiting(what, gone, None)).out
+        return start.folder.run("verify", grid, "--accuracy", WANTED, "--walks", count, "--recompute", "none", "-j",
+                             start.options.threads, "--format", "json", good=(0, 3, 4),
+                             watch=lambda gone: start.folder.waiting(what, gone, None)).out
     report = walk(WALKS)
     return walk(MORE_WALKS) if enough_by(report)[0] is None else report

@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import dataclass
+from functools import cached_property
 
 from hapgrid_command.files import Failed, digest_of
 from hapgrid_command.work import Work
@@ -14,17 +15,12 @@ from .xtb import Surface
 GFN2_ATOMS = 24
 
 
-@dataclass(frozen=True)
-class Run:
-    """options: of the command line."""
+@dataclass
+class Start:
+    """options: of the command line; source: of the molecule, in words; search: whether conformers are searched; method: of
+    xtb; turning: bonds (torsions.Torsion); still: those and rings that keep their place (rotors.Left)."""
     options: object
     folder: Work
-
-
-@dataclass(frozen=True)
-class Start:
-    """The molecule that is felt. source: of it, in words; search: whether conformers are searched; turning: bonds
-    (torsions.Torsion); still: those and rings that keep their place (rotors.Left)."""
     molecule: prepared.Molecule
     source: str
     charge: int
@@ -34,14 +30,29 @@ class Start:
     turning: list
     still: list
 
+    @property
+    def words(self):
+        """The method, as files name it."""
+        return f"{self.method}-in-{self.options.solvent}" if self.options.solvent else self.method
+
+    def surface(self, x, tree=None):
+        """xtb's. x: the conformation, bohr."""
+        return Surface(self.molecule.numbers, x, self.method, self.charge, tree, self.unpaired, self.options.solvent)
+
+    @cached_property
+    def points(self):
+        """The SinglePoints of --single-points, or None."""
+        command = self.options.single_points
+        return command and singles.SinglePoints(command, self.molecule.numbers, self.charge, self.unpaired, self.folder.kept)
+
     def turned_by(self, paths):
         """The torsions that these paths turn."""
         return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
 
 
-def read(at):
-    o, kept = at.options, at.folder
-    source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
+def read(o):
+    """The Start of a command line."""
+    kept = Work("molecule", o.output, o.quiet)
 
     def compute():
         one = reading.read(o.file, o.smiles, o.charge, o.uhf)
@@ -63,7 +74,8 @@ def read(at):
         still = still + left
     kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(given.charge)}, {len(turning)} bonds turn"
              + (f"; {rings} rings stay as they are" if rings else ""))
-    return Start(one, source, given.charge, given.unpaired, o.search or given.built, method, turning, still)
+    source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
+    return Start(o, kept, one, source, given.charge, given.unpaired, o.search or given.built, method, turning, still)
 
 
 def only(turning, wanted, basins):
@@ -77,17 +89,3 @@ def only(turning, wanted, basins):
     turn = [t if t.name in wanted else t.only(wanted) for t in turning]
     left = [rotors.Left(t.name, "not among --torsions") for t, one in zip(turning, turn) if not one.signs]
     return [t for t in turn if t.signs], left
-
-
-def single_points(at, start):
-    """The SinglePoints of --single-points, or None."""
-    o = at.options
-    if o.single_points is None:
-        return None
-    return singles.SinglePoints(o.single_points, start.molecule.numbers, start.charge, start.unpaired, at.folder.kept)
-
-
-def surface(at, start, x):
-    """x: the conformation, bohr."""
-    return Surface(start.molecule.numbers, x, start.method, start.charge, unpaired=start.unpaired,
-                   solvent=at.options.solvent)

@@ -7,12 +7,11 @@ import time
 
 import numpy as np
 from hapgrid_command.files import Failed
-from hapgrid_command.work import Work, duration
+from hapgrid_command.work import about
 
 from . import crossing, files, grids, optimise, page, pushing, reading, structures
 from .pieces import signed
-from .search import Options
-from .start import GFN2_ATOMS, Run, read, single_points, surface
+from .start import GFN2_ATOMS, read
 from .xtb import BOHR, XtbError
 
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
@@ -24,94 +23,90 @@ ALGEBRA = 0.3
 
 def run(options):
     """Everything, or all until --until; the line for standard output."""
-    at = Run(options, Work("molecule", options.output, options.quiet))
-    start = read(at)
-    shapes = find_structures(at, start)
+    start = read(options)
+    shapes = find_structures(start)
     if options.until != "structures":
-        made = grids.make_grid(at, start, shapes)
+        plan = grids.make_grid(start, shapes)
         if options.until is None:
-            return show(at, start, shapes, made)
-    at.folder.say(f"stopped after the {options.until}: the same command without --until goes on")
+            return show(start, shapes, plan)
+    start.folder.say(f"stopped after the {options.until}: the same command without --until goes on")
     return ""
 
 
-def find_structures(at, start):
-    o, kept = at.options, at.folder
-    points, shapes = single_points(at, start), ensemble(at, start)
+def find_structures(start):
+    o, kept = start.options, start.folder
+    shapes = ensemble(start)
 
     def compute():
         if o.method == "auto":
             kept.say("  energies by " + ("GFN2-xTB" if start.method == "gfn2" else
                      f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
-        seconds = structures_take(at, start)
-        if seconds:
-            kept.say(f"  about {duration(seconds)} for conformation and barriers, twice that where a lower minimum is "
-                     "found")
-        one = structures.explore(start.molecule, start.turning, Options(
-            kept, start.method, start.charge, start.unpaired, o.solvent, o.highest, start.search, o.keep_conformation, o.basins,
-            o.threads, shapes))
+        estimate(start)
+        one = structures.explore(start, shapes)
         for name, below in one.lower:
             kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
         files.lie_as_before(kept, one)
-        if points is not None:
-            points.put_into(one, o.threads, kept)
+        if start.points:
+            start.points.put_into(one, o.threads, kept)
         return files.write_set(kept, one, f"hapgrid molecule: {start.source}, {start.method}, "
                                f"charge {signed(start.charge)}, {start.unpaired} unpaired electrons")
     kept.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
-             [start.method, o.solvent, points and points.key, start.charge, start.unpaired, start.search, o.highest, o.basins,
-              o.keep_conformation, [name for t in start.turning for name in t.file_names()], [x.tolist() for _, x in shapes]],
-             compute)
+              [start.method, o.solvent, start.points and start.points.key, start.charge, start.unpaired, start.search, o.highest,
+               o.basins, o.keep_conformation, [name for t in start.turning for name in t.file_names()],
+               [x.tolist() for _, x in shapes]], compute)
     return files.read_set(kept)
 
 
-def ensemble(at, start):
+def ensemble(start):
     """The frames of an XYZ file between whose minima paths are looked for, as reading.ensemble() has them."""
-    o = at.options
+    o = start.options
     if not o.basins or not o.file or not o.file.lower().endswith(".xyz"):
         return []
     shapes = [(n, x) for n, x in reading.ensemble(o.file) if len(x) == len(start.molecule.numbers)]
     if len(shapes) > ENSEMBLE:
-        at.folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
+        start.folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
     return shapes[:ENSEMBLE]
 
 
-def structures_take(at, start):
-    """Seconds, within a factor of 2 or so, by a gradient on this machine. None where xtb refuses the shape: the
-    search itself says why."""
-    o, x = at.options, start.molecule.positions / BOHR
+def estimate(start):
+    """Says how long the structures take, within a factor of 2 or so, from the CPU time of a gradient: what else the machine
+    does is not known beforehand. Where xtb refuses the shape, the search itself says why."""
+    o, x = start.options, start.molecule.positions / BOHR
     try:
-        one = surface(at, start, x)
-        each = shortest(lambda: one.energy(x))
+        surface = start.surface(x)
+        each = cpu_seconds(lambda: surface.energy(x))
     except XtbError:
-        return None
-    each += ALGEBRA * shortest(lambda: optimise.projected(np.eye(x.size), x))
+        return
+    each += ALGEBRA * cpu_seconds(lambda: optimise.projected(np.eye(x.size), x))
     ways = sum(len(t.signs) for t in start.turning)
     count = HESSIANS_AT_FIRST + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0))
-    return 2 * x.size * count * each / min(o.threads, max(ways, 1))
+    cores = min(o.threads, max(ways, 1))
+    start.folder.say(f"  {about(2 * x.size * count * each / cores, cores)} for conformation and barriers, twice that where a "
+                     "lower minimum is found")
 
 
-def shortest(compute):
-    """Seconds that it takes, without what else the machine does."""
-    times = [time.monotonic()]
+def cpu_seconds(compute):
+    """CPU seconds of this process that it takes."""
+    times = [time.process_time()]
     for _ in range(5):
         compute()
-        times.append(time.monotonic())
+        times.append(time.process_time())
     return min(after - before for before, after in zip(times, times[1:]))
 
 
-def show(at, start, shapes, plan):
+def show(start, shapes, plan):
     """The line that shows the grid."""
-    o, kept = at.options, at.folder
+    o, kept = start.options, start.folder
     grid = f"{kept.name()}.grid"
     ways = crossing.Crossings if o.basins else pushing.Ways
     kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
-             lambda: ways(kept, grid, shapes, o.threads).write())
+              lambda: ways(kept, grid, shapes, o.threads).write())
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
     if not made:
         raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
     facts = [start.source, start.charge, start.unpaired, start.method]
     kept.step("page", "drawing pictures", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
-             lambda: page.write(at, start, start.turned_by(plan.paths), made))
+              lambda: page.write(start, start.turned_by(plan.paths), made))
     out = o.output.rstrip("/") or "/"
     out = f"./{out}" if out.startswith("-") else out
     kept.say(f"done: {out}/index.html sums up")

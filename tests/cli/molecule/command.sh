@@ -36,7 +36,7 @@ nothing_left .
 obabel -:'CC[O-].[Na+]' -osdf -O salt.sdf 2>obabel.log
 play='hapgrid play salt/salt\.grid --device path:salt/path-H4-C1-C2-O3\.txt --rate 1000 --frames - | hapgrid view --web'
 expect 0 "~${play//|/\\|}" '~.*salt\.sdf: 2 molecules or shapes: the largest is taken, C2H5O- with charge -1; left out: Na\+ with charge \+1; Na is a metal and is not felt
-.*--spacing 0\.6, would take about .*' -- \
+.*--spacing 0\.6 would take about .*' -- \
   hapgrid molecule salt.sdf -o salt --method gfnff --spacing 1.2
 same "number of paths" 1 "$(ls salt/path-*.txt | wc -l)"
 
