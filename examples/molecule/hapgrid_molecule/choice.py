@@ -12,7 +12,6 @@ from hapgrid_command import files
 
 from . import xyz
 from .definition import Definition
-from .molecule import BadInput
 from .rotors import label
 from .xtb import BOHR, HARTREE
 
@@ -77,14 +76,6 @@ def shape(folder, definition, t):
     """The atoms (angstrom) of the model at t."""
     text = folder.run("molecule-check", definition, "--xyz=" + ",".join(map(repr, t))).out
     return xyz.frames_of(text, definition)[0].x
-
-
-def rows(folder, name, heads):
-    """A table of the folder, [{head: cell}], without remarks. Errors: BadInput, where it lacks heads or cells."""
-    lines = [line.split("\t") for line in folder.read(name).splitlines() if not line.startswith("#")]
-    if not lines or not set(heads) <= set(lines[0]) or any(len(line) != len(lines[0]) for line in lines):
-        raise BadInput(f"{folder.path(name)}: is no table as it was written: remove it")
-    return [dict(zip(lines[0], line)) for line in lines[1:]]
 
 
 def left_out(rotors):

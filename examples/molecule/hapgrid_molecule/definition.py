@@ -2,7 +2,7 @@
 
 import math
 import tomllib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from hapgrid_command import files
@@ -19,6 +19,12 @@ MAX_LEVELS = 64
 # Whether the grid has tear fractions, which take half of the search and more. A grid of a molecule is played with the
 # molecule's model beside it, which knows where it snaps: then they change nothing (examples/guide/feel.md).
 TEARS = False
+# The definition's comment on the stiffness.
+WHY = """\
+# From the Hessian at the conformation: where a torsion moves an atom farthest the anchors yield half as
+# far as the torsion does. They are softer where they would have more than half the penalty, or where a
+# grid broke a rule. The stabiliser leads back from the barriers.
+"""
 COARSE_POINTS = 14  # along the longest side of the first grid
 LEAST_POINTS = 8
 
@@ -52,9 +58,6 @@ class Definition:
         return cls(f"{molecule.formula}, {len(molecule.numbers)} atoms", paths, low - cell - more[0],
                    high + cell + more[1], cell, basins=basins)
 
-    def with_spacing(self, spacing):
-        return replace(self, spacing=spacing)
-
     def counts(self):
         cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
         return [max(int(n) + 1, LEAST_POINTS) for n in cells]
@@ -63,17 +66,8 @@ class Definition:
         counts = np.array(self.counts())
         return [round(float(v), 4) for v in (self.low + self.high - (counts - 1) * self.spacing) / 2]
 
-    def _why(self):
-        """The comment on the stiffness."""
-        if self.basins or not self.paths:
-            return ""
-        return """\
-# From the Hessian at the conformation: where a torsion moves an atom farthest the anchors yield half as
-# far as the torsion does. They are softer where they would have more than half the penalty, or where a
-# grid broke a rule. The stabiliser leads back from the barriers.
-"""
-
     def text(self):
+        why = "" if self.basins or not self.paths else WHY
         paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
         if self.paths:
             kind = "that goes on behind its barriers" if self.basins else "to a barrier"
@@ -94,7 +88,7 @@ conformation = "conformation.xyz"
 [model.parameters]
 probe_radius = {PROBE}        # of the ball that is the HIP, Å
 penalty = {PENALTY}             # of the probe's overlap with an atom, kJ/(mol Å²)
-{self._why()}shift_stiffness = {f"{self.stiffness.shift:g}":<7} # of the anchor that holds the molecule in its place, kJ/(mol Å²)
+{why}shift_stiffness = {f"{self.stiffness.shift:g}":<7} # of the anchor that holds the molecule in its place, kJ/(mol Å²)
 rotation_stiffness = {f"{self.stiffness.rotation:g}":<4} # and of that which holds its orientation, kJ/(mol rad²)
 morph_stiffness = {f"{self.stiffness.morph:g}":<7} # stabiliser ½ m t² of each t, kJ/mol; no part of the molecule's energy
 substep = 0.05            # of the HIP between two minimisations, Å

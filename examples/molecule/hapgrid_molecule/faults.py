@@ -5,7 +5,7 @@ not guessed. Where a grid has a record at a side of its box in which the molecul
 probe holds it there, and what lies behind is cut off. The box is then made a cell wider on that side.
 """
 
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from hapgrid_command import files
@@ -53,20 +53,16 @@ class Remedies:
             return Remedies({**self.unwanted, stiffest: why}), f"{stiffest} is left out: {why}"
         return None
 
-    def as_json(self):
-        return asdict(self)
-
     @classmethod
-    def from_json(cls, value):
-        """What as_json() gave; None, if this is something else."""
-        default = asdict(cls())
-        if not isinstance(value, dict) or set(value) != set(default):
-            return None
-        sides, unwanted = value["sides"], value["unwanted"]
-        sound = (isinstance(sides, list) and len(sides) == 6 and all(type(v) in (int, float) and 0 <= v < 100 for v in sides)
-                 and isinstance(unwanted, dict) and all(isinstance(v, str) for v in unwanted.values())
-                 and all(type(value[k]) is int and 0 <= value[k] < 1 << 20 for k in ("softer", "widened")))
-        return cls(**{**value, "sides": tuple(sides)}) if sound and value["softer"] else None
+    def of(cls, kept):
+        """Those that asdict() gave, or none where `kept` is something else: it may come from a stranger."""
+        try:
+            sides, unwanted, softer, widened = (kept[k] for k in ("sides", "unwanted", "softer", "widened"))
+            sides, unwanted = tuple(map(float, sides)), {str(k): str(why) for k, why in unwanted.items()}
+            sound = len(sides) == 6 and all(0 <= v < 100 for v in sides) and 0 < softer < 1 << 20 and 0 <= widened <= WIDENED
+        except (TypeError, ValueError, KeyError, AttributeError):
+            return cls()
+        return cls(unwanted, softer, sides, widened) if sound else cls()
 
 
 def short_of_room(folder, grid):
@@ -75,16 +71,12 @@ def short_of_room(folder, grid):
     try:
         folder.run("stats", grid, "--npz", arrays)
         with np.load(folder.path(arrays)) as of:
-            sides = touched(of["point"], of["state"], of["counts"])
+            # Where the molecule is out of its place something holds it there.
+            point = of["point"][(of["state"][:, -RIGID:] != 0).any(axis=1)]
+            sides = np.array([point == 0, point == of["counts"] - 1]).any(axis=1).ravel()
             spacing = float(of["spacing"])
     finally:
         files.remove(folder.path(arrays))
-    if not any(sides):
+    if not sides.any():
         return None
-    return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple(spacing * one for one in sides))
-
-
-def touched(point, state, counts):
-    """Whether the molecule is held out of its place anywhere on each of the six sides."""
-    held = (state[:, -RIGID:] != 0).any(axis=1)[:, None]
-    return [*(held & (point == 0)).any(axis=0).tolist(), *(held & (point == counts - 1)).any(axis=0).tolist()]
+    return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple((spacing * sides).tolist()))

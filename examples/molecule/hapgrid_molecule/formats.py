@@ -10,12 +10,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from rdkit import Chem
 
-from . import babel, pdb, xyz
-from .molecule import BadInput
+from . import babel, xyz
+from .elements import NUMBERS
+from .molecule import BadInput, placed, unsanitized
 
 KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
 MOST_RECORDS = 1000
 MOST_CHARGE = 9
+AMINO_ACIDS = set("ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL ACE NME".split())
 
 
 @dataclass
@@ -165,7 +167,7 @@ def frames(text, what, say=lambda _: None):
     read = xyz.frames_of(text, what, say)
     if len(read) > MOST_RECORDS:
         raise BadInput(f"{what}: more than {MOST_RECORDS} records: give the one to feel")
-    return [Record(babel.unbonded(one.numbers, one.x), False, *_charge_in(one.title, what), energy_in(one.title)) for one in read]
+    return [Record(placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x), False, *_charge_in(one.title, what), energy_in(one.title)) for one in read]
 
 
 def _charge_in(title, what):
@@ -222,9 +224,72 @@ def _mol2(text, given):
 
 
 def _pdb(text, given):
-    lines = pdb.without_alternates(text.split("\n"), given.say)
-    for mol in babel.molecules("\n".join(map(pdb.with_element, lines)), "pdb", given.what):
+    lines = _without_alternates(text.split("\n"), given.say)
+    for mol in babel.molecules("\n".join(map(_with_element, lines)), "pdb", given.what):
         _add(given, Record(mol))
+
+
+# PDB. Source: the format's description 3.3. Columns are counted from 0 here. 12-15 have the atom's name, with its element
+# right-aligned in 12-13 but for hydrogens whose name has four letters; 16 the alternate location, 17-19 the residue, 21-26
+# its place, 54-59 the occupancy, 76-77 the element, 78-79 the charge.
+
+def _is_pdb_atom(line):
+    return line.startswith(("ATOM  ", "HETATM"))
+
+
+def _without_alternates(lines, say):
+    """In each residue the alternate location of highest occupancy stays, of equal ones the first."""
+    occupancy = {}
+    for line in lines:
+        if _is_pdb_atom(line) and line[16:17].strip():
+            occupancy.setdefault(line[21:27], {}).setdefault(line[16], []).append(_occupancy(line[54:60]))
+    kept = {}
+    for residue, locations in occupancy.items():
+        mean = {name: sum(v) / len(v) for name, v in locations.items()}
+        kept[residue] = min(mean, key=lambda name: (-mean[name], name))
+    several = [r for r, locations in occupancy.items() if len(locations) > 1]
+    if several:
+        name, first = kept[several[0]], " ".join(several[0].split())
+        mean = occupancy[several[0]][name]
+        of_all = f" of residue {first}" if len(several) == 1 else f" of residue {first} and {len(several) - 1} more"
+        say(f"alternate locations{of_all}: {name} is kept, of highest occupancy, {sum(mean) / len(mean):.2f}")
+    out = []
+    for line in lines:
+        if _is_pdb_atom(line) and line[16:17].strip():
+            if line[16] != kept[line[21:27]]:
+                continue
+            line = line[:16] + " " + line[17:]
+        out.append(line)
+    return out
+
+
+def _occupancy(text):
+    try:
+        return float(text)
+    except ValueError:
+        return 1.0
+
+
+def _with_element(line):
+    """With its element in the columns for it, wherever the line has it."""
+    if not _is_pdb_atom(line):
+        return line
+    line = f"{line:<80}"
+    written = line[76:78].strip().upper()
+    element = written if written in NUMBERS else _by_name(line)
+    charge = line[78:80] if re.fullmatch(r"\d[+-]|[+-]\d|  ", line[78:80]) else "  "
+    return f"{line[:76]}{element:>2}{charge}"
+
+
+def _by_name(line):
+    name = line[12:16].upper()
+    two, letters = name[:2].strip(), re.sub(r"[^A-Z]", "", name)
+    in_chain = line[17:20].strip().upper() in AMINO_ACIDS
+    if len(two) == 2 and two in NUMBERS and not in_chain and not (two[0] == "H" and len(name.strip()) == 4):
+        return two
+    if len(two) == 1 and two in NUMBERS:
+        return two
+    return letters[:1] if letters[:1] in NUMBERS else "X"
 
 
 def is_flat(x):

@@ -1,14 +1,14 @@
 """The grid: from the paths that are chosen to one that verify finds fine, after as many trials as that takes."""
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 from hapgrid_command import grid
 from hapgrid_command.cli import BreaksRule
 from hapgrid_command.files import Failed
 from hapgrid_command.work import about, duration
 
-from . import choice, faults, resolution, stiffness
+from . import choice, faults, files, resolution, stiffness
 from .definition import Definition, PENALTY, paths_of
 from .molecule import BadInput
 
@@ -36,11 +36,10 @@ def make_grid(start, shapes):
         plan = Plan(paths_of(kept.path(f"{name}.toml")))
         fault = None if start.options.until else grid_fault(start, plan, False)
         if fault is not None:
-            raise refusal(fault)
+            refuse(fault)
         return plan
     key = [kept.digest("report.tsv"), start.options.paths, start.options.basins, start.options.spacing]
-    known = kept.recall("remedies", key)
-    remedies = faults.Remedies.from_json(known) or faults.Remedies()
+    remedies = faults.Remedies.of(kept.recall("remedies", key))
     while True:
         plan, fault = planned(start, shapes, remedies)
         if fault is None and start.options.until is None:
@@ -50,14 +49,14 @@ def make_grid(start, shapes):
         rule = plan.definition.stiffness
         cure = remedies.after(fault, plan.paths[-1] if plan.paths else None, rule != rule.softer(2))
         if cure is None:
-            raise refusal(fault)
+            refuse(fault)
         remedies, words = cure
-        kept.remember("remedies", key, remedies.as_json())
+        kept.remember("remedies", key, asdict(remedies))
         kept.say("  " + words)
 
 
-def refusal(fault):
-    return (BreaksRule if fault.kind == faults.RULE else Failed)(fault.text)
+def refuse(fault):
+    raise (BreaksRule if fault.kind == faults.RULE else Failed)(fault.text)
 
 
 def planned(start, shapes, remedies):
@@ -89,12 +88,12 @@ def choose(start, shapes, unwanted):
         taken, left = choice.choose(start, shapes, unwanted)
         kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
         kept.write("rotors.tsv", choice.table(shapes, start.turning, start.still, taken, left))
-        for line in choice.left_out(choice.rows(kept, "rotors.tsv", choice.ROTORS)):
+        for line in choice.left_out(files.rows(kept, "rotors.tsv", choice.ROTORS)):
             kept.say("  " + line)
         return ["rotors.tsv"]
     kept.step("choice", "choosing the softest paths that are sane together", [*shapes_files(shapes), "report.tsv"],
              [o.paths, unwanted, o.basins, o.single_points], compute)
-    taken = {row["path"] for row in choice.rows(kept, "rotors.tsv", choice.ROTORS) if row["taken"] == "yes"}
+    taken = {row["path"] for row in files.rows(kept, "rotors.tsv", choice.ROTORS) if row["taken"] == "yes"}
     return [f.name for f in sorted(shapes.found, key=lambda f: f.barrier) if f.name in taken]
 
 
@@ -113,7 +112,7 @@ def stiffness_of(start, shapes, paths, softer):
         kept.write("stiffness.json", json.dumps(asdict(one), indent=1) + "\n")
         return ["stiffness.json"]
     kept.step("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(
-        name + ".xyz" for name in paths)], [start.method, start.charge, start.unpaired, o.solvent], compute)
+        name + ".xyz" for name in paths)], [start.words, start.molecule.charge, start.molecule.unpaired], compute)
     try:
         return stiffness.Stiffness(**{k: float(v) for k, v in json.loads(kept.read("stiffness.json")).items()}).softer(softer)
     except (ValueError, TypeError, AttributeError):
@@ -150,7 +149,7 @@ def resolved(start, shapes, plan, may_widen):
     finer = enough if is_coarse else spacing / 2
     kept.say(f"  spacing {spacing:g} Å, {about(takes(spacing), o.threads)}; --spacing {finer:.2g} would take about {duration(takes(finer))}"
              + (f" and be off by less than {resolution.WANTED:g} Å in 99 of 100 places" if is_coarse else ""))
-    return Plan(plan.paths, coarse.with_spacing(spacing), takes(spacing)), None
+    return Plan(plan.paths, replace(coarse, spacing=spacing), takes(spacing)), None
 
 
 def computed(start, what, toml, name, seconds):

@@ -7,6 +7,7 @@ each goes a shorter way, in fewer substeps; measured for propanols from 1.1 to 0
 
 import json
 import math
+from dataclasses import replace
 
 from hapgrid_command.files import Failed
 
@@ -47,7 +48,7 @@ def decide(report, definition):
     wanted = min(COARSEST, enough if enough is not None else coarse * WANTED / error)
     spacing = FINEST if definition.basins else max(FINEST, math.floor(wanted / STEP + 1e-9) * STEP)
     most = MOST_POINTS_BETWEEN_BASINS if definition.basins else MOST_POINTS
-    while spacing < coarse and math.prod(definition.with_spacing(spacing).counts()) > most:
+    while spacing < coarse and math.prod(replace(definition, spacing=spacing).counts()) > most:
         spacing += STEP
     return round(min(spacing, coarse), 4), enough
 

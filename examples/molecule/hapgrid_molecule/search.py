@@ -129,7 +129,7 @@ class Search:
                 return restored(types, value, len(numbers)) is not None
             except ValueError:
                 return False
-        key = [start.folder.version, numbers, start.words, start.charge, start.unpaired, *inputs]
+        key = [start.folder.version, numbers, start.words, self.molecule.charge, self.molecule.unpaired, *inputs]
         return restored(types, start.folder.kept.take(key, lambda: plain(compute()), is_sound), len(numbers))
 
     def saddle(self, job):

@@ -24,9 +24,9 @@ DENT = 1.0  # kJ/mol: a deeper one is a minimum, and the path to a barrier has n
 
 
 class SinglePoints:
-    """text: the command; molecule: numbers, charge and unpaired electrons; kept: of a hapgrid_command.work.Work, where results are kept."""
+    """text: the command; kept: of a hapgrid_command.work.Work, where results are kept."""
 
-    def __init__(self, text, numbers, charge, unpaired, kept):
+    def __init__(self, text, molecule, kept):
         try:
             words = shlex.split(text)
         except ValueError as why:
@@ -37,8 +37,8 @@ class SinglePoints:
         self.words = [ours if n == 0 and os.path.isfile(ours) else os.path.abspath(w) if os.path.isfile(w) else w
                       for n, w in enumerate(words)]
         self.method = re.sub(r"[^A-Za-z0-9.+-]+", "_", " ".join([os.path.basename(words[0]), *words[1:]])).strip("_")
-        self.numbers, self.kept = numbers, kept
-        self.title = f"charge={charge} unpaired={unpaired}"
+        self.numbers, self.kept = molecule.numbers, kept
+        self.title = f"charge={molecule.charge} unpaired={molecule.unpaired}"
         self.key = [words, [digest(w) for w in self.words if os.path.isfile(w)]]
 
     def energy(self, x):
@@ -90,13 +90,9 @@ class SinglePoints:
         for one in result.found:
             _without_dips(one, rest)
         self._root(result)
-        found, result.found = result.found, []
-        for one in found:
-            why = _fault(one, result.energy)
-            if why:
-                result.dropped.append((one.name, f"by {self.method} {why}"))
-            else:
-                result.found.append(one)
+        faults = {one.name: _fault(one, result.energy) for one in result.found}
+        result.found = [one for one in result.found if not faults[one.name]]
+        result.dropped += [(name, f"by {self.method} {why}") for name, why in faults.items() if why]
 
     def _root(self, result):
         """Where a node is much lower than the conformation, that one becomes the conformation, and its path leads both ways from
@@ -140,10 +136,8 @@ def _without_dips(one, rest):
 
 
 def _opposite(name):
-    for one, other in (("-plus", "-minus"), ("-minus", "-plus")):
-        if name.endswith(one):
-            return name.removesuffix(one) + other
-    return name + "-back"
+    base, _, way = name.rpartition("-")
+    return f"{base}-{({'plus': 'minus', 'minus': 'plus'})[way]}" if way in ("plus", "minus") else name + "-back"
 
 
 def _fault(one, rest):

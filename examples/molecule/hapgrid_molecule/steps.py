@@ -4,21 +4,57 @@ what it computes is kept as files, which the user may change, so its result is w
 import os
 import shlex
 import time
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from hapgrid_command.files import Failed
-from hapgrid_command.work import about
+from hapgrid_command.files import Failed, digest_of
+from hapgrid_command.work import Work, about
 
-from . import crossing, files, grids, optimise, page, pushing, reading, structures
+from . import crossing, files, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
 from .pieces import signed
-from .start import GFN2_ATOMS, read
-from .xtb import BOHR, XtbError
+from .xtb import BOHR, Surface, XtbError
 
+GFN2_ATOMS = 24  # up to which GFN2-xTB is taken
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
 # Gradients of xtb in units of a Hessian, which are measured: of propan-2-ol and ethanol 9 to 16 for each way of a
 # bond, and 21 where it goes on behind its barriers; and what an optimiser's step takes besides its gradient.
 HESSIANS, HESSIANS_BEHIND, HESSIANS_AT_FIRST = 15, 12, 15
 ALGEBRA = 0.3
+
+
+@dataclass
+class Start:
+    """The molecule that is felt, and what the steps have in common. options: of the command line; source: of the molecule, in words; search: whether conformers are searched; method: of
+    xtb; turning: bonds (torsions.Torsion); still: those and rings that keep their place (rotors.Left)."""
+    options: object
+    folder: Work
+    molecule: molecule.Molecule
+    source: str
+    search: bool
+    method: str
+    turning: list
+    still: list
+
+    @property
+    def words(self):
+        """The method, as files name it."""
+        return f"{self.method}-in-{self.options.solvent}" if self.options.solvent else self.method
+
+    def surface(self, x, tree=None):
+        """xtb's. x: the conformation, bohr."""
+        return Surface(self.molecule.numbers, x, self.method, self.molecule.charge, tree, self.molecule.unpaired,
+                       self.options.solvent)
+
+    @cached_property
+    def points(self):
+        """The SinglePoints of --single-points, or None."""
+        command = self.options.single_points
+        return command and singles.SinglePoints(command, self.molecule, self.folder.kept)
+
+    def turned_by(self, paths):
+        """The torsions that these paths turn."""
+        return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
 
 
 def run(options):
@@ -31,6 +67,46 @@ def run(options):
             return show(start, shapes, plan)
     start.folder.say(f"stopped after the {options.until}: the same command without --until goes on")
     return ""
+
+
+def read(o):
+    """The Start of a command line."""
+    kept = Work("molecule", o.output, o.quiet)
+
+    def compute():
+        one = reading.read(o.file, o.smiles, o.charge, o.uhf)
+        for line in one.said:
+            kept.say("  " + line)
+        kept.enter()
+        kept.write("start.sdf", reading.sdf(one))
+        return ["start.sdf"]
+    text = digest_of(molecule.read_bytes(o.file)) if o.file else o.smiles
+    kept.step("molecule", "", [], [text, o.charge, o.uhf], compute)
+    one, method = reading.started(kept.path("start.sdf")), o.method
+    if method == "auto":
+        method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
+    turning, still = rotors.find(one)
+    rings = sum(left.why == rotors.RING for left in still)
+    if o.torsions is not None:
+        turning, left = only(turning, set(o.torsions.split(",")), o.basins)
+        still = still + left
+    kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
+             + (f"; {rings} rings stay as they are" if rings else ""))
+    source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
+    return Start(o, kept, one, source, o.search or one.built, method, turning, still)
+
+
+def only(turning, wanted, basins):
+    """(the torsions of --torsions, the others). With basins paths go both ways."""
+    known = {t.name for t in turning}
+    if not basins:
+        known = known.union(*(t.file_names() for t in turning))
+    unknown = sorted(wanted - known)
+    if unknown:
+        raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
+    turn = [t if t.name in wanted else t.only(wanted) for t in turning]
+    left = [rotors.Left(t.name, "not among --torsions") for t, one in zip(turning, turn) if not one.signs]
+    return [t for t in turn if t.signs], left
 
 
 def find_structures(start):
@@ -49,20 +125,18 @@ def find_structures(start):
         if start.points:
             start.points.put_into(one, o.threads, kept)
         return files.write_set(kept, one, f"hapgrid molecule: {start.source}, {start.method}, "
-                               f"charge {signed(start.charge)}, {start.unpaired} unpaired electrons")
+                               f"charge {signed(start.molecule.charge)}, {start.molecule.unpaired} unpaired electrons")
     kept.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
-              [start.method, o.solvent, start.points and start.points.key, start.charge, start.unpaired, start.search, o.highest,
-               o.basins, o.keep_conformation, [name for t in start.turning for name in t.file_names()],
+              [start.method, o.solvent, start.points and start.points.key, start.molecule.charge, start.molecule.unpaired,
+               start.search, o.highest, o.basins, o.keep_conformation, [name for t in start.turning for name in t.file_names()],
                [x.tolist() for _, x in shapes]], compute)
     return files.read_set(kept)
 
 
 def ensemble(start):
     """The frames of an XYZ file between whose minima paths are looked for, as reading.ensemble() has them."""
-    o = start.options
-    if not o.basins or not o.file or not o.file.lower().endswith(".xyz"):
-        return []
-    shapes = [(n, x) for n, x in reading.ensemble(o.file) if len(x) == len(start.molecule.numbers)]
+    frames = reading.ensemble(start.options.file) if start.options.basins else []
+    shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
     if len(shapes) > ENSEMBLE:
         start.folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
     return shapes[:ENSEMBLE]
@@ -104,7 +178,7 @@ def show(start, shapes, plan):
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
     if not made:
         raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
-    facts = [start.source, start.charge, start.unpaired, start.method]
+    facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
     kept.step("page", "drawing pictures", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
               lambda: page.write(start, start.turned_by(plan.paths), made))
     out = o.output.rstrip("/") or "/"

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 sys.path.insert(0, sys.argv[1])
 from hapgrid_molecule import geometry, naming, optimise, reading, results, rotors, search, singles, torsions, xtb
+from hapgrid_molecule.molecule import relaxed
 from hapgrid_molecule.results import Dropped, Ends, Path, Point, Way
 from hapgrid_molecule.xtb import BOHR, HARTREE
 import numpy as np
@@ -14,10 +15,10 @@ import numpy as np
 
 def minimum(smiles):
     """(molecule, surface, its minimum on principal axes), by GFN2-xTB."""
-    one = reading.read(None, smiles).molecule
+    one = reading.read(None, smiles)
     tree = geometry.Tree(one.neighbours, one.numbers)
     surface = xtb.Surface(one.numbers, one.positions / BOHR, "gfn2", one.charge, tree)
-    x = optimise.minimum(surface, one.relaxed(one.positions)[1] / BOHR).x
+    x = optimise.minimum(surface, relaxed(one.rd, one.positions, 500)[1] / BOHR).x
     return one, surface, geometry.on_principal_axes(x, surface.masses)
 
 
@@ -39,7 +40,7 @@ for smiles, wave in (("CN=[N+]=[N-]", 90), ("NC=O", 320), ("C#N", 777)):
 
 # The chi of cystine end at the bridge, those of glutathione's glutamate at the cysteine, and no name comes twice.
 def named(smiles):
-    one = reading.read(None, smiles).molecule
+    one = reading.read(None, smiles)
     found = {t.name: "-".join(rotors.label(one.numbers, a) for a in t.atoms) for t in rotors.find(one)[0]}
     assert len(found) == len(rotors.find(one)[0]), found
     return found
