@@ -44,14 +44,16 @@ class Kept:
         os.makedirs(self.directory, exist_ok=True)
         files.write_whole(os.path.join(self.directory, name + ".json"), json.dumps(value))
 
-    def take(self, key, compute, sound=lambda value: True):
-        """The value that was kept under a key, if it is sound, or else computed."""
+    def take(self, key, compute, read):
+        """read() of the value that was kept under a key, or else of compute(). read: raises ValueError or TypeError where a
+        value has another form."""
         name = digest_of(json.dumps(key, sort_keys=True).encode())
-        value = self.get(name)
-        if value is None or not sound(value):
+        try:
+            return read(self.get(name))
+        except (ValueError, TypeError):
             value = compute()
             self.put(name, value)
-        return value
+            return read(value)
 
 
 class Work:
@@ -221,12 +223,18 @@ class Work:
             raise Failed(ran.fault(os.path.basename(words[0])))
         return ran
 
-    def run_each(self, commands, threads, tell):
-        """Runs several commands (lists of arguments, the filter's name first), so many at a time. tell(n)
-        is called when n are done."""
+    def each(self, what, compute, values, threads):
+        """[compute(value)] of several values, so many at a time. what: they are, for the line of progress."""
+        tell, out = self.counted(what, len(values)), []
         with ThreadPoolExecutor(threads) as pool:
-            for done, _ in enumerate(pool.map(lambda words: self.run(*words), commands), 1):
-                tell(done)
+            for one in pool.map(compute, values):
+                out.append(one)
+                tell(len(out))
+        return out
+
+    def run_each(self, what, commands, threads):
+        """Runs several commands (lists of arguments, the filter's name first) in this way."""
+        self.each(what, lambda words: self.run(*words), commands, threads)
 
 
 def about(seconds, cores):

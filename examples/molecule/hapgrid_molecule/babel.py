@@ -51,7 +51,7 @@ def _without_dummies(openbabel, ob, say):
 
 def _from_babel(openbabel, ob, hydrogens):
     atoms = list(openbabel.OBMolAtomIter(ob))
-    bonds = [(bond.GetBeginAtomIdx() - 1, bond.GetEndAtomIdx() - 1, bond.GetBondOrder()) for bond in openbabel.OBMolBondIter(ob)]
+    bonds = [(b.GetBeginAtomIdx() - 1, b.GetEndAtomIdx() - 1, b.GetBondOrder()) for b in openbabel.OBMolBondIter(ob)]
     mol = unsanitized([a.GetAtomicNum() for a in atoms], [a.GetFormalCharge() for a in atoms],
                       [(j, k, order if 1 <= order <= 3 else 1) for j, k, order in bonds])
     for from_, atom in zip(atoms, mol.GetAtoms()):

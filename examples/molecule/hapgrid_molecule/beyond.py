@@ -30,7 +30,7 @@ def _leg(search, torsion, sign, start, apart):
 
 def drive(search, torsion, sign, apart=None, known=()):
     """(Way, distance of its nodes) of a torsion in one direction. It ends before a saddle to one of the known minima."""
-    way, at = Way([search.x], [search.energy]), search.here()
+    way, at = Way([search.x], [search.energy]), search.rest
     for _ in range(LEGS):
         try:
             up, down, at, apart = _leg(search, torsion, sign, at, apart)

@@ -105,5 +105,5 @@ def table(result, rotors, stay, taken, left):
         barrier = f"{(found[name].barrier - result.energy) * HARTREE:.2f}" if name in found else "-"
         why = "-" if name in taken else left.get(name) or dropped.get(name, "not found")
         lines.append("\t".join((name, turns, barrier, "yes" if name in taken else "no", why or "-")))
-    lines += ["\t".join((one.name, one.name, "-", "no", one.why)) for one in stay]
+    lines += ["\t".join((name, name, "-", "no", why)) for name, why in stay]
     return "\n".join(lines) + "\n"

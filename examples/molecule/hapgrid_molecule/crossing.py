@@ -7,7 +7,6 @@ after the other in one go, since reading the grid takes longest.
 """
 
 import copy
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -31,13 +30,9 @@ class Crossings(pushing.Ways):
         if len(minima) < 2:
             return super().write()
         rest, *others = sorted(minima, key=lambda t: np.abs(t).sum())
-        tell = self.folder.counted("pushing the molecule over its barriers and back", len(self.taken))
-        names = []
-        with ThreadPoolExecutor(self.threads) as pool:
-            for done, name in enumerate(pool.map(lambda k: self._over(toml, k, rest, others), range(len(self.taken))), 1):
-                tell(done)
-                names += [name] if name else []
-        return names or super().write()
+        names = self.folder.each("pushing the molecule over its barriers and back",
+                                 lambda k: self._over(toml, k, rest, others), range(len(self.taken)), self.threads)
+        return list(filter(None, names)) or super().write()
 
     def _over(self, toml, k, rest, minima):
         """The file of a way along path k into the first of the minima that can be reached, and back; None without."""

@@ -16,9 +16,6 @@ PROBE = 1.2  # angstrom
 PENALTY = 100  # kJ/(mol Å²)
 CLEAR = 0.3  # angstrom from touching, where a push begins; and a cell more, which is then at rest
 MAX_LEVELS = 64
-# Whether the grid has tear fractions, which take half of the search and more. A grid of a molecule is played with the
-# molecule's model beside it, which knows where it snaps: then they change nothing (examples/guide/feel.md).
-TEARS = False
 # The definition's comment on the stiffness.
 WHY = """\
 # From the Hessian at the conformation: where a torsion moves an atom farthest the anchors yield half as
@@ -44,10 +41,9 @@ class Definition:
 
     @classmethod
     def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=()):
-        """The box around all shapes of the paths that are taken, with the probe around them, and the
-        room in which a push begins. spacing: of the grid, where it is known already; room: how much more
-        each side needs, low x, y, z and high x, y, z, since the molecule yields when it is pushed
-        (room.py)."""
+        """The box around all shapes of the paths that are taken, with the probe around them, and the room in which a push
+        begins. spacing: of the grid, where it is known already; room: how much more each side needs, low x, y, z and high x,
+        y, z, since the molecule yields when it is pushed (faults.py)."""
         radius = np.array([RADII[z] for z in molecule.numbers])[:, None]
         shapes = [result.x] + [node for f in result.found if f.name in paths for node in f.nodes]
         x = np.array(shapes) * BOHR
@@ -102,7 +98,7 @@ counts = {self.counts()}
 
 [search]
 max_levels = {MAX_LEVELS}           # states that a grid point may have
-tears = {"true" if TEARS else "false"}              # whether the search finds where the model snaps; play asks the model itself
+tears = false              # whether the search finds where the model snaps; play asks the model itself
 """
 
 

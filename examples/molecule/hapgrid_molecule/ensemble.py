@@ -123,7 +123,7 @@ def legs(search, a, b, left=MOST_LEGS):
 
 def way(search, b):
     """The Way from the conformation to minimum b."""
-    out, at, apart = Way([search.x], [search.energy]), search.here(), None
+    out, at, apart = Way([search.x], [search.energy]), search.rest, None
     for saddle, (near_sign, _), (far_sign, far) in legs(search, at, b):
         up, down, at, apart = path.over(search, saddle, near_sign, far_sign, at, far, apart)
         out.add(*up, "saddle")

@@ -58,7 +58,8 @@ def _point(result, found, k):
     if k < len(found.nodes) - 1:
         return ""
     saddle = f" nimag=1 nu1=i{-found.nu1:.0f}" if found.nu1 is not None else ""
-    return f"{saddle} torsion={found.torsion} {there}"
+    bond = found.name.removesuffix("-plus").removesuffix("-minus")
+    return f"{saddle} torsion={bond} {there}"
 
 
 def report_text(result, command):

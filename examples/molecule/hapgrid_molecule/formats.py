@@ -94,19 +94,16 @@ def _sdf(text, given):
         lines = _with_header(block.split("\n"), given)
         if lines is None:
             continue
-        x = _sdf_positions(lines)
-        flat = x is not None and is_flat(x)
-        drawing = flat and lines[1][20:22].upper() == "2D"
-        if flat and len(x) > 1:  # only of what is called a drawing does RDKit look at the wedges
-            lines[1] = f"{lines[1][:20]:<20}2D{lines[1][22:]}"
         _spell_radicals(lines)
-        mol = Chem.MolFromMolBlock("\n".join(lines), sanitize=False, removeHs=False, strictParsing=False)
-        if mol is None or mol.GetNumAtoms() == 0:
-            raise BadInput(f"{given.what}: record {len(given.records) + 1} is not understood as SDF: its atoms or bonds are damaged")
-        if mol.GetNumBonds() == 0 and mol.GetNumAtoms() > 1 and x is not None and np.ptp(x, axis=0).max() > 0.1:
+        mol = _block(lines, given)
+        x = mol.GetConformer().GetPositions()
+        drawing = is_flat(x) and lines[1][20:22].upper() == "2D"
+        if is_flat(x) and not drawing:  # only of what is called a drawing does RDKit look at the wedges
+            lines[1] = f"{lines[1][:20]:<20}2D{lines[1][22:]}"
+            mol = _block(lines, given)
+        if mol.GetNumBonds() == 0 and mol.GetNumAtoms() > 1 and np.ptp(x, axis=0).max() > 0.1:
             given.say("no bonds are in the file: they are found from the distances")
-            numbers = [a.GetAtomicNum() for a in mol.GetAtoms()]
-            mol = babel.with_bonds(numbers, mol.GetConformer().GetPositions(), given.what)
+            mol = babel.with_bonds([a.GetAtomicNum() for a in mol.GetAtoms()], x, given.what)
         _add(given, Record(mol, drawing, unpaired=_radicals(lines)))
 
 
@@ -125,17 +122,12 @@ def _with_header(lines, given):
     return ["", *(header or [""])[-1:], "", *lines[at:]]
 
 
-def _sdf_positions(lines):
-    """Of the atoms that a V2000 or V3000 text lists, or None."""
-    if lines[3].rstrip().endswith("V3000"):
-        rows = [line.split()[4:7] for line in lines if re.match(r"M  V30 +\d+ +\S+ +\S+ +\S+ +\S+ +\d", line)]
-    else:
-        count = int(lines[3][:3])
-        rows = [(line[:10], line[10:20], line[20:30]) for line in lines[4:4 + count]]
-    try:
-        return np.array(rows, float).reshape(-1, 3)
-    except ValueError:
-        return None
+def _block(lines, given):
+    """RDKit's molecule of a record."""
+    mol = Chem.MolFromMolBlock("\n".join(lines), sanitize=False, removeHs=False, strictParsing=False)
+    if mol is None or mol.GetNumAtoms() == 0:
+        raise BadInput(f"{given.what}: record {len(given.records) + 1} is not understood as SDF: its atoms or bonds are damaged")
+    return mol
 
 
 def _spell_radicals(lines):
@@ -158,16 +150,15 @@ def _radicals(lines):
 # XYZ
 
 def _xyz(text, given):
-    given.records = frames(text, given.what, given.say)
+    frames(text, given)
     _keep_lowest(given)
 
 
-def frames(text, what, say=lambda _: None):
-    """The Records of all frames of an XYZ text. Errors: BadInput."""
-    read = xyz.frames_of(text, what, say)
-    if len(read) > MOST_RECORDS:
-        raise BadInput(f"{what}: more than {MOST_RECORDS} records: give the one to feel")
-    return [Record(placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x), False, *_charge_in(one.title, what), energy_in(one.title)) for one in read]
+def frames(text, given):
+    """Adds the Records of all frames of an XYZ text. Errors: BadInput."""
+    for one in xyz.frames_of(text, given.what, given.say):
+        mol = placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x)
+        _add(given, Record(mol, False, *_charge_in(one.title, given.what), energy_in(one.title)))
 
 
 def _charge_in(title, what):

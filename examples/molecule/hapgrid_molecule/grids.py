@@ -147,8 +147,8 @@ def resolved(start, shapes, plan, may_widen):
         return resolution.scaled(took, coarse.spacing, spacing)
     is_coarse = enough is not None and enough < 0.99 * spacing
     finer = enough if is_coarse else spacing / 2
-    kept.say(f"  spacing {spacing:g} Å, {about(takes(spacing), o.threads)}; --spacing {finer:.2g} would take about {duration(takes(finer))}"
-             + (f" and be off by less than {resolution.WANTED:g} Å in 99 of 100 places" if is_coarse else ""))
+    kept.say(f"  spacing {spacing:g} Å, {about(takes(spacing), o.threads)}; --spacing {finer:.2g} would take about "
+             + duration(takes(finer)) + (f" and be off by less than {resolution.WANTED:g} Å in 99 of 100 places" if is_coarse else ""))
     return Plan(plan.paths, replace(coarse, spacing=spacing), takes(spacing)), None
 
 

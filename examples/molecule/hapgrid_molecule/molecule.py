@@ -27,9 +27,9 @@ class BadInput(Failed):
 
 
 class Molecule:
-    """numbers: elements; positions: angstrom; neighbours: of each atom; double: pairs (j < k) of the bonds that do not
-    turn, which are double bonds and amides; charge: e; unpaired: electrons; built: whether its shape was; said: what was decided when it was read,
-    in lines; formula: with the charge; rd: RDKit's molecule."""
+    """numbers: elements; positions: angstrom; neighbours: of each atom; double: pairs (j < k) of the bonds that do not turn,
+    which are double bonds and amides; charge: e; unpaired: electrons; built: whether its shape was; said: what was decided
+    when it was read, in lines; formula: with the charge; rd: RDKit's molecule."""
 
     def __init__(self, what, numbers, positions, charges, bonds, charge, unpaired=0, built=False, said=()):
         """charges: of the atoms; bonds: (atom, atom, order 1, 2 or 3)."""
@@ -63,10 +63,6 @@ class Molecule:
     def rings(self):
         """The atoms, counted from 0, of each of the smallest rings, in the order of its bonds."""
         return [list(ring) for ring in Chem.GetSSSR(self.rd)]
-
-    def amide_torsions(self):
-        return [torsions_of.make(self.numbers, self.neighbours, None, None, j, k, None)
-                for j, k in self.amides if min(len(self.neighbours[j]), len(self.neighbours[k])) > 1]
 
 
 def unsanitized(numbers, charges, bonds):
@@ -157,7 +153,9 @@ def conformers(molecule, torsions, number, seed):
     """
     turns = [(t, np.radians(np.arange(-180, 180, 60))) for t in torsions
              if not t.rotor and tuple(sorted(t.atoms[1:3])) not in molecule.amides]
-    turns += [(t, np.radians([180, 0])) for t in molecule.amide_torsions()]
+    near = molecule.neighbours
+    turns += [(torsions_of.make(molecule.numbers, near, None, None, j, k, None), np.radians([180, 0]))
+              for j, k in molecule.amides if min(len(near[j]), len(near[k])) > 1]
     combinations = np.prod([len(angles) for _, angles in turns], dtype=float)
     tries = max(TRIES, 20 * number)
     if combinations <= tries:

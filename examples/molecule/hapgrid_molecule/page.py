@@ -37,7 +37,7 @@ def write(start, turned, ways):
     log = read_log(kept.path("played.log"))
     drawn = draw_curves(kept, log, frames(kept.path("played.xyz")), turned)
     drawings = pictures(log)
-    kept.run_each(drawings.values(), start.options.threads, kept.counted("drawing pictures", len(drawings)))
+    kept.run_each("drawing pictures", drawings.values(), start.options.threads)
     text = page(start, turned, ways, [name for name in [*drawings, *drawn] if name.endswith(".png")])
     kept.write("index.html", text)
     return ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn, *drawings, "index.html"]
@@ -114,8 +114,9 @@ def page(start, turned, ways, images):
     one = frames(kept.path("conformation.xyz"))[0]
     words = one.words
     method = re.sub("gfn2|gfnff", lambda found: METHODS[found[0]], words.get("method", "own energies"))
-    spin = SPINS[start.molecule.unpaired] if start.molecule.unpaired < len(SPINS) else f"multiplicity {start.molecule.unpaired + 1}"
-    facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.molecule.charge), "Spin": spin, "Made from": start.source,
+    spins = start.molecule.unpaired
+    facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.molecule.charge),
+             "Spin": SPINS[spins] if spins < len(SPINS) else f"multiplicity {spins + 1}", "Made from": start.source,
              "Energies": f"{method}, of libxtb {library_version()}" if "GFN" in method else method,
              "Conformation": f"{words['E']} hartree" if "E" in words else "",
              "Grid": grid_in_words(start, f"{name}.grid")}

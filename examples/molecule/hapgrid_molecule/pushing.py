@@ -149,8 +149,7 @@ class Ways:
             write_way(self.folder, name + ".txt", there_and_back(*line[:2], COARSE_STEP), "tried")
             commands.append(["play", self.grid, "--device", f"path:{name}.txt", "--log", name + ".log"])
         try:
-            self.folder.run_each(commands, self.threads,
-                                  self.folder.counted("pushing the molecule to see which way turns it", len(commands)))
+            self.folder.run_each("pushing the molecule to see which way turns it", commands, self.threads)
             return [float(read_log(self.folder.path(name + ".log"))[f"s{k}"].max()) for name, (k, _) in zip(names, lines_of)]
         finally:
             self._clean(names)

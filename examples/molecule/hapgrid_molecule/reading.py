@@ -61,7 +61,9 @@ def ensemble(path):
         return []
 
     def work():
-        records = formats.frames(formats.decoded(prepared.read_bytes(path), path), path)
+        given = formats.Input(path, "xyz")
+        formats.frames(formats.decoded(prepared.read_bytes(path), path), given)
+        records = given.records
         heights = [np.inf if r.energy is None else r.energy for r in records]
         order = sorted(range(len(records)), key=heights.__getitem__) if formats.are_alike(records) else []
         return [(k + 1, _places(records[k].mol).tolist()) for k in order]

@@ -62,10 +62,9 @@ class Way:
 
 @dataclass
 class Path(Way):
-    """A way for a file. torsion: which it turns; nu1: of its saddle, None where its last node is no saddle of xtb; far: the
+    """A way for a file. nu1: of its saddle, None where its last node is no saddle of xtb; far: the
     minimum behind that, None where nobody has looked for it; equal: as Ends has it."""
     name: str = ""
-    torsion: str = ""
     nu1: float = None
     far: Point = None
     equal: bool = False

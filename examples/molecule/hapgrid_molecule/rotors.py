@@ -5,7 +5,7 @@ residue's nitrogen; in a peptide of one residue phi, psi and chi have no number.
 Open Babel's OBRotorList is not used: it leaves out every bond at whose end only hydrogens turn (methyl,
 hydroxyl), and those are among the softest here. What it does otherwise is one loop over the bonds."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,13 +20,6 @@ FLIPPED = np.radians(10)  # of a ring's torsion, on both sides of a plane
 LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
 
 
-@dataclass(frozen=True)
-class Left:
-    """A bond or ring that does not turn, and why."""
-    name: str
-    why: str
-
-
 def label(numbers, atom):
     return f"{SYMBOLS[numbers[atom]]}{atom + 1}"
 
@@ -36,24 +29,24 @@ def _named(molecule, atoms):
 
 
 def find(molecule):
-    """(torsions that turn, what stays as it is)."""
+    """(torsions that turn, [(bond or ring that does not, why)])."""
     numbers, near = molecule.numbers, molecule.neighbours
     stiff = molecule.double - set(molecule.amides)
     names = peptide_names(molecule)
-    found, left = [], [Left(_named(molecule, ring), RING) for ring in molecule.rings()]
+    found, left = [], [(_named(molecule, ring), RING) for ring in molecule.rings()]
     for j in range(len(numbers)):
         for k in near[j]:
             if j > k or min(len(near[j]), len(near[k])) < 2 or geometry.side_of(near, j, k) is None:
                 continue
             if (j, k) in stiff:
-                left.append(Left(_named(molecule, (j, k)), "a double or triple bond does not turn"))
+                left.append((_named(molecule, (j, k)), "a double or triple bond does not turn"))
                 continue
             named, ends = names.get((j, k), (None, {}))
             one = torsions.make(numbers, near, named, ends.get(j), j, k, ends.get(k))
             name = _named(molecule, one.atoms)
             if any(len(near[b]) == 2 and np.sin(geometry.angle(molecule.positions, a, b, c)) < LINEAR
                    for a, b, c in (one.atoms[:3], one.atoms[1:])):
-                left.append(Left(name, "its atoms lie on a line"))
+                left.append((name, "its atoms lie on a line"))
                 continue
             found.append(replace(one, name=named or name))
     return found, left

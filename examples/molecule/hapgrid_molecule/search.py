@@ -1,5 +1,7 @@
 """The steps from a molecule to the paths around its conformation. Each is kept, so that a run that was stopped goes on."""
 
+from dataclasses import replace
+
 import numpy as np
 from hapgrid_command.files import Failed
 
@@ -36,12 +38,12 @@ class Search:
         have = {one.name for one in found}
         left = [(name, why) for name, why in dropped if name not in have]
         return Result(self.molecule.numbers, self.surface.masses, self.start.words, self.driven, self.x, self.energy,
-                      self.nu1, found, left, list(lower))
+                      self.rest.nu1, found, left, list(lower))
 
     # The conformation
 
     def find_conformation(self, keep, relaxed):
-        """Sets surface, x, energy, hessian and nu1. keep: relax the molecule's shape to the nearest minimum instead of
+        """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one; relaxed(starts): relax() of each."""
         if self.start.options.solvent is not None:
             self._surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
@@ -49,12 +51,9 @@ class Search:
         turning = [t.atoms for t in self.driven if not t.rotor and not keep]
         one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, turning, plain(shapes)],
                          lambda: self._conformation(keep, relaxed, shapes))
-        self.x, self.hessian, self.nu1 = one.x, one.hessian, one.nu1
-        self.surface = self._surface(self.x)
+        self.x, self.surface = one.x, self._surface(one.x)
         self.energy = self.surface.energy(self.x)
-
-    def here(self):
-        return Point(self.x, self.energy, self.hessian, self.nu1)
+        self.rest = replace(one, energy=self.energy)
 
     def _surface(self, x):
         return self.start.surface(x, self.tree)
@@ -122,22 +121,16 @@ class Search:
         return self._take([kind, Dropped], [self.x.tolist(), self.start.options.highest, *inputs], lambda: _guarded(compute))
 
     def _take(self, types, inputs, compute):
-        start, numbers = self.start, self.molecule.numbers
-
-        def is_sound(value):
-            try:
-                return restored(types, value, len(numbers)) is not None
-            except ValueError:
-                return False
-        key = [start.folder.version, numbers, start.words, self.molecule.charge, self.molecule.unpaired, *inputs]
-        return restored(types, start.folder.kept.take(key, lambda: plain(compute()), is_sound), len(numbers))
+        one, folder = self.molecule, self.start.folder
+        key = [folder.version, one.numbers, self.start.words, one.charge, one.unpaired, *inputs]
+        return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
 
     def saddle(self, job):
         """(the saddle of a job by its number, its Ends)."""
         torsion, sign = self.jobs[job]
 
         def compute():
-            guess, tangent = torsions.scan(self.surface, self.here(), torsion, sign, highest=self.start.options.highest / HARTREE)
+            guess, tangent = torsions.scan(self.surface, self.rest, torsion, sign, highest=self.start.options.highest / HARTREE)
             return self.climbed(guess, tangent)
         top = self.kept(Point, ["saddle", torsion.atoms, sign], compute)
         if isinstance(top, Dropped):
@@ -193,7 +186,7 @@ class Search:
         if turns is None:
             at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (top, ends.near, ends.far))
             raise optimise.NoPath(f"the saddle at {at} joins other minima, at {one} and {two}")
-        return Way(*path.nodes(self.surface, self.tree, top, ends.sign, self.here(), near=ends.near if turns else None,
+        return Way(*path.nodes(self.surface, self.tree, top, ends.sign, self.rest, near=ends.near if turns else None,
                                turns=turns))
 
     def turns_back(self, near):

@@ -25,8 +25,9 @@ ALGEBRA = 0.3
 
 @dataclass
 class Start:
-    """The molecule that is felt, and what the steps have in common. options: of the command line; source: of the molecule, in words; search: whether conformers are searched; method: of
-    xtb; turning: bonds (torsions.Torsion); still: those and rings that keep their place (rotors.Left)."""
+    """The molecule that is felt, and what the steps have in common. options: of the command line; source: of the molecule, in
+    words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion); still: [(bond or ring
+    that keeps its place, why)]."""
     options: object
     folder: Work
     molecule: molecule.Molecule
@@ -86,7 +87,7 @@ def read(o):
     if method == "auto":
         method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
     turning, still = rotors.find(one)
-    rings = sum(left.why == rotors.RING for left in still)
+    rings = sum(why == rotors.RING for _, why in still)
     if o.torsions is not None:
         turning, left = only(turning, set(o.torsions.split(",")), o.basins)
         still = still + left
@@ -105,7 +106,7 @@ def only(turning, wanted, basins):
     if unknown:
         raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
     turn = [t if t.name in wanted else t.only(wanted) for t in turning]
-    left = [rotors.Left(t.name, "not among --torsions") for t, one in zip(turning, turn) if not one.signs]
+    left = [(t.name, "not among --torsions") for t, one in zip(turning, turn) if not one.signs]
     return [t for t in turn if t.signs], left
 
 

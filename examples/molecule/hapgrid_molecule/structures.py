@@ -73,7 +73,7 @@ def _points(search, way):
 
 
 def _path(name, way, **more):
-    return Path(**{**vars(way), "name": name, "torsion": name, **more})
+    return Path(**{**vars(way), "name": name, **more})
 
 
 def _named(search, found, allowed, signed):
@@ -124,8 +124,7 @@ def _paths(search, tops):
             dropped.append((name, way.why))
             search.say(f"{name}: no path: {way.why}")
             continue
-        bond = name.removesuffix("-plus").removesuffix("-minus")
-        found.append(_path(name, way, torsion=bond, nu1=top.nu1, far=ends.far, equal=ends.equal))
+        found.append(_path(name, way, nu1=top.nu1, far=ends.far, equal=ends.equal))
         lower.append((name, -search.above(ends.far.energy)))
     return search.result(found, dropped, [one for one in lower if one[1] > LOWER])
 

@@ -111,15 +111,20 @@ def frames(path):
     return out
 
 
+def finite(text):
+    """The number of a text. Errors: ValueError, TypeError, where it is no finite number."""
+    value = float(text)
+    if not np.isfinite(value):
+        raise ValueError(text)
+    return value
+
+
 def number(given, key, where):
     """A number among the words of a title, None where there is none. Errors: BadInput, where it is no finite number."""
     try:
-        value = float(given.get(key, 0))
-        if not np.isfinite(value):
-            raise ValueError
+        return finite(given[key]) if key in given else None
     except ValueError:
         raise BadInput(f"{where}: {key}={given[key]} is no number") from None
-    return value if key in given else None
 
 
 def above(given, conformation, where):

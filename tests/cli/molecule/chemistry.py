@@ -157,8 +157,8 @@ class Given(singles.SinglePoints):
 
 
 class Quiet:
-    def counted(self, *_):
-        return lambda _: None
+    def each(self, _, compute, values, threads):
+        return list(map(compute, values))
 
 
 def energies_of(given):
@@ -166,7 +166,7 @@ def energies_of(given):
     def shape(angle):
         return geometry.rotated_about(place, 1, 2, [3], deg(angle) - geometry.torsion(place, 0, 1, 2, 3))
     masses = np.array([1.0, 16, 16, 1])
-    found = [Path([shape(100 + sign * 10 * k) for k in range(5)], [0.0] * 5, name=f"turn-{way}", torsion="turn", nu1=-300.0,
+    found = [Path([shape(100 + sign * 10 * k) for k in range(5)], [0.0] * 5, name=f"turn-{way}", nu1=-300.0,
                   far=Point(shape(100 + sign * 70), 0.0, None, 100.0)) for way, sign in (("plus", 1), ("minus", -1))]
     result = results.Result([1, 8, 8, 1], masses, "gfn2", [], shape(100), -3.0, 200.0, found)
     Given(given).put_into(result, 1, Quiet())
