@@ -87,11 +87,6 @@ def left_out(rotors):
     return [f"left out: {', '.join(them)}: {why}" for why, them in names.items()]
 
 
-def checked(folder, definition):
-    """What molecule-check reports of a definition's file, sane or not."""
-    return json.loads(folder.run("molecule-check", definition, "--format", "json", good=(0, 3)).out)
-
-
 def table(result, rotors, stay, taken, left):
     """rotors.tsv: what was tried, taken and left out, and why."""
     atoms = {t.name: "-".join(label(result.numbers, a) for a in t.atoms) for t in rotors}

@@ -94,10 +94,5 @@ def _options(arguments):
     return o
 
 
-def _run(options):
-    xtb.load()  # before all else: where it is missing, that is one line
-    return steps.run(options)
-
-
 def main(arguments):
-    return guarded("molecule", _options, _run, arguments, (xtb.XtbError, optimise.NoPath))
+    return guarded("molecule", _options, steps.run, arguments, (xtb.XtbError, optimise.NoPath))

@@ -49,7 +49,8 @@ class Definition:
         x = np.array(shapes) * BOHR
         low = (x - radius).min(axis=(0, 1)) - PROBE - CLEAR
         high = (x + radius).max(axis=(0, 1)) + PROBE + CLEAR
-        cell = spacing or coarse_spacing(high - low)
+        # COARSE_POINTS are of a grid that goes a cell farther on each side.
+        cell = spacing or round(math.ceil(float((high - low).max()) / (COARSE_POINTS - 3) / 0.05 - 1e-9) * 0.05, 2)
         more = np.reshape(room or np.zeros(6), (2, 3))
         return cls(f"{molecule.formula}, {len(molecule.numbers)} atoms", paths, low - cell - more[0],
                    high + cell + more[1], cell, basins=basins)
@@ -118,8 +119,3 @@ def paths_of(path):
     if strange is not None:
         raise BadInput(f"{path}: names the file '{strange}': only files beside it are used, with plain names")
     return [name.removesuffix(".xyz") for name in names]
-
-
-def coarse_spacing(size):
-    """Of a grid that goes a cell farther on each side."""
-    return round(math.ceil(float(max(size)) / (COARSE_POINTS - 3) / 0.05 - 1e-9) * 0.05, 2)

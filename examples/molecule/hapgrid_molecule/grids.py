@@ -147,8 +147,10 @@ def resolved(start, shapes, plan, may_widen):
         return resolution.scaled(took, coarse.spacing, spacing)
     is_coarse = enough is not None and enough < 0.99 * spacing
     finer = enough if is_coarse else spacing / 2
-    kept.say(f"  spacing {spacing:g} Å, {about(takes(spacing), o.threads)}; --spacing {finer:.2g} would take about "
-             + duration(takes(finer)) + (f" and be off by less than {resolution.WANTED:g} Å in 99 of 100 places" if is_coarse else ""))
+    right = f"off by less than {resolution.WANTED:g} Å in 99 of 100 places"
+    kept.say(f"  spacing {spacing:g} Å, {about(takes(spacing), o.threads)}"
+             + (f", {right}" if enough is not None and not is_coarse else "")
+             + f"; --spacing {finer:.2g} would take about {duration(takes(finer))}" + (f" and be {right}" if is_coarse else ""))
     return Plan(plan.paths, replace(coarse, spacing=spacing), takes(spacing)), None
 
 

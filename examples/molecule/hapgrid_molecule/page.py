@@ -114,18 +114,19 @@ def page(start, turned, ways, images):
     one = frames(kept.path("conformation.xyz"))[0]
     words = one.words
     method = re.sub("gfn2|gfnff", lambda found: METHODS[found[0]], words.get("method", "own energies"))
+    box = json.loads(kept.run("stats", f"{name}.grid", "--format", "json").out)["box"]
     spins = start.molecule.unpaired
     facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.molecule.charge),
              "Spin": SPINS[spins] if spins < len(SPINS) else f"multiplicity {spins + 1}", "Made from": start.source,
              "Energies": f"{method}, of libxtb {library_version()}" if "GFN" in method else method,
              "Conformation": f"{words['E']} hartree" if "E" in words else "",
-             "Grid": grid_in_words(start, f"{name}.grid")}
+             "Grid": f"{' × '.join(map(str, box['counts']))} points, {box['spacing']:g} Å apart"}
     molecule = {"symbols": [SYMBOLS[z] for z in one.numbers], "places": np.round(one.x, 3).tolist(),
                 "bonds": [[a, b] for a, near in enumerate(start.molecule.neighbours) for b in near if a < b],
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
     parts = {
         "TITLE": html.escape(start.source), "HEAD": formula(start.molecule.formula),
-        "SAID": html.escape(first_line(kept, ways[0])),
+        "SAID": html.escape(kept.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
                          for key, value in facts.items() if value),
         "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
@@ -156,12 +157,6 @@ def barriers(kept):
     return "\n".join(rows)
 
 
-def grid_in_words(start, grid):
-    header = json.loads(start.folder.run("stats", grid, "--format", "json").out)
-    counts, spacing = header["box"]["counts"], header["box"]["spacing"]
-    return f"{' × '.join(map(str, counts))} points, {spacing:g} Å apart"
-
-
 def formula(text):
     """C4H10O with its numbers below the line; a charge above it."""
     return re.sub(r"(\d+)", r"<sub>\1</sub>", re.sub(r"(\d*[+-]+\d*)$", "", html.escape(text)))
@@ -172,10 +167,6 @@ def library_version():
     with open("/proc/self/maps", encoding="utf-8") as file:
         found = re.search(r"/libxtb\.so\.([0-9.]+)", file.read())
     return found[1] if found else ""
-
-
-def first_line(kept, way):
-    return kept.read(way).split("\n", 1)[0].lstrip("# ")
 
 
 with open(__file__.removesuffix(".py") + ".html", encoding="utf-8") as _file:

@@ -13,7 +13,7 @@ from hapgrid_command.work import Work, about
 
 from . import crossing, files, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
 from .pieces import signed
-from .xtb import BOHR, Surface, XtbError
+from .xtb import BOHR, Surface, XtbError, load
 
 GFN2_ATOMS = 24  # up to which GFN2-xTB is taken
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
@@ -60,6 +60,7 @@ class Start:
 
 def run(options):
     """Everything, or all until --until; the line for standard output."""
+    load()  # before all else: where xtb is missing, that is one line
     start = read(options)
     shapes = find_structures(start)
     if options.until != "structures":
