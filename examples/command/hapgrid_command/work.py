@@ -23,7 +23,7 @@ from .programs import run_program
 from .texts import printable_line
 
 # What a command that was killed leaves behind, its own and its filters' files.
-UNFINISHED = re.compile(r"\.(choice|combined|room|way-|single-|records\.|hapgrid\.).*|.*\.new\.\d+")
+UNFINISHED = re.compile(r"\.(choice|room|way-|single-|records\.|hapgrid\.).*|.*\.new\.\d+")
 
 
 class Kept:
@@ -44,14 +44,16 @@ class Kept:
         os.makedirs(self.directory, exist_ok=True)
         files.write_whole(os.path.join(self.directory, name + ".json"), json.dumps(value))
 
-    def take(self, key, compute, sound=lambda value: True):
-        """The value that was kept under a key, if it is sound, or else computed."""
+    def take(self, key, compute, read):
+        """read() of the value that was kept under a key, or else of compute(). read: raises ValueError or TypeError where a
+        value has another form."""
         name = digest_of(json.dumps(key, sort_keys=True).encode())
-        value = self.get(name)
-        if value is None or not sound(value):
+        try:
+            return read(self.get(name))
+        except (ValueError, TypeError):
             value = compute()
             self.put(name, value)
-        return value
+            return read(value)
 
 
 class Work:
@@ -221,12 +223,23 @@ class Work:
             raise Failed(ran.fault(os.path.basename(words[0])))
         return ran
 
-    def run_each(self, commands, threads, tell):
-        """Runs several commands (lists of arguments, the filter's name first), so many at a time. tell(n)
-        is called when n are done."""
+    def each(self, what, compute, values, threads):
+        """[compute(value)] of several values, so many at a time. what: they are, for the line of progress."""
+        tell, out = self.counted(what, len(values)), []
         with ThreadPoolExecutor(threads) as pool:
-            for done, _ in enumerate(pool.map(lambda words: self.run(*words), commands), 1):
-                tell(done)
+            for one in pool.map(compute, values):
+                out.append(one)
+                tell(len(out))
+        return out
+
+    def run_each(self, what, commands, threads):
+        """Runs several commands (lists of arguments, the filter's name first) in this way."""
+        self.each(what, lambda words: self.run(*words), commands, threads)
+
+
+def about(seconds, cores):
+    """What a computation of so many seconds takes, in words. Nobody knows what else the machine will do."""
+    return f"about {duration(seconds)} on " + ("a free core" if cores == 1 else f"{cores} free cores")
 
 
 def duration(seconds):

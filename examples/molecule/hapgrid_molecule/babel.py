@@ -1,22 +1,13 @@
 """Molecules that Open Babel reads, since it finds bonds from distances, as RDKit's."""
 
-from .elements import SYMBOLS
-from .molecule import BadInput, placed
 from rdkit import Chem
+
+from .elements import SYMBOLS
+from .molecule import BadInput, placed, unsanitized
 
 # Atoms that stand alone in structures of proteins and salts.
 ION_CHARGES = {3: 1, 9: -1, 11: 1, 12: 2, 17: -1, 19: 1, 20: 2, 25: 2, 26: 2, 27: 2, 28: 2, 29: 2, 30: 2, 35: -1, 48: 2,
                53: -1}
-
-
-def unbonded(numbers, x):
-    """RDKit's molecule without bonds."""
-    mol = Chem.RWMol()
-    for z in numbers:
-        atom = Chem.Atom(int(z))
-        atom.SetNoImplicit(True)
-        mol.AddAtom(atom)
-    return placed(mol, x)
 
 
 def with_bonds(numbers, x, what):
@@ -59,26 +50,20 @@ def _without_dummies(openbabel, ob, say):
 
 
 def _from_babel(openbabel, ob, hydrogens):
-    mol, x = Chem.RWMol(), []
-    for from_ in openbabel.OBMolAtomIter(ob):
-        atom = Chem.Atom(from_.GetAtomicNum())
-        atom.SetFormalCharge(from_.GetFormalCharge())
-        atom.SetNoImplicit(True)
+    atoms = list(openbabel.OBMolAtomIter(ob))
+    bonds = [(b.GetBeginAtomIdx() - 1, b.GetEndAtomIdx() - 1, b.GetBondOrder()) for b in openbabel.OBMolBondIter(ob)]
+    mol = unsanitized([a.GetAtomicNum() for a in atoms], [a.GetFormalCharge() for a in atoms],
+                      [(j, k, order if 1 <= order <= 3 else 1) for j, k, order in bonds])
+    for from_, atom in zip(atoms, mol.GetAtoms()):
         if hydrogens and from_.GetExplicitDegree() + from_.GetImplicitHCount() > 0 and not _is_ion(from_):
             atom.SetNumExplicitHs(from_.GetImplicitHCount())
-        mol.AddAtom(atom)
-        x.append((from_.GetX(), from_.GetY(), from_.GetZ()))
-    orders = (Chem.BondType.SINGLE, Chem.BondType.DOUBLE, Chem.BondType.TRIPLE)
-    for bond in openbabel.OBMolBondIter(ob):
-        order = bond.GetBondOrder()
-        mol.AddBond(bond.GetBeginAtomIdx() - 1, bond.GetEndAtomIdx() - 1, orders[order - 1] if 1 <= order <= 3 else orders[0])
     for atom in mol.GetAtoms():
         double = [b for b in atom.GetBonds() if b.GetBondTypeAsDouble() == 2]
         if atom.GetAtomicNum() == 7 and len(double) == 2 and all(n.GetDegree() > 1 for n in atom.GetNeighbors()):
-            double[1].SetBondType(orders[0])  # a triazine's nitrogen; pair_up() gives the carbon another one
+            double[1].SetBondType(Chem.BondType.SINGLE)  # a triazine's nitrogen; pair_up() gives the carbon another one
         if atom.GetDegree() == 0 and atom.GetTotalNumHs() == 0 and atom.GetFormalCharge() == 0:
             atom.SetFormalCharge(ION_CHARGES.get(atom.GetAtomicNum(), 0))
-    return placed(mol, x)
+    return placed(mol, [(a.GetX(), a.GetY(), a.GetZ()) for a in atoms])
 
 
 def _is_ion(atom):

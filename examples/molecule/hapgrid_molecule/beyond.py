@@ -17,7 +17,7 @@ BACK = "back in the conformation"
 
 def _leg(search, torsion, sign, start, apart):
     """path.over() the next saddle from a minimum."""
-    left = search.options.highest / HARTREE - (start.energy - search.energy)
+    left = search.start.options.highest / HARTREE - (start.energy - search.energy)
     saddle = search.climbed(*torsions.scan(search.surface, start, torsion, sign, highest=left))
     sides = search.sides(saddle)
     (near_sign, near), (far_sign, far) = sides if search.same(sides[0][1].x, start.x) else sides[::-1]
@@ -30,7 +30,7 @@ def _leg(search, torsion, sign, start, apart):
 
 def drive(search, torsion, sign, apart=None, known=()):
     """(Way, distance of its nodes) of a torsion in one direction. It ends before a saddle to one of the known minima."""
-    way, at = Way([search.x], [search.energy]), search.here()
+    way, at = Way([search.x], [search.energy]), search.rest
     for _ in range(LEGS):
         try:
             up, down, at, apart = _leg(search, torsion, sign, at, apart)

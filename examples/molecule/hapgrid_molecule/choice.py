@@ -1,48 +1,81 @@
 """The softest paths that are sane together.
 
-One path is as good as quantum chemistry made it. Where several are combined nobody has computed the
-shape, and atoms may run into each other. So paths are taken from the softest on, and one is left
-out when `molecule-check` finds that it clashes with those that were taken before.
+One path is as good as quantum chemistry made it. Where several are combined nobody has computed the shape, and atoms may
+run into each other. So paths are taken from the softest on, and one is left out when `molecule-check` finds that it clashes
+with those that were taken before. Where two torsions are both behind a saddle, the model adds their energies: each such
+shape is computed, a single point, by what gave the other energies.
 """
 
 import json
 
 from hapgrid_command import files
 
+from . import xyz
 from .definition import Definition
-from .molecule import BadInput
 from .rotors import label
-from .xtb import HARTREE
+from .xtb import BOHR, HARTREE
 
 ROTORS = ("path", "atoms", "barrier_kJ_mol", "taken", "why")  # the heads of rotors.tsv
+MISSED = 4.0  # kJ/mol: what the sum may miss
 
 
-def choose(folder, molecule, result, most, unwanted, basins=False, missed=lambda definition: ""):
-    """(names of the paths that are taken, reasons by the names of others). missed: what else may speak
-    against a definition."""
-    taken, left = [], {}
+def choose(start, result, unwanted):
+    """(names of the paths that are taken, reasons by the names of others)."""
+    o, taken, left = start.options, [], {}
     for found in sorted(result.found, key=lambda f: f.barrier):
         if found.name in unwanted:
             left[found.name] = unwanted[found.name]
-            continue
-        if len(taken) == most:
-            left[found.name] = f"stiffer than the {most} that are taken (--paths)"
-            continue
-        one = Definition.around(molecule, result, [*taken, found.name], basins)
-        fault = clash(folder, one) or missed(one)
-        if fault:
-            left[found.name] = fault
+        elif len(taken) == o.paths:
+            left[found.name] = f"stiffer than the {o.paths} that are taken (--paths)"
         else:
-            taken.append(found.name)
+            one = Definition.around(start.molecule, result, [*taken, found.name], o.basins)
+            fault = _fault(start, result, one)
+            if fault:
+                left[found.name] = fault
+            else:
+                taken.append(found.name)
     return taken, left
 
 
-def rows(folder, name, heads):
-    """A table of the folder, [{head: cell}], without remarks. Errors: BadInput, where it lacks heads or cells."""
-    lines = [line.split("\t") for line in folder.read(name).splitlines() if not line.startswith("#")]
-    if not lines or not set(heads) <= set(lines[0]) or any(len(line) != len(lines[0]) for line in lines):
-        raise BadInput(f"{folder.path(name)}: is no table as it was written: remove it")
-    return [dict(zip(lines[0], line)) for line in lines[1:]]
+def _fault(start, result, definition):
+    """What speaks against a set of paths, or nothing."""
+    folder, name = start.folder, ".choice.toml"
+    folder.write(name, definition.text())
+    try:
+        ran = folder.run("molecule-check", name, "--format", "json", good=(0, 1, 3))
+        if ran.code == 1:
+            return ran.said
+        found = json.loads(ran.out)
+        if found["problems"]:
+            return _clash(found["problems"][0], definition.paths)
+        combined = [m for m in found["minima"] if sum(t != 0 for t in m["t"]) > 1]
+        return _missed(start, result.x, name, combined) if start.options.basins and combined else ""
+    finally:
+        files.remove(folder.path(name))
+
+
+def _clash(problem, paths):
+    names = [paths[n] for n in problem["paths"]]
+    where = {0: "", 1: f"{names[0]}: " if names else "", 2: " and ".join(names) + " combined: "}
+    return where.get(len(names), "all paths combined: ") + problem["what"]
+
+
+def _missed(start, x, toml, minima):
+    """What speaks against the energies that the model gives combined minima, or nothing."""
+    method, by = ("single points", start.points) if start.points else ("xtb", start.surface(x))
+    rest, worst = by.energy(x), (MISSED, "")
+    for one in minima:
+        energy = (by.energy(shape(start.folder, toml, one["t"]) / BOHR) - rest) * HARTREE
+        at = ",".join(f"{v:.9g}" for v in one["t"])
+        worst = max(worst, (abs(energy - one["energy_kJ_mol"]), f"the minima at t = {at} together are {energy:.1f} kJ/mol by "
+                            f"{method}, {one['energy_kJ_mol']:.1f} by the sum"))
+    return worst[1]
+
+
+def shape(folder, definition, t):
+    """The atoms (angstrom) of the model at t."""
+    text = folder.run("molecule-check", definition, "--xyz=" + ",".join(map(repr, t))).out
+    return xyz.frames_of(text, definition)[0].x
 
 
 def left_out(rotors):
@@ -52,27 +85,6 @@ def left_out(rotors):
         if row["taken"] == "no":
             names.setdefault(row["why"], []).append(row["path"])
     return [f"left out: {', '.join(them)}: {why}" for why, them in names.items()]
-
-
-def clash(folder, definition):
-    """What molecule-check says against a set of paths, or nothing."""
-    name = ".choice.toml"
-    folder.write(name, definition.text())
-    ran = folder.run("molecule-check", name, "--format", "json", good=(0, 1, 3))
-    files.remove(folder.path(name))
-    if ran.code == 1:
-        return ran.said
-    problems = json.loads(ran.out)["problems"]
-    if not problems:
-        return ""
-    names = [definition.paths[n] for n in problems[0]["paths"]]
-    where = {0: "", 1: f"{names[0]}: " if names else "", 2: " and ".join(names) + " combined: "}
-    return where.get(len(names), "all paths combined: ") + problems[0]["what"]
-
-
-def checked(folder, definition):
-    """What molecule-check reports of a definition's file, sane or not."""
-    return json.loads(folder.run("molecule-check", definition, "--format", "json", good=(0, 3)).out)
 
 
 def table(result, rotors, stay, taken, left):
@@ -88,5 +100,5 @@ def table(result, rotors, stay, taken, left):
         barrier = f"{(found[name].barrier - result.energy) * HARTREE:.2f}" if name in found else "-"
         why = "-" if name in taken else left.get(name) or dropped.get(name, "not found")
         lines.append("\t".join((name, turns, barrier, "yes" if name in taken else "no", why or "-")))
-    lines += ["\t".join((one.name, one.name, "-", "no", one.why)) for one in stay]
+    lines += ["\t".join((name, name, "-", "no", why)) for name, why in stay]
     return "\n".join(lines) + "\n"

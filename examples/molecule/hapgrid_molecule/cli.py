@@ -2,7 +2,7 @@
 
 from hapgrid_command.cli import Parser, UsageError, formatter, guarded, number
 
-from . import optimise, resolution, start, steps, xtb
+from . import optimise, resolution, steps, xtb
 
 ABOUT = """\
 Makes a verified grid of a molecule, with pictures, from the molecule's file.
@@ -57,7 +57,7 @@ def parser():
                    help="number of unpaired electrons of a radical (default: what the file says)")
     p.add_argument("--method", choices=("auto", *xtb.METHODS), default="auto",
                    help=f"method of xtb: gfn2 is GFN2-xTB, gfnff the force field GFN-FF, and auto (default) takes gfn2 up to "
-                   f"{start.GFN2_ATOMS} atoms")
+                   f"{steps.GFN2_ATOMS} atoms")
     p.add_argument("--solvent", metavar="NAME",
                    help="solvent around the molecule, such as water, by xtb's GBSA (default: none)")
     p.add_argument("--single-points", metavar="COMMAND",
@@ -94,10 +94,5 @@ def _options(arguments):
     return o
 
 
-def _run(options):
-    xtb.load()  # before all else: where it is missing, that is one line
-    return steps.run(options)
-
-
 def main(arguments):
-    return guarded("molecule", _options, _run, arguments, (xtb.XtbError, optimise.NoPath))
+    return guarded("molecule", _options, steps.run, arguments, (xtb.XtbError, optimise.NoPath))

@@ -7,11 +7,11 @@ after the other in one go, since reading the grid takes longest.
 """
 
 import copy
-from concurrent.futures import ThreadPoolExecutor
+import json
 
 import numpy as np
 
-from . import choice, pushing, xyz
+from . import choice, pushing
 from .definition import CLEAR
 from .pushing import COARSE_STEP, there_and_back
 
@@ -27,69 +27,56 @@ class Crossings(pushing.Ways):
 
     def write(self):
         toml = self.grid.removesuffix(".grid") + ".toml"
-        minima = [m["t"] for m in choice.checked(self.folder, toml)["minima"]]
+        report = json.loads(self.folder.run("molecule-check", toml, "--format", "json", good=(0, 3)).out)
+        minima = [m["t"] for m in report["minima"]]
         if len(minima) < 2:
             return super().write()
         rest, *others = sorted(minima, key=lambda t: np.abs(t).sum())
-        searches = []
-        for k, name in enumerate(self.taken):
-            one = copy.copy(self)
-            one.way = f".way-{k}"
-            there = [t for t in others if t[k] != 0 and np.count_nonzero(t) == 1]
-            searches.append(lambda one=one, name=name, there=there: one._over(toml, name, rest, there))
-        tell = self.folder.counted("pushing the molecule over its barriers and back", len(searches))
-        names = []
-        with ThreadPoolExecutor(self.threads) as pool:
-            for done, name in enumerate(pool.map(lambda search: search(), searches), 1):
-                tell(done)
-                names += [name] if name else []
-        return names or super().write()
+        names = self.folder.each("pushing the molecule over its barriers and back",
+                                 lambda k: self._over(toml, k, rest, others), range(len(self.taken)), self.threads)
+        return list(filter(None, names)) or super().write()
 
-    def _over(self, toml, name, rest, minima):
-        """The file of a way into the first of the minima that can be reached, and back; None without."""
+    def _over(self, toml, k, rest, minima):
+        """The file of a way along path k into the first of the minima that can be reached, and back; None without."""
+        one, file = copy.copy(self), f"path-{self.taken[k]}.txt"
+        one.way = f".way-{k}"
         try:
             for there in minima:
-                way = self._there_and_back(toml, rest, there)
-                if way is not None:
-                    pushing.write_way(self.folder, f"path-{name}.txt", way, f"The probe pushes {name} over its barrier, goes "
-                                      "round the molecule, and pushes it back.")
-                    return f"path-{name}.txt"
+                if there[k] == 0 or np.count_nonzero(there) != 1:
+                    continue
+                a, b = (choice.shape(self.folder, toml, t) for t in (rest, there))
+                first = one._crossing(a, b, [], there)
+                way = first and one._crossing(b, a, first, rest)
+                if way:
+                    pushing.write_way(self.folder, file, way, f"The probe pushes {self.taken[k]} over its barrier, goes round "
+                                      "the molecule, and pushes it back.")
+                    return file
             return None
         finally:
-            self._clean([self.way])
-
-    def _there_and_back(self, toml, rest, there):
-        """The places of the probe, or None."""
-        a, b = self._shape(toml, rest), self._shape(toml, there)
-        first = self._crossing(a, b, [], there)
-        if first is None:
-            return None
-        return self._crossing(b, a, first, rest)
+            self._clean([one.way])
 
     def _crossing(self, x, y, before, wanted):
-        """`before` and a line after it that brings the molecule from shape x to y, which has the t
-        wanted."""
+        """`before` and a line after it that brings the molecule from shape x to y, which has the t wanted; None without."""
         lines = self._candidates(x, y)
         while lines:
-            way, ends = list(before), []
-            for start, end in lines:
-                way += [*self._round(way[-1] if way else None, start), *there_and_back(start, end, COARSE_STEP)]
+            way, ends = before, []
+            for line in lines:
+                way = self._pushed(way, line)
                 ends.append(len(way) - 1)
-            n = self._first(way, ends, len(before))
+            states = self._states(way)
+            rest = states[max(len(before) - 1, 0)]
+            n = next((n for n, end in enumerate(ends) if not self._is_at(states[end], rest)), None)
             if n is None:
                 return None
-            way = [*before, *self._round(before[-1] if before else None, lines[n][0]),
-                   *there_and_back(*lines[n], COARSE_STEP)]
+            way = self._pushed(before, lines[n])
             if self._is_at(self._states(way)[-1], wanted):
                 return way
             lines = lines[n + 1:]
         return None
 
-    def _first(self, way, ends, begin):
-        """The first line after which the molecule is not where it was before all."""
-        states = self._states(way)
-        rest = states[max(begin - 1, 0)]
-        return next((n for n, end in enumerate(ends) if not self._is_at(states[end], rest)), None)
+    def _pushed(self, way, line):
+        """A way, and then a line there and back."""
+        return [*way, *(self._round(way[-1], line[0]) if way else []), *there_and_back(*line, COARSE_STEP)]
 
     @staticmethod
     def _is_at(state, wanted):
@@ -114,33 +101,22 @@ class Crossings(pushing.Ways):
             out.append((start, end))
         return out
 
-    def _shape(self, toml, t):
-        text = self.folder.run("molecule-check", toml, "--xyz=" + ",".join(map(repr, t))).out
-        return xyz.frames_of(text, toml)[0].x
-
     def _states(self, way):
         """The t at each place of a way."""
         pushing.write_way(self.folder, self.way + ".txt", way, "tried")
         self.folder.run("play", self.grid, "--device", f"path:{self.way}.txt", "--log", self.way + ".log")
-        names, rows = pushing.read_log(self.folder.path(self.way + ".log"))
-        first = names.index("s0")
-        return rows[:, first:first + len(self.taken)]
+        log = pushing.read_log(self.folder.path(self.way + ".log"))
+        return np.column_stack([log[f"s{k}"] for k in range(len(self.taken))])
 
     def _round(self, here, to):
         """From one free place to another, near the sides of the box. All shapes keep away from these."""
-        if here is None:
-            return []
         middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
         a, b = (p - middle for p in (here, to))
         a, b = a / np.abs(a / half).max(), b / np.abs(b / half).max()
         u, v = a / np.linalg.norm(a), b / np.linalg.norm(b)
         angle = np.arccos(np.clip(u @ v, -1, 1))
-        if angle > 3.0:  # over a side
-            side = np.cross(u, np.eye(3)[np.abs(u).argmin()])
-            corners = [a, side, b]
-        else:
-            corners = [a, u + v, b]
-        corners = [c / np.abs(c / half).max() for c in corners]
+        between = u + v if angle <= 3.0 else np.cross(u, np.eye(3)[np.abs(u).argmin()])  # over a side
+        corners = [c / np.abs(c / half).max() for c in (a, between, b)]
         out = [here]
         for p, q in zip(corners, corners[1:]):
             for s in np.linspace(0, 1, 60):

@@ -2,7 +2,7 @@
 
 import math
 import tomllib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from hapgrid_command import files
@@ -16,9 +16,12 @@ PROBE = 1.2  # angstrom
 PENALTY = 100  # kJ/(mol Å²)
 CLEAR = 0.3  # angstrom from touching, where a push begins; and a cell more, which is then at rest
 MAX_LEVELS = 64
-# Whether the grid has tear fractions, which take half of the search and more. A grid of a molecule is played with the
-# molecule's model beside it, which knows where it snaps: then they change nothing (examples/guide/feel.md).
-TEARS = False
+# The definition's comment on the stiffness.
+WHY = """\
+# From the Hessian at the conformation: where a torsion moves an atom farthest the anchors yield half as
+# far as the torsion does. They are softer where they would have more than half the penalty, or where a
+# grid broke a rule. The stabiliser leads back from the barriers.
+"""
 COARSE_POINTS = 14  # along the longest side of the first grid
 LEAST_POINTS = 8
 
@@ -38,22 +41,19 @@ class Definition:
 
     @classmethod
     def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=()):
-        """The box around all shapes of the paths that are taken, with the probe around them, and the
-        room in which a push begins. spacing: of the grid, where it is known already; room: how much more
-        each side needs, low x, y, z and high x, y, z, since the molecule yields when it is pushed
-        (room.py)."""
+        """The box around all shapes of the paths that are taken, with the probe around them, and the room in which a push
+        begins. spacing: of the grid, where it is known already; room: how much more each side needs, low x, y, z and high x,
+        y, z, since the molecule yields when it is pushed (faults.py)."""
         radius = np.array([RADII[z] for z in molecule.numbers])[:, None]
         shapes = [result.x] + [node for f in result.found if f.name in paths for node in f.nodes]
         x = np.array(shapes) * BOHR
         low = (x - radius).min(axis=(0, 1)) - PROBE - CLEAR
         high = (x + radius).max(axis=(0, 1)) + PROBE + CLEAR
-        cell = spacing or coarse_spacing(high - low)
+        # COARSE_POINTS are of a grid that goes a cell farther on each side.
+        cell = spacing or round(math.ceil(float((high - low).max()) / (COARSE_POINTS - 3) / 0.05 - 1e-9) * 0.05, 2)
         more = np.reshape(room or np.zeros(6), (2, 3))
         return cls(f"{molecule.formula}, {len(molecule.numbers)} atoms", paths, low - cell - more[0],
                    high + cell + more[1], cell, basins=basins)
-
-    def with_spacing(self, spacing):
-        return replace(self, spacing=spacing)
 
     def counts(self):
         cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
@@ -63,17 +63,8 @@ class Definition:
         counts = np.array(self.counts())
         return [round(float(v), 4) for v in (self.low + self.high - (counts - 1) * self.spacing) / 2]
 
-    def _why(self):
-        """The comment on the stiffness."""
-        if self.basins or not self.paths:
-            return ""
-        return """\
-# From the Hessian at the conformation: where a torsion moves an atom farthest the anchors yield half as
-# far as the torsion does. They are softer where they would have more than half the penalty, or where a
-# grid broke a rule. The stabiliser leads back from the barriers.
-"""
-
     def text(self):
+        why = "" if self.basins or not self.paths else WHY
         paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
         if self.paths:
             kind = "that goes on behind its barriers" if self.basins else "to a barrier"
@@ -94,7 +85,7 @@ conformation = "conformation.xyz"
 [model.parameters]
 probe_radius = {PROBE}        # of the ball that is the HIP, Å
 penalty = {PENALTY}             # of the probe's overlap with an atom, kJ/(mol Å²)
-{self._why()}shift_stiffness = {f"{self.stiffness.shift:g}":<7} # of the anchor that holds the molecule in its place, kJ/(mol Å²)
+{why}shift_stiffness = {f"{self.stiffness.shift:g}":<7} # of the anchor that holds the molecule in its place, kJ/(mol Å²)
 rotation_stiffness = {f"{self.stiffness.rotation:g}":<4} # and of that which holds its orientation, kJ/(mol rad²)
 morph_stiffness = {f"{self.stiffness.morph:g}":<7} # stabiliser ½ m t² of each t, kJ/mol; no part of the molecule's energy
 substep = 0.05            # of the HIP between two minimisations, Å
@@ -108,7 +99,7 @@ counts = {self.counts()}
 
 [search]
 max_levels = {MAX_LEVELS}           # states that a grid point may have
-tears = {"true" if TEARS else "false"}              # whether the search finds where the model snaps; play asks the model itself
+tears = false              # whether the search finds where the model snaps; play asks the model itself
 """
 
 
@@ -128,8 +119,3 @@ def paths_of(path):
     if strange is not None:
         raise BadInput(f"{path}: names the file '{strange}': only files beside it are used, with plain names")
     return [name.removesuffix(".xyz") for name in names]
-
-
-def coarse_spacing(size):
-    """Of a grid that goes a cell farther on each side."""
-    return round(math.ceil(float(max(size)) / (COARSE_POINTS - 3) / 0.05 - 1e-9) * 0.05, 2)

@@ -102,7 +102,7 @@ def legs(search, a, b, left=MOST_LEGS):
         raise optimise.NoPath(f"more than {MOST_LEGS} barriers lie on the way")
     saddle = search.climbed(*_top(search, a.x, b.x))
     height = search.above(saddle.energy)
-    if height > search.options.highest:
+    if height > search.start.options.highest:
         raise optimise.NoPath(f"a barrier of {height:.0f} kJ/mol lies on the way")
     near, far = search.sides(saddle)
     if not (search.intact(near[1].x) and search.intact(far[1].x)):
@@ -123,7 +123,7 @@ def legs(search, a, b, left=MOST_LEGS):
 
 def way(search, b):
     """The Way from the conformation to minimum b."""
-    out, at, apart = Way([search.x], [search.energy]), search.here(), None
+    out, at, apart = Way([search.x], [search.energy]), search.rest, None
     for saddle, (near_sign, _), (far_sign, far) in legs(search, at, b):
         up, down, at, apart = path.over(search, saddle, near_sign, far_sign, at, far, apart)
         out.add(*up, "saddle")

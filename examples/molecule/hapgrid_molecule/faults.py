@@ -6,7 +6,7 @@ probe holds it there, and what lies behind is cut off. The box is then made a ce
 """
 
 import json
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from hapgrid_command import files
@@ -54,20 +54,16 @@ class Remedies:
             return Remedies({**self.unwanted, stiffest: why}), f"{stiffest} is left out: {why}"
         return None
 
-    def as_json(self):
-        return asdict(self)
-
     @classmethod
-    def from_json(cls, value):
-        """What as_json() gave; None, if this is something else."""
-        default = asdict(cls())
-        if not isinstance(value, dict) or set(value) != set(default):
-            return None
-        sides, unwanted = value["sides"], value["unwanted"]
-        sound = (isinstance(sides, list) and len(sides) == 6 and all(type(v) in (int, float) and 0 <= v < 100 for v in sides)
-                 and isinstance(unwanted, dict) and all(isinstance(v, str) for v in unwanted.values())
-                 and all(type(value[k]) is int and 0 <= value[k] < 1 << 20 for k in ("softer", "widened")))
-        return cls(**{**value, "sides": tuple(sides)}) if sound and value["softer"] else None
+    def of(cls, kept):
+        """Those that asdict() gave, or none where `kept` is something else: it may come from a stranger."""
+        try:
+            sides, unwanted, softer, widened = (kept[k] for k in ("sides", "unwanted", "softer", "widened"))
+            sides, unwanted = tuple(map(float, sides)), {str(k): str(why) for k, why in unwanted.items()}
+            sound = len(sides) == 6 and all(0 <= v < 100 for v in sides) and 0 < softer < 1 << 20 and 0 <= widened <= WIDENED
+        except (TypeError, ValueError, KeyError, AttributeError):
+            return cls()
+        return cls(unwanted, softer, sides, widened) if sound else cls()
 
 
 def short_of_room(folder, grid):
@@ -79,13 +75,9 @@ def short_of_room(folder, grid):
     finally:
         files.remove(folder.path(array))
     box = json.loads(folder.run("stats", grid, "--get", "box").out)
-    sides, spacing = touched(records["point"], records["state"], np.array(box["counts"])), box["spacing"]
-    if not any(sides):
+    # Where the molecule is out of its place something holds it there.
+    point = records["point"][(records["state"][:, -RIGID:] != 0).any(axis=1)]
+    sides, spacing = np.array([point == 0, point == np.array(box["counts"]) - 1]).any(axis=1).ravel(), box["spacing"]
+    if not sides.any():
         return None
-    return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple(spacing * one for one in sides))
-
-
-def touched(point, state, counts):
-    """Whether the molecule is held out of its place anywhere on each of the six sides."""
-    held = (state[:, -RIGID:] != 0).any(axis=1)[:, None]
-    return [*(held & (point == 0)).any(axis=0).tolist(), *(held & (point == counts - 1)).any(axis=0).tolist()]
+    return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple((spacing * sides).tolist()))

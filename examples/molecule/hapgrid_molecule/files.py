@@ -8,9 +8,10 @@ from hapgrid_command.files import is_plain, remove
 from . import geometry, xyz
 from .elements import MASSES, SYMBOLS
 from .molecule import BadInput
-from .results import Path, Result
+from .results import Path, Result, SAME_SHAPE
 from .xtb import BOHR, HARTREE
 
+REPORT = ("name", "kind", "energy_kJ_mol", "imaginary", "nu1_cm-1", "joins", "method", "torsions_deg")  # heads of report.tsv
 NO_PATH = "# no path: "
 
 
@@ -57,16 +58,17 @@ def _point(result, found, k):
     if k < len(found.nodes) - 1:
         return ""
     saddle = f" nimag=1 nu1=i{-found.nu1:.0f}" if found.nu1 is not None else ""
-    return f"{saddle} torsion={found.torsion} {there}"
+    bond = found.name.removesuffix("-plus").removesuffix("-minus")
+    return f"{saddle} torsion={bond} {there}"
 
 
 def report_text(result, command):
     """The table of stationary points, tab-separated; lines that begin with # are remarks."""
-    rows = [("name", "kind", "energy_kJ_mol", "imaginary", "nu1_cm-1", "joins", "method", "torsions_deg")]
+    table = [REPORT]
 
     def add(name, kind, energy, imaginary, nu1, joins, torsions):
         nu1 = "-" if nu1 is None else f"{nu1:.0f}".replace("-", "i")
-        rows.append((name, kind, f"{(energy - result.energy) * HARTREE:.2f}", imaginary, nu1, joins, result.method, torsions))
+        table.append((name, kind, f"{(energy - result.energy) * HARTREE:.2f}", imaginary, nu1, joins, result.method, torsions))
     add("conformation", "minimum", result.energy, "0" if result.nu1 is not None else "-", result.nu1, "-",
         words(result.torsions, result.x))
     before = angles(result.torsions, result.x)
@@ -85,28 +87,45 @@ def report_text(result, command):
         if not found.equal and found.far is not None:
             add(far, "minimum", found.far.energy, "0", found.far.nu1, "-", words(result.torsions, found.far.x))
     return "\n".join(["# " + command, "# energies above the conformation; torsions in degrees, of a saddle before>after",
-                      *("\t".join(row) for row in rows), *(f"{NO_PATH}{name}: {why}" for name, why in result.dropped)]) + "\n"
+                      *("\t".join(row) for row in table), *(f"{NO_PATH}{name}: {why}" for name, why in result.dropped)]) + "\n"
+
+
+def rows(folder, name, heads):
+    """A table of the folder, [{head: cell}], without remarks. Errors: BadInput, where it lacks heads or cells."""
+    lines = [line.split("\t") for line in folder.read(name).splitlines() if not line.startswith("#")]
+    if not lines or not set(heads) <= set(lines[0]) or any(len(line) != len(lines[0]) for line in lines):
+        raise BadInput(f"{folder.path(name)}: is no table as it was written: remove it")
+    return [dict(zip(lines[0], line)) for line in lines[1:]]
 
 
 def _listed(folder):
     """The paths that the report names. Errors: BadInput, where a name is none of a file beside it."""
     if not os.path.exists(folder.path("report.tsv")):
         return []
-    rows = [line.split("\t") for line in folder.read("report.tsv").splitlines() if not line.startswith("#")]
-    names = [row[0] for row in rows if len(row) > 1 and row[1] in ("saddle", "path")]
-    strange = next((name for name in names if not is_plain(name)), None)
-    if strange is not None:
-        raise BadInput(f"{folder.path('report.tsv')}: '{strange}' is no name of a path: remove the report, and all is "
-                       "computed anew")
+    names = [row["name"] for row in rows(folder, "report.tsv", REPORT) if row["kind"] in ("saddle", "path")]
+    for name in names:
+        if not is_plain(name):
+            raise BadInput(f"{folder.path('report.tsv')}: '{name}' is no name of a path: remove the report, and all is computed "
+                           "anew")
     return names
 
 
 def lie_as_before(folder, result):
-    """Turns a Result as the conformation lies that an earlier run left in this folder, if it is the same one."""
-    if os.path.exists(folder.path("conformation.xyz")):
-        before = xyz.frames(folder.path("conformation.xyz"))[0]
-        if before.numbers == result.numbers:
-            result.lie_like(before.x / BOHR)
+    """Turns a Result as the conformation lies that an earlier run left in this folder, if it is the same one but for the
+    numbers of its hydrogens: a box that was changed by hand then fits the new shapes. Once more, that changes no digit."""
+    if not os.path.exists(folder.path("conformation.xyz")):
+        return
+    before = xyz.frames(folder.path("conformation.xyz"))[0]
+    if before.numbers != result.numbers or geometry.equal_in_file(result.x, before.x / BOHR):
+        return
+    reference, heavy = before.x / BOHR, np.array(result.numbers) > 1
+    x = geometry.aligned(result.x, reference, np.where(heavy, result.masses, 0.0))
+    if geometry.rms(x[heavy], reference[heavy]) < SAME_SHAPE:
+        x = geometry.as_in_file(geometry.centred(x, result.masses))
+        result.x = reference if geometry.equal_in_file(x, reference) else x
+        for found in result.found:
+            found.nodes = [geometry.aligned(y, result.x, result.masses) for y in found.nodes]
+            found.nodes[found.start] = result.x
 
 
 def write_set(folder, result, command):

@@ -10,12 +10,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from rdkit import Chem
 
-from . import babel, pdb, xyz
-from .molecule import BadInput
+from . import babel, xyz
+from .elements import NUMBERS
+from .molecule import BadInput, placed, unsanitized
 
 KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
 MOST_RECORDS = 1000
 MOST_CHARGE = 9
+AMINO_ACIDS = set("ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL ACE NME".split())
 
 
 @dataclass
@@ -92,19 +94,16 @@ def _sdf(text, given):
         lines = _with_header(block.split("\n"), given)
         if lines is None:
             continue
-        x = _sdf_positions(lines)
-        flat = x is not None and is_flat(x)
-        drawing = flat and lines[1][20:22].upper() == "2D"
-        if flat and len(x) > 1:  # only of what is called a drawing does RDKit look at the wedges
-            lines[1] = f"{lines[1][:20]:<20}2D{lines[1][22:]}"
         _spell_radicals(lines)
-        mol = Chem.MolFromMolBlock("\n".join(lines), sanitize=False, removeHs=False, strictParsing=False)
-        if mol is None or mol.GetNumAtoms() == 0:
-            raise BadInput(f"{given.what}: record {len(given.records) + 1} is not understood as SDF: its atoms or bonds are damaged")
-        if mol.GetNumBonds() == 0 and mol.GetNumAtoms() > 1 and x is not None and np.ptp(x, axis=0).max() > 0.1:
+        mol = _block(lines, given)
+        x = mol.GetConformer().GetPositions()
+        drawing = is_flat(x) and lines[1][20:22].upper() == "2D"
+        if is_flat(x) and not drawing:  # only of what is called a drawing does RDKit look at the wedges
+            lines[1] = f"{lines[1][:20]:<20}2D{lines[1][22:]}"
+            mol = _block(lines, given)
+        if mol.GetNumBonds() == 0 and mol.GetNumAtoms() > 1 and np.ptp(x, axis=0).max() > 0.1:
             given.say("no bonds are in the file: they are found from the distances")
-            numbers = [a.GetAtomicNum() for a in mol.GetAtoms()]
-            mol = babel.with_bonds(numbers, mol.GetConformer().GetPositions(), given.what)
+            mol = babel.with_bonds([a.GetAtomicNum() for a in mol.GetAtoms()], x, given.what)
         _add(given, Record(mol, drawing, unpaired=_radicals(lines)))
 
 
@@ -123,17 +122,12 @@ def _with_header(lines, given):
     return ["", *(header or [""])[-1:], "", *lines[at:]]
 
 
-def _sdf_positions(lines):
-    """Of the atoms that a V2000 or V3000 text lists, or None."""
-    if lines[3].rstrip().endswith("V3000"):
-        rows = [line.split()[4:7] for line in lines if re.match(r"M  V30 +\d+ +\S+ +\S+ +\S+ +\S+ +\d", line)]
-    else:
-        count = int(lines[3][:3])
-        rows = [(line[:10], line[10:20], line[20:30]) for line in lines[4:4 + count]]
-    try:
-        return np.array(rows, float).reshape(-1, 3)
-    except ValueError:
-        return None
+def _block(lines, given):
+    """RDKit's molecule of a record."""
+    mol = Chem.MolFromMolBlock("\n".join(lines), sanitize=False, removeHs=False, strictParsing=False)
+    if mol is None or mol.GetNumAtoms() == 0:
+        raise BadInput(f"{given.what}: record {len(given.records) + 1} is not understood as SDF: its atoms or bonds are damaged")
+    return mol
 
 
 def _spell_radicals(lines):
@@ -156,16 +150,15 @@ def _radicals(lines):
 # XYZ
 
 def _xyz(text, given):
-    given.records = frames(text, given.what, given.say)
+    frames(text, given)
     _keep_lowest(given)
 
 
-def frames(text, what, say=lambda _: None):
-    """The Records of all frames of an XYZ text. Errors: BadInput."""
-    read = xyz.frames_of(text, what, say)
-    if len(read) > MOST_RECORDS:
-        raise BadInput(f"{what}: more than {MOST_RECORDS} records: give the one to feel")
-    return [Record(babel.unbonded(one.numbers, one.x), False, *_charge_in(one.title, what), energy_in(one.title)) for one in read]
+def frames(text, given):
+    """Adds the Records of all frames of an XYZ text. Errors: BadInput."""
+    for one in xyz.frames_of(text, given.what, given.say):
+        mol = placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x)
+        _add(given, Record(mol, False, *_charge_in(one.title, given.what), energy_in(one.title)))
 
 
 def _charge_in(title, what):
@@ -222,9 +215,72 @@ def _mol2(text, given):
 
 
 def _pdb(text, given):
-    lines = pdb.without_alternates(text.split("\n"), given.say)
-    for mol in babel.molecules("\n".join(map(pdb.with_element, lines)), "pdb", given.what):
+    lines = _without_alternates(text.split("\n"), given.say)
+    for mol in babel.molecules("\n".join(map(_with_element, lines)), "pdb", given.what):
         _add(given, Record(mol))
+
+
+# PDB. Source: the format's description 3.3. Columns are counted from 0 here. 12-15 have the atom's name, with its element
+# right-aligned in 12-13 but for hydrogens whose name has four letters; 16 the alternate location, 17-19 the residue, 21-26
+# its place, 54-59 the occupancy, 76-77 the element, 78-79 the charge.
+
+def _is_pdb_atom(line):
+    return line.startswith(("ATOM  ", "HETATM"))
+
+
+def _without_alternates(lines, say):
+    """In each residue the alternate location of highest occupancy stays, of equal ones the first."""
+    occupancy = {}
+    for line in lines:
+        if _is_pdb_atom(line) and line[16:17].strip():
+            occupancy.setdefault(line[21:27], {}).setdefault(line[16], []).append(_occupancy(line[54:60]))
+    kept = {}
+    for residue, locations in occupancy.items():
+        mean = {name: sum(v) / len(v) for name, v in locations.items()}
+        kept[residue] = min(mean, key=lambda name: (-mean[name], name))
+    several = [r for r, locations in occupancy.items() if len(locations) > 1]
+    if several:
+        name, first = kept[several[0]], " ".join(several[0].split())
+        mean = occupancy[several[0]][name]
+        of_all = f" of residue {first}" if len(several) == 1 else f" of residue {first} and {len(several) - 1} more"
+        say(f"alternate locations{of_all}: {name} is kept, of highest occupancy, {sum(mean) / len(mean):.2f}")
+    out = []
+    for line in lines:
+        if _is_pdb_atom(line) and line[16:17].strip():
+            if line[16] != kept[line[21:27]]:
+                continue
+            line = line[:16] + " " + line[17:]
+        out.append(line)
+    return out
+
+
+def _occupancy(text):
+    try:
+        return float(text)
+    except ValueError:
+        return 1.0
+
+
+def _with_element(line):
+    """With its element in the columns for it, wherever the line has it."""
+    if not _is_pdb_atom(line):
+        return line
+    line = f"{line:<80}"
+    written = line[76:78].strip().upper()
+    element = written if written in NUMBERS else _by_name(line)
+    charge = line[78:80] if re.fullmatch(r"\d[+-]|[+-]\d|  ", line[78:80]) else "  "
+    return f"{line[:76]}{element:>2}{charge}"
+
+
+def _by_name(line):
+    name = line[12:16].upper()
+    two, letters = name[:2].strip(), re.sub(r"[^A-Z]", "", name)
+    in_chain = line[17:20].strip().upper() in AMINO_ACIDS
+    if len(two) == 2 and two in NUMBERS and not in_chain and not (two[0] == "H" and len(name.strip()) == 4):
+        return two
+    if len(two) == 1 and two in NUMBERS:
+        return two
+    return letters[:1] if letters[:1] in NUMBERS else "X"
 
 
 def is_flat(x):

@@ -11,14 +11,17 @@ from .xtb import BOHR
 BONDED = 1.25  # times the sum of the covalent radii: nearer atoms are bonded
 
 
-def bonds_of(numbers, positions_angstrom):
-    """The neighbours of each atom, ascending, by distances."""
-    x = np.asarray(positions_angstrom)
+def shares(numbers, x):
+    """Distances (atoms, atoms) of positions in angstrom, by the sum of the covalent radii; of an atom from itself infinite."""
     radius = np.array([COVALENT.get(z, 1.5) for z in numbers])
-    distance = np.linalg.norm(x[:, None] - x[None], axis=2)
-    bonded = distance < BONDED * (radius[:, None] + radius[None])
-    np.fill_diagonal(bonded, False)
-    return [[int(j) for j in np.flatnonzero(row)] for row in bonded]
+    out = np.linalg.norm(x[:, None] - x[None], axis=2) / (radius[:, None] + radius[None])
+    np.fill_diagonal(out, np.inf)
+    return out
+
+
+def bonds_of(numbers, x):
+    """The neighbours of each atom, ascending, by distances in angstrom."""
+    return [np.flatnonzero(row).tolist() for row in shares(numbers, x) < BONDED]
 
 
 def centred(x, masses):
@@ -66,10 +69,7 @@ def rigid_vectors(x, weights):
     """Shifts and turns of coordinates times sqrt(weights), as orthonormal columns (3 atoms, 6)."""
     root = np.sqrt(weights)[:, None]
     c = centred(x, weights)
-    columns = []
-    for axis in np.eye(3):
-        columns.append((root * axis).ravel())
-        columns.append((root * np.cross(axis, c)).ravel())
+    columns = [(root * column).ravel() for axis in np.eye(3) for column in (axis, np.cross(axis, c))]
     u, s, _ = np.linalg.svd(np.array(columns).T, full_matrices=False)
     return u[:, s > 1e-6 * s[0]]
 
@@ -117,17 +117,14 @@ def rotated_about(x, j, k, side, turn):
 
 def side_of(neighbours, j, k):
     """The atoms on k's side of the bond j-k, without k; None when the bond is in a ring."""
-    seen, stack = {k}, [k]
+    seen, stack = {k}, [n for n in neighbours[k] if n != j]
     while stack:
         at = stack.pop()
-        for n in neighbours[at]:
-            if at == k and n == j:
-                continue
-            if n == j:
-                return None
-            if n not in seen:
-                seen.add(n)
-                stack.append(n)
+        if at == j:
+            return None
+        if at not in seen:
+            seen.add(at)
+            stack += neighbours[at]
     return sorted(seen - {k})
 
 
@@ -215,10 +212,7 @@ def _placed(r, theta, tau, to_b, b_to_c):
 def fingerprint(numbers, x):
     """The sorted distances for each pair of elements. They are the same for a shape, its mirror
     image, and a shape with equal atoms exchanged."""
-    distance = np.linalg.norm(x[:, None] - x[None], axis=2)
-    pairs = {}
-    for i in range(len(x)):
-        for j in range(i):
-            key = tuple(sorted((numbers[i], numbers[j])))
-            pairs.setdefault(key, []).append(distance[i, j])
-    return np.concatenate([np.sort(pairs[key]) for key in sorted(pairs)])
+    i, j = np.triu_indices(len(x), 1)
+    elements = np.sort([np.take(numbers, i), np.take(numbers, j)], axis=0)
+    distance = np.linalg.norm(x[i] - x[j], axis=1)
+    return distance[np.lexsort((distance, elements[1], elements[0]))]

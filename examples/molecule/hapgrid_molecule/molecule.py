@@ -17,6 +17,7 @@ from . import geometry
 RDLogger.DisableLog("rdApp.*")  # what it says is for programmers
 
 MOST_BYTES = 8 << 20  # of a file from outside
+STEPS = 500  # of the force field for a conformer
 TRIES = 200  # combinations of torsions, at least: all of a dipeptide
 AMIDE = "[CX3](=O)-[#7]"
 
@@ -26,17 +27,18 @@ class BadInput(Failed):
 
 
 class Molecule:
-    """numbers: elements; positions: angstrom; neighbours: of each atom; double: pairs (j < k) of the bonds that do not
-    turn, which are double bonds and amides; charge: e; formula: with the charge; rd: RDKit's molecule."""
+    """numbers: elements; positions: angstrom; neighbours: of each atom; double: pairs (j < k) of the bonds that do not turn,
+    which are double bonds and amides; charge: e; unpaired: electrons; built: whether its shape was; said: what was decided
+    when it was read, in lines; formula: with the charge; rd: RDKit's molecule."""
 
-    def __init__(self, what, numbers, positions, charges, bonds):
+    def __init__(self, what, numbers, positions, charges, bonds, charge, unpaired=0, built=False, said=()):
         """charges: of the atoms; bonds: (atom, atom, order 1, 2 or 3)."""
         self.numbers = [int(z) for z in numbers]
         self.positions = np.array(positions, float).reshape(-1, 3)
         if len(self.numbers) < 2 or 0 in self.numbers:
             raise BadInput(f"{what}: not a molecule of two atoms or more")
         self.rd = rdkit_molecule(self.numbers, charges, bonds)
-        self.charge = sum(charges)
+        self.charge, self.unpaired, self.built, self.said = charge, unpaired, built, said
         self.formula = rdMolDescriptors.CalcMolFormula(self.rd)
         self.neighbours = [[] for _ in self.numbers]
         amides = [match[::2] for match in self.matches(AMIDE)]
@@ -62,18 +64,9 @@ class Molecule:
         """The atoms, counted from 0, of each of the smallest rings, in the order of its bonds."""
         return [list(ring) for ring in Chem.GetSSSR(self.rd)]
 
-    def amide_torsions(self):
-        return [torsions_of.make(self.numbers, self.neighbours, None, None, j, k, None)
-                for j, k in self.amides if min(len(self.neighbours[j]), len(self.neighbours[k])) > 1]
 
-    def relaxed(self, positions, steps=500):
-        """(energy, positions in angstrom) after some steps with a force field. Energies can only be compared with each
-        other."""
-        return relaxed(self.rd, positions, steps)
-
-
-def rdkit_molecule(numbers, charges, bonds):
-    """RDKit's molecule of these atoms, without coordinates. Where RDKit knows no such valences it has them all the same."""
+def unsanitized(numbers, charges, bonds):
+    """RDKit's molecule of atoms that get no other hydrogens. bonds: (atom, atom, order)."""
     rd = Chem.RWMol()
     for z, charge in zip(numbers, charges):
         atom = Chem.Atom(int(z))
@@ -81,9 +74,14 @@ def rdkit_molecule(numbers, charges, bonds):
         atom.SetNoImplicit(True)
         rd.AddAtom(atom)
     for j, k, order in bonds:
-        rd.AddBond(int(j), int(k), (Chem.BondType.SINGLE, Chem.BondType.DOUBLE, Chem.BondType.TRIPLE)[order - 1])
+        rd.AddBond(int(j), int(k), Chem.BondType.values[order])
+    return rd
+
+
+def rdkit_molecule(numbers, charges, bonds):
+    """The same, sanitized. Where RDKit knows no such valences it has them all the same."""
     for leave in (Chem.SANITIZE_NONE, Chem.SANITIZE_PROPERTIES, Chem.SANITIZE_PROPERTIES | Chem.SANITIZE_KEKULIZE):
-        one = Chem.Mol(rd)
+        one = Chem.Mol(unsanitized(numbers, charges, bonds))
         if Chem.SanitizeMol(one, Chem.SANITIZE_ALL ^ Chem.SANITIZE_CLEANUP ^ leave, catchErrors=True) == Chem.SANITIZE_NONE:
             return one
     raise BadInput("a molecule whose bonds RDKit does not understand")
@@ -95,8 +93,8 @@ def placed(rd, positions):
     rd.RemoveAllConformers()
     conformer = Chem.Conformer(rd.GetNumAtoms())
     conformer.Set3D(True)
-    for n, place in enumerate(positions):
-        conformer.SetAtomPosition(n, [float(v) for v in place])
+    for n, place in enumerate(np.asarray(positions, float)):
+        conformer.SetAtomPosition(n, place)
     rd.AddConformer(conformer)
     return rd
 
@@ -155,7 +153,9 @@ def conformers(molecule, torsions, number, seed):
     """
     turns = [(t, np.radians(np.arange(-180, 180, 60))) for t in torsions
              if not t.rotor and tuple(sorted(t.atoms[1:3])) not in molecule.amides]
-    turns += [(t, np.radians([180, 0])) for t in molecule.amide_torsions()]
+    near = molecule.neighbours
+    turns += [(torsions_of.make(molecule.numbers, near, None, None, j, k, None), np.radians([180, 0]))
+              for j, k in molecule.amides if min(len(near[j]), len(near[k])) > 1]
     combinations = np.prod([len(angles) for _, angles in turns], dtype=float)
     tries = max(TRIES, 20 * number)
     if combinations <= tries:
@@ -163,7 +163,7 @@ def conformers(molecule, torsions, number, seed):
     else:
         random = np.random.default_rng(seed)
         choices = ([random.choice(angles) for _, angles in turns] for _ in range(tries))
-    _, first = molecule.relaxed(molecule.positions)
+    _, first = relaxed(molecule.rd, molecule.positions, STEPS)
     found = []
     for choice in choices:
         x = first
@@ -171,7 +171,7 @@ def conformers(molecule, torsions, number, seed):
             x = t.turned(x, wanted - geometry.torsion(x, *t.atoms))
         if _clash(molecule, x):
             continue
-        energy, x = molecule.relaxed(x)
+        energy, x = relaxed(molecule.rd, x, STEPS)
         print_ = geometry.fingerprint(molecule.numbers, x)
         if all(abs(energy - e) > 0.02 or np.abs(print_ - p).max() > 0.1 for e, p, _ in found):
             found.append((energy, print_, x))

@@ -38,20 +38,18 @@ def names(torsions, candidates, allowed, signed):
     torsions: all bonds that turn; candidates: {key: Candidate}; allowed: the names that are wanted; signed: whether a
     name says in which direction its bond turns.
     """
-    out, left, own, others = {}, [], [], []
-    for key, one in candidates.items():
-        n = torsions_of.farthest(one.turns, one.number)
-        if n is None:
-            left.append((one.job, "no bond turns on the way to its barrier"))
-        elif n == one.number:
-            own.append((key, n))
-        else:
-            others.append((key, n))
-    # Two bonds can lead to one barrier: the one that turns farther there gives the name. Of equal ones the first does.
-    own.sort(key=lambda item: -_share(candidates[item[0]]))
-    others.sort(key=lambda item: candidates[item[0]].height)
-    for key, n in own + others:
-        one = candidates[key]
+    farthest = {key: torsions_of.farthest(one.turns, one.number) for key, one in candidates.items()}
+    out = {}
+    left = [(one.job, "no bond turns on the way to its barrier") for key, one in candidates.items() if farthest[key] is None]
+
+    def order(key):
+        """Paths whose driven bond turns come first; where several lead to one barrier, that whose bond turns farther gives
+        the name. Of the others the lowest comes first."""
+        one, turns = candidates[key], np.abs(candidates[key].turns)
+        is_own = farthest[key] == one.number
+        return (0, -round(float(turns[one.number] / turns.max()), 1)) if is_own else (1, one.height)
+    for key in sorted((key for key, n in farthest.items() if n is not None), key=order):
+        one, n = candidates[key], farthest[key]
         name = torsions[n].file_name(np.sign(one.turns[n])) if signed else torsions[n].name
         turns = f"turns {name} instead, by {_degrees(one.turns[n])} degrees against {_degrees(one.turns[one.number])}"
         if name in out.values():
@@ -63,11 +61,6 @@ def names(torsions, candidates, allowed, signed):
             if n != one.number:
                 left.append((one.job, turns))
     return out, left
-
-
-def _share(one):
-    turns = np.abs(one.turns)
-    return round(float(turns[one.number] / turns.max()), 1)
 
 
 def _degrees(turn):

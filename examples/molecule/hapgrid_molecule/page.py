@@ -6,14 +6,15 @@ import re
 import shlex
 
 import numpy as np
+from hapgrid_command import plots
 
-from . import choice, curves
+from . import choice, files, geometry
 from .elements import COLOURS, SYMBOLS
 from .pieces import signed
 from .pushing import read_log
 from .xyz import frames
 
-REPORT = ("name", "kind", "energy_kJ_mol", "nu1_cm-1", "joins")  # the heads of report.tsv that the page needs
+MOVES = 2.0  # degrees: what turns less is not drawn
 STAYS = 0.05  # of a t: less is not behind a saddle
 METHODS = {"gfn2": "GFN2-xTB", "gfnff": "GFN-FF"}
 SPINS = ("singlet", "doublet", "triplet", "quartet", "quintet")
@@ -25,29 +26,61 @@ CAPTIONS = {"before.png": "At first.", "pushed.png": "The probe at the end of it
                           "with probe and anchors."}
 
 
-def write(at, start, turned, ways):
-    """Writes the page and returns the names of its files. at: start.Run; start: start.Start; turned: the torsions that
+def write(start, turned, ways):
+    """Writes the page and returns the names of its files. start: steps.Start; turned: the torsions that
     the grid's paths turn; ways: files of the probe's ways, the best first."""
-    kept = at.folder
-    run = kept.run
-    grid = f"{kept.name()}.grid"
-    run("play", grid, "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",
+    kept, run = start.folder, start.folder.run
+    run("play", f"{kept.name()}.grid", "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",
         watch=lambda gone: kept.waiting("playing the way", gone, None))
     run("view", "played.frames", "--xyz", "played.xyz")
     run("view", "played.frames", "--pdb", "played.pdb", "--hip-label", "X")  # the probe is no element
-    names, rows = read_log(kept.path("played.log"))
-    shapes = frames(kept.path("played.xyz"))
-    drawn = curves.draw(kept, (names, rows), np.array([one.x for one in shapes]), turned,
-                        [float(one.words["time"]) for one in shapes])
-    drawings = pictures({name: rows[:, n] for n, name in enumerate(names)})
-    kept.run_each(drawings.values(), at.options.threads, kept.counted("drawing pictures", len(drawings)))
-    text = page(at, start, turned, ways, [name for name in [*drawings, *drawn] if name.endswith(".png")])
+    log = read_log(kept.path("played.log"))
+    drawn = draw_curves(kept, log, frames(kept.path("played.xyz")), turned)
+    drawings = pictures(log)
+    kept.run_each("drawing pictures", drawings.values(), start.options.threads)
+    text = page(start, turned, ways, [name for name in [*drawings, *drawn] if name.endswith(".png")])
     kept.write("index.html", text)
     return ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn, *drawings, "index.html"]
 
 
+def draw_curves(folder, log, shapes, torsions):
+    """Writes torsions.tsv, energies.tsv and their picture over time, and returns the names of the files. shapes: xyz.Frames
+    that play showed; torsions: those that the grid's paths turn."""
+    times = [float(one.words["time"]) for one in shapes]
+    angles = {t.name: np.degrees(np.unwrap([geometry.torsion(one.x, *t.atoms) for one in shapes])) for t in torsions}
+    t, hybrid, own = log["t"], log["energy"], log["own_energy"]
+    force = np.sqrt(log["sent_x"]**2 + log["sent_y"]**2 + log["sent_z"]**2)
+    _table(folder, "torsions.tsv", {"t_s": times, **{f"{name}_deg": values for name, values in angles.items()}})
+    _table(folder, "energies.tsv", {"t_s": t, "hybrid_kJ_mol": hybrid, "molecule_kJ_mol": own, "force_N": force})
+    moving = [name for name, values in angles.items() if np.ptp(values) > MOVES] or list(angles)[:1]
+    panels = [("torsion / degrees", [(name, times, angles[name]) for name in moving])] if moving else []
+    panels += [("energy / (kJ/mol)", [("with probe and anchors", t, hybrid), ("the molecule alone", t, own)]),
+               ("force on the hand / N", [("", t, force)])]
+    style = plots.style(folder)
+    drawn = style.figure(5.6, 8.4)
+    with style.house_style():
+        every = []
+        for k, (label, curves) in enumerate(panels):
+            axes = drawn.add_subplot(len(panels), 1, k + 1, sharex=every[0] if every else None)
+            every.append(axes)
+            for colour, (said, x, y) in zip(style.COLOURS * len(curves), curves):
+                axes.plot(x, y, color=colour, label=style.plain(said) or None)
+            axes.set_ylabel(label)
+            style.limits(axes, np.concatenate([y for _, _, y in curves]))
+            style.legend(axes)
+        every[-1].set_xlabel("time / s")
+        drawn.align_ylabels(every)
+    style.save(drawn, folder.path("course.png"))
+    return ["course.png", "torsions.tsv", "energies.tsv"]
+
+
+def _table(folder, name, columns):
+    lines = ["# " + "\t".join(columns), *("\t".join(f"{v:.4f}" for v in row) for row in zip(*columns.values()))]
+    folder.write(name, "\n".join(lines) + "\n")
+
+
 def moments(log):
-    """{picture: time} of what is worth a look. log: columns by their names."""
+    """{picture: time} of what is worth a look. log: of play."""
     paths = sum(n[0] == "s" and n[1:].isdigit() for n in log) - 6
     turns = [float(np.abs(log[f"s{k}"]).max()) for k in range(paths)]
     when = {"before.png": 0.0}
@@ -74,24 +107,26 @@ def pictures(log):
     return out
 
 
-def page(at, start, turned, ways, images):
+def page(start, turned, ways, images):
     """The text of index.html."""
-    kept = at.folder
+    kept = start.folder
     name = kept.name()
     one = frames(kept.path("conformation.xyz"))[0]
     words = one.words
     method = re.sub("gfn2|gfnff", lambda found: METHODS[found[0]], words.get("method", "own energies"))
-    spin = SPINS[start.unpaired] if start.unpaired < len(SPINS) else f"multiplicity {start.unpaired + 1}"
-    facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.charge), "Spin": spin, "Made from": start.source,
+    box = json.loads(kept.run("stats", f"{name}.grid", "--format", "json").out)["box"]
+    spins = start.molecule.unpaired
+    facts = {"Formula": formula(start.molecule.formula), "Charge": signed(start.molecule.charge),
+             "Spin": SPINS[spins] if spins < len(SPINS) else f"multiplicity {spins + 1}", "Made from": start.source,
              "Energies": f"{method}, of libxtb {library_version()}" if "GFN" in method else method,
              "Conformation": f"{words['E']} hartree" if "E" in words else "",
-             "Grid": grid_in_words(at, f"{name}.grid")}
+              "Grid": f"{' × '.join(map(str, box['counts']))} points, {box['spacing']:g} Å apart"}
     molecule = {"symbols": [SYMBOLS[z] for z in one.numbers], "colours": [COLOURS[z] for z in one.numbers], "places": np.round(one.x, 3).tolist(),
                 "bonds": [[a, b] for a, near in enumerate(start.molecule.neighbours) for b in near if a < b],
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
     parts = {
         "TITLE": html.escape(start.source), "HEAD": formula(start.molecule.formula),
-        "SAID": html.escape(first_line(kept, ways[0])),
+        "SAID": html.escape(kept.read(ways[0]).split("\n", 1)[0].lstrip("# ")),
         "FACTS": "".join(f"<dt>{key}<dd>{value if key == 'Formula' else html.escape(value)}"
                          for key, value in facts.items() if value),
         "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
@@ -108,24 +143,18 @@ def figure(image):
 
 def barriers(kept):
     """Rows of a table: each path with its barrier and what lies behind it."""
-    report = {row["name"]: row for row in choice.rows(kept, "report.tsv", REPORT)}
+    report = {row["name"]: row for row in files.rows(kept, "report.tsv", files.REPORT)}
     rows = []
-    for path, atoms, barrier, taken, why in ([row[head] for head in choice.ROTORS] for row in choice.rows(kept, "rotors.tsv", choice.ROTORS)):
-        one = report.get(path, {})
-        behind = [row["energy_kJ_mol"] for name, row in report.items()
-                  if name.startswith(path + ":") and row["kind"].startswith("minimum")]
+    for row in files.rows(kept, "rotors.tsv", choice.ROTORS):
+        one = report.get(row["path"], {})
+        behind = [other["energy_kJ_mol"] for name, other in report.items()
+                  if name.startswith(row["path"] + ":") and other["kind"].startswith("minimum")]
         if "equal atoms" in one.get("joins", ""):
             behind = ["the same shape"]
-        cells = [path, atoms, barrier, one.get("nu1_cm-1", "-"), ", ".join(behind) or "-",
-                 "in the grid" if taken == "yes" else why]
+        cells = [row["path"], row["atoms"], row["barrier_kJ_mol"], one.get("nu1_cm-1", "-"), ", ".join(behind) or "-",
+                 "in the grid" if row["taken"] == "yes" else row["why"]]
         rows.append("<tr>" + "".join(f"<td>{html.escape(cell)}" for cell in cells))
     return "\n".join(rows)
-
-
-def grid_in_words(at, grid):
-    header = json.loads(at.folder.run("stats", grid, "--format", "json").out)
-    counts, spacing = header["box"]["counts"], header["box"]["spacing"]
-    return f"{' × '.join(map(str, counts))} points, {spacing:g} Å apart"
 
 
 def formula(text):
@@ -138,10 +167,6 @@ def library_version():
     with open("/proc/self/maps", encoding="utf-8") as file:
         found = re.search(r"/libxtb\.so\.([0-9.]+)", file.read())
     return found[1] if found else ""
-
-
-def first_line(kept, way):
-    return kept.read(way).split("\n", 1)[0].lstrip("# ")
 
 
 with open(__file__.removesuffix(".py") + ".html", encoding="utf-8") as _file:

@@ -5,6 +5,7 @@ quadratic steps (Page and McIver 1988): a plain gradient step would zigzag acros
 whose walls are a thousand times steeper than its floor.
 """
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -66,23 +67,19 @@ def descend(surface, saddle, sign, stop, step=0.2, steps=1200, every=12):
 
 def aligned_chain(shapes, masses):
     """Superposes each shape on the one before, so that only motion inside the molecule is left."""
-    out = [shapes[0]]
-    for x in shapes[1:]:
-        out.append(geometry.aligned(x, out[-1], masses))
-    return out
+    return list(itertools.accumulate(shapes, lambda before, x: geometry.aligned(x, before, masses)))
 
 
-def length(shapes, masses):
-    """Of a chain of nearby shapes, root mean square displacement from one to the next."""
-    chain = aligned_chain(shapes, masses)
-    return sum(geometry.rms(a, b) for a, b in zip(chain, chain[1:]))
+def _along(chain):
+    """How far each shape of a chain is from the first, root mean square displacements added up."""
+    return np.cumsum([0.0, *(geometry.rms(a, b) for a, b in zip(chain, chain[1:]))])
 
 
 def resampled(shapes, masses, nodes=11, apart=None):
     """Shapes at equal distances (root mean square displacement) along a chain of nearby shapes;
     apart: about this far from each other, whatever their number."""
     chain = aligned_chain(shapes, masses)
-    along = np.concatenate([[0], np.cumsum([geometry.rms(a, b) for a, b in zip(chain, chain[1:])])])
+    along = _along(chain)
     if apart is not None:
         nodes = max(4, round(along[-1] / apart) + 1)
     out = []
@@ -99,11 +96,10 @@ def natural_spline(y):
     y = np.asarray(y)
     n = len(y) - 1
     h = 1 / n
-    a = np.eye(n + 1)
-    b = np.zeros_like(y)
+    a, b = np.eye(n + 1), np.zeros_like(y)
     for k in range(1, n):
         a[k, k - 1:k + 2] = (1, 4, 1)
-        b[k] = 6 * (y[k - 1] - 2 * y[k] + y[k + 1]) / h**2
+    b[1:-1] = 6 * (y[:-2] - 2 * y[1:-1] + y[2:]) / h**2
     m = np.linalg.solve(a, b.reshape(n + 1, -1)).reshape(y.shape)
 
     def at(t):
@@ -160,7 +156,7 @@ def over(search, saddle, near_sign, far_sign, start, far, apart):
     surface, tree = search.surface, search.tree
     up = nodes(surface, tree, saddle, near_sign, start, FIRST_LEG + 1, apart)
     if apart is None:
-        apart = length(up[0], surface.masses) / FIRST_LEG
+        apart = _along(aligned_chain(up[0], surface.masses))[-1] / FIRST_LEG
     x = geometry.as_in_file(far.x)
     there = replace(far, x=x, energy=surface.energy(x))
     down = nodes(surface, tree, saddle, far_sign, there, apart=apart)
@@ -170,8 +166,7 @@ def over(search, saddle, near_sign, far_sign, start, far, apart):
 def check(energies, halfway, energy0):
     """Raises optimise.NoPath unless the energy climbs from the minimum to the saddle, at the nodes and,
     nearly so, half way between them. Slack: 0.05 kJ/mol, half way another 5 % of the barrier."""
-    at = [(e - energy0) * HARTREE for e in energies]
-    mid = [(e - energy0) * HARTREE for e in halfway]
+    at, mid = ([(e - energy0) * HARTREE for e in some] for some in (energies, halfway))
     slack = 0.05
     for k, (a, b) in enumerate(zip(at, at[1:])):
         if b < a - slack:

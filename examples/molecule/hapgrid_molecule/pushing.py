@@ -52,25 +52,22 @@ def lines(x, move, radius, low, high, clear, most=TRIED, alike=0.7):
     out, atoms = [], []
     for along, atom, start, end in found:  # different atoms and directions
         u = (end - start) / np.linalg.norm(end - start)
-        if any(atom == a and u @ v > alike for a, v in atoms):
-            continue
-        atoms.append((atom, u))
-        out.append((start, end, atom))
+        if not any(atom == a and u @ v > alike for a, v in atoms):
+            atoms.append((atom, u))
+            out.append((start, end, atom))
     return out[:most]
 
 
 def _begin(x, reach, atom, u, clear):
     """Where a line towards an atom, that touches no other atom first, is free: its place before the
     atom (negative), None when another atom is in the way."""
-    away = x - x[atom]
-    along = away @ u
-    across = np.linalg.norm(away - along[:, None] * u, axis=1)
-    half = np.sqrt(np.clip(reach**2 - across**2, 0, None))
-    enters = np.where(across < reach, along - half, np.inf)  # where the probe first touches an atom
-    if enters.argmin() != atom:
-        return None
-    half = np.sqrt(np.clip((reach + clear)**2 - across**2, 0, None))
-    return float(np.where(across < reach + clear, along - half, np.inf).min())
+    along = (x - x[atom]) @ u
+    across = np.linalg.norm(x - x[atom] - along[:, None] * u, axis=1)
+
+    def enters(reach):
+        """Where the probe comes as near as this to each atom."""
+        return np.where(across < reach, along - np.sqrt(np.clip(reach**2 - across**2, 0, None)), np.inf)
+    return float(enters(reach + clear).min()) if enters(reach).argmin() == atom else None
 
 
 def _inside(start, end, low, high):
@@ -99,18 +96,17 @@ def write_way(folder, name, way, title):
 
 
 def read_log(path):
-    """(names, rows) of what play --log wrote."""
+    """{name: column} of what play --log wrote."""
     with open(path, encoding="utf-8") as file:
         names = file.readline().lstrip("# ").rstrip("\n").split("\t")
-        return names, np.loadtxt(file, ndmin=2)
+        return dict(zip(names, np.loadtxt(file, ndmin=2).T))
 
 
 class Ways:
     """The files path-NAME.txt of the paths in a grid, the one that turns a torsion farthest first."""
 
     def __init__(self, folder, grid, structures, threads):
-        self.folder, self.grid, self.structures = folder, grid, structures
-        self.threads = threads
+        self.folder, self.grid, self.structures, self.threads = folder, grid, structures, threads
         header = json.loads(folder.run("stats", grid, "--format", "json").out)
         box = header["box"]
         self.low = np.array(box["origin"])
@@ -130,9 +126,7 @@ class Ways:
                 most, turned = turned[:len(ways[k])], turned[len(ways[k]):]
                 best.append((max(most), name, ways[k][int(np.argmax(most))]))
         if not best:  # nothing turns: past the molecule, against its broad side
-            move = np.tile([0.0, 0.0, 1.0], (len(x), 1))
-            ways = self._lines(x, move)
-            best = [(0.0, "past", ways[0])] if ways else []
+            best = [(0.0, "past", line) for line in self._lines(x, np.tile([0.0, 0.0, 1.0], (len(x), 1)))[:1]]
         best.sort(key=lambda b: -b[0])
         names = []
         for turned, name, (start, end, atom) in best:
@@ -155,10 +149,8 @@ class Ways:
             write_way(self.folder, name + ".txt", there_and_back(*line[:2], COARSE_STEP), "tried")
             commands.append(["play", self.grid, "--device", f"path:{name}.txt", "--log", name + ".log"])
         try:
-            self.folder.run_each(commands, self.threads,
-                                  self.folder.counted("pushing the molecule to see which way turns it", len(commands)))
-            logs = [read_log(self.folder.path(name + ".log")) for name in names]
-            return [float(rows[:, heads.index(f"s{k}")].max()) for (heads, rows), (k, _) in zip(logs, lines_of)]
+            self.folder.run_each("pushing the molecule to see which way turns it", commands, self.threads)
+            return [float(read_log(self.folder.path(name + ".log"))[f"s{k}"].max()) for name, (k, _) in zip(names, lines_of)]
         finally:
             self._clean(names)
 

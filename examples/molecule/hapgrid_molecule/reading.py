@@ -2,14 +2,13 @@
 cannot be felt is refused here, in one line that says what to do."""
 
 import os
-from dataclasses import dataclass, field
 
 import numpy as np
 from rdkit import Chem
 
 from . import molecule as prepared
-from . import babel, building, confined, formats, pieces, valences
-from .elements import COVALENT, MASSES, SYMBOLS
+from . import babel, building, confined, formats, geometry, pieces, valences
+from .elements import MASSES, SYMBOLS
 from .molecule import BadInput, Molecule
 from .pieces import signed
 
@@ -19,35 +18,8 @@ MOST_ATOMS = 100
 SHORT = {6: 0.925, 7: 0.905}
 
 
-@dataclass
-class Read:
-    """What was read. charge, unpaired: electrons; built: whether the shape was; said: what was decided, in lines."""
-    molecule: Molecule
-    charge: int
-    unpaired: int
-    built: bool
-    said: list = field(default_factory=list)
-
-    def check_electrons(self, what):
-        """Refuses a number of unpaired electrons that does not fit."""
-        electrons = sum(self.molecule.numbers) - self.charge
-        if electrons % 2 == self.unpaired % 2 and self.unpaired <= electrons:
-            return
-        if self.unpaired:
-            raise BadInput(f"{what}: {electrons} electrons, of which {self.unpaired} cannot be the unpaired ones (--uhf)")
-        raise BadInput(f"{what}: {electrons} electrons with charge {signed(self.charge)}: a radical needs --uhf 1; otherwise "
-                       "give the right --charge")
-
-    def sdf(self):
-        """The text of an SDF file."""
-        mol = prepared.placed(self.molecule.rd, self.molecule.positions)
-        Chem.AssignStereochemistryFrom3D(mol)  # or its double bonds are marked as of either side
-        mol.SetProp("_Name", f"charge={self.charge} unpaired={self.unpaired} built={int(self.built)}")
-        return Chem.MolToMolBlock(mol, kekulize=True) + "$$$$\n"
-
-
 def read(path, smiles, charge=None, unpaired=None):
-    """The molecule of a file or SMILES. charge, unpaired: what the command line says, or None."""
+    """The Molecule of a file or SMILES. charge, unpaired: what the command line says, or None."""
     what = path if smiles is None else f"SMILES '{smiles}'"
     if smiles is None:
         kind = formats.KINDS.get(os.path.splitext(path)[1][1:].lower())
@@ -58,17 +30,40 @@ def read(path, smiles, charge=None, unpaired=None):
     def work():
         given = formats.smiles(smiles) if smiles is not None else formats.read(formats.decoded(content, path), path, kind)
         return _one(given, charge, unpaired)
-    answer = confined.run(work, what)
-    one = Read(**{**answer, "molecule": Molecule(what, *answer["molecule"])})
-    one.check_electrons(what)
+    one = Molecule(what, **confined.run(work, what))
+    _check_electrons(one, what)
     return one
 
 
+def _check_electrons(one, what):
+    """Refuses a number of unpaired electrons that does not fit."""
+    electrons = sum(one.numbers) - one.charge
+    if electrons % 2 == one.unpaired % 2 and one.unpaired <= electrons:
+        return
+    if one.unpaired:
+        raise BadInput(f"{what}: {electrons} electrons, of which {one.unpaired} cannot be the unpaired ones (--uhf)")
+    raise BadInput(f"{what}: {electrons} electrons with charge {signed(one.charge)}: a radical needs --uhf 1; otherwise "
+                   "give the right --charge")
+
+
+def sdf(one):
+    """The text of an SDF file, which started() reads."""
+    mol = prepared.placed(one.rd, one.positions)
+    Chem.AssignStereochemistryFrom3D(mol)  # or its double bonds are marked as of either side
+    mol.SetProp("_Name", f"charge={one.charge} unpaired={one.unpaired} built={int(one.built)}")
+    return Chem.MolToMolBlock(mol, kekulize=True) + "$$$$\n"
+
+
 def ensemble(path):
-    """[(number of the frame, positions in angstrom)] of an XYZ file whose frames are one molecule, the lowest energy first;
-    nothing where it is one frame, or several molecules."""
+    """[(number of the frame, positions in angstrom)] of a file of XYZ whose frames are one molecule, the lowest energy first;
+    nothing of another file, and where it is one frame, or several molecules."""
+    if not path or not path.lower().endswith(".xyz"):
+        return []
+
     def work():
-        records = formats.frames(formats.decoded(prepared.read_bytes(path), path), path)
+        given = formats.Input(path, "xyz")
+        formats.frames(formats.decoded(prepared.read_bytes(path), path), given)
+        records = given.records
         heights = [np.inf if r.energy is None else r.energy for r in records]
         order = sorted(range(len(records)), key=heights.__getitem__) if formats.are_alike(records) else []
         return [(k + 1, _places(records[k].mol).tolist()) for k in order]
@@ -76,7 +71,7 @@ def ensemble(path):
 
 
 def _one(given, charge, unpaired):
-    """What makes a Read, as JSON can hold it."""
+    """What makes a Molecule, as JSON can hold it."""
     for record in given.records:
         _refuse_no_coordinates(given, record)
     record = pieces.largest(given)
@@ -89,16 +84,20 @@ def _one(given, charge, unpaired):
         charge = Chem.GetFormalCharge(mol)
     x = mol.GetConformer().GetPositions()
     _check(x, given.what)
-    return {"molecule": _plain(mol), "charge": charge, "unpaired": unpaired or 0, "built": built, "said": given.said}
+    return {**_plain(mol), "charge": charge, "unpaired": unpaired or 0, "built": built, "said": given.said}
 
 
 def _plain(mol):
-    """What makes a Molecule, as JSON can hold it."""
+    """Its atoms and bonds, as JSON can hold them."""
     Chem.Kekulize(mol, clearAromaticFlags=True)
-    atoms = list(mol.GetAtoms())
     bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3))
              for b in mol.GetBonds()]
-    return [[a.GetAtomicNum() for a in atoms], _places(mol).tolist(), [a.GetFormalCharge() for a in atoms], bonds]
+    return {"numbers": _numbers(mol), "positions": _places(mol).tolist(),
+            "charges": [a.GetFormalCharge() for a in mol.GetAtoms()], "bonds": bonds}
+
+
+def _numbers(mol):
+    return [a.GetAtomicNum() for a in mol.GetAtoms()]
 
 
 def _places(mol):
@@ -108,9 +107,8 @@ def _places(mol):
 def _refuse_no_coordinates(given, record):
     """What can be seen only before a file's atoms are sorted into molecules. Gives XYZ its bonds."""
     what, mol, x = given.what, record.mol, _places(record.mol)
-    nameless = next((a.GetIdx() for a in mol.GetAtoms() if a.GetAtomicNum() == 0), None)
-    if nameless is not None:
-        raise BadInput(f"{what}: atom {nameless + 1} is of no known element: correct its symbol")
+    if 0 in _numbers(mol):
+        raise BadInput(f"{what}: atom {_numbers(mol).index(0) + 1} is of no known element: correct its symbol")
     if given.kind == "smi":
         return
     if not np.isfinite(x).all():
@@ -120,9 +118,8 @@ def _refuse_no_coordinates(given, record):
     if given.kind != "xyz":
         return
     if len(x) > MOST_ATOMS * 10:
-        raise BadInput(f"{what}: {len(x)} atoms, at most {MOST_ATOMS} are feasible: cut out the part that matters, and close "
-                       "it with hydrogen")
-    record.mol = babel.with_bonds([a.GetAtomicNum() for a in mol.GetAtoms()], x, what)
+        check_count(len(x), what)
+    record.mol = babel.with_bonds(_numbers(mol), x, what)
     if formats.is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
         raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
     _check_distances(x, what)
@@ -208,12 +205,8 @@ def _built(mol, given):
 
 def _has_no_bond_lengths(mol, x):
     """Whether bonds are shorter or longer than any, as in a drawing that says it is none."""
-    for bond in mol.GetBonds():
-        a, b = bond.GetBeginAtomIdx(), bond.GetEndAtomIdx()
-        radii = sum(COVALENT.get(mol.GetAtomWithIdx(n).GetAtomicNum(), 1.5) for n in (a, b))
-        if not 0.75 < np.linalg.norm(x[a] - x[b]) / radii < 1.35:
-            return True
-    return False
+    share = geometry.shares(_numbers(mol), x)
+    return not all(0.75 < share[b.GetBeginAtomIdx(), b.GetEndAtomIdx()] < 1.35 for b in mol.GetBonds())
 
 
 def _refuse_without_hydrogen(mol, what):
@@ -266,11 +259,9 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge):
 
 def _join_short_bonds(mol):
     """Atoms without hydrogens whose bonds are too short for single ones, which Open Babel took for such, get double bonds."""
-    x, lack = _places(mol), {}
+    share, lack = geometry.shares(_numbers(mol), _places(mol)), {}
     for atom in mol.GetAtoms():
-        shortest = min((np.linalg.norm(x[atom.GetIdx()] - x[n.GetIdx()])
-                        / (COVALENT.get(atom.GetAtomicNum(), 9) + COVALENT.get(n.GetAtomicNum(), 9))
-                        for n in atom.GetNeighbors()), default=1)
+        shortest = min((share[atom.GetIdx(), n.GetIdx()] for n in atom.GetNeighbors()), default=1)
         if (shortest < SHORT.get(atom.GetAtomicNum(), 0) and atom.GetNumExplicitHs()
                 and all(b.GetBondTypeAsDouble() == 1 for b in atom.GetBonds())):
             lack[atom.GetIdx()] = 1
@@ -328,8 +319,8 @@ def started(path):
         words = dict(word.split("=", 1) for word in text.split("\n", 1)[0].split() if "=" in word)
         return [_plain(mol), words]
     plain, words = confined.run(work, path)
-    one = Molecule(path, *plain)
     try:
-        return Read(one, int(words.get("charge", one.charge)), int(words.get("unpaired", 0)), words.get("built") == "1")
+        charge, unpaired = int(words.get("charge", sum(plain["charges"]))), int(words.get("unpaired", 0))
     except ValueError:
         raise BadInput(f"{path}: its title is not as it was written: remove the file") from None
+    return Molecule(path, **plain, charge=charge, unpaired=unpaired, built=words.get("built") == "1")

@@ -7,25 +7,21 @@ each goes a shorter way, in fewer substeps; measured for propanols from 1.1 to 0
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import replace
 
 from hapgrid_command.files import Failed
 
-from .definition import TEARS
-
 # The rule, all of it. In 99 of 100 places the shape is off by WANTED at most, as far as verify can tell the spacing
 # for that. The grid is never finer than FINEST or coarser than COARSEST, and has at most MOST_POINTS points. This is
-# about places in one branch: where branches end, play asks the model itself beside the grid, or has the tear fractions
-# (definition.TEARS), which make a point cost 2.5 times as much. Of 2-butanol (CPU seconds of the search; of 10,000
-# ticks on paths that touch it, in how many play with the model beside the grid has the model's shape to 0.3 Å, by
-# bench_branches): 89 and 98.5 % at 0.35 Å, 41 and 96.5 % at 0.5 Å, without tear fractions; 102 and 96.5 % at 0.5 Å
-# with them.
+# about places in one branch: where branches end, play asks the model itself beside the grid. Of 2-butanol (CPU seconds of
+# the search; of 10,000 ticks on paths that touch it, in how many play has the model's shape to 0.3 Å, by bench_branches):
+# 89 and 98.5 % at 0.35 Å, 41 and 96.5 % at 0.5 Å.
 WANTED = 0.25  # angstrom, root mean square over the atoms
 FINEST = 0.2  # angstrom
 # Of 14 molecules of up to 8 atoms play is right in 94 to 99 % of such ticks at 0.3 to 0.45 Å (tried.tsv), and in 82 to
 # 95 % at 0.5 to 0.85 Å, which would be enough for WANTED.
 COARSEST = 0.45  # angstrom, where MOST_POINTS allows it
-MOST_POINTS = 11000 if TEARS else 28000
+MOST_POINTS = 28000
 # Where a push tips over a barrier the grid is as fine as that: of 150 random pushes of 1,2-dichloroethane 142 end where
 # the model does at 0.35, and 147 or 148 at 0.2; of butane 143 to 149 at 0.25, and 147 to 150 at 0.2 (bench_basins,
 # seeds 1 to 5). The others only just tip, or only just do not.
@@ -37,17 +33,9 @@ MORE_WALKS = 120  # where the law by which errors fall cannot be told from these
 COST_ORDER = 2.4
 
 
-@dataclass(frozen=True)
-class Resolution:
-    """spacing: of the grid; enough: for WANTED, None where it cannot be told; error: in 99 of 100 places of the coarse
-    grid. All in angstrom."""
-    spacing: float
-    enough: float
-    error: float
-
-
 def decide(report, definition):
-    """The Resolution. report: of verify about the coarse grid, whose definition is given."""
+    """(spacing of the grid, that which is enough for WANTED or None where it cannot be told), angstrom. report: of verify
+    about the coarse grid, whose definition is given."""
     enough, error = enough_by(report)
     coarse = definition.spacing
     if enough is None and error <= WANTED:
@@ -56,9 +44,9 @@ def decide(report, definition):
     wanted = min(COARSEST, enough if enough is not None else coarse * WANTED / error)
     spacing = FINEST if definition.basins else max(FINEST, math.floor(wanted / STEP + 1e-9) * STEP)
     most = MOST_POINTS_BETWEEN_BASINS if definition.basins else MOST_POINTS
-    while spacing < coarse and math.prod(definition.with_spacing(spacing).counts()) > most:
+    while spacing < coarse and math.prod(replace(definition, spacing=spacing).counts()) > most:
         spacing += STEP
-    return Resolution(round(min(spacing, coarse), 4), enough, error)
+    return round(min(spacing, coarse), 4), enough
 
 
 def enough_by(report):
@@ -76,12 +64,12 @@ def scaled(seconds, before, spacing):
     return seconds * (before / spacing) ** COST_ORDER
 
 
-def measure(at, grid):
+def measure(start, grid):
     """The report of verify, as text."""
     def walk(count):
         what = "measuring how far the grid is off between its points"
-        return at.folder.run("verify", grid, "--accuracy", WANTED, "--walks", count, "--recompute", "none", "-j",
-                             at.options.threads, "--format", "json", good=(0, 3, 4),
-                             watch=lambda gone: at.folder.waiting(what, gone, None)).out
+        return start.folder.run("verify", grid, "--accuracy", WANTED, "--walks", count, "--recompute", "none", "-j",
+                             start.options.threads, "--format", "json", good=(0, 3, 4),
+                             watch=lambda gone: start.folder.waiting(what, gone, None)).out
     report = walk(WALKS)
     return walk(MORE_WALKS) if enough_by(report)[0] is None else report

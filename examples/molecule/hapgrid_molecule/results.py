@@ -8,8 +8,6 @@ from dataclasses import dataclass, field, fields, is_dataclass
 
 import numpy as np
 
-from . import geometry
-
 SAME_SHAPE = 0.1  # bohr, root mean square: minima closer than this are one
 
 
@@ -64,10 +62,9 @@ class Way:
 
 @dataclass
 class Path(Way):
-    """A way for a file. torsion: which it turns; nu1: of its saddle, None where its last node is no saddle of xtb; far: the
+    """A way for a file. nu1: of its saddle, None where its last node is no saddle of xtb; far: the
     minimum behind that, None where nobody has looked for it; equal: as Ends has it."""
     name: str = ""
-    torsion: str = ""
     nu1: float = None
     far: Point = None
     equal: bool = False
@@ -87,20 +84,6 @@ class Result:
     found: list = field(default_factory=list)
     dropped: list = field(default_factory=list)
     lower: list = field(default_factory=list)
-
-    def lie_like(self, reference):
-        """If the conformation is the reference (bohr) but for the numbers of its hydrogens, turns everything so that it lies
-        as the reference does: a box that was changed by hand then fits the new shapes. Once more, that changes no digit."""
-        if geometry.equal_in_file(self.x, reference):
-            return
-        heavy = np.array(self.numbers) > 1
-        x = geometry.aligned(self.x, reference, np.where(heavy, self.masses, 0.0))
-        if geometry.rms(x[heavy], reference[heavy]) < SAME_SHAPE:
-            x = geometry.as_in_file(geometry.centred(x, self.masses))
-            self.x = reference if geometry.equal_in_file(x, reference) else x
-            for found in self.found:
-                found.nodes = [geometry.aligned(y, self.x, self.masses) for y in found.nodes]
-                found.nodes[found.start] = self.x
 
 
 def plain(value):

@@ -5,7 +5,7 @@ residue's nitrogen; in a peptide of one residue phi, psi and chi have no number.
 Open Babel's OBRotorList is not used: it leaves out every bond at whose end only hydrogens turn (methyl,
 hydroxyl), and those are among the softest here. What it does otherwise is one loop over the bonds."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,51 +20,36 @@ FLIPPED = np.radians(10)  # of a ring's torsion, on both sides of a plane
 LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
 
 
-@dataclass(frozen=True)
-class Left:
-    """A bond or ring that does not turn, and why."""
-    name: str
-    why: str
-
-
 def label(numbers, atom):
     return f"{SYMBOLS[numbers[atom]]}{atom + 1}"
 
 
+def _named(molecule, atoms):
+    return "-".join(label(molecule.numbers, a) for a in atoms)
+
+
 def find(molecule):
-    """(torsions that turn, what stays as it is)."""
+    """(torsions that turn, [(bond or ring that does not, why)])."""
     numbers, near = molecule.numbers, molecule.neighbours
     stiff = molecule.double - set(molecule.amides)
     names = peptide_names(molecule)
-    found, left = [], _rings(molecule)
+    found, left = [], [(_named(molecule, ring), RING) for ring in molecule.rings()]
     for j in range(len(numbers)):
         for k in near[j]:
             if j > k or min(len(near[j]), len(near[k])) < 2 or geometry.side_of(near, j, k) is None:
                 continue
-            word = f"{label(numbers, j)}-{label(numbers, k)}"
             if (j, k) in stiff:
-                left.append(Left(word, "a double or triple bond does not turn"))
+                left.append((_named(molecule, (j, k)), "a double or triple bond does not turn"))
                 continue
             named, ends = names.get((j, k), (None, {}))
             one = torsions.make(numbers, near, named, ends.get(j), j, k, ends.get(k))
-            name = "-".join(label(numbers, a) for a in one.atoms)
-            if _on_a_line(molecule, one.atoms):
-                left.append(Left(name, "its atoms lie on a line"))
+            name = _named(molecule, one.atoms)
+            if any(len(near[b]) == 2 and np.sin(geometry.angle(molecule.positions, a, b, c)) < LINEAR
+                   for a, b, c in (one.atoms[:3], one.atoms[1:])):
+                left.append((name, "its atoms lie on a line"))
                 continue
             found.append(replace(one, name=named or name))
     return found, left
-
-
-def _on_a_line(molecule, atoms):
-    x, near = molecule.positions, molecule.neighbours
-    for a, b, c in (atoms[:3], atoms[1:]):
-        if np.sin(geometry.angle(x, a, b, c)) < LINEAR and len(near[b]) == 2:
-            return True
-    return False
-
-
-def _rings(molecule):
-    return [Left("-".join(label(molecule.numbers, a) for a in ring), RING) for ring in molecule.rings()]
 
 
 def flipped(molecule, shapes):
@@ -74,12 +59,12 @@ def flipped(molecule, shapes):
         angles = np.array([[geometry.torsion(x, *(ring[(k + n) % len(ring)] for n in range(4))) for k in range(len(ring))]
                            for x in (shapes[0], shapes[-1])])
         if ((angles[0] * angles[1] < 0) & (np.abs(angles).min(axis=0) > FLIPPED)).any():
-            out.append("-".join(label(molecule.numbers, a) for a in ring))
+            out.append(_named(molecule, ring))
     return out
 
 
 def peptide_names(molecule):
-    """{bond (j < k): (name, {an atom of the bond: the atom at which the torsion ends there})}. Angles are
+    """{bond (j < k): (name, {an atom of the bond: the atom at which the torsion ends there, or None})}. Angles are
     those of IUPAC: phi is C-N-CA-C, psi N-CA-C-N, omega CA-C-N-CA."""
     residues = sorted({match[:3] for match in molecule.matches(RESIDUE)})
     residues = _in_order(molecule, residues)
@@ -90,18 +75,14 @@ def peptide_names(molecule):
     for r, (n, ca, c) in enumerate(residues):
         number = "" if len(residues) == 1 else str(r + 1)
         before, after = _partner(molecule, n), _partner(molecule, c)
-        out[_bond(n, ca)] = f"phi{number}", _ends({n: before, ca: c})
-        out[_bond(ca, c)] = f"psi{number}", _ends({ca: n, c: _single(molecule, c, ca)})
+        out[_bond(n, ca)] = f"phi{number}", {n: before, ca: c}
+        out[_bond(ca, c)] = f"psi{number}", {ca: n, c: _single(molecule, c, ca)}
         if after is not None:
-            out[_bond(c, after)] = f"omega{r + 1}", _ends({c: ca, after: _carbon(molecule, after, c)})
+            out[_bond(c, after)] = f"omega{r + 1}", {c: ca, after: _carbon(molecule, after, c)}
         if before is not None and f"omega{r}" not in {name for name, _ in out.values()}:  # a second chain has no omega0
-            out.setdefault(_bond(before, n), (f"omega{r}", _ends({before: _carbon(molecule, before, n), n: ca})))
+            out.setdefault(_bond(before, n), (f"omega{r}", {before: _carbon(molecule, before, n), n: ca}))
         _side_chain(molecule, ca, backbone, number, out)
     return out
-
-
-def _ends(ends):
-    return {at: end for at, end in ends.items() if end is not None}
 
 
 def _partner(molecule, atom):

@@ -1,81 +1,62 @@
 """The steps from a molecule to the paths around its conformation. Each is kept, so that a run that was stopped goes on."""
 
-from dataclasses import dataclass, field
+from dataclasses import replace
 
 import numpy as np
 from hapgrid_command.files import Failed
-from hapgrid_command.work import Work
 
-from . import beyond, ensemble, geometry, optimise, path, torsions
+from . import beyond, ensemble, geometry, optimise, path, rotors, torsions
 from .molecule import conformers
 from .results import Dropped, Ends, Point, Result, SAME_SHAPE, Way, plain, restored
-from .xtb import BOHR, HARTREE, Surface, XtbError
+from .xtb import BOHR, HARTREE, XtbError
 
 SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
 SEED = 1  # of random torsions, where there are too many combinations for all
 
 
-@dataclass
-class Options:
-    """method: of xtb.METHODS; charge: e; solvent: or None; highest: where a scan ends, kJ/mol; search: whether conformers
-    are searched; keep_conformation: whether lower minima are left alone; basins: whether paths go on behind their saddles;
-    ensemble: [(number of a frame, shape in angstrom)], between whose minima paths are looked for instead."""
-    folder: Work
-    method: str
-    charge: int
-    unpaired: int
-    solvent: str
-    highest: float
-    search: bool
-    keep_conformation: bool
-    basins: bool
-    threads: int
-    ensemble: list = field(default_factory=list)
-
-    @property
-    def words(self):
-        """The method, as files name it."""
-        return f"{self.method}-in-{self.solvent}" if self.solvent else self.method
-
-
 class Search:
-    """torsions: all that could turn; driven: those that are turned. Each of these in one of its directions is a job."""
+    """torsions: all that could turn; driven: those that are turned. Each of these in one of its directions is a job. shapes:
+    [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
 
-    def __init__(self, molecule, torsions, driven, options):
-        self.molecule, self.torsions, self.driven, self.options = molecule, torsions, driven, options
-        self.jobs = [(torsion, sign) for torsion in driven for sign in torsion.signs]
-        self.tree = geometry.Tree(molecule.neighbours, molecule.numbers)
+    def __init__(self, start, shapes):
+        self.start, self.molecule, self.shapes = start, start.molecule, shapes
+        self.torsions, self.driven = rotors.find(start.molecule)[0], start.turning
+        self.jobs = [(torsion, sign) for torsion in self.driven for sign in torsion.signs]
+        self.tree = geometry.Tree(self.molecule.neighbours, self.molecule.numbers)
+
+    def say(self, text):
+        self.start.folder.say("  " + text)
+
+    def job(self, number):
+        """The name of the file to which a job leads."""
+        torsion, sign = self.jobs[number]
+        return torsion.file_name(sign)
 
     def result(self, found, dropped, lower=()):
         """dropped: without those that a path has, whose bond it turns though another one was driven."""
         have = {one.name for one in found}
         left = [(name, why) for name, why in dropped if name not in have]
-        return Result(self.molecule.numbers, self.surface.masses, self.options.words, self.driven, self.x, self.energy,
-                      self.nu1, found, left, list(lower))
+        return Result(self.molecule.numbers, self.surface.masses, self.start.words, self.driven, self.x, self.energy,
+                      self.rest.nu1, found, left, list(lower))
 
     # The conformation
 
     def find_conformation(self, keep, relaxed):
-        """Sets surface, x, energy, hessian and nu1. keep: relax the molecule's shape to the nearest minimum instead of
+        """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one; relaxed(starts): relax() of each."""
-        o = self.options
-        if o.solvent is not None:
+        if self.start.options.solvent is not None:
             self._surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
-        shapes = [] if o.keep_conformation else [x for _, x in o.ensemble]
+        shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
         turning = [t.atoms for t in self.driven if not t.rotor and not keep]
         one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, turning, plain(shapes)],
                          lambda: self._conformation(keep, relaxed, shapes))
-        self.x, self.hessian, self.nu1 = one.x, one.hessian, one.nu1
-        self.surface = self._surface(self.x)
+        self.x, self.surface = one.x, self._surface(one.x)
         self.energy = self.surface.energy(self.x)
-
-    def here(self):
-        return Point(self.x, self.energy, self.hessian, self.nu1)
+        self.rest = replace(one, energy=self.energy)
 
     def _surface(self, x):
-        o = self.options
-        return Surface(self.molecule.numbers, x, o.method, o.charge, self.tree, o.unpaired, o.solvent)
+        return self.start.surface(x, self.tree)
 
     def _conformation(self, keep, relaxed, shapes):
         starts = shapes or ([self.molecule.positions] if keep else
@@ -102,7 +83,7 @@ class Search:
     def _what_to_do(self):
         """About a molecule that does not relax. Without water a proton goes from one end of a zwitterion to the other."""
         charges = self.molecule.formal_charges()
-        if self.options.solvent is None and max(charges) > 0 > min(charges):
+        if self.start.options.solvent is None and max(charges) > 0 > min(charges):
             return "; a zwitterion needs water: give --solvent water, or the neutral form"
         return ""
 
@@ -137,25 +118,19 @@ class Search:
     def kept(self, kind, inputs, compute):
         """The result of compute(), of this type, or a Dropped; it is computed once. inputs: the step's name, and what it
         depends on besides the conformation."""
-        return self._take([kind, Dropped], [self.x.tolist(), self.options.highest, *inputs], lambda: _guarded(compute))
+        return self._take([kind, Dropped], [self.x.tolist(), self.start.options.highest, *inputs], lambda: _guarded(compute))
 
     def _take(self, types, inputs, compute):
-        o, numbers = self.options, self.molecule.numbers
-
-        def is_sound(value):
-            try:
-                return restored(types, value, len(numbers)) is not None
-            except ValueError:
-                return False
-        key = [o.folder.version, numbers, o.words, o.charge, o.unpaired, *inputs]
-        return restored(types, o.folder.kept.take(key, lambda: plain(compute()), is_sound), len(numbers))
+        one, folder = self.molecule, self.start.folder
+        key = [folder.version, one.numbers, self.start.words, one.charge, one.unpaired, *inputs]
+        return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
 
     def saddle(self, job):
         """(the saddle of a job by its number, its Ends)."""
         torsion, sign = self.jobs[job]
 
         def compute():
-            guess, tangent = torsions.scan(self.surface, self.here(), torsion, sign, highest=self.options.highest / HARTREE)
+            guess, tangent = torsions.scan(self.surface, self.rest, torsion, sign, highest=self.start.options.highest / HARTREE)
             return self.climbed(guess, tangent)
         top = self.kept(Point, ["saddle", torsion.atoms, sign], compute)
         if isinstance(top, Dropped):
@@ -211,7 +186,7 @@ class Search:
         if turns is None:
             at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (top, ends.near, ends.far))
             raise optimise.NoPath(f"the saddle at {at} joins other minima, at {one} and {two}")
-        return Way(*path.nodes(self.surface, self.tree, top, ends.sign, self.here(), near=ends.near if turns else None,
+        return Way(*path.nodes(self.surface, self.tree, top, ends.sign, self.rest, near=ends.near if turns else None,
                                turns=turns))
 
     def turns_back(self, near):

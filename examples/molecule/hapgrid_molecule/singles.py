@@ -8,14 +8,13 @@ import os
 import re
 import shlex
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 from hapgrid_command.files import Failed, digest
 from hapgrid_command.programs import run_program
 
-from . import files, geometry
+from . import files, geometry, xyz
 from .xtb import HARTREE
 
 HERE = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))  # where single-point-ase is
@@ -24,9 +23,9 @@ DENT = 1.0  # kJ/mol: a deeper one is a minimum, and the path to a barrier has n
 
 
 class SinglePoints:
-    """text: the command; molecule: numbers, charge and unpaired electrons; kept: of a hapgrid_command.work.Work, where results are kept."""
+    """text: the command; kept: of a hapgrid_command.work.Work, where results are kept."""
 
-    def __init__(self, text, numbers, charge, unpaired, kept):
+    def __init__(self, text, molecule, kept):
         try:
             words = shlex.split(text)
         except ValueError as why:
@@ -37,15 +36,14 @@ class SinglePoints:
         self.words = [ours if n == 0 and os.path.isfile(ours) else os.path.abspath(w) if os.path.isfile(w) else w
                       for n, w in enumerate(words)]
         self.method = re.sub(r"[^A-Za-z0-9.+-]+", "_", " ".join([os.path.basename(words[0]), *words[1:]])).strip("_")
-        self.numbers, self.kept = numbers, kept
-        self.title = f"charge={charge} unpaired={unpaired}"
+        self.numbers, self.kept = molecule.numbers, kept
+        self.title = f"charge={molecule.charge} unpaired={molecule.unpaired}"
         self.key = [words, [digest(w) for w in self.words if os.path.isfile(w)]]
 
     def energy(self, x):
         """Hartree, of positions in bohr. The same shape is computed once."""
         text = files.frame(self.numbers, x, self.title)
-        return self.kept.take(["single point", self.key, text], lambda: self._compute(text),
-                              lambda value: isinstance(value, float) and np.isfinite(value))
+        return self.kept.take(["single point", self.key, text], lambda: self._compute(text), xyz.finite)
 
     def _compute(self, text):
         os.makedirs(self.kept.directory, exist_ok=True)
@@ -60,28 +58,19 @@ class SinglePoints:
             raise Failed(f"--single-points: {self.words[0]} ended with {ran.code}: {ran.said}")
         last = (ran.out.strip().splitlines() or [""])[-1]
         try:
-            energy = float(last)
+            return xyz.finite(last)
         except ValueError:
-            energy = np.nan
-        if not np.isfinite(energy):
-            raise Failed(f"--single-points: the last line of {self.words[0]} is '{last}', and not an energy in hartree")
-        return energy
+            raise Failed(f"--single-points: the last line of {self.words[0]} is '{last}', and not an energy in hartree") from None
 
     def put_into(self, result, threads, folder):
         """Puts its own energies into a results.Result in place of xtb's. A path that does not lead from the conformation
         over a barrier by these energies is left out; one that has its highest node before its end, ends there."""
         found = result.found
         shapes = [result.x, *(x for one in found for x in self._shapes(one))]
-        tell = folder.counted("energies by " + self.words[0], len(shapes))
-        with ThreadPoolExecutor(threads) as pool:
-            energies = []
-            for done, energy in enumerate(pool.map(self.energy, shapes), 1):
-                tell(done)
-                energies.append(energy)
-        rest, at = energies[0], 1
+        energies = iter(folder.each("energies by " + self.words[0], self.energy, shapes, threads))
+        rest = next(energies)
         for one in found:
-            count = len(self._shapes(one))
-            own, at = energies[at:at + count], at + count
+            own = [next(energies) for _ in self._shapes(one)]
             if not one.goes_on:
                 one.far = replace(one.far, energy=own.pop())
             own[one.start] = rest  # the same shape, turned otherwise
@@ -90,13 +79,9 @@ class SinglePoints:
         for one in result.found:
             _without_dips(one, rest)
         self._root(result)
-        found, result.found = result.found, []
-        for one in found:
-            why = _fault(one, result.energy)
-            if why:
-                result.dropped.append((one.name, f"by {self.method} {why}"))
-            else:
-                result.found.append(one)
+        faults = {one.name: _fault(one, result.energy) for one in result.found}
+        result.found = [one for one in result.found if not faults[one.name]]
+        result.dropped += [(name, f"by {self.method} {why}") for name, why in faults.items() if why]
 
     def _root(self, result):
         """Where a node is much lower than the conformation, that one becomes the conformation, and its path leads both ways from
@@ -140,10 +125,9 @@ def _without_dips(one, rest):
 
 
 def _opposite(name):
-    for one, other in (("-plus", "-minus"), ("-minus", "-plus")):
-        if name.endswith(one):
-            return name.removesuffix(one) + other
-    return name + "-back"
+    base, _, way = name.rpartition("-")
+    other = {"plus": "minus", "minus": "plus"}.get(way)
+    return f"{base}-{other}" if other else name + "-back"
 
 
 def _fault(one, rest):

@@ -4,17 +4,18 @@ what it computes is kept as files, which the user may change, so its result is w
 import os
 import shlex
 import time
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from hapgrid_command.files import Failed
-from hapgrid_command.work import Work, duration
+from hapgrid_command.files import Failed, digest_of
+from hapgrid_command.work import Work, about
 
-from . import crossing, files, grids, optimise, page, pushing, reading, structures
+from . import crossing, files, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
 from .pieces import signed
-from .search import Options
-from .start import GFN2_ATOMS, Run, read, single_points, surface
-from .xtb import BOHR, XtbError
+from .xtb import BOHR, Surface, XtbError, load
 
+GFN2_ATOMS = 24  # up to which GFN2-xTB is taken
 ENSEMBLE = 8  # frames of an ensemble between which paths are looked for
 # Gradients of xtb in units of a Hessian, which are measured: of propan-2-ol and ethanol 9 to 16 for each way of a
 # bond, and 21 where it goes on behind its barriers; and what an optimiser's step takes besides its gradient.
@@ -22,96 +23,166 @@ HESSIANS, HESSIANS_BEHIND, HESSIANS_AT_FIRST = 15, 12, 15
 ALGEBRA = 0.3
 
 
+@dataclass
+class Start:
+    """The molecule that is felt, and what the steps have in common. options: of the command line; source: of the molecule, in
+    words; search: whether conformers are searched; method: of xtb; turning: bonds (torsions.Torsion); still: [(bond or ring
+    that keeps its place, why)]."""
+    options: object
+    folder: Work
+    molecule: molecule.Molecule
+    source: str
+    search: bool
+    method: str
+    turning: list
+    still: list
+
+    @property
+    def words(self):
+        """The method, as files name it."""
+        return f"{self.method}-in-{self.options.solvent}" if self.options.solvent else self.method
+
+    def surface(self, x, tree=None):
+        """xtb's. x: the conformation, bohr."""
+        return Surface(self.molecule.numbers, x, self.method, self.molecule.charge, tree, self.molecule.unpaired,
+                       self.options.solvent)
+
+    @cached_property
+    def points(self):
+        """The SinglePoints of --single-points, or None."""
+        command = self.options.single_points
+        return command and singles.SinglePoints(command, self.molecule, self.folder.kept)
+
+    def turned_by(self, paths):
+        """The torsions that these paths turn."""
+        return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
+
+
 def run(options):
     """Everything, or all until --until; the line for standard output."""
-    at = Run(options, Work("molecule", options.output, options.quiet))
-    start = read(at)
-    shapes = find_structures(at, start)
+    load()  # before all else: where xtb is missing, that is one line
+    start = read(options)
+    shapes = find_structures(start)
     if options.until != "structures":
-        made = grids.make_grid(at, start, shapes)
+        plan = grids.make_grid(start, shapes)
         if options.until is None:
-            return show(at, start, shapes, made)
-    at.folder.say(f"stopped after the {options.until}: the same command without --until goes on")
+            return show(start, shapes, plan)
+    start.folder.say(f"stopped after the {options.until}: the same command without --until goes on")
     return ""
 
 
-def find_structures(at, start):
-    o, kept = at.options, at.folder
-    points, shapes = single_points(at, start), ensemble(at, start)
+def read(o):
+    """The Start of a command line."""
+    kept = Work("molecule", o.output, o.quiet)
+
+    def compute():
+        one = reading.read(o.file, o.smiles, o.charge, o.uhf)
+        for line in one.said:
+            kept.say("  " + line)
+        kept.enter()
+        kept.write("start.sdf", reading.sdf(one))
+        return ["start.sdf"]
+    text = digest_of(molecule.read_bytes(o.file)) if o.file else o.smiles
+    kept.step("molecule", "", [], [text, o.charge, o.uhf], compute)
+    one, method = reading.started(kept.path("start.sdf")), o.method
+    if method == "auto":
+        method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
+    turning, still = rotors.find(one)
+    rings = sum(why == rotors.RING for _, why in still)
+    if o.torsions is not None:
+        turning, left = only(turning, set(o.torsions.split(",")), o.basins)
+        still = still + left
+    kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
+             + (f"; {rings} rings stay as they are" if rings else ""))
+    source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
+    return Start(o, kept, one, source, o.search or one.built, method, turning, still)
+
+
+def only(turning, wanted, basins):
+    """(the torsions of --torsions, the others). With basins paths go both ways."""
+    known = {t.name for t in turning}
+    if not basins:
+        known = known.union(*(t.file_names() for t in turning))
+    unknown = sorted(wanted - known)
+    if unknown:
+        raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
+    turn = [t if t.name in wanted else t.only(wanted) for t in turning]
+    left = [(t.name, "not among --torsions") for t, one in zip(turning, turn) if not one.signs]
+    return [t for t in turn if t.signs], left
+
+
+def find_structures(start):
+    o, kept = start.options, start.folder
+    shapes = ensemble(start)
 
     def compute():
         if o.method == "auto":
             kept.say("  energies by " + ("GFN2-xTB" if start.method == "gfn2" else
                      f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
-        seconds = structures_take(at, start)
-        if seconds:
-            kept.say(f"  about {duration(seconds)} for conformation and barriers, twice that where a lower minimum is "
-                     "found")
-        one = structures.explore(start.molecule, start.turning, Options(
-            kept, start.method, start.charge, start.unpaired, o.solvent, o.highest, start.search, o.keep_conformation, o.basins,
-            o.threads, shapes))
+        estimate(start)
+        one = structures.explore(start, shapes)
         for name, below in one.lower:
             kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
         files.lie_as_before(kept, one)
-        if points is not None:
-            points.put_into(one, o.threads, kept)
+        if start.points:
+            start.points.put_into(one, o.threads, kept)
         return files.write_set(kept, one, f"hapgrid molecule: {start.source}, {start.method}, "
-                               f"charge {signed(start.charge)}, {start.unpaired} unpaired electrons")
+                               f"charge {signed(start.molecule.charge)}, {start.molecule.unpaired} unpaired electrons")
     kept.step("structures", "looking for the conformation and the barriers around it", ["start.sdf"],
-             [start.method, o.solvent, points and points.key, start.charge, start.unpaired, start.search, o.highest, o.basins,
-              o.keep_conformation, [name for t in start.turning for name in t.file_names()], [x.tolist() for _, x in shapes]],
-             compute)
+              [start.method, o.solvent, start.points and start.points.key, start.molecule.charge, start.molecule.unpaired,
+               start.search, o.highest, o.basins, o.keep_conformation, [name for t in start.turning for name in t.file_names()],
+               [x.tolist() for _, x in shapes]], compute)
     return files.read_set(kept)
 
 
-def ensemble(at, start):
+def ensemble(start):
     """The frames of an XYZ file between whose minima paths are looked for, as reading.ensemble() has them."""
-    o = at.options
-    if not o.basins or not o.file or not o.file.lower().endswith(".xyz"):
-        return []
-    shapes = [(n, x) for n, x in reading.ensemble(o.file) if len(x) == len(start.molecule.numbers)]
+    frames = reading.ensemble(start.options.file) if start.options.basins else []
+    shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
     if len(shapes) > ENSEMBLE:
-        at.folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
+        start.folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
     return shapes[:ENSEMBLE]
 
 
-def structures_take(at, start):
-    """Seconds, within a factor of 2 or so, by a gradient on this machine. None where xtb refuses the shape: the
-    search itself says why."""
-    o, x = at.options, start.molecule.positions / BOHR
+def estimate(start):
+    """Says how long the structures take, within a factor of 2 or so, from the CPU time of a gradient: what else the machine
+    does is not known beforehand. Where xtb refuses the shape, the search itself says why."""
+    o, x = start.options, start.molecule.positions / BOHR
     try:
-        one = surface(at, start, x)
-        each = shortest(lambda: one.energy(x))
+        surface = start.surface(x)
+        each = cpu_seconds(lambda: surface.energy(x))
     except XtbError:
-        return None
-    each += ALGEBRA * shortest(lambda: optimise.projected(np.eye(x.size), x))
+        return
+    each += ALGEBRA * cpu_seconds(lambda: optimise.projected(np.eye(x.size), x))
     ways = sum(len(t.signs) for t in start.turning)
     count = HESSIANS_AT_FIRST + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0))
-    return 2 * x.size * count * each / min(o.threads, max(ways, 1))
+    cores = min(o.threads, max(ways, 1))
+    start.folder.say(f"  {about(2 * x.size * count * each / cores, cores)} for conformation and barriers, twice that where a "
+                     "lower minimum is found")
 
 
-def shortest(compute):
-    """Seconds that it takes, without what else the machine does."""
-    times = [time.monotonic()]
+def cpu_seconds(compute):
+    """CPU seconds of this process that it takes."""
+    times = [time.process_time()]
     for _ in range(5):
         compute()
-        times.append(time.monotonic())
+        times.append(time.process_time())
     return min(after - before for before, after in zip(times, times[1:]))
 
 
-def show(at, start, shapes, plan):
+def show(start, shapes, plan):
     """The line that shows the grid."""
-    o, kept = at.options, at.folder
+    o, kept = start.options, start.folder
     grid = f"{kept.name()}.grid"
     ways = crossing.Crossings if o.basins else pushing.Ways
     kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
-             lambda: ways(kept, grid, shapes, o.threads).write())
+              lambda: ways(kept, grid, shapes, o.threads).write())
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
     if not made:
         raise Failed(f"{kept.path(grid)}: no way of the probe is found that pushes the molecule; hapgrid feel shows the grid")
-    facts = [start.source, start.charge, start.unpaired, start.method]
+    facts = [start.source, start.molecule.charge, start.molecule.unpaired, start.method]
     kept.step("page", "drawing pictures", [grid, *made, "rotors.tsv", "report.tsv", "verify.txt"], facts,
-             lambda: page.write(at, start, start.turned_by(plan.paths), made))
+              lambda: page.write(start, start.turned_by(plan.paths), made))
     out = o.output.rstrip("/") or "/"
     out = f"./{out}" if out.startswith("-") else out
     kept.say(f"done: {out}/index.html sums up")

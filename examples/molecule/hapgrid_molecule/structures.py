@@ -30,33 +30,33 @@ def _each(search, what, method, values):
     _search, values = search, list(values)
     if not values:
         return
-    tell = search.options.folder.counted(what, len(values))
-    with multiprocessing.get_context("fork").Pool(min(search.options.threads, len(values)), end_with_parent) as pool:
+    tell = search.start.folder.counted(what, len(values))
+    threads = min(search.start.options.threads, len(values))
+    with multiprocessing.get_context("fork").Pool(threads, end_with_parent) as pool:
         for done, result in enumerate(pool.imap(_ask, [(method, value) for value in values]), 1):
             tell(done)
             yield values[done - 1], result
 
 
-def explore(molecule, driven, options):
-    """The Result of a molecule. driven: the bonds that are turned; options: search.Options."""
-    keep = not options.search
-    look, finish = (_beyond, _basins) if options.basins else (_saddles, _paths)
-    restarts = 0 if options.keep_conformation else RESTARTS
-    for start in range(restarts + 1):
-        search = Search(molecule, rotors.find(molecule)[0], driven, options)
+def explore(start, shapes):
+    """The Result of a molecule. shapes: of an ensemble, as Search has them."""
+    o = start.options
+    look, finish = (_beyond, _basins) if o.basins else (_saddles, _paths)
+    keep = not start.search
+    for left in reversed(range(1 if o.keep_conformation else RESTARTS + 1)):
+        search = Search(start, shapes)
         search.find_conformation(keep, lambda starts: _relaxed(search, starts))
-        options.folder.say("  conformation: a minimum" + (f", {options.method}" if start == 0 else ""))
-        minima = _minima(search) if options.ensemble else []
+        search.say("conformation: a minimum, " + start.method)
+        minima = _minima(search) if shapes else []
         if minima:
             return _ensemble(search, minima)
-        found, lower = look(search, start < restarts)
-        if start == restarts or lower is None:
-            break
+        found, lower = look(search, left > 0)
+        if left == 0 or lower is None:
+            return finish(search, found)
         name, shape, below = lower
-        options.folder.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower: from there once more")
-        molecule.positions = shape * BOHR
+        search.say(f"{name} leads to a minimum that is {below:.1f} kJ/mol lower: from there once more")
+        start.molecule.positions = shape * BOHR
         keep = True
-    return finish(search, found)
 
 
 def _relaxed(search, starts):
@@ -64,7 +64,7 @@ def _relaxed(search, starts):
     for _, one in _each(search, "relaxing conformers", Search.relax, starts):
         out.append(one)
         if one[-1]:
-            search.options.folder.say(f"  conformer {len(out)}: left out: {one[-1]}")
+            search.say(f"conformer {len(out)}: left out: {one[-1]}")
     return out
 
 
@@ -73,44 +73,43 @@ def _points(search, way):
 
 
 def _path(name, way, **more):
-    return Path(**{**vars(way), "name": name, "torsion": name, **more})
+    return Path(**{**vars(way), "name": name, **more})
+
+
+def _named(search, found, allowed, signed):
+    """naming.names() of {key: (torsion, what was driven, its Way or the Dropped)}, with what is dropped."""
+    dropped = [(job, way.why) for _, job, way in found.values() if isinstance(way, Dropped)]
+    free = {torsion.name for torsion, _, way in found.values() if isinstance(way, Dropped) and way.free}
+    named, other = naming.names(search.torsions, {
+        key: naming.candidate(search.torsions, torsion, job, way, free)
+        for key, (torsion, job, way) in found.items() if not isinstance(way, Dropped)}, allowed, signed)
+    return named, dropped + other
 
 
 # Paths to barriers
 
 def _saddles(search, may_restart):
     """({number of a job: (its saddle, its Ends)}, (name, shape, kJ/mol below) of the first lower minimum or None)."""
-    tops, say = {}, search.options.folder.say
+    tops = {}
     for n, (top, ends) in _each(search, "driving torsions to their barriers", Search.saddle, range(len(search.jobs))):
-        tops[n] = top, ends
+        tops[n], name = (top, ends), search.job(n)
         if isinstance(ends, Dropped):
-            say(f"  {_name(search, n)}: {ends.why}")
+            search.say(f"{name}: {ends.why}")
             continue
-        say(f"  {_name(search, n)}: barrier {search.above(top.energy):.1f} kJ/mol, "
-            f"behind it {search.above(ends.far.energy):.1f}")
+        search.say(f"{name}: barrier {search.above(top.energy):.1f} kJ/mol, behind it {search.above(ends.far.energy):.1f}")
         for side in (ends.near, ends.far):
             below = -search.above(side.energy)
             if may_restart and below > LOWER and search.intact(side.x):
-                return tops, (_name(search, n), side.x, below)
+                return tops, (name, side.x, below)
     return tops, None
-
-
-def _name(search, number):
-    torsion, sign = search.jobs[number]
-    return torsion.file_name(sign)
 
 
 def _paths(search, tops):
     """The Result of paths to the saddles, each saddle once."""
     found, wanted, lower = [], {}, []
-    dropped = [(_name(search, n), ends.why) for n, (_, ends) in tops.items() if isinstance(ends, Dropped)]
-    free = {search.jobs[n][0].name for n, (top, _) in tops.items() if isinstance(top, Dropped) and top.free}
-    candidates = {n: naming.candidate(search.torsions, search.jobs[n][0], _name(search, n),
-                                      Way([search.x, top.x], [top.energy]), free)
-                  for n, (top, ends) in tops.items() if not isinstance(ends, Dropped)}
-    allowed = {name for torsion in search.driven for name in torsion.file_names()}
-    named, other = naming.names(search.torsions, candidates, allowed, True)
-    dropped += other
+    named, dropped = _named(search, {
+        n: (search.jobs[n][0], search.job(n), ends if isinstance(ends, Dropped) else Way([search.x, top.x], [top.energy]))
+        for n, (top, ends) in tops.items()}, {name for torsion in search.driven for name in torsion.file_names()}, True)
     for n, name in named.items():
         top = tops[n][0]
         same = next((known for m, known in wanted.items()
@@ -123,13 +122,11 @@ def _paths(search, tops):
         name, (top, ends) = wanted[n], tops[n]
         if isinstance(way, Dropped):
             dropped.append((name, way.why))
-            search.options.folder.say(f"  {name}: no path: {way.why}")
+            search.say(f"{name}: no path: {way.why}")
             continue
-        bond = name.removesuffix("-plus").removesuffix("-minus")
-        found.append(_path(name, way, torsion=bond, nu1=top.nu1, far=ends.far, equal=ends.equal))
-        if -search.above(ends.far.energy) > LOWER:
-            lower.append((name, -search.above(ends.far.energy)))
-    return search.result(found, dropped, lower)
+        found.append(_path(name, way, nu1=top.nu1, far=ends.far, equal=ends.equal))
+        lower.append((name, -search.above(ends.far.energy)))
+    return search.result(found, dropped, [one for one in lower if one[1] > LOWER])
 
 
 # Paths that go on behind their saddles
@@ -139,9 +136,8 @@ def _beyond(search, may_restart):
     ways = {}
     numbers = [n for n, t in enumerate(search.driven) if not t.rotor]
     for n, way in _each(search, "following torsions from minimum to minimum", Search.beyond, numbers):
-        ways[n] = way
-        name = search.driven[n].name
-        search.options.folder.say(f"  {name}: " + (way.why if isinstance(way, Dropped) else _points(search, way)))
+        ways[n], name = way, search.driven[n].name
+        search.say(f"{name}: " + (way.why if isinstance(way, Dropped) else _points(search, way)))
         if isinstance(way, Dropped):
             continue
         below, k = max((-search.above(way.energies[k]), k) for k in way.minima())
@@ -152,37 +148,34 @@ def _beyond(search, may_restart):
 
 def _basins(search, ways):
     """The Result of these. Behind the saddle of a methyl group is the same shape once more."""
-    dropped = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
-    dropped += [(search.driven[n].name, way.why) for n, way in ways.items() if isinstance(way, Dropped)]
-    free = {search.driven[n].name for n, way in ways.items() if isinstance(way, Dropped) and way.free}
-    candidates = {n: naming.candidate(search.torsions, search.driven[n], search.driven[n].name, way, free)
-                  for n, way in ways.items() if not isinstance(way, Dropped)}
-    named, other = naming.names(search.torsions, candidates, {t.name for t in search.driven if not t.rotor}, False)
+    named, dropped = _named(search, {n: (search.driven[n], search.driven[n].name, way) for n, way in ways.items()},
+                            {t.name for t in search.driven if not t.rotor}, False)
+    same = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
     found = [_path(name, ways[n]) for n, name in named.items()]
     lower = [(one.name, -search.above(min(one.energies))) for one in found]
-    return search.result(found, dropped + other, [one for one in lower if one[1] > LOWER])
+    return search.result(found, same + dropped, [one for one in lower if one[1] > LOWER])
 
 
 # Paths between the minima of an ensemble
 
 def _minima(search):
     """[(frame, minimum)] of the ensemble that are not the conformation, each once."""
-    out, say = [], search.options.folder.say
-    shapes = [x for _, x in search.options.ensemble]
-    for (frame, _), (_, one) in zip(search.options.ensemble, _each(search, "relaxing the ensemble", Search.minimum, shapes)):
+    out, say = [], search.say
+    each = _each(search, "relaxing the ensemble", Search.minimum, [x for _, x in search.shapes])
+    for (frame, _), (_, one) in zip(search.shapes, each):
         if isinstance(one, Dropped):
-            say(f"  frame {frame}: {one.why}")
+            say(f"frame {frame}: {one.why}")
         elif not any(search.same(one.x, x) for x in (search.x, *(other.x for _, other in out))):
             out.append((frame, one))
-            say(f"  frame {frame}: a minimum, {search.above(one.energy):.1f} kJ/mol")
+            say(f"frame {frame}: a minimum, {search.above(one.energy):.1f} kJ/mol")
     if not out:
-        say("  the ensemble has no other minimum than the conformation, so the bonds are turned")
+        say("the ensemble has no other minimum than the conformation, so the bonds are turned")
     return out
 
 
 def _ensemble(search, minima):
     """The Result of paths to these minima. A path that turns one bond alone, and no ring, has its name."""
-    found, dropped, say = [], [], search.options.folder.say
+    found, dropped, say = [], [], search.say
     ways = _each(search, "looking for paths between the minima", Search.between, [one for _, one in minima])
     for (frame, one), (_, way) in zip(minima, list(ways)):
         name = f"to-{frame}"
@@ -196,7 +189,7 @@ def _ensemble(search, minima):
         if len(turning) == 1 and not flips and turning[0] not in [f.name for f in found]:
             name = turning[0]
         found.append(_path(name, way, why=f"the minimum of frame {frame}"))
-        say(f"  frame {frame}: {name}, on which {', '.join(flips + turning) or 'no bond'} turns: {_points(search, way)}")
+        say(f"frame {frame}: {name}, on which {', '.join(flips + turning) or 'no bond'} turns: {_points(search, way)}")
     for name, why in dropped:
-        say(f"  {name}: no path: {why}")
+        say(f"{name}: no path: {why}")
     return search.result(found, dropped)

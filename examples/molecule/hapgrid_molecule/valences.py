@@ -44,7 +44,7 @@ def pair_up(mol, lack, charge):
             end, bonds = chain
             for n, bond in enumerate(bonds):
                 order = int(bond.GetBondTypeAsDouble()) + (-1 if n % 2 else 1)
-                bond.SetBondType((Chem.BondType.SINGLE, Chem.BondType.DOUBLE, Chem.BondType.TRIPLE)[order - 1])
+                bond.SetBondType(Chem.BondType.values[order])
             lack[start] -= 1
             if lack.get(end):
                 lack[end] -= 1

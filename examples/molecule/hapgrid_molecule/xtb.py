@@ -12,7 +12,7 @@ import sys
 
 import numpy as np
 
-from .elements import MASSES, SYMBOLS
+from .elements import MASSES
 
 sys.path.append(os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../xtb"))
 from xtb_library import BOHR, HARTREE, METHODS, Xtb, XtbError, load  # noqa: F401  other modules use them
@@ -37,9 +37,6 @@ class Surface:
         numbers = [int(z) for z in numbers]
         self.method = method
         self.tree = tree
-        missing = sorted({SYMBOLS[z] for z in numbers if z not in MASSES})
-        if missing:
-            raise XtbError("no mass is known for element " + missing[0])
         self.masses = np.array([MASSES[z] for z in numbers])
         self._xtb = Xtb(numbers, np.asarray(positions, float).ravel(), method, charge, unpaired, solvent)
         self._results = self._xtb.new_results()

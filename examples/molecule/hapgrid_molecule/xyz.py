@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from hapgrid_command.files import read_text
 
-from .elements import COVALENT, NUMBERS, SYMBOLS
+from . import geometry
+from .elements import NUMBERS, SYMBOLS
 from .molecule import BadInput
 from .xtb import BOHR, HARTREE
 
@@ -40,51 +41,45 @@ def frames_of(text, what, say=lambda _: None):
     """The Frames of a text, of whichever program. what: it is called in errors; say(line): tells what was put right. Errors:
     BadInput."""
     lines, at, out = text.rstrip().split("\n"), 0, []
+    atoms = {n: _atom(line, say) for n, line in enumerate(lines)}
     while at < len(lines):
-        at = _frame(lines, at, what, say, out) if lines[at].strip() else at + 1
+        at = _frame(lines, atoms, at, what, say, out) if lines[at].strip() else at + 1
     return out
 
 
-def _frame(lines, at, what, say, out):
-    """Adds the Frame that begins in line `at`, and returns the line after it."""
-    title = ""
-    if re.fullmatch(r"\s*\d+\s*", lines[at]):
+def _frame(lines, atoms, at, what, say, out):
+    """Adds the Frame that begins in line `at`, and returns the line after it. atoms: of each line that is one."""
+    if re.fullmatch(r"\s*\d{1,9}\s*", lines[at]):
         count, first = int(lines[at]), at + 2
         title = lines[at + 1] if at + 1 < len(lines) else ""
-        if _atom(title, say) and (at + 1 + count == len(lines) or not _atom(_line(lines, at + 1 + count), say)):
+        if atoms.get(at + 1) and not atoms.get(at + 1 + count):
             say("the line of the title is missing: the atoms are taken from the line after their number on")
             first, title = at + 1, ""
     else:
-        title = "" if _atom(lines[at], say) else lines[at]
+        title = "" if atoms[at] else lines[at]
         first = at + bool(title)
-        count = next((n for n in range(first, len(lines)) if not _atom(lines[n], say)), len(lines)) - first
+        count = next((n for n in range(first, len(lines)) if not atoms[n]), len(lines)) - first
         if count:
             say("the line with the number of atoms is missing: all lines of atoms are taken")
     if count == 0:
         raise BadInput(f"{what}: line {at + 1} has no atoms: not understood as XYZ")
-    atoms = []
-    for n in range(first, first + count):
-        atoms.append(_atom(_line(lines, n), say))
-        if atoms[-1] is None:
-            raise BadInput(f"{what}: line {n + 1} is no atom, but line {at + 1} says that {count} follow")
-    if first > at + 1 or title == "":
-        after = _line(lines, first + count)
-        if _atom(after, say):
-            raise BadInput(f"{what}: line {at + 1} says that {count} atoms follow, but there are more")
-    numbers, x = [a[0] for a in atoms], np.array([a[1:] for a in atoms])
+    last = first + count
+    other = next((n for n in range(first, last) if not atoms.get(n)), None)
+    if other is not None:
+        raise BadInput(f"{what}: line {other + 1} is no atom, but line {at + 1} says that {count} follow")
+    if (first > at + 1 or title == "") and atoms.get(last):
+        raise BadInput(f"{what}: line {at + 1} says that {count} atoms follow, but there are more")
+    numbers, x = [atoms[n][0] for n in range(first, last)], np.array([atoms[n][1:] for n in range(first, last)])
     if 0 in numbers:
         raise BadInput(f"{what}: atom {numbers.index(0) + 1} is of no known element: correct its symbol")
     if not np.isfinite(x).all():
         raise BadInput(f"{what}: a coordinate is not a finite number")
-    if _is_in_bohr(numbers, x):
+    nearest = geometry.shares(numbers, x).min(axis=1)
+    if nearest.min() > 1.5 and nearest.max() < 2.2:  # as if bohr had been written for angstrom
         say("the atoms are 1.9 times too far apart: the coordinates are taken to be in bohr")
         x = x * BOHR
     out.append(Frame(title, numbers, x))
-    return first + count
-
-
-def _line(lines, at):
-    return lines[at] if at < len(lines) else ""
+    return last
 
 
 def _atom(line, say):
@@ -108,17 +103,6 @@ def _atom(line, say):
     return (number if number < len(SYMBOLS) else 0, *x)
 
 
-def _is_in_bohr(numbers, x):
-    """Whether each atom is as far from its nearest neighbour as if bohr had been written for angstrom."""
-    if len(numbers) < 2:
-        return False
-    radius = np.array([COVALENT.get(z, 1.5) for z in numbers])
-    share = np.linalg.norm(x[:, None] - x[None], axis=2) / (radius[:, None] + radius[None])
-    np.fill_diagonal(share, np.inf)
-    nearest = share.min(axis=1)
-    return nearest.min() > 1.5 and nearest.max() < 2.2
-
-
 def frames(path):
     """frames_of() a file."""
     out = frames_of(read_text(path), path)
@@ -127,15 +111,20 @@ def frames(path):
     return out
 
 
+def finite(text):
+    """The number of a text. Errors: ValueError, TypeError, where it is no finite number."""
+    value = float(text)
+    if not np.isfinite(value):
+        raise ValueError(text)
+    return value
+
+
 def number(given, key, where):
     """A number among the words of a title, None where there is none. Errors: BadInput, where it is no finite number."""
     try:
-        value = float(given.get(key, 0))
-        if not np.isfinite(value):
-            raise ValueError
+        return finite(given[key]) if key in given else None
     except ValueError:
         raise BadInput(f"{where}: {key}={given[key]} is no number") from None
-    return value if key in given else None
 
 
 def above(given, conformation, where):

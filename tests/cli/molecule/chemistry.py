@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 sys.path.insert(0, sys.argv[1])
 from hapgrid_molecule import geometry, naming, optimise, reading, results, rotors, search, singles, torsions, xtb
+from hapgrid_molecule.molecule import relaxed
 from hapgrid_molecule.results import Dropped, Ends, Path, Point, Way
 from hapgrid_molecule.xtb import BOHR, HARTREE
 import numpy as np
@@ -14,10 +15,10 @@ import numpy as np
 
 def minimum(smiles):
     """(molecule, surface, its minimum on principal axes), by GFN2-xTB."""
-    one = reading.read(None, smiles).molecule
+    one = reading.read(None, smiles)
     tree = geometry.Tree(one.neighbours, one.numbers)
     surface = xtb.Surface(one.numbers, one.positions / BOHR, "gfn2", one.charge, tree)
-    x = optimise.minimum(surface, one.relaxed(one.positions)[1] / BOHR).x
+    x = optimise.minimum(surface, relaxed(one.rd, one.positions, 500)[1] / BOHR).x
     return one, surface, geometry.on_principal_axes(x, surface.masses)
 
 
@@ -39,7 +40,7 @@ for smiles, wave in (("CN=[N+]=[N-]", 90), ("NC=O", 320), ("C#N", 777)):
 
 # The chi of cystine end at the bridge, those of glutathione's glutamate at the cysteine, and no name comes twice.
 def named(smiles):
-    one = reading.read(None, smiles).molecule
+    one = reading.read(None, smiles)
     found = {t.name: "-".join(rotors.label(one.numbers, a) for a in t.atoms) for t in rotors.find(one)[0]}
     assert len(found) == len(rotors.find(one)[0]), found
     return found
@@ -156,8 +157,8 @@ class Given(singles.SinglePoints):
 
 
 class Quiet:
-    def counted(self, *_):
-        return lambda _: None
+    def each(self, _, compute, values, threads):
+        return list(map(compute, values))
 
 
 def energies_of(given):
@@ -165,7 +166,7 @@ def energies_of(given):
     def shape(angle):
         return geometry.rotated_about(place, 1, 2, [3], deg(angle) - geometry.torsion(place, 0, 1, 2, 3))
     masses = np.array([1.0, 16, 16, 1])
-    found = [Path([shape(100 + sign * 10 * k) for k in range(5)], [0.0] * 5, name=f"turn-{way}", torsion="turn", nu1=-300.0,
+    found = [Path([shape(100 + sign * 10 * k) for k in range(5)], [0.0] * 5, name=f"turn-{way}", nu1=-300.0,
                   far=Point(shape(100 + sign * 70), 0.0, None, 100.0)) for way, sign in (("plus", 1), ("minus", -1))]
     result = results.Result([1, 8, 8, 1], masses, "gfn2", [], shape(100), -3.0, 200.0, found)
     Given(given).put_into(result, 1, Quiet())

@@ -36,7 +36,7 @@ nothing_left .
 obabel -:'CC[O-].[Na+]' -osdf -O salt.sdf 2>obabel.log
 play='hapgrid play salt/salt\.grid --device path:salt/path-H4-C1-C2-O3\.txt --rate 1000 --frames - | hapgrid view --web'
 expect 0 "~${play//|/\\|}" '~.*salt\.sdf: 2 molecules or shapes: the largest is taken, C2H5O- with charge -1; left out: Na\+ with charge \+1; Na is a metal and is not felt
-.*--spacing 0\.6, would take about .*' -- \
+.*--spacing 0\.6 would take about .*' -- \
   hapgrid molecule salt.sdf -o salt --method gfnff --spacing 1.2
 same "number of paths" 1 "$(ls salt/path-*.txt | wc -l)"
 
@@ -112,6 +112,8 @@ same "state" 6 "$(stats cyanide/cyanide.grid --get state.size 2>/dev/null || sta
 # What has no barrier is told with the reason, on the terminal, in rotors.tsv and on the page.
 hapgrid molecule --smiles OO -o peroxide --method gfnff --spacing 1.5 --highest 2 >line 2>log || fail "$(cat log)"
 grep -q 'left out: H3-O1-O2-H4-plus, H3-O1-O2-H4-minus: still climbing at 2 kJ/mol' log || fail "$(cat log)"
+# Before that stands how long it takes, with the cores for which this holds.
+grep -qE 'about [0-9.]+ (s|min|h) on a free core for conformation and barriers' log || fail "$(cat log)"
 grep -q '<td>H3-O1-O2-H4-plus<td>.*<td>still climbing at 2 kJ/mol' peroxide/index.html || fail "the page does not say why"
 # A page names the formula, the charge, the spin, the method with its version, and the energy of the conformation.
 grep -qP '<dt>Formula<dd>H<sub>2</sub>O<sub>2</sub><dt>Charge<dd>0<dt>Spin<dd>singlet<dt>Made from<dd>SMILES OO<dt>Energies<dd>GFN-FF, of libxtb 6\.[0-9.]+<dt>Conformation<dd>-[0-9.]+ hartree' \

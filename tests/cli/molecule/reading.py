@@ -44,22 +44,22 @@ def read():
         except BadInput as why:
             assert expected == "refused" and str(why) == f"{name}: {said}", f"{name}: refused: {why}"
             continue
-        got = f"{one.molecule.formula} {one.charge} {one.unpaired} {'built' if one.built else 'as-given'}"
+        got = f"{one.formula} {one.charge} {one.unpaired} {'built' if one.built else 'as-given'}"
         assert got == expected and "; ".join(one.said) == said, f"{name}: {got}: {one.said}"
-        assert is_sound(one.molecule), f"{name}: no sound shape"
-        assert reading.read(name, None, **options).sdf() == one.sdf(), f"{name}: another time another shape"
+        assert is_sound(one), f"{name}: no sound shape"
+        assert reading.sdf(reading.read(name, None, **options)) == reading.sdf(one), f"{name}: another time another shape"
     # Of two alternate locations the one of 0.60 has its oxygen at y = 1.34.
     for name, atom in (("altloc.pdb", 2), ("altloc2.pdb", 2)):
-        assert abs(reading.read(name, None).molecule.positions[atom, 1] - 1.34) < 1e-6, name
+        assert abs(reading.read(name, None).positions[atom, 1] - 1.34) < 1e-6, name
     # The same ethanol in bohr and in ångström; the file has five decimals.
-    a, b = (distances(reading.read(name, None).molecule.positions) for name in ("bohr.xyz", "ethanol_bom.xyz"))
+    a, b = (distances(reading.read(name, None).positions) for name in ("bohr.xyz", "ethanol_bom.xyz"))
     assert np.abs(a - b).max() < 1e-4, "bohr"
     # What the command keeps is what it goes on with.
     one = reading.read("en2.sdf", None)
-    open(f"{os.environ['work']}/start.sdf", "w").write(one.sdf())
+    open(f"{os.environ['work']}/start.sdf", "w").write(reading.sdf(one))
     two = reading.started(f"{os.environ['work']}/start.sdf")
     assert (two.charge, two.unpaired, two.built) == (2, 0, False), two
-    assert two.molecule.formal_charges() == one.molecule.formal_charges(), two
+    assert two.formal_charges() == one.formal_charges(), two
 
 
 def canonical(text, kind):
@@ -76,9 +76,9 @@ def build():
         if len(sys.argv) < 4 and sum(c.isalpha() for c in smiles) > 18:
             continue  # with another argument all are built, which takes minutes
         one = reading.read(None, smiles)
-        assert (one.charge, one.unpaired, one.built) == (0, 0, True) and is_sound(one.molecule), name
+        assert (one.charge, one.unpaired, one.built) == (0, 0, True) and is_sound(one), name
         if "@" in smiles or "/" in smiles:
-            got, expected = canonical(one.sdf(), "sdf"), canonical(smiles, "smi")
+            got, expected = canonical(reading.sdf(one), "sdf"), canonical(smiles, "smi")
             assert got == expected or expected.count("@") < got.count("@"), f"{name}: {got}, not {expected}"
     for smiles, why in (
             ("C(C)(C)(C)(C)C", "C1 has 5 bonds, too many for its charge of 0: correct its bonds or its charge"),
@@ -95,7 +95,7 @@ def build():
     assert reading.read(None, "[CH2]", unpaired=2).unpaired == 2
     # What MMFF94 has no parameters for, what has nothing to search, and five bonds.
     for smiles in ("C[Se]C", "OB(O)c1ccccc1", "[H][H]", "FP(F)(F)(F)F"):
-        assert is_sound(reading.read(None, smiles).molecule), smiles
+        assert is_sound(reading.read(None, smiles)), smiles
     two = reading.read(None, "CC(O)CN")
     assert two.said == ["the handedness of C2 is not given: one is taken"], two.said
 
@@ -134,7 +134,7 @@ def hostile():
         path = f"{os.environ['work']}/damaged.{name.rsplit('.', 1)[1]}"
         open(path, "wb").write(content)
         try:
-            one = reading.read(path, None).molecule
+            one = reading.read(path, None)
             outcomes["read"] += 1
             assert np.isfinite(one.positions).all()
         except BadInput as why:
