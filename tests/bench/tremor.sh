@@ -11,10 +11,12 @@ source "$(dirname "$0")/lib.sh"
 molecules=$HAPGRID_SOURCE/examples/molecule
 compute ball "$ball" 40
 
-for molecule in alanine-dipeptide butane dichloroethane; do
-  compute $molecule "$molecules/$molecule/$molecule.toml" 20 --set search.tears=false
-done
-compute leu-enkephalin "$molecules/leu-enkephalin/leu-enkephalin.toml" 16 --set search.tears=false
+while read -r molecule points; do
+  compute "$molecule" "$molecules/$molecule/$molecule.toml" "$points" --set search.tears=false
+done <<<"alanine-dipeptide 20
+butane 30
+dichloroethane 20
+leu-enkephalin 30"
 
 # A hand of 300 N/m presses alanine dipeptide and holds it for a minute.
 awk 'BEGIN { for (i = 0; i < 63000; ++i) print (i < 3000 ? -7 + i * 5 / 3000 : -2), 1, 1 }' >path
