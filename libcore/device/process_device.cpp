@@ -85,7 +85,7 @@ bool ProcessDevice::ask(const Vec3& force) noexcept {
 }
 
 /// The next message goes to message_. @return what recv() does
-ssize_t ProcessDevice::take(int flags) noexcept {
+ssize_t ProcessDevice::read_message(int flags) noexcept {
   // An adapter that ends with a force unread resets the socket once; its last word comes then.
   ssize_t got;
   do got = ::recv(guard_.wire(), message_.data(), message_.size(), MSG_TRUNC | flags);
@@ -102,16 +102,16 @@ bool ProcessDevice::is_told() const noexcept {
 /// The end of adapter or guard was seen. What the adapter told before it lies behind an answer at
 /// most, and is the fault then. @return false
 bool ProcessDevice::end(Fault fault) noexcept {
-  for (int messages = 0; messages < 2 && take(MSG_DONTWAIT) > 0; ++messages)
+  for (int messages = 0; messages < 2 && read_message(MSG_DONTWAIT) > 0; ++messages)
     if (is_told()) return fail(Fault::kTold);
   return fail(fault);
 }
 
 /// Waits for a message that is not an error. @return whether there is one
 bool ProcessDevice::receive() noexcept {
-  ssize_t got = take(MSG_DONTWAIT);
+  ssize_t got = read_message(MSG_DONTWAIT);
   const bool waits = got < 0 && errno == EAGAIN;
-  if (waits) got = take(0);
+  if (waits) got = read_message(0);
   if (got < 0 && errno == EAGAIN) return fail(Fault::kSilent);
   if (got <= 0) return fail(Fault::kGone);
   if (is_told()) return fail(Fault::kTold);

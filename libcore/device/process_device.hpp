@@ -80,7 +80,7 @@ class ProcessDevice : public Device {
   std::string what_flaw() const;
   bool fail(Fault fault) noexcept;
   bool ask(const Vec3& force) noexcept;
-  ssize_t take(int flags) noexcept;
+  ssize_t read_message(int flags) noexcept;
   bool is_told() const noexcept;
   bool end(Fault fault) noexcept;
   bool receive() noexcept;

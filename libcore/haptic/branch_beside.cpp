@@ -46,7 +46,7 @@ void BranchTraversal::settle(StepResult& result) noexcept {
   const bool is_asked =
       answer && answer->tick >= trusted_from_ && find_weights(answer->at, weights);
   if (is_asked)
-    take_nearest(weights, answer->state, result);
+    enter_nearest(weights, answer->state, result);
   else if (decide_by_grid(result))
     trusted_from_ = beside_->tick() + age;
   agreed_ = is_asked;
@@ -66,8 +66,8 @@ bool BranchTraversal::find_weights(const Vec3& x, std::array<double, 8>& weights
 }
 
 /// Takes the branch of the cell that is nearest to a state of the model.
-void BranchTraversal::take_nearest(const std::array<double, 8>& weights,
-                                   std::span<const double> state, StepResult& result) noexcept {
+void BranchTraversal::enter_nearest(const std::array<double, 8>& weights,
+                                    std::span<const double> state, StepResult& result) noexcept {
   const double same = kSame * grid_.spec().tolerance;
   const double present = difference(nodes_, weights, state);
   if (present <= same * same) return;

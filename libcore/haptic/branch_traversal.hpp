@@ -79,8 +79,8 @@ class BranchTraversal final : public Traversal {
                    const std::array<RecordIndex, 8>& kept, Branch& branch) const noexcept;
   void change_anchor(StepResult& result) noexcept;
   bool find_weights(const Vec3& x, std::array<double, 8>& weights) const noexcept;
-  void take_nearest(const std::array<double, 8>& weights, std::span<const double> state,
-                    StepResult& result) noexcept;
+  void enter_nearest(const std::array<double, 8>& weights, std::span<const double> state,
+                     StepResult& result) noexcept;
   void find_candidates() noexcept;
   double difference(const std::array<Node, 8>& nodes, const std::array<double, 8>& weights,
                     std::span<const double> state) const noexcept;

@@ -31,7 +31,7 @@ std::uint64_t address_space() {
 std::uint64_t megabytes(std::uint64_t bytes) { return (bytes + 999'999) / 1'000'000; }
 
 /// Takes the priority. @return why the system refused it, empty when it did not
-std::string take_priority() {
+std::string ask_for_priority() {
   rlimit busy{};
   if (::getrlimit(RLIMIT_RTTIME, &busy) == 0) {
     busy.rlim_cur = std::min<rlim_t>(busy.rlim_max, kLongestBusy / std::chrono::microseconds(1));
@@ -76,7 +76,7 @@ Realtime::Realtime(RealtimeMode mode, Device* device) : device_(device) {
   }
   const std::string memory = lock_memory();
   locked_ = memory.empty();
-  std::string priority = take_priority();
+  std::string priority = ask_for_priority();
   scheduled_ = priority.empty();
   if (scheduled_ && device_ && !device_->set_priority(kDevicePriority)) {
     give_priority_back();
