@@ -110,6 +110,8 @@ class Block {
     double slope;     ///< the second derivative
   };
 
+  // Their numbers, by the grid of nodes: of all, and of those that are free (-1: it is held).
+  int node_at(int i, int j, int k) const;
   int free_node(int i, int j, int k) const;
   void build_tetrahedra();
   void build_triangles();

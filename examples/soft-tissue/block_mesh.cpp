@@ -26,16 +26,18 @@ Block::Block(const Options& options) : options_(options) {
         rest_.emplace_back(options_.size[0] * (2 * i - nx) / (2 * nx),
                            options_.size[1] * (2 * j - ny) / (2 * ny), options_.size[2] * k / nz);
       }
-  first_free_ = static_cast<std::size_t>((nx + 1) * (ny + 1));
+  first_free_ = static_cast<std::size_t>(node_at(0, 0, 1));
   build_tetrahedra();
   build_triangles();
   build_pattern();
 }
 
-int Block::free_node(int i, int j, int k) const {
+int Block::node_at(int i, int j, int k) const {
   const auto [nx, ny, nz] = options_.elements;
-  return k == 0 ? -1 : i + (nx + 1) * (j + (ny + 1) * (k - 1));
+  return i + (nx + 1) * (j + (ny + 1) * k);
 }
+
+int Block::free_node(int i, int j, int k) const { return k == 0 ? -1 : node_at(i, j, k - 1); }
 
 void Block::build_tetrahedra() {
   const auto [nx, ny, nz] = options_.elements;
@@ -53,7 +55,7 @@ void Block::build_tetrahedra() {
           for (int a = 0; a < 4; ++a) {
             if (a > 0) at[order[a - 1]] += step[order[a - 1]];
             t.node[a] = free_node(at[0], at[1], at[2]);
-            x[a] = rest_[static_cast<std::size_t>(at[0] + (nx + 1) * (at[1] + (ny + 1) * at[2]))];
+            x[a] = rest_[static_cast<std::size_t>(node_at(at[0], at[1], at[2]))];
           }
           Matrix3 edges;
           edges << x[1] - x[0], x[2] - x[0], x[3] - x[0];
@@ -81,7 +83,7 @@ void Block::build_triangles() {
       for (int a = 0; a < 3; ++a) {
         const auto [i, j, k] = at[a];
         t.node[a] = free_node(i, j, k);
-        t.rest[a] = rest_[static_cast<std::size_t>(i + (nx + 1) * (j + (ny + 1) * k))];
+        t.rest[a] = rest_[static_cast<std::size_t>(node_at(i, j, k))];
       }
       t.area = (t.rest[1] - t.rest[0]).cross(t.rest[2] - t.rest[0]).norm() / 2;
       triangles_.push_back(t);

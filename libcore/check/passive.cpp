@@ -134,6 +134,7 @@ void ask(Check& check, const Grid& grid, const NodeEnergies& nodes,
     return;
   }
   std::vector<OneWayLink> asked;
+  asked.reserve(links.size());
   for (const SnapLink& link : links)
     asked.push_back({link.from, static_cast<std::uint8_t>(link.q)});
   try {
