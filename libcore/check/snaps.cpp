@@ -150,9 +150,10 @@ Check check_snaps(const Grid& grid, std::span<const RecordIndex> records,
   check.found.counted = snaps.size();
   for (std::size_t i = 0; i < snaps.size(); ++i) {
     if (elsewhere[i].empty()) continue;
-    const auto& [record, q] = snaps[i];
-    const std::string what = describe_link(grid, record, q) + ": " + elsewhere[i];
-    check.found.offend(location_of(grid, record, q), [&] { return what; });
+    const Link& link = snaps[i];
+    check.found.offend(location_of(grid, link.first, link.second), [&] {
+      return describe_link(grid, link.first, link.second) + ": " + elsewhere[i];
+    });
   }
   std::erase(distances, -1);
   judge_snaps(check);

@@ -110,11 +110,8 @@ ImdListener::State ImdListener::read(std::span<const std::byte> bytes) {
 
 /// The length of a message without a body is ignored: clients set it to anything.
 void ImdListener::obey(std::int32_t type, std::int32_t length) {
-  const bool greeted = state_ == State::kGreeted;
-  if (greeted && type == kGo) {
-    state_ = State::kRunning;
-  } else if (greeted) {
-    state_ = State::kClosed;
+  if (state_ == State::kGreeted) {
+    state_ = type == kGo ? State::kRunning : State::kClosed;
   } else if (type == kRate) {
     sent_rate_ = true;
   } else if (type == kForcesOnAtoms && length >= 0 && static_cast<std::size_t>(length) <= atoms_) {
