@@ -98,7 +98,7 @@ later = {
     "back": lambda n: os.write(1, state(n, t=1.0)),
     "number": lambda n: os.write(1, state(n - 1)),
     "burns": lambda n: (os.write(1, b"error: the motors burn"), sys.exit(1)),
-    "late": lambda n: (time.sleep(0.12 if n == at else 0), os.write(1, state(n))),
+    "late": lambda n: (time.sleep(0.15 if n == at else 0), os.write(1, state(n))),
     "tardy": lambda n: (time.sleep(0.0035), os.write(1, state(n))),
     "unable": lambda n: forever(),
     "forks": fork_for_ever,
