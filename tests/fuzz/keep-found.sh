@@ -5,7 +5,7 @@
 #   tests/fuzz/keep-found.sh [TARGET...]
 set -euo pipefail
 source=$(cd "$(dirname "$0")" && pwd)
-build=${HAPGRID_FUZZ:-$source/../../build-fuzz}/fuzz
+build=${HAPGRID_FUZZ:-$source/../../build-dev}/fuzz
 (($#)) || set -- $(cd "$source/corpus" && ls)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -1,18 +1,18 @@
 #!/bin/bash
-# Runs fuzz targets, SECONDS each, one on each processor; the preset `fuzz` builds them.
+# Runs fuzz targets, SECONDS each, one on each processor; the preset `dev` builds them.
 #
 #   tests/fuzz/run.sh SECONDS [TARGET...]
 #   tests/fuzz/run.sh --table        only prints the table of all runs so far
 #
-# What a run found is where the next one begins: new inputs are kept in build-fuzz/fuzz/found/TARGET. Findings go
-# to build-fuzz/fuzz/findings, and a line for each run to build-fuzz/fuzz/log. At the end there is a table of the
+# What a run found is where the next one begins: new inputs are kept in build-dev/fuzz/found/TARGET. Findings go
+# to build-dev/fuzz/findings, and a line for each run to build-dev/fuzz/log. At the end there is a table of the
 # targets, summed over all runs since that log was begun (delete it to begin anew): CPU minutes, executions, edges of
 # the code that were reached and libFuzzer's features of the last run, findings.
 set -euo pipefail
 seconds=${1:?seconds for each target}
 shift
 source=$(cd "$(dirname "$0")" && pwd)
-build=${HAPGRID_FUZZ:-$source/../../build-fuzz}/fuzz
+build=${HAPGRID_FUZZ:-$source/../../build-dev}/fuzz
 
 table() {
   printf '|target|CPU minutes|executions|edges|features|findings|\n|---|--:|--:|--:|--:|--:|\n'
