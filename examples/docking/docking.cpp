@@ -2,7 +2,6 @@
 // so are the angles of its softest bonds.
 #include <array>
 #include <cstdio>
-#include <functional>
 #include <hapgrid/plugin.hpp>
 #include <map>
 #include <memory>
@@ -43,48 +42,57 @@ Ligand soft_ligand(const std::string& pdbqt, double torsions, double soft) {
 
 using State = std::array<double, 6 + kMostTorsions>;
 
-/// What all models of a program share that have the same ligand in the same host. Each thread has a
-/// model, and `verify` makes them several times: reading the maps and seeking the deepest
-/// orientations takes longer than the rest of what it does.
+/// What the definition gives that all models of a program with the same ligand in the same host
+/// have in common.
+struct Given {
+  double soft, torsions;
+  std::vector<double> nodes;  // origin and spacing of points, best those of the grid
+  std::string ligand, host;
+  std::vector<std::string> types, maps;
+  bool operator==(const Given&) const = default;
+};
+
+/// Each thread has a model, and `verify` makes them several times: reading the maps and seeking the
+/// deepest orientations takes longer than the rest of what it does.
 struct Site {
+  Given given;
   Poses poses;
   std::vector<table::Atom> atoms;  // of the host, for pictures
-  std::vector<double> nodes;       // origin and spacing of points, best those of the grid
   std::mutex lock{};
-  /// At these points, whose numbers are the keys: found when they are needed.
+  /// At the nodes, whose numbers are the keys: found when they are needed.
   std::map<std::array<int, 3>, State> deepest{};
 };
 
 std::shared_ptr<Site> site_of(hapgrid::PluginParameters& parameters) {
-  const double soft = parameters.positive("soft", 20), torsions = parameters.number("torsions", 0);
-  std::vector<double> nodes = parameters.numbers("nodes");
-  if (nodes.empty()) nodes = {0, 0, 0, 0.5};
-  if (nodes.size() != 4 || !(nodes[3] > 0.05))
-    throw std::runtime_error("parameter nodes must be three coordinates and a spacing");
   const bool by_atoms = parameters.has("host");
-  const std::string ligand = parameters.text("ligand", ""), host = parameters.text("host", "");
-  std::vector<std::string> types, texts;
-  if (!by_atoms) types = parameters.texts("types"), texts = parameters.texts("maps");
+  Given given{parameters.positive("soft", 20),
+              parameters.number("torsions", 0),
+              parameters.numbers("nodes"),
+              parameters.text("ligand", ""),
+              parameters.text("host", ""),
+              {},
+              {}};
+  if (given.nodes.empty()) given.nodes = {0, 0, 0, 0.5};
+  if (given.nodes.size() != 4 || !(given.nodes[3] > 0.05))
+    throw std::runtime_error("parameter nodes must be three coordinates and a spacing");
+  if (!by_atoms) given.types = parameters.texts("types"), given.maps = parameters.texts("maps");
 
-  std::vector<std::size_t> key{std::hash<double>()(soft), std::hash<double>()(torsions)};
-  for (const double number : nodes) key.push_back(std::hash<double>()(number));
-  for (const auto& some : {std::vector<std::string>{ligand, host}, types, texts})
-    for (const std::string& text : some) key.push_back(std::hash<std::string>()(text));
   static std::mutex lock;
   static std::shared_ptr<Site> last;
-  static std::vector<std::size_t> last_key;
   const std::lock_guard<std::mutex> guard(lock);
-  if (last && key == last_key) return last;
-  Ligand body = soft_ligand(ligand, torsions, soft);
+  if (last && last->given == given) return last;
+  Ligand body = soft_ligand(given.ligand, given.torsions, given.soft);
   if (by_atoms) {
-    const std::vector<Atom> atoms = read_host(host);
-    last.reset(new Site{Poses(std::move(body), atoms, soft), {}, nodes});
-    for (const Atom& atom : atoms) last->atoms.push_back({element_of(atom.type), atom.place});
+    const std::vector<Atom> host = read_host(given.host);
+    std::vector<table::Atom> atoms;
+    for (const Atom& atom : host) atoms.push_back({atom.type, atom.place});
+    Poses poses(std::move(body), host, given.soft);
+    last.reset(new Site{std::move(given), std::move(poses), std::move(atoms)});
   } else {
-    const std::vector<table::Lattice> maps = read_maps(texts);
-    last.reset(new Site{Poses(std::move(body), types, maps, soft), maps[0].atoms, nodes});
+    const std::vector<table::Lattice> maps = read_maps(given.maps);
+    Poses poses(std::move(body), given.types, maps, given.soft);
+    last.reset(new Site{std::move(given), std::move(poses), maps[0].atoms});
   }
-  last_key = key;
   return last;
 }
 
@@ -160,13 +168,14 @@ class DockingModel {
   double energy(const double* x, const double* s) const { return poses_.energy(x, s, nullptr); }
 
   void spheres(hapgrid_sphere* spheres) const {
-    const auto show = [&](const std::string& element, float size) {
+    const auto show = [&](const std::string& type, float size) {
+      const std::string element = element_of(type);
       hapgrid_sphere& sphere = *spheres++;
       table::look_of(element, sphere.radius, sphere.colour);
       sphere.radius *= size;
       std::snprintf(sphere.label, sizeof sphere.label, "%s", element.c_str());
     };
-    for (const Atom& atom : poses_.ligand().atoms) show(element_of(atom.type), 0.5F);
+    for (const Atom& atom : poses_.ligand().atoms) show(atom.type, 0.5F);
     for (const table::Atom& atom : site_->atoms) show(atom.label, 0.2F);
   }
 
@@ -211,7 +220,7 @@ class DockingModel {
   /// Turns s over to the deepest orientation around x, if that lies deeper at x. Inside the host a
   /// ligand has hundreds of minima, which mean nothing, since no ligand goes there: one is enough.
   bool give_way(const double* x, double* s) const {
-    const std::vector<double>& nodes = site_->nodes;
+    const std::vector<double>& nodes = site_->given.nodes;
     std::array<int, 3> node{};
     for (int a = 0; a < 3; ++a)
       node[a] = static_cast<int>(std::lround((x[a] - nodes[a]) / nodes[3]));
@@ -229,7 +238,7 @@ class DockingModel {
       if (found != site_->deepest.end()) return found->second;
     }
     double at[3], best = 1e300;
-    for (int a = 0; a < 3; ++a) at[a] = site_->nodes[a] + site_->nodes[3] * node[a];
+    for (int a = 0; a < 3; ++a) at[a] = site_->given.nodes[a] + site_->given.nodes[3] * node[a];
     const std::vector<double> known = minima(at);
     State state{};
     for (std::size_t k = 0; k < known.size(); k += size_) {

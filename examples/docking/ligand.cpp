@@ -300,10 +300,9 @@ void keep_torsions(Ligand& ligand, const std::vector<std::size_t>& kept) {
 }
 
 std::string element_of(const std::string& type) {
-  if (type == "A" || type == "G" || type == "J" || type == "Q" || type[0] == 'C')
-    return type == "Cl" || type == "Ca" ? type : "C";
-  if (type == "Br" || type == "Zn" || type == "Mg" || type == "Mn" || type == "Fe") return type;
-  return type.substr(0, 1);
+  for (const std::string two : {"Cl", "Ca", "Br", "Zn", "Mg", "Mn", "Fe"})
+    if (type.size() == 2 && type[0] == two[0] && (type[1] | ' ') == two[1]) return two;
+  return type == "A" || type == "G" || type == "J" || type == "Q" ? "C" : type.substr(0, 1);
 }
 
 }  // namespace hapgrid::docking

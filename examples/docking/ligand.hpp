@@ -3,26 +3,16 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
 
+#include "examples/table/lattice.hpp"
+
 namespace hapgrid::docking {
 
-using Vector = std::array<double, 3>;
+using table::cross, table::dot, table::length, table::minus, table::Vector;
 using Matrix = std::array<Vector, 3>;  ///< rows
-
-inline double dot(const Vector& a, const Vector& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-inline double length(const Vector& a) { return std::sqrt(dot(a, a)); }
-inline Vector minus(const Vector& a, const Vector& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-inline Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 struct Atom {
   std::string type;  ///< AutoDock's: "C", "A", "OA", "HD", ...

@@ -133,8 +133,7 @@ table::Spline::Value Poses::alone(std::size_t atom, const Vector& place, bool wi
       splines_[kind_[atom]].at(lattice_.coordinates(place.data()), with_hessian);
   table::Spline::Value out;
   out.value = v.value;
-  for (int c = 0; c < 3; ++c)
-    for (int a = 0; a < 3; ++a) out.gradient[c] += m[a][c] * v.gradient[a];
+  out.gradient = lattice_.gradient(v.gradient);
   if (!with_hessian) return out;
   constexpr int kOf[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
   for (int c = 0; c < 3; ++c)

@@ -43,42 +43,36 @@ Field::Field(const Lattice& lattice, const FieldOptions& options, const std::str
             std::isnan(value) ? options.wall : begin + room * -std::expm1(-(value - begin) / room);
   }
   const double high = *std::max_element(values.begin(), values.end());
-  rise_ = (options.has_wall ? options.wall : high) - low;
   spline_ = Spline(lattice_.counts, values);
   find_steepest();
   if (!(high > low) || !(steepest_ > 0) || !std::isfinite(steepest_))
     throw std::runtime_error(name +
                              ": there is nothing to feel: the energy is the same everywhere");
+  double most = 0;  // cells in a unit of length
+  for (const Vector& row : lattice_.inverse) most = std::max(most, length(row));
+  rise_ = 2 * steepest_ / most;
   find_minima(values);
 }
 
 double Field::at(const double* x, double* gradient) const {
   const Vector u = lattice_.coordinates(x);
-  const Spline::Value value = spline_.at(u);
-  double q2 = 0;
   Vector outside{};
   for (int a = 0; a < 3; ++a) {
     const double last = static_cast<double>(lattice_.counts[a] - 1);
     outside[a] = u[a] < 0 ? u[a] : u[a] > last ? u[a] - last : 0;
-    q2 += outside[a] * outside[a];
   }
-  Vector by_lattice = value.gradient;
-  for (int a = 0; a < 3; ++a) {
-    if (outside[a] == 0) continue;
-    by_lattice[a] = rise_ * 2 * outside[a] / ((1 + q2) * (1 + q2));
-  }
-  for (int c = 0; c < 3; ++c) {
-    gradient[c] = 0;
-    for (int a = 0; a < 3; ++a) gradient[c] += lattice_.inverse[a][c] * by_lattice[a];
-  }
-  return value.value + rise_ * q2 / (1 + q2);
-}
-
-Vector Field::place(const std::array<std::size_t, 3>& point) const {
-  Vector x = lattice_.origin;
+  const double q2 = dot(outside, outside);
+  const Spline::Value edge = spline_.at(u, q2 > 0);
+  Vector by_lattice = edge.gradient;
+  constexpr int kOf[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
   for (int a = 0; a < 3; ++a)
-    for (int c = 0; c < 3; ++c) x[c] += static_cast<double>(point[a]) * lattice_.axes[a][c];
-  return x;
+    if (outside[a] != 0)
+      by_lattice[a] += rise_ * outside[a] / std::sqrt(4 + q2);
+    else
+      for (int b = 0; b < 3; ++b) by_lattice[a] += edge.hessian[kOf[a][b]] * outside[b];
+  const Vector g = lattice_.gradient(by_lattice);
+  std::copy(g.begin(), g.end(), gradient);
+  return edge.value + dot(edge.gradient, outside) + rise_ * (std::sqrt(4 + q2) - 2);
 }
 
 void Field::find_steepest() {
@@ -86,10 +80,9 @@ void Field::find_steepest() {
   for (p[2] = 0; p[2] < lattice_.counts[2]; ++p[2])
     for (p[1] = 0; p[1] < lattice_.counts[1]; ++p[1])
       for (p[0] = 0; p[0] < lattice_.counts[0]; ++p[0]) {
-        const Vector x = place(p);
-        double g[3];
-        at(x.data(), g);
-        steepest_ = std::max(steepest_, std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]));
+        Vector g;
+        at(lattice_.place(p).data(), g.data());
+        steepest_ = std::max(steepest_, length(g));
       }
 }
 
@@ -104,7 +97,7 @@ void Field::find_minima(const std::vector<double>& values) {
         bool lower = true;
         for (const std::size_t step : {std::size_t{1}, row, plane})
           lower = lower && *v < *(v - step) && *v < *(v + step);
-        if (lower) found.emplace_back(*v, place({i, j, k}));
+        if (lower) found.emplace_back(*v, lattice_.place({i, j, k}));
       }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -17,9 +17,10 @@ struct FieldOptions {
 /// below the wall's height: c + (wall − c) (1 − exp(−(v − c) / (wall − c))). A spline through
 /// values that jump by orders of magnitude would swing. A missing value is as high as the wall.
 ///
-/// Outside the lattice the energy is that of the nearest place of the lattice, by lattice
-/// coordinates, and rises by q² / (1 + q²) of the wall's height (without a wall, of the range of
-/// the values) for q cells outside. So a sheared table has energies in all of the grid's box.
+/// Outside the lattice the energy goes on in a straight line from the nearest place of the lattice,
+/// by lattice coordinates, and rises by b (√(4 + q²) − 2) for q cells outside. b is twice what the
+/// table rises by in a cell at most, so that the hand comes back. So a sheared table has energies
+/// in all of the grid's box, with forces that do not jump.
 class Field {
  public:
   /// @throw std::runtime_error when a value is missing and there is no wall, when all values lie
@@ -38,11 +39,10 @@ class Field {
  private:
   void find_steepest();
   void find_minima(const std::vector<double>& values);
-  Vector place(const std::array<std::size_t, 3>& point) const;
 
   Lattice lattice_;  // without values and atoms
   Spline spline_;
-  double rise_ = 0;
+  double rise_ = 0;  // energy, for a cell outside
   double steepest_ = 0;
   std::vector<Vector> minima_;
 };

@@ -48,12 +48,6 @@ class Words {
   const std::string& name_;
 };
 
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 void read_counts(Words& words, Lattice& lattice) {
   std::size_t all = 1;
   for (std::size_t& count : lattice.counts) {
@@ -69,7 +63,7 @@ void read_counts(Words& words, Lattice& lattice) {
 void invert(const Words& words, Lattice& lattice) {
   const auto& a = lattice.axes;
   double size = 1;
-  for (const Vector& axis : a) size *= std::sqrt(dot(axis, axis));
+  for (const Vector& axis : a) size *= length(axis);
   const double volume = dot(a[0], cross(a[1], a[2]));
   if (!(std::abs(volume) > 1e-6 * size)) words.fail("its axes lie in one plane");
   for (int k = 0; k < 3; ++k) {
@@ -81,8 +75,22 @@ void invert(const Words& words, Lattice& lattice) {
 }  // namespace
 
 Vector Lattice::coordinates(const double* x) const {
-  const Vector from{x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]};
+  const Vector from = minus({x[0], x[1], x[2]}, origin);
   return {dot(inverse[0], from), dot(inverse[1], from), dot(inverse[2], from)};
+}
+
+Vector Lattice::place(const Spline::Counts& point) const {
+  Vector x = origin;
+  for (int a = 0; a < 3; ++a)
+    for (int c = 0; c < 3; ++c) x[c] += static_cast<double>(point[a]) * axes[a][c];
+  return x;
+}
+
+Vector Lattice::gradient(const Vector& by_lattice) const {
+  Vector g{};
+  for (int a = 0; a < 3; ++a)
+    for (int c = 0; c < 3; ++c) g[c] += inverse[a][c] * by_lattice[a];
+  return g;
 }
 
 Lattice read_lattice(const std::string& text, const std::string& name) {

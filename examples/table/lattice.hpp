@@ -13,6 +13,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,17 @@
 namespace hapgrid::table {
 
 using Vector = std::array<double, 3>;
+
+inline double dot(const Vector& a, const Vector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+inline double length(const Vector& a) { return std::sqrt(dot(a, a)); }
+inline Vector minus(const Vector& a, const Vector& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+inline Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
 
 struct Atom {
   std::string label;  ///< the symbol of the element
@@ -38,6 +50,9 @@ struct Lattice {
 
   /// Lattice coordinates of a place.
   Vector coordinates(const double* x) const;
+  Vector place(const Spline::Counts& point) const;
+  /// The gradient by the place, from that by lattice coordinates.
+  Vector gradient(const Vector& by_lattice) const;
 };
 
 /// The most values of a table; more would not fit into [model.files] either.

@@ -3,11 +3,11 @@
 import html
 import json
 import os
-import shlex
 
 import numpy as np
+from hapgrid_command.files import Failed, digest, remove
 from hapgrid_table import page
-from hapgrid_table.work import BreaksRule, Failed, Work, digest, remove
+from hapgrid_table.work import course
 
 from . import field, maps
 
@@ -24,33 +24,14 @@ def run(o):
     for given in (o.host, o.ligand):
         with open(given, "rb"):  # says why, where it cannot be read
             pass
-    work = Work("dock", o.output, o.quiet)
-    name = os.path.basename(os.path.realpath(o.output))
-    if not all(c.isascii() and (c.isalnum() or c in "-_.") for c in name):
-        raise Failed(f"the name of the folder, {name}, has other characters than letters, digits, '.', '-' and '_'")
-    work.enter()
-    toml, grid = f"{name}.toml", f"{name}.grid"
-    if work.changed_by_hand(toml):
-        work.say(f"{toml} was changed by hand: it is kept")
-    else:
-        options = [o.centre, o.size, o.spacing, o.map_spacing, o.torsions, o.atoms]
+    options = [o.centre, o.size, o.spacing, o.map_spacing, o.torsions, o.atoms]
+
+    def define(work, name):
+        work.enter()
         given = [o.host, o.ligand, *(field.files(o.host).values() if _is_field(o.host) else ())]
         work.step("definition", "reading host and ligand" if o.atoms else "computing the maps", [], [*map(digest, given), options],
                   lambda: _define(o, work, name))
-    if o.until:
-        work.say("stopped after the definition: the same command without --until goes on")
-        return ""
-    broken = None
-    try:
-        work.compute_grid(toml, grid, o.threads)
-    except BreaksRule as why:  # the pictures show where
-        broken = why
-    work.step("page", "drawing pictures", [grid, "verify.txt"], [], lambda: _page(work, name))
-    if broken:
-        raise broken
-    out = o.output.rstrip("/") or "/"
-    work.say(f"done: {out}/index.html sums up")
-    return f"hapgrid feel {shlex.quote(os.path.join(out, grid))}"
+    return course("dock", o, define, _page)
 
 
 def _is_field(path):
@@ -186,8 +167,8 @@ def _page(work, name):
     work.write("index.html", page.frame(name, f"""
 <p>The hand holds the ligand's centre, and the ligand turns by itself. A place has {levels:.2f} orientations on
 average, {len(report["levels_histogram"]) - 1} at most.
-<p>To feel it, in the folder that has this one:
-<p><code>hapgrid feel {name}/{grid}</code>
+<p>To feel it, in this folder:
+<p><code>hapgrid feel {grid}</code>
 <iframe src="played.html" title="the ligand on its way"></iframe>
 <h2>The way in and back</h2>
 <img src="outside.png" alt="outside"> <img src="inside.png" alt="inside">

@@ -3,8 +3,8 @@
 import os
 
 import numpy as np
+from hapgrid_command.files import Failed
 from hapgrid_table import readers
-from hapgrid_table.work import Failed
 
 from . import maps
 

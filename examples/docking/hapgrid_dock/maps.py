@@ -3,8 +3,8 @@
 import os
 
 import numpy as np
+from hapgrid_command.files import Failed
 from hapgrid_table import course, readers
-from hapgrid_table.work import Failed
 
 from . import pqr
 
@@ -34,7 +34,7 @@ def pdbqt(work, given, name, most):
         charges = [] if given.lower().endswith(".mol2") else ["--partialcharge", "gasteiger"]
         rigid = ["-xr"] if name == "host" else []
         out = work.path(f"{name}.pdbqt")
-        _run(work, "obabel", "openbabel", os.path.abspath(given), "-O", os.path.abspath(out), *rigid, *charges)
+        work.run(["obabel"], os.path.abspath(given), "-O", os.path.abspath(out), *rigid, *charges, package="openbabel")
     found = atoms(work.read(f"{name}.pdbqt"), given)
     if not found:
         raise Failed(f"{given}: Open Babel finds no atoms in it")
@@ -43,16 +43,6 @@ def pdbqt(work, given, name, most):
     if all(charge == 0 for _, _, charge in found):
         raise Failed(f"{given}: no atom has a charge")
     return found
-
-
-def _run(work, program, package, *arguments):
-    try:
-        work.run([program], *arguments)
-    except Failed as why:
-        if "is not there" in str(why):
-            other = ", or give --atoms, for a small host" if program == "autogrid4" else ""
-            raise Failed(f"{program} is not there: install the Debian package {package}{other}") from None
-        raise
 
 
 def atoms(text, given):
@@ -70,13 +60,6 @@ def atoms(text, given):
     if any(not kind or not kind.isalnum() or not np.isfinite(place).all() for kind, place, _ in found):
         raise Failed(f"{given}: an atom of the PDBQT has no type or place")
     return found
-
-
-def element(kind):
-    """The symbol of the element of one of AutoDock's types."""
-    if kind in ("Cl", "CL", "Ca", "CA", "Br", "BR", "Zn", "ZN", "Mg", "MG", "Mn", "MN", "Fe", "FE"):
-        return kind.capitalize()
-    return "C" if kind in ("A", "G", "J", "Q") else kind[0]
 
 
 def kinds_of(ligand):
@@ -126,7 +109,7 @@ def compute(work, host, ligand, low, high, spacing):
         *(f"map host.{kind}.map" for kind in kinds), "elecmap host.e.map", "dsolvmap host.d.map",
         "dielectric -0.1465"]) + "\n")
     try:
-        _run(work, "autogrid4", "autogrid", "-p", "host.gpf", "-l", "host.glg")
+        work.run(["autogrid4"], "-p", "host.gpf", "-l", "host.glg", package="autogrid, or give --atoms, for a small host")
     except Failed as why:
         if not os.path.exists(work.path("host.glg")):
             raise
@@ -138,8 +121,7 @@ def compute(work, host, ligand, low, high, spacing):
 
 def write(work, names, tables, host, low, high):
     """Writes the tables for the plug-in. The first one carries the host's atoms near the box, for pictures."""
-    tables[0].atoms = [(element(kind), place) for kind, place, _ in host
-                       if (place > low - 4).all() and (place < high + 4).all()]
+    tables[0].atoms = [(kind, place) for kind, place, _ in host if (place > low - 4).all() and (place < high + 4).all()]
     files = [f"host.{name}.table" for name in names]
     for file, table in zip(files, tables):
         work.write(file, course.table_text(table))

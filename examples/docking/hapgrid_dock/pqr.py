@@ -2,7 +2,7 @@
 charged groups of proteins no charge, so that it cannot make their PDBQT."""
 
 import numpy as np
-from hapgrid_table.work import Failed
+from hapgrid_command.files import Failed
 
 BOND = 1.45  # angstrom: a hydrogen is no farther from its atom, which may be sulphur
 RINGS = {"PHE": "CG CD1 CD2 CE1 CE2 CZ", "TYR": "CG CD1 CD2 CE1 CE2 CZ", "HIS": "CG CD2 CE1",

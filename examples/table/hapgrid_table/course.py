@@ -2,12 +2,12 @@
 
 import math
 import os
-import shlex
 
 import numpy as np
+from hapgrid_command.files import Failed, digest
 
 from . import page, readers
-from .work import Failed, Work, digest
+from .work import course
 
 MOST_POINTS = 2_200_000  # of a grid whose spacing nobody asked for: 130 along each side
 TICKS = 4000  # of the way there, and as many back: at 1 kHz a few seconds
@@ -18,28 +18,10 @@ def run(o):
     if not os.path.isfile(o.file):
         with open(o.file, "rb"):  # says why, where it is no file at all
             raise Failed(f"{o.file}: is no file")
-    work = Work("table", o.output, o.quiet)
-    name = os.path.basename(os.path.realpath(o.output))
-    if not all(c.isascii() and (c.isalnum() or c in "-_.") for c in name):
-        raise Failed(f"the name of the folder, {name}, has other characters than letters, digits, '.', '-' and '_'")
-    toml, grid = f"{name}.toml", f"{name}.grid"
-    if work.changed_by_hand(toml):
-        work.say(f"{toml} was changed by hand: it is kept")
-    else:
-        _define(o, work, name)
-    if o.until:
-        work.say("stopped after the definition: the same command without --until goes on")
-        return ""
-    work.compute_grid(toml, grid, o.threads)
-    work.step("page", "drawing pictures", [grid, "verify.txt"], [], lambda: _page(work, name))
-    out = o.output.rstrip("/") or "/"
-    work.say(f"done: {out}/index.html sums up")
-    return f"hapgrid feel {shlex.quote(os.path.join(out, grid))}"
+    return course("table", o, lambda work, name: _define(o, work, name), _page)
 
 
 def _define(o, work, name):
-    options = [o.force, o.wall, o.factor, o.spacing, o.array, o.unit, o.length_unit]
-
     def compute():
         work.say(f"reading {o.file}")
         table = readers.read(o.file, o.array)
@@ -54,6 +36,7 @@ def _define(o, work, name):
         work.write(f"{name}.table", table_text(table))
         work.write(f"{name}.toml", text)
         return [f"{name}.table", f"{name}.toml"]
+    options = [o.force, o.wall, o.factor, o.spacing, o.array, o.unit, o.length_unit]
     work.step("definition", "", [], [digest(o.file), options], compute)
 
 

@@ -144,9 +144,9 @@ def write(work, name, values):
     table = "".join(f"<tr><td>{a}<td>{b}" for a, b in rows)
     quoted = urllib.parse.quote(name)
     work.write("index.html", frame(name, f"""
-<p>To feel it, in the folder that has this one:
-<p><code>hapgrid feel {name}/{grid}</code>
-<p>Another device goes behind <code>hapgrid play {name}/{grid} --device</code>: see <code>hapgrid play --help</code>.
+<p>To feel it, in this folder:
+<p><code>hapgrid feel {grid}</code>
+<p>Another device goes behind <code>hapgrid play {grid} --device</code>: see <code>hapgrid play --help</code>.
 <table>{table}</table>
 <h2>The energy</h2>
 <img src="slices.png" alt="three planes">

@@ -10,8 +10,7 @@ import zlib
 from dataclasses import dataclass, field
 
 import numpy as np
-
-from .work import Failed
+from hapgrid_command.files import Failed
 
 BOHR = 0.529177210903  # angstrom, CODATA 2018
 MOST_VALUES = 16 << 20

@@ -1,12 +1,41 @@
 """A folder with the one grid that follows from a definition, of `hapgrid table` or `hapgrid dock`."""
 
+import os
+import shlex
 import sys
 import tomllib
 
 from hapgrid_command import grid as grids
 from hapgrid_command.cli import BreaksRule
-from hapgrid_command.files import Failed, digest, remove  # noqa: F401  other modules use them
+from hapgrid_command.files import Failed, is_plain
 from hapgrid_command.work import Work as Folder
+
+
+def course(command, o, define, page):
+    """Everything; the line for standard output. o: the options; define(work, name) makes the definition, and page(work, name)
+    the page."""
+    work = Work(command, o.output, o.quiet)
+    name = os.path.basename(os.path.realpath(o.output))
+    name = name if is_plain(name) else command
+    toml, grid = f"{name}.toml", f"{name}.grid"
+    if work.changed_by_hand(toml):
+        work.say(f"{toml} was changed by hand: it is kept")
+    else:
+        define(work, name)
+    if o.until:
+        work.say("stopped after the definition: the same command without --until goes on")
+        return ""
+    broken = None
+    try:
+        work.compute_grid(toml, grid, o.threads)
+    except BreaksRule as why:  # the pictures show where
+        broken = why
+    work.step("page", "drawing pictures", [grid, "verify.txt"], [], lambda: page(work, name))
+    if broken:
+        raise broken
+    out = o.output.rstrip("/") or "/"
+    work.say(f"done: {out}/index.html sums up")
+    return f"hapgrid feel {shlex.quote(os.path.join(out, grid))}"
 
 
 class Work(Folder):

@@ -95,6 +95,8 @@ try packed.vti packed --array energy
 try text.vti text
 try raw.vti raw
 try sheared.dx sheared --spacing 0.5
+verify sheared/sheared.grid >report
+grep -Eq '^passive .* ok$' report || fail "$(cat report)"
 # The grid carries the table; the report has its size and digest.
 large=$(find . -name '*.table' -size +64k | sort | head -n 1)
 [[ $large ]] || fail 'no table is large'
