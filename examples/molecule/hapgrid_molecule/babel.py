@@ -12,9 +12,9 @@ ION_CHARGES = {3: 1, 9: -1, 11: 1, 12: 2, 17: -1, 19: 1, 20: 2, 25: 2, 26: 2, 27
 
 def with_bonds(numbers, x, what):
     """RDKit's molecule of atoms that are all there, with bonds that Open Babel finds."""
-    rows = [f"{SYMBOLS[z]} " + " ".join(f"{v:.10f}" for v in place) for z, place in zip(numbers, x)]
-    mols = list(molecules(f"{len(rows)}\n\n" + "\n".join(rows) + "\n", "xyz", what, hydrogens=False))
-    if len(mols) != 1 or mols[0].GetNumAtoms() != len(rows):
+    rows = "".join(f"{SYMBOLS[z]} {x:.10f} {y:.10f} {w:.10f}\n" for z, (x, y, w) in zip(numbers, x))
+    mols = list(molecules(f"{len(numbers)}\n\n{rows}", "xyz", what, hydrogens=False))
+    if len(mols) != 1 or mols[0].GetNumAtoms() != len(numbers):
         raise BadInput(f"{what}: not understood as XYZ")
     return mols[0]
 
@@ -31,22 +31,17 @@ def molecules(text, kind, what, hydrogens=True, say=None):
     conversion.SetInFormat(kind)
     more = conversion.ReadString(ob, text)
     while more and ob.NumAtoms():
-        if kind == "mol2":
-            _without_dummies(openbabel, ob, say)
+        dummies = [atom for atom in openbabel.OBMolAtomIter(ob) if kind == "mol2" and atom.GetType().upper() in ("LP", "DU")]
+        if dummies:
+            say(f"{len(dummies)} lone pairs or dummy atoms are left out")
+        for dummy in dummies:
+            near = list(openbabel.OBAtomAtomIter(dummy))
+            ob.DeleteAtom(dummy)
+            for atom in near:
+                openbabel.OBAtomAssignTypicalImplicitHydrogens(atom)
         yield _from_babel(openbabel, ob, hydrogens)
         ob = openbabel.OBMol()
         more = conversion.Read(ob)
-
-
-def _without_dummies(openbabel, ob, say):
-    dummies = [atom for atom in openbabel.OBMolAtomIter(ob) if atom.GetType().upper() in ("LP", "DU")]
-    if dummies:
-        say(f"{len(dummies)} lone pairs or dummy atoms are left out")
-    for dummy in dummies:
-        near = list(openbabel.OBAtomAtomIter(dummy))
-        ob.DeleteAtom(dummy)
-        for atom in near:
-            openbabel.OBAtomAssignTypicalImplicitHydrogens(atom)
 
 
 def _from_babel(openbabel, ob, hydrogens):
@@ -55,7 +50,7 @@ def _from_babel(openbabel, ob, hydrogens):
     mol = unsanitized([a.GetAtomicNum() for a in atoms], [a.GetFormalCharge() for a in atoms],
                       [(j, k, order if 1 <= order <= 3 else 1) for j, k, order in bonds])
     for from_, atom in zip(atoms, mol.GetAtoms()):
-        if hydrogens and from_.GetExplicitDegree() + from_.GetImplicitHCount() > 0 and not _is_ion(from_):
+        if hydrogens and (from_.GetExplicitDegree() > 0 or from_.GetAtomicNum() not in ION_CHARGES):
             atom.SetNumExplicitHs(from_.GetImplicitHCount())
     for atom in mol.GetAtoms():
         double = [b for b in atom.GetBonds() if b.GetBondTypeAsDouble() == 2]
@@ -64,7 +59,3 @@ def _from_babel(openbabel, ob, hydrogens):
         if atom.GetDegree() == 0 and atom.GetTotalNumHs() == 0 and atom.GetFormalCharge() == 0:
             atom.SetFormalCharge(ION_CHARGES.get(atom.GetAtomicNum(), 0))
     return placed(mol, [(a.GetX(), a.GetY(), a.GetZ()) for a in atoms])
-
-
-def _is_ion(atom):
-    return atom.GetExplicitDegree() == 0 and atom.GetAtomicNum() in ION_CHARGES

@@ -8,14 +8,13 @@ chains.
 import numpy as np
 
 from . import geometry
-from .molecule import BadInput, relaxed
+from .molecule import BadInput, numbers_of, places_of, relaxed
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
 
 SEED = 1
 TRIES = 10  # shapes, of which the one of lowest energy is taken: rings have several
 FEW_STEPS, STEPS = 300, 5000  # of the force field, to tell shapes apart, and for the one that is taken
-LEAST_DISTANCE = 0.5  # angstrom
 SMALL_RINGS = 60  # atoms, up to which a shape takes well below a second
 
 
@@ -42,7 +41,7 @@ def with_hydrogens(mol, placed):
     count = mol.GetNumAtoms()
     one = Chem.AddHs(mol, addCoords=placed)
     if placed and one.GetNumAtoms() > count:
-        _, x = relaxed(one, one.GetConformer().GetPositions(), STEPS, range(count))
+        _, x = relaxed(one, places_of(one), STEPS, range(count))
         for n in range(count, len(x)):
             one.GetConformer().SetAtomPosition(n, x[n].tolist())
     return one
@@ -53,20 +52,14 @@ def shape(mol, what):
     if mol.GetNumAtoms() == 1:
         return np.zeros((1, 3))
     best = None
-    numbers = [a.GetAtomicNum() for a in mol.GetAtoms()]
     near = [sorted(n.GetIdx() for n in a.GetNeighbors()) for a in mol.GetAtoms()]
     for x in _embedded(mol):
         energy, x = relaxed(mol, x, FEW_STEPS)
-        strained = not np.isfinite(x).all() or geometry.bonds_of(numbers, x) != near
+        strained = not np.isfinite(x).all() or geometry.bonds_of(numbers_of(mol), x) != near
         if best is None or (strained, energy) < best[:2]:
             best = strained, energy, x
     if best is None or not np.isfinite(best[2]).all():
-        crowded = next((a for a in mol.GetAtoms() if a.GetDegree() > 5), None)
-        if crowded is not None:
-            raise BadInput(f"{what}: no shape can be built around {crowded.GetSymbol()}{crowded.GetIdx() + 1}, which has "
-                           f"{crowded.GetDegree()} neighbours: give a file with a shape")
-        raise BadInput(f"{what}: no shape could be built: is its handedness possible? Otherwise give a "
-                       "file with a shape")
+        raise BadInput(f"{what}: no shape could be built: is its handedness possible? Otherwise give a file with a shape")
     return relaxed(mol, best[2], STEPS)[1]
 
 
@@ -87,10 +80,3 @@ def _embedded(mol):
         if found:
             return [one.GetConformer(n).GetPositions() for n in found]
     return []
-
-
-def unspecified(mol):
-    """The numbers, from 1, of atoms whose handedness, and of double bonds whose side, nothing says."""
-    found = Chem.FindPotentialStereo(mol)
-    return [place.centeredOn + 1 for place in found if place.type == Chem.StereoType.Atom_Tetrahedral
-            and place.specified == Chem.StereoSpecified.Unspecified]

@@ -120,6 +120,14 @@ def relaxed(rd, positions, steps, fixed=()):
     return field.CalcEnergy(), np.array(field.Positions()).reshape(-1, 3)
 
 
+def numbers_of(rd):
+    return [a.GetAtomicNum() for a in rd.GetAtoms()]
+
+
+def places_of(rd):
+    return rd.GetConformer().GetPositions() if rd.GetNumConformers() else np.zeros((rd.GetNumAtoms(), 3))
+
+
 def read_bytes(path):
     """The content of a file from outside. A device or a pipe, which might never end, is refused."""
     descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)

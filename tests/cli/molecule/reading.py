@@ -85,7 +85,7 @@ def build():
             ("c1cccc1", "not understood: its aromatic rings have no alternating bonds: mark the hydrogen of a nitrogen, as in "
              "[nH], or write single and double bonds"),
             ("[CH2]", "open valences of C1: write the hydrogen that is missing, or give --uhf: 0 for a singlet, 2 for a triplet"),
-            ("FS(F)(F)(F)(F)F", "no shape can be built around S2, which has 6 neighbours: give a file with a shape"),
+            ("FS(F)(F)(F)(F)F", "no shape could be built: is its handedness possible? Otherwise give a file with a shape"),
             ("CC)", "not understood"), ("C C", "not understood")):
         try:
             reading.read(None, smiles)
