@@ -25,7 +25,7 @@ def _leg(search, torsion, sign, start, apart):
         raise optimise.NoPath(f"the saddle at {search.above(saddle.energy):.2f} kJ/mol joins other minima")
     if not search.intact(far.x):
         raise optimise.NoPath("bonds change")
-    return path.over(search, saddle, near_sign, far_sign, start, far, apart)
+    return path.over(search.surface, saddle, near_sign, far_sign, start, far, apart)
 
 
 def drive(search, torsion, sign, apart=None, known=()):

@@ -51,7 +51,7 @@ def numbered_alike(molecule, x, reference):
 
 def _chain(search, a, b):
     """Shapes from a to b, straight in internal coordinates: torsions turn the short way."""
-    tree = search.tree
+    tree = search.surface.tree
     q = tree.read(a)
     change = tree.read(b) - q
     change[2] = geometry.wrapped(change[2])
@@ -125,7 +125,7 @@ def way(search, b):
     """The Way from the conformation to minimum b."""
     out, at, apart = Way([search.x], [search.energy]), search.rest, None
     for saddle, (near_sign, _), (far_sign, far) in legs(search, at, b):
-        up, down, at, apart = path.over(search, saddle, near_sign, far_sign, at, far, apart)
+        up, down, at, apart = path.over(search.surface, saddle, near_sign, far_sign, at, far, apart)
         out.add(*up, "saddle")
         out.add(*down, "minimum")
     out.nodes[1:] = [geometry.aligned(n, search.x, search.surface.masses) for n in out.nodes[1:]]

@@ -108,7 +108,7 @@ def stiffness_of(start, shapes, paths, softer):
 
     def compute():
         found = [f for f in shapes.found if f.name in paths]
-        one = stiffness.of_paths(start.molecule, start.surface(shapes.x), shapes.x, found, PENALTY).rounded()
+        one = stiffness.of_paths(start.surface(shapes.x), shapes.x, found, PENALTY).rounded()
         kept.write("stiffness.json", json.dumps(asdict(one), indent=1) + "\n")
         return ["stiffness.json"]
     kept.step("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(

@@ -5,7 +5,7 @@ residue's nitrogen; in a peptide of one residue phi, psi and chi have no number.
 Open Babel's OBRotorList is not used: it leaves out every bond at whose end only hydrogens turn (methyl,
 hydroxyl), and those are among the softest here. What it does otherwise is one loop over the bonds."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -132,3 +132,57 @@ def _side_chain(molecule, ca, backbone, number, out):
             out.setdefault(bond, (f"chi{number}_{depth}" if number else f"chi{depth}", {}))
         seen.add(to)
         at, depth = to, depth + 1
+
+
+@dataclass
+class Candidate:
+    """A path that may be taken. job: what was driven, as messages name it; number: of the torsion that was driven; turns:
+    how far each torsion turns, radians; height: of its barrier."""
+    job: str
+    number: int
+    turns: np.ndarray
+    height: float
+
+
+def candidate(bonds, torsion, job, way, free):
+    """The Candidate of a Way on behind barriers, or from the conformation to one. bonds: all Torsions that turn; free: names of
+    those that turn freely, so that it says nothing how far they do on the way."""
+    to_end, extent = torsions.turned(bonds, way.nodes)
+    number = next(n for n, t in enumerate(bonds) if t.name == torsion.name)
+    held = [n == number or t.name not in free for n, t in enumerate(bonds)]
+    return Candidate(job, number, np.where(held, extent if way.goes_on else to_end, 0.0), way.barrier)
+
+
+def names(bonds, candidates, allowed, signed):
+    """({key: name of its path} in the order in which they are taken, [(job, why it has no path)]). candidates: {key: Candidate};
+    allowed: the names that are wanted; signed: whether a name says in which direction its bond turns.
+
+    Driving one bond can lead to the barrier of another: that of P-OH in methyl phosphate leads to the barrier of its methyl
+    group. So a path has the name of the bond that was driven only if this turns at least half as far as any other; otherwise
+    it has the name of that which turns farthest. Where several paths turn one bond the same way, that is kept for which this
+    bond was driven, or else the lowest.
+    """
+    farthest = {key: torsions.farthest(one.turns, one.number) for key, one in candidates.items()}
+    out = {}
+    left = [(one.job, "no bond turns on the way to its barrier") for key, one in candidates.items() if farthest[key] is None]
+
+    def order(key):
+        """Paths whose driven bond turns come first; where several lead to one barrier, that whose bond turns farther gives
+        the name. Of the others the lowest comes first."""
+        one, turns = candidates[key], np.abs(candidates[key].turns)
+        is_own = farthest[key] == one.number
+        return (0, -round(float(turns[one.number] / turns.max()), 1)) if is_own else (1, one.height)
+    for key in sorted((key for key, n in farthest.items() if n is not None), key=order):
+        one, n = candidates[key], farthest[key]
+        name = bonds[n].file_name(np.sign(one.turns[n])) if signed else bonds[n].name
+        turns = "turns {} instead, by {:.0f} degrees against {:.0f}".format(
+            name, *np.abs(np.degrees([one.turns[n], one.turns[one.number]])))
+        if name in out.values():
+            left.append((one.job, turns if n != one.number else f"turns as {name} does, over another barrier"))
+        elif name not in allowed:
+            left.append((one.job, turns + ", which is not looked for"))
+        else:
+            out[key] = name
+            if n != one.number:
+                left.append((one.job, turns))
+    return out, left

@@ -23,7 +23,6 @@ class Search:
         self.start, self.molecule, self.shapes = start, start.molecule, shapes
         self.torsions, self.driven = rotors.find(start.molecule)[0], start.turning
         self.jobs = [(torsion, sign) for torsion in self.driven for sign in torsion.signs]
-        self.tree = geometry.Tree(self.molecule.neighbours, self.molecule.numbers)
 
     def say(self, text):
         self.start.folder.say("  " + text)
@@ -46,17 +45,14 @@ class Search:
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
         looking for the lowest one; relaxed(starts): relax() of each."""
         if self.start.options.solvent is not None:
-            self._surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
+            self.start.surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
         turning = [t.atoms for t in self.driven if not t.rotor and not keep]
         one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, turning, plain(shapes)],
                          lambda: self._conformation(keep, relaxed, shapes))
-        self.x, self.surface = one.x, self._surface(one.x)
+        self.x, self.surface = one.x, self.start.surface(one.x)
         self.energy = self.surface.energy(self.x)
         self.rest = replace(one, energy=self.energy)
-
-    def _surface(self, x):
-        return self.start.surface(x, self.tree)
 
     def _conformation(self, keep, relaxed, shapes):
         starts = shapes or ([self.molecule.positions] if keep else
@@ -74,7 +70,7 @@ class Search:
         # was found: then one run of xtb on the conformation's file gives the same energy.
         x = best[1]
         for _ in range(2):
-            surface = self._surface(x)
+            surface = self.start.surface(x)
             x = optimise.minimum(surface, x).x
         x = geometry.as_in_file(geometry.on_principal_axes(x, surface.masses))
         hessian = surface.hessian(x)
@@ -90,7 +86,7 @@ class Search:
     def relax(self, start):
         """(x, energy, why it is left out) of a shape in angstrom."""
         try:
-            surface = self._surface(start / BOHR)
+            surface = self.start.surface(start / BOHR)
             x, energy, _ = optimise.search(surface, start / BOHR, surface.hessian(start / BOHR), tolerance=1e-4, steps=400,
                                            renew=surface.hessian, every=50, tree=surface.tree)
         except (optimise.NotConverged, XtbError) as why:
@@ -186,7 +182,7 @@ class Search:
         if turns is None:
             at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (top, ends.near, ends.far))
             raise optimise.NoPath(f"the saddle at {at} joins other minima, at {one} and {two}")
-        return Way(*path.nodes(self.surface, self.tree, top, ends.sign, self.rest, near=ends.near if turns else None,
+        return Way(*path.nodes(self.surface, top, ends.sign, self.rest, near=ends.near if turns else None,
                                turns=turns))
 
     def turns_back(self, near):

@@ -11,7 +11,7 @@ import numpy as np
 from hapgrid_command.files import Failed, digest_of
 from hapgrid_command.work import Work, about
 
-from . import crossing, files, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
+from . import crossing, files, geometry, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
 from .pieces import signed
 from .xtb import BOHR, Surface, XtbError, load
 
@@ -42,10 +42,14 @@ class Start:
         """The method, as files name it."""
         return f"{self.method}-in-{self.options.solvent}" if self.options.solvent else self.method
 
-    def surface(self, x, tree=None):
+    def surface(self, x):
         """xtb's. x: the conformation, bohr."""
-        return Surface(self.molecule.numbers, x, self.method, self.molecule.charge, tree, self.molecule.unpaired,
+        return Surface(self.molecule.numbers, x, self.method, self.molecule.charge, self.tree, self.molecule.unpaired,
                        self.options.solvent)
+
+    @cached_property
+    def tree(self):
+        return geometry.Tree(self.molecule.neighbours, self.molecule.numbers)
 
     @cached_property
     def points(self):

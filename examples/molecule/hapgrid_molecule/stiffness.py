@@ -54,7 +54,7 @@ class Stiffness:
 def tangent(tree, nodes, start, masses):
     """∂b/∂t of a path at its node `start`, which is the conformation, as the model's shapes have it.
     nodes, result: (atoms, 3) in one unit of length."""
-    spline = path.natural_spline(path.internal_nodes(tree, nodes))
+    spline = path.spline(tree, nodes)
     at, step = start / (len(nodes) - 1), 1e-3
     one, two = (geometry.aligned(tree.build(spline(t)), nodes[start], masses) for t in (at - step, at + step))
     return (two - one) / (2 * step)
@@ -77,10 +77,8 @@ def rule(hessian, x, masses, tangents, penalty):
     return Stiffness(shift, rotation, morph)
 
 
-def of_paths(molecule, surface, x, found, penalty):
-    """The Stiffness for the paths `found` (Paths). surface: of xtb; x: the conformation,
-    bohr."""
+def of_paths(surface, x, found, penalty):
+    """The Stiffness for the paths `found` (Paths). surface: of xtb; x: the conformation, bohr."""
     hessian = surface.hessian(x) * HARTREE / BOHR**2
-    tree = geometry.Tree(molecule.neighbours, molecule.numbers)
-    tangents = [tangent(tree, [node * BOHR for node in f.nodes], f.start, surface.masses) for f in found]
+    tangents = [tangent(surface.tree, [node * BOHR for node in f.nodes], f.start, surface.masses) for f in found]
     return rule(hessian, x * BOHR, surface.masses, tangents, penalty)

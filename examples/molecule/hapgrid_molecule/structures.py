@@ -8,7 +8,7 @@ import multiprocessing
 
 from hapgrid_command.programs import end_with_parent
 
-from . import naming, rotors, torsions
+from . import rotors, torsions
 from .results import Dropped, Path, Way
 from .search import SAME_ENERGY, Search
 from .xtb import BOHR, HARTREE
@@ -77,11 +77,11 @@ def _path(name, way, **more):
 
 
 def _named(search, found, allowed, signed):
-    """naming.names() of {key: (torsion, what was driven, its Way or the Dropped)}, with what is dropped."""
+    """rotors.names() of {key: (torsion, what was driven, its Way or the Dropped)}, with what is dropped."""
     dropped = [(job, way.why) for _, job, way in found.values() if isinstance(way, Dropped)]
     free = {torsion.name for torsion, _, way in found.values() if isinstance(way, Dropped) and way.free}
-    named, other = naming.names(search.torsions, {
-        key: naming.candidate(search.torsions, torsion, job, way, free)
+    named, other = rotors.names(search.torsions, {
+        key: rotors.candidate(search.torsions, torsion, job, way, free)
         for key, (torsion, job, way) in found.items() if not isinstance(way, Dropped)}, allowed, signed)
     return named, dropped + other
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 sys.path.insert(0, sys.argv[1])
-from hapgrid_molecule import geometry, naming, optimise, reading, results, rotors, search, singles, torsions, xtb
+from hapgrid_molecule import geometry, optimise, reading, results, rotors, search, singles, torsions, xtb
 from hapgrid_molecule.molecule import relaxed
 from hapgrid_molecule.results import Dropped, Ends, Path, Point, Way
 from hapgrid_molecule.xtb import BOHR, HARTREE
@@ -58,10 +58,10 @@ deg = np.radians
 
 
 def of(number, turns, height, job):
-    return naming.Candidate(job, number, deg(np.array(turns)), height)
+    return rotors.Candidate(job, number, deg(np.array(turns)), height)
 
 
-names, left = naming.names([a, b, c], {
+names, left = rotors.names([a, b, c], {
     0: of(1, [59, 3, 0], 2.0, "b-plus"),  # the P-OH, whose barrier is the methyl group's
     1: of(1, [0, -40, 70], 3.0, "b-minus"),  # b turns, too
     2: of(2, [0, 5, 60], 9.0, "c-plus"),
@@ -71,11 +71,11 @@ assert names == {2: "c-plus", 1: "b-minus", 0: "a"}, names
 assert left == [("c-minus", "no bond turns on the way to its barrier"),
                 ("b-plus", "turns a instead, by 59 degrees against 3")], left
 # Of two that turn a the lower is kept, unless a itself was driven. What nobody asked for is no path.
-names, left = naming.names([a, b, c], {0: of(1, [59, 3, 0], 2.0, "b-plus"), 1: of(2, [58, 3, 0], 1.0, "c-plus"),
+names, left = rotors.names([a, b, c], {0: of(1, [59, 3, 0], 2.0, "b-plus"), 1: of(2, [58, 3, 0], 1.0, "c-plus"),
                                        2: of(2, [0, -60, 1], 1.0, "c-minus")}, {"a", "c-plus"}, True)
 assert names == {1: "a"} and dict(left)["b-plus"] == "turns a instead, by 59 degrees against 3", (names, left)
 assert dict(left)["c-minus"] == "turns b-minus instead, by 60 degrees against 1, which is not looked for", left
-names, _ = naming.names([a, b], {0: of(1, [59, 3], 2.0, "b-plus"), 1: of(0, [60, 0], 5.0, "a")}, {"a"}, True)
+names, _ = rotors.names([a, b], {0: of(1, [59, 3], 2.0, "b-plus"), 1: of(0, [60, 0], 5.0, "a")}, {"a"}, True)
 assert names == {1: "a"}, names
 
 
@@ -84,8 +84,8 @@ chain = np.array([[0, 1, -0.5], [0, 0, 0], [0, 0, 1.5], [0, 1.4, 2], [0.5, 1.5, 
 a, b = (torsions.Torsion(name, atoms, (), (1, -1), False) for name, atoms in (("a", (0, 1, 2, 3)), ("b", (1, 2, 3, 4))))
 turned = geometry.rotated_about(geometry.rotated_about(chain, 1, 2, [3, 4], deg(70)), 2, 3, [4], deg(20))
 for free, name in ((set(), "a-plus"), ({"a"}, "b-plus"), ({"a", "b"}, "b-plus")):
-    one = naming.candidate([a, b], b, "b-plus", Way([chain, turned], [1.0]), free)
-    names, _ = naming.names([a, b], {0: one}, {"a-plus", "b-plus"}, True)
+    one = rotors.candidate([a, b], b, "b-plus", Way([chain, turned], [1.0]), free)
+    names, _ = rotors.names([a, b], {0: one}, {"a-plus", "b-plus"}, True)
     assert names == {0: name}, (free, names)
 
 
