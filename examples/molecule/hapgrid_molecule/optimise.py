@@ -21,7 +21,7 @@ class TurnsFreely(NoPath):
 
 
 class NotConverged(NoPath):
-    """The steps did not suffice; the message says how far the search came."""
+    """The steps did not suffice."""
 
 
 def projected(hessian, x, weights=None):
@@ -144,7 +144,7 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
     if not strict:
         return x, energy, hessian
     left = np.abs(gradient).max()
-    raise NotConverged(f"{steps} steps left a gradient of {left:.1e} hartree/bohr")
+    raise NotConverged(f"not converged: {steps} steps left a gradient of {left:.1e} hartree/bohr")
 
 
 def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
@@ -166,7 +166,7 @@ def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
             return point(surface, x, energy, exact)
         # A saddle, kept by symmetry: leave it along the mode that falls.
         x = x + 0.1 * vectors[:, 0].reshape(-1, 3)
-    raise NotConverged("no minimum near a point of symmetry")
+    raise NotConverged("not converged: no minimum near a point of symmetry")
 
 
 def saddle(surface, x, direction, tolerance=3e-6):

@@ -16,28 +16,22 @@ SEED = 1  # of random torsions, where there are too many combinations for all
 
 
 class Search:
-    """torsions: all that could turn; driven: those that are turned. Each of these in one of its directions is a job. shapes:
+    """torsions: all that could turn; driven: those that are turned; jobs: {name of a path: (one of these, direction)}. shapes:
     [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
 
     def __init__(self, start, shapes):
         self.start, self.molecule, self.shapes = start, start.molecule, shapes
         self.torsions, self.driven = rotors.find(start.molecule)[0], start.turning
-        self.jobs = [(torsion, sign) for torsion in self.driven for sign in torsion.signs]
+        self.jobs = {torsion.file_name(sign): (torsion, sign) for torsion in self.driven for sign in torsion.signs}
 
     def say(self, text):
         self.start.folder.say("  " + text)
 
-    def job(self, number):
-        """The name of the file to which a job leads."""
-        torsion, sign = self.jobs[number]
-        return torsion.file_name(sign)
-
-    def result(self, found, dropped, lower=()):
+    def result(self, found, dropped):
         """dropped: without those that a path has, whose bond it turns though another one was driven."""
         have = {one.name for one in found}
-        left = [(name, why) for name, why in dropped if name not in have]
         return Result(self.molecule.numbers, self.surface.masses, self.start.words, self.driven, self.x, self.energy,
-                      self.rest.nu1, found, left, list(lower))
+                      self.rest.nu1, found, [(name, why) for name, why in dropped if name not in have])
 
     # The conformation
 
@@ -114,7 +108,12 @@ class Search:
     def kept(self, kind, inputs, compute):
         """The result of compute(), of this type, or a Dropped; it is computed once. inputs: the step's name, and what it
         depends on besides the conformation."""
-        return self._take([kind, Dropped], [self.x.tolist(), self.start.options.highest, *inputs], lambda: _guarded(compute))
+        def guarded():
+            try:
+                return compute()
+            except (optimise.NoPath, XtbError) as why:
+                return Dropped(str(why), isinstance(why, optimise.TurnsFreely))
+        return self._take([kind, Dropped], [self.x.tolist(), self.start.options.highest, *inputs], guarded)
 
     def _take(self, types, inputs, compute):
         one, folder = self.molecule, self.start.folder
@@ -122,26 +121,20 @@ class Search:
         return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
 
     def saddle(self, job):
-        """(the saddle of a job by its number, its Ends)."""
+        """The Ends of a job."""
         torsion, sign = self.jobs[job]
-
-        def compute():
-            guess, tangent = torsions.scan(self.surface, self.rest, torsion, sign, highest=self.start.options.highest / HARTREE)
-            return self.climbed(guess, tangent)
-        top = self.kept(Point, ["saddle", torsion.atoms, sign], compute)
-        if isinstance(top, Dropped):
-            return top, top
-        return top, self.kept(Ends, ["ends", torsion.atoms, sign], lambda: self._ends(top))
+        highest = self.start.options.highest / HARTREE
+        return self.kept(Ends, ["saddle", torsion.atoms, sign], lambda: self._ends(
+            self.climbed(*torsions.scan(self.surface, self.rest, torsion, sign, highest=highest))))
 
     def path(self, job):
         """The Way to a job's saddle."""
-        top, ends = self.saddle(job)
         torsion, sign = self.jobs[job]
-        return self.kept(Way, ["path", torsion.atoms, sign], lambda: self._path(top, ends))
+        ends = self.saddle(job)
+        return self.kept(Way, ["path", torsion.atoms, sign], lambda: self._path(ends))
 
-    def beyond(self, number):
-        """The Way on behind the saddles of a driven torsion."""
-        torsion = self.driven[number]
+    def beyond(self, torsion):
+        """The Way on behind the saddles of a torsion."""
         return self.kept(Way, ["beyond", torsion.atoms], lambda: beyond.whole(self, torsion))
 
     def minimum(self, shape):
@@ -175,15 +168,15 @@ class Search:
         (sign, near), (_, far) = sorted(self.sides(top), key=lambda side: self.apart(side[1].x, self.x))
         far.x = geometry.aligned(far.x, self.x, self.surface.masses)
         a, b = (geometry.fingerprint(self.molecule.numbers, x) for x in (far.x, self.x))
-        return Ends(sign, near, far, bool(abs(self.above(far.energy)) < SAME_ENERGY and np.abs(a - b).max() < SAME_SHAPE))
+        equal = abs(self.above(far.energy)) < SAME_ENERGY and np.abs(a - b).max() < SAME_SHAPE
+        return Ends(top, sign, near, far, bool(equal))
 
-    def _path(self, top, ends):
+    def _path(self, ends):
         turns = self.turns_back(ends.near)
         if turns is None:
-            at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (top, ends.near, ends.far))
+            at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (ends.saddle, ends.near, ends.far))
             raise optimise.NoPath(f"the saddle at {at} joins other minima, at {one} and {two}")
-        return Way(*path.nodes(self.surface, top, ends.sign, self.rest, near=ends.near if turns else None,
-                               turns=turns))
+        return Way(*path.nodes(self.surface, ends.saddle, ends.sign, self.rest, near=ends.near if turns else None, turns=turns))
 
     def turns_back(self, near):
         """[(methyl group, angle)] that make the conformation of the near side of a saddle, since such groups may turn freely;
@@ -196,13 +189,3 @@ class Search:
                 out.append((t, geometry.torsion(self.x, *t.atoms) - geometry.torsion(x, *t.atoms)))
                 x = t.turned(x, out[-1][1])
         return out if abs(self.above(near.energy)) < torsions.LEAST_BARRIER and self.same(x, self.x) else None
-
-
-def _guarded(compute):
-    """The result of compute, or the reason why there is none."""
-    try:
-        return compute()
-    except optimise.NotConverged as why:
-        return Dropped(f"not converged: {why}")
-    except (optimise.NoPath, XtbError) as why:
-        return Dropped(str(why), isinstance(why, optimise.TurnsFreely))

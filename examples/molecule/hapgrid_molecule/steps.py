@@ -125,8 +125,6 @@ def find_structures(start):
                      f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
         estimate(start)
         one = structures.explore(start, shapes)
-        for name, below in one.lower:
-            kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
         files.lie_as_before(kept, one)
         if start.points:
             start.points.put_into(one, o.threads, kept)

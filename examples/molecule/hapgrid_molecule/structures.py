@@ -77,83 +77,88 @@ def _path(name, way, **more):
 
 
 def _named(search, found, allowed, signed):
-    """rotors.names() of {key: (torsion, what was driven, its Way or the Dropped)}, with what is dropped."""
-    dropped = [(job, way.why) for _, job, way in found.values() if isinstance(way, Dropped)]
-    free = {torsion.name for torsion, _, way in found.values() if isinstance(way, Dropped) and way.free}
+    """rotors.names() of {what was driven: (its torsion, its Way or the Dropped)}, with what is dropped."""
+    dropped = [(job, way.why) for job, (_, way) in found.items() if isinstance(way, Dropped)]
+    free = {torsion.name for torsion, way in found.values() if isinstance(way, Dropped) and way.free}
     named, other = rotors.names(search.torsions, {
-        key: rotors.candidate(search.torsions, torsion, job, way, free)
-        for key, (torsion, job, way) in found.items() if not isinstance(way, Dropped)}, allowed, signed)
+        job: rotors.candidate(search.torsions, torsion, way, free)
+        for job, (torsion, way) in found.items() if not isinstance(way, Dropped)}, allowed, signed)
     return named, dropped + other
+
+
+def _say_lower(search, name, energy):
+    if -search.above(energy) > LOWER:
+        search.say(f"{name} leads to a minimum that is {-search.above(energy):.1f} kJ/mol lower")
 
 
 # Paths to barriers
 
 def _saddles(search, may_restart):
-    """({number of a job: (its saddle, its Ends)}, (name, shape, kJ/mol below) of the first lower minimum or None)."""
+    """({job: its Ends}, (name, shape, kJ/mol below) of the first lower minimum or None)."""
     tops = {}
-    for n, (top, ends) in _each(search, "driving torsions to their barriers", Search.saddle, range(len(search.jobs))):
-        tops[n], name = (top, ends), search.job(n)
+    for job, ends in _each(search, "driving torsions to their barriers", Search.saddle, search.jobs):
+        tops[job] = ends
         if isinstance(ends, Dropped):
-            search.say(f"{name}: {ends.why}")
+            search.say(f"{job}: {ends.why}")
             continue
-        search.say(f"{name}: barrier {search.above(top.energy):.1f} kJ/mol, behind it {search.above(ends.far.energy):.1f}")
+        search.say(f"{job}: barrier {search.above(ends.saddle.energy):.1f} kJ/mol, behind it {search.above(ends.far.energy):.1f}")
         for side in (ends.near, ends.far):
-            below = -search.above(side.energy)
-            if may_restart and below > LOWER and search.intact(side.x):
-                return tops, (name, side.x, below)
+            if may_restart and search.above(side.energy) < -LOWER and search.intact(side.x):
+                return tops, (job, side.x, -search.above(side.energy))
     return tops, None
 
 
 def _paths(search, tops):
     """The Result of paths to the saddles, each saddle once."""
-    found, wanted, lower = [], {}, []
-    named, dropped = _named(search, {
-        n: (search.jobs[n][0], search.job(n), ends if isinstance(ends, Dropped) else Way([search.x, top.x], [top.energy]))
-        for n, (top, ends) in tops.items()}, {name for torsion in search.driven for name in torsion.file_names()}, True)
-    for n, name in named.items():
-        top = tops[n][0]
-        same = next((known for m, known in wanted.items()
-                     if abs(top.energy - tops[m][0].energy) * HARTREE <= SAME_ENERGY and search.same(top.x, tops[m][0].x)), None)
+    found, wanted = [], {}
+    named, dropped = _named(search, {job: (search.jobs[job][0], ends if isinstance(ends, Dropped) else
+                                           Way([search.x, ends.saddle.x], [ends.saddle.energy])) for job, ends in tops.items()},
+                            {name for torsion in search.driven for name in torsion.file_names()}, True)
+    for job, name in named.items():
+        top = tops[job].saddle
+        same = next((known for known, other in ((known, tops[other].saddle) for other, known in wanted.items())
+                     if abs(top.energy - other.energy) * HARTREE <= SAME_ENERGY and search.same(top.x, other.x)), None)
         if same is not None:
             dropped.append((name, f"the saddle of {same}"))
         else:
-            wanted[n] = name
-    for n, way in _each(search, "following paths to the barriers", Search.path, sorted(wanted)):
-        name, (top, ends) = wanted[n], tops[n]
+            wanted[job] = name
+    for job, way in _each(search, "following paths to the barriers", Search.path, [job for job in tops if job in wanted]):
+        name, ends = wanted[job], tops[job]
         if isinstance(way, Dropped):
             dropped.append((name, way.why))
             search.say(f"{name}: no path: {way.why}")
             continue
-        found.append(_path(name, way, nu1=top.nu1, far=ends.far, equal=ends.equal))
-        lower.append((name, -search.above(ends.far.energy)))
-    return search.result(found, dropped, [one for one in lower if one[1] > LOWER])
+        found.append(_path(name, way, nu1=ends.saddle.nu1, far=ends.far, equal=ends.equal))
+        _say_lower(search, name, ends.far.energy)
+    return search.result(found, dropped)
 
 
 # Paths that go on behind their saddles
 
 def _beyond(search, may_restart):
-    """({number of a torsion: its way on behind its saddles}, the first lower minimum as of _saddles())."""
+    """({torsion: its way on behind its saddles}, the first lower minimum as of _saddles())."""
     ways = {}
-    numbers = [n for n, t in enumerate(search.driven) if not t.rotor]
-    for n, way in _each(search, "following torsions from minimum to minimum", Search.beyond, numbers):
-        ways[n], name = way, search.driven[n].name
-        search.say(f"{name}: " + (way.why if isinstance(way, Dropped) else _points(search, way)))
+    turning = [torsion for torsion in search.driven if not torsion.rotor]
+    for torsion, way in _each(search, "following torsions from minimum to minimum", Search.beyond, turning):
+        ways[torsion] = way
+        search.say(f"{torsion.name}: " + (way.why if isinstance(way, Dropped) else _points(search, way)))
         if isinstance(way, Dropped):
             continue
-        below, k = max((-search.above(way.energies[k]), k) for k in way.minima())
-        if may_restart and below > LOWER:
-            return ways, (name, way.nodes[k], below)
+        k = max(way.minima(), key=lambda k: (-way.energies[k], k))
+        if may_restart and search.above(way.energies[k]) < -LOWER:
+            return ways, (torsion.name, way.nodes[k], -search.above(way.energies[k]))
     return ways, None
 
 
 def _basins(search, ways):
     """The Result of these. Behind the saddle of a methyl group is the same shape once more."""
-    named, dropped = _named(search, {n: (search.driven[n], search.driven[n].name, way) for n, way in ways.items()},
-                            {t.name for t in search.driven if not t.rotor}, False)
+    by_name = {torsion.name: (torsion, way) for torsion, way in ways.items()}
+    named, dropped = _named(search, by_name, {t.name for t in search.driven if not t.rotor}, False)
     same = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
-    found = [_path(name, ways[n]) for n, name in named.items()]
-    lower = [(one.name, -search.above(min(one.energies))) for one in found]
-    return search.result(found, same + dropped, [one for one in lower if one[1] > LOWER])
+    found = [_path(name, by_name[job][1]) for job, name in named.items()]
+    for one in found:
+        _say_lower(search, one.name, min(one.energies))
+    return search.result(found, same + dropped)
 
 
 # Paths between the minima of an ensemble
