@@ -12,7 +12,7 @@ xtb (energies), geometry, optimise (minima and saddles), rotors (which bonds tur
 (energies by other programs), xyz and files (what is written).
 
 A grid is made: choice (the softest paths that are sane together), stiffness (of the anchors), definition (box and
-MODEL.toml), resolution (the spacing), faults (of a grid, and their cures).
+MODEL.toml), resolution (the spacing).
 
 The probe's way: pushing (turns a torsion), crossing (over a barrier and back), page (page.html is its frame).
 """

@@ -78,15 +78,6 @@ def shape(folder, definition, t):
     return xyz.frames_of(text, definition)[0].x
 
 
-def left_out(rotors):
-    """What rotors.tsv says of all that is not taken, one line for each reason."""
-    names = {}
-    for row in rotors:
-        if row["taken"] == "no":
-            names.setdefault(row["why"], []).append(row["path"])
-    return [f"left out: {', '.join(them)}: {why}" for why, them in names.items()]
-
-
 def table(result, rotors, stay, taken, left):
     """rotors.tsv: what was tried, taken and left out, and why."""
     atoms = {t.name: "-".join(label(result.numbers, a) for a in t.atoms) for t in rotors}

@@ -43,7 +43,7 @@ class Definition:
     def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=()):
         """The box around all shapes of the paths that are taken, with the probe around them, and the room in which a push
         begins. spacing: of the grid, where it is known already; room: how much more each side needs, low x, y, z and high x,
-        y, z, since the molecule yields when it is pushed (faults.py)."""
+        y, z, since the molecule yields when it is pushed (grids.py)."""
         radius = np.array([RADII[z] for z in molecule.numbers])[:, None]
         shapes = [result.x] + [node for f in result.found if f.name in paths for node in f.nodes]
         x = np.array(shapes) * BOHR

@@ -84,6 +84,9 @@ class Result:
     found: list = field(default_factory=list)
     dropped: list = field(default_factory=list)
 
+    def files(self):
+        return ["conformation.xyz", *(one.name + ".xyz" for one in self.found)]
+
 
 def plain(value):
     """A result as JSON can hold it."""
