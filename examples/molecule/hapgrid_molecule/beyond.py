@@ -6,6 +6,8 @@ saddle, whose two sides become the path's ends: the highest one from which the c
 its halves have turned so far against each other that the alignment jumps. Otherwise the other direction is driven, too.
 """
 
+from dataclasses import replace
+
 from . import geometry, optimise, path, torsions
 from .results import Way
 from .xtb import HARTREE, XtbError
@@ -93,9 +95,7 @@ def _before_jump(search, way):
     if at is None:
         return way
     last = max((k for k in way.kinds if k < at), default=at)
-    out = _part(way, last if way.kinds.get(last) == "saddle" else at)
-    out.why = "the molecule's alignment would jump"
-    return out
+    return replace(_part(way, last if way.kinds.get(last) == "saddle" else at), why="the molecule's alignment would jump")
 
 
 def _cut(search, circle):

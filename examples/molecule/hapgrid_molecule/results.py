@@ -101,8 +101,7 @@ def plain(value):
 
 def restored(types, value, atoms):
     """The result that plain() gave, of one of these types. Errors: ValueError, where it is something else."""
-    names = set(value) if isinstance(value, dict) else None
-    kind = next((one for one in types if {f.name for f in fields(one)} == names), None)
+    kind = next((one for one in types if isinstance(value, dict) and {f.name for f in fields(one)} == set(value)), None)
     if kind is None:
         raise ValueError("of another type")
     nodes = len(value["nodes"]) if isinstance(value.get("nodes"), list) else 0

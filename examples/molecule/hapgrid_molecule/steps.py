@@ -4,6 +4,7 @@ what it computes is kept as files, which the user may change, so its result is w
 import os
 import shlex
 import time
+import timeit
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -93,26 +94,18 @@ def read(o):
         method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
     turning, still = rotors.find(one)
     rings = sum(why == rotors.RING for _, why in still)
-    if o.torsions is not None:
-        turning, left = only(turning, set(o.torsions.split(",")), o.basins)
-        still = still + left
+    if o.torsions is not None:  # with basins paths go both ways
+        wanted = set(o.torsions.split(","))
+        unknown = sorted(wanted - {name for t in turning for name in ([t.name] if o.basins else [t.name, *t.file_names()])})
+        if unknown:
+            raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
+        turning = [t if t.name in wanted else t.only(wanted) for t in turning]
+        still = still + [(t.name, "not among --torsions") for t in turning if not t.signs]
+        turning = [t for t in turning if t.signs]
     kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
              + (f"; {rings} rings stay as they are" if rings else ""))
     source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
     return Start(o, kept, one, source, o.search or one.built, method, turning, still)
-
-
-def only(turning, wanted, basins):
-    """(the torsions of --torsions, the others). With basins paths go both ways."""
-    known = {t.name for t in turning}
-    if not basins:
-        known = known.union(*(t.file_names() for t in turning))
-    unknown = sorted(wanted - known)
-    if unknown:
-        raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
-    turn = [t if t.name in wanted else t.only(wanted) for t in turning]
-    left = [(t.name, "not among --torsions") for t, one in zip(turning, turn) if not one.signs]
-    return [t for t in turn if t.signs], left
 
 
 def find_structures(start):
@@ -152,24 +145,16 @@ def estimate(start):
     o, x = start.options, start.molecule.positions / BOHR
     try:
         surface = start.surface(x)
-        each = cpu_seconds(lambda: surface.energy(x))
+        gradient, algebra = (min(timeit.repeat(compute, timer=time.process_time, number=1, repeat=5)) for compute in (
+            lambda: surface.energy(x), lambda: optimise.projected(np.eye(x.size), x)))
     except XtbError:
         return
-    each += ALGEBRA * cpu_seconds(lambda: optimise.projected(np.eye(x.size), x))
     ways = sum(len(t.signs) for t in start.turning)
     count = HESSIANS_AT_FIRST + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0))
     cores = min(o.threads, max(ways, 1))
-    start.folder.say(f"  {about(2 * x.size * count * each / cores, cores)} for conformation and barriers, twice that where a "
+    seconds = 2 * x.size * count * (gradient + ALGEBRA * algebra) / cores
+    start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, twice that where a "
                      "lower minimum is found")
-
-
-def cpu_seconds(compute):
-    """CPU seconds of this process that it takes."""
-    times = [time.process_time()]
-    for _ in range(5):
-        compute()
-        times.append(time.process_time())
-    return min(after - before for before, after in zip(times, times[1:]))
 
 
 def show(start, shapes, plan):

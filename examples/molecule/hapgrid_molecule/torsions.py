@@ -39,36 +39,16 @@ class Torsion:
         return replace(self, signs=tuple(sign for sign in self.signs if self.file_name(sign) in names))
 
 
-def _is_methyl(numbers, neighbours, atom, partner):
-    """Whether the atom holds three equal atoms: CH3, NH3+, CF3."""
-    others = [n for n in neighbours[atom] if n != partner]
-    return (len(others) == 3 and len({numbers[n] for n in others}) == 1
-            and all(len(neighbours[n]) == 1 for n in others))
-
-
-def _end(numbers, neighbours, atom, partner):
-    """The neighbour at which a torsion ends: the heaviest, among equal ones the first."""
-    others = [n for n in neighbours[atom] if n != partner]
-    return min(others, key=lambda n: (-numbers[n], n)) if others else None
-
-
 def make(numbers, neighbours, name, i, j, k, l):
-    """A torsion about the bond j-k, which is in no ring; its smaller side is the one that turns. i, l: where it ends,
-    or None. No name: its bond's."""
-    i = _end(numbers, neighbours, j, k) if i is None else i
-    l = _end(numbers, neighbours, k, j) if l is None else l
-    rotor = any(_is_methyl(numbers, neighbours, a, b) for a, b in ((j, k), (k, j)))
+    """A torsion about the bond j-k, which is in no ring; k's side is the one that turns. i, l: where it ends, or None: at the
+    heaviest neighbour, among equal ones the first. No name: its bond's."""
+    sides = [n for n in neighbours[j] if n != k], [n for n in neighbours[k] if n != j]
+    i, l = (min(side, key=lambda n: (-numbers[n], n)) if end is None else end for side, end in zip(sides, (i, l)))
+    # CH3, NH3+, CF3 and the like.
+    rotor = any(len(side) == 3 and len({numbers[n] for n in side}) == 1 and all(len(neighbours[n]) == 1 for n in side)
+                for side in sides)
     return Torsion(name or f"{j + 1}-{k + 1}", (i, j, k, l), tuple(geometry.side_of(neighbours, j, k)),
                    (1,) if rotor else (1, -1), rotor)
-
-
-def _restrained(surface, atoms, target):
-    def function(x):
-        energy, gradient = surface(x)
-        off = geometry.wrapped(geometry.torsion(x, *atoms) - target)
-        slope = STIFFNESS * off * geometry.torsion_gradient(x, *atoms)
-        return energy + STIFFNESS * off * off / 2, gradient + slope
-    return function
 
 
 def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / HARTREE):
@@ -84,10 +64,15 @@ def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / 
     # Two steps more than half a turn: from trans the barrier can be exactly at cis.
     for count in range(1, round(np.pi / step) + 3):
         turned = torsion.turned(shapes[-1], sign * step)
-        function = _restrained(surface, torsion.atoms, angle + sign * step * count)
+
+        def restrained(y, target=angle + sign * step * count):
+            energy, gradient = surface(y)
+            off = geometry.wrapped(geometry.torsion(y, *torsion.atoms) - target)
+            return (energy + STIFFNESS * off * off / 2,
+                    gradient + STIFFNESS * off * geometry.torsion_gradient(y, *torsion.atoms))
         bend = torsion_hessian(turned, torsion.atoms)
         try:
-            y, _, hessian = optimise.search(function, turned, hessian + bend, tolerance=3e-4,
+            y, _, hessian = optimise.search(restrained, turned, hessian + bend, tolerance=3e-4,
                                             steps=200, tree=surface.tree)
         except optimise.NotConverged:
             turn = np.degrees(sign * step * count)
