@@ -65,11 +65,11 @@ class Crossings(pushing.Ways):
                 ends.append(len(way) - 1)
             states = self._states(way)
             rest = states[max(len(before) - 1, 0)]
-            n = next((n for n, end in enumerate(ends) if not self._is_at(states[end], rest)), None)
+            n = next((n for n, end in enumerate(ends) if np.abs(states[end] - rest).max() >= NEAR), None)
             if n is None:
                 return None
             way = self._pushed(before, lines[n])
-            if self._is_at(self._states(way)[-1], wanted):
+            if np.abs(self._states(way)[-1] - wanted).max() < NEAR:
                 return way
             lines = lines[n + 1:]
         return None
@@ -78,20 +78,13 @@ class Crossings(pushing.Ways):
         """A way, and then a line there and back."""
         return [*way, *(self._round(way[-1], line[0]) if way else []), *there_and_back(*line, COARSE_STEP)]
 
-    @staticmethod
-    def _is_at(state, wanted):
-        return bool(np.abs(state - wanted).max() < NEAR)
-
     def _candidates(self, x, y):
-        found = []
-        for clear in (self.clear, CLEAR):
-            found += pushing.lines(x, y - x, self.radius, self.low, self.high, clear, LINES, 0.95)
-        return [(start, end) for start, end, _ in found[:LINES]] + self._random(x)
-
-    def _random(self, x):
+        """Lines that push shape x towards y, the most promising first."""
+        found = [line for clear in (self.clear, CLEAR)
+                 for line in pushing.lines(x, y - x, self.radius, self.low, self.high, clear, LINES, 0.95)]
+        out = [(start, end) for start, end, _ in found[:LINES]]
         draw = np.random.default_rng(1)
         middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
-        out = []
         for _ in range(RANDOM):
             u = draw.normal(size=3)
             u /= np.linalg.norm(u)

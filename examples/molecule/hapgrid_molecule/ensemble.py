@@ -52,9 +52,7 @@ def numbered_alike(molecule, x, reference):
 def _chain(search, a, b):
     """Shapes from a to b, straight in internal coordinates: torsions turn the short way."""
     tree = search.surface.tree
-    q = tree.read(a)
-    change = tree.read(b) - q
-    change[2] = geometry.wrapped(change[2])
+    q, change = tree.read(a), tree.change(a, b)
     shapes = [tree.build(q + t * change) for t in np.linspace(0, 1, SHAPES)]
     # Where a tree of bonds cuts rings open, the straight line is in space.
     straight = geometry.aligned(b, a, search.surface.masses)
@@ -104,13 +102,11 @@ def legs(search, a, b, left=MOST_LEGS):
     height = search.above(saddle.energy)
     if height > search.start.options.highest:
         raise optimise.NoPath(f"a barrier of {height:.0f} kJ/mol lies on the way")
-    near, far = search.sides(saddle)
-    if not (search.intact(near[1].x) and search.intact(far[1].x)):
+    sides = search.sides(saddle)
+    if not all(search.intact(one.x) for _, one in sides):
         raise optimise.NoPath("bonds change")
     # The side that is a comes first; otherwise the pair that leaves less to go.
-    if (search.apart(near[1].x, a.x) + search.apart(far[1].x, b.x)
-            > search.apart(far[1].x, a.x) + search.apart(near[1].x, b.x)):
-        near, far = far, near
+    near, far = min((sides, sides[::-1]), key=lambda s: search.apart(s[0][1].x, a.x) + search.apart(s[1][1].x, b.x))
     if search.same(near[1].x, far[1].x):
         raise optimise.NoPath("its highest barrier leads back to where it began")
     out = [(saddle, near, far)]

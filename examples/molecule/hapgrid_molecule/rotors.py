@@ -76,12 +76,25 @@ def peptide_names(molecule):
         number = "" if len(residues) == 1 else str(r + 1)
         before, after = _partner(molecule, n), _partner(molecule, c)
         out[_bond(n, ca)] = f"phi{number}", {n: before, ca: c}
-        out[_bond(ca, c)] = f"psi{number}", {ca: n, c: _single(molecule, c, ca)}
+        # The nitrogen behind the residue's carbon, or the oxygen of its hydroxyl group.
+        single = max((a for a in molecule.neighbours[c] if a != ca),
+                     key=lambda a: (molecule.numbers[a] == 7, len(molecule.neighbours[a])))
+        out[_bond(ca, c)] = f"psi{number}", {ca: n, c: single}
         if after is not None:
             out[_bond(c, after)] = f"omega{r + 1}", {c: ca, after: _carbon(molecule, after, c)}
         if before is not None and f"omega{r}" not in {name for name, _ in out.values()}:  # a second chain has no omega0
             out.setdefault(_bond(before, n), (f"omega{r}", {before: _carbon(molecule, before, n), n: ca}))
-        _side_chain(molecule, ca, backbone, number, out)
+        # chi, from the alpha carbon outwards along the chain of heavy atoms. It ends at another residue, as that of glutamate
+        # does in glutathione, and at a bridge of sulphurs, behind which the other chain has its own numbers.
+        seen, at, depth = set(backbone), ca, 1
+        while chain := [a for a in molecule.neighbours[at] if molecule.numbers[a] > 1 and a not in seen]:
+            to = chain[0]
+            if molecule.numbers[at] == molecule.numbers[to] == SULPHUR:
+                break
+            if _bond(at, to) not in molecule.double:
+                out.setdefault(_bond(at, to), (f"chi{number}_{depth}" if number else f"chi{depth}", {}))
+            seen.add(to)
+            at, depth = to, depth + 1
     return out
 
 
@@ -94,44 +107,19 @@ def _carbon(molecule, atom, without):
     return next((a for a in molecule.neighbours[atom] if a != without and molecule.numbers[a] == 6), None)
 
 
-def _single(molecule, carbon, without):
-    """The nitrogen behind a residue's carbon, or the oxygen of its hydroxyl group."""
-    near = [a for a in molecule.neighbours[carbon] if a != without]
-    return max(near, key=lambda a: (molecule.numbers[a] == 7, len(molecule.neighbours[a])))
-
-
 def _bond(a, b):
     return (min(a, b), max(a, b))
 
 
 def _in_order(molecule, residues):
     """From the one whose nitrogen no other residue holds."""
-    def before(residue):
-        return next((r for r in residues if r[2] in molecule.neighbours[residue[0]]), None)
+    after = {r: s for r in residues for s in residues if r[2] in molecule.neighbours[s[0]]}
     out = []
-    for start in [r for r in residues if before(r) is None]:
-        at = start
+    for at in [r for r in residues if r not in after.values()] + residues:
         while at is not None and at not in out:
             out.append(at)
-            at = next((r for r in residues if before(r) == at), None)
-    return out + [r for r in residues if r not in out]
-
-
-def _side_chain(molecule, ca, backbone, number, out):
-    """chi, from the alpha carbon outwards along the chain of heavy atoms. It ends at another residue, as that of
-    glutamate does in glutathione, and at a bridge of sulphurs, behind which the other chain has its own numbers."""
-    seen = set(backbone)
-    at, depth = ca, 1
-    while True:
-        chain = [a for a in molecule.neighbours[at] if molecule.numbers[a] > 1 and a not in seen]
-        if not chain or molecule.numbers[at] == molecule.numbers[chain[0]] == SULPHUR:
-            return
-        to = chain[0]
-        bond = _bond(at, to)
-        if bond not in molecule.double:
-            out.setdefault(bond, (f"chi{number}_{depth}" if number else f"chi{depth}", {}))
-        seen.add(to)
-        at, depth = to, depth + 1
+            at = after.get(at)
+    return out
 
 
 @dataclass

@@ -94,9 +94,7 @@ def _atom(line, say):
         x = [float(re.sub("[dD]", "e", w)) for w in words[1:4]]
     except ValueError:
         return None
-    if len(x) < 3:
-        return None
-    symbol = re.fullmatch(r"([A-Za-z]{1,2})\d*|(\d{1,3})", words[0])
+    symbol = re.fullmatch(r"([A-Za-z]{1,2})\d*|(\d{1,3})", words[0]) if len(x) == 3 else None
     if symbol is None:
         return None
     number = int(symbol[2]) if symbol[2] else NUMBERS.get(symbol[1].upper(), 0)
