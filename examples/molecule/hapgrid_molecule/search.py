@@ -72,7 +72,7 @@ class Search:
 
     def _what_to_do(self):
         """About a molecule that does not relax. Without water a proton goes from one end of a zwitterion to the other."""
-        charges = self.molecule.formal_charges()
+        charges = [atom.GetFormalCharge() for atom in self.molecule.rd.GetAtoms()]
         if self.start.options.solvent is None and max(charges) > 0 > min(charges):
             return "; a zwitterion needs water: give --solvent water, or the neutral form"
         return ""

@@ -12,7 +12,7 @@ import numpy as np
 from hapgrid_command.files import Failed, digest_of
 from hapgrid_command.work import Work, about
 
-from . import crossing, files, geometry, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
+from . import files, geometry, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
 from .pieces import signed
 from .xtb import BOHR, Surface, XtbError, load
 
@@ -161,7 +161,7 @@ def show(start, shapes, plan):
     """The line that shows the grid."""
     o, kept = start.options, start.folder
     grid = f"{kept.name()}.grid"
-    ways = crossing.Crossings if o.basins else pushing.Ways
+    ways = pushing.Crossings if o.basins else pushing.Ways
     kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
               lambda: ways(kept, grid, shapes, o.threads).write())
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]
