@@ -2,9 +2,8 @@
 
 The command: cli, steps (one by one, from the molecule's file to the page), grids (the grid).
 
-A molecule is read: reading, with formats, babel (Open Babel), valences (bonds and charges that no file says), pieces (which
-of several molecules), building (hydrogens and shapes), confined (in a process with limits), molecule (what is read, and its
-conformers), elements.
+A molecule is read: reading, with formats, valences (bonds and charges that no file says), building (hydrogens and shapes),
+confined (in a process with limits), molecule (what is read, and its conformers), elements.
 
 Structures are found: structures (in several processes), search (each step), results (what they find, and how that is kept),
 xtb (energies), geometry, optimise (minima and saddles), rotors (which bonds turn, and their names), torsions (scans), path

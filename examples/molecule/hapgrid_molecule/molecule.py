@@ -116,6 +116,10 @@ def relaxed(rd, positions, steps, fixed=()):
     return field.CalcEnergy(), np.array(field.Positions()).reshape(-1, 3)
 
 
+def signed(charge):
+    return f"{charge:+d}" if charge else "0"
+
+
 def numbers_of(rd):
     return [a.GetAtomicNum() for a in rd.GetAtoms()]
 

@@ -10,7 +10,7 @@ from hapgrid_command import plots
 
 from . import choice, files, geometry
 from .elements import COLOURS, SYMBOLS
-from .pieces import signed
+from .molecule import signed
 from .pushing import read_log
 from .xyz import frames
 

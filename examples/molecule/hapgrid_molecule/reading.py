@@ -2,21 +2,26 @@
 cannot be felt is refused here, in one line that says what to do."""
 
 import os
+from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 from rdkit import Chem
+from rdkit.Chem import rdMolDescriptors
 
 from . import molecule as prepared
-from . import babel, building, confined, formats, geometry, pieces, valences
+from . import building, confined, formats, geometry, valences
 from .elements import MASSES, SYMBOLS
-from .molecule import BadInput, Molecule, numbers_of, places_of
-from .pieces import signed
+from .molecule import BadInput, Molecule, numbers_of, places_of, signed
 
 MOST_ATOMS = 100
 LEAST_DISTANCE = 0.5  # angstrom
 # Of the sum of the covalent radii: carbon with a shorter bond has a double one (1.41 angstrom to carbon), and nitrogen
 # (1.33).
 SHORT = {6: 0.925, 7: 0.905}
+METALS = {3, 4, 11, 12, 13, *range(19, 32), *range(37, 51), *range(55, 85), *range(87, 104)}
+MOST_PIECES = 8  # of a record in which no piece is half of it: more are no molecules, but noise
+NAMED = 4
 
 
 def read(path, smiles, charge=None, unpaired=None):
@@ -85,12 +90,12 @@ def _one(given, charge, unpaired):
     """What makes a Molecule, as JSON can hold it."""
     for record in given.records:
         _refuse_no_coordinates(given, record)
-    record = pieces.largest(given)
+    record = _largest(given)
     charge = record.charge if charge is None else charge
     unpaired = record.unpaired if unpaired is None else unpaired
     for atom in record.mol.GetAtoms():
         z, name = atom.GetAtomicNum(), f"{atom.GetSymbol()}{atom.GetIdx() + 1}"
-        if z in pieces.METALS:
+        if z in METALS:
             raise BadInput(f"{given.what}: {name} is a metal, whose bonds are no single bonds that turn: take the part without it")
         if z not in MASSES:
             raise BadInput(f"{given.what}: {name}: no radius is known for this element, only for "
@@ -119,10 +124,53 @@ def _refuse_no_coordinates(given, record):
     if given.kind == "xyz":
         if len(x) > MOST_ATOMS * 10:
             _check_count(len(x), what)
-        record.mol = babel.with_bonds(numbers, x, what)
+        record.mol = formats.with_bonds(numbers, x, what)
         if formats.is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
             raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
         _check_distances(x, what)
+
+
+def _largest(given):
+    """The formats.Record of the one molecule that is felt. One rule holds for the records of a file, for the pieces of a record,
+    and for SMILES with dots: that with the most atoms beside hydrogen, then with the most atoms, then the first. What is left
+    out is named, with its charge."""
+    parts = []
+    for record in given.records:
+        some = Chem.GetMolFrags(record.mol, asMols=True, sanitizeFrags=False)
+        if len(some) > MOST_PIECES and 2 * max(p.GetNumAtoms() for p in some) < record.mol.GetNumAtoms():
+            raise BadInput(f"{given.what}: {len(some)} pieces that are not bonded: no coordinates of one molecule")
+        if len(some) == 1:
+            parts.append(record)
+        else:  # what the text says is of all pieces
+            parts += [replace(record, mol=mol, charge=None, unpaired=None) for mol in some]
+    for part in parts:
+        part.mol.UpdatePropertyCache(strict=False)  # counts the hydrogens that are not written
+    one = max(parts, key=lambda p: (p.mol.GetNumHeavyAtoms(), _size(p.mol)))  # the first of equal ones
+    others = [p for p in parts if p is not one]
+    if _size(one.mol) == 1 and others:
+        raise BadInput(f"{given.what}: only single atoms or ions, {_counted(parts)}: none has a shape to feel: "
+                       "give a molecule with bonds")
+    if others:
+        metals = sorted({a.GetSymbol() for p in others for a in p.mol.GetAtoms() if a.GetAtomicNum() in METALS})
+        given.say(f"{given.what}: {len(parts)} molecules or shapes: the largest is taken, {rdMolDescriptors.CalcMolFormula(one.mol)} with charge "
+                  f"{signed(Chem.GetFormalCharge(one.mol))}; left out: {_counted(others)}"
+                  + ("".join(f"; {m} is a metal and is not felt" for m in metals))
+                  + ("; the file's charge is of all pieces: --charge gives that of the one"
+                     if any(r.charge for r in given.records) and one not in given.records else ""))
+    return one
+
+
+def _size(mol):
+    """Atoms, with the hydrogens that are not written."""
+    return sum(1 + a.GetTotalNumHs() for a in mol.GetAtoms())
+
+
+def _counted(parts):
+    """C2H6O, 2 of Na+ with charge +1"""
+    counts = Counter((rdMolDescriptors.CalcMolFormula(p.mol), Chem.GetFormalCharge(p.mol)) for p in parts)
+    words = [(f"{n} of " if n > 1 else "") + formula + (f" with charge {charge:+d}" if charge else "")
+             for (formula, charge), n in counts.items()]
+    return ", ".join(words[:NAMED]) + (f" and {len(words) - NAMED} more" if len(words) > NAMED else "")
 
 
 def _is_bulky(mol):
@@ -145,8 +193,8 @@ def _completed(given, record, charge, unpaired):
         valences.close(mol, what, charge, unpaired)
     mol = _understood(mol, given, charge, unpaired)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
-    added = pieces.size(mol) - mol.GetNumAtoms()
-    _check_count(pieces.size(mol), what)
+    added = _size(mol) - mol.GetNumAtoms()
+    _check_count(_size(mol), what)
     if given.kind == "smi":
         free = {a.GetIdx(): a.GetNumRadicalElectrons() for a in mol.GetAtoms() if a.GetNumRadicalElectrons()}
         if unpaired is None and free and sum(free.values()) % 2 == 0:  # the number of electrons does not tell it

@@ -1,9 +1,11 @@
 """The steps from a molecule to the paths around its conformation. Each is kept, so that a run that was stopped goes on."""
 
+import multiprocessing
 from dataclasses import replace
 
 import numpy as np
 from hapgrid_command.files import Failed
+from hapgrid_command.programs import end_with_parent
 
 from . import beyond, ensemble, geometry, optimise, path, rotors, torsions
 from .molecule import conformers
@@ -13,6 +15,13 @@ from .xtb import BOHR, HARTREE, XtbError
 SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
 SEED = 1  # of random torsions, where there are too many combinations for all
+
+_search = None  # of this process and of those that it starts
+
+
+def _ask(question):
+    method, value = question
+    return method(_search, value)
 
 
 class Search:
@@ -27,6 +36,19 @@ class Search:
     def say(self, text):
         self.start.folder.say("  " + text)
 
+    def each(self, what, method, values):
+        """(value, method(self, value)) in the order of the values, computed by several processes."""
+        global _search
+        _search, values = self, list(values)
+        if not values:
+            return
+        tell = self.start.folder.counted(what, len(values))
+        threads = min(self.start.options.threads, len(values))
+        with multiprocessing.get_context("fork").Pool(threads, end_with_parent) as pool:
+            for done, result in enumerate(pool.imap(_ask, [(method, value) for value in values]), 1):
+                tell(done)
+                yield values[done - 1], result
+
     def result(self, found, dropped):
         """dropped: without those that a path has, whose bond it turns though another one was driven."""
         have = {one.name for one in found}
@@ -35,31 +57,35 @@ class Search:
 
     # The conformation
 
-    def find_conformation(self, keep, relaxed):
+    def find_conformation(self, keep):
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
-        looking for the lowest one; relaxed(starts): relax() of each."""
+        looking for the lowest one."""
         if self.start.options.solvent is not None:
             self.start.surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
         turning = [t.atoms for t in self.driven if not t.rotor and not keep]
         one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, turning, plain(shapes)],
-                         lambda: self._conformation(keep, relaxed, shapes))
+                         lambda: self._conformation(keep, shapes))
         self.x, self.surface = one.x, self.start.surface(one.x)
         self.energy = self.surface.energy(self.x)
         self.rest = replace(one, energy=self.energy)
 
-    def _conformation(self, keep, relaxed, shapes):
+    def _conformation(self, keep, shapes):
         starts = shapes or ([self.molecule.positions] if keep else
                             conformers(self.molecule, self.driven, CONFORMERS, SEED))
         best, reason = None, ""
         tie = SAME_ENERGY / HARTREE if shapes else 0.0  # of equal minima of an ensemble the first is taken
-        for x, energy, why in relaxed(starts):
+        for n, (_, (x, energy, why)) in enumerate(self.each("relaxing conformers", Search.relax, starts), 1):
             if why:
                 reason = why
+                self.say(f"conformer {n}: left out: {why}")
             elif best is None or energy < best[0] - tie:
                 best = energy, x
         if best is None:
-            raise Failed(f"no conformation: none of the start structures relaxes: {reason}{self._what_to_do()}")
+            charges = [atom.GetFormalCharge() for atom in self.molecule.rd.GetAtoms()]
+            if self.start.options.solvent is None and max(charges) > 0 > min(charges):
+                reason += "; a zwitterion needs water: give --solvent water, or the neutral form"
+            raise Failed(f"no conformation: none of the start structures relaxes: {reason}")
         # GFN-FF must read its bonds off the conformation itself, not off the shape from which it
         # was found: then one run of xtb on the conformation's file gives the same energy.
         x = best[1]
@@ -69,13 +95,6 @@ class Search:
         x = geometry.as_in_file(geometry.on_principal_axes(x, surface.masses))
         hessian = surface.hessian(x)
         return optimise.point(surface, x, surface.energy(x), hessian)
-
-    def _what_to_do(self):
-        """About a molecule that does not relax. Without water a proton goes from one end of a zwitterion to the other."""
-        charges = [atom.GetFormalCharge() for atom in self.molecule.rd.GetAtoms()]
-        if self.start.options.solvent is None and max(charges) > 0 > min(charges):
-            return "; a zwitterion needs water: give --solvent water, or the neutral form"
-        return ""
 
     def relax(self, start):
         """(x, energy, why it is left out) of a shape in angstrom."""

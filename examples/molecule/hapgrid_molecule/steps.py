@@ -13,7 +13,7 @@ from hapgrid_command.files import Failed, digest_of
 from hapgrid_command.work import Work, about
 
 from . import files, geometry, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
-from .pieces import signed
+from .molecule import signed
 from .xtb import BOHR, Surface, XtbError, load
 
 GFN2_ATOMS = 24  # up to which GFN2-xTB is taken

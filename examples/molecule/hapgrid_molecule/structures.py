@@ -4,10 +4,6 @@ What one process finds is kept as a file (search.Search); the results are taken 
 not depend on the number of processes.
 """
 
-import multiprocessing
-
-from hapgrid_command.programs import end_with_parent
-
 from . import rotors, torsions
 from .results import Dropped, Path, Way
 from .search import SAME_ENERGY, Search
@@ -15,27 +11,6 @@ from .xtb import BOHR, HARTREE
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
-
-_search = None  # of this process and of those that it starts
-
-
-def _ask(question):
-    method, value = question
-    return method(_search, value)
-
-
-def _each(search, what, method, values):
-    """(value, method(search, value)) in the order of the values."""
-    global _search
-    _search, values = search, list(values)
-    if not values:
-        return
-    tell = search.start.folder.counted(what, len(values))
-    threads = min(search.start.options.threads, len(values))
-    with multiprocessing.get_context("fork").Pool(threads, end_with_parent) as pool:
-        for done, result in enumerate(pool.imap(_ask, [(method, value) for value in values]), 1):
-            tell(done)
-            yield values[done - 1], result
 
 
 def explore(start, shapes):
@@ -45,7 +20,7 @@ def explore(start, shapes):
     keep = not start.search
     for left in reversed(range(1 if o.keep_conformation else RESTARTS + 1)):
         search = Search(start, shapes)
-        search.find_conformation(keep, lambda starts: _relaxed(search, starts))
+        search.find_conformation(keep)
         search.say("conformation: a minimum, " + start.method)
         minima = _minima(search) if shapes else []
         if minima:
@@ -57,15 +32,6 @@ def explore(start, shapes):
         search.say(f"{name} leads to a minimum that is {below:.1f} kJ/mol lower: from there once more")
         start.molecule.positions = shape * BOHR
         keep = True
-
-
-def _relaxed(search, starts):
-    out = []
-    for _, one in _each(search, "relaxing conformers", Search.relax, starts):
-        out.append(one)
-        if one[-1]:
-            search.say(f"conformer {len(out)}: left out: {one[-1]}")
-    return out
 
 
 def _points(search, way):
@@ -96,7 +62,7 @@ def _say_lower(search, name, energy):
 def _saddles(search, may_restart):
     """({job: its Ends}, (name, shape, kJ/mol below) of the first lower minimum or None)."""
     tops = {}
-    for job, ends in _each(search, "driving torsions to their barriers", Search.saddle, search.jobs):
+    for job, ends in search.each("driving torsions to their barriers", Search.saddle, search.jobs):
         tops[job] = ends
         if isinstance(ends, Dropped):
             search.say(f"{job}: {ends.why}")
@@ -122,7 +88,7 @@ def _paths(search, tops):
             dropped.append((name, f"the saddle of {same}"))
         else:
             wanted[job] = name
-    for job, way in _each(search, "following paths to the barriers", Search.path, [job for job in tops if job in wanted]):
+    for job, way in search.each("following paths to the barriers", Search.path, [job for job in tops if job in wanted]):
         name, ends = wanted[job], tops[job]
         if isinstance(way, Dropped):
             dropped.append((name, way.why))
@@ -139,7 +105,7 @@ def _beyond(search, may_restart):
     """({torsion: its way on behind its saddles}, the first lower minimum as of _saddles())."""
     ways = {}
     turning = [torsion for torsion in search.driven if not torsion.rotor]
-    for torsion, way in _each(search, "following torsions from minimum to minimum", Search.beyond, turning):
+    for torsion, way in search.each("following torsions from minimum to minimum", Search.beyond, turning):
         ways[torsion] = way
         search.say(f"{torsion.name}: " + (way.why if isinstance(way, Dropped) else _points(search, way)))
         if isinstance(way, Dropped):
@@ -166,7 +132,7 @@ def _basins(search, ways):
 def _minima(search):
     """[(frame, minimum)] of the ensemble that are not the conformation, each once."""
     out, say = [], search.say
-    each = _each(search, "relaxing the ensemble", Search.minimum, [x for _, x in search.shapes])
+    each = search.each("relaxing the ensemble", Search.minimum, [x for _, x in search.shapes])
     for (frame, _), (_, one) in zip(search.shapes, each):
         if isinstance(one, Dropped):
             say(f"frame {frame}: {one.why}")
@@ -181,7 +147,7 @@ def _minima(search):
 def _ensemble(search, minima):
     """The Result of paths to these minima. A path that turns one bond alone, and no ring, has its name."""
     found, dropped, say = [], [], search.say
-    ways = _each(search, "looking for paths between the minima", Search.between, [one for _, one in minima])
+    ways = search.each("looking for paths between the minima", Search.between, [one for _, one in minima])
     for (frame, one), (_, way) in zip(minima, list(ways)):
         name = f"to-{frame}"
         passed = next((f.name for f in found for k in f.minima() if search.same(f.nodes[k], one.x)), None)

@@ -4,8 +4,7 @@ none has: of an ion, or where Open Babel did not find all double bonds of a mole
 
 from rdkit import Chem
 
-from .molecule import BadInput
-from .pieces import signed
+from .molecule import BadInput, signed
 
 # Sums of bond orders that an atom without a charge has. Nitrogen with five is a nitro group, as many programs write it.
 VALENCES = {1: (1,), 5: (3,), 6: (4,), 7: (3, 5), 8: (2,), 9: (1,), 14: (4,), 15: (3, 5), 16: (2, 4, 6), 17: (1, 3, 5, 7),
