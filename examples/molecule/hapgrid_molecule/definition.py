@@ -59,12 +59,9 @@ class Definition:
         cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
         return [max(int(n) + 1, LEAST_POINTS) for n in cells]
 
-    def origin(self):
-        counts = np.array(self.counts())
-        return [round(float(v), 4) for v in (self.low + self.high - (counts - 1) * self.spacing) / 2]
-
     def text(self):
         why = "" if self.basins or not self.paths else WHY
+        origin = (self.low + self.high - (np.array(self.counts()) - 1) * self.spacing) / 2
         paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
         if self.paths:
             kind = "that goes on behind its barriers" if self.basins else "to a barrier"
@@ -93,7 +90,7 @@ tolerance = 0.1           # states whose atoms are no farther apart, RMS, are on
 force_scale = 0.025       # newtons on the device for 1 kJ/(mol Å)
 {names}
 [grid]
-origin = {self.origin()}
+origin = {[round(float(v), 4) for v in origin]}
 spacing = {self.spacing:g}
 counts = {self.counts()}
 

@@ -9,15 +9,15 @@ import json
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
-from hapgrid_command import files as plain_files
-from hapgrid_command import grid
+from hapgrid_command import files, grid
 from hapgrid_command.cli import BreaksRule
 from hapgrid_command.files import Failed
 from hapgrid_command.work import about, duration
 
-from . import choice, files, resolution, stiffness
+from . import choice, resolution, stiffness
 from .definition import Definition, MAX_LEVELS, PENALTY, paths_of
 from .molecule import BadInput
+from .xtb import BOHR, HARTREE
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
 WIDENED = 4  # times, at most
@@ -112,7 +112,7 @@ def cure(remedies, fault, plan):
 def planned(start, shapes, remedies):
     """(Plan, the Fault of its coarse grid or None)."""
     o, kept = start.options, start.folder
-    paths = choose(start, shapes, remedies.unwanted)
+    paths = choice.choose(start, shapes, remedies.unwanted)
     one = Definition.around(start.molecule, shapes, paths, o.basins, o.spacing or 0.0, remedies.sides)
     one.torsions = start.turned_by(paths)
     one.stiffness = stiffness_of(start, shapes, paths, remedies.softer)
@@ -130,35 +130,17 @@ def planned(start, shapes, remedies):
     return plan, None
 
 
-def choose(start, shapes, unwanted):
-    """The paths of the grid, the lowest barrier first; rotors.tsv has them all."""
-    o, kept = start.options, start.folder
-
-    def compute():
-        taken, left = choice.choose(start, shapes, unwanted)
-        kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
-        kept.write("rotors.tsv", choice.table(shapes, start.turning, start.still, taken, left))
-        names = {}
-        for row in files.rows(kept, "rotors.tsv", choice.ROTORS):
-            if row["taken"] == "no":
-                names.setdefault(row["why"], []).append(row["path"])
-        for why, them in names.items():
-            kept.say(f"  left out: {', '.join(them)}: {why}")
-        return ["rotors.tsv"]
-    kept.step("choice", "choosing the softest paths that are sane together", [*shapes.files(), "report.tsv"],
-              [o.paths, unwanted, o.basins, o.single_points], compute)
-    taken = {row["path"] for row in files.rows(kept, "rotors.tsv", choice.ROTORS) if row["taken"] == "yes"}
-    return [f.name for f in sorted(shapes.found, key=lambda f: f.barrier) if f.name in taken]
-
-
 def stiffness_of(start, shapes, paths, softer):
-    o, kept = start.options, start.folder
-    if not paths or o.basins:
+    kept = start.folder
+    if not paths or start.options.basins:
         return stiffness.Stiffness()
 
     def compute():
-        found = [f for f in shapes.found if f.name in paths]
-        one = stiffness.of_paths(start.surface(shapes.x), shapes.x, found, PENALTY).rounded()
+        surface = start.surface(shapes.x)
+        tangents = [stiffness.tangent(surface.tree, [node * BOHR for node in f.nodes], f.start, surface.masses)
+                    for f in shapes.found if f.name in paths]
+        hessian = surface.hessian(shapes.x) * HARTREE / BOHR**2
+        one = stiffness.rule(hessian, shapes.x * BOHR, surface.masses, tangents, PENALTY).rounded()
         kept.write("stiffness.json", json.dumps(asdict(one), indent=1) + "\n")
         return ["stiffness.json"]
     kept.step("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(name + ".xyz" for name in paths)],
@@ -219,7 +201,7 @@ def short_of_room(folder, made):
         folder.run("stats", made, "--npy", array)
         records = np.load(folder.path(array))
     finally:
-        plain_files.remove(folder.path(array))
+        files.remove(folder.path(array))
     box = json.loads(folder.run("stats", made, "--get", "box").out)
     # Where the molecule is out of its place something holds it there.
     point = records["point"][(records["state"][:, -RIGID:] != 0).any(axis=1)]

@@ -23,7 +23,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import geometry, path
-from .xtb import BOHR, HARTREE
 
 RIGID = 0.5
 # For the RMS displacement of the atoms. With less curvature a shape could be off by more than a tenth of
@@ -75,10 +74,3 @@ def rule(hessian, x, masses, tangents, penalty):
         size = float(np.sqrt((v**2).sum() / len(x)))
         morph = max(morph, LEAST_SLOPE * size, LEAST_CURVATURE * size**2 - curvature)
     return Stiffness(shift, rotation, morph)
-
-
-def of_paths(surface, x, found, penalty):
-    """The Stiffness for the paths `found` (Paths). surface: of xtb; x: the conformation, bohr."""
-    hessian = surface.hessian(x) * HARTREE / BOHR**2
-    tangents = [tangent(surface.tree, [node * BOHR for node in f.nodes], f.start, surface.masses) for f in found]
-    return rule(hessian, x * BOHR, surface.masses, tangents, penalty)
