@@ -17,6 +17,7 @@ RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"
 RING = "a ring stays as it is, unless an ensemble has its flip"
 SULPHUR = 16
 FLIPPED = np.radians(10)  # of a ring's torsion, on both sides of a plane
+LARGELY = 0.5  # of the farthest turn: a torsion that goes so far does turn
 LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
 
 
@@ -150,7 +151,12 @@ def names(bonds, candidates, allowed, signed):
     it has the name of that which turns farthest. Where several paths turn one bond the same way, that is kept for which this
     bond was driven, or else the lowest.
     """
-    farthest = {job: torsions.farthest(one.turns, one.number) for job, one in candidates.items()}
+    farthest = {}  # the bond that turns: the driven one where it turns largely
+    for job, one in candidates.items():
+        far = np.abs(one.turns)
+        farthest[job] = one.number if far[one.number] >= LARGELY * far.max() else int(far.argmax())
+        if far.max() < torsions.LEAST_TURN:
+            farthest[job] = None
     out, left = {}, [(job, "no bond turns on the way to its barrier") for job, n in farthest.items() if n is None]
 
     def order(job):

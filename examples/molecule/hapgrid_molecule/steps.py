@@ -5,7 +5,7 @@ import os
 import shlex
 import time
 import timeit
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -99,7 +99,8 @@ def read(o):
         unknown = sorted(wanted - {name for t in turning for name in ([t.name] if o.basins else [t.name, *t.file_names()])})
         if unknown:
             raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
-        turning = [t if t.name in wanted else t.only(wanted) for t in turning]
+        turning = [t if t.name in wanted else replace(t, signs=tuple(s for s in t.signs if t.file_name(s) in wanted))
+                   for t in turning]
         still = still + [(t.name, "not among --torsions") for t in turning if not t.signs]
         turning = [t for t in turning if t.signs]
     kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"

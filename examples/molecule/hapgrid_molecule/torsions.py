@@ -4,7 +4,7 @@ A scan only gives a guess. Other modules refine it to a saddle and check its fre
 torsions lead to no saddle from a given minimum; their scans only climb.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from . import geometry, optimise
 from .xtb import HARTREE
 
 LEAST_BARRIER = 0.1  # kJ/mol; a lower one is not told from noise, and no hand feels it
-LARGELY = 0.5  # of the farthest turn: a torsion that goes so far does turn
 LEAST_TURN = np.radians(10)  # of a torsion, or the path turns none
 STIFFNESS = 0.5  # of the restraint, hartree/rad^2: ten times that of the stiffest torsion
 
@@ -34,10 +33,6 @@ class Torsion:
     def turned(self, x, turn):
         return geometry.rotated_about(x, *self.atoms[1:3], list(self.moved), turn)
 
-    def only(self, names):
-        """With those directions alone whose file names are among `names`."""
-        return replace(self, signs=tuple(sign for sign in self.signs if self.file_name(sign) in names))
-
 
 def make(numbers, neighbours, name, i, j, k, l):
     """A torsion about the bond j-k, which is in no ring; k's side is the one that turns. i, l: where it ends, or None: at the
@@ -57,6 +52,10 @@ def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / 
     The torsion is turned in steps from the minimum while all else relaxes. The highest shape is taken when the energy has
     fallen after it. step: radians; highest: hartree above the minimum.
     """
+    def bend(x):
+        """The restraint's part of the Hessian, near its target."""
+        b = geometry.torsion_gradient(x, *torsion.atoms).ravel()
+        return STIFFNESS * np.outer(b, b)
     x, hessian = minimum.x, minimum.hessian
     start = surface.energy(x)
     shapes, energies = [x], [start]
@@ -70,14 +69,13 @@ def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / 
             off = geometry.wrapped(geometry.torsion(y, *torsion.atoms) - target)
             return (energy + STIFFNESS * off * off / 2,
                     gradient + STIFFNESS * off * geometry.torsion_gradient(y, *torsion.atoms))
-        bend = torsion_hessian(turned, torsion.atoms)
         try:
-            y, _, hessian = optimise.search(restrained, turned, hessian + bend, tolerance=3e-4,
+            y, _, hessian = optimise.search(restrained, turned, hessian + bend(turned), tolerance=3e-4,
                                             steps=200, tree=surface.tree)
         except optimise.NotConverged:
             turn = np.degrees(sign * step * count)
             raise optimise.NoPath(f"the scan did not relax at {turn:+.0f} degrees") from None
-        hessian = hessian - torsion_hessian(y, torsion.atoms)
+        hessian = hessian - bend(y)
         shapes.append(y)
         energies.append(surface.energy(y))
         top = int(np.argmax(energies))
@@ -97,21 +95,6 @@ def turned(torsions, shapes):
     least angle to the largest), each an array."""
     angles = np.unwrap([[geometry.torsion(x, *t.atoms) for t in torsions] for x in shapes], axis=0)
     return angles[-1] - angles[0], np.ptp(angles, axis=0)
-
-
-def farthest(turns, driven):
-    """The number of the torsion that turns: the driven one (its number) where it turns largely, otherwise that which turns
-    farthest; None where none turns. turns: how far each torsion turns, radians."""
-    far = np.abs(turns)
-    if far.max() < LEAST_TURN:
-        return None
-    return driven if far[driven] >= LARGELY * far.max() else int(far.argmax())
-
-
-def torsion_hessian(x, atoms):
-    """The restraint's part of the Hessian, near its target."""
-    b = geometry.torsion_gradient(x, *atoms).ravel()
-    return STIFFNESS * np.outer(b, b)
 
 
 def _on_top(surface, before, top, after):
