@@ -123,16 +123,16 @@ def nodes(surface, saddle, sign, start, count=11, apart=None, near=None, turns=(
     return shapes, energies
 
 
-def over(surface, saddle, near_sign, far_sign, start, far, apart):
-    """(nodes() from the minimum `start` up to a saddle, the same from it down to the minimum `far`, that minimum as in a file,
-    the distance of nodes). apart: that of the first leg, None for the first leg itself."""
-    up = nodes(surface, saddle, near_sign, start, FIRST_LEG + 1, apart)
+def over(surface, ends, start, apart):
+    """(nodes() from the minimum `start` up to the saddle of Ends, the same from it down to the minimum on its far side, that
+    minimum as in a file, the distance of nodes). apart: that of the first leg, None for the first leg itself."""
+    up = nodes(surface, ends.saddle, ends.sign, start, FIRST_LEG + 1, apart)
     if apart is None:
         apart = _along(aligned_chain(up[0], surface.masses))[-1] / FIRST_LEG
-    x = geometry.as_in_file(far.x)
-    there = replace(far, x=x, energy=surface.energy(x))
-    down = nodes(surface, saddle, far_sign, there, apart=apart)
-    return up, (down[0][::-1], down[1][::-1]), there, apart
+    x = geometry.as_in_file(ends.far.x)
+    far = replace(ends.far, x=x, energy=surface.energy(x))
+    shapes, energies = nodes(surface, ends.saddle, -ends.sign, far, apart=apart)
+    return up, (shapes[::-1], energies[::-1]), far, apart
 
 
 def check(energies, halfway, energy0):

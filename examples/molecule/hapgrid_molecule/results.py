@@ -35,7 +35,7 @@ class Ends:
     sign: int
     near: Point
     far: Point
-    equal: bool
+    equal: bool = False
 
 
 @dataclass

@@ -174,21 +174,23 @@ class Search:
             raise optimise.NoPath("bonds change")
         return one
 
-    def sides(self, saddle):
-        """[(sign, minimum)] of the two minima that a saddle joins."""
+    def ends(self, saddle, a, b=None):
+        """The Ends of a saddle, of which the near one is like shape a, and the far one like b, where that is given."""
         masses = self.surface.masses
         _, vectors = optimise.projected(saddle.hessian, saddle.x, masses)
         mode = vectors[:, 0] / np.repeat(np.sqrt(masses), 3)
         mode = 0.15 * mode / np.linalg.norm(mode)
-        return [(sign, optimise.minimum(self.surface, saddle.x + sign * mode.reshape(-1, 3), saddle.hessian, longest=0.15))
-                for sign in (1, -1)]
+        one, two = (optimise.minimum(self.surface, saddle.x + sign * mode.reshape(-1, 3), saddle.hessian, longest=0.15)
+                    for sign in (1, -1))
+        return min((Ends(saddle, 1, one, two), Ends(saddle, -1, two, one)), key=lambda ends: self.apart(ends.near.x, a) + (
+            0 if b is None else self.apart(ends.far.x, b)))
 
-    def _ends(self, top):
-        (sign, near), (_, far) = sorted(self.sides(top), key=lambda side: self.apart(side[1].x, self.x))
-        far.x = geometry.aligned(far.x, self.x, self.surface.masses)
-        a, b = (geometry.fingerprint(self.molecule.numbers, x) for x in (far.x, self.x))
-        equal = abs(self.above(far.energy)) < SAME_ENERGY and np.abs(a - b).max() < SAME_SHAPE
-        return Ends(top, sign, near, far, bool(equal))
+    def _ends(self, saddle):
+        ends = self.ends(saddle, self.x)
+        ends.far.x = geometry.aligned(ends.far.x, self.x, self.surface.masses)
+        a, b = (geometry.fingerprint(self.molecule.numbers, x) for x in (ends.far.x, self.x))
+        equal = abs(self.above(ends.far.energy)) < SAME_ENERGY and np.abs(a - b).max() < SAME_SHAPE
+        return replace(ends, equal=bool(equal))
 
     def _path(self, ends):
         turns = self.turns_back(ends.near)
