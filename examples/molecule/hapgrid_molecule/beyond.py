@@ -84,7 +84,6 @@ def _jump(search, nodes):
 
 
 def _part(way, count):
-    """The first nodes of a way."""
     return Way(way.nodes[:count], way.energies[:count], 0, {k: kind for k, kind in way.kinds.items() if k < count}, way.why)
 
 

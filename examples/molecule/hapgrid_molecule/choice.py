@@ -59,18 +59,14 @@ def _fault(start, result, definition):
         if ran.code == 1:
             return ran.said
         found = json.loads(ran.out)
-        if found["problems"]:
-            return _clash(found["problems"][0], definition.paths)
+        for problem in found["problems"]:
+            names = [definition.paths[n] for n in problem["paths"]]
+            some = " and ".join(names) + " combined: " * (len(names) == 2) + ": " * (len(names) == 1)
+            return (some if len(names) < 3 else "all paths combined: ") + problem["what"]
         combined = [m for m in found["minima"] if sum(t != 0 for t in m["t"]) > 1]
         return _missed(start, result.x, name, combined) if start.options.basins and combined else ""
     finally:
         remove(folder.path(name))
-
-
-def _clash(problem, paths):
-    names = [paths[n] for n in problem["paths"]]
-    where = {0: "", 1: f"{names[0]}: " if names else "", 2: " and ".join(names) + " combined: "}
-    return where.get(len(names), "all paths combined: ") + problem["what"]
 
 
 def _missed(start, x, toml, minima):

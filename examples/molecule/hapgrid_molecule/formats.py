@@ -67,7 +67,6 @@ def decoded(content, what):
 
 
 def read(text, what, kind):
-    """The Input of a file's text. Errors: BadInput."""
     given = Input(what, kind)
     if kind == "sdf":
         _sdf(text, given)
@@ -134,7 +133,6 @@ def _with_header(lines, given):
 
 
 def _block(lines, given):
-    """RDKit's molecule of a record."""
     mol = Chem.MolFromMolBlock("\n".join(lines), sanitize=False, removeHs=False, strictParsing=False)
     if mol is None or mol.GetNumAtoms() == 0:
         raise BadInput(f"{given.what}: record {len(given.records) + 1} is not understood as SDF: its atoms or bonds are damaged")

@@ -102,7 +102,6 @@ def pictures(log):
 
 
 def page(start, turned, ways, images):
-    """The text of index.html."""
     kept = start.folder
     name = kept.name()
     one = frames(kept.path("conformation.xyz"))[0]

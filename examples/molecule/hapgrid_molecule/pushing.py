@@ -90,7 +90,6 @@ def _inside(start, end, low, high):
 
 
 def straight(start, end, step, least=2):
-    """Places from start to end, in so many steps at least."""
     count = max(int(np.ceil(np.linalg.norm(end - start) / step)), least)
     return [start + (end - start) * k / count for k in range(count + 1)]
 
@@ -101,7 +100,6 @@ def there_and_back(start, end, step):
 
 
 def write_way(folder, name, way, title):
-    """A path for play."""
     rows = [" ".join(f"{v:.4f}" for v in p) for p in way]
     folder.write(name, "\n".join([f"# {title}", "# x y z of the probe in angstrom, a line a tick", *rows]) + "\n")
 
@@ -212,7 +210,6 @@ class Crossings(Ways):
         return None
 
     def _pushed(self, way, line):
-        """A way, and then a line there and back."""
         return [*way, *(self._round(way[-1], line[0]) if way else []), *there_and_back(*line, COARSE_STEP)]
 
     def _candidates(self, x, y):

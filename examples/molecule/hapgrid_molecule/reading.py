@@ -201,7 +201,10 @@ def _completed(given, record, charge, unpaired):
             raise BadInput(f"{what}: open valences of {valences.named(mol, free)}: write the hydrogen that is missing, or give "
                            "--uhf: 0 for a singlet, 2 for a triplet")
         return _built(mol, given), True
-    flat = formats.is_flat(x) and (added > 0 or record.drawing or _is_bulky(mol) or _has_no_bond_lengths(mol, x))
+    share = geometry.shares(numbers_of(mol), x)
+    # Bonds are shorter or longer than any in a drawing, also where that says it is none.
+    drawn = record.drawing or not all(0.75 < share[b.GetBeginAtomIdx(), b.GetEndAtomIdx()] < 1.35 for b in mol.GetBonds())
+    flat = formats.is_flat(x) and (added > 0 or drawn or _is_bulky(mol))
     if added:
         given.say(f"{added} hydrogen atoms were added" if added > 1 else "1 hydrogen atom was added")
     if not nowhere and not flat:
@@ -241,12 +244,6 @@ def _built(mol, given):
     if free:
         given.say(f"the handedness of {valences.named(mol, free)} is not given: one is taken")
     return prepared.placed(mol, building.shape(mol, given.what))
-
-
-def _has_no_bond_lengths(mol, x):
-    """Whether bonds are shorter or longer than any, as in a drawing that says it is none."""
-    share = geometry.shares(numbers_of(mol), x)
-    return not all(0.75 < share[b.GetBeginAtomIdx(), b.GetEndAtomIdx()] < 1.35 for b in mol.GetBonds())
 
 
 def _refuse_without_hydrogen(mol, what):

@@ -140,28 +140,23 @@ class Search:
         return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
 
     def saddle(self, job):
-        """The Ends of a job."""
         torsion, sign = self.jobs[job]
         highest = self.start.options.highest / HARTREE
         return self.kept(Ends, ["saddle", torsion.atoms, sign], lambda: self._ends(
             self.climbed(*torsions.scan(self.surface, self.rest, torsion, sign, highest=highest))))
 
     def path(self, job):
-        """The Way to a job's saddle."""
         torsion, sign = self.jobs[job]
         ends = self.saddle(job)
         return self.kept(Way, ["path", torsion.atoms, sign], lambda: self._path(ends))
 
     def beyond(self, torsion):
-        """The Way on behind the saddles of a torsion."""
         return self.kept(Way, ["beyond", torsion.atoms], lambda: beyond.whole(self, torsion))
 
     def minimum(self, shape):
-        """The minimum near a shape in angstrom."""
         return self.kept(Point, ["minimum", shape.tolist()], lambda: ensemble.minimum(self, shape))
 
     def between(self, minimum):
-        """The Way from the conformation to a minimum."""
         return self.kept(Way, ["between", minimum.x.tolist()], lambda: ensemble.way(self, minimum))
 
     def climbed(self, guess, tangent):

@@ -40,7 +40,6 @@ class Start:
 
     @property
     def words(self):
-        """The method, as files name it."""
         return f"{self.method}-in-{self.options.solvent}" if self.options.solvent else self.method
 
     def surface(self, x):
@@ -59,7 +58,6 @@ class Start:
         return command and singles.SinglePoints(command, self.molecule, self.folder.kept)
 
     def turned_by(self, paths):
-        """The torsions that these paths turn."""
         return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
 
 
@@ -77,7 +75,6 @@ def run(options):
 
 
 def read(o):
-    """The Start of a command line."""
     kept = Work("molecule", o.output, o.quiet)
 
     def compute():
@@ -111,7 +108,11 @@ def read(o):
 
 def find_structures(start):
     o, kept = start.options, start.folder
-    shapes = ensemble(start)
+    frames = reading.ensemble(o.file) if o.basins else []  # between whose minima paths are looked for
+    shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
+    if len(shapes) > ENSEMBLE:
+        kept.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
+    shapes = shapes[:ENSEMBLE]
 
     def compute():
         if o.method == "auto":
@@ -129,15 +130,6 @@ def find_structures(start):
                start.search, o.highest, o.basins, o.keep_conformation, [name for t in start.turning for name in t.file_names()],
                [x.tolist() for _, x in shapes]], compute)
     return files.read_set(kept)
-
-
-def ensemble(start):
-    """The frames of an XYZ file between whose minima paths are looked for, as reading.ensemble() has them."""
-    frames = reading.ensemble(start.options.file) if start.options.basins else []
-    shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
-    if len(shapes) > ENSEMBLE:
-        start.folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
-    return shapes[:ENSEMBLE]
 
 
 def estimate(start):

@@ -41,7 +41,6 @@ class Stiffness:
     morph: float = 0.0  # kJ/mol
 
     def softer(self, times):
-        """With softer anchors."""
         return Stiffness(max(self.shift / times, Stiffness.shift), max(self.rotation / times, Stiffness.rotation),
                          self.morph)
 

@@ -102,7 +102,6 @@ def _atom(line, say):
 
 
 def frames(path):
-    """frames_of() a file."""
     out = frames_of(read_text(path), path)
     if not out:
         raise BadInput(f"{path}: is empty")
@@ -117,17 +116,14 @@ def finite(text):
     return value
 
 
-def number(given, key, where):
-    """A number among the words of a title, None where there is none. Errors: BadInput, where it is no finite number."""
-    try:
-        return finite(given[key]) if key in given else None
-    except ValueError:
-        raise BadInput(f"{where}: {key}={given[key]} is no number") from None
-
-
 def above(given, conformation, where):
     """kJ/mol above the conformation, by the words of both titles. Errors: BadInput, where there is no energy, or two that
     differ."""
+    def number(given, key, where):
+        try:
+            return finite(given[key]) if key in given else None
+        except ValueError:
+            raise BadInput(f"{where}: {key}={given[key]} is no number") from None
     rise, own, base = number(given, "dE", where), number(given, "E", where), number(conformation, "E", "conformation")
     if own is None or base is None:
         if rise is None:
