@@ -26,12 +26,11 @@ ION_CHARGES = {3: 1, 9: -1, 11: 1, 12: 2, 17: -1, 19: 1, 20: 2, 25: 2, 26: 2, 27
 @dataclass
 class Record:
     """mol: RDKit's molecule, not sanitized, with a conformer unless it is of SMILES. drawing: whether its coordinates
-    are said to be a drawing's. charge, unpaired: what the text says of all of it, or None. energy: in whatever unit."""
+    are said to be a drawing's. charge, unpaired: what the text says of all of it, or None."""
     mol: Chem.Mol
     drawing: bool = False
     charge: int = None
     unpaired: int = None
-    energy: float = None
 
 
 @dataclass
@@ -71,8 +70,14 @@ def read(text, what, kind):
     if kind == "sdf":
         _sdf(text, given)
     elif kind == "xyz":
-        frames(text, given)
-        _keep_lowest(given)
+        frames = xyz.frames_of(text, what, given.say)
+        order, known = lowest_first(frames)
+        if order:  # an ensemble, a path, or the log of an optimisation
+            given.say(f"{len(order)} frames of one molecule" + (
+                f": frame {order[0] + 1}, of lowest energy, is taken" if known else ", without energies: the first is taken"))
+        for one in [frames[order[0]]] if order else frames:
+            given.add(Record(placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x), False,
+                             *_charge_in(one.title, what)))
     else:
         if kind == "pdb":
             text = "\n".join(map(_with_element, _without_alternates(text.split("\n"), given.say)))
@@ -153,13 +158,6 @@ def _radicals(lines):
 
 # XYZ
 
-def frames(text, given):
-    """Adds the Records of all frames of an XYZ text. Errors: BadInput."""
-    for one in xyz.frames_of(text, given.what, given.say):
-        mol = placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x)
-        given.add(Record(mol, False, *_charge_in(one.title, given.what), energy_in(one.title)))
-
-
 def _charge_in(title, what):
     """(charge, unpaired electrons) that a title gives, each None where it does not: charge=-1, charge: -1, charge -1,
     multiplicity 2, or -1 1 alone, as the inputs of most programs have it."""
@@ -184,21 +182,14 @@ def energy_in(title):
     return float(found[1]) if found else None
 
 
-def are_alike(records):
-    """Whether these are several, of the same atoms in the same order."""
-    return len(records) > 1 and all(numbers_of(r.mol) == numbers_of(records[0].mol) for r in records)
-
-
-def _keep_lowest(given):
-    """Of frames of the same atoms in the same order only the one of lowest energy stays: an ensemble, a path, or the log of an
-    optimisation."""
-    if not are_alike(given.records):
-        return
-    energies = [r.energy for r in given.records]
-    best = 0 if None in energies else int(np.argmin(energies))
-    given.say(f"{len(energies)} frames of one molecule" + (", without energies: the first is taken" if None in energies else
-              f": frame {best + 1}, of lowest energy, is taken"))
-    given.records = [given.records[best]]
+def lowest_first(frames):
+    """(the numbers of several xyz.Frames of one molecule, that of the lowest energy first, whether all have an energy). No numbers
+    where they are of several molecules."""
+    energies = [energy_in(one.title) for one in frames]
+    if len(frames) < 2 or any(one.numbers != frames[0].numbers for one in frames):
+        return [], False
+    known = None not in energies
+    return sorted(range(len(frames)), key=lambda k: energies[k] if known else k), known
 
 
 # PDB. Source: the format's description 3.3. Columns are counted from 0 here. 12-15 have the atom's name, with its element

@@ -10,7 +10,7 @@ from rdkit import Chem
 from rdkit.Chem import rdMolDescriptors
 
 from . import molecule as prepared
-from . import building, confined, formats, geometry, valences
+from . import building, confined, formats, geometry, valences, xyz
 from .elements import MASSES, SYMBOLS
 from .molecule import BadInput, Molecule, numbers_of, places_of, signed
 
@@ -78,11 +78,8 @@ def ensemble(path):
         return []
 
     def work():
-        given = formats.Input(path, "xyz")
-        formats.frames(formats.decoded(prepared.read_bytes(path), path), given)
-        records = given.records if formats.are_alike(given.records) else []
-        order = sorted(range(len(records)), key=lambda k: np.inf if records[k].energy is None else records[k].energy)
-        return [(k + 1, places_of(records[k].mol).tolist()) for k in order]
+        frames = xyz.frames_of(formats.decoded(prepared.read_bytes(path), path), path)
+        return [(k + 1, frames[k].x.tolist()) for k in formats.lowest_first(frames)[0]]
     return [(number, np.array(x)) for number, x in confined.run(work, path)]
 
 
