@@ -1,7 +1,7 @@
 """The texts of molecules' files, as records of one molecule or several pieces each.
 
-RDKit reads MDL's formats (SDF, MOL) and SMILES, Open Babel, which finds bonds from distances, the others. What both misread is put right in
-the text before: symbols in capitals, alternate locations, lone pairs, headers, units.
+RDKit reads MDL's formats (SDF, MOL) and SMILES, Open Babel, which finds bonds from distances, the others. What both misread
+is put right in the text before: symbols in capitals, alternate locations, lone pairs, headers, units.
 """
 
 import re
@@ -183,8 +183,8 @@ def energy_in(title):
 
 
 def lowest_first(frames):
-    """(the numbers of several xyz.Frames of one molecule, that of the lowest energy first, whether all have an energy). No numbers
-    where they are of several molecules."""
+    """(the numbers of several xyz.Frames of one molecule, that of the lowest energy first; whether all have an energy). No
+    numbers where they are of several molecules."""
     energies = [energy_in(one.title) for one in frames]
     if len(frames) < 2 or any(one.numbers != frames[0].numbers for one in frames):
         return [], False

@@ -4,10 +4,10 @@ far along the path, in the direction in which that moves, and goes back on the s
 The molecule as a whole yields, too. So several such lines are played, and the one that turns the
 torsion farthest is kept.
 
-Where paths go on behind their barriers, a way pushes a torsion into the minimum behind, leaves it there, goes round the molecule
-without touching it, and pushes it back from another side. Lines are tried until one has brought the molecule where it should be:
-first those along which the atoms go most, then random ones, deeper. They are played one after the other in one go, since
-reading the grid takes longest.
+Where paths go on behind their barriers, a way pushes a torsion into the minimum behind, leaves it there, goes round the
+molecule without touching it, and pushes it back from another side. Lines are tried until one has brought the molecule where it
+should be: first those along which the atoms go most, then random ones, deeper. They are played one after the other in one go,
+since reading the grid takes longest.
 """
 
 import json

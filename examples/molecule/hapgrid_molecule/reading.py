@@ -93,7 +93,8 @@ def _one(given, charge, unpaired):
     for atom in record.mol.GetAtoms():
         z, name = atom.GetAtomicNum(), f"{atom.GetSymbol()}{atom.GetIdx() + 1}"
         if z in METALS:
-            raise BadInput(f"{given.what}: {name} is a metal, whose bonds are no single bonds that turn: take the part without it")
+            raise BadInput(f"{given.what}: {name} is a metal, whose bonds are no single bonds that turn: "
+                           "take the part without it")
         if z not in MASSES:
             raise BadInput(f"{given.what}: {name}: no radius is known for this element, only for "
                            + " ".join(SYMBOLS[k] for k in MASSES))
@@ -128,9 +129,9 @@ def _refuse_no_coordinates(given, record):
 
 
 def _largest(given):
-    """The formats.Record of the one molecule that is felt. One rule holds for the records of a file, for the pieces of a record,
-    and for SMILES with dots: that with the most atoms beside hydrogen, then with the most atoms, then the first. What is left
-    out is named, with its charge."""
+    """The formats.Record of the one molecule that is felt. One rule holds for the records of a file, for the pieces of a
+    record, and for SMILES with dots: that with the most atoms beside hydrogen, then with the most atoms, then the first. What
+    is left out is named, with its charge."""
     parts = []
     for record in given.records:
         some = Chem.GetMolFrags(record.mol, asMols=True, sanitizeFrags=False)
@@ -149,8 +150,9 @@ def _largest(given):
                        "give a molecule with bonds")
     if others:
         metals = sorted({a.GetSymbol() for p in others for a in p.mol.GetAtoms() if a.GetAtomicNum() in METALS})
-        given.say(f"{given.what}: {len(parts)} molecules or shapes: the largest is taken, {rdMolDescriptors.CalcMolFormula(one.mol)} with charge "
-                  f"{signed(Chem.GetFormalCharge(one.mol))}; left out: {_counted(others)}"
+        given.say(f"{given.what}: {len(parts)} molecules or shapes: the largest is taken, "
+                  f"{rdMolDescriptors.CalcMolFormula(one.mol)} with charge {signed(Chem.GetFormalCharge(one.mol))}; left out: "
+                  + _counted(others)
                   + ("".join(f"; {m} is a metal and is not felt" for m in metals))
                   + ("; the file's charge is of all pieces: --charge gives that of the one"
                      if any(r.charge for r in given.records) and one not in given.records else ""))

@@ -87,8 +87,8 @@ class SinglePoints:
         result.dropped += [(name, f"by {self.method} {why}") for name, why in faults.items() if why]
 
     def _root(self, result):
-        """Where a node is much lower than the conformation, that one becomes the conformation, and its path leads both ways from
-        there. Hydrogen peroxide is planar by GFN2-xTB, and not by better methods."""
+        """Where a node is much lower than the conformation, that one becomes the conformation, and its path leads both ways
+        from there. Hydrogen peroxide is planar by GFN2-xTB, and not by better methods."""
         if not result.found:
             return
         one = min(result.found, key=lambda f: min(f.energies))

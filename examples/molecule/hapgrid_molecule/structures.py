@@ -67,7 +67,8 @@ def _saddles(search, may_restart):
         if isinstance(ends, Dropped):
             search.say(f"{job}: {ends.why}")
             continue
-        search.say(f"{job}: barrier {search.above(ends.saddle.energy):.1f} kJ/mol, behind it {search.above(ends.far.energy):.1f}")
+        search.say(f"{job}: barrier {search.above(ends.saddle.energy):.1f} kJ/mol, "
+                   f"behind it {search.above(ends.far.energy):.1f}")
         for side in (ends.near, ends.far):
             if may_restart and search.above(side.energy) < -LOWER and search.intact(side.x):
                 return tops, (job, side.x, -search.above(side.energy))
