@@ -8,7 +8,7 @@ chains.
 import numpy as np
 
 from . import geometry
-from .molecule import BadInput, numbers_of, places_of, relaxed
+from .molecule import BadInput, is_flat, numbers_of, places_of, relaxed
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
 
@@ -18,21 +18,33 @@ FEW_STEPS, STEPS = 300, 5000  # of the force field, to tell shapes apart, and fo
 SMALL_RINGS = 60  # atoms, up to which a shape takes well below a second
 
 
-def understood(mol, what):
-    """The molecule with its aromatic rings and implicit hydrogens. Errors: BadInput, which names the atom."""
+def understood(mol, what, forced):
+    """The molecule with its aromatic rings and implicit hydrogens, and with the handedness that its coordinates or wedges give
+    it. forced: whether it is as the command line wants it, also where that does not fit its bonds. Errors: BadInput, which names
+    the atom."""
     one = Chem.Mol(mol)
     try:
         Chem.SanitizeMol(one)
-    except Chem.AtomValenceException as why:
-        atom = one.GetAtomWithIdx(why.cause.GetAtomIdx())
-        bonds = int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetNumExplicitHs()
-        raise BadInput(f"{what}: {atom.GetSymbol()}{atom.GetIdx() + 1} has {bonds} bonds, too many for its charge of "
-                       f"{atom.GetFormalCharge()}: correct its bonds or its charge") from None
-    except (Chem.KekulizeException, Chem.AtomKekulizeException):
-        raise BadInput(f"{what}: not understood: its aromatic rings have no alternating bonds: mark the hydrogen of a "
-                       "nitrogen, as in [nH], or write single and double bonds") from None
     except ValueError as why:
-        raise BadInput(f"{what}: not understood: {why}") from None
+        if isinstance(why, Chem.AtomValenceException) and not forced:
+            atom = one.GetAtomWithIdx(why.cause.GetAtomIdx())
+            bonds = int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetNumExplicitHs()
+            raise BadInput(f"{what}: {atom.GetSymbol()}{atom.GetIdx() + 1} has {bonds} bonds, too many for its charge of "
+                           f"{atom.GetFormalCharge()}: correct its bonds or its charge") from None
+        if isinstance(why, (Chem.KekulizeException, Chem.AtomKekulizeException)) and not forced:
+            raise BadInput(f"{what}: not understood: its aromatic rings have no alternating bonds: mark the hydrogen of a "
+                           "nitrogen, as in [nH], or write single and double bonds") from None
+        if not forced:
+            raise BadInput(f"{what}: not understood: {why}") from None
+        one = Chem.Mol(mol)
+        for atom in one.GetAtoms():
+            atom.SetNoImplicit(True)
+        Chem.SanitizeMol(one, Chem.SANITIZE_ALL ^ Chem.SANITIZE_PROPERTIES ^ Chem.SANITIZE_CLEANUP)
+    if one.GetNumConformers() and is_flat(places_of(one)):
+        Chem.DetectBondStereoChemistry(one, one.GetConformer())
+    elif one.GetNumConformers() and one.GetConformer().Is3D():
+        Chem.AssignStereochemistryFrom3D(one)
+    Chem.AssignStereochemistry(one, cleanIt=True, force=True)
     return one
 
 

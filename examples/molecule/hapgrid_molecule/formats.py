@@ -12,7 +12,7 @@ from rdkit import Chem
 
 from . import xyz
 from .elements import NUMBERS, SYMBOLS
-from .molecule import BadInput, numbers_of, placed, places_of, unsanitized
+from .molecule import BadInput, is_flat, numbers_of, placed, places_of, unsanitized
 
 KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
 MOST_RECORDS = 1000
@@ -230,10 +230,6 @@ def _with_element(line):
         element = two if two in NUMBERS and (len(two) == 1 or not is_one) else letters[:1] if letters[:1] in NUMBERS else "X"
     charge = line[78:80] if re.fullmatch(r"\d[+-]|[+-]\d|  ", line[78:80]) else "  "
     return f"{line[:76]}{element:>2}{charge}"
-
-
-def is_flat(x):
-    return len(x) > 3 and np.ptp(x[:, 2]) < 0.01
 
 
 # Open Babel's molecules as RDKit's

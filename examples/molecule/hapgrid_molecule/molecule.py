@@ -128,6 +128,10 @@ def places_of(rd):
     return rd.GetConformer().GetPositions() if rd.GetNumConformers() else np.zeros((rd.GetNumAtoms(), 3))
 
 
+def is_flat(x):
+    return len(x) > 3 and np.ptp(x[:, 2]) < 0.01
+
+
 def read_bytes(path):
     """The content of a file from outside. A device or a pipe, which might never end, is refused."""
     with open(path, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)) as file:

@@ -12,7 +12,7 @@ from rdkit.Chem import rdMolDescriptors
 from . import molecule as prepared
 from . import building, confined, formats, geometry, valences, xyz
 from .elements import MASSES, SYMBOLS
-from .molecule import BadInput, Molecule, numbers_of, places_of, signed
+from .molecule import BadInput, Molecule, is_flat, numbers_of, places_of, signed
 
 MOST_ATOMS = 100
 LEAST_DISTANCE = 0.5  # angstrom
@@ -120,12 +120,11 @@ def _refuse_no_coordinates(given, record):
     if given.kind != "smi" and record.mol.GetNumBonds() == 0 and len(x) > 1 and (x == 0).all():
         raise BadInput(f"{what}: no coordinates and no bonds: give a file that has them, or --smiles")
     if given.kind == "xyz":
-        if len(x) > MOST_ATOMS * 10:
-            _check_count(len(x), what)
+        _check_count(len(x), what, 10 * MOST_ATOMS)
         record.mol = formats.with_bonds(numbers, x, what)
-        if formats.is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
+        if is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
             raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
-        _check_distances(x, what)
+        _check(x, what, 10 * MOST_ATOMS)
 
 
 def _largest(given):
@@ -186,11 +185,11 @@ def _completed(given, record, charge, unpaired):
             valences.pair_up(mol, lack, charge)
         if unpaired is None and charge is None:
             _refuse_without_hydrogen(mol, what)
-    if given.kind in ("pdb", "mol2") or given.kind == "sdf" and not formats.is_flat(x):
+    if given.kind in ("pdb", "mol2") or given.kind == "sdf" and not is_flat(x):
         _add_no_hydrogen_to_the_whole(mol, given, charge)
     if given.kind != "smi" or charge is not None:
         valences.close(mol, what, charge, unpaired)
-    mol = _understood(mol, given, charge, unpaired)
+    mol = building.understood(mol, what, charge is not None or unpaired is not None)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
     added = _size(mol) - mol.GetNumAtoms()
     _check_count(_size(mol), what)
@@ -203,7 +202,7 @@ def _completed(given, record, charge, unpaired):
     share = geometry.shares(numbers_of(mol), x)
     # Bonds are shorter or longer than any in a drawing, also where that says it is none.
     drawn = record.drawing or not all(0.75 < share[b.GetBeginAtomIdx(), b.GetEndAtomIdx()] < 1.35 for b in mol.GetBonds())
-    flat = formats.is_flat(x) and (added > 0 or drawn or _is_bulky(mol))
+    flat = is_flat(x) and (added > 0 or drawn or _is_bulky(mol))
     if added:
         given.say(f"{added} hydrogen atoms were added" if added > 1 else "1 hydrogen atom was added")
     if not nowhere and not flat:
@@ -212,27 +211,6 @@ def _completed(given, record, charge, unpaired):
         raise BadInput(f"{what}: no coordinates, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
     given.say(f"{what}: {'no coordinates' if nowhere else 'flat'}: a shape was built")
     return _built(mol, given), True
-
-
-def _understood(mol, given, charge, unpaired):
-    """Sanitized, with the handedness that the coordinates or wedges give it."""
-    try:
-        one = building.understood(mol, given.what)
-    except BadInput:
-        if charge is None and unpaired is None:
-            raise
-        # What was said of the molecule does not fit its bonds; it is as the command line wants it.
-        one = Chem.Mol(mol)
-        for atom in one.GetAtoms():
-            atom.SetNoImplicit(True)
-        Chem.SanitizeMol(one, Chem.SANITIZE_ALL ^ Chem.SANITIZE_PROPERTIES ^ Chem.SANITIZE_CLEANUP)
-    if one.GetNumConformers():
-        if formats.is_flat(places_of(one)):
-            Chem.DetectBondStereoChemistry(one, one.GetConformer())
-        elif one.GetConformer().Is3D():
-            Chem.AssignStereochemistryFrom3D(one)
-    Chem.AssignStereochemistry(one, cleanIt=True, force=True)
-    return one
 
 
 def _built(mol, given):
@@ -305,22 +283,18 @@ def _join_short_bonds(mol):
         mol.GetAtomWithIdx(n).SetNumExplicitHs(mol.GetAtomWithIdx(n).GetNumExplicitHs() - 1)
 
 
-def _check_count(count, what):
-    if count > MOST_ATOMS:
+def _check_count(count, what, most=MOST_ATOMS):
+    if count > most:
         raise BadInput(f"{what}: {count} atoms, at most {MOST_ATOMS} are feasible: cut out the part that "
                        "matters, and close it with hydrogen")
     if count < 2:
         raise BadInput(f"{what}: a single atom has no shape to feel")
 
 
-def _check(x, what):
-    _check_count(len(x), what)
+def _check(x, what, most=MOST_ATOMS):
+    _check_count(len(x), what, most)
     if not np.isfinite(x).all():
         raise BadInput(f"{what}: a coordinate is not a finite number")
-    _check_distances(x, what)
-
-
-def _check_distances(x, what):
     distance = np.linalg.norm(x[:, None] - x[None], axis=2) + 9 * np.eye(len(x))
     a, b = divmod(int(distance.argmin()), len(x))
     if distance[a, b] < LEAST_DISTANCE:
