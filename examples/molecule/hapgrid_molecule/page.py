@@ -76,29 +76,22 @@ def draw_curves(folder, log, shapes, torsions):
     return ["course.png", "torsions.tsv", "energies.tsv"]
 
 
-def moments(log):
-    """{picture: time} of what is worth a look. log: of play."""
+def pictures(log):
+    """{file: the command that draws it} of the moments that are worth a look. The probe comes from the left. log: of play."""
     paths = sum(n[0] == "s" and n[1:].isdigit() for n in log) - 6
     times = log["t"].tolist()
-    if not paths:
-        return {"before.png": 0.0, "pushed.png": times[len(times) // 2]}
-    farthest = max((np.abs(log[f"s{k}"]) for k in range(paths)), key=np.max)
-    when = {"before.png": 0.0, "turned.png": times[int(farthest.argmax())]}
-    # Behind a saddle the molecule stays when nothing pushes it.
-    stays = np.flatnonzero((log["force_x"] == 0) & (log["force_y"] == 0) & (log["force_z"] == 0) & (farthest > STAYS))
-    if stays.size:
-        when |= {"behind.png": times[stays[stays.size // 2]], "after.png": times[-1]}
-    return when
-
-
-def pictures(log):
-    """{file: the command that draws it}. The probe comes from the left."""
+    when = {"before.png": 0.0, "pushed.png": times[len(times) // 2]}
+    if paths:
+        farthest = max((np.abs(log[f"s{k}"]) for k in range(paths)), key=np.max)
+        when = {"before.png": 0.0, "turned.png": times[int(farthest.argmax())]}
+        # Behind a saddle the molecule stays when nothing pushes it.
+        stays = np.flatnonzero((log["force_x"] == 0) & (log["force_y"] == 0) & (log["force_z"] == 0) & (farthest > STAYS))
+        if stays.size:
+            when |= {"behind.png": times[stays[stays.size // 2]], "after.png": times[-1]}
     way = [log[a][len(log[a]) // 2] - log[a][0] for a in "xyz"]
     seen = ["--azimuth", f"{np.degrees(np.arctan2(way[1], way[0])):.0f}", "--elevation", "10"]
-    out = {picture: ["view", "played.frames", "--at", f"{t:.3f}", *seen, "--png", picture]
-           for picture, t in moments(log).items()}
-    out["played.html"] = ["view", "played.frames", *seen, "--html", "played.html"]
-    return out
+    out = {picture: ["view", "played.frames", "--at", f"{t:.3f}", *seen, "--png", picture] for picture, t in when.items()}
+    return {**out, "played.html": ["view", "played.frames", *seen, "--html", "played.html"]}
 
 
 def page(start, turned, ways, images):

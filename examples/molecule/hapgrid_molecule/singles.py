@@ -60,17 +60,17 @@ class SinglePoints:
         try:
             return xyz.finite(last)
         except ValueError:
-            raise Failed(f"--single-points: the last line of {self.words[0]} is '{last}', and not an energy in hartree") from None
+            raise Failed(f"--single-points: the last line of {self.words[0]} is '{last}', and not an energy in "
+                         "hartree") from None
 
     def put_into(self, result, threads, folder):
         """Puts its own energies into a results.Result in place of xtb's. A path that does not lead from the conformation
         over a barrier by these energies is left out; one that has its highest node before its end, ends there."""
-        found = result.found
-        shapes = [result.x, *(x for one in found for x in self._shapes(one))]
-        energies = iter(folder.each("energies by " + self.words[0], self.energy, shapes, threads))
+        shapes = [[*one.nodes, *(() if one.goes_on else (one.far.x,))] for one in result.found]
+        energies = iter(folder.each("energies by " + self.words[0], self.energy, [result.x, *sum(shapes, [])], threads))
         rest = next(energies)
-        for one in found:
-            own = [next(energies) for _ in self._shapes(one)]
+        for one, some in zip(result.found, shapes):
+            own = [next(energies) for _ in some]
             if not one.goes_on:
                 one.far = replace(one.far, energy=own.pop())
             own[one.start] = rest  # the same shape, turned otherwise
@@ -112,10 +112,6 @@ class SinglePoints:
         one.nodes, one.energies = one.nodes[k:], one.energies[k:]
         result.found = [one, back]
         result.dropped = [(name, why) for name, why in result.dropped if name != back.name]
-
-    @staticmethod
-    def _shapes(one):
-        return list(one.nodes) if one.goes_on else [*one.nodes, one.far.x]
 
 
 def _fault(one, rest):
