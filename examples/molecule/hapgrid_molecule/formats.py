@@ -53,13 +53,10 @@ class Input:
 
 def decoded(content, what):
     """Text of UTF-8, UTF-16 with its mark, or else Latin-1, with single line feeds."""
-    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        text = content.decode("utf-16", "replace")
-    else:
-        try:
-            text = content.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = content.decode("latin-1")
+    try:
+        text = content.decode("utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")
     if "\0" in text:
         raise BadInput(f"{what}: not a text file")
     return text.replace("\r\n", "\n").replace("\r", "\n")
