@@ -2,19 +2,18 @@
 
 The command: cli, steps (one by one, from the molecule's file to the page), grids (the grid).
 
-A molecule is read: reading, with formats, babel (Open Babel), valences (bonds and charges that no file says), pieces (which
-of several molecules), building (hydrogens and shapes), confined (in a process with limits), molecule (what is read, and its
-conformers), elements.
+A molecule is read: reading, with formats, valences (bonds and charges that no file says), building (hydrogens and shapes),
+confined (in a process with limits), molecule (what is read, and its conformers), elements.
 
 Structures are found: structures (in several processes), search (each step), results (what they find, and how that is kept),
 xtb (energies), geometry, optimise (minima and saddles), rotors (which bonds turn, and their names), torsions (scans), path
-(from a saddle down), beyond (paths on behind saddles), ensemble (paths between given minima), naming (of paths), singles
+(from a saddle down), beyond (paths on behind saddles), ensemble (paths between given minima), singles
 (energies by other programs), xyz and files (what is written).
 
 A grid is made: choice (the softest paths that are sane together), stiffness (of the anchors), definition (box and
-MODEL.toml), resolution (the spacing), faults (of a grid, and their cures).
+MODEL.toml), resolution (the spacing).
 
-The probe's way: pushing (turns a torsion), crossing (over a barrier and back), page (page.html is its frame).
+The probe's way: pushing (turns a torsion, or leads over a barrier and back), page (page.html is its frame).
 """
 
 import os

@@ -6,6 +6,8 @@ saddle, whose two sides become the path's ends: the highest one from which the c
 its halves have turned so far against each other that the alignment jumps. Otherwise the other direction is driven, too.
 """
 
+from dataclasses import replace
+
 from . import geometry, optimise, path, torsions
 from .results import Way
 from .xtb import HARTREE, XtbError
@@ -18,14 +20,12 @@ BACK = "back in the conformation"
 def _leg(search, torsion, sign, start, apart):
     """path.over() the next saddle from a minimum."""
     left = search.start.options.highest / HARTREE - (start.energy - search.energy)
-    saddle = search.climbed(*torsions.scan(search.surface, start, torsion, sign, highest=left))
-    sides = search.sides(saddle)
-    (near_sign, near), (far_sign, far) = sides if search.same(sides[0][1].x, start.x) else sides[::-1]
-    if not search.same(near.x, start.x):
-        raise optimise.NoPath(f"the saddle at {search.above(saddle.energy):.2f} kJ/mol joins other minima")
-    if not search.intact(far.x):
+    ends = search.ends(search.climbed(*torsions.scan(search.surface, start, torsion, sign, highest=left)), start.x)
+    if not search.same(ends.near.x, start.x):
+        raise optimise.NoPath(f"the saddle at {search.above(ends.saddle.energy):.2f} kJ/mol joins other minima")
+    if not search.intact(ends.far.x):
         raise optimise.NoPath("bonds change")
-    return path.over(search, saddle, near_sign, far_sign, start, far, apart)
+    return path.over(search.surface, ends, start, apart)
 
 
 def drive(search, torsion, sign, apart=None, known=()):
@@ -36,20 +36,21 @@ def drive(search, torsion, sign, apart=None, known=()):
             up, down, at, apart = _leg(search, torsion, sign, at, apart)
         except (optimise.NoPath, XtbError) as why:
             way.why = str(why)
-            return way, apart
+            break
         closed = search.same(at.x, search.x)
         if not closed and any(search.same(at.x, y) for y in [*(way.nodes[k] for k in way.minima()), *known]):
             way.why = "a minimum that it has already"
             way.nodes += up[0][1:-1]
             way.energies += up[1][1:-1]
-            return way, apart
+            break
         way.add(*up, "saddle")
         way.add(*down, "minimum")
         if closed:
             way.why = BACK
             del way.kinds[len(way.nodes) - 1]  # it is no other one
-            return way, apart
-    way.why = f"{LEGS} saddles are enough"
+            break
+    else:
+        way.why = f"{LEGS} saddles are enough"
     return way, apart
 
 
@@ -83,7 +84,6 @@ def _jump(search, nodes):
 
 
 def _part(way, count):
-    """The first nodes of a way."""
     return Way(way.nodes[:count], way.energies[:count], 0, {k: kind for k, kind in way.kinds.items() if k < count}, way.why)
 
 
@@ -93,9 +93,7 @@ def _before_jump(search, way):
     if at is None:
         return way
     last = max((k for k in way.kinds if k < at), default=at)
-    out = _part(way, last if way.kinds.get(last) == "saddle" else at)
-    out.why = "the molecule's alignment would jump"
-    return out
+    return replace(_part(way, last if way.kinds.get(last) == "saddle" else at), why="the molecule's alignment would jump")
 
 
 def _cut(search, circle):

@@ -8,32 +8,43 @@ chains.
 import numpy as np
 
 from . import geometry
-from .molecule import BadInput, relaxed
+from .molecule import BadInput, is_flat, numbers_of, places_of, relaxed
 from rdkit import Chem
 from rdkit.Chem import rdDistGeom
 
 SEED = 1
 TRIES = 10  # shapes, of which the one of lowest energy is taken: rings have several
 FEW_STEPS, STEPS = 300, 5000  # of the force field, to tell shapes apart, and for the one that is taken
-LEAST_DISTANCE = 0.5  # angstrom
 SMALL_RINGS = 60  # atoms, up to which a shape takes well below a second
 
 
-def understood(mol, what):
-    """The molecule with its aromatic rings and implicit hydrogens. Errors: BadInput, which names the atom."""
+def understood(mol, what, forced):
+    """The molecule with its aromatic rings and implicit hydrogens, and with the handedness that its coordinates or wedges give
+    it. forced: whether it is as the command line wants it, also where that does not fit its bonds. Errors: BadInput, which
+    names the atom."""
     one = Chem.Mol(mol)
     try:
         Chem.SanitizeMol(one)
-    except Chem.AtomValenceException as why:
-        atom = one.GetAtomWithIdx(why.cause.GetAtomIdx())
-        bonds = int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetNumExplicitHs()
-        raise BadInput(f"{what}: {atom.GetSymbol()}{atom.GetIdx() + 1} has {bonds} bonds, too many for its charge of "
-                       f"{atom.GetFormalCharge()}: correct its bonds or its charge") from None
-    except (Chem.KekulizeException, Chem.AtomKekulizeException):
-        raise BadInput(f"{what}: not understood: its aromatic rings have no alternating bonds: mark the hydrogen of a "
-                       "nitrogen, as in [nH], or write single and double bonds") from None
     except ValueError as why:
-        raise BadInput(f"{what}: not understood: {why}") from None
+        if isinstance(why, Chem.AtomValenceException) and not forced:
+            atom = one.GetAtomWithIdx(why.cause.GetAtomIdx())
+            bonds = int(sum(b.GetBondTypeAsDouble() for b in atom.GetBonds())) + atom.GetNumExplicitHs()
+            raise BadInput(f"{what}: {atom.GetSymbol()}{atom.GetIdx() + 1} has {bonds} bonds, too many for its charge of "
+                           f"{atom.GetFormalCharge()}: correct its bonds or its charge") from None
+        if isinstance(why, (Chem.KekulizeException, Chem.AtomKekulizeException)) and not forced:
+            raise BadInput(f"{what}: not understood: its aromatic rings have no alternating bonds: mark the hydrogen of a "
+                           "nitrogen, as in [nH], or write single and double bonds") from None
+        if not forced:
+            raise BadInput(f"{what}: not understood: {why}") from None
+        one = Chem.Mol(mol)
+        for atom in one.GetAtoms():
+            atom.SetNoImplicit(True)
+        Chem.SanitizeMol(one, Chem.SANITIZE_ALL ^ Chem.SANITIZE_PROPERTIES ^ Chem.SANITIZE_CLEANUP)
+    if one.GetNumConformers() and is_flat(places_of(one)):
+        Chem.DetectBondStereoChemistry(one, one.GetConformer())
+    elif one.GetNumConformers() and one.GetConformer().Is3D():
+        Chem.AssignStereochemistryFrom3D(one)
+    Chem.AssignStereochemistry(one, cleanIt=True, force=True)
     return one
 
 
@@ -42,7 +53,7 @@ def with_hydrogens(mol, placed):
     count = mol.GetNumAtoms()
     one = Chem.AddHs(mol, addCoords=placed)
     if placed and one.GetNumAtoms() > count:
-        _, x = relaxed(one, one.GetConformer().GetPositions(), STEPS, range(count))
+        _, x = relaxed(one, places_of(one), STEPS, range(count))
         for n in range(count, len(x)):
             one.GetConformer().SetAtomPosition(n, x[n].tolist())
     return one
@@ -53,20 +64,14 @@ def shape(mol, what):
     if mol.GetNumAtoms() == 1:
         return np.zeros((1, 3))
     best = None
-    numbers = [a.GetAtomicNum() for a in mol.GetAtoms()]
     near = [sorted(n.GetIdx() for n in a.GetNeighbors()) for a in mol.GetAtoms()]
     for x in _embedded(mol):
         energy, x = relaxed(mol, x, FEW_STEPS)
-        strained = not np.isfinite(x).all() or geometry.bonds_of(numbers, x) != near
+        strained = not np.isfinite(x).all() or geometry.bonds_of(numbers_of(mol), x) != near
         if best is None or (strained, energy) < best[:2]:
             best = strained, energy, x
     if best is None or not np.isfinite(best[2]).all():
-        crowded = next((a for a in mol.GetAtoms() if a.GetDegree() > 5), None)
-        if crowded is not None:
-            raise BadInput(f"{what}: no shape can be built around {crowded.GetSymbol()}{crowded.GetIdx() + 1}, which has "
-                           f"{crowded.GetDegree()} neighbours: give a file with a shape")
-        raise BadInput(f"{what}: no shape could be built: is its handedness possible? Otherwise give a "
-                       "file with a shape")
+        raise BadInput(f"{what}: no shape could be built: is its handedness possible? Otherwise give a file with a shape")
     return relaxed(mol, best[2], STEPS)[1]
 
 
@@ -87,10 +92,3 @@ def _embedded(mol):
         if found:
             return [one.GetConformer(n).GetPositions() for n in found]
     return []
-
-
-def unspecified(mol):
-    """The numbers, from 1, of atoms whose handedness, and of double bonds whose side, nothing says."""
-    found = Chem.FindPotentialStereo(mol)
-    return [place.centeredOn + 1 for place in found if place.type == Chem.StereoType.Atom_Tetrahedral
-            and place.specified == Chem.StereoSpecified.Unspecified]

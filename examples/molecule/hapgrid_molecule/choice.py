@@ -8,9 +8,9 @@ shape is computed, a single point, by what gave the other energies.
 
 import json
 
-from hapgrid_command import files
+from hapgrid_command.files import remove
 
-from . import xyz
+from . import files, xyz
 from .definition import Definition
 from .rotors import label
 from .xtb import BOHR, HARTREE
@@ -20,21 +20,34 @@ MISSED = 4.0  # kJ/mol: what the sum may miss
 
 
 def choose(start, result, unwanted):
-    """(names of the paths that are taken, reasons by the names of others)."""
-    o, taken, left = start.options, [], {}
-    for found in sorted(result.found, key=lambda f: f.barrier):
-        if found.name in unwanted:
-            left[found.name] = unwanted[found.name]
-        elif len(taken) == o.paths:
-            left[found.name] = f"stiffer than the {o.paths} that are taken (--paths)"
-        else:
-            one = Definition.around(start.molecule, result, [*taken, found.name], o.basins)
-            fault = _fault(start, result, one)
-            if fault:
-                left[found.name] = fault
+    """The paths of the grid, the lowest barrier first; rotors.tsv has them all, and why others are not taken. unwanted: paths,
+    and why."""
+    o, kept = start.options, start.folder
+    lowest_first = sorted(result.found, key=lambda f: f.barrier)
+
+    def compute():
+        taken, left, said = [], {}, {}
+        for name in (f.name for f in lowest_first):
+            if name in unwanted:
+                left[name] = unwanted[name]
+            elif len(taken) == o.paths:
+                left[name] = f"stiffer than the {o.paths} that are taken (--paths)"
+            elif fault := _fault(start, result, Definition.around(start.molecule, result, [*taken, name], o.basins)):
+                left[name] = fault
             else:
-                taken.append(found.name)
-    return taken, left
+                taken.append(name)
+        kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
+        kept.write("rotors.tsv", table(result, start.turning, start.still, taken, left))
+        for row in files.rows(kept, "rotors.tsv", ROTORS):
+            if row["taken"] == "no":
+                said.setdefault(row["why"], []).append(row["path"])
+        for why, names in said.items():
+            kept.say(f"  left out: {', '.join(names)}: {why}")
+        return ["rotors.tsv"]
+    kept.step("choice", "choosing the softest paths that are sane together", [*result.files(), "report.tsv"],
+              [o.paths, unwanted, o.basins, o.single_points], compute)
+    taken = {row["path"] for row in files.rows(kept, "rotors.tsv", ROTORS) if row["taken"] == "yes"}
+    return [f.name for f in lowest_first if f.name in taken]
 
 
 def _fault(start, result, definition):
@@ -46,18 +59,14 @@ def _fault(start, result, definition):
         if ran.code == 1:
             return ran.said
         found = json.loads(ran.out)
-        if found["problems"]:
-            return _clash(found["problems"][0], definition.paths)
+        for problem in found["problems"]:
+            names = [definition.paths[n] for n in problem["paths"]]
+            some = " and ".join(names) + " combined: " * (len(names) == 2) + ": " * (len(names) == 1)
+            return (some if len(names) < 3 else "all paths combined: ") + problem["what"]
         combined = [m for m in found["minima"] if sum(t != 0 for t in m["t"]) > 1]
         return _missed(start, result.x, name, combined) if start.options.basins and combined else ""
     finally:
-        files.remove(folder.path(name))
-
-
-def _clash(problem, paths):
-    names = [paths[n] for n in problem["paths"]]
-    where = {0: "", 1: f"{names[0]}: " if names else "", 2: " and ".join(names) + " combined: "}
-    return where.get(len(names), "all paths combined: ") + problem["what"]
+        remove(folder.path(name))
 
 
 def _missed(start, x, toml, minima):
@@ -76,15 +85,6 @@ def shape(folder, definition, t):
     """The atoms (angstrom) of the model at t."""
     text = folder.run("molecule-check", definition, "--xyz=" + ",".join(map(repr, t))).out
     return xyz.frames_of(text, definition)[0].x
-
-
-def left_out(rotors):
-    """What rotors.tsv says of all that is not taken, one line for each reason."""
-    names = {}
-    for row in rotors:
-        if row["taken"] == "no":
-            names.setdefault(row["why"], []).append(row["path"])
-    return [f"left out: {', '.join(them)}: {why}" for why, them in names.items()]
 
 
 def table(result, rotors, stay, taken, left):

@@ -43,7 +43,7 @@ class Definition:
     def around(cls, molecule, result, paths, basins=False, spacing=0.0, room=()):
         """The box around all shapes of the paths that are taken, with the probe around them, and the room in which a push
         begins. spacing: of the grid, where it is known already; room: how much more each side needs, low x, y, z and high x,
-        y, z, since the molecule yields when it is pushed (faults.py)."""
+        y, z, since the molecule yields when it is pushed (grids.py)."""
         radius = np.array([RADII[z] for z in molecule.numbers])[:, None]
         shapes = [result.x] + [node for f in result.found if f.name in paths for node in f.nodes]
         x = np.array(shapes) * BOHR
@@ -59,12 +59,9 @@ class Definition:
         cells = np.ceil((self.high - self.low) / self.spacing - 1e-9).astype(int)
         return [max(int(n) + 1, LEAST_POINTS) for n in cells]
 
-    def origin(self):
-        counts = np.array(self.counts())
-        return [round(float(v), 4) for v in (self.low + self.high - (counts - 1) * self.spacing) / 2]
-
     def text(self):
         why = "" if self.basins or not self.paths else WHY
+        origin = (self.low + self.high - (np.array(self.counts()) - 1) * self.spacing) / 2
         paths = "".join(f'  "{name}.xyz",\n' for name in self.paths)
         if self.paths:
             kind = "that goes on behind its barriers" if self.basins else "to a barrier"
@@ -93,7 +90,7 @@ tolerance = 0.1           # states whose atoms are no farther apart, RMS, are on
 force_scale = 0.025       # newtons on the device for 1 kJ/(mol Å)
 {names}
 [grid]
-origin = {self.origin()}
+origin = {[round(float(v), 4) for v in origin]}
 spacing = {self.spacing:g}
 counts = {self.counts()}
 

@@ -51,10 +51,8 @@ def numbered_alike(molecule, x, reference):
 
 def _chain(search, a, b):
     """Shapes from a to b, straight in internal coordinates: torsions turn the short way."""
-    tree = search.tree
-    q = tree.read(a)
-    change = tree.read(b) - q
-    change[2] = geometry.wrapped(change[2])
+    tree = search.surface.tree
+    q, change = tree.read(a), tree.change(a, b)
     shapes = [tree.build(q + t * change) for t in np.linspace(0, 1, SHAPES)]
     # Where a tree of bonds cuts rings open, the straight line is in space.
     straight = geometry.aligned(b, a, search.surface.masses)
@@ -96,36 +94,31 @@ def _top(search, a, b):
 
 
 def legs(search, a, b, left=MOST_LEGS):
-    """[(saddle, (sign, minimum) on its near side, the same on its far side)] on a way from minimum a to minimum b, in this
-    order. Errors: optimise.NoPath."""
+    """The Ends of the saddles on a way from minimum a to minimum b, in this order. Errors: optimise.NoPath."""
     if left < 1:
         raise optimise.NoPath(f"more than {MOST_LEGS} barriers lie on the way")
     saddle = search.climbed(*_top(search, a.x, b.x))
     height = search.above(saddle.energy)
     if height > search.start.options.highest:
         raise optimise.NoPath(f"a barrier of {height:.0f} kJ/mol lies on the way")
-    near, far = search.sides(saddle)
-    if not (search.intact(near[1].x) and search.intact(far[1].x)):
+    ends = search.ends(saddle, a.x, b.x)
+    if not (search.intact(ends.near.x) and search.intact(ends.far.x)):
         raise optimise.NoPath("bonds change")
-    # The side that is a comes first; otherwise the pair that leaves less to go.
-    if (search.apart(near[1].x, a.x) + search.apart(far[1].x, b.x)
-            > search.apart(far[1].x, a.x) + search.apart(near[1].x, b.x)):
-        near, far = far, near
-    if search.same(near[1].x, far[1].x):
+    if search.same(ends.near.x, ends.far.x):
         raise optimise.NoPath("its highest barrier leads back to where it began")
-    out = [(saddle, near, far)]
-    if not search.same(near[1].x, a.x):
-        out = legs(search, a, near[1], left - 1) + out
-    if not search.same(far[1].x, b.x):
-        out = out + legs(search, far[1], b, left - len(out))
+    out = [ends]
+    if not search.same(ends.near.x, a.x):
+        out = legs(search, a, ends.near, left - 1) + out
+    if not search.same(ends.far.x, b.x):
+        out = out + legs(search, ends.far, b, left - len(out))
     return out
 
 
 def way(search, b):
     """The Way from the conformation to minimum b."""
     out, at, apart = Way([search.x], [search.energy]), search.rest, None
-    for saddle, (near_sign, _), (far_sign, far) in legs(search, at, b):
-        up, down, at, apart = path.over(search, saddle, near_sign, far_sign, at, far, apart)
+    for ends in legs(search, at, b):
+        up, down, at, apart = path.over(search.surface, ends, at, apart)
         out.add(*up, "saddle")
         out.add(*down, "minimum")
     out.nodes[1:] = [geometry.aligned(n, search.x, search.surface.masses) for n in out.nodes[1:]]

@@ -24,18 +24,11 @@ def frame(numbers, x, comment):
 
 def angles(torsions, x):
     """Torsions in whole degrees, -179 to 180, by name."""
-    whole = {t.name: round(float(np.degrees(geometry.torsion(x, *t.atoms)))) for t in torsions}
-    return {name: 180 if value == -180 else value for name, value in whole.items()}
+    return {t.name: 180 - (180 - round(float(np.degrees(geometry.torsion(x, *t.atoms))))) % 360 for t in torsions}
 
 
 def words(torsions, x):
     return " ".join(f"{name}={value}" for name, value in angles(torsions, x).items())
-
-
-def _conformation_text(result):
-    known = "nimag=0 " if result.nu1 is not None else ""
-    comment = f"dE=0.0000 E={result.energy:.9f} method={result.method} {known}{words(result.torsions, result.x)}"
-    return frame(result.numbers, result.x, comment)
 
 
 def _path_text(result, found):
@@ -43,23 +36,18 @@ def _path_text(result, found):
     for k, (x, energy) in enumerate(zip(found.nodes, found.energies)):
         rise = 0.0 if k == found.start else (energy - result.energy) * HARTREE
         t = (k - found.start) / last
-        comment = f"dE={rise:.4f} t={t:.{4 if found.goes_on else 1}f} E={energy:.9f} method={result.method}"
-        out.append(frame(result.numbers, x, comment + _point(result, found, k)))
+        title = f"dE={rise:.4f} t={t:.{4 if found.goes_on else 1}f} E={energy:.9f} method={result.method}"
+        if k == found.start and (found.goes_on or result.nu1 is not None):
+            title += " nimag=0"
+        elif k in found.kinds:
+            title += f" nimag={int(found.kinds[k] == 'saddle')}"
+        elif k == last and not found.goes_on:
+            title += f" nimag=1 nu1=i{-found.nu1:.0f}" if found.nu1 is not None else ""
+            title += " torsion=" + found.name.removesuffix("-plus").removesuffix("-minus")
+        if k == found.start or k in found.kinds or k == last and not found.goes_on:
+            title += " " + words(result.torsions, x)
+        out.append(frame(result.numbers, x, title))
     return "".join(out)
-
-
-def _point(result, found, k):
-    """What the title of a stationary point has behind that of other nodes."""
-    there = words(result.torsions, found.nodes[k])
-    if k == found.start:
-        return (" nimag=0 " if found.goes_on or result.nu1 is not None else " ") + there
-    if found.goes_on:
-        return f" nimag={int(found.kinds[k] == 'saddle')} {there}" if k in found.kinds else ""
-    if k < len(found.nodes) - 1:
-        return ""
-    saddle = f" nimag=1 nu1=i{-found.nu1:.0f}" if found.nu1 is not None else ""
-    bond = found.name.removesuffix("-plus").removesuffix("-minus")
-    return f"{saddle} torsion={bond} {there}"
 
 
 def report_text(result, command):
@@ -131,7 +119,9 @@ def lie_as_before(folder, result):
 def write_set(folder, result, command):
     """Writes all files of a molecule and returns their names. The report is written last: where there is one, the set is
     whole."""
-    texts = {"conformation.xyz": _conformation_text(result)}
+    known = "nimag=0 " if result.nu1 is not None else ""
+    title = f"dE=0.0000 E={result.energy:.9f} method={result.method} {known}{words(result.torsions, result.x)}"
+    texts = {"conformation.xyz": frame(result.numbers, result.x, title)}
     texts.update((found.name + ".xyz", _path_text(result, found)) for found in result.found)
     old = {name + ".xyz" for name in _listed(folder)}
     remove(folder.path("report.tsv"))

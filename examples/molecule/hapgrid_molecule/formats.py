@@ -1,7 +1,7 @@
 """The texts of molecules' files, as records of one molecule or several pieces each.
 
-RDKit reads MDL's formats (SDF, MOL) and SMILES, Open Babel (babel.py) the others. What both misread is put right in
-the text before: symbols in capitals, alternate locations, lone pairs, headers, units.
+RDKit reads MDL's formats (SDF, MOL) and SMILES, Open Babel, which finds bonds from distances, the others. What both misread
+is put right in the text before: symbols in capitals, alternate locations, lone pairs, headers, units.
 """
 
 import re
@@ -10,25 +10,27 @@ from dataclasses import dataclass, field
 import numpy as np
 from rdkit import Chem
 
-from . import babel, xyz
-from .elements import NUMBERS
-from .molecule import BadInput, placed, unsanitized
+from . import xyz
+from .elements import NUMBERS, SYMBOLS
+from .molecule import BadInput, is_flat, numbers_of, placed, places_of, unsanitized
 
 KINDS = {"sdf": "sdf", "mol": "sdf", "xyz": "xyz", "mol2": "mol2", "pdb": "pdb", "ent": "pdb"}
 MOST_RECORDS = 1000
 MOST_CHARGE = 9
 AMINO_ACIDS = set("ALA ARG ASN ASP CYS GLN GLU GLY HIS ILE LEU LYS MET PHE PRO SER THR TRP TYR VAL ACE NME".split())
+# Atoms that stand alone in structures of proteins and salts.
+ION_CHARGES = {3: 1, 9: -1, 11: 1, 12: 2, 17: -1, 19: 1, 20: 2, 25: 2, 26: 2, 27: 2, 28: 2, 29: 2, 30: 2, 35: -1, 48: 2,
+               53: -1}
 
 
 @dataclass
 class Record:
     """mol: RDKit's molecule, not sanitized, with a conformer unless it is of SMILES. drawing: whether its coordinates
-    are said to be a drawing's. charge, unpaired: what the text says of all of it, or None. energy: in whatever unit."""
+    are said to be a drawing's. charge, unpaired: what the text says of all of it, or None."""
     mol: Chem.Mol
     drawing: bool = False
     charge: int = None
     unpaired: int = None
-    energy: float = None
 
 
 @dataclass
@@ -43,25 +45,41 @@ class Input:
         if text not in self.said:
             self.said.append(text)
 
+    def add(self, record):
+        if len(self.records) == MOST_RECORDS:
+            raise BadInput(f"{self.what}: more than {MOST_RECORDS} records: give the one to feel")
+        self.records.append(record)
+
 
 def decoded(content, what):
     """Text of UTF-8, UTF-16 with its mark, or else Latin-1, with single line feeds."""
-    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        text = content.decode("utf-16", "replace")
-    else:
-        try:
-            text = content.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = content.decode("latin-1")
+    try:
+        text = content.decode("utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")
     if "\0" in text:
         raise BadInput(f"{what}: not a text file")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def read(text, what, kind):
-    """The Input of a file's text. Errors: BadInput."""
     given = Input(what, kind)
-    {"sdf": _sdf, "xyz": _xyz, "mol2": _mol2, "pdb": _pdb}[kind](text, given)
+    if kind == "sdf":
+        _sdf(text, given)
+    elif kind == "xyz":
+        frames = xyz.frames_of(text, what, given.say)
+        order, known = lowest_first(frames)
+        if order:  # an ensemble, a path, or the log of an optimisation
+            given.say(f"{len(order)} frames of one molecule" + (
+                f": frame {order[0] + 1}, of lowest energy, is taken" if known else ", without energies: the first is taken"))
+        for one in [frames[order[0]]] if order else frames:
+            given.add(Record(placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x), False,
+                             *_charge_in(one.title, what)))
+    else:
+        if kind == "pdb":
+            text = "\n".join(map(_with_element, _without_alternates(text.split("\n"), given.say)))
+        for mol in _babel(text, kind, what, say=given.say):
+            given.add(Record(mol))
     if not given.records:
         raise BadInput(f"{what}: not understood as {kind.upper()}")
     return given
@@ -79,12 +97,6 @@ def smiles(text):
     return given
 
 
-def _add(given, record):
-    if len(given.records) == MOST_RECORDS:
-        raise BadInput(f"{given.what}: more than {MOST_RECORDS} records: give the one to feel")
-    given.records.append(record)
-
-
 # MDL's formats
 
 def _sdf(text, given):
@@ -94,17 +106,17 @@ def _sdf(text, given):
         lines = _with_header(block.split("\n"), given)
         if lines is None:
             continue
-        _spell_radicals(lines)
+        unpaired = _radicals(lines)
         mol = _block(lines, given)
-        x = mol.GetConformer().GetPositions()
+        x = places_of(mol)
         drawing = is_flat(x) and lines[1][20:22].upper() == "2D"
         if is_flat(x) and not drawing:  # only of what is called a drawing does RDKit look at the wedges
             lines[1] = f"{lines[1][:20]:<20}2D{lines[1][22:]}"
             mol = _block(lines, given)
         if mol.GetNumBonds() == 0 and mol.GetNumAtoms() > 1 and np.ptp(x, axis=0).max() > 0.1:
             given.say("no bonds are in the file: they are found from the distances")
-            mol = babel.with_bonds([a.GetAtomicNum() for a in mol.GetAtoms()], x, given.what)
-        _add(given, Record(mol, drawing, unpaired=_radicals(lines)))
+            mol = with_bonds(numbers_of(mol), x, given.what)
+        given.add(Record(mol, drawing, unpaired=unpaired))
 
 
 def _with_header(lines, given):
@@ -123,43 +135,25 @@ def _with_header(lines, given):
 
 
 def _block(lines, given):
-    """RDKit's molecule of a record."""
     mol = Chem.MolFromMolBlock("\n".join(lines), sanitize=False, removeHs=False, strictParsing=False)
     if mol is None or mol.GetNumAtoms() == 0:
         raise BadInput(f"{given.what}: record {len(given.records) + 1} is not understood as SDF: its atoms or bonds are damaged")
     return mol
 
 
-def _spell_radicals(lines):
-    """The old column of charges has 4 for a radical, which RDKit passes over."""
-    if lines[3].rstrip().endswith("V3000") or any(line.startswith(("M  CHG", "M  RAD")) for line in lines):
-        return
-    count = int(lines[3][:3])
-    radicals = [n + 1 for n, line in enumerate(lines[4:4 + count]) if line[36:39].strip() == "4"]
-    end = next((n for n, line in enumerate(lines) if line.startswith("M  END")), len(lines))
-    lines[end:end] = [f"M  RAD  1{atom:4d}   2" for atom in radicals]
-
-
 def _radicals(lines):
-    """How many electrons are unpaired, or None where no radical is marked. 1 is a singlet, 2 a doublet, 3 a triplet."""
+    """How many electrons are unpaired, or None where no radical is marked. 1 is a singlet, 2 a doublet, 3 a triplet. The old
+    column of charges has 4 for a radical, which RDKit passes over: such an atom gets a line of its own."""
+    if not lines[3].rstrip().endswith("V3000") and not any(line.startswith(("M  CHG", "M  RAD")) for line in lines):
+        old = [n + 1 for n, line in enumerate(lines[4:4 + int(lines[3][:3])]) if line[36:39].strip() == "4"]
+        end = next((n for n, line in enumerate(lines) if line.startswith("M  END")), len(lines))
+        lines[end:end] = [f"M  RAD  1{atom:4d}   2" for atom in old]
     kinds = [int(kind) for line in lines if line.startswith("M  RAD") for kind in line[9:].split()[1::2] if kind.isdigit()]
     kinds += [int(kind) for line in lines if line.startswith("M  V30 ") for kind in re.findall(r"\bRAD=(\d)\b", line)]
     return sum(max(kind - 1, 0) for kind in kinds) if kinds else None
 
 
 # XYZ
-
-def _xyz(text, given):
-    frames(text, given)
-    _keep_lowest(given)
-
-
-def frames(text, given):
-    """Adds the Records of all frames of an XYZ text. Errors: BadInput."""
-    for one in xyz.frames_of(text, given.what, given.say):
-        mol = placed(unsanitized(one.numbers, [0] * len(one.x), ()), one.x)
-        _add(given, Record(mol, False, *_charge_in(one.title, given.what), energy_in(one.title)))
-
 
 def _charge_in(title, what):
     """(charge, unpaired electrons) that a title gives, each None where it does not: charge=-1, charge: -1, charge -1,
@@ -185,39 +179,14 @@ def energy_in(title):
     return float(found[1]) if found else None
 
 
-def are_alike(records):
-    """Whether these are several, of the same atoms in the same order."""
-    numbers = [[a.GetAtomicNum() for a in r.mol.GetAtoms()] for r in records]
-    return len(numbers) > 1 and all(n == numbers[0] for n in numbers)
-
-
-def _keep_lowest(given):
-    """Of frames of the same atoms in the same order only the one of lowest energy stays: an ensemble, a path, or the log of an
-    optimisation."""
-    count = len(given.records)
-    if not are_alike(given.records):
-        return
-    energies = [r.energy for r in given.records]
-    if None in energies:
-        given.records = given.records[:1]
-        given.say(f"{count} frames of one molecule, without energies: the first is taken")
-    else:
-        best = int(np.argmin(energies))
-        given.records = [given.records[best]]
-        given.say(f"{count} frames of one molecule: frame {best + 1}, of lowest energy, is taken")
-
-
-# Formats that Open Babel reads
-
-def _mol2(text, given):
-    for mol in babel.molecules(text, "mol2", given.what, say=given.say):
-        _add(given, Record(mol))
-
-
-def _pdb(text, given):
-    lines = _without_alternates(text.split("\n"), given.say)
-    for mol in babel.molecules("\n".join(map(_with_element, lines)), "pdb", given.what):
-        _add(given, Record(mol))
+def lowest_first(frames):
+    """(the numbers of several xyz.Frames of one molecule, that of the lowest energy first; whether all have an energy). No
+    numbers where they are of several molecules."""
+    energies = [energy_in(one.title) for one in frames]
+    if len(frames) < 2 or any(one.numbers != frames[0].numbers for one in frames):
+        return [], False
+    known = None not in energies
+    return sorted(range(len(frames)), key=lambda k: energies[k] if known else k), known
 
 
 # PDB. Source: the format's description 3.3. Columns are counted from 0 here. 12-15 have the atom's name, with its element
@@ -230,35 +199,20 @@ def _is_pdb_atom(line):
 
 def _without_alternates(lines, say):
     """In each residue the alternate location of highest occupancy stays, of equal ones the first."""
-    occupancy = {}
-    for line in lines:
-        if _is_pdb_atom(line) and line[16:17].strip():
-            occupancy.setdefault(line[21:27], {}).setdefault(line[16], []).append(_occupancy(line[54:60]))
-    kept = {}
-    for residue, locations in occupancy.items():
-        mean = {name: sum(v) / len(v) for name, v in locations.items()}
-        kept[residue] = min(mean, key=lambda name: (-mean[name], name))
-    several = [r for r, locations in occupancy.items() if len(locations) > 1]
+    named = {line for line in lines if _is_pdb_atom(line) and line[16:17].strip()}
+    found = {}
+    for line in filter(named.__contains__, lines):
+        occupancy = float(line[54:60]) if re.fullmatch(r"\s*\d*\.?\d+\s*", line[54:60]) else 1.0
+        found.setdefault(line[21:27], {}).setdefault(line[16], []).append(occupancy)
+    means = {residue: {name: sum(v) / len(v) for name, v in locations.items()} for residue, locations in found.items()}
+    kept = {residue: min(mean, key=lambda name: (-mean[name], name)) for residue, mean in means.items()}
+    several = [residue for residue in means if len(means[residue]) > 1]
     if several:
-        name, first = kept[several[0]], " ".join(several[0].split())
-        mean = occupancy[several[0]][name]
-        of_all = f" of residue {first}" if len(several) == 1 else f" of residue {first} and {len(several) - 1} more"
-        say(f"alternate locations{of_all}: {name} is kept, of highest occupancy, {sum(mean) / len(mean):.2f}")
-    out = []
-    for line in lines:
-        if _is_pdb_atom(line) and line[16:17].strip():
-            if line[16] != kept[line[21:27]]:
-                continue
-            line = line[:16] + " " + line[17:]
-        out.append(line)
-    return out
-
-
-def _occupancy(text):
-    try:
-        return float(text)
-    except ValueError:
-        return 1.0
+        name, more = kept[several[0]], f" and {len(several) - 1} more" if len(several) > 1 else ""
+        say(f"alternate locations of residue {' '.join(several[0].split())}{more}: {name} is kept, of highest occupancy, "
+            f"{means[several[0]][name]:.2f}")
+    return [line[:16] + " " + line[17:] if line in named else line for line in lines
+            if line not in named or line[16] == kept[line[21:27]]]
 
 
 def _with_element(line):
@@ -266,22 +220,63 @@ def _with_element(line):
     if not _is_pdb_atom(line):
         return line
     line = f"{line:<80}"
-    written = line[76:78].strip().upper()
-    element = written if written in NUMBERS else _by_name(line)
+    name, element = line[12:16].upper(), line[76:78].strip().upper()
+    two, letters = name[:2].strip(), re.sub(r"[^A-Z]", "", name)
+    is_one = line[17:20].strip().upper() in AMINO_ACIDS or two[:1] == "H" and len(name.strip()) == 4
+    if element not in NUMBERS:
+        element = two if two in NUMBERS and (len(two) == 1 or not is_one) else letters[:1] if letters[:1] in NUMBERS else "X"
     charge = line[78:80] if re.fullmatch(r"\d[+-]|[+-]\d|  ", line[78:80]) else "  "
     return f"{line[:76]}{element:>2}{charge}"
 
 
-def _by_name(line):
-    name = line[12:16].upper()
-    two, letters = name[:2].strip(), re.sub(r"[^A-Z]", "", name)
-    in_chain = line[17:20].strip().upper() in AMINO_ACIDS
-    if len(two) == 2 and two in NUMBERS and not in_chain and not (two[0] == "H" and len(name.strip()) == 4):
-        return two
-    if len(two) == 1 and two in NUMBERS:
-        return two
-    return letters[:1] if letters[:1] in NUMBERS else "X"
+# Open Babel's molecules as RDKit's
+
+def with_bonds(numbers, x, what):
+    """RDKit's molecule of atoms that are all there, with bonds that Open Babel finds."""
+    rows = "".join(f"{SYMBOLS[z]} {x:.10f} {y:.10f} {w:.10f}\n" for z, (x, y, w) in zip(numbers, x))
+    mols = list(_babel(f"{len(numbers)}\n\n{rows}", "xyz", what, hydrogens=False))
+    if len(mols) != 1 or mols[0].GetNumAtoms() != len(numbers):
+        raise BadInput(f"{what}: not understood as XYZ")
+    return mols[0]
 
 
-def is_flat(x):
-    return len(x) > 3 and np.ptp(x[:, 2]) < 0.01
+def _babel(text, kind, what, hydrogens=True, say=None):
+    """RDKit's molecules of the records that Open Babel reads. hydrogens: whether atoms get those that the text leaves out;
+    say: what tells that lone pairs were left out."""
+    try:
+        from openbabel import openbabel
+    except ImportError:
+        raise BadInput("Open Babel not found: install the Debian package python3-openbabel") from None
+    openbabel.obErrorLog.SetOutputLevel(-1)
+    conversion, ob = openbabel.OBConversion(), openbabel.OBMol()
+    conversion.SetInFormat(kind)
+    more = conversion.ReadString(ob, text)
+    while more and ob.NumAtoms():
+        dummies = [atom for atom in openbabel.OBMolAtomIter(ob) if kind == "mol2" and atom.GetType().upper() in ("LP", "DU")]
+        if dummies:
+            say(f"{len(dummies)} lone pairs or dummy atoms are left out")
+        for dummy in dummies:
+            near = list(openbabel.OBAtomAtomIter(dummy))
+            ob.DeleteAtom(dummy)
+            for atom in near:
+                openbabel.OBAtomAssignTypicalImplicitHydrogens(atom)
+        yield _from_babel(openbabel, ob, hydrogens)
+        ob = openbabel.OBMol()
+        more = conversion.Read(ob)
+
+
+def _from_babel(openbabel, ob, hydrogens):
+    atoms = list(openbabel.OBMolAtomIter(ob))
+    bonds = [(b.GetBeginAtomIdx() - 1, b.GetEndAtomIdx() - 1, b.GetBondOrder()) for b in openbabel.OBMolBondIter(ob)]
+    mol = unsanitized([a.GetAtomicNum() for a in atoms], [a.GetFormalCharge() for a in atoms],
+                      [(j, k, order if 1 <= order <= 3 else 1) for j, k, order in bonds])
+    for from_, atom in zip(atoms, mol.GetAtoms()):
+        if hydrogens and (from_.GetExplicitDegree() > 0 or from_.GetAtomicNum() not in ION_CHARGES):
+            atom.SetNumExplicitHs(from_.GetImplicitHCount())
+    for atom in mol.GetAtoms():
+        double = [b for b in atom.GetBonds() if b.GetBondTypeAsDouble() == 2]
+        if atom.GetAtomicNum() == 7 and len(double) == 2 and all(n.GetDegree() > 1 for n in atom.GetNeighbors()):
+            double[1].SetBondType(Chem.BondType.SINGLE)  # a triazine's nitrogen; pair_up() gives the carbon another one
+        if atom.GetDegree() == 0 and atom.GetTotalNumHs() == 0 and atom.GetFormalCharge() == 0:
+            atom.SetFormalCharge(ION_CHARGES.get(atom.GetAtomicNum(), 0))
+    return placed(mol, [(a.GetX(), a.GetY(), a.GetZ()) for a in atoms])

@@ -44,11 +44,10 @@ def on_principal_axes(x, masses):
 
 def aligned(x, reference, masses):
     """x turned and shifted to the least mass-weighted distance from the reference (Kabsch)."""
-    a = centred(x, masses)
-    centre = masses @ reference / masses.sum()
-    u, _, vt = np.linalg.svd(a.T @ (masses[:, None] * (reference - centre)))
+    a, b = centred(x, masses), centred(reference, masses)
+    u, _, vt = np.linalg.svd(a.T @ (masses[:, None] * b))
     u[:, -1] *= np.sign(np.linalg.det(u @ vt))  # no reflection
-    return a @ (u @ vt) + centre
+    return a @ (u @ vt) + masses @ reference / masses.sum()
 
 
 def as_in_file(x):
@@ -193,11 +192,13 @@ class Tree:
         """x after a step (atoms, 3) that is straight in internal coordinates. To first order it is
         x + step, but groups turn on arcs and keep their bonds however far they go."""
         small = 1e-4 / max(np.abs(step).max(), 1e-12)
-        here, ahead = self.read(x), self.read(x + small * step)
-        change = ahead - here
+        return aligned(self.build(self.read(x) + self.change(x, x + small * step) / small), x + step, np.ones(len(x)))
+
+    def change(self, x, y):
+        """Internal coordinates of y less those of x; torsions turn the short way."""
+        change = self.read(y) - self.read(x)
         change[2] = wrapped(change[2])
-        straight = x + step
-        return aligned(self.build(here + change / small), straight, np.ones(len(x)))
+        return change
 
 
 def _placed(r, theta, tau, to_b, b_to_c):

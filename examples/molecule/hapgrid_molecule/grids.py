@@ -1,18 +1,64 @@
-"""The grid: from the paths that are chosen to one that verify finds fine, after as many trials as that takes."""
+"""The grid: from the paths that are chosen to one that verify finds fine, after as many trials as that takes.
+
+Room is one of the things that can be wrong with a grid: how far the molecule can be pushed or turned before the probe slips
+past is measured, not guessed. Where a grid has a record at a side of its box in which the molecule is not in its place, the
+probe holds it there, and what lies behind is cut off. The box is then made a cell wider on that side.
+"""
 
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 
-from hapgrid_command import grid
+import numpy as np
+from hapgrid_command import files, grid
 from hapgrid_command.cli import BreaksRule
 from hapgrid_command.files import Failed
 from hapgrid_command.work import about, duration
 
-from . import choice, faults, files, resolution, stiffness
-from .definition import Definition, PENALTY, paths_of
+from . import choice, resolution, stiffness
+from .definition import Definition, MAX_LEVELS, PENALTY, paths_of
 from .molecule import BadInput
+from .xtb import BOHR, HARTREE
 
 VERIFY_SHARE = 0.15  # of the time that the grid took, about
+WIDENED = 4  # times, at most
+RIGID = 6  # the last numbers of a state: shift and rotation
+# Why expand cannot compute a grid, by the word that it writes to the file of --cost, and what that means for the
+# stiffest path of the grid.
+HOPELESS = {"levels": f"with it a point has more than {MAX_LEVELS} states",
+            "model": "with it the molecule does not come to rest"}
+ROOM, RULE = "room", "rule"
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Of a grid. kind: one of HOPELESS, ROOM, RULE; text: for people; sides: how much more room each side of the box needs,
+    low x, y, z and high x, y, z, angstrom."""
+    kind: str
+    text: str
+    sides: tuple = ()
+
+
+@dataclass(frozen=True)
+class Remedies:
+    """What was learnt from grids that had a fault. unwanted: paths, and why; softer: how many times softer anchors are
+    than the rule has them; sides: as in Fault; widened: how often."""
+    unwanted: dict = field(default_factory=dict)
+    softer: int = 1
+    sides: tuple = (0.0,) * 6
+    widened: int = 0
+
+    may_widen = property(lambda self: self.widened < WIDENED)
+
+    @classmethod
+    def of(cls, kept):
+        """Those that asdict() gave, or none where `kept` is something else: it may come from a stranger."""
+        try:
+            one = cls({str(k): str(why) for k, why in kept["unwanted"].items()}, int(kept["softer"]),
+                      tuple(map(float, kept["sides"])), int(kept["widened"]))
+        except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
+            return cls()
+        sound = len(one.sides) == 6 and all(0 <= v < 100 for v in one.sides) and 0 < one.softer < 1 << 20
+        return one if sound and 0 <= one.widened <= WIDENED else cls()
 
 
 @dataclass(frozen=True)
@@ -23,52 +69,56 @@ class Plan:
     definition: Definition = None
     seconds: float = None
 
-    by_hand = property(lambda self: self.definition is None)
-
 
 def make_grid(start, shapes):
     """The Plan of the grid that has no fault, after as many as that takes. With --until definition its grid is not
     there yet."""
     kept = start.folder
     name = kept.name()
-    if kept.changed_by_hand(f"{name}.toml"):
+    by_hand = kept.changed_by_hand(f"{name}.toml")
+    if by_hand:
         kept.say(f"{name}.toml was changed by hand: it is kept")
-        plan = Plan(paths_of(kept.path(f"{name}.toml")))
-        fault = None if start.options.until else grid_fault(start, plan, False)
-        if fault is not None:
-            refuse(fault)
-        return plan
     key = [kept.digest("report.tsv"), start.options.paths, start.options.basins, start.options.spacing]
-    remedies = faults.Remedies.of(kept.recall("remedies", key))
+    remedies = Remedies.of(kept.recall("remedies", key))
     while True:
-        plan, fault = planned(start, shapes, remedies)
+        plan, fault = (Plan(paths_of(kept.path(f"{name}.toml"))), None) if by_hand else planned(start, shapes, remedies)
         if fault is None and start.options.until is None:
-            fault = grid_fault(start, plan, remedies.widened < faults.WIDENED)
+            fault = grid_fault(start, plan, remedies.may_widen)
         if fault is None:
             return plan
-        rule = plan.definition.stiffness
-        cure = remedies.after(fault, plan.paths[-1] if plan.paths else None, rule != rule.softer(2))
-        if cure is None:
-            refuse(fault)
-        remedies, words = cure
+        cured = None if by_hand else cure(remedies, fault, plan)
+        if cured is None:
+            raise (BreaksRule if fault.kind == RULE else Failed)(fault.text)
+        remedies, words = cured
         kept.remember("remedies", key, asdict(remedies))
         kept.say("  " + words)
 
 
-def refuse(fault):
-    raise (BreaksRule if fault.kind == faults.RULE else Failed)(fault.text)
+def cure(remedies, fault, plan):
+    """(Remedies that also cure the fault of a plan's grid, what is done in words), None where there is no cure."""
+    rule = plan.definition.stiffness
+    if fault.kind == ROOM:
+        more = tuple(a + b for a, b in zip(remedies.sides, fault.sides))
+        return replace(remedies, sides=more, widened=remedies.widened + 1), f"{fault.text}, which is made wider"
+    if fault.kind == RULE and rule != rule.softer(2):
+        # Where the molecule cannot yield, the probe goes through it, and the spacing does not resolve that.
+        return replace(remedies, softer=2 * remedies.softer), f"{fault.text}: anchors half as stiff are tried"
+    if fault.kind in HOPELESS and plan.paths:
+        stiffest, why = plan.paths[-1], HOPELESS[fault.kind]
+        return Remedies({**remedies.unwanted, stiffest: why}), f"{stiffest} is left out: {why}"
+    return None
 
 
 def planned(start, shapes, remedies):
     """(Plan, the Fault of its coarse grid or None)."""
     o, kept = start.options, start.folder
-    paths = choose(start, shapes, remedies.unwanted)
+    paths = choice.choose(start, shapes, remedies.unwanted)
     one = Definition.around(start.molecule, shapes, paths, o.basins, o.spacing or 0.0, remedies.sides)
     one.torsions = start.turned_by(paths)
     one.stiffness = stiffness_of(start, shapes, paths, remedies.softer)
     plan = Plan(paths, one)
     if not o.spacing:
-        plan, fault = resolved(start, shapes, plan, remedies.widened < faults.WIDENED)
+        plan, fault = resolved(start, shapes, plan, remedies.may_widen)
         if fault is not None:
             return plan, fault
     text = plan.definition.text()
@@ -80,39 +130,21 @@ def planned(start, shapes, remedies):
     return plan, None
 
 
-def choose(start, shapes, unwanted):
-    """The paths of the grid, the lowest barrier first; rotors.tsv has them all."""
-    o, kept = start.options, start.folder
-
-    def compute():
-        taken, left = choice.choose(start, shapes, unwanted)
-        kept.say("  taken: " + (", ".join(taken) or "no path: the molecule keeps its shape"))
-        kept.write("rotors.tsv", choice.table(shapes, start.turning, start.still, taken, left))
-        for line in choice.left_out(files.rows(kept, "rotors.tsv", choice.ROTORS)):
-            kept.say("  " + line)
-        return ["rotors.tsv"]
-    kept.step("choice", "choosing the softest paths that are sane together", [*shapes_files(shapes), "report.tsv"],
-             [o.paths, unwanted, o.basins, o.single_points], compute)
-    taken = {row["path"] for row in files.rows(kept, "rotors.tsv", choice.ROTORS) if row["taken"] == "yes"}
-    return [f.name for f in sorted(shapes.found, key=lambda f: f.barrier) if f.name in taken]
-
-
-def shapes_files(shapes):
-    return ["conformation.xyz", *(f.name + ".xyz" for f in shapes.found)]
-
-
 def stiffness_of(start, shapes, paths, softer):
-    o, kept = start.options, start.folder
-    if not paths or o.basins:
+    kept = start.folder
+    if not paths or start.options.basins:
         return stiffness.Stiffness()
 
     def compute():
-        found = [f for f in shapes.found if f.name in paths]
-        one = stiffness.of_paths(start.molecule, start.surface(shapes.x), shapes.x, found, PENALTY).rounded()
+        surface = start.surface(shapes.x)
+        tangents = [stiffness.tangent(surface.tree, [node * BOHR for node in f.nodes], f.start, surface.masses)
+                    for f in shapes.found if f.name in paths]
+        hessian = surface.hessian(shapes.x) * HARTREE / BOHR**2
+        one = stiffness.rule(hessian, shapes.x * BOHR, surface.masses, tangents, PENALTY).rounded()
         kept.write("stiffness.json", json.dumps(asdict(one), indent=1) + "\n")
         return ["stiffness.json"]
-    kept.step("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(
-        name + ".xyz" for name in paths)], [start.words, start.molecule.charge, start.molecule.unpaired], compute)
+    kept.step("stiffness", "computing how stiff the torsions are", ["conformation.xyz", *(name + ".xyz" for name in paths)],
+              [start.words, start.molecule.charge, start.molecule.unpaired], compute)
     try:
         return stiffness.Stiffness(**{k: float(v) for k, v in json.loads(kept.read("stiffness.json")).items()}).softer(softer)
     except (ValueError, TypeError, AttributeError):
@@ -121,72 +153,81 @@ def stiffness_of(start, shapes, paths, softer):
 
 def resolved(start, shapes, plan, may_widen):
     """(the Plan with the spacing that a coarse grid tells, the Fault of the coarse grid or None)."""
-    o, kept = start.options, start.folder
-    coarse = plan.definition
+    kept, threads, coarse = start.folder, start.options.threads, plan.definition
     text = coarse.text()
 
     def compute():
         kept.write("coarse.toml", text)
-        seconds = grid.estimated(kept, "coarse.toml", o.threads)
         what = f"computing a coarse grid, {coarse.spacing:g} Å, from which the box and the spacing follow"
-        kept.say(what + (", " + about(seconds, o.threads) if seconds else ""))
-        fault = computed(start, what, "coarse.toml", "coarse.grid", seconds)
-        if fault is None and may_widen:
-            fault = faults.short_of_room(kept, "coarse.grid")
+        fault = computed(start, what, "coarse", None, may_widen)
         if fault is not None:
             return fault
         kept.write("coarse.json", resolution.measure(start, "coarse.grid"))
         return ["coarse.toml", "coarse.grid", "coarse.grid.cost", "coarse.json"]
-    fault = kept.step("resolution", "", shapes_files(shapes), [text, resolution.WANTED], compute)
+    fault = kept.step("resolution", "", shapes.files(), [text, resolution.WANTED], compute)
     if fault is not None:
         return plan, fault
     spacing, enough = resolution.decide(kept.read("coarse.json"), coarse)
-    took = grid.cpu_seconds(kept, "coarse.grid") / o.threads
+    took = grid.cpu_seconds(kept, "coarse.grid") / threads
 
     def takes(spacing):
         return resolution.scaled(took, coarse.spacing, spacing)
     is_coarse = enough is not None and enough < 0.99 * spacing
     finer = enough if is_coarse else spacing / 2
     right = f"off by less than {resolution.WANTED:g} Å in 99 of 100 places"
-    kept.say(f"  spacing {spacing:g} Å, {about(takes(spacing), o.threads)}"
+    kept.say(f"  spacing {spacing:g} Å, {about(takes(spacing), threads)}"
              + (f", {right}" if enough is not None and not is_coarse else "")
              + f"; --spacing {finer:.2g} would take about {duration(takes(finer))}" + (f" and be {right}" if is_coarse else ""))
     return Plan(plan.paths, replace(coarse, spacing=spacing), takes(spacing)), None
 
 
-def computed(start, what, toml, name, seconds):
-    """Computes a grid; the Fault that makes it hopeless, or None."""
-    failed = grid.compute(start.folder, what, toml, name, start.options.threads, seconds)
+def computed(start, what, name, seconds, look_for_room):
+    """Computes a grid; its Fault, or None. seconds: that it takes, where they are known."""
+    kept, threads = start.folder, start.options.threads
+    seconds = seconds or grid.estimated(kept, f"{name}.toml", threads)
+    kept.say(what + (", " + about(seconds, threads) if seconds else ""))
+    failed = grid.compute(kept, what, f"{name}.toml", f"{name}.grid", threads, seconds)
     if failed is None:
+        return short_of_room(kept, f"{name}.grid") if look_for_room else None
+    if failed[0] not in HOPELESS:
+        raise Failed(failed[1])
+    return Fault(*failed)
+
+
+def short_of_room(folder, made):
+    """The Fault of a grid at whose sides the molecule is held, or None."""
+    array = ".room.npy"
+    try:
+        folder.run("stats", made, "--npy", array)
+        records = np.load(folder.path(array))
+    finally:
+        files.remove(folder.path(array))
+    box = json.loads(folder.run("stats", made, "--get", "box").out)
+    # Where the molecule is out of its place something holds it there.
+    point = records["point"][(records["state"][:, -RIGID:] != 0).any(axis=1)]
+    sides, spacing = np.array([point == 0, point == np.array(box["counts"]) - 1]).any(axis=1).ravel(), box["spacing"]
+    if not sides.any():
         return None
-    kind, said = failed
-    if kind not in faults.HOPELESS:
-        raise Failed(said)
-    return faults.Fault(kind, said)
+    return Fault(ROOM, "the molecule is pushed as far as a side of the box", tuple((spacing * sides).tolist()))
 
 
 def grid_fault(start, plan, may_widen):
     """Computes and verifies the grid; its Fault, or None."""
     o, kept = start.options, start.folder
     name = kept.name()
-    toml, made = f"{name}.toml", f"{name}.grid"
+    toml, made, by_hand = f"{name}.toml", f"{name}.grid", plan.definition is None
 
     def took():
         return grid.cpu_seconds(kept, made) / o.threads
 
     def compute():
-        what = f"computing {made}, how the molecule yields at each place of the probe"
-        seconds = plan.seconds or grid.estimated(kept, toml, o.threads)
-        kept.say(what + (", " + about(seconds, o.threads) if seconds else ""))
-        fault = computed(start, what, toml, made, seconds)
-        if fault is not None:
-            return fault
-        fault = faults.short_of_room(kept, made) if may_widen and not plan.by_hand else None
-        if fault is not None and o.spacing:
+        fault = computed(start, f"computing {made}, how the molecule yields at each place of the probe", name, plan.seconds,
+                         may_widen and not by_hand)
+        if fault is not None and (o.spacing or fault.kind != ROOM):
             return fault
         if fault is not None:
             kept.say(f"  at a side of the box the molecule is held: change origin and counts in {toml} for more room")
-        if o.spacing and not plan.by_hand:
+        if o.spacing and not by_hand:
             kept.say(f"  --spacing {o.spacing / 2:.2g} would take about {duration(resolution.scaled(took(), 1, 0.5))}")
         return [made, f"{made}.cost"]
     fault = kept.step("grid", "", [toml, "conformation.xyz", *(path + ".xyz" for path in plan.paths)], [], compute)
@@ -196,6 +237,6 @@ def grid_fault(start, plan, may_widen):
 
     def verify():
         if not grid.verify(kept, title, made, o.threads, VERIFY_SHARE * took()):
-            return faults.Fault(faults.RULE, f"{made} breaks a rule: see {kept.path('verify.txt')}")
+            return Fault(RULE, f"{made} breaks a rule: see {kept.path('verify.txt')}")
         return ["verify.txt"]
     return kept.step("verify", title, [made], [], verify)

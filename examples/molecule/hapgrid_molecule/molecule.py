@@ -1,6 +1,5 @@
 """A molecule, its force field, and sampling its conformers, with RDKit."""
 
-import errno
 import itertools
 import os
 import stat
@@ -52,9 +51,6 @@ class Molecule:
         self.neighbours = [sorted(n) for n in self.neighbours]
         if len(Chem.GetMolFrags(self.rd)) > 1:
             raise BadInput(f"{what}: more than one molecule")
-
-    def formal_charges(self):
-        return [atom.GetFormalCharge() for atom in self.rd.GetAtoms()]
 
     def matches(self, smarts):
         """The atoms, counted from 0, of each place that a pattern matches."""
@@ -120,27 +116,31 @@ def relaxed(rd, positions, steps, fixed=()):
     return field.CalcEnergy(), np.array(field.Positions()).reshape(-1, 3)
 
 
+def signed(charge):
+    return f"{charge:+d}" if charge else "0"
+
+
+def numbers_of(rd):
+    return [a.GetAtomicNum() for a in rd.GetAtoms()]
+
+
+def places_of(rd):
+    return rd.GetConformer().GetPositions() if rd.GetNumConformers() else np.zeros((rd.GetNumAtoms(), 3))
+
+
+def is_flat(x):
+    return len(x) > 3 and np.ptp(x[:, 2]) < 0.01
+
+
 def read_bytes(path):
     """The content of a file from outside. A device or a pipe, which might never end, is refused."""
-    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
-    try:
-        status = os.fstat(descriptor)
-        if stat.S_ISDIR(status.st_mode):
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
+    with open(path, "rb", opener=lambda path, flags: os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)) as file:
+        status = os.fstat(file.fileno())
         if not stat.S_ISREG(status.st_mode):
             raise BadInput(f"{path}: is no regular file")
         if status.st_size > MOST_BYTES:
             raise BadInput(f"{path}: {status.st_size} bytes, the limit is {MOST_BYTES}")
-        with open(descriptor, "rb", closefd=False) as file:
-            return file.read(MOST_BYTES)
-    finally:
-        os.close(descriptor)
-
-
-def _clash(molecule, x):
-    """Whether atoms three bonds apart or more are closer than 1.5 angstrom."""
-    distance = np.linalg.norm(x[:, None] - x[None], axis=2)
-    return bool((distance[Chem.GetDistanceMatrix(molecule.rd) > 2] < 1.5).any())
+        return file.read(MOST_BYTES)
 
 
 def conformers(molecule, torsions, number, seed):
@@ -164,12 +164,12 @@ def conformers(molecule, torsions, number, seed):
         random = np.random.default_rng(seed)
         choices = ([random.choice(angles) for _, angles in turns] for _ in range(tries))
     _, first = relaxed(molecule.rd, molecule.positions, STEPS)
-    found = []
+    found, far = [], Chem.GetDistanceMatrix(molecule.rd) > 2  # bonds
     for choice in choices:
         x = first
         for (t, _), wanted in zip(turns, choice):
             x = t.turned(x, wanted - geometry.torsion(x, *t.atoms))
-        if _clash(molecule, x):
+        if (np.linalg.norm(x[:, None] - x[None], axis=2)[far] < 1.5).any():  # atoms clash
             continue
         energy, x = relaxed(molecule.rd, x, STEPS)
         print_ = geometry.fingerprint(molecule.numbers, x)

@@ -21,7 +21,7 @@ class TurnsFreely(NoPath):
 
 
 class NotConverged(NoPath):
-    """The steps did not suffice; the message says how far the search came."""
+    """The steps did not suffice."""
 
 
 def projected(hessian, x, weights=None):
@@ -84,14 +84,6 @@ def _rfo(values, f, climbed):
     return step
 
 
-def _climbed(values, vectors, mode):
-    """The mode to climb: the one most like `mode`. Soft modes mix from step to step, so likeness
-    alone may mislead: only modes that fall are taken, or the softest where none falls."""
-    falling = int((values < 0).sum())
-    among = falling if falling else min(8, len(values))
-    return int(np.argmax(np.abs(vectors[:, :among].T @ mode)))
-
-
 def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust=0.2, longest=0.3,
            renew=None, every=0, tree=None, strict=True):
     """A stationary point near x: a minimum, or with `climb` a saddle.
@@ -112,7 +104,9 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
             return x, energy, hessian
         chosen = None
         if climb is not None:
-            chosen = _climbed(values, vectors, mode)
+            # The mode most like the one before. Soft modes mix from step to step, so likeness alone may mislead: only modes
+            # that fall are taken, or the softest where none falls.
+            chosen = int(np.argmax(np.abs(vectors[:, :int((values < 0).sum()) or 8].T @ mode)))
             mode = vectors[:, chosen]
         step = _rfo(values, f, chosen)
         length = np.linalg.norm(step)
@@ -120,8 +114,7 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
             step *= trust / length
             length = trust
         expected = f @ step + step @ (values * step) / 2
-        s = vectors @ step
-        s = s.reshape(-1, 3)
+        s = (vectors @ step).reshape(-1, 3)
         moved = x + s if tree is None else tree.moved(x, s)
         s = (moved - x).ravel()
         new_energy, new_gradient = function(moved)
@@ -132,28 +125,23 @@ def search(function, x, hessian, *, climb=None, tolerance=1e-5, steps=300, trust
         if climb is None and gain > 1e-6 and ratio < 0:
             trust = max(length / 4, 1e-4)  # uphill: not taken, but it has improved the Hessian
             continue
-        if climb is not None and (ratio < -1 or ratio > 3):
-            trust = max(length / 2, 0.01)
-        elif ratio < 0.25:
+        if ratio < 0.25 or climb is not None and ratio > 3:
             trust = max(length / 2, 0.01)
         elif ratio > 0.75 and length > 0.8 * trust:
             trust = min(2 * trust, longest)
         x, energy, gradient = moved, new_energy, new_gradient
         if renew and every and (count + 1) % every == 0:
             hessian = renew(x)
-    if not strict:
-        return x, energy, hessian
-    left = np.abs(gradient).max()
-    raise NotConverged(f"{steps} steps left a gradient of {left:.1e} hartree/bohr")
+    if strict:
+        raise NotConverged(f"not converged: {steps} steps left a gradient of {np.abs(gradient).max():.1e} hartree/bohr")
+    return x, energy, hessian
 
 
 def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
     """The minimum downhill of x, with its exact Hessian. longest: the longest step, bohr; short steps stay in the valley
     where they start."""
     renew = surface.hessian
-    if hessian is None:
-        hessian = renew(x)
-    x, energy, _ = search(surface, x, hessian, tolerance=1e-4, steps=steps, renew=renew,
+    x, energy, _ = search(surface, x, renew(x) if hessian is None else hessian, tolerance=1e-4, steps=steps, renew=renew,
                           every=3 * surface.renewal, tree=surface.tree,
                           trust=min(0.2, longest), longest=longest)
     for _ in range(3):
@@ -166,7 +154,7 @@ def minimum(surface, x, hessian=None, tolerance=3e-6, steps=400, longest=0.3):
             return point(surface, x, energy, exact)
         # A saddle, kept by symmetry: leave it along the mode that falls.
         x = x + 0.1 * vectors[:, 0].reshape(-1, 3)
-    raise NotConverged("no minimum near a point of symmetry")
+    raise NotConverged("not converged: no minimum near a point of symmetry")
 
 
 def saddle(surface, x, direction, tolerance=3e-6):

@@ -10,7 +10,7 @@ from hapgrid_command import plots
 
 from . import choice, files, geometry
 from .elements import COLOURS, SYMBOLS
-from .pieces import signed
+from .molecule import signed
 from .pushing import read_log
 from .xyz import frames
 
@@ -50,8 +50,10 @@ def draw_curves(folder, log, shapes, torsions):
     angles = {t.name: np.degrees(np.unwrap([geometry.torsion(one.x, *t.atoms) for one in shapes])) for t in torsions}
     t, hybrid, own = log["t"], log["energy"], log["own_energy"]
     force = np.sqrt(log["sent_x"]**2 + log["sent_y"]**2 + log["sent_z"]**2)
-    _table(folder, "torsions.tsv", {"t_s": times, **{f"{name}_deg": values for name, values in angles.items()}})
-    _table(folder, "energies.tsv", {"t_s": t, "hybrid_kJ_mol": hybrid, "molecule_kJ_mol": own, "force_N": force})
+    for name, columns in (("torsions.tsv", {"t_s": times, **{f"{name}_deg": values for name, values in angles.items()}}),
+                          ("energies.tsv", {"t_s": t, "hybrid_kJ_mol": hybrid, "molecule_kJ_mol": own, "force_N": force})):
+        lines = ["# " + "\t".join(columns), *("\t".join(f"{v:.4f}" for v in row) for row in zip(*columns.values()))]
+        folder.write(name, "\n".join(lines) + "\n")
     moving = [name for name, values in angles.items() if np.ptp(values) > MOVES] or list(angles)[:1]
     panels = [("torsion / degrees", [(name, times, angles[name]) for name in moving])] if moving else []
     panels += [("energy / (kJ/mol)", [("with probe and anchors", t, hybrid), ("the molecule alone", t, own)]),
@@ -74,41 +76,25 @@ def draw_curves(folder, log, shapes, torsions):
     return ["course.png", "torsions.tsv", "energies.tsv"]
 
 
-def _table(folder, name, columns):
-    lines = ["# " + "\t".join(columns), *("\t".join(f"{v:.4f}" for v in row) for row in zip(*columns.values()))]
-    folder.write(name, "\n".join(lines) + "\n")
-
-
-def moments(log):
-    """{picture: time} of what is worth a look. log: of play."""
-    paths = sum(n[0] == "s" and n[1:].isdigit() for n in log) - 6
-    turns = [float(np.abs(log[f"s{k}"]).max()) for k in range(paths)]
-    when = {"before.png": 0.0}
-    if not turns:
-        return {**when, "pushed.png": float(log["t"][len(log["t"]) // 2])}
-    farthest = np.abs(log[f"s{int(np.argmax(turns))}"])
-    when["turned.png"] = float(log["t"][int(farthest.argmax())])
-    # Behind a saddle the molecule stays when nothing pushes it.
-    free = np.hypot(np.hypot(log["force_x"], log["force_y"]), log["force_z"]) == 0
-    stays = np.flatnonzero(free & (farthest > STAYS))
-    if stays.size:
-        when["behind.png"] = float(log["t"][stays[stays.size // 2]])
-        when["after.png"] = float(log["t"][-1])
-    return when
-
-
 def pictures(log):
-    """{file: the command that draws it}. The probe comes from the left."""
+    """{file: the command that draws it} of the moments that are worth a look. The probe comes from the left. log: of play."""
+    paths = sum(n[0] == "s" and n[1:].isdigit() for n in log) - 6
+    times = log["t"].tolist()
+    when = {"before.png": 0.0, "pushed.png": times[len(times) // 2]}
+    if paths:
+        farthest = max((np.abs(log[f"s{k}"]) for k in range(paths)), key=np.max)
+        when = {"before.png": 0.0, "turned.png": times[int(farthest.argmax())]}
+        # Behind a saddle the molecule stays when nothing pushes it.
+        stays = np.flatnonzero((log["force_x"] == 0) & (log["force_y"] == 0) & (log["force_z"] == 0) & (farthest > STAYS))
+        if stays.size:
+            when |= {"behind.png": times[stays[stays.size // 2]], "after.png": times[-1]}
     way = [log[a][len(log[a]) // 2] - log[a][0] for a in "xyz"]
     seen = ["--azimuth", f"{np.degrees(np.arctan2(way[1], way[0])):.0f}", "--elevation", "10"]
-    out = {picture: ["view", "played.frames", "--at", f"{t:.3f}", *seen, "--png", picture]
-           for picture, t in moments(log).items()}
-    out["played.html"] = ["view", "played.frames", *seen, "--html", "played.html"]
-    return out
+    out = {picture: ["view", "played.frames", "--at", f"{t:.3f}", *seen, "--png", picture] for picture, t in when.items()}
+    return {**out, "played.html": ["view", "played.frames", *seen, "--html", "played.html"]}
 
 
 def page(start, turned, ways, images):
-    """The text of index.html."""
     kept = start.folder
     name = kept.name()
     one = frames(kept.path("conformation.xyz"))[0]
@@ -120,8 +106,9 @@ def page(start, turned, ways, images):
              "Spin": SPINS[spins] if spins < len(SPINS) else f"multiplicity {spins + 1}", "Made from": start.source,
              "Energies": f"{method}, of libxtb {library_version()}" if "GFN" in method else method,
              "Conformation": f"{words['E']} hartree" if "E" in words else "",
-              "Grid": f"{' × '.join(map(str, box['counts']))} points, {box['spacing']:g} Å apart"}
-    molecule = {"symbols": [SYMBOLS[z] for z in one.numbers], "colours": [COLOURS[z] for z in one.numbers], "places": np.round(one.x, 3).tolist(),
+             "Grid": f"{' × '.join(map(str, box['counts']))} points, {box['spacing']:g} Å apart"}
+    molecule = {"symbols": [SYMBOLS[z] for z in one.numbers], "colours": [COLOURS[z] for z in one.numbers],
+                "places": np.round(one.x, 3).tolist(),
                 "bonds": [[a, b] for a, near in enumerate(start.molecule.neighbours) for b in near if a < b],
                 "torsions": [[t.name, *t.atoms, t in turned] for t in start.turning]}
     parts = {
@@ -132,13 +119,10 @@ def page(start, turned, ways, images):
         "GRID": html.escape(shlex.quote(f"{name}.grid")), "WAY": html.escape(shlex.quote(f"path:{ways[0]}")),
         "TOML": html.escape(f"{name}.toml"), "TABLE": barriers(kept), "METHOD": html.escape(method),
         "MOLECULE": json.dumps(molecule).replace("<", "\\u003c"), "VERIFY": html.escape(kept.read("verify.txt")),
-        "PICTURES": "\n".join(figure(image) for image in sorted(images, key=lambda name: name != "course.png"))}
+        "PICTURES": "\n".join(
+            f'<figure{" class=tall" * (image == "course.png")}><img src="{image}" alt=""><figcaption>{CAPTIONS[image]}'
+            "</figcaption></figure>" for image in sorted(images, key=lambda name: name != "course.png"))}
     return re.sub("@([A-Z]+)@", lambda found: parts[found[1]], TEMPLATE)
-
-
-def figure(image):
-    tall = ' class="tall"' if image == "course.png" else ""
-    return f'<figure{tall}><img src="{image}" alt=""><figcaption>{CAPTIONS[image]}</figcaption></figure>'
 
 
 def barriers(kept):

@@ -9,6 +9,8 @@ import itertools
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
 
 from . import geometry, optimise
 from .xtb import BOHR, HARTREE
@@ -26,13 +28,10 @@ def _arc_step(values, f, length):
         return -f * np.where(np.abs(z) < 1e-8, t, -np.expm1(-z) / safe)
     if values[0] > 0 and np.linalg.norm(f / values) < length:
         return -f / values
-    low, high = 0.0, 1.0
+    high = 1.0
     while np.linalg.norm(at(high)) < length and high < 1e12:
         high *= 2
-    for _ in range(80):
-        middle = (low + high) / 2
-        low, high = (middle, high) if np.linalg.norm(at(middle)) < length else (low, middle)
-    return at(high)
+    return at(brentq(lambda t: np.linalg.norm(at(t)) - length, 0, high, xtol=1e-14 * high))
 
 
 def descend(surface, saddle, sign, stop, step=0.2, steps=1200, every=12):
@@ -91,41 +90,14 @@ def resampled(shapes, masses, nodes=11, apart=None):
     return out
 
 
-def natural_spline(y):
-    """f(t) through rows y at t = 0 ... 1 in equal steps, natural ends."""
-    y = np.asarray(y)
-    n = len(y) - 1
-    h = 1 / n
-    a, b = np.eye(n + 1), np.zeros_like(y)
-    for k in range(1, n):
-        a[k, k - 1:k + 2] = (1, 4, 1)
-    b[1:-1] = 6 * (y[:-2] - 2 * y[1:-1] + y[2:]) / h**2
-    m = np.linalg.solve(a, b.reshape(n + 1, -1)).reshape(y.shape)
-
-    def at(t):
-        k = min(int(t * n), n - 1)
-        u, v = t - k * h, (k + 1) * h - t
-        return ((m[k] * v**3 + m[k + 1] * u**3) / (6 * h)
-                + (y[k] / h - m[k] * h / 6) * v + (y[k + 1] / h - m[k + 1] * h / 6) * u)
-    return at
+def spline(tree, shapes):
+    """Internal coordinates as a function of t, in [0, 1], through those of the shapes: as the model has them."""
+    q = np.array([tree.read(x) for x in shapes])
+    q[:, 2] = np.unwrap(q[:, 2], axis=0)
+    return CubicSpline(np.linspace(0, 1, len(q)), q, bc_type="natural")
 
 
-def internal_nodes(tree, shapes):
-    """Internal coordinates of the shapes, torsions unwrapped from one to the next."""
-    q = [tree.read(x) for x in shapes]
-    for a, b in zip(q, q[1:]):
-        b[2] = a[2] + geometry.wrapped(b[2] - a[2])
-    return np.array(q)
-
-
-def between(surface, tree, shapes):
-    """Energies (hartree) half way between nodes, where splines of the internal coordinates lead."""
-    spline = natural_spline(internal_nodes(tree, shapes))
-    n = len(shapes) - 1
-    return [surface.energy(tree.build(spline((k + 0.5) / n))) for k in range(n)]
-
-
-def nodes(surface, tree, saddle, sign, start, count=11, apart=None, near=None, turns=()):
+def nodes(surface, saddle, sign, start, count=11, apart=None, near=None, turns=()):
     """(shapes, energies) from the minimum `start` to the saddle, at equal distances; apart: as resampled() has it. near: the
     minimum to which the path down leads, where that is `start` but for turns, [(Torsion, angle)], which the path has less and
     less. Errors: optimise.NoPath, when the path down ends elsewhere, or has a bump between its nodes."""
@@ -146,21 +118,21 @@ def nodes(surface, tree, saddle, sign, start, count=11, apart=None, near=None, t
     # Rounded as in the file, so that the file's energies are those of its shapes.
     shapes = [geometry.as_in_file(x) for x in [start.x, *(geometry.aligned(x, start.x, masses) for x in shapes[1:])]]
     energies = [start.energy] + [surface.energy(x) for x in shapes[1:]]
-    check(energies, between(surface, tree, shapes), start.energy)
+    middles = (np.arange(len(shapes) - 1) + 0.5) / (len(shapes) - 1)
+    check(energies, [surface.energy(surface.tree.build(q)) for q in spline(surface.tree, shapes)(middles)], start.energy)
     return shapes, energies
 
 
-def over(search, saddle, near_sign, far_sign, start, far, apart):
-    """(nodes() from the minimum `start` up to a saddle, the same from it down to the minimum `far`, that minimum as in a file,
-    the distance of nodes). apart: that of the first leg, None for the first leg itself."""
-    surface, tree = search.surface, search.tree
-    up = nodes(surface, tree, saddle, near_sign, start, FIRST_LEG + 1, apart)
+def over(surface, ends, start, apart):
+    """(nodes() from the minimum `start` up to the saddle of Ends, the same from it down to the minimum on its far side, that
+    minimum as in a file, the distance of nodes). apart: that of the first leg, None for the first leg itself."""
+    up = nodes(surface, ends.saddle, ends.sign, start, FIRST_LEG + 1, apart)
     if apart is None:
         apart = _along(aligned_chain(up[0], surface.masses))[-1] / FIRST_LEG
-    x = geometry.as_in_file(far.x)
-    there = replace(far, x=x, energy=surface.energy(x))
-    down = nodes(surface, tree, saddle, far_sign, there, apart=apart)
-    return up, (down[0][::-1], down[1][::-1]), there, apart
+    x = geometry.as_in_file(ends.far.x)
+    far = replace(ends.far, x=x, energy=surface.energy(x))
+    shapes, energies = nodes(surface, ends.saddle, -ends.sign, far, apart=apart)
+    return up, (shapes[::-1], energies[::-1]), far, apart
 
 
 def check(energies, halfway, energy0):

@@ -3,6 +3,11 @@ far along the path, in the direction in which that moves, and goes back on the s
 
 The molecule as a whole yields, too. So several such lines are played, and the one that turns the
 torsion farthest is kept.
+
+Where paths go on behind their barriers, a way pushes a torsion into the minimum behind, leaves it there, goes round the
+molecule without touching it, and pushes it back from another side. Lines are tried until one has brought the molecule where it
+should be: first those along which the atoms go most, then random ones, deeper. They are played one after the other in one go,
+since reading the grid takes longest.
 """
 
 import json
@@ -10,6 +15,7 @@ import json
 import numpy as np
 from hapgrid_command import files
 
+from . import choice
 from .definition import CLEAR, PROBE, RADII, paths_of
 from .rotors import label
 from .xtb import BOHR
@@ -17,6 +23,11 @@ from .xtb import BOHR
 TRIED = 5
 STEP, COARSE_STEP = 0.002, 0.02  # angstrom a tick
 BEYOND = 2.0  # angstrom that the probe follows the atom beyond its way
+LINES = 60  # of those along which the atoms go, at most
+RANDOM = 240
+DEEPEST = 2.0  # angstrom behind an atom
+NEAR = 0.02  # of a t: the molecule is in this minimum
+AROUND = 0.96  # of the box: where the probe goes round
 
 
 def directions(count=150):
@@ -79,7 +90,6 @@ def _inside(start, end, low, high):
 
 
 def straight(start, end, step, least=2):
-    """Places from start to end, in so many steps at least."""
     count = max(int(np.ceil(np.linalg.norm(end - start) / step)), least)
     return [start + (end - start) * k / count for k in range(count + 1)]
 
@@ -90,7 +100,6 @@ def there_and_back(start, end, step):
 
 
 def write_way(folder, name, way, title):
-    """A path for play."""
     rows = [" ".join(f"{v:.4f}" for v in p) for p in way]
     folder.write(name, "\n".join([f"# {title}", "# x y z of the probe in angstrom, a line a tick", *rows]) + "\n")
 
@@ -116,45 +125,132 @@ class Ways:
         self.radius = np.array([RADII[z] for z in structures.numbers])
 
     def write(self):
-        found = {f.name: f for f in self.structures.found}
-        x = self.structures.x * BOHR
-        ways = [self._lines(x, found[name].nodes[-1] * BOHR - x) for name in self.taken]
-        turned = self._played([(k, line) for k, lines_of in enumerate(ways) for line in lines_of])
-        best = []
-        for k, name in enumerate(self.taken):
-            if ways[k]:
-                most, turned = turned[:len(ways[k])], turned[len(ways[k]):]
-                best.append((max(most), name, ways[k][int(np.argmax(most))]))
+        found, x = {f.name: f for f in self.structures.found}, self.structures.x * BOHR
+        tries = [(k, line) for k, name in enumerate(self.taken) for line in self._lines(x, found[name].nodes[-1] * BOHR - x)]
+
+        def turned(n):
+            k, (start, end, _) = tries[n]
+            return float(self._played(there_and_back(start, end, COARSE_STEP), n)[f"s{k}"].max())
+        most = self.folder.each("pushing the molecule to see which way turns it", turned, range(len(tries)), self.threads)
+        best = {}
+        for turn, (k, line) in zip(most, tries):
+            if k not in best or turn > best[k][0]:
+                best[k] = turn, self.taken[k], line
         if not best:  # nothing turns: past the molecule, against its broad side
-            best = [(0.0, "past", line) for line in self._lines(x, np.tile([0.0, 0.0, 1.0], (len(x), 1)))[:1]]
-        best.sort(key=lambda b: -b[0])
+            best = dict(enumerate((0.0, "past", line) for line in self._lines(x, np.tile([0.0, 0.0, 1.0], (len(x), 1)))[:1]))
         names = []
-        for turned, name, (start, end, atom) in best:
-            at = label(self.structures.numbers, atom)
+        for turn, name, (start, end, atom) in sorted(best.values(), key=lambda b: -b[0]):
             names.append(f"path-{name}.txt")
-            far = f": {name} goes {min(100 * turned, 100):.0f} % of the way to its barrier" if self.taken else ""
-            write_way(self.folder, names[-1], there_and_back(start, end, STEP),
-                      f"The probe pushes at {at}{far}, and goes back on the same line.")
+            far = f": {name} goes {min(100 * turn, 100):.0f} % of the way to its barrier" if self.taken else ""
+            write_way(self.folder, names[-1], there_and_back(start, end, STEP), "The probe pushes at "
+                      f"{label(self.structures.numbers, atom)}{far}, and goes back on the same line.")
         return names
 
     def _lines(self, x, move):
         return (lines(x, move, self.radius, self.low, self.high, self.clear)
                 or lines(x, move, self.radius, self.low, self.high, CLEAR))
 
-    def _played(self, lines_of):
-        """The largest t of path k for each (k, line)."""
-        names = [f".way-{n}" for n in range(len(lines_of))]
-        commands = []
-        for name, (_, line) in zip(names, lines_of):
-            write_way(self.folder, name + ".txt", there_and_back(*line[:2], COARSE_STEP), "tried")
-            commands.append(["play", self.grid, "--device", f"path:{name}.txt", "--log", name + ".log"])
+    def _played(self, way, number):
+        """What play logs on a way, as read_log() has it. number: of this way among those that are played at once."""
+        text, log = f".way-{number}.txt", f".way-{number}.log"
         try:
-            self.folder.run_each("pushing the molecule to see which way turns it", commands, self.threads)
-            return [float(read_log(self.folder.path(name + ".log"))[f"s{k}"].max()) for name, (k, _) in zip(names, lines_of)]
+            write_way(self.folder, text, way, "tried")
+            self.folder.run("play", self.grid, "--device", f"path:{text}", "--log", log)
+            return read_log(self.folder.path(log))
         finally:
-            self._clean(names)
+            files.remove(self.folder.path(text))
+            files.remove(self.folder.path(log))
 
-    def _clean(self, names):
-        for name in names:
-            files.remove(self.folder.path(name + ".txt"))
-            files.remove(self.folder.path(name + ".log"))
+
+class Crossings(Ways):
+    """Writes path-NAME.txt for the paths whose nearest minimum is reached, and left again."""
+
+    def write(self):
+        toml = self.grid.removesuffix(".grid") + ".toml"
+        report = json.loads(self.folder.run("molecule-check", toml, "--format", "json", good=(0, 3)).out)
+        minima = [m["t"] for m in report["minima"]]
+        if len(minima) < 2:
+            return super().write()
+        rest, *others = sorted(minima, key=lambda t: np.abs(t).sum())
+        names = self.folder.each("pushing the molecule over its barriers and back",
+                                 lambda k: self._over(toml, k, rest, others), range(len(self.taken)), self.threads)
+        return list(filter(None, names)) or super().write()
+
+    def _over(self, toml, k, rest, minima):
+        """The file of a way along path k into the first of the minima that can be reached, and back; None without."""
+        for there in minima:
+            if there[k] == 0 or np.count_nonzero(there) != 1:
+                continue
+            a, b = (choice.shape(self.folder, toml, t) for t in (rest, there))
+            first = self._crossing(k, a, b, [], there)
+            way = first and self._crossing(k, b, a, first, rest)
+            if way:
+                write_way(self.folder, f"path-{self.taken[k]}.txt", way, f"The probe pushes {self.taken[k]} over its barrier, "
+                          "goes round the molecule, and pushes it back.")
+                return f"path-{self.taken[k]}.txt"
+        return None
+
+    def _crossing(self, k, x, y, before, wanted):
+        """`before` and a line after it that brings the molecule from shape x to y, which has the t wanted; None without."""
+        left = self._candidates(x, y)
+        while left:
+            way, ends = before, []
+            for line in left:
+                way = self._pushed(way, line)
+                ends.append(len(way) - 1)
+            states = self._states(way, k)
+            rest = states[max(len(before) - 1, 0)]
+            n = next((n for n, end in enumerate(ends) if np.abs(states[end] - rest).max() >= NEAR), None)
+            if n is None:
+                return None
+            way = self._pushed(before, left[n])
+            if np.abs(self._states(way, k)[-1] - wanted).max() < NEAR:
+                return way
+            left = left[n + 1:]
+        return None
+
+    def _pushed(self, way, line):
+        return [*way, *(self._round(way[-1], line[0]) if way else []), *there_and_back(*line, COARSE_STEP)]
+
+    def _candidates(self, x, y):
+        """Lines that push shape x towards y, the most promising first."""
+        found = [line for clear in (self.clear, CLEAR)
+                 for line in lines(x, y - x, self.radius, self.low, self.high, clear, LINES, 0.95)]
+        out = [(start, end) for start, end, _ in found[:LINES]]
+        draw = np.random.default_rng(1)
+        middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
+        for _ in range(RANDOM):
+            u = draw.normal(size=3)
+            u /= np.linalg.norm(u)
+            aim = x[draw.integers(len(x))] + draw.uniform(-0.8, 0.8, 3)
+            start = aim - u * _reach(aim - middle, -u, half)
+            end = aim + u * min(draw.uniform(-1, DEEPEST), _reach(aim - middle, u, half))
+            out.append((start, end))
+        return out
+
+    def _states(self, way, k):
+        """The t at each place of a way."""
+        log = self._played(way, k)
+        return np.column_stack([log[f"s{n}"] for n in range(len(self.taken))])
+
+    def _round(self, here, to):
+        """From one free place to another, near the sides of the box. All shapes keep away from these."""
+        middle, half = (self.low + self.high) / 2, AROUND * (self.high - self.low) / 2
+        a, b = (p - middle for p in (here, to))
+        a, b = a / np.abs(a / half).max(), b / np.abs(b / half).max()
+        u, v = a / np.linalg.norm(a), b / np.linalg.norm(b)
+        angle = np.arccos(np.clip(u @ v, -1, 1))
+        between = u + v if angle <= 3.0 else np.cross(u, np.eye(3)[np.abs(u).argmin()])  # over a side
+        corners = [c / np.abs(c / half).max() for c in (a, between, b)]
+        out = [here]
+        for p, q in zip(corners, corners[1:]):
+            for s in np.linspace(0, 1, 60):
+                c = (1 - s) * p / np.linalg.norm(p) + s * q / np.linalg.norm(q)
+                out.append(middle + c / np.abs(c / half).max())
+        out.append(to)
+        return [p for one, two in zip(out, out[1:]) for p in straight(one, two, COARSE_STEP, 1)[:-1]]
+
+
+def _reach(x, u, half):
+    """How far from x, which is seen from the middle of the box, a direction leads to its sides."""
+    return float(((np.sign(u) * half - x) / u).min())

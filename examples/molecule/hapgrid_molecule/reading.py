@@ -2,20 +2,26 @@
 cannot be felt is refused here, in one line that says what to do."""
 
 import os
+from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 from rdkit import Chem
+from rdkit.Chem import rdMolDescriptors
 
 from . import molecule as prepared
-from . import babel, building, confined, formats, geometry, pieces, valences
+from . import building, confined, formats, geometry, valences, xyz
 from .elements import MASSES, SYMBOLS
-from .molecule import BadInput, Molecule
-from .pieces import signed
+from .molecule import BadInput, Molecule, is_flat, numbers_of, places_of, signed
 
 MOST_ATOMS = 100
+LEAST_DISTANCE = 0.5  # angstrom
 # Of the sum of the covalent radii: carbon with a shorter bond has a double one (1.41 angstrom to carbon), and nitrogen
 # (1.33).
 SHORT = {6: 0.925, 7: 0.905}
+METALS = {3, 4, 11, 12, 13, *range(19, 32), *range(37, 51), *range(55, 85), *range(87, 104)}
+MOST_PIECES = 8  # of a record in which no piece is half of it: more are no molecules, but noise
+NAMED = 4
 
 
 def read(path, smiles, charge=None, unpaired=None):
@@ -31,15 +37,9 @@ def read(path, smiles, charge=None, unpaired=None):
         given = formats.smiles(smiles) if smiles is not None else formats.read(formats.decoded(content, path), path, kind)
         return _one(given, charge, unpaired)
     one = Molecule(what, **confined.run(work, what))
-    _check_electrons(one, what)
-    return one
-
-
-def _check_electrons(one, what):
-    """Refuses a number of unpaired electrons that does not fit."""
     electrons = sum(one.numbers) - one.charge
     if electrons % 2 == one.unpaired % 2 and one.unpaired <= electrons:
-        return
+        return one
     if one.unpaired:
         raise BadInput(f"{what}: {electrons} electrons, of which {one.unpaired} cannot be the unpaired ones (--uhf)")
     raise BadInput(f"{what}: {electrons} electrons with charge {signed(one.charge)}: a radical needs --uhf 1; otherwise "
@@ -54,6 +54,23 @@ def sdf(one):
     return Chem.MolToMolBlock(mol, kekulize=True) + "$$$$\n"
 
 
+def started(path):
+    """The molecule of what sdf() wrote, changed by hand or not."""
+    content = prepared.read_bytes(path)
+
+    def work():
+        text = formats.decoded(content, path)
+        mol = formats.read(text, path, "sdf").records[0].mol
+        _check(places_of(mol), path)
+        return [_plain(mol), dict(word.split("=", 1) for word in text.split("\n", 1)[0].split() if "=" in word)]
+    plain, words = confined.run(work, path)
+    try:
+        charge, unpaired = int(words.get("charge", sum(plain["charges"]))), int(words.get("unpaired", 0))
+    except ValueError:
+        raise BadInput(f"{path}: its title is not as it was written: remove the file") from None
+    return Molecule(path, **plain, charge=charge, unpaired=unpaired, built=words.get("built") == "1")
+
+
 def ensemble(path):
     """[(number of the frame, positions in angstrom)] of a file of XYZ whose frames are one molecule, the lowest energy first;
     nothing of another file, and where it is one frame, or several molecules."""
@@ -61,12 +78,8 @@ def ensemble(path):
         return []
 
     def work():
-        given = formats.Input(path, "xyz")
-        formats.frames(formats.decoded(prepared.read_bytes(path), path), given)
-        records = given.records
-        heights = [np.inf if r.energy is None else r.energy for r in records]
-        order = sorted(range(len(records)), key=heights.__getitem__) if formats.are_alike(records) else []
-        return [(k + 1, _places(records[k].mol).tolist()) for k in order]
+        frames = xyz.frames_of(formats.decoded(prepared.read_bytes(path), path), path)
+        return [(k + 1, frames[k].x.tolist()) for k in formats.lowest_first(frames)[0]]
     return [(number, np.array(x)) for number, x in confined.run(work, path)]
 
 
@@ -74,55 +87,88 @@ def _one(given, charge, unpaired):
     """What makes a Molecule, as JSON can hold it."""
     for record in given.records:
         _refuse_no_coordinates(given, record)
-    record = pieces.largest(given)
+    record = _largest(given)
     charge = record.charge if charge is None else charge
     unpaired = record.unpaired if unpaired is None else unpaired
-    mol = record.mol
-    _refuse_elements(mol, given.what)
+    for atom in record.mol.GetAtoms():
+        z, name = atom.GetAtomicNum(), f"{atom.GetSymbol()}{atom.GetIdx() + 1}"
+        if z in METALS:
+            raise BadInput(f"{given.what}: {name} is a metal, whose bonds are no single bonds that turn: "
+                           "take the part without it")
+        if z not in MASSES:
+            raise BadInput(f"{given.what}: {name}: no radius is known for this element, only for "
+                           + " ".join(SYMBOLS[k] for k in MASSES))
     mol, built = _completed(given, record, charge, unpaired)
-    if charge is None:
-        charge = Chem.GetFormalCharge(mol)
-    x = mol.GetConformer().GetPositions()
-    _check(x, given.what)
+    charge = Chem.GetFormalCharge(mol) if charge is None else charge
+    _check(places_of(mol), given.what)
     return {**_plain(mol), "charge": charge, "unpaired": unpaired or 0, "built": built, "said": given.said}
 
 
 def _plain(mol):
     """Its atoms and bonds, as JSON can hold them."""
     Chem.Kekulize(mol, clearAromaticFlags=True)
-    bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3))
-             for b in mol.GetBonds()]
-    return {"numbers": _numbers(mol), "positions": _places(mol).tolist(),
+    bonds = [(b.GetBeginAtomIdx(), b.GetEndAtomIdx(), min(max(int(b.GetBondTypeAsDouble()), 1), 3)) for b in mol.GetBonds()]
+    return {"numbers": numbers_of(mol), "positions": places_of(mol).tolist(),
             "charges": [a.GetFormalCharge() for a in mol.GetAtoms()], "bonds": bonds}
-
-
-def _numbers(mol):
-    return [a.GetAtomicNum() for a in mol.GetAtoms()]
-
-
-def _places(mol):
-    return mol.GetConformer().GetPositions() if mol.GetNumConformers() else np.zeros((mol.GetNumAtoms(), 3))
 
 
 def _refuse_no_coordinates(given, record):
     """What can be seen only before a file's atoms are sorted into molecules. Gives XYZ its bonds."""
-    what, mol, x = given.what, record.mol, _places(record.mol)
-    if 0 in _numbers(mol):
-        raise BadInput(f"{what}: atom {_numbers(mol).index(0) + 1} is of no known element: correct its symbol")
-    if given.kind == "smi":
-        return
-    if not np.isfinite(x).all():
-        raise BadInput(f"{what}: a coordinate is not a finite number")
-    if mol.GetNumBonds() == 0 and len(x) > 1 and (x == 0).all():
+    what, numbers, x = given.what, numbers_of(record.mol), places_of(record.mol)
+    if 0 in numbers:
+        raise BadInput(f"{what}: atom {numbers.index(0) + 1} is of no known element: correct its symbol")
+    if given.kind != "smi" and record.mol.GetNumBonds() == 0 and len(x) > 1 and (x == 0).all():
         raise BadInput(f"{what}: no coordinates and no bonds: give a file that has them, or --smiles")
-    if given.kind != "xyz":
-        return
-    if len(x) > MOST_ATOMS * 10:
-        check_count(len(x), what)
-    record.mol = babel.with_bonds(_numbers(mol), x, what)
-    if formats.is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
-        raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
-    _check_distances(x, what)
+    if given.kind == "xyz":
+        _check_count(len(x), what, 10 * MOST_ATOMS)
+        record.mol = formats.with_bonds(numbers, x, what)
+        if is_flat(x) and (len(Chem.GetMolFrags(record.mol)) > 1 or _is_bulky(record.mol)):
+            raise BadInput(f"{what}: flat, and XYZ has no bonds to build a shape from: give an SDF file or --smiles")
+        _check(x, what, 10 * MOST_ATOMS)
+
+
+def _largest(given):
+    """The formats.Record of the one molecule that is felt. One rule holds for the records of a file, for the pieces of a
+    record, and for SMILES with dots: that with the most atoms beside hydrogen, then with the most atoms, then the first. What
+    is left out is named, with its charge."""
+    parts = []
+    for record in given.records:
+        some = Chem.GetMolFrags(record.mol, asMols=True, sanitizeFrags=False)
+        if len(some) > MOST_PIECES and 2 * max(p.GetNumAtoms() for p in some) < record.mol.GetNumAtoms():
+            raise BadInput(f"{given.what}: {len(some)} pieces that are not bonded: no coordinates of one molecule")
+        if len(some) == 1:
+            parts.append(record)
+        else:  # what the text says is of all pieces
+            parts += [replace(record, mol=mol, charge=None, unpaired=None) for mol in some]
+    for part in parts:
+        part.mol.UpdatePropertyCache(strict=False)  # counts the hydrogens that are not written
+    one = max(parts, key=lambda p: (p.mol.GetNumHeavyAtoms(), _size(p.mol)))  # the first of equal ones
+    others = [p for p in parts if p is not one]
+    if _size(one.mol) == 1 and others:
+        raise BadInput(f"{given.what}: only single atoms or ions, {_counted(parts)}: none has a shape to feel: "
+                       "give a molecule with bonds")
+    if others:
+        metals = sorted({a.GetSymbol() for p in others for a in p.mol.GetAtoms() if a.GetAtomicNum() in METALS})
+        given.say(f"{given.what}: {len(parts)} molecules or shapes: the largest is taken, "
+                  f"{rdMolDescriptors.CalcMolFormula(one.mol)} with charge {signed(Chem.GetFormalCharge(one.mol))}; left out: "
+                  + _counted(others)
+                  + ("".join(f"; {m} is a metal and is not felt" for m in metals))
+                  + ("; the file's charge is of all pieces: --charge gives that of the one"
+                     if any(r.charge for r in given.records) and one not in given.records else ""))
+    return one
+
+
+def _size(mol):
+    """Atoms, with the hydrogens that are not written."""
+    return sum(1 + a.GetTotalNumHs() for a in mol.GetAtoms())
+
+
+def _counted(parts):
+    """C2H6O, 2 of Na+ with charge +1"""
+    counts = Counter((rdMolDescriptors.CalcMolFormula(p.mol), Chem.GetFormalCharge(p.mol)) for p in parts)
+    words = [(f"{n} of " if n > 1 else "") + formula + (f" with charge {charge:+d}" if charge else "")
+             for (formula, charge), n in counts.items()]
+    return ", ".join(words[:NAMED]) + (f" and {len(words) - NAMED} more" if len(words) > NAMED else "")
 
 
 def _is_bulky(mol):
@@ -130,39 +176,33 @@ def _is_bulky(mol):
     return any(a.GetDegree() > 3 for a in mol.GetAtoms())
 
 
-def _refuse_elements(mol, what):
-    for atom in mol.GetAtoms():
-        z, name = atom.GetAtomicNum(), f"{atom.GetSymbol()}{atom.GetIdx() + 1}"
-        if z in pieces.METALS:
-            raise BadInput(f"{what}: {name} is a metal, whose bonds are no single bonds that turn: "
-                           "take the part without it")
-        if z not in MASSES:
-            raise BadInput(f"{what}: {name}: no radius is known for this element, only for "
-                           + " ".join(SYMBOLS[k] for k in MASSES))
-
-
 def _completed(given, record, charge, unpaired):
     """(the molecule with all hydrogens and a shape, whether that was built)."""
-    what, mol, x = given.what, record.mol, _places(record.mol)
+    what, mol, x = given.what, record.mol, places_of(record.mol)
     if given.kind == "xyz" and not unpaired:
         lack = valences.lacking(mol)
         if _hydrogens_of_carbons(mol) >= len(lack):
             valences.pair_up(mol, lack, charge)
         if unpaired is None and charge is None:
             _refuse_without_hydrogen(mol, what)
-    if given.kind in ("pdb", "mol2") or given.kind == "sdf" and not formats.is_flat(x):
+    if given.kind in ("pdb", "mol2") or given.kind == "sdf" and not is_flat(x):
         _add_no_hydrogen_to_the_whole(mol, given, charge)
     if given.kind != "smi" or charge is not None:
         valences.close(mol, what, charge, unpaired)
-    mol = _understood(mol, given, charge, unpaired)
+    mol = building.understood(mol, what, charge is not None or unpaired is not None)
     nowhere = np.ptp(x, axis=0).max() < 0.1 and len(x) > 1
-    added = pieces.size(mol) - mol.GetNumAtoms()
-    check_count(pieces.size(mol), what)
+    added = _size(mol) - mol.GetNumAtoms()
+    _check_count(_size(mol), what)
     if given.kind == "smi":
-        if unpaired is None:
-            _refuse_even_radicals(mol, what)
+        free = {a.GetIdx(): a.GetNumRadicalElectrons() for a in mol.GetAtoms() if a.GetNumRadicalElectrons()}
+        if unpaired is None and free and sum(free.values()) % 2 == 0:  # the number of electrons does not tell it
+            raise BadInput(f"{what}: open valences of {valences.named(mol, free)}: write the hydrogen that is missing, or give "
+                           "--uhf: 0 for a singlet, 2 for a triplet")
         return _built(mol, given), True
-    flat = formats.is_flat(x) and (added > 0 or record.drawing or _is_bulky(mol) or _has_no_bond_lengths(mol, x))
+    share = geometry.shares(numbers_of(mol), x)
+    # Bonds are shorter or longer than any in a drawing, also where that says it is none.
+    drawn = record.drawing or not all(0.75 < share[b.GetBeginAtomIdx(), b.GetEndAtomIdx()] < 1.35 for b in mol.GetBonds())
+    flat = is_flat(x) and (added > 0 or drawn or _is_bulky(mol))
     if added:
         given.say(f"{added} hydrogen atoms were added" if added > 1 else "1 hydrogen atom was added")
     if not nowhere and not flat:
@@ -173,40 +213,14 @@ def _completed(given, record, charge, unpaired):
     return _built(mol, given), True
 
 
-def _understood(mol, given, charge, unpaired):
-    """Sanitized, with the handedness that the coordinates or wedges give it."""
-    try:
-        one = building.understood(mol, given.what)
-    except BadInput:
-        if charge is None and unpaired is None:
-            raise
-        # What was said of the molecule does not fit its bonds; it is as the command line wants it.
-        one = Chem.Mol(mol)
-        for atom in one.GetAtoms():
-            atom.SetNoImplicit(True)
-        Chem.SanitizeMol(one, Chem.SANITIZE_ALL ^ Chem.SANITIZE_PROPERTIES ^ Chem.SANITIZE_CLEANUP)
-    if one.GetNumConformers():
-        if formats.is_flat(one.GetConformer().GetPositions()):
-            Chem.DetectBondStereoChemistry(one, one.GetConformer())
-        elif one.GetConformer().Is3D():
-            Chem.AssignStereochemistryFrom3D(one)
-    Chem.AssignStereochemistry(one, cleanIt=True, force=True)
-    return one
-
-
 def _built(mol, given):
     """With a shape in place of what it has."""
     mol = building.with_hydrogens(mol, False)
-    free = building.unspecified(mol)
+    free = [place.centeredOn for place in Chem.FindPotentialStereo(mol) if place.type == Chem.StereoType.Atom_Tetrahedral
+            and place.specified == Chem.StereoSpecified.Unspecified]
     if free:
-        given.say(f"the handedness of {valences.named(mol, [n - 1 for n in free])} is not given: one is taken")
+        given.say(f"the handedness of {valences.named(mol, free)} is not given: one is taken")
     return prepared.placed(mol, building.shape(mol, given.what))
-
-
-def _has_no_bond_lengths(mol, x):
-    """Whether bonds are shorter or longer than any, as in a drawing that says it is none."""
-    share = geometry.shares(_numbers(mol), x)
-    return not all(0.75 < share[b.GetBeginAtomIdx(), b.GetEndAtomIdx()] < 1.35 for b in mol.GetBonds())
 
 
 def _refuse_without_hydrogen(mol, what):
@@ -220,13 +234,12 @@ def _refuse_without_hydrogen(mol, what):
 
 
 def _hydrogens_of_carbons(mol):
-    return sum(a.GetAtomicNum() == 1 and any(n.GetAtomicNum() == 6 for n in a.GetNeighbors()) for a in mol.GetAtoms())
+    return len(mol.GetSubstructMatches(Chem.MolFromSmarts("[#1]~[#6]"), maxMatches=10000))
 
 
 def _add_no_hydrogen_to_the_whole(mol, given, charge):
     """Where most carbons have their hydrogens the file has all that there are. Atoms that seem to lack some then have double
     bonds, unless the file says which bonds are; an oxygen or nitrogen that still lacks one is an ion's, and gets none."""
-    what = given.what
     for atom in mol.GetAtoms():
         atom.SetNumExplicitHs(atom.GetTotalNumHs())
         atom.SetNoImplicit(True)
@@ -249,9 +262,9 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge):
         return
     total = Chem.GetFormalCharge(mol) - sum(lack.values())
     if charge is None:
-        raise BadInput(f"{what}: {valences.named(mol, lack)} {'lacks' if len(lack) == 1 else 'lack'} hydrogen, and all other "
-                       f"atoms have theirs: give --charge {signed(total)} for the ion, or a file without hydrogens, which are "
-                       "then added")
+        raise BadInput(f"{given.what}: {valences.named(mol, lack)} {'lacks' if len(lack) == 1 else 'lack'} hydrogen, and all "
+                       f"other atoms have theirs: give --charge {signed(total)} for the ion, or a file without hydrogens, which "
+                       "are then added")
     if charge == total:
         for n in lack:
             mol.GetAtomWithIdx(n).SetNumExplicitHs(0)
@@ -259,68 +272,31 @@ def _add_no_hydrogen_to_the_whole(mol, given, charge):
 
 def _join_short_bonds(mol):
     """Atoms without hydrogens whose bonds are too short for single ones, which Open Babel took for such, get double bonds."""
-    share, lack = geometry.shares(_numbers(mol), _places(mol)), {}
+    share, lack = geometry.shares(numbers_of(mol), places_of(mol)), {}
     for atom in mol.GetAtoms():
         shortest = min((share[atom.GetIdx(), n.GetIdx()] for n in atom.GetNeighbors()), default=1)
         if (shortest < SHORT.get(atom.GetAtomicNum(), 0) and atom.GetNumExplicitHs()
                 and all(b.GetBondTypeAsDouble() == 1 for b in atom.GetBonds())):
             lack[atom.GetIdx()] = 1
-    paired = dict(lack)
-    valences.pair_up(mol, paired, 0)
-    for n in lack:
-        if not paired[n]:
-            atom = mol.GetAtomWithIdx(n)
-            atom.SetNumExplicitHs(atom.GetNumExplicitHs() - 1)
-    mol.UpdatePropertyCache(strict=False)
+    valences.pair_up(mol, lack, 0)
+    for n in (n for n, left in lack.items() if not left):
+        mol.GetAtomWithIdx(n).SetNumExplicitHs(mol.GetAtomWithIdx(n).GetNumExplicitHs() - 1)
 
 
-def _refuse_even_radicals(mol, what):
-    """Their number of electrons does not tell them from other molecules."""
-    free = [a.GetIdx() for a in mol.GetAtoms() if a.GetNumRadicalElectrons()]
-    if free and sum(mol.GetAtomWithIdx(n).GetNumRadicalElectrons() for n in free) % 2 == 0:
-        raise BadInput(f"{what}: open valences of {valences.named(mol, free)}: write the hydrogen that is missing, or give "
-                       "--uhf: 0 for a singlet, 2 for a triplet")
-
-
-def check_count(count, what):
-    if count > MOST_ATOMS:
+def _check_count(count, what, most=MOST_ATOMS):
+    if count > most:
         raise BadInput(f"{what}: {count} atoms, at most {MOST_ATOMS} are feasible: cut out the part that "
                        "matters, and close it with hydrogen")
     if count < 2:
         raise BadInput(f"{what}: a single atom has no shape to feel")
 
 
-def _check(x, what):
-    check_count(len(x), what)
+def _check(x, what, most=MOST_ATOMS):
+    _check_count(len(x), what, most)
     if not np.isfinite(x).all():
         raise BadInput(f"{what}: a coordinate is not a finite number")
-    _check_distances(x, what)
-
-
-def _check_distances(x, what):
-    if len(x) < 2:
-        return
     distance = np.linalg.norm(x[:, None] - x[None], axis=2) + 9 * np.eye(len(x))
     a, b = divmod(int(distance.argmin()), len(x))
-    if distance[a, b] < building.LEAST_DISTANCE:
+    if distance[a, b] < LEAST_DISTANCE:
         raise BadInput(f"{what}: atoms {a + 1} and {b + 1} are {distance[a, b]:.2f} angstrom apart: these are no "
                        "coordinates of a molecule")
-
-
-def started(path):
-    """The molecule of what sdf() wrote, changed by hand or not."""
-    content = prepared.read_bytes(path)
-
-    def work():
-        text = formats.decoded(content, path)
-        record = formats.read(text, path, "sdf").records[0]
-        mol, x = record.mol, _places(record.mol)
-        _check(x, path)
-        words = dict(word.split("=", 1) for word in text.split("\n", 1)[0].split() if "=" in word)
-        return [_plain(mol), words]
-    plain, words = confined.run(work, path)
-    try:
-        charge, unpaired = int(words.get("charge", sum(plain["charges"]))), int(words.get("unpaired", 0))
-    except ValueError:
-        raise BadInput(f"{path}: its title is not as it was written: remove the file") from None
-    return Molecule(path, **plain, charge=charge, unpaired=unpaired, built=words.get("built") == "1")

@@ -60,7 +60,6 @@ def enough_by(report):
 
 
 def scaled(seconds, before, spacing):
-    """What a grid takes, from what one of another spacing took."""
     return seconds * (before / spacing) ** COST_ORDER
 
 

@@ -29,12 +29,13 @@ class Point:
 
 @dataclass
 class Ends:
-    """The minima that a saddle joins. sign: which way along its mode the near one lies; equal: whether the far one is the
-    conformation with equal atoms exchanged."""
+    """A saddle and the minima that it joins. sign: which way along its mode the near one lies; equal: whether the far one is
+    the conformation with equal atoms exchanged."""
+    saddle: Point
     sign: int
     near: Point
     far: Point
-    equal: bool
+    equal: bool = False
 
 
 @dataclass
@@ -72,8 +73,7 @@ class Path(Way):
 
 @dataclass
 class Result:
-    """x, energy, nu1: of the conformation; found: Paths; dropped, lower: [(path, reason)] and [(path, kJ/mol below the
-    conformation)] of minima from which there was no new start."""
+    """x, energy, nu1: of the conformation; found: Paths; dropped: [(path, reason)]."""
     numbers: list
     masses: np.ndarray
     method: str
@@ -83,7 +83,9 @@ class Result:
     nu1: float
     found: list = field(default_factory=list)
     dropped: list = field(default_factory=list)
-    lower: list = field(default_factory=list)
+
+    def files(self):
+        return ["conformation.xyz", *(one.name + ".xyz" for one in self.found)]
 
 
 def plain(value):
@@ -99,8 +101,7 @@ def plain(value):
 
 def restored(types, value, atoms):
     """The result that plain() gave, of one of these types. Errors: ValueError, where it is something else."""
-    names = set(value) if isinstance(value, dict) else None
-    kind = next((one for one in types if {f.name for f in fields(one)} == names), None)
+    kind = next((one for one in types if isinstance(value, dict) and {f.name for f in fields(one)} == set(value)), None)
     if kind is None:
         raise ValueError("of another type")
     nodes = len(value["nodes"]) if isinstance(value.get("nodes"), list) else 0
@@ -115,7 +116,7 @@ def _field(name, value, atoms, nodes):
         if array.shape != shape or array.dtype.kind not in "if" or not np.isfinite(array).all():
             raise ValueError(name)
         return list(array) if name == "nodes" else array if shape and name != "energies" else value
-    if name in ("near", "far"):
+    if name in ("saddle", "near", "far"):
         return restored([Point], value, atoms)
     if name == "kinds" and isinstance(value, list) and all(isinstance(one, list) and len(one) == 2 for one in value):
         if all(type(k) is int and 0 <= k < nodes and kind in ("minimum", "saddle") for k, kind in value):

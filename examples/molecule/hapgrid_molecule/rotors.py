@@ -5,7 +5,7 @@ residue's nitrogen; in a peptide of one residue phi, psi and chi have no number.
 Open Babel's OBRotorList is not used: it leaves out every bond at whose end only hydrogens turn (methyl,
 hydroxyl), and those are among the softest here. What it does otherwise is one loop over the bonds."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ RESIDUE = "[NX3;!$(N=*)]-[CX4]-[CX3](=O)[N,O]"
 RING = "a ring stays as it is, unless an ensemble has its flip"
 SULPHUR = 16
 FLIPPED = np.radians(10)  # of a ring's torsion, on both sides of a plane
+LARGELY = 0.5  # of the farthest turn: a torsion that goes so far does turn
 LINEAR = 0.17  # a torsion about a bond with a sine of its angle below this is none
 
 
@@ -76,12 +77,25 @@ def peptide_names(molecule):
         number = "" if len(residues) == 1 else str(r + 1)
         before, after = _partner(molecule, n), _partner(molecule, c)
         out[_bond(n, ca)] = f"phi{number}", {n: before, ca: c}
-        out[_bond(ca, c)] = f"psi{number}", {ca: n, c: _single(molecule, c, ca)}
+        # The nitrogen behind the residue's carbon, or the oxygen of its hydroxyl group.
+        single = max((a for a in molecule.neighbours[c] if a != ca),
+                     key=lambda a: (molecule.numbers[a] == 7, len(molecule.neighbours[a])))
+        out[_bond(ca, c)] = f"psi{number}", {ca: n, c: single}
         if after is not None:
             out[_bond(c, after)] = f"omega{r + 1}", {c: ca, after: _carbon(molecule, after, c)}
         if before is not None and f"omega{r}" not in {name for name, _ in out.values()}:  # a second chain has no omega0
             out.setdefault(_bond(before, n), (f"omega{r}", {before: _carbon(molecule, before, n), n: ca}))
-        _side_chain(molecule, ca, backbone, number, out)
+        # chi, from the alpha carbon outwards along the chain of heavy atoms. It ends at another residue, as that of glutamate
+        # does in glutathione, and at a bridge of sulphurs, behind which the other chain has its own numbers.
+        seen, at, depth = set(backbone), ca, 1
+        while chain := [a for a in molecule.neighbours[at] if molecule.numbers[a] > 1 and a not in seen]:
+            to = chain[0]
+            if molecule.numbers[at] == molecule.numbers[to] == SULPHUR:
+                break
+            if _bond(at, to) not in molecule.double:
+                out.setdefault(_bond(at, to), (f"chi{number}_{depth}" if number else f"chi{depth}", {}))
+            seen.add(to)
+            at, depth = to, depth + 1
     return out
 
 
@@ -94,41 +108,74 @@ def _carbon(molecule, atom, without):
     return next((a for a in molecule.neighbours[atom] if a != without and molecule.numbers[a] == 6), None)
 
 
-def _single(molecule, carbon, without):
-    """The nitrogen behind a residue's carbon, or the oxygen of its hydroxyl group."""
-    near = [a for a in molecule.neighbours[carbon] if a != without]
-    return max(near, key=lambda a: (molecule.numbers[a] == 7, len(molecule.neighbours[a])))
-
-
 def _bond(a, b):
     return (min(a, b), max(a, b))
 
 
 def _in_order(molecule, residues):
     """From the one whose nitrogen no other residue holds."""
-    def before(residue):
-        return next((r for r in residues if r[2] in molecule.neighbours[residue[0]]), None)
+    after = {r: s for r in residues for s in residues if r[2] in molecule.neighbours[s[0]]}
     out = []
-    for start in [r for r in residues if before(r) is None]:
-        at = start
+    for at in [r for r in residues if r not in after.values()] + residues:
         while at is not None and at not in out:
             out.append(at)
-            at = next((r for r in residues if before(r) == at), None)
-    return out + [r for r in residues if r not in out]
+            at = after.get(at)
+    return out
 
 
-def _side_chain(molecule, ca, backbone, number, out):
-    """chi, from the alpha carbon outwards along the chain of heavy atoms. It ends at another residue, as that of
-    glutamate does in glutathione, and at a bridge of sulphurs, behind which the other chain has its own numbers."""
-    seen = set(backbone)
-    at, depth = ca, 1
-    while True:
-        chain = [a for a in molecule.neighbours[at] if molecule.numbers[a] > 1 and a not in seen]
-        if not chain or molecule.numbers[at] == molecule.numbers[chain[0]] == SULPHUR:
-            return
-        to = chain[0]
-        bond = _bond(at, to)
-        if bond not in molecule.double:
-            out.setdefault(bond, (f"chi{number}_{depth}" if number else f"chi{depth}", {}))
-        seen.add(to)
-        at, depth = to, depth + 1
+@dataclass
+class Candidate:
+    """A path that may be taken. number: of the torsion that was driven; turns: how far each torsion turns, radians; height: of
+    its barrier."""
+    number: int
+    turns: np.ndarray
+    height: float
+
+
+def candidate(bonds, torsion, way, free):
+    """The Candidate of a Way on behind barriers, or from the conformation to one. bonds: all Torsions that turn; free: names of
+    those that turn freely, so that it says nothing how far they do on the way."""
+    to_end, extent = torsions.turned(bonds, way.nodes)
+    number = next(n for n, t in enumerate(bonds) if t.name == torsion.name)
+    held = [n == number or t.name not in free for n, t in enumerate(bonds)]
+    return Candidate(number, np.where(held, extent if way.goes_on else to_end, 0.0), way.barrier)
+
+
+def names(bonds, candidates, allowed, signed):
+    """({job: name of its path} in the order in which they are taken, [(job, why it has no path)]). candidates: {job, which is
+    what was driven, as messages name it: Candidate}; allowed: the names that are wanted; signed: whether a name says in which
+    direction its bond turns.
+
+    Driving one bond can lead to the barrier of another: that of P-OH in methyl phosphate leads to the barrier of its methyl
+    group. So a path has the name of the bond that was driven only if this turns at least half as far as any other; otherwise
+    it has the name of that which turns farthest. Where several paths turn one bond the same way, that is kept for which this
+    bond was driven, or else the lowest.
+    """
+    farthest = {}  # the bond that turns: the driven one where it turns largely
+    for job, one in candidates.items():
+        far = np.abs(one.turns)
+        farthest[job] = one.number if far[one.number] >= LARGELY * far.max() else int(far.argmax())
+        if far.max() < torsions.LEAST_TURN:
+            farthest[job] = None
+    out, left = {}, [(job, "no bond turns on the way to its barrier") for job, n in farthest.items() if n is None]
+
+    def order(job):
+        """Paths whose driven bond turns come first; where several lead to one barrier, that whose bond turns farther gives
+        the name. Of the others the lowest comes first."""
+        one, turns = candidates[job], np.abs(candidates[job].turns)
+        is_own = farthest[job] == one.number
+        return (0, -round(float(turns[one.number] / turns.max()), 1)) if is_own else (1, one.height)
+    for job in sorted((job for job, n in farthest.items() if n is not None), key=order):
+        one, n = candidates[job], farthest[job]
+        name = bonds[n].file_name(np.sign(one.turns[n])) if signed else bonds[n].name
+        turns = "turns {} instead, by {:.0f} degrees against {:.0f}".format(
+            name, *np.abs(np.degrees([one.turns[n], one.turns[one.number]])))
+        if name in out.values():
+            left.append((job, turns if n != one.number else f"turns as {name} does, over another barrier"))
+        elif name not in allowed:
+            left.append((job, turns + ", which is not looked for"))
+        else:
+            out[job] = name
+            if n != one.number:
+                left.append((job, turns))
+    return out, left

@@ -1,9 +1,11 @@
 """The steps from a molecule to the paths around its conformation. Each is kept, so that a run that was stopped goes on."""
 
+import multiprocessing
 from dataclasses import replace
 
 import numpy as np
 from hapgrid_command.files import Failed
+from hapgrid_command.programs import end_with_parent
 
 from . import beyond, ensemble, geometry, optimise, path, rotors, torsions
 from .molecule import conformers
@@ -14,83 +16,90 @@ SAME_ENERGY = 0.02  # kJ/mol
 CONFORMERS = 4  # of the lowest by the force field, which xtb relaxes
 SEED = 1  # of random torsions, where there are too many combinations for all
 
+_search = None  # of this process and of those that it starts
+
+
+def _ask(question):
+    method, value = question
+    return method(_search, value)
+
 
 class Search:
-    """torsions: all that could turn; driven: those that are turned. Each of these in one of its directions is a job. shapes:
+    """torsions: all that could turn; driven: those that are turned; jobs: {name of a path: (one of these, direction)}. shapes:
     [(number of a frame, shape in angstrom)] of an ensemble, between whose minima paths are looked for."""
 
     def __init__(self, start, shapes):
         self.start, self.molecule, self.shapes = start, start.molecule, shapes
         self.torsions, self.driven = rotors.find(start.molecule)[0], start.turning
-        self.jobs = [(torsion, sign) for torsion in self.driven for sign in torsion.signs]
-        self.tree = geometry.Tree(self.molecule.neighbours, self.molecule.numbers)
+        self.jobs = {torsion.file_name(sign): (torsion, sign) for torsion in self.driven for sign in torsion.signs}
 
     def say(self, text):
         self.start.folder.say("  " + text)
 
-    def job(self, number):
-        """The name of the file to which a job leads."""
-        torsion, sign = self.jobs[number]
-        return torsion.file_name(sign)
+    def each(self, what, method, values):
+        """(value, method(self, value)) in the order of the values, computed by several processes."""
+        global _search
+        _search, values = self, list(values)
+        if not values:
+            return
+        tell = self.start.folder.counted(what, len(values))
+        threads = min(self.start.options.threads, len(values))
+        with multiprocessing.get_context("fork").Pool(threads, end_with_parent) as pool:
+            for done, result in enumerate(pool.imap(_ask, [(method, value) for value in values]), 1):
+                tell(done)
+                yield values[done - 1], result
 
-    def result(self, found, dropped, lower=()):
+    def result(self, found, dropped):
         """dropped: without those that a path has, whose bond it turns though another one was driven."""
         have = {one.name for one in found}
-        left = [(name, why) for name, why in dropped if name not in have]
         return Result(self.molecule.numbers, self.surface.masses, self.start.words, self.driven, self.x, self.energy,
-                      self.rest.nu1, found, left, list(lower))
+                      self.rest.nu1, found, [(name, why) for name, why in dropped if name not in have])
 
     # The conformation
 
-    def find_conformation(self, keep, relaxed):
+    def find_conformation(self, keep):
         """Sets rest, its x and energy, and the surface. keep: relax the molecule's shape to the nearest minimum instead of
-        looking for the lowest one; relaxed(starts): relax() of each."""
+        looking for the lowest one."""
         if self.start.options.solvent is not None:
-            self._surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
+            self.start.surface(self.molecule.positions / BOHR)  # a solvent that xtb does not know is an error of its own
         shapes = [] if self.start.options.keep_conformation else [x for _, x in self.shapes]
         turning = [t.atoms for t in self.driven if not t.rotor and not keep]
         one = self._take([Point], ["conformation", self.molecule.positions.tolist(), keep, turning, plain(shapes)],
-                         lambda: self._conformation(keep, relaxed, shapes))
-        self.x, self.surface = one.x, self._surface(one.x)
+                         lambda: self._conformation(keep, shapes))
+        self.x, self.surface = one.x, self.start.surface(one.x)
         self.energy = self.surface.energy(self.x)
         self.rest = replace(one, energy=self.energy)
 
-    def _surface(self, x):
-        return self.start.surface(x, self.tree)
-
-    def _conformation(self, keep, relaxed, shapes):
+    def _conformation(self, keep, shapes):
         starts = shapes or ([self.molecule.positions] if keep else
                             conformers(self.molecule, self.driven, CONFORMERS, SEED))
         best, reason = None, ""
         tie = SAME_ENERGY / HARTREE if shapes else 0.0  # of equal minima of an ensemble the first is taken
-        for x, energy, why in relaxed(starts):
+        for n, (_, (x, energy, why)) in enumerate(self.each("relaxing conformers", Search.relax, starts), 1):
             if why:
                 reason = why
+                self.say(f"conformer {n}: left out: {why}")
             elif best is None or energy < best[0] - tie:
                 best = energy, x
         if best is None:
-            raise Failed(f"no conformation: none of the start structures relaxes: {reason}{self._what_to_do()}")
+            charges = [atom.GetFormalCharge() for atom in self.molecule.rd.GetAtoms()]
+            if self.start.options.solvent is None and max(charges) > 0 > min(charges):
+                reason += "; a zwitterion needs water: give --solvent water, or the neutral form"
+            raise Failed(f"no conformation: none of the start structures relaxes: {reason}")
         # GFN-FF must read its bonds off the conformation itself, not off the shape from which it
         # was found: then one run of xtb on the conformation's file gives the same energy.
         x = best[1]
         for _ in range(2):
-            surface = self._surface(x)
+            surface = self.start.surface(x)
             x = optimise.minimum(surface, x).x
         x = geometry.as_in_file(geometry.on_principal_axes(x, surface.masses))
         hessian = surface.hessian(x)
         return optimise.point(surface, x, surface.energy(x), hessian)
 
-    def _what_to_do(self):
-        """About a molecule that does not relax. Without water a proton goes from one end of a zwitterion to the other."""
-        charges = self.molecule.formal_charges()
-        if self.start.options.solvent is None and max(charges) > 0 > min(charges):
-            return "; a zwitterion needs water: give --solvent water, or the neutral form"
-        return ""
-
     def relax(self, start):
         """(x, energy, why it is left out) of a shape in angstrom."""
         try:
-            surface = self._surface(start / BOHR)
+            surface = self.start.surface(start / BOHR)
             x, energy, _ = optimise.search(surface, start / BOHR, surface.hessian(start / BOHR), tolerance=1e-4, steps=400,
                                            renew=surface.hessian, every=50, tree=surface.tree)
         except (optimise.NotConverged, XtbError) as why:
@@ -118,7 +127,12 @@ class Search:
     def kept(self, kind, inputs, compute):
         """The result of compute(), of this type, or a Dropped; it is computed once. inputs: the step's name, and what it
         depends on besides the conformation."""
-        return self._take([kind, Dropped], [self.x.tolist(), self.start.options.highest, *inputs], lambda: _guarded(compute))
+        def guarded():
+            try:
+                return compute()
+            except (optimise.NoPath, XtbError) as why:
+                return Dropped(str(why), isinstance(why, optimise.TurnsFreely))
+        return self._take([kind, Dropped], [self.x.tolist(), self.start.options.highest, *inputs], guarded)
 
     def _take(self, types, inputs, compute):
         one, folder = self.molecule, self.start.folder
@@ -126,34 +140,23 @@ class Search:
         return folder.kept.take(key, lambda: plain(compute()), lambda value: restored(types, value, len(one.numbers)))
 
     def saddle(self, job):
-        """(the saddle of a job by its number, its Ends)."""
         torsion, sign = self.jobs[job]
-
-        def compute():
-            guess, tangent = torsions.scan(self.surface, self.rest, torsion, sign, highest=self.start.options.highest / HARTREE)
-            return self.climbed(guess, tangent)
-        top = self.kept(Point, ["saddle", torsion.atoms, sign], compute)
-        if isinstance(top, Dropped):
-            return top, top
-        return top, self.kept(Ends, ["ends", torsion.atoms, sign], lambda: self._ends(top))
+        highest = self.start.options.highest / HARTREE
+        return self.kept(Ends, ["saddle", torsion.atoms, sign], lambda: self._ends(
+            self.climbed(*torsions.scan(self.surface, self.rest, torsion, sign, highest=highest))))
 
     def path(self, job):
-        """The Way to a job's saddle."""
-        top, ends = self.saddle(job)
         torsion, sign = self.jobs[job]
-        return self.kept(Way, ["path", torsion.atoms, sign], lambda: self._path(top, ends))
+        ends = self.saddle(job)
+        return self.kept(Way, ["path", torsion.atoms, sign], lambda: self._path(ends))
 
-    def beyond(self, number):
-        """The Way on behind the saddles of a driven torsion."""
-        torsion = self.driven[number]
+    def beyond(self, torsion):
         return self.kept(Way, ["beyond", torsion.atoms], lambda: beyond.whole(self, torsion))
 
     def minimum(self, shape):
-        """The minimum near a shape in angstrom."""
         return self.kept(Point, ["minimum", shape.tolist()], lambda: ensemble.minimum(self, shape))
 
     def between(self, minimum):
-        """The Way from the conformation to a minimum."""
         return self.kept(Way, ["between", minimum.x.tolist()], lambda: ensemble.way(self, minimum))
 
     def climbed(self, guess, tangent):
@@ -166,28 +169,30 @@ class Search:
             raise optimise.NoPath("bonds change")
         return one
 
-    def sides(self, saddle):
-        """[(sign, minimum)] of the two minima that a saddle joins."""
+    def ends(self, saddle, a, b=None):
+        """The Ends of a saddle, of which the near one is like shape a, and the far one like b, where that is given."""
         masses = self.surface.masses
         _, vectors = optimise.projected(saddle.hessian, saddle.x, masses)
         mode = vectors[:, 0] / np.repeat(np.sqrt(masses), 3)
         mode = 0.15 * mode / np.linalg.norm(mode)
-        return [(sign, optimise.minimum(self.surface, saddle.x + sign * mode.reshape(-1, 3), saddle.hessian, longest=0.15))
-                for sign in (1, -1)]
+        one, two = (optimise.minimum(self.surface, saddle.x + sign * mode.reshape(-1, 3), saddle.hessian, longest=0.15)
+                    for sign in (1, -1))
+        return min((Ends(saddle, 1, one, two), Ends(saddle, -1, two, one)), key=lambda ends: self.apart(ends.near.x, a) + (
+            0 if b is None else self.apart(ends.far.x, b)))
 
-    def _ends(self, top):
-        (sign, near), (_, far) = sorted(self.sides(top), key=lambda side: self.apart(side[1].x, self.x))
-        far.x = geometry.aligned(far.x, self.x, self.surface.masses)
-        a, b = (geometry.fingerprint(self.molecule.numbers, x) for x in (far.x, self.x))
-        return Ends(sign, near, far, bool(abs(self.above(far.energy)) < SAME_ENERGY and np.abs(a - b).max() < SAME_SHAPE))
+    def _ends(self, saddle):
+        ends = self.ends(saddle, self.x)
+        ends.far.x = geometry.aligned(ends.far.x, self.x, self.surface.masses)
+        a, b = (geometry.fingerprint(self.molecule.numbers, x) for x in (ends.far.x, self.x))
+        equal = abs(self.above(ends.far.energy)) < SAME_ENERGY and np.abs(a - b).max() < SAME_SHAPE
+        return replace(ends, equal=bool(equal))
 
-    def _path(self, top, ends):
+    def _path(self, ends):
         turns = self.turns_back(ends.near)
         if turns is None:
-            at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (top, ends.near, ends.far))
+            at, one, two = (f"{self.above(p.energy):.2f} kJ/mol" for p in (ends.saddle, ends.near, ends.far))
             raise optimise.NoPath(f"the saddle at {at} joins other minima, at {one} and {two}")
-        return Way(*path.nodes(self.surface, self.tree, top, ends.sign, self.rest, near=ends.near if turns else None,
-                               turns=turns))
+        return Way(*path.nodes(self.surface, ends.saddle, ends.sign, self.rest, near=ends.near if turns else None, turns=turns))
 
     def turns_back(self, near):
         """[(methyl group, angle)] that make the conformation of the near side of a saddle, since such groups may turn freely;
@@ -200,13 +205,3 @@ class Search:
                 out.append((t, geometry.torsion(self.x, *t.atoms) - geometry.torsion(x, *t.atoms)))
                 x = t.turned(x, out[-1][1])
         return out if abs(self.above(near.energy)) < torsions.LEAST_BARRIER and self.same(x, self.x) else None
-
-
-def _guarded(compute):
-    """The result of compute, or the reason why there is none."""
-    try:
-        return compute()
-    except optimise.NotConverged as why:
-        return Dropped(f"not converged: {why}")
-    except (optimise.NoPath, XtbError) as why:
-        return Dropped(str(why), isinstance(why, optimise.TurnsFreely))

@@ -60,32 +60,35 @@ class SinglePoints:
         try:
             return xyz.finite(last)
         except ValueError:
-            raise Failed(f"--single-points: the last line of {self.words[0]} is '{last}', and not an energy in hartree") from None
+            raise Failed(f"--single-points: the last line of {self.words[0]} is '{last}', and not an energy in "
+                         "hartree") from None
 
     def put_into(self, result, threads, folder):
         """Puts its own energies into a results.Result in place of xtb's. A path that does not lead from the conformation
         over a barrier by these energies is left out; one that has its highest node before its end, ends there."""
-        found = result.found
-        shapes = [result.x, *(x for one in found for x in self._shapes(one))]
-        energies = iter(folder.each("energies by " + self.words[0], self.energy, shapes, threads))
+        shapes = [[*one.nodes, *(() if one.goes_on else (one.far.x,))] for one in result.found]
+        energies = iter(folder.each("energies by " + self.words[0], self.energy, [result.x, *sum(shapes, [])], threads))
         rest = next(energies)
-        for one in found:
-            own = [next(energies) for _ in self._shapes(one)]
+        for one, some in zip(result.found, shapes):
+            own = [next(energies) for _ in some]
             if not one.goes_on:
                 one.far = replace(one.far, energy=own.pop())
             own[one.start] = rest  # the same shape, turned otherwise
-            one.energies = own
+            # Nodes that are a little lower than the conformation are left out: it is a minimum, but for the shapes of xtb.
+            rises = [(energy - rest) * HARTREE for energy in own]
+            left = [k for k, rise in enumerate(rises) if k == one.start or not -DENT <= rise < -BELOW]
+            one.nodes, one.energies = [one.nodes[k] for k in left], [own[k] for k in left]
+            one.kinds = {left.index(k): kind for k, kind in one.kinds.items() if k in left}
+            one.start = left.index(one.start)
         result.energy, result.method = rest, f"{self.method}//{result.method}"
-        for one in result.found:
-            _without_dips(one, rest)
         self._root(result)
         faults = {one.name: _fault(one, result.energy) for one in result.found}
         result.found = [one for one in result.found if not faults[one.name]]
         result.dropped += [(name, f"by {self.method} {why}") for name, why in faults.items() if why]
 
     def _root(self, result):
-        """Where a node is much lower than the conformation, that one becomes the conformation, and its path leads both ways from
-        there. Hydrogen peroxide is planar by GFN2-xTB, and not by better methods."""
+        """Where a node is much lower than the conformation, that one becomes the conformation, and its path leads both ways
+        from there. Hydrogen peroxide is planar by GFN2-xTB, and not by better methods."""
         if not result.found:
             return
         one = min(result.found, key=lambda f: min(f.energies))
@@ -103,54 +106,29 @@ class SinglePoints:
             one.kinds.pop(k, None)
             result.found = [one]
             return
-        back = replace(one, name=_opposite(one.name), nodes=one.nodes[k::-1], energies=one.energies[k::-1], nu1=None, far=None)
+        base, _, way = one.name.rpartition("-")
+        other = {"plus": f"{base}-minus", "minus": f"{base}-plus"}.get(way, one.name + "-back")
+        back = replace(one, name=other, nodes=one.nodes[k::-1], energies=one.energies[k::-1], nu1=None, far=None)
         one.nodes, one.energies = one.nodes[k:], one.energies[k:]
         result.found = [one, back]
         result.dropped = [(name, why) for name, why in result.dropped if name != back.name]
 
-    @staticmethod
-    def _shapes(one):
-        return list(one.nodes) if one.goes_on else [*one.nodes, one.far.x]
-
-
-def _without_dips(one, rest):
-    """Leaves out the nodes that are a little lower than the conformation: it is a minimum, but for the shapes of xtb."""
-    start = one.start
-    rises = [(energy - rest) * HARTREE for energy in one.energies]
-    kept = [k for k, rise in enumerate(rises) if k == start or not -DENT <= rise < -BELOW]
-    one.nodes, one.energies = [one.nodes[k] for k in kept], [one.energies[k] for k in kept]
-    if one.goes_on:
-        one.start = kept.index(start)
-        one.kinds = {kept.index(k): kind for k, kind in one.kinds.items() if k in kept}
-
-
-def _opposite(name):
-    base, _, way = name.rpartition("-")
-    other = {"plus": "minus", "minus": "plus"}.get(way)
-    return f"{base}-{other}" if other else name + "-back"
-
 
 def _fault(one, rest):
     """Why a path cannot be one with its energies, or nothing. One to a barrier is cut off behind its highest node."""
-    if one.goes_on:
-        at = one.start
-        return _falls(one.energies[at:], rest, True) or _falls(one.energies[at::-1], rest, True)
-    top = int(np.argmax(one.energies))
-    if top < len(one.energies) - 1:
-        one.nu1 = None  # its last node is no longer xtb's saddle
-    one.nodes, one.energies = one.nodes[:top + 1], one.energies[:top + 1]
-    return _falls(one.energies, rest, False)
-
-
-def _falls(energies, rest, beyond):
-    rises = [(energy - rest) * HARTREE for energy in energies]
-    if not beyond and (len(rises) < 3 or rises[-1] < BELOW):
-        return "the energy does not climb"
-    highest = 0.0
-    for rise in rises:
-        highest = max(highest, rise)
-        if highest <= DENT and rise < -BELOW:
-            return f"a node is {-rise:.1f} kJ/mol below the conformation"
-        if not beyond and highest - rise > DENT:
-            return f"the energy falls by {highest - rise:.1f} kJ/mol on the way to the barrier"
+    if not one.goes_on:
+        top = int(np.argmax(one.energies))
+        if top < len(one.energies) - 1:
+            one.nu1 = None  # its last node is no longer xtb's saddle
+        one.nodes, one.energies = one.nodes[:top + 1], one.energies[:top + 1]
+        if top < 2 or (one.barrier - rest) * HARTREE < BELOW:
+            return "the energy does not climb"
+    for part in (one.energies[one.start:], one.energies[one.start::-1]):
+        highest = 0.0
+        for rise in ((energy - rest) * HARTREE for energy in part):
+            highest = max(highest, rise)
+            if highest <= DENT and rise < -BELOW:
+                return f"a node is {-rise:.1f} kJ/mol below the conformation"
+            if not one.goes_on and highest - rise > DENT:
+                return f"the energy falls by {highest - rise:.1f} kJ/mol on the way to the barrier"
     return ""

@@ -4,15 +4,16 @@ what it computes is kept as files, which the user may change, so its result is w
 import os
 import shlex
 import time
-from dataclasses import dataclass
+import timeit
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from hapgrid_command.files import Failed, digest_of
 from hapgrid_command.work import Work, about
 
-from . import crossing, files, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
-from .pieces import signed
+from . import files, geometry, grids, molecule, optimise, page, pushing, reading, rotors, singles, structures
+from .molecule import signed
 from .xtb import BOHR, Surface, XtbError, load
 
 GFN2_ATOMS = 24  # up to which GFN2-xTB is taken
@@ -39,13 +40,16 @@ class Start:
 
     @property
     def words(self):
-        """The method, as files name it."""
         return f"{self.method}-in-{self.options.solvent}" if self.options.solvent else self.method
 
-    def surface(self, x, tree=None):
+    def surface(self, x):
         """xtb's. x: the conformation, bohr."""
-        return Surface(self.molecule.numbers, x, self.method, self.molecule.charge, tree, self.molecule.unpaired,
+        return Surface(self.molecule.numbers, x, self.method, self.molecule.charge, self.tree, self.molecule.unpaired,
                        self.options.solvent)
+
+    @cached_property
+    def tree(self):
+        return geometry.Tree(self.molecule.neighbours, self.molecule.numbers)
 
     @cached_property
     def points(self):
@@ -54,7 +58,6 @@ class Start:
         return command and singles.SinglePoints(command, self.molecule, self.folder.kept)
 
     def turned_by(self, paths):
-        """The torsions that these paths turn."""
         return [t for t in self.turning if {t.name, *t.file_names()} & set(paths)]
 
 
@@ -72,7 +75,6 @@ def run(options):
 
 
 def read(o):
-    """The Start of a command line."""
     kept = Work("molecule", o.output, o.quiet)
 
     def compute():
@@ -89,31 +91,28 @@ def read(o):
         method = "gfn2" if len(one.numbers) <= GFN2_ATOMS else "gfnff"
     turning, still = rotors.find(one)
     rings = sum(why == rotors.RING for _, why in still)
-    if o.torsions is not None:
-        turning, left = only(turning, set(o.torsions.split(",")), o.basins)
-        still = still + left
+    if o.torsions is not None:  # with basins paths go both ways
+        wanted = set(o.torsions.split(","))
+        unknown = sorted(wanted - {name for t in turning for name in ([t.name] if o.basins else [t.name, *t.file_names()])})
+        if unknown:
+            raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
+        turning = [t if t.name in wanted else replace(t, signs=tuple(s for s in t.signs if t.file_name(s) in wanted))
+                   for t in turning]
+        still = still + [(t.name, "not among --torsions") for t in turning if not t.signs]
+        turning = [t for t in turning if t.signs]
     kept.say(f"  {one.formula}, {len(one.numbers)} atoms, charge {signed(one.charge)}, {len(turning)} bonds turn"
              + (f"; {rings} rings stay as they are" if rings else ""))
     source = os.path.basename(o.file) if o.file else f"SMILES {o.smiles}"
     return Start(o, kept, one, source, o.search or one.built, method, turning, still)
 
 
-def only(turning, wanted, basins):
-    """(the torsions of --torsions, the others). With basins paths go both ways."""
-    known = {t.name for t in turning}
-    if not basins:
-        known = known.union(*(t.file_names() for t in turning))
-    unknown = sorted(wanted - known)
-    if unknown:
-        raise Failed(f"--torsions: no bond {unknown[0]} turns, only " + ", ".join(t.name for t in turning))
-    turn = [t if t.name in wanted else t.only(wanted) for t in turning]
-    left = [(t.name, "not among --torsions") for t, one in zip(turning, turn) if not one.signs]
-    return [t for t in turn if t.signs], left
-
-
 def find_structures(start):
     o, kept = start.options, start.folder
-    shapes = ensemble(start)
+    frames = reading.ensemble(o.file) if o.basins else []  # between whose minima paths are looked for
+    shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
+    if len(shapes) > ENSEMBLE:
+        kept.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
+    shapes = shapes[:ENSEMBLE]
 
     def compute():
         if o.method == "auto":
@@ -121,8 +120,6 @@ def find_structures(start):
                      f"GFN-FF, as for all above {GFN2_ATOMS} atoms (--method gfn2 is better, and slower)"))
         estimate(start)
         one = structures.explore(start, shapes)
-        for name, below in one.lower:
-            kept.say(f"  {name} leads to a minimum that is {below:.1f} kJ/mol lower")
         files.lie_as_before(kept, one)
         if start.points:
             start.points.put_into(one, o.threads, kept)
@@ -135,46 +132,29 @@ def find_structures(start):
     return files.read_set(kept)
 
 
-def ensemble(start):
-    """The frames of an XYZ file between whose minima paths are looked for, as reading.ensemble() has them."""
-    frames = reading.ensemble(start.options.file) if start.options.basins else []
-    shapes = [(n, x) for n, x in frames if len(x) == len(start.molecule.numbers)]
-    if len(shapes) > ENSEMBLE:
-        start.folder.say(f"  {len(shapes)} frames: the {ENSEMBLE} lowest are taken")
-    return shapes[:ENSEMBLE]
-
-
 def estimate(start):
     """Says how long the structures take, within a factor of 2 or so, from the CPU time of a gradient: what else the machine
     does is not known beforehand. Where xtb refuses the shape, the search itself says why."""
     o, x = start.options, start.molecule.positions / BOHR
     try:
         surface = start.surface(x)
-        each = cpu_seconds(lambda: surface.energy(x))
+        gradient, algebra = (min(timeit.repeat(compute, timer=time.process_time, number=1, repeat=5)) for compute in (
+            lambda: surface.energy(x), lambda: optimise.projected(np.eye(x.size), x)))
     except XtbError:
         return
-    each += ALGEBRA * cpu_seconds(lambda: optimise.projected(np.eye(x.size), x))
     ways = sum(len(t.signs) for t in start.turning)
     count = HESSIANS_AT_FIRST + ways * (HESSIANS + (HESSIANS_BEHIND if o.basins else 0))
     cores = min(o.threads, max(ways, 1))
-    start.folder.say(f"  {about(2 * x.size * count * each / cores, cores)} for conformation and barriers, twice that where a "
+    seconds = 2 * x.size * count * (gradient + ALGEBRA * algebra) / cores
+    start.folder.say(f"  {about(seconds, cores)} for conformation and barriers, twice that where a "
                      "lower minimum is found")
-
-
-def cpu_seconds(compute):
-    """CPU seconds of this process that it takes."""
-    times = [time.process_time()]
-    for _ in range(5):
-        compute()
-        times.append(time.process_time())
-    return min(after - before for before, after in zip(times, times[1:]))
 
 
 def show(start, shapes, plan):
     """The line that shows the grid."""
     o, kept = start.options, start.folder
     grid = f"{kept.name()}.grid"
-    ways = crossing.Crossings if o.basins else pushing.Ways
+    ways = pushing.Crossings if o.basins else pushing.Ways
     kept.step("pushing", "looking for the probe's ways that turn the molecule", [grid], [],
               lambda: ways(kept, grid, shapes, o.threads).write())
     made = [n for n in kept.made("pushing") if n.endswith(".txt")]

@@ -23,7 +23,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import geometry, path
-from .xtb import BOHR, HARTREE
 
 RIGID = 0.5
 # For the RMS displacement of the atoms. With less curvature a shape could be off by more than a tenth of
@@ -42,7 +41,6 @@ class Stiffness:
     morph: float = 0.0  # kJ/mol
 
     def softer(self, times):
-        """With softer anchors."""
         return Stiffness(max(self.shift / times, Stiffness.shift), max(self.rotation / times, Stiffness.rotation),
                          self.morph)
 
@@ -54,7 +52,7 @@ class Stiffness:
 def tangent(tree, nodes, start, masses):
     """∂b/∂t of a path at its node `start`, which is the conformation, as the model's shapes have it.
     nodes, result: (atoms, 3) in one unit of length."""
-    spline = path.natural_spline(path.internal_nodes(tree, nodes))
+    spline = path.spline(tree, nodes)
     at, step = start / (len(nodes) - 1), 1e-3
     one, two = (geometry.aligned(tree.build(spline(t)), nodes[start], masses) for t in (at - step, at + step))
     return (two - one) / (2 * step)
@@ -75,12 +73,3 @@ def rule(hessian, x, masses, tangents, penalty):
         size = float(np.sqrt((v**2).sum() / len(x)))
         morph = max(morph, LEAST_SLOPE * size, LEAST_CURVATURE * size**2 - curvature)
     return Stiffness(shift, rotation, morph)
-
-
-def of_paths(molecule, surface, x, found, penalty):
-    """The Stiffness for the paths `found` (Paths). surface: of xtb; x: the conformation,
-    bohr."""
-    hessian = surface.hessian(x) * HARTREE / BOHR**2
-    tree = geometry.Tree(molecule.neighbours, molecule.numbers)
-    tangents = [tangent(tree, [node * BOHR for node in f.nodes], f.start, surface.masses) for f in found]
-    return rule(hessian, x * BOHR, surface.masses, tangents, penalty)

@@ -4,38 +4,13 @@ What one process finds is kept as a file (search.Search); the results are taken 
 not depend on the number of processes.
 """
 
-import multiprocessing
-
-from hapgrid_command.programs import end_with_parent
-
-from . import naming, rotors, torsions
+from . import rotors, torsions
 from .results import Dropped, Path, Way
 from .search import SAME_ENERGY, Search
 from .xtb import BOHR, HARTREE
 
 RESTARTS = 4
 LOWER = 0.5  # kJ/mol: a minimum that is lower by this is another one
-
-_search = None  # of this process and of those that it starts
-
-
-def _ask(question):
-    method, value = question
-    return method(_search, value)
-
-
-def _each(search, what, method, values):
-    """(value, method(search, value)) in the order of the values."""
-    global _search
-    _search, values = search, list(values)
-    if not values:
-        return
-    tell = search.start.folder.counted(what, len(values))
-    threads = min(search.start.options.threads, len(values))
-    with multiprocessing.get_context("fork").Pool(threads, end_with_parent) as pool:
-        for done, result in enumerate(pool.imap(_ask, [(method, value) for value in values]), 1):
-            tell(done)
-            yield values[done - 1], result
 
 
 def explore(start, shapes):
@@ -45,7 +20,7 @@ def explore(start, shapes):
     keep = not start.search
     for left in reversed(range(1 if o.keep_conformation else RESTARTS + 1)):
         search = Search(start, shapes)
-        search.find_conformation(keep, lambda starts: _relaxed(search, starts))
+        search.find_conformation(keep)
         search.say("conformation: a minimum, " + start.method)
         minima = _minima(search) if shapes else []
         if minima:
@@ -59,15 +34,6 @@ def explore(start, shapes):
         keep = True
 
 
-def _relaxed(search, starts):
-    out = []
-    for _, one in _each(search, "relaxing conformers", Search.relax, starts):
-        out.append(one)
-        if one[-1]:
-            search.say(f"conformer {len(out)}: left out: {one[-1]}")
-    return out
-
-
 def _points(search, way):
     return ", ".join(f"{kind} {search.above(way.energies[k]):.1f}" for k, kind in way.kinds.items()) + " kJ/mol"
 
@@ -77,83 +43,89 @@ def _path(name, way, **more):
 
 
 def _named(search, found, allowed, signed):
-    """naming.names() of {key: (torsion, what was driven, its Way or the Dropped)}, with what is dropped."""
-    dropped = [(job, way.why) for _, job, way in found.values() if isinstance(way, Dropped)]
-    free = {torsion.name for torsion, _, way in found.values() if isinstance(way, Dropped) and way.free}
-    named, other = naming.names(search.torsions, {
-        key: naming.candidate(search.torsions, torsion, job, way, free)
-        for key, (torsion, job, way) in found.items() if not isinstance(way, Dropped)}, allowed, signed)
+    """rotors.names() of {what was driven: (its torsion, its Way or the Dropped)}, with what is dropped."""
+    dropped = [(job, way.why) for job, (_, way) in found.items() if isinstance(way, Dropped)]
+    free = {torsion.name for torsion, way in found.values() if isinstance(way, Dropped) and way.free}
+    named, other = rotors.names(search.torsions, {
+        job: rotors.candidate(search.torsions, torsion, way, free)
+        for job, (torsion, way) in found.items() if not isinstance(way, Dropped)}, allowed, signed)
     return named, dropped + other
+
+
+def _say_lower(search, name, energy):
+    if -search.above(energy) > LOWER:
+        search.say(f"{name} leads to a minimum that is {-search.above(energy):.1f} kJ/mol lower")
 
 
 # Paths to barriers
 
 def _saddles(search, may_restart):
-    """({number of a job: (its saddle, its Ends)}, (name, shape, kJ/mol below) of the first lower minimum or None)."""
+    """({job: its Ends}, (name, shape, kJ/mol below) of the first lower minimum or None)."""
     tops = {}
-    for n, (top, ends) in _each(search, "driving torsions to their barriers", Search.saddle, range(len(search.jobs))):
-        tops[n], name = (top, ends), search.job(n)
+    for job, ends in search.each("driving torsions to their barriers", Search.saddle, search.jobs):
+        tops[job] = ends
         if isinstance(ends, Dropped):
-            search.say(f"{name}: {ends.why}")
+            search.say(f"{job}: {ends.why}")
             continue
-        search.say(f"{name}: barrier {search.above(top.energy):.1f} kJ/mol, behind it {search.above(ends.far.energy):.1f}")
+        search.say(f"{job}: barrier {search.above(ends.saddle.energy):.1f} kJ/mol, "
+                   f"behind it {search.above(ends.far.energy):.1f}")
         for side in (ends.near, ends.far):
-            below = -search.above(side.energy)
-            if may_restart and below > LOWER and search.intact(side.x):
-                return tops, (name, side.x, below)
+            if may_restart and search.above(side.energy) < -LOWER and search.intact(side.x):
+                return tops, (job, side.x, -search.above(side.energy))
     return tops, None
 
 
 def _paths(search, tops):
     """The Result of paths to the saddles, each saddle once."""
-    found, wanted, lower = [], {}, []
-    named, dropped = _named(search, {
-        n: (search.jobs[n][0], search.job(n), ends if isinstance(ends, Dropped) else Way([search.x, top.x], [top.energy]))
-        for n, (top, ends) in tops.items()}, {name for torsion in search.driven for name in torsion.file_names()}, True)
-    for n, name in named.items():
-        top = tops[n][0]
-        same = next((known for m, known in wanted.items()
-                     if abs(top.energy - tops[m][0].energy) * HARTREE <= SAME_ENERGY and search.same(top.x, tops[m][0].x)), None)
+    found, wanted = [], {}
+    named, dropped = _named(search, {job: (search.jobs[job][0], ends if isinstance(ends, Dropped) else
+                                           Way([search.x, ends.saddle.x], [ends.saddle.energy])) for job, ends in tops.items()},
+                            {name for torsion in search.driven for name in torsion.file_names()}, True)
+    for job, name in named.items():
+        top = tops[job].saddle
+        same = next((known for known, other in ((known, tops[other].saddle) for other, known in wanted.items())
+                     if abs(top.energy - other.energy) * HARTREE <= SAME_ENERGY and search.same(top.x, other.x)), None)
         if same is not None:
             dropped.append((name, f"the saddle of {same}"))
         else:
-            wanted[n] = name
-    for n, way in _each(search, "following paths to the barriers", Search.path, sorted(wanted)):
-        name, (top, ends) = wanted[n], tops[n]
+            wanted[job] = name
+    for job, way in search.each("following paths to the barriers", Search.path, [job for job in tops if job in wanted]):
+        name, ends = wanted[job], tops[job]
         if isinstance(way, Dropped):
             dropped.append((name, way.why))
             search.say(f"{name}: no path: {way.why}")
             continue
-        found.append(_path(name, way, nu1=top.nu1, far=ends.far, equal=ends.equal))
-        lower.append((name, -search.above(ends.far.energy)))
-    return search.result(found, dropped, [one for one in lower if one[1] > LOWER])
+        found.append(_path(name, way, nu1=ends.saddle.nu1, far=ends.far, equal=ends.equal))
+        _say_lower(search, name, ends.far.energy)
+    return search.result(found, dropped)
 
 
 # Paths that go on behind their saddles
 
 def _beyond(search, may_restart):
-    """({number of a torsion: its way on behind its saddles}, the first lower minimum as of _saddles())."""
+    """({torsion: its way on behind its saddles}, the first lower minimum as of _saddles())."""
     ways = {}
-    numbers = [n for n, t in enumerate(search.driven) if not t.rotor]
-    for n, way in _each(search, "following torsions from minimum to minimum", Search.beyond, numbers):
-        ways[n], name = way, search.driven[n].name
-        search.say(f"{name}: " + (way.why if isinstance(way, Dropped) else _points(search, way)))
+    turning = [torsion for torsion in search.driven if not torsion.rotor]
+    for torsion, way in search.each("following torsions from minimum to minimum", Search.beyond, turning):
+        ways[torsion] = way
+        search.say(f"{torsion.name}: " + (way.why if isinstance(way, Dropped) else _points(search, way)))
         if isinstance(way, Dropped):
             continue
-        below, k = max((-search.above(way.energies[k]), k) for k in way.minima())
-        if may_restart and below > LOWER:
-            return ways, (name, way.nodes[k], below)
+        k = max(way.minima(), key=lambda k: (-way.energies[k], k))
+        if may_restart and search.above(way.energies[k]) < -LOWER:
+            return ways, (torsion.name, way.nodes[k], -search.above(way.energies[k]))
     return ways, None
 
 
 def _basins(search, ways):
     """The Result of these. Behind the saddle of a methyl group is the same shape once more."""
-    named, dropped = _named(search, {n: (search.driven[n], search.driven[n].name, way) for n, way in ways.items()},
-                            {t.name for t in search.driven if not t.rotor}, False)
+    by_name = {torsion.name: (torsion, way) for torsion, way in ways.items()}
+    named, dropped = _named(search, by_name, {t.name for t in search.driven if not t.rotor}, False)
     same = [(t.name, "the same shape lies behind its barrier") for t in search.driven if t.rotor]
-    found = [_path(name, ways[n]) for n, name in named.items()]
-    lower = [(one.name, -search.above(min(one.energies))) for one in found]
-    return search.result(found, same + dropped, [one for one in lower if one[1] > LOWER])
+    found = [_path(name, by_name[job][1]) for job, name in named.items()]
+    for one in found:
+        _say_lower(search, one.name, min(one.energies))
+    return search.result(found, same + dropped)
 
 
 # Paths between the minima of an ensemble
@@ -161,7 +133,7 @@ def _basins(search, ways):
 def _minima(search):
     """[(frame, minimum)] of the ensemble that are not the conformation, each once."""
     out, say = [], search.say
-    each = _each(search, "relaxing the ensemble", Search.minimum, [x for _, x in search.shapes])
+    each = search.each("relaxing the ensemble", Search.minimum, [x for _, x in search.shapes])
     for (frame, _), (_, one) in zip(search.shapes, each):
         if isinstance(one, Dropped):
             say(f"frame {frame}: {one.why}")
@@ -176,7 +148,7 @@ def _minima(search):
 def _ensemble(search, minima):
     """The Result of paths to these minima. A path that turns one bond alone, and no ring, has its name."""
     found, dropped, say = [], [], search.say
-    ways = _each(search, "looking for paths between the minima", Search.between, [one for _, one in minima])
+    ways = search.each("looking for paths between the minima", Search.between, [one for _, one in minima])
     for (frame, one), (_, way) in zip(minima, list(ways)):
         name = f"to-{frame}"
         passed = next((f.name for f in found for k in f.minima() if search.same(f.nodes[k], one.x)), None)

@@ -4,7 +4,7 @@ A scan only gives a guess. Other modules refine it to a saddle and check its fre
 torsions lead to no saddle from a given minimum; their scans only climb.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from . import geometry, optimise
 from .xtb import HARTREE
 
 LEAST_BARRIER = 0.1  # kJ/mol; a lower one is not told from noise, and no hand feels it
-LARGELY = 0.5  # of the farthest turn: a torsion that goes so far does turn
 LEAST_TURN = np.radians(10)  # of a torsion, or the path turns none
 STIFFNESS = 0.5  # of the restraint, hartree/rad^2: ten times that of the stiffest torsion
 
@@ -34,41 +33,17 @@ class Torsion:
     def turned(self, x, turn):
         return geometry.rotated_about(x, *self.atoms[1:3], list(self.moved), turn)
 
-    def only(self, names):
-        """With those directions alone whose file names are among `names`."""
-        return replace(self, signs=tuple(sign for sign in self.signs if self.file_name(sign) in names))
-
-
-def _is_methyl(numbers, neighbours, atom, partner):
-    """Whether the atom holds three equal atoms: CH3, NH3+, CF3."""
-    others = [n for n in neighbours[atom] if n != partner]
-    return (len(others) == 3 and len({numbers[n] for n in others}) == 1
-            and all(len(neighbours[n]) == 1 for n in others))
-
-
-def _end(numbers, neighbours, atom, partner):
-    """The neighbour at which a torsion ends: the heaviest, among equal ones the first."""
-    others = [n for n in neighbours[atom] if n != partner]
-    return min(others, key=lambda n: (-numbers[n], n)) if others else None
-
 
 def make(numbers, neighbours, name, i, j, k, l):
-    """A torsion about the bond j-k, which is in no ring; its smaller side is the one that turns. i, l: where it ends,
-    or None. No name: its bond's."""
-    i = _end(numbers, neighbours, j, k) if i is None else i
-    l = _end(numbers, neighbours, k, j) if l is None else l
-    rotor = any(_is_methyl(numbers, neighbours, a, b) for a, b in ((j, k), (k, j)))
+    """A torsion about the bond j-k, which is in no ring; k's side is the one that turns. i, l: where it ends, or None: at the
+    heaviest neighbour, among equal ones the first. No name: its bond's."""
+    sides = [n for n in neighbours[j] if n != k], [n for n in neighbours[k] if n != j]
+    i, l = (min(side, key=lambda n: (-numbers[n], n)) if end is None else end for side, end in zip(sides, (i, l)))
+    # CH3, NH3+, CF3 and the like.
+    rotor = any(len(side) == 3 and len({numbers[n] for n in side}) == 1 and all(len(neighbours[n]) == 1 for n in side)
+                for side in sides)
     return Torsion(name or f"{j + 1}-{k + 1}", (i, j, k, l), tuple(geometry.side_of(neighbours, j, k)),
                    (1,) if rotor else (1, -1), rotor)
-
-
-def _restrained(surface, atoms, target):
-    def function(x):
-        energy, gradient = surface(x)
-        off = geometry.wrapped(geometry.torsion(x, *atoms) - target)
-        slope = STIFFNESS * off * geometry.torsion_gradient(x, *atoms)
-        return energy + STIFFNESS * off * off / 2, gradient + slope
-    return function
 
 
 def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / HARTREE):
@@ -77,6 +52,10 @@ def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / 
     The torsion is turned in steps from the minimum while all else relaxes. The highest shape is taken when the energy has
     fallen after it. step: radians; highest: hartree above the minimum.
     """
+    def bend(x):
+        """The restraint's part of the Hessian, near its target."""
+        b = geometry.torsion_gradient(x, *torsion.atoms).ravel()
+        return STIFFNESS * np.outer(b, b)
     x, hessian = minimum.x, minimum.hessian
     start = surface.energy(x)
     shapes, energies = [x], [start]
@@ -84,15 +63,19 @@ def scan(surface, minimum, torsion, sign, *, step=np.radians(10), highest=150 / 
     # Two steps more than half a turn: from trans the barrier can be exactly at cis.
     for count in range(1, round(np.pi / step) + 3):
         turned = torsion.turned(shapes[-1], sign * step)
-        function = _restrained(surface, torsion.atoms, angle + sign * step * count)
-        bend = torsion_hessian(turned, torsion.atoms)
+
+        def restrained(y, target=angle + sign * step * count):
+            energy, gradient = surface(y)
+            off = geometry.wrapped(geometry.torsion(y, *torsion.atoms) - target)
+            return (energy + STIFFNESS * off * off / 2,
+                    gradient + STIFFNESS * off * geometry.torsion_gradient(y, *torsion.atoms))
         try:
-            y, _, hessian = optimise.search(function, turned, hessian + bend, tolerance=3e-4,
+            y, _, hessian = optimise.search(restrained, turned, hessian + bend(turned), tolerance=3e-4,
                                             steps=200, tree=surface.tree)
         except optimise.NotConverged:
             turn = np.degrees(sign * step * count)
             raise optimise.NoPath(f"the scan did not relax at {turn:+.0f} degrees") from None
-        hessian = hessian - torsion_hessian(y, torsion.atoms)
+        hessian = hessian - bend(y)
         shapes.append(y)
         energies.append(surface.energy(y))
         top = int(np.argmax(energies))
@@ -112,21 +95,6 @@ def turned(torsions, shapes):
     least angle to the largest), each an array."""
     angles = np.unwrap([[geometry.torsion(x, *t.atoms) for t in torsions] for x in shapes], axis=0)
     return angles[-1] - angles[0], np.ptp(angles, axis=0)
-
-
-def farthest(turns, driven):
-    """The number of the torsion that turns: the driven one (its number) where it turns largely, otherwise that which turns
-    farthest; None where none turns. turns: how far each torsion turns, radians."""
-    far = np.abs(turns)
-    if far.max() < LEAST_TURN:
-        return None
-    return driven if far[driven] >= LARGELY * far.max() else int(far.argmax())
-
-
-def torsion_hessian(x, atoms):
-    """The restraint's part of the Hessian, near its target."""
-    b = geometry.torsion_gradient(x, *atoms).ravel()
-    return STIFFNESS * np.outer(b, b)
 
 
 def _on_top(surface, before, top, after):

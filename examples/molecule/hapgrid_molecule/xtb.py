@@ -53,7 +53,6 @@ class Surface:
         return self(positions)[0]
 
     def hessian(self, positions):
-        """Second derivatives (3 atoms, 3 atoms)."""
         rows = self.differences(positions)
         return (rows + rows.T) / 2
 

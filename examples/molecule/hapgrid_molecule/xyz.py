@@ -94,9 +94,7 @@ def _atom(line, say):
         x = [float(re.sub("[dD]", "e", w)) for w in words[1:4]]
     except ValueError:
         return None
-    if len(x) < 3:
-        return None
-    symbol = re.fullmatch(r"([A-Za-z]{1,2})\d*|(\d{1,3})", words[0])
+    symbol = re.fullmatch(r"([A-Za-z]{1,2})\d*|(\d{1,3})", words[0]) if len(x) == 3 else None
     if symbol is None:
         return None
     number = int(symbol[2]) if symbol[2] else NUMBERS.get(symbol[1].upper(), 0)
@@ -104,7 +102,6 @@ def _atom(line, say):
 
 
 def frames(path):
-    """frames_of() a file."""
     out = frames_of(read_text(path), path)
     if not out:
         raise BadInput(f"{path}: is empty")
@@ -119,17 +116,14 @@ def finite(text):
     return value
 
 
-def number(given, key, where):
-    """A number among the words of a title, None where there is none. Errors: BadInput, where it is no finite number."""
-    try:
-        return finite(given[key]) if key in given else None
-    except ValueError:
-        raise BadInput(f"{where}: {key}={given[key]} is no number") from None
-
-
 def above(given, conformation, where):
     """kJ/mol above the conformation, by the words of both titles. Errors: BadInput, where there is no energy, or two that
     differ."""
+    def number(given, key, where):
+        try:
+            return finite(given[key]) if key in given else None
+        except ValueError:
+            raise BadInput(f"{where}: {key}={given[key]} is no number") from None
     rise, own, base = number(given, "dE", where), number(given, "E", where), number(conformation, "E", "conformation")
     if own is None or base is None:
         if rise is None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 sys.path.insert(0, sys.argv[1])
-from hapgrid_molecule import geometry, naming, optimise, reading, results, rotors, search, singles, torsions, xtb
+from hapgrid_molecule import geometry, optimise, reading, results, rotors, search, singles, torsions, xtb
 from hapgrid_molecule.molecule import relaxed
 from hapgrid_molecule.results import Dropped, Ends, Path, Point, Way
 from hapgrid_molecule.xtb import BOHR, HARTREE
@@ -57,26 +57,26 @@ a, b, c = (torsions.Torsion(name, (0, 1, 2, 3), (3,), (1, -1), name == "a") for 
 deg = np.radians
 
 
-def of(number, turns, height, job):
-    return naming.Candidate(job, number, deg(np.array(turns)), height)
+def of(number, turns, height):
+    return rotors.Candidate(number, deg(np.array(turns)), height)
 
 
-names, left = naming.names([a, b, c], {
-    0: of(1, [59, 3, 0], 2.0, "b-plus"),  # the P-OH, whose barrier is the methyl group's
-    1: of(1, [0, -40, 70], 3.0, "b-minus"),  # b turns, too
-    2: of(2, [0, 5, 60], 9.0, "c-plus"),
-    3: of(2, [1, 2, 3], 9.0, "c-minus"),
+names, left = rotors.names([a, b, c], {
+    "b-plus": of(1, [59, 3, 0], 2.0),  # the P-OH, whose barrier is the methyl group's
+    "b-minus": of(1, [0, -40, 70], 3.0),  # b turns, too
+    "c-plus": of(2, [0, 5, 60], 9.0),
+    "c-minus": of(2, [1, 2, 3], 9.0),
 }, {"a", "b-plus", "b-minus", "c-plus", "c-minus"}, True)
-assert names == {2: "c-plus", 1: "b-minus", 0: "a"}, names
+assert names == {"c-plus": "c-plus", "b-minus": "b-minus", "b-plus": "a"}, names
 assert left == [("c-minus", "no bond turns on the way to its barrier"),
                 ("b-plus", "turns a instead, by 59 degrees against 3")], left
 # Of two that turn a the lower is kept, unless a itself was driven. What nobody asked for is no path.
-names, left = naming.names([a, b, c], {0: of(1, [59, 3, 0], 2.0, "b-plus"), 1: of(2, [58, 3, 0], 1.0, "c-plus"),
-                                       2: of(2, [0, -60, 1], 1.0, "c-minus")}, {"a", "c-plus"}, True)
-assert names == {1: "a"} and dict(left)["b-plus"] == "turns a instead, by 59 degrees against 3", (names, left)
+names, left = rotors.names([a, b, c], {"b-plus": of(1, [59, 3, 0], 2.0), "c-plus": of(2, [58, 3, 0], 1.0),
+                                       "c-minus": of(2, [0, -60, 1], 1.0)}, {"a", "c-plus"}, True)
+assert names == {"c-plus": "a"} and dict(left)["b-plus"] == "turns a instead, by 59 degrees against 3", (names, left)
 assert dict(left)["c-minus"] == "turns b-minus instead, by 60 degrees against 1, which is not looked for", left
-names, _ = naming.names([a, b], {0: of(1, [59, 3], 2.0, "b-plus"), 1: of(0, [60, 0], 5.0, "a")}, {"a"}, True)
-assert names == {1: "a"}, names
+names, _ = rotors.names([a, b], {"b-plus": of(1, [59, 3], 2.0), "a": of(0, [60, 0], 5.0)}, {"a"}, True)
+assert names == {"a": "a"}, names
 
 
 # Where a turns freely it does not matter how far it does on the way: the path is of b, which turns less.
@@ -84,9 +84,9 @@ chain = np.array([[0, 1, -0.5], [0, 0, 0], [0, 0, 1.5], [0, 1.4, 2], [0.5, 1.5, 
 a, b = (torsions.Torsion(name, atoms, (), (1, -1), False) for name, atoms in (("a", (0, 1, 2, 3)), ("b", (1, 2, 3, 4))))
 turned = geometry.rotated_about(geometry.rotated_about(chain, 1, 2, [3, 4], deg(70)), 2, 3, [4], deg(20))
 for free, name in ((set(), "a-plus"), ({"a"}, "b-plus"), ({"a", "b"}, "b-plus")):
-    one = naming.candidate([a, b], b, "b-plus", Way([chain, turned], [1.0]), free)
-    names, _ = naming.names([a, b], {0: one}, {"a-plus", "b-plus"}, True)
-    assert names == {0: name}, (free, names)
+    one = rotors.candidate([a, b], b, Way([chain, turned], [1.0]), free)
+    names, _ = rotors.names([a, b], {"b-plus": one}, {"a-plus", "b-plus"}, True)
+    assert names == {"b-plus": name}, (free, names)
 
 
 # A saddle's near side is the conformation where that needs a methyl group, a, turned back; not where b has turned, too, or where
@@ -186,7 +186,7 @@ assert result.nu1 is None and result.found[1].far is None and result.dropped == 
 # What was kept of a step counts only in the form that the step gives it. Here are two atoms and, on a way, four nodes.
 pair, bend = np.array([[0.0, 0, 0], [0.0, 0, 1.5]]), np.full((6, 6), 0.5)
 low, top = Point(pair, -1.5, bend, 30.5), Point(pair, -1.25, bend, -20.5)
-for one in (low, Ends(-1, low, top, True), Way([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "the end"), Dropped("why")):
+for one in (low, Ends(top, -1, low, low, True), Way([pair] * 4, [-1.5] * 4, 3, {1: "saddle", 3: "minimum"}, "the end"), Dropped("why")):
     kept = json.loads(json.dumps(results.plain(one)))
     again = results.restored([type(one)], kept, 2)
     assert type(again) is type(one) and results.plain(again) == kept, one
