@@ -31,15 +31,17 @@
 #include "libcore/base/spsc_ring.hpp"
 #include "libcore/base/triple_buffer.hpp"
 #include "libcore/haptic/model_traversal.hpp"
+#include "libcore/model/fields.hpp"
 
 namespace hapgrid {
 
-/// Where the model was in a tick, and its state there.
+/// Where the model will be, as it seems in a tick, and what it is like there.
 struct BesideAnswer {
   std::uint64_t tick = 0;     ///< Beside::tick() of that time
   bool usable = false;        ///< the model could follow the hand
   Vec3 at{0, 0, 0};           ///< where the hand will be when the answer comes, in the model's unit
-  std::vector<double> state;  ///< Grid::state_size() values
+  std::vector<double> row;    ///< the state, and what the grid stores with it
+  std::optional<Vec3> force;  ///< newtons; nothing: the model does not say
 };
 
 /// For one hand. start(), follow() and answer() are called by one thread; they never wait for the
@@ -106,6 +108,7 @@ class Beside {
 
   const std::vector<double> weights_;
   const bool is_process_;
+  const Fields fields_;   // of the model, asked where that is asked
   ModelTraversal model_;  // the other thread's, if there is one
   const std::optional<std::uint32_t> delay_;
   const Box box_;
