@@ -1,8 +1,10 @@
-// The model itself, which follows the hand beside the grid and says in which state it really is.
+// The model itself, which follows the hand beside the grid and says in which state it really is,
+// and with which force it pushes there.
 //
 // Problem. Where branches end or meet inside a cell, the grid guesses on which of them the hand is.
-// A wrong guess lasts until the hand happens to come back to a place where there is one branch. The
-// model knows better: one conversion for the way of a tick takes microseconds for many models. But
+// A wrong guess lasts until the hand happens to come back to a place where there is one branch. And
+// where points are far apart, no branch of the cell may be near to the model's state. The model
+// knows better: one conversion for the way of a tick takes microseconds for many models. But
 // it can take a hundred times as long now and then, and a tick of the haptic loop cannot wait.
 //
 // Choice. For a live hand a thread of its own makes the conversions. The loop passes it each place

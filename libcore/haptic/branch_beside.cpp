@@ -39,7 +39,12 @@ void BranchTraversal::settle(StepResult& result) noexcept {
   // the branch before: they are passed over until one comes that is as late after the snap.
   if (result.snapped) trusted_from_ = beside_->tick() + age;
   if (answer && answer->tick >= trusted_from_ && is_near_cell(part_beside_cell(answer->at))) {
+    // A hand that turns round does not come to where the model looked ahead.
+    const auto away = [&](const Vec3& place) { return length_of(place - position()); };
+    result.still_held = offset_.is_held() && away(held_at_) < away(answer->at);
+    if (result.still_held) return;
     followed_ = answer;
+    held_at_ = answer->at;
     follow(*answer, result);
     return;
   }

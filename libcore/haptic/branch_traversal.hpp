@@ -16,9 +16,13 @@
 // has another anchor, the difference at the place of the change becomes an *offset*: the state goes
 // on from where it was, and the offset fades while the hand moves on, by half a spacing.
 //
-// All this is a guess where branches end or meet. Where the model itself walks beside the grid
-// (beside.hpp), it decides in such cells, and for a spacing behind them: of all branches that the
-// cell has, the hand is on the one whose state is nearest to the model's.
+// All this is a guess where branches end or meet, and between grid points a state is interpolated.
+// A model that walks beside the grid (beside.hpp) knows better. Its answers belong to places where
+// the hand was, or will be, so the grid says how the state changes between them: the state is that
+// of the branch of the cell which is nearest to the model's, and what this branch lacked at the
+// place of the last answer is added. To the hand, there and back are then the same, whichever
+// branch of the grid is taken. When no answer comes, what was added fades like any offset, and the
+// grid decides.
 #pragma once
 
 #include <array>
@@ -104,6 +108,7 @@ class BranchTraversal final : public Traversal {
 
   Beside* beside_ = nullptr;
   const BesideAnswer* followed_ = nullptr;  // by the last step
+  Vec3 held_at_{0, 0, 0};                   // the place of the last answer that was followed
   std::uint64_t trusted_from_ = 0;          // an answer of an earlier Beside::tick() is passed over
   std::vector<double> missing_;             // of the row that the model has
   std::vector<double> expected_;

@@ -107,6 +107,7 @@ Vec3 NodeForce::operator()(const Traversal& traversal) noexcept {
 
 void NodeForce::follow(const Traversal& traversal, const NodeCorners& corners,
                        bool jumps) noexcept {
+  if (traversal.last_step().still_held && offset_.is_held()) return;
   const BesideAnswer* const answer = traversal.followed();
   if (!answer || !answer->force) return offset_.let_go();
   const Vec3 missing =
