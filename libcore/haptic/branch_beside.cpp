@@ -12,8 +12,9 @@ namespace {
 // third of the tolerance stays.
 constexpr double kNearer = 0.5;
 constexpr double kSame = 1.0 / 3;
-// The model has snapped when its state is so many tolerances from where play expects it.
-constexpr double kSnapped = 1;
+// The model has snapped when its state is farther than the tolerance from where play expects it,
+// and another branch is nearer by so much, squared.
+constexpr double kFarNearer = 0.3;
 // How far outside the cell a late answer may lie, in spacings.
 constexpr double kBeside = 0.5;
 
@@ -58,19 +59,21 @@ void BranchTraversal::follow(const BesideAnswer& answer, StepResult& result) noe
   const std::array<double, 8> weights = corner_weights(part_beside_cell(answer.at));
   const double tolerance = grid_.spec().tolerance;
   const double present = find_missing(rows_, weights, answer.row);
+  double jump = 0;  // from the interpolated state and the offset, which play expects at this place
   if (offset_.is_held()) {
-    // Where the hand has come, play expects the interpolated state and the offset.
     std::fill(expected_.begin(), expected_.end(), 0.0);
     offset_.add_to(expected_);
     for (std::size_t c = 0; c < expected_.size(); ++c) expected_[c] -= missing_[c];
-    if (length2(expected_) > kSnapped * kSnapped * tolerance * tolerance) {
+    jump = length2(expected_);
+  }
+  if (present > kSame * kSame * tolerance * tolerance) {
+    const std::array<Node, 8> before = nodes_;
+    enter_nearest(weights, answer.row, kNearer * present, result);
+    const double left = find_missing(rows_, weights, answer.row);
+    if (nodes_ != before && jump > tolerance * tolerance && left < kFarNearer * jump) {
       result.snapped = result.level_changed = true;
       offset_.end();
     }
-  }
-  if (present > kSame * kSame * tolerance * tolerance) {
-    enter_nearest(weights, answer.row, kNearer * present, result);
-    find_missing(rows_, weights, answer.row);
   }
   offset_.hold(missing_, result.jumped());
 }
