@@ -50,7 +50,6 @@ void blend_angles(const Equality& equality, const std::array<double, 8>& w,
   for (std::size_t c = 0; c < equality.periods.size(); ++c)
     for (int k = 1; k < 8 && equality.periods[c] > 0; ++k)
       row[c] += w[k] * (nearest(equality, c, rows[k][c], rows[0][c]) - rows[k][c]);
-  orthonormalise_rotations(equality, row);
 }
 
 }  // namespace hapgrid

@@ -71,7 +71,7 @@ void orthonormalise(double* columns);
 void orthonormalise_rotations(const Equality& equality, std::span<double> row) noexcept;
 
 /// After `row` became the sum of w[k] rows[k], component by component: angles are blended on the
-/// shorter way around, and orientations are made orthonormal. Real-time safe.
+/// shorter way around. Real-time safe.
 void blend_angles(const Equality& equality, const std::array<double, 8>& w,
                   const std::array<const double*, 8>& rows, std::span<double> row) noexcept;
 

@@ -26,7 +26,7 @@ constexpr double kChange = 1e-3;
 
 BesideAnswer empty_answer(const Grid& grid) {
   BesideAnswer answer;
-  answer.state.resize(grid.state_size());
+  answer.row.resize(grid.spec().row_size());
   return answer;
 }
 
@@ -55,6 +55,7 @@ Beside::Beside(const Grid& grid, std::unique_ptr<Model> model,
                std::function<void(const std::string&)> tell_failure)
     : weights_(weights_of(grid, *model)),
       is_process_(model->is_process()),
+      fields_(grid.spec(), *model),
       model_(grid, std::move(model), kStepsACell),
       delay_(delay_ticks),
       box_(grid.box()),
@@ -130,7 +131,12 @@ void Beside::ask(const Place& place, BesideAnswer& answer) noexcept {
   const StepResult& step =
       place.begins ? model_.start(place.x, *place.begins) : model_.step(place.x);
   answer.at = place.ahead == place.x ? model_.position() : place.ahead;
-  answer.usable = step.usable() && model_.look_ahead(answer.at, answer.state);
+  answer.usable = step.usable() && model_.look_ahead(answer.at, answer.row);
+  answer.force.reset();
+  if (answer.usable && fields_.has_force()) {
+    const Vec3 force = fields_.force(answer.at, answer.row);
+    if (std::isfinite(length_of(force))) answer.force = force;
+  }
   has_given_up_ = is_process_ && step.blocked;
   if (has_given_up_ && tell_failure_ && !ends_) tell_failure_(model_.model_error());
 }

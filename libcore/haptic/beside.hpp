@@ -1,8 +1,10 @@
-// The model itself, which follows the hand beside the grid and says in which state it really is.
+// The model itself, which follows the hand beside the grid and says in which state it really is,
+// and with which force it pushes there.
 //
 // Problem. Where branches end or meet inside a cell, the grid guesses on which of them the hand is.
-// A wrong guess lasts until the hand happens to come back to a place where there is one branch. The
-// model knows better: one conversion for the way of a tick takes microseconds for many models. But
+// A wrong guess lasts until the hand happens to come back to a place where there is one branch. And
+// where points are far apart, no branch of the cell may be near to the model's state. The model
+// knows better: one conversion for the way of a tick takes microseconds for many models. But
 // it can take a hundred times as long now and then, and a tick of the haptic loop cannot wait.
 //
 // Choice. For a live hand a thread of its own makes the conversions. The loop passes it each place
@@ -31,15 +33,17 @@
 #include "libcore/base/spsc_ring.hpp"
 #include "libcore/base/triple_buffer.hpp"
 #include "libcore/haptic/model_traversal.hpp"
+#include "libcore/model/fields.hpp"
 
 namespace hapgrid {
 
-/// Where the model was in a tick, and its state there.
+/// Where the model will be, as it seems in a tick, and what it is like there.
 struct BesideAnswer {
   std::uint64_t tick = 0;     ///< Beside::tick() of that time
   bool usable = false;        ///< the model could follow the hand
   Vec3 at{0, 0, 0};           ///< where the hand will be when the answer comes, in the model's unit
-  std::vector<double> state;  ///< Grid::state_size() values
+  std::vector<double> row;    ///< the state, and what the grid stores with it
+  std::optional<Vec3> force;  ///< newtons; nothing: the model does not say
 };
 
 /// For one hand. start(), follow() and answer() are called by one thread; they never wait for the
@@ -106,6 +110,7 @@ class Beside {
 
   const std::vector<double> weights_;
   const bool is_process_;
+  const Fields fields_;   // of the model, asked where that is asked
   ModelTraversal model_;  // the other thread's, if there is one
   const std::optional<std::uint32_t> delay_;
   const Box box_;

@@ -8,89 +8,119 @@ namespace hapgrid {
 
 namespace {
 
-// How much nearer to the model's state another branch must be, squared: to be taken, and to be
-// taken as the result of a snap of the model. A branch that is within a third of the tolerance
-// stays.
+// How much nearer to the model's state another branch must be, squared. A branch that is within a
+// third of the tolerance stays.
 constexpr double kNearer = 0.5;
-constexpr double kFarNearer = 0.3;
 constexpr double kSame = 1.0 / 3;
+// The model has snapped when its state is farther than the tolerance from where play expects it,
+// and another branch is nearer by so much, squared.
+constexpr double kFarNearer = 0.3;
 // How far outside the cell a late answer may lie, in spacings.
 constexpr double kBeside = 0.5;
+
+bool is_near_cell(const Vec3& part) {
+  return std::all_of(part.begin(), part.end(),
+                     [](double u) { return u >= -kBeside && u <= 1 + kBeside; });
+}
 
 }  // namespace
 
 void BranchTraversal::settle(StepResult& result) noexcept {
+  followed_ = nullptr;
   if (!beside_) return;
-  if (result.started) {
+  if (result.started)
     beside_->start(position());
-    doubtful_way_ = 0;
-  } else if (result.chosen != kNoLevel) {
+  else if (result.chosen != kNoLevel)
     beside_->start(position(), result.chosen);
-  } else {
+  else
     beside_->follow(position());
-  }
-  if (is_torn_ || is_mixed_)
-    doubtful_way_ = box_.spacing;
-  else if (doubtful_way_ > 0)
-    doubtful_way_ -= length_of(position() - result.from);
-  if (doubtful_way_ <= 0) {
-    agreed_ = false;
-    return;
-  }
   const BesideAnswer* const answer = beside_->answer();
   const std::uint64_t age = answer ? beside_->tick() - answer->tick : 0;
   // The grid decides where the model does not. If the grid has snapped, late answers still tell of
   // the branch before: they are passed over until one comes that is as late after the snap.
   if (result.snapped) trusted_from_ = beside_->tick() + age;
-  std::array<double, 8> weights{};
-  const bool is_asked =
-      answer && answer->tick >= trusted_from_ && find_weights(answer->at, weights);
-  if (is_asked)
-    enter_nearest(weights, answer->state, result);
-  else if (decide_by_grid(result))
-    trusted_from_ = beside_->tick() + age;
-  agreed_ = is_asked;
-}
-
-/// The weights of the corners of this cell at x, which may lie a bit outside; false where it lies
-/// far outside.
-bool BranchTraversal::find_weights(const Vec3& x, std::array<double, 8>& weights) const noexcept {
-  Vec3 part{0, 0, 0};
-  for (int a = 0; a < 3; ++a) {
-    if (cells_.is_flat(a)) continue;
-    part[a] = (x[a] - box_.origin[a]) / box_.spacing - cell()[a];
-    if (part[a] < -kBeside || part[a] > 1 + kBeside) return false;
+  if (answer && answer->tick >= trusted_from_ && is_near_cell(part_beside_cell(answer->at))) {
+    // A hand that turns round does not come to where the model looked ahead.
+    const auto away = [&](const Vec3& place) { return length_of(place - position()); };
+    result.still_held = offset_.is_held() && away(held_at_) < away(answer->at);
+    if (result.still_held) return;
+    followed_ = answer;
+    held_at_ = answer->at;
+    follow(*answer, result);
+    return;
   }
-  weights = corner_weights(part);
-  return true;
+  offset_.let_go();
+  if (decide_by_grid(result)) trusted_from_ = beside_->tick() + age;
 }
 
-/// Takes the branch of the cell that is nearest to a state of the model.
+/// Takes the state of the model, as the sum of what the branch of the cell has that is nearest to
+/// it, and of what is missing there.
+void BranchTraversal::follow(const BesideAnswer& answer, StepResult& result) noexcept {
+  const std::array<double, 8> weights = corner_weights(part_beside_cell(answer.at));
+  const double tolerance = grid_.spec().tolerance;
+  const double present = find_missing(rows_, weights, answer.row);
+  double jump = 0;  // from the interpolated state and the offset, which play expects at this place
+  if (offset_.is_held()) {
+    std::fill(expected_.begin(), expected_.end(), 0.0);
+    offset_.add_to(expected_);
+    for (std::size_t c = 0; c < expected_.size(); ++c) expected_[c] -= missing_[c];
+    jump = length2(expected_);
+  }
+  if (present > kSame * kSame * tolerance * tolerance) {
+    const std::array<Node, 8> before = nodes_;
+    enter_nearest(weights, answer.row, kNearer * present, result);
+    const double left = find_missing(rows_, weights, answer.row);
+    if (nodes_ != before && jump > tolerance * tolerance && left < kFarNearer * jump) {
+      result.snapped = result.level_changed = true;
+      offset_.end();
+    }
+  }
+  offset_.hold(missing_, result.jumped());
+}
+
+/// Sets missing_ to what the row of an answer has beyond the interpolation. @returns how far apart
+/// both states are, in the unit of the tolerance, squared
+double BranchTraversal::find_missing(const std::array<const double*, 8>& rows,
+                                     const std::array<double, 8>& weights,
+                                     std::span<const double> row) noexcept {
+  const Equality& equality = grid_.spec().equality;
+  blend(weights, rows, missing_);
+  blend_angles(equality, weights, rows, missing_);
+  for (std::size_t c = 0; c < missing_.size(); ++c)
+    missing_[c] = nearest(equality, c, row[c], missing_[c]) - missing_[c];
+  return length2(missing_);
+}
+
+/// Of a difference of two states, in the unit of the tolerance, squared.
+double BranchTraversal::length2(std::span<const double> difference) const noexcept {
+  const std::vector<double>& unit = beside_->weights();
+  double sum = 0;
+  for (std::size_t c = 0; c < unit.size(); ++c) {
+    const double d = unit[c] * difference[c];
+    sum += d * d;
+  }
+  return sum;
+}
+
+/// Takes the branch of the cell that is nearest to the state of an answer, if it is nearer than
+/// `least`, squared.
 void BranchTraversal::enter_nearest(const std::array<double, 8>& weights,
-                                    std::span<const double> state, StepResult& result) noexcept {
-  const double same = kSame * grid_.spec().tolerance;
-  const double present = difference(nodes_, weights, state);
-  if (present <= same * same) return;
+                                    std::span<const double> row, double least,
+                                    StepResult& result) noexcept {
   find_candidates();
-  double least = kNearer * present;
-  const Branch* nearest = nullptr;
+  const Branch* found = nullptr;
   for (const Branch& branch : candidates_) {
-    const double far = difference(branch.nodes, weights, state);
+    std::array<const double*, 8> rows;
+    for (int k = 0; k < 8; ++k) rows[k] = map_->nodes.row(branch.nodes[k]);
+    const double far = find_missing(rows, weights, row);
     if (far >= least) continue;
     least = far;
-    nearest = &branch;
+    found = &branch;
   }
-  if (!nearest) return;
-  const std::array<const double*, 8> before = rows_;
+  if (!found) return;
   if (!result.corners_changed) result.nodes_before = nodes_;
-  enter_branch(base(), *nearest);
+  enter_branch(base(), *found);
   result.corners_changed = nodes_ != result.nodes_before;
-  if (agreed_ && least < kFarNearer * present) {
-    result.snapped = result.level_changed = true;  // the model has snapped since the last answer
-    offset_.end();
-  } else {
-    keep_state(before, weights_, rows_);
-  }
 }
 
 /// Each record in a corner of the cell names a branch.
@@ -111,22 +141,6 @@ void BranchTraversal::find_candidates() noexcept {
       if (!is_known) candidates_.push_back(branch);
     }
   }
-}
-
-/// Of an interpolated state and the model's, in the unit of the tolerance, squared.
-double BranchTraversal::difference(const std::array<Node, 8>& nodes,
-                                   const std::array<double, 8>& weights,
-                                   std::span<const double> state) const noexcept {
-  std::array<const double*, 8> rows;
-  for (int k = 0; k < 8; ++k) rows[k] = map_->nodes.row(nodes[k]);
-  const std::vector<double>& unit = beside_->weights();
-  double sum = 0;
-  for (std::size_t c = 0; c < state.size(); ++c) {
-    double d = -state[c];
-    for (int k = 0; k < 8; ++k) d += weights[k] * rows[k][c];
-    sum += unit[c] * unit[c] * d * d;
-  }
-  return sum;
 }
 
 }  // namespace hapgrid

@@ -53,7 +53,11 @@ struct BranchTraversal::Common {
 
 BranchTraversal::BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                                  std::uint16_t max_sub_steps)
-    : Traversal(grid, max_sub_steps), map_(std::move(map)), offset_(row_.size(), box_.spacing) {
+    : Traversal(grid, max_sub_steps),
+      map_(std::move(map)),
+      offset_(row_.size(), box_.spacing),
+      missing_(row_.size()),
+      expected_(row_.size()) {
   candidates_.reserve(kMostCandidates);
 }
 
@@ -328,6 +332,7 @@ void BranchTraversal::evaluate() noexcept {
   blend(weights_, rows_, row_);
   offset_.add_to(row_);
   blend_angles(grid_.spec().equality, weights_, rows_, row_);
+  orthonormalise_rotations(grid_.spec().equality, row_);
 }
 
 }  // namespace hapgrid

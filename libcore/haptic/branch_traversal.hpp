@@ -16,9 +16,13 @@
 // has another anchor, the difference at the place of the change becomes an *offset*: the state goes
 // on from where it was, and the offset fades while the hand moves on, by half a spacing.
 //
-// All this is a guess where branches end or meet. Where the model itself walks beside the grid
-// (beside.hpp), it decides in such cells, and for a spacing behind them: of all branches that the
-// cell has, the hand is on the one whose state is nearest to the model's.
+// All this is a guess where branches end or meet, and between grid points a state is interpolated.
+// A model that walks beside the grid (beside.hpp) knows better. Its answers belong to places where
+// the hand was, or will be, so the grid says how the state changes between them: the state is that
+// of the branch of the cell which is nearest to the model's, and what this branch lacked at the
+// place of the last answer is added. To the hand, there and back are then the same, whichever
+// branch of the grid is taken. When no answer comes, what was added fades like any offset, and the
+// grid decides.
 #pragma once
 
 #include <array>
@@ -49,6 +53,7 @@ class BranchTraversal final : public Traversal {
   BranchTraversal(const Grid& grid, std::shared_ptr<const BranchMap> map,
                   std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
   void walk_beside(Beside* beside) override { beside_ = beside; }
+  const BesideAnswer* followed() const override { return followed_; }
   const BranchNodes* branch_nodes() const override { return &map_->nodes; }
 
  private:
@@ -78,12 +83,13 @@ class BranchTraversal final : public Traversal {
   bool find_better(PointIndex base, const std::array<double, 8>& weights,
                    const std::array<RecordIndex, 8>& kept, Branch& branch) const noexcept;
   void change_anchor(StepResult& result) noexcept;
-  bool find_weights(const Vec3& x, std::array<double, 8>& weights) const noexcept;
-  void enter_nearest(const std::array<double, 8>& weights, std::span<const double> state,
-                     StepResult& result) noexcept;
+  void follow(const BesideAnswer& answer, StepResult& result) noexcept;
+  double find_missing(const std::array<const double*, 8>& rows,
+                      const std::array<double, 8>& weights, std::span<const double> row) noexcept;
+  double length2(std::span<const double> difference) const noexcept;
+  void enter_nearest(const std::array<double, 8>& weights, std::span<const double> row,
+                     double least, StepResult& result) noexcept;
   void find_candidates() noexcept;
-  double difference(const std::array<Node, 8>& nodes, const std::array<double, 8>& weights,
-                    std::span<const double> state) const noexcept;
   bool has_ended(const Branch& branch) const noexcept;
   double tear(const std::array<double, 8>& weights) const noexcept;
   void keep_state(const std::array<const double*, 8>& before, const std::array<double, 8>& weights,
@@ -101,9 +107,11 @@ class BranchTraversal final : public Traversal {
   FadingOffset offset_;  // of row()
 
   Beside* beside_ = nullptr;
-  double doubtful_way_ = 0;         // on which the model is still asked
-  bool agreed_ = false;             // the branch is the one that the last answer named
-  std::uint64_t trusted_from_ = 0;  // an answer of an earlier Beside::tick() is passed over
+  const BesideAnswer* followed_ = nullptr;  // by the last step
+  Vec3 held_at_{0, 0, 0};                   // the place of the last answer that was followed
+  std::uint64_t trusted_from_ = 0;          // an answer of an earlier Beside::tick() is passed over
+  std::vector<double> missing_;             // of the row that the model has
+  std::vector<double> expected_;
   // How many branches of a cell are compared with the model's state.
   static constexpr std::size_t kMostCandidates = 64;
   std::vector<Branch> candidates_;  // all branches of the cell at candidates_base_, if any

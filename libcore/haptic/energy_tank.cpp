@@ -16,7 +16,7 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kWindow = 0.002;
 // Seconds in which a force that was withheld comes back: at rest, while the tank is overdrawn, and
 // else.
-constexpr double kRestReturn = 10;
+constexpr double kRestReturn = 3;
 constexpr double kSlowReturn = 0.3;
 constexpr double kReturn = 0.03;
 // A hand rests that has been for kRestTime (s) within kRestRadius (m) of the mean of its places

@@ -48,10 +48,10 @@ bool ModelTraversal::move(const Vec3& x, StepResult&) noexcept {
   return follow(position(), x);
 }
 
-bool ModelTraversal::look_ahead(const Vec3& x, std::span<double> state) noexcept {
+bool ModelTraversal::look_ahead(const Vec3& x, std::span<double> row) noexcept {
   before_ = row_;
   if (!follow(position(), x)) return false;
-  std::copy_n(row_.begin(), state.size(), state.begin());
+  std::copy_n(row_.begin(), row.size(), row.begin());
   row_ = before_;
   return true;
 }

@@ -20,8 +20,8 @@ class ModelTraversal final : public Traversal {
                  std::uint16_t max_sub_steps = kDefaultMaxSubSteps);
   /// The state that the model will have when the hand has gone straight on to x, in the box; this
   /// stays where it is. Real-time safe as far as the model.
-  /// @param state Grid::state_size() values. @returns false when a conversion fails
-  bool look_ahead(const Vec3& x, std::span<double> state) noexcept;
+  /// @param row spec().row_size() values. @returns false when a conversion fails
+  bool look_ahead(const Vec3& x, std::span<double> row) noexcept;
   /// Why the last conversion that failed did.
   const std::string& model_error() const { return model_->error(); }
   /// Model::abandon(), which any thread may call.

@@ -1,5 +1,7 @@
 #include "libcore/haptic/node_force.hpp"
 
+#include "libcore/haptic/beside.hpp"
+
 namespace hapgrid {
 
 namespace {
@@ -91,14 +93,26 @@ NodeCorners NodeForce::corners_of(const std::array<RecordIndex, 8>& nodes) const
 Vec3 NodeForce::operator()(const Traversal& traversal) noexcept {
   const StepResult& step = traversal.last_step();
   const NodeCorners corners = corners_of(traversal.nodes());
+  const bool jumps = step.jumped() || step.split;
   offset_.fade(step.from, traversal.position());
-  if (step.jumped() || step.split)
+  if (jumps)
     offset_.end();
   else if (step.corners_changed)
     keep_force(traversal, corners);
+  follow(traversal, corners, jumps);
   Vec3 force = interpolate_(corners, traversal.part());
   offset_.add_to(force);
   return force;
+}
+
+void NodeForce::follow(const Traversal& traversal, const NodeCorners& corners,
+                       bool jumps) noexcept {
+  if (traversal.last_step().still_held && offset_.is_held()) return;
+  const BesideAnswer* const answer = traversal.followed();
+  if (!answer || !answer->force) return offset_.let_go();
+  const Vec3 missing =
+      *answer->force - interpolate_(corners, traversal.part_beside_cell(answer->at));
+  offset_.hold(missing, jumps);
 }
 
 /// Where corners that the cell shares with the one before have changed, the force goes on from

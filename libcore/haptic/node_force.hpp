@@ -12,6 +12,9 @@
 // the hand moves on by half a spacing, as the offset of the state does (branch_traversal.hpp). An
 // offset of the energy that fades would push the hand itself, along its way and without a bound for
 // a short way; the difference of the energies is lost or won here instead, once.
+//
+// Where a model that walks beside the grid says its force (beside.hpp), the interpolation only says
+// how the force changes until the next answer: what it lacks to the model's is held as an offset.
 #pragma once
 
 #include <array>
@@ -57,6 +60,7 @@ class NodeForce {
   }
 
  private:
+  void follow(const Traversal& traversal, const NodeCorners& corners, bool jumps) noexcept;
   NodeCorners corners_of(const std::array<RecordIndex, 8>& nodes) const noexcept;
   void keep_force(const Traversal& traversal, const NodeCorners& corners) noexcept;
 

@@ -36,6 +36,7 @@ void PaperTraversal::evaluate() noexcept {
   const std::array<double, 8> weights = corner_weights(part_of_cell(position()));
   blend(weights, rows_, row_);
   blend_angles(grid_.spec().equality, weights, rows_, row_);
+  orthonormalise_rotations(grid_.spec().equality, row_);
 }
 
 }  // namespace hapgrid

@@ -39,6 +39,7 @@
 namespace hapgrid {
 
 class Beside;
+struct BesideAnswer;
 class BranchNodes;
 
 /// In Traversal::levels(): no record of the grid.
@@ -62,6 +63,9 @@ struct StepResult {
   std::uint16_t face_switches = 0;
   std::uint16_t edge_switches = 0;
   std::uint16_t vertex_switches = 0;
+  /// The model's new answer is about a place farther from position() than the last one that was
+  /// followed, which therefore still counts.
+  bool still_held = false;
   std::int8_t direction = -1;  ///< of the last switch to another cell; -1: there was none
   /// Some corner that the cells before and after the step share has another node. False where the
   /// HIP jumped to a cell that shares none.
@@ -114,12 +118,21 @@ class Traversal {
   /// From now on the model decides between branches, where it keeps up. A rule that has no branches
   /// ignores it. @param beside of the same grid; it is told of each step, and outlives this.
   virtual void walk_beside(Beside*) {}
+  /// The model's answer that the last step followed; null where there was none.
+  virtual const BesideAnswer* followed() const { return nullptr; }
   /// Where position() is in the cell, in [0, 1] on each axis.
   Vec3 part() const noexcept { return part_of_cell(position_); }
   /// Where x is in the cell, for a point of the closed cell; exactly 0 and 1 on its faces.
   Vec3 part_of_cell(const Vec3& x) const noexcept {
     const auto part = [&](int a) { return std::min((x[a] - low_[a]) * scale_[a], 1.0); };
     return {part(0), part(1), part(2)};
+  }
+  /// The same for a place beside the cell, where it is less than 0 or more than 1.
+  Vec3 part_beside_cell(const Vec3& x) const noexcept {
+    Vec3 part{0, 0, 0};
+    for (int a = 0; a < 3; ++a)
+      if (!cells_.is_flat(a)) part[a] = (x[a] - box_.origin[a]) / box_.spacing - cell_[a];
+    return part;
   }
   /// Counts the ticks in which the state jumped, because it started or snapped.
   std::uint64_t jumps() const { return jumps_; }

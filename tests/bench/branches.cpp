@@ -22,12 +22,14 @@
 // step, the model's conversions included. The rules:
 //   paper   with the force of the interpolated state, as play sends it then
 //   branch  the grid alone, with the gradient of the interpolated energy, as all that follow
-//   beside  the same with the model beside it, asked in the tick
+//   beside  the same with the model beside it, whose answers are one tick late, as for a live hand.
+//           In time they would be the very states with which all rules are compared.
 //   late    and with answers that are DELAY ticks late (5)
 //   oracle  of all branches that the cell has, the one nearest to the model's state
 //
 // For the kind `back`, the lines are: kind, rule, ways in which neither the model nor the rule
-// snaps, % of them in which the force at one place differs by more than 0.1 N.
+// snaps and the model's own force is the same there and back, % of them in which the rule's force
+// at one place differs by more than 0.1 N.
 #include <chrono>
 #include <cstdlib>
 #include <memory>
@@ -209,7 +211,9 @@ void compare_ways(const Fields& fields, double right, const std::vector<Felt>& t
       const std::size_t back = i + 2 * kLeg - 1 - j, again = i + 2 * kLeg + j;
       is_smooth = !play[i + j].snapped && !play[back].snapped && !play[again].snapped &&
                   rms(fields, truth[i + j].row, truth[back].row) <= right / 3 &&
-                  rms(fields, truth[back].row, truth[again].row) <= right / 3;
+                  rms(fields, truth[back].row, truth[again].row) <= right / 3 &&
+                  distance(truth[i + j].force, truth[back].force) <= kClose / 3 &&
+                  distance(truth[back].force, truth[again].force) <= kClose / 3;
       is_apart |= distance(play[back].force, play[again].force) > kClose ||
                   distance(play[i + j].force, play[back].force) > kClose;
     }
@@ -238,7 +242,7 @@ int run(const Grid& grid, int argc, char** argv) {
   add("paper", std::make_unique<PaperTraversal>(grid));
   add("branch", by_branch());
   add("beside", by_branch());
-  rules.back()->walk_beside(make, 0);
+  rules.back()->walk_beside(make, 1);
   add("late", by_branch());
   rules.back()->walk_beside(make, static_cast<std::uint32_t>(number(8, 5)));
   Figures of_oracle;

@@ -1,6 +1,6 @@
 // Whether a contact that a trembling hand holds keeps its force, with the energy tank and without.
 //
-//   bench_tremor GRID MODELS TREMOR STIFFNESS GAIN START [CONTACTS] [SECONDS] [SEED] [DELAY]
+//   bench_tremor GRID MODELS TREMOR STIFFNESS GAIN START [CONTACTS] [SECONDS] [SEED] [DELAY] [LATE]
 //
 // MODELS is the directory of the plug-ins. The hand, a spring of STIFFNESS (N/m) and a damper of
 // 1.5 N s/m, holds a handle of 0.1 kg with an encoder of 5.5e-5 m. It goes to a random place of the
@@ -8,7 +8,8 @@
 // its point moves by a sine of TREMOR (mm) and 8 to 12 Hz. A place is a contact if the hand feels
 // 0.1 to 2.5 N there and the loop without a tank is stable: without tremor the force comes to rest,
 // and with it the state does not snap. CONTACTS (20) of them are tried, with forces that come DELAY
-// (0) ticks later than declared.
+// (0) ticks later than declared. The grid is alone, or the model walks beside it and its answers
+// are LATE ticks late.
 //
 // A line: tremor, stiffness, gain, start; contacts; how many of them feel less than 95 % of the
 // force before the core, at the end; the lowest such part; how many have swings of the force of
@@ -17,6 +18,7 @@
 #include <cstdlib>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <sstream>
 
 #include "libcore/device/simulated.hpp"
@@ -50,12 +52,14 @@ struct Hand {
   bool approaches;
   double seconds;
   std::uint32_t delay;
+  std::optional<std::uint32_t> late;
 };
 
 class Player {
  public:
   Player(const Grid& grid, const MakeModel& make)
       : grid_(grid),
+        make_(make),
         map_(std::make_shared<const BranchMap>(grid)),
         energies_(std::make_shared<const NodeEnergies>(grid, &map_->nodes,
                                                        record_fields(grid, make, 2))) {}
@@ -70,6 +74,12 @@ class Player {
     });
     Mapping mapping({}, device.info(), grid_.box());
     BranchTraversal traversal(grid_, map_);
+    std::optional<Beside> beside;
+    if (hand.late) {
+      beside.emplace(grid_, make_(), hand.late);
+      beside->begin(kRate);
+      traversal.walk_beside(&*beside);
+    }
     SafetyCore safety(limits);
     struct Force {
       NodeForce force;
@@ -126,6 +136,7 @@ class Player {
   }
 
   const Grid& grid_;
+  MakeModel make_;
   std::shared_ptr<const BranchMap> map_;
   std::shared_ptr<const NodeEnergies> energies_;
 };
@@ -189,10 +200,12 @@ int run(const Grid& grid, int argc, char** argv) {
   for (const double stiffness : numbers(argv[4]))
     for (const double gain : numbers(argv[5]))
       for (const double tremor : numbers(argv[3]))
-        measure(grid, player,
-                {tremor / 1e3, stiffness, gain, std::string(argv[6]) == "approach", number(8, 60),
-                 static_cast<std::uint32_t>(number(10, 0))},
-                static_cast<int>(number(7, 20)), static_cast<std::uint64_t>(number(9, 1)));
+        measure(
+            grid, player,
+            {tremor / 1e3, stiffness, gain, std::string(argv[6]) == "approach", number(8, 60),
+             static_cast<std::uint32_t>(number(10, 0)),
+             argc > 11 ? std::optional(static_cast<std::uint32_t>(number(11, 0))) : std::nullopt},
+            static_cast<int>(number(7, 20)), static_cast<std::uint64_t>(number(9, 1)));
   return 0;
 }
 
@@ -201,6 +214,7 @@ int run(const Grid& grid, int argc, char** argv) {
 int main(int argc, char** argv) {
   return bench::main_of(
       argc, argv, 7,
-      "bench_tremor GRID MODELS TREMOR STIFFNESS GAIN START [CONTACTS] [SECONDS] [SEED] [DELAY]",
+      "bench_tremor GRID MODELS TREMOR STIFFNESS GAIN START [CONTACTS] [SECONDS] [SEED] [DELAY] "
+      "[LATE]",
       run);
 }

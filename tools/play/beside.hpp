@@ -8,7 +8,7 @@
 
 namespace hapgrid {
 
-/// --beside: the model says on which branch the hand is, if it is at hand. For a live device it is
+/// --beside: the model corrects the grid, if it is at hand. For a live device it is
 /// asked by a thread of its own.
 inline constexpr const char* kBesideOn = "on";
 /// The grid alone decides.

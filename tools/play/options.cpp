@@ -35,7 +35,7 @@ void add_device_options(CommandLine& app, PlayOptions& options) {
              "one of energy, records, state");
   app.add(
          "--beside", [&](const std::string& text) { options.beside = text; },
-         "Whether the model says on which branch the hand is: 'on', which never makes a live "
+         "Whether the model corrects the grid's state and force: 'on', which never makes a live "
          "device wait; 'off'; or, for other devices, by how many TICKS it is late. Default: on, if "
          "it is a plug-in or allowed.")
       .type("on|off|TICKS")

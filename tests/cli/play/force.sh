@@ -13,9 +13,9 @@ used() { python3 -c 'import json; print(json.load(open("report"))["force"])'; }
 # The default, by the traversal; a session records it, and a replay takes it.
 for words in '' '--force energy' '--force records' '--force state' '--traversal paper' '--traversal model'; do
   # shellcheck disable=SC2086  # words are split
-  play grid --device path:path $words --report report --log "a$words" 2>/dev/null
+  play grid --device path:path --beside off $words --report report --log "a$words" 2>/dev/null
   # shellcheck disable=SC2086
-  expect 0 '' "$summary" -- play grid --device path:path $words --log a.session
+  expect 0 '' "$summary" -- play grid --device path:path --beside off $words --log a.session
   expect 0 '' "$summary" -- play grid --device replay:a.session --log b
   cmp "a$words" b >&2
   used
@@ -28,7 +28,7 @@ same rules $'energy\nenergy\nrecords\nstate\nstate\nstate' "$(cat rules)"
 # nothing is rounded on the way.
 mkdir -p alone/bin alone/models
 cp "$HAPGRID_BUILD/bin/play" alone/bin
-play grid --device path:path --log evaluated 2>/dev/null
+play grid --device path:path --beside off --log evaluated 2>/dev/null
 expect 0 '' "$summary" -- alone/bin/play stored --device path:path --log taken --report report
 same rule energy "$(used)"
 cmp <(cut -f 1-7 evaluated) <(cut -f 1-7 taken)

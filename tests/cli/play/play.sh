@@ -10,7 +10,7 @@ seed "$ball" | expand --complete -o grid
 
 expect 0 '' "play: 362 ticks, 72 cell switches: 72 face, 0 edge, 0 vertex; the state snapped in 2 ticks
 play: ticks outside the box 0, with a jump split 0, lagging behind a jump 0
-play: largest force 1.61 N of the model, 1.09 N sent; safety, in ticks: ramped 362, slewed 1" \
+play: largest force 3 N of the model, 2.03 N sent; safety, in ticks: ramped 362, slewed 2" \
   -- play grid --device path:path --log log
 
 # The log: one line that names the columns, a line a tick.

