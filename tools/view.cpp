@@ -35,9 +35,7 @@ constexpr int kMaxPixels = 8192;  // of a side: 8192 x 8192 pixels are 200 MB
 
 struct Options {
   std::string frames = "-";
-  std::string format = "text";
   std::string xyz;
-  std::string pdb;
   std::string hip_label;
   std::string png;
   std::string html;
@@ -55,7 +53,7 @@ struct Options {
   std::string terminal;  // how to draw there; empty: not asked for
   std::string imd;       // where viewers of molecules connect; empty: nowhere
 
-  bool wants_report() const { return xyz.empty() && pdb.empty() && png.empty() && html.empty(); }
+  bool wants_report() const { return xyz.empty() && png.empty() && html.empty(); }
 };
 
 /// WxH in pixels; nothing when it is not that.
@@ -98,44 +96,16 @@ class Chosen {
   std::optional<Frame> frame_;
 };
 
-/// The files of --xyz and --pdb, which grow frame by frame.
-class Trajectories {
- public:
-  explicit Trajectories(const Options& options) : hip_label_(options.hip_label) {
-    if (!options.xyz.empty()) xyz_.emplace(options.xyz, /*binary=*/false);
-    if (!options.pdb.empty()) pdb_.emplace(options.pdb, /*binary=*/false);
+/// @throw Error with the name and the tick, when a coordinate is not finite.
+std::string xyz_frame(const SceneReader& reader, const Frame& frame, const std::string& hip_label) {
+  try {
+    std::string text;
+    append_xyz(text, reader.scene(), frame, hip_label);
+    return text;
+  } catch (const Error& e) {
+    throw Error(format("{}: tick {}: {}", reader.name(), frame.tick, e.what()));
   }
-  void add(const SceneReader& reader, const Frame& frame) {
-    ++frames_;
-    try {
-      if (xyz_) {
-        std::string text;
-        append_xyz(text, reader.scene(), frame, hip_label_);
-        xyz_->write(text);
-      }
-      if (pdb_) {
-        std::string text;
-        append_pdb(text, reader.scene(), frame, hip_label_, frames_);
-        if (frames_ == 1) append_pdb_bonds(bonds_, reader.scene(), frame);
-        pdb_->write(text);
-      }
-    } catch (const Error& e) {
-      throw Error(format("{}: tick {}: {}", reader.name(), frame.tick, e.what()));
-    }
-  }
-  void commit() {
-    if (xyz_) xyz_->commit();
-    if (!pdb_) return;
-    pdb_->write(bonds_ + "END\n");
-    pdb_->commit();
-  }
-
- private:
-  std::string hip_label_;
-  std::optional<OutputFile> xyz_, pdb_;
-  std::string bonds_;
-  std::size_t frames_ = 0;
-};
+}
 
 RenderOptions render_options(const Options& options) {
   RenderOptions how;
@@ -175,11 +145,11 @@ int run(const Options& options) {
                                   options.elevation_degrees, options.terminal});
     return kExitDone;
   }
-  if ((options.xyz == "-") + (options.pdb == "-") + (options.png == "-") + (options.html == "-") >
-      1)
-    throw UsageError("only one of --xyz, --pdb, --png and --html can be standard output");
+  if ((options.xyz == "-") + (options.png == "-") + (options.html == "-") > 1)
+    throw UsageError("only one of --xyz, --png and --html can be standard output");
 
-  Trajectories trajectories(options);
+  std::optional<OutputFile> xyz;
+  if (!options.xyz.empty()) xyz.emplace(options.xyz, /*binary=*/false);
   std::optional<OutputFile> png;
   if (!options.png.empty()) png.emplace(options.png);
   std::optional<OutputFile> html;
@@ -196,7 +166,7 @@ int run(const Options& options) {
     if (png) chosen.offer(frame);
     if (html) shown.push_back(base64(page_frame(scene, frame, render_options(options))));
     if (html && !first) first = frame;
-    trajectories.add(reader, frame);
+    if (xyz) xyz->write(xyz_frame(reader, frame, options.hip_label));
   }
   if (png) {
     if (!chosen.frame()) throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
@@ -211,11 +181,10 @@ int run(const Options& options) {
     html->write(page_text(script_of(data)));
     html->commit();
   }
-  trajectories.commit();
+  if (xyz) xyz->commit();
   if (options.wants_report()) {
     OutputFile output("-", /*binary=*/false);
-    output.write(options.format == "json" ? report.json(scene)
-                                          : printable_text(report.text(scene)));
+    output.write(printable_text(report.text(scene)));
     output.commit();
   }
   return kExitDone;
@@ -223,20 +192,15 @@ int run(const Options& options) {
 
 void add_file_options(CommandLine& app, Options& options) {
   app.group("Files, instead of the report");
-  app.add("--format", options.format, "Format of the report.")
-      .one_of({"text", "json"})
-      .shows_default();
-  app.add("--xyz", options.xyz,
-          "Trajectory to write in the XYZ format, with the spheres of all frames.")
-      .type("FILE");
-  app.add("--pdb", options.pdb,
-          "Trajectory to write in the PDB format, with a MODEL for each frame and the bonds of the "
-          "first.")
-      .type("FILE");
+  const Option xyz =
+      app.add("--xyz", options.xyz,
+              "Trajectory to write in the XYZ format, with the spheres of all frames.")
+          .type("FILE");
   app.add("--hip-label", options.hip_label,
-          "Symbol of an atom that shows the HIP in --xyz and --pdb (default: no atom).")
+          "Symbol of an atom that shows the HIP in --xyz (default: no atom).")
       .type("SYMBOL")
-      .check(is_symbol, "a letter, then letters or digits");
+      .check(is_symbol, "a letter, then letters or digits")
+      .needs(xyz);
   const Option png = app.add("--png", options.png, "Picture to write of one frame.").type("FILE");
   app.add("--at", options.at_s, "Time of the frame of --png (default: the last frame).")
       .type("SECONDS")
@@ -294,7 +258,7 @@ void add_live_options(CommandLine& app, Options& options) {
   imd.excludes(terminal);
   app.option("--web").excludes(terminal);
   app.option("--web").excludes(imd);
-  for (const char* const file : {"--xyz", "--pdb", "--png", "--html"}) {
+  for (const char* const file : {"--xyz", "--png", "--html"}) {
     app.option("--web").excludes(app.option(file));
     terminal.excludes(app.option(file));
     imd.excludes(app.option(file));
@@ -327,10 +291,8 @@ void add_picture_options(CommandLine& app, Options& options) {
       .within(1e-12, 1e12, "a length from 1e-12 to 1e12");
 }
 
-/// @throw UsageError for options of a picture or a trajectory without one.
+/// @throw UsageError for options of a picture without one.
 void check_picture(const CommandLine& app) {
-  if (app.given("--hip-label") && !app.given("--xyz") && !app.given("--pdb"))
-    throw UsageError("--hip-label requires --xyz or --pdb");
   if (app.given("--size") && !app.given("--png")) throw UsageError("--size requires --png");
   for (const char* const name : {"--style", "--azimuth", "--elevation", "--hip-radius"})
     if (app.given(name) && !app.given("--png") && !app.given("--terminal") &&

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "libcore/base/format.hpp"
-#include "libcore/base/json_text.hpp"
 #include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
 
@@ -71,28 +69,6 @@ std::string SceneReport::text(const Scene& scene) const {
                                  : "none");
   if (energy) row("energy", with_unit(range_text(*energy), scene.energy_unit));
   return text;
-}
-
-std::string SceneReport::json(const Scene& scene) const {
-  using Json = nlohmann::ordered_json;
-  const Box& box = scene.box;
-  Json json = {{"version", 1},
-               {"model", scene.model},
-               {"length_unit", scene.length_unit},
-               {"energy_unit", scene.energy_unit},
-               {"box", {{"origin", box.origin}, {"spacing", box.spacing}, {"counts", box.counts}}},
-               {"state_size", scene.state_size},
-               {"spheres", scene.spheres.size()},
-               {"frames", frames}};
-  json["first_s"] = frames > 0 ? Json(first_s) : Json();
-  json["last_s"] = frames > 0 ? Json(last_s) : Json();
-  json["bounds"] = Json();
-  if (bounds)
-    for (const auto& [low, high] : *bounds) json["bounds"].push_back({low, high});
-  json["largest_force"] = largest_force;
-  json["largest_force_s"] = largest_force > 0 ? Json(largest_force_s) : Json();
-  json["energy"] = energy ? Json({energy->first, energy->second}) : Json();
-  return json_text(json);
 }
 
 }  // namespace hapgrid

@@ -25,8 +25,6 @@ struct SceneReport {
   void add(const Scene& scene, const Frame& frame);
   /// Lines for people: times in s, forces in newtons, lengths and energies in the scene's units.
   std::string text(const Scene& scene) const;
-  /// The same and the box, as JSON. What no frame has is null.
-  std::string json(const Scene& scene) const;
 };
 
 }  // namespace hapgrid

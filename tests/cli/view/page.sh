@@ -56,7 +56,7 @@ view x.frames --at 0.12 --size 400x300 --png drawn.png
 /usr/bin/python3 "$here/png.py" near shot.png drawn.png 0.06 0.012 2>/dev/null && fail "whole spheres"
 # At the end, with the hostile name: the last frame's numbers, and every snap that play counted.
 browse --dump-dom "file://$PWD/hostile.html#t=99" >dom
-last=$(view x.frames --format json | python3 -c 'import json, sys; print("%.2f" % json.load(sys.stdin)["last_s"])')
+last=$(view x.frames | sed -nE 's/^frames .* to ([0-9.]+) s$/\1/p')
 same "status" "~t $last s   force [0-9.e-]+ N   energy [0-9.e-]+ N rope lengths   snaps $snaps of $snaps" \
   "$(sed -nE 's/.*<div id="status">([^<]*)<.*/\1/p' dom)"
 # Without WebGL the page says so, and shows the same numbers and the curve of the force, which is all that is teal.
