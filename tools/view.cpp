@@ -31,6 +31,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
+constexpr int kImdPort = 8888;
 constexpr int kMaxPixels = 8192;  // of a side: 8192 x 8192 pixels are 200 MB
 
 struct Options {
@@ -47,11 +48,11 @@ struct Options {
   std::string style = "spheres";
   bool web = false;
   std::string address = "127.0.0.1";
-  int port = 0;
+  int port = -1;  // by default 0, a free one, and 8888 for --imd
   bool close = false;
   std::string hand;
   std::string terminal;  // how to draw there; empty: not asked for
-  std::string imd;       // where viewers of molecules connect; empty: nowhere
+  bool imd = false;
 
   bool wants_report() const { return xyz.empty() && png.empty() && html.empty(); }
 };
@@ -133,11 +134,11 @@ int run(const Options& options) {
   if (options.web) {
     run_web(options.frames,
             {render_options(options), options.azimuth_degrees, options.elevation_degrees,
-             options.address, options.port, options.hand, options.close});
+             options.address, std::max(options.port, 0), options.hand, options.close});
     return kExitDone;
   }
-  if (!options.imd.empty()) {
-    run_imd(options.frames, options.imd);
+  if (options.imd) {
+    run_imd(options.frames, options.address, options.port < 0 ? kImdPort : options.port);
     return kExitDone;
   }
   if (!options.terminal.empty()) {
@@ -222,13 +223,13 @@ void add_live_options(CommandLine& app, Options& options) {
           "play --device path:PIPE.")
       .type("PIPE")
       .needs(web);
-  app.add("--port", options.port, "Port of the page (default: one that is free).")
+  app.add("--port", options.port,
+          "Port of --web (default: 0, one that is free) or --imd (default: 8888).")
       .type("PORT")
-      .within(1, 65535, "a port from 1 to 65535")
-      .needs(web);
+      .within(0, 65535, "a port from 0 to 65535");
   app.add("--address", options.address,
-          "IPv4 address on which the page is served; with another one than the default, other "
-          "machines reach it.")
+          "IPv4 address of --web or --imd; with another one than the default, other machines reach "
+          "it.")
       .type("ADDRESS")
       .check(
           [](const std::string& text) {
@@ -236,7 +237,6 @@ void add_live_options(CommandLine& app, Options& options) {
             return ::inet_pton(AF_INET, text.c_str(), &address) == 1;
           },
           "an IPv4 address")
-      .needs(web)
       .shows_default();
   app.add_flag("--close", options.close, "End after the last frame.")
       .needs(web)
@@ -248,13 +248,9 @@ void add_live_options(CommandLine& app, Options& options) {
                    "terminal can do.")
           .one_of({"auto", "symbols", "sixel", "kitty"});
   Option imd =
-      app.add_flag("--imd{8888}", options.imd,
-                   "Serve VMD over TCP, as in --imd=8888, or --imd=ADDRESS:8888 for "
-                   "other machines; 0 is a free port. There is no password: whoever reaches it "
-                   "sees the play. Default: 127.0.0.1:8888.")
-          .type("[ADDRESS:]PORT")
-          .check([](const std::string& text) { return read_imd(text).has_value(); },
-                 "a port from 0 to 65535, or an address in numbers, ':' and a port");
+      app.add_flag("--imd", options.imd,
+                   "Serve VMD over TCP. There is no password: whoever reaches the port sees the "
+                   "play.");
   imd.excludes(terminal);
   app.option("--web").excludes(terminal);
   app.option("--web").excludes(imd);
@@ -291,8 +287,11 @@ void add_picture_options(CommandLine& app, Options& options) {
       .within(1e-12, 1e12, "a length from 1e-12 to 1e12");
 }
 
-/// @throw UsageError for options of a picture without one.
-void check_picture(const CommandLine& app) {
+/// @throw UsageError for options of a picture or a server without one.
+void check_options(const CommandLine& app) {
+  for (const char* const name : {"--port", "--address"})
+    if (app.given(name) && !app.given("--web") && !app.given("--imd"))
+      throw UsageError(format("{} requires --web or --imd", name));
   if (app.given("--size") && !app.given("--png")) throw UsageError("--size requires --png");
   for (const char* const name : {"--style", "--azimuth", "--elevation", "--hip-radius"})
     if (app.given(name) && !app.given("--png") && !app.given("--terminal") &&
@@ -322,7 +321,7 @@ int main(int argc, char** argv) {
                "moves it in depth; a right drag turns. The key t lets every drag turn, and n\n"
                "goes on to the next level of the grid at this place.\n");
   return run_tool(app, argc, argv, [&] {
-    check_picture(app);
+    check_options(app);
     return run(options);
   });
 }
