@@ -39,8 +39,8 @@ struct RenderOptions {
   double hip_radius = 0;  ///< 0: the scene's own, or a 40th of the box's longest side
   bool box = true;
   bool hip = true;      ///< with the force
-  bool legend = true;   ///< the axes and a scale bar
-  bool letters = true;  ///< the texts of the legend, and the names of torsions that have turned
+  bool legend = true;   ///< the axes, a scale bar and the names of torsions that have turned
+  bool letters = true;  ///< whether render() writes its texts
   int letter_scale = 1;
   bool sticks = false;  ///< smaller balls, and sticks between those that are joined (bonds.hpp)
   bool flash = false;   ///< rings at the HIP, because the model snapped
@@ -130,13 +130,13 @@ struct Drawing {
 };
 
 /// The lengths, to the right and up from the middle of the picture, that the whole box and all
-/// spheres of the frame need at the camera's angles, with a margin and room for the HIP. Sets the
-/// camera's centre to that middle. The HIP is held in the box, so that no picture has to grow while
-/// a hand pushes.
-std::array<double, 2> fit_extent(const Scene& scene, const Frame& frame,
+/// spheres of the frame need at the camera's angles, with a margin and room for the HIP; and how
+/// far the spheres reach to the right. Sets the camera's centre to that middle. The HIP is held in
+/// the box, so that no picture has to grow while a hand pushes.
+std::array<double, 3> fit_extent(const Scene& scene, const Frame& frame,
                                  const RenderOptions& options, Camera& camera);
 
-/// The camera at these angles that shows all of that.
+/// The camera at these angles that shows all of that, with room for the names of torsions.
 Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
                   double azimuth_degrees, double elevation_degrees);
 

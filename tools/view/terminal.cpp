@@ -18,7 +18,6 @@
 #include "libcore/base/format.hpp"
 #include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/scene/legend.hpp"
 #include "libcore/scene/render.hpp"
 #include "tools/common/terminal_turn.hpp"
 #include "tools/view/feed.hpp"
@@ -112,7 +111,7 @@ class Display {
       camera_ =
           fit_camera(scene_, frame, how, options_.azimuth_degrees, options_.elevation_degrees);
     fitted_ = true;
-    if (pixels_.symbols()) write_legend(how, rows);
+    if (pixels_.symbols()) write_legend(frame, how, rows);
     return pixels_.encode(render(scene_, frame, camera_, how), size_.columns, rows, width, height);
   }
 
@@ -146,9 +145,9 @@ class Display {
     return std::max(1, size_.rows - kLinesBelow - (scene_.keys.empty() ? 0 : 1));
   }
   /// The legend's letters in the terminal's own cells.
-  void write_legend(const RenderOptions& how, int rows) {
+  void write_legend(const Frame& frame, const RenderOptions& how, int rows) {
     legend_.clear();
-    for (const Label& label : make_legend(scene_, camera_, how).labels) {
+    for (const Label& label : hapgrid::draw(scene_, frame, camera_, how).labels) {
       const int row = static_cast<int>(label.left[1] * rows / how.height);
       const int column = static_cast<int>(label.left[0] * size_.columns / how.width);
       if (row < 0 || row >= rows || column < 0) continue;

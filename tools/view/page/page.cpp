@@ -72,6 +72,7 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
   const Box& box = scene.box;
   Camera camera{azimuth_degrees, elevation_degrees};
   const auto extent = fit_extent(scene, frame, options, camera);
+  const PictureAxes axes(camera);
   const auto [hand_low, hand_high] = hand_range(box);
   Json data = {
       {"model", printable_line(scene.model)},
@@ -104,10 +105,19 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
       {"most_occluders", light::kMostOccluders},
       {"most_shaded", light::kMostShaded},
       {"light", light_numbers()},
-      {"axes",
-       {{"longest", kAxis}, {"part", kAxisPart}, {"gap", kAxisGap}, {"shortest", kShortestAxis}}},
-      {"azimuth", azimuth_degrees},
-      {"elevation", elevation_degrees},
+      {"ink", css(kInk)},
+      {"legend",
+       {{"margin", kMargin},
+        {"axis", kAxis},
+        {"axis_part", kAxisPart},
+        {"axis_gap", kAxisGap},
+        {"shortest_axis", kShortestAxis},
+        {"bar_part", kBarPart},
+        {"name_row", kNameRow},
+        {"smallest", kSmallest},
+        {"names_width", names_width(scene)},
+        {"names_part", kNamesPart}}},
+      {"axes", {axes.right, axes.up, axes.near}},
       {"centre", camera.centre},
       {"extent", extent},
       {"lengths", Json::array()},

@@ -85,7 +85,7 @@ function floorOf(balls) {
 }
 
 function drawPicture(frame) {
-  const { right, up, near } = axes(), [width, height] = pictureSize(), unit = pixel();
+  const near = view.axes[2], [width, height] = pictureSize(), unit = pixel();
   const ratio = window.devicePixelRatio, size = setSize(gl.canvas, width, height);
   gl.viewport(0, 0, ...size);
   gl.clearColor(1, 1, 1, 1);
@@ -98,7 +98,7 @@ function drawPicture(frame) {
   const deep = [...places.map(([, at]) => at), ...[0, 1, 2, 3, 4, 5, 6, 7].map(boxCorner)].map((at) => dot(near, plus(at, view.centre, -1)));
   const farthest = deep.reduce((a, b) => Math.max(a, Math.abs(b)), 0) + 4 * data.extent[0] + 4 * data.extent[1];
   const uniforms = {
-    axes: [...right, ...up, ...near], centre: view.centre, low: data.low, high: data.high, window: size,
+    axes: view.axes.flat(), centre: view.centre, low: data.low, high: data.high, window: size,
     scale: [2 / (unit * width), 2 / (unit * height), -1 / farthest],
     depths: [deep.reduce((a, b) => Math.max(a, b)), deep.reduce((a, b) => Math.min(a, b))],
     opacity: 1, rim: 0, first: 0, occluded: false,
