@@ -22,12 +22,10 @@
 #include "tools/common/tool.hpp"
 #include "tools/view/imd.hpp"
 #include "tools/view/page/page.hpp"
-#include "tools/view/report.hpp"
 #include "tools/view/terminal.hpp"
 #include "tools/view/web.hpp"
 
 using namespace hapgrid;
-using Json = nlohmann::ordered_json;
 
 namespace {
 
@@ -108,6 +106,29 @@ std::string xyz_frame(const SceneReader& reader, const Frame& frame, const std::
   }
 }
 
+/// What view says of frames where nothing else is asked for.
+struct Report {
+  std::uint64_t frames = 0;
+  double first_s = 0, last_s = 0;
+  double largest_force = 0, largest_force_s = 0;
+
+  void add(const Frame& frame) {
+    last_s = frame.time_s;
+    if (frames++ == 0) first_s = last_s;
+    const double force = length_of(frame.force);
+    if (!(force > largest_force)) return;
+    largest_force = force;
+    largest_force_s = last_s;
+  }
+  std::string text(const Scene& scene) const {
+    return format(
+        "model    {}\nspheres  {}\nframes   {}, from {} s to {} s\nforce    at most {} N, at {} "
+        "s\n",
+        printable_line(scene.model), scene.spheres.size(), frames, rounded(first_s),
+        rounded(last_s), rounded(largest_force), rounded(largest_force_s));
+  }
+};
+
 RenderOptions render_options(const Options& options) {
   RenderOptions how;
   std::tie(how.width, how.height) = *parse_size(options.size);
@@ -158,15 +179,17 @@ int run(const Options& options) {
 
   SceneReader reader(options.frames);
   const Scene& scene = reader.scene();
-  SceneReport report;
+  Report report;
   Chosen chosen(options.at_s);
   std::optional<Frame> first;
-  nlohmann::ordered_json shown = nlohmann::ordered_json::array();
+  std::string shown;
   for (Frame frame; reader.next(frame);) {
-    report.add(scene, frame);
+    report.add(frame);
     if (png) chosen.offer(frame);
-    if (html) shown.push_back(base64(page_frame(scene, frame, render_options(options))));
-    if (html && !first) first = frame;
+    if (html) {
+      shown += (first ? ",\n" : "") + script_of(page_frame(scene, frame, render_options(options)));
+      if (!first) first = frame;
+    }
     if (xyz) xyz->write(xyz_frame(reader, frame, options.hip_label));
   }
   if (png) {
@@ -176,10 +199,9 @@ int run(const Options& options) {
   }
   if (html) {
     if (!first) throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
-    Json data = page_scene(scene, *first, render_options(options), options.azimuth_degrees,
-                           options.elevation_degrees);
-    data["frames"] = std::move(shown);
-    html->write(page_text(script_of(data)));
+    html->write(page_text(script_of(page_scene(scene, *first, render_options(options),
+                                               options.azimuth_degrees, options.elevation_degrees)),
+                          shown));
     html->commit();
   }
   if (xyz) xyz->commit();
@@ -246,7 +268,7 @@ void add_live_options(CommandLine& app, Options& options) {
       app.add_flag("--terminal{auto}", options.terminal,
                    "Show the frames in the terminal. Default: auto, the best that the "
                    "terminal can do.")
-          .one_of({"auto", "symbols", "sixel", "kitty"});
+          .one_of({"auto", "symbols", "sixel"});
   Option imd =
       app.add_flag("--imd", options.imd,
                    "Serve VMD over TCP. There is no password: whoever reaches the port sees the "
@@ -312,14 +334,7 @@ int main(int argc, char** argv) {
   add_picture_options(app, options);
   app.set_help("view",
                "A file named '-' is standard output. Lengths are in the model's unit.\n"
-               "\n"
-               "In the page:\n"
-               "  drag     turn; right drag, two fingers: move; wheel, pinch: zoom\n"
-               "  keys     h, ?: help; space: stop, go on; b: balls and sticks, or spheres;\n"
-               "           r: the first view; s: save the picture\n"
-               "With --hand a drag moves the hand in the plane of the picture, and the wheel\n"
-               "moves it in depth; a right drag turns. The key t lets every drag turn, and n\n"
-               "goes on to the next level of the grid at this place.\n");
+               "The button ? of the page shows what mouse, fingers and keys do.\n");
   return run_tool(app, argc, argv, [&] {
     check_options(app);
     return run(options);

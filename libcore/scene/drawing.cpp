@@ -256,6 +256,7 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
       for (const double wider : kFlashPixels)
         add_ring(hip, pixels + wider, kSnapColour, options, all.overlay);
   }
+  all.overlay.insert(all.overlay.end(), options.above.begin(), options.above.end());
   if (options.legend && std::min(options.width, options.height) >= kSmallest) {
     name_turned(scene, frame, project, options, all);
     add_legend(all, scene, camera, options);

@@ -32,6 +32,18 @@ struct PictureAxes {
   Vec3 operator()(const Vec3& v) const { return {dot(right, v), dot(up, v), dot(near, v)}; }
 };
 
+/// Red, green, blue in [0, 1].
+using Colour = std::array<float, 3>;
+
+/// A band around a line: all points nearer to it than half_width in x and y. The depth of such a
+/// point is that of the nearest point on the line.
+struct Line {
+  Vec3 from;
+  Vec3 to;
+  double half_width;
+  Colour colour;
+};
+
 struct RenderOptions {
   int width = 800;
   int height = 600;
@@ -44,6 +56,7 @@ struct RenderOptions {
   int letter_scale = 1;
   bool sticks = false;  ///< smaller balls, and sticks between those that are joined (bonds.hpp)
   bool flash = false;   ///< rings at the HIP, because the model snapped
+  std::vector<Line> above = {};  ///< drawn over everything; in the drawing's coordinates
 };
 
 /// Parts of the radius of a sphere, and of the smaller of two, in the style of balls and sticks.
@@ -58,9 +71,6 @@ double hip_radius(const Scene& scene, const RenderOptions& options);
 /// newton is a sixth.
 std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame,
                                   const RenderOptions& options);
-
-/// Red, green, blue in [0, 1].
-using Colour = std::array<float, 3>;
 
 // No element has these colours in the usual schemes.
 inline constexpr Colour kHipColour{0.85F, 0.1F, 0.55F};
@@ -98,15 +108,6 @@ struct Ball {
 struct Shadow {
   std::array<double, 2> centre;
   std::array<double, 2> half_axes;
-};
-
-/// A band around a line: all points nearer to it than half_width in x and y. The depth of such a
-/// point is that of the nearest point on the line.
-struct Line {
-  Vec3 from;
-  Vec3 to;
-  double half_width;
-  Colour colour;
 };
 
 /// A text in a picture, in pixels from the picture's upper left corner.

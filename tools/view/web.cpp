@@ -69,7 +69,7 @@ class WebServer : public Server {
   void run(const std::string& frames);
 
  private:
-  using Message = std::shared_ptr<const std::string>;  // behind LWS_PRE bytes of room
+  using Message = std::shared_ptr<const std::string>;
 
   struct Client {
     bool told = false;           // knows the scene
@@ -99,7 +99,7 @@ class WebServer : public Server {
   std::optional<Hand> hand_;
   lws* holder_ = nullptr;  // whose page is the hand
   std::string token_ = random_token();
-  std::string page_ = page_text("null");
+  std::string page_ = page_text("null", "");
   std::map<lws*, Client> clients_;
   Frame frame_;
   bool has_frame_ = false;
@@ -271,7 +271,7 @@ int WebServer::speak(lws* wsi) {
   if (text.empty()) return 0;
   std::string bytes = std::string(LWS_PRE, ' ') + text;
   if (::lws_write(wsi, reinterpret_cast<unsigned char*>(bytes.data()) + LWS_PRE, text.size(),
-                  frame ? LWS_WRITE_BINARY : LWS_WRITE_TEXT) < static_cast<int>(text.size()))
+                  LWS_WRITE_TEXT) < static_cast<int>(text.size()))
     return -1;
   ::lws_callback_on_writable(wsi);
   return 0;
@@ -283,8 +283,8 @@ void WebServer::take_frames() {
     state = feed_->update(frame_);
     if (!state.fresh) break;
     has_frame_ = true;
-    const auto message =
-        std::make_shared<const std::string>(page_frame(feed_->scene(), frame_, options_.render));
+    const auto message = std::make_shared<const std::string>(
+        script_of({{"frame", page_frame(feed_->scene(), frame_, options_.render)}}));
     for (auto& [wsi, client] : clients_) {
       client.frames.push_back(message);
       if (client.frames.size() > kMostWaiting) client.frames.pop_front();
