@@ -22,22 +22,19 @@
 #include "tools/common/tool.hpp"
 #include "tools/view/imd.hpp"
 #include "tools/view/page/page.hpp"
-#include "tools/view/report.hpp"
 #include "tools/view/terminal.hpp"
 #include "tools/view/web.hpp"
 
 using namespace hapgrid;
-using Json = nlohmann::ordered_json;
 
 namespace {
 
+constexpr int kImdPort = 8888;
 constexpr int kMaxPixels = 8192;  // of a side: 8192 x 8192 pixels are 200 MB
 
 struct Options {
   std::string frames = "-";
-  std::string format = "text";
   std::string xyz;
-  std::string pdb;
   std::string hip_label;
   std::string png;
   std::string html;
@@ -49,13 +46,13 @@ struct Options {
   std::string style = "spheres";
   bool web = false;
   std::string address = "127.0.0.1";
-  int port = 0;
+  int port = -1;  // by default 0, a free one, and 8888 for --imd
   bool close = false;
   std::string hand;
   std::string terminal;  // how to draw there; empty: not asked for
-  std::string imd;       // where viewers of molecules connect; empty: nowhere
+  bool imd = false;
 
-  bool wants_report() const { return xyz.empty() && pdb.empty() && png.empty() && html.empty(); }
+  bool wants_report() const { return xyz.empty() && png.empty() && html.empty(); }
 };
 
 /// WxH in pixels; nothing when it is not that.
@@ -98,43 +95,38 @@ class Chosen {
   std::optional<Frame> frame_;
 };
 
-/// The files of --xyz and --pdb, which grow frame by frame.
-class Trajectories {
- public:
-  explicit Trajectories(const Options& options) : hip_label_(options.hip_label) {
-    if (!options.xyz.empty()) xyz_.emplace(options.xyz, /*binary=*/false);
-    if (!options.pdb.empty()) pdb_.emplace(options.pdb, /*binary=*/false);
+/// @throw Error with the name and the tick, when a coordinate is not finite.
+std::string xyz_frame(const SceneReader& reader, const Frame& frame, const std::string& hip_label) {
+  try {
+    std::string text;
+    append_xyz(text, reader.scene(), frame, hip_label);
+    return text;
+  } catch (const Error& e) {
+    throw Error(format("{}: tick {}: {}", reader.name(), frame.tick, e.what()));
   }
-  void add(const SceneReader& reader, const Frame& frame) {
-    ++frames_;
-    try {
-      if (xyz_) {
-        std::string text;
-        append_xyz(text, reader.scene(), frame, hip_label_);
-        xyz_->write(text);
-      }
-      if (pdb_) {
-        std::string text;
-        append_pdb(text, reader.scene(), frame, hip_label_, frames_);
-        if (frames_ == 1) append_pdb_bonds(bonds_, reader.scene(), frame);
-        pdb_->write(text);
-      }
-    } catch (const Error& e) {
-      throw Error(format("{}: tick {}: {}", reader.name(), frame.tick, e.what()));
-    }
-  }
-  void commit() {
-    if (xyz_) xyz_->commit();
-    if (!pdb_) return;
-    pdb_->write(bonds_ + "END\n");
-    pdb_->commit();
-  }
+}
 
- private:
-  std::string hip_label_;
-  std::optional<OutputFile> xyz_, pdb_;
-  std::string bonds_;
-  std::size_t frames_ = 0;
+/// What view says of frames where nothing else is asked for.
+struct Report {
+  std::uint64_t frames = 0;
+  double first_s = 0, last_s = 0;
+  double largest_force = 0, largest_force_s = 0;
+
+  void add(const Frame& frame) {
+    last_s = frame.time_s;
+    if (frames++ == 0) first_s = last_s;
+    const double force = length_of(frame.force);
+    if (!(force > largest_force)) return;
+    largest_force = force;
+    largest_force_s = last_s;
+  }
+  std::string text(const Scene& scene) const {
+    return format(
+        "model    {}\nspheres  {}\nframes   {}, from {} s to {} s\nforce    at most {} N, at {} "
+        "s\n",
+        printable_line(scene.model), scene.spheres.size(), frames, rounded(first_s),
+        rounded(last_s), rounded(largest_force), rounded(largest_force_s));
+  }
 };
 
 RenderOptions render_options(const Options& options) {
@@ -163,11 +155,11 @@ int run(const Options& options) {
   if (options.web) {
     run_web(options.frames,
             {render_options(options), options.azimuth_degrees, options.elevation_degrees,
-             options.address, options.port, options.hand, options.close});
+             options.address, std::max(options.port, 0), options.hand, options.close});
     return kExitDone;
   }
-  if (!options.imd.empty()) {
-    run_imd(options.frames, options.imd);
+  if (options.imd) {
+    run_imd(options.frames, options.address, options.port < 0 ? kImdPort : options.port);
     return kExitDone;
   }
   if (!options.terminal.empty()) {
@@ -175,11 +167,11 @@ int run(const Options& options) {
                                   options.elevation_degrees, options.terminal});
     return kExitDone;
   }
-  if ((options.xyz == "-") + (options.pdb == "-") + (options.png == "-") + (options.html == "-") >
-      1)
-    throw UsageError("only one of --xyz, --pdb, --png and --html can be standard output");
+  if ((options.xyz == "-") + (options.png == "-") + (options.html == "-") > 1)
+    throw UsageError("only one of --xyz, --png and --html can be standard output");
 
-  Trajectories trajectories(options);
+  std::optional<OutputFile> xyz;
+  if (!options.xyz.empty()) xyz.emplace(options.xyz, /*binary=*/false);
   std::optional<OutputFile> png;
   if (!options.png.empty()) png.emplace(options.png);
   std::optional<OutputFile> html;
@@ -187,16 +179,18 @@ int run(const Options& options) {
 
   SceneReader reader(options.frames);
   const Scene& scene = reader.scene();
-  SceneReport report;
+  Report report;
   Chosen chosen(options.at_s);
   std::optional<Frame> first;
-  nlohmann::ordered_json shown = nlohmann::ordered_json::array();
+  std::string shown;
   for (Frame frame; reader.next(frame);) {
-    report.add(scene, frame);
+    report.add(frame);
     if (png) chosen.offer(frame);
-    if (html) shown.push_back(base64(page_frame(scene, frame, render_options(options))));
-    if (html && !first) first = frame;
-    trajectories.add(reader, frame);
+    if (html) {
+      shown += (first ? ",\n" : "") + script_of(page_frame(scene, frame, render_options(options)));
+      if (!first) first = frame;
+    }
+    if (xyz) xyz->write(xyz_frame(reader, frame, options.hip_label));
   }
   if (png) {
     if (!chosen.frame()) throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
@@ -205,17 +199,15 @@ int run(const Options& options) {
   }
   if (html) {
     if (!first) throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
-    Json data = page_scene(scene, *first, render_options(options), options.azimuth_degrees,
-                           options.elevation_degrees);
-    data["frames"] = std::move(shown);
-    html->write(page_text(script_of(data)));
+    html->write(page_text(script_of(page_scene(scene, *first, render_options(options),
+                                               options.azimuth_degrees, options.elevation_degrees)),
+                          shown));
     html->commit();
   }
-  trajectories.commit();
+  if (xyz) xyz->commit();
   if (options.wants_report()) {
     OutputFile output("-", /*binary=*/false);
-    output.write(options.format == "json" ? report.json(scene)
-                                          : printable_text(report.text(scene)));
+    output.write(printable_text(report.text(scene)));
     output.commit();
   }
   return kExitDone;
@@ -223,20 +215,15 @@ int run(const Options& options) {
 
 void add_file_options(CommandLine& app, Options& options) {
   app.group("Files, instead of the report");
-  app.add("--format", options.format, "Format of the report.")
-      .one_of({"text", "json"})
-      .shows_default();
-  app.add("--xyz", options.xyz,
-          "Trajectory to write in the XYZ format, with the spheres of all frames.")
-      .type("FILE");
-  app.add("--pdb", options.pdb,
-          "Trajectory to write in the PDB format, with a MODEL for each frame and the bonds of the "
-          "first.")
-      .type("FILE");
+  const Option xyz =
+      app.add("--xyz", options.xyz,
+              "Trajectory to write in the XYZ format, with the spheres of all frames.")
+          .type("FILE");
   app.add("--hip-label", options.hip_label,
-          "Symbol of an atom that shows the HIP in --xyz and --pdb (default: no atom).")
+          "Symbol of an atom that shows the HIP in --xyz (default: no atom).")
       .type("SYMBOL")
-      .check(is_symbol, "a letter, then letters or digits");
+      .check(is_symbol, "a letter, then letters or digits")
+      .needs(xyz);
   const Option png = app.add("--png", options.png, "Picture to write of one frame.").type("FILE");
   app.add("--at", options.at_s, "Time of the frame of --png (default: the last frame).")
       .type("SECONDS")
@@ -258,13 +245,13 @@ void add_live_options(CommandLine& app, Options& options) {
           "play --device path:PIPE.")
       .type("PIPE")
       .needs(web);
-  app.add("--port", options.port, "Port of the page (default: one that is free).")
+  app.add("--port", options.port,
+          "Port of --web (default: 0, one that is free) or --imd (default: 8888).")
       .type("PORT")
-      .within(1, 65535, "a port from 1 to 65535")
-      .needs(web);
+      .within(0, 65535, "a port from 0 to 65535");
   app.add("--address", options.address,
-          "IPv4 address on which the page is served; with another one than the default, other "
-          "machines reach it.")
+          "IPv4 address of --web or --imd; with another one than the default, other machines reach "
+          "it.")
       .type("ADDRESS")
       .check(
           [](const std::string& text) {
@@ -272,7 +259,6 @@ void add_live_options(CommandLine& app, Options& options) {
             return ::inet_pton(AF_INET, text.c_str(), &address) == 1;
           },
           "an IPv4 address")
-      .needs(web)
       .shows_default();
   app.add_flag("--close", options.close, "End after the last frame.")
       .needs(web)
@@ -282,19 +268,15 @@ void add_live_options(CommandLine& app, Options& options) {
       app.add_flag("--terminal{auto}", options.terminal,
                    "Show the frames in the terminal. Default: auto, the best that the "
                    "terminal can do.")
-          .one_of({"auto", "symbols", "sixel", "kitty"});
+          .one_of({"auto", "symbols", "sixel"});
   Option imd =
-      app.add_flag("--imd{8888}", options.imd,
-                   "Serve VMD over TCP, as in --imd=8888, or --imd=ADDRESS:8888 for "
-                   "other machines; 0 is a free port. There is no password: whoever reaches it "
-                   "sees the play. Default: 127.0.0.1:8888.")
-          .type("[ADDRESS:]PORT")
-          .check([](const std::string& text) { return read_imd(text).has_value(); },
-                 "a port from 0 to 65535, or an address in numbers, ':' and a port");
+      app.add_flag("--imd", options.imd,
+                   "Serve VMD over TCP. There is no password: whoever reaches the port sees the "
+                   "play.");
   imd.excludes(terminal);
   app.option("--web").excludes(terminal);
   app.option("--web").excludes(imd);
-  for (const char* const file : {"--xyz", "--pdb", "--png", "--html"}) {
+  for (const char* const file : {"--xyz", "--png", "--html"}) {
     app.option("--web").excludes(app.option(file));
     terminal.excludes(app.option(file));
     imd.excludes(app.option(file));
@@ -327,10 +309,11 @@ void add_picture_options(CommandLine& app, Options& options) {
       .within(1e-12, 1e12, "a length from 1e-12 to 1e12");
 }
 
-/// @throw UsageError for options of a picture or a trajectory without one.
-void check_picture(const CommandLine& app) {
-  if (app.given("--hip-label") && !app.given("--xyz") && !app.given("--pdb"))
-    throw UsageError("--hip-label requires --xyz or --pdb");
+/// @throw UsageError for options of a picture or a server without one.
+void check_options(const CommandLine& app) {
+  for (const char* const name : {"--port", "--address"})
+    if (app.given(name) && !app.given("--web") && !app.given("--imd"))
+      throw UsageError(format("{} requires --web or --imd", name));
   if (app.given("--size") && !app.given("--png")) throw UsageError("--size requires --png");
   for (const char* const name : {"--style", "--azimuth", "--elevation", "--hip-radius"})
     if (app.given(name) && !app.given("--png") && !app.given("--terminal") &&
@@ -351,16 +334,9 @@ int main(int argc, char** argv) {
   add_picture_options(app, options);
   app.set_help("view",
                "A file named '-' is standard output. Lengths are in the model's unit.\n"
-               "\n"
-               "In the page:\n"
-               "  drag     turn; right drag, two fingers: move; wheel, pinch: zoom\n"
-               "  keys     h, ?: help; space: stop, go on; b: balls and sticks, or spheres;\n"
-               "           r: the first view; s: save the picture\n"
-               "With --hand a drag moves the hand in the plane of the picture, and the wheel\n"
-               "moves it in depth; a right drag turns. The key t lets every drag turn, and n\n"
-               "goes on to the next level of the grid at this place.\n");
+               "The button ? of the page shows what mouse, fingers and keys do.\n");
   return run_tool(app, argc, argv, [&] {
-    check_picture(app);
+    check_options(app);
     return run(options);
   });
 }

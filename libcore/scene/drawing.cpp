@@ -145,25 +145,15 @@ void add_stick(const Scene& scene, const Frame& frame, const std::array<std::uin
 /// The torsions that have turned, each at the middle of its bond.
 void name_turned(const Scene& scene, const Frame& frame, const Projection& project,
                  const RenderOptions& options, Drawing& all) {
-  constexpr double kHigh = 16, kWide = 7;       // pixels of a plate, and of each of its letters
-  std::vector<std::pair<Vec3, double>> plates;  // middles and widths: one does not cover another
-  const double pixel = options.supersampling * options.letter_scale;
+  std::vector<std::pair<Vec3, std::string>> names;
   for (std::size_t i = 0; i < frame.turned.size(); ++i) {
     if (!(std::abs(frame.turned[i]) >= kTurned)) continue;
     const Torsion& torsion = scene.torsions[i];
-    Vec3 middle = project(along(sphere_centre(frame, torsion.spheres[1]),
-                                sphere_centre(frame, torsion.spheres[2]), 0.5));
-    if (!finite(middle)) continue;
-    const std::string text = turned_text(torsion, frame.turned[i]);
-    const double wide = kWide * static_cast<double>(text.size());
-    const auto covers = [&](const std::pair<Vec3, double>& plate) {
-      const Vec3 away = (1 / pixel) * (middle - plate.first);
-      return std::abs(away[0]) < 0.5 * (wide + plate.second) && std::abs(away[1]) < kHigh;
-    };
-    while (std::any_of(plates.begin(), plates.end(), covers)) middle[1] += kHigh * pixel;
-    plates.emplace_back(middle, wide);
-    add_plate(all, text, middle[0], middle[1], options);
+    const Vec3 middle = project(along(sphere_centre(frame, torsion.spheres[1]),
+                                      sphere_centre(frame, torsion.spheres[2]), 0.5));
+    if (finite(middle)) names.emplace_back(middle, turned_text(torsion, frame.turned[i]));
   }
+  add_names(all, std::move(names), options);
 }
 
 }  // namespace
@@ -191,7 +181,7 @@ PictureAxes::PictureAxes(const Camera& camera) {
   up = {-std::sin(a) * std::sin(e), std::cos(a) * std::sin(e), std::cos(e)};
 }
 
-std::array<double, 2> fit_extent(const Scene& scene, const Frame& frame,
+std::array<double, 3> fit_extent(const Scene& scene, const Frame& frame,
                                  const RenderOptions& options, Camera& camera) {
   const PictureAxes axes(camera);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -207,19 +197,25 @@ std::array<double, 2> fit_extent(const Scene& scene, const Frame& frame,
   };
   for (std::size_t i = 0; i < scene.spheres.size(); ++i)
     see(sphere_centre(frame, i), scene.spheres[i].radius);
+  const double rightmost = high[0];
   const double room = options.hip ? hip_radius(scene, options) : 0;
   for (int c = 0; c < 8; ++c) see(corner(scene.box, c), room);
   const Vec3 middle{0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
   camera.centre = middle[0] * axes.right + middle[1] * axes.up + middle[2] * axes.near;
-  return {0.5 * kAround * (high[0] - low[0]), 0.5 * kAround * (high[1] - low[1])};
+  return {0.5 * kAround * (high[0] - low[0]), 0.5 * kAround * (high[1] - low[1]),
+          std::max(0.0, kAround * (rightmost - middle[0]))};
 }
 
 Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
                   double azimuth_degrees, double elevation_degrees) {
   Camera camera{azimuth_degrees, elevation_degrees, {0, 0, 0}, 1};
-  const auto [right, up] = fit_extent(scene, frame, options, camera);
-  const double nearer = std::min(options.width, options.height);
-  camera.half_width = std::max(right * nearer / options.width, up * nearer / options.height);
+  const auto [right, up, spheres] = fit_extent(scene, frame, options, camera);
+  const bool named = options.legend && std::min(options.width, options.height) >= kSmallest;
+  const double beside =
+      named ? std::min(options.letter_scale * names_width(scene), kNamesPart * options.width) : 0;
+  const double unit = std::max(
+      {right / options.width, up / options.height, spheres / (options.width - 2 * beside)});
+  camera.half_width = unit * std::min(options.width, options.height);
   if (!(camera.half_width > 0)) camera.half_width = 1;
   return camera;
 }
@@ -260,8 +256,11 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
       for (const double wider : kFlashPixels)
         add_ring(hip, pixels + wider, kSnapColour, options, all.overlay);
   }
-  if (options.letters) name_turned(scene, frame, project, options, all);
-  if (options.legend) add_legend(all, scene, camera, options);
+  all.overlay.insert(all.overlay.end(), options.above.begin(), options.above.end());
+  if (options.legend && std::min(options.width, options.height) >= kSmallest) {
+    name_turned(scene, frame, project, options, all);
+    add_legend(all, scene, camera, options);
+  }
   return all;
 }
 

@@ -32,6 +32,18 @@ struct PictureAxes {
   Vec3 operator()(const Vec3& v) const { return {dot(right, v), dot(up, v), dot(near, v)}; }
 };
 
+/// Red, green, blue in [0, 1].
+using Colour = std::array<float, 3>;
+
+/// A band around a line: all points nearer to it than half_width in x and y. The depth of such a
+/// point is that of the nearest point on the line.
+struct Line {
+  Vec3 from;
+  Vec3 to;
+  double half_width;
+  Colour colour;
+};
+
 struct RenderOptions {
   int width = 800;
   int height = 600;
@@ -39,11 +51,12 @@ struct RenderOptions {
   double hip_radius = 0;  ///< 0: the scene's own, or a 40th of the box's longest side
   bool box = true;
   bool hip = true;      ///< with the force
-  bool legend = true;   ///< the axes and a scale bar
-  bool letters = true;  ///< the texts of the legend, and the names of torsions that have turned
+  bool legend = true;   ///< the axes, a scale bar and the names of torsions that have turned
+  bool letters = true;  ///< whether render() writes its texts
   int letter_scale = 1;
   bool sticks = false;  ///< smaller balls, and sticks between those that are joined (bonds.hpp)
   bool flash = false;   ///< rings at the HIP, because the model snapped
+  std::vector<Line> above = {};  ///< drawn over everything; in the drawing's coordinates
 };
 
 /// Parts of the radius of a sphere, and of the smaller of two, in the style of balls and sticks.
@@ -58,9 +71,6 @@ double hip_radius(const Scene& scene, const RenderOptions& options);
 /// newton is a sixth.
 std::array<double, 4> arrow_sizes(const Scene& scene, const Frame& frame,
                                   const RenderOptions& options);
-
-/// Red, green, blue in [0, 1].
-using Colour = std::array<float, 3>;
 
 // No element has these colours in the usual schemes.
 inline constexpr Colour kHipColour{0.85F, 0.1F, 0.55F};
@@ -100,15 +110,6 @@ struct Shadow {
   std::array<double, 2> half_axes;
 };
 
-/// A band around a line: all points nearer to it than half_width in x and y. The depth of such a
-/// point is that of the nearest point on the line.
-struct Line {
-  Vec3 from;
-  Vec3 to;
-  double half_width;
-  Colour colour;
-};
-
 /// A text in a picture, in pixels from the picture's upper left corner.
 struct Label {
   std::string text;
@@ -130,13 +131,13 @@ struct Drawing {
 };
 
 /// The lengths, to the right and up from the middle of the picture, that the whole box and all
-/// spheres of the frame need at the camera's angles, with a margin and room for the HIP. Sets the
-/// camera's centre to that middle. The HIP is held in the box, so that no picture has to grow while
-/// a hand pushes.
-std::array<double, 2> fit_extent(const Scene& scene, const Frame& frame,
+/// spheres of the frame need at the camera's angles, with a margin and room for the HIP; and how
+/// far the spheres reach to the right. Sets the camera's centre to that middle. The HIP is held in
+/// the box, so that no picture has to grow while a hand pushes.
+std::array<double, 3> fit_extent(const Scene& scene, const Frame& frame,
                                  const RenderOptions& options, Camera& camera);
 
-/// The camera at these angles that shows all of that.
+/// The camera at these angles that shows all of that, with room for the names of torsions.
 Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
                   double azimuth_degrees, double elevation_degrees);
 

@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "libcore/base/text.hpp"
 #include "libcore/scene/letters.hpp"
+#include "libcore/scene/torsion.hpp"
 
 namespace hapgrid {
 
 namespace {
-
-// In pixels at scale 1.
-constexpr double kMargin = 10;
-constexpr double kBeside = 16;     // from the picture's edge, for the text at an axis to the left
-constexpr double kSmallest = 150;  // of a picture's sides, for a legend
 
 /// The largest of 1, 2 and 5 times a power of ten that is not above `most`.
 double round_length(double most) {
@@ -23,27 +20,10 @@ double round_length(double most) {
   return power;
 }
 
-/// The axes and their names, from one place; those that point at the viewer are left out.
-void add_axes(Legend& legend, const Camera& camera, const RenderOptions& options) {
-  const double scale = options.letter_scale;
-  const double length =
-      std::min(scale * kAxis, kAxisPart * std::min(options.width, options.height));
-  const PictureAxes axes(camera);
-  const double left = scale * kMargin, bottom = options.height - scale * kMargin - 0.5;
-  const std::array<double, 2> middle{left + length + scale * kBeside, bottom - length - scale * 30};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::array<double, 2> way{axes.right[a], -axes.up[a]};
-    const double shown = std::hypot(way[0], way[1]);
-    if (shown < kShortestAxis) continue;
-    const auto at = [&](double distance) {
-      return std::array{middle[0] + distance * way[0] / shown,
-                        middle[1] + distance * way[1] / shown};
-    };
-    legend.lines.push_back({{middle, at(length * shown)}});
-    const auto name = at(length * shown + scale * kAxisGap);
-    legend.labels.push_back(
-        {std::string(1, "xyz"[a]), {name[0] - 0.5 * scale * kLetterWidth, name[1]}});
-  }
+/// From and to a place in pixels.
+void add_line(Drawing& drawing, const Vec3& from, const Vec3& to, const RenderOptions& options) {
+  const double rays = options.supersampling;
+  drawing.overlay.push_back({rays * from, rays * to, 0.6 * rays * options.letter_scale, kInk});
 }
 
 }  // namespace
@@ -52,46 +32,59 @@ std::string length_text(const Scene& scene, double length) {
   return rounded(length) + " " + unit_sign(scene.length_unit);
 }
 
-Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions& options) {
-  Legend legend;
-  const double scale = options.letter_scale;
-  if (std::min(options.width, options.height) < kSmallest) return legend;
-  const double pixels = std::min(options.width, options.height) / (2 * camera.half_width);
-  const double length = round_length(0.25 * options.width / pixels);
-  const double bar = length * pixels;
-  if (!std::isfinite(bar)) return legend;  // an absurd camera
-  const double left = scale * kMargin, bottom = options.height - scale * kMargin - 0.5;
-  legend.lines.push_back({{{left, bottom}, {left + bar, bottom}}});
-  for (const double x : {left, left + bar})
-    legend.lines.push_back({{{x, bottom - 3 * scale}, {x, bottom + 3 * scale}}});
-  legend.labels.push_back({length_text(scene, length), {left + bar + 5 * scale, bottom}});
-
-  add_axes(legend, camera, options);
-  return legend;
-}
-
-void add_plate(Drawing& drawing, const std::string& text, double x, double y,
-               const RenderOptions& options) {
-  const double rays = options.supersampling;
-  const double half = 0.5 * options.letter_scale * letters_width(text);
-  drawing.overlay.push_back({{x - rays * half, y, 0},
-                             {x + rays * half, y, 0},
-                             0.6 * rays * options.letter_scale * kLetterHeight,
-                             kBackground});
-  drawing.labels.push_back({text, {x / rays - half, y / rays}});
+double names_width(const Scene& scene) {
+  double wide = 0;
+  for (const Torsion& torsion : scene.torsions)
+    wide = std::max(wide, letters_width(turned_text(torsion, 180)) + 3 * kMargin);
+  return wide;
 }
 
 void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
                 const RenderOptions& options) {
-  const Legend legend = make_legend(scene, camera, options);
-  const double rays = options.supersampling;
-  for (const auto& [from, to] : legend.lines)
-    drawing.overlay.push_back({{rays * from[0], rays * from[1], 0},
-                               {rays * to[0], rays * to[1], 0},
-                               0.6 * rays * options.letter_scale,
-                               kInk});
-  if (options.letters)
-    drawing.labels.insert(drawing.labels.end(), legend.labels.begin(), legend.labels.end());
+  const double scale = options.letter_scale, shorter = std::min(options.width, options.height);
+  const double pixels = shorter / (2 * camera.half_width);
+  const double length = round_length(kBarPart * options.width / pixels);
+  const double bar = length * pixels;
+  if (!std::isfinite(bar)) return;  // an absurd camera
+  const double left = scale * kMargin, bottom = options.height - scale * kMargin - 0.5;
+  add_line(drawing, {left, bottom, 0}, {left + bar, bottom, 0}, options);
+  for (const double x : {left, left + bar})
+    add_line(drawing, {x, bottom - 3 * scale, 0}, {x, bottom + 3 * scale, 0}, options);
+  drawing.labels.push_back({length_text(scene, length), {left + bar + 5 * scale, bottom}});
+
+  const double axis = std::min(scale * kAxis, kAxisPart * shorter);
+  const PictureAxes axes(camera);
+  const Vec3 middle{left + axis + 1.6 * left, bottom - axis - 3 * left, 0};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Vec3 way{axes.right[a], -axes.up[a], 0};
+    if (length_of(way) < kShortestAxis) continue;  // it points at the viewer
+    add_line(drawing, middle, middle + axis * way, options);
+    const Vec3 name = middle + (axis + scale * kAxisGap) * way;
+    drawing.labels.push_back(
+        {std::string(1, "xyz"[a]), {name[0] - 0.5 * scale * kLetterWidth, name[1]}});
+  }
+}
+
+void add_names(Drawing& drawing, std::vector<std::pair<Vec3, std::string>> names,
+               const RenderOptions& options) {
+  const double scale = options.letter_scale, rays = options.supersampling;
+  double beside = 0;
+  for (std::size_t i = 0; i < drawing.spheres; ++i)
+    beside = std::max(beside, (drawing.balls[i].centre[0] + drawing.balls[i].radius) / rays);
+  std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.first[1], a.second) < std::tie(b.first[1], b.second);
+  });
+  double y = scale * kMargin;
+  auto left_over = static_cast<double>(names.size());
+  for (const auto& [at, text] : names) {
+    const double most = options.width - scale * (letters_width(text) + kMargin);
+    const double left = std::min(beside + 2 * scale * kMargin, most);
+    const double rest = scale * kNameRow * left_over--;
+    y = std::max(y, std::min(at[1] / rays, options.height - rest));
+    add_line(drawing, {left - 0.5 * scale * kMargin, y, 0}, (1 / rays) * at, options);
+    drawing.labels.push_back({text, {left, y}});
+    y += scale * kNameRow;
+  }
 }
 
 }  // namespace hapgrid

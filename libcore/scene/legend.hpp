@@ -1,41 +1,41 @@
-// The legend in the lower left corner of a picture: the axes x, y and z, and a scale
-// bar.
+// The texts over a picture: the axes x, y and z and a scale bar in the lower left corner, and
+// beside the model the names of torsions that have turned. view's page draws the same; the numbers
+// here are for both, in pixels at scale 1.
 #pragma once
 
-#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libcore/scene/drawing.hpp"
 
 namespace hapgrid {
 
-// The axes, in pixels at scale 1.
+inline constexpr double kMargin = 10;         ///< from the picture's edges
 inline constexpr double kAxis = 45;           ///< an axis's length at most,
 inline constexpr double kAxisPart = 0.12;     ///< and as a part of the picture's shorter side
-inline constexpr double kAxisGap = 9;         ///< between an axis's end and the middle of its name
+inline constexpr double kAxisGap = 9;         ///< from an axis's end to the middle of its name
 inline constexpr double kShortestAxis = 0.3;  ///< part of an axis's length that is seen at least
-
-struct Legend {
-  /// Lines from one point to another, in pixels.
-  std::vector<std::array<std::array<double, 2>, 2>> lines;
-  std::vector<Label> labels;  ///< how long the bar is, "2 Å", and the names of the axes
-};
+inline constexpr double kBarPart = 0.25;      ///< of the picture's width, for the scale bar at most
+inline constexpr double kNameRow = 16;        ///< from one name of a torsion to the next
+inline constexpr double kNamesPart = 0.35;    ///< of the picture's width, that names can take
+inline constexpr double kSmallest = 150;      ///< of a picture's sides, for any of this
 
 /// A length with its unit: "2 Å".
 std::string length_text(const Scene& scene, double length);
 
-/// The legend of a picture; empty if the picture is too small for one. The bar is 1, 2 or 5
-/// times a power of ten long, and at most a quarter of the width. The axes have one length in the
-/// model's space; the picture shortens those that do not lie in its plane.
-Legend make_legend(const Scene& scene, const Camera& camera, const RenderOptions& options);
+/// The width of the longest name that a torsion can have, with margins; 0 without torsions.
+double names_width(const Scene& scene);
 
-/// Draws the legend over everything, with its letters if the options want them.
+/// Draws the axes and the bar, which is 1, 2 or 5 times a power of ten long. The axes have one
+/// length in the model's space, of which the picture shows what lies in its plane.
 void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
                 const RenderOptions& options);
 
-/// Draws a text on a white plate over everything, with its middle at x, y of the drawing.
-void add_plate(Drawing& drawing, const std::string& text, double x, double y,
+/// Draws the texts in a column to the right of the rightmost sphere, so that they cover none, each
+/// at the height of its place in the drawing, or below the one before or above the rest, with a
+/// line to that place.
+void add_names(Drawing& drawing, std::vector<std::pair<Vec3, std::string>> names,
                const RenderOptions& options);
 
 }  // namespace hapgrid

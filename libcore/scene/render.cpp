@@ -322,7 +322,7 @@ Image render(const Scene& scene, const Frame& frame, const Camera& camera,
         image.pixels.push_back(pixel);
       }
   }
-  draw_labels(image, all.labels, options.letter_scale);
+  if (options.letters) draw_labels(image, all.labels, options.letter_scale);
   return image;
 }
 

@@ -35,8 +35,6 @@ constexpr std::size_t kMaxText = 255;  // bytes of a name, unit or label; a file
 // Upper bounds for the words of a message: pointers and structs of a fixed size, and the lists.
 constexpr std::size_t kFixedWords = 64;
 
-std::size_t text_words(const std::string& text) { return text.size() / 8 + 1; }
-
 std::uint64_t frame_words(std::uint64_t state_size, std::uint64_t spheres) {
   return kFixedWords + state_size + (3 * spheres + 1) / 2;
 }
@@ -154,10 +152,9 @@ std::span<const std::byte> SceneEncoder::build(std::size_t words, Fill&& fill) {
 }
 
 std::span<const std::byte> SceneEncoder::encode(const Scene& scene) {
-  std::size_t words = kFixedWords + text_words(scene.model) + text_words(scene.length_unit) +
-                      text_words(scene.energy_unit) + text_words(scene.keys);
-  for (const Sphere& sphere : scene.spheres) words += 3 + text_words(sphere.label);
-  for (const Torsion& torsion : scene.torsions) words += 3 + text_words(torsion.name);
+  constexpr std::size_t kText = kMaxText / 8 + 1;
+  const std::size_t words =
+      kFixedWords + 4 * kText + (3 + kText) * (scene.spheres.size() + scene.torsions.size());
   return build(words, [&](scene_schema::Message::Builder message) {
     auto out = message.initScene();
     out.setMagic(kMagic);

@@ -24,8 +24,7 @@ bool says_true_colour() {
   return text && (std::string_view(text) == "truecolor" || std::string_view(text) == "24bit");
 }
 
-}  // namespace
-
+/// Whether the locale's letters are those of Unicode, which has blocks.
 bool locale_has_blocks() {
   static const bool has = [] {
     const locale_t locale = ::newlocale(LC_CTYPE_MASK, "", nullptr);
@@ -37,22 +36,20 @@ bool locale_has_blocks() {
   return has;
 }
 
+}  // namespace
+
 TerminalPixels::TerminalPixels(const std::string& mode) : info_(detect()) {
   const auto can = [&](ChafaTermSeq sequence) {
     return chafa_term_info_have_seq(info_.get(), sequence);
   };
-  const bool sixel = can(CHAFA_TERM_SEQ_BEGIN_SIXELS);
-  const bool kitty_images = can(CHAFA_TERM_SEQ_BEGIN_KITTY_IMMEDIATE_IMAGE_V1);
-  if (mode == "kitty" || (mode == "auto" && kitty_images))
-    pixel_mode_ = CHAFA_PIXEL_MODE_KITTY;
-  else if (mode == "sixel" || (mode == "auto" && sixel))
+  if (mode == "sixel" || (mode == "auto" && can(CHAFA_TERM_SEQ_BEGIN_SIXELS)))
     pixel_mode_ = CHAFA_PIXEL_MODE_SIXELS;
 
   // Sixels have a palette. A fixed one is quicker than one for each frame, which chafa 1.12 also
   // makes of a few colours when most of the picture is white.
-  if (pixel_mode_ == CHAFA_PIXEL_MODE_SIXELS)
+  if (!symbols())
     canvas_mode_ = CHAFA_CANVAS_MODE_INDEXED_240;
-  else if (kitty() || says_true_colour() || can(CHAFA_TERM_SEQ_SET_COLOR_FGBG_DIRECT))
+  else if (says_true_colour() || can(CHAFA_TERM_SEQ_SET_COLOR_FGBG_DIRECT))
     canvas_mode_ = CHAFA_CANVAS_MODE_TRUECOLOR;
   else if (can(CHAFA_TERM_SEQ_SET_COLOR_FGBG_256))
     canvas_mode_ = CHAFA_CANVAS_MODE_INDEXED_256;

@@ -1,4 +1,4 @@
-// A picture for a terminal: as coloured symbols, or as an image in one of two protocols.
+// A picture for a terminal: as coloured symbols, or as sixels.
 #pragma once
 
 #include <chafa.h>
@@ -21,21 +21,16 @@ struct ChafaDeleter {
 template <class T>
 using ChafaPointer = std::unique_ptr<T, ChafaDeleter>;
 
-/// Whether the locale's letters are those of Unicode, which has blocks.
-bool locale_has_blocks();
-
 /// The terminal's abilities, as the environment (TERM and others) describes them.
 class TerminalPixels {
  public:
-  /// @param mode "symbols", "sixel" or "kitty", or "auto" for the best that the terminal can do.
+  /// @param mode "symbols", "sixel", or "auto" for the best that the terminal can do.
   explicit TerminalPixels(const std::string& mode);
 
   bool symbols() const { return pixel_mode_ == CHAFA_PIXEL_MODE_SYMBOLS; }
-  bool sixels() const { return pixel_mode_ == CHAFA_PIXEL_MODE_SIXELS; }
-  bool kitty() const { return pixel_mode_ == CHAFA_PIXEL_MODE_KITTY; }
 
   /// The picture on columns x rows cells of cell_width x cell_height pixels, as its rows of text.
-  /// An image is one row. There are no line breaks.
+  /// Sixels are one row. There are no line breaks.
   std::vector<std::string> encode(const Image& image, int columns, int rows, int cell_width,
                                   int cell_height) const;
 

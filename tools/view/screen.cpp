@@ -91,12 +91,9 @@ void Screen::leave() noexcept {
   if (!entered_) return;
   entered_ = false;
   // A string terminator and the end of what appears at once, for what may be unfinished; then
-  // colours, images, cursor, screen.
-  constexpr std::string_view kBegin = "\033\\\033[?2026l\033[0m";
-  constexpr std::string_view kImages = "\033_Ga=d\033\\";
-  constexpr std::string_view kEnd = "\033[?25h\033[?1049l";
-  for (const auto text : {kBegin, images_ ? kImages : std::string_view(), kEnd})
-    static_cast<void>(!::write(STDOUT_FILENO, text.data(), text.size()));
+  // colours, cursor, screen.
+  constexpr std::string_view kText = "\033\\\033[?2026l\033[0m\033[?25h\033[?1049l";
+  static_cast<void>(!::write(STDOUT_FILENO, kText.data(), kText.size()));
 }
 
 void Screen::write(std::string_view text) {

@@ -32,8 +32,7 @@ void die_of(int signal);
 /// The terminal's alternate screen, with the cursor hidden.
 class Screen {
  public:
-  /// @param images whether images of kitty's protocol are shown, which are deleted at the end.
-  explicit Screen(bool images) : images_(images) { enter(); }
+  Screen() { enter(); }
   ~Screen() { leave(); }
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
@@ -47,7 +46,6 @@ class Screen {
   void write(std::string_view text);
 
  private:
-  bool images_;
   bool entered_ = false;
 };
 

@@ -9,73 +9,42 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <deque>
 #include <system_error>
 #include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
 #include "libcore/base/format.hpp"
-#include "libcore/base/table.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/scene/legend.hpp"
 #include "libcore/scene/render.hpp"
 #include "tools/common/terminal_turn.hpp"
 #include "tools/view/feed.hpp"
 #include "tools/view/pixels.hpp"
 #include "tools/view/screen.hpp"
-#include "tools/view/traces.hpp"
+#include "tools/view/status.hpp"
 
 namespace hapgrid {
 
 namespace {
 
-constexpr int kLinesBelow = 3;     // status, force, energy
-constexpr int kNameColumns = 17;   // of a curve: its name and its largest value
+constexpr double kSeconds = 10;    // of the curve, from what was seen last
 constexpr int kMostSixels = 1000;  // in a row: xterm leaves a wider picture blank
-constexpr int kSymbolScale = 2;    // of the legend, whose letters are the terminal's own
+constexpr std::size_t kMostSamples = 4096;
+constexpr int kSymbolScale = 2;  // of the legend, whose letters are the terminal's own
 
 std::string at_row(int row) { return format("\033[{};1H", row); }
 
-/// A curve in one row of text, which is all the room there is: a library draws axes and needs more
-/// rows. "force    0.52 |..:|  ": the largest value, and blocks up to the height of each, or signs
-/// where the locale has no blocks; where the state snapped the ground is yellow. Empty when no
-/// value is finite.
-std::string curve_line(const std::string& name, const std::vector<Traces::Sample>& curve,
-                       double Traces::Sample::*value, bool from_zero) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  double low = from_zero ? 0 : kInfinity, high = from_zero ? 0 : -kInfinity;
-  for (const Traces::Sample& sample : curve)
-    if (std::isfinite(sample.*value)) {
-      low = std::min(low, sample.*value);
-      high = std::max(high, sample.*value);
-    }
-  if (!(low <= high)) return "";
-  std::string text = left(name, 7) + right(three_digits(high), 9) + " ";
-  // As much as three digits show: what changes less is a straight line.
-  high = std::max(high, low + 1e-3 * std::abs(low));
-  bool marked = false;
-  for (const Traces::Sample& sample : curve) {
-    if (sample.snapped != marked) text += sample.snapped ? "\033[43m" : "\033[49m";
-    marked = sample.snapped;
-    const double at = high > low ? (sample.*value - low) / (high - low) : sample.*value - low;
-    // From one to eight eighths, U+2581 to U+2588.
-    if (std::isfinite(at) && !locale_has_blocks())
-      text += "_.,-=+*#"[std::lround(7 * std::clamp(at, 0.0, 1.0))];
-    else if (std::isfinite(at))
-      text += {'\xe2', '\x96', static_cast<char>(0x81 + std::lround(7 * std::clamp(at, 0.0, 1.0)))};
-    else
-      text += ' ';
-  }
-  return text + "\033[49m";
-}
+struct Sample {
+  double time_s;
+  double force;  // newtons
+  bool snapped;  // since the frame before
+};
 
 class Display {
  public:
   Display(const Scene& scene, const TerminalOptions& options)
       : scene_(scene), options_(options), pixels_(options.mode) {}
-
-  bool kitty() const { return pixels_.kitty(); }
 
   /// Takes over the terminal's size, and fits the camera to it at the next frame.
   void resize() {
@@ -89,22 +58,16 @@ class Display {
     // Symbols have eight by eight pixels each, and are twice as high as wide.
     int width = pixels_.symbols() ? 8 : size_.cell_width;
     int height = pixels_.symbols() ? 16 : size_.cell_height;
-    if (pixels_.sixels() && width * size_.columns > kMostSixels) {
+    if (!pixels_.symbols() && width * size_.columns > kMostSixels) {
       height = std::max(1, height * kMostSixels / (width * size_.columns));
       width = std::max(1, kMostSixels / size_.columns);
     }
-    // More pixels are not worth their time: of a large terminal the picture is enlarged, by the
-    // terminal itself where it can, which is sent the fewer bytes.
-    const double most = kitty() ? 3e5 : 6e5;
+    // More pixels are not worth their time: of a large terminal the picture is enlarged.
     const double factor =
-        std::min(1.0, std::sqrt(most / (1.0 * width * height * size_.columns * rows)));
+        std::min(1.0, std::sqrt(6e5 / (1.0 * width * height * size_.columns * rows)));
     RenderOptions how = options_.render;
     how.width = std::max(1, static_cast<int>(factor * width * size_.columns));
     how.height = std::max(1, static_cast<int>(factor * height * rows));
-    if (kitty()) {
-      width = std::max(1, static_cast<int>(factor * width));
-      height = std::max(1, static_cast<int>(factor * height));
-    }
     how.supersampling = 1;
     how.letters = !pixels_.symbols();
     how.letter_scale = pixels_.symbols() ? kSymbolScale : 1;
@@ -112,13 +75,13 @@ class Display {
       camera_ =
           fit_camera(scene_, frame, how, options_.azimuth_degrees, options_.elevation_degrees);
     fitted_ = true;
-    if (pixels_.symbols()) write_legend(how, rows);
+    how.above = curve(how);
+    if (pixels_.symbols()) write_legend(frame, how, rows);
     return pixels_.encode(render(scene_, frame, camera_, how), size_.columns, rows, width, height);
   }
 
-  std::string draw(const Frame& frame, const Traces& traces) {
+  std::string draw(const Frame& frame) {
     std::string text = "\033[?2026h";  // what comes until ...l appears at once
-    if (kitty()) text += "\033_Ga=d\033\\";
     int row = 1;
     for (const std::string& line : picture(frame)) text += at_row(row++) + line;
     text += "\033[0;30;107m" + legend_ + "\033[0m";
@@ -127,11 +90,18 @@ class Display {
       if (row <= size_.rows) text += at_row(row++) + "\033[0m" + line + "\033[K";
     };
     below(status(frame));
-    const auto curve = traces.columns(std::max(0, size_.columns - kNameColumns));
-    below(curve_line("force", curve, &Traces::Sample::force, /*from_zero=*/true));
-    below(curve_line("energy", curve, &Traces::Sample::energy, /*from_zero=*/false));
     if (!scene_.keys.empty()) below(fitting(scene_.keys));
     return text + "\033[?2026l";
+  }
+
+  /// For the curve. Where the time goes back, it starts anew.
+  void add(const Frame& frame) {
+    if (!samples_.empty() && frame.time_s < samples_.back().time_s) samples_.clear();
+    const bool snapped = !samples_.empty() && frame.jumps != jumps_;
+    jumps_ = frame.jumps;
+    samples_.push_back({frame.time_s, length_of(frame.force), snapped});
+    while (samples_.size() > kMostSamples || samples_.front().time_s < frame.time_s - kSeconds)
+      samples_.pop_front();
   }
 
   /// As it stands on the terminal when all is over.
@@ -142,13 +112,30 @@ class Display {
   }
 
  private:
-  int picture_rows() const {
-    return std::max(1, size_.rows - kLinesBelow - (scene_.keys.empty() ? 0 : 1));
+  int picture_rows() const { return std::max(1, size_.rows - (scene_.keys.empty() ? 1 : 2)); }
+  /// The force in the lower right corner, as a part of the largest one, and a line at each snap.
+  std::vector<Line> curve(const RenderOptions& how) const {
+    std::vector<Line> lines;
+    const double bottom = 0.98 * how.height, high = 0.12 * how.height,
+                 half = 0.6 * how.letter_scale;
+    double most = std::max(scene_.largest_force, 1e-300);
+    for (const Sample& sample : samples_) most = std::max(most, sample.force);
+    Vec3 before = kNowhere;
+    for (const Sample& sample : samples_) {
+      const double x =
+          how.width * (0.98 - 0.3 * (samples_.back().time_s - sample.time_s) / kSeconds);
+      const Vec3 at{x, bottom - high * sample.force / most, 0};
+      if (sample.snapped)
+        lines.push_back({{x, bottom, 0}, {x, bottom - high, 0}, half, kSnapColour});
+      if (finite(before)) lines.push_back({before, at, half, kForceColour});
+      before = at;
+    }
+    return lines;
   }
   /// The legend's letters in the terminal's own cells.
-  void write_legend(const RenderOptions& how, int rows) {
+  void write_legend(const Frame& frame, const RenderOptions& how, int rows) {
     legend_.clear();
-    for (const Label& label : make_legend(scene_, camera_, how).labels) {
+    for (const Label& label : hapgrid::draw(scene_, frame, camera_, how).labels) {
       const int row = static_cast<int>(label.left[1] * rows / how.height);
       const int column = static_cast<int>(label.left[0] * size_.columns / how.width);
       if (row < 0 || row >= rows || column < 0) continue;
@@ -167,6 +154,8 @@ class Display {
   TerminalPixels pixels_;
   TerminalSize size_ = terminal_size();
   Camera camera_;
+  std::deque<Sample> samples_;
+  std::uint64_t jumps_ = 0;
   std::string legend_;  // what writes it; of symbols
   bool fitted_ = false;
 };
@@ -184,12 +173,11 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
   watch_signals(woken.get());
 
   Frame frame;
-  Traces traces;
   Feed::State state;
   bool any = false;
   const TerminalTurn turn(STDOUT_FILENO);
   {
-    Screen screen(display.kitty());
+    Screen screen;
     screen.write("waiting for frames");
     feed.start();
     while (!ending_signal() && !state.ended) {
@@ -209,8 +197,8 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
       }
       state = feed.update(frame);
       any = any || state.fresh;
-      if (state.fresh) traces.add(frame);
-      if (any) screen.write(display.draw(frame, traces));
+      if (state.fresh) display.add(frame);
+      if (any) screen.write(display.draw(frame));
     }
   }
   if (ending_signal()) die_of(ending_signal());

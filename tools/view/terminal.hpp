@@ -11,7 +11,7 @@ struct TerminalOptions {
   RenderOptions render;  ///< the size is not used: it is the terminal's
   double azimuth_degrees = Camera{}.azimuth_degrees;
   double elevation_degrees = Camera{}.elevation_degrees;
-  std::string mode = "auto";  ///< or "symbols", "sixel", "kitty"
+  std::string mode = "auto";  ///< or "symbols", "sixel"
 };
 
 /// Shows the frames of `frames` ("-": standard input) on standard output until they end, and leaves

@@ -12,7 +12,7 @@ from . import choice, files, geometry
 from .elements import COLOURS, SYMBOLS
 from .molecule import signed
 from .pushing import read_log
-from .xyz import frames
+from .xyz import frames, frames_of
 
 MOVES = 2.0  # degrees: what turns less is not drawn
 STAYS = 0.05  # of a t: less is not behind a saddle
@@ -33,7 +33,9 @@ def write(start, turned, ways):
     run("play", f"{kept.name()}.grid", "--device", f"path:{ways[0]}", "--log", "played.log", "--frames", "played.frames",
         watch=lambda gone: kept.waiting("playing the way", gone, None))
     run("view", "played.frames", "--xyz", "played.xyz")
-    run("view", "played.frames", "--pdb", "played.pdb", "--hip-label", "X")  # the probe is no element
+    # The probe is no element: it comes as the last atom, and as helium.
+    probed = frames_of(run("view", "played.frames", "--xyz", "-", "--hip-label", "He").out, "played.frames")
+    kept.write("played.pdb", pdb(probed, start.molecule.neighbours))
     log = read_log(kept.path("played.log"))
     drawn = draw_curves(kept, log, frames(kept.path("played.xyz")), turned)
     drawings = pictures(log)
@@ -41,6 +43,22 @@ def write(start, turned, ways):
     text = page(start, turned, ways, [name for name in [*drawings, *drawn] if name.endswith(".png")])
     kept.write("index.html", text)
     return ["played.log", "played.frames", "played.xyz", "played.pdb", *drawn, *drawings, "index.html"]
+
+
+def pdb(shapes, neighbours):
+    """The text of a PDB file (wwPDB 3.3) of xyz.Frames whose last atom is the probe, with the molecule's own bonds."""
+    lines = []
+    for number, one in enumerate(shapes, 1):
+        lines += [f"MODEL     {number % 10000:>4}", "REMARK   3 " + one.title]
+        for k, (z, x) in enumerate(zip(one.numbers, one.x), 1):
+            element, residue = (SYMBOLS[z].upper(), "MOL A   1") if k < len(one.x) else ("X", "HIP A   2")
+            place = "".join(f"{v:8.3f}" for v in x)
+            lines.append(f"HETATM{k:5} {f'{element:>2}{k}':4.4} {residue}    {place}"
+                         f"  1.00  0.00          {element:>2}")
+        lines.append("ENDMDL")
+    for k, near in enumerate(map(sorted, neighbours), 1):
+        lines += [f"CONECT{k:5}" + "".join(f"{n + 1:5}" for n in near[at:at + 4]) for at in range(0, len(near), 4)]
+    return "\n".join([*lines, "END", ""])
 
 
 def draw_curves(folder, log, shapes, torsions):

@@ -32,7 +32,6 @@ sed '/^cat >sim.toml/,/^TOML/!d' "$here/../play/sim.sh" | sed '1d;$d' >sim.toml
 run 0 play.2 play ball.grid --device sim:sim.toml --report -
 run 0 play.3 play ball.grid --device sim:sim.toml --traversal model --report -
 run 0 stats-session.1 stats --log a.session --format json
-run 0 view.1 view frames --format json
 
 python3 - "$HAPGRID_SOURCE/tools/man" <<'PYTHON'
 import glob
@@ -42,7 +41,7 @@ import sys
 
 PAGES = {"verify": "verify|THE REPORT AS JSON", "check-model": "check-model|THE REPORT AS JSON",
          "stats-grid": "stats|THE REPORT ON A GRID AS JSON", "stats-session": "stats|THE REPORT ON A SESSION AS JSON",
-         "play": "play|THE REPORT AS JSON", "view": "view|THE REPORT AS JSON"}
+         "play": "play|THE REPORT AS JSON"}
 
 
 def paths(value, at=""):

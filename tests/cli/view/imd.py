@@ -62,7 +62,7 @@ class View:
     """view --imd of a file; `port` is the one that the system chose."""
 
     def __init__(self, frames):
-        self.process = subprocess.Popen(["view", frames, "--imd=0"], stderr=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(["view", frames, "--imd", "--port", "0"], stderr=subprocess.PIPE, text=True)
         line = self.process.stderr.readline()
         match = re.fullmatch(r"view: IMD on 127\.0\.0\.1:(\d+)\n", line)
         assert match, line + self.process.stderr.read()
@@ -76,7 +76,7 @@ class View:
 
 
 def counts(lines):
-    match = re.fullmatch(r"view: IMD viewers (\d+), frames sent (\d+); closed because they did not read (\d+)", lines[-1])
+    match = re.fullmatch(r"view: IMD viewers (\d+), frames sent (\d+)", lines[-1])
     assert match, lines
     return [int(n) for n in match.groups()]
 
@@ -123,8 +123,8 @@ def exact():
     assert got[0].endswith(frames[-1])
     told = whole(got[0], frames) + whole(got[1], frames)
     lines = view.end()
-    viewers, sent, slow = counts(lines)
-    assert viewers in (1, 2) and slow == 0 and sent >= told >= 1, (lines, told)
+    viewers, sent = counts(lines)
+    assert viewers in (1, 2) and sent >= told >= 1, (lines, told)
     lengths = "view: IMD: lengths go out in rope lengths, viewers take them for angstrom"
     energies = {"ball": "N rope lengths", "spring": "N mm"}[MODEL]
     assert (lengths in lines) == (MODEL == "ball"), lines
@@ -162,8 +162,7 @@ def rude():
     data = awake.rest()
     size = 2 * len(header(FCOORDS)) + 40 + 12 * (balls + 1)
     assert len(data) % size == 0 and len(data) > size, len(data)
-    viewers, _, slow = counts(view.end())
-    assert (viewers, slow) == (2, 1)
+    assert counts(view.end())[0] == 2
     assert len(asleep.rest()) % size != 0
 
 
@@ -195,9 +194,9 @@ def in_use():
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        done = subprocess.run(["view", "none", f"--imd={port}"], capture_output=True, text=True)
+        done = subprocess.run(["view", "none", "--imd", "--port", str(port)], capture_output=True, text=True)
     assert done.returncode == 1 and done.stdout == ""
-    assert done.stderr == f"view: 127.0.0.1:{port}: Address already in use\n", done.stderr
+    assert done.stderr == f"view: cannot listen on port {port} of 127.0.0.1: is another program there?\n", done.stderr
 
 
 exact()

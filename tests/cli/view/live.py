@@ -99,13 +99,13 @@ def main():
         assert watcher.value("hand") is None
         assert watcher.value("Math.abs(frames[frames.length - 1].hand[0] - 0.9) < 0.05")
         # Two fingers, or the other button, turn the picture and leave the hand.
-        before = page.value("[hand[0], view.azimuth, view.zoom]")
+        before = page.value("[hand[0], view.axes[0][0], view.zoom]")
         if touch:
             page.fingers([line(100, 160, 300, 10), line(200, 320, 300, 10)])
             assert page.value("view.zoom") > 1.1 * before[2]
         else:
             page.drag(line(300, 350, 300, 10), button="right")
-        assert page.value("view.azimuth") != before[1] and page.value("hand[0]") == before[0]
+        assert page.value("view.axes[0][0]") != before[1] and page.value("hand[0]") == before[0]
         # The page keeps the last seconds alone.
         assert page.value("frames[frames.length - 1].time - frames[0].time") <= page.value("kLiveSeconds")
         assert not browser.complaints, browser.complaints

@@ -16,9 +16,13 @@ refuses 'play: nowhere: No such file or directory' -- hapgrid feel nowhere
 expect 2 '' '~play: .*--nonsense.*' -- hapgrid feel grid --nonsense
 nothing_left tmp
 see='(see view --help)'
-for option in '--hand hand' '--port 80' '--address 127.0.0.1' --close; do
+for option in '--hand hand' --close; do
   # shellcheck disable=SC2086  # words
   expect 2 '' "view: ${option%% *} requires --web $see" -- view frames $option
+done
+for option in '--port 80' '--address 127.0.0.1'; do
+  # shellcheck disable=SC2086  # words
+  expect 2 '' "view: ${option%% *} requires --web or --imd $see" -- view frames $option
 done
 expect 2 '' "view: --png excludes --web $see" -- view frames --web --png x
 expect 2 '' "view: --address: 'here' is not an IPv4 address $see" -- view frames --web --address here

@@ -118,7 +118,7 @@ TEST_CASE("the legend says where the axes point and how long things are, in fron
   Stage stage;
   stage.scene.box = {{-1, -1, -1}, 1, {3, 3, 3}};
   stage.scene.length_unit = "nm";
-  stage.options = {.width = 300, .height = 300, .letters = false};
+  stage.options = {.width = 300, .height = 300, .hip = false, .letters = false};
   stage.camera = {0, 0, {0, 0, 0}, 1.5};  // 100 pixels a unit
   stage.add(-1.3F, 0, -1.3F, 0.5F, {0, 1, 0});
   const Image image = stage.render();
@@ -128,22 +128,22 @@ TEST_CASE("the legend says where the axes point and how long things are, in fron
   // A quarter of the width is 0.75 units: the bar has 0.5, from 10 pixels off the corner.
   for (int x = 12; x < 58; ++x) REQUIRE((dark(x, 289) || dark(x, 290)));
   CHECK_FALSE((dark(65, 289) || dark(65, 290)));
-  const Legend legend = make_legend(stage.scene, stage.camera, stage.options);
-  REQUIRE(legend.labels.size() == 3);
-  CHECK(legend.labels[0].text == "0.5 nm");
+  const auto legend = [&] { return draw(stage.scene, stage.frame, stage.camera, stage.options); };
+  const Drawing drawn = legend();
+  const std::vector<Label>& labels = drawn.labels;
+  REQUIRE(labels.size() == 3);
+  CHECK(labels[0].text == "0.5 nm");
   // From the front x points right and z up; y points away from the viewer, and is left out.
-  CHECK(legend.labels[1].text == "x");
-  CHECK(legend.labels[2].text == "z");
-  CHECK(legend.labels[1].left[0] > legend.labels[2].left[0] + 20);
-  CHECK(legend.labels[2].left[1] < legend.labels[1].left[1] - 20);
+  CHECK(labels[1].text == "x");
+  CHECK(labels[2].text == "z");
+  CHECK(labels[1].left[0] > labels[2].left[0] + 20);
+  CHECK(labels[2].left[1] < labels[1].left[1] - 20);
   // The bar with its ends, then each axis: a part of 0.12 of the picture.
-  REQUIRE(legend.lines.size() == 5);
-  for (const std::size_t line : {3, 4}) {
-    const auto& [from, to] = legend.lines[line];
-    CHECK(std::hypot(to[0] - from[0], to[1] - from[1]) == Approx(36));
-  }
+  REQUIRE(drawn.overlay.size() == 5);
+  for (const std::size_t line : {3, 4})  // three rays a pixel
+    CHECK(length_of(drawn.overlay[line].to - drawn.overlay[line].from) == Approx(3 * 36));
   stage.scene.length_unit = "angstrom";
-  CHECK(make_legend(stage.scene, stage.camera, stage.options).labels[0].text == "0.5 Å");
+  CHECK(legend().labels[0].text == "0.5 Å");
   CHECK(letters_width("5 Å, 7°, \u03b1") == 10 * kLetterWidth);
   // Letters have their own ink, inside of the picture and as wide as they say.
   const auto ink = [](const char* text, double x) {
@@ -160,7 +160,7 @@ TEST_CASE("the legend says where the axes point and how long things are, in fron
   stage.options.letters = true;
   CHECK(stage.render().pixels != image.pixels);
   stage.options.height = 100;
-  CHECK(make_legend(stage.scene, stage.camera, stage.options).labels.empty());
+  CHECK(legend().labels.empty());
 }
 
 TEST_CASE("neighbours darken each other, as far as the closed form says") {
@@ -252,27 +252,41 @@ TEST_CASE("balls and sticks") {
   CHECK(find_bonds(stage.scene, stage.frame).empty());
 }
 
-TEST_CASE("a torsion that has turned is named at its bond") {
+TEST_CASE("a torsion that has turned is named beside the model, with a line to its bond") {
   Stage stage;
-  stage.options = {.width = 300, .height = 300, .box = false, .hip = false, .legend = false};
-  stage.camera.half_width = 1.5;  // 100 pixels a unit
-  for (const float x : {-1.0F, 0.4F, 0.6F, 1.0F}) stage.add(x, 0, 0.5F, 0.01F, {0, 1, 0});
-  stage.scene.torsions = {{{0, 1, 2, 3}, "phi"}};
-  stage.frame.turned = {9};
-  const Image still = stage.render();
-  stage.frame.turned = {-11};
-  const Image turned = stage.render();
-  double first = 300, last = 0, y = 0, dark = 0;
-  for (int row = 0; row < 300; ++row)
-    for (int column = 0; column < 300; ++column) {
-      const Rgb& pixel = turned.at(column, row);
-      if (pixel == still.at(column, row) || pixel[1] > 150) continue;
-      first = std::min<double>(first, column), last = std::max<double>(last, column);
-      y += row, ++dark;
+  stage.scene.box = {{-0.5, -0.5, -0.5}, 0.5, {3, 3, 3}};
+  for (const float x : {-1.0F, 0.4F, 0.6F, 1.0F}) stage.add(x, 0, 0.5F, 0.4F, {0, 1, 0});
+  stage.scene.torsions = {{{0, 1, 2, 3}, "phi"}, {{1, 2, 3, 0}, "psi"}, {{2, 0, 1, 3}, "omega"}};
+  for (const auto& [width, height] : {std::pair{600, 200}, std::pair{390, 500}})
+    for (const double azimuth : {0.0, 140.0}) {
+      stage.options = {.width = width, .height = height, .box = false, .hip = false};
+      stage.camera = fit_camera(stage.scene, stage.frame, stage.options, azimuth, 10);
+      const auto drawn = [&] {
+        return draw(stage.scene, stage.frame, stage.camera, stage.options);
+      };
+      stage.frame.turned = {9, 9, 9};
+      for (const Label& label : drawn().labels) CHECK(label.text.find("°") == label.text.npos);
+      stage.frame.turned = {-11, 9, -180};
+      const Drawing all = drawn();
+      REQUIRE(all.labels.size() > 2);
+      const std::size_t phi = all.labels[0].text == "phi -11°" ? 0 : 1;
+      CHECK(all.labels[phi].text == "phi -11°");
+      CHECK(all.labels[1 - phi].text == "omega -180°");
+      const Vec3 middle = 0.5 * (all.balls[1].centre + all.balls[2].centre);
+      const Vec3 off = all.overlay[phi].to - middle;
+      CHECK(std::hypot(off[0], off[1]) < 1e-9);
+      for (const std::size_t i : {0, 1}) {
+        const auto& [text, left] = all.labels[i];
+        const double right = left[0] + letters_width(text);
+        CHECK(right < width);
+        for (const Ball& ball : all.balls) {  // in rays, three a pixel
+          const double x = ball.centre[0] / 3, y = ball.centre[1] / 3;
+          const double nearest = std::hypot(x - std::clamp(x, left[0], right), y - left[1]);
+          CHECK(nearest > ball.radius / 3 + 5);
+        }
+      }
+      CHECK(all.labels[1].left[1] >= all.labels[0].left[1] + kLetterHeight);
     }
-  REQUIRE(dark > 30);
-  CHECK((first + last) / 2 == Approx(200).margin(4));  // between the second and the third sphere
-  CHECK(y / dark == Approx(100).margin(3));
 }
 
 TEST_CASE("the box and the model fill the picture, wherever the HIP is") {

@@ -1,5 +1,5 @@
 // The camera: what of the model's space is where in the picture. At first it is the one that view computed
-// (fit_extent() in libcore/scene/drawing.hpp); then it is turned, moved and zoomed here.
+// (fit_camera() in libcore/scene/drawing.hpp); then it is turned, moved and zoomed here.
 // Vectors are arrays of three numbers.
 
 const element = (id) => document.getElementById(id);
@@ -9,22 +9,10 @@ const plus = (a, b, t = 1) => [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]
 const distance = (a, b) => Math.hypot(...plus(a, b, -1));
 const finite = (v) => v.every(Number.isFinite);
 
-let view = null;  // azimuth and elevation in degrees; the centre; the zoom
+let view = null;  // the picture's axes in the model's space: right, up, near; its centre; the zoom
 
 function fit() {
-  const { azimuth, elevation, centre } = data;
-  view = { azimuth, elevation, centre, zoom: 1 };
-}
-
-/// Of the picture, in the model's space.
-function axes() {
-  const [a, e] = [view.azimuth, view.elevation].map((degrees) => degrees * Math.PI / 180);
-  const [sine, cosine] = [Math.sin(a), Math.cos(a)];
-  return {
-    right: [cosine, sine, 0],
-    up: [-sine * Math.sin(e), cosine * Math.sin(e), Math.cos(e)],
-    near: [sine * Math.cos(e), -cosine * Math.cos(e), Math.sin(e)],
-  };
+  view = { axes: data.axes, centre: data.centre, zoom: 1 };
 }
 
 /// Pixels of the page.
@@ -43,29 +31,35 @@ function setSize(canvas, width, height) {
   return size;
 }
 
-/// The size of a pixel in the model's unit.
+/// The size of a pixel in the model's unit. The bar of the force stands at the right, and the names of torsions beside
+/// the model.
 function pixel() {
-  const [width, height] = pictureSize();
-  const beside = hasForceBar() ? 80 * letterScale() : 0;  // half of it for the bar
-  return 2 * Math.max(data.extent[0] / Math.max(width - beside, 40), data.extent[1] / height) / view.zoom;
+  const [width, height] = pictureSize(), scale = letterScale(), [right, up, spheres] = data.extent;
+  const bare = Math.max(width - (hasForceBar() ? 80 * scale : 0), 40);
+  const names = Math.min(scale * data.legend.names_width, data.legend.names_part * bare);
+  return 2 * Math.max(right / bare, up / height, spheres / (bare - 2 * names)) / view.zoom;
 }
 
 /// Where a place of the model's space is in the picture, in pixels.
 function inPicture(v) {
-  const { right, up } = axes(), [width, height] = pictureSize();
+  const [right, up] = view.axes, [width, height] = pictureSize();
   const at = plus(v, view.centre, -1), unit = pixel();
   return [width / 2 + dot(right, at) / unit, height / 2 - dot(up, at) / unit];
 }
 
+/// Around the model's z, and up or down until one looks along it; in pixels.
 function turnView(right, down) {
-  view.azimuth -= 0.4 * right;
-  view.elevation = clamp(view.elevation + 0.4 * down, -90, 90);
+  const [around, over] = [-right, down].map((pixels) => 0.4 * pixels * Math.PI / 180);
+  const mix = (a, b, angle) => a.map((x, i) => Math.cos(angle) * x + Math.sin(angle) * b[i]);
+  const [side, up, near] = view.axes.map(([x, y, z]) => [...mix([x, y], [-y, x], around), z]);
+  const higher = mix(up, near, -over);
+  view.axes = higher[2] < 0 ? [side, up, near] : [side, higher, mix(near, up, over)];
   drawSoon();
 }
 
 function moveView(right, down) {
-  const of = axes(), unit = pixel();
-  view.centre = plus(plus(view.centre, of.up, unit * down), of.right, -unit * right);
+  const [side, up] = view.axes, unit = pixel();
+  view.centre = plus(plus(view.centre, up, unit * down), side, -unit * right);
   drawSoon();
 }
 

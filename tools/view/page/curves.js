@@ -48,7 +48,7 @@ function drawPlot(c, { left, right, top, bottom }, list, at, lines, fromZero) {
   c.textAlign = "right";
   for (const [v, text] of ticks(low, high, 3)) {
     strokeLines(c, [[[left, y(v)], [right, y(v)]]], kGrid, 1);
-    c.fillStyle = kInk;
+    c.fillStyle = data.ink;
     c.fillText(text.length > 6 ? threeDigits(v) : text, left - 5, clamp(y(v), top + 4, bottom - 4));
   }
   c.textAlign = "left";
@@ -64,7 +64,7 @@ function drawPlot(c, { left, right, top, bottom }, list, at, lines, fromZero) {
     strokeLines(c, pieces.filter((piece) => piece.length > 0), colour, 1.5);
   }
   const now = at(frames[shown].time);
-  strokeLines(c, [[[now, top], [now, bottom]]], kInk, 1);
+  strokeLines(c, [[[now, top], [now, bottom]]], data.ink, 1);
 }
 
 function drawCurves() {
@@ -87,7 +87,7 @@ function drawCurves() {
     drawPlot(c, { left, right, top: k * each + nameRow, bottom: (k + 1) * each - 3 }, list, at, lines, k === 0);
     drawNames(c, left, k * each + nameRow / 2, names);
   });
-  c.fillStyle = kInk;
+  c.fillStyle = data.ink;
   for (const [t, text] of ticks(Math.max(from, 0), to, width / 90)) {
     c.textAlign = at(t) > right - 20 ? "right" : "center";
     c.fillText(at(t) > right - 20 ? "" : text, at(t), height - bottomRow / 2);

@@ -6,8 +6,8 @@ const pointers = new Map();  // those that are down, with where they were
 /// Moves the hand by so many pixels to the right and down, and by a length towards the viewer.
 function moveHand(right, down, nearer) {
   if (!hand || !socket || socket.readyState !== WebSocket.OPEN) return;
-  const of = axes(), unit = pixel();
-  const at = plus(plus(plus(hand, of.right, unit * right), of.up, -unit * down), of.near, nearer);
+  const [side, up, near] = view.axes, unit = pixel();
+  const at = plus(plus(plus(hand, side, unit * right), up, -unit * down), near, nearer);
   hand = at.map((x, a) => clamp(x, data.hand_low[a], data.hand_high[a]));
   socket.send(hand.join(" ") + "\n");
   drawSoon();

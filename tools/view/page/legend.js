@@ -1,8 +1,8 @@
 // What is drawn over the picture, in a canvas of its own: axes and scale bar, the names of torsions that have turned,
-// the hand, the flash at a snap, the force bar. Texts and sizes come from view; sizes are those of its pictures.
+// the hand, the flash at a snap, the force bar. Texts and sizes come from view, whose pictures have the same
+// (libcore/scene/legend.hpp).
 
 const kFlashSeconds = 0.3;
-const kInk = "#292b33";
 
 /// A canvas whose unit is a pixel of the page on a small screen, and its width and height in that unit.
 function context(canvas, width, height) {
@@ -28,39 +28,41 @@ function strokeLines(c, lines, colour, width) {
 }
 
 /// From one place; those that point at the viewer are left out.
-function drawAxes(c, x, y, length) {
-  const { right, up } = axes();
+function drawAxes(c, height, length) {
+  const { margin, axis_gap, shortest_axis } = data.legend, [right, up] = view.axes;
+  const middle = [2.6 * margin + length, height - 4 * margin - length];
   c.textAlign = "center";
   [..."xyz"].forEach((name, a) => {
-    const shown = Math.hypot(right[a], up[a]);
-    if (shown < data.axes.shortest) return;
-    const at = (far) => [x + far * right[a] / shown, y - far * up[a] / shown];
-    strokeLines(c, [[[x, y], at(length * shown)]], kInk, 1.2);
-    c.fillText(name, ...at(length * shown + data.axes.gap));
+    const at = (far) => [middle[0] + far * right[a], middle[1] - far * up[a]];
+    if (Math.hypot(right[a], up[a]) < shortest_axis) return;
+    strokeLines(c, [[middle, at(length)]], data.ink, 1.2);
+    c.fillText(name, ...at(length + axis_gap));
   });
   c.textAlign = "left";
 }
 
 /// The longest of the bars that view has a text for and that is short enough, or the shortest.
 function drawScaleBar(c, width, height, unit) {
-  const [length, text] = data.lengths.reduce((best, next) => (next[0] <= 0.25 * width * unit ? next : best));
-  const left = 10, right = left + length / unit, y = height - 10;
-  strokeLines(c, [[[left, y], [right, y]], ...[left, right].map((x) => [[x, y - 3], [x, y + 3]])], kInk, 1.2);
+  const { margin, bar_part } = data.legend;
+  const [length, text] = data.lengths.reduce((best, next) => (next[0] <= bar_part * width * unit ? next : best));
+  const right = margin + length / unit, y = height - margin;
+  strokeLines(c, [[[margin, y], [right, y]], ...[margin, right].map((x) => [[x, y - 3], [x, y + 3]])], data.ink, 1.2);
   c.fillText(text, right + 5, y);
 }
 
-/// Each at the middle of its bond, and none over another one.
-function nameTurned(c, frame, place) {
-  const plates = [];
-  for (const [a, b, text] of frame.turned) {
-    let [x, y] = place(plus(sphere(frame, a), plus(sphere(frame, b), sphere(frame, a), -1), 0.5));
-    const wide = c.measureText(text).width + 8;
-    while (plates.some(([px, py, pw]) => Math.abs(x - px) < (wide + pw) / 2 && Math.abs(y - py) < 16)) y += 16;
-    plates.push([x, y, wide]);
-    c.fillStyle = "#fffd";
-    c.fillRect(x - wide / 2, y - 8, wide, 16);
-    c.fillStyle = kInk;
-    c.fillText(text, x - wide / 2 + 4, y);
+/// In a column to the right of the rightmost sphere, so that they cover none, each at the height of its bond's middle or
+/// below the one before, with a line to there.
+function nameTurned(c, width, height, frame, place, unit) {
+  const { margin, name_row } = data.legend;
+  const beside = data.spheres.reduce((most, _, k) => Math.max(most, place(sphere(frame, k))[0] + drawnRadius(k) / unit), 0);
+  const middle = (a, b) => place(plus(sphere(frame, a), plus(sphere(frame, b), sphere(frame, a), -1), 0.5));
+  let y = margin, leftOver = frame.turned.length;
+  for (const [at, text] of frame.turned.map(([a, b, text]) => [middle(a, b), text]).sort((one, other) => one[0][1] - other[0][1])) {
+    const left = Math.min(beside + 2 * margin, width - margin - c.measureText(text).width);
+    y = Math.max(y, Math.min(at[1], height - name_row * leftOver--));
+    strokeLines(c, [[[left - margin / 2, y], at]], data.ink, 1.2);
+    c.fillText(text, left, y);
+    y += name_row;
   }
 }
 
@@ -94,13 +96,12 @@ function drawFlash(c, frame, place, unit) {
 const hasForceBar = () => live && data.full_force > 0;
 
 function drawForceBar(c, width, height, force) {
-  if (Math.min(width, height) < 150) return;
   const x = width - 33, top = 0.4 * height, bottom = height - 26, part = clamp(force / data.full_force, 0, 1);
   c.fillStyle = "#dee0e6";
   c.fillRect(x, top, 14, bottom - top);
   c.fillStyle = data.force_colour;
   c.fillRect(x, bottom - part * (bottom - top), 14, part * (bottom - top));
-  c.fillStyle = kInk;
+  c.fillStyle = data.ink;
   c.textAlign = "right";
   c.fillText(`${threeDigits(data.full_force)} N`, width - 8, top - 10);
   c.fillText("0", width - 23, bottom + 10);
@@ -109,16 +110,17 @@ function drawForceBar(c, width, height, force) {
 
 function drawLegend() {
   const [c, width, height] = context(element("legend"), ...pictureSize());
-  const scale = letterScale(), unit = pixel() * scale;
+  const scale = letterScale(), unit = pixel() * scale, shorter = Math.min(width, height), large = shorter >= data.legend.smallest;
   const place = (v) => inPicture(v).map((x) => x / scale);
-  c.fillStyle = kInk;
-  drawScaleBar(c, width, height, unit);
-  const longest = Math.min(data.axes.longest, data.axes.part * Math.min(width, height));
-  drawAxes(c, longest + 26, height - longest - 40, longest);
+  c.fillStyle = data.ink;
+  if (large) {
+    drawScaleBar(c, width, height, unit);
+    drawAxes(c, height, Math.min(data.legend.axis, data.legend.axis_part * shorter));
+  }
   if (frames.length === 0) return;
   const frame = frames[shown];
-  nameTurned(c, frame, place);
+  if (large) nameTurned(c, width, height, frame, place, unit);
   drawHand(c, frame, place);
   drawFlash(c, frame, place, unit);
-  if (hasForceBar()) drawForceBar(c, width, height, frame.size);
+  if (large && hasForceBar()) drawForceBar(c, width, height, frame.size);
 }

@@ -1,10 +1,14 @@
 // The page of view: `data` is the scene, and what it and a frame hold is in tools/view/page/page.cpp. In the file of
-// view --html the frames are in it; the live page of view --web gets both by a WebSocket. The picture is that of
-// view --png: texts, colours, sizes and the first camera come from there.
+// view --html the frames are in it; the live page of view --web gets both by a WebSocket.
+//
+// view decides what is seen: texts, colours, sizes, the arrow, bonds, sticks, the first camera, and all numbers of the
+// legend and of the light are data. The page turns the camera's axes itself, since a turn by the mouse must be seen at
+// once and a saved page has no view beside it. From that follows what else it does: it multiplies places by these axes,
+// takes the longest bar that fits the zoom, and finds the neighbours that darken each ball of the frame that is shown.
 
 const frames = [];       // of a live page those of the last seconds
 const kLiveSeconds = 20;
-const kLiveBytes = 64e6;
+const kMostNumbers = 16e6;  // of centres
 let live = false;
 let socket = null;
 let ended = false;
@@ -13,21 +17,12 @@ let snaps = 0;           // of a live page, since it was opened
 let shown = 0;           // the frame
 let playing = null;      // of a file: since when, and from which time of play on; of a live page: whether it goes on
 
-/// A frame of bytes: see page_frame() in page.cpp.
-function decode(buffer) {
-  const [time, jumps] = new Float64Array(buffer, 0, 2);
-  const [bonds] = new Uint32Array(buffer, 16, 1);
-  const rest = new Float32Array(buffer, 20, 15);
-  const centres = new Float32Array(buffer, 80, 3 * data.spheres.length);
-  const text = new Uint8Array(buffer, 80 + 4 * (centres.length + bonds));
-  const [status, ...turned] = new TextDecoder().decode(text).split("\n");
+/// A frame as page_frame() in page.cpp makes it, and what the drawing needs besides.
+function decode(frame) {
   const before = frames[frames.length - 1];
   return {
-    time, jumps, hip: [...rest.slice(0, 3)], force: [...rest.slice(3, 6)], size: Math.hypot(...rest.slice(3, 6)),
-    hand: [...rest.slice(6, 9)], energy: rest[9], own: rest[10], arrow: [...rest.slice(11)], centres,
-    bonds: new Uint16Array(buffer, 80 + 4 * centres.length, 2 * bonds),
-    status, turned: turned.map((line) => line.match(/^(\d+) (\d+) (.*)$/).slice(1)),
-    snapped: before !== undefined && before.jumps !== jumps, bytes: buffer.byteLength,
+    ...frame, centres: Float32Array.from(frame.centres, (x) => x ?? NaN), size: Math.hypot(...frame.force),
+    snapped: before !== undefined && before.jumps !== frame.jumps,
   };
 }
 
@@ -101,7 +96,7 @@ function goToHash() {
 function take(frame) {
   frames.push(frame);
   if (frame.snapped) ++snaps;
-  while (frames.length > 2 && (frames[0].time < frame.time - kLiveSeconds || frames.length * frame.bytes > kLiveBytes)) {
+  while (frames.length > 2 && (frames[0].time < frame.time - kLiveSeconds || frames.length * frame.centres.length > kMostNumbers)) {
     frames.shift();
     shown = Math.max(0, shown - 1);
   }
@@ -109,8 +104,11 @@ function take(frame) {
   drawSoon();
 }
 
-function onText(message) {
-  if (message.scene) {
+function onMessage(message) {
+  if (message.frame) {
+    socket.send(".\n");  // so that view sends no more than arrives
+    take(decode(message.frame));
+  } else if (message.scene) {
     data = message.scene;
     build();
     setPlaying(true);
@@ -131,15 +129,7 @@ function connect() {
   address.protocol = "ws:";
   address.hash = "";
   socket = new WebSocket(address, "hapgrid");
-  socket.binaryType = "arraybuffer";
-  socket.onmessage = (e) => {
-    if (typeof e.data === "string") {
-      onText(JSON.parse(e.data));
-    } else {
-      socket.send(".\n");  // so that view sends no more than arrives
-      take(decode(e.data));
-    }
-  };
+  socket.onmessage = (e) => onMessage(JSON.parse(e.data));
   socket.onclose = () => {
     hand = null;
     ended = true;
@@ -149,7 +139,7 @@ function connect() {
 }
 
 if (data) {
-  for (const text of data.frames) frames.push(decode(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer));
+  for (const frame of recorded) frames.push(decode(frame));
   build();
   goToHash();
 } else {

@@ -1,8 +1,5 @@
 #include "tools/view/page/page.hpp"
 
-#include <glib.h>
-
-#include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -18,24 +15,13 @@
 #include "libcore/scene/torsion.hpp"
 #include "tools/view/hand.hpp"
 #include "tools/view/page/parts.hpp"
-#include "tools/view/traces.hpp"
+#include "tools/view/status.hpp"
 
 namespace hapgrid {
 
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-static_assert(std::endian::native == std::endian::little);
-
-template <class T>
-void append(std::string& bytes, T value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-void append(std::string& bytes, const Vec3& v) {
-  for (const double x : v) append(bytes, static_cast<float>(x));
-}
 
 /// As CSS has it.
 std::string css(const Colour& colour) {
@@ -72,6 +58,7 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
   const Box& box = scene.box;
   Camera camera{azimuth_degrees, elevation_degrees};
   const auto extent = fit_extent(scene, frame, options, camera);
+  const PictureAxes axes(camera);
   const auto [hand_low, hand_high] = hand_range(box);
   Json data = {
       {"model", printable_line(scene.model)},
@@ -104,10 +91,19 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
       {"most_occluders", light::kMostOccluders},
       {"most_shaded", light::kMostShaded},
       {"light", light_numbers()},
-      {"axes",
-       {{"longest", kAxis}, {"part", kAxisPart}, {"gap", kAxisGap}, {"shortest", kShortestAxis}}},
-      {"azimuth", azimuth_degrees},
-      {"elevation", elevation_degrees},
+      {"ink", css(kInk)},
+      {"legend",
+       {{"margin", kMargin},
+        {"axis", kAxis},
+        {"axis_part", kAxisPart},
+        {"axis_gap", kAxisGap},
+        {"shortest_axis", kShortestAxis},
+        {"bar_part", kBarPart},
+        {"name_row", kNameRow},
+        {"smallest", kSmallest},
+        {"names_width", names_width(scene)},
+        {"names_part", kNamesPart}}},
+      {"axes", {axes.right, axes.up, axes.near}},
       {"centre", camera.centre},
       {"extent", extent},
       {"lengths", Json::array()},
@@ -124,35 +120,35 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
   return data;
 }
 
-std::string page_frame(const Scene& scene, const Frame& frame, const RenderOptions& options) {
-  const auto bonds = find_bonds(scene, frame);
-  std::string bytes;
-  append(bytes, frame.time_s);
-  append(bytes, static_cast<double>(frame.jumps));
-  append(bytes, static_cast<std::uint32_t>(bonds.size()));
-  append(bytes, frame.position);
-  append(bytes, frame.force);
-  append(bytes, frame.hand);
-  append(bytes, static_cast<float>(frame.energy));
-  append(bytes, static_cast<float>(frame.own_energy));
-  for (const double size : arrow_sizes(scene, frame, options))
-    append(bytes, static_cast<float>(size));
-  for (const float x : frame.centres) append(bytes, x);
-  for (const auto& bond : bonds)
-    for (const std::uint32_t end : bond) append(bytes, static_cast<std::uint16_t>(end));
-  bytes += status_text(scene, frame);
+Json page_frame(const Scene& scene, const Frame& frame, const RenderOptions& options) {
+  // To a thousandth of the grid's spacing, or finer.
+  const double parts = std::pow(10, 3 - std::floor(std::log10(scene.box.spacing)));
+  Json centres = Json::array(), turned = Json::array();
+  for (const double x : frame.centres) centres.push_back(std::round(x * parts) / parts);
   for (std::size_t i = 0; i < frame.turned.size(); ++i)
     if (std::abs(frame.turned[i]) >= kTurned) {
       const Torsion& torsion = scene.torsions[i];
-      bytes += format("\n{} {} {}", torsion.spheres[1], torsion.spheres[2],
-                      turned_text(torsion, frame.turned[i]));
+      turned.push_back(
+          {torsion.spheres[1], torsion.spheres[2], turned_text(torsion, frame.turned[i])});
     }
-  return bytes;
+  return {{"time", frame.time_s},
+          {"jumps", frame.jumps},
+          {"hip", frame.position},
+          {"force", frame.force},
+          {"hand", frame.hand},
+          {"energy", frame.energy},
+          {"own", frame.own_energy},
+          {"arrow", arrow_sizes(scene, frame, options)},
+          {"centres", centres},
+          {"bonds", find_bonds(scene, frame)},
+          {"status", status_text(scene, frame)},
+          {"turned", turned}};
 }
 
-std::string page_text(const std::string& data) {
-  return std::string(kPageHead) + "\"use strict\";\nlet data = " + data + ";\n" + kPageScript +
-         "</script>\n</body>\n</html>\n";
+std::string page_text(const std::string& data, const std::string& shown) {
+  return format(
+      "{}\"use strict\";\nlet data = {};\nconst recorded = [{}];\n{}</script>\n</body>\n</html>\n",
+      kPageHead, data, shown, kPageScript);
 }
 
 std::string script_of(const nlohmann::ordered_json& json) {
@@ -163,13 +159,6 @@ std::string script_of(const nlohmann::ordered_json& json) {
     else
       text += c;
   return text;
-}
-
-std::string base64(const std::string& bytes) {
-  gchar* const text = g_base64_encode(reinterpret_cast<const guchar*>(bytes.data()), bytes.size());
-  std::string result(text);
-  g_free(text);
-  return result;
 }
 
 }  // namespace hapgrid

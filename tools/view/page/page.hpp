@@ -1,6 +1,6 @@
 // What view's page is made of. The page shows the scene in 3-D, which one can turn, the curves of
 // force and energy, marks where the state snapped, and a slider for the time. In the file of --html
-// the frames are in the page; the live page of --web gets the same bytes as messages. Nothing is
+// the frames are in the page; the live page of --web gets the same texts as messages. Nothing is
 // loaded from elsewhere: the scripts and the numbers are in the page.
 #pragma once
 
@@ -19,20 +19,16 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
                                   const RenderOptions& options, double azimuth_degrees,
                                   double elevation_degrees);
 
-/// A frame in little endian: the time and the jumps as doubles, and the number of bonds in 32 bits;
-/// then floats: the HIP held in the box, the force, the hand (NaN where there is none), the
-/// energies, the arrow_sizes(), the spheres' centres; then the bonds as pairs of 16 bits; then a
-/// text of lines: the numbers for people, and for each torsion that has turned the two spheres of
-/// its bond and its name.
-std::string page_frame(const Scene& scene, const Frame& frame, const RenderOptions& options);
+/// A frame: the HIP is held in the box; arrow has the arrow_sizes(); centres are x y z by sphere,
+/// and bonds pairs of spheres; status is a line of numbers for people; turned has for each torsion
+/// that has turned the two spheres of its bond and its name. What is not finite is null.
+nlohmann::ordered_json page_frame(const Scene& scene, const Frame& frame,
+                                  const RenderOptions& options);
 
-/// The page with the text of its data.
-std::string page_text(const std::string& data);
+/// The page with the text of its data, and those of frames with commas between them.
+std::string page_text(const std::string& data, const std::string& shown);
 
 /// JSON that can stand in a script: a stream's strings cannot end it.
 std::string script_of(const nlohmann::ordered_json& json);
-
-/// Bytes as an ASCII text, which JSON can hold.
-std::string base64(const std::string& bytes);
 
 }  // namespace hapgrid

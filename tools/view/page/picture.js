@@ -19,11 +19,10 @@ function buildPicture() {
 }
 
 function makeShapes() {
-  const solid = { ball: 4, tint: 3 }, round = makeProgram(gl, kBallVertex, kSolidFragment);
+  // Of many balls each is small, and nobody sees its corners.
+  const columns = data.spheres.length > 500 ? 16 : 48;
   shapes = {
-    balls: makeShape(gl, round, ballMesh(48), solid),
-    beads: makeShape(gl, round, ballMesh(16), solid),
-    discs: makeShape(gl, round, discMesh(), solid),
+    balls: makeShape(gl, makeProgram(gl, kBallVertex, kSolidFragment), ballMesh(columns), { ball: 4, tint: 3 }),
     rods: makeShape(gl, makeProgram(gl, kRodVertex, kSolidFragment), rodMesh(), { from: 4, to: 4, tint: 3 }),
     lines: makeShape(gl, makeProgram(gl, kLineVertex, kLineFragment), squareMesh(), { from: 3, to: 3 }),
     floor: makeShape(gl, makeProgram(gl, kFloorVertex, kFloorFragment), squareMesh(), { place: 4, dark: 1 }),
@@ -47,8 +46,7 @@ function boxEdges() {
 /// The halves of the sticks, each in the colour of its end, and the arrow, which begins outside the HIP.
 function rodsOf(frame) {
   const rods = [];
-  for (let b = 0; sticks && b < frame.bonds.length; b += 2) {
-    const ends = [frame.bonds[b], frame.bonds[b + 1]];
+  for (const ends of sticks ? frame.bonds : []) {
     const [from, to] = ends.map((k) => sphere(frame, k));
     const middle = plus(from, plus(to, from, -1), 0.5);
     const radius = data.stick_part * Math.min(...ends.map((k) => data.spheres[k][0]));
@@ -85,23 +83,20 @@ function floorOf(balls) {
 }
 
 function drawPicture(frame) {
-  const { right, up, near } = axes(), [width, height] = pictureSize(), unit = pixel();
-  const ratio = window.devicePixelRatio, size = setSize(gl.canvas, width, height);
+  const near = view.axes[2], [width, height] = pictureSize(), unit = pixel();
+  const size = setSize(gl.canvas, width, height);
   gl.viewport(0, 0, ...size);
   gl.clearColor(1, 1, 1, 1);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
 
-  // Of a small ball nobody sees the corners: the large ones come first, because they have more.
-  const isLarge = ([k]) => drawnRadius(k) > 10 * unit && data.spheres.length <= 500;
-  const all = data.spheres.map((_, k) => [k, sphere(frame, k)]).filter(([, at]) => finite(at));
-  const places = [...all.filter(isLarge), ...all.filter((place) => !isLarge(place))];
+  const places = data.spheres.map((_, k) => [k, sphere(frame, k)]).filter(([, at]) => finite(at));
   const deep = [...places.map(([, at]) => at), ...[0, 1, 2, 3, 4, 5, 6, 7].map(boxCorner)].map((at) => dot(near, plus(at, view.centre, -1)));
   const farthest = deep.reduce((a, b) => Math.max(a, Math.abs(b)), 0) + 4 * data.extent[0] + 4 * data.extent[1];
   const uniforms = {
-    axes: [...right, ...up, ...near], centre: view.centre, low: data.low, high: data.high, window: size,
+    axes: view.axes.flat(), centre: view.centre, low: data.low, high: data.high, window: size,
     scale: [2 / (unit * width), 2 / (unit * height), -1 / farthest],
     depths: [deep.reduce((a, b) => Math.max(a, b)), deep.reduce((a, b) => Math.min(a, b))],
-    opacity: 1, rim: 0, first: 0, occluded: false,
+    opacity: 1, rim: 0, occluded: false,
   };
   const balls = places.flatMap(([k, at]) => [...at, drawnRadius(k), ...data.spheres[k].slice(1)]), rods = rodsOf(frame);
   const shaded = places.length <= data.most_shaded;
@@ -125,16 +120,14 @@ function drawPicture(frame) {
   gl.enable(gl.DEPTH_TEST);
   gl.depthFunc(gl.LESS);
   gl.enable(gl.CULL_FACE);
-  shapes.discs(balls, { ...uniforms, rim });
+  shapes.balls(balls, { ...uniforms, rim });
   shapes.rods(rods, { ...uniforms, rim });
-  const large = places.filter(isLarge).length;
-  shapes.balls(balls.slice(0, 7 * large), { ...uniforms, occluded: shaded });
-  shapes.beads(balls.slice(7 * large), { ...uniforms, occluded: shaded, first: large });
+  shapes.balls(balls, { ...uniforms, occluded: shaded });
   shapes.rods(rods, uniforms);
   gl.disable(gl.CULL_FACE);
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-  shapes.lines(boxEdges(), { ...uniforms, rim: data.line_pixels * ratio * letterScale() });
+  shapes.lines(boxEdges(), { ...uniforms, rim: data.line_pixels * window.devicePixelRatio * letterScale() });
   if (!hasHip) return;
   // The HIP, and fainter what of it is behind something.
   for (const [test, opacity] of [[gl.GREATER, data.hidden_opacity], [gl.LESS, data.hip_opacity]]) {

@@ -12,7 +12,6 @@ const kShaderHead = () => "#version 300 es\nprecision highp float; precision hig
   uniform vec2 window;   // pixels
   uniform float rim;     // width of the dark rim; 0 for the shape itself
   uniform float opacity;
-  uniform float first;   // ball of this list among all
   uniform bool occluded;
   uniform sampler2D occluders;  // a row for each ball
   vec3 seen(vec3 place) { return (place - centre) * axes; }
@@ -30,7 +29,7 @@ const kSolidVertex = (parts, body) => `
   out float z;
   void main() {
     own = tint;
-    number = int(first) + gl_InstanceID;
+    number = gl_InstanceID;
     vec3 middle;
     float radius;
     ${body}
@@ -43,7 +42,7 @@ const kBallVertex = kSolidVertex("in vec4 ball;", `
     middle = ball.xyz;
     radius = ball.w;
     normal = unit;
-    at = middle + (radius + rim) * (rim > 0.0 ? axes * unit : unit);  // a rim is a disc`);
+    at = middle + (radius + rim) * unit;`);
 // Unit is on a circle around the rod, and says where along it; below 0 it is of the flat end.
 const kRodVertex = kSolidVertex("in vec4 from, to;", `
     float size = max(distance(from.xyz, to.xyz), 1e-12);
@@ -138,7 +137,6 @@ function mesh(columns, rows, place) {
 const circle = (u) => [Math.cos(2 * Math.PI * u), Math.sin(2 * Math.PI * u)];
 const squareMesh = () => mesh(1, 1, (u, v) => [u, v, 0]);
 const rodMesh = () => mesh(32, 3, (u, v) => v === 0 ? [0, 0, -1] : [...circle(u), [-1, 0, 1][Math.round(3 * v) - 1]]);
-const discMesh = () => mesh(48, 1, (u, v) => [...circle(u).map((x) => x * (1 - v)), 0]);
 function ballMesh(columns) {
   return mesh(columns, columns / 2, (u, v) => [...circle(u).map((x) => x * Math.sin(Math.PI * v)), -Math.cos(Math.PI * v)]);
 }

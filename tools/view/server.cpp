@@ -1,0 +1,74 @@
+#include "tools/view/server.hpp"
+
+#include <utility>
+
+#include "libcore/base/error.hpp"
+#include "libcore/base/format.hpp"
+#include "tools/common/tool.hpp"
+
+namespace hapgrid {
+
+Server::Server(const std::string& address, int port, const lws_protocols* protocols,
+               std::uint64_t lws_options) {
+  ::lws_set_log_level(0, nullptr);
+  // Who is silent is asked after 5 s, and given up after 20 s.
+  static const lws_retry_bo_t kPatience{nullptr, 0, 0, 5, 20, 0};
+  lws_context_creation_info info{};
+  info.port = port;
+  info.iface = address.c_str();
+  info.protocols = protocols;
+  info.retry_and_idle_policy = &kPatience;
+  info.user = this;
+  info.options =
+      lws_options | LWS_SERVER_OPTION_DISABLE_IPV6 | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
+  context_ = ::lws_create_context(&info);
+  if (!context_)
+    throw Error(format("cannot listen on port {} of {}: is another program there?", port, address));
+}
+
+Server::~Server() {
+  feed_.reset();  // its thread wakes up the context
+  ::lws_context_destroy(context_);
+}
+
+int Server::call(lws* wsi, lws_callback_reasons reason, void*, void* in, size_t size) {
+  auto* const server = static_cast<Server*>(::lws_context_user(::lws_get_context(wsi)));
+  if (!server->feed_) return 0;  // while it is made or ended
+  try {
+    return server->answer(wsi, reason, in, size);
+  } catch (...) {
+    server->failure_ = std::current_exception();
+    return -1;
+  }
+}
+
+void Server::open(const std::string& frames) {
+  feed_.emplace(frames, [this] { ::lws_cancel_service(context_); });
+}
+
+void Server::serve() {
+  while (!done_ && ::lws_service(context_, 0) >= 0) {
+    if (failure_) std::rethrow_exception(failure_);
+    if (ended_) feed_->check();
+  }
+}
+
+int Server::port() const {
+  return ::lws_get_vhost_listen_port(::lws_get_vhost_by_name(context_, "default"));
+}
+
+void Server::start(Timer& timer, lws_usec_t after) {
+  ::lws_sul_schedule(
+      context_, 0, &timer, [](lws_sorted_usec_list_t* list) { static_cast<Timer*>(list)->act(); },
+      after);
+}
+
+void Server::end_after(lws_usec_t time) {
+  farewell_.act = [this] {
+    done_ = true;
+    ::lws_cancel_service(context_);
+  };
+  start(farewell_, time);
+}
+
+}  // namespace hapgrid

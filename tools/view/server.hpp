@@ -1,0 +1,55 @@
+// What the two servers of view have in common: a port that libwebsockets listens on, and callbacks
+// that may throw. All of a server is done by one thread, in these callbacks.
+#pragma once
+
+#include <libwebsockets.h>
+
+#include <exception>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "tools/view/feed.hpp"
+
+namespace hapgrid {
+
+class Server {
+ public:
+  virtual ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+ protected:
+  /// Listens. @param address IPv4 @param port 0: one that is free
+  /// @param protocols each of their callbacks is `call` @throw Error
+  Server(const std::string& address, int port, const lws_protocols* protocols,
+         std::uint64_t lws_options);
+
+  static int call(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t size);
+  /// What a callback of libwebsockets answers.
+  virtual int answer(lws* wsi, lws_callback_reasons reason, void* in, size_t size) = 0;
+
+  /// Waits for the scene. `feed_` is there from then on, and wakes up the server.
+  void open(const std::string& frames);
+  /// Until done_. @throw what a callback or the feed threw
+  void serve();
+  int port() const;
+
+  struct Timer : lws_sorted_usec_list_t {
+    std::function<void()> act;
+  };
+  void start(Timer& timer, lws_usec_t after);
+  /// Ends serve() so much later.
+  void end_after(lws_usec_t time);
+
+  std::optional<Feed> feed_;
+  bool ended_ = false;  // the last frame came
+
+ private:
+  bool done_ = false;
+  std::exception_ptr failure_;  // of a callback, which is C's
+  lws_context* context_ = nullptr;
+  Timer farewell_{};
+};
+
+}  // namespace hapgrid

@@ -1,0 +1,31 @@
+#include "tools/view/status.hpp"
+
+#include <cmath>
+
+#include "libcore/base/format.hpp"
+#include "libcore/base/table.hpp"
+#include "libcore/base/text.hpp"
+#include "libcore/scene/torsion.hpp"
+
+namespace hapgrid {
+
+std::string status_text(const Scene& scene, const Frame& frame) {
+  std::string text =
+      format("t {} s   force {} N",
+             std::abs(frame.time_s) < 1e9 ? fixed(frame.time_s, 2) : three_digits(frame.time_s),
+             three_digits(length_of(frame.force)));
+  if (std::isfinite(frame.energy)) {
+    text += "   energy " + three_digits(frame.energy);
+    if (!scene.energy_unit.empty()) text += " " + printable_line(scene.energy_unit);
+  }
+  if (std::isfinite(frame.own_energy)) text += "   model alone " + three_digits(frame.own_energy);
+  std::size_t farthest = frame.turned.size();
+  for (std::size_t i = 0; i < frame.turned.size(); ++i)
+    if (std::abs(frame.turned[i]) >= (farthest < i ? std::abs(frame.turned[farthest]) : kTurned))
+      farthest = i;
+  if (farthest < frame.turned.size())
+    text += "   " + turned_text(scene.torsions[farthest], frame.turned[farthest]);
+  return text;
+}
+
+}  // namespace hapgrid
