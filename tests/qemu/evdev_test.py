@@ -83,10 +83,11 @@ assert words[:4] == [["set", "96", "65535"], "upload 0 rumble 0 0 250".split(), 
                      ["play", "0", "1"]], words[:4]
 snaps = [i for i, w in enumerate(words) if w == ["play", "1", "1"]]
 assert len(snaps) == 1 and any("snapped in 1 ticks" in line for line in parts["gamepad"]), snaps
-assert int([w for w in words[:snaps[0]] if w[0] == "upload"][-1][3]) > 39000, words[snaps[0] - 3:snaps[0]]
-# The slew limit leaves a rest of the force for one tick more, whose turn it can be.
+before = int([w for w in words[:snaps[0]] if w[0] == "upload"][-1][3])
+assert before > 39000, words[snaps[0] - 3:snaps[0]]
+# The slew limit leaves a rest of the force for one tick more, whose turn it can be: much, if little time has passed.
 after = [int(w[3]) for w in words[snaps[0] + 1:] if w[:3] == ["upload", "0", "rumble"]]
-assert after[0] == 0 or (after[0] < 20000 and after[1] == 0), words[snaps[0]:snaps[0] + 4]
+assert after[0] == 0 or (after[0] < before and after[1] == 0), words[snaps[0]:snaps[0] + 4]
 # At most one force in 10 ms, and one that is played goes on.
 uploads = [t for t, w in zip(times, words) if w[:2] == ["upload", "0"] and w[3] != "0"]  # no force goes at once
 assert min(b - a for a, b in zip(uploads[1:], uploads[2:])) > 0.0099, uploads
