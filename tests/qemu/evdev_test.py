@@ -19,11 +19,11 @@ for line in open(sys.argv[1]):
 
 
 def ticks(name):
-    """(HIP, force that was sent, state) of each tick of a session, through stats."""
+    """(HIP, force that was sent, levels of the corners) of each tick of a session, through stats."""
     open("log.session", "wb").write(base64.b64decode("".join(parts[f"{name} session"])))
     subprocess.run(["stats", "--log", "log.session", "--export", "log.txt"], check=True, stdout=subprocess.DEVNULL)
-    rows = [list(map(float, line.split("\t")[:19])) for line in open("log.txt") if line[0] != "#"]
-    return [(row[1:4], row[7:10], row[18]) for row in rows]
+    rows = [list(map(float, line.split("\t")[:18])) for line in open("log.txt") if line[0] != "#"]
+    return [(row[1:4], row[7:10], row[10:18]) for row in rows]
 
 
 def constant(force):
@@ -105,10 +105,10 @@ end = ("play 0 0", "play 1 0", "play 0 0", "erase 0", "play 1 0", "erase 1")
 assert words[-6:] == [line.split() for line in end], words[-6:]
 
 # The second button, held for 50 ms while the ball is pushed, takes it to its other level there, once: from then on, until the
-# other play's ball snaps, the states differ, and nowhere else but where a snap is a tick later.
+# other play's ball snaps, the levels differ, and nowhere else but where a snap is a tick later.
 ended("next", 0)
-pushed = {round(hip[0], 6): state for hip, _, state in played}
-differs = [abs(state - pushed[round(hip[0], 6)]) > 0.1 for hip, _, state in ticks("next") if round(hip[0], 6) in pushed]
+pushed = {round(hip[0], 6): levels for hip, _, levels in played}
+differs = [levels != pushed[round(hip[0], 6)] for hip, _, levels in ticks("next") if round(hip[0], 6) in pushed]
 lengths = [len(list(run)) for is_other, run in itertools.groupby(differs) if is_other]
 assert lengths[0] > 60 and sum(lengths[1:]) <= 5 and not differs[0], (lengths, len(differs))
 
