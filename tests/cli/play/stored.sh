@@ -2,9 +2,10 @@
 # that play evaluates, on the hung ball. Also: play needs no plug-in for what is stored.
 source "$(dirname "$0")/../lib.sh"
 
-seed "$ball" | expand --complete -o evaluated
-seed "$ball" --set model.parameters.stored=true | expand --complete -o stored
-seed "$ball" --set model.parameters.stored=true -o seeds
+plain=(--set search.tears=false)
+seed "$ball" "${plain[@]}" | expand --complete -o evaluated
+seed "$ball" "${plain[@]}" --set model.parameters.stored=true | expand --complete -o stored
+seed "$ball" "${plain[@]}" --set model.parameters.stored=true -o seeds
 
 # The same states in the same levels, found through requests and merges, too.
 stats --dump evaluated >evaluated.dump
