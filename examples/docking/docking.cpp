@@ -85,6 +85,7 @@ std::shared_ptr<Site> site_of(hapgrid::PluginParameters& parameters) {
   if (by_atoms) {
     const std::vector<Atom> host = read_host(given.host);
     std::vector<table::Atom> atoms;
+    atoms.reserve(host.size());
     for (const Atom& atom : host) atoms.push_back({atom.type, atom.place});
     Poses poses(std::move(body), host, given.soft);
     last.reset(new Site{std::move(given), std::move(poses), std::move(atoms)});

@@ -300,7 +300,7 @@ void keep_torsions(Ligand& ligand, const std::vector<std::size_t>& kept) {
 }
 
 std::string element_of(const std::string& type) {
-  for (const std::string two : {"Cl", "Ca", "Br", "Zn", "Mg", "Mn", "Fe"})
+  for (const char* const two : {"Cl", "Ca", "Br", "Zn", "Mg", "Mn", "Fe"})
     if (type.size() == 2 && type[0] == two[0] && (type[1] | ' ') == two[1]) return two;
   return type == "A" || type == "G" || type == "J" || type == "Q" ? "C" : type.substr(0, 1);
 }
