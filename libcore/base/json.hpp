@@ -15,7 +15,7 @@ bool nests_too_deep(std::string_view json);
 
 /// As nlohmann::json::parse(), which is compiled in json.cpp alone: each source that compiles it
 /// takes two seconds more.
-/// @throw nlohmann::json::parse_error
+/// @throw nlohmann::json::exception, also for a number that no double has, such as 1e999
 nlohmann::json parse_json(std::string_view text);
 
 }  // namespace hapgrid

@@ -141,7 +141,7 @@ void add_costs(CostSums& sums, const std::string& name, const std::string& text)
     nlohmann::json json;
     try {
       if (!nests_too_deep(line)) json = parse_json(line);
-    } catch (const nlohmann::json::parse_error&) {
+    } catch (const nlohmann::json::exception&) {
       // It stays null.
     }
     if (!json.is_object()) fail("no JSON object");

@@ -66,8 +66,10 @@ echo '{"cpu_seconds": 7200, "conversions": 5, "tear_conversions": 0}' >hours
 expect 0 2.0 '' -- stats --get cpu_hours --cost hours grid
 stats grid --cost hours | grep -qx 'hung-ball        1.000   [0-9.]* MB        2.0' ||
   fail "CPU hours in the table"
-echo '{"cpu_seconds": 1' >>hours
-refuses 'stats: hours: line 2: no JSON object' -- stats grid --cost r1 --cost hours
+for broken in '{"cpu_seconds": 1' '{"cpu_seconds": 1e999}'; do
+  printf '%s\n' "$(head -n 1 hours)" "$broken" >hours
+  refuses 'stats: hours: line 2: no JSON object' -- stats grid --cost r1 --cost hours
+done
 refuses 'stats: missing: No such file or directory' -- stats grid --cost missing
 
 # What is refused.

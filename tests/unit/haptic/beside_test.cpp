@@ -127,6 +127,7 @@ TEST_CASE("the state and the force are the model's, and fade to the grid's when 
   const double fails_at = 4.3;
   // To and fro between points, and from 2 s on beyond the place where the model fails.
   std::vector<double> path;
+  path.reserve(1000);
   for (int i = 0; i < 400; ++i) path.push_back(2.7 + 1.5 * std::sin(i / 50.0));
   while (path.back() < 5.5) path.push_back(path.back() + 0.01);
   for (const std::uint32_t delay : {0U, 1U}) {
