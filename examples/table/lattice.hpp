@@ -50,6 +50,7 @@ struct Lattice {
 
   /// Lattice coordinates of a place.
   Vector coordinates(const double* x) const;
+  /// Where a point of the lattice is, by its three numbers.
   Vector place(const Spline::Counts& point) const;
   /// The gradient by the place, from that by lattice coordinates.
   Vector gradient(const Vector& by_lattice) const;

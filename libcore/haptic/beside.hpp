@@ -37,12 +37,12 @@
 
 namespace hapgrid {
 
-/// Where the model will be, as it seems in a tick, and what it is like there.
+/// What the model says of the place where the hand will be when this answer comes.
 struct BesideAnswer {
-  std::uint64_t tick = 0;     ///< Beside::tick() of that time
+  std::uint64_t tick = 0;     ///< Beside::tick() when it was asked
   bool usable = false;        ///< the model could follow the hand
-  Vec3 at{0, 0, 0};           ///< where the hand will be when the answer comes, in the model's unit
-  std::vector<double> row;    ///< the state, and what the grid stores with it
+  Vec3 at{0, 0, 0};           ///< that place, in the model's unit of length
+  std::vector<double> row;    ///< GridSpec::row_size() values: state, and what is stored
   std::optional<Vec3> force;  ///< newtons; nothing: the model does not say
 };
 

@@ -110,8 +110,8 @@ class BranchTraversal final : public Traversal {
   const BesideAnswer* followed_ = nullptr;  // by the last step
   Vec3 held_at_{0, 0, 0};                   // the place of the last answer that was followed
   std::uint64_t trusted_from_ = 0;          // an answer of an earlier Beside::tick() is passed over
-  std::vector<double> missing_;             // of the row that the model has
-  std::vector<double> expected_;
+  std::vector<double> missing_;             // see find_missing()
+  std::vector<double> expected_;            // in follow(): the offset, less what is missing
   // How many branches of a cell are compared with the model's state.
   static constexpr std::size_t kMostCandidates = 64;
   std::vector<Branch> candidates_;  // all branches of the cell at candidates_base_, if any

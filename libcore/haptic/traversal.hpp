@@ -115,7 +115,7 @@ class Traversal {
   const std::array<RecordIndex, 8>& nodes() const { return nodes_; }
   /// The branches whose ghosts are among them; null where the rule has none.
   virtual const BranchNodes* branch_nodes() const { return nullptr; }
-  /// From now on the model decides between branches, where it keeps up. A rule that has no branches
+  /// From now on the model corrects state and force, where it keeps up. A rule that has no branches
   /// ignores it. @param beside of the same grid; it is told of each step, and outlives this.
   virtual void walk_beside(Beside*) {}
   /// The model's answer that the last step followed; null where there was none.

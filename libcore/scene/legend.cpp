@@ -54,7 +54,7 @@ void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
 
   const double axis = std::min(scale * kAxis, kAxisPart * shorter);
   const PictureAxes axes(camera);
-  const Vec3 middle{left + axis + 1.6 * left, bottom - axis - 3 * left, 0};
+  const Vec3 middle{scale * kAxesAside + axis, options.height - scale * kAxesAbove - 0.5 - axis, 0};
   for (std::size_t a = 0; a < 3; ++a) {
     const Vec3 way{axes.right[a], -axes.up[a], 0};
     if (length_of(way) < kShortestAxis) continue;  // it points at the viewer

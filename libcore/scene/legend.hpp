@@ -14,6 +14,8 @@ namespace hapgrid {
 inline constexpr double kMargin = 10;         ///< from the picture's edges
 inline constexpr double kAxis = 45;           ///< an axis's length at most,
 inline constexpr double kAxisPart = 0.12;     ///< and as a part of the picture's shorter side
+inline constexpr double kAxesAside = 26;      ///< from the left edge to the axes, but for a length
+inline constexpr double kAxesAbove = 40;      ///< from the lower edge, alike
 inline constexpr double kAxisGap = 9;         ///< from an axis's end to the middle of its name
 inline constexpr double kShortestAxis = 0.3;  ///< part of an axis's length that is seen at least
 inline constexpr double kBarPart = 0.25;      ///< of the picture's width, for the scale bar at most

@@ -29,8 +29,8 @@ function strokeLines(c, lines, colour, width) {
 
 /// From one place; those that point at the viewer are left out.
 function drawAxes(c, height, length) {
-  const { margin, axis_gap, shortest_axis } = data.legend, [right, up] = view.axes;
-  const middle = [2.6 * margin + length, height - 4 * margin - length];
+  const { axes_aside, axes_above, axis_gap, shortest_axis } = data.legend, [right, up] = view.axes;
+  const middle = [axes_aside + length, height - axes_above - length];
   c.textAlign = "center";
   [..."xyz"].forEach((name, a) => {
     const at = (far) => [middle[0] + far * right[a], middle[1] - far * up[a]];

@@ -4,7 +4,8 @@
 // view decides what is seen: texts, colours, sizes, the arrow, bonds, sticks, the first camera, and all numbers of the
 // legend and of the light are data. The page turns the camera's axes itself, since a turn by the mouse must be seen at
 // once and a saved page has no view beside it. From that follows what else it does: it multiplies places by these axes,
-// takes the longest bar that fits the zoom, and finds the neighbours that darken each ball of the frame that is shown.
+// takes the longest bar that fits the zoom, fits the model into its window, places the names of torsions, and finds the
+// neighbours that darken each ball of the frame that is shown.
 
 const frames = [];       // of a live page those of the last seconds
 const kLiveSeconds = 20;
