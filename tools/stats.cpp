@@ -1,5 +1,4 @@
-// stats: what is in a grid, as a report, a single value, a dump or an array; and what happened in a
-// play.
+// stats: what is in a grid, as a report, a single value or an array; and what happened in a play.
 
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -32,10 +31,8 @@ struct Options {
   std::vector<std::string> costs;
   std::string format = "text";
   std::string get;
-  bool dump = false;
   std::string npy;
   std::string log;
-  SessionOptions session;
   std::string output = "-";
 };
 
@@ -48,15 +45,6 @@ const Json* find(const Json& json, const std::string& key) {
     if (const auto head = json.find(key.substr(0, dot)); head != json.end())
       if (const Json* found = find(*head, key.substr(dot + 1))) return found;
   return nullptr;
-}
-
-/// Refuses a key that no report has, before anything is read.
-void require_known_key(const std::string& key) {
-  const Json keys = statistics_json(GridSpec{}, Statistics{}, nullptr);
-  if (keys.contains(key.substr(0, key.find('.')))) return;
-  std::string known;
-  for (const auto& item : keys.items()) known += (known.empty() ? "" : ", ") + item.key();
-  throw UsageError(format("--get: no value {} (there are: {})", key, known));
 }
 
 /// A value that header and footer tell, so that a loop over generations need not read the whole
@@ -85,52 +73,18 @@ void write_all(const std::string& name, const std::string& text) {
   output.commit();
 }
 
-/// A line for each record: i j k level state... and the 26 destination levels, q ascending,
-/// separated by tabs; '-' where the direction leaves the box, and '?' where it is not settled.
-/// States have 17 significant digits, in every locale.
-void dump(const Grid& grid, const std::string& name) {
-  constexpr std::size_t kBuffer = 1 << 20;
-  OutputFile output(name, /*binary=*/false);
-  std::string text = "# i\tj\tk\tlevel";
-  for (std::uint32_t c = 0; c < grid.state_size(); ++c) text += "\ts" + std::to_string(c);
-  for (int q = 0; q < kDirections; ++q) text += "\td" + std::to_string(q);
-  text += '\n';
-  for (RecordIndex r = 0; r < grid.records(); ++r) {
-    for (const std::uint32_t c : grid.box().coordinates(grid.point(r)))
-      text += std::to_string(c) + '\t';
-    text += std::to_string(grid.level(r));
-    for (const double value : grid.state(r)) append_digits17(text += '\t', value);
-    for (const Level level : grid.links(r))
-      text += '\t' + (level == kLeavesBox   ? "-"
-                      : level == kUnsettled ? "?"
-                                            : std::to_string(level));
-    text += '\n';
-    if (text.size() < kBuffer) continue;
-    output.write(text);
-    text.clear();
-  }
-  output.write(text);
-  output.commit();
-}
-
 void show_log(const Options& options) {
   InputFile file(options.log, InputFile::Content::kFramesOrText);
   if (!starts_with_zstd_frame(file))
     throw Error(format("{}: not a session; hapgrid plot draws a log that is text", file.name()));
-  SessionOptions session = options.session;
-  session.npy = options.npy;
-  session.format = options.format;
-  session.output = options.output;
-  run_session(std::move(file), session);
+  run_session(std::move(file), options.npy, options.format == "json", options.output);
 }
 
 /// Refuses options that do not go together.
 void check_options(const Options& options) {
   const bool reads_log = !options.log.empty();
-  if (!options.get.empty() + options.dump + (reads_log || !options.npy.empty()) > 1)
-    throw UsageError("--get, --dump, --npy and --log exclude each other");
-  if (!options.session.export_file.empty() && !reads_log) throw UsageError("--export needs --log");
-  if (!options.get.empty()) require_known_key(options.get);
+  if (!options.get.empty() && (reads_log || !options.npy.empty()))
+    throw UsageError("--get, --npy and --log exclude each other");
   if (reads_log && options.grid != "-")
     throw UsageError("--log reads a recorded play, so no grid can be given");
 }
@@ -150,7 +104,10 @@ std::string report(const Options& options, const LoadedGrid& loaded) {
   const Json json = statistics_json(spec, statistics, costs);
   if (options.get.empty()) return json_text(json);
   const Json* value = find(json, options.get);
-  if (!value) throw Error(format("--get: this grid has no value {}", options.get));
+  if (!value)
+    throw Error(
+        format("--get: this grid has no value {}; stats --format json shows those that there are",
+               options.get));
   return value_line(*value);
 }
 
@@ -159,7 +116,6 @@ void show_grid(const Options& options) {
     if (const auto value = value_from_footer(options.get, options.grid))
       return write_all(options.output, value_line(*value));
   const LoadedGrid loaded = load_grid(options.grid);
-  if (options.dump) return dump(loaded.grid, options.output);
   if (!options.npy.empty()) return write_grid_array(loaded.grid, options.npy);
   write_all(options.output, report(options, loaded));
 }
@@ -184,16 +140,11 @@ void add_grid_options(CommandLine& app, Options& options) {
   app.add("--get", options.get,
           "Key of the JSON report whose value alone is printed, as in --get box.spacing.")
       .type("KEY");
-  app.add_flag("--dump", options.dump,
-               "Print a line for each record: i j k level state..., and the levels of 26 links.");
 }
 
 void add_log_options(CommandLine& app, Options& options) {
   app.group("A log of play, instead of a grid");
   app.add("--log", options.log, "Session that play --log wrote ('-': standard input).")
-      .type("FILE");
-  app.add("--export", options.session.export_file,
-          "Text to write, with a line for each tick of a session.")
       .type("FILE");
 }
 

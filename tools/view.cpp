@@ -5,7 +5,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -40,9 +39,7 @@ struct Options {
   std::string html;
   double at_s = std::numeric_limits<double>::infinity();  // beyond: the last frame
   std::string size = "800x600";
-  double azimuth_degrees = Camera{}.azimuth_degrees;
-  double elevation_degrees = Camera{}.elevation_degrees;
-  double hip_radius = 0;
+  RenderOptions picture;
   std::string style = "spheres";
   bool web = false;
   std::string address = "127.0.0.1";
@@ -69,30 +66,22 @@ std::optional<std::pair<int, int>> parse_size(const std::string& text) {
 }
 
 /// The frame that --png shows: the one nearest to a time, the earlier of two.
-class Chosen {
- public:
-  explicit Chosen(double at_s) : at_s_(at_s) {}
+struct Chosen {
+  double at_s;
+  std::optional<Frame> frame = std::nullopt;
+  bool snapped = false;                               // the state, after the frame before
+  std::optional<std::uint64_t> jumps = std::nullopt;  // of the newest frame
 
-  void offer(const Frame& frame) {
+  void offer(const Frame& next) {
+    const bool snaps = jumps && *jumps != next.jumps;
+    jumps = next.jumps;
     // Frames come in the order of ticks; at infinity each one is nearer than those before.
-    const double distance = std::abs(frame.time_s - at_s_);
-    const bool snapped = jumps_ && *jumps_ != frame.jumps;
-    jumps_ = frame.jumps;
-    if (frame_ && std::isfinite(at_s_) && distance >= distance_) return;
-    frame_ = frame;
-    snapped_ = snapped;
-    distance_ = distance;
+    if (frame && std::isfinite(at_s) &&
+        std::abs(next.time_s - at_s) >= std::abs(frame->time_s - at_s))
+      return;
+    frame = next;
+    snapped = snaps;
   }
-  const std::optional<Frame>& frame() const { return frame_; }
-  /// Whether the state snapped after the frame before.
-  bool snapped() const { return snapped_; }
-
- private:
-  double at_s_;
-  double distance_ = 0;
-  std::optional<std::uint64_t> jumps_;  // of the newest frame
-  bool snapped_ = false;
-  std::optional<Frame> frame_;
 };
 
 /// @throw Error with the name and the tick, when a coordinate is not finite.
@@ -130,20 +119,10 @@ struct Report {
 };
 
 RenderOptions render_options(const Options& options) {
-  RenderOptions how;
+  RenderOptions how = options.picture;
   std::tie(how.width, how.height) = *parse_size(options.size);
-  how.hip_radius = options.hip_radius;
   how.sticks = options.style == "sticks";
   return how;
-}
-
-/// A picture of `frame` as --size, the angles and the sizes want it.
-Image picture(const Options& options, const Scene& scene, const Frame& frame, bool snapped) {
-  RenderOptions how = render_options(options);
-  how.flash = snapped;
-  return render(scene, frame,
-                fit_camera(scene, frame, how, options.azimuth_degrees, options.elevation_degrees),
-                how);
 }
 
 int run(const Options& options) {
@@ -152,10 +131,10 @@ int run(const Options& options) {
                 ": a session has no shape to show; play GRID --device replay:FILE --frames - "
                 "makes frames of it");
   announce_terminal(options.frames);
+  RenderOptions how = render_options(options);
   if (options.web) {
     run_web(options.frames,
-            {render_options(options), options.azimuth_degrees, options.elevation_degrees,
-             options.address, std::max(options.port, 0), options.hand, options.close});
+            {how, options.address, std::max(options.port, 0), options.hand, options.close});
     return kExitDone;
   }
   if (options.imd) {
@@ -163,8 +142,7 @@ int run(const Options& options) {
     return kExitDone;
   }
   if (!options.terminal.empty()) {
-    run_terminal(options.frames, {render_options(options), options.azimuth_degrees,
-                                  options.elevation_degrees, options.terminal});
+    run_terminal(options.frames, how, options.terminal);
     return kExitDone;
   }
   if ((options.xyz == "-") + (options.png == "-") + (options.html == "-") > 1)
@@ -180,28 +158,26 @@ int run(const Options& options) {
   SceneReader reader(options.frames);
   const Scene& scene = reader.scene();
   Report report;
-  Chosen chosen(options.at_s);
+  Chosen chosen{options.at_s};
   std::optional<Frame> first;
   std::string shown;
   for (Frame frame; reader.next(frame);) {
     report.add(frame);
     if (png) chosen.offer(frame);
-    if (html) {
-      shown += (first ? ",\n" : "") + script_of(page_frame(scene, frame, render_options(options)));
-      if (!first) first = frame;
-    }
+    if (html) shown += (first ? ",\n" : "") + script_of(page_frame(scene, frame, how));
+    if (!first) first = frame;
     if (xyz) xyz->write(xyz_frame(reader, frame, options.hip_label));
   }
+  if ((png || html) && !first)
+    throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
   if (png) {
-    if (!chosen.frame()) throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
-    png->write(encode_png(picture(options, scene, *chosen.frame(), chosen.snapped())));
+    how.flash = chosen.snapped;
+    // Fitted to the first frame, as the page's: all pictures of a play have one camera.
+    png->write(encode_png(render(scene, *chosen.frame, fit_camera(scene, *first, how), how)));
     png->commit();
   }
   if (html) {
-    if (!first) throw Error(format("{}: no frame in it, nothing to draw", reader.name()));
-    html->write(page_text(script_of(page_scene(scene, *first, render_options(options),
-                                               options.azimuth_degrees, options.elevation_degrees)),
-                          shown));
+    html->write(page_text(script_of(page_scene(scene, *first, how)), shown));
     html->commit();
   }
   if (xyz) xyz->commit();
@@ -293,17 +269,17 @@ void add_picture_options(CommandLine& app, Options& options) {
       .check([](const std::string& text) { return parse_size(text).has_value(); },
              format("like 800x600, at most {} each", kMaxPixels))
       .shows_default();
-  app.add("--azimuth", options.azimuth_degrees,
+  app.add("--azimuth", options.picture.azimuth_degrees,
           "Direction of the viewer around z; at 0, x points to the right and y away.")
       .type("DEGREES")
       .within(-360, 360, "an angle from -360 to 360 degrees")
       .shows_default();
-  app.add("--elevation", options.elevation_degrees,
+  app.add("--elevation", options.picture.elevation_degrees,
           "Angle of the viewer above the plane of x and y.")
       .type("DEGREES")
       .within(-90, 90, "an angle from -90 to 90 degrees")
       .shows_default();
-  app.add("--hip-radius", options.hip_radius,
+  app.add("--hip-radius", options.picture.hip_radius,
           "Radius of the ball at the HIP (default: that of the frames).")
       .type("LENGTH")
       .within(1e-12, 1e12, "a length from 1e-12 to 1e12");

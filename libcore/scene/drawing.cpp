@@ -87,7 +87,7 @@ void add_ring(const Vec3& middle, double radius, const Colour& colour, const Ren
     return Vec3{middle[0] + radius * rays * std::cos(angle),
                 middle[1] + radius * rays * std::sin(angle), 0};
   };
-  for (int i = 0; i < kSides; ++i) lines.push_back({at(i), at(i + 1), rays, colour});
+  for (int i = 0; i < kSides; ++i) lines.push_back({at(i), at(i + 1), kHandPixels * rays, colour});
 }
 
 /// The ring at the hand, and the thread by which the hand holds the HIP.
@@ -98,7 +98,7 @@ void add_hand(const Vec3& hand, const Vec3& hip, const RenderOptions& options,
   const double away = std::hypot(hip[0] - hand[0], hip[1] - hand[1]);
   if (!(away > kRingPixels * rays) || !std::isfinite(away)) return;
   const Vec3 from = along(hand, hip, kRingPixels * rays / away);
-  lines.push_back({{from[0], from[1], 0}, {hip[0], hip[1], 0}, rays, kHipColour});
+  lines.push_back({{from[0], from[1], 0}, {hip[0], hip[1], 0}, kHandPixels * rays, kHipColour});
 }
 
 /// What the floor has of a ball that is somewhere above it.
@@ -183,6 +183,7 @@ PictureAxes::PictureAxes(const Camera& camera) {
 
 std::array<double, 3> fit_extent(const Scene& scene, const Frame& frame,
                                  const RenderOptions& options, Camera& camera) {
+  camera = {options.azimuth_degrees, options.elevation_degrees};
   const PictureAxes axes(camera);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec3 low{kInfinity, kInfinity, kInfinity};
@@ -206,9 +207,8 @@ std::array<double, 3> fit_extent(const Scene& scene, const Frame& frame,
           std::max(0.0, kAround * (rightmost - middle[0]))};
 }
 
-Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
-                  double azimuth_degrees, double elevation_degrees) {
-  Camera camera{azimuth_degrees, elevation_degrees, {0, 0, 0}, 1};
+Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options) {
+  Camera camera;
   const auto [right, up, spheres] = fit_extent(scene, frame, options, camera);
   const bool named = options.legend && std::min(options.width, options.height) >= kSmallest;
   const double beside =
@@ -256,7 +256,6 @@ Drawing draw(const Scene& scene, const Frame& frame, const Camera& camera,
       for (const double wider : kFlashPixels)
         add_ring(hip, pixels + wider, kSnapColour, options, all.overlay);
   }
-  all.overlay.insert(all.overlay.end(), options.above.begin(), options.above.end());
   if (options.legend && std::min(options.width, options.height) >= kSmallest) {
     name_turned(scene, frame, project, options, all);
     add_legend(all, scene, camera, options);

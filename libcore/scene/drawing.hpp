@@ -47,6 +47,8 @@ struct Line {
 struct RenderOptions {
   int width = 800;
   int height = 600;
+  double azimuth_degrees = Camera{}.azimuth_degrees;  ///< of the camera that fit_camera() makes
+  double elevation_degrees = Camera{}.elevation_degrees;
   int supersampling = 3;  ///< rays a pixel and axis
   double hip_radius = 0;  ///< 0: the scene's own, or a 40th of the box's longest side
   bool box = true;
@@ -56,7 +58,6 @@ struct RenderOptions {
   int letter_scale = 1;
   bool sticks = false;  ///< smaller balls, and sticks between those that are joined (bonds.hpp)
   bool flash = false;   ///< rings at the HIP, because the model snapped
-  std::vector<Line> above = {};  ///< drawn over everything; in the drawing's coordinates
 };
 
 /// Parts of the radius of a sphere, and of the smaller of two, in the style of balls and sticks.
@@ -81,6 +82,8 @@ inline constexpr Colour kBoxColour{0.52F, 0.55F, 0.6F};
 
 /// Half the width of the box's edges, in pixels.
 inline constexpr double kLinePixels = 0.6;
+/// The same of the ring at the hand, of the thread and of the rings of a snap.
+inline constexpr double kHandPixels = 1;
 /// Pixels of the ring around the hand, and how far outside the HIP the rings of a snap are.
 inline constexpr double kRingPixels = 9;
 inline constexpr std::array<double, 2> kFlashPixels{4, 10};
@@ -131,15 +134,14 @@ struct Drawing {
 };
 
 /// The lengths, to the right and up from the middle of the picture, that the whole box and all
-/// spheres of the frame need at the camera's angles, with a margin and room for the HIP; and how
-/// far the spheres reach to the right. Sets the camera's centre to that middle. The HIP is held in
-/// the box, so that no picture has to grow while a hand pushes.
+/// spheres of the frame need at the options' angles, with a margin and room for the HIP; and how
+/// far the spheres reach to the right. Sets the camera's angles, and its centre to that middle. The
+/// HIP is held in the box, so that no picture has to grow while a hand pushes.
 std::array<double, 3> fit_extent(const Scene& scene, const Frame& frame,
                                  const RenderOptions& options, Camera& camera);
 
-/// The camera at these angles that shows all of that, with room for the names of torsions.
-Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options,
-                  double azimuth_degrees, double elevation_degrees);
+/// The camera that shows all of that, with room for the names of torsions.
+Camera fit_camera(const Scene& scene, const Frame& frame, const RenderOptions& options);
 
 /// The picture of `frame`. Spheres without a finite centre are left out; the HIP is drawn where it
 /// is held in the box.

@@ -23,7 +23,8 @@ double round_length(double most) {
 /// From and to a place in pixels.
 void add_line(Drawing& drawing, const Vec3& from, const Vec3& to, const RenderOptions& options) {
   const double rays = options.supersampling;
-  drawing.overlay.push_back({rays * from, rays * to, 0.6 * rays * options.letter_scale, kInk});
+  drawing.overlay.push_back(
+      {rays * from, rays * to, 0.5 * kLegendLine * rays * options.letter_scale, kInk});
 }
 
 }  // namespace
@@ -49,8 +50,8 @@ void add_legend(Drawing& drawing, const Scene& scene, const Camera& camera,
   const double left = scale * kMargin, bottom = options.height - scale * kMargin - 0.5;
   add_line(drawing, {left, bottom, 0}, {left + bar, bottom, 0}, options);
   for (const double x : {left, left + bar})
-    add_line(drawing, {x, bottom - 3 * scale, 0}, {x, bottom + 3 * scale, 0}, options);
-  drawing.labels.push_back({length_text(scene, length), {left + bar + 5 * scale, bottom}});
+    add_line(drawing, {x, bottom - kBarEnd * scale, 0}, {x, bottom + kBarEnd * scale, 0}, options);
+  drawing.labels.push_back({length_text(scene, length), {left + bar + kBarGap * scale, bottom}});
 
   const double axis = std::min(scale * kAxis, kAxisPart * shorter);
   const PictureAxes axes(camera);

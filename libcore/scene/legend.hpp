@@ -18,10 +18,13 @@ inline constexpr double kAxesAside = 26;      ///< from the left edge to the axe
 inline constexpr double kAxesAbove = 40;      ///< from the lower edge, alike
 inline constexpr double kAxisGap = 9;         ///< from an axis's end to the middle of its name
 inline constexpr double kShortestAxis = 0.3;  ///< part of an axis's length that is seen at least
-inline constexpr double kBarPart = 0.25;      ///< of the picture's width, for the scale bar at most
-inline constexpr double kNameRow = 16;        ///< from one name of a torsion to the next
-inline constexpr double kNamesPart = 0.35;    ///< of the picture's width, that names can take
-inline constexpr double kSmallest = 150;      ///< of a picture's sides, for any of this
+inline constexpr double kLegendLine = 1.2;    ///< the width of all its lines
+inline constexpr double kBarEnd = 3;        ///< of the strokes at the scale bar's ends, up and down
+inline constexpr double kBarGap = 5;        ///< from the bar to its text
+inline constexpr double kBarPart = 0.25;    ///< of the picture's width, for the scale bar at most
+inline constexpr double kNameRow = 16;      ///< from one name of a torsion to the next
+inline constexpr double kNamesPart = 0.35;  ///< of the picture's width, that names can take
+inline constexpr double kSmallest = 150;    ///< of a picture's sides, for any of this
 
 /// A length with its unit: "2 Å".
 std::string length_text(const Scene& scene, double length);

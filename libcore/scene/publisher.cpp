@@ -54,7 +54,7 @@ FramePublisher::FramePublisher(OutputFile output, const Scene& scene, std::size_
   frame_.centres.resize(3 * scene.spheres.size());
   encoder_.encode(frame_, scene_.state_size);  // takes the memory for all of them
   if (!paced_) {
-    write_scene(stopped_);
+    write(encoder_.encode(scene_), stopped_);
     return;
   }
   const BlockedSignals blocked;
@@ -66,8 +66,6 @@ FramePublisher::FramePublisher(OutputFile output, const Scene& scene, std::size_
     }
   });
 }
-
-FramePublisher::~FramePublisher() = default;
 
 void FramePublisher::publish() {
   if (paced_) {
@@ -103,7 +101,7 @@ void FramePublisher::run(const std::stop_token& token) {
     if (!patience) patience = Clock::now() + kLinger;
     return Clock::now() >= *patience;
   };
-  write_scene(give_up);
+  write(encoder_.encode(scene_), give_up);
   for (std::uint64_t due = 0;;) {
     const bool last = token.stop_requested();  // asked first: then nothing newer can come
     const bool was_open = open();
@@ -115,8 +113,6 @@ void FramePublisher::run(const std::stop_token& token) {
     std::this_thread::sleep_until(start + due * kPeriod);
   }
 }
-
-void FramePublisher::write_scene(const GiveUp& give_up) { write(encoder_.encode(scene_), give_up); }
 
 bool FramePublisher::write(std::span<const std::byte> message, const GiveUp& give_up) {
   const NoSigpipe

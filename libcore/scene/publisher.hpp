@@ -42,11 +42,10 @@ class FramePublisher {
   /// @param ticks_per_second how much scripted time a tick is, for a play without a pace.
   /// @param stop becomes nonzero in a signal's handler: then a play without a pace no longer waits
   /// for its viewer.
+  /// Without finish() no file appears.
   /// @throw std::system_error
   FramePublisher(OutputFile output, const Scene& scene, std::size_t row_size, Complete complete,
                  bool paced, double ticks_per_second, const std::atomic<int>& stop);
-  /// Without finish() no file appears.
-  ~FramePublisher();
   FramePublisher(const FramePublisher&) = delete;
   FramePublisher& operator=(const FramePublisher&) = delete;
 
@@ -69,7 +68,6 @@ class FramePublisher {
   /// reads no more, `give_up` is asked several times a second whether to leave the message cut
   /// (counts_.cut), so that nothing may be written behind it. @return whether all was written
   bool write(std::span<const std::byte> message, const GiveUp& give_up);
-  void write_scene(const GiveUp& give_up);
   void write_newest(const GiveUp& give_up);
   /// Whether more can be written to the file.
   bool open() const { return !counts_.closed && !counts_.cut; }

@@ -32,7 +32,8 @@ double torsion_degrees(const Torsion& torsion, const Frame& frame) {
 }
 
 std::string turned_text(const Torsion& torsion, double degrees) {
-  return printable_line(torsion.name, 24) + (degrees < 0 ? " " : " +") + fixed(degrees, 0) + "°";
+  return printable_line(torsion.name, 24) + (degrees < 0 ? " −" : " +") +
+         fixed(std::abs(degrees), 0) + "°";
 }
 
 }  // namespace hapgrid

@@ -32,7 +32,7 @@ inline constexpr std::uint64_t kRecordingLimit = 1'000'000'000;
 
 /// Reads a session or a text; the content tells which. "-" is standard input.
 ///
-/// A text has a first line "# t x y z ...", as play --log and stats --export write it: names of
+/// A text has a first line "# t x y z ...", as play --log writes it: names of
 /// columns, separated by tabs. Only t (seconds) and x, y, z are read. A tick's number is
 /// t * text_rate_hz, rounded. A text has no clutch, stalled, reset, next and begins: they are
 /// false.

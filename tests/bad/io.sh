@@ -6,7 +6,7 @@ expand grid -o requests
 : >empty
 echo "not a shard" >text
 mkdir directory
-readers=("expand" "expand --complete" "merge" "merge grid" "merge requests" "stats" "stats --dump" "verify")
+readers=("expand" "expand --complete" "merge" "merge grid" "merge requests" "stats" "verify")
 
 for tool in "${readers[@]}"; do
   name=${tool%% *}
@@ -52,7 +52,7 @@ for tool in "${writers[@]}"; do
   [[ ${HAPGRID_WRAPPER-} ]] ||
     refuses "$name: standard output: Bad file descriptor" -- bash -c "exec $tool >&-"
 done
-for tool in "stats grid" "stats --dump grid" "verify grid --recompute none"; do
+for tool in "stats grid" "stats --npy - grid" "verify grid --recompute none"; do
   code=0
   bash -c "exec $tool >/dev/full" 2>err || code=$?
   same "exit code of $tool > /dev/full" 1 "$code"
@@ -85,7 +85,7 @@ bash -c 'exec expand slow -o out <&- >&- 2>&-'
 cmp out fine || fail "closed standard streams"
 
 # A closed pipe: SIGPIPE, as any filter, and no message.
-for tool in "expand --complete large" "merge complete" "stats --dump complete"; do
+for tool in "expand --complete large" "merge complete" "stats --npy - complete"; do
   python3 -c '
 import subprocess, sys
 tool = subprocess.Popen(sys.argv[1:], stdout=subprocess.PIPE, stderr=subprocess.PIPE)

@@ -23,8 +23,8 @@ writers=(
   "merge large large.requests -o d/out"
   "merge complete -o d/out"
   "merge --small complete -o d/out"
-  "stats medium --dump --output d/out"
-  "stats --log log.session --export d/out"
+  "stats medium --npy d/out"
+  "stats --log log.session --npy d/out"
   "check-model $ball --steps 20 --format json -o d/out"
   "play small --device path:long-path --log d/out"
   "play small --device path:long-path --log d/out.session"
@@ -100,7 +100,7 @@ fi
 
 # A pipe whose reader is gone before anything is written.
 for tool in "seed $ball" "expand large" "merge complete" "merge --small complete" "stats complete" \
-  "stats complete --dump" "verify complete --recompute none" "check-model $ball --steps 20" \
+  "stats complete --npy -" "verify complete --recompute none" "check-model $ball --steps 20" \
   "play small --device path:long-path --log -" "view frames" "view frames --xyz -" "view frames --png -"; do
   python3 -c '
 import os, subprocess, sys
@@ -131,7 +131,7 @@ slow() {
 slow grid expand -
 slow requests merge grid -
 slow small merge --small -
-slow small stats - --dump
+slow small stats - --npy -
 slow small verify - --recompute all 2>/dev/null
 slow small play - --device path:path --log - 2>/dev/null
 slow path play small --device path:- --log - 2>/dev/null

@@ -46,6 +46,9 @@ END
   HAPGRID_BIN=$work/wrapped/bin PATH=$work/wrapped/bin:$PATH
 fi
 
+# dump GRID, or < GRID: its records as text.
+dump() { python3 "$HAPGRID_SOURCE/tests/cli/dump.py" "$@"; }
+
 # fail WHAT...: ends the test with a message that names the line of the script.
 fail() {
   echo "$0: line ${BASH_LINENO[-2]}: $*" >&2

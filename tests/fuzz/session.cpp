@@ -3,7 +3,6 @@
 #include "libcore/session/reader.hpp"
 #include "libcore/session/recording.hpp"
 #include "libcore/session/statistics.hpp"
-#include "libcore/session/text.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/fuzz/mutate.hpp"
 
@@ -16,14 +15,11 @@ void read_ticks(InputFile file) {
   SessionReader reader(std::move(file));
   SessionStatistics statistics;
   HandEnergy energy(reader.header());
-  std::string text;
   for (int times = 0; times < 2; ++times, reader.rewind())
     for (std::vector<TickRecord> ticks; reader.next(ticks);)
       for (const TickRecord& tick : ticks) {
         statistics.add(tick);
         energy.add(tick);
-        text.clear();
-        append_session_text(text, reader.header(), tick);
       }
 }
 

@@ -4,6 +4,7 @@ force pulls, 0 towards the user, clockwise in 1/0x10000 of a circle. Full is 2 N
 import base64
 import itertools
 import math
+import os
 import re
 import subprocess
 import sys
@@ -19,10 +20,11 @@ for line in open(sys.argv[1]):
 
 
 def ticks(name):
-    """(HIP, force that was sent, levels of the corners) of each tick of a session, through stats."""
+    """(HIP, force that was sent, levels of the corners) of each tick of a session."""
     open("log.session", "wb").write(base64.b64decode("".join(parts[f"{name} session"])))
-    subprocess.run(["stats", "--log", "log.session", "--export", "log.txt"], check=True, stdout=subprocess.DEVNULL)
-    rows = [list(map(float, line.split("\t")[:18])) for line in open("log.txt") if line[0] != "#"]
+    text = subprocess.run([sys.executable, os.environ["HAPGRID_SOURCE"] + "/tests/cli/stats/session.py", "text", "log.session"],
+                          check=True, capture_output=True, text=True).stdout
+    rows = [list(map(float, line.split("\t")[:18])) for line in text.splitlines() if line[0] != "#"]
     return [(row[1:4], row[7:10], row[10:18]) for row in rows]
 
 

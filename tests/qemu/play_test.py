@@ -1,6 +1,7 @@
 """What play-test.sh's machine wrote: GOT, the positions that the device sent. It leaves log.session and there.txt."""
 import base64
 import json
+import os
 import re
 import subprocess
 import sys
@@ -91,7 +92,8 @@ assert any(line.startswith("hid:PROFILE ") and "Teensy RawHID (16c0:0486), inter
            in line for line in lines), lines
 
 # What went over the wire at 5,000 ticks against the session's text.
-subprocess.run(["stats", "--log", "log.session", "--export", "there.txt"], check=True, stdout=subprocess.DEVNULL)
+with open("there.txt", "w") as file:
+    subprocess.run([sys.executable, os.environ["HAPGRID_SOURCE"] + "/tests/cli/stats/session.py", "text", "log.session"], check=True, stdout=file)
 ticks = [line.split("\t") for line in open("there.txt") if not line.startswith("#")]
 hips = [tuple(map(float, t[1:4])) for t in ticks]
 sent_forces = [tuple(map(float, t[7:10])) for t in ticks]

@@ -76,8 +76,8 @@ void require_possible(const PlayOptions& options) {
     throw UsageError("--sessions: only --device sim:FILE has sessions to tell of");
   if (!options.log.empty() && !is_session_name(options.log) && is_live(*options.device))
     throw UsageError(
-        "--log: a text log cannot be used with a live device; give a name that ends in .session "
-        "(stats --log FILE.session --export FILE makes it a text)");
+        "--log: a text log cannot be used with a live device; give a name that ends in "
+        ".session");
   if (options.frames == "-" && ::isatty(STDOUT_FILENO))
     throw Error("standard output is a terminal: redirect it, or name a file after --frames");
 }

@@ -85,23 +85,22 @@ void write_grid_array(const Grid& grid, const std::string& name) {
   file.commit();
 }
 
-void write_session_array(
-    const SessionHeader& header, std::uint64_t count,
-    const std::function<void(const std::function<void(const TickRecord&)>&)>& each,
-    const std::string& name) {
+void write_session_array(SessionReader& session, std::uint64_t count, const std::string& name) {
   NpyFile file(
       name,
       "('t', '<f8'), ('hip', '<f8', (3,)), ('force', '<f8', (3,)), ('sent', '<f8', (3,)), "
       "('levels', '|u1', (8,)), ('flags', '<u4'), ('lateness_us', '<f8'), ('compute_us', '<f8')",
       count);
-  each([&](const TickRecord& tick) {
-    file.add(header.time_of(tick.number));
-    for (const Vec3& v : {tick.hip, tick.raw_force, tick.force}) file.add(v.data(), 3);
-    file.add(tick.levels.data(), tick.levels.size());
-    file.add(std::uint32_t{tick.flags});
-    file.add(tick.lateness_ns / 1e3);
-    file.add(tick.compute_ns / 1e3);
-  });
+  session.rewind();
+  for (std::vector<TickRecord> ticks; session.next(ticks);)
+    for (const TickRecord& tick : ticks) {
+      file.add(session.header().time_of(tick.number));
+      for (const Vec3& v : {tick.hip, tick.raw_force, tick.force}) file.add(v.data(), 3);
+      file.add(tick.levels.data(), tick.levels.size());
+      file.add(std::uint32_t{tick.flags});
+      file.add(tick.lateness_ns / 1e3);
+      file.add(tick.compute_ns / 1e3);
+    }
   file.commit();
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 
 #include "libcore/grid/grid.hpp"
@@ -18,11 +17,8 @@ namespace hapgrid {
 void write_grid_array(const Grid& grid, const std::string& file);
 
 /// One array with a row for each tick and the fields t, hip, force, sent, levels, flags,
-/// lateness_us, compute_us, as session/text.hpp has them.
-/// @param count of ticks @param each calls its argument for each of them
-void write_session_array(
-    const SessionHeader& header, std::uint64_t count,
-    const std::function<void(const std::function<void(const TickRecord&)>&)>& each,
-    const std::string& file);
+/// lateness_us, compute_us; force is the model's, before the safety core.
+/// @param count of ticks
+void write_session_array(SessionReader& session, std::uint64_t count, const std::string& file);
 
 }  // namespace hapgrid

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <initializer_list>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -19,7 +17,6 @@
 #include "libcore/grid/describe.hpp"
 #include "libcore/session/reader.hpp"
 #include "libcore/session/statistics.hpp"
-#include "libcore/session/text.hpp"
 #include "tools/stats/arrays.hpp"
 
 namespace hapgrid {
@@ -28,31 +25,28 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::initializer_list<std::pair<const char*, double>> kPercentiles{
-    {"p50", 0.5}, {"p99", 0.99}, {"p99.9", 0.999}};
-
 Json force_json(const SessionHeader& header, const LargestForce& force) {
   if (!force.any) return nullptr;
   return {{"newtons", force.newtons}, {"time_s", header.time_of(force.tick)}, {"tick", force.tick}};
 }
 
 Json times_json(const Histogram& times) {
-  Json json;
-  for (const auto& [name, share] : kPercentiles) json[name] = microseconds(times.quantile(share));
-  json["max"] = microseconds(times.max());
-  return json;
+  return {{"p50", microseconds(times.quantile(0.5))},
+          {"p99", microseconds(times.quantile(0.99))},
+          {"p99.9", microseconds(times.quantile(0.999))},
+          {"max", microseconds(times.max())}};
 }
 
-std::string force_text(const SessionHeader& header, const LargestForce& force) {
-  if (!force.any) return "-";
-  return format("{} N at {} s", rounded(force.newtons), to_text(header.time_of(force.tick)));
+std::string force_text(const Json& force) {
+  if (force.is_null()) return "-";
+  return format("{} N at {} s", rounded(force["newtons"]), to_text(force["time_s"]));
 }
 
-std::string times_text(const Histogram& times) {
+std::string times_text(const Json& times) {
   std::string text;
-  for (const auto& [name, share] : kPercentiles)
-    text += format("{} {:.3f}, ", name, microseconds(times.quantile(share)));
-  return format("{}max {:.3f} µs", text, microseconds(times.max()));
+  for (const auto& time : times.items())
+    text += format("{}{} {:.3f}", text.empty() ? "" : ", ", time.key(), time.value().get<double>());
+  return text + " µs";
 }
 
 std::string share_text(std::uint64_t part, std::uint64_t whole) {
@@ -115,17 +109,16 @@ Json session_json(const SessionReader& session, const SessionStatistics& s,
       {"compute_us", times_json(s.compute)}};
 }
 
-std::string session_text(const SessionReader& session, const SessionStatistics& s,
-                         const HandEnergy& energy) {
+/// The same for people.
+std::string session_text(const SessionReader& session, const Json& report) {
   const SessionHeader& header = session.header();
   const Box& box = header.box;
-  const double start = header.time_of(s.first);
-  const double end = header.time_of(s.last);
-  std::vector<std::string> flags;
+  const std::uint64_t ticks = report["ticks"], skipped = report["missed_or_dropped"];
+  std::vector<std::pair<std::string, std::uint64_t>> flags;
   std::size_t width = std::string_view("largest force").size();
-  for (const std::string& name : header.flags) {
-    flags.push_back("flag " + printable_line(name, 40));
-    width = std::max(width, text_width(flags.back()));
+  for (const auto& flag : report["flags"].items()) {
+    flags.emplace_back("flag " + printable_line(flag.key(), 40), flag.value());
+    width = std::max(width, text_width(flags.back().first));
   }
   std::string text;
   const auto line = [&](const std::string& name, const std::string& value) {
@@ -139,79 +132,52 @@ std::string session_text(const SessionReader& session, const SessionStatistics& 
                      header.length_unit.empty() ? "" : " " + printable_line(header.length_unit)));
   line("settings", header.settings.empty() ? "-" : printable_line(header.settings));
   line("rate", format("{} Hz", to_text(header.rate_hz)));
-  line("ticks", format("{}, from {} s to {} s ({} s)", s.ticks, to_text(start), to_text(end),
-                       rounded(end - start)));
-  const std::string missed = share_text(s.skipped, s.ticks + s.skipped);
+  line("ticks", format("{}, from {} s to {} s ({} s)", ticks, to_text(report["start_s"]),
+                       to_text(report["end_s"]), rounded(report["duration_s"])));
+  const std::string missed = share_text(skipped, ticks + skipped);
   line("missed", session.dropped() == 0
                      ? missed
                      : format("{} or dropped; the disk was too slow for {} of the whole session",
                               missed, session.dropped()));
   if (!session.ended_early().empty()) line("ended early", "at " + session.ended_early());
-  line("largest force", format("{} as sent, {} before the safety core", force_text(header, s.sent),
-                               force_text(header, s.raw)));
-  const auto unit = energy_unit(header);
+  line("largest force",
+       format("{} as sent, {} before the safety core", force_text(report["largest_force"]),
+              force_text(report["largest_raw_force"])));
+  const Json& energy = report["energy"];
   line("energy", format("{0} {1} given to the hand, at most {2} {1} until {3} s",
-                        rounded(energy.given() * unit.first), unit.second,
-                        rounded(energy.returned() * unit.first),
-                        to_text(header.time_of(energy.returned_tick()))));
-  line("not computed", share_text(s.not_computed, s.ticks));
-  line("lateness", times_text(s.lateness));
-  line("compute time", times_text(s.compute));
-  for (std::size_t i = 0; i < header.flags.size(); ++i)
-    line(flags[i], share_text(s.flags[i], s.ticks));
+                        rounded(energy["given"]), energy["unit"].get<std::string>(),
+                        rounded(energy["returned"]), to_text(energy["returned_time_s"])));
+  line("not computed", share_text(report["force_not_computed"], ticks));
+  line("lateness", times_text(report["lateness_us"]));
+  line("compute time", times_text(report["compute_us"]));
+  for (const auto& [name, count] : flags) line(name, share_text(count, ticks));
   return text;
-}
-
-/// Calls `use` on all ticks, from the first on.
-template <class F>
-void for_ticks(SessionReader& session, F&& use) {
-  session.rewind();
-  for (std::vector<TickRecord> ticks; session.next(ticks);)
-    for (const TickRecord& tick : ticks) use(tick);
 }
 
 }  // namespace
 
-void run_session(InputFile file, const SessionOptions& options) {
-  constexpr std::size_t kBuffer = 1 << 18;
+void run_session(InputFile file, const std::string& npy, bool as_json, const std::string& output) {
   SessionReader session(std::move(file));
-  const SessionHeader& header = session.header();
-  std::optional<OutputFile> exported;
-  if (!options.export_file.empty()) exported.emplace(options.export_file, /*binary=*/false);
-  std::string text = session_text_header();
   SessionStatistics statistics;
-  HandEnergy energy(header);
-  for_ticks(session, [&](const TickRecord& tick) {
-    statistics.add(tick);
-    energy.add(tick);
-    if (!exported) return;
-    append_session_text(text, header, tick);
-    if (text.size() < kBuffer) return;
-    exported->write(text);
-    text.clear();
-  });
+  HandEnergy energy(session.header());
+  for (std::vector<TickRecord> ticks; session.next(ticks);)
+    for (const TickRecord& tick : ticks) {
+      statistics.add(tick);
+      energy.add(tick);
+    }
   if (statistics.ticks == 0) throw Error(without_ticks(session));
-  if (exported) {
-    exported->write(text);
-    exported->commit();
-  }
-  if (!options.npy.empty())
-    write_session_array(
-        header, statistics.ticks, [&](const auto& use) { for_ticks(session, use); }, options.npy);
-  if (exported || !options.npy.empty()) {
+  if (!npy.empty()) {
+    write_session_array(session, statistics.ticks, npy);
     // The report has a line on it.
     if (!session.ended_early().empty())
       std::fprintf(stderr, "stats: %s: the session ended early, at %s\n",
                    printable_line(session.name()).c_str(), session.ended_early().c_str());
     return;
   }
-
-  OutputFile output(options.output, /*binary=*/false);
-  if (options.format == "text")
-    output.write(printable_text(session_text(session, statistics, energy)));
-  else
-    output.write(json_text(session_json(session, statistics, energy)));
-  output.commit();
+  const Json report = session_json(session, statistics, energy);
+  OutputFile file_of_report(output, /*binary=*/false);
+  file_of_report.write(as_json ? json_text(report) : printable_text(session_text(session, report)));
+  file_of_report.commit();
 }
 
 }  // namespace hapgrid

@@ -1,4 +1,4 @@
-// stats --log of a session: report, array, text.
+// stats --log of a session: report, array.
 #pragma once
 
 #include <string>
@@ -7,14 +7,8 @@
 
 namespace hapgrid {
 
-struct SessionOptions {
-  std::string export_file;  ///< empty: no text
-  std::string npy;          ///< empty: no array
-  std::string format;       ///< of the report, which is written when the two above are empty
-  std::string output;       ///< where the report goes
-};
-
+/// @param npy the array to write; empty: the report is written to `output`
 /// @throw Error, std::system_error
-void run_session(InputFile file, const SessionOptions& options);
+void run_session(InputFile file, const std::string& npy, bool as_json, const std::string& output);
 
 }  // namespace hapgrid

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
@@ -33,15 +32,8 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
 std::string vector_text(const Vec3& v) { return format("({:g}, {:g}, {:g})", v[0], v[1], v[2]); }
 
 const char* norm_name(Equality::Norm norm) {
-  switch (norm) {
-    case Equality::Norm::kPlugin:
-      return "plug-in";
-    case Equality::Norm::kMax:
-      return "max";
-    case Equality::Norm::kRms:
-      break;
-  }
-  return "rms";
+  if (norm == Equality::Norm::kPlugin) return "plug-in";
+  return norm == Equality::Norm::kMax ? "max" : "rms";
 }
 
 // A longer text is the contents of a file, of which the report has the size and the digest.
@@ -172,8 +164,7 @@ Json statistics_json(const GridSpec& spec, const Statistics& s, const CostSums* 
   json["tolerance_unit"] = spec.tolerance_unit;
   json["norm"] = norm_name(spec.equality.norm);
   json["max_levels"] = spec.max_levels;
-  json["stored"] = Json::array();
-  for (const std::string& name : stored_names(spec)) json["stored"].push_back(name);
+  json["stored"] = stored_names(spec);
   json["spheres"] = spec.spheres.size();
   json["length_unit"] = spec.length_unit;
   json["energy_unit"] = spec.energy_unit;

@@ -33,15 +33,12 @@ FileDescriptor open_for_play(const std::string& name) {
 }  // namespace
 
 std::pair<Vec3, Vec3> hand_range(const Box& box) {
-  Vec3 low = box.position({0, 0, 0});
-  Vec3 high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
-  const double margin =
+  const Vec3 low = box.position({0, 0, 0});
+  const Vec3 high = box.position({box.counts[0] - 1, box.counts[1] - 1, box.counts[2] - 1});
+  const double reach =
       kHandReach * std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
-  for (int a = 0; a < 3; ++a) {
-    low[a] -= margin;
-    high[a] += margin;
-  }
-  return {low, high};
+  const Vec3 margin{reach, reach, reach};
+  return {low - margin, high + margin};
 }
 
 Hand::Hand(const std::string& pipe, const Box& box)

@@ -44,7 +44,8 @@ class ImdServer : public Server {
   int begin(lws* wsi);
   int hear(lws* wsi, std::span<const std::byte> bytes);
   int speak(lws* wsi);
-  void take_frames();
+  void show() override;
+  void finish() override;
   void say_once(bool& said, const std::string& text);
 
   static constexpr std::array<lws_protocols, 2> kProtocols{
@@ -83,9 +84,6 @@ int ImdServer::answer(lws* wsi, lws_callback_reasons reason, void* in, size_t si
     case LWS_CALLBACK_RAW_CLOSE:
       viewers_.erase(wsi);
       if (ended_ && viewers_.empty()) end_after(0);
-      return 0;
-    case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
-      take_frames();
       return 0;
     default:
       return 0;
@@ -126,15 +124,14 @@ int ImdServer::hear(lws* wsi, std::span<const std::byte> bytes) {
   return 0;
 }
 
-/// Called when all that was written before has gone: libwebsockets keeps what does not go at once.
+/// Called when all that was written before has gone.
 int ImdServer::speak(lws* wsi) {
   Viewer& viewer = viewers_.at(wsi);
   const bool frame = viewer.greeted;
   if (frame && viewer.running()) ::lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);
   if (frame && (!viewer.behind || !viewer.running())) return ended_ ? -1 : 0;
-  std::vector<std::byte> bytes = frame ? newest_ : imd_greeting();
-  if (::lws_write(wsi, reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(),
-                  LWS_WRITE_RAW) < static_cast<int>(bytes.size()))
+  const std::vector<std::byte> bytes = frame ? newest_ : imd_greeting();
+  if (!write(wsi, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, LWS_WRITE_RAW))
     return -1;
   viewer.greeted = true;
   viewer.behind = false;
@@ -144,18 +141,16 @@ int ImdServer::speak(lws* wsi) {
   return 0;
 }
 
-void ImdServer::take_frames() {
-  Feed::State state;
-  Frame frame;
-  do {
-    state = feed_->update(frame);
-    if (!state.fresh) break;
-    newest_ = imd_frame(frame, ImdUnits(feed_->scene()));
-    for (auto& [wsi, viewer] : viewers_) viewer.behind = viewer.greeted && viewer.running();
-  } while (state.more);
+void ImdServer::show() {
+  newest_ = imd_frame(frame_, ImdUnits(feed_->scene()));
+  for (auto& [wsi, viewer] : viewers_) {
+    viewer.behind = viewer.greeted && viewer.running();
+    ::lws_callback_on_writable(wsi);
+  }
+}
+
+void ImdServer::finish() {
   for (const auto& [wsi, viewer] : viewers_) ::lws_callback_on_writable(wsi);
-  if (!state.ended || ended_) return;
-  ended_ = true;
   end_after(viewers_.empty() ? 0 : kReadRest);
 }
 

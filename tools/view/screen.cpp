@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <string>
 #include <system_error>
-#include <utility>
 
 namespace hapgrid {
 

@@ -1,7 +1,5 @@
 #include "tools/view/server.hpp"
 
-#include <utility>
-
 #include "libcore/base/error.hpp"
 #include "libcore/base/format.hpp"
 #include "tools/common/tool.hpp"
@@ -35,11 +33,30 @@ int Server::call(lws* wsi, lws_callback_reasons reason, void*, void* in, size_t 
   auto* const server = static_cast<Server*>(::lws_context_user(::lws_get_context(wsi)));
   if (!server->feed_) return 0;  // while it is made or ended
   try {
-    return server->answer(wsi, reason, in, size);
+    if (reason != LWS_CALLBACK_EVENT_WAIT_CANCELLED) return server->answer(wsi, reason, in, size);
+    server->take_frames();
+    return 0;
   } catch (...) {
     server->failure_ = std::current_exception();
     return -1;
   }
+}
+
+bool Server::write(lws* wsi, std::string_view bytes, lws_write_protocol kind) {
+  std::string room = std::string(LWS_PRE, ' ').append(bytes);
+  return ::lws_write(wsi, reinterpret_cast<unsigned char*>(room.data()) + LWS_PRE, bytes.size(),
+                     kind) >= static_cast<int>(bytes.size());
+}
+
+void Server::take_frames() {
+  Feed::State state;
+  do {
+    state = feed_->update(frame_);
+    if (state.fresh) show();
+  } while (state.more);
+  if (!state.ended || ended_) return;
+  ended_ = true;
+  finish();
 }
 
 void Server::open(const std::string& frames) {

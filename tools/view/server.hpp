@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "tools/view/feed.hpp"
 
@@ -28,6 +29,12 @@ class Server {
   static int call(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t size);
   /// What a callback of libwebsockets answers.
   virtual int answer(lws* wsi, lws_callback_reasons reason, void* in, size_t size) = 0;
+  /// frame_ is a new one.
+  virtual void show() = 0;
+  /// The last frame was shown.
+  virtual void finish() = 0;
+  /// @return whether libwebsockets took the bytes; it keeps what does not go at once.
+  static bool write(lws* wsi, std::string_view bytes, lws_write_protocol kind);
 
   /// Waits for the scene. `feed_` is there from then on, and wakes up the server.
   void open(const std::string& frames);
@@ -43,9 +50,12 @@ class Server {
   void end_after(lws_usec_t time);
 
   std::optional<Feed> feed_;
+  Frame frame_;         // the newest
   bool ended_ = false;  // the last frame came
 
  private:
+  void take_frames();
+
   bool done_ = false;
   std::exception_ptr failure_;  // of a callback, which is C's
   lws_context* context_ = nullptr;

@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
-#include <deque>
 #include <system_error>
 #include <vector>
 
@@ -28,23 +27,15 @@ namespace hapgrid {
 
 namespace {
 
-constexpr double kSeconds = 10;    // of the curve, from what was seen last
 constexpr int kMostSixels = 1000;  // in a row: xterm leaves a wider picture blank
-constexpr std::size_t kMostSamples = 4096;
-constexpr int kSymbolScale = 2;  // of the legend, whose letters are the terminal's own
+constexpr int kSymbolScale = 2;    // of the legend, whose letters are the terminal's own
 
 std::string at_row(int row) { return format("\033[{};1H", row); }
 
-struct Sample {
-  double time_s;
-  double force;  // newtons
-  bool snapped;  // since the frame before
-};
-
 class Display {
  public:
-  Display(const Scene& scene, const TerminalOptions& options)
-      : scene_(scene), options_(options), pixels_(options.mode) {}
+  Display(const Scene& scene, const RenderOptions& how, const std::string& mode)
+      : scene_(scene), how_(how), pixels_(mode) {}
 
   /// Takes over the terminal's size, and fits the camera to it at the next frame.
   void resize() {
@@ -65,17 +56,14 @@ class Display {
     // More pixels are not worth their time: of a large terminal the picture is enlarged.
     const double factor =
         std::min(1.0, std::sqrt(6e5 / (1.0 * width * height * size_.columns * rows)));
-    RenderOptions how = options_.render;
+    RenderOptions how = how_;
     how.width = std::max(1, static_cast<int>(factor * width * size_.columns));
     how.height = std::max(1, static_cast<int>(factor * height * rows));
     how.supersampling = 1;
     how.letters = !pixels_.symbols();
     how.letter_scale = pixels_.symbols() ? kSymbolScale : 1;
-    if (!fitted_)
-      camera_ =
-          fit_camera(scene_, frame, how, options_.azimuth_degrees, options_.elevation_degrees);
+    if (!fitted_) camera_ = fit_camera(scene_, frame, how);
     fitted_ = true;
-    how.above = curve(how);
     if (pixels_.symbols()) write_legend(frame, how, rows);
     return pixels_.encode(render(scene_, frame, camera_, how), size_.columns, rows, width, height);
   }
@@ -94,16 +82,6 @@ class Display {
     return text + "\033[?2026l";
   }
 
-  /// For the curve. Where the time goes back, it starts anew.
-  void add(const Frame& frame) {
-    if (!samples_.empty() && frame.time_s < samples_.back().time_s) samples_.clear();
-    const bool snapped = !samples_.empty() && frame.jumps != jumps_;
-    jumps_ = frame.jumps;
-    samples_.push_back({frame.time_s, length_of(frame.force), snapped});
-    while (samples_.size() > kMostSamples || samples_.front().time_s < frame.time_s - kSeconds)
-      samples_.pop_front();
-  }
-
   /// As it stands on the terminal when all is over.
   std::string last(const Frame& frame) {
     std::string text;
@@ -113,25 +91,6 @@ class Display {
 
  private:
   int picture_rows() const { return std::max(1, size_.rows - (scene_.keys.empty() ? 1 : 2)); }
-  /// The force in the lower right corner, as a part of the largest one, and a line at each snap.
-  std::vector<Line> curve(const RenderOptions& how) const {
-    std::vector<Line> lines;
-    const double bottom = 0.98 * how.height, high = 0.12 * how.height,
-                 half = 0.6 * how.letter_scale;
-    double most = std::max(scene_.largest_force, 1e-300);
-    for (const Sample& sample : samples_) most = std::max(most, sample.force);
-    Vec3 before = kNowhere;
-    for (const Sample& sample : samples_) {
-      const double x =
-          how.width * (0.98 - 0.3 * (samples_.back().time_s - sample.time_s) / kSeconds);
-      const Vec3 at{x, bottom - high * sample.force / most, 0};
-      if (sample.snapped)
-        lines.push_back({{x, bottom, 0}, {x, bottom - high, 0}, half, kSnapColour});
-      if (finite(before)) lines.push_back({before, at, half, kForceColour});
-      before = at;
-    }
-    return lines;
-  }
   /// The legend's letters in the terminal's own cells.
   void write_legend(const Frame& frame, const RenderOptions& how, int rows) {
     legend_.clear();
@@ -150,26 +109,24 @@ class Display {
   }
 
   const Scene& scene_;
-  const TerminalOptions& options_;
+  const RenderOptions& how_;
   TerminalPixels pixels_;
   TerminalSize size_ = terminal_size();
   Camera camera_;
-  std::deque<Sample> samples_;
-  std::uint64_t jumps_ = 0;
   std::string legend_;  // what writes it; of symbols
   bool fitted_ = false;
 };
 
 }  // namespace
 
-void run_terminal(const std::string& frames, const TerminalOptions& options) {
+void run_terminal(const std::string& frames, const RenderOptions& how, const std::string& mode) {
   if (!::isatty(STDOUT_FILENO))
     throw Error("--terminal: standard output is not a terminal; --png draws a frame into a file");
   const FileDescriptor woken(::eventfd(0, EFD_CLOEXEC));
   if (!woken) throw std::system_error(errno, std::generic_category(), "eventfd");
   // Until there is a scene, signals do what they always do.
   Feed feed(frames, wake);
-  Display display(feed.scene(), options);
+  Display display(feed.scene(), how, mode);
   watch_signals(woken.get());
 
   Frame frame;
@@ -197,7 +154,6 @@ void run_terminal(const std::string& frames, const TerminalOptions& options) {
       }
       state = feed.update(frame);
       any = any || state.fresh;
-      if (state.fresh) display.add(frame);
       if (any) screen.write(display.draw(frame));
     }
   }

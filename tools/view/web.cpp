@@ -18,7 +18,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
-#include <vector>
 
 #include "libcore/base/error.hpp"
 #include "libcore/base/file.hpp"
@@ -73,10 +72,10 @@ class WebServer : public Server {
 
   struct Client {
     bool told = false;           // knows the scene
+    bool told_end = false;       // knows that there is no frame after those that it has
     int on_the_way = 0;          // frames that it has not confirmed
     std::deque<Message> frames;  // to be sent, the oldest first
-    std::vector<std::string> texts;
-    std::string heard;  // the beginning of a line
+    std::string heard;           // the beginning of a line
   };
 
   int answer(lws* wsi, lws_callback_reasons reason, void* in, size_t size) override;
@@ -87,9 +86,10 @@ class WebServer : public Server {
   void end(lws* wsi);
   int hear(lws* wsi, std::string_view text);
   int speak(lws* wsi);
-  void take_frames();
+  void show() override;
+  void finish() override;
   std::string address() const;
-  std::string scene_text() const;
+  std::string scene_text(bool is_hand) const;
 
   static constexpr std::array<lws_protocols, 3> kProtocols{
       {{"http", call, 0, 0, 0, nullptr, 0},
@@ -101,7 +101,6 @@ class WebServer : public Server {
   std::string token_ = random_token();
   std::string page_ = page_text("null", "");
   std::map<lws*, Client> clients_;
-  Frame frame_;
   bool has_frame_ = false;
   Timer grace_{};
 };
@@ -145,9 +144,6 @@ int WebServer::answer(lws* wsi, lws_callback_reasons reason, void* in, size_t si
       return hear(wsi, text);
     case LWS_CALLBACK_SERVER_WRITEABLE:
       return speak(wsi);
-    case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
-      take_frames();
-      return 0;
     default:
       return ::lws_callback_http_dummy(wsi, reason, nullptr, in, size);
   }
@@ -159,36 +155,20 @@ int WebServer::send_page(lws* wsi, const std::string& path) {
     ::lws_return_http_status(wsi, icon ? HTTP_STATUS_NO_CONTENT : HTTP_STATUS_FORBIDDEN, nullptr);
     return -1;
   }
-  std::array<unsigned char, LWS_PRE + 2048> buffer{};
-  unsigned char* const start = buffer.data() + LWS_PRE;
-  unsigned char* end = buffer.data() + buffer.size() - 1;
-  unsigned char* p = start;
-  bool failed = ::lws_add_http_common_headers(wsi, HTTP_STATUS_OK, "text/html; charset=utf-8",
-                                              page_.size(), &p, end) != 0;
-  const std::array<std::array<const char*, 2>, 4> headers{
-      {{"cache-control:", "no-store"},
-       {"referrer-policy:", "no-referrer"},
-       {"x-content-type-options:", "nosniff"},
-       {"content-security-policy:",
-        "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
-        "img-src data: blob:; connect-src 'self' ws:; frame-ancestors 'none'"}}};
-  for (const auto& [name, value] : headers)
-    failed = failed || ::lws_add_http_header_by_name(
-                           wsi, reinterpret_cast<const unsigned char*>(name),
-                           reinterpret_cast<const unsigned char*>(value),
-                           static_cast<int>(std::string_view(value).size()), &p, end) != 0;
-  if (failed || ::lws_finalize_write_http_header(wsi, start, &p, end) != 0) return -1;
+  constexpr const char* kHead =
+      "HTTP/1.1 200 OK\r\ncontent-type: text/html; charset=utf-8\r\ncontent-length: {}\r\n"
+      "cache-control: no-store\r\nreferrer-policy: no-referrer\r\nx-content-type-options: "
+      "nosniff\r\n"
+      "content-security-policy: default-src 'none'; script-src 'unsafe-inline'; "
+      "style-src 'unsafe-inline'; img-src data: blob:; connect-src 'self' ws:; "
+      "frame-ancestors 'none'\r\n\r\n";
+  if (!write(wsi, format(kHead, page_.size()), LWS_WRITE_HTTP_HEADERS)) return -1;
   ::lws_callback_on_writable(wsi);
   return 0;
 }
 
-/// libwebsockets keeps what does not go at once.
 int WebServer::send_body(lws* wsi) {
-  std::string bytes = std::string(LWS_PRE, ' ') + page_;
-  if (::lws_write(wsi, reinterpret_cast<unsigned char*>(bytes.data()) + LWS_PRE, page_.size(),
-                  LWS_WRITE_HTTP_FINAL) < static_cast<int>(page_.size()))
-    return -1;
-  return ::lws_http_transaction_completed(wsi) ? -1 : 0;
+  return write(wsi, page_, LWS_WRITE_HTTP_FINAL) && !::lws_http_transaction_completed(wsi) ? 0 : -1;
 }
 
 /// Whether a WebSocket comes from our page: its address has the token, and the page that opens it
@@ -243,9 +223,10 @@ int WebServer::hear(lws* wsi, std::string_view text) {
   return 0;
 }
 
-std::string WebServer::scene_text() const {
-  return script_of({{"scene", page_scene(feed_->scene(), frame_, options_.render,
-                                         options_.azimuth_degrees, options_.elevation_degrees)}});
+std::string WebServer::scene_text(bool is_hand) const {
+  nlohmann::ordered_json message{{"scene", page_scene(feed_->scene(), frame_, options_.render)}};
+  if (is_hand) message["hand"] = hand_->place().value_or(frame_.position);
+  return script_of(message);
 }
 
 /// One message at a time: libwebsockets asks again when the next one can go.
@@ -254,49 +235,36 @@ int WebServer::speak(lws* wsi) {
   if (!has_frame_) return 0;
   std::string text;
   if (!client.told) {
-    text = scene_text();
+    text = scene_text(wsi == holder_ && hand_);
     client.told = true;
-    if (wsi == holder_ && hand_)
-      client.texts.push_back(script_of({{"hand", hand_->place().value_or(frame_.position)}}));
-  } else if (!client.texts.empty()) {
-    text = client.texts.front();
-    client.texts.erase(client.texts.begin());
-  }
-  const bool frame = text.empty() && !client.frames.empty() && client.on_the_way < kMostOnTheWay;
-  if (frame) {
+  } else if (!client.frames.empty() && client.on_the_way < kMostOnTheWay) {
     text = *client.frames.front();
     client.frames.pop_front();
     ++client.on_the_way;
+  } else if (client.frames.empty() && ended_ && !client.told_end) {
+    text = R"({"ended":true})";
+    client.told_end = true;
+  } else {
+    return 0;
   }
-  if (text.empty()) return 0;
-  std::string bytes = std::string(LWS_PRE, ' ') + text;
-  if (::lws_write(wsi, reinterpret_cast<unsigned char*>(bytes.data()) + LWS_PRE, text.size(),
-                  LWS_WRITE_TEXT) < static_cast<int>(text.size()))
-    return -1;
+  if (!write(wsi, text, LWS_WRITE_TEXT)) return -1;
   ::lws_callback_on_writable(wsi);
   return 0;
 }
 
-void WebServer::take_frames() {
-  Feed::State state;
-  do {
-    state = feed_->update(frame_);
-    if (!state.fresh) break;
-    has_frame_ = true;
-    const auto message = std::make_shared<const std::string>(
-        script_of({{"frame", page_frame(feed_->scene(), frame_, options_.render)}}));
-    for (auto& [wsi, client] : clients_) {
-      client.frames.push_back(message);
-      if (client.frames.size() > kMostWaiting) client.frames.pop_front();
-      ::lws_callback_on_writable(wsi);
-    }
-  } while (state.more);
-  if (!state.ended || ended_) return;
-  ended_ = true;
+void WebServer::show() {
+  has_frame_ = true;
+  const auto message = std::make_shared<const std::string>(
+      script_of({{"frame", page_frame(feed_->scene(), frame_, options_.render)}}));
   for (auto& [wsi, client] : clients_) {
-    client.texts.push_back(R"({"ended":true})");
+    client.frames.push_back(message);
+    if (client.frames.size() > kMostWaiting) client.frames.pop_front();
     ::lws_callback_on_writable(wsi);
   }
+}
+
+void WebServer::finish() {
+  for (const auto& [wsi, client] : clients_) ::lws_callback_on_writable(wsi);
   if (options_.close) end_after(kFarewell);
 }
 

@@ -10,8 +10,6 @@ namespace hapgrid {
 
 struct WebOptions {
   RenderOptions render;
-  double azimuth_degrees;
-  double elevation_degrees;
   std::string address;  ///< IPv4, on which the server listens
   int port = 0;         ///< 0: one that is free
   std::string hand;     ///< the named pipe of play for the hand; empty: all only watch

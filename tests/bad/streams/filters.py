@@ -114,10 +114,10 @@ TOY_SEEDS, TOY_REQUESTS = map(read, ("toy.seeds", "toy.requests"))
 READERS = {
     "seeds": (SEEDS, ["expand BAD", "expand --complete BAD", "merge BAD requests", "stats BAD", "verify BAD"]),
     "requests": (REQUESTS, ["merge seeds BAD"]),
-    "next": (NEXT, ["merge BAD next.requests", "stats --dump BAD"]),
+    "next": (NEXT, ["merge BAD next.requests", "stats --npy - BAD"]),
     "grid": (GRID, ["merge BAD", "expand BAD", "verify BAD", "stats BAD"]),
     "tears": (TEARS, ["merge lacking BAD"]),
-    "small": (SMALL, ["merge --small BAD", "stats --dump BAD"]),
+    "small": (SMALL, ["merge --small BAD", "stats --npy - BAD"]),
     "toy.seeds": (TOY_SEEDS, ["expand BAD", "merge toy.requests BAD"]),
     "toy.requests": (TOY_REQUESTS, ["merge toy.seeds BAD"]),
 }

@@ -62,7 +62,7 @@ if command -v node >/dev/null; then languages+=(node); else missing node; fi
 for language in "${languages[@]}"; do
   folder=my_${language/++/xx}
   made "$folder" hapgrid --lang "$language"
-  stats --dump "$folder/$folder.grid" >"$folder.dump"
+  dump "$folder/$folder.grid" >"$folder.dump"
   # What is stored with a state comes after it and its links, which are the same. States differ by rounding, and by what
   # the descent of the one in Python leaves: 1e-9 N, over a stiffness of 0.05 N/mm and more, a few 1e-8 mm.
   python3 - my_c.dump "$folder.dump" <<'PYTHON'
@@ -109,6 +109,6 @@ installed=$(find "$PWD"/the* -path '*/bin/hapgrid')
 for language in "${languages[@]}"; do
   folder=installed_${language/++/xx}
   if [[ $language == python ]]; then made "$folder" "$installed"; else made "$folder" "$installed" "--lang=$language"; fi
-  cmp <(stats --dump "$folder/$folder.grid") "my_${language/++/xx}.dump"
+  cmp <(dump "$folder/$folder.grid") "my_${language/++/xx}.dump"
 done
 same 'the headers' "${installed%/bin/hapgrid}/include" "$("$installed" init --include)"

@@ -37,7 +37,7 @@ expand --complete next -o grown
 expect 0 '' '' -- merge --small grown -o small
 merge --small - <grown | cmp - small
 (($(stat -c %s small) < 3 * $(stat -c %s grown) / 4)) || fail "not small: $(wc -c small grown)"
-for what in --dump '--get records' '--get generation'; do
+for what in '--npy -' '--get records' '--get generation'; do
   # shellcheck disable=SC2086
   stats $what small | cmp - <(stats $what grown)
 done

@@ -24,7 +24,7 @@ for name in "${names[@]}"; do
 done
 
 # Off the rail there are states in both wells, on it there is one.
-stats --dump spring-c.grid >spring-c.dump
+dump spring-c.grid >spring-c.dump
 python3 - spring-c.dump <<'END'
 import sys
 levels = {}

@@ -24,7 +24,7 @@ HAPGRID_BIN=$PWD/filters expect 0 '~hapgrid play .*' '' -- "${methanol[@]}" --qu
 same "shift" 25 "$(number methanol/methanol.toml shift)"
 
 # twisted counts the same records as the dump has: i j k level, t, shift ...
-stats --dump methanol/methanol.grid | awk '!/^#/ { n++; touched = $6 || $7 || $8; contact += touched
+dump methanol/methanol.grid | awk '!/^#/ { n++; touched = $6 || $7 || $8; contact += touched
     points[$1, $2, $3]; if ($5 > 0.5) { all++; twisted += touched } }
   END { printf "%.2f\t%.1f\t%.3f\tmethanol/methanol.grid\n", 100 * all / n, 100 * twisted / contact, n / length(points) }' >counted
 same "twisted" "$(cat counted)" "$("$HAPGRID_SOURCE/examples/molecule/twisted" methanol/methanol.grid | tail -n 1)"

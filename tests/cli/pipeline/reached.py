@@ -1,4 +1,4 @@
-"""reached.py all|reached RADIUS SPACING ORIGIN COUNTS < dump: what `stats --dump` prints of a
+"""reached.py all|reached RADIUS SPACING ORIGIN COUNTS < dump: the records of a grid (dump.py) of the
 hung ball against the closed form.
 
 all: each point has all of its feasible states, S(x). reached: it has those that a search over the

@@ -79,4 +79,4 @@ model = {plugin = "toy", parameters = {state_size = 3, amplitude = 0.3}}
 grid = {origin = [-0.375, 0, 0.0625], spacing = 0.1, counts = [6, 5, 4]}
 search = {max_levels = 100}
 TOML
-same "what the grid has" fa7f89bfabb24860 "$(stats toy --dump | tail -n +2 | sha256sum | cut -c 1-16)"
+same "what the grid has" fa7f89bfabb24860 "$(dump toy | tail -n +2 | sha256sum | cut -c 1-16)"

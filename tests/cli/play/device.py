@@ -91,8 +91,9 @@ assert process.returncode == 0, error
 assert error.startswith("play: SpaceMouse Wireless (256f:c62e) at 500 Hz; "), error
 device.end()
 assert not device.written, device.written
-subprocess.run(["stats", "--log", "mouse.session", "--export", "mouse.txt"], check=True)
-ticks = [tuple(map(float, text.split("\t")[:4])) for text in open("mouse.txt") if text[0] != "#"]
+text = subprocess.run([sys.executable, os.environ["HAPGRID_SOURCE"] + "/tests/cli/stats/session.py", "text", "mouse.session"], check=True,
+                      capture_output=True, text=True).stdout
+ticks = [tuple(map(float, line.split("\t")[:4])) for line in text.splitlines() if line[0] != "#"]
 ticks = ticks[next(i for i, (_, x, _, _) in enumerate(ticks) if x):]  # from the first report on
 end = next(i for i in range(len(ticks)) if ticks[i][1] == ticks[-1][1])
 assert end > 10 and len(ticks) - end > 10 and all(y == z == 0 for _, _, y, z in ticks), (end, len(ticks))

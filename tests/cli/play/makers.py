@@ -5,6 +5,7 @@ import os
 import re
 import signal
 import subprocess
+import sys
 import time
 
 source, build = os.environ["HAPGRID_SOURCE"], os.environ["HAPGRID_BUILD"]
@@ -79,8 +80,8 @@ def good(adapter, last):
     if RIGHT[adapter] not in heard:
         raise Busy("1.5 s were too short")
     assert heard[-len(last):] == last, (adapter, heard[-5:])
-    text = subprocess.run(["stats", "--log", f"{adapter}.session", "--export", "-"], check=True, capture_output=True,
-                          text=True).stdout.splitlines()
+    text = subprocess.run([sys.executable, f"{source}/tests/cli/stats/session.py", "text", f"{adapter}.session"], check=True,
+                          capture_output=True, text=True).stdout.splitlines()
     x, y, z = (float(number) for number in text[-1].split("\t")[1:4])
     assert x < 0 < z < y, (adapter, x, y, z)
     assert abs(y / x + 10 / 25) < 1e-9 and abs(z / x + 5 / 25) < 1e-9, (adapter, x, y, z)

@@ -11,6 +11,6 @@ handle() {
 }
 in_time err handle
 grep -q '^play: a handle on a spring at 1000 Hz; ' err || fail "$(cat err)"
-stats --log handle.session --export handle.txt
+python3 "$HAPGRID_SOURCE/tests/cli/stats/session.py" text handle.session >handle.txt
 [[ $(cut -f 2-4 handle.txt | sort -u | wc -l) -gt 100 ]] || fail "it does not move"
 (($(wc -l <"$devices/handle.py") <= 50)) || fail "handle.py has more than 50 lines"

@@ -14,6 +14,7 @@ import system_calls
 
 plugins = f"{os.environ['HAPGRID_BUILD']}/tests/plugins"
 ADAPTER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "adapter.py")
+SESSION = os.environ["HAPGRID_SOURCE"] + "/tests/cli/stats/session.py"
 # Seconds from the fault until nothing pushes the hand: play's patience, and what a busy machine may add.
 SILENCE, BUSY = 0.1, 1.0
 numbers = itertools.count()
@@ -186,7 +187,7 @@ def at_the_end():
         # The same forces again, without the adapter.
         subprocess.run(["play", "stuck.0", "--device", "replay:log.session", "--log", "again.session", "--model-path",
                         plugins, "--force", "state"], check=True, stderr=subprocess.DEVNULL)
-        texts = [subprocess.run(["stats", "--log", name, "--export", "-"], check=True, capture_output=True,
+        texts = [subprocess.run([sys.executable, SESSION, "text", name], check=True, capture_output=True,
                                 text=True).stdout for name in ("log.session", "again.session")]
         columns = texts[0].splitlines()[0].split("\t")
         kept = [i for i, name in enumerate(columns) if not name.startswith(("late", "compute"))]
@@ -206,7 +207,7 @@ def at_the_end():
         """A device that steers, and says while it is pushed that it is silent."""
         play = Play("silent", "50", options=["--duration", "0.6", "--log", "silent.session"])
         play.end(0, "play: lateness .*")
-        text = subprocess.run(["stats", "--log", "silent.session", "--export", "-"], check=True, capture_output=True, text=True)
+        text = subprocess.run([sys.executable, SESSION, "text", "silent.session"], check=True, capture_output=True, text=True)
         x = [line.split("\t")[1] for line in text.stdout.splitlines() if line[0] != "#"]
         assert len(x) > 100 and len(set(x[:50])) > 20 and len(set(x[60:])) == 1, x
         return "silent: at rest"

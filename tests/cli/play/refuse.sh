@@ -68,8 +68,7 @@ cmp grid kept
 rm kept
 expect 2 '' "play: --log: the log would replace the file that --device names $help" \
   -- play grid --device path:path --log ./path
-expect 2 '' "play: --log: a text log cannot be used with a live device; give a name that ends in .session \
-(stats --log FILE.session --export FILE makes it a text) $help" \
+expect 2 '' "play: --log: a text log cannot be used with a live device; give a name that ends in .session $help" \
   -- play grid --device keys --log log
 expect 1 '' "play: nowhere/log: No such file or directory" \
   -- play grid --device path:path --log nowhere/log

@@ -8,8 +8,8 @@ seed "$ball" "${plain[@]}" --set model.parameters.stored=true | expand --complet
 seed "$ball" "${plain[@]}" --set model.parameters.stored=true -o seeds
 
 # The same states in the same levels, found through requests and merges, too.
-stats --dump evaluated >evaluated.dump
-stats --dump stored >stored.dump
+dump evaluated >evaluated.dump
+dump stored >stored.dump
 cmp evaluated.dump stored.dump
 rounds seeds rounds
 cmp rounds stored

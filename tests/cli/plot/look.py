@@ -1,7 +1,9 @@
 """What the pictures of plot.sh show, against the files that they show."""
 import io
+import os
 import re
 import subprocess
+import sys
 import xml.etree.ElementTree as tree
 
 import numpy
@@ -75,7 +77,7 @@ for name in ("loop.svg", "force.svg", "three.svg", "session.svg", "energies.svg"
 plane = next(text for text in texts("levels.svg") if "levels at y" in text)
 j = round((float(plane.split()[-3]) + 0.475) / 0.1)
 here = {}
-for line in subprocess.run(["stats", "grid", "--dump"], capture_output=True, text=True, check=True).stdout.splitlines()[1:]:
+for line in subprocess.run([sys.executable, os.environ["HAPGRID_SOURCE"] + "/tests/cli/dump.py", "grid"], capture_output=True, text=True, check=True).stdout.splitlines()[1:]:
     at = line.split("\t")[:3]
     if int(at[1]) == j:
         here[at[0], at[2]] = here.get((at[0], at[2]), 0) + 1

@@ -11,7 +11,7 @@ expect 0 '' '' -- seed "$toml" $small --allow-process -o seeds
 expect 0 '' '' -- expand --complete seeds $allow -o grid
 seed "$ball" $small | expand --complete >plugin.grid
 [[ $(stats --get records grid) -gt 128 ]] || fail "no point has two levels"
-cmp <(stats --dump grid | cut -f 1-31) <(stats --dump plugin.grid | cut -f 1-31)
+cmp <(dump grid | cut -f 1-31) <(dump plugin.grid | cut -f 1-31)
 
 # The same bytes with more copies, with more questions in flight, and in rounds, where only
 # expand needs the process. In another directory the command still runs beside its definition.

@@ -2,7 +2,7 @@
 source "$(dirname "$0")/../lib.sh"
 seed "$ball" --set grid.spacing=0.1 --set 'grid.counts=[20,10,10]' --set model.parameters.stored=true |
   expand --complete -o grid
-stats grid --dump >dump
+dump grid >dump
 stats grid --npy grid.npy
 stats --npy - <grid | cmp - grid.npy
 /usr/bin/python3 - <<'PYTHON'
@@ -32,7 +32,7 @@ PYTHON
 # A session's ticks.
 printf '%s\n' '-0.7 0.1 0' '-0.5 0.1 0.1' '-0.3 0.1 0.1' >path
 play grid --device path:path --log a.session 2>/dev/null
-stats --log a.session --export text
+python3 "$here/session.py" text a.session >text
 stats --log a.session --npy ticks.npy
 /usr/bin/python3 - <<'PYTHON'
 import numpy as np
@@ -44,7 +44,7 @@ assert np.array_equal(np.column_stack([ticks[name] for name in columns]), text, 
 PYTHON
 
 see='\(see stats --help\)'
-expect 2 '' "~stats: --get, --dump, .* exclude each other $see" -- stats grid --npy a --dump
+expect 2 '' "~stats: --get, --npy and --log exclude each other $see" -- stats grid --npy a --get records
 refuses 'stats: .*No space left on device' -- stats grid --npy /dev/full
 head -c 300 grid >cut
 refuses 'stats: cut: .*' -- stats cut --npy cut.npy

@@ -1,6 +1,6 @@
 """Sessions by the stock tools alone (zstd, capnp), without hapgrid's reader or writer.
 
-session.py text FILE: prints a session as stats --export has to.
+session.py text FILE: prints a session, a line for each tick.
 session.py make FILE: writes a small session whose numbers are known.
 session.py one FILE: writes a session of one tick, without a force.
 session.py bad FILE: feeds damaged and hostile relatives of a session to stats --log.
@@ -239,8 +239,8 @@ def bad(name):
         end_early(what, b"".join(frames[:2] + [frame] + frames[3:]), n, at[2], message)
     # Cuts: between zstd frames, where nothing can be seen, and in them.
     for chunks in (1, 2):
-        done = stats(good[: at[chunks + 1]], "--export", "-")
-        if done.returncode or done.stderr or done.stdout.count(b"\n") != chunks * n + 1:
+        done = stats(good[: at[chunks + 1]], "--format", "json")
+        if done.returncode or done.stderr or json.loads(done.stdout)["ticks"] != chunks * n:
             failures.append("cut behind chunk %d: %s" % (chunks, done))
     for cut in (at[2] + 1, at[2] + 20, at[3] - 1):
         end_early("cut at %d" % cut, good[:cut], n, at[2], "a zstd frame is cut")

@@ -35,8 +35,13 @@ int main() {
   Frame frame;
   const Scene scene = scattered(frame);
   for (const bool sticks : {false, true}) {
-    RenderOptions how{.width = 320, .height = 240, .sticks = sticks, .flash = sticks};
-    const Image image = render(scene, frame, fit_camera(scene, frame, how, 37, 23), how);
+    RenderOptions how{.width = 320,
+                      .height = 240,
+                      .azimuth_degrees = 37,
+                      .elevation_degrees = 23,
+                      .sticks = sticks,
+                      .flash = sticks};
+    const Image image = render(scene, frame, fit_camera(scene, frame, how), how);
     std::fwrite(image.pixels.data(), 3, image.pixels.size(), stdout);
   }
 }

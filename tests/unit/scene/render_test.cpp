@@ -84,8 +84,9 @@ TEST_CASE("HIP, force and box are there, and can be left out") {
   stage.scene.box = {{-1, -1, -1}, 1, {3, 3, 3}};
   stage.frame.position = {0, 0, 0};
   stage.frame.force = {0, 0, 1};
-  stage.options = {.width = 300, .height = 300, .hip_radius = 0.2};
-  stage.camera = fit_camera(stage.scene, stage.frame, stage.options, 0, 0);
+  stage.options = {
+      .width = 300, .height = 300, .azimuth_degrees = 0, .elevation_degrees = 0, .hip_radius = 0.2};
+  stage.camera = fit_camera(stage.scene, stage.frame, stage.options);
   CHECK(stage.camera.half_width == Approx(1.06 * 1.2));
   const auto pixel = [&](double u) { return static_cast<int>(150 + u * 150 / (1.06 * 1.2)); };
   Image image = stage.render();
@@ -259,8 +260,13 @@ TEST_CASE("a torsion that has turned is named beside the model, with a line to i
   stage.scene.torsions = {{{0, 1, 2, 3}, "phi"}, {{1, 2, 3, 0}, "psi"}, {{2, 0, 1, 3}, "omega"}};
   for (const auto& [width, height] : {std::pair{600, 200}, std::pair{390, 500}})
     for (const double azimuth : {0.0, 140.0}) {
-      stage.options = {.width = width, .height = height, .box = false, .hip = false};
-      stage.camera = fit_camera(stage.scene, stage.frame, stage.options, azimuth, 10);
+      stage.options = {.width = width,
+                       .height = height,
+                       .azimuth_degrees = azimuth,
+                       .elevation_degrees = 10,
+                       .box = false,
+                       .hip = false};
+      stage.camera = fit_camera(stage.scene, stage.frame, stage.options);
       const auto drawn = [&] {
         return draw(stage.scene, stage.frame, stage.camera, stage.options);
       };
@@ -269,9 +275,9 @@ TEST_CASE("a torsion that has turned is named beside the model, with a line to i
       stage.frame.turned = {-11, 9, -180};
       const Drawing all = drawn();
       REQUIRE(all.labels.size() > 2);
-      const std::size_t phi = all.labels[0].text == "phi -11°" ? 0 : 1;
-      CHECK(all.labels[phi].text == "phi -11°");
-      CHECK(all.labels[1 - phi].text == "omega -180°");
+      const std::size_t phi = all.labels[0].text == "phi −11°" ? 0 : 1;
+      CHECK(all.labels[phi].text == "phi −11°");
+      CHECK(all.labels[1 - phi].text == "omega −180°");
       const Vec3 middle = 0.5 * (all.balls[1].centre + all.balls[2].centre);
       const Vec3 off = all.overlay[phi].to - middle;
       CHECK(std::hypot(off[0], off[1]) < 1e-9);
@@ -292,9 +298,10 @@ TEST_CASE("a torsion that has turned is named beside the model, with a line to i
 TEST_CASE("the box and the model fill the picture, wherever the HIP is") {
   Stage stage;
   stage.scene.box = {{-9, -9, -9}, 1, {19, 19, 19}};
-  stage.options = {.width = 200, .height = 100, .hip_radius = 0.5};
+  stage.options = {
+      .width = 200, .height = 100, .azimuth_degrees = 0, .elevation_degrees = 0, .hip_radius = 0.5};
   stage.add(2, 0, 0, 0.4F, {1, 0, 0});
-  const auto fitted = [&] { return fit_camera(stage.scene, stage.frame, stage.options, 0, 0); };
+  const auto fitted = [&] { return fit_camera(stage.scene, stage.frame, stage.options); };
   for (const Vec3& place : {Vec3{2, -0.5, 0}, Vec3{-9, 9, 9}}) {
     stage.frame.position = place;
     stage.frame.force = place;
@@ -314,8 +321,9 @@ TEST_CASE("the whole of it is in the picture, from every side") {
   RenderOptions options{.width = 150, .height = 90, .supersampling = 1, .box = false};
   for (const double azimuth : {-200.0, -45.0, 0.0, 30.0, 90.0})
     for (const double elevation : {-90.0, -20.0, 0.0, 70.0, 90.0}) {
-      const Image image =
-          render(scene, frame, fit_camera(scene, frame, options, azimuth, elevation), options);
+      options.azimuth_degrees = azimuth;
+      options.elevation_degrees = elevation;
+      const Image image = render(scene, frame, fit_camera(scene, frame, options), options);
       bool edge = false, any = false;
       for (int y = 0; y < 90; ++y)
         for (int x = 0; x < 150; ++x) {
@@ -333,9 +341,13 @@ TEST_CASE("values that are no places draw nothing and harm nothing") {
   constexpr float kHuge = std::numeric_limits<float>::max();
   const Scene scene = testing::small_scene();
   Frame frame = testing::small_frame(0);
-  RenderOptions options{.width = 40, .height = 30, .supersampling = 2};
+  RenderOptions options{.width = 40,
+                        .height = 30,
+                        .azimuth_degrees = 10,
+                        .elevation_degrees = 10,
+                        .supersampling = 2};
   const auto draw = [&] {
-    return render(scene, frame, fit_camera(scene, frame, options, 10, 10), options);
+    return render(scene, frame, fit_camera(scene, frame, options), options);
   };
   const std::vector<float> none(9, std::numeric_limits<float>::quiet_NaN());
   const std::vector<float> huge{kHuge, -kHuge, kHuge, HUGE_VALF, 0, 0, 0, 0, 0};

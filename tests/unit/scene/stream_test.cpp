@@ -111,7 +111,7 @@ TEST_CASE("torsions are followed from the first frame on") {
     CHECK(std::isnan(frame.turned[2]));
   }
   CHECK(turned_text(scene.torsions[0], 66.7) == "phi +67°");
-  CHECK(turned_text(scene.torsions[0], -170) == "phi -170°");
+  CHECK(turned_text(scene.torsions[0], -170) == "phi −170°");
 }
 
 TEST_CASE("a frame is there as soon as its last byte is") {

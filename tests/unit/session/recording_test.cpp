@@ -6,7 +6,6 @@
 #include <fstream>
 
 #include "libcore/device/replay.hpp"
-#include "libcore/session/text.hpp"
 #include "libcore/session/writer.hpp"
 #include "tests/unit/haptic/count_allocations.hpp"
 #include "tests/unit/refusal.hpp"

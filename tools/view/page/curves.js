@@ -1,7 +1,6 @@
 // The curves of force and energy below the picture, and the line of numbers.
 
 const kCurveSeconds = 10;  // of a live page
-const kGrid = "#e1e4ea";
 
 const threeDigits = (x) => parseFloat(x.toPrecision(3)).toString();
 
@@ -22,11 +21,12 @@ function ticks(low, high, most) {
   return found;
 }
 
-/// From the lowest to the highest value; as wide as three digits show, and from 0 on for what has no sign.
+/// From the lowest to the highest value, with some room; as wide as three digits show, and from 0 on for what has no sign.
 function extent(values, fromZero) {
   const low = fromZero ? 0 : values.reduce((a, b) => Math.min(a, b), Infinity);
   const high = values.reduce((a, b) => Math.max(a, b), low);
-  return [low, high > low ? high : low + (Math.abs(low) / 1000 || 1)];
+  const room = 0.07 * (high - low);
+  return [fromZero ? 0 : low - room, high > low ? high + room : low + (Math.abs(low) / 1000 || 1)];
 }
 
 /// The names above a plot, each in its colour.
@@ -45,13 +45,14 @@ function drawPlot(c, { left, right, top, bottom }, list, at, lines, fromZero) {
   const y = (v) => bottom - 1 - (bottom - top - 2) * (v - low) / (high - low);
   c.fillStyle = "#fff";
   c.fillRect(left, top, right - left, bottom - top);
+  c.fillStyle = data.ink;
   c.textAlign = "right";
   for (const [v, text] of ticks(low, high, 3)) {
-    strokeLines(c, [[[left, y(v)], [right, y(v)]]], kGrid, 1);
-    c.fillStyle = data.ink;
-    c.fillText(text.length > 6 ? threeDigits(v) : text, left - 5, clamp(y(v), top + 4, bottom - 4));
+    strokeLines(c, [[[left - 4, y(v)], [left, y(v)]]], data.ink, 1);
+    c.fillText(text.length > 6 ? threeDigits(v) : text, left - 6, y(v));
   }
   c.textAlign = "left";
+  strokeLines(c, [[[left, top], [left, bottom], [right, bottom]]], data.ink, 1);
   strokeLines(c, list.filter((frame) => frame.snapped).map(({ time }) => [[at(time), top], [at(time), bottom]]), data.snap_colour, 1);
   c.lineJoin = "round";
   for (const [value, colour] of lines) {
@@ -88,9 +89,10 @@ function drawCurves() {
     drawNames(c, left, k * each + nameRow / 2, names);
   });
   c.fillStyle = data.ink;
+  c.textAlign = "center";
   for (const [t, text] of ticks(Math.max(from, 0), to, width / 90)) {
-    c.textAlign = at(t) > right - 20 ? "right" : "center";
-    c.fillText(at(t) > right - 20 ? "" : text, at(t), height - bottomRow / 2);
+    strokeLines(c, [[[at(t), height - bottomRow - 3], [at(t), height - bottomRow]]], data.ink, 1);
+    if (at(t) < right - 30) c.fillText(text, at(t), height - bottomRow / 2);
   }
   c.textAlign = "right";
   c.fillText("t / s", right, height - bottomRow / 2);

@@ -35,7 +35,7 @@ function drawAxes(c, height, length) {
   [..."xyz"].forEach((name, a) => {
     const at = (far) => [middle[0] + far * right[a], middle[1] - far * up[a]];
     if (Math.hypot(right[a], up[a]) < shortest_axis) return;
-    strokeLines(c, [[middle, at(length)]], data.ink, 1.2);
+    strokeLines(c, [[middle, at(length)]], data.ink, data.legend.line);
     c.fillText(name, ...at(length + axis_gap));
   });
   c.textAlign = "left";
@@ -43,11 +43,11 @@ function drawAxes(c, height, length) {
 
 /// The longest of the bars that view has a text for and that is short enough, or the shortest.
 function drawScaleBar(c, width, height, unit) {
-  const { margin, bar_part } = data.legend;
+  const { margin, line, bar_end, bar_gap, bar_part } = data.legend;
   const [length, text] = data.lengths.reduce((best, next) => (next[0] <= bar_part * width * unit ? next : best));
   const right = margin + length / unit, y = height - margin;
-  strokeLines(c, [[[margin, y], [right, y]], ...[margin, right].map((x) => [[x, y - 3], [x, y + 3]])], data.ink, 1.2);
-  c.fillText(text, right + 5, y);
+  strokeLines(c, [[[margin, y], [right, y]], ...[margin, right].map((x) => [[x, y - bar_end], [x, y + bar_end]])], data.ink, line);
+  c.fillText(text, right + bar_gap, y);
 }
 
 /// In a column to the right of the rightmost sphere, so that they cover none, each at the height of its bond's middle or
@@ -60,7 +60,7 @@ function nameTurned(c, width, height, frame, place, unit) {
   for (const [at, text] of frame.turned.map(([a, b, text]) => [middle(a, b), text]).sort((one, other) => one[0][1] - other[0][1])) {
     const left = Math.min(beside + 2 * margin, width - margin - c.measureText(text).width);
     y = Math.max(y, Math.min(at[1], height - name_row * leftOver--));
-    strokeLines(c, [[[left - margin / 2, y], at]], data.ink, 1.2);
+    strokeLines(c, [[[left - margin / 2, y], at]], data.ink, data.legend.line);
     c.fillText(text, left, y);
     y += name_row;
   }
@@ -68,7 +68,7 @@ function nameTurned(c, width, height, frame, place, unit) {
 
 function drawRing(c, [x, y], radius, colour) {
   c.strokeStyle = colour;
-  c.lineWidth = 2;
+  c.lineWidth = data.hand_line_pixels;
   c.beginPath();
   c.arc(x, y, radius, 0, 2 * Math.PI);
   c.stroke();
@@ -80,7 +80,7 @@ function drawHand(c, frame, place) {
   if (!finite(hand_)) return;
   const at = place(hand_), hip = place(frame.hip);
   const away = Math.hypot(hip[0] - at[0], hip[1] - at[1]);
-  if (away > ring) strokeLines(c, [[at.map((x, i) => x + ring * (hip[i] - x) / away), hip]], data.hand_colour, 2);
+  if (away > ring) strokeLines(c, [[at.map((x, i) => x + ring * (hip[i] - x) / away), hip]], data.hand_colour, data.hand_line_pixels);
   drawRing(c, at, ring, data.hand_colour);
 }
 
@@ -97,10 +97,11 @@ const hasForceBar = () => live && data.full_force > 0;
 
 function drawForceBar(c, width, height, force) {
   const x = width - 33, top = 0.4 * height, bottom = height - 26, part = clamp(force / data.full_force, 0, 1);
-  c.fillStyle = "#dee0e6";
-  c.fillRect(x, top, 14, bottom - top);
   c.fillStyle = data.force_colour;
   c.fillRect(x, bottom - part * (bottom - top), 14, part * (bottom - top));
+  c.strokeStyle = data.ink;
+  c.lineWidth = 1;
+  c.strokeRect(x, top, 14, bottom - top);
   c.fillStyle = data.ink;
   c.textAlign = "right";
   c.fillText(`${threeDigits(data.full_force)} N`, width - 8, top - 10);

@@ -113,7 +113,7 @@ function onMessage(message) {
     data = message.scene;
     build();
     setPlaying(true);
-  } else if (message.hand) {
+    if (!message.hand) return;
     hand = message.hand;
     for (const id of ["nearer", "farther", "turn", "next"]) element(id).hidden = false;
     if (gl) say("Drag: the hand.   ?: help");

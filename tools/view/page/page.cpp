@@ -2,12 +2,10 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <vector>
 
 #include "libcore/base/format.hpp"
 #include "libcore/base/json_text.hpp"
 #include "libcore/base/text.hpp"
-#include "libcore/device/hand.hpp"
 #include "libcore/grid/box.hpp"
 #include "libcore/scene/bonds.hpp"
 #include "libcore/scene/legend.hpp"
@@ -24,9 +22,8 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 /// As CSS has it.
-std::string css(const Colour& colour) {
-  const auto part = [&](std::size_t i) { return static_cast<int>(std::lround(255 * colour[i])); };
-  return format("#{:02x}{:02x}{:02x}", part(0), part(1), part(2));
+std::string css(const Colour& c) {
+  return format("rgb({} {} {})", 255 * c[0], 255 * c[1], 255 * c[2]);
 }
 
 /// By the names that the shaders have for them.
@@ -52,11 +49,9 @@ Json light_numbers() {
 
 }  // namespace
 
-nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
-                                  const RenderOptions& options, double azimuth_degrees,
-                                  double elevation_degrees) {
+Json page_scene(const Scene& scene, const Frame& frame, const RenderOptions& options) {
   const Box& box = scene.box;
-  Camera camera{azimuth_degrees, elevation_degrees};
+  Camera camera;
   const auto extent = fit_extent(scene, frame, options, camera);
   const PictureAxes axes(camera);
   const auto [hand_low, hand_high] = hand_range(box);
@@ -86,6 +81,7 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
       {"own_colour", "#7c3aed"},
       {"line_pixels", 2 * kLinePixels},
       {"ring_pixels", kRingPixels},
+      {"hand_line_pixels", 2 * kHandPixels},
       {"flash_pixels", kFlashPixels},
       {"shadow_radii", kShadowRadii},
       {"most_occluders", light::kMostOccluders},
@@ -100,6 +96,9 @@ nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
         {"axes_above", kAxesAbove},
         {"axis_gap", kAxisGap},
         {"shortest_axis", kShortestAxis},
+        {"line", kLegendLine},
+        {"bar_end", kBarEnd},
+        {"bar_gap", kBarGap},
         {"bar_part", kBarPart},
         {"name_row", kNameRow},
         {"smallest", kSmallest},

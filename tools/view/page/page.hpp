@@ -16,8 +16,7 @@ namespace hapgrid {
 /// the light, and the lengths that a legend can have. @param frame the first, which the camera
 /// shows.
 nlohmann::ordered_json page_scene(const Scene& scene, const Frame& frame,
-                                  const RenderOptions& options, double azimuth_degrees,
-                                  double elevation_degrees);
+                                  const RenderOptions& options);
 
 /// A frame: the HIP is held in the box; arrow has the arrow_sizes(); centres are x y z by sphere,
 /// and bonds pairs of spheres; status is a line of numbers for people; turned has for each torsion
