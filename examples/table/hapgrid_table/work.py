@@ -51,7 +51,7 @@ class Work(Folder):
             if failed is not None:
                 raise Failed(failed[1])
             return [grid, f"{grid}.cost"]
-        self.step("grid", title, [toml, *self._inputs_of(toml)], [], compute)
+        self.step("grid", title, [toml, *self.inputs_of(toml)], [], compute)
         title = "checking that the grid is whole and that its states are the model's"
 
         def verify():
@@ -60,7 +60,7 @@ class Work(Folder):
             return ["verify.txt"]
         self.step("verify", title, [grid], [], verify)
 
-    def _inputs_of(self, toml):
+    def inputs_of(self, toml):
         """The files that a definition names, changed by hand or not."""
         try:
             files = tomllib.loads(self.read(toml))["model"].get("files", {})
