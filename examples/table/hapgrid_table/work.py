@@ -7,7 +7,7 @@ import tomllib
 
 from hapgrid_command import grid as grids
 from hapgrid_command.cli import BreaksRule
-from hapgrid_command.files import Failed, is_plain
+from hapgrid_command.files import Failed
 from hapgrid_command.work import Work as Folder
 
 
@@ -15,13 +15,13 @@ def course(command, o, define, page):
     """Everything; the line for standard output. o: the options; define(work, name) makes the definition, and page(work, name)
     the page."""
     work = Work(command, o.output, o.quiet)
-    name = os.path.basename(os.path.realpath(o.output))
-    name = name if is_plain(name) else command
+    name = work.name()
     toml, grid = f"{name}.toml", f"{name}.grid"
     if work.changed_by_hand(toml):
         work.say(f"{toml} was changed by hand: it is kept")
     else:
         define(work, name)
+    work.name()  # is kept now that there is a folder
     if o.until:
         work.say("stopped after the definition: the same command without --until goes on")
         return ""

@@ -43,6 +43,11 @@ refuses 'dock: .*4 torsions are asked for, and 3 of its bonds turn.*' -- \
 before=$(stat -c %Y.%i small/small.grid)
 hapgrid dock "$host" "$ligand" -o small --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line
 same 'the same grid' "$before" "$(stat -c %Y.%i small/small.grid)"
+# So it does in a folder that was copied or has another name now.
+cp -a small renamed
+hapgrid dock "$host" "$ligand" -o renamed --centre 0,0,4 --size 1.6,1.6,1.6 --spacing 0.8 --map-spacing 0.375 -q >line
+same 'the line to feel it' 'hapgrid feel renamed/small.grid' "$(cat line)"
+same 'the same definition' "$(stat -c %Y small/small.toml)" "$(stat -c %Y renamed/small.toml)"
 
 # The maps that autogrid4 made for `usual`, as maps that a user has: the same energies at its places. The second box
 # reaches beyond them, where a wall keeps the atoms inside.
