@@ -206,6 +206,7 @@ class DockingModel {
  private:
   static constexpr int kStarts = 60;
   static constexpr double kRim = 10;  // kJ/mol
+
   bool has_wall() const { return !site_->given.wall.empty(); }
 
   /// That of the pose, which goes over into the wall's while the pose's rises by kRim above

@@ -1,6 +1,5 @@
 """The course of a host and a ligand from their files to the page."""
 
-import html
 import json
 import os
 
@@ -132,17 +131,19 @@ def _wall(work, low, spacing, counts, threads):
     given = [work.version, work.read(".records.toml"), [work.digest(file) for file in work.inputs_of(".records.toml")]]
 
     def part(begin):
+        of = points[begin:begin + PART]
+
         def seek():
             seeds = f".records.{begin}"
-            work.run("seed", ".records.toml", "--set", f"seeds.points={points[begin:begin + PART]}", "-o", seeds)
+            work.run("seed", ".records.toml", "--set", f"seeds.points={of}", "-o", seeds)
             found = _records(work, seeds)
             os.remove(work.path(seeds))
             at = found["point"].astype(int) @ (1, counts[0], counts[0] * counts[1]) - begin
-            lowest = np.full(at.max() + 1, np.inf)
+            lowest = np.full(len(of), np.inf)
             np.minimum.at(lowest, at, found["energy"])
             poses = np.linalg.norm(found["force"][found["energy"] <= 0], axis=1)
             return [*lowest.tolist(), float(poses.max(initial=0))]
-        return work.kept.take([*given, begin], seek, lambda kept: np.array([*kept], float))
+        return work.kept.take([*given, begin], seek, lambda kept: np.array([*kept], float).reshape(len(of) + 1))
     found = work.each("seeking the deepest orientation at each point", part, range(0, len(points), PART), threads)
     lowest = np.concatenate([one[:-1] for one in found])
     if lowest.min() > 0:
@@ -199,20 +200,14 @@ def _page(work, name):
         made.append(picture)
     levels = report["average_levels"]
     table = "".join("<tr>" + "".join(f"<td>{v:.2f}" for v in row[:4]) for row in rows)
-    work.write("index.html", page.frame(name, f"""
-<p>The hand holds the ligand's centre, and the ligand turns by itself. A place has {levels:.2f} orientations on
-average, {len(report["levels_histogram"]) - 1} at most.
-<p>To feel it, in this folder:
-<p><code>hapgrid feel {grid}</code>
+    page.write_frame(work, name, f"""<p>The hand holds the ligand's centre, and the ligand turns by itself. A place has
+{levels:.2f} orientations on average, {len(report["levels_histogram"]) - 1} at most.
 <iframe src="played.html" title="the ligand on its way"></iframe>
 <h2>The way in and back</h2>
 <img src="outside.png" alt="outside"> <img src="inside.png" alt="inside">
 <img src="energy.png" alt="energy on the way"> <img src="force.png" alt="force on the way">
 <h2>The deepest poses</h2>
-<table><tr><th>energy / (kJ/mol)<th>x / Å<th>y / Å<th>z / Å{table}</table>
-<h2>The grid</h2>
-<pre>{html.escape(work.read("verify.txt"))}</pre>
-"""))
+<table><tr><th>energy / (kJ/mol)<th>x / Å<th>y / Å<th>z / Å{table}</table>""")
     return [*made, "index.html"]
 
 

@@ -10,6 +10,8 @@ from hapgrid_command.cli import BreaksRule
 from hapgrid_command.files import Failed
 from hapgrid_command.work import Work as Folder
 
+VERIFY_SHARE = 0.6  # about, of what the search took, when that took long
+
 
 def course(command, o, define, page):
     """Everything; the line for standard output. o: the options; define(work, name) makes the definition, and page(work, name)
@@ -55,7 +57,8 @@ class Work(Folder):
         title = "checking that the grid is whole and that its states are the model's"
 
         def verify():
-            if not grids.verify(self, title, grid, threads):
+            took = grids.cpu_seconds(self, grid) / threads
+            if not grids.verify(self, title, grid, threads, VERIFY_SHARE * took if took > 5 else None):
                 raise BreaksRule(f"{grid} breaks a rule: see {self.path('verify.txt')}")
             return ["verify.txt"]
         self.step("verify", title, [grid], [], verify)
