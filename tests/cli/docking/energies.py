@@ -92,8 +92,8 @@ def vina(folder, pose):
     return float(next(line for line in said.splitlines() if "Intermolecular" in line).split(":")[1].split()[0])
 
 
-def plugin_of(folder, ligand=None):
-    """energy(x, s) in kcal/mol, the text of the ligand, and the definition."""
+def plugin_of(folder, ligand=None, wall=False):
+    """energy(x, s) in kcal/mol, the text of the ligand, and the definition. AutoDock's energies have no wall."""
     defined = definition(folder)
     given = dict(defined["model"]["parameters"])
     for key, files in defined["model"]["files"].items():
@@ -103,6 +103,8 @@ def plugin_of(folder, ligand=None):
                 texts.append(file.read())
         given[key] = texts if isinstance(files, list) else texts[0]
     given["ligand"] = ligand or given["ligand"]
+    if not wall:
+        del given["wall"]
     energy = model(os.path.join(os.environ["HAPGRID_BIN"], "..", "models", "docking.so"), given)
     return lambda x, turn: energy(x, [*turn[:, 0], *turn[:, 1]]) / 4.184, given["ligand"], defined
 
@@ -241,7 +243,7 @@ def within(folder):
 
 
 def wall(folder):
-    energy, _, defined = plugin_of(folder)
+    energy, _, defined = plugin_of(folder, wall=True)
     box, random = defined["grid"], np.random.default_rng(7)
     with open(f"{folder}/wall.table", encoding="ascii") as file:
         values = np.array(file.read().partition("values\n")[2].split(), float)
