@@ -93,7 +93,7 @@ plugin = "docking"
 [model.files]             # the grid carries their contents
 ligand = "ligand.pdbqt"
 {'host = "host.pdbqt"' if o.atoms else f"maps = {json.dumps(files)}"}
-wall = "{WALL}"       # the energy of the deepest pose at each point of the grid
+wall = "{WALL}"       # the energy of the deepest pose at each point, with `soft` and `torsions` as they were made here
 
 [model.parameters]
 {types}soft = 20                 # kJ/mol: energies E above it, of an atom and of all, become soft (1 + ln(E / soft))
