@@ -205,7 +205,7 @@ class DockingModel {
 
  private:
   static constexpr int kStarts = 60;
-  static constexpr double kRim = 10;  // kJ/mol
+  static constexpr double kRim = 10;  // kJ/mol above `highest`, over which a pose becomes wall
 
   bool has_wall() const { return !site_->given.wall.empty(); }
 
